@@ -1,0 +1,50 @@
+"""From lengths to a surface: isometric embedding of polyhedral metrics in Euclidean 3-space.
+
+Give the triangles of a closed surface and the length of every edge; get the surface back::
+
+    import isoembed
+
+    metric = isoembed.PolyhedralMetric(faces, lengths, edges)
+    surface = isoembed.embed(metric)
+    surface.vertices
+
+The public names are imported on first use, so that ``import isoembed`` costs nothing.
+"""
+
+from importlib import import_module
+from typing import TYPE_CHECKING, Any
+
+__version__ = "0.1.0"
+
+_HOME = {
+    "InvalidMetric": "isoembed.errors",
+    "NotEmbedded": "isoembed.errors",
+    "Triangulation": "isoembed.mesh.triangulation",
+    "PolyhedralMetric": "isoembed.metric.polyhedral",
+    "Embedding": "isoembed.surface.embedding",
+    "embed": "isoembed.verb",
+    "Aim": "isoembed.aim.adaptive",
+    "Paper": "isoembed.aim.paper",
+}
+
+__all__ = ["__version__", *_HOME]
+
+if TYPE_CHECKING:
+    from isoembed.aim.adaptive import Aim as Aim
+    from isoembed.aim.paper import Paper as Paper
+    from isoembed.errors import InvalidMetric as InvalidMetric
+    from isoembed.errors import NotEmbedded as NotEmbedded
+    from isoembed.mesh.triangulation import Triangulation as Triangulation
+    from isoembed.metric.polyhedral import PolyhedralMetric as PolyhedralMetric
+    from isoembed.surface.embedding import Embedding as Embedding
+    from isoembed.verb import embed as embed
+
+
+def __getattr__(name: str) -> Any:
+    if name not in _HOME:
+        raise AttributeError(f"module 'isoembed' has no attribute {name!r}")
+    return getattr(import_module(_HOME[name]), name)
+
+
+def __dir__() -> list[str]:
+    return sorted(__all__)

@@ -1,0 +1,137 @@
+"""Annealing (paper, section 2.2): Newton's method on the lengths, Eq. (fmin), from given vertices."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from isoembed.linalg import SingularMatrix
+from isoembed.stages import Tally
+from isoembed.surface.rigidity import LengthSystem, VertexSystem, length_residuals
+
+Floats = NDArray[np.float64]
+
+DIVERGED = 10.0  # mean edge lengths: no Newton iteration comes back from so large a residual
+ROUNDING = 1e-9  # below this Newton's method is quadratic: a residual that grows is rounding
+
+
+@dataclass(frozen=True)
+class Annealed:
+    """Vertices after annealing.
+
+    Attributes
+    ----------
+    vertices : ndarray, shape (V, 3)
+    residual : float
+        Largest length error.
+    converged : bool
+        Whether it, or the last step, is below its tolerance.
+    """
+
+    vertices: Floats
+    residual: float
+    converged: bool
+
+
+def anneal(
+    system: LengthSystem,
+    vertices: Floats,
+    lengths: Floats,
+    tally: Tally,
+    *,
+    residual_tolerance: float,
+    step_tolerance: float = 0.0,
+    max_iterations: int = 50,
+) -> Annealed:
+    """Bring the edges of a surface to given lengths by Newton's method.
+
+    Parameters
+    ----------
+    system : LengthSystem
+    vertices : ndarray, shape (V, 3)
+        The initial guess.
+    lengths : ndarray, shape (E,)
+        Of mean 1 or so: tolerances are relative to the unit.
+    tally : Tally
+    residual_tolerance : float
+        Stop when every length is right to this (the paper's 1e-6).
+    step_tolerance : float
+        Stop when no vertex moves more than this (the paper's 1e-8).
+    max_iterations : int
+
+    Returns
+    -------
+    Annealed
+        The best vertices met.
+    """
+    x, r = vertices, length_residuals(system.triangulation, vertices, lengths)
+    best = Annealed(x, float(np.abs(r).max()), False)
+    for iteration in range(max_iterations + 1):
+        residual = float(np.abs(r).max())
+        tally.show(residual=residual)
+        if residual < best.residual:
+            best = Annealed(x, residual, False)
+        elif best.residual < ROUNDING and iteration:
+            return best
+        if residual <= residual_tolerance:
+            return Annealed(x, residual, True)
+        if not residual < DIVERGED or iteration == max_iterations:
+            return best
+        try:
+            step = system.step(x, lengths, r)
+        except SingularMatrix:
+            return best
+        tally.iterations += 1
+        tally.factorizations += 1
+        x = x - step
+        r = length_residuals(system.triangulation, x, lengths)
+        if np.abs(step).max() <= step_tolerance:
+            return Annealed(x, float(np.abs(r).max()), True)
+    return best
+
+
+def anneal_damped(
+    system: LengthSystem | VertexSystem,
+    vertices: Floats,
+    lengths: Floats,
+    tally: Tally,
+    *,
+    residual_tolerance: float,
+    max_iterations: int,
+) -> Annealed:
+    """Bring the edges to given lengths by Levenberg-Marquardt: slower than Newton's method, never uphill.
+
+    On a `LengthSystem` it is damped in the identity and finds some surface nearby, be it crumpled.  On a
+    `VertexSystem` it is damped in that system's penalty: in a bending metric the steps stay smooth near
+    surfaces that flex.  The damping changes the steps, not the solution.  Parameters as `anneal`.
+
+    Returns
+    -------
+    Annealed
+    """
+    triangulation = system.triangulation
+    x, mu = vertices, 1e-2
+    r = length_residuals(triangulation, x, lengths)
+    energy = r @ r
+    for _ in range(max_iterations):
+        if np.abs(r).max() <= residual_tolerance:
+            break
+        try:
+            trial = x - system.step(x, lengths, r, mu)
+        except SingularMatrix:
+            mu *= 5.0
+            continue
+        tally.iterations += 1
+        tally.factorizations += 1
+        r_trial = length_residuals(triangulation, trial, lengths)
+        energy_trial = r_trial @ r_trial
+        if energy_trial < energy:
+            mu *= 0.3 if energy_trial < energy / 2 else 1.0
+            x, r, energy = trial, r_trial, energy_trial
+            tally.show(residual=float(np.abs(r).max()))
+        else:
+            mu *= 5.0
+    residual = float(np.abs(r).max())
+    return Annealed(x, residual, residual <= residual_tolerance)

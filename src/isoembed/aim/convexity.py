@@ -1,0 +1,75 @@
+"""The convexity routine (paper, section 2.2): pop inverted and partially inverted vertices out."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+import numpy as np
+from numpy.typing import NDArray
+
+from isoembed.aim.anneal import Annealed
+from isoembed.mesh.triangulation import Triangulation
+from isoembed.surface.convexity import concave_edges, inverted_vertices, partially_inverted_vertices
+
+Floats = NDArray[np.float64]
+Mask = NDArray[np.bool_]
+
+CORRECTED, PRINTED = -1.0, 1.0
+
+
+def crumpled_vertices(triangulation: Triangulation, vertices: Floats) -> tuple[Mask, Mask]:
+    """Inverted and partially inverted vertices, two masks of shape (V,)."""
+    concave = concave_edges(triangulation, vertices)
+    return inverted_vertices(triangulation, concave), partially_inverted_vertices(triangulation, concave)
+
+
+def popped(triangulation: Triangulation, vertices: Floats, which: Mask, sign: float = CORRECTED) -> Floats:
+    """Move vertices across the mean of their neighbors.
+
+    With ``v_diff = v - v_avg`` the paper prints ``v + 2 v_diff``, which pushes an inverted vertex further
+    in; ``v - 2 v_diff`` is its mirror image and pops it out.
+
+    Parameters
+    ----------
+    triangulation : Triangulation
+    vertices : ndarray, shape (V, 3)
+    which : ndarray of bool, shape (V,)
+    sign : {-1, 1}
+        `CORRECTED`, or `PRINTED` for the paper's formula.
+
+    Returns
+    -------
+    ndarray, shape (V, 3)
+    """
+    mean = (triangulation.adjacency @ vertices) / triangulation.degrees[:, None]
+    return np.where(which[:, None], vertices + sign * 2 * (vertices - mean), vertices)
+
+
+def pop_and_anneal(
+    triangulation: Triangulation,
+    annealed: Annealed,
+    relax: Callable[[Floats], Annealed],
+) -> Annealed:
+    """Pop the crumpled vertices, anneal, and keep the result only if it is better.
+
+    Parameters
+    ----------
+    triangulation : Triangulation
+    annealed : Annealed
+        The surface so far.
+    relax : callable
+        Anneals given vertices to the same lengths.
+
+    Returns
+    -------
+    Annealed
+        With fewer crumpled vertices at a residual no worse than before or converged; else `annealed` itself.
+    """
+    inverted, partial = crumpled_vertices(triangulation, annealed.vertices)
+    if not (inverted | partial).any():
+        return annealed
+    candidate = relax(popped(triangulation, annealed.vertices, inverted | partial))
+    inverted_after, partial_after = crumpled_vertices(triangulation, candidate.vertices)
+    fewer = (inverted_after | partial_after).sum() < (inverted | partial).sum()
+    sound = candidate.converged or candidate.residual <= annealed.residual
+    return candidate if fewer and sound else annealed

@@ -1,0 +1,203 @@
+"""AIM as the paper prints it: uniformization, uniform surface embedding, guided adiabatic pull-back."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from typing import Literal, get_args
+
+import numpy as np
+from numpy.typing import NDArray
+
+from isoembed.aim.anneal import Annealed, anneal, anneal_damped
+from isoembed.aim.convexity import PRINTED, crumpled_vertices, pop_and_anneal, popped
+from isoembed.aim.layout import embedding_tree
+from isoembed.aim.paths import path_factors, path_times
+from isoembed.aim.pullback import pull_back
+from isoembed.aim.uniformize import Uniformization, newton_uniformization, ricci_flow
+from isoembed.metric.conformal import rescaled
+from isoembed.metric.polyhedral import PolyhedralMetric
+from isoembed.stages import Log, Tally
+from isoembed.surface.embedding import Embedding
+from isoembed.surface.rigidity import LengthSystem
+
+Floats = NDArray[np.float64]
+
+Flow = Literal["newton", "BDF", "Radau", "RK45", "RK23", "DOP853", "LSODA"]
+PathName = Literal["linear", "exponential", "flow"]
+Convexity = Literal["corrected", "printed", "none"]
+
+
+@dataclass(frozen=True)
+class Paper:
+    """AIM step by step, with the paper's parameters.
+
+    The residual tolerance is that of `isoembed.embed`; the paper's is 1e-6.  All lengths are in units of the
+    mean edge length.
+
+    Parameters
+    ----------
+    flow : {"newton", "BDF", "Radau", "RK45", "RK23", "DOP853", "LSODA"}
+        How Eq. (ricci) reaches its fixed point: by Newton's method, or as an ordinary differential
+        equation by this SciPy integrator.
+    epsilon : float
+        The metric counts as uniform when the root mean square of ``k_a / kbar - 1`` is below this.
+    t_f : float
+        Longest time of the flow, in units of 1 / kbar.
+    path : {"linear", "exponential", "flow"}
+        Conformal factors on the way back.  ``"flow"`` needs an integrator's history: by Newton's method it is
+        the linear path.
+    alpha : float
+        Rate of the exponential path.
+    Tsteps : int
+        Steps of the pull-back.
+    root : int
+        First face of the embedding tree.
+    convexity : {"corrected", "printed", "none"}
+        The convexity routine with v - 2 v_diff, which pops inverted vertices and is kept only where it helps;
+        with the paper's v + 2 v_diff, unguarded, to show what that does; or none.
+    step_tolerance : float
+        Annealing ends when no vertex moves more than this.
+    max_iterations : int
+        Newton steps of one annealing.
+
+    Examples
+    --------
+    The paper's non-smooth embeddings come from pulling back at once and without the convexity routine:
+
+    >>> Paper(Tsteps=1, convexity="none").Tsteps
+    1
+    """
+
+    flow: Flow = "newton"
+    epsilon: float = 1e-6
+    t_f: float = 1e4
+    path: PathName = "linear"
+    alpha: float = 0.1
+    Tsteps: int = 10
+    root: int = 0
+    convexity: Convexity = "corrected"
+    step_tolerance: float = 1e-8
+    max_iterations: int = 50
+
+    name: str = field(default="paper", init=False, repr=False)
+
+    def __post_init__(self) -> None:
+        for parameter, choices in (("flow", Flow), ("path", PathName), ("convexity", Convexity)):
+            value = getattr(self, parameter)
+            if value not in get_args(choices):
+                raise ValueError(f"{parameter} is {value!r}, not one of {', '.join(get_args(choices))}")
+        for parameter in ("epsilon", "t_f", "alpha", "Tsteps", "max_iterations"):
+            if not getattr(self, parameter) > 0:
+                raise ValueError(f"{parameter} is {getattr(self, parameter)}, not positive")
+        for parameter in ("root", "step_tolerance"):
+            if not getattr(self, parameter) >= 0:
+                raise ValueError(f"{parameter} is {getattr(self, parameter)}, which is negative")
+
+    def run(self, metric: PolyhedralMetric, tolerance: float, log: Log) -> Embedding:
+        """Embed the metric; the answer may miss the tolerance, and says where the method lost it.
+
+        Parameters
+        ----------
+        metric : PolyhedralMetric
+        tolerance : float
+            Largest residual to count as converged.
+        log : Log
+            Records the stages.
+
+        Returns
+        -------
+        Embedding
+        """
+        given = metric.normalized
+        lost = ""
+        with log.stage("uniformize") as tally:  # 2.1
+            uniform = self.uniformize(given, tally)
+            if not uniform.converged:
+                lost = f"the curvature did not become uniform (k / kbar is off 1 by {uniform.deviation:.1e})"
+        with log.stage("embedding tree") as tally:  # 2.2
+            vertices = embedding_tree(uniform.metric, uniform.radius, self.root, tally)
+        system = LengthSystem(given.triangulation)
+        with log.stage("anneal A") as tally:
+            annealed = self.anneal(system, vertices, uniform.metric.lengths, tolerance, tally)
+        with log.stage("convexity and anneal B") as tally:
+            annealed = self.make_convex(system, annealed, uniform.metric.lengths, tolerance, tally)
+            if not annealed.converged:
+                lost = lost or f"the uniform surface could not be annealed (residual {annealed.residual:.1e})"
+        with log.stage("pull back") as tally:  # 2.3
+
+            def relax(guess: Floats, t: float) -> Annealed:
+                lengths = rescaled(given, path_factors(self.path, uniform, t)).lengths
+                reached = self.anneal(system, guess, lengths, tolerance, tally)
+                return self.make_convex(system, reached, lengths, tolerance, tally)
+
+            for step in pull_back(annealed.vertices, path_times(self.path, self.Tsteps, self.alpha), relax):
+                annealed = step.annealed
+                self._show(system, annealed, step.t, tally)
+                if not annealed.converged:
+                    lost = lost or f"the pull-back lost the surface at t = {step.t:.3g} t_f"
+        embedding = Embedding(
+            metric,
+            annealed.vertices * metric.mean_length,
+            method=self.name,
+            tolerance=tolerance,
+            stages=log.stages,
+        )
+        if embedding.converged or not lost:
+            return embedding
+        return embedding.with_message(f"{embedding.message}; {lost}")
+
+    def uniformize(self, metric: PolyhedralMetric, tally: Tally) -> Uniformization:
+        """Section 2.1: conformal factors to the uniform metric."""
+        if self.flow == "newton":
+            return newton_uniformization(metric, tally, epsilon=self.epsilon)
+        return ricci_flow(metric, tally, integrator=self.flow, epsilon=self.epsilon, t_f=self.t_f)
+
+    def anneal(
+        self, system: LengthSystem, vertices: Floats, lengths: Floats, tolerance: float, tally: Tally
+    ) -> Annealed:
+        """Anneal A, anneal B and the corrector of GAP: Newton's method, damped where it does not converge."""
+        annealed = anneal(
+            system,
+            vertices,
+            lengths,
+            tally,
+            residual_tolerance=tolerance,
+            step_tolerance=self.step_tolerance,
+            max_iterations=self.max_iterations,
+        )
+        if annealed.converged:
+            return annealed
+        return anneal_damped(
+            system,
+            vertices,
+            lengths,
+            tally,
+            residual_tolerance=tolerance,
+            max_iterations=self.max_iterations,
+        )
+
+    def make_convex(
+        self, system: LengthSystem, annealed: Annealed, lengths: Floats, tolerance: float, tally: Tally
+    ) -> Annealed:
+        """The convexity routine and the annealing after it."""
+
+        def relax(vertices: Floats) -> Annealed:
+            return self.anneal(system, vertices, lengths, tolerance, tally)
+
+        if self.convexity == "none":
+            return annealed
+        if self.convexity == "corrected":
+            return pop_and_anneal(system.triangulation, annealed, relax)
+        inverted, partial = crumpled_vertices(system.triangulation, annealed.vertices)
+        if not (inverted | partial).any():
+            return annealed
+        return relax(popped(system.triangulation, annealed.vertices, inverted | partial, PRINTED))
+
+    def _show(self, system: LengthSystem, annealed: Annealed, t: float, tally: Tally) -> None:
+        inverted, partial = crumpled_vertices(system.triangulation, annealed.vertices)
+        tally.show(
+            t=t,
+            residual=annealed.residual,
+            inverted=int(inverted.sum()),
+            partially_inverted=int(partial.sum()),
+        )

@@ -1,0 +1,59 @@
+"""Families of metrics between the given and the uniform one (paper, sections 2.1 and 2.3)."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from isoembed.aim.uniformize import Uniformization
+
+Floats = NDArray[np.float64]
+
+
+def path_times(path: str, steps: int, alpha: float) -> Floats:
+    """The times t_j / t_f of the pull-back, from 1 (j = 0) to 0 (j = steps), shape (steps + 1,).
+
+    Parameters
+    ----------
+    path : {"linear", "exponential", "flow"}
+        Constant steps, the paper's ``(e^{-alpha Tsteps} - e^{-alpha j}) / (e^{-alpha Tsteps} - 1)``, or
+        constant steps along the flow's own history.
+    steps : int
+        Tsteps.
+    alpha : float
+        Rate of the exponential path.
+
+    Raises
+    ------
+    ValueError
+        There is no such path.
+    """
+    j = np.arange(steps + 1)
+    if path in ("linear", "flow"):
+        return 1 - j / steps
+    if path == "exponential":
+        end = np.exp(-alpha * steps)
+        return (end - np.exp(-alpha * j)) / (end - 1)
+    raise ValueError(f"there is no path {path!r}; there are linear, exponential and flow")
+
+
+def path_factors(path: str, uniformization: Uniformization, t: float) -> Floats:
+    """Conformal factors at t / t_f, shape (V,).
+
+    Linear and exponential paths run along ``u(t) = u(t_f) t / t_f``, Eq. (linlink), at different times; the
+    flow's path through the factors "produced at each step during Ricci flow".
+
+    Parameters
+    ----------
+    path : {"linear", "exponential", "flow"}
+    uniformization : Uniformization
+    t : float
+        In [0, 1].
+    """
+    if path != "flow":
+        return uniformization.u * t
+    history = uniformization.history
+    place = t * (len(history) - 1)
+    k = min(int(place), len(history) - 2) if len(history) > 1 else 0
+    after = history[min(k + 1, len(history) - 1)]
+    return history[k] + (place - k) * (after - history[k])

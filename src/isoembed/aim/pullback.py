@@ -1,0 +1,81 @@
+"""Guided adiabatic pull-back, GAP (paper, section 2.3), in a fixed number of steps."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable, Iterator
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from isoembed.aim.anneal import Annealed
+
+Floats = NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class Pulled:
+    """The surface at one time of the pull-back.
+
+    Attributes
+    ----------
+    t : float
+        t / t_f.
+    annealed : Annealed
+        P_t.
+    """
+
+    t: float
+    annealed: Annealed
+
+
+def pull_back(
+    start: Floats, times: Iterable[float], relax: Callable[[Floats, float], Annealed]
+) -> Iterator[Pulled]:
+    """Follow the metrics rho_t from P_{t_f}, one surface after another.
+
+    The guess is the surface before for the steps j = 1, 2, 3 and the polynomial through the three surfaces
+    before from then on.
+
+    Parameters
+    ----------
+    start : ndarray, shape (V, 3)
+        P_{t_f}, embedded at the time that comes first.
+    times : iterable of float
+        t_j / t_f, falling from 1.
+    relax : callable
+        Anneals a guess at a time, with whatever guides it.
+
+    Yields
+    ------
+    Pulled
+        For every time after the first.
+    """
+    moments = iter(times)
+    known = [(next(moments), start)]
+    for t in moments:
+        guess = extrapolated(known[-3:], t) if len(known) > 3 else known[-1][1]
+        annealed = relax(guess, t)
+        known = [*known[-3:], (t, annealed.vertices)]
+        yield Pulled(t, annealed)
+
+
+def extrapolated(known: list[tuple[float, Floats]], t: float) -> Floats:
+    """The polynomial in t through surfaces at given times, evaluated at another.
+
+    Parameters
+    ----------
+    known : list of (float, ndarray of shape (V, 3))
+        Times, all different, and surfaces.
+    t : float
+
+    Returns
+    -------
+    ndarray, shape (V, 3)
+    """
+    times = np.array([s for s, _ in known])
+    guess = np.zeros_like(known[0][1])
+    for i, (s, x) in enumerate(known):
+        others = np.delete(times, i)
+        guess += np.prod((t - others) / (s - others)) * x
+    return guess

@@ -1,0 +1,250 @@
+"""Uniformization (paper, section 2.1): conformal factors that make the Gaussian curvature constant."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.integrate import solve_ivp
+from scipy.sparse import csr_array, diags_array
+
+from isoembed.aim.conformal_sphere import conformal_factors, conformal_sphere
+from isoembed.errors import InvalidMetric
+from isoembed.linalg import SingularMatrix, factor_general
+from isoembed.metric.conformal import rescaled
+from isoembed.metric.curvature import area, deficits, dual_areas
+from isoembed.metric.delaunay import delaunay
+from isoembed.metric.polyhedral import PolyhedralMetric
+from isoembed.metric.variation import (
+    area_derivative,
+    deficit_derivative,
+    dual_area_derivative,
+    length_derivative,
+)
+from isoembed.stages import Tally
+
+Floats = NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class Uniformization:
+    """Conformal factors from the given metric to one of constant curvature.
+
+    Attributes
+    ----------
+    u : ndarray, shape (V,)
+        The u_a(t_f) of Eq. (len).
+    metric : PolyhedralMetric
+        rho_{t_f}.
+    history : ndarray, shape (n, V)
+        u at the steps of the flow from t = 0 to t_f; by Newton's method, the two ends.
+    deviation : float
+        Root mean square of ``k_a / kbar - 1``.
+    converged : bool
+        Whether the method's criterion was met.
+    """
+
+    u: Floats
+    metric: PolyhedralMetric
+    history: Floats
+    deviation: float
+    converged: bool
+
+    @property
+    def kbar(self) -> float:
+        """``2 pi chi / A`` of the uniform metric."""
+        return 4 * np.pi / area(self.metric)
+
+    @property
+    def radius(self) -> float:
+        """``r = 1 / sqrt(kbar)``, Eq. (avg)."""
+        return float(1 / np.sqrt(self.kbar))
+
+
+def ricci_flow(
+    metric: PolyhedralMetric, tally: Tally, *, integrator: str, epsilon: float, t_f: float
+) -> Uniformization:
+    """Integrate ``du_a/dt = -(k_a - kbar)``, Eq. (ricci), kbar = 2 pi chi / A.
+
+    Parameters
+    ----------
+    metric : PolyhedralMetric
+        rho_0.
+    tally : Tally
+        Counts right-hand sides as iterations, and the integrator's factorizations.
+    integrator : {"BDF", "Radau", "RK45", "RK23", "DOP853", "LSODA"}
+        A method of `scipy.integrate.solve_ivp`.  The flow is stiff: explicit ones take thousands of steps.
+    epsilon : float
+        Stop when the root mean square of ``k_a / kbar - 1`` is below it.
+    t_f : float
+        Stop at this time at the latest, in units of ``1 / kbar`` of the given metric.
+
+    Returns
+    -------
+    Uniformization
+    """
+    n = metric.triangulation.n_vertices
+    time_unit = area(metric) / (4 * np.pi)
+
+    def curvature_excess(u: Floats) -> tuple[Floats, Floats, Floats]:
+        """k_a - kbar, k_a and A*_a, not a number where there is no such metric."""
+        try:
+            rho = rescaled(metric, u)
+        except InvalidMetric:  # the integrator's trial state: it takes a shorter step
+            nothing = np.full(n, np.nan)
+            return nothing, nothing, nothing
+        dual = dual_areas(rho)
+        k = deficits(rho) / dual
+        return k - 4 * np.pi / area(rho), k, dual
+
+    def velocity(_time: float, u: Floats) -> Floats:
+        tally.iterations += 1
+        excess = curvature_excess(u)[0]
+        tally.show(residual=float(np.abs(excess).max() * time_unit))
+        return -excess
+
+    def jacobian(_time: float, u: Floats) -> csr_array:
+        rho = rescaled(metric, u)
+        _, k, dual = curvature_excess(u)
+        by_length = deficit_derivative(rho) - diags_array(k) @ dual_area_derivative(rho)
+        return csr_array(-(diags_array(1 / dual) @ by_length @ length_derivative(metric, u)))
+
+    def uniform(_time: float, u: Floats) -> float:
+        return _deviation(rescaled(metric, u)) - epsilon
+
+    uniform.terminal = True  # type: ignore[attr-defined]
+    implicit = {"jac": jacobian} if integrator in ("BDF", "Radau") else {}
+    if _deviation(metric) < epsilon:
+        return Uniformization(np.zeros(n), metric, np.zeros((1, n)), _deviation(metric), True)
+    solution: Any = solve_ivp(
+        velocity,
+        (0.0, t_f * time_unit),
+        np.zeros(n),
+        method=integrator,
+        events=uniform,
+        rtol=1e-4,
+        atol=1e-6,
+        **implicit,
+    )
+    tally.factorizations += int(solution.nlu)
+    u = solution.y[:, -1]
+    if solution.status == 1:
+        u = solution.y_events[0][-1]
+    history = np.vstack([solution.y[:, :-1].T, u])
+    rho = rescaled(metric, u)
+    return Uniformization(u, rho, history, _deviation(rho), solution.status == 1)
+
+
+def newton_uniformization(
+    metric: PolyhedralMetric, tally: Tally, *, epsilon: float, max_iterations: int = 30
+) -> Uniformization:
+    """Solve ``epsilon_a - kbar A*_a = 0``, the flow's fixed point, by Newton's method.
+
+    On the sphere the solutions form a family, moved by the Moebius maps, of which the discrete equation
+    picks one out only barely.  The three Moebius modes, which are the coordinates of a conformal layout on
+    the sphere, are therefore projected out: u moves orthogonally to them, from the factors of the centered
+    layout, and the equation holds up to their (second-order small) multiples.
+
+    Parameters
+    ----------
+    metric : PolyhedralMetric
+        rho_0.
+    tally : Tally
+    epsilon : float
+        Stop when the root mean square of ``k_a / kbar - 1``, the Moebius modes apart, is below it.
+    max_iterations : int
+
+    Returns
+    -------
+    Uniformization
+        Of the given metric's area.
+    """
+    triangles = delaunay(metric.normalized)
+    sphere = conformal_sphere(triangles, tally)
+    C = np.column_stack([np.ones(len(sphere.points)), sphere.points])
+    state = _start(metric, conformal_factors(triangles.normalized, sphere), C)
+    for _ in range(max_iterations):
+        tally.show(residual=state.deviation)
+        if state.deviation < epsilon:
+            break
+        step = _newton_step(metric, state, C, tally)
+        tally.iterations += 1
+        s = 1.0
+        while True:
+            try:
+                trial = _State.at(metric, state.u + s * step, C)
+            except InvalidMetric:
+                trial = None
+            if trial is not None and trial.deviation < state.deviation:
+                state = trial
+                break
+            s /= 2
+            if s < 1e-3:
+                return _finished(metric, state, False)
+    return _finished(metric, state, state.deviation < epsilon)
+
+
+@dataclass(frozen=True)
+class _State:
+    """Conformal factors and how far from uniform they leave the metric, the modes C apart."""
+
+    u: Floats
+    rho: PolyhedralMetric
+    F: Floats
+    dual: Floats
+    deviation: float
+
+    @classmethod
+    def at(cls, metric: PolyhedralMetric, u: Floats, C: Floats) -> _State:
+        # A factor common to all lengths changes nothing: keep the area, as the flow does.
+        u = u + np.log(area(metric) / area(rescaled(metric, u))) / 2
+        rho = rescaled(metric, u)
+        dual = dual_areas(rho)
+        kbar = 4 * np.pi / area(rho)
+        F = deficits(rho) - kbar * dual
+        M = np.abs(dual)[:, None]
+        rest = F - (M * C) @ np.linalg.solve(C.T @ (M * C), C.T @ F)
+        return cls(u, rho, F, dual, float(np.sqrt(np.mean((rest / (kbar * dual)) ** 2))))
+
+
+def _start(metric: PolyhedralMetric, u: Floats, C: Floats) -> _State:
+    """Go from the given metric toward the conformal factors u as far as there is a metric."""
+    while True:
+        try:
+            return _State.at(metric, u, C)
+        except InvalidMetric:
+            u = u / 2
+
+
+def _newton_step(metric: PolyhedralMetric, state: _State, C: Floats, tally: Tally) -> Floats:
+    """Solve ``(dF/du) du + M C lambda = -F``, ``C^T M du = 0``."""
+    rho, F, dual = state.rho, state.F, state.dual
+    kbar = 4 * np.pi / area(rho)
+    by_u = length_derivative(metric, state.u)
+    S = (deficit_derivative(rho) - kbar * dual_area_derivative(rho)) @ by_u
+    g = by_u.T @ area_derivative(rho)  # kbar depends on the area: dF/du = S + (kbar / A) A* g^T
+    modes = np.abs(dual)[:, None] * C
+    try:
+        factor = factor_general(S)
+    except SingularMatrix:
+        return np.zeros(len(F))
+    tally.factorizations += 1
+    solved = factor.solve(np.column_stack([F, dual * kbar / area(rho), modes]))
+    plain, responses = solved[:, 0], solved[:, 1:]
+    # Unknowns: g^T du, lambda.
+    border = np.vstack([g, modes.T])
+    K = border @ responses
+    K[0, 0] += 1.0
+    return -plain + responses @ np.linalg.lstsq(K, border @ plain, rcond=None)[0]
+
+
+def _finished(metric: PolyhedralMetric, state: _State, converged: bool) -> Uniformization:
+    history = np.vstack([np.zeros_like(state.u), state.u])
+    return Uniformization(state.u, state.rho, history, _deviation(state.rho), converged)
+
+
+def _deviation(rho: PolyhedralMetric) -> float:
+    kbar = 4 * np.pi / area(rho)
+    return float(np.sqrt(np.mean((deficits(rho) / (kbar * dual_areas(rho)) - 1) ** 2)))

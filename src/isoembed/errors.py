@@ -1,0 +1,36 @@
+"""The two ways a request can end badly: the input is no metric, or no embedding was found."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    from isoembed.surface.embedding import Embedding
+
+
+class InvalidMetric(ValueError):  # noqa: N818 - the contract's name
+    """The input is not a polyhedral metric on the sphere.
+
+    The message is one sentence that names the first offending vertex, edge or face by its index and value.
+    """
+
+
+class NotEmbedded(RuntimeError):  # noqa: N818 - the contract's name
+    """No embedding within the tolerance was found.
+
+    Parameters
+    ----------
+    message : str
+        The diagnosis: which stage stopped, where, and what can be done.
+    embedding : Embedding
+        The best attempt.  Its ``report`` says how far from the lengths it is.
+
+    Attributes
+    ----------
+    embedding : Embedding
+        As given.
+    """
+
+    def __init__(self, message: str, embedding: Embedding) -> None:
+        super().__init__(message)
+        self.embedding = embedding

@@ -1,0 +1,20 @@
+"""Sparse direct solvers: one small face over SuperLU, CHOLMOD and PARDISO.
+
+`dissect` orders a surface mesh by nested dissection, `analyze` prepares a pattern once, and its `factor` and
+`solve` do the numbers, with iterative refinement and one error, `SingularMatrix`, whatever the backend.
+"""
+
+from isoembed.linalg.dissection import Dissection, dissect
+from isoembed.linalg.factor import Factor, Solver, analyze, available_backends, factor_general
+from isoembed.linalg.singular import SingularMatrix
+
+__all__ = [
+    "Dissection",
+    "Factor",
+    "SingularMatrix",
+    "Solver",
+    "analyze",
+    "available_backends",
+    "dissect",
+    "factor_general",
+]

@@ -1,0 +1,119 @@
+"""PARDISO of Intel's MKL, by the library that pypardiso brings: Cholesky with symbolic reuse."""
+
+import ctypes
+import weakref
+from functools import partial
+
+import numpy as np
+from numpy.typing import NDArray
+from pypardiso.scipy_aliases import pypardiso_solver
+
+from isoembed.linalg.singular import SingularMatrix
+
+TRIANGLE = "lower"  # by columns, which is the upper triangle by rows
+
+# pypardiso only finds the library: its own calls analyze anew every time and know no Cholesky.
+_pardiso = pypardiso_solver.libmkl["pardiso"]
+
+_POSITIVE_DEFINITE = 2
+_ANALYZE, _FACTOR, _SOLVE, _RELEASE = 11, 22, 33, -1
+_NOT_POSITIVE, _OUT_OF_MEMORY = -4, -2
+
+
+class Symbolic:
+    """A pattern in elimination order: the lower triangle, CSC with sorted rows."""
+
+    def __init__(self, indptr: NDArray[np.int32], indices: NDArray[np.int32]) -> None:
+        self._indptr, self._indices = indptr, indices
+        # A handle comes back here when its factors are let go: a loop that replaces its factor analyzes twice
+        # at most, and nobody's factors are overwritten.
+        self._idle = [_Handle(indptr, indices)]
+
+    def factor(self, data: NDArray[np.float64]) -> "Numeric":
+        """Factorize the matrix with these entries; raises SingularMatrix."""
+        handle = self._idle.pop() if self._idle else _Handle(self._indptr, self._indices)
+        numeric = Numeric(handle)
+        weakref.finalize(numeric, self._idle.append, handle)
+        handle.factor(data)
+        return numeric
+
+
+class Numeric:
+    """The factors of one matrix."""
+
+    def __init__(self, handle: "_Handle") -> None:
+        self._handle = handle
+
+    def solve(self, b: NDArray[np.float64]) -> NDArray[np.float64]:
+        """Solve for b (n,) or (n, k)."""
+        return self._handle.solve(b)
+
+
+class _Handle:
+    """MKL's memory for one analysis and one set of factors, released when this object goes."""
+
+    def __init__(self, indptr: NDArray[np.int32], indices: NDArray[np.int32]) -> None:
+        n = indptr.size - 1
+        self._data = np.zeros(indices.size)
+        parameters = np.zeros(64, dtype=np.int32)
+        parameters[0] = 1  # all parameters are set here, none by default
+        parameters[4] = 1  # eliminate in the order given
+        parameters[34] = 1  # indices start at zero
+        memory = np.zeros(64, dtype=np.int64)
+        order = np.arange(n, dtype=np.int32)
+        self._call = partial(_call, memory, parameters, indptr, indices, order, self._data)
+        self._call(_ANALYZE)
+        weakref.finalize(self, self._call, _RELEASE)
+
+    def factor(self, data: NDArray[np.float64]) -> None:
+        self._data[:] = data
+        self._call(_FACTOR)
+
+    def solve(self, b: NDArray[np.float64]) -> NDArray[np.float64]:
+        b = np.asfortranarray(b)
+        x = np.empty_like(b)
+        self._call(_SOLVE, b, x)
+        return np.ascontiguousarray(x)
+
+
+def _call(
+    memory: NDArray[np.int64],
+    parameters: NDArray[np.int32],
+    indptr: NDArray[np.int32],
+    indices: NDArray[np.int32],
+    order: NDArray[np.int32],
+    data: NDArray[np.float64],
+    phase: int,
+    b: NDArray[np.float64] | None = None,
+    x: NDArray[np.float64] | None = None,
+) -> None:
+    columns = 1 if b is None or b.ndim == 1 else b.shape[1]
+    status = ctypes.c_int(0)
+    _pardiso(
+        _address(memory),
+        ctypes.byref(ctypes.c_int(1)),  # matrices in this memory
+        ctypes.byref(ctypes.c_int(1)),  # which of them
+        ctypes.byref(ctypes.c_int(_POSITIVE_DEFINITE)),
+        ctypes.byref(ctypes.c_int(phase)),
+        ctypes.byref(ctypes.c_int(order.size)),
+        _address(data),
+        _address(indptr),
+        _address(indices),
+        _address(order),
+        ctypes.byref(ctypes.c_int(columns)),
+        _address(parameters),
+        ctypes.byref(ctypes.c_int(0)),  # print nothing
+        None if b is None else _address(b),
+        None if x is None else _address(x),
+        ctypes.byref(status),
+    )
+    if status.value == _NOT_POSITIVE:
+        raise SingularMatrix("the matrix is not positive definite")
+    if status.value == _OUT_OF_MEMORY:
+        raise MemoryError("PARDISO ran out of memory")
+    if status.value != 0:
+        raise RuntimeError(f"PARDISO failed in phase {phase} with status {status.value}")
+
+
+def _address(array: NDArray[np.generic]) -> ctypes.c_void_p:
+    return array.ctypes.data_as(ctypes.c_void_p)

@@ -1,0 +1,185 @@
+"""What makes a list of triangles a triangulated sphere: each check names the first offender."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+from scipy.sparse import coo_array
+from scipy.sparse.csgraph import connected_components
+
+from isoembed.errors import InvalidMetric
+
+
+def index_array(values: ArrayLike, columns: int, what: str, part: str) -> NDArray[np.int64]:
+    """Read an (n, columns) table of vertex indices.
+
+    Parameters
+    ----------
+    values : array_like
+        The table as given.
+    columns : int
+        Indices a row.
+    what, part : str
+        A row's name ("face") and what its entries are called ("corners") in a message.
+
+    Returns
+    -------
+    ndarray of int64, shape (n, columns)
+
+    Raises
+    ------
+    InvalidMetric
+        The table is empty, a row has another length, or an entry is not a non-negative whole number.
+    """
+    rows = values if isinstance(values, np.ndarray) else list(values)  # type: ignore[arg-type]
+    if len(rows) == 0:
+        raise InvalidMetric(f"there are no {what}s")
+    if not isinstance(rows, np.ndarray):
+        for k, row in enumerate(rows):
+            size = np.size(row)
+            if size != columns:
+                raise InvalidMetric(f"{what} {k} has {size} {part} {row!r}, not {columns}")
+    table = np.asarray(rows)
+    if table.ndim != 2 or table.shape[1] != columns:
+        if table.ndim == 2:
+            raise InvalidMetric(f"{what} 0 has {table.shape[1]} {part} {table[0].tolist()}, not {columns}")
+        raise InvalidMetric(f"the {what}s have shape {table.shape}, not (n, {columns})")
+    if table.dtype.kind not in "iuf":
+        raise InvalidMetric(f"{what} 0 is {rows[0]!r}: vertex indices must be whole numbers")
+    if table.dtype.kind == "f":
+        with np.errstate(invalid="ignore"):
+            whole = table == np.floor(table)
+        _refuse_first(~whole | ~np.isfinite(table), table, what, "vertex indices must be whole numbers")
+    _refuse_first(table < 0, table, what, "vertex indices must not be negative")
+    _refuse_first(table > np.iinfo(np.int64).max // 4, table, what, "the index is too large")
+    return np.ascontiguousarray(table, dtype=np.int64)
+
+
+def _refuse_first(bad: NDArray[np.bool_], table: NDArray, what: str, why: str) -> None:
+    if bad.any():
+        row, column = np.argwhere(bad)[0]
+        raise InvalidMetric(f"{what} {row} refers to vertex {table[row, column]}: {why}")
+
+
+def check_faces(faces: NDArray[np.int64]) -> None:
+    """Refuse faces that repeat a vertex, repeat one another, or leave gaps among the indices.
+
+    Parameters
+    ----------
+    faces : ndarray of int, shape (F, 3)
+
+    Raises
+    ------
+    InvalidMetric
+        Naming the first such face or vertex.
+    """
+    repeated = (faces == np.roll(faces, 1, axis=1)).any(axis=1)
+    if repeated.any():
+        f = int(np.argmax(repeated))
+        raise InvalidMetric(f"face {f} {faces[f].tolist()} repeats a vertex")
+    used = np.unique(faces)
+    if used[-1] != len(used) - 1:
+        missing = int(np.argmax(used != np.arange(len(used))))
+        f = int(np.argmax((faces == used[-1]).any(axis=1)))
+        raise InvalidMetric(
+            f"vertex {missing} is in no face, while face {f} refers to vertex {used[-1]}: "
+            "vertices must be numbered from 0 without gaps"
+        )
+    corners = np.sort(faces, axis=1)
+    order = np.lexsort(corners.T)
+    same = (corners[order[1:]] == corners[order[:-1]]).all(axis=1)
+    if same.any():
+        f = int(order[1:][same].min())
+        original = int(np.argmax((corners == corners[f]).all(axis=1)))
+        raise InvalidMetric(f"face {f} {faces[f].tolist()} repeats face {original}")
+
+
+def check_edges(edges: NDArray[np.int64], face_edges: NDArray[np.int64], faces: NDArray[np.int64]) -> None:
+    """Refuse edges that are not in exactly two faces, and faces that cannot be oriented alike.
+
+    Parameters
+    ----------
+    edges : ndarray of int, shape (E, 2)
+    face_edges : ndarray of int, shape (F, 3)
+        The edge of each half-edge.
+    faces : ndarray of int, shape (F, 3)
+
+    Raises
+    ------
+    InvalidMetric
+        Naming the first boundary edge, non-manifold edge, or face turned against its neighbor; or that the
+        surface has no orientation at all (projective plane).
+    """
+    count = np.bincount(face_edges.ravel(), minlength=len(edges))
+    if (count > 2).any():
+        e = int(np.argmax(count > 2))
+        inside = np.flatnonzero((face_edges == e).any(axis=1)).tolist()
+        raise InvalidMetric(f"edge {edges[e].tolist()} is in {count[e]} faces {inside}, not in 2")
+    if (count < 2).any():
+        e = int(np.argmax(count < 2))
+        f = int(np.argmax((face_edges == e).any(axis=1)))
+        raise InvalidMetric(
+            f"edge {edges[e].tolist()} is in face {f} only ({(count < 2).sum()} such boundary edges): "
+            "the surface is not closed"
+        )
+    order = np.argsort(face_edges.ravel(), kind="stable")
+    left, right = (order // 3).reshape(-1, 2).T
+    start = faces.ravel()[order].reshape(-1, 2)
+    alike = start[:, 0] != start[:, 1]
+    if alike.all():
+        return
+    # Two copies of every face, one for each orientation: a component with both has no orientation.
+    F = len(faces)
+    u = np.concatenate([left, left + F])
+    v = np.concatenate([np.where(alike, right, right + F), np.where(alike, right + F, right)])
+    _, label = connected_components(coo_array((np.ones(2 * len(left)), (u, v)), shape=(2 * F, 2 * F)))
+    if (label[:F] == label[F:]).any():
+        raise InvalidMetric("the surface cannot be oriented (it is one-sided), so it is not a sphere")
+    e = int(np.argmax(~alike))
+    raise InvalidMetric(
+        f"faces {left[e]} and {right[e]} both run along edge {edges[e].tolist()} in the same direction: "
+        "the faces are not oriented alike"
+    )
+
+
+def check_sphere(
+    faces: NDArray[np.int64], edges: NDArray[np.int64], edge_halfedges: NDArray[np.int64]
+) -> None:
+    """Refuse closed oriented surfaces that are not one sphere.
+
+    Parameters
+    ----------
+    faces : ndarray of int, shape (F, 3)
+    edges : ndarray of int, shape (E, 2)
+    edge_halfedges : ndarray of int, shape (E, 2)
+
+    Raises
+    ------
+    InvalidMetric
+        Naming a vertex at which sheets touch, a vertex of a second component, or the genus.
+    """
+    n = int(faces.max()) + 1
+    parts, label = connected_components(coo_array((np.ones(len(edges)), edges.T), shape=(n, n)))
+    if parts > 1:
+        v = int(np.argmax(label != label[0]))
+        raise InvalidMetric(f"the surface has {parts} components: vertex {v} is not connected to vertex 0")
+    # Around a vertex: corner c of face f is followed by the corner across the half-edge that enters it.
+    twin = np.empty(faces.size, dtype=np.int64)
+    twin[edge_halfedges[:, 0]], twin[edge_halfedges[:, 1]] = edge_halfedges[:, 1], edge_halfedges[:, 0]
+    corner = np.arange(faces.size)
+    entering = corner + np.where(corner % 3 == 0, 2, -1)
+    ring = coo_array((np.ones(faces.size), (corner, twin[entering])), shape=(faces.size, faces.size))
+    _, fan = connected_components(ring)
+    first = np.full(n, -1)
+    first[faces.ravel()[::-1]] = fan[::-1]
+    pinched = first[faces.ravel()] != fan
+    if pinched.any():
+        v = int(faces.ravel()[np.argmax(pinched)])
+        raise InvalidMetric(
+            f"the faces around vertex {v} form more than one fan: the surface is not a manifold"
+        )
+    euler = n - len(edges) + len(faces)
+    if euler != 2:
+        raise InvalidMetric(
+            f"the surface has Euler characteristic {euler} (genus {1 - euler // 2}), not 2: not a sphere"
+        )

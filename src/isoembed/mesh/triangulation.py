@@ -1,0 +1,145 @@
+"""The triangulation of a sphere: faces, edges and who touches whom."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+from scipy.sparse import csr_array
+
+from isoembed.mesh.checks import check_edges, check_faces, check_sphere, index_array
+
+Indices = NDArray[np.int64]
+
+
+@dataclass(frozen=True, eq=False, init=False, repr=False)
+class Triangulation:
+    """A triangulated sphere, as the paper's "list of its triangles by vertices".
+
+    Half-edge ``h = 3 f + c`` runs from ``faces[f, c]`` to ``faces[f, (c + 1) % 3]``.
+
+    Parameters
+    ----------
+    faces : array_like of int, shape (F, 3)
+        Triangles, all oriented alike (either way), vertices numbered from 0 without gaps.
+
+    Attributes
+    ----------
+    faces : ndarray of int64, shape (F, 3)
+    edges : ndarray of int64, shape (E, 2)
+        Smaller index first, in lexicographic order.
+    face_edges : ndarray of int64, shape (F, 3)
+        The edge of each half-edge.
+    edge_halfedges : ndarray of int64, shape (E, 2)
+        The half-edge along the edge (its left face) and the one against it (its right face).
+
+    Raises
+    ------
+    InvalidMetric
+        The faces are not a triangulated sphere; the message names the first offender.
+
+    Examples
+    --------
+    >>> t = Triangulation([[0, 1, 2], [0, 2, 3], [0, 3, 1], [1, 3, 2]])
+    >>> t.n_vertices, t.n_edges, t.n_faces
+    (4, 6, 4)
+    """
+
+    faces: Indices
+    edges: Indices
+    face_edges: Indices
+    edge_halfedges: Indices
+
+    def __init__(self, faces: ArrayLike) -> None:
+        table = index_array(faces, 3, "face", "corners").copy()
+        check_faces(table)
+        start, end = table.ravel(), np.roll(table, -1, axis=1).ravel()
+        n = int(table.max()) + 1
+        keys, of_halfedge = np.unique(
+            np.minimum(start, end) * n + np.maximum(start, end), return_inverse=True
+        )
+        edges = np.column_stack(np.divmod(keys, n))
+        face_edges = of_halfedge.reshape(-1, 3)
+        check_edges(edges, face_edges, table)
+        along = start < end
+        edge_halfedges = np.empty((len(edges), 2), dtype=np.int64)
+        edge_halfedges[face_edges.ravel()[along], 0] = np.flatnonzero(along)
+        edge_halfedges[face_edges.ravel()[~along], 1] = np.flatnonzero(~along)
+        check_sphere(table, edges, edge_halfedges)
+        for name, value in zip(
+            ("faces", "edges", "face_edges", "edge_halfedges"),
+            (table, edges, face_edges, edge_halfedges),
+            strict=True,
+        ):
+            value.flags.writeable = False
+            object.__setattr__(self, name, value)
+
+    def __repr__(self) -> str:
+        return f"Triangulation({self.n_vertices} vertices, {self.n_edges} edges, {self.n_faces} faces)"
+
+    @property
+    def n_vertices(self) -> int:
+        """V, the paper's N_0."""
+        return self.n_faces // 2 + 2
+
+    @property
+    def n_edges(self) -> int:
+        """E = 3 V - 6, the paper's N_1."""
+        return len(self.edges)
+
+    @property
+    def n_faces(self) -> int:
+        """F = 2 V - 4, the paper's N_2."""
+        return len(self.faces)
+
+    @cached_property
+    def edge_faces(self) -> Indices:
+        """(E, 2): the left and the right face of each edge."""
+        return _frozen(self.edge_halfedges // 3)
+
+    @cached_property
+    def edge_opposites(self) -> Indices:
+        """(E, 2): the vertex across each edge in its left and in its right face."""
+        face, corner = np.divmod(self.edge_halfedges, 3)
+        return _frozen(self.faces[face, (corner + 2) % 3])
+
+    @cached_property
+    def degrees(self) -> Indices:
+        """(V,): edges at each vertex."""
+        return _frozen(np.bincount(self.edges.ravel(), minlength=self.n_vertices))
+
+    @cached_property
+    def adjacency(self) -> csr_array:
+        """(V, V): ones where two vertices share an edge."""
+        a, b = self.edges.T
+        ones = np.ones(2 * self.n_edges)
+        ends = (np.concatenate([a, b]), np.concatenate([b, a]))
+        return csr_array((ones, ends), shape=(self.n_vertices, self.n_vertices))
+
+    def edge_indices(self, pairs: Indices) -> Indices:
+        """Index of each edge that is given by its two ends.
+
+        Parameters
+        ----------
+        pairs : ndarray of int, shape (n, 2)
+            Ends in either order.
+
+        Returns
+        -------
+        ndarray of int, shape (n,)
+            -1 where no face has this edge.
+        """
+        low, high = pairs.min(axis=1), pairs.max(axis=1)
+        n = self.n_vertices
+        inside = high < n  # keeps the keys from overflowing for absurd indices
+        key = np.where(inside, low * n + high, -1)
+        keys = self.edges[:, 0] * n + self.edges[:, 1]
+        position = np.minimum(np.searchsorted(keys, key), self.n_edges - 1)
+        return np.where(keys[position] == key, position, -1)
+
+
+def _frozen(array: NDArray) -> NDArray:
+    array.flags.writeable = False
+    return array

@@ -1,0 +1,30 @@
+"""Conformal change of a polyhedral metric: one factor u_a a vertex scales the edges at it."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from isoembed.metric.polyhedral import PolyhedralMetric
+
+Floats = NDArray[np.float64]
+
+
+def rescaled(metric: PolyhedralMetric, u: Floats) -> PolyhedralMetric:
+    """The metric with lengths ``l_ab (e^{u_a} + e^{u_b}) / 2`` (paper, Eq. (len)).
+
+    Parameters
+    ----------
+    metric : PolyhedralMetric
+        rho_0.
+    u : ndarray, shape (V,)
+        Conformal factors.
+
+    Raises
+    ------
+    InvalidMetric
+        The factors break a triangle inequality.
+    """
+    a, b = metric.edges.T
+    w = np.exp(u)
+    return metric.with_lengths(metric.lengths * (w[a] + w[b]) / 2)

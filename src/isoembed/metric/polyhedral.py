@@ -1,0 +1,210 @@
+"""The polyhedral metric: a triangulated sphere and the length of every edge."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from isoembed.errors import InvalidMetric
+from isoembed.mesh.checks import index_array
+from isoembed.mesh.triangulation import Triangulation
+
+Floats = NDArray[np.float64]
+SAME_LENGTH = 1e-12  # relative: two values for one edge that differ by more contradict each other
+
+
+@dataclass(frozen=True, eq=False, init=False, repr=False)
+class PolyhedralMetric:
+    """A polyhedral metric rho on the sphere (paper, section 2).
+
+    Parameters
+    ----------
+    faces : array_like of int, shape (F, 3)
+        Triangles, all oriented alike.
+    lengths : array_like of float, shape (E,)
+        Edge lengths, in any unit and of any size.
+    edges : array_like of int, shape (E, 2), optional
+        The ends of the edge that each length belongs to, in any order.  Without it the lengths are in the
+        order of `Triangulation.edges`: smaller index first, lexicographic.
+
+    Attributes
+    ----------
+    triangulation : Triangulation
+    lengths : ndarray, shape (E,)
+        In the order of `edges`.
+
+    Raises
+    ------
+    InvalidMetric
+        The faces are not a triangulated sphere, an edge lacks a length, a length is not positive and
+        finite, or a triangle inequality is broken; the message names the first offender.
+
+    Examples
+    --------
+    >>> tetrahedron = [[0, 1, 2], [0, 2, 3], [0, 3, 1], [1, 3, 2]]
+    >>> PolyhedralMetric(tetrahedron, [1.0] * 6)
+    PolyhedralMetric(4 vertices, 6 edges, 4 faces, mean edge length 1)
+    """
+
+    triangulation: Triangulation
+    lengths: Floats
+
+    def __init__(self, faces: ArrayLike, lengths: ArrayLike, edges: ArrayLike | None = None) -> None:
+        triangulation = Triangulation(faces)
+        values = _length_array(lengths)
+        if edges is not None:
+            values = _matched(triangulation, values, edges)
+        self._set(triangulation, values)
+
+    @classmethod
+    def from_mesh(cls, vertices: ArrayLike, faces: ArrayLike) -> PolyhedralMetric:
+        """Take the edge lengths of a surface in R^3 (or R^n) and forget its coordinates.
+
+        Parameters
+        ----------
+        vertices : array_like of float, shape (V, n)
+        faces : array_like of int, shape (F, 3)
+
+        Raises
+        ------
+        InvalidMetric
+            As the constructor, and where a coordinate is not finite or a vertex is in no face.
+        """
+        points = np.asarray(vertices, dtype=np.float64)
+        if points.ndim != 2:
+            raise InvalidMetric(f"the vertices have shape {points.shape}, not (V, 3)")
+        triangulation = Triangulation(faces)
+        if len(points) < triangulation.n_vertices:
+            v = triangulation.n_vertices - 1
+            raise InvalidMetric(f"a face refers to vertex {v}, but there are only {len(points)} vertices")
+        if len(points) > triangulation.n_vertices:
+            raise InvalidMetric(f"vertex {triangulation.n_vertices} is in no face")
+        finite = np.isfinite(points).all(axis=1)
+        if not finite.all():
+            v = int(np.argmin(finite))
+            raise InvalidMetric(f"vertex {v} has the coordinates {points[v].tolist()}, which are not finite")
+        a, b = triangulation.edges.T
+        size = np.abs(points).max() or 1.0  # keeps the squares from under- and overflowing
+        return cls._on(triangulation, size * np.linalg.norm(points[a] / size - points[b] / size, axis=1))
+
+    @classmethod
+    def _on(cls, triangulation: Triangulation, lengths: Floats) -> PolyhedralMetric:
+        metric = cls.__new__(cls)
+        metric._set(triangulation, _length_array(lengths))
+        return metric
+
+    def _set(self, triangulation: Triangulation, lengths: Floats) -> None:
+        _check_lengths(triangulation, lengths)
+        lengths.flags.writeable = False
+        object.__setattr__(self, "triangulation", triangulation)
+        object.__setattr__(self, "lengths", lengths)
+
+    def with_lengths(self, lengths: ArrayLike) -> PolyhedralMetric:
+        """Return the metric with the same triangles and these lengths, in the order of `edges`.
+
+        Raises
+        ------
+        InvalidMetric
+            They are not lengths of a metric.
+        """
+        return self._on(self.triangulation, _length_array(lengths))
+
+    def __repr__(self) -> str:
+        t = self.triangulation
+        return (
+            f"PolyhedralMetric({t.n_vertices} vertices, {t.n_edges} edges, {t.n_faces} faces, "
+            f"mean edge length {self.mean_length:.6g})"
+        )
+
+    @property
+    def faces(self) -> NDArray[np.int64]:
+        """(F, 3): the triangles."""
+        return self.triangulation.faces
+
+    @property
+    def edges(self) -> NDArray[np.int64]:
+        """(E, 2): the ends of each edge."""
+        return self.triangulation.edges
+
+    @cached_property
+    def mean_length(self) -> float:
+        """Mean edge length: the unit of every residual."""
+        largest = self.lengths.max()
+        return float(largest * np.mean(self.lengths / largest))
+
+    @cached_property
+    def face_lengths(self) -> Floats:
+        """(F, 3): length of each half-edge."""
+        return self.lengths[self.triangulation.face_edges]
+
+    @cached_property
+    def normalized(self) -> PolyhedralMetric:
+        """The metric in the unit of its own mean edge length."""
+        return self._on(self.triangulation, self.lengths / self.mean_length)
+
+
+def _length_array(lengths: ArrayLike) -> Floats:
+    try:
+        values = np.array(lengths, dtype=np.float64)
+    except (TypeError, ValueError) as error:
+        raise InvalidMetric(f"the lengths are not a list of numbers: {error}") from None
+    if values.ndim != 1:
+        raise InvalidMetric(f"the lengths have shape {values.shape}, not (E,)")
+    return values
+
+
+def _matched(triangulation: Triangulation, lengths: Floats, edges: ArrayLike) -> Floats:
+    """Bring lengths that come with their edges into the triangulation's order."""
+    pairs = index_array(edges, 2, "edge", "ends")
+    if len(pairs) != len(lengths):
+        raise InvalidMetric(f"there are {len(pairs)} edges but {len(lengths)} lengths")
+    _check_positive(pairs, lengths)
+    index = triangulation.edge_indices(pairs)
+    if (index < 0).any():
+        k = int(np.argmax(index < 0))
+        raise InvalidMetric(f"edge {k} {pairs[k].tolist()} is in no face")
+    order = np.argsort(index, kind="stable")
+    present, start = np.unique(index[order], return_index=True)
+    if len(present) < triangulation.n_edges:
+        e = int(np.setdiff1d(np.arange(triangulation.n_edges), present)[0])
+        f = triangulation.edge_faces[e, 0]
+        raise InvalidMetric(f"edge {triangulation.edges[e].tolist()} of face {f} has no length")
+    matched = lengths[order[start]]
+    differs = np.abs(lengths - matched[index]) > SAME_LENGTH * np.abs(matched[index])
+    if differs.any():
+        k = int(np.argmax(differs))
+        first = int(order[start[index[k]]])
+        raise InvalidMetric(
+            f"edge {k} {pairs[k].tolist()} has length {lengths[k]}, "
+            f"but edge {first} is the same edge and has {lengths[first]}"
+        )
+    return matched
+
+
+def _check_positive(edges: NDArray[np.int64], lengths: Floats) -> None:
+    good = np.isfinite(lengths) & (lengths > 0)
+    if not good.all():
+        e = int(np.argmin(good))
+        raise InvalidMetric(
+            f"edge {e} {edges[e].tolist()} has length {lengths[e]}, not a positive finite number"
+        )
+
+
+def _check_lengths(triangulation: Triangulation, lengths: Floats) -> None:
+    if len(lengths) != triangulation.n_edges:
+        raise InvalidMetric(f"there are {triangulation.n_edges} edges but {len(lengths)} lengths")
+    _check_positive(triangulation.edges, lengths)
+    sides = np.sort(lengths[triangulation.face_edges], axis=1)
+    broken = ~(
+        sides[:, 2] - sides[:, 1] < sides[:, 0]
+    )  # a difference of neighbors neither over- nor underflows
+    if broken.any():
+        f = int(np.argmax(broken))
+        a, b, c = sides[f].tolist()
+        raise InvalidMetric(
+            f"face {f} {triangulation.faces[f].tolist()} breaks the triangle inequality: "
+            f"its sides are {a!r}, {b!r} and {c!r}"
+        )

@@ -1,0 +1,77 @@
+"""First variation of intrinsic quantities: deficits and areas by lengths, lengths by conformal factors."""
+
+from __future__ import annotations
+
+from typing import cast
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.sparse import csr_array
+
+from isoembed.metric.curvature import Triangles
+from isoembed.metric.polyhedral import PolyhedralMetric
+
+Floats = NDArray[np.float64]
+
+
+def deficit_derivative(metric: PolyhedralMetric) -> csr_array:
+    """``d epsilon_a / d l_e``, sparse of shape (V, E), in the unit of length to the power -1.
+
+    In a triangle with angle i across from side i: ``d theta_i / d l_i = l_i / 2A``,
+    ``d theta_i / d l_j = -cot(theta_k) / l_j``.
+    """
+    shape = Triangles.of(metric.face_lengths)
+    by_side = np.empty((len(shape.opposite), 3, 3))
+    for i in range(3):
+        for j in range(3):
+            if i == j:
+                by_side[:, i, j] = shape.opposite[:, i] / (2 * shape.areas)
+            else:
+                by_side[:, i, j] = -shape.cotangents[:, 3 - i - j] / shape.opposite[:, j]
+    return _assembled(metric, -by_side / shape.unit)
+
+
+def dual_area_derivative(metric: PolyhedralMetric) -> csr_array:
+    """``d A*_a / d l_e`` of the circumcentric dual areas, sparse of shape (V, E), in the unit of length."""
+    shape = Triangles.of(metric.face_lengths)
+    l, cot, areas = shape.opposite, shape.cotangents, shape.areas
+    # p_m = l_m^2 cot_m / 8; a corner's kite is the sum of the other two p.
+    part = np.empty((len(l), 3, 3))
+    for m in range(3):
+        for j in range(3):
+            same = l[:, m] ** 2 * ((-1.0 if m == j else 1.0) - cot[:, m] * cot[:, j]) / (4 * areas)
+            part[:, m, j] = ((cot[:, m] if m == j else 0.0) + same) * l[:, j] / 4
+    kites = np.roll(part, 1, axis=1) + np.roll(part, -1, axis=1)
+    return _assembled(metric, kites * shape.unit)
+
+
+def area_derivative(metric: PolyhedralMetric) -> Floats:
+    """``d A / d l_e``, shape (E,), in the unit of length."""
+    shape = Triangles.of(metric.face_lengths)
+    across = np.roll(metric.triangulation.face_edges, -1, axis=1)
+    by_side = shape.opposite * shape.cotangents / 2
+    return cast(Floats, np.bincount(across.ravel(), by_side.ravel())) * shape.unit
+
+
+def length_derivative(metric: PolyhedralMetric, u: Floats) -> csr_array:
+    """``d l_e / d u_a`` of ``l_ab (e^{u_a} + e^{u_b}) / 2``, sparse of shape (E, V).
+
+    Parameters
+    ----------
+    metric : PolyhedralMetric
+        rho_0, of which u are the conformal factors.
+    u : ndarray, shape (V,)
+    """
+    edges = metric.edges
+    values = metric.lengths[:, None] * np.exp(u)[edges] / 2
+    rows = np.repeat(np.arange(len(edges)), 2)
+    return csr_array((values.ravel(), (rows, edges.ravel())), shape=(len(edges), len(u)))
+
+
+def _assembled(metric: PolyhedralMetric, by_side: Floats) -> csr_array:
+    """Sum derivatives (F, corner, side across from corner) into a (V, E) matrix."""
+    across = np.roll(metric.triangulation.face_edges, -1, axis=1)
+    rows = np.repeat(metric.faces, 3, axis=1)
+    columns = np.tile(across, (1, 3))
+    shape = (metric.triangulation.n_vertices, metric.triangulation.n_edges)
+    return csr_array((by_side.ravel(), (rows.ravel(), columns.ravel())), shape=shape)

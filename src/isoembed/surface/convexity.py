@@ -1,0 +1,49 @@
+"""Concave edges, and the vertices that the paper calls inverted and partially inverted (section 2.2)."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from isoembed.mesh.triangulation import Triangulation
+from isoembed.surface.curvature import dihedral_angles
+
+Floats = NDArray[np.float64]
+Mask = NDArray[np.bool_]
+
+FLAT = 1e-7  # radians: an exterior angle above -FLAT counts as not concave
+PARTIAL = 0.7  # paper: "more than seventy percent of the edges"
+
+
+def concave_edges(triangulation: Triangulation, vertices: Floats) -> Mask:
+    """Edges whose exterior dihedral angle is negative, shape (E,)."""
+    return dihedral_angles(triangulation, vertices) < -FLAT
+
+
+def inverted_vertices(triangulation: Triangulation, concave: Mask) -> Mask:
+    """Vertices whose edges are all concave, shape (V,).
+
+    Parameters
+    ----------
+    triangulation : Triangulation
+    concave : ndarray of bool, shape (E,)
+        From `concave_edges`.
+    """
+    return _concave_degrees(triangulation, concave) == triangulation.degrees
+
+
+def partially_inverted_vertices(triangulation: Triangulation, concave: Mask) -> Mask:
+    """Vertices with more than seventy percent of their edges concave, but not all, shape (V,).
+
+    Parameters
+    ----------
+    triangulation : Triangulation
+    concave : ndarray of bool, shape (E,)
+        From `concave_edges`.
+    """
+    count = _concave_degrees(triangulation, concave)
+    return (count > PARTIAL * triangulation.degrees) & (count < triangulation.degrees)
+
+
+def _concave_degrees(triangulation: Triangulation, concave: Mask) -> NDArray[np.int64]:
+    return np.bincount(triangulation.edges[concave].ravel(), minlength=triangulation.n_vertices)

@@ -1,0 +1,78 @@
+"""Extrinsic curvature of a triangulated surface: dihedral angles and mean curvature, H = (k1 + k2) / 2.
+
+Relativity writes k = k1 + k2 = 2 H: its integral is twice `integrated_mean_curvature`.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from isoembed.mesh.triangulation import Triangulation
+from isoembed.surface.measures import face_areas, face_normals
+
+Floats = NDArray[np.float64]
+
+
+def dihedral_angles(triangulation: Triangulation, vertices: Floats) -> Floats:
+    """Exterior dihedral angles: 0 where the surface is flat, positive where it is convex.
+
+    ``theta_e = atan2((n0 x n1) . d, n0 . n1)``, d the unit vector along the edge in its left face 0.
+
+    Parameters
+    ----------
+    triangulation : Triangulation
+        Oriented so that its normals point outward; inward, all signs change.
+    vertices : ndarray, shape (V, 3)
+
+    Returns
+    -------
+    ndarray, shape (E,)
+        Radians, in (-pi, pi].
+    """
+    normals = face_normals(triangulation.faces, vertices)
+    n0, n1 = normals[triangulation.edge_faces[:, 0]], normals[triangulation.edge_faces[:, 1]]
+    a, b = triangulation.edges.T
+    d = vertices[b] - vertices[a]
+    d /= np.linalg.norm(d, axis=1, keepdims=True)
+    return np.arctan2(np.einsum("ij,ij->i", np.cross(n0, n1), d), np.einsum("ij,ij->i", n0, n1))
+
+
+def edge_mean_curvature(triangulation: Triangulation, vertices: Floats) -> Floats:
+    """Integral of H over each edge, ``l_e theta_e / 2``, shape (E,), in the unit of length."""
+    a, b = triangulation.edges.T
+    lengths = np.linalg.norm(vertices[b] - vertices[a], axis=1)
+    return lengths * dihedral_angles(triangulation, vertices) / 2
+
+
+def integrated_mean_curvature(triangulation: Triangulation, vertices: Floats) -> float:
+    """Integral of H over the surface, ``1/2 sum l_e theta_e`` (unit sphere 4 pi, unit cube 3 pi)."""
+    return float(edge_mean_curvature(triangulation, vertices).sum())
+
+
+def vertex_mean_curvature(triangulation: Triangulation, vertices: Floats) -> Floats:
+    """Mean curvature H at the vertices.
+
+    Half of each edge's integral goes to each end; a third of each triangle's area to each corner.
+
+    Returns
+    -------
+    ndarray, shape (V,)
+        In the unit of length to the power -1.
+    """
+    half = np.repeat(edge_mean_curvature(triangulation, vertices) / 2, 2)
+    third = np.repeat(face_areas(triangulation.faces, vertices) / 3, 3)
+    integral = np.bincount(triangulation.edges.ravel(), half)
+    return integral / np.bincount(triangulation.faces.ravel(), third)
+
+
+def face_mean_curvature(triangulation: Triangulation, vertices: Floats) -> Floats:
+    """Mean curvature H of the triangles: half of each edge's integral goes to each side.
+
+    Returns
+    -------
+    ndarray, shape (F,)
+        In the unit of length to the power -1.
+    """
+    half = edge_mean_curvature(triangulation, vertices) / 2
+    return half[triangulation.face_edges].sum(axis=1) / face_areas(triangulation.faces, vertices)

@@ -1,0 +1,240 @@
+"""The answer: vertices in R^3, the metric that they realize, and how they were found."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+import isoembed
+from isoembed.mesh.triangulation import Triangulation
+from isoembed.metric.curvature import deficits
+from isoembed.metric.polyhedral import PolyhedralMetric
+from isoembed.stages import Stage
+from isoembed.surface import convexity, curvature, measures
+
+Floats = NDArray[np.float64]
+DEFICIT_ROUNDING = 1e-12  # radians: a deficit above minus this is not counted as negative
+
+
+@dataclass(frozen=True, eq=False, init=False, repr=False)
+class Embedding:
+    """A realization of a polyhedral metric in R^3, exact or attempted: it measures itself.
+
+    Parameters
+    ----------
+    metric : PolyhedralMetric
+        What was to be realized.
+    vertices : array_like of float, shape (V, 3)
+        In the unit of the metric's lengths.  A mirror image with negative volume is turned over.
+    method : str
+        The name of the method that found them.
+    tolerance : float
+        Largest residual that counts as converged.
+    stages : sequence of Stage
+        How they were found.
+    message : str
+        What the method has to say; by default a sentence on the residual.
+
+    Attributes
+    ----------
+    metric, vertices, method, tolerance, stages
+        As given; `vertices` is read-only.
+
+    Raises
+    ------
+    ValueError
+        The vertices have another shape or are not finite.
+    """
+
+    metric: PolyhedralMetric
+    vertices: Floats
+    method: str
+    tolerance: float
+    stages: tuple[Stage, ...]
+    message: str
+
+    def __init__(
+        self,
+        metric: PolyhedralMetric,
+        vertices: ArrayLike,
+        *,
+        method: str,
+        tolerance: float,
+        stages: Sequence[Stage] = (),
+        message: str = "",
+    ) -> None:
+        points = np.array(vertices, dtype=np.float64)
+        if points.shape != (metric.triangulation.n_vertices, 3):
+            raise ValueError(
+                f"the vertices have shape {points.shape}, not ({metric.triangulation.n_vertices}, 3)"
+            )
+        finite = np.isfinite(points).all(axis=1)
+        if not finite.all():
+            v = int(np.argmin(finite))
+            raise ValueError(f"vertex {v} has the coordinates {points[v].tolist()}, which are not finite")
+        # The sign is taken in the metric's own unit: the volume of tiny surfaces underflows.
+        points = metric.mean_length * measures.outward(metric.faces, points / metric.mean_length)
+        points.flags.writeable = False
+        for name, value in (
+            ("metric", metric),
+            ("vertices", points),
+            ("method", method),
+            ("tolerance", tolerance),
+            ("stages", tuple(stages)),
+            ("message", message),
+        ):
+            object.__setattr__(self, name, value)
+        if not message:
+            verb = "are within" if self.converged else "miss"
+            sentence = (
+                f"the lengths {verb} the tolerance {tolerance:.0e}: largest residual {self.residual:.1e} "
+                "of the mean edge length"
+            )
+            object.__setattr__(self, "message", sentence)
+
+    def with_message(self, message: str) -> Embedding:
+        """Return the same embedding with another message."""
+        return Embedding(
+            self.metric,
+            self.vertices,
+            method=self.method,
+            tolerance=self.tolerance,
+            stages=self.stages,
+            message=message,
+        )
+
+    def __repr__(self) -> str:
+        return (
+            f"Embedding({self.triangulation.n_vertices} vertices, method {self.method!r}, {self.status}, "
+            f"residual {self.residual:.1e})"
+        )
+
+    @property
+    def triangulation(self) -> Triangulation:
+        """The triangles that the lengths belong to."""
+        return self.metric.triangulation
+
+    @property
+    def faces(self) -> NDArray[np.int64]:
+        """(F, 3): the triangles."""
+        return self.metric.faces
+
+    @cached_property
+    def _normalized(self) -> Floats:
+        """The vertices in the unit of the mean edge length, in which nothing under- or overflows."""
+        return self.vertices / self.metric.mean_length
+
+    @cached_property
+    def residuals(self) -> Floats:
+        """``| |x_a - x_b| - l_ab |`` over the mean edge length, shape (E,)."""
+        a, b = self.metric.edges.T
+        realized = np.linalg.norm(self._normalized[a] - self._normalized[b], axis=1)
+        return np.abs(realized - self.metric.normalized.lengths)
+
+    @property
+    def residual(self) -> float:
+        """The largest of `residuals`."""
+        return float(self.residuals.max())
+
+    @property
+    def converged(self) -> bool:
+        """Whether the largest residual, measured on these vertices, is within the tolerance."""
+        return self.residual <= self.tolerance
+
+    @property
+    def status(self) -> str:
+        """``"converged"`` or ``"not converged"``."""
+        return "converged" if self.converged else "not converged"
+
+    @cached_property
+    def concave_edges(self) -> NDArray[np.bool_]:
+        """Edges with negative exterior dihedral angle, shape (E,)."""
+        return convexity.concave_edges(self.triangulation, self._normalized)
+
+    @cached_property
+    def inverted_vertices(self) -> NDArray[np.bool_]:
+        """Vertices whose edges are all concave, shape (V,)."""
+        return convexity.inverted_vertices(self.triangulation, self.concave_edges)
+
+    @cached_property
+    def partially_inverted_vertices(self) -> NDArray[np.bool_]:
+        """Vertices with more than 70 % of their edges concave, but not all, shape (V,)."""
+        return convexity.partially_inverted_vertices(self.triangulation, self.concave_edges)
+
+    @cached_property
+    def mean_curvature(self) -> Floats:
+        """Mean curvature H = (k1 + k2) / 2 at the vertices, shape (V,)."""
+        return curvature.vertex_mean_curvature(self.triangulation, self._normalized) / self.metric.mean_length
+
+    @property
+    def area(self) -> float:
+        """Area, in the unit of the lengths, squared."""
+        unit = self.metric.mean_length
+        return measures.area(self.faces, self._normalized) * unit * unit
+
+    @property
+    def volume(self) -> float:
+        """Enclosed volume, in the unit of the lengths, cubed."""
+        unit = self.metric.mean_length
+        return measures.volume(self.faces, self._normalized) * unit * unit * unit
+
+    @property
+    def integrated_mean_curvature(self) -> float:
+        """Integral of H dA = 1/2 sum l theta, in the unit of the lengths."""
+        return (
+            curvature.integrated_mean_curvature(self.triangulation, self._normalized)
+            * self.metric.mean_length
+        )
+
+    @cached_property
+    def report(self) -> dict[str, Any]:
+        """What was asked, done and reached: the JSON object that the command writes.
+
+        A number beyond the range of floats (the volume of a body 1e150 across) is None.
+        """
+        triangulation = self.triangulation
+        return {
+            "status": self.status,
+            "message": self.message,
+            "method": self.method,
+            "version": isoembed.__version__,
+            "tolerance": self.tolerance,
+            "input": {
+                "vertices": triangulation.n_vertices,
+                "edges": triangulation.n_edges,
+                "faces": triangulation.n_faces,
+                "negative_deficits": int((deficits(self.metric) < -DEFICIT_ROUNDING).sum()),
+            },
+            "residual": {
+                "max": self.residual,
+                "mean": float(self.residuals.mean()),
+                "std": float(self.residuals.std()),
+            },
+            "convexity": {
+                "concave_edges": int(self.concave_edges.sum()),
+                "inverted_vertices": int(self.inverted_vertices.sum()),
+                "partially_inverted_vertices": int(self.partially_inverted_vertices.sum()),
+            },
+            "area": _finite(self.area),
+            "volume": _finite(self.volume),
+            "integrated_mean_curvature": _finite(self.integrated_mean_curvature),
+            "stages": [
+                {
+                    "name": stage.name,
+                    "seconds": stage.seconds,
+                    "iterations": stage.iterations,
+                    "factorizations": stage.factorizations,
+                }
+                for stage in self.stages
+            ],
+        }
+
+
+def _finite(value: float) -> float | None:
+    return value if math.isfinite(value) else None

@@ -1,0 +1,182 @@
+"""The rigidity matrix J of a surface, and Newton's steps on its edge lengths.
+
+A row of J per edge holds ``(x_a - x_b)^T / l_ab`` at a and its negative at b; the edge's residual is
+``(|x_a - x_b|^2 - l_ab^2) / (2 l_ab)``.
+The step of least norm, ``d = J^T (J J^T + mu I)^-1 r``, needs no triangle pinned: J J^T is an edges x edges
+matrix that is definite whenever the surface is infinitesimally rigid.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.sparse import csr_array, diags_array, eye_array, kron
+
+from isoembed.linalg import Dissection, analyze, dissect
+from isoembed.mesh.triangulation import Triangulation
+
+Floats = NDArray[np.float64]
+
+MEAN_DIAGONAL = 2.0  # of J J^T, whose rows have unit norm at each end, and, nearly, of J^T J
+HOLD = 1e-10  # relative to J^T J: fixes the rigid motions that neither lengths nor a penalty on bending see
+
+
+def length_residuals(triangulation: Triangulation, vertices: Floats, lengths: Floats) -> Floats:
+    """``(|x_a - x_b|^2 - l_ab^2) / (2 l_ab)``, shape (E,): to first order, the error of each length."""
+    a, b = triangulation.edges.T
+    d = vertices[a] - vertices[b]
+    norm = np.sqrt(np.einsum("ij,ij->i", d, d))
+    return (norm - lengths) * (norm + lengths) / (2 * lengths)
+
+
+def edge_rows(triangulation: Triangulation, vertices: Floats, lengths: Floats) -> Floats:
+    """The nonzeros of J, ``(x_a - x_b) / l_ab``, shape (E, 3)."""
+    a, b = triangulation.edges.T
+    return (vertices[a] - vertices[b]) / lengths[:, None]
+
+
+class LengthSystem:
+    """J J^T of one triangulation: its pattern is analyzed once, its values change with the vertices.
+
+    Parameters
+    ----------
+    triangulation : Triangulation
+    dissection : Dissection, optional
+        Of the vertex graph, where it is at hand.
+    """
+
+    def __init__(self, triangulation: Triangulation, dissection: Dissection | None = None) -> None:
+        self.triangulation = triangulation
+        edges = triangulation.edges
+        dissection = dissection or dissect(triangulation.adjacency)
+        e = np.arange(len(edges))
+        ones = np.ones(2 * len(edges))
+        shape = (triangulation.n_vertices, len(edges))
+        touch = csr_array((ones, (edges.T.ravel(), np.tile(e, 2))), shape=shape)
+        # Every entry is at least 1, so that the product drops none.
+        self._solver = analyze((touch.T @ touch).tocsc(), dissection.edge_order(edges))
+        pattern = self._solver.pattern
+        self._row = pattern.indices
+        self._column = np.repeat(e, np.diff(pattern.indptr))
+        self._diagonal = self._row == self._column
+        # Two edges that share a vertex meet with the sign of their directions there.
+        (a, b), (c, d) = edges[self._row].T, edges[self._column].T
+        self._sign = np.where(self._diagonal, 2.0, np.where((a == c) | (b == d), 1.0, -1.0))
+        signs = np.concatenate([np.ones(len(edges)), -np.ones(len(edges))])
+        self._incidence = csr_array((signs, (edges.T.ravel(), np.tile(e, 2))), shape=shape)
+
+    def step(self, vertices: Floats, lengths: Floats, residuals: Floats, mu: float = 0.0) -> Floats:
+        """``d = J^T (J J^T + mu I)^-1 r``, (V, 3): to be subtracted from the vertices.
+
+        Parameters
+        ----------
+        vertices : ndarray, shape (V, 3)
+        lengths : ndarray, shape (E,)
+        residuals : ndarray, shape (E,)
+            From `length_residuals`.
+        mu : float
+            Levenberg-Marquardt damping, relative to the mean diagonal of J J^T; 0 is Newton's step.
+
+        Raises
+        ------
+        SingularMatrix
+            The surface is not infinitesimally rigid and mu is 0.
+        """
+        rows = edge_rows(self.triangulation, vertices, lengths)
+        values = self._sign * np.einsum("ij,ij->i", rows[self._row], rows[self._column])
+        values[self._diagonal] += mu * MEAN_DIAGONAL
+        factor = self._solver.factor(values)
+        d = self._incidence @ (rows * factor.solve(residuals, sweeps=0)[:, None])
+        if mu > 0:
+            return d
+        # Refined through J: refining the solution of J J^T alone would not reduce this residual.
+        a, b = self.triangulation.edges.T
+        missing = residuals - np.einsum("ij,ij->i", rows, d[a] - d[b])
+        return d + self._incidence @ (rows * factor.solve(missing, sweeps=0)[:, None])
+
+
+class VertexSystem:
+    """``J^T J + P`` in the coordinates, P coupling vertices of a given graph: for penalized steps.
+
+    Parameters
+    ----------
+    triangulation : Triangulation
+    penalty : sparse, shape (V, V)
+        Symmetric; its pattern, with the triangulation's, is the pattern of every matrix of the system.
+        It acts on x, y and z alike.
+    dissection : Dissection, optional
+        Of the vertex graph, where it is at hand.
+    """
+
+    def __init__(
+        self, triangulation: Triangulation, penalty: csr_array, dissection: Dissection | None = None
+    ) -> None:
+        self.triangulation = triangulation
+        n = triangulation.n_vertices
+        dissection = dissection or dissect(triangulation.adjacency)
+        graph = (triangulation.adjacency + abs(penalty) + eye_array(n)).tocsc()
+        graph.data[:] = 1.0  # a pattern, from connectivity: values that cancel must not shrink it
+        self._solver = analyze(kron(graph, np.ones((3, 3)), format="csc"), dissection.block_order(3))
+        pattern = self._solver.pattern
+        column = np.repeat(np.arange(3 * n), np.diff(pattern.indptr))
+        self._keys = column * (3 * n) + pattern.indices
+        a, b = triangulation.edges.T
+        # The four 3 x 3 blocks of an edge: +R at (a, a) and (b, b), -R at (a, b) and (b, a).
+        self._edge_slots = np.concatenate([self._blocks(i, j) for i, j in ((a, a), (b, b), (a, b), (b, a))])
+        self._edge_signs = np.repeat([1.0, 1.0, -1.0, -1.0], 9 * len(a))
+        entries = penalty.tocoo()
+        slots = [self._slot(3 * entries.row + k, 3 * entries.col + k) for k in range(3)]
+        self._penalty = np.bincount(
+            np.concatenate(slots), np.tile(entries.data, 3), minlength=len(self._keys)
+        )
+        self._hold = HOLD * (pattern.indices == column)
+
+    def _slot(self, row: NDArray[np.int64], column: NDArray[np.int64]) -> NDArray[np.int64]:
+        return np.searchsorted(
+            self._keys, column.astype(np.int64) * (3 * self.triangulation.n_vertices) + row
+        )
+
+    def _blocks(self, a: NDArray[np.int64], b: NDArray[np.int64]) -> NDArray[np.int64]:
+        i, j = np.divmod(np.arange(9), 3)
+        return self._slot(3 * a[:, None] + i, 3 * b[:, None] + j).ravel()
+
+    def step(self, vertices: Floats, lengths: Floats, residuals: Floats, mu: float) -> Floats:
+        """``d = (J^T J + mu P)^-1 J^T r``, (V, 3): to be subtracted from the vertices.
+
+        Parameters
+        ----------
+        vertices : ndarray, shape (V, 3)
+        lengths : ndarray, shape (E,)
+        residuals : ndarray, shape (E,)
+            From `length_residuals`.
+        mu : float
+            Levenberg-Marquardt damping, relative to the mean diagonal of J^T J.
+
+        Raises
+        ------
+        SingularMatrix
+            The matrix is not positive definite.
+        """
+        rows = edge_rows(self.triangulation, vertices, lengths)
+        products = np.einsum("ei,ej->eij", rows, rows).ravel()
+        values = np.bincount(
+            self._edge_slots, self._edge_signs * np.tile(products, 4), minlength=len(self._keys)
+        )
+        factor = self._solver.factor(values + MEAN_DIAGONAL * (mu * self._penalty + self._hold))
+        a, b = self.triangulation.edges.T
+        pull = rows * residuals[:, None]
+        n = self.triangulation.n_vertices
+        gradient = np.column_stack(
+            [
+                np.bincount(a, pull[:, k], minlength=n) - np.bincount(b, pull[:, k], minlength=n)
+                for k in range(3)
+            ]
+        )
+        return factor.solve(gradient.ravel(), sweeps=1).reshape(-1, 3)
+
+
+def umbrella(triangulation: Triangulation) -> csr_array:
+    """The umbrella operator ``L = I - D^-1 A``, (V, V): a vertex minus the mean of its neighbors."""
+    n = triangulation.n_vertices
+    scaled = diags_array(1.0 / triangulation.degrees) @ triangulation.adjacency
+    return csr_array(eye_array(n) - scaled)

@@ -1,0 +1,351 @@
+"""The solvers: the same answers, and the same refusals, from every backend that is installed."""
+
+import subprocess
+import sys
+
+import numpy as np
+import pytest
+import scipy.sparse as sp
+from scipy.spatial import ConvexHull
+
+import isoembed.linalg.factor as factor_module
+from isoembed.linalg import SingularMatrix, analyze, available_backends, dissect, factor_general
+
+BACKENDS = ("superlu", "cholmod", "pardiso")
+
+
+@pytest.fixture(params=BACKENDS)
+def backend(request):
+    if request.param not in available_backends():
+        pytest.skip(f"{request.param} is not installed")
+    return request.param
+
+
+class Mesh:
+    """The hull of points on an ellipsoid, and the matrices that live on it."""
+
+    def __init__(self, n, stretch=(3.0, 2.0, 1.0), seed=0):
+        points = np.random.default_rng(seed).normal(size=(n, 3))
+        self.points = points / np.linalg.norm(points, axis=1)[:, None] * stretch
+        faces = ConvexHull(self.points).simplices.astype(np.int64)
+        halves = np.concatenate([faces[:, [0, 1]], faces[:, [1, 2]], faces[:, [2, 0]]])
+        self.edges = np.unique(np.sort(halves, axis=1), axis=0)
+        self.n, self.n_edges = n, len(self.edges)
+        graph = sp.coo_array((np.ones(self.n_edges), self.edges.T), shape=(n, n))
+        self.adjacency = (graph + graph.T).tocsr()
+        self.tree = dissect(self.adjacency)
+        row = np.arange(self.n_edges)
+        incidence = sp.csr_array((np.ones(2 * row.size), (np.tile(row, 2), self.edges.T.ravel())))
+        self.edge_pattern = sp.csc_array(incidence @ incidence.T)
+        self.edge_pattern.sort_indices()
+
+    def rigidity_gram(self):
+        """J J^T of the squared-length map over the lengths, values in the order of `edge_pattern`."""
+        a, b = self.points[self.edges[:, 0]], self.points[self.edges[:, 1]]
+        d = (a - b) / np.linalg.norm(a - b, axis=1)[:, None]
+        i, j = (
+            self.edge_pattern.indices,
+            np.repeat(np.arange(self.n_edges), np.diff(self.edge_pattern.indptr)),
+        )
+        sign = np.zeros(i.size)
+        for p in range(2):
+            for q in range(2):
+                sign += (1 if p == q else -1) * (self.edges[i, p] == self.edges[j, q])
+        return sign * np.einsum("ej,ej->e", d[i], d[j])
+
+    def solver(self, backend):
+        return analyze(self.edge_pattern, self.tree.edge_order(self.edges), backend)
+
+    def laplacian(self, shift):
+        degrees = self.adjacency.sum(axis=1)
+        return sp.csc_array(sp.diags_array(degrees + shift) - self.adjacency)
+
+
+def with_data(pattern, data):
+    return sp.csc_array((data, pattern.indices, pattern.indptr), shape=pattern.shape)
+
+
+def rhs(n, *columns):
+    return np.random.default_rng(7).normal(size=(n, *columns))
+
+
+def test_solves_what_numpy_solves(backend):
+    mesh = Mesh(60)
+    data = mesh.rigidity_gram()
+    b = rhs(mesh.n_edges)
+    x = mesh.solver(backend).factor(data).solve(b)
+    exact = np.linalg.solve(with_data(mesh.edge_pattern, data).toarray(), b)
+    np.testing.assert_allclose(x, exact, rtol=0, atol=1e-9 * np.abs(exact).max())
+
+
+@pytest.mark.skipif(len(available_backends()) == 1, reason="only superlu is installed")
+def test_all_backends_agree():
+    mesh = Mesh(1000)
+    data, b = mesh.rigidity_gram(), rhs(mesh.n_edges)
+    answers = [mesh.solver(name).factor(data).solve(b) for name in available_backends()]
+    for x in answers[1:]:
+        np.testing.assert_allclose(x, answers[0], rtol=0, atol=1e-9 * np.abs(x).max())
+
+
+def test_vertex_and_block_orders(backend):
+    mesh = Mesh(300)
+    laplacian = mesh.laplacian(0.1)
+    b = rhs(mesh.n)
+    x = analyze(laplacian, mesh.tree.vertex_order(), backend).factor(laplacian.data).solve(b)
+    assert np.abs(laplacian @ x - b).max() < 1e-12
+    blocks = sp.csc_array(sp.kron(laplacian, [[2.0, 0.5, 0.5], [0.5, 2.0, 0.5], [0.5, 0.5, 2.0]]))
+    blocks.sort_indices()
+    b = rhs(3 * mesh.n)
+    x = analyze(blocks, mesh.tree.block_order(3), backend).factor(blocks.data).solve(b)
+    assert np.abs(blocks @ x - b).max() < 1e-12
+
+
+def test_any_order_gives_the_same_answer(backend):
+    mesh = Mesh(200)
+    data, b = mesh.rigidity_gram(), rhs(mesh.n_edges)
+    shuffled = np.random.default_rng(3).permutation(mesh.n_edges)
+    x = analyze(mesh.edge_pattern, shuffled, backend).factor(data).solve(b)
+    expected = mesh.solver(backend).factor(data).solve(b)
+    np.testing.assert_allclose(x, expected, rtol=0, atol=1e-9 * np.abs(x).max())
+
+
+def test_tiny_matrices(backend):
+    mesh = Mesh(4)
+    data, b = mesh.rigidity_gram(), rhs(6)
+    matrix = with_data(mesh.edge_pattern, data)
+    np.testing.assert_allclose(matrix @ mesh.solver(backend).factor(data).solve(b), b, atol=1e-12)
+    one = analyze(sp.csc_array([[4.0]]), [0], backend).factor([4.0])
+    assert one.solve([2.0]) == pytest.approx([0.5])
+
+
+def test_several_right_hand_sides(backend):
+    mesh = Mesh(150)
+    factor = mesh.solver(backend).factor(mesh.rigidity_gram())
+    b = rhs(mesh.n_edges, 4)
+    x = factor.solve(b)
+    assert x.shape == b.shape
+    for k in range(4):
+        np.testing.assert_allclose(x[:, k], factor.solve(b[:, k]), rtol=1e-8, atol=1e-9 * np.abs(x).max())
+
+
+def test_one_analysis_serves_many_matrices(backend):
+    mesh = Mesh(200)
+    solver, data, b = mesh.solver(backend), mesh.rigidity_gram(), rhs(mesh.n_edges)
+    matrices = [data.copy() for _ in range(4)]
+    diagonal = mesh.edge_pattern.indices == np.repeat(
+        np.arange(mesh.n_edges), np.diff(mesh.edge_pattern.indptr)
+    )
+    for k, values in enumerate(matrices):
+        values[diagonal] += k
+    factors = [solver.factor(values) for values in matrices]
+    del factors[2]  # its memory may be used again
+    factors.insert(2, solver.factor(matrices[2]))
+    # every factor still is of its own matrix, and as if it had been alone
+    for values, factor in zip(matrices, factors, strict=True):
+        fresh = mesh.solver(backend).factor(values).solve(b)
+        np.testing.assert_allclose(factor.solve(b), fresh, rtol=0, atol=1e-10 * np.abs(fresh).max())
+
+
+def test_the_factor_keeps_its_own_data(backend):
+    mesh = Mesh(50)
+    data, b = mesh.rigidity_gram(), rhs(mesh.n_edges)
+    factor = mesh.solver(backend).factor(data)
+    before = factor.solve(b)
+    data[:] = 0.0
+    assert np.array_equal(factor.solve(b), before)
+
+
+def test_explicit_zeros_stay_in_the_pattern(backend):
+    mesh = Mesh(100)
+    n = mesh.n
+    pattern = mesh.laplacian(1.0)
+    i, j = pattern.indices, np.repeat(np.arange(n), np.diff(pattern.indptr))
+    diagonal_only = np.where(i == j, 2.0, 0.0)
+    solver = analyze(with_data(pattern, diagonal_only), mesh.tree.vertex_order(), backend)
+    assert solver.pattern.nnz == pattern.nnz
+    b = rhs(n)
+    np.testing.assert_allclose(solver.factor(diagonal_only).solve(b), b / 2, rtol=1e-14)
+    assert np.abs(pattern @ solver.factor(pattern.data).solve(b) - b).max() < 1e-12
+
+
+def singular_matrices():
+    mesh = Mesh(300)
+    laplacian = mesh.laplacian(0.0)
+    yield "laplacian", laplacian, laplacian.data
+    pattern = mesh.laplacian(1.0)
+    i, j = pattern.indices, np.repeat(np.arange(mesh.n), np.diff(pattern.indptr))
+    indefinite = np.where(i == j, 1.0, -1.0)
+    yield "indefinite, positive diagonal", pattern, indefinite
+    barely = pattern.data - np.where(i == j, 1.001, 0.0)
+    yield "one small negative eigenvalue", pattern, barely
+    yield "negative definite", pattern, -pattern.data
+    zero = np.where((i == 17) | (j == 17), 0.0, pattern.data)
+    yield "zero row", pattern, zero
+    for name, value in (("nan", np.nan), ("inf", np.inf)):
+        bad = pattern.data.copy()
+        bad[5] = value
+        yield name, pattern, bad
+    two_equal_rows = sp.block_diag([sp.identity(50), np.ones((2, 2)), sp.identity(50)], format="csc")
+    yield "two equal rows", two_equal_rows, two_equal_rows.data
+    # singular but for rounding: the last pivot comes out as a tiny number of either sign
+    gram = np.array([[2.0, -1.0, 0.1], [-1.0, 2.0, 0.2], [0.1, 0.2, 0.0]])
+    gram[2, 2] = gram[2, :2] @ np.linalg.solve(gram[:2, :2], gram[2, :2])
+    yield "schur complement zero", sp.csc_array(gram), gram.ravel()
+
+
+@pytest.mark.parametrize(
+    ("pattern", "data"), [pytest.param(p, d, id=name) for name, p, d in singular_matrices()]
+)
+def test_what_is_not_positive_definite_is_refused(backend, pattern, data):
+    solver = analyze(pattern, np.arange(pattern.shape[0]), backend)
+    with pytest.raises(SingularMatrix, match=r"^the matrix is "):
+        solver.factor(data)
+    # and the solver survives
+    good = sp.csc_array(
+        with_data(solver.pattern, -np.ones(solver.pattern.nnz)) + sp.identity(pattern.shape[0]) * 999
+    )
+    assert np.isfinite(solver.factor(good.data).solve(rhs(pattern.shape[0]))).all()
+
+
+def test_bad_scaling_is_not_singularity(backend):
+    mesh = Mesh(200)
+    laplacian = mesh.laplacian(0.1)
+    scale = sp.diags_array(10.0 ** np.random.default_rng(0).uniform(-12, 12, mesh.n))
+    scaled = sp.csc_array(scale @ laplacian @ scale)
+    truth = rhs(mesh.n) / scale.diagonal()
+    x = analyze(scaled, mesh.tree.vertex_order(), backend).factor(scaled.data).solve(scaled @ truth)
+    assert np.abs((x - truth) * scale.diagonal()).max() < 1e-8
+
+
+def slender():
+    """J and J J^T of a slender body: sigma_min(J) = 1e-5, and the condition number of J J^T is 1e11."""
+    mesh = Mesh(400, stretch=(1.0, 1.0, 6e-4))
+    a, b = mesh.edges.T
+    d = mesh.points[a] - mesh.points[b]
+    d /= np.linalg.norm(d, axis=1)[:, None]
+    rows = np.repeat(np.arange(mesh.n_edges), 3)
+    columns = [(3 * end[:, None] + np.arange(3)).ravel() for end in (a, b)]
+    rigidity = sp.csr_array(
+        (np.concatenate((d.ravel(), -d.ravel())), (np.tile(rows, 2), np.concatenate(columns))),
+        shape=(mesh.n_edges, 3 * mesh.n),
+    )
+    gram = with_data(mesh.edge_pattern, mesh.rigidity_gram())
+    sigma = np.sqrt(np.linalg.eigvalsh(gram.toarray())[0])
+    assert 1e-6 < sigma < 1e-4
+    return mesh, rigidity, gram
+
+
+def test_refinement_makes_an_ill_conditioned_solve_componentwise_stable(backend):
+    mesh, _, gram = slender()
+    factor = mesh.solver(backend).factor(gram.data)
+    b = rhs(mesh.n_edges)
+
+    def backward_error(sweeps):
+        x = factor.solve(b, sweeps=sweeps)
+        return np.max(np.abs(b - gram @ x) / (abs(gram) @ np.abs(x) + np.abs(b)))
+
+    errors = [backward_error(sweeps) for sweeps in (0, 1, 2)]
+    assert errors[1] < 0.8 * errors[0]
+    assert errors[2] <= errors[1]
+    assert errors[2] < 3e-16
+
+
+def test_least_norm_steps_are_refined_through_the_rigidity_matrix(backend):
+    # y = (J J^T)^-1 r is as large as 1 / sigma^2: rounded, it cannot leave J J^T y - r small. dx = J^T y can.
+    mesh, rigidity, gram = slender()
+    factor = mesh.solver(backend).factor(gram.data)
+    r = rhs(mesh.n_edges)
+    step = rigidity.T @ factor.solve(r, sweeps=0)
+    rough = np.linalg.norm(rigidity @ step - r) / np.linalg.norm(r)
+    step += rigidity.T @ factor.solve(r - rigidity @ step, sweeps=0)
+    refined = np.linalg.norm(rigidity @ step - r) / np.linalg.norm(r)
+    assert refined < 1e-13
+    assert refined < 1e-4 * rough
+
+
+def test_the_fastest_installed_backend_is_the_default():
+    mesh = Mesh(20)
+    assert mesh.solver(None).backend == available_backends()[0]
+    assert available_backends()[-1] == "superlu"
+
+
+def test_unknown_backends_are_named():
+    with pytest.raises(
+        ValueError, match="unknown backend 'umfpack': choose one of pardiso, cholmod, superlu"
+    ):
+        Mesh(10).solver("umfpack")
+
+
+@pytest.mark.parametrize(("name", "extra"), [("cholmod", "cholmod"), ("pardiso", "mkl")])
+def test_missing_backends_say_what_to_install(monkeypatch, name, extra):
+    monkeypatch.setattr(factor_module, "find_spec", lambda module: None)
+    assert available_backends() == ("superlu",)
+    with pytest.raises(ValueError, match=rf"'{name}' is missing: pip install 'isoembed\[{extra}\]'"):
+        Mesh(10).solver(name)
+
+
+def test_another_scikit_sparse_counts_as_missing(monkeypatch):
+    monkeypatch.setattr(factor_module, "find_spec", lambda module: object() if module == "sksparse" else None)
+    monkeypatch.setattr(factor_module, "version", lambda distribution: "0.5.0")
+    assert available_backends() == ("superlu",)
+    monkeypatch.setattr(factor_module, "version", lambda distribution: "0.4.16")
+    assert available_backends() == ("cholmod", "superlu")
+
+
+def test_looking_for_backends_imports_none():
+    code = (
+        "import sys; from isoembed.linalg import available_backends; available_backends();"
+        "print(*{'sksparse', 'pypardiso'} & set(sys.modules))"
+    )
+    assert subprocess.run([sys.executable, "-c", code], capture_output=True, check=True).stdout.strip() == b""
+
+
+def test_bad_input_is_refused():
+    square = sp.csc_array(np.array([[2.0, 1.0], [1.0, 2.0]]))
+    with pytest.raises(ValueError, match="not a permutation of the 2 unknowns"):
+        analyze(square, [0, 0])
+    with pytest.raises(ValueError, match="not symmetric: of the entries 0, 1 and 1, 0 one is missing"):
+        analyze(sp.csc_array(np.array([[2.0, 1.0], [0.0, 2.0]])), [0, 1])
+    with pytest.raises(ValueError, match="lacks diagonal entry 1"):
+        analyze(sp.csc_array(np.array([[2.0, 1.0], [1.0, 0.0]])), [0, 1])
+    solver = analyze(square, [1, 0])
+    with pytest.raises(ValueError, match="has 4 entries, but the data have shape"):
+        solver.factor(np.ones(3))
+    with pytest.raises(ValueError, match="has 2 rows, but the right-hand side has shape"):
+        solver.factor(square.data).solve(np.ones(3))
+
+
+def general_matrix(mesh):
+    rng = np.random.default_rng(1)
+    values = with_data(sp.csc_array(mesh.adjacency), rng.normal(size=mesh.adjacency.nnz))
+    return sp.csc_array(values + sp.diags_array(rng.normal(size=mesh.n)))
+
+
+def test_general_matrices():
+    matrix = general_matrix(Mesh(200))
+    for b in (rhs(200), rhs(200, 2)):
+        exact = np.linalg.solve(matrix.toarray(), b)
+        np.testing.assert_allclose(
+            factor_general(matrix).solve(b), exact, rtol=0, atol=1e-9 * np.abs(exact).max()
+        )
+
+
+@pytest.mark.parametrize("unit", [1e-150, 1e150])
+def test_units_are_not_singularity(unit):
+    matrix, b = general_matrix(Mesh(200)), rhs(200)
+    x = factor_general(matrix).solve(b)
+    np.testing.assert_allclose(factor_general(unit * matrix).solve(unit * b), x, atol=1e-9 * np.abs(x).max())
+
+
+@pytest.mark.parametrize(
+    "matrix",
+    [
+        np.zeros((3, 3)),
+        np.array([[1.0, 2.0], [2.0, 4.0]]),
+        np.array([[0.1, 0.2, 0.3], [0.4, 0.5, 0.6], [0.7, 0.8, 0.9]]),
+        np.array([[np.nan, 1.0], [1.0, 1.0]]),
+    ],
+)
+def test_singular_general_matrices_are_refused(matrix):
+    with pytest.raises(SingularMatrix, match=r"^the matrix is "):
+        factor_general(sp.csc_array(matrix))
