@@ -19,18 +19,19 @@ from isoembed.aim.anneal import Annealed, anneal, anneal_damped
 from isoembed.aim.conformal_sphere import conformal_sphere
 from isoembed.aim.convexity import crumpled_vertices, pop_and_anneal
 from isoembed.aim.pullback import extrapolated
-from isoembed.linalg import dissect
+from isoembed.linalg import SingularMatrix, dissect
 from isoembed.metric.curvature import area
 from isoembed.metric.delaunay import delaunay
 from isoembed.metric.polyhedral import PolyhedralMetric
 from isoembed.stages import Log, Tally
+from isoembed.surface.convexity import umbrella_heights
 from isoembed.surface.embedding import Embedding
 from isoembed.surface.measures import outward
-from isoembed.surface.rigidity import LengthSystem, VertexSystem, umbrella
+from isoembed.surface.rigidity import LengthSystem, VertexSystem, length_residuals, umbrella
 
 Floats = NDArray[np.float64]
 
-ON_THE_WAY = 1e-6  # residual of the surfaces on the path
+ON_THE_WAY = 1e-4  # residual of the surfaces on the path
 POLISHED = 1e-13  # residual asked of the last Newton steps, whatever the tolerance: they are quadratic
 PATIENCE = 6  # Newton steps before a step along the path is halved
 
@@ -45,12 +46,16 @@ class Aim:
         Length in t of the first step from the uniform metric at t = 1 toward the given one at t = 0.
     smallest_step : float
         Where a step shorter than this fails, damped steps take over.
+    largest_change : float
+        A step is accepted while no vertex's height above its neighbors changes from its prediction by more
+        than this, in units of the root mean square height.
     damped_iterations : int
         At most so many damped steps at one t.
     """
 
-    first_step: float = 1 / 3
-    smallest_step: float = 1 / 24
+    first_step: float = 1 / 8
+    smallest_step: float = 1 / 48
+    largest_change: float = 0.5
     damped_iterations: int = 60
 
     name: str = field(default="aim", init=False, repr=False)
@@ -60,6 +65,8 @@ class Aim:
             raise ValueError(f"first_step is {self.first_step}, not in (0, 1]")
         if not 0 < self.smallest_step <= self.first_step:
             raise ValueError(f"smallest_step is {self.smallest_step}, not in (0, first_step]")
+        if not self.largest_change > 0:
+            raise ValueError(f"largest_change is {self.largest_change}, not positive")
         if self.damped_iterations < 0:
             raise ValueError(f"damped_iterations is {self.damped_iterations}, not a number of iterations")
 
@@ -83,11 +90,17 @@ class Aim:
             vertices = inscribed(normalized, tally)
         with log.stage("pull back") as tally:
             path = _Path(normalized, vertices)
-            vertices = path.follow(self, tally)
+            vertices, lost = path.follow(self, tally)
         with log.stage("polish") as tally:
             vertices = path.polish(vertices, min(tolerance, POLISHED), self.damped_iterations, tally)
-        return Embedding(
+        embedding = Embedding(
             metric, vertices * metric.mean_length, method=self.name, tolerance=tolerance, stages=log.stages
+        )
+        if embedding.converged or lost is None:
+            return embedding
+        return embedding.with_message(
+            f"{embedding.message}; the pull-back lost the surface at t = {lost:.3g} "
+            "(1 is the uniform metric, 0 the given one)"
         )
 
 
@@ -120,45 +133,62 @@ class _Path:
     def lengths(self, t: float) -> Floats:
         return self._given * self._ratio**t
 
-    def follow(self, method: Aim, tally: Tally) -> Floats:
-        """Go from t = 1 to t = 0."""
+    def follow(self, method: Aim, tally: Tally) -> tuple[Floats, float | None]:
+        """Go from t = 1 to t = 0, or to the t at which the surface is lost, which is returned too."""
         known = [(1.0, self._start)]
         t, dt = 1.0, method.first_step
         while t > 0:
             goal = t - dt if t - dt > dt / 4 else 0.0
-            guess = extrapolated(known[-3:], goal)
-            before = tally.iterations
-            annealed = self._step(guess, goal, tally)
-            if not annealed.converged:
+            guess = self._predicted(known[-3:], goal, tally)
+            annealed = self._corrected(guess, goal, tally)
+            change = self._change(guess, annealed.vertices)
+            if not (annealed.converged and change < method.largest_change):
                 if dt / 2 >= method.smallest_step:
                     dt /= 2
                     continue
-                annealed = self._rescue(known[-1][1], goal, method.damped_iterations, tally)
-            annealed = pop_and_anneal(self.triangulation, annealed, partial(self._step, t=goal, tally=tally))
-            inverted, partially = crumpled_vertices(self.triangulation, annealed.vertices)
+                annealed = self._rescued(known[-1][1], goal, method.damped_iterations, tally)
+                if not annealed.converged:
+                    return annealed.vertices, goal
             t = goal
+            annealed = pop_and_anneal(
+                self.triangulation, annealed, partial(self._corrected, t=goal, tally=tally)
+            )
+            known.append((t, annealed.vertices))
+            inverted, partially = crumpled_vertices(self.triangulation, annealed.vertices)
             tally.show(
                 t=t,
                 residual=annealed.residual,
                 inverted=int(inverted.sum()),
                 partially_inverted=int(partially.sum()),
             )
-            known.append((t, annealed.vertices))
-            if tally.iterations - before <= PATIENCE // 2:
-                dt = min(2 * dt, method.first_step)
-        return known[-1][1]
+            # The predictor's error grows as the cube of the step.
+            growth = np.cbrt(method.largest_change / (2 * max(change, np.finfo(np.float64).tiny)))
+            dt *= float(np.clip(growth, 0.5, 2.0))
+        return known[-1][1], None
 
     def polish(self, vertices: Floats, tolerance: float, damped_iterations: int, tally: Tally) -> Floats:
         """Newton's method to the rounding floor, damped where it fails."""
         annealed = anneal(self._newton, vertices, self._given, tally, residual_tolerance=tolerance)
         if annealed.residual > ON_THE_WAY:
-            annealed = self._rescue(vertices, 0.0, damped_iterations, tally)
+            annealed = self._rescued(vertices, 0.0, damped_iterations, tally)
             annealed = anneal(
                 self._newton, annealed.vertices, self._given, tally, residual_tolerance=tolerance
             )
         return annealed.vertices
 
-    def _step(self, guess: Floats, t: float, tally: Tally) -> Annealed:
+    def _predicted(self, known: list[tuple[float, Floats]], t: float, tally: Tally) -> Floats:
+        """The polynomial through the surfaces before; from one alone, the tangent."""
+        if len(known) > 1:
+            return extrapolated(known, t)
+        x = known[0][1]
+        lengths = self.lengths(t)
+        tally.factorizations += 1
+        try:
+            return x - self._newton.step(x, lengths, length_residuals(self.triangulation, x, lengths))
+        except SingularMatrix:
+            return x
+
+    def _corrected(self, guess: Floats, t: float, tally: Tally) -> Annealed:
         return anneal(
             self._newton,
             guess,
@@ -168,7 +198,17 @@ class _Path:
             max_iterations=PATIENCE,
         )
 
-    def _rescue(self, vertices: Floats, t: float, iterations: int, tally: Tally) -> Annealed:
+    def _change(self, guess: Floats, vertices: Floats) -> float:
+        """The largest change of a vertex's height above its neighbors, over the root mean square height.
+
+        Newton's method can cross over to a neighboring realization, with some vertices turned inside out,
+        that has the same lengths.  Then a height changes by more than the predictor's error explains.
+        """
+        before = umbrella_heights(self.triangulation, guess)
+        after = umbrella_heights(self.triangulation, vertices)
+        return float(np.abs(after - before).max() / np.sqrt(np.mean(after**2)))
+
+    def _rescued(self, vertices: Floats, t: float, iterations: int, tally: Tally) -> Annealed:
         if self._damped is None:
             L = umbrella(self.triangulation)
             self._damped = VertexSystem(self.triangulation, (L.T @ L).tocsr(), self._dissection)

@@ -14,6 +14,7 @@ from isoembed.surface.rigidity import LengthSystem, VertexSystem, length_residua
 Floats = NDArray[np.float64]
 
 DIVERGED = 10.0  # mean edge lengths: no Newton iteration comes back from so large a residual
+SETTLED = 1e-3  # mean edge lengths: a fit that only starts the next stage need not be finer
 ROUNDING = 1e-9  # below this Newton's method is quadratic: a residual that grows is rounding
 
 
@@ -90,6 +91,50 @@ def anneal(
         if np.abs(step).max() <= step_tolerance:
             return Annealed(x, float(np.abs(r).max()), True)
     return best
+
+
+def anneal_on_sphere(
+    system: VertexSystem,
+    vertices: Floats,
+    lengths: Floats,
+    radius: float,
+    tally: Tally,
+    *,
+    max_iterations: int,
+) -> Floats:
+    """Fit points near a sphere to lengths and radius together, in least squares, by Gauss-Newton.
+
+    It spreads the inconsistencies of the embedding tree evenly, "annealing the coordinates on the sphere",
+    before the radius is let go.
+
+    Parameters
+    ----------
+    system : VertexSystem
+    vertices : ndarray, shape (V, 3)
+        About the origin.
+    lengths : ndarray, shape (E,)
+    radius : float
+    tally : Tally
+    max_iterations : int
+
+    Returns
+    -------
+    ndarray, shape (V, 3)
+    """
+    x = vertices
+    for _ in range(max_iterations):
+        r = length_residuals(system.triangulation, x, lengths)
+        tally.show(residual=float(np.abs(r).max()))
+        try:
+            step = system.spherical_step(x, lengths, r, radius)
+        except SingularMatrix:
+            break
+        tally.iterations += 1
+        tally.factorizations += 1
+        x = x - step
+        if np.abs(step).max() < SETTLED:
+            break
+    return x
 
 
 def anneal_damped(

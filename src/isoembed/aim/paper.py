@@ -8,7 +8,7 @@ from typing import Literal, get_args
 import numpy as np
 from numpy.typing import NDArray
 
-from isoembed.aim.anneal import Annealed, anneal, anneal_damped
+from isoembed.aim.anneal import Annealed, anneal, anneal_damped, anneal_on_sphere
 from isoembed.aim.convexity import PRINTED, crumpled_vertices, pop_and_anneal, popped
 from isoembed.aim.layout import embedding_tree
 from isoembed.aim.paths import path_factors, path_times
@@ -18,7 +18,7 @@ from isoembed.metric.conformal import rescaled
 from isoembed.metric.polyhedral import PolyhedralMetric
 from isoembed.stages import Log, Tally
 from isoembed.surface.embedding import Embedding
-from isoembed.surface.rigidity import LengthSystem
+from isoembed.surface.rigidity import LengthSystem, VertexSystem
 
 Floats = NDArray[np.float64]
 
@@ -52,6 +52,9 @@ class Paper:
         Steps of the pull-back.
     root : int
         First face of the embedding tree.
+    sphere : bool
+        Whether anneal A begins on the sphere: lengths and radius are fitted together before Eq. (fmin) is
+        minimized.  Without it, as printed, the tree's inconsistencies leave crumples on many meshes.
     convexity : {"corrected", "printed", "none"}
         The convexity routine with v - 2 v_diff, which pops inverted vertices and is kept only where it helps;
         with the paper's v + 2 v_diff, unguarded, to show what that does; or none.
@@ -75,6 +78,7 @@ class Paper:
     alpha: float = 0.1
     Tsteps: int = 10
     root: int = 0
+    sphere: bool = True
     convexity: Convexity = "corrected"
     step_tolerance: float = 1e-8
     max_iterations: int = 50
@@ -118,6 +122,15 @@ class Paper:
             vertices = embedding_tree(uniform.metric, uniform.radius, self.root, tally)
         system = LengthSystem(given.triangulation)
         with log.stage("anneal A") as tally:
+            if self.sphere:
+                vertices = anneal_on_sphere(
+                    VertexSystem(given.triangulation),
+                    vertices,
+                    uniform.metric.lengths,
+                    uniform.radius,
+                    tally,
+                    max_iterations=self.max_iterations,
+                )
             annealed = self.anneal(system, vertices, uniform.metric.lengths, tolerance, tally)
         with log.stage("convexity and anneal B") as tally:
             annealed = self.make_convex(system, annealed, uniform.metric.lengths, tolerance, tally)

@@ -2,12 +2,17 @@
 
 from __future__ import annotations
 
+import numbers
+from typing import Any
+
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 from scipy.sparse import coo_array
 from scipy.sparse.csgraph import connected_components
 
 from isoembed.errors import InvalidMetric
+
+LARGEST = 2**62  # what 64 bits hold; gaps among the indices are refused anyway
 
 
 def index_array(values: ArrayLike, columns: int, what: str, part: str) -> NDArray[np.int64]:
@@ -31,28 +36,43 @@ def index_array(values: ArrayLike, columns: int, what: str, part: str) -> NDArra
     InvalidMetric
         The table is empty, a row has another length, or an entry is not a non-negative whole number.
     """
-    rows = values if isinstance(values, np.ndarray) else list(values)  # type: ignore[arg-type]
+    rows = values if isinstance(values, np.ndarray) else _rows(values, what)
     if len(rows) == 0:
         raise InvalidMetric(f"there are no {what}s")
     if not isinstance(rows, np.ndarray):
         for k, row in enumerate(rows):
-            size = np.size(row)
-            if size != columns:
-                raise InvalidMetric(f"{what} {k} has {size} {part} {row!r}, not {columns}")
+            if np.ndim(row) != 1 or len(row) != columns:
+                raise InvalidMetric(f"{what} {k} has {np.size(row)} {part} {row!r}, not {columns}")
+            for index in row:
+                if isinstance(index, bool) or not isinstance(index, numbers.Real):
+                    raise InvalidMetric(
+                        f"{what} {k} refers to vertex {index!r}: vertex indices must be whole numbers"
+                    )
+                if isinstance(index, int) and abs(index) > LARGEST:
+                    raise InvalidMetric(f"{what} {k} refers to vertex {index}: the index is too large")
     table = np.asarray(rows)
     if table.ndim != 2 or table.shape[1] != columns:
         if table.ndim == 2:
             raise InvalidMetric(f"{what} 0 has {table.shape[1]} {part} {table[0].tolist()}, not {columns}")
         raise InvalidMetric(f"the {what}s have shape {table.shape}, not (n, {columns})")
     if table.dtype.kind not in "iuf":
-        raise InvalidMetric(f"{what} 0 is {rows[0]!r}: vertex indices must be whole numbers")
+        raise InvalidMetric(
+            f"{what} 0 refers to vertex {table[0, 0].item()!r}: vertex indices must be whole numbers"
+        )
     if table.dtype.kind == "f":
         with np.errstate(invalid="ignore"):
             whole = table == np.floor(table)
         _refuse_first(~whole | ~np.isfinite(table), table, what, "vertex indices must be whole numbers")
     _refuse_first(table < 0, table, what, "vertex indices must not be negative")
-    _refuse_first(table > np.iinfo(np.int64).max // 4, table, what, "the index is too large")
+    _refuse_first(table > LARGEST, table, what, "the index is too large")
     return np.ascontiguousarray(table, dtype=np.int64)
+
+
+def _rows(values: ArrayLike, what: str) -> list[Any]:
+    try:
+        return list(values)  # type: ignore[arg-type]
+    except TypeError:
+        raise InvalidMetric(f"the {what}s are {values!r}, not a list") from None
 
 
 def _refuse_first(bad: NDArray[np.bool_], table: NDArray, what: str, why: str) -> None:

@@ -20,12 +20,12 @@ Floats = NDArray[np.float64]
 
 @dataclass(frozen=True)
 class Triangles:
-    """Shapes of triangles, in the unit of the largest side so that no product over- or underflows.
+    """Shapes of triangles, in a unit near the largest side so that no product over- or underflows.
 
     Attributes
     ----------
     unit : float
-        The largest side of all.
+        The power of two below the largest side of all.
     opposite : ndarray, shape (F, 3)
         Length across from each corner.
     excess : ndarray, shape (F, 3)
@@ -41,7 +41,7 @@ class Triangles:
     @classmethod
     def of(cls, face_lengths: Floats) -> Triangles:
         """Measure the triangles with these half-edge lengths, shape (F, 3)."""
-        unit = float(face_lengths.max())
+        unit = 2.0 ** float(np.frexp(face_lengths.max())[1] - 1)  # a power of two: dividing by it is exact
         opposite = np.roll(face_lengths, -1, axis=1) / unit
         order = np.argsort(opposite, axis=1)
         c, b, a = np.take_along_axis(opposite, order, axis=1).T  # a >= b >= c

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import numbers
+import sys
 from dataclasses import dataclass
 from functools import cached_property
 
@@ -73,7 +75,7 @@ class PolyhedralMetric:
         InvalidMetric
             As the constructor, and where a coordinate is not finite or a vertex is in no face.
         """
-        points = np.asarray(vertices, dtype=np.float64)
+        points = _reals(vertices, "vertex", "coordinate")
         if points.ndim != 2:
             raise InvalidMetric(f"the vertices have shape {points.shape}, not (V, 3)")
         triangulation = Triangulation(faces)
@@ -88,7 +90,9 @@ class PolyhedralMetric:
             raise InvalidMetric(f"vertex {v} has the coordinates {points[v].tolist()}, which are not finite")
         a, b = triangulation.edges.T
         size = np.abs(points).max() or 1.0  # keeps the squares from under- and overflowing
-        return cls._on(triangulation, size * np.linalg.norm(points[a] / size - points[b] / size, axis=1))
+        with np.errstate(over="ignore"):  # a length beyond the floats is refused as infinite
+            lengths = size * np.linalg.norm(points[a] / size - points[b] / size, axis=1)
+        return cls._on(triangulation, lengths)
 
     @classmethod
     def _on(cls, triangulation: Triangulation, lengths: Floats) -> PolyhedralMetric:
@@ -147,13 +151,27 @@ class PolyhedralMetric:
 
 
 def _length_array(lengths: ArrayLike) -> Floats:
-    try:
-        values = np.array(lengths, dtype=np.float64)
-    except (TypeError, ValueError) as error:
-        raise InvalidMetric(f"the lengths are not a list of numbers: {error}") from None
+    values = _reals(lengths, "edge", "length")
     if values.ndim != 1:
         raise InvalidMetric(f"the lengths have shape {values.shape}, not (E,)")
     return values
+
+
+def _reals(given: ArrayLike, what: str, quantity: str) -> Floats:
+    """A float copy of an array of real numbers, refused at the first entry that is none."""
+    try:
+        values = np.asarray(given)
+    except ValueError:  # rows of different sizes
+        sizes = [np.size(row) for row in given]  # type: ignore[union-attr]
+        k = next(k for k, size in enumerate(sizes) if size != sizes[0])
+        raise InvalidMetric(f"{what} {k} has {sizes[k]} {quantity}s, {what} 0 has {sizes[0]}") from None
+    if values.dtype.kind not in "iuf":
+        for k, row in enumerate(given if np.ndim(given) else [given]):  # type: ignore[arg-type]
+            for value in np.ravel(np.array(row, dtype=object)):
+                number = isinstance(value, numbers.Real) and not isinstance(value, bool | np.bool_)
+                if not number or abs(value) > sys.float_info.max:
+                    raise InvalidMetric(f"{what} {k} has {quantity} {value!r}, not a finite number")
+    return values.astype(np.float64)
 
 
 def _matched(triangulation: Triangulation, lengths: Floats, edges: ArrayLike) -> Floats:

@@ -91,12 +91,22 @@ class Embedding:
         ):
             object.__setattr__(self, name, value)
         if not message:
-            verb = "are within" if self.converged else "miss"
-            sentence = (
-                f"the lengths {verb} the tolerance {tolerance:.0e}: largest residual {self.residual:.1e} "
-                "of the mean edge length"
+            object.__setattr__(self, "message", self._sentence())
+
+    def _sentence(self) -> str:
+        e = int(np.argmax(self.residuals))
+        sentence = (
+            f"the lengths {'are within' if self.converged else 'miss'} the tolerance {self.tolerance:.0e}: "
+            f"the largest residual is {self.residual:.1e} of the mean edge length, "
+            f"at edge {e} {self.metric.edges[e].tolist()}"
+        )
+        inverted, partially = int(self.inverted_vertices.sum()), int(self.partially_inverted_vertices.sum())
+        if inverted or partially:
+            sentence += (
+                f"; {inverted} inverted and {partially} partially inverted vertices: "
+                "the surface may be crumpled"
             )
-            object.__setattr__(self, "message", sentence)
+        return sentence
 
     def with_message(self, message: str) -> Embedding:
         """Return the same embedding with another message."""

@@ -8,6 +8,8 @@ matrix that is definite whenever the surface is infinitesimally rigid.
 
 from __future__ import annotations
 
+from typing import cast
+
 import numpy as np
 from numpy.typing import NDArray
 from scipy.sparse import csr_array, diags_array, eye_array, kron
@@ -96,12 +98,12 @@ class LengthSystem:
 
 
 class VertexSystem:
-    """``J^T J + P`` in the coordinates, P coupling vertices of a given graph: for penalized steps.
+    """``J^T J + P`` in the coordinates, P coupling vertices of a given graph: for damped and fitted steps.
 
     Parameters
     ----------
     triangulation : Triangulation
-    penalty : sparse, shape (V, V)
+    penalty : sparse, shape (V, V), optional
         Symmetric; its pattern, with the triangulation's, is the pattern of every matrix of the system.
         It acts on x, y and z alike.
     dissection : Dissection, optional
@@ -109,10 +111,14 @@ class VertexSystem:
     """
 
     def __init__(
-        self, triangulation: Triangulation, penalty: csr_array, dissection: Dissection | None = None
+        self,
+        triangulation: Triangulation,
+        penalty: csr_array | None = None,
+        dissection: Dissection | None = None,
     ) -> None:
         self.triangulation = triangulation
         n = triangulation.n_vertices
+        penalty = csr_array((n, n)) if penalty is None else penalty
         dissection = dissection or dissect(triangulation.adjacency)
         graph = (triangulation.adjacency + abs(penalty) + eye_array(n)).tocsc()
         graph.data[:] = 1.0  # a pattern, from connectivity: values that cancel must not shrink it
@@ -124,11 +130,11 @@ class VertexSystem:
         # The four 3 x 3 blocks of an edge: +R at (a, a) and (b, b), -R at (a, b) and (b, a).
         self._edge_slots = np.concatenate([self._blocks(i, j) for i, j in ((a, a), (b, b), (a, b), (b, a))])
         self._edge_signs = np.repeat([1.0, 1.0, -1.0, -1.0], 9 * len(a))
+        self._vertex_slots = self._blocks(np.arange(n), np.arange(n))
         entries = penalty.tocoo()
         slots = [self._slot(3 * entries.row + k, 3 * entries.col + k) for k in range(3)]
-        self._penalty = np.bincount(
-            np.concatenate(slots), np.tile(entries.data, 3), minlength=len(self._keys)
-        )
+        values = np.tile(entries.data, 3)
+        self._penalty = cast(Floats, np.bincount(np.concatenate(slots), values, minlength=len(self._keys)))
         self._hold = HOLD * (pattern.indices == column)
 
     def _slot(self, row: NDArray[np.int64], column: NDArray[np.int64]) -> NDArray[np.int64]:
@@ -157,22 +163,40 @@ class VertexSystem:
         SingularMatrix
             The matrix is not positive definite.
         """
+        return self._solved(vertices, lengths, residuals, MEAN_DIAGONAL * mu * self._penalty, 0.0)
+
+    def spherical_step(self, vertices: Floats, lengths: Floats, residuals: Floats, radius: float) -> Floats:
+        """Gauss-Newton's step, (V, 3), for the lengths and ``|x_a| = r`` together, in least squares.
+
+        The rows ``x_a^T / r`` with residuals ``(|x_a|^2 - r^2) / (2 r)`` join those of J.  To be subtracted
+        from the vertices; parameters as `step`.
+        """
+        outward = vertices / radius
+        blocks = np.einsum("ai,aj->aij", outward, outward).ravel()
+        extra = cast(Floats, np.bincount(self._vertex_slots, blocks, minlength=len(self._keys)))
+        heights = radius * (np.einsum("ai,ai->a", outward, outward) - 1) / 2
+        return self._solved(vertices, lengths, residuals, extra, outward * heights[:, None])
+
+    def _solved(
+        self, vertices: Floats, lengths: Floats, residuals: Floats, extra: Floats, pull: Floats | float
+    ) -> Floats:
+        """``(J^T J + extra)^-1 (J^T r + pull)``."""
         rows = edge_rows(self.triangulation, vertices, lengths)
         products = np.einsum("ei,ej->eij", rows, rows).ravel()
         values = np.bincount(
             self._edge_slots, self._edge_signs * np.tile(products, 4), minlength=len(self._keys)
         )
-        factor = self._solver.factor(values + MEAN_DIAGONAL * (mu * self._penalty + self._hold))
+        factor = self._solver.factor(values + extra + MEAN_DIAGONAL * self._hold)
         a, b = self.triangulation.edges.T
-        pull = rows * residuals[:, None]
+        weighted = rows * residuals[:, None]
         n = self.triangulation.n_vertices
         gradient = np.column_stack(
             [
-                np.bincount(a, pull[:, k], minlength=n) - np.bincount(b, pull[:, k], minlength=n)
+                np.bincount(a, weighted[:, k], minlength=n) - np.bincount(b, weighted[:, k], minlength=n)
                 for k in range(3)
             ]
         )
-        return factor.solve(gradient.ravel(), sweeps=1).reshape(-1, 3)
+        return factor.solve((gradient + pull).ravel(), sweeps=1).reshape(-1, 3)
 
 
 def umbrella(triangulation: Triangulation) -> csr_array:

@@ -1,0 +1,157 @@
+"""Cost of each stage against the number of vertices: ``python benchmarks/stages.py [--quick] [--json FILE]``.
+
+For the paper's ellipsoid and drum and both methods: seconds, factorizations and steps a stage, the time of a
+stage over that of one factorization of J J^T, exponents fitted over N, accuracy (edge error, distance to the
+discarded coordinates over the diameter, inverted vertices) and peak memory, each case in a process of its own.
+"""
+
+import argparse
+import json
+import resource
+import subprocess
+import sys
+import time
+from pathlib import Path
+
+import numpy as np
+
+SIZES = (400, 800, 1600, 3226, 6400, 12800)
+CASES = ("ellipsoid", "drum")
+TOLERANCE = {"aim": 1e-10, "paper": 1e-6}
+
+
+def aligned(found, true):
+    """Largest distance after the best rigid motion, mirror images allowed, over the diameter."""
+    a, b = found - found.mean(axis=0), true - true.mean(axis=0)
+    u, _, v = np.linalg.svd(a.T @ b)
+    return np.linalg.norm(a @ u @ v - b, axis=1).max() / (2 * np.linalg.norm(b, axis=1).max())
+
+
+def one_factorization(metric, vertices):
+    """Least seconds of five Newton steps, each one factorization of J J^T with its solves."""
+    from isoembed.surface.rigidity import LengthSystem, length_residuals
+
+    unit = metric.mean_length
+    system = LengthSystem(metric.triangulation)
+    lengths, vertices = metric.lengths / unit, vertices / unit
+    residuals = length_residuals(metric.triangulation, vertices, lengths)
+    seconds = []
+    for _ in range(5):
+        start = time.perf_counter()
+        system.step(vertices, lengths, residuals)
+        seconds.append(time.perf_counter() - start)
+    return min(seconds)
+
+
+def measure(name, n, method):
+    """Embed one surface from its lengths and print what it took, as JSON."""
+    from isoembed import NotEmbedded, PolyhedralMetric, embed
+    from isoembed.gallery import SURFACES, triangulate
+
+    vertices, faces = triangulate(SURFACES[name](), n)
+    metric = PolyhedralMetric.from_mesh(vertices, faces)
+    before = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss
+    start = time.perf_counter()
+    try:
+        surface = embed(metric, method=method, tolerance=TOLERANCE[method])
+    except NotEmbedded as error:
+        surface = error.embedding
+    seconds = time.perf_counter() - start
+    peak = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss
+    row = {
+        "case": name,
+        "method": method,
+        "vertices": n,
+        "seconds": seconds,
+        "one": one_factorization(metric, surface.vertices),
+        "peak_mb": peak / 1024,
+        "before_mb": before / 1024,
+        "aligned": aligned(surface.vertices, vertices),
+        **{key: surface.report[key] for key in ("status", "residual", "convexity", "stages")},
+    }
+    print(json.dumps(row))
+
+
+def exponent(rows, cost):
+    """Slope of log(cost) over log(N)."""
+    points = [(row["vertices"], cost(row)) for row in rows]
+    if len(points) < 2 or min(value for _, value in points) <= 0:
+        return float("nan")
+    n, value = np.log(points).T
+    return np.polyfit(n, value, 1)[0]
+
+
+def show(rows):
+    """Print the table of one case and method, and its exponents."""
+    first = rows[0]
+    print(f"\n{first['case']}, method {first['method']}, tolerance {TOLERANCE[first['method']]:.0e}")
+    names = [stage["name"] for stage in first["stages"]]
+    print(
+        f"{'N':>6} {'seconds':>8} {'one':>7} {'ratio':>6} {'fact.':>6} {'steps':>6} {'edge error':>11} "
+        f"{'aligned':>8} {'inverted':>9} {'peak MB':>8}  "
+        + "  ".join(f"{name} s / one (fact.)" for name in names)
+    )
+    for row in rows:
+        stages = row["stages"]
+        convexity = row["convexity"]
+        parts = "  ".join(
+            f"{s['seconds']:.3f} / {s['seconds'] / row['one']:.1f} ({s['factorizations']})" for s in stages
+        )
+        print(
+            f"{row['vertices']:>6} {row['seconds']:>8.2f} {row['one']:>7.3f} {row['seconds'] / row['one']:>6.1f} "
+            f"{sum(s['factorizations'] for s in stages):>6} {row['steps'] or '> 32':>6} {row['residual']['max']:>11.1e} "
+            f"{row['aligned']:>8.0e} "
+            f"{convexity['inverted_vertices']:>4} + {convexity['partially_inverted_vertices']:<2} "
+            f"{row['peak_mb']:>8.0f}  {parts}"
+        )
+    print(f"exponents: total {exponent(rows, lambda row: row['seconds']):.2f}", end="")
+    for k, name in enumerate(names):
+        print(f", {name} {exponent(rows, lambda row, k=k: row['stages'][k]['seconds']):.2f}", end="")
+    print()
+
+
+def fewest_steps(name, n):
+    """Least Tsteps of the paper's method that embeds without inverted vertices."""
+    from isoembed import NotEmbedded, Paper, PolyhedralMetric, embed
+    from isoembed.gallery import SURFACES, triangulate
+
+    metric = PolyhedralMetric.from_mesh(*triangulate(SURFACES[name](), n))
+    for steps in range(1, 33):
+        try:
+            surface = embed(metric, method=Paper(Tsteps=steps, convexity="none"), tolerance=1e-6)
+        except NotEmbedded:
+            continue
+        if not (surface.inverted_vertices.any() or surface.partially_inverted_vertices.any()):
+            return steps
+    return None
+
+
+def main():
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("--quick", action="store_true", help="up to 1,600 vertices")
+    parser.add_argument("--json", type=Path, help="write the rows to this file")
+    parser.add_argument("--measure", nargs=3, metavar=("NAME", "N", "METHOD"), help=argparse.SUPPRESS)
+    arguments = parser.parse_args()
+    if arguments.measure:
+        name, n, method = arguments.measure
+        measure(name, int(n), method)
+        return
+    sizes = [n for n in SIZES if n <= 1600 or not arguments.quick]
+    everything = []
+    for name in CASES:
+        steps = {n: fewest_steps(name, n) for n in sizes}
+        for method in TOLERANCE:
+            rows = []
+            for n in sizes:
+                command = [sys.executable, __file__, "--measure", name, str(n), method]
+                run = subprocess.run(command, capture_output=True, text=True, check=True)
+                rows.append({**json.loads(run.stdout), "steps": steps[n]})
+            show(rows)
+            everything += rows
+        print(f"fewest adiabatic steps (Tsteps) against N: {steps}")
+    if arguments.json:
+        arguments.json.write_text(json.dumps(everything, indent=1))
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,89 @@
+"""The command ``isoembed``: one file a subcommand, each imported when it is called for.
+
+Exit status: 0 done, 2 the input or the command line is wrong, 3 no embedding within the tolerance,
+130 interrupted.
+"""
+
+from __future__ import annotations
+
+import argparse
+import sys
+from collections.abc import Sequence
+from importlib import import_module
+
+from isoembed import __version__
+from isoembed.cli.screen import complain
+from isoembed.cli.status import INTERRUPTED, OK, WRONG
+
+COMMANDS = {
+    "embed": "find the surface in R^3 that has the given edge lengths",
+    "inspect": "say what kind of metric a file holds, and what that means for its embedding",
+    "surface": "write the metric of a closed-form surface (ellipsoid, drum, Kerr horizon, ...)",
+}
+
+
+class Parser(argparse.ArgumentParser):
+    """A parser whose complaints are one line."""
+
+    def error(self, message: str) -> None:  # type: ignore[override]
+        """Refuse the command line."""
+        complain(f"{message} (see '{self.prog} --help')")
+        raise SystemExit(WRONG)
+
+
+def build_parser(arguments: Sequence[str]) -> Parser:
+    """Make the parser; a subcommand's options are loaded only if its name is among the arguments."""
+    parser = Parser(
+        prog="isoembed",
+        description="From the triangles and edge lengths of a closed surface to the surface in R^3.",
+        epilog="Exit status: 0 done; 2 wrong input or command line; 3 no embedding within the tolerance; "
+        "130 interrupted.",
+        allow_abbrev=False,
+    )
+    parser.add_argument("--version", action="version", version=f"isoembed {__version__}")
+    commands = parser.add_subparsers(title="commands", metavar="COMMAND", required=True)
+    for name, purpose in COMMANDS.items():
+        command = commands.add_parser(name, help=purpose, description=f"{purpose[0].upper()}{purpose[1:]}.")
+        command.allow_abbrev = False
+        if name in arguments:
+            module = import_module(f"isoembed.cli.{name}")
+            module.configure(command)
+            command.set_defaults(run=module.run)
+    return parser
+
+
+def main(argv: Sequence[str] | None = None) -> int:
+    """Run the command.
+
+    Parameters
+    ----------
+    argv : sequence of str, optional
+        The arguments; by default those of the process.
+
+    Returns
+    -------
+    int
+        The exit status.
+    """
+    arguments = sys.argv[1:] if argv is None else list(argv)
+    try:
+        options = build_parser(arguments).parse_args(arguments)
+        return _run(options)
+    except SystemExit as stop:  # argparse: --help, --version, a wrong command line
+        return int(stop.code or OK)
+    except KeyboardInterrupt:
+        complain("interrupted")
+        return INTERRUPTED
+    except MemoryError:
+        complain("there is not enough memory for this")
+        return WRONG
+
+
+def _run(options: argparse.Namespace) -> int:
+    from isoembed.cli.refusal import USER_ERRORS  # loads numpy, which --help and --version do without
+
+    try:
+        return int(options.run(options))
+    except USER_ERRORS as error:
+        complain(str(error))
+        return WRONG

@@ -1,0 +1,83 @@
+"""Fields of a frozen dataclass from the command line: ``NAME=VALUE``, read by the field's type."""
+
+from __future__ import annotations
+
+import types
+from collections.abc import Sequence
+from dataclasses import fields
+from typing import TYPE_CHECKING, Any, Literal, Union, get_args, get_origin, get_type_hints
+
+import isoembed
+from isoembed.cli.refusal import Refusal
+
+if TYPE_CHECKING:
+    from isoembed.verb import Method
+
+CONFIGURATIONS = {"aim": "Aim", "paper": "Paper"}
+TRUTH = {"true": True, "yes": True, "1": True, "false": False, "no": False, "0": False}
+
+
+def configured(method: str, assignments: Sequence[str]) -> Method:
+    """Make the method of this name with these parameters.
+
+    Parameters
+    ----------
+    method : str
+    assignments : sequence of str
+        Each ``NAME=VALUE``, with the name of a field of the method's configuration.
+
+    Raises
+    ------
+    Refusal
+        The method is not there, or a parameter or its value is not one of the method's.
+    """
+    if method not in CONFIGURATIONS:
+        raise Refusal(f"the method {method!r} is not in this version; there are {', '.join(CONFIGURATIONS)}")
+    configuration: type[Any] = getattr(isoembed, CONFIGURATIONS[method])
+    known = [field.name for field in fields(configuration) if field.init]
+    types_ = get_type_hints(configuration)
+    values: dict[str, Any] = {}
+    for assignment in assignments:
+        name, equals, text = assignment.partition("=")
+        if not equals:
+            raise Refusal(f"--parameter {assignment} is not of the form NAME=VALUE")
+        if name not in known:
+            raise Refusal(f"the method {method!r} has no parameter {name!r}; it has {', '.join(known)}")
+        try:
+            values[name] = parsed(text, types_[name])
+        except ValueError as error:
+            raise Refusal(f"--parameter {assignment}: {error}") from None
+    try:
+        return configuration(**values)
+    except ValueError as error:
+        raise Refusal(f"method {method!r}: {error}") from None
+
+
+def parsed(text: str, type_: Any) -> Any:
+    """Read a value of a field's type: bool, int, float, str, a Literal of strings, or one of these or None.
+
+    Raises
+    ------
+    ValueError
+        In words for the user.
+    """
+    origin = get_origin(type_)
+    if origin is Literal:
+        if text not in get_args(type_):
+            raise ValueError(f"{text!r} is not one of {', '.join(get_args(type_))}")
+        return text
+    if origin in (Union, types.UnionType):
+        if text.lower() == "none" and type(None) in get_args(type_):
+            return None
+        (type_,) = (option for option in get_args(type_) if option is not type(None))
+        return parsed(text, type_)
+    if type_ is bool:
+        if text.lower() not in TRUTH:
+            raise ValueError(f"{text!r} is not true or false")
+        return TRUTH[text.lower()]
+    if type_ is str:
+        return text
+    try:
+        return type_(text)
+    except ValueError:
+        raise ValueError(f"{text!r} is not {'a whole number' if type_ is int else 'a number'}") from None

@@ -1,0 +1,14 @@
+"""What a user can cause: exit status 2 and one line."""
+
+from __future__ import annotations
+
+from isoembed.cli.screen import OutputError
+from isoembed.errors import InvalidMetric
+from isoembed.io import FileError
+
+
+class Refusal(ValueError):  # noqa: N818 - the command refuses, nothing failed
+    """A command line that is well formed but makes no sense."""
+
+
+USER_ERRORS = (Refusal, FileError, InvalidMetric, OutputError)

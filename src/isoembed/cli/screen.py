@@ -1,0 +1,43 @@
+"""Words to the user: answers on standard output, complaints as one line on standard error."""
+
+from __future__ import annotations
+
+import os
+import sys
+from contextlib import suppress
+
+
+class OutputError(RuntimeError):
+    """Standard output does not take the answer."""
+
+
+def say(text: str) -> None:
+    """Print an answer.  A reader who has gone away (``| head``) is no failure of ours.
+
+    Raises
+    ------
+    OutputError
+        The system refused otherwise: no space.
+    """
+    try:
+        print(text, flush=True)
+    except BrokenPipeError:
+        _abandon()
+    except OSError as error:
+        _abandon()
+        raise OutputError(f"cannot write to standard output: {error.strerror}") from None
+
+
+def complain(message: str) -> None:
+    """Print ``isoembed: error: message`` in one line."""
+    if sys.stderr is not None:
+        line = " ".join(f"isoembed: error: {message}".split())
+        with suppress(OSError):  # there is nobody left to tell
+            print(line, file=sys.stderr, flush=True)
+
+
+def _abandon() -> None:
+    """Send the rest of standard output nowhere, so that closing it at exit does not fail again."""
+    nowhere = os.open(os.devnull, os.O_WRONLY)
+    os.dup2(nowhere, sys.stdout.fileno())
+    os.close(nowhere)

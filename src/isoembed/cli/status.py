@@ -1,0 +1,6 @@
+"""The exit statuses of the contract."""
+
+OK = 0
+WRONG = 2
+NOT_EMBEDDED = 3
+INTERRUPTED = 130

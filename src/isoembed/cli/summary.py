@@ -1,0 +1,39 @@
+"""An embedding in a few lines for the eye."""
+
+from __future__ import annotations
+
+from isoembed.surface.embedding import Embedding
+
+
+def summary(embedding: Embedding) -> str:
+    """Return the summary that ``isoembed embed`` prints where no output file is asked for."""
+    report = embedding.report
+    size, residual, convexity = report["input"], report["residual"], report["convexity"]
+    lines = [
+        f"{report['status']}: {report['message']}",
+        "",
+        f"method      {report['method']}, tolerance {report['tolerance']:.0e}",
+        f"input       {size['vertices']} vertices, {size['edges']} edges, {size['faces']} faces, "
+        f"{size['negative_deficits']} negative deficits",
+        f"residual    {residual['max']:.2e} max, {residual['mean']:.2e} mean, {residual['std']:.2e} std "
+        "(in mean edge lengths)",
+        f"convexity   {convexity['concave_edges']} concave edges, {convexity['inverted_vertices']} inverted "
+        f"and {convexity['partially_inverted_vertices']} partially inverted vertices",
+        f"area        {_number(report['area'])}",
+        f"volume      {_number(report['volume'])}",
+        f"int H dA    {_number(report['integrated_mean_curvature'])}   with H = (k1 + k2)/2",
+    ]
+    if embedding.stages:
+        width = max(len("total"), *(len(stage.name) for stage in embedding.stages))
+        lines += ["", f"{'stage':{width}}  seconds  iterations  factorizations"]
+        rows = [(s.name, s.seconds, s.iterations, s.factorizations) for s in embedding.stages]
+        rows.append(("total", *(sum(column) for column in list(zip(*rows, strict=True))[1:])))
+        lines += [
+            f"{name:{width}}  {seconds:7.2f}  {iterations:10d}  {factorizations:14d}"
+            for name, seconds, iterations, factorizations in rows
+        ]
+    return "\n".join(lines)
+
+
+def _number(value: float | None) -> str:
+    return "beyond the range of numbers" if value is None else f"{value:.12g}"

@@ -1,0 +1,110 @@
+"""``isoembed surface``: the metric of a closed-form surface, well triangulated."""
+
+from __future__ import annotations
+
+import argparse
+from dataclasses import Field, fields
+from pathlib import Path
+from typing import Any, get_args, get_type_hints
+
+from isoembed.cli.refusal import Refusal
+from isoembed.cli.screen import say
+from isoembed.cli.status import OK
+from isoembed.gallery import SURFACES, Surface, triangulate
+from isoembed.io import (
+    MESH_ENDINGS,
+    METRIC_ENDINGS,
+    SURFACE_ENDINGS,
+    check_output,
+    mesh_writer,
+    metric_writer,
+    write_whole,
+)
+from isoembed.io.files import ending
+from isoembed.metric.polyhedral import PolyhedralMetric
+
+
+def configure(parser: argparse.ArgumentParser) -> None:
+    """Add the options of ``isoembed surface``: a subcommand a surface, an option a field."""
+    parser.add_argument("--list", action="store_true", help="list the surfaces and their options")
+    names = parser.add_subparsers(title="surfaces", metavar="NAME", dest="name")
+    for name, surface in SURFACES.items():
+        purpose = _purpose(surface)
+        options = names.add_parser(name, help=purpose, description=purpose)
+        options.allow_abbrev = False
+        types = get_type_hints(surface)
+        for field in fields(surface):  # type: ignore[arg-type]
+            _add_option(options, field, types[field.name])
+        options.add_argument(
+            "--vertices", type=int, required=True, metavar="N", help="number of vertices, at least 12"
+        )
+        options.add_argument(
+            "-o",
+            "--output",
+            type=Path,
+            required=True,
+            metavar="FILE",
+            help=f"{' '.join(METRIC_ENDINGS)}: the metric alone; {' '.join(MESH_ENDINGS)}: the mesh",
+        )
+
+
+def run(options: argparse.Namespace) -> int:
+    """Write the metric or the mesh; return the exit status."""
+    if options.list:
+        width = max(len(name) for name in SURFACES)
+        lines = (f"{name:{width}}  {_purpose(kind)}{_defaults(kind)}" for name, kind in SURFACES.items())
+        say("\n".join(lines))
+        return OK
+    if options.name is None:
+        raise Refusal(f"which surface? There are {', '.join(SURFACES)}")
+    check_output(options.output, SURFACE_ENDINGS)
+    surface, vertices, faces = _meshed(options)
+    metric = PolyhedralMetric.from_mesh(vertices, faces)
+    if ending(options.output) in METRIC_ENDINGS:
+        writer = metric_writer(options.output, metric)
+    else:
+        writer = mesh_writer(options.output, vertices, faces)
+    write_whole({options.output: writer})
+    say(
+        f"{options.output}: {surface!r}, {metric.triangulation.n_vertices} vertices; the smooth surface has "
+        f"area {surface.area:.12g}, volume {surface.volume:.12g}, "
+        f"int H dA {surface.integrated_mean_curvature:.12g} with H = (k1 + k2)/2"
+    )
+    return OK
+
+
+def _meshed(options: argparse.Namespace) -> tuple[Surface, Any, Any]:
+    kind = SURFACES[options.name]
+    values = {field.name: getattr(options, field.name) for field in fields(kind)}  # type: ignore[arg-type]
+    try:
+        surface = kind(**{name: tuple(v) if isinstance(v, list) else v for name, v in values.items()})
+        return surface, *triangulate(surface, options.vertices)
+    except ValueError as error:
+        raise Refusal(str(error)) from None
+
+
+def _add_option(parser: argparse.ArgumentParser, field: Field[Any], type_: Any) -> None:
+    count = len(get_args(type_))
+    default = _shown(field.default)
+    parser.add_argument(
+        f"--{field.name.replace('_', '-')}",
+        dest=field.name,
+        type=float,
+        nargs=count or None,
+        default=field.default,
+        metavar=field.name[0].upper(),
+        help=f"{field.metadata['help']} (default {default})",
+    )
+
+
+def _purpose(surface: type[Surface]) -> str:
+    return (surface.__doc__ or "").partition("\n")[0].rstrip(".")
+
+
+def _defaults(surface: type[Surface]) -> str:
+    options = (f"--{f.name.replace('_', '-')} {_shown(f.default)}" for f in fields(surface))  # type: ignore[arg-type]
+    return f" ({', '.join(options)})"
+
+
+def _shown(default: Any) -> str:
+    return " ".join(f"{x:g}" for x in default) if isinstance(default, tuple) else f"{default:g}"

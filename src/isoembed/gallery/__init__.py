@@ -1,0 +1,29 @@
+"""Closed-form surfaces and good triangulations of them.
+
+``SURFACES`` offers them by name; the fields of each dataclass are its options. A surface knows its points
+and curvatures exactly, and its area, volume and int H dA to rounding, for meshes to be compared with.
+"""
+
+from isoembed.gallery.implicit import Drum, Ellipsoid, Sphere, Superellipsoid
+from isoembed.gallery.kerr import Ergosphere, KerrHorizon
+from isoembed.gallery.revolution import CassiniPeanut
+from isoembed.gallery.surface import Surface
+from isoembed.gallery.triangulate import triangulate
+
+SURFACES: dict[str, type[Surface]] = {
+    cls.name: cls for cls in (Ellipsoid, Drum, Sphere, Superellipsoid, CassiniPeanut, KerrHorizon, Ergosphere)
+}
+"""The surfaces by the names that the command line uses."""
+
+__all__ = [
+    "SURFACES",
+    "CassiniPeanut",
+    "Drum",
+    "Ellipsoid",
+    "Ergosphere",
+    "KerrHorizon",
+    "Sphere",
+    "Superellipsoid",
+    "Surface",
+    "triangulate",
+]

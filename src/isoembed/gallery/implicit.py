@@ -1,0 +1,215 @@
+"""Convex surfaces |x/a|^p + |y/b|^q + |z/c|^r = 1: ellipsoid, sphere, drum, superellipsoid."""
+
+from abc import abstractmethod
+from dataclasses import dataclass, field
+from functools import cached_property
+from math import pi, prod, sqrt
+from typing import ClassVar
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.special import elliprg
+
+from isoembed.gallery.quadrature import integrate, tanh_sinh
+from isoembed.gallery.surface import Surface, number, positive
+
+Array = NDArray[np.float64]
+Triple = tuple[float, float, float]
+
+MAX_ASPECT = 1e4
+"""Longest over shortest axis: far beyond what can be triangulated well, and within what rounding allows."""
+
+
+def _checked_axes(surface: str, axes: object) -> Triple:
+    values = tuple(axes) if isinstance(axes, tuple | list | np.ndarray) else (axes,)
+    if len(values) != 3:
+        raise ValueError(f"{surface}: axes must be three numbers, not {axes!r}")
+    a, b, c = (positive(f"{surface}: axes[{i}]", value) for i, value in enumerate(values))
+    if max(a, b, c) > MAX_ASPECT * min(a, b, c):
+        raise ValueError(
+            f"{surface}: axes must not differ by more than a factor {MAX_ASPECT:g}, not {(a, b, c)}"
+        )
+    return a, b, c
+
+
+class ImplicitSurface(Surface):
+    """The level set g = 1 of g = sum |x_i / s_i|^p_i, with s the semi-axes and every p_i >= 2.
+
+    A direction u names the point s t(u) u: the axes stretch the radial projection of the sphere.
+    """
+
+    axes: Triple
+
+    @property
+    @abstractmethod
+    def _powers(self) -> Triple:
+        """The exponents p."""
+
+    @abstractmethod
+    def _stretch(self, u: Array) -> Array:
+        """The factor t > 0 (n,) with sum |t u_i|^p_i = 1."""
+
+    @property
+    def _unit(self) -> float:
+        return max(self.axes)
+
+    @cached_property
+    def _semiaxes(self) -> Array:
+        s = np.array(self.axes) / max(self.axes)
+        s.setflags(write=False)
+        return s
+
+    def _gradient(self, u: Array) -> tuple[Array, Array]:
+        """Return t (n,) and the gradient (n, 3) of g with respect to x_i / s_i."""
+        t, p = self._stretch(u), np.array(self._powers)
+        y = t[:, None] * u
+        return t, p * np.sign(y) * np.abs(y) ** (p - 1.0)
+
+    def _points(self, u: Array) -> Array:
+        return self._stretch(u)[:, None] * u * self._semiaxes
+
+    def _normals(self, u: Array) -> Array:
+        n = self._gradient(u)[1] / self._semiaxes
+        return n / np.linalg.norm(n, axis=1)[:, None]
+
+    def _area_density(self, u: Array) -> Array:
+        # n dA = t^2 grad g / (u . grad g) d(omega) for a radial map; the axes act by their cofactors.
+        t, g = self._gradient(u)
+        stretched = np.linalg.norm(g / self._semiaxes, axis=1) * self._semiaxes.prod()
+        return t**2 * stretched / np.einsum("ij,ij->i", g, u)
+
+    def _curvatures(self, u: Array) -> tuple[Array, Array]:
+        t, g = self._gradient(u)
+        s, p = self._semiaxes, np.array(self._powers)
+        d = p * (p - 1.0) * np.abs(t[:, None] * u) ** (p - 2.0) / s**2  # the Hessian of g is diagonal
+        g2 = (g / s) ** 2
+        norm2 = g2.sum(axis=1)
+        d1, d2 = np.roll(d, -1, axis=1), np.roll(d, -2, axis=1)
+        K = (g2 * d1 * d2).sum(axis=1) / norm2**2
+        H = (g2 * (d1 + d2)).sum(axis=1) / (2.0 * norm2**1.5)
+        return K, H
+
+    def _moved(self, u: Array, displacement: Array) -> Array:
+        y = self._stretch(u)[:, None] * u + displacement / self._semiaxes
+        return y / np.linalg.norm(y, axis=1)[:, None]
+
+    @cached_property
+    def _integrals(self) -> tuple[float, float, float]:
+        det = self._semiaxes.prod()
+
+        def octants(n: int) -> Array:
+            x, w = tanh_sinh(n)
+            theta, phi = (a.ravel() for a in np.meshgrid(x, x, indexing="ij"))
+            weight = 8.0 * np.sin(theta) * np.outer(w, w).ravel()
+            u = np.stack([np.sin(theta) * np.cos(phi), np.sin(theta) * np.sin(phi), np.cos(theta)], axis=1)
+            element = weight * self._area_density(u)
+            volume = det / 3.0 * weight @ self._stretch(u) ** 3
+            return np.array([element.sum(), volume, element @ self._curvatures(u)[1]])
+
+        area, volume, imc = integrate(octants)
+        return float(area), float(volume), float(imc)
+
+
+@dataclass(frozen=True)
+class Ellipsoid(ImplicitSurface):
+    """The ellipsoid (x/a)^2 + (y/b)^2 + (z/c)^2 = 1, Eq. (ellipse) of the paper."""
+
+    name: ClassVar[str] = "ellipsoid"
+    axes: Triple = field(default=(3.0, 2.0, 1.0), metadata={"help": "semi-axes a b c"})
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "axes", _checked_axes(self.name, self.axes))
+
+    @property
+    def _powers(self) -> Triple:
+        return 2.0, 2.0, 2.0
+
+    def _stretch(self, u: Array) -> Array:
+        return np.ones(len(u))
+
+    @cached_property
+    def _integrals(self) -> tuple[float, float, float]:
+        # Carlson's symmetric integral R_G gives both (DLMF 19.33.2 and Minkowski's duality).
+        a2, b2, c2 = self._semiaxes**2
+        area = 4.0 * pi * elliprg(a2 * b2, a2 * c2, b2 * c2)
+        return (
+            float(area),
+            float(4.0 / 3.0 * pi * prod(self._semiaxes)),
+            float(4.0 * pi * elliprg(a2, b2, c2)),
+        )
+
+
+@dataclass(frozen=True)
+class Sphere(ImplicitSurface):
+    """The round sphere."""
+
+    name: ClassVar[str] = "sphere"
+    radius: float = field(default=1.0, metadata={"help": "radius"})
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "radius", positive(f"{self.name}: radius", self.radius))
+
+    @property
+    def axes(self) -> Triple:  # type: ignore[override]
+        """The three semi-axes, all equal to the radius."""
+        return self.radius, self.radius, self.radius
+
+    @property
+    def _powers(self) -> Triple:
+        return 2.0, 2.0, 2.0
+
+    def _stretch(self, u: Array) -> Array:
+        return np.ones(len(u))
+
+    @cached_property
+    def _integrals(self) -> tuple[float, float, float]:
+        return 4.0 * pi, 4.0 / 3.0 * pi, 4.0 * pi
+
+
+@dataclass(frozen=True)
+class Drum(ImplicitSurface):
+    """The drum (x/d)^2 + (y/e)^2 + (z/f)^4 = 1, Eq. (drum) of the paper.
+
+    Its Gaussian curvature vanishes along the equator z = 0.
+    """
+
+    name: ClassVar[str] = "drum"
+    axes: Triple = field(default=(2.0, 1.0, sqrt(1.5)), metadata={"help": "semi-axes d e f"})
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "axes", _checked_axes(self.name, self.axes))
+
+    @property
+    def _powers(self) -> Triple:
+        return 2.0, 2.0, 4.0
+
+    def _stretch(self, u: Array) -> Array:
+        # A t^2 + B t^4 = 1, solved for t^2 without cancellation.
+        A, B = u[:, 0] ** 2 + u[:, 1] ** 2, u[:, 2] ** 4
+        return np.sqrt(2.0 / (A + np.sqrt(A**2 + 4.0 * B)))
+
+
+@dataclass(frozen=True)
+class Superellipsoid(ImplicitSurface):
+    """The superellipsoid |x/a|^p + |y/b|^p + |z/c|^p = 1, 2 <= p <= 20: a rounded box.
+
+    For p > 2 its Gaussian curvature vanishes on the coordinate planes.
+    """
+
+    name: ClassVar[str] = "superellipsoid"
+    axes: Triple = field(default=(1.0, 1.0, 1.0), metadata={"help": "semi-axes a b c"})
+    power: float = field(default=4.0, metadata={"help": "exponent p, from 2 to 20"})
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "axes", _checked_axes(self.name, self.axes))
+        object.__setattr__(self, "power", number(f"{self.name}: power", self.power))
+        if not 2.0 <= self.power <= 20.0:
+            raise ValueError(f"{self.name}: power must be between 2 and 20, not {self.power}")
+
+    @property
+    def _powers(self) -> Triple:
+        return self.power, self.power, self.power
+
+    def _stretch(self, u: Array) -> Array:
+        largest = np.abs(u).max(axis=1)
+        return ((np.abs(u) / largest[:, None]) ** self.power).sum(axis=1) ** (-1.0 / self.power) / largest

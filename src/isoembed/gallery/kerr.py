@@ -1,0 +1,166 @@
+"""Surfaces r = R(theta) of the Kerr-Newman geometry, embedded as surfaces of revolution: horizon, ergosphere.
+
+Section 3.2 of the paper with s = sin^2(theta) as the variable, in units of the mass.
+"""
+
+# ruff: noqa: N802, N806 (R, Sigma, Delta, P, Q as the paper and the field write them)
+from abc import abstractmethod
+from dataclasses import dataclass, field
+from functools import cached_property
+from math import hypot, sqrt
+from typing import ClassVar
+
+import numpy as np
+from numpy.polynomial import Chebyshev
+from numpy.typing import NDArray
+
+from isoembed.gallery.revolution import Profile, SurfaceOfRevolution
+from isoembed.gallery.surface import number, positive
+
+Array = NDArray[np.float64]
+
+
+class KerrSurface(SurfaceOfRevolution):
+    """A surface t = const, r = R(theta) of the Kerr-Newman geometry in Boyer-Lindquist coordinates.
+
+    Directions are the Boyer-Lindquist angles. With a the spin and Q the charge over the mass, the
+    2-metric, Eq. (twosurf), is h_thth = Sigma (1 + R_th^2 / Delta) and h_phph = P sin^2(theta).
+    """
+
+    mass: float
+    spin: float
+    charge: float
+
+    @abstractmethod
+    def _R(self, s: Array) -> tuple[Array, Array, Array, Array]:
+        """R, its first two derivatives in s, and Delta, Eq. (delta), free of cancellation."""
+
+    @property
+    def _unit(self) -> float:
+        return self.mass
+
+    def _squares(self, s: Array) -> tuple[Array, Array, Array, Array, Array]:
+        """P = rho^2 / s and its first two derivatives in s, then q^2 and its first derivative."""
+        a2, Q2 = (self.spin / self.mass) ** 2, (self.charge / self.mass) ** 2
+        R, R_s, R_ss, Delta = self._R(s)
+        c2 = 1.0 - s
+        Sigma = R**2 + a2 * c2  # Eq. (sigma)
+        Sigma_s = 2.0 * R * R_s - a2
+        Sigma_ss = 2.0 * (R_s**2 + R * R_ss)
+        m, m_s, m_ss = 2.0 * R - Q2, 2.0 * R_s, 2.0 * R_ss
+        w = m / Sigma
+        w_s = (m_s - w * Sigma_s) / Sigma
+        w_ss = (m_ss - 2.0 * w_s * Sigma_s - w * Sigma_ss) / Sigma
+        P = R**2 + a2 + a2 * s * w  # Eq. (gpp)
+        P_s = 2.0 * R * R_s + a2 * (w + s * w_s)
+        P_ss = Sigma_ss + a2 * (2.0 * w_s + s * w_ss)
+        # q^2 = (h_thth - rho_th^2) / s, Eq. (f), with the 0/0 of the poles divided out by hand:
+        # Sigma - P = -a^2 s (1 + w) and R_th^2 = 4 s c^2 R_s^2.
+        if np.any(R_s):
+            g = Sigma * R_s**2 / Delta
+            g_s = (Sigma_s * R_s**2 + 2.0 * Sigma * R_s * R_ss - g * 2.0 * (R - 1.0) * R_s) / Delta
+        else:  # a horizon has Delta = 0, and R_th = 0 removes the term
+            g = g_s = np.zeros_like(s)
+        f = P_s**2 / P
+        f_s = (2.0 * P_s * P_ss - f * P_s) / P
+        q2 = P - a2 * (1.0 + w) + c2 * (4.0 * g - 2.0 * P_s - s * f)
+        q2_s = P_s - a2 * w_s - (4.0 * g - 2.0 * P_s - s * f) + c2 * (4.0 * g_s - 2.0 * P_ss - f - s * f_s)
+        return P, P_s, P_ss, q2, q2_s
+
+    def _profile(self, s: Array) -> Profile:
+        P, P_s, P_ss, q2, q2_s = self._squares(s)
+        p = np.sqrt(P)
+        p_s = P_s / (2.0 * p)
+        q = np.sqrt(np.maximum(q2, 0.0))
+        # q = 0 happens only at the poles of a horizon at its spin limit, where q_s is multiplied by s = 0.
+        q_s = np.divide(q2_s, 2.0 * q, out=np.zeros_like(q), where=q > 0.0)
+        return Profile(p, p_s, (P_ss - 2.0 * p_s**2) / (2.0 * p), q, q_s)
+
+    @cached_property
+    def _height_series(self) -> Chebyshev:
+        """The primitive of sin(theta) q on [0, pi/2]: minus z, up to a constant."""
+        degree, quarter = 32, [0.0, 0.5 * np.pi]
+        while True:
+            series = Chebyshev.interpolate(
+                lambda theta: np.sin(theta) * self._profile(np.sin(theta) ** 2).q, degree, domain=quarter
+            )
+            tail = np.abs(series.coef[-4:]).max()
+            if tail <= 1e-13 * np.abs(series.coef).max() or degree >= 1024:
+                return series.integ()
+            degree *= 2
+
+    def _height(self, theta: Array) -> Array:
+        return self._height_series(0.5 * np.pi) - self._height_series(theta)
+
+
+@dataclass(frozen=True)
+class KerrHorizon(KerrSurface):
+    """The outer horizon r = r_+ of a Kerr-Newman black hole.
+
+    It embeds while its curvature at the poles is not negative, r_+ >= sqrt(3) a (Smarr 1973):
+    a <= sqrt(3)/2 M without charge.
+    """
+
+    name: ClassVar[str] = "kerr-horizon"
+    mass: float = field(default=1.0, metadata={"help": "mass M"})
+    spin: float = field(default=0.5, metadata={"help": "spin a, at most sqrt(3)/2 M without charge"})
+    charge: float = field(default=0.0, metadata={"help": "charge Q"})
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "mass", positive(f"{self.name}: mass", self.mass))
+        object.__setattr__(self, "spin", number(f"{self.name}: spin", self.spin))
+        object.__setattr__(self, "charge", number(f"{self.name}: charge", self.charge))
+        a, Q2 = abs(self.spin) / self.mass, (self.charge / self.mass) ** 2
+        if Q2 > 1.0:
+            raise ValueError(f"{self.name}: |charge| must be at most the mass {self.mass}, not {self.charge}")
+        # r_+ = 1 + sqrt(1 - a^2 - Q^2) >= sqrt(3) a, solved for a; from Q^2 = 2/3 on it always holds.
+        limit = (sqrt(3.0) + sqrt(3.0 - 4.0 * Q2)) / 4.0 if Q2 < 2.0 / 3.0 else sqrt(1.0 - Q2)
+        if a > limit * (1.0 + 1e-15):
+            reason = "for the horizon to embed in R^3" if a * a + Q2 <= 1.0 else "for a horizon to exist"
+            raise ValueError(
+                f"{self.name}: |spin| must be at most {limit * self.mass:.12g} {reason}, not {self.spin}"
+            )
+
+    def _R(self, s: Array) -> tuple[Array, Array, Array, Array]:
+        a, Q = self.spin / self.mass, self.charge / self.mass
+        r_plus = 1.0 + sqrt(max(0.0, 1.0 - hypot(a, Q) ** 2))
+        zero = np.zeros_like(s)
+        return zero + r_plus, zero, zero, zero
+
+
+@dataclass(frozen=True)
+class Ergosphere(KerrSurface):
+    """The distorted ergosphere of a Kerr black hole, r = r_ergo(theta) + epsilon M, Eq. (rtheta).
+
+    At epsilon = 0 the poles are cones; for the paper's spin, K < 0 near them until epsilon = 1.29773.
+    Beyond the bounds on epsilon and the spin the tips are cones to rounding.
+    """
+
+    name: ClassVar[str] = "ergosphere"
+    epsilon: float = field(
+        default=0.3, metadata={"help": "distance from the ergosphere over M, from 1e-6 to 1e6"}
+    )
+    mass: float = field(default=1.0, metadata={"help": "mass M"})
+    spin: float = field(default=0.975, metadata={"help": "spin a, at most 0.9999 M"})
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "epsilon", positive(f"{self.name}: epsilon", self.epsilon))
+        object.__setattr__(self, "mass", positive(f"{self.name}: mass", self.mass))
+        object.__setattr__(self, "spin", number(f"{self.name}: spin", self.spin))
+        if not 1e-6 <= self.epsilon <= 1e6:
+            raise ValueError(f"{self.name}: epsilon must be between 1e-6 and 1e6, not {self.epsilon}")
+        if abs(self.spin) > 0.9999 * self.mass:
+            raise ValueError(
+                f"{self.name}: |spin| must be at most 0.9999 times the mass {self.mass}, not {self.spin}"
+            )
+
+    @property
+    def charge(self) -> float:  # type: ignore[override]
+        """No charge."""
+        return 0.0
+
+    def _R(self, s: Array) -> tuple[Array, Array, Array, Array]:
+        a2 = (self.spin / self.mass) ** 2
+        W = np.sqrt(1.0 - a2 + a2 * s)
+        Delta = a2 * s + self.epsilon * (2.0 * W + self.epsilon)
+        return 1.0 + W + self.epsilon, a2 / (2.0 * W), -(a2**2) / (4.0 * W**3), Delta

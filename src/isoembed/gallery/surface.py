@@ -1,0 +1,132 @@
+"""What every closed-form surface of the gallery can say about itself.
+
+A surface is a map from the unit sphere: a unit vector, its *direction*, names a point. Surfaces are
+computed in their own unit of length, so that 1e-150 and 1e12 are ordinary sizes.
+"""
+
+from abc import ABC, abstractmethod
+from functools import cached_property
+from math import isfinite, pi, sqrt
+from typing import ClassVar, SupportsFloat
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+Array = NDArray[np.float64]
+
+
+def number(name: str, value: SupportsFloat | str) -> float:
+    """Return ``value`` as a finite float, or raise a ValueError that names the parameter and the value."""
+    try:
+        x = float(value)
+    except (TypeError, ValueError):
+        raise ValueError(f"{name} must be a number, not {value!r}") from None
+    if not isfinite(x):
+        raise ValueError(f"{name} must be finite, not {x}")
+    return x
+
+
+def positive(name: str, value: SupportsFloat | str) -> float:
+    """Return ``value`` as a positive finite float, or raise a ValueError that names both."""
+    x = number(name, value)
+    if x <= 0.0:
+        raise ValueError(f"{name} must be positive, not {x}")
+    return x
+
+
+def unit_vectors(directions: ArrayLike) -> Array:
+    """Return directions as an (n, 3) array of unit vectors.
+
+    Raises
+    ------
+    ValueError
+        If the shape is not (n, 3), or a row is zero or not finite.
+    """
+    u = np.asarray(directions, dtype=np.float64)
+    if u.ndim != 2 or u.shape[1] != 3:
+        raise ValueError(f"directions must have shape (n, 3), not {u.shape}")
+    length = np.linalg.norm(u, axis=1)
+    bad = np.flatnonzero(~(np.isfinite(length) & (length > 0.0)))
+    if bad.size:
+        raise ValueError(f"direction {bad[0]} must be a nonzero finite vector, not {u[bad[0]].tolist()}")
+    return u / length[:, None]
+
+
+class Surface(ABC):
+    """A closed surface of genus zero known in closed form, symmetric in the three coordinate planes.
+
+    Subclasses are frozen dataclasses: their fields are the surface's parameters. They implement the
+    underscored methods, all in units of ``_unit`` and for unit vectors that were checked.
+    """
+
+    name: ClassVar[str]
+
+    @property
+    @abstractmethod
+    def _unit(self) -> float:
+        """The surface's own unit of length."""
+
+    @abstractmethod
+    def _points(self, u: Array) -> Array:
+        """Points (n, 3)."""
+
+    @abstractmethod
+    def _normals(self, u: Array) -> Array:
+        """Outward unit normals (n, 3)."""
+
+    @abstractmethod
+    def _curvatures(self, u: Array) -> tuple[Array, Array]:
+        """Gaussian curvature K and mean curvature H = (k1 + k2)/2, each (n,)."""
+
+    @abstractmethod
+    def _area_density(self, u: Array) -> Array:
+        """Area of the surface over area of the sphere of directions (n,)."""
+
+    @abstractmethod
+    def _moved(self, u: Array, displacement: Array) -> Array:
+        """Directions of the points displaced by tangent vectors, right to first order."""
+
+    @cached_property
+    @abstractmethod
+    def _integrals(self) -> tuple[float, float, float]:
+        """Area, volume and int H dA."""
+
+    def point(self, directions: ArrayLike) -> Array:
+        """Points (n, 3) of the surface named by directions (n, 3)."""
+        return self._unit * self._points(unit_vectors(directions))
+
+    def normal(self, directions: ArrayLike) -> Array:
+        """Outward unit normals (n, 3) at the points named by directions (n, 3)."""
+        return self._normals(unit_vectors(directions))
+
+    def gaussian_curvature(self, directions: ArrayLike) -> Array:
+        """Gaussian curvature K (n,), in 1/length^2, at the points named by directions (n, 3)."""
+        return self._curvatures(unit_vectors(directions))[0] / self._unit / self._unit
+
+    def mean_curvature(self, directions: ArrayLike) -> Array:
+        """Mean curvature H = (k1 + k2)/2 (n,), in 1/length, positive where convex."""
+        return self._curvatures(unit_vectors(directions))[1] / self._unit
+
+    def area_density(self, directions: ArrayLike) -> Array:
+        """Area element dA/d(omega) (n,), in length^2, over that of the unit sphere of directions."""
+        return self._area_density(unit_vectors(directions)) * self._unit * self._unit
+
+    @property
+    def area(self) -> float:
+        """Area of the smooth surface, in length^2."""
+        return self._integrals[0] * self._unit * self._unit
+
+    @property
+    def volume(self) -> float:
+        """Volume that the smooth surface encloses, in length^3."""
+        return self._integrals[1] * self._unit * self._unit * self._unit
+
+    @property
+    def integrated_mean_curvature(self) -> float:
+        """Integral of H dA with H = (k1 + k2)/2, in length: 4 pi for the unit sphere."""
+        return self._integrals[2] * self._unit
+
+    @property
+    def _radius(self) -> float:
+        """Radius of the sphere of the same area, in units of ``_unit``."""
+        return sqrt(self._integrals[0] / (4.0 * pi))

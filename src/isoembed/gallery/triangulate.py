@@ -1,0 +1,92 @@
+"""Triangulations of a closed-form surface: spread points, connect them, relax them, keep the best."""
+
+from operator import index
+from typing import SupportsIndex
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.spatial import ConvexHull
+
+from isoembed.gallery.flips import corner_angles, flip_to_delaunay, twin_halfedges
+from isoembed.gallery.points import spread_directions, vertex_density
+from isoembed.gallery.relax import lloyd_step
+from isoembed.gallery.surface import Surface
+
+Array = NDArray[np.float64]
+Index = NDArray[np.int64]
+
+MIN_VERTICES = 12
+MAX_SWEEPS = 100
+ANGLE_WINDOW = np.radians([38.0, 97.0])
+"""Angles at which the relaxation stops."""
+
+
+def _hull(u: Array) -> Index:
+    """Return the Delaunay triangulation (F, 3) of points on the unit sphere, oriented outward."""
+    faces = ConvexHull(u).simplices.astype(np.int64)
+    a, b, c = (u[faces[:, i]] for i in range(3))
+    inward = np.einsum("ij,ij->i", np.cross(a, b), c) < 0.0
+    faces[inward] = faces[inward][:, [0, 2, 1]]
+    return faces
+
+
+def _inward_faces(vertices: Array, normals: Array, faces: Index) -> int:
+    """Count the triangles that look against the surface's own normals."""
+    a, b, c = (vertices[faces[:, i]] for i in range(3))
+    outward = np.einsum("ij,ij->i", np.cross(b - a, c - a), normals[faces].sum(axis=1))
+    return int(np.count_nonzero(outward <= 0.0))
+
+
+def triangulate(surface: Surface, n_vertices: SupportsIndex) -> tuple[Array, Index]:
+    """Triangulate a surface with nearly equilateral triangles whose vertices lie on it.
+
+    Parameters
+    ----------
+    surface
+        A surface of the gallery.
+    n_vertices
+        Exact number of vertices, at least 12.
+
+    Returns
+    -------
+    vertices : (V, 3)
+        Points of the surface, denser where it is more curved.
+    faces : (2 V - 4, 3)
+        Triangles, oriented outward. The same input gives the same mesh.
+
+    Raises
+    ------
+    ValueError
+        If ``n_vertices`` is not an integer of at least 12.
+
+    Notes
+    -----
+    A Fibonacci lattice with the wanted density, connected by the convex hull of its directions and Delaunay
+    flips, is relaxed by Lloyd steps with flips in between, until all angles lie in 38-97 degrees or for 100
+    sweeps; the mesh with the best angles of all sweeps is returned. Where the vertices are too few for the
+    surface's sharpest features the window may be missed.
+    """
+    try:
+        n = index(n_vertices)
+    except TypeError:
+        raise ValueError(f"the number of vertices must be an integer, not {n_vertices!r}") from None
+    if n < MIN_VERTICES:
+        raise ValueError(f"the number of vertices must be at least {MIN_VERTICES}, not {n}")
+
+    u = spread_directions(surface, n)
+    faces = _hull(u)
+    twin = twin_halfedges(faces)
+    best, best_score = (u, faces), (len(faces) + 1, np.inf)
+    for _ in range(MAX_SWEEPS + 1):
+        x, normals = surface._points(u), surface._normals(u)
+        faces, twin = flip_to_delaunay(x, normals, faces, twin)
+        angles = corner_angles(x, faces)
+        beyond = max(ANGLE_WINDOW[0] - angles.min(), angles.max() - ANGLE_WINDOW[1])
+        score = (_inward_faces(x, normals, faces), float(beyond))
+        if score < best_score:
+            best, best_score = (u, faces), score
+        if score <= (0, 0.0):
+            break
+        u = surface._moved(u, lloyd_step(x, normals, faces, vertex_density(surface, u)))
+    u, faces = best
+    return surface.point(u), faces

@@ -1,0 +1,124 @@
+"""What any file can do wrong, in one sentence each; and writing that leaves whole files or none."""
+
+from __future__ import annotations
+
+import os
+import secrets
+import shutil
+from collections.abc import Callable, Collection, Mapping
+from pathlib import Path
+from typing import Any
+
+Tables = Mapping[str, Any]
+"""The named arrays of a file: ``faces``, ``edges``, ``lengths``, ``vertices`` and data at the vertices."""
+
+Writer = Callable[[Path], None]
+"""Writes one file under the (temporary) name that it is given."""
+
+
+class FileError(ValueError):
+    """A file cannot be read or written, or is not what its ending says."""
+
+
+def ending(path: str | os.PathLike[str]) -> str:
+    """Return the ending of a file name in lower case, with its dot."""
+    return Path(path).suffix.lower()
+
+
+def check_ending(path: str | os.PathLike[str], known: Collection[str]) -> None:
+    """Refuse a file name whose ending is not among the known ones.
+
+    Raises
+    ------
+    FileError
+        Naming the endings that are known.
+    """
+    if ending(path) not in known:
+        what = f"the ending {ending(path)!r}" if ending(path) else "no ending"
+        raise FileError(f"{path} has {what}, not one of {' '.join(known)}")
+
+
+def check_output(path: str | os.PathLike[str], known: Collection[str]) -> None:
+    """Find out before a computation whether its result can be written here.
+
+    Parameters
+    ----------
+    path : path
+    known : collection of str
+        The endings that say how to write it.
+
+    Raises
+    ------
+    FileError
+        The ending is not known, the folder does not exist or is closed to us, or the name belongs to
+        something that is not an ordinary file.
+    """
+    check_ending(path, known)
+    target = _target(path)
+    if target.exists() and not target.is_file():
+        raise FileError(
+            f"cannot write {path}: it is {'a folder' if target.is_dir() else 'not an ordinary file'}"
+        )
+    if not target.parent.is_dir():
+        raise FileError(f"cannot write {path}: there is no folder {target.parent}")
+    if not os.access(target.parent, os.W_OK | os.X_OK):
+        raise FileError(f"cannot write {path}: no permission to write in {target.parent}")
+
+
+def check_input(path: Path) -> None:
+    """Refuse what cannot be opened for reading.
+
+    Raises
+    ------
+    FileError
+        There is no such file, it is a folder, or we may not read it.
+    """
+    try:
+        with path.open("rb"):
+            pass
+    except FileNotFoundError:
+        raise FileError(f"there is no file {path}") from None
+    except IsADirectoryError:
+        raise FileError(f"{path} is a folder, not a file") from None
+    except OSError as error:
+        raise FileError(f"cannot read {path}: {error.strerror}") from None
+
+
+def write_whole(writers: Mapping[Path, Writer]) -> None:
+    """Write several files, each whole, and none of them if any fails.
+
+    Parameters
+    ----------
+    writers : mapping of path to Writer
+        Each is called with a temporary name in the same folder, with the same ending; when all have
+        returned, the temporary files take their places.
+
+    Raises
+    ------
+    FileError
+        The system refused: no space, no permission, no such folder.
+    """
+    temporaries = {
+        path: _target(path).with_name(f".isoembed-{secrets.token_hex(8)}{Path(path).suffix}")
+        for path in writers
+    }
+    path = Path()
+    try:
+        for path, temporary in temporaries.items():
+            writers[path](temporary)
+            with temporary.open("rb+") as file:
+                os.fsync(file.fileno())
+            if _target(path).exists():
+                shutil.copymode(_target(path), temporary)
+        for path, temporary in temporaries.items():
+            temporary.replace(_target(path))
+    except OSError as error:
+        raise FileError(f"cannot write {path}: {error.strerror or error}") from None
+    finally:
+        for temporary in temporaries.values():
+            temporary.unlink(missing_ok=True)
+
+
+def _target(path: str | os.PathLike[str]) -> Path:
+    """The file behind symbolic links: the link stays, its file is replaced."""
+    return Path(path).resolve()

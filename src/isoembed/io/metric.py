@@ -1,0 +1,97 @@
+"""Metrics from files and into files."""
+
+from __future__ import annotations
+
+import os
+import sys
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from isoembed.errors import InvalidMetric
+from isoembed.io import objects
+from isoembed.io.files import (
+    FileError,
+    Tables,
+    Writer,
+    check_ending,
+    check_input,
+    check_output,
+    ending,
+    write_whole,
+)
+from isoembed.io.registry import ARRAYS, FORMATS, METRIC_ENDINGS
+from isoembed.metric.polyhedral import PolyhedralMetric
+
+
+def read_metric(source: str | os.PathLike[str]) -> PolyhedralMetric:
+    """Read a metric.
+
+    Parameters
+    ----------
+    source : path or "-"
+        ``.npz`` or ``.json`` with ``faces`` (F, 3), ``lengths`` (E,) and ``edges`` (E, 2), which may be
+        left out where the lengths are in the order of `Triangulation.edges`; or with ``faces`` and
+        ``vertices`` (V, 3); or a mesh.  Of vertices the lengths are taken and the coordinates thrown away.
+        ``-`` reads JSON from standard input.
+
+    Returns
+    -------
+    PolyhedralMetric
+
+    Raises
+    ------
+    FileError
+        The file cannot be read, or its ending is not known.
+    InvalidMetric
+        What it holds is not a metric.
+    """
+    if source == "-":
+        stream = getattr(sys.stdin, "buffer", None)
+        if stream is None:
+            raise FileError("there is no standard input to read from")
+        return _metric(objects.parse(stream.read(), "standard input"), "standard input")
+    path = Path(source)
+    check_ending(path, FORMATS)
+    check_input(path)
+    return _metric(FORMATS[ending(path)].read(path), str(path))
+
+
+def metric_writer(path: str | os.PathLike[str], metric: PolyhedralMetric) -> Writer:
+    """Return what writes the metric in the format of this ending; see `write_whole`."""
+    tables = {"faces": metric.faces, "edges": metric.edges, "lengths": metric.lengths}
+    return lambda temporary: ARRAYS[ending(path)].write(temporary, tables)
+
+
+def write_metric(path: str | os.PathLike[str], metric: PolyhedralMetric) -> None:
+    """Write ``faces``, ``edges`` and ``lengths`` as ``.npz`` or ``.json``.
+
+    Raises
+    ------
+    FileError
+        The ending is not known or the file cannot be written.
+    """
+    check_output(path, METRIC_ENDINGS)
+    write_whole({Path(path): metric_writer(path, metric)})
+
+
+def _metric(tables: Tables, name: str) -> PolyhedralMetric:
+    if "faces" not in tables or not ("lengths" in tables or "vertices" in tables):
+        there = ", ".join(tables) if tables else "nothing"
+        raise FileError(
+            f"{name} holds {there}: a metric needs faces and lengths (with edges), or faces and vertices"
+        )
+    for key in ("faces", "edges", "lengths", "vertices"):
+        if isinstance(tables.get(key), np.ndarray):
+            _check_array(tables[key], key)
+    if "lengths" in tables:
+        return PolyhedralMetric(tables["faces"], tables["lengths"], tables.get("edges"))
+    return PolyhedralMetric.from_mesh(tables["vertices"], tables["faces"])
+
+
+def _check_array(array: np.ndarray[Any, Any], key: str) -> None:
+    if array.ndim == 0:
+        raise InvalidMetric(f"{key} is the single value {array.item()!r}, not an array")
+    if array.dtype.kind not in "iuf":
+        raise InvalidMetric(f"{key} has the type {array.dtype}, not numbers")

@@ -1,0 +1,43 @@
+"""Reports into files: strict JSON, in which NaN and infinity do not exist."""
+
+from __future__ import annotations
+
+import json
+import os
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any
+
+from isoembed.io.files import Writer, check_output, write_whole
+
+REPORT_ENDINGS = (".json",)
+
+
+def report_writer(report: Mapping[str, Any]) -> Writer:
+    """Return what writes the report; see `write_whole`.
+
+    Raises
+    ------
+    ValueError
+        A number is not finite.
+    """
+    text = json.dumps(report, indent=2, allow_nan=False) + "\n"
+    return lambda temporary: _write(temporary, text)
+
+
+def write_report(path: str | os.PathLike[str], report: Mapping[str, Any]) -> None:
+    """Write a report as one JSON object.
+
+    Raises
+    ------
+    FileError
+        The ending is not ``.json`` or the file cannot be written.
+    ValueError
+        A number is not finite.
+    """
+    check_output(path, REPORT_ENDINGS)
+    write_whole({Path(path): report_writer(report)})
+
+
+def _write(path: Path, text: str) -> None:
+    path.write_text(text, encoding="utf-8")

@@ -1,0 +1,175 @@
+"""Polyhedral metrics: what they keep, what they refuse, and that no length is too small or too large."""
+
+import re
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+import zoo
+from isoembed.errors import InvalidMetric
+from isoembed.metric.polyhedral import PolyhedralMetric
+
+T = zoo.TETRAHEDRON.tolist()
+E = [[0, 1], [0, 2], [0, 3], [1, 2], [1, 3], [2, 3]]
+L = [1.0, 1.1, 1.2, 1.3, 1.4, 1.5]
+
+
+def changed(values, index, value):
+    return [value if k == index else old for k, old in enumerate(values)]
+
+
+# ---------------------------------------------------------------- what it keeps
+
+
+def test_lengths_in_the_order_of_the_edges():
+    metric = PolyhedralMetric(T, L)
+    assert metric.edges.tolist() == E
+    assert metric.lengths.tolist() == L
+    assert metric.mean_length == pytest.approx(1.25, rel=1e-15)
+    assert metric.face_lengths.tolist() == [
+        [1.0, 1.3, 1.1],
+        [1.1, 1.5, 1.2],
+        [1.2, 1.4, 1.0],
+        [1.4, 1.5, 1.3],
+    ]
+    assert repr(metric) == "PolyhedralMetric(4 vertices, 6 edges, 4 faces, mean edge length 1.25)"
+
+
+@given(seed=st.integers(0, 10**6))
+def test_edges_may_come_in_any_order_and_direction(seed):
+    vertices, faces = zoo.random_hull(12, seed)
+    metric = PolyhedralMetric.from_mesh(vertices, faces)
+    rng = np.random.default_rng(seed)
+    order = rng.permutation(len(metric.edges))
+    edges = rng.permuted(metric.edges[order], axis=1)
+    assert np.array_equal(PolyhedralMetric(faces, metric.lengths[order], edges).lengths, metric.lengths)
+
+
+def test_an_edge_given_twice_with_one_length_is_fine():
+    metric = PolyhedralMetric(T, [*L, 1.2 * (1 + 1e-15)], [*E, [3, 0]])
+    assert metric.lengths.tolist() == L
+
+
+def test_from_mesh_measures_the_edges():
+    vertices, faces = zoo.icosahedron()
+    metric = PolyhedralMetric.from_mesh(vertices @ zoo.rotation(0).T + 3.0, faces)
+    assert metric.lengths == pytest.approx(np.full(30, 2.0), rel=1e-14)
+
+
+@pytest.mark.parametrize("scale", [1e-150, 1e-12, 1e12, 1e150, 1e300])
+def test_any_scale_is_ordinary(scale):
+    vertices, faces = zoo.random_hull(20, 0)
+    metric, unit = (
+        PolyhedralMetric.from_mesh(scale * vertices, faces),
+        PolyhedralMetric.from_mesh(vertices, faces),
+    )
+    assert metric.lengths / scale == pytest.approx(unit.lengths, rel=1e-14)
+    assert metric.mean_length / scale == pytest.approx(unit.mean_length, rel=1e-14)
+    assert metric.normalized.lengths == pytest.approx(unit.normalized.lengths, rel=1e-14)
+    assert metric.normalized.mean_length == pytest.approx(1.0, rel=1e-15)
+
+
+def test_with_lengths_keeps_the_triangulation():
+    metric = PolyhedralMetric(T, L)
+    other = metric.with_lengths(2 * metric.lengths)
+    assert other.triangulation is metric.triangulation
+    assert other.lengths.tolist() == [2 * length for length in L]
+    with pytest.raises(InvalidMetric, match=r"edge 1 \[0, 2\] has length -1.1"):
+        metric.with_lengths(-metric.lengths * [-1, 1, 1, 1, 1, 1])
+
+
+def test_the_input_is_copied_and_the_metric_is_read_only():
+    lengths = np.array(L)
+    metric = PolyhedralMetric(T, lengths)
+    lengths[0] = 7.0
+    assert metric.lengths[0] == 1.0
+    with pytest.raises(ValueError, match="read-only"):
+        metric.lengths[0] = 7.0
+    with pytest.raises(AttributeError):
+        metric.lengths = lengths
+
+
+def test_the_thinnest_triangle_that_floats_allow_is_a_triangle():
+    almost = np.nextafter(2.0, 0.0)
+    lengths = [almost, 1.0, 1.0, 1.0, 1.0, 1.0]
+    assert PolyhedralMetric(T, lengths).lengths[0] == almost
+    with pytest.raises(InvalidMetric, match="breaks the triangle inequality"):
+        PolyhedralMetric(T, [2.0, *lengths[1:]])
+
+
+def test_lengths_at_the_end_of_the_floats_do_not_overflow():
+    metric = PolyhedralMetric(T, [1.7e308, 1e308, 1e308, 1e308, 1e308, 1e308])
+    assert metric.mean_length == pytest.approx(1.7e308 / 6 + 1e308 * (5 / 6), rel=1e-15)
+
+
+# ---------------------------------------------------------------- refusals
+
+REFUSALS = {
+    "zero": (T, changed(L, 2, 0.0), None, "edge 2 [0, 3] has length 0.0, not a positive finite"),
+    "negative": (T, changed(L, 3, -1.3), None, "edge 3 [1, 2] has length -1.3, not a positive finite"),
+    "infinite": (T, changed(L, 1, np.inf), None, "edge 1 [0, 2] has length inf, not a positive finite"),
+    "nan": (T, changed(L, 5, np.nan), None, "edge 5 [2, 3] has length nan, not a positive finite"),
+    "two offenders": (T, changed(changed(L, 4, 0.0), 2, -1.0), None, "edge 2 [0, 3] has length -1.0"),
+    "triangle": (
+        T, changed(L, 0, 2.5), None,
+        "face 0 [0, 1, 2] breaks the triangle inequality: its sides are 1.1, 1.3 and 2.5",
+    ),
+    "flat triangle": (T, [2.0, 1, 1, 1, 1, 1], None, "face 0 [0, 1, 2] breaks the triangle inequality"),
+    "string": (T, changed(L, 0, "a"), None, "'a'"),
+    "integer beyond floats": (T, changed(L, 0, 10**400), None, "edge 0 has length 1000"),
+    "complex": (T, [1j] * 6, None, "edge 0 has length 1j, not a finite number"),
+    "table": (T, [L], None, "the lengths have shape (1, 6), not (E,)"),
+    "ragged": (T, [[1.0], [1.0, 2.0]], None, "edge 1 has 2 lengths, edge 0 has 1"),
+    "scalar": (T, 1.0, None, "the lengths have shape (), not (E,)"),
+    "too few": (T, L[:5], None, "there are 6 edges but 5 lengths"),
+    "too many": (T, [*L, 1.0], None, "there are 6 edges but 7 lengths"),
+    "none": (T, [], None, "there are 6 edges but 0 lengths"),
+    "missing edge": (T, L[:5], E[:5], "edge [2, 3] of face 1 has no length"),
+    "missing, one twice": (T, changed(L, 5, 1.0), [*E[:5], [1, 0]], "edge [2, 3] of face 1 has no length"),
+    "extra edge": (T, [*L, 1.0], [*E, [0, 7]], "edge 6 [0, 7] is in no face"),
+    "loop": (T, [*L, 1.0], [*E, [2, 2]], "edge 6 [2, 2] is in no face"),
+    "huge end": (T, [*L, 1.0], [*E, [2, 10**18]], "edge 6 [2, 1000000000000000000] is in no face"),
+    "conflict": (
+        T, [*L, 2.0], [*E, [1, 0]],
+        "edge 6 [1, 0] has length 2.0, but edge 0 is the same edge and has 1.0",
+    ),
+    "edges and lengths": (T, L, E[:5], "there are 5 edges but 6 lengths"),
+    "no edges": (T, [], [], "there are no edges"),
+    "negative end": (T, L, [*E[:5], [2, -3]], "edge 5 refers to vertex -3: vertex indices must not be"),
+    "fractional end": (T, L, [*E[:5], [2, 2.5]], "edge 5 refers to vertex 2.5: vertex indices must be whole"),
+    "three ends": (T, L, [[0, 1, 2]] * 6, "edge 0 has 3 ends [0, 1, 2], not 2"),
+    "bad length in the user's order": (T, changed(L, 1, 0.0), E[::-1], "edge 1 [1, 3] has length 0.0"),
+    "faces first": (T[:3], L, None, "the surface is not closed"),
+}  # fmt: skip
+
+
+@pytest.mark.parametrize(("faces", "lengths", "edges", "sentence"), REFUSALS.values(), ids=REFUSALS.keys())
+def test_refusals_name_the_first_offender(faces, lengths, edges, sentence):
+    with pytest.raises(InvalidMetric, match=re.escape(sentence)) as refusal:
+        PolyhedralMetric(faces, lengths, edges)
+    assert "\n" not in str(refusal.value)
+
+
+VERTICES = zoo.tetrahedron()[0]
+
+MESH_REFUSALS = {
+    "nan": (
+        np.where(np.arange(12).reshape(4, 3) == 7, np.nan, VERTICES),
+        "vertex 2 has the coordinates [-1.0, nan,",
+    ),
+    "too few": (VERTICES[:3], "a face refers to vertex 3, but there are only 3 vertices"),
+    "too many": (np.vstack([VERTICES, VERTICES[:1]]), "vertex 4 is in no face"),
+    "coincident": (np.vstack([VERTICES[:3], VERTICES[:1]]), "edge 2 [0, 3] has length 0.0"),
+    "all at one point": (np.zeros((4, 3)), "edge 0 [0, 1] has length 0.0"),
+    "flat list": (VERTICES.ravel(), "the vertices have shape (12,), not (V, 3)"),
+    "strings": ([["a", "b", "c"]] * 4, "vertex 0 has coordinate 'a', not a finite number"),
+    "ragged": ([[0.0, 1.0, 2.0], [1.0, 2.0]], "vertex 1 has 2 coordinates, vertex 0 has 3"),
+}
+
+
+@pytest.mark.parametrize(("vertices", "sentence"), MESH_REFUSALS.values(), ids=MESH_REFUSALS.keys())
+def test_meshes_that_are_refused(vertices, sentence):
+    with pytest.raises(InvalidMetric, match=re.escape(sentence)):
+        PolyhedralMetric.from_mesh(vertices, T)

@@ -1,0 +1,209 @@
+"""Triangulations: the incidence tables, and one clear sentence for everything that is no sphere."""
+
+import re
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+import zoo
+from isoembed.errors import InvalidMetric
+from isoembed.mesh.triangulation import Triangulation
+
+T = zoo.TETRAHEDRON.tolist()
+
+
+def with_last(face):
+    return [*T[:3], face]
+
+
+# ---------------------------------------------------------------- tables
+
+
+def test_tetrahedron_by_hand():
+    t = Triangulation(T)
+    assert t.edges.tolist() == [[0, 1], [0, 2], [0, 3], [1, 2], [1, 3], [2, 3]]
+    assert t.face_edges.tolist() == [[0, 3, 1], [1, 5, 2], [2, 4, 0], [4, 5, 3]]
+    assert t.edge_halfedges[0].tolist() == [0, 8]  # 0 -> 1 in face 0, 1 -> 0 in face 2
+    assert t.edge_faces[0].tolist() == [0, 2]
+    assert t.edge_opposites[0].tolist() == [2, 3]
+    assert t.degrees.tolist() == [3, 3, 3, 3]
+    assert (t.adjacency.toarray() == 1 - np.eye(4)).all()
+    assert repr(t) == "Triangulation(4 vertices, 6 edges, 4 faces)"
+
+
+@given(n=st.integers(5, 60), seed=st.integers(0, 10**6))
+def test_tables_agree_with_loops_over_the_faces(n, seed):
+    _, faces = zoo.random_hull(n, seed)
+    t = Triangulation(faces)
+    assert (t.n_vertices, t.n_edges, t.n_faces) == (n, 3 * n - 6, 2 * n - 4)
+    number = {tuple(edge): k for k, edge in enumerate(t.edges.tolist())}
+    assert list(number) == sorted(number)
+    neighbors = [set() for _ in range(n)]
+    for f, face in enumerate(faces.tolist()):
+        for c in range(3):
+            i, j, k = face[c], face[(c + 1) % 3], face[(c + 2) % 3]
+            e, side = number[min(i, j), max(i, j)], int(i > j)
+            assert t.face_edges[f, c] == e
+            assert t.edge_halfedges[e, side] == 3 * f + c
+            assert t.edge_faces[e, side] == f
+            assert t.edge_opposites[e, side] == k
+            neighbors[i].add(j)
+    assert t.degrees.tolist() == [len(around) for around in neighbors]
+    for i, around in enumerate(neighbors):
+        row = t.adjacency.indices[t.adjacency.indptr[i] : t.adjacency.indptr[i + 1]]
+        assert set(row.tolist()) == around
+
+
+@given(seed=st.integers(0, 10**6))
+def test_relabeling_renames_and_nothing_else(seed):
+    vertices, faces = zoo.random_hull(30, seed)
+    _, other, new = zoo.relabeled(vertices, faces, seed)
+    t, s = Triangulation(faces), Triangulation(other)
+    assert np.array_equal(np.unique(np.sort(new[t.edges], axis=1), axis=0), s.edges)
+    assert np.array_equal(t.degrees, s.degrees[new])
+    index = s.edge_indices(new[t.edges])
+    assert np.array_equal(np.sort(new[t.edge_opposites], axis=1), np.sort(s.edge_opposites[index], axis=1))
+
+
+def test_reversed_orientation_exchanges_left_and_right():
+    _, faces = zoo.icosphere(1)
+    t, s = Triangulation(faces), Triangulation(faces[:, ::-1])
+    assert np.array_equal(t.edges, s.edges)
+    assert np.array_equal(t.edge_faces, s.edge_faces[:, ::-1])
+    assert np.array_equal(t.edge_opposites, s.edge_opposites[:, ::-1])
+
+
+def test_edge_indices_of_pairs_in_any_order_and_of_strangers():
+    t = Triangulation(zoo.octahedron()[1])
+    backward = t.edges[:, ::-1]
+    assert np.array_equal(t.edge_indices(backward), np.arange(t.n_edges))
+    opposite = [v for v in range(1, 6) if [0, v] not in t.edges.tolist()]
+    assert t.edge_indices(np.array([[0, opposite[0]], [3, 3], [2, 10**18]])).tolist() == [-1, -1, -1]
+
+
+@pytest.mark.parametrize(
+    "faces",
+    [
+        np.array(T, dtype=float),
+        np.array(T, dtype=np.uint8),
+        np.asfortranarray(T),
+        tuple(map(tuple, T)),
+        [np.array(face) for face in T],
+    ],
+    ids=["whole floats", "uint8", "fortran", "tuples", "list of arrays"],
+)
+def test_other_containers_and_number_types_are_fine(faces):
+    t = Triangulation(faces)
+    assert t.faces.dtype == np.int64
+    assert t.faces.tolist() == T
+
+
+def test_tables_are_read_only_and_the_input_is_left_alone():
+    faces = np.array(T)
+    t = Triangulation(faces)
+    for table in (
+        t.faces,
+        t.edges,
+        t.face_edges,
+        t.edge_halfedges,
+        t.edge_faces,
+        t.edge_opposites,
+        t.degrees,
+    ):
+        with pytest.raises(ValueError, match="read-only"):
+            table[0] = 0
+    faces[0, 0] = 3
+    assert t.faces.tolist() == T
+    with pytest.raises(AttributeError):
+        t.faces = faces
+
+
+# ---------------------------------------------------------------- refusals
+
+FLIPPED = zoo.icosphere(1)[1].copy()
+FLIPPED[7] = FLIPPED[7][::-1]
+OPEN = np.delete(zoo.icosphere(1)[1], 11, axis=0)
+
+REFUSALS = {
+    "empty": ([], "there are no faces"),
+    "empty array": (np.empty((0, 3)), "there are no faces"),
+    "quads": ([[0, 1, 2, 3]] * 3, "face 0 has 4 corners [0, 1, 2, 3], not 3"),
+    "quads in an array": (np.arange(8).reshape(2, 4), "face 0 has 4 corners [0, 1, 2, 3], not 3"),
+    "ragged": ([[0, 1, 2], [0, 2, 3], [0, 3]], "face 2 has 2 corners [0, 3], not 3"),
+    "one-dimensional": (np.arange(6), "the faces have shape (6,), not (n, 3)"),
+    "negative": (with_last([1, 3, -2]), "face 3 refers to vertex -2: vertex indices must not be negative"),
+    "fraction": (with_last([1, 2.5, 3]), "face 3 refers to vertex 2.5: vertex indices must be whole numbers"),
+    "nan": (with_last([1, float("nan"), 3]), "face 3 refers to vertex nan: vertex indices must be whole"),
+    "inf": (with_last([1, float("inf"), 3]), "face 3 refers to vertex inf: vertex indices must be whole"),
+    "huge": (
+        with_last([1, 10**18, 3]),
+        "vertex 4 is in no face, while face 3 refers to vertex 1000000000000000000",
+    ),
+    "strings": ([["0", "1", "2"]] * 4, "face 0 refers to vertex '0': vertex indices must be whole numbers"),
+    "string in a later row": (
+        with_last([1, "3", 2]),
+        "face 3 refers to vertex '3': vertex indices must be whole numbers",
+    ),
+    "beyond int64": (with_last([1, 10**30, 3]), f"face 3 refers to vertex {10**30}: the index is too large"),
+    "a number": (5, "the faces"),
+    "nothing": (None, "the faces"),
+    "repeated corner": (with_last([1, 3, 3]), "face 3 [1, 3, 3] repeats a vertex"),
+    "repeated face": ([*T, T[1]], "face 4 [0, 2, 3] repeats face 1"),
+    "repeated face, turned and reversed": ([*T, [3, 2, 0]], "face 4 [3, 2, 0] repeats face 1"),
+    "gap": (np.where(zoo.TETRAHEDRON == 2, 5, T), "vertex 2 is in no face, while face 0 refers to vertex 5"),
+    "numbered from one": (zoo.TETRAHEDRON + 1, "vertex 0 is in no face, while face 1 refers to vertex 4"),
+    "open": (T[:3], "edge [1, 2] is in face 0 only (3 such boundary edges): the surface is not closed"),
+    "three faces at an edge": ([*T, [0, 1, 4]], "edge [0, 1] is in 3 faces [0, 2, 4], not in 2"),
+    "flipped face": (
+        [T[0][::-1], *T[1:]],
+        "faces 0 and 2 both run along edge [0, 1] in the same direction: the faces are not oriented alike",
+    ),
+    "torus": (zoo.torus(), "the surface has Euler characteristic 0 (genus 1), not 2: not a sphere"),
+    "projective plane": (zoo.projective_plane(), "the surface cannot be oriented (it is one-sided)"),
+    "Klein bottle": (zoo.klein_bottle(), "the surface cannot be oriented (it is one-sided)"),
+    "two components": (
+        np.vstack([T, zoo.TETRAHEDRON + 4]),
+        "the surface has 2 components: vertex 4 is not connected to vertex 0",
+    ),
+    "pinched": (
+        np.vstack([T, np.array([4, 5, 6, 2])[zoo.TETRAHEDRON]]),
+        "the faces around vertex 2 form more than one fan: the surface is not a manifold",
+    ),
+    "two pinches": (  # Euler characteristic 2, yet no sphere
+        np.vstack([zoo.torus(), np.where(zoo.TETRAHEDRON == 0, 3, zoo.TETRAHEDRON + 19)]),
+        "the faces around vertex 3 form more than one fan: the surface is not a manifold",
+    ),
+}
+
+
+@pytest.mark.parametrize(("faces", "sentence"), REFUSALS.values(), ids=REFUSALS.keys())
+def test_refusals_name_the_first_offender(faces, sentence):
+    with pytest.raises(InvalidMetric, match=re.escape(sentence)) as refusal:
+        Triangulation(faces)
+    assert isinstance(refusal.value, ValueError)
+    assert "\n" not in str(refusal.value)
+
+
+def test_a_flipped_face_in_a_large_mesh_is_among_the_two_that_are_named():
+    with pytest.raises(InvalidMetric, match="not oriented alike") as refusal:
+        Triangulation(FLIPPED)
+    named = re.match(r"faces (\d+) and (\d+)", str(refusal.value))
+    assert "7" in named.groups()
+
+
+def test_a_hole_in_a_large_mesh_is_found():
+    with pytest.raises(InvalidMetric, match="3 such boundary edges"):
+        Triangulation(OPEN)
+
+
+@given(seed=st.integers(0, 10**6))
+def test_any_single_corner_changed_is_refused(seed):
+    _, faces = zoo.random_hull(20, seed)
+    rng = np.random.default_rng(seed)
+    spoiled = faces.copy()
+    f, c = rng.integers(len(faces)), rng.integers(3)
+    spoiled[f, c] = (spoiled[f, c] + rng.integers(1, 20)) % 20
+    with pytest.raises(InvalidMetric):
+        Triangulation(spoiled)
