@@ -6,7 +6,6 @@ BIN := $(VENV)/bin
 PIP := $(BIN)/python -m pip --quiet --disable-pip-version-check
 INSTALLED := $(VENV)/.installed
 LINTERS := $(VENV)/.installed-lint
-DEMO := demo/ellipsoid
 
 .PHONY: help demo test lint bench clean
 .DELETE_ON_ERROR:
@@ -19,12 +18,7 @@ help:
 	@echo 'make clean  remove .venv, demo/ and caches'
 
 demo: $(INSTALLED)
-	@mkdir -p demo
-	$(BIN)/isoembed surface ellipsoid --axes 3 2 1 --vertices 3226 -o demo/metric.npz
-	$(BIN)/isoembed inspect demo/metric.npz
-	$(BIN)/isoembed embed demo/metric.npz -o $(DEMO).ply --report $(DEMO).json
-	$(BIN)/python examples/picture.py demo/metric.npz $(DEMO).png
-	@echo 'demo/ holds the metric, the surface (ellipsoid.ply), its picture and the report'
+	$(BIN)/python docs/examples/demo.py
 
 test: $(INSTALLED)
 	$(BIN)/python -m pytest -q

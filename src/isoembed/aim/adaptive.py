@@ -94,7 +94,7 @@ class Aim:
         with log.stage("polish") as tally:
             vertices = path.polish(vertices, min(tolerance, POLISHED), self.damped_iterations, tally)
         embedding = Embedding(
-            metric, vertices * metric.mean_length, method=self.name, tolerance=tolerance, stages=log.stages
+            metric, vertices * metric.unit, method=self.name, tolerance=tolerance, stages=log.stages
         )
         if embedding.converged or lost is None:
             return embedding

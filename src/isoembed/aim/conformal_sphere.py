@@ -24,6 +24,7 @@ from scipy.sparse import eye_array
 from isoembed.linalg import SingularMatrix, analyze, dissect
 from isoembed.mesh.triangulation import Triangulation
 from isoembed.metric.curvature import Triangles, face_areas
+from isoembed.metric.delaunay import ideal_delaunay
 from isoembed.metric.polyhedral import PolyhedralMetric
 from isoembed.stages import Tally
 
@@ -32,6 +33,11 @@ Indices = NDArray[np.int64]
 
 MAX_STEPS = 50
 FLAT = 1e-10  # radians: deficits of the flattened surface below this are rounding
+MODERATE = 40.0  # a conformal factor e^u beyond e^40 means that the metric has no place on the sphere
+LONGEST = 2.0  # change of a conformal factor in one Newton step
+STIFFNESS = 1e-3  # cotangents: of straight triangles
+POLES = 5  # tries
+DISTINCT = 1e-12  # radii
 CENTERED = 1e-12
 
 
@@ -44,8 +50,8 @@ class ConformalSphere:
     points : ndarray, shape (V, 3)
         On the unit sphere, centered: the mean over the metric's area vanishes.
     exact : bool
-        Whether it is discretely conformal.  Where it is not (triangles would have to break, which an
-        intrinsic Delaunay triangulation seldom does), the harmonic map of the given triangles stands in.
+        Whether it is discretely conformal.  Where it is not (triangles that had to be flipped could not),
+        Tutte's embedding stands in.
     """
 
     points: Floats
@@ -66,19 +72,32 @@ def conformal_sphere(metric: PolyhedralMetric, tally: Tally) -> ConformalSphere:
     -------
     ConformalSphere
     """
-    triangulation = metric.triangulation
-    pole = int(np.argmax(triangulation.degrees))
-    plane = _Plane(metric, pole)
-    u = plane.start(tally)
-    u, exact = plane.flatten(u, tally)
-    z = plane.lay_out(u, exact, tally)
-    others = np.arange(triangulation.n_vertices) != pole
-    z -= np.median(z[others].real) + 1j * np.median(z[others].imag)
-    z /= np.median(np.abs(z[others]))
+    triangulation, lengths = metric.triangulation, metric.normalized.lengths
+    # The star of the pole is never flipped; where that keeps triangles broken, another pole may do.
+    for pole in np.argsort(-triangulation.degrees, kind="stable")[:POLES]:
+        plane = _Plane(triangulation, lengths, int(pole))
+        plane, u, exact = _flattened(plane, plane.start(tally), tally)
+        if exact:
+            break
+    weights = _vertex_weights(metric)
+    if exact:
+        x = _centered(_projected(plane.lay_out(u, tally), plane.pole), weights)
+        a, b = metric.edges.T
+        # A metric so long and thin that neighbors meet on the sphere within rounding has no layout either.
+        if (np.linalg.norm(x[a] - x[b], axis=1) > DISTINCT).all():
+            return ConformalSphere(x, True)
+    return ConformalSphere(_centered(_projected(plane.tutte(tally), plane.pole), weights), False)
+
+
+def _projected(z: NDArray[np.complex128], pole: int) -> Floats:
+    """Points of the plane on the unit sphere, the pole at infinity: stereographic projection."""
+    others = np.delete(z, pole)
+    z = z - np.median(others.real) - 1j * np.median(others.imag)
+    z /= np.median(np.abs(np.delete(z, pole)))
     square = np.abs(z) ** 2
     x = np.column_stack([2 * z.real, 2 * z.imag, square - 1]) / (1 + square)[:, None]
     x[pole] = [0, 0, 1]
-    return ConformalSphere(_centered(x, _vertex_weights(metric)), exact)
+    return x
 
 
 def conformal_factors(metric: PolyhedralMetric, sphere: ConformalSphere) -> Floats:
@@ -100,10 +119,8 @@ def conformal_factors(metric: PolyhedralMetric, sphere: ConformalSphere) -> Floa
 class _Plane:
     """The metric without its pole, to be flattened: unknowns u at the vertices off the pole's star."""
 
-    def __init__(self, metric: PolyhedralMetric, pole: int) -> None:
-        triangulation = metric.triangulation
-        self.triangulation = triangulation
-        self.lengths = metric.normalized.lengths
+    def __init__(self, triangulation: Triangulation, lengths: Floats, pole: int) -> None:
+        self.triangulation, self.lengths, self.pole = triangulation, lengths, pole
         n = triangulation.n_vertices
         away = (triangulation.faces != pole).all(axis=1)
         self.faces, self.face_edges = triangulation.faces[away], triangulation.face_edges[away]
@@ -168,58 +185,82 @@ class _Plane:
         return y
 
     def start(self, tally: Tally) -> Floats:
-        """The u of the smooth problem: one Poisson equation."""
+        """The u of the smooth problem, one Poisson equation, unless it breaks triangles; else 0."""
         if len(self.inner) == 0:
             return self.rim_u
         sums, weights, _, _ = self.measure(np.zeros(self.triangulation.n_vertices))
-        return self.solve(weights, (sums - 2 * np.pi)[:, None], self.rim_u[:, None], tally)[:, 0]
+        try:
+            u = self.solve(weights, (sums - 2 * np.pi)[:, None], self.rim_u[:, None], tally)[:, 0]
+        except SingularMatrix:  # needles
+            return self.rim_u
+        return u if np.abs(u).max() < MODERATE and not self.measure(u)[3] else self.rim_u
 
-    def flatten(self, u: Floats, tally: Tally) -> tuple[Floats, bool]:
-        """Newton on the convex energy whose gradient is ``2 pi - (angle sum)``: flat where it vanishes.
+    def improved(self, u: Floats) -> _Plane:
+        """The same conformal class on triangles that are Delaunay at u, by Ptolemy's flips."""
+        a, b = self.triangulation.edges.T
+        scaled = self.lengths * np.exp((u[a] + u[b]) / 2)
+        triangulation, scaled = ideal_delaunay(self.triangulation, scaled, self.pole)
+        if triangulation is self.triangulation:
+            return self
+        a, b = triangulation.edges.T
+        return _Plane(triangulation, scaled * np.exp(-(u[a] + u[b]) / 2), self.pole)
 
-        Returns u and whether the surface is flat with all triangles whole.
-        """
-        if len(self.inner) == 0:
-            return u, not self.measure(u)[3]
-        zero = np.zeros((len(u), 1))
-        sums, weights, _, broken = self.measure(u)
-        for _ in range(MAX_STEPS):
-            g = np.zeros(len(u))
-            g[self.inner] = 2 * np.pi - sums[self.inner]
-            tally.show(residual=float(np.abs(g).max()))
-            if np.abs(g).max() < FLAT:
-                return u, not broken
-            try:
-                step = self.solve(weights, -g[:, None], zero, tally)[:, 0]
-            except SingularMatrix:  # too many broken triangles
-                return u, False
-            tally.iterations += 1
-            slope, s = step @ g, 1.0
-            while True:  # a convex function has decreased enough where its slope has not turned around
-                sums, weights, _, broken = self.measure(u + s * step)
-                if abs(step[self.inner] @ (2 * np.pi - sums[self.inner])) <= 0.9 * abs(slope):
-                    break
-                s /= 2
-                if s < 1e-3:
-                    return u, False
-            u = u + s * step
-        return u, False
-
-    def lay_out(self, u: Floats, exact: bool, tally: Tally) -> NDArray[np.complex128]:
+    def lay_out(self, u: Floats, tally: Tally) -> NDArray[np.complex128]:
         """Place the ring by its lengths and angles, the rest by harmonic functions, as coordinates are."""
         sums, weights, lengths, _ = self.measure(u)
         sides = self.triangulation.edge_indices(np.column_stack([self.ring, np.roll(self.ring, -1)]))
         direction = np.cumsum(np.pi - sums[self.ring])
         steps = lengths[sides] * np.exp(1j * direction)
-        if not exact:  # then the polygon does not close, and these weights belong to broken triangles
-            steps = steps - np.mean(steps)
-            weights = self.measure(np.zeros_like(u))[1]
-        z = np.zeros((len(u), 2))
-        corners = np.concatenate([[0], np.cumsum(steps)[:-1]])
+        return self._extended(np.concatenate([[0], np.cumsum(steps)[:-1]]), weights, tally)
+
+    def tutte(self, tally: Tally) -> NDArray[np.complex128]:
+        """Place every vertex at the mean of its neighbors within a regular polygon: valid for any lengths."""
+        corners = np.exp(2j * np.pi * np.arange(len(self.ring)) / len(self.ring))
+        return self._extended(corners, np.ones(self.triangulation.n_edges), tally)
+
+    def _extended(
+        self, corners: NDArray[np.complex128], weights: Floats, tally: Tally
+    ) -> NDArray[np.complex128]:
+        z = np.zeros((self.triangulation.n_vertices, 2))
         z[self.ring] = np.column_stack([corners.real, corners.imag])
         if len(self.inner):
             z = self.solve(weights, np.zeros_like(z), z, tally)
         return z[:, 0] + 1j * z[:, 1]
+
+
+def _flattened(plane: _Plane, u: Floats, tally: Tally) -> tuple[_Plane, Floats, bool]:
+    """Newton on the convex energy whose gradient is ``2 pi - (angle sum)``: flat where it vanishes.
+
+    Returns the plane, whose triangles may have been flipped on the way, u, and whether the surface is flat
+    with all triangles whole.
+    """
+    inner, zero = plane.inner, np.zeros((len(u), 1))
+    plane = plane.improved(u)
+    sums, weights, _, broken = plane.measure(u)
+    for _ in range(MAX_STEPS):
+        g = np.zeros(len(u))
+        g[inner] = 2 * np.pi - sums[inner]
+        tally.show(residual=float(np.abs(g).max()))
+        if np.abs(g).max() < FLAT:
+            return plane, u, not broken
+        if broken:  # straight triangles have no second derivative: keep the matrix definite
+            weights = weights + STIFFNESS
+        try:
+            step = plane.solve(weights, -g[:, None], zero, tally)[:, 0]
+        except SingularMatrix:  # needles
+            return plane, u, False
+        tally.iterations += 1
+        slope, s = step @ g, min(1.0, LONGEST / np.abs(step).max())
+        while True:  # a convex function has decreased where its slope has not turned around
+            trial = plane.improved(u + s * step)
+            sums, weights, _, broken = trial.measure(u + s * step)
+            if step[inner] @ (2 * np.pi - sums[inner]) <= 0.9 * abs(slope):
+                break
+            s /= 2
+            if s < 1e-6:
+                return plane, u, False
+        plane, u = trial, u + s * step
+    return plane, u, False
 
 
 def _ring(triangulation: Triangulation, pole: int) -> Indices:

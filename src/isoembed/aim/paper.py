@@ -150,7 +150,7 @@ class Paper:
                     lost = lost or f"the pull-back lost the surface at t = {step.t:.3g} t_f"
         embedding = Embedding(
             metric,
-            annealed.vertices * metric.mean_length,
+            annealed.vertices * metric.unit,
             method=self.name,
             tolerance=tolerance,
             stages=log.stages,

@@ -93,7 +93,7 @@ def _measures(
         curvature = gaussian_curvature(metric)[duals > 0]
         surface = area(metric)
         smallest_dual, largest_dual = (
-            float(x) * metric.mean_length * metric.mean_length for x in (duals.min(), duals.max())
+            float(x) * metric.unit * metric.unit for x in (duals.min(), duals.max())
         )
     low, high = np.degrees([angles.min(), angles.max()])
     negative = int((epsilon < -ROUNDING).sum())

@@ -138,4 +138,4 @@ def gaussian_curvature(metric: PolyhedralMetric) -> Floats:
         In the unit of the lengths to the power -2.  Meaningful where `dual_areas` is positive.
     """
     normalized = metric.normalized
-    return deficits(normalized) / dual_areas(normalized) / metric.mean_length / metric.mean_length
+    return deficits(normalized) / dual_areas(normalized) / metric.unit / metric.unit

@@ -92,10 +92,17 @@ class PolyhedralMetric:
         size = np.abs(points).max() or 1.0  # keeps the squares from under- and overflowing
         with np.errstate(over="ignore"):  # a length beyond the floats is refused as infinite
             lengths = size * np.linalg.norm(points[a] / size - points[b] / size, axis=1)
-        return cls._on(triangulation, lengths)
+        return cls.on(triangulation, lengths)
 
     @classmethod
-    def _on(cls, triangulation: Triangulation, lengths: Floats) -> PolyhedralMetric:
+    def on(cls, triangulation: Triangulation, lengths: ArrayLike) -> PolyhedralMetric:
+        """Put lengths, in the order of its edges, on a triangulation that is there already.
+
+        Raises
+        ------
+        InvalidMetric
+            They are not lengths of a metric.
+        """
         metric = cls.__new__(cls)
         metric._set(triangulation, _length_array(lengths))
         return metric
@@ -114,7 +121,7 @@ class PolyhedralMetric:
         InvalidMetric
             They are not lengths of a metric.
         """
-        return self._on(self.triangulation, _length_array(lengths))
+        return self.on(self.triangulation, lengths)
 
     def __repr__(self) -> str:
         t = self.triangulation
@@ -139,6 +146,11 @@ class PolyhedralMetric:
         largest = self.lengths.max()
         return float(largest * np.mean(self.lengths / largest))
 
+    @property
+    def unit(self) -> float:
+        """The power of two below the mean edge length: dividing by it rounds nothing."""
+        return float(np.ldexp(1.0, int(np.frexp(self.mean_length)[1]) - 1))
+
     @cached_property
     def face_lengths(self) -> Floats:
         """(F, 3): length of each half-edge."""
@@ -146,8 +158,8 @@ class PolyhedralMetric:
 
     @cached_property
     def normalized(self) -> PolyhedralMetric:
-        """The metric in the unit of its own mean edge length."""
-        return self._on(self.triangulation, self.lengths / self.mean_length)
+        """The metric in its own `unit`, in which its mean edge length is between 1 and 2."""
+        return self.on(self.triangulation, self.lengths / self.unit)
 
 
 def _length_array(lengths: ArrayLike) -> Floats:

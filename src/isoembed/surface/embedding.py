@@ -79,7 +79,7 @@ class Embedding:
             v = int(np.argmin(finite))
             raise ValueError(f"vertex {v} has the coordinates {points[v].tolist()}, which are not finite")
         # The sign is taken in the metric's own unit: the volume of tiny surfaces underflows.
-        points = metric.mean_length * measures.outward(metric.faces, points / metric.mean_length)
+        points = metric.unit * measures.outward(metric.faces, points / metric.unit)
         points.flags.writeable = False
         for name, value in (
             ("metric", metric),
@@ -137,15 +137,15 @@ class Embedding:
 
     @cached_property
     def _normalized(self) -> Floats:
-        """The vertices in the unit of the mean edge length, in which nothing under- or overflows."""
-        return self.vertices / self.metric.mean_length
+        """The vertices in the unit of the normalized metric, in which nothing under- or overflows."""
+        return self.vertices / self.metric.unit
 
     @cached_property
     def residuals(self) -> Floats:
         """``| |x_a - x_b| - l_ab |`` over the mean edge length, shape (E,)."""
         a, b = self.metric.edges.T
         realized = np.linalg.norm(self._normalized[a] - self._normalized[b], axis=1)
-        return np.abs(realized - self.metric.normalized.lengths)
+        return np.abs(realized - self.metric.normalized.lengths) / self.metric.normalized.mean_length
 
     @property
     def residual(self) -> float:
@@ -180,27 +180,24 @@ class Embedding:
     @cached_property
     def mean_curvature(self) -> Floats:
         """Mean curvature H = (k1 + k2) / 2 at the vertices, shape (V,)."""
-        return curvature.vertex_mean_curvature(self.triangulation, self._normalized) / self.metric.mean_length
+        return curvature.vertex_mean_curvature(self.triangulation, self._normalized) / self.metric.unit
 
     @property
     def area(self) -> float:
         """Area, in the unit of the lengths, squared."""
-        unit = self.metric.mean_length
+        unit = self.metric.unit
         return measures.area(self.faces, self._normalized) * unit * unit
 
     @property
     def volume(self) -> float:
         """Enclosed volume, in the unit of the lengths, cubed."""
-        unit = self.metric.mean_length
+        unit = self.metric.unit
         return measures.volume(self.faces, self._normalized) * unit * unit * unit
 
     @property
     def integrated_mean_curvature(self) -> float:
         """Integral of H dA = 1/2 sum l theta, in the unit of the lengths."""
-        return (
-            curvature.integrated_mean_curvature(self.triangulation, self._normalized)
-            * self.metric.mean_length
-        )
+        return curvature.integrated_mean_curvature(self.triangulation, self._normalized) * self.metric.unit
 
     @cached_property
     def report(self) -> dict[str, Any]:
