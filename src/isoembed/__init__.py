@@ -18,6 +18,7 @@ __version__ = "0.1.0"
 
 _HOME = {
     "InvalidMetric": "isoembed.errors",
+    "InvalidParameter": "isoembed.errors",
     "NotEmbedded": "isoembed.errors",
     "Triangulation": "isoembed.mesh.triangulation",
     "PolyhedralMetric": "isoembed.metric.polyhedral",
@@ -33,6 +34,7 @@ if TYPE_CHECKING:
     from isoembed.aim.adaptive import Aim as Aim
     from isoembed.aim.paper import Paper as Paper
     from isoembed.errors import InvalidMetric as InvalidMetric
+    from isoembed.errors import InvalidParameter as InvalidParameter
     from isoembed.errors import NotEmbedded as NotEmbedded
     from isoembed.mesh.triangulation import Triangulation as Triangulation
     from isoembed.metric.polyhedral import PolyhedralMetric as PolyhedralMetric

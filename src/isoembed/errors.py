@@ -1,4 +1,4 @@
-"""The two ways a request can end badly: the input is no metric, or no embedding was found."""
+"""The ways a request can end badly: no metric, a parameter that makes no sense, no embedding found."""
 
 from __future__ import annotations
 
@@ -13,6 +13,10 @@ class InvalidMetric(ValueError):  # noqa: N818 - the contract's name
 
     The message is one sentence that names the first offending vertex, edge or face by its index and value.
     """
+
+
+class InvalidParameter(ValueError):  # noqa: N818 - as the other two
+    """A method's parameter has a value that it cannot have; the message names it."""
 
 
 class NotEmbedded(RuntimeError):  # noqa: N818 - the contract's name

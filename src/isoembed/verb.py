@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import Protocol
 
-from isoembed.errors import NotEmbedded
+from isoembed.errors import InvalidParameter, NotEmbedded
 from isoembed.metric.polyhedral import PolyhedralMetric
 from isoembed.stages import Listener, Log
 from isoembed.surface.embedding import Embedding
@@ -52,8 +52,8 @@ def embed(
     ------
     NotEmbedded
         No such surface was found; the exception holds the best attempt.
-    ValueError
-        The method is unknown or the tolerance is not positive.
+    InvalidParameter
+        The method is unknown, the tolerance not positive, or a parameter does not fit the metric.
 
     Examples
     --------
@@ -62,7 +62,7 @@ def embed(
     0.117851130198
     """
     if not tolerance > 0:
-        raise ValueError(f"the tolerance is {tolerance}, not positive")
+        raise InvalidParameter(f"the tolerance is {tolerance}, not positive")
     embedding = configured(method).run(metric, tolerance, Log(progress))
     if not embedding.converged:
         raise NotEmbedded(embedding.message, embedding)
@@ -74,7 +74,7 @@ def configured(method: str | Method) -> Method:
 
     Raises
     ------
-    ValueError
+    InvalidParameter
         There is no such method.
     """
     from isoembed.aim.adaptive import Aim
@@ -84,5 +84,5 @@ def configured(method: str | Method) -> Method:
         return method
     known = {"aim": Aim, "paper": Paper}
     if method not in known:
-        raise ValueError(f"there is no method {method!r}; there are {', '.join(known)}")
+        raise InvalidParameter(f"there is no method {method!r}; there are {', '.join(known)}")
     return known[method]()

@@ -19,7 +19,8 @@ from isoembed.aim.anneal import Annealed, anneal, anneal_damped
 from isoembed.aim.conformal_sphere import conformal_sphere
 from isoembed.aim.convexity import crumpled_vertices, pop_and_anneal
 from isoembed.aim.pullback import extrapolated
-from isoembed.linalg import SingularMatrix, dissect
+from isoembed.errors import InvalidParameter
+from isoembed.linalg import SingularMatrix, chosen_backend, dissect
 from isoembed.metric.curvature import area
 from isoembed.metric.delaunay import delaunay
 from isoembed.metric.polyhedral import PolyhedralMetric
@@ -32,6 +33,7 @@ from isoembed.surface.rigidity import LengthSystem, VertexSystem, length_residua
 Floats = NDArray[np.float64]
 
 ON_THE_WAY = 1e-4  # residual of the surfaces on the path
+RESCUED = 1e-6  # residual of the damped steps, which leave more noise behind
 POLISHED = 1e-13  # residual asked of the last Newton steps, whatever the tolerance: they are quadratic
 PATIENCE = 6  # Newton steps before a step along the path is halved
 
@@ -51,24 +53,30 @@ class Aim:
         than this, in units of the root mean square height.
     damped_iterations : int
         At most so many damped steps at one t.
+    backend : {"superlu", "cholmod", "pardiso"}, optional
+        Who factors the matrices; by default the fastest that is installed.
     """
 
     first_step: float = 1 / 8
     smallest_step: float = 1 / 48
     largest_change: float = 0.5
     damped_iterations: int = 60
+    backend: str | None = None
 
     name: str = field(default="aim", init=False, repr=False)
 
     def __post_init__(self) -> None:
         if not 0 < self.first_step <= 1:
-            raise ValueError(f"first_step is {self.first_step}, not in (0, 1]")
+            raise InvalidParameter(f"first_step is {self.first_step}, not in (0, 1]")
         if not 0 < self.smallest_step <= self.first_step:
-            raise ValueError(f"smallest_step is {self.smallest_step}, not in (0, first_step]")
+            raise InvalidParameter(f"smallest_step is {self.smallest_step}, not in (0, first_step]")
         if not self.largest_change > 0:
-            raise ValueError(f"largest_change is {self.largest_change}, not positive")
+            raise InvalidParameter(f"largest_change is {self.largest_change}, not positive")
         if self.damped_iterations < 0:
-            raise ValueError(f"damped_iterations is {self.damped_iterations}, not a number of iterations")
+            raise InvalidParameter(
+                f"damped_iterations is {self.damped_iterations}, not a number of iterations"
+            )
+        chosen_backend(self.backend)
 
     def run(self, metric: PolyhedralMetric, tolerance: float, log: Log) -> Embedding:
         """Embed the metric; the answer may miss the tolerance, and says so.
@@ -87,9 +95,9 @@ class Aim:
         """
         normalized = metric.normalized
         with log.stage("uniformize") as tally:
-            vertices = inscribed(normalized, tally)
+            vertices = inscribed(normalized, tally, self.backend)
         with log.stage("pull back") as tally:
-            path = _Path(normalized, vertices)
+            path = _Path(normalized, vertices, self.backend)
             vertices, lost = path.follow(self, tally)
         with log.stage("polish") as tally:
             vertices = path.polish(vertices, min(tolerance, POLISHED), self.damped_iterations, tally)
@@ -104,30 +112,32 @@ class Aim:
         )
 
 
-def inscribed(metric: PolyhedralMetric, tally: Tally) -> Floats:
+def inscribed(metric: PolyhedralMetric, tally: Tally, backend: str | None = None) -> Floats:
     """The conformal layout on the sphere whose polyhedron has the metric's area, shape (V, 3).
 
     Parameters
     ----------
     metric : PolyhedralMetric
     tally : Tally
+    backend : str, optional
+        As in `isoembed.linalg.analyze`.
     """
-    x = outward(metric.faces, conformal_sphere(delaunay(metric), tally).points)
+    x = outward(metric.faces, conformal_sphere(delaunay(metric), tally, backend).points)
     return x * np.sqrt(area(metric) / area(PolyhedralMetric.from_mesh(x, metric.faces)))
 
 
 class _Path:
     """The metrics ``l(t) = l(0)^{1-t} l(1)^t`` from an embedded one at t = 1 to the given one at t = 0."""
 
-    def __init__(self, metric: PolyhedralMetric, start: Floats) -> None:
+    def __init__(self, metric: PolyhedralMetric, start: Floats, backend: str | None) -> None:
         self.triangulation = metric.triangulation
         self._given = metric.lengths
         a, b = self.triangulation.edges.T
         self._ratio = np.linalg.norm(start[a] - start[b], axis=1) / metric.lengths
         self._start = start
         dissection = dissect(self.triangulation.adjacency)
-        self._newton = LengthSystem(self.triangulation, dissection)
-        self._dissection = dissection
+        self._newton = LengthSystem(self.triangulation, dissection, backend)
+        self._dissection, self._backend = dissection, backend
         self._damped: VertexSystem | None = None
 
     def lengths(self, t: float) -> Floats:
@@ -211,12 +221,14 @@ class _Path:
     def _rescued(self, vertices: Floats, t: float, iterations: int, tally: Tally) -> Annealed:
         if self._damped is None:
             L = umbrella(self.triangulation)
-            self._damped = VertexSystem(self.triangulation, (L.T @ L).tocsr(), self._dissection)
+            self._damped = VertexSystem(
+                self.triangulation, (L.T @ L).tocsr(), self._dissection, self._backend
+            )
         return anneal_damped(
             self._damped,
             vertices,
             self.lengths(t),
             tally,
-            residual_tolerance=ON_THE_WAY,
+            residual_tolerance=RESCUED,
             max_iterations=iterations,
         )

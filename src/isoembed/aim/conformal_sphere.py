@@ -58,7 +58,7 @@ class ConformalSphere:
     exact: bool
 
 
-def conformal_sphere(metric: PolyhedralMetric, tally: Tally) -> ConformalSphere:
+def conformal_sphere(metric: PolyhedralMetric, tally: Tally, backend: str | None = None) -> ConformalSphere:
     """Lay the metric out on the unit sphere.
 
     Parameters
@@ -67,6 +67,8 @@ def conformal_sphere(metric: PolyhedralMetric, tally: Tally) -> ConformalSphere:
         Best on Delaunay triangles: see `isoembed.metric.delaunay.delaunay`.
     tally : Tally
         Counts the Newton steps and their factorizations.
+    backend : str, optional
+        As in `isoembed.linalg.analyze`.
 
     Returns
     -------
@@ -75,7 +77,7 @@ def conformal_sphere(metric: PolyhedralMetric, tally: Tally) -> ConformalSphere:
     triangulation, lengths = metric.triangulation, metric.normalized.lengths
     # The star of the pole is never flipped; where that keeps triangles broken, another pole may do.
     for pole in np.argsort(-triangulation.degrees, kind="stable")[:POLES]:
-        plane = _Plane(triangulation, lengths, int(pole))
+        plane = _Plane(triangulation, lengths, int(pole), backend)
         plane, u, exact = _flattened(plane, plane.start(tally), tally)
         if exact:
             break
@@ -119,8 +121,8 @@ def conformal_factors(metric: PolyhedralMetric, sphere: ConformalSphere) -> Floa
 class _Plane:
     """The metric without its pole, to be flattened: unknowns u at the vertices off the pole's star."""
 
-    def __init__(self, triangulation: Triangulation, lengths: Floats, pole: int) -> None:
-        self.triangulation, self.lengths, self.pole = triangulation, lengths, pole
+    def __init__(self, triangulation: Triangulation, lengths: Floats, pole: int, backend: str | None) -> None:
+        self.triangulation, self.lengths, self.pole, self.backend = triangulation, lengths, pole, backend
         n = triangulation.n_vertices
         away = (triangulation.faces != pole).all(axis=1)
         self.faces, self.face_edges = triangulation.faces[away], triangulation.face_edges[away]
@@ -137,7 +139,7 @@ class _Plane:
         position[self.inner] = np.arange(len(self.inner))
         graph = triangulation.adjacency[self.inner][:, self.inner] + eye_array(len(self.inner))
         order = position[dissect(triangulation.adjacency).vertex_order()]
-        self._solver = analyze(graph.tocsc(), order[order >= 0])
+        self._solver = analyze(graph.tocsc(), order[order >= 0], backend)
         pattern = self._solver.pattern
         row, column = pattern.indices, np.repeat(np.arange(len(self.inner)), np.diff(pattern.indptr))
         self._diagonal = row == column
@@ -203,7 +205,7 @@ class _Plane:
         if triangulation is self.triangulation:
             return self
         a, b = triangulation.edges.T
-        return _Plane(triangulation, scaled * np.exp(-(u[a] + u[b]) / 2), self.pole)
+        return _Plane(triangulation, scaled * np.exp(-(u[a] + u[b]) / 2), self.pole, self.backend)
 
     def lay_out(self, u: Floats, tally: Tally) -> NDArray[np.complex128]:
         """Place the ring by its lengths and angles, the rest by harmonic functions, as coordinates are."""

@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
+from isoembed.errors import InvalidParameter
 from isoembed.metric.polyhedral import PolyhedralMetric
 from isoembed.stages import Tally
 
@@ -38,13 +39,13 @@ def embedding_tree(metric: PolyhedralMetric, radius: float, root: int, tally: Ta
 
     Raises
     ------
-    ValueError
+    InvalidParameter
         There is no face `root`.
     """
     triangulation = metric.triangulation
     faces, face_edges = triangulation.faces, triangulation.face_edges
     if not 0 <= root < len(faces):
-        raise ValueError(f"root is {root}, but the faces are numbered from 0 to {len(faces) - 1}")
+        raise InvalidParameter(f"root is {root}, but the faces are numbered from 0 to {len(faces) - 1}")
     r, lengths = radius, metric.lengths
     x = np.zeros((triangulation.n_vertices, 3))
     placed = np.zeros(triangulation.n_vertices, dtype=bool)

@@ -14,6 +14,8 @@ from isoembed.aim.layout import embedding_tree
 from isoembed.aim.paths import path_factors, path_times
 from isoembed.aim.pullback import pull_back
 from isoembed.aim.uniformize import Uniformization, newton_uniformization, ricci_flow
+from isoembed.errors import InvalidParameter
+from isoembed.linalg import chosen_backend
 from isoembed.metric.conformal import rescaled
 from isoembed.metric.polyhedral import PolyhedralMetric
 from isoembed.stages import Log, Tally
@@ -62,6 +64,8 @@ class Paper:
         Annealing ends when no vertex moves more than this.
     max_iterations : int
         Newton steps of one annealing.
+    backend : {"superlu", "cholmod", "pardiso"}, optional
+        Who factors the symmetric matrices; by default the fastest that is installed.
 
     Examples
     --------
@@ -82,6 +86,7 @@ class Paper:
     convexity: Convexity = "corrected"
     step_tolerance: float = 1e-8
     max_iterations: int = 50
+    backend: str | None = None
 
     name: str = field(default="paper", init=False, repr=False)
 
@@ -89,13 +94,14 @@ class Paper:
         for parameter, choices in (("flow", Flow), ("path", PathName), ("convexity", Convexity)):
             value = getattr(self, parameter)
             if value not in get_args(choices):
-                raise ValueError(f"{parameter} is {value!r}, not one of {', '.join(get_args(choices))}")
+                raise InvalidParameter(f"{parameter} is {value!r}, not one of {', '.join(get_args(choices))}")
         for parameter in ("epsilon", "t_f", "alpha", "Tsteps", "max_iterations"):
             if not getattr(self, parameter) > 0:
-                raise ValueError(f"{parameter} is {getattr(self, parameter)}, not positive")
+                raise InvalidParameter(f"{parameter} is {getattr(self, parameter)}, not positive")
         for parameter in ("root", "step_tolerance"):
             if not getattr(self, parameter) >= 0:
-                raise ValueError(f"{parameter} is {getattr(self, parameter)}, which is negative")
+                raise InvalidParameter(f"{parameter} is {getattr(self, parameter)}, which is negative")
+        chosen_backend(self.backend)
 
     def run(self, metric: PolyhedralMetric, tolerance: float, log: Log) -> Embedding:
         """Embed the metric; the answer may miss the tolerance, and says where the method lost it.
@@ -120,11 +126,11 @@ class Paper:
                 lost = f"the curvature did not become uniform (k / kbar is off 1 by {uniform.deviation:.1e})"
         with log.stage("embedding tree") as tally:  # 2.2
             vertices = embedding_tree(uniform.metric, uniform.radius, self.root, tally)
-        system = LengthSystem(given.triangulation)
+        system = LengthSystem(given.triangulation, backend=self.backend)
         with log.stage("anneal A") as tally:
             if self.sphere:
                 vertices = anneal_on_sphere(
-                    VertexSystem(given.triangulation),
+                    VertexSystem(given.triangulation, backend=self.backend),
                     vertices,
                     uniform.metric.lengths,
                     uniform.radius,
@@ -162,7 +168,7 @@ class Paper:
     def uniformize(self, metric: PolyhedralMetric, tally: Tally) -> Uniformization:
         """Section 2.1: conformal factors to the uniform metric."""
         if self.flow == "newton":
-            return newton_uniformization(metric, tally, epsilon=self.epsilon)
+            return newton_uniformization(metric, tally, epsilon=self.epsilon, backend=self.backend)
         return ricci_flow(metric, tally, integrator=self.flow, epsilon=self.epsilon, t_f=self.t_f)
 
     def anneal(

@@ -6,6 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from isoembed.aim.uniformize import Uniformization
+from isoembed.errors import InvalidParameter
 
 Floats = NDArray[np.float64]
 
@@ -25,7 +26,7 @@ def path_times(path: str, steps: int, alpha: float) -> Floats:
 
     Raises
     ------
-    ValueError
+    InvalidParameter
         There is no such path.
     """
     j = np.arange(steps + 1)
@@ -34,7 +35,7 @@ def path_times(path: str, steps: int, alpha: float) -> Floats:
     if path == "exponential":
         end = np.exp(-alpha * steps)
         return (end - np.exp(-alpha * j)) / (end - 1)
-    raise ValueError(f"there is no path {path!r}; there are linear, exponential and flow")
+    raise InvalidParameter(f"there is no path {path!r}; there are linear, exponential and flow")
 
 
 def path_factors(path: str, uniformization: Uniformization, t: float) -> Floats:

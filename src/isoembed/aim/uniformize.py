@@ -138,7 +138,12 @@ def ricci_flow(
 
 
 def newton_uniformization(
-    metric: PolyhedralMetric, tally: Tally, *, epsilon: float, max_iterations: int = 30
+    metric: PolyhedralMetric,
+    tally: Tally,
+    *,
+    epsilon: float,
+    max_iterations: int = 30,
+    backend: str | None = None,
 ) -> Uniformization:
     """Solve ``epsilon_a - kbar A*_a = 0``, the flow's fixed point, by Newton's method.
 
@@ -155,6 +160,8 @@ def newton_uniformization(
     epsilon : float
         Stop when the root mean square of ``k_a / kbar - 1``, the Moebius modes apart, is below it.
     max_iterations : int
+    backend : str, optional
+        As in `isoembed.linalg.analyze`, for the symmetric matrices of the layout.
 
     Returns
     -------
@@ -162,7 +169,7 @@ def newton_uniformization(
         Of the given metric's area.
     """
     triangles = delaunay(metric.normalized)
-    sphere = conformal_sphere(triangles, tally)
+    sphere = conformal_sphere(triangles, tally, backend)
     C = np.column_stack([np.ones(len(sphere.points)), sphere.points])
     state = _start(metric, conformal_factors(triangles.normalized, sphere), C)
     for _ in range(max_iterations):

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from isoembed.cli.screen import OutputError
-from isoembed.errors import InvalidMetric
+from isoembed.errors import InvalidMetric, InvalidParameter
 from isoembed.io import FileError
 
 
@@ -11,4 +11,4 @@ class Refusal(ValueError):  # noqa: N818 - the command refuses, nothing failed
     """A command line that is well formed but makes no sense."""
 
 
-USER_ERRORS = (Refusal, FileError, InvalidMetric, OutputError)
+USER_ERRORS = (Refusal, FileError, InvalidMetric, InvalidParameter, OutputError)

@@ -5,7 +5,7 @@
 """
 
 from isoembed.linalg.dissection import Dissection, dissect
-from isoembed.linalg.factor import Factor, Solver, analyze, available_backends, factor_general
+from isoembed.linalg.factor import Factor, Solver, analyze, available_backends, chosen_backend, factor_general
 from isoembed.linalg.singular import SingularMatrix
 
 __all__ = [
@@ -15,6 +15,7 @@ __all__ = [
     "Solver",
     "analyze",
     "available_backends",
+    "chosen_backend",
     "dissect",
     "factor_general",
 ]

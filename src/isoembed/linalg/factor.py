@@ -10,6 +10,7 @@ import scipy.sparse as sp
 from numpy.typing import ArrayLike, NDArray
 from scipy.sparse.linalg import splu
 
+from isoembed.errors import InvalidParameter
 from isoembed.linalg.singular import SingularMatrix
 
 _BACKENDS = {"pardiso": "mkl", "cholmod": "cholmod", "superlu": ""}
@@ -54,13 +55,26 @@ def analyze(pattern: sp.sparray | sp.spmatrix, order: ArrayLike, backend: str | 
     ValueError
         If the backend is unknown or not installed, or pattern or order are not as described.
     """
+    return Solver(pattern, order, chosen_backend(backend))
+
+
+def chosen_backend(backend: str | None) -> str:
+    """The named backend, or the fastest that is installed.
+
+    Raises
+    ------
+    InvalidParameter
+        If the backend is unknown or not installed.
+    """
     if backend is None:
-        backend = available_backends()[0]
+        return available_backends()[0]
     if backend not in _BACKENDS:
-        raise ValueError(f"unknown backend {backend!r}: choose one of {', '.join(_BACKENDS)}")
+        raise InvalidParameter(f"unknown backend {backend!r}: choose one of {', '.join(_BACKENDS)}")
     if not _installed(backend):
-        raise ValueError(f"backend {backend!r} is missing: pip install 'isoembed[{_BACKENDS[backend]}]'")
-    return Solver(pattern, order, backend)
+        raise InvalidParameter(
+            f"backend {backend!r} is missing: pip install 'isoembed[{_BACKENDS[backend]}]'"
+        )
+    return backend
 
 
 class Solver:

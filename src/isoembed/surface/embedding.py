@@ -17,6 +17,7 @@ from isoembed.metric.curvature import deficits
 from isoembed.metric.polyhedral import PolyhedralMetric
 from isoembed.stages import Stage
 from isoembed.surface import convexity, curvature, measures
+from isoembed.surface.intersection import self_intersections
 
 Floats = NDArray[np.float64]
 DEFICIT_ROUNDING = 1e-12  # radians: a deficit above minus this is not counted as negative
@@ -176,6 +177,11 @@ class Embedding:
     def partially_inverted_vertices(self) -> NDArray[np.bool_]:
         """Vertices with more than 70 % of their edges concave, but not all, shape (V,)."""
         return convexity.partially_inverted_vertices(self.triangulation, self.concave_edges)
+
+    @cached_property
+    def self_intersections(self) -> NDArray[np.int64]:
+        """Pairs of faces that intersect, shape (n, 2): none on an embedded surface."""
+        return self_intersections(self.faces, self._normalized)
 
     @cached_property
     def mean_curvature(self) -> Floats:

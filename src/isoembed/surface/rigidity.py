@@ -45,9 +45,16 @@ class LengthSystem:
     triangulation : Triangulation
     dissection : Dissection, optional
         Of the vertex graph, where it is at hand.
+    backend : str, optional
+        As in `isoembed.linalg.analyze`.
     """
 
-    def __init__(self, triangulation: Triangulation, dissection: Dissection | None = None) -> None:
+    def __init__(
+        self,
+        triangulation: Triangulation,
+        dissection: Dissection | None = None,
+        backend: str | None = None,
+    ) -> None:
         self.triangulation = triangulation
         edges = triangulation.edges
         dissection = dissection or dissect(triangulation.adjacency)
@@ -56,7 +63,7 @@ class LengthSystem:
         shape = (triangulation.n_vertices, len(edges))
         touch = csr_array((ones, (edges.T.ravel(), np.tile(e, 2))), shape=shape)
         # Every entry is at least 1, so that the product drops none.
-        self._solver = analyze((touch.T @ touch).tocsc(), dissection.edge_order(edges))
+        self._solver = analyze((touch.T @ touch).tocsc(), dissection.edge_order(edges), backend)
         pattern = self._solver.pattern
         self._row = pattern.indices
         self._column = np.repeat(e, np.diff(pattern.indptr))
@@ -108,6 +115,8 @@ class VertexSystem:
         It acts on x, y and z alike.
     dissection : Dissection, optional
         Of the vertex graph, where it is at hand.
+    backend : str, optional
+        As in `isoembed.linalg.analyze`.
     """
 
     def __init__(
@@ -115,6 +124,7 @@ class VertexSystem:
         triangulation: Triangulation,
         penalty: csr_array | None = None,
         dissection: Dissection | None = None,
+        backend: str | None = None,
     ) -> None:
         self.triangulation = triangulation
         n = triangulation.n_vertices
@@ -122,7 +132,7 @@ class VertexSystem:
         dissection = dissection or dissect(triangulation.adjacency)
         graph = (triangulation.adjacency + abs(penalty) + eye_array(n)).tocsc()
         graph.data[:] = 1.0  # a pattern, from connectivity: values that cancel must not shrink it
-        self._solver = analyze(kron(graph, np.ones((3, 3)), format="csc"), dissection.block_order(3))
+        self._solver = analyze(kron(graph, np.ones((3, 3)), format="csc"), dissection.block_order(3), backend)
         pattern = self._solver.pattern
         column = np.repeat(np.arange(3 * n), np.diff(pattern.indptr))
         self._keys = column * (3 * n) + pattern.indices

@@ -1,0 +1,205 @@
+"""Newton's steps on lengths: J by differences, steps by dense algebra, every backend, patterns that stay."""
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+from scipy.sparse import csr_array
+
+import smooth
+import zoo
+from isoembed.linalg import SingularMatrix, available_backends
+from isoembed.mesh.triangulation import Triangulation
+from isoembed.surface.rigidity import (
+    HOLD,
+    MEAN_DIAGONAL,
+    LengthSystem,
+    VertexSystem,
+    edge_rows,
+    length_residuals,
+    umbrella,
+)
+
+
+def dense_jacobian(triangulation, vertices, lengths):
+    a, b = triangulation.edges.T
+    J = np.zeros((len(a), len(vertices), 3))
+    rows = edge_rows(triangulation, vertices, lengths)
+    J[np.arange(len(a)), a] = rows
+    J[np.arange(len(a)), b] = -rows
+    return J.reshape(len(a), -1)
+
+
+def perturbed(n, seed):
+    """A random hull with vertices moved: (triangulation, vertices, lengths that they miss, residuals)."""
+    vertices, faces = zoo.random_hull(n, seed)
+    triangulation = Triangulation(faces)
+    a, b = triangulation.edges.T
+    lengths = np.linalg.norm(vertices[a] - vertices[b], axis=1)
+    vertices = vertices + 0.02 * np.random.default_rng(seed).normal(size=vertices.shape)
+    return triangulation, vertices, lengths, length_residuals(triangulation, vertices, lengths)
+
+
+def test_residuals_are_the_errors_of_the_lengths_to_first_order():
+    triangulation, vertices, lengths, residuals = perturbed(20, 1)
+    a, b = triangulation.edges.T
+    error = np.linalg.norm(vertices[a] - vertices[b], axis=1) - lengths
+    assert residuals == pytest.approx(error + error**2 / (2 * lengths), abs=1e-15)
+
+
+def test_residuals_do_not_cancel():
+    triangulation = Triangulation(zoo.TETRAHEDRON)
+    vertices = np.array([[0, 0, 0], [1, 0, 0], [0.5, 0.8, 0], [0.5, 0.3, 0.9]])
+    a, b = triangulation.edges.T
+    realized = np.linalg.norm(vertices[a] - vertices[b], axis=1)
+    residuals = length_residuals(triangulation, vertices, realized * (1 + 1e-14))
+    assert residuals == pytest.approx(-1e-14 * realized, rel=0.05)
+
+
+def test_rows_are_the_derivatives_of_the_residuals():
+    triangulation, vertices, lengths, _ = perturbed(15, 2)
+    J = dense_jacobian(triangulation, vertices, lengths)
+    for k in range(vertices.size):
+        h = np.zeros(vertices.size)
+        h[k] = 1e-6
+        h = h.reshape(-1, 3)
+        after, before = (length_residuals(triangulation, vertices + s * h, lengths) for s in (1, -1))
+        assert (after - before) / 2e-6 == pytest.approx(J[:, k], abs=1e-8)
+
+
+@given(st.integers(0, 10**6), st.integers(4, 25))
+def test_newtons_step_is_the_one_of_least_norm(seed, n):
+    triangulation, vertices, lengths, residuals = perturbed(n, seed)
+    step = LengthSystem(triangulation).step(vertices, lengths, residuals)
+    J = dense_jacobian(triangulation, vertices, lengths)
+    assert J @ step.ravel() == pytest.approx(residuals, abs=1e-12)
+    expected = np.linalg.lstsq(J, residuals, rcond=None)[0].reshape(-1, 3)
+    assert step == pytest.approx(expected, abs=1e-6 * np.abs(expected).max())
+
+
+@pytest.mark.parametrize("mu", [1e-6, 1e-2, 10.0])
+def test_the_damped_step_is_levenberg_and_marquardts(mu):
+    triangulation, vertices, lengths, residuals = perturbed(20, 4)
+    step = LengthSystem(triangulation).step(vertices, lengths, residuals, mu)
+    J = dense_jacobian(triangulation, vertices, lengths)
+    N = J.T @ J + 2 * mu * np.eye(J.shape[1])
+    assert step.ravel() == pytest.approx(np.linalg.solve(N, J.T @ residuals), abs=1e-8)
+
+
+def bending(triangulation):
+    L = umbrella(triangulation)
+    return (L.T @ L).tocsr()
+
+
+@pytest.mark.parametrize("mu", [1e-4, 1e-2, 10.0])
+def test_the_step_damped_in_bending(mu):
+    triangulation, vertices, lengths, residuals = perturbed(30, 5)
+    penalty = bending(triangulation)
+    step = VertexSystem(triangulation, penalty).step(vertices, lengths, residuals, mu)
+    J = dense_jacobian(triangulation, vertices, lengths)
+    N = J.T @ J + MEAN_DIAGONAL * (mu * np.kron(penalty.toarray(), np.eye(3)) + HOLD * np.eye(J.shape[1]))
+    expected = np.linalg.solve(N, J.T @ residuals)
+    # Nothing but HOLD keeps the whole from drifting: compare the shapes.
+    step = step - step.mean(axis=0)
+    expected = expected.reshape(-1, 3) - expected.reshape(-1, 3).mean(axis=0)
+    assert step == pytest.approx(expected, abs=1e-6 * np.abs(expected).max())
+
+
+@given(st.integers(0, 10**6), st.floats(0.5, 2.0))
+def test_the_step_on_the_sphere_is_gauss_newtons(seed, radius):
+    triangulation, vertices, lengths, residuals = perturbed(20, seed)
+    step = VertexSystem(triangulation).spherical_step(vertices, lengths, residuals, radius)
+    heights = (np.sum(vertices**2, axis=1) - radius**2) / (2 * radius)
+    outward = np.zeros((len(vertices), len(vertices), 3))
+    outward[np.arange(len(vertices)), np.arange(len(vertices))] = vertices / radius
+    J = np.vstack([dense_jacobian(triangulation, vertices, lengths), outward.reshape(len(vertices), -1)])
+    right = np.concatenate([residuals, heights])
+    # Rotations about the center change neither lengths nor radii: compare what the step does to them.
+    expected = J @ np.linalg.lstsq(J, right, rcond=1e-9)[0]
+    assert J @ step.ravel() == pytest.approx(expected, abs=1e-7)
+
+
+@pytest.mark.parametrize("backend", available_backends())
+def test_every_backend_takes_the_same_steps(backend):
+    triangulation, vertices, lengths, residuals = perturbed(60, 6)
+    J = dense_jacobian(triangulation, vertices, lengths)
+    newton = LengthSystem(triangulation, backend=backend).step(vertices, lengths, residuals)
+    assert newton.ravel() == pytest.approx(np.linalg.lstsq(J, residuals, rcond=None)[0], abs=1e-9)
+    penalty = bending(triangulation)
+    damped = VertexSystem(triangulation, penalty, backend=backend).step(vertices, lengths, residuals, 0.1)
+    N = J.T @ J + 2 * (0.1 * np.kron(penalty.toarray(), np.eye(3)) + HOLD * np.eye(J.shape[1]))
+    assert damped.ravel() == pytest.approx(np.linalg.solve(N, J.T @ residuals), abs=1e-6)
+
+
+def test_the_pattern_does_not_shrink_where_entries_vanish():
+    # In the octahedron edges meet at right angles, in the cube they do and coordinates coincide: zeros in
+    # J J^T and J^T J at first, but not once the surface has moved.
+    for vertices, faces in (zoo.octahedron(), zoo.cube()):
+        triangulation = Triangulation(faces)
+        a, b = triangulation.edges.T
+        lengths = np.linalg.norm(vertices[a] - vertices[b], axis=1)
+        newton, damped = LengthSystem(triangulation), VertexSystem(triangulation, bending(triangulation))
+        noise = np.random.default_rng(0).normal(size=vertices.shape)
+        for x in (vertices + 1e-3 * np.eye(len(vertices))[:, :3], vertices + 0.1 * noise):
+            residuals = length_residuals(triangulation, x, lengths)
+            J = dense_jacobian(triangulation, x, lengths)
+            expected = np.linalg.lstsq(J, residuals, rcond=None)[0]
+            assert newton.step(x, lengths, residuals).ravel() == pytest.approx(expected, abs=1e-10)
+            step = damped.step(x, lengths, residuals, 1e-2).ravel()
+            P = np.kron(bending(triangulation).toarray(), np.eye(3))
+            N = J.T @ J + 2 * (1e-2 * P + HOLD * np.eye(J.shape[1]))
+            assert step == pytest.approx(np.linalg.solve(N, J.T @ residuals), abs=1e-6)
+
+
+def test_penalties_beyond_the_edges_are_in_the_pattern():
+    triangulation, vertices, lengths, residuals = perturbed(20, 8)
+    n = len(vertices)
+    spring = np.zeros((n, n))
+    i, j = 0, int(np.flatnonzero(triangulation.adjacency.toarray()[0] == 0)[-1])
+    assert j != i
+    spring[[i, j], [i, j]], spring[[i, j], [j, i]] = 1.0, -1.0
+    step = VertexSystem(triangulation, csr_array(spring)).step(vertices, lengths, residuals, 0.5)
+    J = dense_jacobian(triangulation, vertices, lengths)
+    N = J.T @ J + 2 * (0.5 * np.kron(spring, np.eye(3)) + HOLD * np.eye(3 * n))
+    assert J @ step.ravel() == pytest.approx(J @ np.linalg.solve(N, J.T @ residuals), abs=1e-6)
+
+
+def test_a_surface_that_flexes_has_no_newton_step_but_a_damped_one():
+    vertices, faces = zoo.icosphere(1)
+    triangulation = Triangulation(faces)
+    flat = vertices * [1, 1, 0]
+    lengths = np.ones(triangulation.n_edges)
+    residuals = length_residuals(triangulation, flat, lengths)
+    system = LengthSystem(triangulation)
+    with pytest.raises(SingularMatrix):
+        system.step(flat, lengths, residuals)
+    assert np.isfinite(system.step(flat, lengths, residuals, 1e-3)).all()
+
+
+def test_the_umbrella_is_a_vertex_minus_the_mean_of_its_neighbors():
+    vertices, faces = zoo.random_hull(20, 9)
+    triangulation = Triangulation(faces)
+    L = umbrella(triangulation)
+    expected = [
+        vertices[v] - np.mean([vertices[w] for w in set(faces[(faces == v).any(axis=1)].ravel()) - {v}], axis=0)
+        for v in range(20)
+    ]
+    assert L @ vertices == pytest.approx(np.array(expected), abs=1e-14)
+
+
+def test_steps_commute_with_rotations():
+    triangulation, vertices, lengths, residuals = perturbed(40, 10)
+    Q = zoo.rotation(1)
+    for system in (LengthSystem(triangulation), VertexSystem(triangulation, bending(triangulation))):
+        step = system.step(vertices, lengths, residuals, 1e-2)
+        turned = system.step(vertices @ Q, lengths, residuals, 1e-2)
+        assert turned == pytest.approx(step @ Q, abs=1e-7)
+
+
+def test_smooth_bodies_are_rigid():
+    vertices, faces = smooth.ellipsoid()
+    triangulation = Triangulation(faces)
+    a, b = triangulation.edges.T
+    lengths = np.linalg.norm(vertices[a] - vertices[b], axis=1)
+    J = dense_jacobian(triangulation, vertices, lengths)
+    assert np.linalg.matrix_rank(J, tol=1e-8) == triangulation.n_edges  # 3 V - 6: all but the motions
