@@ -2,7 +2,8 @@
 
 For the paper's ellipsoid and drum and both methods: seconds, factorizations and steps a stage, the time of a
 stage over that of one factorization of J J^T, exponents fitted over N, accuracy (edge error, distance to the
-discarded coordinates over the diameter, inverted vertices) and peak memory, each case in a process of its own.
+discarded coordinates over the diameter, inverted vertices) and peak memory. "steps" is the least Tsteps with
+which the paper's method finds the smooth surface without its convexity routine.
 """
 
 import argparse
@@ -44,7 +45,7 @@ def one_factorization(metric, vertices):
 
 
 def measure(name, n, method):
-    """Embed one surface from its lengths and print what it took, as JSON."""
+    """Embed one surface from its lengths; what it took."""
     from isoembed import NotEmbedded, PolyhedralMetric, embed
     from isoembed.gallery import SURFACES, triangulate
 
@@ -58,7 +59,7 @@ def measure(name, n, method):
         surface = error.embedding
     seconds = time.perf_counter() - start
     peak = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss
-    row = {
+    return {
         "case": name,
         "method": method,
         "vertices": n,
@@ -69,7 +70,6 @@ def measure(name, n, method):
         "aligned": aligned(surface.vertices, vertices),
         **{key: surface.report[key] for key in ("status", "residual", "convexity", "stages")},
     }
-    print(json.dumps(row))
 
 
 def exponent(rows, cost):
@@ -92,17 +92,14 @@ def show(rows):
         + "  ".join(f"{name} s / one (fact.)" for name in names)
     )
     for row in rows:
-        stages = row["stages"]
-        convexity = row["convexity"]
-        parts = "  ".join(
-            f"{s['seconds']:.3f} / {s['seconds'] / row['one']:.1f} ({s['factorizations']})" for s in stages
-        )
+        one, stages, inverted = row["one"], row["stages"], row["convexity"]
+        parts = [f"{s['seconds']:.3f} / {s['seconds'] / one:.1f} ({s['factorizations']})" for s in stages]
+        factorizations = sum(s["factorizations"] for s in stages)
+        counts = f"{inverted['inverted_vertices']} + {inverted['partially_inverted_vertices']}"
         print(
-            f"{row['vertices']:>6} {row['seconds']:>8.2f} {row['one']:>7.3f} {row['seconds'] / row['one']:>6.1f} "
-            f"{sum(s['factorizations'] for s in stages):>6} {row['steps'] or '> 32':>6} {row['residual']['max']:>11.1e} "
-            f"{row['aligned']:>8.0e} "
-            f"{convexity['inverted_vertices']:>4} + {convexity['partially_inverted_vertices']:<2} "
-            f"{row['peak_mb']:>8.0f}  {parts}"
+            f"{row['vertices']:>6} {row['seconds']:>8.2f} {one:>7.3f} {row['seconds'] / one:>6.1f} "
+            f"{factorizations:>6} {row['steps'] or '> 32':>6} {row['residual']['max']:>11.1e} "
+            f"{row['aligned']:>8.0e} {counts:>9} {row['peak_mb']:>8.0f}  " + "  ".join(parts)
         )
     print(f"exponents: total {exponent(rows, lambda row: row['seconds']):.2f}", end="")
     for k, name in enumerate(names):
@@ -126,6 +123,12 @@ def fewest_steps(name, n):
     return None
 
 
+def in_own_process(name, n, what):
+    """Measure in a process of its own: its peak memory counts from that of the process that starts it."""
+    command = [sys.executable, __file__, "--measure", name, str(n), what]
+    return json.loads(subprocess.run(command, stdout=subprocess.PIPE, text=True, check=True).stdout)
+
+
 def main():
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--quick", action="store_true", help="up to 1,600 vertices")
@@ -134,18 +137,14 @@ def main():
     arguments = parser.parse_args()
     if arguments.measure:
         name, n, method = arguments.measure
-        measure(name, int(n), method)
+        print(json.dumps(fewest_steps(name, int(n)) if method == "steps" else measure(name, int(n), method)))
         return
     sizes = [n for n in SIZES if n <= 1600 or not arguments.quick]
     everything = []
     for name in CASES:
-        steps = {n: fewest_steps(name, n) for n in sizes}
+        steps = {n: in_own_process(name, n, "steps") for n in sizes}
         for method in TOLERANCE:
-            rows = []
-            for n in sizes:
-                command = [sys.executable, __file__, "--measure", name, str(n), method]
-                run = subprocess.run(command, capture_output=True, text=True, check=True)
-                rows.append({**json.loads(run.stdout), "steps": steps[n]})
+            rows = [{**in_own_process(name, n, method), "steps": steps[n]} for n in sizes]
             show(rows)
             everything += rows
         print(f"fewest adiabatic steps (Tsteps) against N: {steps}")

@@ -1,4 +1,6 @@
-"""Annealing: quadratic convergence, both tolerances, the best vertices, impossible lengths, the damped steps."""
+"""Annealing: quadratic convergence, tolerances, the best vertices, impossible lengths, damped steps."""
+
+from itertools import pairwise
 
 import numpy as np
 import pytest
@@ -41,7 +43,7 @@ def test_newtons_method_is_quadratic():
     assert annealed.residual <= 1e-12
     assert annealed.residual == largest(triangulation, annealed.vertices, lengths)
     assert smooth.misfit(annealed.vertices, vertices) < 1e-9
-    rates = [np.log(after) / np.log(before) for before, after in zip(shown, shown[1:], strict=False) if after > 1e-12]
+    rates = [np.log(after) / np.log(before) for before, after in pairwise(shown) if after > 1e-12]
     assert len(shown) <= 6
     assert max(rates) > 1.7
     assert tally.iterations == tally.factorizations == len(shown) - 1
@@ -105,7 +107,7 @@ def test_iterations_that_run_out():
 
 
 def flat_top(lift):
-    """A tall square pyramid whose base's center would have to sink to where no surface is: too short spokes."""
+    """A square pyramid, closed below by a flat one."""
     base = np.array([[1.0, 0, 0], [0, 1, 0], [-1, 0, 0], [0, -1, 0]])
     vertices = np.vstack([base, [[0, 0, 2.0], [0, 0, -lift]]])
     faces = np.array([[k, (k + 1) % 4, 4] for k in range(4)] + [[(k + 1) % 4, k, 5] for k in range(4)])
@@ -120,15 +122,15 @@ def test_impossible_lengths_do_not_converge_and_the_best_is_returned():
     a, b = triangulation.edges.T
     lengths = np.linalg.norm(vertices[a] - vertices[b], axis=1)
     lengths[(triangulation.edges == 5).any(axis=1)] = 0.8
-    for system in (LengthSystem(triangulation),):
-        tally, shown = watched()
-        annealed = anneal(system, vertices, lengths, tally, residual_tolerance=1e-9)
-        assert not annealed.converged
-        assert annealed.residual == min(shown)
-        assert annealed.residual == largest(triangulation, annealed.vertices, lengths) > 1e-3
-        damped = anneal_damped(system, vertices, lengths, smooth.tally(), residual_tolerance=1e-9, max_iterations=99)
-        assert not damped.converged
-        assert damped.residual == largest(triangulation, damped.vertices, lengths) > 1e-3
+    system = LengthSystem(triangulation)
+    tally, shown = watched()
+    annealed = anneal(system, vertices, lengths, tally, residual_tolerance=1e-9)
+    assert not annealed.converged
+    assert annealed.residual == min(shown)
+    assert annealed.residual == largest(triangulation, annealed.vertices, lengths) > 1e-3
+    damped = anneal_damped(system, vertices, lengths, tally, residual_tolerance=1e-9, max_iterations=99)
+    assert not damped.converged
+    assert damped.residual == largest(triangulation, damped.vertices, lengths) > 1e-3
 
 
 def test_a_singular_start_is_returned_as_it_is():
@@ -173,9 +175,8 @@ def test_damped_steps_never_go_uphill_and_arrive(kind, amount):
             energies.append(float(residuals @ residuals))
             return self.system.step(x, lengths, residuals, mu)
 
-    annealed = anneal_damped(
-        Recorded(systems(triangulation)[kind]), start, lengths, tally, residual_tolerance=1e-6, max_iterations=200
-    )
+    system = Recorded(systems(triangulation)[kind])
+    annealed = anneal_damped(system, start, lengths, tally, residual_tolerance=1e-6, max_iterations=200)
     assert (np.diff(energies) <= 0).all()
     assert len(energies) == tally.iterations
     assert annealed.residual == shown[-1] == largest(triangulation, annealed.vertices, lengths)
@@ -225,7 +226,8 @@ def test_annealing_on_the_sphere_balances_what_cannot_be_met():
     vertices, faces = zoo.icosphere(2)
     triangulation, lengths, exact, _ = problem(0.0, (vertices, faces))
     radius = 1.02 * np.linalg.norm(exact[0])
-    fitted = anneal_on_sphere(VertexSystem(triangulation), exact, lengths, radius, smooth.tally(), max_iterations=30)
+    system = VertexSystem(triangulation)
+    fitted = anneal_on_sphere(system, exact, lengths, radius, smooth.tally(), max_iterations=30)
     reached = np.linalg.norm(fitted, axis=1)
     assert np.linalg.norm(exact[0]) < reached.min() < reached.max() < radius
 

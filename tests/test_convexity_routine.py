@@ -12,7 +12,8 @@ from isoembed.mesh.triangulation import Triangulation
 def dented(n, height):
     """A regular bipyramid whose upper apex stands at this height above (below, if negative) its rim."""
     angle = 2 * np.pi * np.arange(n) / n
-    vertices = np.vstack([np.column_stack([np.cos(angle), np.sin(angle), 0 * angle]), [[0, 0, height], [0, 0, -3]]])
+    rim = np.column_stack([np.cos(angle), np.sin(angle), 0 * angle])
+    vertices = np.vstack([rim, [[0, 0, height], [0, 0, -3]]])
     faces = [[k, (k + 1) % n, n] for k in range(n)] + [[(k + 1) % n, k, n + 1] for k in range(n)]
     return Triangulation(faces), vertices
 
@@ -46,13 +47,22 @@ def test_only_the_chosen_vertices_move_across_the_mean_of_their_neighbors():
     assert (after[7] + vertices[7]) / 2 == pytest.approx(vertices[neighbors].mean(axis=0), abs=1e-15)
 
 
-def test_more_than_seventy_percent_is_partially_inverted():
-    # One rim vertex of a dent pulled up until its spoke is convex: five spokes of six stay concave.
-    triangulation, vertices = dented(6, -0.3)
-    vertices[0, 2] = -0.6
+def test_partially_inverted_vertices_are_popped_too():
+    # One rim vertex of a dent pulled down until its spoke is a ridge; most of the others stay valleys.
+    triangulation, vertices = dented(9, -0.3)
+    vertices[0, 2] = -0.4
     inverted, partial = crumpled_vertices(triangulation, vertices)
     assert not inverted.any()
-    assert np.flatnonzero(partial).tolist() == [6]
+    assert np.flatnonzero(partial).tolist() == [9]
+    guesses = []
+
+    def relax(guess):
+        guesses.append(guess)
+        return Annealed(guess, 0.0, True)
+
+    after = pop_and_anneal(triangulation, Annealed(vertices, 0.0, True), relax)
+    assert (after.vertices == popped(triangulation, vertices, partial)).all()
+    assert (after.vertices[9] != vertices[9]).any()
 
 
 def guarded(height, candidate, residual, converged, before=1e-3):

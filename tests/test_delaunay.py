@@ -46,7 +46,9 @@ def test_there_is_something_to_flip_above():
     assert len(edge_set(delaunay(metric)) - edge_set(metric)) > 20
 
 
-@pytest.mark.parametrize("mesh", [zoo.tetrahedron(), zoo.octahedron(), zoo.icosphere(1), zoo.cube(), smooth.ellipsoid()])
+@pytest.mark.parametrize(
+    "mesh", [zoo.tetrahedron(), zoo.octahedron(), zoo.icosphere(1), zoo.cube(), smooth.ellipsoid()]
+)
 def test_nothing_to_flip_returns_the_metric_itself(mesh):
     metric = PolyhedralMetric.from_mesh(*mesh)  # in the cube, the squares' corners lie on circles
     assert delaunay(metric) is metric
@@ -63,11 +65,9 @@ def flat_topped_cone(points, faces, rim):
 @pytest.mark.parametrize("seed", range(5))
 def test_a_flat_region_becomes_the_planar_delaunay_triangulation(seed):
     rng = np.random.default_rng(seed)
-    angle, turn = 2 * np.pi * np.arange(16) / 16, rng.uniform(0, 2 * np.pi, 60)
-    disk = 0.75 * np.sqrt(rng.uniform(size=60))
-    points = np.vstack(
-        [np.column_stack([np.cos(angle), np.sin(angle)]), np.column_stack([disk * np.cos(turn), disk * np.sin(turn)])]
-    )
+    angle = np.append(2 * np.pi * np.arange(16) / 16, rng.uniform(0, 2 * np.pi, 60))
+    radius = np.append(np.ones(16), 0.75 * np.sqrt(rng.uniform(size=60)))
+    points = np.column_stack([radius * np.cos(angle), radius * np.sin(angle)])
 
     def oriented(simplices):
         a, b, c = (points[simplices[:, k]] for k in range(3))
@@ -81,7 +81,6 @@ def test_a_flat_region_becomes_the_planar_delaunay_triangulation(seed):
     best = PolyhedralMetric.from_mesh(
         *flat_topped_cone(points, oriented(scipy.spatial.Delaunay(points).simplices), np.arange(16))
     )
-    # The rim's 16 corners lie on a circle with nothing between: only there may the two choose differently.
     assert edge_set(flipped) == edge_set(best)
     assert flipped.lengths == pytest.approx(best.lengths, rel=1e-10)
 

@@ -42,7 +42,7 @@ def test_exponential_times_are_the_papers():
 
 
 def test_there_is_no_such_path():
-    with pytest.raises(ValueError, match="there is no path 'straight'; there are linear, exponential and flow"):
+    with pytest.raises(ValueError, match="no path 'straight'; there are linear, exponential and flow"):
         path_times("straight", 3, 1.0)
 
 

@@ -1,4 +1,4 @@
-"""Uniformization: constant curvature by Newton's method and by the flow, their agreement, and their failures."""
+"""Uniformization: constant curvature by Newton's method and by the flow, agreement, failures."""
 
 import numpy as np
 import pytest

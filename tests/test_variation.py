@@ -28,7 +28,9 @@ def central_differences(f, x):
     return np.stack(columns, axis=-1)
 
 
-@pytest.mark.parametrize("mesh", [zoo.tetrahedron(), zoo.cube(), zoo.random_hull(12, 0), zoo.random_hull(20, 3)])
+@pytest.mark.parametrize(
+    "mesh", [zoo.tetrahedron(), zoo.cube(), zoo.random_hull(12, 0), zoo.random_hull(20, 3)]
+)
 def test_derivatives_by_length_are_central_differences(mesh):
     metric = PolyhedralMetric.from_mesh(*mesh)
     for function, derivative in (

@@ -197,15 +197,22 @@ class _Plane:
             return self.rim_u
         return u if np.abs(u).max() < MODERATE and not self.measure(u)[3] else self.rim_u
 
-    def improved(self, u: Floats) -> _Plane:
-        """The same conformal class on triangles that are Delaunay at u, by Ptolemy's flips."""
+    def whole(self, u: Floats) -> tuple[_Plane, tuple[Floats, Floats, Floats, bool]]:
+        """The same conformal class on triangles that u does not break, and its measures.
+
+        Where it does, triangles that are Delaunay at u take their place, by Ptolemy's flips.
+        """
+        measures = self.measure(u)
+        if not measures[3]:
+            return self, measures
         a, b = self.triangulation.edges.T
         scaled = self.lengths * np.exp((u[a] + u[b]) / 2)
         triangulation, scaled = ideal_delaunay(self.triangulation, scaled, self.pole)
         if triangulation is self.triangulation:
-            return self
+            return self, measures
         a, b = triangulation.edges.T
-        return _Plane(triangulation, scaled * np.exp(-(u[a] + u[b]) / 2), self.pole, self.backend)
+        flipped = _Plane(triangulation, scaled * np.exp(-(u[a] + u[b]) / 2), self.pole, self.backend)
+        return flipped, flipped.measure(u)
 
     def lay_out(self, u: Floats, tally: Tally) -> NDArray[np.complex128]:
         """Place the ring by its lengths and angles, the rest by harmonic functions, as coordinates are."""
@@ -237,8 +244,7 @@ def _flattened(plane: _Plane, u: Floats, tally: Tally) -> tuple[_Plane, Floats, 
     with all triangles whole.
     """
     inner, zero = plane.inner, np.zeros((len(u), 1))
-    plane = plane.improved(u)
-    sums, weights, _, broken = plane.measure(u)
+    plane, (sums, weights, _, broken) = plane.whole(u)
     for _ in range(MAX_STEPS):
         g = np.zeros(len(u))
         g[inner] = 2 * np.pi - sums[inner]
@@ -254,8 +260,7 @@ def _flattened(plane: _Plane, u: Floats, tally: Tally) -> tuple[_Plane, Floats, 
         tally.iterations += 1
         slope, s = step @ g, min(1.0, LONGEST / np.abs(step).max())
         while True:  # a convex function has decreased where its slope has not turned around
-            trial = plane.improved(u + s * step)
-            sums, weights, _, broken = trial.measure(u + s * step)
+            trial, (sums, weights, _, broken) = plane.whole(u + s * step)
             if step[inner] @ (2 * np.pi - sums[inner]) <= 0.9 * abs(slope):
                 break
             s /= 2

@@ -1,0 +1,162 @@
+"""The one verb: what it returns and raises, progress, stages, the report, whatever the method."""
+
+import json
+
+import numpy as np
+import pytest
+
+import isoembed
+import smooth
+import zoo
+from isoembed.aim.adaptive import Aim
+from isoembed.aim.paper import Paper
+from isoembed.errors import NotEmbedded
+from isoembed.metric.polyhedral import PolyhedralMetric
+from isoembed.stages import Log
+from isoembed.surface.embedding import Embedding
+from isoembed.verb import configured
+
+METHODS = {"aim": Aim(damped_iterations=5), "paper": Paper(Tsteps=2, max_iterations=10)}
+
+
+def metric(noise=0.0):
+    exact = PolyhedralMetric.from_mesh(*smooth.ellipsoid(100))
+    factors = 1 + noise * np.random.default_rng(0).normal(size=len(exact.lengths))
+    return exact.with_lengths(exact.lengths * factors)
+
+
+@pytest.mark.parametrize("method", METHODS)
+def test_by_name_or_configured(method):
+    by_name = isoembed.embed(metric(), method=method)
+    configuration = {"aim": Aim(), "paper": Paper()}[method]
+    assert (isoembed.embed(metric(), method=configuration).vertices == by_name.vertices).all()
+    assert by_name.method == method
+    assert by_name.converged
+    assert configured(configuration) is configuration
+
+
+def test_the_default_is_aim():
+    assert isoembed.embed(metric()).method == "aim"
+    assert isoembed.embed(metric()).tolerance == 1e-10
+
+
+@pytest.mark.parametrize("tolerance", [0.0, -1e-9, float("nan")])
+def test_a_tolerance_that_is_none(tolerance):
+    with pytest.raises(ValueError, match=r"the tolerance is .*, not positive"):
+        isoembed.embed(metric(), tolerance=tolerance)
+
+
+def test_an_unknown_method():
+    with pytest.raises(ValueError, match="there is no method 'weyl'; there are aim, paper"):
+        isoembed.embed(metric(), method="weyl")
+
+
+class Lying:
+    """A method that is content with any vertices."""
+
+    name = "lying"
+
+    def run(self, metric, tolerance, log):
+        with log.stage("guess"):
+            vertices = np.random.default_rng(0).normal(size=(metric.triangulation.n_vertices, 3))
+        return Embedding(metric, vertices, method=self.name, tolerance=tolerance, stages=log.stages)
+
+
+def test_no_method_is_taken_at_its_word():
+    with pytest.raises(NotEmbedded, match="the lengths miss the tolerance 1e-10") as caught:
+        isoembed.embed(metric(), method=Lying())
+    assert caught.value.embedding.method == "lying"
+    assert [stage.name for stage in caught.value.embedding.stages] == ["guess"]
+    assert isoembed.embed(metric(), method=Lying(), tolerance=100.0).converged
+
+
+@pytest.mark.parametrize("method", METHODS)
+def test_a_tolerance_beyond_rounding_is_not_met_and_the_best_attempt_says_how_near_it_came(method):
+    with pytest.raises(NotEmbedded) as caught:
+        isoembed.embed(metric(), method=METHODS[method], tolerance=1e-18)
+    assert caught.value.embedding.residual < 1e-12
+
+
+@pytest.mark.parametrize("method", METHODS)
+@pytest.mark.parametrize("noise", [0.0, 0.05], ids=["converged", "not converged"])
+def test_the_report(method, noise):
+    try:
+        surface = isoembed.embed(metric(noise), method=METHODS[method])
+    except NotEmbedded as error:
+        surface = error.embedding
+        assert str(error) == surface.message
+        assert isinstance(error, RuntimeError)
+    report = json.loads(json.dumps(surface.report, allow_nan=False))
+    assert report["status"] == ("not converged" if noise else "converged")
+    assert report["method"] == method
+    assert report["message"] == surface.message
+    assert (report["residual"]["max"] > 1e-10) == bool(noise)
+    assert report["input"]["vertices"] == 100
+    assert all(stage["seconds"] >= 0 for stage in report["stages"])
+    assert sum(stage["factorizations"] for stage in report["stages"]) > 3
+
+
+@pytest.mark.parametrize("method", METHODS)
+@pytest.mark.parametrize("noise", [0.0, 0.05], ids=["converged", "not converged"])
+def test_progress_comes_in_order(method, noise):
+    seen = []
+    try:
+        surface = isoembed.embed(metric(noise), method=METHODS[method], progress=seen.append)
+    except NotEmbedded as error:
+        surface = error.embedding
+    stages = [stage.name for stage in surface.stages]
+    assert list(dict.fromkeys(snapshot.stage for snapshot in seen)) == stages
+    assert [stages.index(snapshot.stage) for snapshot in seen] == sorted(
+        stages.index(snapshot.stage) for snapshot in seen
+    )
+    seconds = [snapshot.seconds for snapshot in seen]
+    assert seconds == sorted(seconds)
+    for stage in surface.stages:
+        iterations = [snapshot.iteration for snapshot in seen if snapshot.stage == stage.name]
+        assert iterations == sorted(iterations)
+        assert iterations[0] == 0
+        assert iterations[-1] <= stage.iterations
+    times = [snapshot.t for snapshot in seen if snapshot.t is not None]
+    assert times == sorted(times, reverse=True)
+    if not noise:
+        assert times[-1] == 0
+
+
+def test_watching_changes_nothing():
+    assert (isoembed.embed(metric(), progress=[].append).vertices == isoembed.embed(metric()).vertices).all()
+
+
+def test_an_interrupted_stage_is_recorded():
+    log = Log()
+    with pytest.raises(KeyboardInterrupt), log.stage("uniformize") as tally:
+        tally.iterations += 3
+        tally.factorizations += 2
+        raise KeyboardInterrupt
+    (stage,) = log.stages
+    assert (stage.name, stage.iterations, stage.factorizations) == ("uniformize", 3, 2)
+    assert stage.seconds >= 0
+
+
+def test_a_listener_that_raises_ends_the_computation():
+    class Stopped(Exception):  # noqa: N818
+        pass
+
+    def stop(snapshot):
+        if snapshot.stage == "pull back":
+            raise Stopped
+
+    with pytest.raises(Stopped):
+        isoembed.embed(metric(), progress=stop)
+
+
+def test_the_lengths_are_not_touched():
+    given = metric()
+    before = given.lengths.copy()
+    isoembed.embed(given)
+    assert (given.lengths == before).all()
+
+
+def test_the_same_input_gives_the_same_output():
+    vertices, faces = zoo.random_hull(40, 3)
+    surfaces = [isoembed.embed(PolyhedralMetric.from_mesh(vertices, faces)) for _ in range(2)]
+    assert (surfaces[0].vertices == surfaces[1].vertices).all()
