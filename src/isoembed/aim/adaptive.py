@@ -3,8 +3,8 @@
 The paper's three steps with their weak points replaced.  Uniformization and layout are one: the discretely
 conformal layout on the sphere *is* an embedded metric, so nothing has to be annealed.  The pull-back follows
 ``log l`` linearly (linear in u, as the paper's path), predicts by the polynomial through the last surfaces,
-corrects by Newton's method and halves its step where that fails; where even short steps fail, steps damped in
-a bending metric take over.
+corrects by Newton's method and halves its step where that fails; where even short steps fail, the pull-back
+is begun anew, guided by a vanishing bending energy.
 """
 
 from __future__ import annotations
@@ -15,7 +15,8 @@ from functools import partial
 import numpy as np
 from numpy.typing import NDArray
 
-from isoembed.aim.anneal import Annealed, anneal, anneal_damped
+from isoembed.aim.anneal import Annealed, anneal
+from isoembed.aim.bending import bending_pull_back
 from isoembed.aim.conformal_sphere import conformal_sphere
 from isoembed.aim.convexity import crumpled_vertices, pop_and_anneal
 from isoembed.aim.pullback import extrapolated
@@ -28,12 +29,12 @@ from isoembed.stages import Log, Tally
 from isoembed.surface.convexity import umbrella_heights
 from isoembed.surface.embedding import Embedding
 from isoembed.surface.measures import outward
-from isoembed.surface.rigidity import LengthSystem, VertexSystem, length_residuals, umbrella
+from isoembed.surface.rigidity import LengthSystem, length_residuals
 
 Floats = NDArray[np.float64]
 
 ON_THE_WAY = 1e-4  # residual of the surfaces on the path
-RESCUED = 1e-6  # residual of the damped steps, which leave more noise behind
+GUIDED = 1e-7  # residual at which Newton's method takes over from the guided pull-back
 POLISHED = 1e-13  # residual asked of the last Newton steps, whatever the tolerance: they are quadratic
 PATIENCE = 6  # Newton steps before a step along the path is halved
 
@@ -47,12 +48,10 @@ class Aim:
     first_step : float
         Length in t of the first step from the uniform metric at t = 1 toward the given one at t = 0.
     smallest_step : float
-        Where a step shorter than this fails, damped steps take over.
+        Where a step that cannot be halved any more fails, the guided pull-back takes over.
     largest_change : float
         A step is accepted while no vertex's height above its neighbors changes from its prediction by more
         than this, in units of the root mean square height.
-    damped_iterations : int
-        At most so many damped steps at one t.
     backend : {"superlu", "cholmod", "pardiso"}, optional
         Who factors the matrices; by default the fastest that is installed.
     """
@@ -60,7 +59,6 @@ class Aim:
     first_step: float = 1 / 8
     smallest_step: float = 1 / 48
     largest_change: float = 0.5
-    damped_iterations: int = 60
     backend: str | None = None
 
     name: str = field(default="aim", init=False, repr=False)
@@ -72,10 +70,6 @@ class Aim:
             raise InvalidParameter(f"smallest_step is {self.smallest_step}, not in (0, first_step]")
         if not self.largest_change > 0:
             raise InvalidParameter(f"largest_change is {self.largest_change}, not positive")
-        if self.damped_iterations < 0:
-            raise InvalidParameter(
-                f"damped_iterations is {self.damped_iterations}, not a number of iterations"
-            )
         chosen_backend(self.backend)
 
     def run(self, metric: PolyhedralMetric, tolerance: float, log: Log) -> Embedding:
@@ -99,16 +93,19 @@ class Aim:
         with log.stage("pull back") as tally:
             path = _Path(normalized, vertices, self.backend)
             vertices, lost = path.follow(self, tally)
+        if lost is not None:
+            with log.stage("guided pull back") as tally:
+                vertices = path.guided(tally)
         with log.stage("polish") as tally:
-            vertices = path.polish(vertices, min(tolerance, POLISHED), self.damped_iterations, tally)
+            vertices = path.polish(vertices, min(tolerance, POLISHED), tally)
         embedding = Embedding(
             metric, vertices * metric.unit, method=self.name, tolerance=tolerance, stages=log.stages
         )
         if embedding.converged or lost is None:
             return embedding
         return embedding.with_message(
-            f"{embedding.message}; the pull-back lost the surface at t = {lost:.3g} "
-            "(1 is the uniform metric, 0 the given one)"
+            f"{embedding.message}; Newton's method lost the surface at t = {lost:.3g} "
+            "(1 is the uniform metric, 0 the given one), and guided by bending the pull-back did not reach it"
         )
 
 
@@ -131,17 +128,16 @@ class _Path:
 
     def __init__(self, metric: PolyhedralMetric, start: Floats, backend: str | None) -> None:
         self.triangulation = metric.triangulation
-        self._given = metric.lengths
+        self._metric = metric
         a, b = self.triangulation.edges.T
         self._ratio = np.linalg.norm(start[a] - start[b], axis=1) / metric.lengths
         self._start = start
         dissection = dissect(self.triangulation.adjacency)
         self._newton = LengthSystem(self.triangulation, dissection, backend)
         self._dissection, self._backend = dissection, backend
-        self._damped: VertexSystem | None = None
 
     def lengths(self, t: float) -> Floats:
-        return self._given * self._ratio**t
+        return self._metric.lengths * self._ratio**t
 
     def follow(self, method: Aim, tally: Tally) -> tuple[Floats, float | None]:
         """Go from t = 1 to t = 0, or to the t at which the surface is lost, which is returned too."""
@@ -156,9 +152,7 @@ class _Path:
                 if dt / 2 >= method.smallest_step:
                     dt /= 2
                     continue
-                annealed = self._rescued(known[-1][1], goal, method.damped_iterations, tally)
-                if not annealed.converged:
-                    return annealed.vertices, goal
+                return known[-1][1], goal
             t = goal
             annealed = pop_and_anneal(
                 self.triangulation, annealed, partial(self._corrected, t=goal, tally=tally)
@@ -176,15 +170,23 @@ class _Path:
             dt *= float(np.clip(growth, 0.5, 2.0))
         return known[-1][1], None
 
-    def polish(self, vertices: Floats, tolerance: float, damped_iterations: int, tally: Tally) -> Floats:
-        """Newton's method to the rounding floor, damped where it fails."""
-        annealed = anneal(self._newton, vertices, self._given, tally, residual_tolerance=tolerance)
-        if annealed.residual > ON_THE_WAY:
-            annealed = self._rescued(vertices, 0.0, damped_iterations, tally)
-            annealed = anneal(
-                self._newton, annealed.vertices, self._given, tally, residual_tolerance=tolerance
-            )
-        return annealed.vertices
+    def guided(self, tally: Tally) -> Floats:
+        """Go from t = 1 to t = 0 once more, guided by bending."""
+        return bending_pull_back(
+            self._metric,
+            self._start,
+            self.lengths,
+            tally,
+            residual_tolerance=GUIDED,
+            dissection=self._dissection,
+            backend=self._backend,
+        )
+
+    def polish(self, vertices: Floats, tolerance: float, tally: Tally) -> Floats:
+        """Newton's method to the rounding floor."""
+        return anneal(
+            self._newton, vertices, self._metric.lengths, tally, residual_tolerance=tolerance
+        ).vertices
 
     def _predicted(self, known: list[tuple[float, Floats]], t: float, tally: Tally) -> Floats:
         """The polynomial through the surfaces before; from one alone, the tangent."""
@@ -217,18 +219,3 @@ class _Path:
         before = umbrella_heights(self.triangulation, guess)
         after = umbrella_heights(self.triangulation, vertices)
         return float(np.abs(after - before).max() / np.sqrt(np.mean(after**2)))
-
-    def _rescued(self, vertices: Floats, t: float, iterations: int, tally: Tally) -> Annealed:
-        if self._damped is None:
-            L = umbrella(self.triangulation)
-            self._damped = VertexSystem(
-                self.triangulation, (L.T @ L).tocsr(), self._dissection, self._backend
-            )
-        return anneal_damped(
-            self._damped,
-            vertices,
-            self.lengths(t),
-            tally,
-            residual_tolerance=RESCUED,
-            max_iterations=iterations,
-        )

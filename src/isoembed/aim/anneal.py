@@ -138,7 +138,7 @@ def anneal_on_sphere(
 
 
 def anneal_damped(
-    system: LengthSystem | VertexSystem,
+    system: LengthSystem,
     vertices: Floats,
     lengths: Floats,
     tally: Tally,
@@ -148,9 +148,7 @@ def anneal_damped(
 ) -> Annealed:
     """Bring the edges to given lengths by Levenberg-Marquardt: slower than Newton's method, never uphill.
 
-    On a `LengthSystem` it is damped in the identity and finds some surface nearby, be it crumpled.  On a
-    `VertexSystem` it is damped in that system's penalty: in a bending metric the steps stay smooth near
-    surfaces that flex.  The damping changes the steps, not the solution.  Parameters as `anneal`.
+    It finds some surface nearby, be it crumpled.  Parameters as `anneal`.
 
     Returns
     -------

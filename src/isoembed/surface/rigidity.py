@@ -12,7 +12,7 @@ from typing import cast
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.sparse import csr_array, diags_array, eye_array, kron
+from scipy.sparse import csr_array, eye_array, kron
 
 from isoembed.linalg import Dissection, analyze, dissect
 from isoembed.mesh.triangulation import Triangulation
@@ -105,7 +105,7 @@ class LengthSystem:
 
 
 class VertexSystem:
-    """``J^T J + P`` in the coordinates, P coupling vertices of a given graph: for damped and fitted steps.
+    """``J^T J + P`` in the coordinates, P coupling vertices of a given graph: for penalized and fitted steps.
 
     Parameters
     ----------
@@ -128,7 +128,7 @@ class VertexSystem:
     ) -> None:
         self.triangulation = triangulation
         n = triangulation.n_vertices
-        penalty = csr_array((n, n)) if penalty is None else penalty
+        self.penalty = penalty = csr_array((n, n)) if penalty is None else penalty
         dissection = dissection or dissect(triangulation.adjacency)
         graph = (triangulation.adjacency + abs(penalty) + eye_array(n)).tocsc()
         graph.data[:] = 1.0  # a pattern, from connectivity: values that cancel must not shrink it
@@ -144,7 +144,7 @@ class VertexSystem:
         entries = penalty.tocoo()
         slots = [self._slot(3 * entries.row + k, 3 * entries.col + k) for k in range(3)]
         values = np.tile(entries.data, 3)
-        self._penalty = cast(Floats, np.bincount(np.concatenate(slots), values, minlength=len(self._keys)))
+        self._entries = cast(Floats, np.bincount(np.concatenate(slots), values, minlength=len(self._keys)))
         self._hold = HOLD * (pattern.indices == column)
 
     def _slot(self, row: NDArray[np.int64], column: NDArray[np.int64]) -> NDArray[np.int64]:
@@ -156,8 +156,12 @@ class VertexSystem:
         i, j = np.divmod(np.arange(9), 3)
         return self._slot(3 * a[:, None] + i, 3 * b[:, None] + j).ravel()
 
-    def step(self, vertices: Floats, lengths: Floats, residuals: Floats, mu: float) -> Floats:
-        """``d = (J^T J + mu P)^-1 J^T r``, (V, 3): to be subtracted from the vertices.
+    def penalized_step(
+        self, vertices: Floats, lengths: Floats, residuals: Floats, mu: float, damping: float
+    ) -> Floats:
+        """Gauss-Newton's step, (V, 3), on ``|r|^2 + mu <x, P x>``: to be subtracted from the vertices.
+
+        Solves ``(J^T J + (mu + damping) P) d = J^T r + mu P x``.
 
         Parameters
         ----------
@@ -166,14 +170,17 @@ class VertexSystem:
         residuals : ndarray, shape (E,)
             From `length_residuals`.
         mu : float
-            Levenberg-Marquardt damping, relative to the mean diagonal of J^T J.
+            Weight of the penalty.
+        damping : float
+            Shortens the step, where it should be, in the metric of the penalty.
 
         Raises
         ------
         SingularMatrix
             The matrix is not positive definite.
         """
-        return self._solved(vertices, lengths, residuals, MEAN_DIAGONAL * mu * self._penalty, 0.0)
+        pull = mu * (self.penalty @ vertices)
+        return self._solved(vertices, lengths, residuals, (mu + damping) * self._entries, pull)
 
     def spherical_step(self, vertices: Floats, lengths: Floats, residuals: Floats, radius: float) -> Floats:
         """Gauss-Newton's step, (V, 3), for the lengths and ``|x_a| = r`` together, in least squares.
@@ -207,10 +214,3 @@ class VertexSystem:
             ]
         )
         return factor.solve((gradient + pull).ravel(), sweeps=1).reshape(-1, 3)
-
-
-def umbrella(triangulation: Triangulation) -> csr_array:
-    """The umbrella operator ``L = I - D^-1 A``, (V, V): a vertex minus the mean of its neighbors."""
-    n = triangulation.n_vertices
-    scaled = diags_array(1.0 / triangulation.degrees) @ triangulation.adjacency
-    return csr_array(eye_array(n) - scaled)
