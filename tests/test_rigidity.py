@@ -51,8 +51,9 @@ def test_residuals_do_not_cancel():
     vertices = np.array([[0, 0, 0], [1, 0, 0], [0.5, 0.8, 0], [0.5, 0.3, 0.9]])
     a, b = triangulation.edges.T
     realized = np.linalg.norm(vertices[a] - vertices[b], axis=1)
-    residuals = length_residuals(triangulation, vertices, realized * (1 + 1e-14))
-    assert residuals == pytest.approx(-1e-14 * realized, rel=0.05)
+    lengths = np.nextafter(realized, np.inf)  # one rounding apart: squares would lose it
+    residuals = length_residuals(triangulation, vertices, lengths)
+    assert residuals == pytest.approx(-(lengths - realized), rel=1e-12)
 
 
 def test_rows_are_the_derivatives_of_the_residuals():
@@ -208,6 +209,19 @@ def test_steps_commute_with_rotations():
     step = system.penalized_step(vertices, lengths, residuals, 1e-2, 0.0)
     turned = system.penalized_step(vertices @ Q, lengths, residuals, 1e-2, 0.0)
     assert turned - turned.mean(axis=0) == pytest.approx((step - step.mean(axis=0)) @ Q, abs=1e-6)
+
+
+def test_newtons_step_is_refined_where_the_surface_nearly_flexes():
+    vertices, faces = zoo.icosphere(2)
+    triangulation, flat = Triangulation(faces), vertices * [1, 1, 1e-3]
+    a, b = triangulation.edges.T
+    lengths = np.linalg.norm(flat[a] - flat[b], axis=1)
+    residuals = 1e-3 * np.random.default_rng(0).normal(size=len(lengths))
+    J = dense_jacobian(triangulation, flat, lengths)
+    once = np.linalg.solve(J @ J.T, residuals)
+    unrefined = np.abs(J @ (J.T @ once) - residuals).max()
+    step = LengthSystem(triangulation).step(flat, lengths, residuals)
+    assert np.abs(J @ step.ravel() - residuals).max() < unrefined / 10
 
 
 def test_smooth_bodies_are_rigid():

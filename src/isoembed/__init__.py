@@ -14,7 +14,7 @@ The public names are imported on first use, so that ``import isoembed`` costs no
 from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
-__version__ = "0.1.0"
+from isoembed.version import __version__
 
 _HOME = {
     "InvalidMetric": "isoembed.errors",

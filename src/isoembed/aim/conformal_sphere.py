@@ -121,8 +121,16 @@ def conformal_factors(metric: PolyhedralMetric, sphere: ConformalSphere) -> Floa
 class _Plane:
     """The metric without its pole, to be flattened: unknowns u at the vertices off the pole's star."""
 
-    def __init__(self, triangulation: Triangulation, lengths: Floats, pole: int, backend: str | None) -> None:
-        self.triangulation, self.lengths, self.pole, self.backend = triangulation, lengths, pole, backend
+    def __init__(
+        self,
+        triangulation: Triangulation,
+        lengths: Floats,
+        pole: int,
+        backend: str | None,
+        flipped: bool = False,
+    ) -> None:
+        self.triangulation, self.lengths, self.pole = triangulation, lengths, pole
+        self.backend, self.flipped = backend, flipped
         n = triangulation.n_vertices
         away = (triangulation.faces != pole).all(axis=1)
         self.faces, self.face_edges = triangulation.faces[away], triangulation.face_edges[away]
@@ -200,10 +208,11 @@ class _Plane:
     def whole(self, u: Floats) -> tuple[_Plane, tuple[Floats, Floats, Floats, bool]]:
         """The same conformal class on triangles that u does not break, and its measures.
 
-        Where it does, triangles that are Delaunay at u take their place, by Ptolemy's flips.
+        Where it does, triangles that are Delaunay at u take their place, by Ptolemy's flips.  From then on
+        they are kept Delaunay: only then does the layout not depend on which edges were flipped.
         """
         measures = self.measure(u)
-        if not measures[3]:
+        if not measures[3] and not self.flipped:
             return self, measures
         a, b = self.triangulation.edges.T
         scaled = self.lengths * np.exp((u[a] + u[b]) / 2)
@@ -211,8 +220,9 @@ class _Plane:
         if triangulation is self.triangulation:
             return self, measures
         a, b = triangulation.edges.T
-        flipped = _Plane(triangulation, scaled * np.exp(-(u[a] + u[b]) / 2), self.pole, self.backend)
-        return flipped, flipped.measure(u)
+        lengths = scaled * np.exp(-(u[a] + u[b]) / 2)
+        plane = _Plane(triangulation, lengths, self.pole, self.backend, flipped=True)
+        return plane, plane.measure(u)
 
     def lay_out(self, u: Floats, tally: Tally) -> NDArray[np.complex128]:
         """Place the ring by its lengths and angles, the rest by harmonic functions, as coordinates are."""

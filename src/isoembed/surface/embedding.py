@@ -11,13 +11,13 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-import isoembed
 from isoembed.mesh.triangulation import Triangulation
 from isoembed.metric.curvature import deficits
 from isoembed.metric.polyhedral import PolyhedralMetric
 from isoembed.stages import Stage
 from isoembed.surface import convexity, curvature, measures
 from isoembed.surface.intersection import self_intersections
+from isoembed.version import __version__
 
 Floats = NDArray[np.float64]
 DEFICIT_ROUNDING = 1e-12  # radians: a deficit above minus this is not counted as negative
@@ -216,7 +216,7 @@ class Embedding:
             "status": self.status,
             "message": self.message,
             "method": self.method,
-            "version": isoembed.__version__,
+            "version": __version__,
             "tolerance": self.tolerance,
             "input": {
                 "vertices": triangulation.n_vertices,
