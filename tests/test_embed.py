@@ -1,6 +1,7 @@
 """The one verb: what it returns and raises, progress, stages, the report, whatever the method."""
 
 import json
+import pickle
 
 import numpy as np
 import pytest
@@ -42,7 +43,7 @@ def test_the_default_is_aim():
 
 @pytest.mark.parametrize("tolerance", [0.0, -1e-9, float("nan")])
 def test_a_tolerance_that_is_none(tolerance):
-    with pytest.raises(ValueError, match=r"the tolerance is .*, not positive"):
+    with pytest.raises(ValueError, match=r"the tolerance is .*, not a positive finite number"):
         isoembed.embed(metric(), tolerance=tolerance)
 
 
@@ -161,3 +162,43 @@ def test_the_same_input_gives_the_same_output():
     vertices, faces = zoo.random_hull(40, 3)
     surfaces = [isoembed.embed(PolyhedralMetric.from_mesh(vertices, faces)) for _ in range(2)]
     assert (surfaces[0].vertices == surfaces[1].vertices).all()
+
+
+def test_what_is_no_metric_or_method_is_refused_in_words():
+    metric = PolyhedralMetric([[0, 1, 2], [0, 2, 3], [0, 3, 1], [1, 3, 2]], [1.0] * 6)
+    with pytest.raises(isoembed.InvalidParameter, match="the metric is a ndarray"):
+        isoembed.embed(np.ones(6))
+    with pytest.raises(isoembed.InvalidParameter, match=r"the class Paper: make one, Paper\(\)"):
+        isoembed.embed(metric, method=Paper)
+
+
+def test_a_failure_cannot_be_made_a_success_and_survives_pickling():
+    vertices, faces = zoo.icosphere(1)
+    metric = PolyhedralMetric.from_mesh(vertices, faces)
+    attempt = isoembed.Embedding(metric, 1.1 * vertices, method="aim", tolerance=1e-10)
+    with pytest.raises(ValueError, match="read-only"):
+        attempt.residuals[:] = 0
+    attempt.report["status"] = "converged"
+    assert attempt.report["status"] == "not converged"
+    error = pickle.loads(pickle.dumps(isoembed.NotEmbedded("no", attempt)))
+    assert str(error) == "no"
+    assert error.embedding.residual == attempt.residual
+
+
+@pytest.mark.parametrize("flow", ["BDF", "RK45"])
+def test_a_flow_that_leaves_the_metrics_is_a_failure_of_the_method(flow):
+    # Stacked vertices: the flow breaks triangles, which must not be blamed on the input.
+    faces, rng = [[0, 1, 2], [0, 2, 3], [0, 3, 1], [1, 3, 2]], np.random.default_rng(0)
+    points = np.array([[1, 1, 1], [1, -1, -1], [-1, 1, -1], [-1, -1, 1.0]])
+    for _ in range(20):
+        a, b, c = faces.pop(rng.integers(len(faces)))
+        points = np.vstack([points, 1.02 * points[[a, b, c]].mean(axis=0)])
+        v = len(points) - 1
+        faces += [[a, b, v], [b, c, v], [c, a, v]]
+    metric = PolyhedralMetric.from_mesh(points, faces)
+    method = Paper(flow=flow, t_f=1.0, Tsteps=2, max_iterations=5)
+    try:
+        surface = isoembed.embed(metric, method=method)
+    except isoembed.NotEmbedded as error:
+        surface = error.embedding
+    assert np.isfinite(surface.vertices).all()

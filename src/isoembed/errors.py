@@ -25,7 +25,7 @@ class NotEmbedded(RuntimeError):  # noqa: N818 - the contract's name
     Parameters
     ----------
     message : str
-        The diagnosis: which stage stopped, where, and what can be done.
+        The diagnosis: how far from the lengths it ended, and where the method lost the surface.
     embedding : Embedding
         The best attempt.  Its ``report`` says how far from the lengths it is.
 
@@ -36,5 +36,8 @@ class NotEmbedded(RuntimeError):  # noqa: N818 - the contract's name
     """
 
     def __init__(self, message: str, embedding: Embedding) -> None:
-        super().__init__(message)
+        super().__init__(message, embedding)  # both, for pickle
         self.embedding = embedding
+
+    def __str__(self) -> str:
+        return str(self.args[0])

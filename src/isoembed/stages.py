@@ -6,6 +6,7 @@ import time
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass, field
+from typing import Any
 
 
 @dataclass(frozen=True)
@@ -70,6 +71,9 @@ class Tally:
     log: Log
     iterations: int = 0
     factorizations: int = 0
+    _last: dict[str, Any] = field(
+        default_factory=lambda: dict.fromkeys(("t", "residual", "inverted", "partially_inverted"))
+    )
 
     def show(
         self,
@@ -79,12 +83,12 @@ class Tally:
         inverted: int | None = None,
         partially_inverted: int | None = None,
     ) -> None:
-        """Tell the listener, if there is one, where the stage is."""
+        """Tell the listener, if there is one, where the stage is.  What is not said stays as it was."""
+        said = {"t": t, "residual": residual, "inverted": inverted, "partially_inverted": partially_inverted}
+        self._last |= {key: value for key, value in said.items() if value is not None}
         if self.log.listener is not None:
             seconds = time.perf_counter() - self.log.start
-            self.log.listener(
-                Progress(self.name, self.iterations, t, residual, inverted, partially_inverted, seconds)
-            )
+            self.log.listener(Progress(self.name, self.iterations, **self._last, seconds=seconds))
 
 
 @dataclass

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import math
+import numbers
 from typing import Protocol
 
 from isoembed.errors import InvalidParameter, NotEmbedded
@@ -61,8 +63,12 @@ def embed(
     >>> round(embed(tetrahedron).volume, 12)  # sqrt(2) / 12
     0.117851130198
     """
-    if not tolerance > 0:
-        raise InvalidParameter(f"the tolerance is {tolerance}, not positive")
+    if not isinstance(metric, PolyhedralMetric):
+        raise InvalidParameter(
+            f"the metric is a {type(metric).__name__}: make it PolyhedralMetric(faces, lengths, edges)"
+        )
+    if not isinstance(tolerance, numbers.Real) or not 0 < tolerance < math.inf:
+        raise InvalidParameter(f"the tolerance is {tolerance!r}, not a positive finite number")
     embedding = configured(method).run(metric, tolerance, Log(progress))
     if not embedding.converged:
         raise NotEmbedded(embedding.message, embedding)
@@ -80,6 +86,8 @@ def configured(method: str | Method) -> Method:
     from isoembed.aim.adaptive import Aim
     from isoembed.aim.paper import Paper
 
+    if isinstance(method, type):
+        raise InvalidParameter(f"the method is the class {method.__name__}: make one, {method.__name__}()")
     if not isinstance(method, str):
         return method
     known = {"aim": Aim, "paper": Paper}

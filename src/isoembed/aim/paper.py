@@ -14,7 +14,7 @@ from isoembed.aim.layout import embedding_tree
 from isoembed.aim.paths import path_factors, path_times
 from isoembed.aim.pullback import pull_back
 from isoembed.aim.uniformize import Uniformization, newton_uniformization, ricci_flow
-from isoembed.errors import InvalidParameter
+from isoembed.errors import InvalidMetric, InvalidParameter
 from isoembed.linalg import chosen_backend
 from isoembed.metric.conformal import rescaled
 from isoembed.metric.polyhedral import PolyhedralMetric
@@ -23,6 +23,8 @@ from isoembed.surface.embedding import Embedding
 from isoembed.surface.rigidity import LengthSystem, VertexSystem
 
 Floats = NDArray[np.float64]
+
+MOST_STEPS = 100_000
 
 Flow = Literal["newton", "BDF", "Radau", "RK45", "RK23", "DOP853", "LSODA"]
 PathName = Literal["linear", "exponential", "flow"]
@@ -46,8 +48,7 @@ class Paper:
     t_f : float
         Longest time of the flow, in units of 1 / kbar.
     path : {"linear", "exponential", "flow"}
-        Conformal factors on the way back.  ``"flow"`` needs an integrator's history: by Newton's method it is
-        the linear path.
+        Conformal factors on the way back.  ``"flow"`` needs an integrator's history.
     alpha : float
         Rate of the exponential path.
     Tsteps : int
@@ -95,12 +96,24 @@ class Paper:
             value = getattr(self, parameter)
             if value not in get_args(choices):
                 raise InvalidParameter(f"{parameter} is {value!r}, not one of {', '.join(get_args(choices))}")
+        for parameter in ("Tsteps", "root", "max_iterations"):
+            if not isinstance(getattr(self, parameter), int):
+                raise InvalidParameter(f"{parameter} is {getattr(self, parameter)!r}, not a whole number")
+        if not isinstance(self.sphere, bool):
+            raise InvalidParameter(f"sphere is {self.sphere!r}, not True or False")
         for parameter in ("epsilon", "t_f", "alpha", "Tsteps", "max_iterations"):
             if not getattr(self, parameter) > 0:
                 raise InvalidParameter(f"{parameter} is {getattr(self, parameter)}, not positive")
         for parameter in ("root", "step_tolerance"):
             if not getattr(self, parameter) >= 0:
                 raise InvalidParameter(f"{parameter} is {getattr(self, parameter)}, which is negative")
+        if self.Tsteps > MOST_STEPS:
+            raise InvalidParameter(f"Tsteps is {self.Tsteps}, more than {MOST_STEPS}")
+        if self.path == "flow" and self.flow == "newton":
+            raise InvalidParameter(
+                "path is 'flow', but flow is 'newton', which has no history: name an integrator"
+            )
+        path_times(self.path, self.Tsteps, self.alpha)
         chosen_backend(self.backend)
 
     def run(self, metric: PolyhedralMetric, tolerance: float, log: Log) -> Embedding:
@@ -145,7 +158,10 @@ class Paper:
         with log.stage("pull back") as tally:  # 2.3
 
             def relax(guess: Floats, t: float) -> Annealed:
-                lengths = rescaled(given, path_factors(self.path, uniform, t)).lengths
+                try:
+                    lengths = rescaled(given, path_factors(self.path, uniform, t)).lengths
+                except InvalidMetric:  # between two metrics, but none itself
+                    return Annealed(guess, np.inf, False)
                 reached = self.anneal(system, guess, lengths, tolerance, tally)
                 return self.make_convex(system, reached, lengths, tolerance, tally)
 

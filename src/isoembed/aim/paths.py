@@ -27,14 +27,19 @@ def path_times(path: str, steps: int, alpha: float) -> Floats:
     Raises
     ------
     InvalidParameter
-        There is no such path.
+        There is no such path, or its steps vanish.
     """
     j = np.arange(steps + 1)
     if path in ("linear", "flow"):
         return 1 - j / steps
     if path == "exponential":
-        end = np.exp(-alpha * steps)
-        return (end - np.exp(-alpha * j)) / (end - 1)
+        # 1 at j = 0 and 0 at j = Tsteps, also where alpha is tiny.
+        times = np.expm1(-alpha * (steps - j)) * np.exp(-alpha * j) / np.expm1(-alpha * steps)
+        if not (np.diff(times) < 0).all():
+            raise InvalidParameter(
+                f"alpha is {alpha}: the {steps} steps of the exponential path get too short to be told apart"
+            )
+        return times
     raise InvalidParameter(f"there is no path {path!r}; there are linear, exponential and flow")
 
 

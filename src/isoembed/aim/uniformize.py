@@ -28,6 +28,10 @@ from isoembed.stages import Tally
 Floats = NDArray[np.float64]
 
 
+LARGEST_FACTOR = 300.0  # |u|: its exponential, and the square of that, are floats
+MOST_EVALUATIONS = 100_000
+
+
 @dataclass(frozen=True)
 class Uniformization:
     """Conformal factors from the given metric to one of constant curvature.
@@ -84,15 +88,24 @@ def ricci_flow(
     Returns
     -------
     Uniformization
+        Not converged if the flow ended first, or asked for more than 100,000 right-hand sides: then u = 0.
     """
     n = metric.triangulation.n_vertices
     time_unit = area(metric) / (4 * np.pi)
 
+    def trial(u: Floats) -> PolyhedralMetric | None:
+        """The metric at a state that the integrator tries, if there is one."""
+        if not np.abs(u).max() < LARGEST_FACTOR:
+            return None
+        try:
+            return rescaled(metric, u)
+        except InvalidMetric:
+            return None
+
     def curvature_excess(u: Floats) -> tuple[Floats, Floats, Floats]:
         """k_a - kbar, k_a and A*_a, not a number where there is no such metric."""
-        try:
-            rho = rescaled(metric, u)
-        except InvalidMetric:  # the integrator's trial state: it takes a shorter step
+        rho = trial(u)
+        if rho is None:  # not a number: the integrator takes a shorter step
             nothing = np.full(n, np.nan)
             return nothing, nothing, nothing
         dual = dual_areas(rho)
@@ -101,40 +114,54 @@ def ricci_flow(
 
     def velocity(_time: float, u: Floats) -> Floats:
         tally.iterations += 1
+        if tally.iterations > MOST_EVALUATIONS:
+            raise _Exhausted
         excess = curvature_excess(u)[0]
         tally.show(residual=float(np.abs(excess).max() * time_unit))
         return -excess
 
     def jacobian(_time: float, u: Floats) -> csr_array:
-        rho = rescaled(metric, u)
+        rho = trial(u)
+        if rho is None:
+            return csr_array((n, n))
         _, k, dual = curvature_excess(u)
         by_length = deficit_derivative(rho) - diags_array(k) @ dual_area_derivative(rho)
         return csr_array(-(diags_array(1 / dual) @ by_length @ length_derivative(metric, u)))
 
     def uniform(_time: float, u: Floats) -> float:
-        return _deviation(rescaled(metric, u)) - epsilon
+        rho = trial(u)
+        return (np.inf if rho is None else _deviation(rho)) - epsilon
 
     uniform.terminal = True  # type: ignore[attr-defined]
     implicit = {"jac": jacobian} if integrator in ("BDF", "Radau") else {}
     if _deviation(metric) < epsilon:
         return Uniformization(np.zeros(n), metric, np.zeros((1, n)), _deviation(metric), True)
-    solution: Any = solve_ivp(
-        velocity,
-        (0.0, t_f * time_unit),
-        np.zeros(n),
-        method=integrator,
-        events=uniform,
-        rtol=1e-4,
-        atol=1e-6,
-        **implicit,
-    )
+    try:
+        solution: Any = solve_ivp(
+            velocity,
+            (0.0, t_f * time_unit),
+            np.zeros(n),
+            method=integrator,
+            events=uniform,
+            rtol=1e-4,
+            atol=1e-6,
+            **implicit,
+        )
+    except _Exhausted:
+        return Uniformization(np.zeros(n), metric, np.zeros((1, n)), _deviation(metric), False)
     tally.factorizations += int(solution.nlu)
     u = solution.y[:, -1]
     if solution.status == 1:
         u = solution.y_events[0][-1]
     history = np.vstack([solution.y[:, :-1].T, u])
-    rho = rescaled(metric, u)
+    while (end := trial(history[-1])) is None:  # the given metric comes first
+        history = history[:-1]
+    u, rho = history[-1], end
     return Uniformization(u, rho, history, _deviation(rho), solution.status == 1)
+
+
+class _Exhausted(Exception):  # noqa: N818 - a signal through the integrator, caught above
+    """The integrator asks for more right-hand sides than an answer is worth."""
 
 
 def newton_uniformization(

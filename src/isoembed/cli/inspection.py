@@ -9,15 +9,21 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from isoembed.metric.curvature import area, corner_angles, deficits, dual_areas, gaussian_curvature
+from isoembed.metric.curvature import (
+    ROUNDING,
+    area,
+    corner_angles,
+    deficits,
+    dual_areas,
+    gaussian_curvature,
+)
 from isoembed.metric.polyhedral import PolyhedralMetric
 
 Floats = NDArray[np.float64]
 
-ROUNDING = 1e-9  # radians: angle sums closer to each other than this are equal
 FLAT = 1e-6  # radians: a deficit below this bends the surface less than the square root of rounding
 NEEDLE = np.radians(5.0)
-GOOD_ANGLES = np.radians([30.0, 120.0])  # the paper's triangulations lie within
+GOOD_ANGLES = np.radians([30.0, 120.0])  # within which the paper expects its convexity routine to work
 STEEP = 1000.0  # longest over shortest edge
 
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 import os
 import sys
 from contextlib import suppress
+from typing import TextIO
 
 
 class OutputError(RuntimeError):
@@ -20,7 +21,7 @@ def say(text: str) -> None:
         The system refused otherwise: no space.
     """
     try:
-        print(text, flush=True)
+        print(_encodable(text, sys.stdout), flush=True)
     except BrokenPipeError:
         _abandon()
     except OSError as error:
@@ -33,7 +34,13 @@ def complain(message: str) -> None:
     if sys.stderr is not None:
         line = " ".join(f"isoembed: error: {message}".split())
         with suppress(OSError):  # there is nobody left to tell
-            print(line, file=sys.stderr, flush=True)
+            print(_encodable(line, sys.stderr), file=sys.stderr, flush=True)
+
+
+def _encodable(text: str, stream: TextIO) -> str:
+    """The text with what the stream's encoding lacks written as escapes."""
+    encoding = stream.encoding or "ascii"
+    return text.encode(encoding, errors="backslashreplace").decode(encoding)
 
 
 def _abandon() -> None:

@@ -120,5 +120,16 @@ def write_whole(writers: Mapping[Path, Writer]) -> None:
 
 
 def _target(path: str | os.PathLike[str]) -> Path:
-    """The file behind symbolic links: the link stays, its file is replaced."""
-    return Path(path).resolve()
+    """The file behind symbolic links: the link stays, its file is replaced.
+
+    Raises
+    ------
+    FileError
+        There can be no such file.
+    """
+    try:
+        target = Path(path).resolve()
+        target.exists()
+    except (OSError, RuntimeError) as error:  # a name too long, links in a circle
+        raise FileError(f"cannot write {path}: {error}") from None
+    return target

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from functools import cached_property
+from typing import TypeVar
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -97,18 +98,18 @@ class Triangulation:
     @cached_property
     def edge_faces(self) -> Indices:
         """(E, 2): the left and the right face of each edge."""
-        return _frozen(self.edge_halfedges // 3)
+        return frozen(self.edge_halfedges // 3)
 
     @cached_property
     def edge_opposites(self) -> Indices:
         """(E, 2): the vertex across each edge in its left and in its right face."""
         face, corner = np.divmod(self.edge_halfedges, 3)
-        return _frozen(self.faces[face, (corner + 2) % 3])
+        return frozen(self.faces[face, (corner + 2) % 3])
 
     @cached_property
     def degrees(self) -> Indices:
         """(V,): edges at each vertex."""
-        return _frozen(np.bincount(self.edges.ravel(), minlength=self.n_vertices))
+        return frozen(np.bincount(self.edges.ravel(), minlength=self.n_vertices))
 
     @cached_property
     def adjacency(self) -> csr_array:
@@ -116,7 +117,9 @@ class Triangulation:
         a, b = self.edges.T
         ones = np.ones(2 * self.n_edges)
         ends = (np.concatenate([a, b]), np.concatenate([b, a]))
-        return csr_array((ones, ends), shape=(self.n_vertices, self.n_vertices))
+        adjacency = csr_array((ones, ends), shape=(self.n_vertices, self.n_vertices))
+        frozen(adjacency.data)
+        return adjacency
 
     def edge_indices(self, pairs: Indices) -> Indices:
         """Index of each edge that is given by its two ends.
@@ -140,6 +143,10 @@ class Triangulation:
         return np.where(keys[position] == key, position, -1)
 
 
-def _frozen(array: NDArray) -> NDArray:
+Frozen = TypeVar("Frozen", bound=NDArray)
+
+
+def frozen(array: Frozen) -> Frozen:
+    """Make an array read-only, and return it."""
     array.flags.writeable = False
     return array

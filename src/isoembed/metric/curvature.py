@@ -17,6 +17,8 @@ from isoembed.metric.polyhedral import PolyhedralMetric
 
 Floats = NDArray[np.float64]
 
+ROUNDING = 1e-9  # radians: of a sum of angles
+
 
 @dataclass(frozen=True)
 class Triangles:
@@ -109,6 +111,11 @@ def deficits(metric: PolyhedralMetric) -> Floats:
     """
     angles = corner_angles(metric)
     return 2 * np.pi - cast(Floats, np.bincount(metric.faces.ravel(), angles.ravel()))
+
+
+def negative_deficits(metric: PolyhedralMetric) -> NDArray[np.bool_]:
+    """Vertices whose deficit is below -1e-9 radians, shape (V,): there the metric is not convex."""
+    return deficits(metric) < -ROUNDING
 
 
 def dual_areas(metric: PolyhedralMetric) -> Floats:

@@ -100,6 +100,7 @@ def flipped(
     for a, b, c in triangulation.faces.tolist():
         opposite[a, b], opposite[b, c], opposite[c, a] = c, a, b
 
+    flips = 0
     while stack:
         i, j = stack.pop()
         if (i, j) not in opposite:
@@ -115,6 +116,9 @@ def flipped(
         opposite[k, i], opposite[i, m], opposite[m, k] = m, k, i
         opposite[m, j], opposite[j, k], opposite[k, m] = k, m, j
         stack += [(k, i), (i, m), (m, j), (j, k)]
+        flips += 1
+    if flips == 0:
+        return triangulation, lengths
 
     result = Triangulation([(a, b, c) for (a, b), c in opposite.items() if a < b and a < c])
     return result, np.array([length[a, b] for a, b in result.edges.tolist()])

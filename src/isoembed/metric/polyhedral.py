@@ -12,7 +12,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from isoembed.errors import InvalidMetric
 from isoembed.mesh.checks import index_array
-from isoembed.mesh.triangulation import Triangulation
+from isoembed.mesh.triangulation import Triangulation, frozen
 
 Floats = NDArray[np.float64]
 SAME_LENGTH = 1e-12  # relative: two values for one edge that differ by more contradict each other
@@ -154,7 +154,7 @@ class PolyhedralMetric:
     @cached_property
     def face_lengths(self) -> Floats:
         """(F, 3): length of each half-edge."""
-        return self.lengths[self.triangulation.face_edges]
+        return frozen(self.lengths[self.triangulation.face_edges])
 
     @cached_property
     def normalized(self) -> PolyhedralMetric:

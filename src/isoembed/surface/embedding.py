@@ -11,8 +11,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from isoembed.mesh.triangulation import Triangulation
-from isoembed.metric.curvature import deficits
+from isoembed.mesh.triangulation import Triangulation, frozen
+from isoembed.metric.curvature import negative_deficits
 from isoembed.metric.polyhedral import PolyhedralMetric
 from isoembed.stages import Stage
 from isoembed.surface import convexity, curvature, measures
@@ -20,7 +20,6 @@ from isoembed.surface.intersection import self_intersections
 from isoembed.version import __version__
 
 Floats = NDArray[np.float64]
-DEFICIT_ROUNDING = 1e-12  # radians: a deficit above minus this is not counted as negative
 
 
 @dataclass(frozen=True, eq=False, init=False, repr=False)
@@ -139,14 +138,15 @@ class Embedding:
     @cached_property
     def _normalized(self) -> Floats:
         """The vertices in the unit of the normalized metric, in which nothing under- or overflows."""
-        return self.vertices / self.metric.unit
+        return frozen(self.vertices / self.metric.unit)
 
     @cached_property
     def residuals(self) -> Floats:
         """``| |x_a - x_b| - l_ab |`` over the mean edge length, shape (E,)."""
         a, b = self.metric.edges.T
         realized = np.linalg.norm(self._normalized[a] - self._normalized[b], axis=1)
-        return np.abs(realized - self.metric.normalized.lengths) / self.metric.normalized.mean_length
+        normalized = self.metric.normalized
+        return frozen(np.abs(realized - normalized.lengths) / normalized.mean_length)
 
     @property
     def residual(self) -> float:
@@ -165,28 +165,30 @@ class Embedding:
 
     @cached_property
     def concave_edges(self) -> NDArray[np.bool_]:
-        """Edges with negative exterior dihedral angle, shape (E,)."""
-        return convexity.concave_edges(self.triangulation, self._normalized)
+        """Edges with an exterior dihedral angle below -1e-7 radians, shape (E,)."""
+        return frozen(convexity.concave_edges(self.triangulation, self._normalized))
 
     @cached_property
     def inverted_vertices(self) -> NDArray[np.bool_]:
         """Vertices whose edges are all concave, shape (V,)."""
-        return convexity.inverted_vertices(self.triangulation, self.concave_edges)
+        return frozen(convexity.inverted_vertices(self.triangulation, self.concave_edges))
 
     @cached_property
     def partially_inverted_vertices(self) -> NDArray[np.bool_]:
         """Vertices with more than 70 % of their edges concave, but not all, shape (V,)."""
-        return convexity.partially_inverted_vertices(self.triangulation, self.concave_edges)
+        return frozen(convexity.partially_inverted_vertices(self.triangulation, self.concave_edges))
 
     @cached_property
     def self_intersections(self) -> NDArray[np.int64]:
         """Pairs of faces that intersect, shape (n, 2): none on an embedded surface."""
-        return self_intersections(self.faces, self._normalized)
+        return frozen(self_intersections(self.faces, self._normalized))
 
     @cached_property
     def mean_curvature(self) -> Floats:
         """Mean curvature H = (k1 + k2) / 2 at the vertices, shape (V,)."""
-        return curvature.vertex_mean_curvature(self.triangulation, self._normalized) / self.metric.unit
+        return frozen(
+            curvature.vertex_mean_curvature(self.triangulation, self._normalized) / self.metric.unit
+        )
 
     @property
     def area(self) -> float:
@@ -205,7 +207,7 @@ class Embedding:
         """Integral of H dA = 1/2 sum l theta, in the unit of the lengths."""
         return curvature.integrated_mean_curvature(self.triangulation, self._normalized) * self.metric.unit
 
-    @cached_property
+    @property
     def report(self) -> dict[str, Any]:
         """What was asked, done and reached: the JSON object that the command writes.
 
@@ -222,7 +224,7 @@ class Embedding:
                 "vertices": triangulation.n_vertices,
                 "edges": triangulation.n_edges,
                 "faces": triangulation.n_faces,
-                "negative_deficits": int((deficits(self.metric) < -DEFICIT_ROUNDING).sum()),
+                "negative_deficits": int(negative_deficits(self.metric).sum()),
             },
             "residual": {
                 "max": self.residual,
