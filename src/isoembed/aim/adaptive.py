@@ -22,7 +22,7 @@ from isoembed.aim.convexity import crumpled_vertices, pop_and_anneal
 from isoembed.aim.pullback import extrapolated
 from isoembed.errors import InvalidParameter
 from isoembed.linalg import SingularMatrix, chosen_backend, dissect
-from isoembed.metric.curvature import area
+from isoembed.metric.curvature import area, negative_deficits
 from isoembed.metric.delaunay import delaunay
 from isoembed.metric.polyhedral import PolyhedralMetric
 from isoembed.stages import Log, Tally
@@ -93,6 +93,9 @@ class Aim:
         with log.stage("pull back") as tally:
             path = _Path(normalized, vertices, self.backend)
             vertices, lost = path.follow(self, tally)
+            if lost is None and not negative_deficits(metric).any():
+                # A convex metric has a convex realization: one that is inside out at a vertex is not it.
+                lost = 0.0 if crumpled_vertices(metric.triangulation, vertices)[0].any() else None
         if lost is not None:
             with log.stage("guided pull back") as tally:
                 vertices = path.guided(tally)

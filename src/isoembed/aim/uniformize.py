@@ -29,7 +29,7 @@ Floats = NDArray[np.float64]
 
 
 LARGEST_FACTOR = 300.0  # |u|: its exponential, and the square of that, are floats
-MOST_EVALUATIONS = 100_000
+MOST_EVALUATIONS = 20_000
 
 
 @dataclass(frozen=True)
@@ -88,7 +88,7 @@ def ricci_flow(
     Returns
     -------
     Uniformization
-        Not converged if the flow ended first, or asked for more than 100,000 right-hand sides: then u = 0.
+        Not converged if the flow ended first, or asked for more than 20,000 right-hand sides: then u = 0.
     """
     n = metric.triangulation.n_vertices
     time_unit = area(metric) / (4 * np.pi)
