@@ -58,15 +58,12 @@ def embedding_tree(metric: PolyhedralMetric, radius: float, root: int, tally: Ta
     )[0]
     placed[faces[root]] = done[root] = True
 
-    left, right = triangulation.edge_halfedges.T
-    twin = np.empty(faces.size, dtype=np.int64)
-    twin[left], twin[right] = right, left
     front = np.array([root])
     while len(front):
         tally.iterations += 1
         # Half-edges of neighbors across the front; the first one to reach a vertex places it.
         inside = (3 * front[:, None] + np.arange(3)).ravel()
-        outside = twin[inside]
+        outside = triangulation.twins[inside]
         fresh = ~done[outside // 3]
         inside, outside = inside[fresh], outside[fresh]
         _, first = np.unique(outside // 3, return_index=True)

@@ -96,6 +96,14 @@ class Triangulation:
         return len(self.faces)
 
     @cached_property
+    def twins(self) -> Indices:
+        """(3F,): the half-edge that runs the other way."""
+        along, against = self.edge_halfedges.T
+        twins = np.empty(self.faces.size, dtype=np.int64)
+        twins[along], twins[against] = against, along
+        return frozen(twins)
+
+    @cached_property
     def edge_faces(self) -> Indices:
         """(E, 2): the left and the right face of each edge."""
         return frozen(self.edge_halfedges // 3)
