@@ -58,21 +58,6 @@ def test_the_answer_is_checked_before_any_step():
     assert tally.factorizations == 0
 
 
-def test_every_edge_may_have_its_own_tolerance():
-    triangulation, lengths, _, start = problem(1e-3)
-    tolerances = np.full(len(lengths), 1.0)
-    coarse, fine = smooth.tally(), smooth.tally()
-    system = LengthSystem(triangulation)
-    assert anneal(system, start, lengths, coarse, residual_tolerance=tolerances).converged
-    tolerances[-1] = 1e-12
-    annealed = anneal(system, start, lengths, fine, residual_tolerance=tolerances)
-    assert annealed.converged
-    assert abs(length_residuals(triangulation, annealed.vertices, lengths)[-1]) <= 1e-12
-    assert coarse.iterations == 0 < fine.iterations
-    damped = anneal_damped(system, start, lengths, coarse, residual_tolerance=tolerances, max_iterations=1)
-    assert not damped.converged
-
-
 def test_a_step_below_its_tolerance_ends_it():
     triangulation, lengths, _, start = problem(1e-3)
     tight, loose = smooth.tally(), smooth.tally()

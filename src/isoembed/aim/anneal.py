@@ -42,7 +42,7 @@ def anneal(
     lengths: Floats,
     tally: Tally,
     *,
-    residual_tolerance: float | Floats,
+    residual_tolerance: float,
     step_tolerance: float = 0.0,
     max_iterations: int = 50,
 ) -> Annealed:
@@ -56,7 +56,7 @@ def anneal(
     lengths : ndarray, shape (E,)
         Of mean 1 or so: tolerances are relative to the unit.
     tally : Tally
-    residual_tolerance : float or ndarray of shape (E,)
+    residual_tolerance : float
         Stop when every length is right to this (the paper's 1e-6).
     step_tolerance : float
         Stop when no vertex moves more than this (the paper's 1e-8).
@@ -76,7 +76,7 @@ def anneal(
             best = Annealed(x, residual, False)
         elif best.residual < ROUNDING and iteration:
             return best
-        if (np.abs(r) <= residual_tolerance).all():
+        if residual <= residual_tolerance:
             return Annealed(x, residual, True)
         if not residual < DIVERGED or iteration == max_iterations:
             return best
@@ -143,7 +143,7 @@ def anneal_damped(
     lengths: Floats,
     tally: Tally,
     *,
-    residual_tolerance: float | Floats,
+    residual_tolerance: float,
     max_iterations: int,
 ) -> Annealed:
     """Bring the edges to given lengths by Levenberg-Marquardt: slower than Newton's method, never uphill.
@@ -159,7 +159,7 @@ def anneal_damped(
     r = length_residuals(triangulation, x, lengths)
     energy = r @ r
     for _ in range(max_iterations):
-        if (np.abs(r) <= residual_tolerance).all():
+        if np.abs(r).max() <= residual_tolerance:
             break
         try:
             trial = x - system.step(x, lengths, r, mu)
@@ -176,4 +176,5 @@ def anneal_damped(
             tally.show(residual=float(np.abs(r).max()))
         else:
             mu *= 5.0
-    return Annealed(x, float(np.abs(r).max()), bool((np.abs(r) <= residual_tolerance).all()))
+    residual = float(np.abs(r).max())
+    return Annealed(x, residual, residual <= residual_tolerance)
