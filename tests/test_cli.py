@@ -136,7 +136,6 @@ def test_embed_takes_parameters_of_the_method(run, monkeypatch):
         (["no.npz"], "there is no file no.npz"),
         (["metric.txt"], "not one of .npz .json"),
         (["metric.json", "--method", "magic"], "invalid choice: 'magic'"),
-        (["metric.json", "--method", "alexandrov"], "'alexandrov' is not in this version"),
         (["metric.json", "--tolerance", "0"], "0 is not a positive finite number"),
         (["metric.json", "--tolerance", "nan"], "nan is not a positive finite number"),
         (["metric.json", "--tolerance", "small"], "'small' is not a number"),

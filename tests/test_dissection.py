@@ -144,6 +144,40 @@ def test_fill_of_edge_matrices_is_far_below_the_library_orders(points):
     assert ours < 1.02 * fill(pattern, ordering="MMD_AT_PLUS_A")
 
 
+@pytest.mark.parametrize("points", [fibonacci_sphere, random_sphere])
+def test_fill_of_vertex_matrices_is_far_below_the_library_orders(points):
+    n = 8000
+    graph = adjacency(n, hull_edges(points(n)))
+    ours = fill(graph, dissect(graph).vertex_order())
+    assert ours < 0.6 * fill(graph, ordering="COLAMD")
+    assert ours < fill(graph, ordering="MMD_AT_PLUS_A")
+
+
+def test_the_format_of_the_graph_changes_nothing():
+    graph = adjacency(500, hull_edges(random_sphere(500)))
+    expected = dissect(graph).vertex_order()
+    for other in (sp.csc_array(graph), sp.coo_matrix(graph), sp.csc_array(np.pi * graph)):
+        assert np.array_equal(dissect(other).vertex_order(), expected)
+
+
+def test_a_diagonal_changes_little():
+    n = 3000
+    graph = adjacency(n, hull_edges(random_sphere(n)))
+    with_diagonal = dissect(sp.csc_array(graph + sp.identity(n))).vertex_order()
+    assert fill(graph, with_diagonal) < 1.05 * fill(graph, dissect(graph).vertex_order())
+
+
+def test_how_vertices_are_numbered_hardly_matters():
+    n = 5000
+    edges = hull_edges(fibonacci_sphere(n))
+    shuffled = np.random.default_rng(5).permutation(n)[edges]
+    entries = []
+    for ends in (edges, shuffled):
+        graph = adjacency(n, ends)
+        entries.append(fill(graph, dissect(graph).vertex_order()))
+    assert 0.9 < entries[1] / entries[0] < 1.1
+
+
 def test_edges_ordered_as_their_vertices_fill_far_more():
     n = 4000
     edges = hull_edges(fibonacci_sphere(n))

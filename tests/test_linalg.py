@@ -6,10 +6,13 @@ import sys
 import numpy as np
 import pytest
 import scipy.sparse as sp
+from hypothesis import given, settings
+from hypothesis import strategies as st
 from scipy.spatial import ConvexHull
 
 import isoembed.linalg.factor as factor_module
 from isoembed.linalg import SingularMatrix, analyze, available_backends, dissect, factor_general
+from isoembed.linalg.pattern import eliminated, first_asymmetry, first_gap, places, sizes
 
 BACKENDS = ("superlu", "cholmod", "pardiso")
 
@@ -237,7 +240,8 @@ def slender():
 
 def test_refinement_makes_an_ill_conditioned_solve_componentwise_stable(backend):
     mesh, _, gram = slender()
-    factor = mesh.solver(backend).factor(gram.data)
+    # An order that fills in rounds often enough to leave something to refine.
+    factor = analyze(gram, np.arange(mesh.n_edges), backend).factor(gram.data)
     b = rhs(mesh.n_edges)
 
     def backward_error(sweeps):
@@ -246,8 +250,7 @@ def test_refinement_makes_an_ill_conditioned_solve_componentwise_stable(backend)
 
     errors = [backward_error(sweeps) for sweeps in (0, 1, 2)]
     assert errors[1] < 0.8 * errors[0]
-    assert errors[2] <= errors[1]
-    assert errors[2] < 3e-16
+    assert max(errors[1:]) < 3e-16
 
 
 def test_least_norm_steps_are_refined_through_the_rigidity_matrix(backend):
@@ -261,6 +264,96 @@ def test_least_norm_steps_are_refined_through_the_rigidity_matrix(backend):
     refined = np.linalg.norm(rigidity @ step - r) / np.linalg.norm(r)
     assert refined < 1e-13
     assert refined < 1e-4 * rough
+
+
+def shifted(mesh, shift):
+    """A Laplacian less a multiple of the identity, and its number of negative eigenvalues."""
+    matrix = mesh.laplacian(-shift)
+    return matrix, int((np.linalg.eigvalsh(matrix.toarray()) < 0).sum())
+
+
+@pytest.mark.parametrize("shift", [-0.1, 0.1, 4.1, 30.0])
+def test_indefinite_matrices_and_their_inertia(backend, shift):
+    mesh = Mesh(200)
+    matrix, negative = shifted(mesh, shift)
+    assert negative == {-0.1: 0, 0.1: 1, 30.0: 200}.get(shift, negative)
+    solver = analyze(matrix, mesh.tree.vertex_order(), backend, definite=False)
+    factor = solver.factor(matrix.data)
+    assert factor.negative_pivots == negative
+    b = rhs(mesh.n, 2)
+    np.testing.assert_allclose(factor.solve(b), np.linalg.solve(matrix.toarray(), b), rtol=1e-7, atol=1e-9)
+    assert np.abs(matrix @ factor.solve(b, sweeps=0) - b).max() < 1e-9
+
+
+def test_one_analysis_serves_indefinite_matrices_of_any_inertia(backend):
+    mesh = Mesh(100)
+    solver = analyze(mesh.laplacian(1.0), mesh.tree.vertex_order(), backend, definite=False)
+    cases = [shifted(mesh, shift) for shift in (-1.0, 2.5, 5.5)]
+    factors = [solver.factor(matrix.data) for matrix, _ in cases]
+    assert [factor.negative_pivots for factor in factors] == [negative for _, negative in cases]
+    with pytest.raises(SingularMatrix):
+        solver.factor(np.zeros(solver.pattern.nnz))
+    b = rhs(mesh.n)
+    for (matrix, _), factor in zip(cases, factors, strict=True):
+        assert np.abs(matrix @ factor.solve(b) - b).max() < 1e-10
+
+
+def test_bad_scaling_of_an_indefinite_matrix_is_not_singularity(backend):
+    mesh = Mesh(200)
+    matrix, negative = shifted(mesh, 2.5)
+    scale = sp.diags_array(10.0 ** np.random.default_rng(0).uniform(-12, 12, mesh.n))
+    scaled = sp.csc_array(scale @ matrix @ scale)
+    truth = rhs(mesh.n) / scale.diagonal()
+    factor = analyze(scaled, mesh.tree.vertex_order(), backend, definite=False).factor(scaled.data)
+    assert factor.negative_pivots == negative
+    assert np.abs((factor.solve(scaled @ truth) - truth) * scale.diagonal()).max() < 1e-8
+
+
+def unfactorable_matrices():
+    yield "exchange", [[0.0, 1.0], [1.0, 0.0]]
+    yield "zero", np.zeros((3, 3))
+    yield "zero row", [[1.0, 0.0, 2.0], [0.0, 0.0, 0.0], [2.0, 0.0, 1.0]]
+    yield "two equal rows", [[1.0, 1.0, 0.0], [1.0, 1.0, 0.0], [0.0, 0.0, -1.0]]
+    yield "nan", [[1.0, np.nan], [np.nan, 1.0]]
+    yield "inf", [[1.0, 0.0], [0.0, np.inf]]
+    gram = np.array([[2.0, -1.0, 0.1], [-1.0, -2.0, 0.2], [0.1, 0.2, 0.0]])
+    gram[2, 2] = gram[2, :2] @ np.linalg.solve(gram[:2, :2], gram[2, :2])
+    yield "schur complement zero", gram
+
+
+@pytest.mark.parametrize(
+    "matrix", [pytest.param(np.array(m), id=name) for name, m in unfactorable_matrices()]
+)
+def test_what_has_no_factors_down_the_diagonal_is_refused(backend, matrix):
+    n = len(matrix)
+    solver = analyze(sp.csc_array(np.ones((n, n))), np.arange(n), backend, definite=False)
+    with pytest.raises(SingularMatrix, match=r"^the matrix "):
+        solver.factor(matrix.ravel())
+    # and the solver survives
+    good = np.ones((n, n)) - 9 * np.eye(n)
+    factor = solver.factor(good.ravel())
+    assert factor.negative_pivots == n
+    np.testing.assert_allclose(good @ factor.solve(rhs(n)), rhs(n), rtol=1e-12)
+
+
+def test_a_pivot_lost_in_rounding_spoils_no_solution(backend):
+    matrix = np.array([[1e-20, 1.0], [1.0, 1.0]])
+    solver = analyze(sp.csc_array(matrix), np.arange(2), backend, definite=False)
+    try:
+        factor = solver.factor(matrix.ravel())
+    except SingularMatrix as error:
+        assert backend != "pardiso"
+        assert "no accurate factors L D L^T in this order" in str(error)
+    else:  # PARDISO takes the largest diagonal entry of a dense block first
+        np.testing.assert_allclose(factor.solve([1.0, 0.0], sweeps=0), [-1.0, 1.0], rtol=1e-14)
+
+
+def test_a_zero_on_the_diagonal_is_no_zero_pivot(backend):
+    matrix = np.array([[2.0, 1.0, 0.0], [1.0, 0.0, 1.0], [0.0, 1.0, 0.0]])
+    solver = analyze(sp.csc_array(np.ones((3, 3))), np.arange(3), backend, definite=False)
+    factor = solver.factor(matrix.ravel())
+    assert factor.negative_pivots == int((np.linalg.eigvalsh(matrix) < 0).sum()) == 1
+    np.testing.assert_allclose(factor.solve(rhs(3)), np.linalg.solve(matrix, rhs(3)), rtol=1e-12)
 
 
 def test_the_fastest_installed_backend_is_the_default():
@@ -306,6 +399,10 @@ def test_bad_input_is_refused():
         analyze(square, [0, 0])
     with pytest.raises(ValueError, match="not symmetric: of the entries 0, 1 and 1, 0 one is missing"):
         analyze(sp.csc_array(np.array([[2.0, 1.0], [0.0, 2.0]])), [0, 1])
+    with pytest.raises(ValueError, match="not symmetric: of the entries 1, 0 and 0, 1 one is missing"):
+        analyze(sp.csc_array(np.array([[2.0, 0.0], [1.0, 2.0]])), [0, 1])
+    with pytest.raises(ValueError, match="not a permutation of the 2 unknowns"):
+        analyze(square, [0, 1, 2])
     with pytest.raises(ValueError, match="lacks diagonal entry 1"):
         analyze(sp.csc_array(np.array([[2.0, 1.0], [1.0, 0.0]])), [0, 1])
     solver = analyze(square, [1, 0])
@@ -313,6 +410,42 @@ def test_bad_input_is_refused():
         solver.factor(np.ones(3))
     with pytest.raises(ValueError, match="has 2 rows, but the right-hand side has shape"):
         solver.factor(square.data).solve(np.ones(3))
+
+
+@settings(deadline=None, max_examples=50)
+@given(n=st.integers(1, 12), seed=st.integers(0, 10**6), lower=st.booleans())
+def test_patterns_are_brought_into_elimination_order(n, seed, lower):
+    rng = np.random.default_rng(seed)
+    matrix = np.triu(np.where(rng.random((n, n)) < 0.4, rng.integers(1, 1000, (n, n)), 0), 1)
+    matrix += matrix.T + np.diag(rng.integers(1, 1000, n))
+    csc, order = sp.csc_array(matrix), rng.permutation(n)
+    assert np.array_equal(places(order)[order], np.arange(n))
+    indptr, indices, source = eliminated(csc.indptr, csc.indices, order, places(order), lower)
+    permuted = sp.csc_array((csc.data[source], indices, indptr), shape=(n, n))
+    expected = matrix[np.ix_(order, order)]
+    assert np.array_equal(permuted.toarray(), np.tril(expected) if lower else expected)
+    assert permuted.has_sorted_indices
+    assert first_asymmetry(csc.indptr, csc.indices) == (-1, -1)
+    assert first_gap(csc.indptr, csc.indices) == -1
+    i, j = rng.integers(0, n, 2)
+    matrix[i, j] = 0
+    holed = sp.csc_array(matrix)
+    asymmetry = first_asymmetry(holed.indptr, holed.indices)
+    if i == j:
+        assert asymmetry == (-1, -1)
+        assert first_gap(holed.indptr, holed.indices) == i
+    elif csc[i, j] != 0:
+        assert asymmetry == (j, i)
+
+
+def test_sizes_bring_the_entries_of_every_row_to_one():
+    matrix = Mesh(100).laplacian(-2.5)
+    decades = np.random.default_rng(1).uniform(-6, 6, 100)
+    scaled = sp.csc_array(sp.diags_array(10.0**decades) @ matrix @ sp.diags_array(10.0**decades))
+    s = sizes(scaled.indptr, scaled.indices, scaled.data)
+    largest = abs(sp.diags_array(1 / s) @ scaled @ sp.diags_array(1 / s)).max(axis=0).toarray()
+    assert largest.min() > 0.3
+    assert largest.max() < 3.0
 
 
 def general_matrix(mesh):

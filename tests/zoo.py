@@ -110,3 +110,26 @@ def klein_bottle(m=4, n=5):
 
 
 TETRAHEDRON = np.array([[0, 1, 2], [0, 2, 3], [0, 3, 1], [1, 3, 2]])
+
+
+def doubly_covered(outline):
+    """Both sides of a plane convex polygon (n, 2): (faces, twins, face lengths) of the gluing."""
+    n = len(outline)
+    i = np.arange(1, n - 1)
+    front = np.stack([np.zeros_like(i), i, i + 1], axis=1)
+    faces = np.concatenate([front, front[:, ::-1]])
+    start, end = faces.ravel(), np.roll(faces, -1, axis=1).ravel()
+    side = np.repeat([0, 1], front.size)
+    halfedge = {key: h for h, key in enumerate(zip(start, end, side, strict=True))}
+    twins = [
+        halfedge.get((b, a, s), halfedge.get((b, a, 1 - s))) for a, b, s in zip(start, end, side, strict=True)
+    ]
+    lengths = np.linalg.norm(outline[start] - outline[end], axis=1)
+    return faces, np.array(twins), lengths.reshape(-1, 3)
+
+
+def aligned(found, true):
+    """Largest distance after the best rigid motion, mirror images allowed."""
+    a, b = found - found.mean(axis=0), true - true.mean(axis=0)
+    u, _, v = np.linalg.svd(a.T @ b)
+    return np.linalg.norm(a @ u @ v - b, axis=1).max()

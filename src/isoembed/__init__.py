@@ -22,10 +22,14 @@ _HOME = {
     "NotEmbedded": "isoembed.errors",
     "Triangulation": "isoembed.mesh.triangulation",
     "PolyhedralMetric": "isoembed.metric.polyhedral",
+    "GluedMetric": "isoembed.metric.glued",
+    "glue": "isoembed.gluing.net",
     "Embedding": "isoembed.surface.embedding",
     "embed": "isoembed.verb",
     "Aim": "isoembed.aim.adaptive",
     "Paper": "isoembed.aim.paper",
+    "Alexandrov": "isoembed.alexandrov.method",
+    "ConvexPolyhedron": "isoembed.alexandrov.polyhedron",
 }
 
 __all__ = ["__version__", *_HOME]
@@ -33,10 +37,14 @@ __all__ = ["__version__", *_HOME]
 if TYPE_CHECKING:
     from isoembed.aim.adaptive import Aim as Aim
     from isoembed.aim.paper import Paper as Paper
+    from isoembed.alexandrov.method import Alexandrov as Alexandrov
+    from isoembed.alexandrov.polyhedron import ConvexPolyhedron as ConvexPolyhedron
     from isoembed.errors import InvalidMetric as InvalidMetric
     from isoembed.errors import InvalidParameter as InvalidParameter
     from isoembed.errors import NotEmbedded as NotEmbedded
+    from isoembed.gluing.net import glue as glue
     from isoembed.mesh.triangulation import Triangulation as Triangulation
+    from isoembed.metric.glued import GluedMetric as GluedMetric
     from isoembed.metric.polyhedral import PolyhedralMetric as PolyhedralMetric
     from isoembed.surface.embedding import Embedding as Embedding
     from isoembed.verb import embed as embed

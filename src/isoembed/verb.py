@@ -4,29 +4,38 @@ from __future__ import annotations
 
 import math
 import numbers
-from typing import Protocol
+from importlib import import_module
+from typing import Any, Protocol
 
 from isoembed.errors import InvalidParameter, NotEmbedded
+from isoembed.metric.glued import GluedMetric
 from isoembed.metric.polyhedral import PolyhedralMetric
 from isoembed.stages import Listener, Log
 from isoembed.surface.embedding import Embedding
 
+METHODS = {
+    "aim": "isoembed.aim.adaptive:Aim",
+    "paper": "isoembed.aim.paper:Paper",
+    "alexandrov": "isoembed.alexandrov.method:Alexandrov",
+}
+"""Where each method's configuration is; they are imported on first use."""
+
 
 class Method(Protocol):
-    """A configured method, such as `isoembed.Aim` or `isoembed.Paper`."""
+    """A configured method, such as `isoembed.Aim`, `isoembed.Paper` or `isoembed.Alexandrov`."""
 
     @property
     def name(self) -> str:
         """What ``method=`` calls it."""
         ...
 
-    def run(self, metric: PolyhedralMetric, tolerance: float, log: Log) -> Embedding:
+    def run(self, metric: Any, tolerance: float, log: Log) -> Embedding:
         """Embed the metric as well as it can."""
         ...
 
 
 def embed(
-    metric: PolyhedralMetric,
+    metric: PolyhedralMetric | GluedMetric,
     *,
     method: str | Method = "aim",
     tolerance: float = 1e-10,
@@ -36,10 +45,12 @@ def embed(
 
     Parameters
     ----------
-    metric : PolyhedralMetric
-    method : {"aim", "paper"} or a configured method
+    metric : PolyhedralMetric or GluedMetric
+    method : {"aim", "paper", "alexandrov"} or a configured method
         ``"aim"``, the default, is `isoembed.Aim`; ``"paper"`` is `isoembed.Paper`, AIM as printed.  Both keep
-        the given triangles.  Pass an `Aim` or a `Paper` to set parameters.
+        the given triangles.  ``"alexandrov"`` is `isoembed.Alexandrov`, the exact convex polyhedron of a
+        convex metric, on triangles of its own; a `GluedMetric` needs it.  Pass an `Aim`, a `Paper` or an
+        `Alexandrov` to set parameters.
     tolerance : float
         Largest ``| |x_a - x_b| - l_ab |`` over the mean edge length.
     progress : callable, optional
@@ -52,6 +63,8 @@ def embed(
 
     Raises
     ------
+    InvalidMetric
+        The method is ``"alexandrov"`` and the metric is not convex; the message names the vertex.
     NotEmbedded
         No such surface was found; the exception holds the best attempt.
     InvalidParameter
@@ -63,13 +76,28 @@ def embed(
     >>> round(embed(tetrahedron).volume, 12)  # sqrt(2) / 12
     0.117851130198
     """
-    if not isinstance(metric, PolyhedralMetric):
+    chosen = configured(method)
+    if isinstance(metric, GluedMetric) and chosen.name != "alexandrov":
+        raise InvalidParameter(
+            f"the method {chosen.name!r} keeps the given triangles, and those of a glued metric need not be "
+            'a simplicial complex: take the method "alexandrov", or glued.simplicial()'
+        )
+    if (
+        isinstance(metric, PolyhedralMetric)
+        and metric.triangulation.n_faces == 2
+        and chosen.name != "alexandrov"
+    ):
+        raise InvalidParameter(
+            f"the metric is a triangle covered twice, which the method {chosen.name!r} does not embed: "
+            'take the method "alexandrov"'
+        )
+    if not isinstance(metric, PolyhedralMetric | GluedMetric):
         raise InvalidParameter(
             f"the metric is a {type(metric).__name__}: make it PolyhedralMetric(faces, lengths, edges)"
         )
     if not isinstance(tolerance, numbers.Real) or not 0 < tolerance < math.inf:
         raise InvalidParameter(f"the tolerance is {tolerance!r}, not a positive finite number")
-    embedding = configured(method).run(metric, tolerance, Log(progress))
+    embedding = chosen.run(metric, tolerance, Log(progress))
     if not embedding.converged:
         raise NotEmbedded(embedding.message, embedding)
     return embedding
@@ -83,14 +111,16 @@ def configured(method: str | Method) -> Method:
     InvalidParameter
         There is no such method.
     """
-    from isoembed.aim.adaptive import Aim
-    from isoembed.aim.paper import Paper
-
     if isinstance(method, type):
         raise InvalidParameter(f"the method is the class {method.__name__}: make one, {method.__name__}()")
     if not isinstance(method, str):
         return method
-    known = {"aim": Aim, "paper": Paper}
-    if method not in known:
-        raise InvalidParameter(f"there is no method {method!r}; there are {', '.join(known)}")
-    return known[method]()
+    if method not in METHODS:
+        raise InvalidParameter(f"there is no method {method!r}; there are {', '.join(METHODS)}")
+    return configuration(method)()
+
+
+def configuration(name: str) -> type[Any]:
+    """The frozen dataclass that configures the method of this name."""
+    home, _, kind = METHODS[name].partition(":")
+    return getattr(import_module(home), kind)

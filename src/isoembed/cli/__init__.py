@@ -17,7 +17,9 @@ from isoembed.cli.status import INTERRUPTED, OK, WRONG
 
 COMMANDS = {
     "embed": "find the surface in R^3 that has the given edge lengths",
+    "glue": "build a solid from a paper net: polygons whose sides are glued together",
     "inspect": "say what kind of metric a file holds, and what that means for its embedding",
+    "nets": "solve classic nets: the Latin cross, tetramonohedra, pita forms, D-forms, ...",
     "surface": "write the metric of a closed-form surface (ellipsoid, drum, Kerr horizon, ...)",
 }
 

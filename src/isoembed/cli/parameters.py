@@ -5,19 +5,15 @@ from __future__ import annotations
 import types
 from collections.abc import Sequence
 from dataclasses import fields
-from typing import TYPE_CHECKING, Any, Literal, Union, get_args, get_origin, get_type_hints
+from typing import Any, Literal, Union, get_args, get_origin, get_type_hints
 
-import isoembed
+from isoembed import verb
 from isoembed.cli.refusal import Refusal
 
-if TYPE_CHECKING:
-    from isoembed.verb import Method
-
-CONFIGURATIONS = {"aim": "Aim", "paper": "Paper"}
 TRUTH = {"true": True, "yes": True, "1": True, "false": False, "no": False, "0": False}
 
 
-def configured(method: str, assignments: Sequence[str]) -> Method:
+def configured(method: str, assignments: Sequence[str]) -> verb.Method:
     """Make the method of this name with these parameters.
 
     Parameters
@@ -29,11 +25,9 @@ def configured(method: str, assignments: Sequence[str]) -> Method:
     Raises
     ------
     Refusal
-        The method is not there, or a parameter or its value is not one of the method's.
+        A parameter or its value is not one of the method's.
     """
-    if method not in CONFIGURATIONS:
-        raise Refusal(f"the method {method!r} is not in this version; there are {', '.join(CONFIGURATIONS)}")
-    configuration: type[Any] = getattr(isoembed, CONFIGURATIONS[method])
+    configuration = verb.configuration(method)
     known = [field.name for field in fields(configuration) if field.init]
     types_ = get_type_hints(configuration)
     values: dict[str, Any] = {}

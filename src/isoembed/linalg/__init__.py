@@ -5,7 +5,15 @@
 """
 
 from isoembed.linalg.dissection import Dissection, dissect
-from isoembed.linalg.factor import Factor, Solver, analyze, available_backends, chosen_backend, factor_general
+from isoembed.linalg.factor import (
+    Factor,
+    Solver,
+    SymmetricFactor,
+    analyze,
+    available_backends,
+    chosen_backend,
+    factor_general,
+)
 from isoembed.linalg.singular import SingularMatrix
 
 __all__ = [
@@ -13,6 +21,7 @@ __all__ = [
     "Factor",
     "SingularMatrix",
     "Solver",
+    "SymmetricFactor",
     "analyze",
     "available_backends",
     "chosen_backend",

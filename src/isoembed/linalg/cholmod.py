@@ -1,4 +1,4 @@
-"""CHOLMOD through scikit-sparse 0.4: supernodal Cholesky with symbolic reuse."""
+"""CHOLMOD through scikit-sparse 0.4: supernodal Cholesky or simplicial L D L^T, with symbolic reuse."""
 
 import numpy as np
 import scipy.sparse as sp
@@ -14,18 +14,21 @@ TRIANGLE = "lower"
 class Symbolic:
     """A pattern in elimination order: the lower triangle, CSC with sorted rows."""
 
-    def __init__(self, indptr: NDArray[np.int32], indices: NDArray[np.int32]) -> None:
-        self._indptr, self._indices = indptr, indices
-        # Supernodal is always L L^T. The simplicial kind is L D L^T, which would accept an indefinite matrix.
+    def __init__(self, indptr: NDArray[np.int32], indices: NDArray[np.int32], definite: bool) -> None:
+        self._indptr, self._indices, self._definite = indptr, indices, definite
+        # Supernodal is always L L^T, which refuses an indefinite matrix. The simplicial kind is L D L^T.
         pattern = self._matrix(np.ones(indices.size))
-        self._symbolic = analyze(pattern, mode="supernodal", ordering_method="natural")
+        mode = "supernodal" if definite else "simplicial"
+        self._symbolic = analyze(pattern, mode=mode, ordering_method="natural")
 
     def factor(self, data: NDArray[np.float64]) -> "Numeric":
         """Factorize the matrix with these entries; raises SingularMatrix."""
         try:
             return Numeric(self._symbolic.cholesky(self._matrix(data)))
         except CholmodNotPositiveDefiniteError as error:
-            raise SingularMatrix("the matrix is not positive definite") from error
+            if self._definite:
+                raise SingularMatrix("the matrix is not positive definite") from error
+            raise SingularMatrix("the matrix has no factors L D L^T in this order") from error
 
     def _matrix(self, data: NDArray[np.float64]) -> sp.csc_matrix:
         n = self._indptr.size - 1
@@ -37,6 +40,11 @@ class Numeric:
 
     def __init__(self, factor: CholmodFactor) -> None:
         self._factor = factor
+
+    @property
+    def negative_pivots(self) -> int:
+        """Number of negative entries of D."""
+        return int((self._factor.D() < 0).sum())
 
     def solve(self, b: NDArray[np.float64]) -> NDArray[np.float64]:
         """Solve for b (n,) or (n, k)."""

@@ -1,5 +1,6 @@
 """Analyze a pattern once, factor matrices that have it, solve with refinement: the same for every backend."""
 
+from functools import cached_property
 from importlib import import_module
 from importlib.metadata import version
 from importlib.util import find_spec
@@ -11,6 +12,7 @@ from numpy.typing import ArrayLike, NDArray
 from scipy.sparse.linalg import splu
 
 from isoembed.errors import InvalidParameter
+from isoembed.linalg.pattern import eliminated, first_asymmetry, first_gap, places, sizes
 from isoembed.linalg.singular import SingularMatrix
 
 _BACKENDS = {"pardiso": "mkl", "cholmod": "cholmod", "superlu": ""}
@@ -19,12 +21,24 @@ _BACKENDS = {"pardiso": "mkl", "cholmod": "cholmod", "superlu": ""}
 _WORST_GROWTH = 1.0 / (64 * np.finfo(np.float64).eps)
 """A scaled inverse larger than this leaves less than two digits to a solution."""
 
+_WORST_RESIDUAL = 1.0 / 64
+"""Factors that leave more than this of a right-hand side hold less than two digits of the matrix."""
 
-class Numeric(Protocol):
-    """What a backend returns: the factors of one matrix in elimination order."""
+
+class Solves(Protocol):
+    """The factors of one matrix in elimination order."""
 
     def solve(self, b: NDArray[np.float64]) -> NDArray[np.float64]:
         """Solve for b (n,) or (n, k)."""
+        ...
+
+
+class Numeric(Solves, Protocol):
+    """What a backend returns: the factors of one symmetric matrix."""
+
+    @property
+    def negative_pivots(self) -> int:
+        """Number of negative entries of D."""
         ...
 
 
@@ -33,8 +47,10 @@ def available_backends() -> tuple[str, ...]:
     return tuple(name for name in _BACKENDS if _installed(name))
 
 
-def analyze(pattern: sp.sparray | sp.spmatrix, order: ArrayLike, backend: str | None = None) -> "Solver":
-    """Prepare to factor symmetric positive definite matrices of one pattern.
+def analyze(
+    pattern: sp.sparray | sp.spmatrix, order: ArrayLike, backend: str | None = None, *, definite: bool = True
+) -> "Solver":
+    """Prepare to factor symmetric matrices of one pattern.
 
     Parameters
     ----------
@@ -45,6 +61,11 @@ def analyze(pattern: sp.sparray | sp.spmatrix, order: ArrayLike, backend: str | 
         Elimination order, such as `Dissection.edge_order`: ``order[k]`` is the k-th unknown to eliminate.
     backend : {"pardiso", "cholmod", "superlu"}, optional
         By default the fastest that is installed.
+    definite : bool
+        Whether the matrices must be positive definite. If not, they are factored as L D L^T with a diagonal
+        D, down the diagonal in the order given (PARDISO exchanges unknowns within a dense block). That is
+        good for matrices with few negative eigenvalues; a pivot that is zero or lost in rounding is refused
+        even where the matrix is regular.
 
     Returns
     -------
@@ -55,7 +76,7 @@ def analyze(pattern: sp.sparray | sp.spmatrix, order: ArrayLike, backend: str | 
     ValueError
         If the backend is unknown or not installed, or pattern or order are not as described.
     """
-    return Solver(pattern, order, chosen_backend(backend))
+    return Solver(pattern, order, chosen_backend(backend), definite)
 
 
 def chosen_backend(backend: str | None) -> str:
@@ -78,7 +99,7 @@ def chosen_backend(backend: str | None) -> str:
 
 
 class Solver:
-    """Factorizations of symmetric positive definite matrices of one pattern, made by `analyze`.
+    """Factorizations of symmetric matrices of one pattern, made by `analyze`.
 
     Attributes
     ----------
@@ -87,32 +108,27 @@ class Solver:
         ``.data``.
     backend : str
         Who does the numbers.
+    definite : bool
+        Whether the matrices must be positive definite.
     """
 
-    def __init__(self, pattern: sp.sparray | sp.spmatrix, order: ArrayLike, backend: str) -> None:
-        self.backend = backend
+    def __init__(
+        self, pattern: sp.sparray | sp.spmatrix, order: ArrayLike, backend: str, definite: bool
+    ) -> None:
+        self.backend, self.definite = backend, definite
         self.pattern = _checked(pattern)
         n = self.pattern.shape[0]
         self._order = np.array(order, dtype=np.int64)
-        if not np.array_equal(np.sort(self._order), np.arange(n)):
+        place = places(self._order)
+        if self._order.shape != (n,) or place.size != n:
             raise ValueError(f"the elimination order is not a permutation of the {n} unknowns")
-        self._diagonal = np.flatnonzero(self.pattern.indices == _columns(self.pattern))
-
-        # The pattern in elimination order, each entry holding the place its value comes from. Converting to
-        # rows and back sorts it.
-        place = np.empty(n, dtype=np.int64)
-        place[self._order] = np.arange(n)
-        source = np.arange(self.pattern.nnz)
-        relabeled = sp.csc_matrix((source, place[self.pattern.indices], self.pattern.indptr), shape=(n, n))
-        permuted = relabeled[:, self._order].tocsr().tocsc()
         library = import_module(f"isoembed.linalg.{backend}")
-        columns = _columns(permuted)
-        kept = permuted.indices >= (columns if library.TRIANGLE == "lower" else 0)
-        self._gather = permuted.data[kept]
-        indptr = np.concatenate(([0], np.cumsum(np.bincount(columns[kept], minlength=n))))
-        self._symbolic = library.Symbolic(indptr.astype(np.int32), permuted.indices[kept].astype(np.int32))
+        indptr, indices, self._source = eliminated(
+            self.pattern.indptr, self.pattern.indices, self._order, place, library.TRIANGLE == "lower"
+        )
+        self._symbolic = library.Symbolic(indptr, indices, definite)
 
-    def factor(self, data: ArrayLike) -> "Factor":
+    def factor(self, data: ArrayLike) -> "SymmetricFactor":
         """Factorize one matrix.
 
         Parameters
@@ -122,12 +138,13 @@ class Solver:
 
         Returns
         -------
-        Factor
+        SymmetricFactor
 
         Raises
         ------
         SingularMatrix
-            If the matrix is not positive definite, or singular to working precision.
+            If the matrix is singular to working precision, or is not positive definite though it must be, or
+            has no factors L D L^T in this order.
         """
         values = np.array(data, dtype=np.float64)
         if values.shape != (self.pattern.nnz,):
@@ -135,23 +152,22 @@ class Solver:
                 f"the pattern has {self.pattern.nnz} entries, but the data have shape {values.shape}"
             )
         _refuse_infinite(values)
-        diagonal = values[self._diagonal]
-        if diagonal.min() <= 0:
-            k = diagonal.argmin()
-            raise SingularMatrix(
-                f"the matrix is not positive definite: diagonal entry {k} is {diagonal[k]:.3g}"
-            )
         matrix = sp.csc_matrix((values, self.pattern.indices, self.pattern.indptr), shape=self.pattern.shape)
-        factor = Factor(matrix, self._symbolic.factor(values[self._gather]), self._order)
-        scale = np.sqrt(diagonal)
-        _refuse_growth(factor, scale, scale)
+        if self.definite:
+            diagonal = matrix.diagonal()
+            _refuse_diagonal(diagonal)
+        factor = SymmetricFactor(matrix, self._symbolic.factor(values[self._source]), self._order)
+        scale = np.sqrt(diagonal) if self.definite else sizes(matrix.indptr, matrix.indices, values)
+        b, x = _refuse_growth(factor, scale, scale)
+        if not self.definite:
+            _refuse_residual((b - matrix @ x) / scale)
         return factor
 
 
 class Factor:
     """The factors of one matrix: solves, and refines what it solves."""
 
-    def __init__(self, matrix: sp.csc_matrix, numeric: Numeric, order: NDArray[np.int64]) -> None:
+    def __init__(self, matrix: sp.csc_matrix, numeric: Solves, order: NDArray[np.int64]) -> None:
         self._matrix, self._numeric, self._order = matrix, numeric, order
 
     def solve(self, b: ArrayLike, sweeps: int = 2) -> NDArray[np.float64]:
@@ -195,6 +211,19 @@ class Factor:
         return x
 
 
+class SymmetricFactor(Factor):
+    """The factors of one symmetric matrix, L D L^T with diagonal D."""
+
+    def __init__(self, matrix: sp.csc_matrix, numeric: Numeric, order: NDArray[np.int64]) -> None:
+        super().__init__(matrix, numeric, order)
+        self._numeric: Numeric = numeric
+
+    @cached_property
+    def negative_pivots(self) -> int:
+        """Number of negative entries of D, which is that of negative eigenvalues; SuperLU counts slowly."""
+        return self._numeric.negative_pivots
+
+
 def factor_general(matrix: sp.sparray | sp.spmatrix) -> Factor:
     """Factorize a sparse matrix that need be neither symmetric nor definite: SuperLU with row exchanges.
 
@@ -231,37 +260,54 @@ def _refuse_infinite(values: NDArray[np.float64]) -> None:
         raise SingularMatrix(f"the matrix is not finite: stored entry {k} is {values[k]}")
 
 
-def _refuse_growth(factor: Factor, rows: NDArray[np.float64], columns: NDArray[np.float64]) -> None:
-    """Raise if the inverse of the matrix, its rows and columns scaled to size 1, blows a random probe up."""
-    probe = np.random.default_rng(0).uniform(-1.0, 1.0, rows.size)
-    growth = np.abs(columns * factor.solve(rows * probe, sweeps=0)).max()
+def _refuse_diagonal(diagonal: NDArray[np.float64]) -> None:
+    if diagonal.min() <= 0:
+        k = diagonal.argmin()
+        raise SingularMatrix(f"the matrix is not positive definite: diagonal entry {k} is {diagonal[k]:.3g}")
+
+
+def _refuse_growth(
+    factor: Factor, rows: NDArray[np.float64], columns: NDArray[np.float64]
+) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    """Raise if the inverse of the matrix, its rows and columns scaled to size 1, blows a random probe up.
+
+    Returns the right-hand side and the solution.
+    """
+    b = rows * np.random.default_rng(0).uniform(-1.0, 1.0, rows.size)
+    x = factor.solve(b, sweeps=0)
+    growth = np.abs(columns * x).max()
     if not growth < _WORST_GROWTH:
         raise SingularMatrix(
             f"the matrix is singular to working precision: its scaled inverse grows by {growth:.1e}"
+        )
+    return b, x
+
+
+def _refuse_residual(residual: NDArray[np.float64]) -> None:
+    """Raise if elimination without exchanges lost the matrix: much of a random probe, scaled, is left."""
+    worst = np.abs(residual).max()
+    if not worst < _WORST_RESIDUAL:
+        raise SingularMatrix(
+            "the matrix has no accurate factors L D L^T in this order: "
+            f"a solution leaves {worst:.1e} of the right-hand side"
         )
 
 
 def _checked(pattern: sp.sparray | sp.spmatrix) -> sp.csc_matrix:
     """The pattern as CSC, rows sorted, entries 1; raises ValueError unless symmetric with a diagonal."""
-    checked = sp.csc_matrix(pattern, dtype=np.float64, copy=True)
+    checked = sp.csc_matrix(pattern, copy=True)
     checked.sum_duplicates()
-    checked.data[:] = 1.0
-    transposed = checked.T.tocsc()
-    if not (
-        np.array_equal(checked.indptr, transposed.indptr)
-        and np.array_equal(checked.indices, transposed.indices)
-    ):
-        i, j = (int(k[0]) for k in (checked != transposed).nonzero())
+    checked = sp.csc_matrix(
+        (np.ones(checked.nnz), checked.indices.astype(np.int32), checked.indptr.astype(np.int32)),
+        shape=checked.shape,
+    )
+    i, j = first_asymmetry(checked.indptr, checked.indices)
+    if i >= 0:
         raise ValueError(f"the pattern is not symmetric: of the entries {i}, {j} and {j}, {i} one is missing")
-    missing = checked.diagonal() == 0
-    if missing.any():
-        raise ValueError(f"the pattern lacks diagonal entry {int(missing.argmax())}")
+    k = first_gap(checked.indptr, checked.indices)
+    if k >= 0:
+        raise ValueError(f"the pattern lacks diagonal entry {k}")
     return checked
-
-
-def _columns(matrix: sp.csc_matrix) -> NDArray[np.int64]:
-    """Column of every stored entry."""
-    return np.repeat(np.arange(matrix.shape[1]), np.diff(matrix.indptr))
 
 
 def _installed(backend: str) -> bool:

@@ -1,4 +1,4 @@
-"""PARDISO of Intel's MKL, by the library that pypardiso brings: Cholesky with symbolic reuse."""
+"""PARDISO of Intel's MKL, by the library that pypardiso brings: Cholesky or L D L^T with symbolic reuse."""
 
 import ctypes
 import weakref
@@ -15,23 +15,24 @@ TRIANGLE = "lower"  # by columns, which is the upper triangle by rows
 # pypardiso only finds the library: its own calls analyze anew every time and know no Cholesky.
 _pardiso = pypardiso_solver.libmkl["pardiso"]
 
-_POSITIVE_DEFINITE = 2
+_POSITIVE_DEFINITE, _INDEFINITE = 2, -2
 _ANALYZE, _FACTOR, _SOLVE, _RELEASE = 11, 22, 33, -1
-_NOT_POSITIVE, _OUT_OF_MEMORY = -4, -2
+_ZERO_PIVOT, _OUT_OF_MEMORY = -4, -2
+_PERTURBED, _NEGATIVE = 13, 22  # counts of pivots, among the parameters
 
 
 class Symbolic:
     """A pattern in elimination order: the lower triangle, CSC with sorted rows."""
 
-    def __init__(self, indptr: NDArray[np.int32], indices: NDArray[np.int32]) -> None:
-        self._indptr, self._indices = indptr, indices
+    def __init__(self, indptr: NDArray[np.int32], indices: NDArray[np.int32], definite: bool) -> None:
+        self._indptr, self._indices, self._definite = indptr, indices, definite
         # A handle comes back here when its factors are let go: a loop that replaces its factor analyzes twice
         # at most, and nobody's factors are overwritten.
-        self._idle = [_Handle(indptr, indices)]
+        self._idle = [_Handle(indptr, indices, definite)]
 
     def factor(self, data: NDArray[np.float64]) -> "Numeric":
         """Factorize the matrix with these entries; raises SingularMatrix."""
-        handle = self._idle.pop() if self._idle else _Handle(self._indptr, self._indices)
+        handle = self._idle.pop() if self._idle else _Handle(self._indptr, self._indices, self._definite)
         numeric = Numeric(handle)
         weakref.finalize(numeric, self._idle.append, handle)
         handle.factor(data)
@@ -44,6 +45,11 @@ class Numeric:
     def __init__(self, handle: "_Handle") -> None:
         self._handle = handle
 
+    @property
+    def negative_pivots(self) -> int:
+        """Number of negative entries of D."""
+        return self._handle.negative_pivots
+
     def solve(self, b: NDArray[np.float64]) -> NDArray[np.float64]:
         """Solve for b (n,) or (n, k)."""
         return self._handle.solve(b)
@@ -52,22 +58,28 @@ class Numeric:
 class _Handle:
     """MKL's memory for one analysis and one set of factors, released when this object goes."""
 
-    def __init__(self, indptr: NDArray[np.int32], indices: NDArray[np.int32]) -> None:
+    def __init__(self, indptr: NDArray[np.int32], indices: NDArray[np.int32], definite: bool) -> None:
         n = indptr.size - 1
         self._data = np.zeros(indices.size)
         parameters = np.zeros(64, dtype=np.int32)
         parameters[0] = 1  # all parameters are set here, none by default
         parameters[4] = 1  # eliminate in the order given
+        parameters[9] = 300  # perturb pivots below 10 to the power minus this
         parameters[34] = 1  # indices start at zero
         memory = np.zeros(64, dtype=np.int64)
         order = np.arange(n, dtype=np.int32)
-        self._call = partial(_call, memory, parameters, indptr, indices, order, self._data)
+        kind = _POSITIVE_DEFINITE if definite else _INDEFINITE
+        self._parameters = parameters
+        self._call = partial(_call, kind, memory, parameters, indptr, indices, order, self._data)
         self._call(_ANALYZE)
         weakref.finalize(self, self._call, _RELEASE)
 
     def factor(self, data: NDArray[np.float64]) -> None:
         self._data[:] = data
         self._call(_FACTOR)
+        self.negative_pivots = int(self._parameters[_NEGATIVE])
+        if self._parameters[_PERTURBED]:
+            raise SingularMatrix("the matrix has no factors L D L^T in this order")
 
     def solve(self, b: NDArray[np.float64]) -> NDArray[np.float64]:
         b = np.asfortranarray(b)
@@ -77,6 +89,7 @@ class _Handle:
 
 
 def _call(
+    kind: int,
     memory: NDArray[np.int64],
     parameters: NDArray[np.int32],
     indptr: NDArray[np.int32],
@@ -93,7 +106,7 @@ def _call(
         _address(memory),
         ctypes.byref(ctypes.c_int(1)),  # matrices in this memory
         ctypes.byref(ctypes.c_int(1)),  # which of them
-        ctypes.byref(ctypes.c_int(_POSITIVE_DEFINITE)),
+        ctypes.byref(ctypes.c_int(kind)),
         ctypes.byref(ctypes.c_int(phase)),
         ctypes.byref(ctypes.c_int(order.size)),
         _address(data),
@@ -107,8 +120,10 @@ def _call(
         None if x is None else _address(x),
         ctypes.byref(status),
     )
-    if status.value == _NOT_POSITIVE:
-        raise SingularMatrix("the matrix is not positive definite")
+    if status.value == _ZERO_PIVOT:
+        if kind == _POSITIVE_DEFINITE:
+            raise SingularMatrix("the matrix is not positive definite")
+        raise SingularMatrix("the matrix has no factors L D L^T in this order")
     if status.value == _OUT_OF_MEMORY:
         raise MemoryError("PARDISO ran out of memory")
     if status.value != 0:

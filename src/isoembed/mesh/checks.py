@@ -108,7 +108,7 @@ def check_faces(faces: NDArray[np.int64]) -> None:
     corners = np.sort(faces, axis=1)
     order = np.lexsort(corners.T)
     same = (corners[order[1:]] == corners[order[:-1]]).all(axis=1)
-    if same.any():
+    if same.any() and len(faces) > 2:  # two faces on three vertices are a triangle covered twice
         f = int(order[1:][same].min())
         original = int(np.argmax((corners == corners[f]).all(axis=1)))
         raise InvalidMetric(f"face {f} {faces[f].tolist()} repeats face {original}")

@@ -13,6 +13,8 @@ from isoembed.surface.measures import face_areas, face_normals
 
 Floats = NDArray[np.float64]
 
+SHUT = 1e-9  # radians: a fold nearer to pi than this has no inside
+
 
 def dihedral_angles(triangulation: Triangulation, vertices: Floats) -> Floats:
     """Exterior dihedral angles: 0 where the surface is flat, positive where it is convex.
@@ -28,14 +30,16 @@ def dihedral_angles(triangulation: Triangulation, vertices: Floats) -> Floats:
     Returns
     -------
     ndarray, shape (E,)
-        Radians, in (-pi, pi].
+        Radians, in (-pi, pi].  A fold shut is convex, whatever the sign of its rounding.
     """
     normals = face_normals(triangulation.faces, vertices)
     n0, n1 = normals[triangulation.edge_faces[:, 0]], normals[triangulation.edge_faces[:, 1]]
     a, b = triangulation.edges.T
     d = vertices[b] - vertices[a]
     d /= np.linalg.norm(d, axis=1, keepdims=True)
-    return np.arctan2(np.einsum("ij,ij->i", np.cross(n0, n1), d), np.einsum("ij,ij->i", n0, n1))
+    sine, cosine = np.einsum("ij,ij->i", np.cross(n0, n1), d), np.einsum("ij,ij->i", n0, n1)
+    shut = (cosine < 0) & (np.abs(sine) < SHUT)
+    return np.arctan2(np.where(shut, np.abs(sine), sine), cosine)
 
 
 def edge_mean_curvature(triangulation: Triangulation, vertices: Floats) -> Floats:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import copy
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -110,19 +111,14 @@ class Embedding:
 
     def with_message(self, message: str) -> Embedding:
         """Return the same embedding with another message."""
-        return Embedding(
-            self.metric,
-            self.vertices,
-            method=self.method,
-            tolerance=self.tolerance,
-            stages=self.stages,
-            message=message,
-        )
+        other = copy.copy(self)
+        object.__setattr__(other, "message", message)
+        return other
 
     def __repr__(self) -> str:
         return (
-            f"Embedding({self.triangulation.n_vertices} vertices, method {self.method!r}, {self.status}, "
-            f"residual {self.residual:.1e})"
+            f"{type(self).__name__}({self.triangulation.n_vertices} vertices, method {self.method!r}, "
+            f"{self.status}, residual {self.residual:.1e})"
         )
 
     @property

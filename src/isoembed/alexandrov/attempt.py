@@ -1,0 +1,59 @@
+"""What to show where no polyhedron was found: the nearest polytope, its vertices placed as they may be."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.sparse import diags_array
+from scipy.sparse.linalg import spsolve
+
+from isoembed.alexandrov.homotopy import held
+from isoembed.alexandrov.placement import placed
+from isoembed.alexandrov.polytope import Polytope
+from isoembed.linalg import SingularMatrix
+from isoembed.metric.polyhedral import PolyhedralMetric
+from isoembed.stages import Tally
+
+Floats = NDArray[np.float64]
+
+
+def attempted(
+    metric: PolyhedralMetric, core: NDArray[np.int64], nearest: Polytope | None, tally: Tally
+) -> Floats:
+    """Vertices on the given triangles, shape (V, 3), which are no solution.
+
+    Parameters
+    ----------
+    metric : PolyhedralMetric
+    core : ndarray of int
+        The vertices of the polytope.
+    nearest : Polytope or None
+        That with the least curvatures; without one, the vertices are spread over a sphere.
+    tally : Tally
+    """
+    n = metric.triangulation.n_vertices
+    vertices = np.empty((n, 3))
+    known = np.zeros(n, dtype=np.bool_)
+    known[core] = True
+    vertices[core] = _spread(core.size) if nearest is None else _placed(nearest, tally)
+    if not known.all():  # each of the others at the mean of its neighbors
+        adjacency = metric.triangulation.adjacency
+        rest = (diags_array(metric.triangulation.degrees.astype(np.float64)) - adjacency).tocsr()[~known]
+        right = adjacency[~known][:, known] @ vertices[known]
+        vertices[~known] = spsolve(rest[:, ~known].tocsc(), right).reshape(-1, 3)
+    return vertices
+
+
+def _placed(nearest: Polytope, tally: Tally) -> Floats:
+    try:
+        return placed(held(nearest, tally))
+    except SingularMatrix:
+        return float(nearest.radii.mean()) * _spread(nearest.radii.size)
+
+
+def _spread(n: int) -> Floats:
+    """Points along a spiral on the unit sphere."""
+    z = 1 - (2 * np.arange(n) + 1) / n
+    angle = np.arange(n) * np.pi * (1 + 5**0.5)
+    radius = np.sqrt(1 - z * z)
+    return np.stack([radius * np.cos(angle), radius * np.sin(angle), z], axis=1)

@@ -1,0 +1,67 @@
+"""Cells: triangles put together across flat edges, and the outlines of the polygons that they form."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.sparse import coo_array
+from scipy.sparse.csgraph import connected_components
+
+from isoembed.mesh.triangulation import Triangulation
+
+Indices = NDArray[np.int64]
+Mask = NDArray[np.bool_]
+
+
+@dataclass(frozen=True, eq=False)
+class Cells:
+    """The connected sets of faces that remain when a sphere is cut along all but its flat edges.
+
+    Attributes
+    ----------
+    labels : ndarray of int, shape (F,)
+        The cell of each face, numbered from 0.
+    first : ndarray of int, shape (C,)
+        The first face of each cell.
+    sizes : ndarray of int, shape (C,)
+        Number of faces of each cell.
+    polygonal : ndarray of bool, shape (C,)
+        Whether the cell is a disc with as many vertices as sides: a polygon cut along diagonals.
+    cell, start, end, far : ndarray of int, shape (H,)
+        Half-edges with another cell across: their cell, their ends, and, if the cell is polygonal, the end of
+        the next of the outline.
+    """
+
+    labels: Indices
+    first: Indices
+    sizes: Indices
+    polygonal: Mask
+    cell: Indices
+    start: Indices
+    end: Indices
+    far: Indices
+
+    @classmethod
+    def across(cls, triangulation: Triangulation, flat: Mask) -> Cells:
+        """Put faces together across the given edges, shape (E,)."""
+        t = triangulation
+        links = coo_array((np.ones(flat.sum()), t.edge_faces[flat].T), shape=(t.n_faces, t.n_faces))
+        labels = connected_components(links, directed=False)[1].astype(np.int64)
+        _, first, sizes = np.unique(labels, return_index=True, return_counts=True)
+
+        outer = np.flatnonzero(~flat[t.face_edges.ravel()])
+        cell, start = labels[outer // 3], t.faces.ravel()[outer]
+        end = np.roll(t.faces, -1, axis=1).ravel()[outer]
+        # n triangles that n - 1 edges hold together are a disc of n + 2 sides, unless its corners coincide.
+        inner = np.bincount(labels[t.edge_faces[flat, 0]], minlength=len(first))
+        corners = np.unique(np.column_stack([cell, start]), axis=0)
+        distinct = np.bincount(corners[:, 0], minlength=len(first))
+        polygonal = (inner == sizes - 1) & (distinct == sizes + 2)
+
+        key = cell * t.n_vertices + start
+        order = np.argsort(key)
+        following = np.searchsorted(key[order], cell * t.n_vertices + end)
+        far = end[order[np.minimum(following, len(order) - 1)]] if len(order) else end
+        return cls(labels, first, sizes, polygonal, cell, start, end, far)

@@ -1,0 +1,146 @@
+"""Doubly covered polygons: the flat bodies among Alexandrov's polyhedra.
+
+On the way to one the pyramids shrink to nothing and Newton's method never takes over; but their triangles
+already lie on the two sheets, and the polygon can be read off.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.sparse import coo_array
+from scipy.sparse.csgraph import connected_components
+
+from isoembed.alexandrov.polytope import Polytope
+from isoembed.metric.curvature import Triangles
+from isoembed.metric.flips import HalfEdges, set_directions, tilts
+
+Floats = NDArray[np.float64]
+Indices = NDArray[np.int64]
+
+THIN = 1e-4  # squared height of the apex over its squared distance below which a polytope may be turning flat
+FOLD = 0.5  # the apex' feet lie on one side of a fold and on both sides of a flat edge: the ratio is 1 or 0
+ON_EDGE = 1e-8  # of the length of an edge
+EVEN = 1e-7  # radians: the two sheets' angles at a vertex agree, and the polygon closes
+
+
+@dataclass(frozen=True, eq=False)
+class DoublyCovered:
+    """A plane convex polygon, covered twice.
+
+    Attributes
+    ----------
+    tables : HalfEdges
+        Triangles of the two sheets that never join the same two vertices twice, if there are more than three.
+    vertices : ndarray, shape (V, 3)
+        In the plane z = 0.
+    """
+
+    tables: HalfEdges
+    vertices: Floats
+
+
+def folded_shut(p: Polytope) -> DoublyCovered | None:
+    """Read the polygon off a polytope that is turning flat; None if it is not one.
+
+    Parameters
+    ----------
+    p : Polytope
+    """
+    mean = float(p.radii.mean())
+    feet, _ = tilts(p.tables.corners, p.tables.lengths, (p.radii - mean) * (p.radii + mean))
+    other = feet[p.tables.twins]
+    # An apex right above a flat edge has both feet on it, up to rounding.
+    least = FOLD * (np.abs(feet) + np.abs(other)) + ON_EDGE * p.tables.lengths
+    return doubly_covered(p.tables, feet + other > least)
+
+
+def doubly_covered(tables: HalfEdges, folds: NDArray[np.bool_]) -> DoublyCovered | None:
+    """Lay out the polygon whose boundary is given; None if these edges bound no doubly covered polygon.
+
+    Parameters
+    ----------
+    tables : HalfEdges
+    folds : ndarray of bool, shape (3F,)
+        Half-edges on the boundary of the polygon.
+    """
+    boundary = _boundary(tables, folds)
+    if boundary is None:
+        return None
+    start = tables.corners[boundary]
+    n = start.size
+    angles = Triangles.of(tables.face_lengths).angles
+    front = _sheet(tables, folds)[np.arange(tables.corners.size) // 3] == 0
+    corner, every = tables.corners, angles.ravel()
+    of_front, of_back = (
+        np.bincount(corner[sheet], every[sheet], minlength=n)[start] for sheet in (front, ~front)
+    )
+    if np.abs(of_front - of_back).max() > EVEN:
+        return None
+    exterior = np.pi - (of_front + of_back) / 2
+    heading = np.cumsum(exterior) - exterior[0]
+    sides = tables.lengths[boundary]
+    steps = sides[:, None] * np.stack([np.cos(heading), np.sin(heading)], axis=1)
+    if abs(exterior.sum() - 2 * np.pi) > EVEN or np.abs(steps.sum(axis=0)).max() > EVEN * sides.sum():
+        return None
+    steps -= sides[:, None] * steps.sum(axis=0) / sides.sum()  # what rounding left open
+    points = np.concatenate([[[0.0, 0.0]], np.cumsum(steps, axis=0)[:-1]])
+    return DoublyCovered(_fans(tables, boundary, points), _in_order(points, start))
+
+
+def _sheet(tables: HalfEdges, folds: NDArray[np.bool_]) -> Indices:
+    """Which side of the folds each face is on, shape (F,)."""
+    inside = np.flatnonzero(~folds)
+    faces = tables.corners.size // 3
+    graph = coo_array((np.ones(inside.size), (inside // 3, tables.twins[inside] // 3)), shape=(faces, faces))
+    return connected_components(graph)[1].astype(np.int64)
+
+
+def _boundary(tables: HalfEdges, folds: NDArray[np.bool_]) -> Indices | None:
+    """The folds' half-edges on sheet 0 in order around it, if they are one cycle through all vertices."""
+    n = tables.corners.size // 6 + 2
+    sheet = _sheet(tables, folds)
+    if not np.array_equal(folds, folds[tables.twins]) or folds.sum() != 2 * n or sheet.max() != 1:
+        return None
+    half = np.flatnonzero(folds)
+    half = half[sheet[half // 3] == 0]
+    start, end = tables.corners[half], tables.corners[tables.twins[half]]
+    if half.size != n or not np.array_equal(np.sort(start), np.arange(n)):
+        return None
+    leaving = np.empty(n, dtype=np.int64)
+    leaving[start] = np.arange(n)
+    order = [0]
+    while len(order) < n:
+        order.append(int(leaving[end[order[-1]]]))
+    around = half[order]
+    return around if np.unique(order).size == n else None
+
+
+def _fans(tables: HalfEdges, boundary: Indices, points: Floats) -> HalfEdges:
+    """Triangulate the front from the first vertex and the back from the second: no diagonal is in both."""
+    n = len(points)
+    i = np.arange(1, n - 1)
+    front = np.stack([np.zeros_like(i), i, i + 1], axis=1)
+    back = np.stack([np.ones_like(i), (i + 2) % n, i + 1], axis=1)
+    places = np.concatenate([front, back])
+    a, b = places.ravel(), np.roll(places, -1, axis=1).ravel()
+    order, reverse = np.argsort(a * n + b), np.argsort(b * n + a)
+    twins = np.empty(a.size, dtype=np.int64)
+    twins[order] = reverse
+    lengths = np.linalg.norm(points[a] - points[b], axis=1)
+    corners = tables.corners[boundary][a]
+    fans = HalfEdges(corners, twins, lengths, np.zeros(a.size))
+    set_directions(fans.corners, fans.twins, fans.lengths, fans.directions)
+    # The boundary's half-edges kept their directions.
+    kept = np.flatnonzero((b == (a + 1) % n) & (np.arange(a.size) < front.size))
+    offset = np.empty(n)
+    offset[corners[kept]] = tables.directions[boundary[a[kept]]] - fans.directions[kept]
+    return HalfEdges(corners, twins, lengths, fans.directions + offset[corners])
+
+
+def _in_order(points: Floats, vertices: Indices) -> Floats:
+    placed = np.zeros((len(points), 3))
+    placed[vertices, :2] = points
+    return placed

@@ -1,0 +1,256 @@
+"""From a ball to the polyhedron: the curvatures of the generalized polytope are led to zero.
+
+Bobenko and Izmestiev start from equal radii so large that every curvature nearly is the deficit of its
+vertex, and follow ``kappa(t) = (1 - t) kappa(0)``.  Here the radii are moderate from the beginning, the
+curvatures are led along ``epsilon delta``, delta being the deficits, and a step need not stay on that path:
+it is accepted if it brings the curvatures nearer to where it aims.  One factorization preconditions the whole
+path, unless a step meets the boundary of what polytopes there are; a second one serves Newton's method and
+the placement.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.sparse import coo_array, csc_array
+from scipy.sparse.csgraph import dijkstra
+
+from isoembed.alexandrov.polytope import Polytope
+from isoembed.linalg import Factor, SingularMatrix, analyze, dissect
+from isoembed.linalg.krylov import gmres
+from isoembed.metric.curvature import Triangles
+from isoembed.metric.flips import HalfEdges
+from isoembed.stages import Tally
+
+Floats = NDArray[np.float64]
+Indices = NDArray[np.int64]
+
+# All numbers are ratios.  They were chosen on random bodies up to 300 : 1; none is delicate.
+LADDER = (2.0, 4.0, 16.0, 64.0, 256.0)  # start radii over the least that may do, until one arrives
+FORCING = 0.03  # residual of the linear equations on the way
+STALE = 10  # GMRES iterations beyond which a fresh factorization is cheaper
+DECREASE = 0.25  # least decrease, over what the linear model promises
+FIRST_STEP, LONGEST_STEP, SHORTEST_STEP = 0.5, 0.9, 1e-4
+HALVINGS, HALVINGS_IF_STALE = 30, 3
+CLOSE, CLOSEST = 1e-2, 1e-9  # largest curvature over largest deficit at which Newton's method is tried
+MOST_STEPS, NEWTON_STEPS = 1000, 40
+CREEP, LEAST_PROGRESS = 50, 0.999  # so many steps have to bring the curvatures down by this factor
+LOOSEST, TIGHTEST = 1e-2, 1e-6  # residual of Newton's linear equations
+EXACT, FLOOR, ROUNDING = (
+    1e-9,
+    1e-4,
+    1e-13,
+)  # curvatures of a solution: radians, of the smallest deficit, of zero
+
+
+@dataclass(frozen=True, eq=False)
+class Solution:
+    """A polytope without curvature, and the means to place it.
+
+    Attributes
+    ----------
+    polytope : Polytope
+    pins : ndarray of int, shape (3,)
+        Vertices in independent directions from the apex.
+    factor : Factor
+        Of ``-d kappa / d r`` nearby, the rows and columns of the pins replaced by those of the identity.
+    """
+
+    polytope: Polytope
+    pins: Indices
+    factor: Factor
+
+
+def walk(
+    tables: HalfEdges, deficits: Floats, tally: Tally, backend: str | None = None
+) -> Iterator[Polytope | Solution]:
+    """Yield the polytopes of the path, and at last, if one start arrives, the solution.
+
+    Parameters
+    ----------
+    tables : HalfEdges
+        Any triangulation of the metric.
+    deficits : ndarray, shape (V,)
+        All positive; V is at least 4.
+    tally : Tally
+        Counts steps and factorizations.
+    backend : str, optional
+        As in `isoembed.linalg.analyze`.
+    """
+    tables = tables.copy()
+    tables.make_delaunay(np.zeros(deficits.size))
+    triangles = Triangles.of(tables.face_lengths)
+    areas = triangles.areas * triangles.unit**2
+    # The polytope of equal radii exists if every circle around a triangle is smaller; and its curvatures sum
+    # to about 4 pi - A / R^2.
+    circumradius = float((tables.face_lengths.prod(axis=1) / (4 * areas)).max())
+    least = max(circumradius, float(np.sqrt(areas.sum() / (4 * np.pi))))
+    for factor in LADDER:
+        start = Polytope.over(tables, np.full(deficits.size, factor * least))
+        if start is None:
+            continue
+        close = CLOSE
+        try:
+            for polytope in _path(start, deficits, tally, backend):
+                yield polytope
+                if np.abs(polytope.curvatures).max() <= close * deficits.max():
+                    solution = newton(polytope, deficits, tally, backend)
+                    if solution is not None:
+                        yield solution
+                        return
+                    close /= 10
+                    if close < CLOSEST:
+                        break
+        except SingularMatrix:
+            continue
+
+
+def held(p: Polytope, tally: Tally, backend: str | None = None) -> Solution:
+    """Hold three radii of a polytope and factor what is left, whatever its curvatures.
+
+    Raises
+    ------
+    SingularMatrix
+    """
+    pins = independent_directions(p)
+    return Solution(p, pins, _factor(_pinned(p, _free(p, pins)), tally, backend))
+
+
+def _path(p: Polytope, deficits: Floats, tally: Tally, backend: str | None) -> Iterator[Polytope]:
+    """Lead the curvatures toward zero along ``epsilon delta``."""
+    inverse, fresh = _factor(-p.jacobian(), tally, backend), True
+    epsilon = _share(p.curvatures, deficits)
+    step, before = FIRST_STEP, np.inf
+    yield p
+    for count in range(MOST_STEPS):
+        if count % CREEP == 0:
+            if np.linalg.norm(p.curvatures) > LEAST_PROGRESS * before:
+                return
+            before = float(np.linalg.norm(p.curvatures))
+        aim = max(epsilon, 0.0) * (1 - step) * deficits
+        missing = p.curvatures - aim
+        dr, iterations = _solved(p, inverse, missing, FORCING)
+        if iterations > STALE and not fresh:
+            inverse, fresh = _factor(-p.jacobian(), tally, backend), True
+            continue
+        size = np.linalg.norm(missing)
+        for halving in range(HALVINGS if fresh else HALVINGS_IF_STALE):
+            fraction = 0.5**halving
+            q = Polytope.over(p.tables, p.radii + fraction * dr)
+            if q is not None and np.linalg.norm(q.curvatures - aim) <= (1 - DECREASE * fraction) * size:
+                break
+        else:
+            if not fresh:
+                inverse, fresh = _factor(-p.jacobian(), tally, backend), True
+                continue
+            step /= 4
+            if step < SHORTEST_STEP:
+                return
+            continue
+        p, fresh = q, False
+        epsilon = _share(p.curvatures, deficits)
+        step = min(step + 0.1, LONGEST_STEP) if halving == 0 else max(2 * step * fraction, 0.01)
+        tally.iterations += 1
+        tally.show(t=epsilon, residual=float(np.abs(p.curvatures).max()))
+        yield p
+
+
+def newton(p: Polytope, deficits: Floats, tally: Tally, backend: str | None = None) -> Solution | None:
+    """Newton's method with three radii held, which fixes the apex; None if it does not converge.
+
+    Parameters
+    ----------
+    p : Polytope
+        Near to a solution.
+    deficits : ndarray, shape (V,)
+    tally : Tally
+    backend : str, optional
+    """
+    start = held(p, tally, backend)
+    pins, inverse, fresh = start.pins, start.factor, True
+    free = _free(p, pins)
+    forcing, done = LOOSEST, False
+    for _ in range(NEWTON_STEPS):
+        largest = float(np.abs(p.curvatures).max())
+        done = largest <= min(EXACT, max(FLOOR * float(deficits.min()), ROUNDING))
+        size = np.linalg.norm(p.curvatures)
+        if size == 0:
+            break
+        dr, iterations = _solved(p, inverse, free * p.curvatures, forcing, free)
+        renew = iterations > STALE
+        for halving in range(0 if renew and not fresh else 1 if done else 8):
+            q = Polytope.over(p.tables, p.radii + 0.5**halving * dr)
+            if q is not None and np.linalg.norm(q.curvatures) <= (1 - DECREASE * 0.5**halving) * size:
+                # As Newton's method converges, so do its linear equations (Eisenstat and Walker).
+                ratio = float(np.linalg.norm(q.curvatures) / size)
+                forcing = float(np.clip(ratio**2, TIGHTEST, LOOSEST))
+                p, fresh = q, False
+                break
+        else:
+            if done:  # the rounding floor
+                break
+            if fresh:
+                return None
+            inverse, fresh = _factor(_pinned(p, free), tally, backend), True
+            continue
+        tally.iterations += 1
+        tally.show(t=0.0, residual=float(np.abs(p.curvatures).max()))
+    return Solution(p, pins, inverse) if done else None
+
+
+def independent_directions(p: Polytope) -> Indices:
+    """Three vertices that are seen from the apex at about right angles, shape (3,)."""
+    i, j = p.tables.corners, p.tables.corners[p.tables.twins]
+    a, b, l = p.radii[i], p.radii[j], p.tables.lengths
+    # Half the angle at the apex between neighbors, from its sine: |x_i - x_j|^2 = (a - b)^2 + 4 a b sin^2.
+    sine = np.sqrt(np.maximum((l - (a - b)) * (l + (a - b)), 0.0) / (4 * a * b))
+    angles = 2 * np.arcsin(np.minimum(sine, 1.0))
+    n = p.radii.size
+    loops = i == j
+    graph = coo_array((angles[~loops], (i[~loops], j[~loops])), shape=(n, n)).tocsr()
+    oblique = np.zeros(n)
+    pins = [0]
+    while len(pins) < 3:
+        oblique = np.maximum(oblique, np.abs(dijkstra(graph, indices=pins[-1]) - np.pi / 2))
+        oblique[pins] = np.inf
+        pins.append(int(np.argmin(oblique)))
+    return np.array(pins)
+
+
+def _free(p: Polytope, pins: Indices) -> Floats:
+    """1 where a radius may change, 0 at the pins, shape (V,)."""
+    free = np.ones(p.radii.size)
+    free[pins] = 0.0
+    return free
+
+
+def _pinned(p: Polytope, free: Floats) -> csc_array:
+    """``-d kappa / d r`` with the rows and columns of unfree vertices replaced by those of the identity."""
+    matrix = -p.jacobian()
+    column = np.repeat(np.arange(free.size), np.diff(matrix.indptr))
+    matrix.data *= free[matrix.indices] * free[column]
+    matrix.data[(matrix.indices == column) & (free[column] == 0)] = 1.0
+    return matrix
+
+
+def _factor(matrix: csc_array, tally: Tally, backend: str | None) -> Factor:
+    # The triangles change with every flip, and with them the separators: an old order would fill in.
+    tally.factorizations += 1
+    return analyze(matrix, dissect(matrix).vertex_order(), backend, definite=False).factor(matrix.data)
+
+
+def _solved(
+    p: Polytope, inverse: Factor, b: Floats, tolerance: float, free: Floats | float = 1.0
+) -> tuple[Floats, int]:
+    """``(-d kappa / d r)^-1 b``, preconditioned by the factor of a polytope nearby; and the iterations."""
+    return gmres(
+        lambda v: free * -p.times_jacobian(v), lambda v: inverse.solve(v, sweeps=0), b, tolerance, 2 * STALE
+    )
+
+
+def _share(curvatures: Floats, deficits: Floats) -> float:
+    """The epsilon for which ``epsilon delta`` is nearest to the curvatures."""
+    return float(curvatures @ deficits / (deficits @ deficits))

@@ -1,0 +1,222 @@
+"""The exact convex polyhedron of a convex metric, by the theorem of Alexandrov (1941)."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass, field
+
+import numpy as np
+from numpy.typing import NDArray
+
+from isoembed.alexandrov.attempt import attempted
+from isoembed.alexandrov.doubly_covered import THIN, DoublyCovered, doubly_covered, folded_shut
+from isoembed.alexandrov.homotopy import Solution, walk
+from isoembed.alexandrov.placement import placed, polished, relaxed, worst_length
+from isoembed.alexandrov.polyhedron import ConvexPolyhedron
+from isoembed.alexandrov.polytope import Polytope
+from isoembed.errors import InvalidMetric, InvalidParameter
+from isoembed.linalg import chosen_backend
+from isoembed.mesh.triangulation import Triangulation
+from isoembed.metric.convexity import deficit_rounding
+from isoembed.metric.edge_paths import edge_paths
+from isoembed.metric.flat import remove_flat
+from isoembed.metric.flips import HalfEdges
+from isoembed.metric.glued import GluedMetric
+from isoembed.metric.polyhedral import PolyhedralMetric
+from isoembed.metric.put_back import put_back
+from isoembed.metric.repair import repaired
+from isoembed.stages import Log, Tally
+from isoembed.surface.convexity import FLAT
+from isoembed.surface.embedding import Embedding
+from isoembed.surface.measures import face_normals, outward
+
+Floats = NDArray[np.float64]
+
+ACCEPTED = 1e-12  # mean lengths: if it is more, Newton's method goes on with the lengths themselves
+POLISHES, POLISHED = 3, 1e-13  # at most so many rounds, until no length is off by more, in mean lengths
+
+
+@dataclass(frozen=True)
+class Alexandrov:
+    """The only convex polyhedron of a metric whose deficits are not negative.
+
+    The generalized polytope of Bobenko and Izmestiev is led to zero curvature, its triangulation being
+    flipped as it needs; what triangles the metric came in does not matter.  Vertices where the metric is flat
+    are left out on the way and put back on the result.
+
+    Parameters
+    ----------
+    repair : float
+        Deficits that are negative by no more than this, radians, are lifted to zero by the smallest conformal
+        change of the lengths; the report says what changed.  By default only rounding is forgiven.
+    backend : {"superlu", "cholmod", "pardiso"}, optional
+        Who factors the matrices; by default the fastest that is installed.
+
+    References
+    ----------
+    A. D. Alexandrov, Existence of a convex polyhedron and of a convex surface with a given metric, 1941.
+    Bobenko and Izmestiev, Alexandrov's theorem, weighted Delaunay triangulations, and mixed volumes, Annales
+    de l'Institut Fourier 58 (2008).
+    """
+
+    repair: float = 0.0
+    backend: str | None = None
+
+    name: str = field(default="alexandrov", init=False, repr=False)
+
+    def __post_init__(self) -> None:
+        chosen_backend(self.backend)
+        if not (math.isfinite(self.repair) and self.repair >= 0):
+            raise InvalidParameter(f"repair is {self.repair}, not a number of radians from 0 on")
+
+    def run(self, metric: PolyhedralMetric | GluedMetric, tolerance: float, log: Log) -> Embedding:
+        """Find the polyhedron; the answer may miss the tolerance, and says so.
+
+        Parameters
+        ----------
+        metric : PolyhedralMetric or GluedMetric
+        tolerance : float
+            Largest residual to count as converged.
+        log : Log
+            Records the stages.
+
+        Returns
+        -------
+        ConvexPolyhedron, or an Embedding of the given triangles where no polyhedron was found
+
+        Raises
+        ------
+        InvalidMetric
+            A deficit is negative by more than rounding, or than what is to be repaired.
+        """
+        metric, repair = repaired(metric, self.repair)
+        given = GluedMetric.of(metric)
+        unit = given.normalized
+        flat = unit.deficits <= deficit_rounding(unit.faces, unit.face_lengths)
+        original = HalfEdges.of(unit.faces, unit.twins, unit.face_lengths)
+        with log.stage("flat vertices") as tally:
+            core, removal = remove_flat(original, flat)
+            tally.iterations = int(flat.sum())
+        with log.stage("polytope") as tally:
+            found = _polyhedron(core, unit.deficits[~flat], tally, self.backend)
+        if found is None or isinstance(found, Polytope):
+            return self._failure(
+                metric, np.flatnonzero(~flat), found, _diagnosis(found, ~flat), tolerance, log
+            )
+        with log.stage("placement") as tally:
+            if isinstance(found, DoublyCovered):
+                tables, vertices = found.tables, found.vertices
+            else:
+                tables, vertices = found.polytope.tables, _placed(found, tally)
+        flat_body = isinstance(found, DoublyCovered)
+        try:
+            with log.stage("edge paths"):
+                vertices = outward(tables.faces, vertices)
+                restored = put_back(tables, removal, _creases(tables, vertices))
+                paths = edge_paths(original, restored.tables, _one_halfedge_an_edge(metric))
+            result = _metric(restored.tables, given.unit)
+            core_metric = None if flat_body else _metric(tables, 1.0)
+        except InvalidMetric as error:  # not the given metric's fault: these are triangles of our own
+            nearest = None if isinstance(found, DoublyCovered) else found.polytope
+            message = f"the polyhedron was found, but it has triangles that are too thin for floats: {error}"
+            return self._failure(metric, np.flatnonzero(~flat), nearest, message, tolerance, log)
+        return ConvexPolyhedron(
+            result,
+            given.unit * restored.vertices(vertices),
+            given=given,
+            edge_paths=paths,
+            core=None if core_metric is None else (core_metric, vertices),
+            flat_vertices=np.flatnonzero(flat),
+            repair=repair if repair.vertices.size else None,
+            tolerance=tolerance,
+            stages=log.stages,
+        )
+
+    def _failure(
+        self,
+        metric: PolyhedralMetric | GluedMetric,
+        core: NDArray[np.int64],
+        nearest: Polytope | None,
+        message: str,
+        tolerance: float,
+        log: Log,
+    ) -> Embedding:
+        """The given triangles on the nearest polytope that there is."""
+        given = metric.simplicial() if isinstance(metric, GluedMetric) else metric
+        with log.stage("attempt") as tally:
+            vertices = attempted(given.normalized, core, nearest, tally)
+        return Embedding(
+            given,
+            given.unit * vertices,
+            method=self.name,
+            tolerance=tolerance,
+            stages=log.stages,
+            message=message,
+        )
+
+
+def _polyhedron(
+    core: HalfEdges, deficits: Floats, tally: Tally, backend: str | None
+) -> Solution | DoublyCovered | Polytope | None:
+    """Solve, watching for a body that turns flat; failing that, the polytope with the least curvatures."""
+    if deficits.size == 3:
+        delaunay = core.copy()
+        delaunay.make_delaunay(np.zeros(3))
+        triangle = doubly_covered(delaunay, np.ones(6, dtype=np.bool_))
+        if triangle is not None:
+            return triangle
+    thin, nearest = THIN, None
+    for found in walk(core, deficits, tally, backend):
+        if isinstance(found, Solution):
+            return found
+        if found.lowest < thin:
+            thin = found.lowest / 10
+            polygon = folded_shut(found)
+            if polygon is not None:
+                return polygon
+        if nearest is None or np.abs(found.curvatures).max() < np.abs(nearest.curvatures).max():
+            nearest = found
+    return nearest
+
+
+def _diagnosis(nearest: Polytope | None, curved: NDArray[np.bool_]) -> str:
+    if nearest is None:
+        return "no generalized polytope over this metric was found: its triangles are too thin for floats"
+    v = int(np.argmax(np.abs(nearest.curvatures)))
+    return (
+        f"no polytope without curvature was found: the nearest has {nearest.curvatures[v]:.2g} radians "
+        f"at vertex {np.flatnonzero(curved)[v]}"
+    )
+
+
+def _placed(solution: Solution, tally: Tally) -> Floats:
+    vertices = placed(solution)
+    while tally.iterations < POLISHES and worst_length(solution, vertices) > POLISHED:
+        vertices = polished(solution, vertices)
+        tally.iterations += 1
+    if worst_length(solution, vertices) > ACCEPTED:
+        vertices = relaxed(solution, vertices, tally)
+    return vertices
+
+
+def _creases(tables: HalfEdges, vertices: Floats) -> NDArray[np.bool_]:
+    """Half-edges at which the surface is bent, shape (3F,)."""
+    normals = face_normals(tables.faces, vertices)
+    here = np.repeat(normals, 3, axis=0)
+    there = normals[tables.twins // 3]
+    sine = np.linalg.norm(np.cross(here, there), axis=1)
+    return np.arctan2(sine, np.einsum("ij,ij->i", here, there)) > FLAT
+
+
+def _one_halfedge_an_edge(metric: PolyhedralMetric | GluedMetric) -> NDArray[np.int64]:
+    """In the order of the metric's edges, if it has one; else the lower of the two, ascending."""
+    if isinstance(metric, PolyhedralMetric):
+        return metric.triangulation.edge_halfedges[:, 0]
+    return np.flatnonzero(np.arange(metric.twins.size) < metric.twins)
+
+
+def _metric(tables: HalfEdges, unit: float) -> PolyhedralMetric:
+    triangulation = Triangulation(tables.faces)
+    lengths = np.empty(triangulation.n_edges)
+    lengths[triangulation.face_edges.ravel()] = unit * tables.lengths
+    return PolyhedralMetric.on(triangulation, lengths)

@@ -1,0 +1,180 @@
+"""The vertices of a polytope without curvature.
+
+The apex may move, so ``x_i / r_i``, the unit vectors from the apex, are a kernel of ``d kappa / d r``: three
+columns that one factor gives for all vertices alike.  Building the body up pyramid by pyramid instead would
+lose all digits on large ones.
+"""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from isoembed.alexandrov.homotopy import Solution
+from isoembed.alexandrov.polytope import Polytope
+from isoembed.errors import InvalidMetric
+from isoembed.linalg import SingularMatrix
+from isoembed.linalg.krylov import gmres
+from isoembed.mesh.triangulation import Triangulation
+from isoembed.stages import Tally
+from isoembed.surface.rigidity import LengthSystem, length_residuals
+
+Floats = NDArray[np.float64]
+
+PRECISE, ROUGH = 1e-12, 1e-4  # residuals of linear equations: of a kernel, of a correction
+MOST = 30  # GMRES iterations
+SAMPLE = 100_000  # edges that determine six numbers
+RELAXATIONS = 8
+MAGNIFIED = 1e-6  # length errors, over the mean length, are made this large to lift them above rounding
+
+
+def placed(solution: Solution) -> Floats:
+    """Vertices around the apex, which is the origin, shape (V, 3).
+
+    Parameters
+    ----------
+    solution : Solution
+    """
+    p = solution.polytope
+    directions = np.zeros((p.radii.size, 3))
+    directions[solution.pins] = np.eye(3)
+    directions += _solved(solution, p.times_jacobian(directions), PRECISE)
+    # They are so up to a linear map B: fit G = B B^T to |x_i| = r_i and |x_i - x_j| = l_ij.
+    i, j, lengths = _edges(p)
+    raw = directions * p.radii[:, None]
+    products = np.concatenate([_products(directions), _products((raw[i] - raw[j]) / lengths[:, None])])
+    g, *_ = np.linalg.lstsq(products, np.ones(len(products)), rcond=None)
+    values, vectors = np.linalg.eigh(g[SYMMETRIC])
+    return raw @ (vectors * np.sqrt(np.abs(values)))  # all positive, if the polytope has no curvature
+
+
+def polished(solution: Solution, vertices: Floats) -> Floats:
+    """One more Newton step, on the lengths: the errors that rounding left in the placement go.
+
+    The vertices are an exact polytope of nearly right lengths, without curvature and with its directions for
+    a kernel.  What changes when the lengths are put right is linear in their errors, so these may be
+    magnified before the curvatures, which are differences of nearly equal numbers, are evaluated.
+
+    Parameters
+    ----------
+    solution : Solution
+    vertices : ndarray, shape (V, 3)
+
+    Returns
+    -------
+    ndarray, shape (V, 3)
+        The argument itself where that is no improvement.
+    """
+    tables = solution.polytope.tables
+    i, j = tables.corners, tables.corners[tables.twins]
+    radii = np.linalg.norm(vertices, axis=1)
+    actual = np.linalg.norm(vertices[i] - vertices[j], axis=1)
+    missing = tables.lengths - actual
+    error = float(np.abs(missing).max())
+    if error == 0:
+        return vertices
+    scale = MAGNIFIED * float(tables.lengths.mean()) / error
+    wrong = replace(tables, lengths=actual + scale * missing)
+    p = Polytope.on(wrong, radii)
+    if p is None:
+        return vertices
+    dr = _solved(solution, p.curvatures, ROUGH)
+    q = Polytope.on(wrong, radii + dr)
+    if q is None:
+        return vertices
+    directions = vertices / radii[:, None]
+    turned = directions + _solved(solution, q.times_jacobian(directions), ROUGH) / scale
+    moved = turned * (radii + dr / scale)[:, None]
+    # Up to a linear map again, which now is near the identity.
+    i, j, lengths = _edges(solution.polytope)
+    chords = moved[i] - moved[j]
+    strain, *_ = np.linalg.lstsq(
+        _products(chords) / lengths[:, None], lengths - np.linalg.norm(chords, axis=1), rcond=None
+    )
+    moved += moved @ strain[SYMMETRIC]
+    return moved if worst_length(solution, moved) < worst_length(solution, vertices) else vertices
+
+
+def relaxed(solution: Solution, vertices: Floats, tally: Tally) -> Floats:
+    """Newton's method on the lengths, where nearly flat vertices leave ``d kappa / d r`` nearly singular.
+
+    Parameters
+    ----------
+    solution : Solution
+    vertices : ndarray, shape (V, 3)
+    tally : Tally
+
+    Returns
+    -------
+    ndarray, shape (V, 3)
+        The best on the way.
+    """
+    tables = solution.polytope.tables
+    try:
+        triangulation = Triangulation(tables.faces)
+    except InvalidMetric:  # flat bodies may have repeated edges, and no Newton step either
+        return vertices
+    lengths = np.empty(triangulation.n_edges)
+    lengths[triangulation.face_edges.ravel()] = tables.lengths
+    system = LengthSystem(triangulation)
+    best = vertices
+    for _ in range(RELAXATIONS):
+        tally.factorizations += 1
+        try:
+            step = system.step(vertices, lengths, length_residuals(triangulation, vertices, lengths))
+        except SingularMatrix:
+            break
+        vertices = vertices - step
+        if worst_length(solution, vertices) < worst_length(solution, best):
+            best = vertices
+    return best
+
+
+def worst_length(solution: Solution, vertices: Floats) -> float:
+    """The largest error of a length, over the mean length.
+
+    Parameters
+    ----------
+    solution : Solution
+    vertices : ndarray, shape (V, 3)
+    """
+    tables = solution.polytope.tables
+    actual = np.linalg.norm(vertices[tables.corners] - vertices[tables.corners[tables.twins]], axis=1)
+    return float(np.abs(actual - tables.lengths).max() / tables.lengths.mean())
+
+
+SYMMETRIC = np.array([[0, 3, 4], [3, 1, 5], [4, 5, 2]])
+
+
+def _products(v: Floats) -> Floats:
+    """The coefficients of ``v^T S v`` in the six entries of a symmetric S, shape (n, 6)."""
+    x, y, z = v.T
+    return np.stack([x * x, y * y, z * z, 2 * x * y, 2 * x * z, 2 * y * z], axis=1)
+
+
+def _edges(p: Polytope) -> tuple[NDArray[np.int64], NDArray[np.int64], Floats]:
+    """Ends and lengths of the edges, or of an even sample of them."""
+    tables = p.tables
+    h = np.flatnonzero(np.arange(tables.twins.size) < tables.twins)
+    h = h[:: -(-h.size // SAMPLE)]
+    return tables.corners[h], tables.corners[tables.twins[h]], tables.lengths[h]
+
+
+def _solved(solution: Solution, b: Floats, tolerance: float) -> Floats:
+    """``(-d kappa / d r)^-1 b`` with the pins left at zero, for b of shape (V,) or (V, n)."""
+    free = np.ones(len(b))
+    free[solution.pins] = 0.0
+    p, factor = solution.polytope, solution.factor
+    columns = [
+        gmres(
+            lambda v: free * -p.times_jacobian(v),
+            lambda v: factor.solve(v, sweeps=0),
+            free * column,
+            tolerance,
+            MOST,
+        )[0]
+        for column in b.reshape(len(b), -1).T
+    ]
+    return np.stack(columns, axis=1).reshape(b.shape)

@@ -1,0 +1,204 @@
+"""The convex polyhedron of a metric: an embedding whose triangles need not be those of the input."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from functools import cached_property
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+from scipy.sparse import coo_array
+from scipy.sparse.csgraph import connected_components
+
+from isoembed.alexandrov.certificate import Certificate, certify
+from isoembed.mesh.triangulation import frozen
+from isoembed.metric.edge_paths import EdgePaths
+from isoembed.metric.glued import GluedMetric
+from isoembed.metric.polyhedral import PolyhedralMetric
+from isoembed.metric.repair import Repair
+from isoembed.stages import Stage
+from isoembed.surface.convexity import FLAT
+from isoembed.surface.curvature import dihedral_angles
+from isoembed.surface.embedding import Embedding
+
+Floats = NDArray[np.float64]
+Indices = NDArray[np.int64]
+
+
+class ConvexPolyhedron(Embedding):
+    """Alexandrov's polyhedron of a metric.
+
+    Its `metric` is the given one on triangles of the polyhedron, which use every given vertex; those at which
+    the metric is flat lie inside its faces and edges.
+
+    Parameters
+    ----------
+    metric : PolyhedralMetric
+        On triangles of the polyhedron.
+    vertices : array_like of float, shape (V, 3)
+    given : GluedMetric
+        The metric as it was given, or as it was repaired.
+    edge_paths : EdgePaths
+        Its edges on the triangles of the polyhedron: in the order of `PolyhedralMetric.edges`, or of the
+        lower half-edges of a `GluedMetric`.
+    core : tuple of PolyhedralMetric and ndarray, or None
+        The metric on triangles that use only the vertices with a deficit, in order, and their positions;
+        None if the body is flat.
+    flat_vertices : ndarray of int
+        The vertices without a deficit.
+    repair : Repair or None
+        What was changed to make the metric convex.
+    tolerance : float
+        Largest residual that counts as converged.
+    stages : sequence of Stage
+        How it was found.
+    message : str
+        What there is to say; by default a sentence on the residual.
+
+    Attributes
+    ----------
+    given, edge_paths, core, flat_vertices, repair
+        As given.
+    """
+
+    given: GluedMetric
+    edge_paths: EdgePaths
+    core: tuple[PolyhedralMetric, Floats] | None
+    flat_vertices: Indices
+    repair: Repair | None
+
+    def __init__(
+        self,
+        metric: PolyhedralMetric,
+        vertices: ArrayLike,
+        *,
+        given: GluedMetric,
+        edge_paths: EdgePaths,
+        core: tuple[PolyhedralMetric, Floats] | None,
+        flat_vertices: Indices,
+        repair: Repair | None,
+        tolerance: float,
+        stages: Sequence[Stage] = (),
+        message: str = "",
+    ) -> None:
+        for name, value in (
+            ("given", given),
+            ("edge_paths", edge_paths),
+            ("core", core),
+            ("flat_vertices", frozen(flat_vertices)),
+            ("repair", repair),
+        ):
+            object.__setattr__(self, name, value)
+        super().__init__(
+            metric, vertices, method="alexandrov", tolerance=tolerance, stages=stages, message=message
+        )
+
+    @property
+    def residual(self) -> float:
+        """The largest of `residuals` and `path_residuals`."""
+        return max(float(self.residuals.max()), float(self.path_residuals.max()))
+
+    @cached_property
+    def path_residuals(self) -> Floats:
+        """Given lengths against straight distances along `edge_paths`, over the mean edge length.
+
+        They measure the triangles of the polyhedron by the edges of the input, in the order of `edge_paths`;
+        infinite where an edge was not found.
+        """
+        paths = self.edge_paths
+        off = np.abs(paths.distances - paths.lengths) / paths.lengths.mean()
+        return frozen(np.where(np.isnan(off), np.inf, off))
+
+    @cached_property
+    def face_polygons(self) -> Indices:
+        """The face of the polyhedron that each triangle is part of, shape (F,).
+
+        Triangles are in one face where the dihedral angle between them is below 1e-7 radians.
+        """
+        t = self.triangulation
+        inside = np.flatnonzero(~self._creased)
+        pairs = (inside // 3, t.twins[inside] // 3)
+        graph = coo_array((np.ones(inside.size), pairs), shape=(t.n_faces, t.n_faces))
+        return frozen(connected_components(graph)[1].astype(np.int64))
+
+    @cached_property
+    def polygons(self) -> tuple[Indices, ...]:
+        """The faces of the polyhedron: the vertices around each, counterclockwise seen from outside.
+
+        Flat vertices on an edge of the polyhedron are in the outlines, those inside a face are not.
+        """
+        t = self.triangulation
+        start, creased = t.faces.ravel(), self._creased
+        halfedge = np.arange(start.size)
+        following = halfedge + np.where(halfedge % 3 == 2, -2, 1)
+        # At the end of a half-edge of the outline, turn around to the next: past all edges that are flat.
+        outline_edges = np.flatnonzero(creased)
+        successor = following.copy()
+        while (inside := outline_edges[~creased[successor[outline_edges]]]).size:
+            successor[inside] = following[t.twins[successor[inside]]]
+        outlines: list[Indices] = [np.zeros(0, dtype=np.int64)] * (int(self.face_polygons.max()) + 1)
+        seen = ~creased
+        for h in outline_edges.tolist():
+            outline = []
+            while not seen[h]:
+                seen[h] = True
+                outline.append(start[h])
+                h = int(successor[h])
+            if outline:
+                outlines[self.face_polygons[h // 3]] = frozen(np.array(outline))
+        return tuple(outlines)
+
+    @cached_property
+    def _creased(self) -> NDArray[np.bool_]:
+        """Half-edges on edges of the polyhedron."""
+        t = self.triangulation
+        return (np.abs(dihedral_angles(t, self._normalized)) > FLAT)[t.face_edges.ravel()]
+
+    @cached_property
+    def certificate(self) -> Certificate:
+        """The proof that this is the polyhedron of its metric up to a stated distance, or why there is none.
+
+        It takes the lengths on the triangles of `core` as exact numbers; `path_residuals` say how far they
+        are from the given ones.
+        """
+        if not self.converged:
+            return Certificate(False, "not certified, because the lengths miss the tolerance")
+        if self.core is None:
+            return Certificate(False, "not certified, because the body is a doubly covered polygon")
+        return certify(*self.core)
+
+    def _sentence(self) -> str:
+        worst = int(np.argmax(self.path_residuals))
+        if self.path_residuals[worst] <= max(self.tolerance, float(self.residuals.max())):
+            return super()._sentence()
+        a, b = self.edge_paths.ends[worst].tolist()
+        if np.isinf(self.path_residuals[worst]):
+            return (
+                f"the given edge from vertex {a} to {b} was not found on the polyhedron, which has triangles "
+                "that are too thin for floats"
+            )
+        return (
+            f"the lengths miss the tolerance {self.tolerance:.0e}: on the polyhedron the given edge from "
+            f"vertex {a} to {b} is off by {self.path_residuals[worst]:.1e} of the mean edge length"
+        )
+
+    @property
+    def report(self) -> dict[str, Any]:
+        """What was asked, done and reached, as `Embedding.report`, with what only polyhedra have."""
+        report = super().report
+        report["input"] |= {
+            "vertices": self.given.n_vertices,
+            "edges": self.given.n_edges,
+            "faces": self.given.n_faces,
+        }
+        report["residual"]["paths"] = float(self.path_residuals.max())
+        return report | {
+            "polyhedron": {
+                "vertices": self.triangulation.n_vertices - len(self.flat_vertices),
+                "faces": int(self.face_polygons.max()) + 1,
+                "flat_vertices": len(self.flat_vertices),
+            },
+            "certificate": self.certificate.as_json(),
+            "repair": None if self.repair is None else self.repair.as_json(),
+        }

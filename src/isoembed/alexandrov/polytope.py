@@ -1,0 +1,175 @@
+"""The generalized convex polytope: pyramids over the triangles with a common apex, glued face to face.
+
+Every vertex i has a radius r_i, its distance from the apex.  The pyramids fit around the apex except for the
+curvatures kappa_i = 2 pi - (sum of the dihedral angles at the edge from i to the apex), and bound a convex
+body if no edge of the triangulation is reflex.  When all kappa_i vanish, the body is the polyhedron.
+
+Notation and formulas: Bobenko and Izmestiev, Alexandrov's theorem, weighted Delaunay triangulations, and
+mixed volumes, Annales de l'Institut Fourier 58 (2008).  For half-edge i -> j with third corner k let
+``c_ij = (l_ij^2 + r_i^2 - r_j^2) / 2`` be the product of the vectors from i to j and to the apex; d the
+distance of the apex from the line ij, seen along the normal of the plane ijk, and h its height above that
+plane.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numba import njit
+from numpy.typing import NDArray
+from scipy.sparse import coo_array, csc_array
+
+from isoembed.metric.flips import HalfEdges, twice_area
+
+Floats = NDArray[np.float64]
+Indices = NDArray[np.int64]
+
+
+@dataclass(frozen=True, eq=False)
+class Polytope:
+    """A generalized polytope: its triangles, radii, and what follows from them.
+
+    Attributes
+    ----------
+    tables : HalfEdges
+        A weighted Delaunay triangulation for the squared radii.
+    radii : ndarray, shape (V,)
+    curvatures : ndarray, shape (V,)
+        kappa.
+    coupling : ndarray, shape (3F,)
+        ``d kappa_i / d r_j`` by half-edge i -> j.
+    diagonal : ndarray, shape (V,)
+        The part of ``d kappa_i / d r_i`` that does not come from loops.
+    lowest : float
+        The least squared height of the apex above a triangle, over the squared radius; positive.
+    """
+
+    tables: HalfEdges
+    radii: Floats
+    curvatures: Floats
+    coupling: Floats
+    diagonal: Floats
+    lowest: float
+
+    @classmethod
+    def over(cls, tables: HalfEdges, radii: Floats) -> Polytope | None:
+        """Flip a copy of the triangles until no edge is reflex; None if no polytope has these radii.
+
+        Parameters
+        ----------
+        tables : HalfEdges
+        radii : ndarray, shape (V,)
+        """
+        if not radii.min() > 0:  # not a number is no radius either
+            return None
+        mean = float(radii.mean())
+        weights = (radii - mean) * (radii + mean)
+        reflex = tables.reflex(weights)
+        if reflex.size:
+            tables = tables.copy()
+            _, stuck = tables.make_delaunay(weights, reflex)
+            if stuck:
+                return None
+        return cls.on(tables, radii)
+
+    @classmethod
+    def on(cls, tables: HalfEdges, radii: Floats) -> Polytope | None:
+        """Put pyramids over the triangles as they are; None if one of them does not exist.
+
+        Parameters
+        ----------
+        tables : HalfEdges
+        radii : ndarray, shape (V,)
+        """
+        kappa, coupling, diagonal, lowest = _evaluate(tables.corners, tables.twins, tables.lengths, radii)
+        return cls(tables, radii, kappa, coupling, diagonal, float(lowest)) if lowest > 0 else None
+
+    def times_jacobian(self, v: Floats) -> Floats:
+        """``(d kappa / d r) v`` for v of shape (V,) or (V, n)."""
+        tables, columns = self.tables, v.reshape(len(v), -1)
+        product = _product(tables.corners, tables.twins, self.coupling, self.diagonal, columns)
+        return product.reshape(v.shape)
+
+    def jacobian(self) -> csc_array:
+        """``d kappa / d r`` as a sparse matrix, (V, V), symmetric, with its whole diagonal."""
+        n = self.radii.size
+        i, j = self.tables.corners, self.tables.corners[self.tables.twins]
+        every = np.arange(n)
+        rows, columns = np.concatenate([i, every]), np.concatenate([j, every])
+        values = np.concatenate([self.coupling, self.diagonal])
+        return coo_array((values, (rows, columns)), shape=(n, n)).tocsc()
+
+
+@njit(cache=True)
+def _evaluate(
+    corners: Indices, twins: Indices, lengths: Floats, r: Floats
+) -> tuple[Floats, Floats, Floats, float]:
+    n = r.size
+    kappa = np.full(n, 2 * np.pi)
+    slope = np.empty(corners.size)  # d / h
+    diagonal = np.zeros(n)
+    lowest = np.inf
+    for f in range(0, corners.size, 3):
+        i, j, k = corners[f], corners[f + 1], corners[f + 2]
+        a, b, c = lengths[f], lengths[f + 1], lengths[f + 2]  # ij, jk, ki
+        qi, qj, qk = r[i] * r[i], r[j] * r[j], r[k] * r[k]
+        # Differences of squares, formed before they cancel.
+        ij = (r[i] - r[j]) * (r[i] + r[j])
+        jk = (r[j] - r[k]) * (r[j] + r[k])
+        ki = (r[k] - r[i]) * (r[k] + r[i])
+        area = twice_area(a, b, c)
+        if area <= 0:
+            return kappa, slope, diagonal, -1.0
+        c_ij, c_ji = (a * a + ij) / 2, (a * a - ij) / 2
+        c_jk, c_kj = (b * b + jk) / 2, (b * b - jk) / 2
+        c_ki, c_ik = (c * c + ki) / 2, (c * c - ki) / 2
+        at_i = (a * a + (c - b) * (c + b)) / 2  # products of the two sides at a corner
+        at_j = (b * b + (a - c) * (a + c)) / 2
+        at_k = (c * c + (b - a) * (b + a)) / 2
+        d_ij = (a * c_ik - c_ij * at_i / a) / area
+        d_jk = (b * c_ji - c_jk * at_j / b) / area
+        d_ki = (c * c_kj - c_ki * at_k / c) / area
+        # The squared height, from the corner where least is subtracted.
+        if qi <= qj and qi <= qk:
+            h2, q = qi - (c_ij / a) ** 2 - d_ij**2, qi
+        elif qj <= qk:
+            h2, q = qj - (c_jk / b) ** 2 - d_jk**2, qj
+        else:
+            h2, q = qk - (c_ki / c) ** 2 - d_ki**2, qk
+        lowest = min(lowest, h2 / q)
+        if not h2 > 0:
+            return kappa, slope, diagonal, lowest
+        h = np.sqrt(h2)
+        kappa[i] -= np.arctan2(r[i] * h * area, qi * at_i - c_ij * c_ik)
+        kappa[j] -= np.arctan2(r[j] * h * area, qj * at_j - c_jk * c_ji)
+        kappa[k] -= np.arctan2(r[k] * h * area, qk * at_k - c_ki * c_kj)
+        slope[f], slope[f + 1], slope[f + 2] = d_ij / h, d_jk / h, d_ki / h
+    for e in range(corners.size):
+        t = twins[e]
+        if e < t:
+            i, j = corners[e], corners[t]
+            l = lengths[e]
+            c_ij = (l * l + (r[i] - r[j]) * (r[i] + r[j])) / 2
+            w = (slope[e] + slope[t]) / (l * (r[i] ** 2 - (c_ij / l) ** 2))
+            slope[e] = slope[t] = w * r[i] * r[j]
+            both = w * (r[i] ** 2 - c_ij)  # the product of the vectors from the apex to i and j
+            diagonal[i] -= both
+            diagonal[j] -= both
+    return kappa, slope, diagonal, lowest
+
+
+@njit(cache=True)
+def _product(corners: Indices, twins: Indices, coupling: Floats, diagonal: Floats, v: Floats) -> Floats:
+    result = np.empty_like(v)
+    for i in range(v.shape[0]):
+        for c in range(v.shape[1]):
+            result[i, c] = diagonal[i] * v[i, c]
+    for h in range(corners.size):
+        t = twins[h]
+        if h < t:
+            i, j = corners[h], corners[t]
+            for c in range(v.shape[1]):
+                result[i, c] += coupling[h] * v[j, c]
+                result[j, c] += coupling[h] * v[i, c]
+    return result

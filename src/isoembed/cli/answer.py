@@ -1,0 +1,111 @@
+"""What every command that embeds does with its answer: show it, write it, report it, and its exit status."""
+
+from __future__ import annotations
+
+import argparse
+import sys
+from collections.abc import Callable, Mapping
+from pathlib import Path
+from typing import Any
+
+import isoembed
+from isoembed.cli.live import live_view
+from isoembed.cli.refusal import Refusal
+from isoembed.cli.screen import complain, say
+from isoembed.cli.status import NOT_EMBEDDED, OK
+from isoembed.cli.summary import summary
+from isoembed.errors import NotEmbedded
+from isoembed.io import (
+    REPORT_ENDINGS,
+    SURFACE_ENDINGS,
+    check_output,
+    report_writer,
+    surface_writer,
+    write_whole,
+)
+from isoembed.io.files import Writer
+from isoembed.stages import Listener
+
+
+def add_output_options(parser: argparse.ArgumentParser) -> None:
+    """Add the options that say where the answer goes."""
+    parser.add_argument(
+        "-o",
+        "--output",
+        type=Path,
+        metavar="FILE",
+        help=f"where to write the surface, by its ending: {' '.join(SURFACE_ENDINGS)}",
+    )
+    parser.add_argument("--report", type=Path, metavar="FILE.json", help="where to write the report")
+    parser.add_argument(
+        "--keep", action="store_true", help="write the best attempt even if it is not an answer"
+    )
+    parser.add_argument("--quiet", action="store_true", help="print nothing but errors")
+
+
+def check_outputs(options: argparse.Namespace) -> None:
+    """Find out what cannot be written before anything is computed.
+
+    Raises
+    ------
+    FileError, Refusal
+        Naming the file.
+    """
+    if options.output:
+        check_output(options.output, SURFACE_ENDINGS)
+    elif options.keep:
+        raise Refusal("--keep needs an --output to write the best attempt to")
+    if options.report:
+        check_output(options.report, REPORT_ENDINGS)
+    if options.output and options.report and options.output.resolve() == options.report.resolve():
+        raise Refusal(f"--output and --report are the same file {options.output}")
+
+
+def answer(
+    options: argparse.Namespace,
+    solve: Callable[[Listener | None], isoembed.Embedding],
+    *,
+    describe: Callable[[isoembed.Embedding], str] = summary,
+    beside: Mapping[Path, Writer] | None = None,
+) -> int:
+    """Solve under a live view, and write and say what is asked for.
+
+    Parameters
+    ----------
+    options : argparse.Namespace
+        With the options of `add_output_options`.
+    solve : callable
+        Takes the listener and embeds.
+    describe : callable
+        Says in a few lines what was found.
+    beside : mapping of path to Writer, optional
+        What is written whatever the answer.
+
+    Returns
+    -------
+    int
+        The exit status.
+    """
+    show = not options.quiet and sys.stderr is not None and sys.stderr.isatty()
+    try:
+        with live_view(show) as progress:
+            embedding = solve(progress)
+        failure = None
+    except NotEmbedded as error:
+        embedding, failure = error.embedding, str(error)
+
+    writers = dict(beside or {})
+    if options.output and (failure is None or options.keep):
+        writers[options.output] = surface_writer(options.output, embedding)
+    if options.report:
+        writers[options.report] = report_writer(_report(embedding, failure))
+    write_whole(writers)
+    if failure is not None:
+        complain(failure)
+    if not options.output and not options.quiet:
+        say(describe(embedding))
+    return OK if failure is None else NOT_EMBEDDED
+
+
+def _report(embedding: isoembed.Embedding, failure: str | None) -> dict[str, Any]:
+    return embedding.report if failure is None else {**embedding.report, "message": failure}

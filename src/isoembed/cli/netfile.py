@@ -1,0 +1,147 @@
+"""Nets from JSON: what a user types to glue paper."""
+
+from __future__ import annotations
+
+import sys
+from collections.abc import Callable, Mapping
+from pathlib import Path
+from typing import Any
+
+from numpy.typing import ArrayLike
+
+from isoembed.gluing import (
+    Ellipse,
+    Net,
+    Stadium,
+    circle,
+    dform,
+    glue,
+    pita,
+    rectangle,
+    regular_polygon,
+    triangle,
+    zipped,
+)
+from isoembed.gluing.outlines import Curve
+from isoembed.io import FileError, objects
+from isoembed.io.files import check_ending, check_input
+
+FORMS = ("polygons", "zip", "pita", "dform")
+
+POLYGONS: dict[str, tuple[Callable[..., Any], int, int]] = {
+    "rectangle": (rectangle, 2, 2),
+    "triangle": (triangle, 3, 3),
+    "regular": (regular_polygon, 1, 2),
+}
+"""Polygons by name: who makes them, from how many numbers at least and at most."""
+
+CURVES: dict[str, tuple[Callable[..., Any], int, int]] = {
+    "circle": (circle, 1, 1),
+    "ellipse": (Ellipse, 2, 2),
+    "stadium": (Stadium, 2, 2),
+}
+"""Curves by name."""
+
+
+def read_net(source: str) -> Net:
+    """Read a net and glue it.
+
+    Parameters
+    ----------
+    source : str
+        A ``.json`` file, or ``-`` for standard input: an object with ``polygons`` and ``sides``, as
+        `isoembed.glue` takes them, or with one of
+
+        - ``"zip": {"polygon": POLYGON, "at": position}``
+        - ``"pita": {"outline": OUTLINE, "at": part, "n": sides}``
+        - ``"dform": {"outlines": [OUTLINE, OUTLINE], "offset": part, "n": sides}``
+
+        A POLYGON is a list of corners ``[x, y]``, or ``{"rectangle": [width, height]}``,
+        ``{"triangle": [a, b, c]}`` by its sides, ``{"regular": n}`` or ``{"regular": [n, side]}``.  An
+        OUTLINE is a polygon, or ``{"circle": radius}``, ``{"ellipse": [a, b]}``,
+        ``{"stadium": [length, radius]}``.  ``at``, ``offset`` and ``n`` of pita and D-forms may be left out.
+
+    Raises
+    ------
+    FileError
+        The file cannot be read, or is not of this form.
+    InvalidMetric, InvalidParameter
+        What it holds makes no metric.
+    """
+    if source == "-":
+        stream = getattr(sys.stdin, "buffer", None)
+        if stream is None:
+            raise FileError("there is no standard input to read from")
+        return _net(objects.parse(stream.read(), "standard input"), "standard input")
+    path = Path(source)
+    check_ending(path, [".json"])
+    check_input(path)
+    return _net(objects.read(path), str(path))
+
+
+def _net(document: Mapping[str, Any], name: str) -> Net:
+    forms = [key for key in FORMS if key in document]
+    if len(forms) != 1:
+        there = " and ".join(forms) if forms else ", ".join(document) or "nothing"
+        raise FileError(f"{name} holds {there}: a net is polygons with sides, or one of zip, pita and dform")
+    form = forms[0]
+    if form == "polygons":
+        entries = _entries(document, name, ("polygons", "sides"))
+        polygons = _list(entries["polygons"], f"polygons of {name}")
+        shapes = [_polygon(polygon, f"polygon {p}") for p, polygon in enumerate(polygons)]
+        return glue(shapes, _list(entries["sides"], f"sides of {name}"))
+    _entries(document, name, (form,))
+    if form == "zip":
+        entries = _entries(document["zip"], f"zip of {name}", ("polygon", "at"))
+        return zipped(_polygon(entries["polygon"], "the polygon"), entries["at"])
+    if form == "pita":
+        entries = _entries(document["pita"], f"pita of {name}", ("outline",), ("at", "n"))
+        return pita(_outline(entries.pop("outline"), "the outline"), **entries)
+    entries = _entries(document["dform"], f"dform of {name}", ("outlines",), ("offset", "n"))
+    outlines = _list(entries.pop("outlines"), f"outlines of {name}")
+    if len(outlines) != 2:
+        raise FileError(f"the outlines of {name} are {len(outlines)}, not 2")
+    first, second = (_outline(outline, f"outline {k}") for k, outline in enumerate(outlines))
+    return dform(first, second, **entries)
+
+
+def _entries(
+    given: Any, name: str, needed: tuple[str, ...], optional: tuple[str, ...] = ()
+) -> dict[str, Any]:
+    """A JSON object that has these entries and no others."""
+    if not isinstance(given, Mapping):
+        raise FileError(f"{name} is not an object with {', '.join(needed)}")
+    for key in needed:
+        if key not in given:
+            raise FileError(f"{name} lacks {key!r}")
+    for key in given:
+        if key not in needed + optional:
+            raise FileError(f"{name} has {key!r}, which is none of {', '.join(needed + optional)}")
+    return dict(given)
+
+
+def _list(given: Any, name: str) -> list[Any]:
+    if not isinstance(given, list):
+        raise FileError(f"the {name} are not a list")
+    return given
+
+
+def _polygon(given: Any, name: str) -> ArrayLike:
+    return _made(given, name, POLYGONS) if isinstance(given, dict) else given
+
+
+def _outline(given: Any, name: str) -> Curve | ArrayLike:
+    return _made(given, name, POLYGONS | CURVES) if isinstance(given, dict) else given
+
+
+def _made(given: dict[str, Any], name: str, known: Mapping[str, tuple[Callable[..., Any], int, int]]) -> Any:
+    """A shape that is given as ``{"name": numbers}``."""
+    if len(given) != 1 or next(iter(given)) not in known:
+        raise FileError(f"{name} is {', '.join(given) or 'nothing'}, not one of {', '.join(known)}")
+    ((shape, numbers),) = given.items()
+    make, least, most = known[shape]
+    values = numbers if isinstance(numbers, list) else [numbers]
+    if not least <= len(values) <= most:
+        count = least if least == most else f"{least} or {most}"
+        raise FileError(f"{name} is a {shape} of {len(values)} numbers, not {count}")
+    return make(*values)

@@ -1,0 +1,137 @@
+"""A simple polygon cut into triangles: ears are clipped, then edges are flipped until they are Delaunay."""
+
+from __future__ import annotations
+
+import numpy as np
+from numba import njit
+from numpy.typing import NDArray
+
+from isoembed.gluing.plane import turn
+
+Floats = NDArray[np.float64]
+Indices = NDArray[np.int64]
+Flags = NDArray[np.bool_]
+
+SLACK = 1e-12  # of a sum of cotangents: four points on a circle up to rounding are left as they are
+
+
+def triangulated(points: Floats) -> Indices | None:
+    """Cut a polygon into the triangles of its constrained Delaunay triangulation.
+
+    Parameters
+    ----------
+    points : ndarray, shape (n, 2)
+        The corners of a simple polygon, counterclockwise, of the size of 1 at most; some may be in line.
+
+    Returns
+    -------
+    ndarray of int64, shape (n - 2, 3), or None
+        Counterclockwise.  None if the polygon is so thin that its triangles are lost in rounding.
+
+    References
+    ----------
+    Meisters, Polygons have ears, American Mathematical Monthly 82 (1975).
+    """
+    triangles = np.empty((len(points) - 2, 3), dtype=np.int64)
+    if not _clip(points, triangles):
+        return None
+    sides = np.stack([triangles, np.roll(triangles, -1, axis=1)], axis=2).reshape(-1, 2)
+    _make_delaunay(points, triangles.ravel(), twins_inside(sides))
+    return triangles
+
+
+def twins_inside(sides: Indices) -> Indices:
+    """Which sides of the triangles are one edge, shape (n,): the index of the other, -1 on the outline.
+
+    Parameters
+    ----------
+    sides : ndarray of int, shape (n, 2)
+        The two ends of each; an edge inside has two sides, which run in opposite directions.
+    """
+    low, high = sides.min(axis=1), sides.max(axis=1)
+    order = np.lexsort([high, low])
+    first, second = order[:-1], order[1:]
+    same = (low[first] == low[second]) & (high[first] == high[second])
+    twins = np.full(len(sides), -1)
+    twins[first[same]], twins[second[same]] = second[same], first[same]
+    return twins
+
+
+@njit(cache=True)
+def _clip(points: Floats, triangles: Indices) -> bool:
+    n = len(points)
+    after, before = np.arange(1, n + 1) % n, np.arange(-1, n - 1) % n
+    blunt = np.empty(n, dtype=np.bool_)  # corners of pi or more: only these can lie in an ear
+    for v in range(n):
+        blunt[v] = turn(points[before[v]], points[v], points[after[v]]) <= 0
+    suspects = np.flatnonzero(blunt)
+    made, v, refused = 0, 0, 0
+    while made < n - 3:
+        if refused > n - made:
+            return False
+        a, b = before[v], after[v]
+        if blunt[v] or not _empty(a, v, b, points, suspects, blunt):
+            v = b
+            refused += 1
+            continue
+        triangles[made] = a, v, b
+        made += 1
+        refused = 0
+        after[a], before[b] = b, a
+        for w in (a, b):  # corners only become smaller
+            blunt[w] = blunt[w] and turn(points[before[w]], points[w], points[after[w]]) <= 0
+        v = after[b]  # not b: its ears in a row would be a fan
+    a, b = before[v], after[v]
+    triangles[made] = a, v, b
+    return turn(points[a], points[v], points[b]) > 0
+
+
+@njit(cache=True)
+def _empty(a: int, v: int, b: int, points: Floats, suspects: Indices, blunt: Flags) -> bool:
+    """Whether no other corner lies in the triangle or on its rim."""
+    p, q, r = points[a], points[v], points[b]
+    for w in suspects:
+        if not blunt[w] or w in (a, b):
+            continue
+        s = points[w]
+        if turn(p, q, s) >= 0 and turn(q, r, s) >= 0 and turn(r, p, s) >= 0:
+            return False
+    return True
+
+
+@njit(cache=True)
+def _cotangent(points: Floats, i: int, j: int, k: int) -> float:
+    """Of the angle at k."""
+    x, y = points[i, 0] - points[k, 0], points[i, 1] - points[k, 1]
+    u, v = points[j, 0] - points[k, 0], points[j, 1] - points[k, 1]
+    return (x * u + y * v) / (x * v - y * u)
+
+
+@njit(cache=True)
+def _make_delaunay(points: Floats, corners: Indices, twins: Indices) -> None:
+    """Flip edges across which the angles sum to more than pi: the sum of their cotangents is negative."""
+    stack = [h for h in range(corners.size) if h < twins[h]]
+    while len(stack) > 0:
+        h = stack.pop()
+        t = twins[h]
+        if t < 0:
+            continue
+        jk, ki = h - h % 3 + (h + 1) % 3, h - h % 3 + (h + 2) % 3
+        im, mj = t - t % 3 + (t + 1) % 3, t - t % 3 + (t + 2) % 3
+        i, j, k, m = corners[h], corners[t], corners[ki], corners[mj]
+        here, there = _cotangent(points, i, j, k), _cotangent(points, j, i, m)
+        if here + there >= -SLACK * (abs(here) + abs(there)):
+            continue
+        if turn(points[m], points[j], points[k]) <= 0 or turn(points[k], points[i], points[m]) <= 0:
+            continue
+        # Triangles kim and mjk take the places of ijk and jim.
+        twin_jk, twin_im = twins[jk], twins[im]
+        corners[h], corners[t] = i, j
+        corners[im], corners[jk] = k, m
+        twins[h], twins[t] = twin_im, twin_jk
+        if twin_im >= 0:
+            twins[twin_im] = h
+        if twin_jk >= 0:
+            twins[twin_jk] = t
+        twins[jk], twins[im] = im, jk
+        stack.extend([h, ki, t, mj])

@@ -1,0 +1,212 @@
+"""Polygons with identified sides, and the metric that they make."""
+
+from __future__ import annotations
+
+import itertools
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+from scipy.sparse import coo_array
+from scipy.sparse.csgraph import connected_components
+
+from isoembed.errors import InvalidMetric, InvalidParameter
+from isoembed.gluing.ears import triangulated, twins_inside
+from isoembed.gluing.polygon import Polygon, side_lengths
+from isoembed.gluing.runs import Run, cut, read_sides
+from isoembed.mesh.triangulation import frozen
+from isoembed.metric.glued import GluedMetric
+
+Floats = NDArray[np.float64]
+Indices = NDArray[np.int64]
+
+
+@dataclass(frozen=True, eq=False, init=False, repr=False)
+class Net(GluedMetric):
+    """The metric glued from planar polygons, which remembers them: `glue` makes it.
+
+    On a solid with this metric, corner k of polygon p is ``vertices[corners[p][k]]``, and the outline of the
+    polygon leads through ``vertices[outlines[p]]`` along its `seams`.
+
+    Attributes
+    ----------
+    polygons : tuple of ndarray, shape (m, 2)
+        The outline of each polygon, counterclockwise: its corners and the points where corners of others are
+        glued into its sides.
+    outlines : tuple of ndarray of int64, shape (m,)
+        The vertex that each point of the outline becomes.
+    corners : tuple of ndarray of int64, shape (n,)
+        The vertex that each corner becomes, in the order in which the corners were given.
+    face_polygons : ndarray of int64, shape (F,)
+        The polygon that each face lies in.
+    places : ndarray, shape (F, 3, 2)
+        Where the corners of each face lie in the plane of its polygon.
+    seams : ndarray of bool, shape (3F,)
+        Half-edges on an outline.
+    """
+
+    polygons: tuple[Floats, ...]
+    outlines: tuple[Indices, ...]
+    corners: tuple[Indices, ...]
+    face_polygons: Indices
+    places: Floats
+    seams: NDArray[np.bool_]
+
+    def __init__(self, sheets: Sequence[Polygon], runs: Sequence[tuple[Run, Run]]) -> None:
+        stops, mates = _cut_outlines(sheets, runs)
+        polygons = tuple(frozen(sheet.points(some)) for sheet, some in zip(sheets, stops, strict=True))
+        first = np.cumsum([0, *map(len, stops)])  # of each outline among the points of all
+        corners = [
+            start + np.searchsorted(some, np.arange(sheet.n) * (-1 if sheet.turned else 1) % sheet.n)
+            for start, some, sheet in zip(first, stops, sheets, strict=False)
+        ]
+        vertices = _glued_points(first, mates, np.concatenate(corners))
+        triangles, owners = _triangles(polygons, first)
+        twins, seams = _sewn(triangles, mates)
+        points = np.concatenate(polygons)
+        steps = np.concatenate([side_lengths(polygon) for polygon in polygons])
+        lengths = np.hypot(*(points[np.roll(triangles, -1, axis=1)] - points[triangles]).T).T.ravel()
+        rim = triangles.ravel()[seams]
+        lengths[seams] = (steps[rim] + steps[mates[rim]]) / 2
+        super().__init__(vertices[triangles], twins, lengths.reshape(-1, 3))
+        for name, value in (
+            ("polygons", polygons),
+            ("outlines", tuple(map(frozen, np.split(vertices, first[1:-1])))),
+            ("corners", tuple(frozen(vertices[some]) for some in corners)),
+            ("face_polygons", frozen(owners)),
+            ("places", frozen(points[triangles])),
+            ("seams", frozen(seams)),
+        ):
+            object.__setattr__(self, name, value)
+
+
+def glue(polygons: Sequence[ArrayLike], sides: Sequence[Any]) -> Net:
+    """Glue planar polygons along their sides to a polyhedral metric on the sphere: a paper net.
+
+    The polygons lie on a table, face up; side k of a polygon runs from its corner k to the next.  An
+    identification is a pair of sides ``((p, k), (q, m))`` or of runs ``((p, a, b), (q, c, d))``: the boundary
+    of polygon p from position a to position b, counted in corners, so that 2.5 is the middle of side 2.  A
+    run goes on past the last corner if b <= a, and all around if b == a.  The two are glued as paper is,
+    without turning it over: of polygons given counterclockwise the start of each run meets the end of the
+    other, a = d and b = c.  A run or a side that is glued to itself is folded at its middle.  Where the
+    corner of one meets the inside of a side of the other, that becomes a vertex.
+
+    Parameters
+    ----------
+    polygons : sequence of array_like, shape (n, 2)
+        The corners of each, in either orientation.  Polygons are simple; they need not be convex,
+        consecutive sides may be in line, and where in the plane they lie is all the same.
+    sides : sequence of pairs
+        Every point of every boundary is glued exactly once.
+
+    Returns
+    -------
+    Net
+        The metric.  Its vertices are those of the corners, in the order of the polygons, and then those that
+        corners of others and folds make within sides.
+
+    Raises
+    ------
+    InvalidMetric
+        A polygon is not simple, two runs differ in length, a stretch is glued twice or to nothing, or the
+        result is not one sphere.  Lengths that differ by less than 1e-9 of them become their mean.
+    InvalidParameter
+        An identification is not of the form above.
+
+    Examples
+    --------
+    A square whose sides are folded at their middles is a doubly covered square of half its area:
+
+    >>> envelope = glue([[[0, 0], [1, 0], [1, 1], [0, 1]]], [((0, k), (0, k)) for k in range(4)])
+    >>> envelope.corners[0].tolist(), envelope.n_vertices
+    ([0, 0, 0, 0], 5)
+    """
+    if not isinstance(polygons, list | tuple | np.ndarray):
+        raise InvalidParameter(f"the polygons are {polygons!r}, not a list of polygons")
+    if len(polygons) == 0:
+        raise InvalidMetric("there are no polygons")
+    sheets = [Polygon.of(polygon, p) for p, polygon in enumerate(polygons)]
+    return Net(sheets, read_sides(sides, sheets))
+
+
+def _cut_outlines(sheets: Sequence[Polygon], runs: Sequence[tuple[Run, Run]]) -> tuple[list[Floats], Indices]:
+    """Cut the outlines at their corners and wherever a corner of another is glued.
+
+    Returns
+    -------
+    list of ndarray
+        The positions on each outline, from corner 0 on.
+    ndarray of int
+        For each step between two of them, all outlines in a row, the one that it is glued to, which runs
+        the other way.
+    """
+    cuts = [(one.polygon, other.polygon, *cut(one, other, sheets)) for one, other in runs]
+    positions = [{float(k) for k in range(sheet.n)} for sheet in sheets]
+    for p, q, ours, theirs in cuts:
+        positions[p].update(ours)
+        positions[q].update(theirs)
+    stops = [np.array(sorted(some)) for some in positions]
+    count = itertools.count()
+    index = [{position: next(count) for position in some.tolist()} for some in stops]
+    mates = np.empty(next(count), dtype=np.int64)
+    for p, q, ours, theirs in cuts:
+        for here, there in zip(ours[:-1], theirs[1:], strict=True):
+            mates[index[p][here]], mates[index[q][there]] = index[q][there], index[p][here]
+    return stops, mates
+
+
+def _glued_points(first: Indices, mates: Indices, corners: Indices) -> Indices:
+    """The vertex that each point of the outlines becomes; those of corners first.
+
+    Raises
+    ------
+    InvalidMetric
+        The polygons do not make one sphere.
+    """
+    n = len(mates)
+    owners = np.repeat(np.arange(len(first) - 1), np.diff(first))
+    parts, part = connected_components(
+        coo_array((np.ones(n), (owners, owners[mates])), shape=(len(first) - 1,) * 2)
+    )
+    if parts > 1:
+        raise InvalidMetric(
+            f"the polygons make {parts} surfaces, not one: "
+            f"polygon {int(np.argmax(part != part[0]))} is not connected to polygon 0"
+        )
+    ends = np.arange(1, n + 1)
+    ends[first[1:] - 1] = first[:-1]
+    count, classes = connected_components(coo_array((np.ones(n), (np.arange(n), ends[mates])), shape=(n, n)))
+    euler = count - n // 2 + len(first) - 1
+    if euler != 2:
+        raise InvalidMetric(
+            f"the polygons make a surface of Euler characteristic {euler} (genus {1 - euler // 2}), not 2: "
+            "not a sphere"
+        )
+    _, earliest = np.unique(classes[np.concatenate([corners, np.arange(n)])], return_index=True)
+    numbers = np.empty(count, dtype=np.int64)
+    numbers[np.argsort(earliest)] = np.arange(count)
+    return numbers[classes]
+
+
+def _triangles(polygons: Sequence[Floats], first: Indices) -> tuple[Indices, Indices]:
+    """Triangles of the points of all outlines, shape (F, 3), and the polygon of each."""
+    triangles = []
+    for p, polygon in enumerate(polygons):
+        inside = triangulated((polygon - polygon.min(axis=0)) / np.ptp(polygon, axis=0).max())
+        if inside is None:
+            raise InvalidMetric(f"polygon {p} is so thin that its triangles are lost in rounding")
+        triangles.append(first[p] + inside)
+    return np.concatenate(triangles), np.repeat(np.arange(len(polygons)), [len(some) for some in triangles])
+
+
+def _sewn(triangles: Indices, mates: Indices) -> tuple[Indices, NDArray[np.bool_]]:
+    """The half-edge that each is glued to, and which lie on outlines."""
+    sides = np.stack([triangles, np.roll(triangles, -1, axis=1)], axis=2).reshape(-1, 2)
+    twins = twins_inside(sides)
+    seams = twins < 0
+    halfedges = np.empty(len(mates), dtype=np.int64)
+    halfedges[sides[seams, 0]] = np.flatnonzero(seams)
+    twins[seams] = halfedges[mates[sides[seams, 0]]]
+    return twins, seams

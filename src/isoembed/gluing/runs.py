@@ -1,0 +1,256 @@
+"""Which stretches of the boundaries are glued to which: read, checked, and cut where corners meet sides."""
+
+from __future__ import annotations
+
+import math
+import numbers
+import sys
+from collections.abc import Sequence
+from dataclasses import dataclass, field, replace
+from typing import Any
+
+import numpy as np
+
+from isoembed.errors import InvalidMetric, InvalidParameter
+from isoembed.gluing.polygon import Polygon
+
+SAME = 1e-9  # of a length: what coordinates typed with ten digits make of the same one
+
+
+@dataclass(frozen=True)
+class Run:
+    """A stretch of the boundary of a polygon, counterclockwise.
+
+    Attributes
+    ----------
+    polygon : int
+    start, stop : float
+        Positions, from 0 to below n; all around if they are the same.
+    name : str
+        What the user called it.
+    """
+
+    polygon: int
+    start: float
+    stop: float
+    name: str = field(compare=False)
+
+    def span(self, polygons: Sequence[Polygon]) -> tuple[float, float]:
+        """How far along the boundary it starts and stops; beyond a whole lap if it passes corner 0."""
+        polygon = polygons[self.polygon]
+        first, last = polygon.arc(self.start), polygon.arc(self.stop)
+        return first, last if self.stop > self.start else last + polygon.perimeter
+
+    def length(self, polygons: Sequence[Polygon]) -> float:
+        """Its length."""
+        first, last = self.span(polygons)
+        return last - first
+
+    def at(self, part: float, polygons: Sequence[Polygon]) -> float:
+        """The position this part of the way along."""
+        first, last = self.span(polygons)
+        return polygons[self.polygon].position(first + part * (last - first))
+
+    def parts(self, polygons: Sequence[Polygon]) -> tuple[list[float], list[float]]:
+        """The positions of its ends and of the corners between, and how far along it each is, from 0 to 1."""
+        polygon = polygons[self.polygon]
+        first, last = self.span(polygons)
+        end = self.stop if self.stop > self.start else self.stop + polygon.n
+        positions, along = [self.start], [0.0]
+        for k in range(math.floor(self.start) + 1, math.ceil(end)):
+            lap, corner = divmod(k, polygon.n)
+            positions.append(float(corner))
+            along.append((float(polygon.arcs[corner]) + lap * polygon.perimeter - first) / (last - first))
+        return [*positions, self.stop], [*along, 1.0]
+
+
+def read_sides(sides: Sequence[Any], polygons: Sequence[Polygon]) -> list[tuple[Run, Run]]:
+    """Read the identifications of `glue` and check that they glue every boundary exactly once.
+
+    Parameters
+    ----------
+    sides : sequence of pairs
+        Each of the two a side ``(p, k)`` or a run ``(p, a, b)``.
+    polygons : sequence of Polygon
+
+    Returns
+    -------
+    list of pairs of Run
+        Of equal length up to rounding.  The start of one is glued to the end of the other.  A run glued to
+        itself is two of half its length.
+
+    Raises
+    ------
+    InvalidParameter
+        An identification is not of this form or refers to what is not there.
+    InvalidMetric
+        Two runs differ in length, or a stretch is glued twice or not at all.
+    """
+    if not _is_list(sides):
+        raise InvalidParameter(f"the sides are {_shown(sides)}, not a list of pairs")
+    runs: list[tuple[Run, Run]] = []
+    for i, pair in enumerate(sides):
+        if not _is_list(pair) or len(pair) != 2:
+            raise InvalidParameter(f"sides[{i}] is {_shown(pair)}, not a pair of sides or runs")
+        runs.append((_read(pair[0], i, polygons), _read(pair[1], i, polygons)))
+    runs = _joined(runs)
+    _check_lengths(runs, polygons)
+    _check_cover(runs, polygons)
+    return [_folded(one, polygons) if one == other else (one, other) for one, other in runs]
+
+
+def cut(one: Run, other: Run, polygons: Sequence[Polygon]) -> tuple[list[float], list[float]]:
+    """Cut two glued runs at the corners of both.
+
+    Returns
+    -------
+    list of float, list of float
+        Positions along the one, with both ends, and the positions on the other that they are glued to.
+    """
+    here, along = one.parts(polygons)
+    there, back = (part[::-1] for part in other.parts(polygons))
+    ours, theirs = [here[0]], [there[0]]
+    i, j = 1, 1
+    while i < len(here) - 1 or j < len(there) - 1:
+        ahead = along[i] - (1.0 - back[j])
+        if i < len(here) - 1 and j < len(there) - 1 and abs(ahead) <= SAME:
+            ours.append(here[i])
+            theirs.append(there[j])
+            i, j = i + 1, j + 1
+        elif j == len(there) - 1 or (i < len(here) - 1 and ahead < 0):
+            ours.append(here[i])
+            theirs.append(other.at(1.0 - along[i], polygons))
+            i += 1
+        else:
+            ours.append(one.at(1.0 - back[j], polygons))
+            theirs.append(there[j])
+            j += 1
+    return [*ours, here[-1]], [*theirs, there[-1]]
+
+
+def _read(entry: Any, i: int, polygons: Sequence[Polygon]) -> Run:
+    if not _is_list(entry) or len(entry) not in (2, 3):
+        raise InvalidParameter(
+            f"sides[{i}] glues {_shown(entry)}, which is neither a side (polygon, side) "
+            "nor a run (polygon, start, end)"
+        )
+    for value in entry:
+        number = isinstance(value, numbers.Real) and not isinstance(value, bool)
+        if not number or not abs(value) <= sys.float_info.max:
+            raise InvalidParameter(
+                f"sides[{i}] glues {_shown(entry)}, in which {value!r} is not a finite number"
+            )
+    p = entry[0]
+    if p != int(p) or not 0 <= p < len(polygons):
+        raise InvalidParameter(
+            f"sides[{i}] glues {_shown(entry)}, but the polygons are numbered from 0 to {len(polygons) - 1}"
+        )
+    polygon = polygons[int(p)]
+    if len(entry) == 2:
+        k = entry[1]
+        if k != int(k) or not 0 <= k < polygon.n:
+            raise InvalidParameter(
+                f"sides[{i}] glues {_shown(entry)}, but the sides of polygon {int(p)} are numbered "
+                f"from 0 to {polygon.n - 1}"
+            )
+        a, b = float(k), float(k) + 1
+        name = f"side {int(k)} of polygon {int(p)}"
+    else:
+        a, b = (_snapped(float(x), polygon) for x in entry[1:])
+        n = polygon.n
+        if not (0 <= a <= n and 0 <= b <= 2 * n and b - a <= n):
+            raise InvalidParameter(
+                f"sides[{i}] glues {_shown(entry)}, but a run around polygon {int(p)} starts between "
+                f"0 and {n} and is at most {n} long"
+            )
+        if abs(b - a) <= SAME and entry[1] != entry[2]:
+            raise InvalidParameter(f"sides[{i}] glues {_shown(entry)}, which has no length")
+        name = f"polygon {int(p)} from {entry[1]:.12g} to {entry[2]:.12g}"
+    if polygon.turned:
+        a, b = -b, -a
+    return Run(int(p), a % polygon.n, b % polygon.n, name)
+
+
+def _joined(runs: list[tuple[Run, Run]]) -> list[tuple[Run, Run]]:
+    """Give ends that are one position up to rounding the same number."""
+    ends: dict[int, list[float]] = {}
+    for run in (run for pair in runs for run in pair):
+        ends.setdefault(run.polygon, []).extend((run.start, run.stop))
+    same: dict[tuple[int, float], float] = {}
+    for p, positions in ends.items():
+        last = -1.0
+        for position in sorted(positions):
+            if position - last > SAME:
+                last = position
+            same[p, position] = last
+
+    def joined(run: Run) -> Run:
+        return replace(run, start=same[run.polygon, run.start], stop=same[run.polygon, run.stop])
+
+    return [(joined(one), joined(other)) for one, other in runs]
+
+
+def _check_lengths(runs: list[tuple[Run, Run]], polygons: Sequence[Polygon]) -> None:
+    for i, (one, other) in enumerate(runs):
+        ours, theirs = one.length(polygons), other.length(polygons)
+        if abs(ours - theirs) > SAME * max(ours, theirs):
+            raise InvalidMetric(
+                f"sides[{i}] glues {one.name}, of length {ours!r}, to {other.name}, of length {theirs!r}: "
+                "they differ"
+            )
+
+
+def _check_cover(runs: list[tuple[Run, Run]], polygons: Sequence[Polygon]) -> None:
+    """Refuse what is glued twice or not at all."""
+    for p, polygon in enumerate(polygons):
+        own = [(i, run) for i, pair in enumerate(runs) for run in dict.fromkeys(pair) if run.polygon == p]
+        stops = sorted({x for _, run in own for x in (run.start, run.stop)})
+        if not own:
+            raise InvalidMetric(f"polygon {p} is glued to nothing")
+        place = {x: k for k, x in enumerate(stops)}
+        glued = [-1] * len(stops)  # by which identification, from each stop to the next
+        for i, run in own:
+            k, last = place[run.start], place[run.stop]
+            while True:
+                if glued[k] >= 0:
+                    by = f"sides[{i}]" if glued[k] == i else f"sides[{glued[k]}] and by sides[{i}]"
+                    raise InvalidMetric(f"{_stretch(p, polygon, stops, k)} is glued twice, by {by}")
+                glued[k] = i
+                k = (k + 1) % len(stops)
+                if k == last:
+                    break
+        if -1 in glued:
+            raise InvalidMetric(f"{_stretch(p, polygon, stops, glued.index(-1))} is glued to nothing")
+
+
+def _stretch(p: int, polygon: Polygon, stops: list[float], k: int) -> str:
+    """What the user calls the boundary from a stop to the next."""
+    a, b = stops[k], stops[(k + 1) % len(stops)]
+    if polygon.turned:
+        a, b = -b % polygon.n, -a % polygon.n
+    if a == int(a) and b == (a + 1) % polygon.n:
+        return f"side {int(a)} of polygon {p}"
+    return f"the boundary of polygon {p} from {a:.12g} to {b:.12g}"
+
+
+def _folded(run: Run, polygons: Sequence[Polygon]) -> tuple[Run, Run]:
+    """The two halves of a run."""
+    polygon = polygons[run.polygon]
+    middle = _snapped(run.at(0.5, polygons), polygon) % polygon.n
+    return replace(run, stop=middle), replace(run, start=middle)
+
+
+def _is_list(value: Any) -> bool:
+    return isinstance(value, list | tuple | np.ndarray)
+
+
+def _shown(value: Any) -> str:
+    text = repr(value)
+    return text if len(text) <= 40 else text[:37] + "..."
+
+
+def _snapped(position: float, polygon: Polygon) -> float:
+    """A corner, if the position is one up to rounding."""
+    side = math.floor(position) % polygon.n
+    off = abs(position - round(position)) * (polygon.arcs[side + 1] - polygon.arcs[side])
+    return float(round(position)) if off <= SAME * polygon.perimeter else position

@@ -1,0 +1,77 @@
+"""All ways to glue the sides of a polygon in pairs, to a sphere."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from isoembed.gluing.polygon import Polygon, side_lengths
+from isoembed.gluing.runs import SAME
+
+ROUNDING = 1e-9  # radians: of a sum of angles
+
+Pairs = tuple[tuple[int, int], ...]
+Sides = list[tuple[tuple[int, int], tuple[int, int]]]
+
+
+def edge_gluings(polygon: ArrayLike, *, convex: bool = True) -> list[Sides]:
+    """Find the edge-to-edge gluings of a polygon to a sphere: each side is glued to another of its length.
+
+    The sphere leaves no pairs that cross: with 2 m sides of one length there are Catalan(m) gluings.  Those
+    of a boundary stretch are found from those of the two stretches into which the partner of its first side
+    divides it, and only the convex ones are kept, stretch by stretch.
+
+    Parameters
+    ----------
+    polygon : array_like, shape (n, 2)
+        A side in the sense of the gluing runs from one given corner to the next; corners may be flat.
+    convex : bool
+        Leave out gluings in which more than a full angle comes together at a vertex, which are metrics of no
+        convex polyhedron.
+
+    Returns
+    -------
+    list
+        Each the ``sides`` of `glue`, for ``glue([polygon], sides)``, in lexicographic order.  Gluings that a
+        symmetry of the polygon takes into each other are all there.
+
+    Raises
+    ------
+    InvalidMetric
+        The polygon is none.
+
+    References
+    ----------
+    Lubiw and O'Rourke, When can a polygon fold to a polytope?, 1996.
+
+    Examples
+    --------
+    >>> square = [[0, 0], [1, 0], [1, 1], [0, 1]]
+    >>> edge_gluings(square)
+    [[((0, 0), (0, 1)), ((0, 2), (0, 3))], [((0, 0), (0, 3)), ((0, 1), (0, 2))]]
+    """
+    sheet = Polygon.of(polygon, 0)
+    n, lengths, angles = sheet.n, side_lengths(sheet.corners), sheet.angles
+    most = 2 * np.pi + ROUNDING if convex else np.inf
+    # By stretch of sides i .. j - 1: its gluings, and the angles that its two ends are glued to in between.
+    known: dict[tuple[int, int], list[tuple[Pairs, float]]] = {(i, i): [((), 0.0)] for i in range(n + 1)}
+    for size in range(2, n + 1, 2):
+        for i in range(n - size + 1):
+            j = i + size
+            ends = angles[i] + (angles[j % n] if size < n else 0.0)
+            found = known[i, j] = []
+            for k in range(i + 1, j, 2):
+                if abs(lengths[i] - lengths[k]) > SAME * max(lengths[i], lengths[k]):
+                    continue
+                for beyond, rest in known[k + 1, j]:
+                    between = rest + angles[k + 1] if k + 1 < j else 0.0
+                    if ends + between <= most:
+                        found += [((*within, (i, k), *beyond), between) for within, _ in known[i + 1, k]]
+    every = [sorted(_as_given(pair, sheet) for pair in pairs) for pairs, _ in known.get((0, n), [])]
+    return [[((0, i), (0, k)) for i, k in pairs] for pairs in sorted(every)]
+
+
+def _as_given(pair: tuple[int, int], sheet: Polygon) -> tuple[int, int]:
+    """The sides by their numbers in the order of the corners as given."""
+    i, k = ((-1 - side) % sheet.n for side in pair) if sheet.turned else pair
+    return min(i, k), max(i, k)

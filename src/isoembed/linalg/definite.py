@@ -1,0 +1,149 @@
+"""A proof, in floats, that a sparse symmetric matrix A is positive definite, and by how much.
+
+Elimination down the diagonal without exchanges leaves factors with ``L U = A + dA``. In whatever order it
+adds, ``|dA_ij| <= gamma_k (|L| |U|)_ij``, where ``gamma_k = k u / (1 - k u)``, u = 2^-53 and k is the
+number of terms of the sum behind the entry (Higham, Accuracy and stability of numerical algorithms, 2002,
+lemma 8.4 and theorem 9.3): at most the number of entries in row i of L, and one more as pivots are divided
+by through their reciprocals. Let D be the diagonal of U, and ``G = U - D L^T``, which is small because A is
+symmetric, and is computed. Then
+
+    A - L D L^T = L G - dA,    |A - L D L^T| <= |L| (gamma |U| + |G|),
+
+entry by entry. The left side is symmetric, so its norm is no larger than the largest row sum on the right.
+If D is positive, L D L^T is positive definite, and no eigenvalue of A is less than minus that norm. Applied
+to A - s I, this bounds the eigenvalues of A from below. The idea is Rump's (Verification of positive
+definiteness, BIT 46, 2006), who takes a bound a priori on the error of Cholesky's method, which would be
+some thousand times as large here.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+import scipy.sparse as sp
+from numba import njit
+from numpy.typing import NDArray
+from scipy.sparse.linalg import SuperLU, splu
+
+from isoembed.linalg.rounding import GUARD, UNDERFLOW, U, gamma
+from isoembed.linalg.singular import SingularMatrix
+
+Floats = NDArray[np.float64]
+Pointers = NDArray[np.int32]
+
+SPARE = 6  # roundings an entry beyond the terms of its sum: the reciprocal pivot, and those of D L^T and of G
+ITERATIONS = 12  # from a random vector they exceed the eigenvalue at most by about n^(1/24): 1.6 for 10^5
+SHARE = 0.5  # of that estimate, to be proven
+
+
+@dataclass(frozen=True, eq=False)
+class PositiveDefinite:
+    """A symmetric matrix that was proven positive definite.
+
+    Attributes
+    ----------
+    eigenvalue : float
+        A proven lower bound, positive, on the eigenvalues.
+    """
+
+    eigenvalue: float
+    _lu: SuperLU
+    _order: NDArray[np.int64]
+
+    def solve(self, b: Floats) -> Floats:
+        """Solve A x = b, shape (n,), approximately."""
+        x = np.empty_like(b)
+        x[self._order] = self._lu.solve(b[self._order])
+        return x
+
+
+def prove_definite(matrix: sp.csc_array, order: NDArray[np.int64]) -> PositiveDefinite:
+    """Bound the eigenvalues of a symmetric matrix away from zero.
+
+    Two factorizations: one to estimate the least eigenvalue by inverse iteration, one to prove half of it.
+
+    Parameters
+    ----------
+    matrix : sparse CSC, (n, n)
+        Symmetric, bit by bit; both triangles. What is proven holds for these floats.
+    order : ndarray of int, shape (n,)
+        Elimination order.
+
+    Raises
+    ------
+    SingularMatrix
+        The matrix is not positive definite, or too little so for rounding to leave a proof.
+    """
+    permuted = sp.csc_array(matrix[order][:, order])
+    lu = _eliminated(permuted)
+    x = np.random.default_rng(0).normal(size=order.size)
+    for _ in range(ITERATIONS):
+        x = lu.solve(x / np.linalg.norm(x))
+    shift = float(SHARE / np.linalg.norm(x))
+    shifted = sp.csc_array(permuted - shift * sp.eye_array(order.size, format="csc"))
+    lost = _distance_to_definite(_eliminated(shifted)) + U * float(np.abs(shifted.diagonal()).max())
+    if not lost < shift:
+        raise SingularMatrix(
+            "the matrix cannot be proven positive definite: its least eigenvalue is about "
+            f"{shift / SHARE:.1e}, and rounding takes up to {lost:.1e}"
+        )
+    return PositiveDefinite((shift - lost) / GUARD, lu, order)
+
+
+def _eliminated(matrix: sp.csc_array) -> SuperLU:
+    try:
+        return splu(matrix, permc_spec="NATURAL", diag_pivot_thresh=0.0, options={"SymmetricMode": True})
+    except RuntimeError as error:
+        raise SingularMatrix("the matrix is singular: elimination met a zero pivot") from error
+
+
+def _distance_to_definite(lu: SuperLU) -> float:
+    """Bound the norm of A - L D L^T: so far, if that, are the eigenvalues of A below zero."""
+    upper = lu.U
+    pivots = upper.diagonal()
+    if (lu.perm_r != lu.perm_c).any() or not (pivots > 0).all():  # an exchange avoids a pivot of zero
+        raise SingularMatrix("the matrix is not positive definite")
+    lower = lu.L.tocsr()
+    largest = _largest_row_sum(
+        lower.indptr, lower.indices, lower.data, upper.indptr, upper.indices, upper.data, pivots
+    )
+    return float(largest) * GUARD + UNDERFLOW
+
+
+@njit(cache=True)
+def _largest_row_sum(
+    lower_rows: Pointers,
+    lower_columns: Pointers,
+    lower: Floats,
+    upper_columns: Pointers,
+    upper_rows: Pointers,
+    upper: Floats,
+    pivots: Floats,
+) -> float:
+    """Largest row sum of ``gamma |L| |U| + |L| |G|``; L by rows, U by columns."""
+    n = pivots.size
+    sizes, asymmetries = np.zeros(n), np.zeros(n)  # row sums of |U| and |G|
+    mirrored = np.zeros(n)
+    for i in range(n):
+        for p in range(lower_rows[i], lower_rows[i + 1]):
+            k = lower_columns[p]
+            mirrored[k] = pivots[k] * lower[p]
+        for p in range(upper_columns[i], upper_columns[i + 1]):
+            k = upper_rows[p]
+            sizes[k] += abs(upper[p])
+            asymmetries[k] += abs(upper[p] - mirrored[k])
+            mirrored[k] = 0.0
+        for p in range(lower_rows[i], lower_rows[i + 1]):
+            k = lower_columns[p]
+            asymmetries[k] += abs(mirrored[k])  # no counterpart in U
+            mirrored[k] = 0.0
+    largest = 0.0
+    for i in range(n):
+        relative = gamma(lower_rows[i + 1] - lower_rows[i] + SPARE)
+        total = 0.0
+        for p in range(lower_rows[i], lower_rows[i + 1]):
+            k = lower_columns[p]
+            total += abs(lower[p]) * (relative * sizes[k] + asymmetries[k])
+        largest = max(largest, total)
+    return largest

@@ -1,0 +1,61 @@
+"""Whether a metric is convex: whether its deficits are negative nowhere, up to rounding."""
+
+from __future__ import annotations
+
+from typing import cast
+
+import numpy as np
+from numpy.typing import NDArray
+
+from isoembed.errors import InvalidMetric
+from isoembed.metric.curvature import Triangles
+
+Floats = NDArray[np.float64]
+
+ROUNDINGS = 64  # of the lengths, with the errors of a few steps before they were given
+
+
+def deficit_rounding(faces: NDArray[np.int64], face_lengths: Floats) -> Floats:
+    """How far rounded lengths may put the deficits off, shape (V,), radians.
+
+    An angle moves by ``l dl / (2 A)`` or less when a side of its triangle, l or shorter, moves by dl.
+
+    Parameters
+    ----------
+    faces : ndarray of int, shape (F, 3)
+    face_lengths : ndarray, shape (F, 3)
+        Length of each half-edge.
+    """
+    triangles = Triangles.of(face_lengths)
+    slenderness = triangles.opposite.max(axis=1) ** 2 / (2 * triangles.areas)
+    at_corners = np.repeat(ROUNDINGS * np.finfo(np.float64).eps * slenderness, 3)
+    return cast(Floats, np.bincount(faces.ravel(), at_corners))
+
+
+def check_convex(deficits: Floats, rounding: Floats | float) -> None:
+    """Refuse a metric with a negative deficit, to which Alexandrov's theorem does not apply.
+
+    Parameters
+    ----------
+    deficits : ndarray, shape (V,)
+    rounding : ndarray, shape (V,), or float
+        Radians by which a deficit may be negative.
+
+    Raises
+    ------
+    InvalidMetric
+        Naming the vertex where the deficit is most negative.
+    """
+    negative = deficits < -rounding
+    if negative.any():
+        v = int(np.argmin(np.where(negative, deficits, 0.0)))
+        others = int(negative.sum()) - 1
+        raise InvalidMetric(
+            f"vertex {v} has total angle {2 * np.pi - deficits[v]:.10g} > 2 pi (deficit {deficits[v]:.3g})"
+            + (
+                f", and {others} other {'vertices have' if others > 1 else 'vertex has'} more than 2 pi"
+                if others
+                else ""
+            )
+            + ": the metric is not convex, and no convex polyhedron has it"
+        )

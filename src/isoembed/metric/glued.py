@@ -1,0 +1,327 @@
+"""A polyhedral metric glued from triangles side by side, which need not form a simplicial complex."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cached_property
+from typing import cast
+
+import numpy as np
+from numba import njit
+from numpy.typing import ArrayLike, NDArray
+
+from isoembed.errors import InvalidMetric
+from isoembed.mesh.checks import index_array
+from isoembed.mesh.triangulation import frozen
+from isoembed.metric.curvature import Triangles
+from isoembed.metric.polyhedral import SAME_LENGTH, PolyhedralMetric
+from isoembed.metric.simplicial import simplicial
+
+Floats = NDArray[np.float64]
+Indices = NDArray[np.int64]
+
+
+@dataclass(frozen=True, eq=False, init=False, repr=False)
+class GluedMetric:
+    """A polyhedral metric on the sphere: triangles, and the pairs of sides along which they are glued.
+
+    Half-edge ``h = 3 f + c`` is the side of face f from its corner c to the next.  Loops, repeated edges,
+    triangles glued to themselves and the doubly covered triangle are allowed: what counts is that the result
+    is a sphere.
+
+    Parameters
+    ----------
+    faces : array_like of int, shape (F, 3)
+        The vertex at each corner, counterclockwise; vertices numbered from 0 without gaps.
+    twins : array_like of int, shape (3F,)
+        The half-edge that each half-edge is glued to, which runs the other way.
+    face_lengths : array_like of float, shape (F, 3)
+        Length of each half-edge, in any unit and of any size.
+
+    Attributes
+    ----------
+    faces : ndarray of int64, shape (F, 3)
+    twins : ndarray of int64, shape (3F,)
+    face_lengths : ndarray, shape (F, 3)
+        Equal on glued sides.
+
+    Raises
+    ------
+    InvalidMetric
+        A side is glued to none, to itself or to two; glued sides have different ends or lengths; a length is
+        not positive and finite; a triangle inequality is broken; or the result is not one sphere.  The
+        message names the first offender.
+
+    Examples
+    --------
+    A triangle folded shut along two of its sides, and another that closes the loop:
+
+    >>> GluedMetric([[0, 0, 1], [0, 0, 2]], [3, 2, 1, 0, 5, 4], [[1.0] * 3] * 2)
+    GluedMetric(3 vertices, 3 edges, 2 faces, mean edge length 1)
+    """
+
+    faces: Indices
+    twins: Indices
+    face_lengths: Floats
+
+    def __init__(self, faces: ArrayLike, twins: ArrayLike, face_lengths: ArrayLike) -> None:
+        corners = index_array(faces, 3, "face", "corners").copy()
+        sides = _twin_array(twins, corners.size)
+        lengths = _length_table(face_lengths, len(corners))
+        _check_vertices(corners)
+        _check_ends(corners, sides)
+        _check_triangles(corners, lengths)
+        lengths = _matched(sides, lengths)
+        _check_sphere(corners, sides)
+        self._set(corners, sides, lengths)
+
+    @classmethod
+    def of(cls, metric: PolyhedralMetric | GluedMetric) -> GluedMetric:
+        """See the edges of a polyhedral metric as glued sides; a glued metric is returned as it is.
+
+        Parameters
+        ----------
+        metric : PolyhedralMetric or GluedMetric
+        """
+        if isinstance(metric, GluedMetric):
+            return metric
+        return cls._made(metric.faces, metric.triangulation.twins, metric.face_lengths)
+
+    @classmethod
+    def _made(cls, faces: Indices, twins: Indices, face_lengths: Floats) -> GluedMetric:
+        """Tables that are known to be a metric."""
+        metric = cls.__new__(cls)
+        metric._set(faces, twins, face_lengths)
+        return metric
+
+    def _set(self, faces: Indices, twins: Indices, face_lengths: Floats) -> None:
+        object.__setattr__(self, "faces", frozen(faces))
+        object.__setattr__(self, "twins", frozen(twins))
+        object.__setattr__(self, "face_lengths", frozen(face_lengths))
+
+    def __repr__(self) -> str:
+        return (
+            f"{type(self).__name__}({self.n_vertices} vertices, {self.n_edges} edges, {self.n_faces} faces, "
+            f"mean edge length {self.mean_length:.6g})"
+        )
+
+    @property
+    def n_vertices(self) -> int:
+        """V = F / 2 + 2."""
+        return self.n_faces // 2 + 2
+
+    @property
+    def n_edges(self) -> int:
+        """E = 3 V - 6."""
+        return self.twins.size // 2
+
+    @property
+    def n_faces(self) -> int:
+        """F = 2 V - 4."""
+        return len(self.faces)
+
+    @cached_property
+    def mean_length(self) -> float:
+        """Mean edge length: the unit of every residual."""
+        largest = self.face_lengths.max()
+        return float(largest * np.mean(self.face_lengths / largest))
+
+    @property
+    def unit(self) -> float:
+        """The power of two below the mean edge length: dividing by it rounds nothing."""
+        return float(np.ldexp(1.0, int(np.frexp(self.mean_length)[1]) - 1))
+
+    @cached_property
+    def normalized(self) -> GluedMetric:
+        """The metric in its own `unit`, in which its mean edge length is between 1 and 2."""
+        return GluedMetric._made(self.faces, self.twins, self.face_lengths / self.unit)
+
+    @cached_property
+    def triangles(self) -> Triangles:
+        """The shapes of the faces."""
+        return Triangles.of(self.face_lengths)
+
+    @cached_property
+    def deficits(self) -> Floats:
+        """Angle deficits, 2 pi less the sum of the angles at each vertex, shape (V,); they sum to 4 pi."""
+        total = np.bincount(self.faces.ravel(), self.triangles.angles.ravel())
+        return frozen(2 * np.pi - cast(Floats, total))
+
+    def simplicial(self) -> PolyhedralMetric:
+        """The same metric on a simplicial complex, so that it can be written to a file.
+
+        Loops are cut into three and edges that share their two ends with another into two; the faces at them
+        get a vertex inside, and those that meet a vertex twice also a ring around it.
+
+        Returns
+        -------
+        PolyhedralMetric
+            With the vertices of this metric first, in order, and the flat new ones after them.
+
+        Raises
+        ------
+        InvalidMetric
+            A triangle is so thin that rounding breaks one of its parts.
+        """
+        unit = self.normalized
+        result = simplicial(unit.faces, unit.twins, unit.face_lengths)
+        return result.with_lengths(result.lengths * self.unit)
+
+
+def _side(h: int) -> str:
+    return f"side {h % 3} of face {h // 3}"
+
+
+def _table(given: ArrayLike, name: str, shape: tuple[int, ...]) -> NDArray:
+    try:
+        table = np.asarray(given)
+    except ValueError:  # rows of different sizes
+        raise InvalidMetric(f"the {name} are not a table of shape {shape}") from None
+    if table.shape != shape:
+        raise InvalidMetric(f"the {name} have shape {table.shape}, not {shape}")
+    return table
+
+
+def _twin_array(twins: ArrayLike, size: int) -> Indices:
+    table = _table(twins, "twins", (size,))
+    if table.dtype.kind not in "iu":
+        raise InvalidMetric(f"the twins have the type {table.dtype}, not whole numbers")
+    outside = (table < 0) | (table >= size)
+    if outside.any():
+        h = int(np.argmax(outside))
+        raise InvalidMetric(f"{_side(h)} is glued to half-edge {table[h]}, but there are only {size}")
+    table = table.astype(np.int64)
+    every = np.arange(size)
+    alone = table == every
+    if alone.any():
+        raise InvalidMetric(f"{_side(int(np.argmax(alone)))} is glued to itself")
+    one_way = table[table] != every
+    if one_way.any():
+        h = int(np.argmax(one_way))
+        t = int(table[h])
+        raise InvalidMetric(f"{_side(h)} is glued to {_side(t)}, but that is glued to {_side(int(table[t]))}")
+    return table
+
+
+def _length_table(face_lengths: ArrayLike, faces: int) -> Floats:
+    table = _table(face_lengths, "lengths", (faces, 3))
+    if table.dtype.kind not in "iuf":
+        raise InvalidMetric(f"the lengths have the type {table.dtype}, not numbers")
+    table = table.astype(np.float64)
+    good = np.isfinite(table) & (table > 0)
+    if not good.all():
+        h = int(np.argmin(good))
+        raise InvalidMetric(f"{_side(h)} has length {table.flat[h]}, not a positive finite number")
+    return table
+
+
+def _check_vertices(faces: Indices) -> None:
+    """Refuse gaps among the vertices."""
+    largest = int(faces.max())
+    used = np.zeros(min(largest, faces.size) + 1, dtype=np.bool_)
+    used[faces[faces < used.size]] = True
+    if used.size <= largest or not used.all():
+        f = int(np.argmax((faces == largest).any(axis=1)))
+        raise InvalidMetric(
+            f"vertex {int(np.argmin(used))} is in no face, while face {f} refers to vertex {largest}: "
+            "vertices must be numbered from 0 without gaps"
+        )
+
+
+def _check_ends(faces: Indices, twins: Indices) -> None:
+    """Refuse glued sides that do not join the same vertices, each running against the other."""
+    start, end = faces.ravel(), np.roll(faces, -1, axis=1).ravel()
+    differ = start[twins] != end
+    if differ.any():
+        h = int(np.argmax(differ))
+        t = int(twins[h])
+        raise InvalidMetric(
+            f"{_side(h)} runs from vertex {start[h]} to {end[h]} and is glued to {_side(t)}, "
+            f"which runs from {start[t]} to {end[t]}, not back"
+        )
+
+
+def _check_triangles(faces: Indices, lengths: Floats) -> None:
+    a, b, c = np.sort(lengths, axis=1).T
+    broken = ~(c - b < a)  # a difference of neighbors neither over- nor underflows
+    if broken.any():
+        f = int(np.argmax(broken))
+        raise InvalidMetric(
+            f"face {f} {faces[f].tolist()} breaks the triangle inequality: "
+            f"its sides are {float(a[f])!r}, {float(b[f])!r} and {float(c[f])!r}"
+        )
+
+
+def _matched(twins: Indices, lengths: Floats) -> Floats:
+    """Give both of two glued sides the length of the first, if they agree up to rounding."""
+    flat = lengths.ravel()
+    differs = np.abs(flat - flat[twins]) > SAME_LENGTH * flat
+    if differs.any():
+        h = int(np.argmax(differs))
+        t = int(twins[h])
+        raise InvalidMetric(
+            f"{_side(h)} has length {float(flat[h])!r}, but {_side(t)}, which is glued to it, "
+            f"has {float(flat[t])!r}"
+        )
+    return flat[np.minimum(twins, np.arange(flat.size))].reshape(-1, 3)
+
+
+def _check_sphere(faces: Indices, twins: Indices) -> None:
+    """Refuse more or other than one sphere."""
+    reached = _reached(twins)
+    if not reached.all():
+        f = int(np.argmin(reached))
+        raise InvalidMetric(f"the surface has several components: face {f} is not connected to face 0")
+    n = int(faces.max()) + 1
+    v = int(_pinched(faces.ravel(), twins, n))
+    if v >= 0:
+        raise InvalidMetric(
+            f"the faces around vertex {v} form more than one fan: the surface is not a manifold"
+        )
+    euler = n - len(faces) // 2
+    if euler != 2:
+        raise InvalidMetric(
+            f"the surface has Euler characteristic {euler} (genus {1 - euler // 2}), not 2: not a sphere"
+        )
+
+
+@njit(cache=True)
+def _reached(twins: Indices) -> NDArray[np.bool_]:
+    """Which faces can be reached from face 0."""
+    n = twins.size // 3
+    reached = np.zeros(n, dtype=np.bool_)
+    stack = np.empty(n, dtype=np.int64)
+    stack[0] = 0
+    reached[0] = True
+    top = 1
+    while top > 0:
+        top -= 1
+        f = stack[top]
+        for h in range(3 * f, 3 * f + 3):
+            g = twins[h] // 3
+            if not reached[g]:
+                reached[g] = True
+                stack[top] = g
+                top += 1
+    return reached
+
+
+@njit(cache=True)
+def _pinched(corners: Indices, twins: Indices, n: int) -> int:
+    """The first vertex whose corners are not one fan, -1 if there is none."""
+    degrees = np.zeros(n, dtype=np.int64)
+    first = np.full(n, -1, dtype=np.int64)
+    for h in range(corners.size):
+        v = corners[h]
+        degrees[v] += 1
+        if first[v] < 0:
+            first[v] = h
+    for v in range(n):
+        h = first[v]
+        met = 0
+        while met == 0 or h != first[v]:
+            met += 1
+            h = twins[h + 2 if h % 3 == 0 else h - 1]
+        if met != degrees[v]:
+            return v
+    return -1

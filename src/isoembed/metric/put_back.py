@@ -1,0 +1,247 @@
+"""Flat vertices put back into a triangulation that was flipped while they were away."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numba import njit
+from numpy.typing import NDArray
+
+from isoembed.errors import InvalidMetric
+from isoembed.mesh.triangulation import frozen
+from isoembed.metric.distinct import make_distinct
+from isoembed.metric.flat import Removal
+from isoembed.metric.flips import HalfEdges, apex, preceding
+from isoembed.metric.local_delaunay import half_edges_leaving, push
+from isoembed.metric.planar import first_sides, flip_to_delaunay, insert, lay_out
+from isoembed.metric.tracing import from_corner, from_inside, sector, straight, total_angle
+
+Floats = NDArray[np.float64]
+Indices = NDArray[np.int64]
+Mask = NDArray[np.bool_]
+
+
+@dataclass(frozen=True, eq=False)
+class Restored:
+    """A triangulation with all vertices, and where in the faces without the flat ones these lie.
+
+    Attributes
+    ----------
+    tables : HalfEdges
+        Vertices numbered, and directions measured, as before the removal.
+    kept : ndarray of bool, shape (3F,)
+        The half-edges of ``tables`` that are parts of the edges that were to be kept.
+    core, flat : ndarray of int
+        The vertices that had stayed, and those that were put back, both ascending.
+    faces : ndarray of int, shape (n,)
+        For every flat vertex the face, of those without flat vertices, in which it lies.
+    barycentric : ndarray, shape (n, 3)
+        And how much of the three corners it is; not negative, sum 1.
+    corners : ndarray of int, shape (n, 3)
+        The three corners, in the numbers of the triangulation without flat vertices.
+    """
+
+    tables: HalfEdges
+    kept: Mask
+    core: Indices
+    flat: Indices
+    faces: Indices
+    barycentric: Floats
+    corners: Indices
+
+    def vertices(self, core: Floats) -> Floats:
+        """Positions of all vertices from those of the core, if its faces are flat triangles.
+
+        Parameters
+        ----------
+        core : ndarray, shape (V - n, 3)
+
+        Returns
+        -------
+        ndarray, shape (V, 3)
+        """
+        result = np.empty((self.core.size + self.flat.size, core.shape[1]))
+        result[self.core] = core
+        result[self.flat] = np.einsum("nc,ncd->nd", self.barycentric, core[self.corners])
+        return result
+
+
+def put_back(tables: HalfEdges, removal: Removal, kept: Mask) -> Restored:
+    """Put flat vertices back, and make the triangles good between the edges that are to be kept.
+
+    Parameters
+    ----------
+    tables : HalfEdges
+        Any triangulation without them, its vertices numbered and directions measured as by `remove_flat`.
+    removal : Removal
+    kept : ndarray of bool, shape (3F,)
+        The half-edges of both sides of the edges that are not to be flipped: those at which the surface is
+        to be bent.  Vertices on them split them.
+
+    Returns
+    -------
+    Restored
+        With triangles that are Delaunay but for the edges kept, and but for what keeps loops and edges with
+        the same two ends away: of a convex polyhedron whose edges are all kept there are none, and of a
+        polygon covered twice none as long as its outline admits it.
+
+    Raises
+    ------
+    InvalidMetric
+        A vertex is not to be found, because these are other triangles or thin beyond measure.
+    """
+    n_vertices = removal.core.size + removal.removed.size
+    number = np.full(n_vertices, -1, dtype=np.int64)  # in the core
+    number[removal.core] = np.arange(removal.core.size)
+    there = (removal.removed, removal.anchors, removal.directions, removal.distances, removal.backs)
+    given = (tables.corners, tables.twins, tables.lengths, tables.directions)
+    faces, barycentric, axes, lost = _locate(*given, *there, number)
+    if lost < 0:
+        cells, x, y, fixed = lay_out(tables.twins, tables.lengths, kept)
+        slopes = np.arctan2(_next(y) - y, _next(x) - x)
+        grown = [
+            np.concatenate([table, np.zeros(6 * removal.removed.size, dtype=table.dtype)])
+            for table in (
+                removal.core[tables.corners], tables.twins, x, y, first_sides(tables.twins, fixed),
+                tables.directions, kept, fixed,
+            )
+        ]  # fmt: skip
+        cells = np.concatenate([cells, np.zeros(2 * removal.removed.size, dtype=np.int64)])
+        at = 3 * faces[:, None] + np.arange(3)
+        px, py = (np.einsum("vc,vc->v", barycentric, a[at]) for a in (x, y))
+        axes -= slopes[3 * faces]
+        lost = _insert_all(removal.removed, removal.anchors, px, py, axes, faces, *grown, cells, kept.size)
+    if lost >= 0:
+        raise InvalidMetric(f"vertex {lost}, which is flat, is not found again: its triangles are too thin")
+    corners, twins, x, y, frames, axes, kept, _ = grown
+    dx, dy = _next(x) - x, _next(y) - y
+    lengths = np.hypot(dx, dy)[np.minimum(twins, np.arange(twins.size))]
+    # In the frame of a vertex of the core a side of the polygon has the direction that is known.
+    slopes = np.concatenate([slopes, np.zeros(6 * removal.removed.size)])
+    turns = (np.arctan2(dy, dx) - slopes[frames] + 0.5) % (2 * np.pi) - 0.5
+    result = HalfEdges(corners, twins, lengths, axes[frames] + turns)
+    make_distinct(result, kept)
+    flat = np.flatnonzero(number < 0)
+    arrays = (kept, removal.core, flat, faces[flat], barycentric[flat], tables.faces[faces[flat]])
+    return Restored(result, *(frozen(array) for array in arrays))
+
+
+def _next(values: Floats) -> Floats:
+    """What the next half-edge of each face has."""
+    return np.roll(values.reshape(-1, 3), -1, axis=1).ravel()
+
+
+@njit(cache=True)
+def _insert_all(
+    removed: Indices,
+    anchors: Indices,
+    px: Floats,
+    py: Floats,
+    axis: Floats,
+    faces: Indices,
+    corners: Indices,
+    twins: Indices,
+    x: Floats,
+    y: Floats,
+    frames: Indices,
+    axes: Floats,
+    kept: Mask,
+    fixed: Mask,
+    cells: Indices,
+    new: int,
+) -> int:
+    """Insert the removed vertices into tables of which so much is in use; return one that is lost, or -1."""
+    waiting = np.zeros(corners.size, dtype=np.bool_)
+    stack = np.empty(corners.size, dtype=np.int64)
+    leaving = half_edges_leaving(corners[:new], px.size)
+    top = 0
+    for h in range(new):
+        top = push(h, stack, top, waiting, twins)
+    flip_to_delaunay(stack, top, waiting, corners, twins, x, y, frames, kept, fixed, leaving)
+    for k in range(removed.size - 1, -1, -1):
+        v = removed[k]
+        start = _face_near(leaving[anchors[k]], faces[v], twins, cells)
+        if not insert(
+            v, px[v], py[v], axis[v], start, new,
+            corners, twins, x, y, frames, axes, kept, fixed, cells, leaving, stack, waiting,
+        ):  # fmt: skip
+            return v
+        new += 6
+    return -1
+
+
+@njit(cache=True)
+def _face_near(h: int, f: int, twins: Indices, cells: Indices) -> int:
+    """A face at the vertex that a half-edge leaves, in the polygon of face f; or else f."""
+    e = h
+    while cells[e // 3] != cells[f]:
+        e = twins[preceding(e)]
+        if e == h:
+            return f
+    return e // 3
+
+
+@njit(cache=True)
+def _locate(
+    corners: Indices,
+    twins: Indices,
+    lengths: Floats,
+    directions: Floats,
+    removed: Indices,
+    anchors: Indices,
+    ways: Floats,
+    distances: Floats,
+    backs: Floats,
+    number: Indices,
+) -> tuple[Indices, Floats, Floats, int]:
+    """The faces in which the removed vertices lie, and where: barycentric coordinates.
+
+    Returns
+    -------
+    ndarray of int, shape (V,)
+    ndarray, shape (V, 3)
+    ndarray, shape (V,)
+        The direction at the vertex that is that of the first half-edge of the face.
+    int
+        A vertex that is lost, or -1.
+    """
+    n = number.size
+    faces = np.zeros(n, dtype=np.int64)
+    barycentric = np.zeros((n, 3))
+    axis = np.zeros(n)
+    x, y = np.empty(n), np.empty(n)  # in the face, whose first half-edge is the x axis
+    leaving = half_edges_leaving(corners, n - removed.size)
+    for k in range(removed.size - 1, -1, -1):
+        v, u = removed[k], anchors[k]
+        if number[u] >= 0:
+            h = leaving[number[u]]
+            h, offset = sector(h, ways[k], total_angle(h, twins, lengths), twins, directions)
+            state = from_corner(h, offset, lengths)
+        else:
+            state = from_inside(faces[u], x[u], y[u], ways[k] - axis[u], lengths)
+        out, px, py, qx, qy, rx, ry = straight(state, distances[k], twins, lengths)
+        if out < 0:
+            return faces, barycentric, axis, v
+        f, c = out // 3, out % 3
+        px, qx, rx = px - distances[k], qx - distances[k], rx - distances[k]
+        at_p, at_q = max(qx * ry - qy * rx, 0.0), max(rx * py - ry * px, 0.0)
+        at_r = max(px * qy - py * qx, 0.0)
+        total = at_p + at_q + at_r
+        if total == 0:
+            return faces, barycentric, axis, v
+        barycentric[v, c] = at_p / total
+        barycentric[v, (c + 1) % 3] = at_q / total
+        barycentric[v, (c + 2) % 3] = at_r / total
+        l = lengths[3 * f]
+        ax, ay = apex(l, lengths[3 * f + 1], lengths[3 * f + 2])
+        faces[v] = f
+        x[v], y[v] = barycentric[v, 1] * l + barycentric[v, 2] * ax, barycentric[v, 2] * ay
+        if c == 0:
+            slope = np.arctan2(qy - py, qx - px)
+        elif c == 1:
+            slope = np.arctan2(py - ry, px - rx)
+        else:
+            slope = np.arctan2(ry - qy, rx - qx)
+        axis[v] = backs[k] - np.pi + slope
+    return faces, barycentric, axis, -1

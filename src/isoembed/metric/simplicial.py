@@ -1,0 +1,121 @@
+"""From any gluing of triangles to a simplicial complex with the same metric."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from isoembed.metric.flips import apex
+from isoembed.metric.polyhedral import PolyhedralMetric
+
+Floats = NDArray[np.float64]
+Indices = NDArray[np.int64]
+
+
+def simplicial(faces: Indices, twins: Indices, face_lengths: Floats) -> PolyhedralMetric:
+    """Subdivide the triangles of a gluing where it is not a simplicial complex.
+
+    Once loops are cut into three and repeated edges into two, no two edges have the same ends.  A face with a
+    cut side is then a polygon, and is filled with triangles around a new vertex; if it meets a vertex at two
+    corners, a ring of new vertices comes between them.  Of two faces with the same corners, which have the
+    surface to themselves, one gets a new vertex too.
+
+    Parameters
+    ----------
+    faces : ndarray of int, shape (F, 3)
+    twins : ndarray of int, shape (3F,)
+    face_lengths : ndarray, shape (F, 3)
+        All of a glued metric, its lengths near 1.
+
+    Returns
+    -------
+    PolyhedralMetric
+        Old vertices first, in order.
+
+    Raises
+    ------
+    InvalidMetric
+        A triangle is so thin that rounding breaks one of its parts.
+    """
+    pieces = _pieces(faces, twins)
+    whole = np.asarray((pieces.reshape(-1, 3) == 1).all(axis=1))
+    if len(faces) == 2 and whole.all():
+        whole[0] = False
+    triangles = [faces[whole]]
+    edges = [np.stack([faces, np.roll(faces, -1, axis=1)], axis=2)[whole].reshape(-1, 2)]
+    lengths = [face_lengths[whole].ravel()]
+
+    between, count = _cuts(twins, pieces, int(faces.max()) + 1)
+    for f in np.flatnonzero(~whole).tolist():
+        outline, points, steps = _outline(faces[f], face_lengths[f], between[3 * f : 3 * f + 3])
+        center = points.mean(axis=0)
+        edges.append(_sides(outline))
+        lengths.append(steps)
+        if len(np.unique(outline)) < len(outline):
+            ring, inner = np.arange(count, count + len(outline)), (points + center) / 2
+            count += len(ring)
+            after, outer_after = np.roll(ring, -1), np.roll(outline, -1)
+            triangles += [
+                np.column_stack([outline, outer_after, ring]),
+                np.column_stack([outer_after, after, ring]),
+            ]
+            edges += [_sides(ring), np.column_stack([outline, ring]), np.column_stack([outer_after, ring])]
+            lengths += [
+                _distances(inner, np.roll(inner, -1, axis=0)),
+                _distances(points, inner),
+                _distances(np.roll(points, -1, axis=0), inner),
+            ]
+            outline, points = ring, inner
+        hub = np.full(len(outline), count)
+        count += 1
+        triangles.append(np.column_stack([_sides(outline), hub]))
+        edges.append(np.column_stack([outline, hub]))
+        lengths.append(_distances(points, center))
+    return PolyhedralMetric(np.concatenate(triangles), np.concatenate(lengths), np.concatenate(edges))
+
+
+def _pieces(faces: Indices, twins: Indices) -> Indices:
+    """Into how many pieces each half-edge is to be cut, shape (3F,)."""
+    start, end = faces.ravel(), np.roll(faces, -1, axis=1).ravel()
+    h = np.flatnonzero(np.arange(twins.size) < twins)
+    low, high = np.minimum(start[h], end[h]), np.maximum(start[h], end[h])
+    _, first = np.unique(low * (start.max() + 1) + high, return_index=True)
+    pieces = np.full(len(h), 2)
+    pieces[first] = 1
+    pieces[low == high] = 3
+    result = np.empty(twins.size, dtype=np.int64)
+    result[h] = result[twins[h]] = pieces
+    return result
+
+
+def _cuts(twins: Indices, pieces: Indices, count: int) -> tuple[list[list[int]], int]:
+    """Number the new vertices on every half-edge, in its direction; return them and the next free number."""
+    between: list[list[int]] = [[] for _ in range(twins.size)]
+    for h in np.flatnonzero((pieces > 1) & (np.arange(twins.size) < twins)).tolist():
+        new = list(range(count, count + int(pieces[h]) - 1))
+        count += len(new)
+        between[h], between[int(twins[h])] = new, new[::-1]
+    return between, count
+
+
+def _outline(corners: Indices, lengths: Floats, between: list[list[int]]) -> tuple[Indices, Floats, Floats]:
+    """A triangle as a polygon: its vertices, where they lie in the plane, and the lengths of its sides."""
+    l, second, third = lengths.tolist()
+    plane = np.array([(0.0, 0.0), (l, 0.0), apex(l, second, third)])
+    outline: list[int] = []
+    points: list[Floats] = []
+    steps: list[float] = []
+    for c, new in enumerate(between):
+        n = len(new) + 1
+        outline += [int(corners[c]), *new]
+        points += [plane[c] + (plane[(c + 1) % 3] - plane[c]) * (k / n) for k in range(n)]
+        steps += [float(lengths[c]) / n] * n
+    return np.array(outline), np.array(points), np.array(steps)
+
+
+def _sides(ring: Indices) -> Indices:
+    return np.column_stack([ring, np.roll(ring, -1)])
+
+
+def _distances(a: Floats, b: Floats) -> Floats:
+    return np.asarray(np.hypot(*(a - b).T))
