@@ -10,7 +10,7 @@ the placement.
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Generator, Iterator
 from dataclasses import dataclass
 
 import numpy as np
@@ -35,7 +35,7 @@ STALE = 10  # GMRES iterations beyond which a fresh factorization is cheaper
 DECREASE = 0.25  # least decrease, over what the linear model promises
 FIRST_STEP, LONGEST_STEP, SHORTEST_STEP = 0.5, 0.9, 1e-4
 HALVINGS, HALVINGS_IF_STALE = 30, 3
-CLOSE, CLOSEST = 1e-2, 1e-9  # largest curvature over largest deficit at which Newton's method is tried
+CLOSE, CLOSEST = 3e-3, 1e-9  # largest curvature over largest deficit at which Newton's method is tried
 MOST_STEPS, NEWTON_STEPS = 1000, 40
 CREEP, LEAST_PROGRESS = 50, 0.999  # so many steps have to bring the curvatures down by this factor
 LOOSEST, TIGHTEST = 1e-2, 1e-6  # residual of Newton's linear equations
@@ -92,20 +92,34 @@ def walk(
         start = Polytope.over(tables, np.full(deficits.size, factor * least))
         if start is None:
             continue
-        close = CLOSE
         try:
-            for polytope in _path(start, deficits, tally, backend):
-                yield polytope
-                if np.abs(polytope.curvatures).max() <= close * deficits.max():
-                    solution = newton(polytope, deficits, tally, backend)
-                    if solution is not None:
-                        yield solution
-                        return
-                    close /= 10
-                    if close < CLOSEST:
-                        break
+            arrived = yield from _attempt(start, deficits, tally, backend)
         except SingularMatrix:
             continue
+        if arrived:
+            return
+
+
+def _attempt(
+    p: Polytope, deficits: Floats, tally: Tally, backend: str | None
+) -> Generator[Polytope | Solution, None, bool]:
+    """Go from one start to the solution, trying Newton's method whenever it may work; return if it did."""
+    close = CLOSE
+    while close >= CLOSEST:
+        path = _path(p, deficits, tally, backend)
+        for p in path:
+            yield p
+            if np.abs(p.curvatures).max() <= close * deficits.max():
+                break
+        else:
+            return False
+        path.close()  # lets its factor go, which is as large as the next one
+        solution = newton(p, deficits, tally, backend)
+        if solution is not None:
+            yield solution
+            return True
+        close /= 10
+    return False
 
 
 def held(p: Polytope, tally: Tally, backend: str | None = None) -> Solution:
@@ -119,7 +133,9 @@ def held(p: Polytope, tally: Tally, backend: str | None = None) -> Solution:
     return Solution(p, pins, _factor(_pinned(p, _free(p, pins)), tally, backend))
 
 
-def _path(p: Polytope, deficits: Floats, tally: Tally, backend: str | None) -> Iterator[Polytope]:
+def _path(
+    p: Polytope, deficits: Floats, tally: Tally, backend: str | None
+) -> Generator[Polytope, None, None]:
     """Lead the curvatures toward zero along ``epsilon delta``."""
     inverse, fresh = _factor(-p.jacobian(), tally, backend), True
     epsilon = _share(p.curvatures, deficits)

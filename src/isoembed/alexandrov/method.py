@@ -12,11 +12,10 @@ from isoembed.alexandrov.attempt import attempted
 from isoembed.alexandrov.doubly_covered import THIN, DoublyCovered, doubly_covered, folded_shut
 from isoembed.alexandrov.homotopy import Solution, walk
 from isoembed.alexandrov.placement import placed, polished, relaxed, worst_length
-from isoembed.alexandrov.polyhedron import ConvexPolyhedron
+from isoembed.alexandrov.polyhedron import ConvexPolyhedron, metric_on
 from isoembed.alexandrov.polytope import Polytope
 from isoembed.errors import InvalidMetric, InvalidParameter
 from isoembed.linalg import chosen_backend
-from isoembed.mesh.triangulation import Triangulation
 from isoembed.metric.convexity import deficit_rounding
 from isoembed.metric.edge_paths import edge_paths
 from isoembed.metric.flat import remove_flat
@@ -32,8 +31,8 @@ from isoembed.surface.measures import face_normals, outward
 
 Floats = NDArray[np.float64]
 
-ACCEPTED = 1e-12  # mean lengths: if it is more, Newton's method goes on with the lengths themselves
-POLISHES, POLISHED = 3, 1e-13  # at most so many rounds, until no length is off by more, in mean lengths
+ACCEPTED = 1e-11  # mean lengths: if it is more, Newton's method goes on with the lengths themselves
+POLISHES, POLISHED = 3, 1e-12  # at most so many rounds, until no length is off by more, in mean lengths
 
 
 @dataclass(frozen=True)
@@ -108,14 +107,12 @@ class Alexandrov:
                 tables, vertices = found.tables, found.vertices
             else:
                 tables, vertices = found.polytope.tables, _placed(found, tally)
-        flat_body = isinstance(found, DoublyCovered)
         try:
             with log.stage("edge paths"):
                 vertices = outward(tables.faces, vertices)
                 restored = put_back(tables, removal, _creases(tables, vertices))
                 paths = edge_paths(original, restored.tables, _one_halfedge_an_edge(metric))
-            result = _metric(restored.tables, given.unit)
-            core_metric = None if flat_body else _metric(tables, 1.0)
+            result = metric_on(restored.tables, given.unit)
         except InvalidMetric as error:  # not the given metric's fault: these are triangles of our own
             nearest = None if isinstance(found, DoublyCovered) else found.polytope
             message = f"the polyhedron was found, but it has triangles that are too thin for floats: {error}"
@@ -125,7 +122,7 @@ class Alexandrov:
             given.unit * restored.vertices(vertices),
             given=given,
             edge_paths=paths,
-            core=None if core_metric is None else (core_metric, vertices),
+            core=None if isinstance(found, DoublyCovered) else (tables, vertices),
             flat_vertices=np.flatnonzero(flat),
             repair=repair if repair.vertices.size else None,
             tolerance=tolerance,
@@ -213,10 +210,3 @@ def _one_halfedge_an_edge(metric: PolyhedralMetric | GluedMetric) -> NDArray[np.
     if isinstance(metric, PolyhedralMetric):
         return metric.triangulation.edge_halfedges[:, 0]
     return np.flatnonzero(np.arange(metric.twins.size) < metric.twins)
-
-
-def _metric(tables: HalfEdges, unit: float) -> PolyhedralMetric:
-    triangulation = Triangulation(tables.faces)
-    lengths = np.empty(triangulation.n_edges)
-    lengths[triangulation.face_edges.ravel()] = unit * tables.lengths
-    return PolyhedralMetric.on(triangulation, lengths)

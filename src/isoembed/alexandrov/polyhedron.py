@@ -12,8 +12,10 @@ from scipy.sparse import coo_array
 from scipy.sparse.csgraph import connected_components
 
 from isoembed.alexandrov.certificate import Certificate, certify
-from isoembed.mesh.triangulation import frozen
+from isoembed.errors import InvalidMetric
+from isoembed.mesh.triangulation import Triangulation, frozen
 from isoembed.metric.edge_paths import EdgePaths
+from isoembed.metric.flips import HalfEdges
 from isoembed.metric.glued import GluedMetric
 from isoembed.metric.polyhedral import PolyhedralMetric
 from isoembed.metric.repair import Repair
@@ -24,6 +26,20 @@ from isoembed.surface.embedding import Embedding
 
 Floats = NDArray[np.float64]
 Indices = NDArray[np.int64]
+
+
+def metric_on(tables: HalfEdges, unit: float) -> PolyhedralMetric:
+    """The metric of triangles that are a simplicial complex, in another unit.
+
+    Raises
+    ------
+    InvalidMetric
+        They are none, or rounding broke one of them.
+    """
+    triangulation = Triangulation(tables.faces)
+    lengths = np.empty(triangulation.n_edges)
+    lengths[triangulation.face_edges.ravel()] = unit * tables.lengths
+    return PolyhedralMetric.on(triangulation, lengths)
 
 
 class ConvexPolyhedron(Embedding):
@@ -42,9 +58,9 @@ class ConvexPolyhedron(Embedding):
     edge_paths : EdgePaths
         Its edges on the triangles of the polyhedron: in the order of `PolyhedralMetric.edges`, or of the
         lower half-edges of a `GluedMetric`.
-    core : tuple of PolyhedralMetric and ndarray, or None
-        The metric on triangles that use only the vertices with a deficit, in order, and their positions;
-        None if the body is flat.
+    core : tuple of HalfEdges and ndarray, or None
+        Triangles that use only the vertices with a deficit, in order, and the positions of these, both in the
+        unit of the normalized metric; None if the body is flat.
     flat_vertices : ndarray of int
         The vertices without a deficit.
     repair : Repair or None
@@ -64,7 +80,7 @@ class ConvexPolyhedron(Embedding):
 
     given: GluedMetric
     edge_paths: EdgePaths
-    core: tuple[PolyhedralMetric, Floats] | None
+    core: tuple[HalfEdges, Floats] | None
     flat_vertices: Indices
     repair: Repair | None
 
@@ -75,7 +91,7 @@ class ConvexPolyhedron(Embedding):
         *,
         given: GluedMetric,
         edge_paths: EdgePaths,
-        core: tuple[PolyhedralMetric, Floats] | None,
+        core: tuple[HalfEdges, Floats] | None,
         flat_vertices: Indices,
         repair: Repair | None,
         tolerance: float,
@@ -166,7 +182,11 @@ class ConvexPolyhedron(Embedding):
             return Certificate(False, "not certified, because the lengths miss the tolerance")
         if self.core is None:
             return Certificate(False, "not certified, because the body is a doubly covered polygon")
-        return certify(*self.core)
+        tables, vertices = self.core
+        try:
+            return certify(metric_on(tables, 1.0), vertices)
+        except InvalidMetric as error:
+            return Certificate(False, f"not certified, because {error}")
 
     def _sentence(self) -> str:
         worst = int(np.argmax(self.path_residuals))

@@ -53,7 +53,7 @@ def gmres(
         H[k + 1, k] = np.linalg.norm(w)
         rhs = np.zeros(k + 2)
         rhs[0] = size
-        y, *_ = np.linalg.lstsq(H[: k + 2, : k + 1], rhs, rcond=None)
+        y = np.linalg.lstsq(H[: k + 2, : k + 1], rhs, rcond=None)[0].astype(np.float64)
         residual = float(np.linalg.norm(rhs - H[: k + 2, : k + 1] @ y))
         if residual <= tolerance * size or H[k + 1, k] == 0:
             break

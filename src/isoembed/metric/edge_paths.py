@@ -117,13 +117,19 @@ def edge_paths(original: HalfEdges, final: HalfEdges, halfedges: Indices) -> Edg
     )  # fmt: skip
     counts = np.empty(n, dtype=np.int64)
     meet = np.empty((n, 2))  # where the paths end, if they set out from the origin along the x axis
-    given = (first, angles, lengths, ends[:, 1], final.corners, final.twins, final.lengths)
-    _follow(*given, counts, meet)
-    offsets = np.concatenate([[0], np.cumsum(counts)])
+    _follow(first, angles, lengths, ends[:, 1], final.corners, final.twins, final.lengths, counts, meet)
+    offsets = np.concatenate([np.zeros(1, dtype=np.int64), np.cumsum(counts)])
     crossings, parameters = np.empty(offsets[-1], dtype=np.int64), np.empty(offsets[-1])
     _cross(first, angles, final.twins, final.lengths, offsets, meet, crossings, parameters)
-    arrays = (ends, offsets, crossings, parameters, lengths, np.hypot(*meet.T))
-    return EdgePaths(final, *(frozen(array) for array in arrays))
+    return EdgePaths(
+        final,
+        frozen(ends),
+        frozen(offsets),
+        frozen(crossings),
+        frozen(parameters),
+        frozen(lengths),
+        frozen(np.hypot(meet[:, 0], meet[:, 1])),
+    )
 
 
 @njit(cache=True)

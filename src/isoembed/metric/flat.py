@@ -105,8 +105,14 @@ def remove_flat(tables: HalfEdges, flat: Mask) -> tuple[HalfEdges, Removal]:
         tables.lengths[kept],
         tables.directions[kept],
     )
-    arrays = (core, order, anchors, *(np.ascontiguousarray(column) for column in places.T))
-    return result, Removal(*(frozen(array) for array in arrays))
+    return result, Removal(
+        frozen(core),
+        frozen(order),
+        frozen(anchors),
+        frozen(places[:, 0].copy()),
+        frozen(places[:, 1].copy()),
+        frozen(places[:, 2].copy()),
+    )
 
 
 @njit(cache=True)
@@ -135,7 +141,8 @@ def _remove(
     while remaining.size > 0:
         number += 1
         left = 0
-        for v in remaining:
+        for k in range(remaining.size):
+            v = remaining[k]
             h = leaving[v]
             if rounds[v] == number or degree(h, twins, most) > most:
                 remaining[left] = v
@@ -154,8 +161,8 @@ def _remove(
                 continue
             order[count] = v
             count += 1
-            for k in range(height):  # the sides of the new triangles
-                rounds[corners[stack[k]]] = rounds[corners[twins[stack[k]]]] = number
+            for side in stack[:height]:  # of the new triangles
+                rounds[corners[side]] = rounds[corners[twins[side]]] = number
             settle(stack, height, waiting, corners, twins, lengths, directions, kept, leaving, weights)
         if left == remaining.size and most > n:
             break

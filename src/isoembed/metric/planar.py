@@ -20,9 +20,9 @@ Mask = NDArray[np.bool_]
 
 STRAIGHT = 1e-9  # radians by which a corner of a polygon may seem reflex, and two angles more than pi
 # How much longer the way along a side is by way of a vertex that is put on it, at most.  Two sides that are
-# longer than the third by less than ON_SIDE make no triangle in floats; the vertex is 1e-7 of the side off.  A
-# side that may be flipped anyway is split early, which spares two thin triangles.
-ON_SIDE, NEAR_SIDE = 1e-14, 1e-6
+# longer than the third by less than ON_SIDE make no triangle in floats; the vertex is 2e-8 of it off.  A side
+# that may be flipped anyway is split early, which spares two thin triangles.
+ON_SIDE, NEAR_SIDE = 1e-15, 1e-6
 
 
 @njit(cache=True)

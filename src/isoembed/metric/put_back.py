@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import TypeVar
 
 import numpy as np
 from numba import njit
@@ -20,6 +21,9 @@ from isoembed.metric.tracing import from_corner, from_inside, sector, straight, 
 Floats = NDArray[np.float64]
 Indices = NDArray[np.int64]
 Mask = NDArray[np.bool_]
+Table = TypeVar("Table", bound=NDArray)
+
+_LOST = "vertex {}, which is flat, is not found again: the triangles around it are too thin"
 
 
 @dataclass(frozen=True, eq=False)
@@ -91,40 +95,55 @@ def put_back(tables: HalfEdges, removal: Removal, kept: Mask) -> Restored:
     InvalidMetric
         A vertex is not to be found, because these are other triangles or thin beyond measure.
     """
-    n_vertices = removal.core.size + removal.removed.size
-    number = np.full(n_vertices, -1, dtype=np.int64)  # in the core
-    number[removal.core] = np.arange(removal.core.size)
-    there = (removal.removed, removal.anchors, removal.directions, removal.distances, removal.backs)
-    given = (tables.corners, tables.twins, tables.lengths, tables.directions)
-    faces, barycentric, axes, lost = _locate(*given, *there, number)
-    if lost < 0:
-        cells, x, y, fixed = lay_out(tables.twins, tables.lengths, kept)
-        slopes = np.arctan2(_next(y) - y, _next(x) - x)
-        grown = [
-            np.concatenate([table, np.zeros(6 * removal.removed.size, dtype=table.dtype)])
-            for table in (
-                removal.core[tables.corners], tables.twins, x, y, first_sides(tables.twins, fixed),
-                tables.directions, kept, fixed,
-            )
-        ]  # fmt: skip
-        cells = np.concatenate([cells, np.zeros(2 * removal.removed.size, dtype=np.int64)])
-        at = 3 * faces[:, None] + np.arange(3)
-        px, py = (np.einsum("vc,vc->v", barycentric, a[at]) for a in (x, y))
-        axes -= slopes[3 * faces]
-        lost = _insert_all(removal.removed, removal.anchors, px, py, axes, faces, *grown, cells, kept.size)
+    r, n = removal, removal.removed.size
+    number = np.full(r.core.size + n, -1, dtype=np.int64)  # in the core
+    number[r.core] = np.arange(r.core.size)
+    faces, barycentric, axis, lost = _locate(
+        tables.corners, tables.twins, tables.lengths, tables.directions,
+        r.removed, r.anchors, r.directions, r.distances, r.backs, number,
+    )  # fmt: skip
     if lost >= 0:
-        raise InvalidMetric(f"vertex {lost}, which is flat, is not found again: its triangles are too thin")
-    corners, twins, x, y, frames, axes, kept, _ = grown
+        raise InvalidMetric(_LOST.format(lost))
+
+    cells, x, y, fixed = lay_out(tables.twins, tables.lengths, kept)
+    slopes = np.arctan2(_next(y) - y, _next(x) - x)
+    at = 3 * faces[:, None] + np.arange(3)
+    px, py = np.einsum("vc,vc->v", barycentric, x[at]), np.einsum("vc,vc->v", barycentric, y[at])
+    axis -= slopes[3 * faces]
+    frames = _grown(first_sides(tables.twins, fixed), 6 * n)
+    axes, slopes = _grown(tables.directions, 6 * n), _grown(slopes, 6 * n)
+    corners, twins = _grown(r.core[tables.corners], 6 * n), _grown(tables.twins, 6 * n)
+    x, y, kept, fixed = _grown(x, 6 * n), _grown(y, 6 * n), _grown(kept, 6 * n), _grown(fixed, 6 * n)
+    lost = _insert_all(
+        r.removed, r.anchors, px, py, axis, faces, corners, twins, x, y, frames, axes, kept, fixed,
+        _grown(cells, 2 * n), tables.corners.size,
+    )  # fmt: skip
+    if lost >= 0:
+        raise InvalidMetric(_LOST.format(lost))
+
     dx, dy = _next(x) - x, _next(y) - y
-    lengths = np.hypot(dx, dy)[np.minimum(twins, np.arange(twins.size))]
-    # In the frame of a vertex of the core a side of the polygon has the direction that is known.
-    slopes = np.concatenate([slopes, np.zeros(6 * removal.removed.size)])
+    lengths = np.hypot(dx, dy)
+    lengths = np.minimum(lengths, lengths[twins])  # between polygons they differ by rounding
+    # A frame gives the direction of a side of the polygon, or of the x axis if the vertex was flat; half a
+    # radian takes up what rounding puts before that.
     turns = (np.arctan2(dy, dx) - slopes[frames] + 0.5) % (2 * np.pi) - 0.5
     result = HalfEdges(corners, twins, lengths, axes[frames] + turns)
     make_distinct(result, kept)
     flat = np.flatnonzero(number < 0)
-    arrays = (kept, removal.core, flat, faces[flat], barycentric[flat], tables.faces[faces[flat]])
-    return Restored(result, *(frozen(array) for array in arrays))
+    return Restored(
+        result,
+        frozen(kept),
+        r.core,
+        frozen(flat),
+        frozen(faces[flat]),
+        frozen(barycentric[flat]),
+        frozen(tables.faces[faces[flat]]),
+    )
+
+
+def _grown(table: Table, by: int) -> Table:
+    """A copy with room for more."""
+    return np.concatenate([table, np.zeros(by, dtype=table.dtype)])  # type: ignore[return-value]
 
 
 def _next(values: Floats) -> Floats:

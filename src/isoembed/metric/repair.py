@@ -15,7 +15,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
-from typing import TypeVar
+from typing import TypeVar, cast
 
 import numpy as np
 from numpy.typing import NDArray
@@ -29,7 +29,7 @@ from isoembed.metric.glued import GluedMetric
 from isoembed.metric.polyhedral import PolyhedralMetric
 
 Floats = NDArray[np.float64]
-Metric = TypeVar("Metric", PolyhedralMetric, GluedMetric)
+Metric = TypeVar("Metric", bound=PolyhedralMetric | GluedMetric)
 
 NEWTON_STEPS = 20  # far beyond what small deficits need: the error is squared in each
 BLOCKS = 10  # exchanges of many vertices that may fail to help before one is exchanged at a time
@@ -162,5 +162,5 @@ def _rescaled(metric: Metric, u: Floats) -> Metric:
         w = np.exp(u / 2)
         if isinstance(metric, GluedMetric):
             scale = w[metric.faces] * np.roll(w[metric.faces], -1, axis=1)
-            return GluedMetric(metric.faces, metric.twins, metric.face_lengths * scale)
-        return metric.with_lengths(metric.lengths * w[metric.edges].prod(axis=1))
+            return cast(Metric, GluedMetric(metric.faces, metric.twins, metric.face_lengths * scale))
+        return cast(Metric, metric.with_lengths(metric.lengths * w[metric.edges].prod(axis=1)))
