@@ -114,7 +114,7 @@ def test_many_edges_at_a_flat_vertex():
 
 
 def fold(place, width=0.5):
-    """A triangle folded shut around vertex 1, another around vertex 2, and vertex 3 somewhere on the first."""
+    """A triangle folded shut around vertex 1, another around vertex 2; vertex 3 is to be on the first."""
     faces, twins = np.array([[0, 0, 1], [0, 0, 2]]), np.array([3, 2, 1, 0, 5, 4])
     tables = HalfEdges.of(faces, twins, np.array([[width, 1.0, 1.0], [width, 2.0, 2.0]]))
     _, removal = remove_flat(tables, np.zeros(3, dtype=bool))
@@ -163,5 +163,5 @@ def test_triangles_lost_in_rounding_are_refused():
     thin = HalfEdges.of(
         regular.faces, regular.twins, np.linalg.norm(ends[0] - ends[1], axis=1).reshape(-1, 3)
     )
-    with pytest.raises(InvalidMetric, match="vertex [34] is flat, but the triangles around it are so thin"):
+    with pytest.raises(InvalidMetric, match=r"vertex [34] is flat, but the triangles around it are so thin"):
         remove_flat(thin, np.arange(5) > 2)
