@@ -49,6 +49,12 @@ def test_the_square_whose_apex_is_on_a_diagonal():
     assert zoo.aligned(found.vertices, np.column_stack([square, np.zeros(4)])) < 1e-12
 
 
+def test_the_parallelogram_whose_apex_is_on_two_flat_edges():
+    shear = np.array([[0.0, 0], [1, 0], [2, 1], [1, 1]])
+    found = found_flat(shear, 1)
+    assert zoo.aligned(found.vertices, np.column_stack([shear, np.zeros(4)])) < 1e-12
+
+
 def test_the_signposts_of_the_fans_are_those_of_the_metric():
     outline = polygon(7, 1)
     tables = HalfEdges.of(*zoo.doubly_covered(outline))

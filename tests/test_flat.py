@@ -72,16 +72,18 @@ def test_directions_at_the_others_stay():
     assert found > 50
 
 
-@pytest.mark.parametrize("seed", range(20))
+@pytest.mark.parametrize("seed", range(40))
 def test_polygons_covered_twice(seed):
-    n = 4 + seed % 4
-    points, sheets = doubled(n, seed, length=10.0)
-    vertices, faces, flat = sprinkled(points, sheets, 40, seed)
+    # At their narrow ends many edges are loops.
+    points, sheets = doubled(4 + seed % 2, seed, length=30.0)
+    vertices, faces, flat = sprinkled(points, sheets, 12, seed)
     tables = tables_of(vertices, faces)
-    tables.scramble(100, np.random.default_rng(seed), 1e-2)
     core, _ = remove_flat(tables, flat)
-    assert checked(core).n_vertices == n
+    assert checked(core).n_vertices == len(points)
     assert checked(core).deficits == pytest.approx(checked(tables).deficits[~flat], abs=1e-7)
+    tables.scramble(100, np.random.default_rng(seed), 1e-2)
+    again, _ = remove_flat(tables, flat)
+    assert np.sort(again.lengths) == pytest.approx(np.sort(core.lengths), abs=1e-8)
 
 
 def test_down_to_a_triangle_covered_twice():

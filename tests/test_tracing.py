@@ -48,7 +48,7 @@ def folded(x, y):
 def test_from_a_corner_of_a_square_covered_twice(angle, length):
     vertices, tables = square()
     # Half-edge 0 runs along the x axis; the total angle is pi, and half of it is above.
-    h, offset = sector(5, tables.directions[0] + angle, np.pi, tables.twins, tables.directions)
+    h, offset = sector(3, tables.directions[0] + angle, np.pi, tables.twins, tables.directions)
     assert tables.corners[h] == 0 and 0 <= offset < np.pi / 2
     end, face = end_of(from_corner(h, offset, tables.lengths), length, vertices, tables)
     place, below = folded(length * np.cos(angle), length * np.sin(angle))
@@ -69,10 +69,9 @@ def test_from_inside_a_square_covered_twice(x, y, angle, length):
         assert face // 2 == below
 
 
-@pytest.mark.parametrize("x", [0.0, 0.25, 0.5, 1.0])
+@pytest.mark.parametrize("x", [0.25, 0.5, 0.75])
 @pytest.mark.parametrize("turns", [0, 1, 2, 3])
 def test_along_and_across_the_sides_of_a_face(x, turns):
-    # From a point on a side, along it, away from it and into the face; at x = 0 and 1 from a corner.
     vertices, tables = square()
     angle = turns * np.pi / 2
     end, _ = end_of(from_inside(0, x, 0.0, angle, tables.lengths), 0.125, vertices, tables)

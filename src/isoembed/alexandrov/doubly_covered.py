@@ -22,7 +22,7 @@ Indices = NDArray[np.int64]
 
 THIN = 1e-4  # squared height of the apex over its squared distance below which a polytope may be turning flat
 FOLD = 0.5  # the apex' feet lie on one side of a fold and on both sides of a flat edge: the ratio is 1 or 0
-ON_EDGE = 1e-8  # of the length of an edge
+ROUNDING, NOT_YET_FLAT = 1e-8, 30.0  # of the length of an edge, the second with the squared height
 EVEN = 1e-7  # radians: the two sheets' angles at a vertex agree, and the polygon closes
 
 
@@ -52,8 +52,9 @@ def folded_shut(p: Polytope) -> DoublyCovered | None:
     mean = float(p.radii.mean())
     feet, _ = tilts(p.tables.corners, p.tables.lengths, (p.radii - mean) * (p.radii + mean))
     other = feet[p.tables.twins]
-    # An apex right above a flat edge has both feet on it, up to rounding.
-    least = FOLD * (np.abs(feet) + np.abs(other)) + ON_EDGE * p.tables.lengths
+    # An apex right above a flat edge has both feet on it, up to rounding and to how flat the body is by now.
+    on_edge = (ROUNDING + NOT_YET_FLAT * p.lowest) * p.tables.lengths
+    least = FOLD * (np.abs(feet) + np.abs(other)) + on_edge
     return doubly_covered(p.tables, feet + other > least)
 
 

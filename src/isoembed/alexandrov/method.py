@@ -3,10 +3,12 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.sparse import coo_array
+from scipy.sparse.csgraph import reverse_cuthill_mckee
 
 from isoembed.alexandrov.attempt import attempted
 from isoembed.alexandrov.doubly_covered import THIN, DoublyCovered, doubly_covered, folded_shut
@@ -97,26 +99,27 @@ class Alexandrov:
             core, removal = remove_flat(original, flat)
             tally.iterations = int(flat.sum())
         with log.stage("polytope") as tally:
-            found = _polyhedron(core, unit.deficits[~flat], tally, self.backend)
+            order = _near_in_memory(core)
+            curved = np.flatnonzero(~flat)[order]
+            found = _polyhedron(core.in_order(order), unit.deficits[~flat][order], tally, self.backend)
         if found is None or isinstance(found, Polytope):
-            return self._failure(
-                metric, np.flatnonzero(~flat), found, _diagnosis(found, ~flat), tolerance, log
-            )
+            return self._failure(metric, curved, found, _diagnosis(found, curved), tolerance, log)
         with log.stage("placement") as tally:
             if isinstance(found, DoublyCovered):
                 tables, vertices = found.tables, found.vertices
             else:
                 tables, vertices = found.polytope.tables, _placed(found, tally)
+            tables = replace(tables, corners=order[tables.corners])
+            vertices = outward(tables.faces, vertices[np.argsort(order)])
         try:
             with log.stage("edge paths"):
-                vertices = outward(tables.faces, vertices)
                 restored = put_back(tables, removal, _creases(tables, vertices))
                 paths = edge_paths(original, restored.tables, _one_halfedge_an_edge(metric))
             result = metric_on(restored.tables, given.unit)
         except InvalidMetric as error:  # not the given metric's fault: these are triangles of our own
             nearest = None if isinstance(found, DoublyCovered) else found.polytope
             message = f"the polyhedron was found, but it has triangles that are too thin for floats: {error}"
-            return self._failure(metric, np.flatnonzero(~flat), nearest, message, tolerance, log)
+            return self._failure(metric, curved, nearest, message, tolerance, log)
         return ConvexPolyhedron(
             result,
             given.unit * restored.vertices(vertices),
@@ -176,13 +179,21 @@ def _polyhedron(
     return nearest
 
 
-def _diagnosis(nearest: Polytope | None, curved: NDArray[np.bool_]) -> str:
+def _near_in_memory(tables: HalfEdges) -> NDArray[np.int64]:
+    """An order of the vertices in which neighbors have near numbers, shape (V,)."""
+    n = tables.corners.size // 6 + 2
+    ends = (tables.corners, tables.corners[tables.twins])
+    graph = coo_array((np.ones(tables.corners.size), ends), shape=(n, n)).tocsr()
+    return reverse_cuthill_mckee(graph, symmetric_mode=True).astype(np.int64)
+
+
+def _diagnosis(nearest: Polytope | None, curved: NDArray[np.int64]) -> str:
     if nearest is None:
         return "no generalized polytope over this metric was found: its triangles are too thin for floats"
     v = int(np.argmax(np.abs(nearest.curvatures)))
     return (
         f"no polytope without curvature was found: the nearest has {nearest.curvatures[v]:.2g} radians "
-        f"at vertex {np.flatnonzero(curved)[v]}"
+        f"at vertex {curved[v]}"
     )
 
 

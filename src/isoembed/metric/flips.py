@@ -60,6 +60,29 @@ class HalfEdges:
         """Copy all tables."""
         return HalfEdges(self.corners.copy(), self.twins.copy(), self.lengths.copy(), self.directions.copy())
 
+    def in_order(self, order: Indices) -> HalfEdges:
+        """Copy with other numbers for vertices and faces, so that what is near is near in memory.
+
+        Parameters
+        ----------
+        order : ndarray of int, shape (V,)
+            The vertex that gets each number; the faces follow their lowest one.
+        """
+        number = np.empty_like(order)
+        number[order] = np.arange(order.size)
+        corners = number[self.corners]
+        faces = np.argsort(corners.reshape(-1, 3).min(axis=1), kind="stable")
+        place = np.empty_like(faces)
+        place[faces] = np.arange(faces.size)
+        halfedges = (3 * faces[:, None] + np.arange(3)).ravel()
+        face, corner = np.divmod(self.twins[halfedges], 3)
+        return HalfEdges(
+            corners[halfedges],
+            3 * place[face] + corner,
+            self.lengths[halfedges],
+            self.directions[halfedges],
+        )
+
     @property
     def faces(self) -> Indices:
         """(F, 3): the vertex at each corner."""

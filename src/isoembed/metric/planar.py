@@ -168,7 +168,7 @@ def insert(
     leaving: Indices,
     stack: Indices,
     waiting: Mask,
-) -> bool:
+) -> None:
     """Insert a vertex into a polygon.
 
     Parameters
@@ -185,15 +185,8 @@ def insert(
         to be found; which half-edges are of kept edges or between polygons.
     cells : ndarray of int, shape (F,)
     leaving : ndarray of int, shape (V,)
-
-    Returns
-    -------
-    bool
-        False, and nothing is changed, if the vertex is in none of the triangles.
     """
-    f = _face_at(px, py, start, twins, x, y, fixed, cells, new // 3)
-    if f < 0:
-        return False
+    f = face_at(px, py, start, twins, x, y, fixed, cells, new // 3)
     s = _side_at(px, py, f, twins, x, y, fixed)
     axes[new] = axis
     if s < 0:
@@ -214,11 +207,10 @@ def insert(
             leaving[corners[h]] = h
             top = push(h, stack, top, waiting, twins)
     flip_to_delaunay(stack, top, waiting, corners, twins, x, y, frames, kept, fixed, leaving)
-    return True
 
 
 @njit(cache=True)
-def _face_at(
+def face_at(
     px: float,
     py: float,
     start: int,
@@ -229,7 +221,7 @@ def _face_at(
     cells: Indices,
     n: int,
 ) -> int:
-    """The face of a polygon in which a point lies, of n faces; -1 if it is in none."""
+    """The face of a polygon in which a point lies, or nearly so, of n faces; the search begins at another."""
     f, came = start, -1
     for _ in range(n):
         go, least = -1, 0.0
@@ -238,18 +230,16 @@ def _face_at(
             if h != came and not fixed[h] and distance < least:
                 go, least = h, distance
         if go < 0:
-            if _depth(px, py, f, x, y) >= -STRAIGHT:
-                return f
             break
         came = twins[go]
         f = came // 3
-    # Rounding led astray.
-    f, best = -1, -STRAIGHT
-    for g in range(n):
-        if cells[g] == cells[start]:
-            depth = _depth(px, py, g, x, y)
-            if depth >= best:
-                f, best = g, depth
+    best = _depth(px, py, f, x, y)
+    if best < -STRAIGHT:  # led astray: try all
+        for g in range(n):
+            if cells[g] == cells[start]:
+                depth = _depth(px, py, g, x, y)
+                if depth > best:
+                    f, best = g, depth
     return f
 
 

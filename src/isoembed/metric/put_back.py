@@ -23,8 +23,6 @@ Indices = NDArray[np.int64]
 Mask = NDArray[np.bool_]
 Table = TypeVar("Table", bound=NDArray)
 
-_LOST = "vertex {}, which is flat, is not found again: the triangles around it are too thin"
-
 
 @dataclass(frozen=True, eq=False)
 class Restored:
@@ -103,7 +101,9 @@ def put_back(tables: HalfEdges, removal: Removal, kept: Mask) -> Restored:
         r.removed, r.anchors, r.directions, r.distances, r.backs, number,
     )  # fmt: skip
     if lost >= 0:
-        raise InvalidMetric(_LOST.format(lost))
+        raise InvalidMetric(
+            f"vertex {lost}, which is flat, is not found again: the triangles around it are too thin"
+        )
 
     cells, x, y, fixed = lay_out(tables.twins, tables.lengths, kept)
     slopes = np.arctan2(_next(y) - y, _next(x) - x)
@@ -114,13 +114,10 @@ def put_back(tables: HalfEdges, removal: Removal, kept: Mask) -> Restored:
     axes, slopes = _grown(tables.directions, 6 * n), _grown(slopes, 6 * n)
     corners, twins = _grown(r.core[tables.corners], 6 * n), _grown(tables.twins, 6 * n)
     x, y, kept, fixed = _grown(x, 6 * n), _grown(y, 6 * n), _grown(kept, 6 * n), _grown(fixed, 6 * n)
-    lost = _insert_all(
+    _insert_all(
         r.removed, r.anchors, px, py, axis, faces, corners, twins, x, y, frames, axes, kept, fixed,
         _grown(cells, 2 * n), tables.corners.size,
     )  # fmt: skip
-    if lost >= 0:
-        raise InvalidMetric(_LOST.format(lost))
-
     dx, dy = _next(x) - x, _next(y) - y
     lengths = np.hypot(dx, dy)
     lengths = np.minimum(lengths, lengths[twins])  # between polygons they differ by rounding
@@ -169,8 +166,8 @@ def _insert_all(
     fixed: Mask,
     cells: Indices,
     new: int,
-) -> int:
-    """Insert the removed vertices into tables of which so much is in use; return one that is lost, or -1."""
+) -> None:
+    """Insert the removed vertices into tables of which so much is in use."""
     waiting = np.zeros(corners.size, dtype=np.bool_)
     stack = np.empty(corners.size, dtype=np.int64)
     leaving = half_edges_leaving(corners[:new], px.size)
@@ -181,13 +178,11 @@ def _insert_all(
     for k in range(removed.size - 1, -1, -1):
         v = removed[k]
         start = _face_near(leaving[anchors[k]], faces[v], twins, cells)
-        if not insert(
+        insert(
             v, px[v], py[v], axis[v], start, new,
             corners, twins, x, y, frames, axes, kept, fixed, cells, leaving, stack, waiting,
-        ):  # fmt: skip
-            return v
+        )  # fmt: skip
         new += 6
-    return -1
 
 
 @njit(cache=True)
@@ -247,8 +242,6 @@ def _locate(
         at_p, at_q = max(qx * ry - qy * rx, 0.0), max(rx * py - ry * px, 0.0)
         at_r = max(px * qy - py * qx, 0.0)
         total = at_p + at_q + at_r
-        if total == 0:
-            return faces, barycentric, axis, v
         barycentric[v, c] = at_p / total
         barycentric[v, (c + 1) % 3] = at_q / total
         barycentric[v, (c + 2) % 3] = at_r / total
