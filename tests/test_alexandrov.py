@@ -181,6 +181,7 @@ def test_a_glued_metric_needs_this_method():
 
 def test_failure_is_reported_with_what_there_is(monkeypatch):
     monkeypatch.setattr("isoembed.alexandrov.homotopy.NEWTON_STEPS", 0)
+    monkeypatch.setattr("isoembed.alexandrov.placement.RELAXATIONS", 0)
     vertices, faces = grid_cube(2)
     metric = PolyhedralMetric.from_mesh(vertices, faces)
     with pytest.raises(isoembed.NotEmbedded, match="no polytope without curvature") as failure:
@@ -189,6 +190,43 @@ def test_failure_is_reported_with_what_there_is(monkeypatch):
     assert attempt.metric is metric and attempt.residual > 1e-10
     assert attempt.residual < 1  # not far
     assert attempt.report["status"] == "not converged"
+
+
+@pytest.mark.parametrize(
+    ("n", "apex", "height"), [(3, (0.3, 0.2), 0.1), (4, (0.3, 0.2), 0.02), (8, (0, 0), 0.01)]
+)
+def test_low_pyramids_are_finished_by_their_lengths(n, apex, height):
+    angle = 2 * np.pi * np.arange(n) / n
+    base = np.column_stack([np.cos(angle), np.sin(angle), 0 * angle])
+    vertices, faces = zoo.outward_hull(np.vstack([base, [*apex, height]]))
+    found = embed(PolyhedralMetric.from_mesh(vertices, faces), method="alexandrov")
+    assert zoo.aligned(found.vertices, vertices) < 1e-10
+    assert not found.concave_edges.any()
+
+
+def test_what_failed_is_no_success_however_near_its_lengths(monkeypatch):
+    monkeypatch.setattr("isoembed.alexandrov.homotopy.NEWTON_STEPS", 0)
+    monkeypatch.setattr("isoembed.alexandrov.placement.RELAXATIONS", 0)
+    with pytest.raises(isoembed.NotEmbedded, match="no polytope without curvature"):
+        embed(PolyhedralMetric.from_mesh(*zoo.icosahedron()), method="alexandrov", tolerance=1.0)
+
+
+@pytest.mark.parametrize("size", [1e-3, 1.0, 1e6])
+def test_the_certified_distance_is_in_the_unit_of_the_lengths(size):
+    vertices, faces = zoo.random_hull(30, 2)
+    found = embed(PolyhedralMetric.from_mesh(size * vertices, faces), method="alexandrov")
+    assert found.certificate.certified
+    assert zoo.aligned(found.vertices, size * vertices) < 100 * found.certificate.distance + 1e-14 * size
+    assert 1e-17 * size < found.certificate.distance < 1e-11 * size
+
+
+def test_deficits_that_rounding_hides_are_refused():
+    sides = [1.0, 1.0, 2 - 1e-14]
+    metric = GluedMetric([[0, 1, 2], [0, 2, 1]], [5, 4, 3, 2, 1, 0], [sides, sides[::-1]])
+    with pytest.raises(
+        isoembed.InvalidMetric, match="only 2 vertices have a deficit that rounding does not hide"
+    ):
+        embed(metric, method="alexandrov")
 
 
 def test_success_is_claimed_on_the_residual_of_what_is_returned():

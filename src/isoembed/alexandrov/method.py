@@ -13,10 +13,10 @@ from scipy.sparse.csgraph import reverse_cuthill_mckee
 from isoembed.alexandrov.attempt import attempted
 from isoembed.alexandrov.doubly_covered import THIN, DoublyCovered, doubly_covered, folded_shut
 from isoembed.alexandrov.homotopy import Solution, walk
-from isoembed.alexandrov.placement import placed, polished, relaxed, worst_length
+from isoembed.alexandrov.placement import placed, polished, relaxed, relaxed_polytope, worst_length
 from isoembed.alexandrov.polyhedron import ConvexPolyhedron, metric_on
 from isoembed.alexandrov.polytope import Polytope
-from isoembed.errors import InvalidMetric, InvalidParameter
+from isoembed.errors import InvalidMetric, InvalidParameter, NotEmbedded
 from isoembed.linalg import chosen_backend
 from isoembed.metric.convexity import deficit_rounding
 from isoembed.metric.edge_paths import edge_paths
@@ -25,7 +25,7 @@ from isoembed.metric.flips import HalfEdges
 from isoembed.metric.glued import GluedMetric
 from isoembed.metric.polyhedral import PolyhedralMetric
 from isoembed.metric.put_back import put_back
-from isoembed.metric.repair import repaired
+from isoembed.metric.repair import Repair, repaired
 from isoembed.stages import Log, Tally
 from isoembed.surface.convexity import FLAT
 from isoembed.surface.embedding import Embedding
@@ -83,17 +83,47 @@ class Alexandrov:
 
         Returns
         -------
-        ConvexPolyhedron, or an Embedding of the given triangles where no polyhedron was found
+        ConvexPolyhedron
 
         Raises
         ------
         InvalidMetric
             A deficit is negative by more than rounding, or than what is to be repaired.
+        NotEmbedded
+            No polyhedron was found; the exception holds an attempt on the given triangles.
         """
         metric, repair = repaired(metric, self.repair)
         given = GluedMetric.of(metric)
         unit = given.normalized
-        flat = unit.deficits <= deficit_rounding(unit.faces, unit.face_lengths)
+        rounding = deficit_rounding(unit.faces, unit.face_lengths)
+        # A deficit within the tolerance can be told from none only by trying.
+        for least in (rounding, np.maximum(rounding, tolerance)):
+            flat = unit.deficits <= least
+            if (~flat).sum() < 3:
+                raise InvalidMetric(
+                    f"only {(~flat).sum()} vertices have a deficit that rounding does not hide, and a convex "
+                    f"polyhedron has at least 3: face {int(np.argmin(unit.triangles.areas))} is too thin"
+                )
+            answer = self._solved(
+                metric, given, flat, repair if repair.vertices.size else None, tolerance, log
+            )
+            if isinstance(answer, ConvexPolyhedron) and answer.converged:
+                break
+        if isinstance(answer, ConvexPolyhedron):
+            return answer
+        raise NotEmbedded(answer.message, answer)
+
+    def _solved(
+        self,
+        metric: PolyhedralMetric | GluedMetric,
+        given: GluedMetric,
+        flat: NDArray[np.bool_],
+        repair: Repair | None,
+        tolerance: float,
+        log: Log,
+    ) -> Embedding:
+        """The polyhedron, or an attempt, if these vertices are taken for flat."""
+        unit = given.normalized
         original = HalfEdges.of(unit.faces, unit.twins, unit.face_lengths)
         with log.stage("flat vertices") as tally:
             core, removal = remove_flat(original, flat)
@@ -101,14 +131,17 @@ class Alexandrov:
         with log.stage("polytope") as tally:
             order = _near_in_memory(core)
             curved = np.flatnonzero(~flat)[order]
-            found = _polyhedron(core.in_order(order), unit.deficits[~flat][order], tally, self.backend)
-        if found is None or isinstance(found, Polytope):
-            return self._failure(metric, curved, found, _diagnosis(found, curved), tolerance, log)
+            found = _polyhedron(core.in_order(order), unit.deficits[curved], tally, self.backend)
         with log.stage("placement") as tally:
             if isinstance(found, DoublyCovered):
                 tables, vertices = found.tables, found.vertices
-            else:
+            elif isinstance(found, Solution):
                 tables, vertices = found.polytope.tables, _placed(found, tally)
+            else:
+                rescued = None if found is None else relaxed_polytope(found, tally)
+                if rescued is None:
+                    return self._failure(metric, curved, found, _diagnosis(found, curved), tolerance, log)
+                tables, vertices = rescued
             tables = replace(tables, corners=order[tables.corners])
             vertices = outward(tables.faces, vertices[np.argsort(order)])
         try:
@@ -117,20 +150,26 @@ class Alexandrov:
                 paths = edge_paths(original, restored.tables, _one_halfedge_an_edge(metric))
             result = metric_on(restored.tables, given.unit)
         except InvalidMetric as error:  # not the given metric's fault: these are triangles of our own
-            nearest = None if isinstance(found, DoublyCovered) else found.polytope
-            message = f"the polyhedron was found, but it has triangles that are too thin for floats: {error}"
+            nearest = found.polytope if isinstance(found, Solution) else None
+            message = f"the polyhedron was found, but no triangles on it with all vertices: {error}"
             return self._failure(metric, curved, nearest, message, tolerance, log)
-        return ConvexPolyhedron(
+        polyhedron = ConvexPolyhedron(
             result,
             given.unit * restored.vertices(vertices),
             given=given,
             edge_paths=paths,
             core=None if isinstance(found, DoublyCovered) else (tables, vertices),
             flat_vertices=np.flatnonzero(flat),
-            repair=repair if repair.vertices.size else None,
+            repair=repair,
             tolerance=tolerance,
             stages=log.stages,
         )
+        if polyhedron.converged and polyhedron.concave_edges.any():
+            e = int(np.argmax(polyhedron.concave_edges))
+            message = f"the surface found is not convex at edge {e} {result.edges[e].tolist()}"
+            nearest = found.polytope if isinstance(found, Solution) else None
+            return self._failure(metric, curved, nearest, message, tolerance, log)
+        return polyhedron
 
     def _failure(
         self,

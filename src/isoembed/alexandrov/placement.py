@@ -12,12 +12,13 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import NDArray
 
-from isoembed.alexandrov.homotopy import Solution
+from isoembed.alexandrov.homotopy import Solution, held
 from isoembed.alexandrov.polytope import Polytope
 from isoembed.errors import InvalidMetric
 from isoembed.linalg import SingularMatrix
 from isoembed.linalg.krylov import gmres
 from isoembed.mesh.triangulation import Triangulation
+from isoembed.metric.flips import HalfEdges
 from isoembed.stages import Tally
 from isoembed.surface.rigidity import LengthSystem, length_residuals
 
@@ -26,7 +27,7 @@ Floats = NDArray[np.float64]
 PRECISE, ROUGH = 1e-12, 1e-4  # residuals of linear equations: of a kernel, of a correction
 MOST = 30  # GMRES iterations
 SAMPLE = 100_000  # edges that determine six numbers
-RELAXATIONS = 8
+RELAXATIONS, EXACT = 8, 1e-13  # Newton steps at most, and when they may end, in mean lengths
 MAGNIFIED = 1e-6  # length errors, over the mean length, are made this large to lift them above rounding
 
 
@@ -129,7 +130,43 @@ def relaxed(solution: Solution, vertices: Floats, tally: Tally) -> Floats:
         vertices = vertices - step
         if worst_length(solution, vertices) < worst_length(solution, best):
             best = vertices
+        if worst_length(solution, best) <= EXACT:
+            break
     return best
+
+
+def relaxed_polytope(nearest: Polytope, tally: Tally) -> tuple[HalfEdges, Floats] | None:
+    """Where the curvatures get small but not to zero, go on with the lengths, and flip what is then reflex.
+
+    Parameters
+    ----------
+    nearest : Polytope
+        With small curvatures.
+    tally : Tally
+
+    Returns
+    -------
+    HalfEdges, ndarray of shape (V, 3)
+        Triangles and vertices that have the lengths of the metric and no reflex edge; None if none are found.
+    """
+    p = nearest
+    for _ in range(RELAXATIONS):
+        try:
+            solution = held(p, tally)
+        except SingularMatrix:
+            return None
+        vertices = relaxed(solution, placed(solution), tally)
+        if not worst_length(solution, vertices) <= 10 * EXACT:
+            return None
+        # Seen from inside, the body is a polytope; if it has the same triangles, it is convex.
+        inside = vertices - vertices.mean(axis=0)
+        q = Polytope.over(p.tables, np.linalg.norm(inside, axis=1))
+        if q is None:
+            return None
+        if q.tables is p.tables:
+            return p.tables, vertices
+        p = q
+    return None
 
 
 def worst_length(solution: Solution, vertices: Floats) -> float:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import replace
 from functools import cached_property
 from typing import Any
 
@@ -56,8 +57,8 @@ class ConvexPolyhedron(Embedding):
     given : GluedMetric
         The metric as it was given, or as it was repaired.
     edge_paths : EdgePaths
-        Its edges on the triangles of the polyhedron: in the order of `PolyhedralMetric.edges`, or of the
-        lower half-edges of a `GluedMetric`.
+        Its edges on the triangles of the polyhedron, in the order of `PolyhedralMetric.edges` or of the lower
+        half-edges of a `GluedMetric`; their lengths are in the unit of the normalized metric.
     core : tuple of HalfEdges and ndarray, or None
         Triangles that use only the vertices with a deficit, in order, and the positions of these, both in the
         unit of the normalized metric; None if the body is flat.
@@ -183,10 +184,16 @@ class ConvexPolyhedron(Embedding):
         if self.core is None:
             return Certificate(False, "not certified, because the body is a doubly covered polygon")
         tables, vertices = self.core
+        unit = self.given.unit
         try:
-            return certify(metric_on(tables, 1.0), vertices)
+            certificate = certify(metric_on(tables, unit), unit * vertices)
         except InvalidMetric as error:
             return Certificate(False, f"not certified, because {error}")
+        return replace(
+            certificate,
+            reason=f"{certificate.reason}; that metric is of its own triangles without the flat vertices, "
+            f"and agrees with the given edges to {self.path_residuals.max():.1e} of the mean edge length",
+        )
 
     def _sentence(self) -> str:
         worst = int(np.argmax(self.path_residuals))
@@ -211,6 +218,7 @@ class ConvexPolyhedron(Embedding):
             "vertices": self.given.n_vertices,
             "edges": self.given.n_edges,
             "faces": self.given.n_faces,
+            "negative_deficits": 0 if self.repair is None else len(self.repair.vertices),
         }
         report["residual"]["paths"] = float(self.path_residuals.max())
         return report | {

@@ -13,6 +13,7 @@ from isoembed.metric.curvature import Triangles
 Floats = NDArray[np.float64]
 
 ROUNDINGS = 64  # of the lengths, with the errors of a few steps before they were given
+LEAST, MOST = 1e-12, 1e-6  # radians: flips have rounded more than the triangles show; slivers hide no more
 
 
 def deficit_rounding(faces: NDArray[np.int64], face_lengths: Floats) -> Floats:
@@ -29,7 +30,7 @@ def deficit_rounding(faces: NDArray[np.int64], face_lengths: Floats) -> Floats:
     triangles = Triangles.of(face_lengths)
     slenderness = triangles.opposite.max(axis=1) ** 2 / (2 * triangles.areas)
     at_corners = np.repeat(ROUNDINGS * np.finfo(np.float64).eps * slenderness, 3)
-    return cast(Floats, np.bincount(faces.ravel(), at_corners))
+    return np.clip(cast(Floats, np.bincount(faces.ravel(), at_corners)), LEAST, MOST)
 
 
 def check_convex(deficits: Floats, rounding: Floats | float) -> None:
