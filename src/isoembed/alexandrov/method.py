@@ -34,6 +34,7 @@ from isoembed.surface.measures import face_normals, outward
 Floats = NDArray[np.float64]
 
 ACCEPTED = 1e-11  # mean lengths: if it is more, Newton's method goes on with the lengths themselves
+DENTED = 1e-6  # mean lengths: where faces are nearly flat, lengths in floats fix heights to 1e-8 only
 POLISHES, POLISHED = 3, 1e-12  # at most so many rounds, until no length is off by more, in mean lengths
 
 
@@ -164,8 +165,9 @@ class Alexandrov:
             tolerance=tolerance,
             stages=log.stages,
         )
-        if polyhedron.converged and polyhedron.concave_edges.any():
-            e = int(np.argmax(polyhedron.concave_edges))
+        depths = polyhedron.dents
+        if polyhedron.converged and depths.max() > DENTED:
+            e = int(np.argmax(depths))
             message = f"the surface found is not convex at edge {e} {result.edges[e].tolist()}"
             nearest = found.polytope if isinstance(found, Solution) else None
             return self._failure(metric, curved, nearest, message, tolerance, log)

@@ -24,6 +24,7 @@ from isoembed.stages import Stage
 from isoembed.surface.convexity import FLAT
 from isoembed.surface.curvature import dihedral_angles
 from isoembed.surface.embedding import Embedding
+from isoembed.surface.measures import face_areas
 
 Floats = NDArray[np.float64]
 Indices = NDArray[np.int64]
@@ -126,6 +127,20 @@ class ConvexPolyhedron(Embedding):
         paths = self.edge_paths
         off = np.abs(paths.distances - paths.lengths) / paths.lengths.mean()
         return frozen(np.where(np.isnan(off), np.inf, off))
+
+    @cached_property
+    def dents(self) -> Floats:
+        """How deep the surface is concave at each edge, in mean edge lengths, shape (E,); 0 if it is not.
+
+        The angle by which an edge is concave, times the lower of its triangles: rounding turns slivers by any
+        angle, but not out of the surface.
+        """
+        t, vertices = self.triangulation, self._normalized
+        angles = np.minimum(dihedral_angles(t, vertices), 0.0)
+        a, b = t.edges.T
+        lengths = np.linalg.norm(vertices[a] - vertices[b], axis=1)
+        heights = 2 * face_areas(t.faces, vertices)[t.edge_faces].min(axis=1) / lengths
+        return frozen(-angles * heights / self.metric.normalized.mean_length)
 
     @cached_property
     def face_polygons(self) -> Indices:
