@@ -317,6 +317,24 @@ def test_surface_writes_the_mesh(run):
     np.testing.assert_allclose(np.linalg.norm(points, axis=1), 2, rtol=1e-14)
 
 
+def test_surface_draws_irregular_triangles(run):
+    options = ("--degree", 2, "--order", 2, "--amplitude", 0.35, "--vertices", 200)
+    seeds = {
+        "a.npz": ("--irregular", 1),
+        "b.npz": ("--irregular", 1),
+        "c.npz": ("--irregular", 2),
+        "d.npz": (),
+    }
+    for name, seed in seeds.items():
+        status, out, _ = run("surface", "harmonic", *options, *seed, "-o", name)
+        assert status == 0
+        assert "HarmonicSurface(degree=2, order=2, amplitude=0.35, radius=1.0), 200 vertices" in out
+    a, b, c, d = (np.sort(read_metric(name).lengths) for name in seeds)
+    np.testing.assert_array_equal(a, b)
+    assert not np.allclose(a, c, rtol=1e-3)
+    assert a[-1] / a[0] > 1.3 * d[-1] / d[0]
+
+
 def test_surface_lists_its_names(run):
     out = run("surface", "--list")[1]
     for words in ("ellipsoid", "drum", "kerr-horizon", "--spin", "ergosphere", "--epsilon"):
@@ -335,6 +353,8 @@ def test_surface_lists_its_names(run):
         (["sphere", "--radius", -1, "--vertices", 100, "-o", "m.npz"], "radius must be positive, not -1.0"),
         (["ellipsoid", "--axes", 1, 2, "--vertices", 100, "-o", "m.npz"], "--axes: expected 3 arguments"),
         (["sphere", "--vertices", 100, "-o", "m.xyz"], "not one of"),
+        (["sphere", "--vertices", 100, "--irregular", -1, "-o", "m.npz"], "must be at least 0, not -1"),
+        (["harmonic", "--degree", 2.5, "--vertices", 100, "-o", "m.npz"], "invalid int value: '2.5'"),
     ],
 )
 def test_surface_refuses(run, arguments, sentence):

@@ -112,7 +112,7 @@ def test_the_report_is_the_contract():
     surface = embedding(*zoo.icosphere(1), stages=[Stage("layout", 0.25, 7, 4)], message="as asked")
     report = json.loads(json.dumps(surface.report))
     assert set(report) >= {
-        "status", "message", "method", "version", "input", "residual", "convexity",
+        "status", "message", "method", "version", "input", "residual", "convexity", "smoothness",
         "area", "volume", "integrated_mean_curvature", "stages",
     }  # fmt: skip
     assert report["status"] == "converged"
@@ -124,6 +124,13 @@ def test_the_report_is_the_contract():
     assert report["residual"]["max"] == surface.residual
     assert report["residual"]["mean"] == pytest.approx(surface.residuals.mean())
     assert report["residual"]["std"] == pytest.approx(surface.residuals.std())
+    assert report["smoothness"] == {
+        "bending_energy": surface.bending_energy,
+        "roughness": surface.roughness,
+        "fine_roughness": surface.fine_roughness,
+        "rough_edges": 0,
+        "smallest_singular_value": surface.smallest_singular_value,
+    }
     assert report["stages"] == [{"name": "layout", "seconds": 0.25, "iterations": 7, "factorizations": 4}]
 
 

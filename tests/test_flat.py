@@ -41,7 +41,8 @@ def test_the_metric_of_the_others_stays(n, m, seed, length):
     core.make_delaunay(np.zeros(n))
     alone = tables_of(body, hull)
     alone.make_delaunay(np.zeros(n))
-    assert np.sort(core.lengths) == pytest.approx(np.sort(alone.lengths), abs=1e-10 * length)
+    # Each of some hundred flips rounds the long edges, and needles pass that on to short ones.
+    assert np.sort(core.lengths) == pytest.approx(np.sort(alone.lengths), abs=1e-9 * length)
     old = [int(np.flatnonzero((body == v).all(axis=1))[0]) for v in vertices[~flat]]
     assert checked(core).deficits == pytest.approx(checked(alone).deficits[old], abs=1e-6)
 

@@ -8,21 +8,27 @@ from math import gamma, pi, sqrt
 
 import numpy as np
 import pytest
+from scipy.special import lpmv
 
 from isoembed.gallery import (
     SURFACES,
+    Bean,
+    BentTube,
     CassiniPeanut,
     Drum,
     Ellipsoid,
     Ergosphere,
+    HarmonicSurface,
     KerrHorizon,
     Sphere,
     Superellipsoid,
 )
+from isoembed.gallery.quadrature import sphere_rule
 
 HORIZON_LIMIT = sqrt(3.0) / 2.0
 
-# Area, volume and int H dA from long-double quadrature, Carlson's forms and Minkowski's formulas.
+# Area, volume and int H dA from long-double quadrature of fundamental forms in polar angles that were
+# derived by computer algebra, Carlson's forms and Minkowski's formulas.
 REFERENCE = [
     (Sphere(), 12.56637061435917295, 4.188790204786390984, 12.56637061435917295),
     (Ellipsoid((3, 2, 1)), 48.88214630258205969, 25.13274122871834590, 26.40485738798982204),
@@ -35,6 +41,13 @@ REFERENCE = [
     (Superellipsoid(), 17.58718906909784673, 6.481987351786382022, 15.16424924358832289),
     (CassiniPeanut(0.9, 1.0), 8.822777970637986755, 1.949984913809087139, 11.97965329513894205),
     (CassiniPeanut(0.8, 1.2), 15.34938005885299677, 5.332208155617788054, 14.24430712402155104),
+    (HarmonicSurface(2, 2, 0.35), 14.130715096784953836, 4.5992916448554569935, 13.67104719063483377),
+    (HarmonicSurface(3, 3, 0.3), 14.236555357945604524, 4.4472984002817794423, 13.890228809871295669),
+    (HarmonicSurface(4, 3, 0.12), 13.035435684408012244, 4.2323642611135147053, 12.981200560822677596),
+    (HarmonicSurface(4, 0, -0.25, 2.0), 53.90662940184194763, 34.199037976490686597, 26.44354630957478319),
+    (Bean(), 12.437255638121585168, 3.2840115205525305018, 14.329418815341900977),
+    (BentTube(), 7.552478833611201152, 1.3995795271742529837, 11.957121612079717981),
+    (BentTube((2.0, 0.8, 0.5), 1.0), 13.503020049401827072, 3.3510321638291127415, 15.174590634998122161),
     (KerrHorizon(spin=0.0), 50.265482457436691, 33.510321638291127, 25.132741228718345),
     (KerrHorizon(spin=0.3), 49.107848325860670, 32.348488235046034, 24.844371648046456),
     (KerrHorizon(spin=0.5), 46.898333599528960, 30.103897179572039, 24.300446945608874),
@@ -52,6 +65,9 @@ SURFACE_ZOO = [row[0] for row in REFERENCE] + [
     Drum((1.0, 3.0, 2.0)),
     KerrHorizon(mass=2.0, spin=-1.0, charge=0.7),
     Ergosphere(0.02, mass=3.0, spin=2.5),
+    HarmonicSurface(5, 2, 0.2, 3.0),
+    HarmonicSurface(1, 1, 0.5),
+    Bean((3.0, 1.0, 2.0), -1.5),
 ]
 
 
@@ -164,6 +180,119 @@ def test_superellipsoid_of_power_two_is_the_ellipsoid():
     assert a.integrated_mean_curvature == pytest.approx(b.integrated_mean_curvature, rel=1e-13)
 
 
+@pytest.mark.parametrize(
+    ("surface", "radius"),
+    [
+        (HarmonicSurface(2, 2, 0.35), lambda x, y, z: 1 + 0.35 * (x**2 - y**2)),
+        (HarmonicSurface(3, 3, 0.3), lambda x, y, z: 1 + 0.3 * (x**3 - 3 * x * y**2)),
+        (
+            HarmonicSurface(4, 3, 0.375 * 3 * sqrt(3) / 16),
+            lambda x, y, z: 1 + 0.375 * z * (x**3 - 3 * x * y**2),
+        ),
+        (HarmonicSurface(2, 0, -0.4, 2.0), lambda x, y, z: 2 - 0.4 * (3 * z**2 - 1)),
+    ],
+    ids=str,
+)
+def test_harmonic_surfaces_have_the_radius_of_the_harmonic_polynomial(surface, radius):
+    u = sphere_points()
+    np.testing.assert_allclose(surface.point(u), radius(*u.T)[:, None] * u, rtol=1e-14, atol=1e-15)
+
+
+@pytest.mark.parametrize(
+    ("degree", "order"), [(1, 0), (2, 1), (5, 0), (6, 2), (9, 8), (16, 0), (16, 5), (16, 16)]
+)
+def test_harmonics_are_the_associated_legendre_functions_with_maximum_one(degree, order):
+    theta, phi = np.linspace(0, pi, 20_001), 0.0 if order == 0 else pi / order
+    Y = 2.0 * (np.linalg.norm(HarmonicSurface(degree, order, 0.5).point(polar(theta, phi)), axis=1) - 1)
+    P = lpmv(order, degree, np.cos(theta))
+    np.testing.assert_allclose(np.abs(Y), np.abs(P) / np.abs(P).max(), atol=1e-6)
+    assert np.abs(Y).max() == pytest.approx(1, abs=1e-6)
+
+
+@pytest.mark.parametrize(("degree", "order"), [(2, 2), (3, 1), (4, 3), (7, 0)])
+def test_small_harmonics_curve_the_sphere_by_their_eigenvalue(degree, order):
+    # r = 1 + A Y has H = 1 + (l - 1)(l + 2) A Y / 2 and K = 1 + (l - 1)(l + 2) A Y to first order in A.
+    u = sphere_points()
+    errors = []
+    for A in (1e-3, 5e-4):
+        surface = HarmonicSurface(degree, order, A)
+        first = (degree - 1) * (degree + 2) * (np.linalg.norm(surface.point(u), axis=1) - 1)
+        of_H = np.abs(surface.mean_curvature(u) - 1 - first / 2).max()
+        of_K = np.abs(surface.gaussian_curvature(u) - 1 - first).max()
+        errors.append([of_H, of_K])
+    assert np.all(np.array(errors[0]) > 0)
+    np.testing.assert_allclose(np.divide(*errors), 4, rtol=0.05)
+
+
+@pytest.mark.parametrize(("degree", "order"), [(2, 2), (3, 3), (5, 2)])
+def test_harmonics_are_symmetric_under_turns_about_z(degree, order):
+    def turned(u, angle):
+        c, s = np.cos(angle), np.sin(angle)
+        return u @ np.array([[c, s, 0], [-s, c, 0], [0, 0, 1]])
+
+    u, one, other = sphere_points(), *(HarmonicSurface(degree, order, A) for A in (0.2, -0.2))
+    full, half = 2 * pi / order, pi / order
+    np.testing.assert_allclose(one.point(turned(u, full)), turned(one.point(u), full), atol=1e-14)
+    np.testing.assert_allclose(other.point(turned(u, half)), turned(one.point(u), half), atol=1e-14)
+
+
+def test_volumes_of_the_bent_and_the_bumpy():
+    for axes in ((1.6, 0.7, 0.7), (2.0, 0.8, 0.5)):  # shears and windings keep the volume
+        ellipsoid = pytest.approx(Ellipsoid(axes).volume, rel=1e-14)
+        assert Bean(axes, 0.9).volume == ellipsoid
+        assert BentTube(axes, 1.0).volume == ellipsoid
+    # int r^3 / 3 over the sphere, with the averages of Y^2 and Y^3.
+    assert HarmonicSurface(2, 2, 0.5).volume == pytest.approx(
+        4 * pi / 3 * (1 + 3 * 0.5**2 * 4 / 15), rel=1e-14
+    )
+    assert HarmonicSurface(3, 3, 0.5).volume == pytest.approx(
+        4 * pi / 3 * (1 + 3 * 0.5**2 * 8 / 35), rel=1e-14
+    )
+    assert HarmonicSurface(2, 0, 0.5).volume == pytest.approx(
+        4 * pi / 3 * (1 + 3 * 0.5**2 / 5 + 0.5**3 * 2 / 35), rel=1e-14
+    )
+
+
+@pytest.mark.parametrize("axes", [(3.0, 2.0, 1.0), (1.0, 1.0, 2.0), (10.0, 1.0, 1.5)])
+def test_without_the_bend_it_is_the_ellipsoid(axes):
+    ellipsoid, u = Ellipsoid(axes), sphere_points()
+    for straight, digits in ((Bean(axes, 0.0), 1e-13), (BentTube(axes, 1e9), 1e-7)):
+        np.testing.assert_allclose(straight.point(u), ellipsoid.point(u), atol=10 * digits)
+        np.testing.assert_allclose(
+            straight.gaussian_curvature(u), ellipsoid.gaussian_curvature(u), rtol=digits
+        )
+        np.testing.assert_allclose(straight.mean_curvature(u), ellipsoid.mean_curvature(u), rtol=digits)
+        assert straight.area == pytest.approx(ellipsoid.area, rel=1e-13)
+        assert straight.integrated_mean_curvature == pytest.approx(
+            ellipsoid.integrated_mean_curvature, rel=1e-13
+        )
+
+
+def test_the_tube_satisfies_its_equation_around_the_circle():
+    (a, b, c), R = axes, radius = (2.0, 0.8, 0.5), 1.0
+    x, y, z = BentTube(axes, radius).point(sphere_points()).T
+    along, out = R * np.arctan2(x, z + R), np.hypot(x, z + R) - R
+    np.testing.assert_allclose((along / a) ** 2 + (y / b) ** 2 + (out / c) ** 2, 1, rtol=1e-13)
+
+
+@pytest.mark.parametrize("surface", [HarmonicSurface(), Bean(), BentTube(), CassiniPeanut()], ids=str)
+def test_the_bodies_that_are_not_convex_are_so_by_default(surface):
+    u, weight = sphere_quadrature(60)
+    K = surface.gaussian_curvature(u)
+    assert (weight * surface.area_density(u))[K < 0].sum() > 0.1 * surface.area
+
+
+def test_the_rule_on_the_sphere_is_exact_for_polynomials():
+    u, weight = sphere_rule(5)
+    np.testing.assert_allclose(np.linalg.norm(u, axis=1), 1, rtol=1e-15)
+    for p in product(range(0, 9, 2), repeat=3):
+        if sum(p) < 10:
+            moment = weight @ (u ** np.array(p)).prod(axis=1)
+            beta = np.prod([gamma((k + 1) / 2) for k in p])
+            assert moment == pytest.approx(2 * beta / gamma((sum(p) + 3) / 2), rel=1e-13)
+    assert np.abs(weight @ (u**3)).max() < 1e-14
+
+
 def kerr_newman_2_metric(R, R_theta, theta, M, a, Q):
     """Eqs. (gthth)-(delta) and (twosurf) of the paper, as printed."""
     Sigma = R**2 + a**2 * np.cos(theta) ** 2
@@ -258,7 +387,13 @@ def test_ergosphere_becomes_convex_at_the_known_epsilon():
 @pytest.mark.parametrize("surface", SURFACE_ZOO, ids=str)
 def test_mirror_symmetry(surface):
     u = sphere_points(20)
-    for signs in product((1, -1), repeat=3):
+    mirrors = [(1, -1)] * 3
+    if isinstance(surface, Bean | BentTube):
+        mirrors[2] = (1,)
+    elif isinstance(surface, HarmonicSurface):  # of order 3 even in y alone, and odd in z where l - m is
+        mirrors[0] = (1, -1)[: 1 + (surface.order % 2 == 0)]
+        mirrors[2] = (1, -1)[: 1 + ((surface.degree - surface.order) % 2 == 0)]
+    for signs in product(*mirrors):
         np.testing.assert_allclose(
             surface.point(u * signs), surface.point(u) * signs, rtol=1e-13, atol=1e-300
         )
@@ -270,6 +405,9 @@ def test_scaling_laws(scale):
         (Ellipsoid((3, 2, 1)), Ellipsoid((3 * scale, 2 * scale, scale))),
         (Drum(), Drum((2 * scale, scale, sqrt(1.5) * scale))),
         (CassiniPeanut(0.9, 1), CassiniPeanut(0.9 * scale, scale)),
+        (HarmonicSurface(), HarmonicSurface(radius=scale)),
+        (Bean(), Bean((1.6 * scale, 0.7 * scale, 0.7 * scale), 0.9 * scale)),
+        (BentTube(), BentTube((1.65 * scale, 0.45 * scale, 0.45 * scale), 1.5 * scale)),
         (KerrHorizon(spin=0.8), KerrHorizon(scale, 0.8 * scale)),
         (Ergosphere(0.3), Ergosphere(0.3, scale, 0.975 * scale)),
     ]
@@ -298,14 +436,15 @@ def test_displacements_are_followed_to_first_order():
 
 def test_registry_offers_every_surface_with_help_for_every_option():
     assert set(SURFACES) == {
-        *("ellipsoid", "drum", "sphere", "superellipsoid", "cassini-peanut", "kerr-horizon", "ergosphere")
+        *("ellipsoid", "drum", "sphere", "superellipsoid", "cassini-peanut", "kerr-horizon", "ergosphere"),
+        *("harmonic", "bean", "bent-tube"),
     }
     for name, cls in SURFACES.items():
         surface = cls()
         assert surface.name == name
         for option in fields(cls):
             assert option.metadata["help"]
-            assert option.type in (float, tuple[float, float, float])
+            assert option.type in (int, float, tuple[float, float, float])
             with pytest.raises(FrozenInstanceError):
                 setattr(surface, option.name, 1.0)
 
@@ -324,6 +463,17 @@ def test_registry_offers_every_surface_with_help_for_every_option():
         (lambda: Superellipsoid(power=1.5), "superellipsoid: power must be between 2 and 20, not 1.5"),
         (lambda: CassiniPeanut(1.0, 1.0), "cassini-peanut: a must be less than 0.9999 b = 0.9999, not 1.0"),
         (lambda: CassiniPeanut(-1.0, 1.0), "cassini-peanut: a must be positive, not -1.0"),
+        (lambda: HarmonicSurface(2.5), "harmonic: degree must be an integer, not 2.5"),
+        (lambda: HarmonicSurface(0, 0), "harmonic: degree must be between 1 and 16, not 0"),
+        (lambda: HarmonicSurface(2, 3), "harmonic: order must be between 0 and 2, not 3"),
+        (lambda: HarmonicSurface(2, -1), "harmonic: order must be between 0 and 2, not -1"),
+        (lambda: HarmonicSurface(amplitude=1), "harmonic: amplitude must be between -0.99 and 0.99, not 1.0"),
+        (lambda: HarmonicSurface(radius=0), "harmonic: radius must be positive, not 0.0"),
+        (lambda: Bean((1, 2)), r"bean: axes must be three numbers, not \(1, 2\)"),
+        (lambda: Bean((3, 2, 1), -2e4), r"bean: \|height\| must be at most 10000, not -20000.0"),
+        (lambda: BentTube((1, 1, 0)), r"bent-tube: axes\[2\] must be positive, not 0.0"),
+        (lambda: BentTube((1, 1, 2), 2.0), "bent-tube: radius must be at least 2.0002, not 2.0"),
+        (lambda: BentTube((4, 1, 1), 1.2), "bent-tube: radius must be at least 1.27337, not 1.2"),
         (lambda: KerrHorizon(mass=0.0), "kerr-horizon: mass must be positive, not 0.0"),
         (
             lambda: KerrHorizon(spin=0.87),

@@ -8,18 +8,23 @@ from scipy.spatial import ConvexHull
 
 from isoembed.gallery import (
     SURFACES,
+    Bean,
+    BentTube,
     CassiniPeanut,
     Drum,
     Ellipsoid,
     Ergosphere,
+    HarmonicSurface,
     KerrHorizon,
     Sphere,
     Superellipsoid,
     triangulate,
 )
+from isoembed.gallery.blue_noise import blue_noise_directions
 from isoembed.gallery.flips import corner_angles, flip_to_delaunay, twin_halfedges
-from isoembed.gallery.points import spread_directions, vertex_density
+from isoembed.gallery.points import fibonacci_lattice, spread_directions, vertex_density
 from isoembed.gallery.relax import lloyd_step
+from isoembed.surface.intersection import self_intersections
 
 
 def angles(x, faces):
@@ -94,6 +99,11 @@ def assert_closed_oriented_sphere(faces, n):
         (Sphere(), 1000, 37, 99),
         (Superellipsoid(), 1200, 37, 99),
         (CassiniPeanut(), 1000, 37, 99),
+        (HarmonicSurface(2, 2, 0.35), 1000, 37, 99),
+        (HarmonicSurface(3, 3, 0.3), 1000, 37, 99),
+        (HarmonicSurface(4, 3, 0.12), 1000, 37, 99),
+        (Bean(), 1000, 37, 99),
+        (BentTube(), 1000, 37, 99),
         (KerrHorizon(spin=0.0), 1000, 37, 99),
         (KerrHorizon(spin=0.5), 1000, 37, 99),
         (KerrHorizon(spin=0.8), 1000, 37, 99),
@@ -112,15 +122,28 @@ def test_angle_window_topology_and_orientation(surface, n, least, most):
     assert_closed_oriented_sphere(faces, n)
     assert angles(x, faces).min() > least
     assert angles(x, faces).max() < most
+    assert_looks_outward(surface, x, faces)
+
+
+def assert_looks_outward(surface, x, faces):
+    """Every triangle looks outward: against the position it would not do for the peanut's waist."""
     assert volume(x, faces) > 0
-    # Every triangle looks outward: against the position it would not do for the peanut's waist.
     normal = np.cross(x[faces[:, 1]] - x[faces[:, 0]], x[faces[:, 2]] - x[faces[:, 0]])
     smooth = surface.normal(directions(surface, x))[faces].sum(axis=1)
     assert np.einsum("ij,ij->i", normal, smooth).min() > 0
 
 
 def directions(surface, x):
-    """Invert point(): radially where the surface is a stretched sphere, else by bisection in theta."""
+    """Invert point(): in closed form where there is one, else by bisection in theta."""
+    if isinstance(surface, HarmonicSurface):
+        return x
+    if isinstance(surface, Bean):
+        return (x - [0, 0, 1] * (surface.height / surface.axes[0] ** 2 * x[:, :1] ** 2)) / surface.axes
+    if isinstance(surface, BentTube):
+        R, z = surface.radius, x[:, 2] + surface.radius
+        return (
+            np.stack([R * np.arctan2(x[:, 0], z), x[:, 1], np.hypot(x[:, 0], z) - R], axis=1) / surface.axes
+        )
     if hasattr(surface, "axes"):
         return x / np.array(surface.axes)
     low, high = np.zeros(len(x)), np.full(len(x), np.pi)
@@ -133,19 +156,26 @@ def directions(surface, x):
     return u(0.5 * (low + high))
 
 
+@pytest.mark.parametrize("irregular", [None, 0])
 @pytest.mark.parametrize(
-    "surface", [Drum(), CassiniPeanut(), KerrHorizon(spin=0.8), Ergosphere(0.1), Superellipsoid()], ids=str
+    "surface",
+    [
+        *(Drum(), CassiniPeanut(), KerrHorizon(spin=0.8), Ergosphere(0.1), Superellipsoid()),
+        *(HarmonicSurface(), Bean(), BentTube()),
+    ],
+    ids=str,
 )
-def test_vertices_lie_on_the_surface(surface):
-    x, _ = triangulate(surface, 300)
+def test_vertices_lie_on_the_surface(surface, irregular):
+    x, _ = triangulate(surface, 300, irregular=irregular)
     np.testing.assert_allclose(surface.point(directions(surface, x)), x, atol=1e-11 * np.abs(x).max())
 
 
 @pytest.mark.parametrize("name", SURFACES)
 def test_the_same_input_gives_the_same_mesh(name):
-    one, two = (triangulate(SURFACES[name](), 150) for _ in range(2))
-    np.testing.assert_array_equal(one[0], two[0])
-    np.testing.assert_array_equal(one[1], two[1])
+    for seed in (None, 3):
+        one, two = (triangulate(SURFACES[name](), 150, irregular=seed) for _ in range(2))
+        np.testing.assert_array_equal(one[0], two[0])
+        np.testing.assert_array_equal(one[1], two[1])
 
 
 @settings(max_examples=20, deadline=None, derandomize=True)
@@ -158,24 +188,33 @@ def test_the_same_input_gives_the_same_mesh(name):
         st.builds(CassiniPeanut, a=st.floats(0.1, 0.95)),
         st.builds(KerrHorizon, spin=st.floats(-0.86, 0.86)),
         st.builds(Ergosphere, epsilon=st.floats(0.01, 3.0)),
+        st.builds(HarmonicSurface, st.just(3), st.integers(0, 3), st.floats(-0.4, 0.4)),
+        st.builds(Bean, height=st.floats(-1.0, 1.0)),
+        st.builds(BentTube, radius=st.floats(1.0, 5.0)),
     ),
+    seed=st.integers(0, 99),
 )
-def test_any_number_of_vertices_gives_a_valid_mesh(n, surface):
-    x, faces = triangulate(surface, n)
-    assert len(x) == n
-    assert_closed_oriented_sphere(faces, n)
-    assert 0.3 * surface.volume < volume(x, faces) < 1.2 * surface.volume
-    assert angles(x, faces).min() > 10
+def test_any_number_of_vertices_gives_a_valid_mesh(n, surface, seed):
+    for irregular, least in ((None, 10), (seed, 0.5)):
+        x, faces = triangulate(surface, n, irregular=irregular)
+        assert len(x) == n
+        assert_closed_oriented_sphere(faces, n)
+        assert 0.3 * surface.volume < volume(x, faces) < 1.2 * surface.volume
+        assert angles(x, faces).min() > least
 
 
 @pytest.mark.parametrize(
-    "surface",
-    [Ellipsoid((3, 2, 1)), Drum(), KerrHorizon(spin=0.8), CassiniPeanut(0.8, 1.2), Ergosphere(0.5)],
+    ("surface", "irregular"),
+    [
+        *((Ellipsoid((3, 2, 1)), None), (Drum(), None), (KerrHorizon(spin=0.8), None)),
+        *((CassiniPeanut(0.8, 1.2), None), (Ergosphere(0.5), None), (Ergosphere(0.5), 2)),
+        *((HarmonicSurface(2, 2, 0.35), None), (Bean(height=0.5), 0), (BentTube(), 4)),
+    ],
     ids=str,
 )
-def test_area_volume_and_mean_curvature_converge_to_second_order(surface):
+def test_area_volume_and_mean_curvature_converge_to_second_order(surface, irregular):
     counts = np.array([250, 1000, 4000])
-    meshes = [triangulate(surface, n) for n in counts]
+    meshes = [triangulate(surface, n, irregular=irregular) for n in counts]
     for measure, exact in (
         (area, surface.area),
         (volume, surface.volume),
@@ -188,11 +227,69 @@ def test_area_volume_and_mean_curvature_converge_to_second_order(surface):
 
 
 def test_scale_does_not_matter():
-    x, faces = triangulate(Ellipsoid((3, 2, 1)), 200)
-    for scale in (1e-150, 1e12):
-        y, other = triangulate(Ellipsoid((3 * scale, 2 * scale, scale)), 200)
-        np.testing.assert_array_equal(other, faces)
-        np.testing.assert_allclose(y / scale, x, rtol=1e-9, atol=1e-9)
+    for seed in (None, 5):
+        x, faces = triangulate(Ellipsoid((3, 2, 1)), 200, irregular=seed)
+        for scale in (1e-150, 1e12):
+            y, other = triangulate(Ellipsoid((3 * scale, 2 * scale, scale)), 200, irregular=seed)
+            np.testing.assert_array_equal(other, faces)
+            np.testing.assert_allclose(y / scale, x, rtol=1e-9, atol=1e-9)
+
+
+NOT_CONVEX = [
+    *(Ergosphere(0.3), Ergosphere(0.1), Ergosphere(0.02), CassiniPeanut()),
+    *(HarmonicSurface(2, 2, 0.35), HarmonicSurface(3, 3, 0.3), HarmonicSurface(4, 3, 0.12)),
+    *(Bean(), BentTube()),
+]
+
+
+@pytest.mark.parametrize("seed", [0, 1])
+@pytest.mark.parametrize("surface", NOT_CONVEX, ids=str)
+def test_irregular_meshes_are_valid(surface, seed):
+    x, faces = triangulate(surface, 700, irregular=seed)
+    assert_closed_oriented_sphere(faces, 700)
+    assert_looks_outward(surface, x, faces)
+    assert len(self_intersections(faces, x)) == 0
+    assert angles(x, faces).min() > 12
+    assert angles(x, faces).max() < 142
+
+
+def test_a_large_irregular_mesh_has_the_same_angles():
+    x, faces = triangulate(Ergosphere(0.1), 10_000, irregular=0)
+    assert_looks_outward(Ergosphere(0.1), x, faces)
+    assert angles(x, faces).min() > 15
+    assert angles(x, faces).max() < 140
+
+
+def test_irregular_meshes_differ_from_seed_to_seed_and_are_irregular():
+    degrees = lambda faces: np.bincount(faces.ravel())  # noqa: E731
+    one, two = (triangulate(Sphere(), 1000, irregular=seed)[1] for seed in (0, 1))
+    assert np.any(np.sort(degrees(one)[:100]) != np.sort(degrees(two)[:100]))
+    # Of the vertices a relaxed mesh has nine in ten with six neighbors, blue noise half.
+    assert np.mean(degrees(triangulate(Sphere(), 1000)[1]) == 6) > 0.8
+    for faces in (one, two):
+        assert 0.4 < np.mean(degrees(faces) == 6) < 0.65
+
+
+@pytest.mark.parametrize("surface", [Sphere(), Drum(), Ergosphere(0.3), BentTube()], ids=str)
+def test_blue_noise_keeps_its_distance_and_leaves_no_hole(surface):
+    n = 3000
+    u = blue_noise_directions(surface, n, 7)
+    x, faces = triangulate(surface, n, irregular=7)
+    np.testing.assert_allclose(surface.point(u), x, atol=1e-14)
+    # The spacing of the densest packing with the local density, from its exact integral.
+    even = spread_directions(Sphere(), fibonacci_lattice(20_000))
+    total = 4 * np.pi * np.mean(surface.area_density(even) * vertex_density(surface, even))
+    spacing = np.sqrt(2 / np.sqrt(3) * total / (n * vertex_density(surface, u)))
+    edges = np.linalg.norm(x[faces] - x[np.roll(faces, -1, axis=1)], axis=2)
+    relative = edges / (0.5 * (spacing[faces] + spacing[np.roll(faces, -1, axis=1)]))
+    assert relative.min() > 0.5  # random points come as close as 0.01
+    assert relative.max() < 2.2
+    rng = np.random.default_rng(3)
+    weight = surface.area_density(even) * vertex_density(surface, even)
+    for axis in rng.normal(size=(6, 3)):  # the density, more evenly than the sqrt(n) of random points
+        inside = even @ axis > 0.3 * np.linalg.norm(axis)
+        expected = weight[inside].sum() / weight.sum()
+        assert np.mean(u @ axis > 0.3 * np.linalg.norm(axis)) == pytest.approx(expected, abs=0.006)
 
 
 def test_the_tips_of_an_ergosphere_are_resolved():
@@ -214,7 +311,7 @@ def test_a_sphere_is_not_graded_and_the_density_integrates_to_the_share():
     u /= np.linalg.norm(u, axis=1)[:, None]
     assert np.ptp(vertex_density(Sphere(3.0), u)) < 1e-12
     # int K dA = 4 pi on a convex surface: one vertex in eleven follows the curvature.
-    u = spread_directions(Sphere(), 40_000)
+    u = spread_directions(Sphere(), fibonacci_lattice(40_000))
     surface = Drum()
     mean = np.mean(surface.area_density(u) * vertex_density(surface, u))
     assert 4 * np.pi * mean / surface.area == pytest.approx(1.1, rel=1e-4)
@@ -225,9 +322,9 @@ def test_a_sphere_is_not_graded_and_the_density_integrates_to_the_share():
 )
 def test_spread_directions_have_the_wanted_density(surface):
     # The share of the points in a set is the share of the density's integral, to lattice accuracy.
-    u = spread_directions(surface, 5000)
+    u = spread_directions(surface, fibonacci_lattice(5000))
     assert np.abs(np.linalg.norm(u, axis=1) - 1).max() < 1e-14
-    even = spread_directions(Sphere(), 200_000)
+    even = spread_directions(Sphere(), fibonacci_lattice(200_000))
     weight = surface.area_density(even) * vertex_density(surface, even)
     rng = np.random.default_rng(3)
     for axis in rng.normal(size=(12, 3)):
@@ -271,7 +368,7 @@ def test_lloyd_steps_are_tangent_and_vanish_on_the_icosahedron():
     faces = ConvexHull(x).simplices.astype(np.int64)
     step = lloyd_step(x, x, faces, np.ones(12))
     assert np.abs(step).max() < 1e-14
-    u = spread_directions(Sphere(), 300)
+    u = spread_directions(Sphere(), fibonacci_lattice(300))
     faces = ConvexHull(u).simplices.astype(np.int64)
     step = lloyd_step(u, u, faces, np.ones(300))
     assert np.abs(np.einsum("ij,ij->i", step, u)).max() < 1e-15
@@ -297,3 +394,15 @@ def test_corner_angles_of_a_known_triangle():
 def test_bad_vertex_counts_are_refused(n, message):
     with pytest.raises(ValueError, match=message):
         triangulate(Sphere(), n)
+
+
+@pytest.mark.parametrize(
+    ("seed", "message"),
+    [
+        (-1, "the seed of an irregular mesh must be at least 0, not -1"),
+        (1.5, "the seed of an irregular mesh must be an integer, not 1.5"),
+    ],
+)
+def test_bad_seeds_are_refused(seed, message):
+    with pytest.raises(ValueError, match=message):
+        triangulate(Sphere(), 100, irregular=seed)

@@ -1,10 +1,12 @@
-"""The default method: AIM from a conformal polyhedron inscribed in a sphere, in steps of its own choice.
+"""The default method: AIM by way of the nearest convex metric.
 
-The paper's three steps with their weak points replaced.  Uniformization and layout are one: the discretely
-conformal layout on the sphere *is* an embedded metric, so nothing has to be annealed.  The pull-back follows
-``log l`` linearly (linear in u, as the paper's path), predicts by the polynomial through the last surfaces,
-corrects by Newton's method and halves its step where that fails; where even short steps fail, the pull-back
-is begun anew, guided by a vanishing bending energy.
+The paper's three steps, each of them replaced by one that does not fail:
+
+1. uniformize, but only as far as convexity (`isoembed.aim.waypoint`);
+2. embed where it is easy, which for a convex metric is everywhere: the exact polyhedron of Alexandrov's
+   theorem (`isoembed.alexandrov`);
+3. pull back: where the given metric is convex or nearly so, Newton's method on the given edges gets there in
+   one leap; where it does not, step by step, guided by smoothness (`isoembed.aim.guided`).
 """
 
 from __future__ import annotations
@@ -15,28 +17,34 @@ from functools import partial
 import numpy as np
 from numpy.typing import NDArray
 
-from isoembed.aim.anneal import Annealed, anneal
-from isoembed.aim.bending import bending_pull_back
+from isoembed.aim.anneal import anneal
 from isoembed.aim.conformal_sphere import conformal_sphere
-from isoembed.aim.convexity import crumpled_vertices, pop_and_anneal
-from isoembed.aim.pullback import extrapolated
-from isoembed.errors import InvalidParameter
-from isoembed.linalg import SingularMatrix, chosen_backend, dissect
-from isoembed.metric.curvature import area, negative_deficits
+from isoembed.aim.guided import Guide, guided_pull_back
+from isoembed.aim.neighbors import smoothest
+from isoembed.aim.waypoint import convex_waypoint
+from isoembed.alexandrov.method import Alexandrov
+from isoembed.errors import NotEmbedded
+from isoembed.linalg import SingularMatrix, chosen_backend
+from isoembed.metric.curvature import area
 from isoembed.metric.delaunay import delaunay
+from isoembed.metric.glued import GluedMetric
 from isoembed.metric.polyhedral import PolyhedralMetric
 from isoembed.stages import Log, Tally
 from isoembed.surface.convexity import umbrella_heights
 from isoembed.surface.embedding import Embedding
-from isoembed.surface.measures import outward
+from isoembed.surface.measures import edge_lengths, outward
 from isoembed.surface.rigidity import LengthSystem, length_residuals
 
 Floats = NDArray[np.float64]
 
-ON_THE_WAY = 1e-4  # residual of the surfaces on the path
-GUIDED = 1e-7  # residual at which Newton's method takes over from the guided pull-back
+EXACT = 1e-11  # mean edge lengths: a start this good is left alone, as where faces are flat steps do harm
+ON_THE_WAY = 1e-4  # mean edge lengths: where Newton's method has decided where it goes
 POLISHED = 1e-13  # residual asked of the last Newton steps, whatever the tolerance: they are quadratic
-PATIENCE = 6  # Newton steps before a step along the path is halved
+CONVERGING = 0.5  # of the residual is left, or less, after each step of a leap
+LOST = 0.5  # mean edge lengths: no leap comes back from so large a residual
+POLISH = 12  # Newton steps at most
+STRAYED = 0.6  # root mean squares: of the heights above the neighbors, a trusted leap changes none by more
+SAME = 1e-7  # mean edge lengths: surfaces as near as this are one
 
 
 @dataclass(frozen=True)
@@ -45,31 +53,15 @@ class Aim:
 
     Parameters
     ----------
-    first_step : float
-        Length in t of the first step from the uniform metric at t = 1 toward the given one at t = 0.
-    smallest_step : float
-        Where a step that cannot be halved any more fails, the guided pull-back takes over.
-    largest_change : float
-        A step is accepted while no vertex's height above its neighbors changes from its prediction by more
-        than this, in units of the root mean square height.
     backend : {"superlu", "cholmod", "pardiso"}, optional
         Who factors the matrices; by default the fastest that is installed.
     """
 
-    first_step: float = 1 / 8
-    smallest_step: float = 1 / 48
-    largest_change: float = 0.5
     backend: str | None = None
 
     name: str = field(default="aim", init=False, repr=False)
 
     def __post_init__(self) -> None:
-        if not 0 < self.first_step <= 1:
-            raise InvalidParameter(f"first_step is {self.first_step}, not in (0, 1]")
-        if not 0 < self.smallest_step <= self.first_step:
-            raise InvalidParameter(f"smallest_step is {self.smallest_step}, not in (0, first_step]")
-        if not self.largest_change > 0:
-            raise InvalidParameter(f"largest_change is {self.largest_change}, not positive")
         chosen_backend(self.backend)
 
     def run(self, metric: PolyhedralMetric, tolerance: float, log: Log) -> Embedding:
@@ -86,139 +78,109 @@ class Aim:
         Returns
         -------
         Embedding
+            The smoothest of the surfaces that were found to have these lengths; or the nearest attempt.
         """
-        normalized = metric.normalized
-        with log.stage("uniformize") as tally:
-            vertices = inscribed(normalized, tally, self.backend)
+        unit = metric.normalized
+        given = GluedMetric.of(unit)
+        with log.stage("waypoint") as tally:
+            waypoint = convex_waypoint(given, tally, self.backend)
+        start = self._embedded(unit, waypoint, tolerance, log)
+        system = LengthSystem(unit.triangulation, backend=self.backend)
         with log.stage("pull back") as tally:
-            path = _Path(normalized, vertices, self.backend)
-            vertices, lost = path.follow(self, tally)
-            if lost is None and not negative_deficits(metric).any():
-                # A convex metric has a convex realization: one that is inside out at a vertex is not it.
-                lost = 0.0 if crumpled_vertices(metric.triangulation, vertices)[0].any() else None
-        if lost is not None:
+            vertices, strayed = _leap(system, start, unit.lengths, min(tolerance, EXACT), tally)
+        surface = partial(Embedding, metric, method=self.name, tolerance=tolerance)
+        surfaces = [surface(metric.unit * vertices)]
+        if not (surfaces[0].converged and (waypoint is given or strayed < STRAYED)):
             with log.stage("guided pull back") as tally:
-                vertices = path.guided(tally)
-        with log.stage("polish") as tally:
-            vertices = path.polish(vertices, min(tolerance, POLISHED), tally)
-        embedding = Embedding(
-            metric, vertices * metric.unit, method=self.name, tolerance=tolerance, stages=log.stages
-        )
-        if embedding.converged or lost is None:
-            return embedding
-        return embedding.with_message(
-            f"{embedding.message}; Newton's method lost the surface at t = {lost:.3g} "
-            "(1 is the uniform metric, 0 the given one), and guided by bending the pull-back did not reach it"
-        )
+                path = _LogLinear(unit, start)
+                vertices = guided_pull_back(Guide(unit, start, self.backend), start, path.lengths, tally)
+            with log.stage("polish") as tally:
+                vertices = _polished(system, vertices, unit.lengths, tally)
+            surfaces.append(surface(metric.unit * vertices))
+            if surfaces[-1].converged:
+                with log.stage("neighbors") as tally:
+                    met = smoothest(system, vertices, unit.lengths, tally, residual_tolerance=EXACT)
+                surfaces[1:] = [surface(metric.unit * vertices) for vertices in met]
+        return _chosen(surfaces, log)
+
+    def _embedded(
+        self, metric: PolyhedralMetric, waypoint: GluedMetric | None, tolerance: float, log: Log
+    ) -> Floats:
+        """The vertices of the waypoint's polyhedron, or what comes nearest."""
+        if waypoint is not None:
+            try:
+                return Alexandrov(backend=self.backend).run(waypoint, tolerance, log).vertices
+            except NotEmbedded as failure:
+                return failure.embedding.vertices[: metric.triangulation.n_vertices]
+        with log.stage("sphere") as tally:
+            x = outward(metric.faces, conformal_sphere(delaunay(metric), tally, self.backend).points)
+            return x * np.sqrt(area(metric) / area(PolyhedralMetric.from_mesh(x, metric.faces)))
 
 
-def inscribed(metric: PolyhedralMetric, tally: Tally, backend: str | None = None) -> Floats:
-    """The conformal layout on the sphere whose polyhedron has the metric's area, shape (V, 3).
+class _LogLinear:
+    """The metrics ``l(t) = l(0)^{1-t} l(1)^t`` from an embedded one at t = 1 to the given one at t = 0.
 
-    Parameters
-    ----------
-    metric : PolyhedralMetric
-    tally : Tally
-    backend : str, optional
-        As in `isoembed.linalg.analyze`.
+    Linear in the conformal factors u, as the paper's path, as far as the edges are straight.
     """
-    x = outward(metric.faces, conformal_sphere(delaunay(metric), tally, backend).points)
-    return x * np.sqrt(area(metric) / area(PolyhedralMetric.from_mesh(x, metric.faces)))
 
-
-class _Path:
-    """The metrics ``l(t) = l(0)^{1-t} l(1)^t`` from an embedded one at t = 1 to the given one at t = 0."""
-
-    def __init__(self, metric: PolyhedralMetric, start: Floats, backend: str | None) -> None:
-        self.triangulation = metric.triangulation
-        self._metric = metric
-        a, b = self.triangulation.edges.T
-        self._ratio = np.linalg.norm(start[a] - start[b], axis=1) / metric.lengths
-        self._start = start
-        dissection = dissect(self.triangulation.adjacency)
-        self._newton = LengthSystem(self.triangulation, dissection, backend)
-        self._dissection, self._backend = dissection, backend
+    def __init__(self, metric: PolyhedralMetric, start: Floats) -> None:
+        self._given = metric.lengths
+        self._ratio = edge_lengths(metric.edges, start) / metric.lengths
 
     def lengths(self, t: float) -> Floats:
-        return self._metric.lengths * self._ratio**t
+        return self._given * self._ratio**t
 
-    def follow(self, method: Aim, tally: Tally) -> tuple[Floats, float | None]:
-        """Go from t = 1 to t = 0, or to the t at which the surface is lost, which is returned too."""
-        known = [(1.0, self._start)]
-        t, dt = 1.0, method.first_step
-        while t > 0:
-            goal = t - dt if t - dt > dt / 4 else 0.0
-            guess = self._predicted(known[-3:], goal, tally)
-            annealed = self._corrected(guess, goal, tally)
-            change = self._change(guess, annealed.vertices)
-            if not (annealed.converged and change < method.largest_change):
-                if dt / 2 >= method.smallest_step:
-                    dt /= 2
-                    continue
-                return known[-1][1], goal
-            t = goal
-            annealed = pop_and_anneal(
-                self.triangulation, annealed, partial(self._corrected, t=goal, tally=tally)
-            )
-            known.append((t, annealed.vertices))
-            inverted, partially = crumpled_vertices(self.triangulation, annealed.vertices)
-            tally.show(
-                t=t,
-                residual=annealed.residual,
-                inverted=int(inverted.sum()),
-                partially_inverted=int(partially.sum()),
-            )
-            # The predictor's error grows as the cube of the step.
-            growth = np.cbrt(method.largest_change / (2 * max(change, np.finfo(np.float64).tiny)))
-            dt *= float(np.clip(growth, 0.5, 2.0))
-        return known[-1][1], None
 
-    def guided(self, tally: Tally) -> Floats:
-        """Go from t = 1 to t = 0 once more, guided by bending."""
-        return bending_pull_back(
-            self._metric,
-            self._start,
-            self.lengths,
-            tally,
-            residual_tolerance=GUIDED,
-            dissection=self._dissection,
-            backend=self._backend,
-        )
+def _leap(
+    system: LengthSystem, start: Floats, lengths: Floats, good: float, tally: Tally
+) -> tuple[Floats, float]:
+    """Newton's method while it converges; and by how much it strayed from where its first step pointed.
 
-    def polish(self, vertices: Floats, tolerance: float, tally: Tally) -> Floats:
-        """Newton's method to the rounding floor."""
-        return anneal(
-            self._newton, vertices, self._metric.lengths, tally, residual_tolerance=tolerance
-        ).vertices
-
-    def _predicted(self, known: list[tuple[float, Floats]], t: float, tally: Tally) -> Floats:
-        """The polynomial through the surfaces before; from one alone, the tangent."""
-        if len(known) > 1:
-            return extrapolated(known, t)
-        x = known[0][1]
-        lengths = self.lengths(t)
+    It can cross over to a neighboring realization, with some vertices turned inside out, that has the same
+    lengths.  Then a height above the neighbors changes by more than the first step's error explains.
+    """
+    triangulation = system.triangulation
+    x, r = start, length_residuals(triangulation, start, lengths)
+    if np.abs(r).max() <= good:
+        return start, 0.0
+    first, residual = None, np.inf
+    while residual > ON_THE_WAY:
+        tally.iterations += 1
         tally.factorizations += 1
         try:
-            return x - self._newton.step(x, lengths, length_residuals(self.triangulation, x, lengths))
+            x = x - system.step(x, lengths, r)
         except SingularMatrix:
-            return x
+            return start, np.inf
+        first = x if first is None else first
+        r = length_residuals(triangulation, x, lengths)
+        before, residual = residual, float(np.abs(r).max())
+        tally.show(residual=residual)
+        if not residual < before * CONVERGING or residual > LOST:
+            return start, np.inf
+    before, after = (umbrella_heights(triangulation, y) for y in (first, x))
+    strayed = float(np.abs(after - before).max() / np.sqrt(np.mean(after**2)))
+    return _polished(system, x, lengths, tally), strayed
 
-    def _corrected(self, guess: Floats, t: float, tally: Tally) -> Annealed:
-        return anneal(
-            self._newton,
-            guess,
-            self.lengths(t),
-            tally,
-            residual_tolerance=ON_THE_WAY,
-            max_iterations=PATIENCE,
-        )
 
-    def _change(self, guess: Floats, vertices: Floats) -> float:
-        """The largest change of a vertex's height above its neighbors, over the root mean square height.
+def _polished(system: LengthSystem, vertices: Floats, lengths: Floats, tally: Tally) -> Floats:
+    """Newton's method to the rounding floor."""
+    return anneal(
+        system, vertices, lengths, tally, residual_tolerance=POLISHED, max_iterations=POLISH
+    ).vertices
 
-        Newton's method can cross over to a neighboring realization, with some vertices turned inside out,
-        that has the same lengths.  Then a height changes by more than the predictor's error explains.
-        """
-        before = umbrella_heights(self.triangulation, guess)
-        after = umbrella_heights(self.triangulation, vertices)
-        return float(np.abs(after - before).max() / np.sqrt(np.mean(after**2)))
+
+def _chosen(surfaces: list[Embedding], log: Log) -> Embedding:
+    """The smoothest of the realizations, with the others beside it; if there is none, the nearest attempt."""
+    realizations = [surface for surface in surfaces if surface.converged]
+    if len(realizations) > 1:
+        best = min(realizations, key=lambda surface: surface.fine_roughness)
+    else:
+        best = min(surfaces, key=lambda surface: surface.residual)
+    return Embedding(
+        best.metric,
+        best.vertices,
+        method=best.method,
+        tolerance=best.tolerance,
+        stages=log.stages,
+        others=[other for other in realizations if best.distance(other) > SAME],
+    )

@@ -8,7 +8,8 @@ from isoembed.surface.embedding import Embedding
 def summary(embedding: Embedding) -> str:
     """Return the summary that ``isoembed embed`` prints where no output file is asked for."""
     report = embedding.report
-    size, residual, convexity = report["input"], report["residual"], report["convexity"]
+    size, residual = report["input"], report["residual"]
+    convexity, smoothness = report["convexity"], report["smoothness"]
     lines = [
         f"{report['status']}: {report['message']}",
         "",
@@ -19,6 +20,9 @@ def summary(embedding: Embedding) -> str:
         "(in mean edge lengths)",
         f"convexity   {convexity['concave_edges']} concave edges, {convexity['inverted_vertices']} inverted "
         f"and {convexity['partially_inverted_vertices']} partially inverted vertices",
+        f"smoothness  {smoothness['rough_edges']} edges bent against their neighborhood, "
+        f"roughness {_short(smoothness['roughness'])}, bending energy {_short(smoothness['bending_energy'])}",
+        f"rigidity    smallest singular value {_short(smoothness['smallest_singular_value'])}",
         f"area        {_number(report['area'])}",
         f"volume      {_number(report['volume'])}",
         f"int H dA    {_number(report['integrated_mean_curvature'])}   with H = (k1 + k2)/2",
@@ -37,3 +41,7 @@ def summary(embedding: Embedding) -> str:
 
 def _number(value: float | None) -> str:
     return "beyond the range of numbers" if value is None else f"{value:.12g}"
+
+
+def _short(value: float | None) -> str:
+    return "not computed" if value is None else f"{value:.4g}"

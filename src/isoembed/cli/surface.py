@@ -39,6 +39,12 @@ def configure(parser: argparse.ArgumentParser) -> None:
             "--vertices", type=int, required=True, metavar="N", help="number of vertices, at least 12"
         )
         options.add_argument(
+            "--irregular",
+            type=int,
+            metavar="SEED",
+            help="irregular triangles on random points that keep apart (default: nearly equilateral ones)",
+        )
+        options.add_argument(
             "-o",
             "--output",
             type=Path,
@@ -78,7 +84,7 @@ def _meshed(options: argparse.Namespace) -> tuple[Surface, Any, Any]:
     values = {field.name: getattr(options, field.name) for field in fields(kind)}  # type: ignore[arg-type]
     try:
         surface = kind(**{name: tuple(v) if isinstance(v, list) else v for name, v in values.items()})
-        return surface, *triangulate(surface, options.vertices)
+        return surface, *triangulate(surface, options.vertices, irregular=options.irregular)
     except ValueError as error:
         raise Refusal(str(error)) from None
 
@@ -89,7 +95,7 @@ def _add_option(parser: argparse.ArgumentParser, field: Field[Any], type_: Any) 
     parser.add_argument(
         f"--{field.name.replace('_', '-')}",
         dest=field.name,
-        type=float,
+        type=int if type_ is int else float,
         nargs=count or None,
         default=field.default,
         metavar=field.name[0].upper(),

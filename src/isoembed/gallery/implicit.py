@@ -11,31 +11,16 @@ from numpy.typing import NDArray
 from scipy.special import elliprg
 
 from isoembed.gallery.quadrature import integrate, tanh_sinh
-from isoembed.gallery.surface import Surface, number, positive
+from isoembed.gallery.surface import Surface, Triple, checked_axes, number, positive
 
 Array = NDArray[np.float64]
-Triple = tuple[float, float, float]
-
-MAX_ASPECT = 1e4
-"""Longest over shortest axis: far beyond what can be triangulated well, and within what rounding allows."""
-
-
-def _checked_axes(surface: str, axes: object) -> Triple:
-    values = tuple(axes) if isinstance(axes, tuple | list | np.ndarray) else (axes,)
-    if len(values) != 3:
-        raise ValueError(f"{surface}: axes must be three numbers, not {axes!r}")
-    a, b, c = (positive(f"{surface}: axes[{i}]", value) for i, value in enumerate(values))
-    if max(a, b, c) > MAX_ASPECT * min(a, b, c):
-        raise ValueError(
-            f"{surface}: axes must not differ by more than a factor {MAX_ASPECT:g}, not {(a, b, c)}"
-        )
-    return a, b, c
 
 
 class ImplicitSurface(Surface):
     """The level set g = 1 of g = sum |x_i / s_i|^p_i, with s the semi-axes and every p_i >= 2.
 
-    A direction u names the point s t(u) u: the axes stretch the radial projection of the sphere.
+    A direction u names the point s t(u) u: the axes stretch the radial projection of the sphere. The
+    surface is symmetric in the three coordinate planes, and is integrated over one octant.
     """
 
     axes: Triple
@@ -118,7 +103,7 @@ class Ellipsoid(ImplicitSurface):
     axes: Triple = field(default=(3.0, 2.0, 1.0), metadata={"help": "semi-axes a b c"})
 
     def __post_init__(self) -> None:
-        object.__setattr__(self, "axes", _checked_axes(self.name, self.axes))
+        object.__setattr__(self, "axes", checked_axes(self.name, self.axes))
 
     @property
     def _powers(self) -> Triple:
@@ -177,7 +162,7 @@ class Drum(ImplicitSurface):
     axes: Triple = field(default=(2.0, 1.0, sqrt(1.5)), metadata={"help": "semi-axes d e f"})
 
     def __post_init__(self) -> None:
-        object.__setattr__(self, "axes", _checked_axes(self.name, self.axes))
+        object.__setattr__(self, "axes", checked_axes(self.name, self.axes))
 
     @property
     def _powers(self) -> Triple:
@@ -201,7 +186,7 @@ class Superellipsoid(ImplicitSurface):
     power: float = field(default=4.0, metadata={"help": "exponent p, from 2 to 20"})
 
     def __post_init__(self) -> None:
-        object.__setattr__(self, "axes", _checked_axes(self.name, self.axes))
+        object.__setattr__(self, "axes", checked_axes(self.name, self.axes))
         object.__setattr__(self, "power", number(f"{self.name}: power", self.power))
         if not 2.0 <= self.power <= 20.0:
             raise ValueError(f"{self.name}: power must be between 2 and 20, not {self.power}")

@@ -1,4 +1,4 @@
-"""Directions spread over a surface with a wanted density: a Fibonacci lattice carried by its distribution."""
+"""Directions spread over a surface with a wanted density: points of a square, carried by its distribution."""
 
 import numpy as np
 from numpy.typing import NDArray
@@ -22,6 +22,12 @@ def vertex_density(surface: Surface, u: Array) -> Array:
     return 1.0 + CURVATURE_SHARE * np.abs(K) * surface._radius**2
 
 
+def fibonacci_lattice(n: int) -> Array:
+    """Return n points (n, 2) spread evenly over the unit square, whose second coordinate is periodic."""
+    i = np.arange(n)
+    return np.stack([(i + 0.5) / n, i * (0.5 * (np.sqrt(5.0) - 1.0)) % 1.0], axis=1)
+
+
 def _pole(surface: Surface) -> int:
     """Return the axis around which the surface is closest to round, z when in doubt."""
     extent = np.log(np.linalg.norm(surface._points(np.eye(3)), axis=1))
@@ -36,11 +42,11 @@ def _directions(mu: Array, phi: Array, pole: int) -> Array:
     return np.roll(u, pole - 2, axis=-1)
 
 
-def spread_directions(surface: Surface, n: int) -> Array:
-    """Return n directions (n, 3) whose points have the density :func:`vertex_density`.
+def spread_directions(surface: Surface, square: Array) -> Array:
+    """Carry points of the unit square (n, 2) to directions (n, 3) whose points have :func:`vertex_density`.
 
-    The Fibonacci lattice fills the unit square evenly; the inverse of the marginal distribution in the
-    height and of the conditional distribution in the angle carries it to the sphere of directions.
+    Points that are even in the square come out with the density: the inverse of the marginal distribution
+    in the height and of the conditional distribution in the angle carries them to the sphere of directions.
     """
     pole = _pole(surface)
     theta = np.linspace(0.0, np.pi, 1025)
@@ -51,21 +57,20 @@ def spread_directions(surface: Surface, n: int) -> Array:
     cells = (surface._area_density(grid) * vertex_density(surface, grid)).reshape(len(middle_theta), -1)
     cells *= -np.diff(np.cos(theta))[:, None]
 
-    i = np.arange(n)
     marginal = np.concatenate([[0.0], np.cumsum(cells.sum(axis=1))])
-    theta_i = np.interp((i + 0.5) / n, marginal / marginal[-1], theta)
+    heights, turns = square.T
+    theta_i = np.interp(heights, marginal / marginal[-1], theta)
     # The conditional distribution of the point's own height: a blend of the two nearest rows.
     row = np.interp(theta_i, middle_theta, np.arange(len(middle_theta)))
     low = np.minimum(row.astype(np.int64), len(middle_theta) - 2)
     conditional = np.cumsum(cells / cells.sum(axis=1)[:, None], axis=1)
     conditional = np.concatenate([np.zeros((len(conditional), 1)), conditional], axis=1)
-    golden = i * (0.5 * (np.sqrt(5.0) - 1.0)) % 1.0
-    phi_i = np.empty(n)
-    for chunk in np.array_split(i, max(1, n // 4096)):
+    phi_i = np.empty(len(square))
+    for chunk in np.array_split(np.arange(len(square)), max(1, len(square) // 4096)):
         blend = (row - low)[chunk, None]
         F = (1.0 - blend) * conditional[low[chunk]] + blend * conditional[low[chunk] + 1]
-        cell = np.clip((golden[chunk, None] >= F).sum(axis=1) - 1, 0, len(middle_phi) - 1)
+        cell = np.clip((turns[chunk, None] >= F).sum(axis=1) - 1, 0, len(middle_phi) - 1)
         at = np.arange(len(chunk))
         rise = F[at, cell + 1] - F[at, cell]
-        phi_i[chunk] = phi[cell] + (golden[chunk] - F[at, cell]) / rise * (phi[1] - phi[0])
+        phi_i[chunk] = phi[cell] + (turns[chunk] - F[at, cell]) / rise * (phi[1] - phi[0])
     return _directions(np.cos(theta_i), phi_i, pole)

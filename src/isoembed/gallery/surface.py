@@ -13,6 +13,10 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 Array = NDArray[np.float64]
+Triple = tuple[float, float, float]
+
+MAX_ASPECT = 1e4
+"""Longest over shortest axis: far beyond what can be triangulated well, and within what rounding allows."""
 
 
 def number(name: str, value: SupportsFloat | str) -> float:
@@ -34,6 +38,19 @@ def positive(name: str, value: SupportsFloat | str) -> float:
     return x
 
 
+def checked_axes(surface: str, axes: object) -> Triple:
+    """Return three positive semi-axes of moderate aspect, or raise a ValueError that names the surface."""
+    values = tuple(axes) if isinstance(axes, tuple | list | np.ndarray) else (axes,)
+    if len(values) != 3:
+        raise ValueError(f"{surface}: axes must be three numbers, not {axes!r}")
+    a, b, c = (positive(f"{surface}: axes[{i}]", value) for i, value in enumerate(values))
+    if max(a, b, c) > MAX_ASPECT * min(a, b, c):
+        raise ValueError(
+            f"{surface}: axes must not differ by more than a factor {MAX_ASPECT:g}, not {(a, b, c)}"
+        )
+    return a, b, c
+
+
 def unit_vectors(directions: ArrayLike) -> Array:
     """Return directions as an (n, 3) array of unit vectors.
 
@@ -53,7 +70,7 @@ def unit_vectors(directions: ArrayLike) -> Array:
 
 
 class Surface(ABC):
-    """A closed surface of genus zero known in closed form, symmetric in the three coordinate planes.
+    """A closed surface of genus zero known in closed form.
 
     Subclasses are frozen dataclasses: their fields are the surface's parameters. They implement the
     underscored methods, all in units of ``_unit`` and for unit vectors that were checked.

@@ -1,4 +1,7 @@
-"""Triangulations of a closed-form surface: spread points, connect them, relax them, keep the best."""
+"""Triangulations of a closed-form surface, regular and irregular.
+
+Regular: spread points, connect them, relax them, keep the best. Irregular: blue noise, connected.
+"""
 
 from operator import index
 from typing import SupportsIndex
@@ -7,8 +10,9 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.spatial import ConvexHull
 
+from isoembed.gallery.blue_noise import blue_noise_directions
 from isoembed.gallery.flips import corner_angles, flip_to_delaunay, twin_halfedges
-from isoembed.gallery.points import spread_directions, vertex_density
+from isoembed.gallery.points import fibonacci_lattice, spread_directions, vertex_density
 from isoembed.gallery.relax import lloyd_step
 from isoembed.gallery.surface import Surface
 
@@ -37,8 +41,20 @@ def _inward_faces(vertices: Array, normals: Array, faces: Index) -> int:
     return int(np.count_nonzero(outward <= 0.0))
 
 
-def triangulate(surface: Surface, n_vertices: SupportsIndex) -> tuple[Array, Index]:
-    """Triangulate a surface with nearly equilateral triangles whose vertices lie on it.
+def _integer(name: str, value: SupportsIndex, least: int) -> int:
+    try:
+        n = index(value)
+    except TypeError:
+        raise ValueError(f"{name} must be an integer, not {value!r}") from None
+    if n < least:
+        raise ValueError(f"{name} must be at least {least}, not {n}")
+    return n
+
+
+def triangulate(
+    surface: Surface, n_vertices: SupportsIndex, *, irregular: SupportsIndex | None = None
+) -> tuple[Array, Index]:
+    """Triangulate a surface with vertices that lie on it: nearly equilateral triangles, or irregular ones.
 
     Parameters
     ----------
@@ -46,6 +62,8 @@ def triangulate(surface: Surface, n_vertices: SupportsIndex) -> tuple[Array, Ind
         A surface of the gallery.
     n_vertices
         Exact number of vertices, at least 12.
+    irregular
+        None for nearly equilateral triangles; a seed, an integer of at least 0, for irregular ones.
 
     Returns
     -------
@@ -57,23 +75,28 @@ def triangulate(surface: Surface, n_vertices: SupportsIndex) -> tuple[Array, Ind
     Raises
     ------
     ValueError
-        If ``n_vertices`` is not an integer of at least 12.
+        If ``n_vertices`` is not an integer of at least 12, or ``irregular`` not one of at least 0.
 
     Notes
     -----
-    A Fibonacci lattice with the wanted density, connected by the convex hull of its directions and Delaunay
-    flips, is relaxed by Lloyd steps with flips in between, until all angles lie in 38-97 degrees or for 100
-    sweeps; the mesh with the best angles of all sweeps is returned. Where the vertices are too few for the
-    surface's sharpest features the window may be missed.
+    Regular: a Fibonacci lattice with the wanted density, connected by the convex hull of its directions and
+    Delaunay flips, is relaxed by Lloyd steps with flips in between, until all angles lie in 38-97 degrees or
+    for 100 sweeps; the mesh with the best angles of all sweeps is returned. Irregular: blue noise of the same
+    density (random points that keep their distance), connected in the same way and left alone; its angles
+    lie in about 15-135 degrees. Where the vertices are too few for the surface's sharpest features either
+    window may be missed.
     """
-    try:
-        n = index(n_vertices)
-    except TypeError:
-        raise ValueError(f"the number of vertices must be an integer, not {n_vertices!r}") from None
-    if n < MIN_VERTICES:
-        raise ValueError(f"the number of vertices must be at least {MIN_VERTICES}, not {n}")
+    n = _integer("the number of vertices", n_vertices, MIN_VERTICES)
+    if irregular is None:
+        return _regular(surface, n)
+    u = blue_noise_directions(surface, n, _integer("the seed of an irregular mesh", irregular, 0))
+    faces = _hull(u)
+    faces, _ = flip_to_delaunay(surface._points(u), surface._normals(u), faces, twin_halfedges(faces))
+    return surface.point(u), faces
 
-    u = spread_directions(surface, n)
+
+def _regular(surface: Surface, n: int) -> tuple[Array, Index]:
+    u = spread_directions(surface, fibonacci_lattice(n))
     faces = _hull(u)
     twin = twin_halfedges(faces)
     best, best_score = (u, faces), (len(faces) + 1, np.inf)

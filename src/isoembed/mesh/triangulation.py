@@ -129,6 +129,15 @@ class Triangulation:
         frozen(adjacency.data)
         return adjacency
 
+    @cached_property
+    def incidence(self) -> csr_array:
+        """(V, E): 1 where an edge begins, at its lower end, and -1 where it ends."""
+        signs = np.repeat([1.0, -1.0], self.n_edges)
+        ends = (self.edges.T.ravel(), np.tile(np.arange(self.n_edges), 2))
+        incidence = csr_array((signs, ends), shape=(self.n_vertices, self.n_edges))
+        frozen(incidence.data)
+        return incidence
+
     def edge_indices(self, pairs: Indices) -> Indices:
         """Index of each edge that is given by its two ends.
 

@@ -1,10 +1,11 @@
-"""Conformal change of a polyhedral metric: one factor u_a a vertex scales the edges at it."""
+"""Conformal change of a metric: one factor u_a a vertex scales the edges at it."""
 
 from __future__ import annotations
 
 import numpy as np
 from numpy.typing import NDArray
 
+from isoembed.metric.glued import GluedMetric
 from isoembed.metric.polyhedral import PolyhedralMetric
 
 Floats = NDArray[np.float64]
@@ -28,3 +29,21 @@ def rescaled(metric: PolyhedralMetric, u: Floats) -> PolyhedralMetric:
     a, b = metric.edges.T
     w = np.exp(u)
     return metric.with_lengths(metric.lengths * (w[a] + w[b]) / 2)
+
+
+def equivalent(metric: GluedMetric, u: Floats) -> GluedMetric:
+    """The discretely conformally equivalent metric with lengths ``l_ab e^{(u_a + u_b) / 2}``.
+
+    Parameters
+    ----------
+    metric : GluedMetric
+    u : ndarray, shape (V,)
+
+    Raises
+    ------
+    InvalidMetric
+        The factors break a triangle inequality, or lead beyond the floats.
+    """
+    with np.errstate(over="ignore"):  # a length beyond the floats is refused as infinite
+        w = np.exp(u / 2)[metric.faces]
+        return GluedMetric(metric.faces, metric.twins, metric.face_lengths * w * np.roll(w, -1, axis=1))

@@ -19,13 +19,15 @@ from typing import TypeVar, cast
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.sparse import coo_array, csc_array
+from scipy.sparse import csc_array
 
 from isoembed.errors import InvalidMetric, InvalidParameter
 from isoembed.linalg import SingularMatrix, factor_general
 from isoembed.mesh.triangulation import frozen
+from isoembed.metric.conformal import equivalent
 from isoembed.metric.convexity import check_convex, deficit_rounding
 from isoembed.metric.glued import GluedMetric
+from isoembed.metric.laplacian import cotangent_laplacian
 from isoembed.metric.polyhedral import PolyhedralMetric
 
 Floats = NDArray[np.float64]
@@ -109,7 +111,7 @@ def repaired(metric: Metric, noise: float) -> tuple[Metric, Repair]:
         if (delta >= -deficit_rounding(current.faces, current.face_lengths)).all():
             change = float(np.abs(current.face_lengths / given.face_lengths - 1).max())
             return result, Repair(frozen(negative), frozen(before[negative]), frozen(u), change)
-        H = _laplacian(current)
+        H = cotangent_laplacian(current)
         try:
             u = _least_factors(H, delta - H @ u, rounding / 2)
             result = _rescaled(metric, u)
@@ -120,15 +122,6 @@ def repaired(metric: Metric, noise: float) -> tuple[Metric, Repair]:
         f"vertex {v} has total angle {2 * np.pi - before[v]:.10g} > 2 pi (deficit {before[v]:.3g}): "
         "that is too much to be repaired by a conformal change"
     )
-
-
-def _laplacian(metric: GluedMetric) -> csc_array:
-    """The derivative of the deficits by the conformal factors, (V, V)."""
-    half = np.roll(metric.triangles.cotangents, 1, axis=1).ravel() / 2  # across from each half-edge
-    i, j = metric.faces.ravel(), np.roll(metric.faces, -1, axis=1).ravel()
-    ends = (np.concatenate([i, j, i, j]), np.concatenate([i, j, j, i]))
-    values = np.concatenate([half, half, -half, -half])
-    return coo_array((values, ends), shape=(metric.n_vertices, metric.n_vertices)).tocsc()
 
 
 def _least_factors(H: csc_array, delta: Floats, slack: Floats) -> Floats:
@@ -158,9 +151,7 @@ def _least_factors(H: csc_array, delta: Floats, slack: Floats) -> Floats:
 
 
 def _rescaled(metric: Metric, u: Floats) -> Metric:
+    if isinstance(metric, GluedMetric):
+        return cast(Metric, equivalent(metric, u))
     with np.errstate(over="ignore"):  # a length beyond the floats is refused as infinite
-        w = np.exp(u / 2)
-        if isinstance(metric, GluedMetric):
-            scale = w[metric.faces] * np.roll(w[metric.faces], -1, axis=1)
-            return cast(Metric, GluedMetric(metric.faces, metric.twins, metric.face_lengths * scale))
-        return cast(Metric, metric.with_lengths(metric.lengths * w[metric.edges].prod(axis=1)))
+        return cast(Metric, metric.with_lengths(metric.lengths * np.exp(u / 2)[metric.edges].prod(axis=1)))

@@ -7,7 +7,7 @@ from numpy.typing import NDArray
 
 from isoembed.mesh.triangulation import Triangulation
 from isoembed.surface.curvature import dihedral_angles
-from isoembed.surface.measures import face_normals
+from isoembed.surface.measures import vertex_normals
 
 Floats = NDArray[np.float64]
 Mask = NDArray[np.bool_]
@@ -51,13 +51,9 @@ def umbrella_heights(triangulation: Triangulation, vertices: Floats) -> Floats:
 
     Positive where the surface bulges outward; a vertex that is turned inside out changes its sign.
     """
-    normals = face_normals(triangulation.faces, vertices)
-    sums = np.zeros_like(vertices)
-    for corner in range(3):
-        np.add.at(sums, triangulation.faces[:, corner], normals)
-    sums /= np.maximum(np.linalg.norm(sums, axis=1, keepdims=True), np.finfo(np.float64).tiny)
+    normals = vertex_normals(triangulation.faces, vertices)
     mean = (triangulation.adjacency @ vertices) / triangulation.degrees[:, None]
-    return np.einsum("ij,ij->i", vertices - mean, sums)
+    return np.einsum("ij,ij->i", vertices - mean, normals)
 
 
 def _concave_degrees(triangulation: Triangulation, concave: Mask) -> NDArray[np.int64]:

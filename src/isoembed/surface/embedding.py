@@ -16,11 +16,14 @@ from isoembed.mesh.triangulation import Triangulation, frozen
 from isoembed.metric.curvature import negative_deficits
 from isoembed.metric.polyhedral import PolyhedralMetric
 from isoembed.stages import Stage
-from isoembed.surface import convexity, curvature, measures
+from isoembed.surface import alignment, convexity, curvature, measures, smoothness
 from isoembed.surface.intersection import self_intersections
+from isoembed.surface.rigidity import LengthSystem
 from isoembed.version import __version__
 
 Floats = NDArray[np.float64]
+
+FACTORED = 4_000_000  # entries of J J^T, for 100,000 vertices: more are not factored only for a report
 
 
 @dataclass(frozen=True, eq=False, init=False, repr=False)
@@ -41,10 +44,12 @@ class Embedding:
         How they were found.
     message : str
         What the method has to say; by default a sentence on the residual.
+    others : sequence of Embedding
+        Other realizations of the same lengths that were met: the metric has more than one.
 
     Attributes
     ----------
-    metric, vertices, method, tolerance, stages
+    metric, vertices, method, tolerance, stages, others
         As given; `vertices` is read-only.
 
     Raises
@@ -59,6 +64,7 @@ class Embedding:
     tolerance: float
     stages: tuple[Stage, ...]
     message: str
+    others: tuple[Embedding, ...]
 
     def __init__(
         self,
@@ -69,6 +75,7 @@ class Embedding:
         tolerance: float,
         stages: Sequence[Stage] = (),
         message: str = "",
+        others: Sequence[Embedding] = (),
     ) -> None:
         points = np.array(vertices, dtype=np.float64)
         if points.shape != (metric.triangulation.n_vertices, 3):
@@ -89,6 +96,7 @@ class Embedding:
             ("tolerance", tolerance),
             ("stages", tuple(stages)),
             ("message", message),
+            ("others", tuple(others)),
         ):
             object.__setattr__(self, name, value)
         if not message:
@@ -102,12 +110,22 @@ class Embedding:
             f"at edge {e} {self.metric.edges[e].tolist()}"
         )
         inverted, partially = int(self.inverted_vertices.sum()), int(self.partially_inverted_vertices.sum())
-        if inverted or partially:
+        if (inverted or partially) and self.rough_edges.any():
             sentence += (
                 f"; {inverted} inverted and {partially} partially inverted vertices: "
                 "the surface may be crumpled"
             )
+        for other in self.others:
+            sentence += (
+                f"; these lengths have another realization too, {self.distance(other):.1g} mean edge lengths "
+                "from this one and rougher"
+            )
         return sentence
+
+    def distance(self, other: Embedding) -> float:
+        """How far the vertices are from another realization's, rigid motions aside, in mean edge lengths."""
+        apart = alignment.distance(self._normalized, other.vertices / self.metric.unit)
+        return apart / self.metric.normalized.mean_length
 
     def with_message(self, message: str) -> Embedding:
         """Return the same embedding with another message."""
@@ -186,6 +204,46 @@ class Embedding:
             curvature.vertex_mean_curvature(self.triangulation, self._normalized) / self.metric.unit
         )
 
+    @cached_property
+    def _offsets(self) -> Floats:
+        """How far the vertices stand out of what their neighbors expect, (V, 3), in the normalized unit."""
+        return frozen(smoothness.offsets(self.triangulation, self._normalized))
+
+    @cached_property
+    def roughness(self) -> float:
+        """Root mean square distance of the vertices from a cubic fitted to their neighbors, in edge lengths.
+
+        Of two realizations of the same lengths, the one with less is the smoother.
+        """
+        return smoothness.roughness(self.triangulation, self._normalized, self._offsets)
+
+    @cached_property
+    def fine_roughness(self) -> float:
+        """What quintics fitted to the vertices' neighbors leave of what they leave, in edge lengths.
+
+        Of two realizations of the same lengths that are near each other, the one with less is the smoother.
+        """
+        return smoothness.fine_roughness(self.triangulation, self._normalized)
+
+    @cached_property
+    def rough_edges(self) -> NDArray[np.bool_]:
+        """Edges whose dihedral angle has another sign than their neighborhood gives them, shape (E,)."""
+        return frozen(smoothness.rough_edges(self.triangulation, self._normalized, self._offsets))
+
+    @cached_property
+    def bending_energy(self) -> float:
+        """Integral of H^2 dA: 4 pi for a sphere, more for any other surface."""
+        return curvature.bending_energy(self.triangulation, self._normalized)
+
+    @cached_property
+    def smallest_singular_value(self) -> float:
+        """Of the rigidity matrix J, apart from the rigid motions: 0 if the surface can flex.
+
+        It takes one factorization of J J^T, as a step of Newton's method does.
+        """
+        system = LengthSystem(self.triangulation)
+        return system.smallest_singular_value(self._normalized, self.metric.normalized.lengths)
+
     @property
     def area(self) -> float:
         """Area, in the unit of the lengths, squared."""
@@ -207,7 +265,9 @@ class Embedding:
     def report(self) -> dict[str, Any]:
         """What was asked, done and reached: the JSON object that the command writes.
 
-        A number beyond the range of floats (the volume of a body 1e150 across) is None.
+        A number beyond the range of floats (the volume of a body 1e150 across) is None.  So is the smallest
+        singular value where J J^T is large, beyond 100,000 vertices or some 2,000 edges at one of them: it
+        alone costs more than in proportion to the size.
         """
         triangulation = self.triangulation
         return {
@@ -232,6 +292,23 @@ class Embedding:
                 "inverted_vertices": int(self.inverted_vertices.sum()),
                 "partially_inverted_vertices": int(self.partially_inverted_vertices.sum()),
             },
+            "smoothness": {
+                "bending_energy": _finite(self.bending_energy),
+                "roughness": _finite(self.roughness),
+                "fine_roughness": _finite(self.fine_roughness),
+                "rough_edges": int(self.rough_edges.sum()),
+                "smallest_singular_value": (
+                    self.smallest_singular_value if np.sum(triangulation.degrees**2) <= FACTORED else None
+                ),
+            },
+            "other_realizations": [
+                {
+                    "distance": self.distance(other),
+                    "roughness": _finite(other.roughness),
+                    "fine_roughness": _finite(other.fine_roughness),
+                }
+                for other in self.others
+            ],
             "area": _finite(self.area),
             "volume": _finite(self.volume),
             "integrated_mean_curvature": _finite(self.integrated_mean_curvature),

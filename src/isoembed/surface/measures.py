@@ -9,6 +9,12 @@ Floats = NDArray[np.float64]
 Indices = NDArray[np.int64]
 
 
+def edge_lengths(edges: Indices, vertices: Floats) -> Floats:
+    """Lengths of the edges, (E,)."""
+    a, b = edges.T
+    return np.linalg.norm(vertices[a] - vertices[b], axis=1)
+
+
 def face_normals(faces: Indices, vertices: Floats) -> Floats:
     """Normals of the triangles with twice their areas as norms, (F, 3), by the right-hand rule."""
     a, b, c = (vertices[faces[:, k]] for k in range(3))
@@ -18,6 +24,18 @@ def face_normals(faces: Indices, vertices: Floats) -> Floats:
 def face_areas(faces: Indices, vertices: Floats) -> Floats:
     """Areas of the triangles, (F,)."""
     return np.linalg.norm(face_normals(faces, vertices), axis=1) / 2
+
+
+def vertex_normals(faces: Indices, vertices: Floats) -> Floats:
+    """Unit normals at the vertices, (V, 3): of the triangles, weighted by area; zero where they cancel."""
+    corners = faces.ravel()
+    normals = face_normals(faces, vertices)
+    sums = np.column_stack(
+        [np.bincount(corners, np.repeat(normals[:, k], 3), minlength=len(vertices)) for k in range(3)]
+    )
+    largest = np.abs(sums).max(axis=1, keepdims=True)
+    scaled = sums / np.where(largest > 0, largest, 1.0)  # the squares of areas would underflow
+    return scaled / np.maximum(np.linalg.norm(scaled, axis=1, keepdims=True), 1.0)
 
 
 def area(faces: Indices, vertices: Floats) -> float:

@@ -8,19 +8,24 @@ matrix that is definite whenever the surface is infinitesimally rigid.
 
 from __future__ import annotations
 
+from functools import partial
 from typing import cast
 
 import numpy as np
 from numpy.typing import NDArray
 from scipy.sparse import csr_array, eye_array, kron
+from scipy.sparse.linalg import LinearOperator, eigsh
 
-from isoembed.linalg import Dissection, analyze, dissect
+from isoembed.linalg import Dissection, SingularMatrix, SymmetricFactor, analyze, dissect
 from isoembed.mesh.triangulation import Triangulation
 
 Floats = NDArray[np.float64]
 
 MEAN_DIAGONAL = 2.0  # of J J^T, whose rows have unit norm at each end, and, nearly, of J^T J
 HOLD = 1e-10  # relative to J^T J: fixes the rigid motions that neither lengths nor a penalty on bending see
+
+KRYLOV = 8  # vectors kept between restarts of Lanczos' iteration
+EIGEN = 1e-3  # relative, of the largest eigenvalue of the inverse of J J^T: a measure, not a solution
 
 
 def length_residuals(triangulation: Triangulation, vertices: Floats, lengths: Floats) -> Floats:
@@ -71,8 +76,6 @@ class LengthSystem:
         # Two edges that share a vertex meet with the sign of their directions there.
         (a, b), (c, d) = edges[self._row].T, edges[self._column].T
         self._sign = np.where(self._diagonal, 2.0, np.where((a == c) | (b == d), 1.0, -1.0))
-        signs = np.concatenate([np.ones(len(edges)), -np.ones(len(edges))])
-        self._incidence = csr_array((signs, (edges.T.ravel(), np.tile(e, 2))), shape=shape)
 
     def step(self, vertices: Floats, lengths: Floats, residuals: Floats, mu: float = 0.0) -> Floats:
         """``d = J^T (J J^T + mu I)^-1 r``, (V, 3): to be subtracted from the vertices.
@@ -92,47 +95,99 @@ class LengthSystem:
             The surface is not infinitesimally rigid and mu is 0.
         """
         rows = edge_rows(self.triangulation, vertices, lengths)
-        values = self._sign * np.einsum("ij,ij->i", rows[self._row], rows[self._column])
-        values[self._diagonal] += mu * MEAN_DIAGONAL
-        factor = self._solver.factor(values)
-        d = self._incidence @ (rows * factor.solve(residuals, sweeps=0)[:, None])
+        factor = self._factor(rows, mu)
+        d = self.triangulation.incidence @ (rows * factor.solve(residuals, sweeps=0)[:, None])
         if mu > 0:
             return d
         # Refined through J: refining the solution of J J^T alone would not reduce this residual.
         a, b = self.triangulation.edges.T
         missing = residuals - np.einsum("ij,ij->i", rows, d[a] - d[b])
-        return d + self._incidence @ (rows * factor.solve(missing, sweeps=0)[:, None])
+        return d + self.triangulation.incidence @ (rows * factor.solve(missing, sweeps=0)[:, None])
+
+    def smallest_singular_value(self, vertices: Floats, lengths: Floats) -> float:
+        """The smallest singular value of J, apart from the six of the rigid motions, to about three digits.
+
+        The square root of the smallest eigenvalue of J J^T, by Lanczos' iteration with its inverse: one
+        factorization and some 20 solves.  To first order, the vertices need not move by more than its
+        inverse times a change of the lengths, both in the Euclidean norm.
+
+        Returns
+        -------
+        float
+            0 if J J^T is singular to working precision: the surface is not infinitesimally rigid.
+        """
+        try:
+            return float(self.softest(vertices, lengths, 1)[0][0])
+        except SingularMatrix:
+            return 0.0
+
+    def softest(self, vertices: Floats, lengths: Floats, count: int) -> tuple[Floats, Floats, Floats]:
+        """The smallest singular values of J and their vectors, as in `smallest_singular_value`.
+
+        Parameters
+        ----------
+        vertices : ndarray, shape (V, 3)
+        lengths : ndarray, shape (E,)
+        count : int
+            How many.
+
+        Returns
+        -------
+        sigma : ndarray, shape (count,)
+            Ascending.
+        motions : ndarray, shape (count, V, 3)
+            Of unit norm: the motions of the vertices that change the lengths least.
+        changes : ndarray, shape (count, E)
+            Of unit norm: the lengths change by ``sigma changes``, to first order.
+
+        Raises
+        ------
+        SingularMatrix
+            J J^T is singular to working precision.
+        """
+        rows = edge_rows(self.triangulation, vertices, lengths)
+        factor = self._factor(rows)
+        n = len(rows)
+        inverse = LinearOperator((n, n), matvec=partial(factor.solve, sweeps=0), dtype=np.float64)
+        start = np.random.default_rng(0).standard_normal(n)
+        _, vectors = eigsh(inverse, k=count, which="LA", v0=start, ncv=min(n, KRYLOV * count), tol=EIGEN)
+        changes = vectors.T[::-1] / np.linalg.norm(vectors.T[::-1], axis=1, keepdims=True)
+        # Rayleigh's quotient, through J: rounding in J J^T would hide values below 1e-8.
+        motions = np.array([self.triangulation.incidence @ (rows * change[:, None]) for change in changes])
+        sigma = np.linalg.norm(motions, axis=(1, 2))
+        return sigma, motions / sigma[:, None, None], changes
+
+    def _factor(self, rows: Floats, mu: float = 0.0) -> SymmetricFactor:
+        values = self._sign * np.einsum("ij,ij->i", rows[self._row], rows[self._column])
+        values[self._diagonal] += mu * MEAN_DIAGONAL
+        return self._solver.factor(values)
 
 
 class VertexSystem:
-    """``J^T J + P`` in the coordinates, P coupling vertices of a given graph: for penalized and fitted steps.
+    """``J^T J + w P`` in the coordinates, P coupling vertices of a given graph: for penalized and fitted steps.
 
     Parameters
     ----------
     triangulation : Triangulation
     penalty : sparse, shape (V, V), optional
-        Symmetric; its pattern, with the triangulation's, is the pattern of every matrix of the system.
+        P, symmetric; its pattern, with the triangulation's, is the pattern of every matrix of the system.
         It acts on x, y and z alike.
-    dissection : Dissection, optional
-        Of the vertex graph, where it is at hand.
     backend : str, optional
         As in `isoembed.linalg.analyze`.
     """
 
     def __init__(
-        self,
-        triangulation: Triangulation,
-        penalty: csr_array | None = None,
-        dissection: Dissection | None = None,
-        backend: str | None = None,
+        self, triangulation: Triangulation, penalty: csr_array | None = None, backend: str | None = None
     ) -> None:
         self.triangulation = triangulation
         n = triangulation.n_vertices
-        self.penalty = penalty = csr_array((n, n)) if penalty is None else penalty
-        dissection = dissection or dissect(triangulation.adjacency)
-        graph = (triangulation.adjacency + abs(penalty) + eye_array(n)).tocsc()
+        penalty = csr_array((n, n)) if penalty is None else penalty
+        graph = csr_array(triangulation.adjacency + abs(penalty) + eye_array(n))
         graph.data[:] = 1.0  # a pattern, from connectivity: values that cancel must not shrink it
-        self._solver = analyze(kron(graph, np.ones((3, 3)), format="csc"), dissection.block_order(3), backend)
+        pairs = csr_array(graph - eye_array(n))
+        pairs.eliminate_zeros()
+        order = dissect(pairs).block_order(3)  # where P reaches beyond the neighbors, so do the separators
+        self._solver = analyze(kron(graph, np.ones((3, 3)), format="csc"), order, backend)
         pattern = self._solver.pattern
         column = np.repeat(np.arange(3 * n), np.diff(pattern.indptr))
         self._keys = column * (3 * n) + pattern.indices
@@ -144,8 +199,8 @@ class VertexSystem:
         entries = penalty.tocoo()
         slots = [self._slot(3 * entries.row + k, 3 * entries.col + k) for k in range(3)]
         values = np.tile(entries.data, 3)
-        self._entries = cast(Floats, np.bincount(np.concatenate(slots), values, minlength=len(self._keys)))
-        self._hold = HOLD * (pattern.indices == column)
+        self._penalty = cast(Floats, np.bincount(np.concatenate(slots), values, minlength=len(self._keys)))
+        self._hold = HOLD * MEAN_DIAGONAL * (pattern.indices == column)
 
     def _slot(self, row: NDArray[np.int64], column: NDArray[np.int64]) -> NDArray[np.int64]:
         return np.searchsorted(
@@ -156,12 +211,27 @@ class VertexSystem:
         i, j = np.divmod(np.arange(9), 3)
         return self._slot(3 * a[:, None] + i, 3 * b[:, None] + j).ravel()
 
-    def penalized_step(
-        self, vertices: Floats, lengths: Floats, residuals: Floats, mu: float, damping: float
-    ) -> Floats:
-        """Gauss-Newton's step, (V, 3), on ``|r|^2 + mu <x, P x>``: to be subtracted from the vertices.
+    def penalized(self, rows: Floats, weight: float) -> SymmetricFactor:
+        """Factor ``J^T J + weight P``, held against rigid motions.
 
-        Solves ``(J^T J + (mu + damping) P) d = J^T r + mu P x``.
+        Parameters
+        ----------
+        rows : ndarray, shape (E, 3)
+            J, from `edge_rows`.
+        weight : float
+
+        Raises
+        ------
+        SingularMatrix
+            The matrix is not positive definite.
+        """
+        return self._factor(rows, weight * self._penalty)
+
+    def spherical_step(self, vertices: Floats, lengths: Floats, residuals: Floats, radius: float) -> Floats:
+        """Gauss-Newton's step, (V, 3), for the lengths and ``|x_a| = r`` together, in least squares.
+
+        The rows ``x_a^T / r`` with residuals ``(|x_a|^2 - r^2) / (2 r)`` join those of J.  To be subtracted
+        from the vertices.
 
         Parameters
         ----------
@@ -169,48 +239,24 @@ class VertexSystem:
         lengths : ndarray, shape (E,)
         residuals : ndarray, shape (E,)
             From `length_residuals`.
-        mu : float
-            Weight of the penalty.
-        damping : float
-            Shortens the step, where it should be, in the metric of the penalty.
+        radius : float
 
         Raises
         ------
         SingularMatrix
             The matrix is not positive definite.
         """
-        pull = mu * (self.penalty @ vertices)
-        return self._solved(vertices, lengths, residuals, (mu + damping) * self._entries, pull)
-
-    def spherical_step(self, vertices: Floats, lengths: Floats, residuals: Floats, radius: float) -> Floats:
-        """Gauss-Newton's step, (V, 3), for the lengths and ``|x_a| = r`` together, in least squares.
-
-        The rows ``x_a^T / r`` with residuals ``(|x_a|^2 - r^2) / (2 r)`` join those of J.  To be subtracted
-        from the vertices; parameters as `step`.
-        """
         outward = vertices / radius
         blocks = np.einsum("ai,aj->aij", outward, outward).ravel()
         extra = cast(Floats, np.bincount(self._vertex_slots, blocks, minlength=len(self._keys)))
         heights = radius * (np.einsum("ai,ai->a", outward, outward) - 1) / 2
-        return self._solved(vertices, lengths, residuals, extra, outward * heights[:, None])
-
-    def _solved(
-        self, vertices: Floats, lengths: Floats, residuals: Floats, extra: Floats, pull: Floats | float
-    ) -> Floats:
-        """``(J^T J + extra)^-1 (J^T r + pull)``."""
         rows = edge_rows(self.triangulation, vertices, lengths)
+        gradient = self.triangulation.incidence @ (rows * residuals[:, None]) + outward * heights[:, None]
+        return self._factor(rows, extra).solve(gradient.ravel(), sweeps=1).reshape(-1, 3)
+
+    def _factor(self, rows: Floats, extra: Floats) -> SymmetricFactor:
         products = np.einsum("ei,ej->eij", rows, rows).ravel()
         values = np.bincount(
             self._edge_slots, self._edge_signs * np.tile(products, 4), minlength=len(self._keys)
         )
-        factor = self._solver.factor(values + extra + MEAN_DIAGONAL * self._hold)
-        a, b = self.triangulation.edges.T
-        weighted = rows * residuals[:, None]
-        n = self.triangulation.n_vertices
-        gradient = np.column_stack(
-            [
-                np.bincount(a, weighted[:, k], minlength=n) - np.bincount(b, weighted[:, k], minlength=n)
-                for k in range(3)
-            ]
-        )
-        return factor.solve((gradient + pull).ravel(), sweeps=1).reshape(-1, 3)
+        return self._solver.factor(values + extra + self._hold)

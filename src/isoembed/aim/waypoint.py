@@ -1,0 +1,155 @@
+"""Uniformization (paper, section 2.1) only as far as convexity: a convex metric near the given one.
+
+Curvature is let diffuse over the surface until it is positive everywhere: the large shape stays, and only
+what is small is smoothed away.  A conformal change of the lengths, one factor a vertex, leads to a metric of
+this curvature.  Unlike the uniform metric it is near, as near as the given one is to convexity, and unique up
+to scale: there are no Moebius maps to pin.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.sparse import csc_array, csr_array
+
+from isoembed.errors import InvalidMetric
+from isoembed.linalg import Solver, SymmetricFactor, analyze, dissect
+from isoembed.metric.conformal import equivalent
+from isoembed.metric.convexity import deficit_rounding
+from isoembed.metric.flips import HalfEdges
+from isoembed.metric.glued import GluedMetric
+from isoembed.metric.laplacian import cotangent_laplacian
+from isoembed.stages import Tally
+
+Floats = NDArray[np.float64]
+
+MARGIN = 0.05  # of the deficit that a vertex's area would have on a sphere: what the diffusion leaves
+ENOUGH = 0.5  # of the margin: closer, the conformal change need not come
+PINNED = 1e-9  # added to the Laplacian, of order 1: a common factor changes no deficit
+STEPS = 100
+SHORTEST = 1e-3  # of a Newton step
+
+
+def is_convex(metric: GluedMetric) -> bool:
+    """Whether no deficit is negative beyond rounding."""
+    return bool((metric.deficits >= -deficit_rounding(metric.faces, metric.face_lengths)).all())
+
+
+def convex_waypoint(metric: GluedMetric, tally: Tally, backend: str | None = None) -> GluedMetric | None:
+    """A convex metric to begin the pull-back from; the given one, if it is convex.
+
+    Parameters
+    ----------
+    metric : GluedMetric
+        Of mean edge length 1 or so.
+    tally : Tally
+        Counts Newton steps and factorizations.
+    backend : str, optional
+        As in `isoembed.linalg.analyze`.
+
+    Returns
+    -------
+    GluedMetric or None
+        On the given vertices, but on triangles of its own.  None if it was not reached.
+
+    Notes
+    -----
+    The curvature measure after the time tau is ``delta(tau) = M (M + tau K)^-1 delta(0)``, M the areas and K
+    the cotangent Laplacian, on the intrinsic Delaunay triangulation; tau is doubled from the square of the
+    mean edge length on.  The factors u of ``l_ij e^{(u_i + u_j) / 2}`` follow by Newton's method, as the
+    derivative of the deficits is K (Springborn, Schroeder and Pinkall, ACM TOG 27, 2008).  Where that would
+    break a triangle, the metric reached becomes Delaunay again by flips, and goes on from there: not in the
+    same conformal class, but nothing asks for that.
+    """
+    if is_convex(metric):
+        return metric
+    reached = _Delaunay.of(metric, backend)
+    goal = _diffused(reached, tally)
+    least = ENOUGH * MARGIN * reached.shares
+    for _ in range(STEPS):
+        missing = goal - reached.metric.deficits
+        tally.show(residual=float(np.abs(missing).max()))
+        if (reached.metric.deficits >= least).all():
+            return reached.metric
+        step = reached.solved(missing)
+        tally.iterations += 1
+        tally.factorizations += 1
+        s = 1.0
+        while (trial := reached.changed(s * step)) is None or (
+            np.linalg.norm(goal - trial.metric.deficits) > (1 - s / 10) * np.linalg.norm(missing)
+        ):
+            s /= 2
+            if s < SHORTEST:
+                return None
+        reached = trial if s == 1.0 else _Delaunay.of(trial.metric, backend)
+    return None
+
+
+def _diffused(triangles: _Delaunay, tally: Tally) -> Floats:
+    """The deficits after the first time at which they are all positive with a margin."""
+    mass = triangles.shares / (4 * np.pi) * triangles.metric.triangles.areas.sum()
+    deficits, tau = triangles.metric.deficits, triangles.metric.mean_length**2
+    while True:
+        diffused = mass * triangles.factored(mass / tau).solve(deficits / tau)
+        tally.factorizations += 1
+        if (diffused >= MARGIN * triangles.shares).all():
+            return diffused
+        tau *= 2
+
+
+@dataclass(frozen=True)
+class _Delaunay:
+    """A metric on its Delaunay triangles, and who solves Laplace's equations on them."""
+
+    metric: GluedMetric
+    solver: Solver
+
+    @classmethod
+    def of(cls, metric: GluedMetric, backend: str | None) -> _Delaunay:
+        tables = HalfEdges.of(metric.faces, metric.twins, metric.face_lengths)
+        tables.make_delaunay(np.zeros(metric.n_vertices))
+        metric = GluedMetric(tables.faces, tables.twins, tables.face_lengths)
+        pattern = _pattern(metric)
+        pairs = csr_array(pattern)
+        pairs.setdiag(0)
+        pairs.eliminate_zeros()
+        return cls(metric, analyze(pattern, dissect(pairs).vertex_order(), backend))
+
+    @property
+    def shares(self) -> Floats:
+        """The deficits that the vertices' areas, a third of each triangle, would have on a sphere, (V,)."""
+        areas = self.metric.triangles.areas
+        share = np.bincount(self.metric.faces.ravel(), np.repeat(areas / areas.sum(), 3))
+        return 4 * np.pi / 3 * share
+
+    def factored(self, diagonal: Floats) -> SymmetricFactor:
+        """Factor the Laplacian with this added to its diagonal."""
+        K = cotangent_laplacian(self.metric)
+        K.sort_indices()
+        on_diagonal = K.indices == np.repeat(np.arange(len(diagonal)), np.diff(K.indptr))
+        K.data[on_diagonal] += diagonal  # a sum of matrices would drop entries that vanish
+        return self.solver.factor(K.data)
+
+    def solved(self, missing: Floats) -> Floats:
+        """The conformal factors that add this to the deficits, to first order."""
+        step = self.factored(np.full(len(missing), PINNED)).solve(missing)
+        return step - step.mean()
+
+    def changed(self, u: Floats) -> _Delaunay | None:
+        """The metric with these factors on the same triangles, if there is one."""
+        try:
+            return _Delaunay(equivalent(self.metric, u), self.solver)
+        except InvalidMetric:
+            return None
+
+
+def _pattern(metric: GluedMetric) -> csc_array:
+    """Where the Laplacian has entries: from connectivity, as its values may vanish."""
+    i, j = metric.faces.ravel(), np.roll(metric.faces, -1, axis=1).ravel()
+    n = metric.n_vertices
+    ends = (np.concatenate([i, i]), np.concatenate([i, j]))
+    pattern = csc_array((np.ones(2 * i.size), ends), shape=(n, n))
+    pattern.data[:] = 1.0
+    return pattern

@@ -1,0 +1,114 @@
+"""Ellipsoids bent in the plane of x and z: the bean, along a parabola, and the tube, around a circle."""
+
+from dataclasses import dataclass, field
+from functools import cached_property
+from math import pi
+from typing import ClassVar
+
+import numpy as np
+from numpy.typing import NDArray
+
+from isoembed.gallery.mapped import MappedSurface
+from isoembed.gallery.surface import MAX_ASPECT, Triple, checked_axes, number, positive
+
+Array = NDArray[np.float64]
+
+
+class BentEllipsoid(MappedSurface):
+    """An ellipsoid with its x-axis bent towards z; the unit of length is its longest axis."""
+
+    axes: Triple
+
+    @property
+    def _unit(self) -> float:
+        return max(self.axes)
+
+    @cached_property
+    def _semiaxes(self) -> Triple:
+        a, b, c = (axis / self._unit for axis in self.axes)
+        return a, b, c
+
+
+@dataclass(frozen=True)
+class Bean(BentEllipsoid):
+    """The ellipsoid bent along a parabola: z rises by h (x/a)^2, and the ends by h.
+
+    It keeps the ellipsoid's volume; K < 0 on its inner side once the bend is sharper than the girth.
+    """
+
+    name: ClassVar[str] = "bean"
+    axes: Triple = field(default=(1.6, 0.7, 0.7), metadata={"help": "semi-axes a b c"})
+    height: float = field(default=0.9, metadata={"help": "height h of the ends over the middle"})
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "axes", checked_axes(self.name, self.axes))
+        object.__setattr__(self, "height", number(f"{self.name}: height", self.height))
+        most = MAX_ASPECT * min(self.axes)
+        if abs(self.height) > most:
+            raise ValueError(f"{self.name}: |height| must be at most {most:.6g}, not {self.height}")
+
+    def _points(self, u: Array) -> Array:
+        points = u * self._semiaxes
+        points[:, 2] += self.height / self._unit * u[:, 0] ** 2
+        return points
+
+    def _differential(self, u: Array) -> Array:
+        J = np.tile(np.diag(self._semiaxes), (len(u), 1, 1))
+        J[:, 2, 0] = 2.0 * self.height / self._unit * u[:, 0]
+        return J
+
+    def _second_differential(self, u: Array, normals: Array) -> Array:
+        second = np.zeros((len(u), 3, 3))
+        second[:, 0, 0] = 2.0 * self.height / self._unit * normals[:, 2]
+        return second
+
+
+@dataclass(frozen=True)
+class BentTube(BentEllipsoid):
+    """The ellipsoid bent around a circle of radius R, on which its x-axis is wound.
+
+    The circle of radius R lies in the plane of x and z and touches the x-axis from below; a point at x goes
+    to the angle x/R at the distance R + z from the center. It keeps the ellipsoid's volume; K < 0 on its
+    inner side.
+    """
+
+    name: ClassVar[str] = "bent-tube"
+    axes: Triple = field(default=(1.65, 0.45, 0.45), metadata={"help": "semi-axes a b c"})
+    radius: float = field(
+        default=1.5, metadata={"help": "radius R of the circle, more than c and more than a/pi"}
+    )
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "axes", checked_axes(self.name, self.axes))
+        object.__setattr__(self, "radius", positive(f"{self.name}: radius", self.radius))
+        least = 1.0001 * max(self.axes[2], self.axes[0] / pi)
+        if self.radius < least:
+            raise ValueError(f"{self.name}: radius must be at least {least:.6g}, not {self.radius}")
+
+    def _polar(self, u: Array) -> tuple[float, Array, Array, Array, Array]:
+        """The turn a/R, sine and cosine of the angle, the distance from the center and its excess over R."""
+        R = self.radius / self._unit
+        turn, excess = self._semiaxes[0] / R, self._semiaxes[2] * u[:, 2]
+        return turn, np.sin(turn * u[:, 0]), np.cos(turn * u[:, 0]), R + excess, excess
+
+    def _points(self, u: Array) -> Array:
+        turn, sin, cos, distance, excess = self._polar(u)
+        # R (cos - 1) without cancellation: R may be large.
+        sunk = 2.0 * self.radius / self._unit * np.sin(0.5 * turn * u[:, 0]) ** 2
+        return np.stack([distance * sin, self._semiaxes[1] * u[:, 1], excess * cos - sunk], axis=1)
+
+    def _differential(self, u: Array) -> Array:
+        turn, sin, cos, distance, _ = self._polar(u)
+        J = np.zeros((len(u), 3, 3))
+        J[:, 0, 0], J[:, 2, 0] = turn * distance * cos, -turn * distance * sin
+        J[:, 1, 1] = self._semiaxes[1]
+        J[:, 0, 2], J[:, 2, 2] = self._semiaxes[2] * sin, self._semiaxes[2] * cos
+        return J
+
+    def _second_differential(self, u: Array, normals: Array) -> Array:
+        turn, sin, cos, distance, _ = self._polar(u)
+        second = np.zeros((len(u), 3, 3))
+        second[:, 0, 0] = -(turn**2) * distance * (normals[:, 0] * sin + normals[:, 2] * cos)
+        second[:, 0, 2] = self._semiaxes[2] * turn * (normals[:, 0] * cos - normals[:, 2] * sin)
+        second[:, 2, 0] = second[:, 0, 2]
+        return second

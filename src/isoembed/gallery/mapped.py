@@ -1,0 +1,87 @@
+"""Surfaces that are the image of the unit sphere under a smooth map, from the map's two derivatives."""
+
+from abc import abstractmethod
+from functools import cached_property
+
+import numpy as np
+from numpy.typing import NDArray
+
+from isoembed.gallery.quadrature import integrate, sphere_rule
+from isoembed.gallery.surface import Surface
+
+Array = NDArray[np.float64]
+
+
+def _dot(a: Array, b: Array) -> Array:
+    return np.asarray(np.einsum("ij,ij->i", a, b))
+
+
+def _frames(u: Array) -> Array:
+    """Return right-handed orthonormal frames a, b, u as an array (3, n, 3), given u (n, 3)."""
+    # Branchless and free of cancellation: T. Duff et al., "Building an orthonormal basis, revisited" (2017).
+    x, y, z = u.T
+    sign = np.copysign(1.0, z)
+    p = -1.0 / (sign + z)
+    q = x * y * p
+    a = np.stack([1.0 + sign * x**2 * p, sign * q, -sign * x], axis=1)
+    return np.stack([a, np.stack([q, sign + y**2 * p, -y], axis=1), u])
+
+
+class MappedSurface(Surface):
+    """The image of the unit sphere under a map X of R^3 that keeps its orientation.
+
+    Only the values on the sphere matter: X may be extended from it in any smooth way.
+    """
+
+    @abstractmethod
+    def _differential(self, u: Array) -> Array:
+        """The matrices dX_i / du_j (n, 3, 3)."""
+
+    @abstractmethod
+    def _second_differential(self, u: Array, normals: Array) -> Array:
+        """The component of the second derivatives along given vectors: n . d^2 X / du_j du_k (n, 3, 3)."""
+
+    def _images(self, u: Array) -> tuple[Array, Array, Array]:
+        """Return frames a, b, u, their images dX(a), dX(b), dX(u), and the cross product of the first two."""
+        frame = _frames(u)
+        image = np.einsum("nij,knj->kni", self._differential(u), frame)
+        return frame, image, np.cross(image[0], image[1])
+
+    def _normals(self, u: Array) -> Array:
+        cross = self._images(u)[2]
+        return cross / np.linalg.norm(cross, axis=1)[:, None]
+
+    def _area_density(self, u: Array) -> Array:
+        return np.asarray(np.linalg.norm(self._images(u)[2], axis=1))
+
+    def _curvatures(self, u: Array) -> tuple[Array, Array]:
+        (a, b, _), (x_a, x_b, x_u), cross = self._images(u)
+        density = np.linalg.norm(cross, axis=1)
+        normals = cross / density[:, None]
+        second = self._second_differential(u, normals)
+        second_a, second_b = (np.einsum("nij,nj->ni", second, v) for v in (a, b))
+        # Along the great circle u cos t + a sin t, X'' is the second derivative in a less dX(u).
+        height = _dot(normals, x_u)
+        e, f, g = height - _dot(a, second_a), -_dot(a, second_b), height - _dot(b, second_b)
+        E, F, G = _dot(x_a, x_a), _dot(x_a, x_b), _dot(x_b, x_b)
+        return (e * g - f**2) / density**2, (e * G - 2.0 * f * F + g * E) / (2.0 * density**2)
+
+    def _moved(self, u: Array, displacement: Array) -> Array:
+        (a, b, _), (x_a, x_b, _), cross = self._images(u)
+        along_a, along_b = _dot(displacement, x_a), _dot(displacement, x_b)
+        E, F, G = _dot(x_a, x_a), _dot(x_a, x_b), _dot(x_b, x_b)
+        step = (G * along_a - F * along_b)[:, None] * a + (E * along_b - F * along_a)[:, None] * b
+        moved = u + step / _dot(cross, cross)[:, None]
+        return moved / np.linalg.norm(moved, axis=1)[:, None]
+
+    @cached_property
+    def _integrals(self) -> tuple[float, float, float]:
+        def sphere(n: int) -> Array:
+            u, weight = sphere_rule(n)
+            cross = self._images(u)[2]
+            element = weight * np.linalg.norm(cross, axis=1)
+            volume = weight @ _dot(self._points(u), cross) / 3.0
+            return np.array([element.sum(), volume, element @ self._curvatures(u)[1]])
+
+        area, volume, imc = integrate(sphere)
+        return float(area), float(volume), float(imc)

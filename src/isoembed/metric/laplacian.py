@@ -1,0 +1,35 @@
+"""The cotangent Laplacian: of linear finite elements, and the derivative of the deficits."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.sparse import coo_array, csc_array
+
+from isoembed.metric.glued import GluedMetric
+
+Floats = NDArray[np.float64]
+
+
+def cotangent_laplacian(metric: GluedMetric, least: float = -np.inf) -> csc_array:
+    """The Laplacian with the weights ``(cot alpha + cot beta) / 2`` of the two angles across from an edge.
+
+    It is also the derivative of the deficits by conformal factors u, under which the edge from i to j becomes
+    ``l_ij exp((u_i + u_j) / 2)``.
+
+    Parameters
+    ----------
+    metric : GluedMetric
+    least : float
+        Weights below this are raised to it; on a Delaunay triangulation none is negative.
+
+    Returns
+    -------
+    csc_array, shape (V, V)
+        Symmetric; its rows sum to zero.
+    """
+    across = np.roll(metric.triangles.cotangents, 1, axis=1).ravel()
+    weights = np.maximum((across + across[metric.twins]) / 2, least)
+    i, j = metric.faces.ravel(), np.roll(metric.faces, -1, axis=1).ravel()  # every edge, in both directions
+    values, ends = np.concatenate([weights, -weights]), (np.concatenate([i, i]), np.concatenate([i, j]))
+    return coo_array((values, ends), shape=(metric.n_vertices, metric.n_vertices)).tocsc()

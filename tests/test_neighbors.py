@@ -1,0 +1,59 @@
+"""Neighboring realizations, and how far realizations are apart."""
+
+import numpy as np
+import pytest
+
+import smooth
+import zoo
+from isoembed.aim.neighbors import smoothest
+from isoembed.gallery import Bean, triangulate
+from isoembed.metric.polyhedral import PolyhedralMetric
+from isoembed.surface.alignment import distance
+from isoembed.surface.rigidity import LengthSystem, length_residuals
+
+
+def realization(vertices, faces):
+    metric = PolyhedralMetric.from_mesh(vertices, faces)
+    normalized = metric.normalized
+    return LengthSystem(metric.triangulation), vertices / metric.unit, normalized.lengths
+
+
+def found(system, x, lengths):
+    return smoothest(system, x, lengths, smooth.tally(), residual_tolerance=1e-11)
+
+
+@pytest.mark.parametrize(
+    ("surface", "n", "irregular"), [(Bean(), 400, None), (Bean(), 1000, 1)]
+)
+def test_from_a_neighbor_the_smooth_surface_is_found_again(surface, n, irregular):
+    system, x, lengths = realization(*triangulate(surface, n, irregular=irregular))
+    first, *others = found(system, x, lengths)
+    assert distance(first, x) < 1e-9  # the surface that the lengths were taken from is the smoothest
+    assert others
+    for other in others:
+        assert np.abs(length_residuals(system.triangulation, other, lengths)).max() < 1e-11
+        assert distance(other, x) > 1e-6
+        again, *_ = found(system, other, lengths)
+        assert distance(again, x) < 1e-9
+
+
+@pytest.mark.parametrize("mesh", [zoo.icosahedron(), zoo.icosphere(2), zoo.random_hull(30, 0)])
+def test_convex_bodies_are_alone(mesh):
+    system, x, lengths = realization(*mesh)
+    assert len(found(system, x, lengths)) == 1
+
+
+def test_a_surface_that_flexes_has_none_to_be_found():
+    vertices, faces = zoo.icosphere(1)
+    system, _, lengths = realization(vertices, faces)
+    assert len(found(system, vertices * [1, 1, 0], lengths)) == 1
+
+
+def test_the_distance_forgets_motions():
+    vertices, _ = zoo.random_hull(20, 1)
+    moved = vertices @ zoo.rotation(3) + [1.0, -2.0, 0.5]
+    assert distance(vertices, moved) < 1e-14
+    moved[7] += [0.0, 0.0, 1e-3]
+    assert 5e-4 < distance(vertices, moved) < 1e-3
+    # A mirror image is another placement.
+    assert distance(vertices, vertices * [1, 1, -1]) > 0.1

@@ -1,0 +1,59 @@
+"""The convex metric near a given one: curvature that diffuses, and the conformal change that follows it."""
+
+import numpy as np
+import pytest
+
+import smooth
+import zoo
+from isoembed.aim.waypoint import MARGIN, convex_waypoint, is_convex
+from isoembed.gallery import CassiniPeanut, Ergosphere, triangulate
+from isoembed.metric.curvature import deficits
+from isoembed.metric.glued import GluedMetric
+from isoembed.metric.polyhedral import PolyhedralMetric
+
+
+def glued(vertices, faces):
+    return GluedMetric.of(PolyhedralMetric.from_mesh(vertices, faces).normalized)
+
+
+def test_a_convex_metric_is_its_own_waypoint():
+    for mesh in (zoo.random_hull(20, 0), zoo.cube(), smooth.ellipsoid()):
+        metric, tally = glued(*mesh), smooth.tally()
+        assert convex_waypoint(metric, tally) is metric
+        assert tally.factorizations == 0
+
+
+@pytest.mark.parametrize("surface", [CassiniPeanut(), Ergosphere(epsilon=0.1)], ids=str)
+def test_the_waypoint_is_convex_with_a_margin_and_near(surface):
+    metric, tally = glued(*triangulate(surface, 400)), smooth.tally()
+    assert not is_convex(metric)
+    waypoint = convex_waypoint(metric, tally)
+    assert is_convex(waypoint)
+    assert tally.factorizations <= 10
+    areas = waypoint.triangles.areas
+    share = 4 * np.pi / 3 * np.bincount(waypoint.faces.ravel(), np.repeat(areas / areas.sum(), 3))
+    assert (waypoint.deficits > MARGIN / 4 * share).all()
+    # Large shapes stay: the curvature of each half of the body has hardly changed.
+    assert waypoint.deficits.sum() == pytest.approx(4 * np.pi, abs=1e-9)
+    assert np.abs(waypoint.deficits - metric.deficits).max() < np.abs(metric.deficits).max()
+
+
+def test_a_small_dent_needs_a_small_change_only():
+    # The change falls off around the dent: at the far side of the sphere, the curvature stays.
+    vertices, faces = zoo.icosphere(3)
+    dent = vertices * (1 - 0.1 * np.exp(-np.sum((vertices - vertices[0]) ** 2, axis=1) / 0.02))[:, None]
+    metric = glued(dent, faces)
+    assert not is_convex(metric)
+    waypoint = convex_waypoint(metric, smooth.tally())
+    assert is_convex(waypoint)
+    far = vertices @ vertices[0] < -0.5
+    near = np.abs(waypoint.deficits - metric.deficits).max()
+    assert np.abs(waypoint.deficits - metric.deficits)[far].max() < 1e-2 * near
+
+
+def test_lengths_far_from_any_surface_have_a_waypoint_too():
+    vertices, faces = zoo.random_hull(60, 3)
+    metric = PolyhedralMetric.from_mesh(vertices, faces)
+    ones = metric.with_lengths(np.ones(len(metric.lengths)))
+    assert deficits(ones).min() < -2  # vertices with nine and more triangles
+    assert is_convex(convex_waypoint(GluedMetric.of(ones), smooth.tally()))
