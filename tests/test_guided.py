@@ -1,4 +1,4 @@
-"""The guided pull-back: what guides, that a step is Gauss and Newton's, and that it keeps to smooth surfaces."""
+"""The guided pull-back: what guides, that steps are Gauss and Newton's, and where it leads."""
 
 import numpy as np
 import pytest
@@ -21,7 +21,9 @@ def test_the_roughness_is_a_positive_form_that_knows_no_translation():
     guide = Guide(metric, x)
     rng = np.random.default_rng(0)
     y, z = rng.normal(size=x.shape), rng.normal(size=x.shape)
-    assert np.sum(y * guide.roughness(z, 0.7)) == pytest.approx(np.sum(z * guide.roughness(y, 0.7)), rel=1e-10)
+    assert np.sum(y * guide.roughness(z, 0.7)) == pytest.approx(
+        np.sum(z * guide.roughness(y, 0.7)), rel=1e-10
+    )
     assert np.sum(y * guide.roughness(y, 0.0)) > 0
     assert np.abs(guide.roughness(np.ones_like(x), 3.0)).max() < 1e-10
 
@@ -81,9 +83,7 @@ def test_it_leads_from_the_sphere_to_smooth_bodies(surface, irregular):
     a, b = metric.edges.T
     ratio = np.linalg.norm(start[a] - start[b], axis=1) / metric.lengths
     tally = smooth.tally()
-    found = guided_pull_back(
-        Guide(metric, start), start, lambda t: metric.lengths * ratio**t, tally
-    )
+    found = guided_pull_back(Guide(metric, start), start, lambda t: metric.lengths * ratio**t, tally)
     assert np.abs(length_residuals(metric.triangulation, found, metric.lengths)).max() < 1e-6
     assert smooth.misfit(found, x) < 1e-3
     assert tally.factorizations <= 30
@@ -94,6 +94,6 @@ def test_lengths_without_a_surface_are_given_up_soon():
     noise = np.random.default_rng(0).uniform(-0.1, 0.1, len(metric.lengths))
     lengths = metric.lengths * (1 + noise)
     tally = smooth.tally()
-    found = guided_pull_back(Guide(metric, x), x, lambda t: metric.lengths ** t * lengths ** (1 - t), tally)
+    found = guided_pull_back(Guide(metric, x), x, lambda t: metric.lengths**t * lengths ** (1 - t), tally)
     assert np.abs(length_residuals(metric.triangulation, found, lengths)).max() > 1e-6
     assert tally.factorizations <= 50

@@ -22,9 +22,7 @@ def found(system, x, lengths):
     return smoothest(system, x, lengths, smooth.tally(), residual_tolerance=1e-11)
 
 
-@pytest.mark.parametrize(
-    ("surface", "n", "irregular"), [(Bean(), 400, None), (Bean(), 1000, 1)]
-)
+@pytest.mark.parametrize(("surface", "n", "irregular"), [(Bean(), 400, None), (Bean(), 1000, 1)])
 def test_from_a_neighbor_the_smooth_surface_is_found_again(surface, n, irregular):
     system, x, lengths = realization(*triangulate(surface, n, irregular=irregular))
     first, *others = found(system, x, lengths)

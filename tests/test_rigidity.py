@@ -111,7 +111,9 @@ def dense_penalized_step(triangulation, vertices, lengths, residuals, penalty, m
 def test_the_penalized_step(mu, damping):
     triangulation, vertices, lengths, residuals = perturbed(30, 5)
     penalty = bending(triangulation)
-    step = penalized_step(VertexSystem(triangulation, penalty), penalty, vertices, lengths, residuals, mu, damping)
+    step = penalized_step(
+        VertexSystem(triangulation, penalty), penalty, vertices, lengths, residuals, mu, damping
+    )
     expected = dense_penalized_step(triangulation, vertices, lengths, residuals, penalty, mu, damping)
     # Nothing but HOLD keeps the whole from drifting: compare the shapes.
     expected = expected - expected.mean(axis=0)
@@ -123,7 +125,9 @@ def test_the_undamped_penalized_step_lowers_the_energy_and_vanishes_at_its_minim
     penalty = bending(triangulation)
     system, x, sizes = VertexSystem(triangulation, penalty), vertices, []
     for _ in range(60):
-        step = penalized_step(system, penalty, x, lengths, length_residuals(triangulation, x, lengths), 1e-3, 0.0)
+        step = penalized_step(
+            system, penalty, x, lengths, length_residuals(triangulation, x, lengths), 1e-3, 0.0
+        )
         sizes.append(np.abs(step - step.mean(axis=0)).max())
         x = x - step
     residuals = length_residuals(triangulation, x, lengths)
@@ -188,7 +192,9 @@ def test_penalties_beyond_the_edges_are_in_the_pattern():
     assert j != i
     spring[[i, j], [i, j]], spring[[i, j], [j, i]] = 1.0, -1.0
     penalty = csr_array(spring)
-    step = penalized_step(VertexSystem(triangulation, penalty), penalty, vertices, lengths, residuals, 0.5, 0.0)
+    step = penalized_step(
+        VertexSystem(triangulation, penalty), penalty, vertices, lengths, residuals, 0.5, 0.0
+    )
     expected = dense_penalized_step(triangulation, vertices, lengths, residuals, penalty, 0.5, 0.0)
     J = dense_jacobian(triangulation, vertices, lengths)
     assert J @ step.ravel() == pytest.approx(J @ expected.ravel(), abs=1e-6)

@@ -140,25 +140,27 @@ def _leap(
     lengths.  Then a height above the neighbors changes by more than the first step's error explains.
     """
     triangulation = system.triangulation
-    x, r = start, length_residuals(triangulation, start, lengths)
-    if np.abs(r).max() <= good:
+    r = length_residuals(triangulation, start, lengths)
+    residual = float(np.abs(r).max())
+    if residual <= good:
         return start, 0.0
-    first, residual = None, np.inf
-    while residual > ON_THE_WAY:
+    x, pointed, before = start, start, np.inf
+    while residual > ON_THE_WAY or x is start:
         tally.iterations += 1
         tally.factorizations += 1
         try:
             x = x - system.step(x, lengths, r)
         except SingularMatrix:
             return start, np.inf
-        first = x if first is None else first
+        pointed = x if pointed is start else pointed
         r = length_residuals(triangulation, x, lengths)
-        before, residual = residual, float(np.abs(r).max())
+        residual = float(np.abs(r).max())
         tally.show(residual=residual)
-        if not residual < before * CONVERGING or residual > LOST:
+        if not residual < CONVERGING * before or residual > LOST:
             return start, np.inf
-    before, after = (umbrella_heights(triangulation, y) for y in (first, x))
-    strayed = float(np.abs(after - before).max() / np.sqrt(np.mean(after**2)))
+        before = residual
+    expected, heights = (umbrella_heights(triangulation, y) for y in (pointed, x))
+    strayed = float(np.abs(heights - expected).max() / np.sqrt(np.mean(heights**2)))
     return _polished(system, x, lengths, tally), strayed
 
 

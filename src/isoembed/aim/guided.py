@@ -87,9 +87,7 @@ class Guide:
         """``(R^T R + w K^T K) x``, shape (V, 3): half the gradient of the penalty."""
         return self._RT @ (self._R @ vertices) + w * (self._KK @ vertices)
 
-    def solver(
-        self, vertices: Floats, lengths: Floats, mu: float, w: float
-    ) -> Callable[[Floats], Floats]:
+    def solver(self, vertices: Floats, lengths: Floats, mu: float, w: float) -> Callable[[Floats], Floats]:
         """Prepare to solve ``(J^T J + mu (R^T R + w K^T K)) d = g`` for d, (V, 3), by conjugate gradients.
 
         The matrix with K in the place of R, sparser by far, is factored, and preconditions: a handful of
@@ -160,9 +158,7 @@ class Guide:
         return vertices
 
 
-def guided_pull_back(
-    guide: Guide, start: Floats, lengths: Callable[[float], Floats], tally: Tally
-) -> Floats:
+def guided_pull_back(guide: Guide, start: Floats, lengths: Callable[[float], Floats], tally: Tally) -> Floats:
     """Follow a path of metrics from an embedded one at t = 1, then let go of what guides.
 
     Parameters

@@ -1,8 +1,8 @@
 """Neighboring realizations: other surfaces with the same lengths, near where a surface is soft.
 
 Along a motion v that hardly changes the lengths, ``J v = sigma u``, their errors are
-``s sigma u + s^2 q`` with ``q_ab = |v_a - v_b|^2 / (2 l_ab)``: besides s = 0 they vanish, as far as u goes, at
-``s = -sigma / <u, q>``.  Where that is near, Newton's method finds a second realization from there.
+``s sigma u + s^2 q`` with ``q_ab = |v_a - v_b|^2 / (2 l_ab)``: besides s = 0 they vanish, as far as u goes,
+at ``s = -sigma / <u, q>``.  Where that is near, Newton's method finds a second realization from there.
 
 Pulled back, a surface may come to either of two such neighbors.  The smoother is the one that is meant.
 """

@@ -134,8 +134,9 @@ class _Delaunay:
 
     def solved(self, missing: Floats) -> Floats:
         """The conformal factors that add this to the deficits, to first order."""
-        step = self.factored(np.full(len(missing), PINNED)).solve(missing)
-        return step - step.mean()
+        step: Floats = self.factored(np.full(len(missing), PINNED)).solve(missing)
+        step -= step.mean()
+        return step
 
     def changed(self, u: Floats) -> _Delaunay | None:
         """The metric with these factors on the same triangles, if there is one."""

@@ -18,6 +18,6 @@ def distance(vertices: Floats, others: Floats) -> float:
     vertices, others : ndarray, shape (V, 3)
     """
     x, y = vertices - vertices.mean(axis=0), others - others.mean(axis=0)
-    U, _, V = np.linalg.svd(x.T @ y)
-    turn = np.diag([1.0, 1.0, np.sign(np.linalg.det(U @ V))])
-    return float(np.linalg.norm(x @ (U @ turn @ V) - y, axis=1).max())
+    left, _, right = np.linalg.svd(x.T @ y)
+    proper = np.diag([1.0, 1.0, np.sign(np.linalg.det(left @ right))])
+    return float(np.linalg.norm(x @ (left @ proper @ right) - y, axis=1).max())

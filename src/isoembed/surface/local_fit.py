@@ -54,9 +54,9 @@ def fit_residual_operator(
     """``I - fit``: takes values at the vertices to their differences from a fit to the neighbors' values.
 
     The fit is the polynomial that comes nearest to the neighbors' values with the weights
-    ``1 / (1/2 + |p|^2)``, evaluated at the vertex, which has no part in it.  It is of lower degree where there
-    are too few neighbors (fewer than 24 for a quintic, 18, 13 for a cubic, 9, 6), or where they lie so that a
-    fit of this degree leaves the value at the origin open (on a conic through it, say, or all on one side).
+    ``1 / (1/2 + |p|^2)``, evaluated at the vertex, which has no part in it.  It is of lower degree where
+    there are too few neighbors (fewer than 24 for a quintic, 18, 13, 9, 6 for less), or where they lie so
+    that a fit of this degree leaves the value at the origin open (all on one side, or on a conic through it).
 
     Parameters
     ----------

@@ -164,7 +164,7 @@ class LengthSystem:
 
 
 class VertexSystem:
-    """``J^T J + w P`` in the coordinates, P coupling vertices of a given graph: for penalized and fitted steps.
+    """``J^T J + w P`` in the coordinates, P coupling vertices of a graph: for penalized and fitted steps.
 
     Parameters
     ----------

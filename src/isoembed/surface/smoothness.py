@@ -18,8 +18,8 @@ from scipy.sparse import csr_array
 
 from isoembed.mesh.triangulation import Triangulation
 from isoembed.surface.convexity import FLAT
-from isoembed.surface.local_fit import ENOUGH, fit_residual_operator, neighborhoods
 from isoembed.surface.curvature import dihedral_angles
+from isoembed.surface.local_fit import ENOUGH, fit_residual_operator, neighborhoods
 from isoembed.surface.measures import edge_lengths, vertex_normals
 
 Floats = NDArray[np.float64]
@@ -114,7 +114,9 @@ def roughness(triangulation: Triangulation, vertices: Floats, offsets: Floats) -
     offsets : ndarray, shape (V, 3)
         From the function of this name.
     """
-    relative = np.linalg.norm(offsets, axis=1) / edge_lengths_about(triangulation, edge_lengths(triangulation.edges, vertices))
+    relative = np.linalg.norm(offsets, axis=1) / edge_lengths_about(
+        triangulation, edge_lengths(triangulation.edges, vertices)
+    )
     return float(np.sqrt(np.mean(relative**2)))
 
 
