@@ -198,6 +198,13 @@ def test_lengths_of_no_surface():
         isoembed.embed(metric.with_lengths(np.ones(len(metric.lengths))))
 
 
+def test_without_a_waypoint_it_begins_on_the_sphere(monkeypatch):
+    monkeypatch.setattr("isoembed.aim.adaptive.convex_waypoint", lambda *_: None)
+    surface, error = recovered(*triangulate(CassiniPeanut(), 300))
+    assert "sphere" in [stage.name for stage in surface.stages]
+    assert error < 1e-9
+
+
 def test_an_unknown_backend_is_refused():
     with pytest.raises(ValueError, match="unknown backend 'umfpack'"):
         Aim(backend="umfpack")

@@ -9,6 +9,7 @@ to scale: there are no Moebius maps to pin.
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import cast
 
 import numpy as np
 from numpy.typing import NDArray
@@ -122,7 +123,7 @@ class _Delaunay:
         """The deficits that the vertices' areas, a third of each triangle, would have on a sphere, (V,)."""
         areas = self.metric.triangles.areas
         share = np.bincount(self.metric.faces.ravel(), np.repeat(areas / areas.sum(), 3))
-        return 4 * np.pi / 3 * share
+        return cast(Floats, 4 * np.pi / 3 * share)
 
     def factored(self, diagonal: Floats) -> SymmetricFactor:
         """Factor the Laplacian with this added to its diagonal."""
