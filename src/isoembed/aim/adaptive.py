@@ -42,7 +42,8 @@ ON_THE_WAY = 1e-4  # mean edge lengths: where Newton's method has decided where 
 POLISHED = 1e-13  # residual asked of the last Newton steps, whatever the tolerance: they are quadratic
 CONVERGING = 0.5  # of the residual is left, or less, after each step of a leap
 LOST = 0.5  # mean edge lengths: no leap comes back from so large a residual
-POLISH = 12  # Newton steps at most
+POLISH = 10  # Newton steps at most
+NEARLY = 1e-6  # mean edge lengths: between two neighbors Newton's method may get no further
 STRAYED = 0.6  # root mean squares: of the heights above the neighbors, a trusted leap changes none by more
 SAME = 1e-7  # mean edge lengths: surfaces as near as this are one
 
@@ -97,10 +98,10 @@ class Aim:
             with log.stage("polish") as tally:
                 vertices = _polished(system, vertices, unit.lengths, tally)
             surfaces.append(surface(metric.unit * vertices))
-            if surfaces[-1].converged:
+            if surfaces[-1].residual < NEARLY:
                 with log.stage("neighbors") as tally:
                     met = smoothest(system, vertices, unit.lengths, tally, residual_tolerance=EXACT)
-                surfaces[1:] = [surface(metric.unit * vertices) for vertices in met]
+                surfaces += [surface(metric.unit * vertices) for vertices in met]
         return _chosen(surfaces, log)
 
     def _embedded(
@@ -173,16 +174,18 @@ def _polished(system: LengthSystem, vertices: Floats, lengths: Floats, tally: Ta
 
 def _chosen(surfaces: list[Embedding], log: Log) -> Embedding:
     """The smoothest of the realizations, with the others beside it; if there is none, the nearest attempt."""
-    realizations = [surface for surface in surfaces if surface.converged]
-    if len(realizations) > 1:
-        best = min(realizations, key=lambda surface: surface.fine_roughness)
-    else:
-        best = min(surfaces, key=lambda surface: surface.residual)
+    different: list[Embedding] = []
+    for surface in surfaces:
+        if surface.converged and all(surface.distance(other) > SAME for other in different):
+            different.append(surface)
+    if len(different) > 1:
+        different.sort(key=lambda surface: surface.fine_roughness)
+    best, *others = different or [min(surfaces, key=lambda surface: surface.residual)]
     return Embedding(
         best.metric,
         best.vertices,
         method=best.method,
         tolerance=best.tolerance,
         stages=log.stages,
-        others=[other for other in realizations if best.distance(other) > SAME],
+        others=others,
     )

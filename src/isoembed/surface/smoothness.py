@@ -81,7 +81,7 @@ def quintic_residuals(triangulation: Triangulation, vertices: Floats) -> csr_arr
 
 
 def fine_roughness(triangulation: Triangulation, vertices: Floats) -> float:
-    """What quintics fitted to three rings leave of what they leave, over the mean edge length there.
+    """What quintics fitted to three rings leave of the vertices, over the mean edge length there.
 
     Realizations that are less than a thousandth of an edge apart differ in it where their `roughness` does
     not: there, what a cubic misses of the smooth shape is more than what tells them apart.
@@ -94,12 +94,12 @@ def fine_roughness(triangulation: Triangulation, vertices: Floats) -> float:
     Returns
     -------
     float
-        Root mean square over the vertices.
+        The square of the mean square root over the vertices: the few where edges are too long for the shape
+        must not outweigh all others.
     """
-    residuals = quintic_residuals(triangulation, vertices)
+    residuals = quintic_residuals(triangulation, vertices) @ vertices
     about = edge_lengths_about(triangulation, edge_lengths(triangulation.edges, vertices))
-    twice = residuals @ (residuals @ vertices)
-    return float(np.sqrt(np.mean(np.sum(twice**2, axis=1) / about**2)))
+    return float(np.mean(np.sqrt(np.linalg.norm(residuals, axis=1) / about)) ** 2)
 
 
 def roughness(triangulation: Triangulation, vertices: Floats, offsets: Floats) -> float:
