@@ -1,7 +1,7 @@
 """Neighboring realizations: other surfaces with the same lengths, near where a surface is soft.
 
-Along motions v_j that hardly change the lengths, ``J v_j = sigma_j u_j``, the errors of the lengths are, as far
-as the u_i go,
+Along motions v_j that hardly change the lengths, ``J v_j = sigma_j u_j``, the errors of the lengths are, as
+far as the u_i go,
 
     ``<u_i, r> + sigma_i s_i + 1/2 sum_jk s_j s_k <u_i, q_jk>``,  ``q_jk = (dv_j . dv_k) / l``,
 
@@ -54,8 +54,8 @@ def smoothest(
     Returns
     -------
     list of ndarray, shape (V, 3)
-        The smoothest comes first; last, where there is one, a rougher neighbor of it.  None if the vertices do
-        not have these lengths, and no neighbor is found that has.
+        The smoothest comes first; last, where there is one, a rougher neighbor of it.  None if the vertices
+        do not have these lengths, and no neighbor is found that has.
     """
     triangulation = system.triangulation
     best, met, roughness = vertices, [], np.inf
@@ -95,7 +95,7 @@ def _foreseen(system: LengthSystem, vertices: Floats, lengths: Floats) -> list[F
     return [found[k] for k in np.argsort(reach) if least < reach[k] < NEAR]
 
 
-def quadratic_roots(constant: Floats, slope: Floats, Q: Floats) -> list[Floats]:  # noqa: N803
+def quadratic_roots(constant: Floats, slope: Floats, Q: Floats) -> list[Floats]:
     """Real roots of ``c_i + sigma_i s_i + 1/2 sum_jk Q_ijk s_j s_k``, from where the axes have theirs.
 
     Parameters
