@@ -59,7 +59,8 @@ def embed(
     Returns
     -------
     Embedding
-        Its residual, measured on the vertices that it holds, is within the tolerance.
+        Its residual, measured on the vertices that it holds, is within the tolerance.  With
+        ``Aim(best_fit=True)`` it may be a `FittedSurface` instead, whose status is ``"best fit"``.
 
     Raises
     ------
@@ -98,7 +99,7 @@ def embed(
     if not isinstance(tolerance, numbers.Real) or not 0 < tolerance < math.inf:
         raise InvalidParameter(f"the tolerance is {tolerance!r}, not a positive finite number")
     embedding = chosen.run(metric, tolerance, Log(progress))
-    if not embedding.converged:
+    if embedding.status == "not converged":
         raise NotEmbedded(embedding.message, embedding)
     return embedding
 

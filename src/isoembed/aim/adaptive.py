@@ -18,7 +18,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from isoembed.aim.anneal import anneal
+from isoembed.aim.best_fit import best_fit
 from isoembed.aim.conformal_sphere import conformal_sphere
+from isoembed.aim.diagnosis import diagnosis
 from isoembed.aim.guided import Guide, guided_pull_back
 from isoembed.aim.neighbors import smoothest
 from isoembed.aim.waypoint import convex_waypoint
@@ -32,6 +34,7 @@ from isoembed.metric.polyhedral import PolyhedralMetric
 from isoembed.stages import Log, Tally
 from isoembed.surface.convexity import umbrella_heights
 from isoembed.surface.embedding import Embedding
+from isoembed.surface.fitted import FittedSurface
 from isoembed.surface.measures import edge_lengths, outward
 from isoembed.surface.rigidity import LengthSystem, length_residuals
 
@@ -54,10 +57,14 @@ class Aim:
 
     Parameters
     ----------
+    best_fit : bool
+        Whether to return the smooth surface that comes nearest to the lengths, a `FittedSurface`, where none
+        is found that has them.
     backend : {"superlu", "cholmod", "pardiso"}, optional
         Who factors the matrices; by default the fastest that is installed.
     """
 
+    best_fit: bool = False
     backend: str | None = None
 
     name: str = field(default="aim", init=False, repr=False)
@@ -79,7 +86,8 @@ class Aim:
         Returns
         -------
         Embedding
-            The smoothest of the surfaces that were found to have these lengths; or the nearest attempt.
+            The smoothest of the surfaces that were found to have these lengths; if there is none, the nearest
+            attempt, with a diagnosis, or the best fit.
         """
         unit = metric.normalized
         given = GluedMetric.of(unit)
@@ -102,7 +110,20 @@ class Aim:
                 with log.stage("neighbors") as tally:
                     met = smoothest(system, vertices, unit.lengths, tally, residual_tolerance=EXACT)
                 surfaces += [surface(metric.unit * vertices) for vertices in met]
-        return _chosen(surfaces, log)
+        embedding = _chosen(surfaces)
+        if embedding.residual > max(tolerance, EXACT):  # below that, the tolerance is beyond rounding
+            with log.stage("best fit") as tally:
+                fit = best_fit(unit, start, tally, self.backend)
+            fitted = FittedSurface(
+                metric,
+                metric.unit * fit.vertices,
+                noise=fit.noise,
+                weight=fit.weight,
+                method=self.name,
+                tolerance=tolerance,
+            )
+            embedding = fitted if self.best_fit else embedding.with_message(diagnosis(embedding, fitted))
+        return embedding.with_stages(log.stages)
 
     def _embedded(
         self, metric: PolyhedralMetric, waypoint: GluedMetric | None, tolerance: float, log: Log
@@ -172,20 +193,14 @@ def _polished(system: LengthSystem, vertices: Floats, lengths: Floats, tally: Ta
     ).vertices
 
 
-def _chosen(surfaces: list[Embedding], log: Log) -> Embedding:
+def _chosen(surfaces: list[Embedding]) -> Embedding:
     """The smoothest of the realizations, with the others beside it; if there is none, the nearest attempt."""
     different: list[Embedding] = []
     for surface in surfaces:
         if surface.converged and all(surface.distance(other) > SAME for other in different):
             different.append(surface)
+    if not different:
+        return min(surfaces, key=lambda surface: surface.residual)
     if len(different) > 1:
         different.sort(key=lambda surface: surface.fine_roughness)
-    best, *others = different or [min(surfaces, key=lambda surface: surface.residual)]
-    return Embedding(
-        best.metric,
-        best.vertices,
-        method=best.method,
-        tolerance=best.tolerance,
-        stages=log.stages,
-        others=others,
-    )
+    return different[0].with_others(different[1:])

@@ -102,8 +102,11 @@ def answer(
     write_whole(writers)
     if failure is not None:
         complain(failure)
-    if not options.output and not options.quiet:
-        say(describe(embedding))
+    if not options.quiet:
+        if not options.output:
+            say(describe(embedding))
+        elif failure is None and not embedding.converged:
+            say(f"{embedding.status}: {embedding.message}")
     return OK if failure is None else NOT_EMBEDDED
 
 

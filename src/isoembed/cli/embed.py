@@ -8,6 +8,7 @@ import math
 import isoembed
 from isoembed.cli.answer import add_output_options, answer, check_outputs
 from isoembed.cli.parameters import configured
+from isoembed.cli.refusal import Refusal
 from isoembed.io import read_metric
 from isoembed.stages import Listener
 from isoembed.verb import METHODS
@@ -43,6 +44,12 @@ def configure(parser: argparse.ArgumentParser) -> None:
         "by the smallest conformal change of the lengths",
     )
     parser.add_argument(
+        "--best-fit",
+        action="store_true",
+        help="where no surface has the lengths, write the smooth one that comes nearest to them and succeed, "
+        'with the status "best fit"; only with --method aim',
+    )
+    parser.add_argument(
         "--parameter",
         action="append",
         default=[],
@@ -55,7 +62,10 @@ def run(options: argparse.Namespace) -> int:
     """Embed the input; return the exit status."""
     check_outputs(options)
     repair = [] if options.repair is None else [f"repair={options.repair}"]
-    method = configured(options.method, options.parameter + repair)
+    if options.best_fit and options.method != "aim":
+        raise Refusal(f"--best-fit needs the method 'aim': the method {options.method!r} has no best fit")
+    best_fit = ["best_fit=true"] if options.best_fit else []
+    method = configured(options.method, options.parameter + repair + best_fit)
     metric = read_metric(options.input)
 
     def solve(progress: Listener | None) -> isoembed.Embedding:

@@ -129,9 +129,22 @@ class Embedding:
 
     def with_message(self, message: str) -> Embedding:
         """Return the same embedding with another message."""
-        other = copy.copy(self)
-        object.__setattr__(other, "message", message)
-        return other
+        return self._with(message=message)
+
+    def with_stages(self, stages: Sequence[Stage]) -> Embedding:
+        """Return the same embedding with other stages."""
+        return self._with(stages=tuple(stages))
+
+    def with_others(self, others: Sequence[Embedding]) -> Embedding:
+        """Return the same embedding with other realizations beside it, which the message then names."""
+        both = self._with(others=tuple(others))
+        return both._with(message=both._sentence())
+
+    def _with(self, **changes: Any) -> Embedding:
+        changed = copy.copy(self)
+        for name, value in changes.items():
+            object.__setattr__(changed, name, value)
+        return changed
 
     def __repr__(self) -> str:
         return (
@@ -219,7 +232,7 @@ class Embedding:
 
     @cached_property
     def fine_roughness(self) -> float:
-        """What quintics fitted to the vertices' neighbors leave of what they leave, in edge lengths.
+        """How far vertices stand out of quintics fitted to their neighbors, in edge lengths: a robust mean.
 
         Of two realizations of the same lengths that are near each other, the one with less is the smoother.
         """

@@ -1,0 +1,113 @@
+"""What to say of lengths that no surface was found for: where it goes wrong, and what can be done."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.sparse.csgraph import connected_components
+
+from isoembed.metric.curvature import deficits, negative_deficits
+from isoembed.metric.polyhedral import PolyhedralMetric
+from isoembed.surface.embedding import Embedding
+from isoembed.surface.fitted import FittedSurface
+
+Floats = NDArray[np.float64]
+
+UNLIKE = 0.05  # mean edge lengths: lengths that err by more are not those of a surface, measured badly
+STANDS_OUT = 20.0  # times the mean squared residual, at one vertex: of even noise, none has as much
+REGION = 5  # vertices, on average: noise makes fewer deficits negative side by side
+ALMOST_CONVEX = 0.05  # of 4 pi: negative deficits that add up to less may be noise on a convex body
+
+
+def diagnosis(attempt: Embedding, fit: FittedSurface) -> str:
+    """Say where the lengths have no surface, and what the user can do.
+
+    Parameters
+    ----------
+    attempt : Embedding
+        The nearest that was found; it misses the lengths.
+    fit : FittedSurface
+        The best fit to them.
+
+    Returns
+    -------
+    str
+        A few sentences.
+    """
+    found = (
+        f"no surface with these lengths was found: the nearest misses {_worst_edge(attempt)} "
+        f"by {attempt.residual:.1e} of the mean edge length"
+    )
+    return ". ".join([found, *_curvature(attempt.metric, fit.noise > UNLIKE), _errors(fit)])
+
+
+def _curvature(metric: PolyhedralMetric, unlike: bool) -> list[str]:
+    """The negative deficits, and what follows from them if the lengths are like those of a surface."""
+    negative = negative_deficits(metric)
+    if not negative.any():
+        return ["No deficit is negative: --method alexandrov finds the convex polyhedron of these lengths"]
+    regions = connected_components(metric.triangulation.adjacency[negative][:, negative])[0]
+    found = _negative(metric, negative, regions)
+    if unlike:
+        return [found]
+    if regions * REGION <= negative.sum():
+        return [
+            found,
+            "Negative curvature over whole regions is not noise, and not every metric with it has a smooth "
+            "surface",
+        ]
+    lowest, total = deficits(metric).min(), deficits(metric)[negative].sum()
+    if -total > ALMOST_CONVEX * 4 * np.pi:
+        return [found]
+    return [
+        found,
+        f"If the body is convex, --method alexandrov --repair {_rounded_up(-lowest)} finds it, on triangles "
+        "of its own",
+    ]
+
+
+def _negative(metric: PolyhedralMetric, negative: NDArray[np.bool_], regions: int) -> str:
+    epsilon, count = deficits(metric), int(negative.sum())
+    v = int(np.argmin(epsilon))
+    around = epsilon[metric.triangulation.adjacency[[v]].indices].mean()
+    number = f"{count} of {len(epsilon)} deficits {'is' if count == 1 else 'are'} negative"
+    where = f", in {regions} connected region{'s' if regions > 1 else ''}" if count > 1 else ""
+    return (
+        f"{number}{where}; the lowest is {epsilon[v]:.2g} radians at vertex {v}, "
+        f"whose neighbors have {around:.2g} on average"
+    )
+
+
+def _errors(fit: FittedSurface) -> str:
+    """What the best fit tells of the lengths."""
+    if fit.noise > UNLIKE:
+        return (
+            f"No smooth surface comes near to them: the best fit misses {fit.residual_rms:.0%} of the mean "
+            f"edge length on average, most at {_worst_edge(fit)}: check that each length is with its edge"
+        )
+    squares = fit.residuals**2
+    at_vertices = np.bincount(fit.metric.edges.ravel(), np.repeat(squares, 2)) / fit.triangulation.degrees
+    v = int(np.argmax(at_vertices))
+    if at_vertices[v] > STANDS_OUT * squares.mean():
+        return (
+            f"Smooth surfaces miss them most at the edges of vertex {v}, with "
+            f"{at_vertices[v] / squares.mean():.0f} times the mean squared residual: check the lengths "
+            "there, or take the best fit (--best-fit, Aim(best_fit=True))"
+        )
+    return (
+        f"A smooth surface has them but for errors of about {fit.noise:.0e} of the mean edge length (root "
+        "mean square): if yours may err as much, take the best fit (--best-fit, Aim(best_fit=True))"
+    )
+
+
+def _worst_edge(embedding: Embedding) -> str:
+    e = int(np.argmax(embedding.residuals))
+    return f"edge {e} {embedding.metric.edges[e].tolist()}"
+
+
+def _rounded_up(value: float) -> str:
+    """To two significant digits."""
+    digit = 10.0 ** (math.floor(math.log10(value)) - 1)
+    return f"{math.ceil(value / digit) * digit:.1e}"

@@ -1,0 +1,84 @@
+"""A least-squares surface: what there is where lengths have no surface."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from isoembed.metric.polyhedral import PolyhedralMetric
+from isoembed.stages import Stage
+from isoembed.surface.embedding import Embedding
+
+
+class FittedSurface(Embedding):
+    """A smooth surface that comes near to the lengths of a metric, but does not have them.
+
+    Its `residuals` are the map of where it misses them.
+
+    Parameters
+    ----------
+    metric : PolyhedralMetric
+        What was to be realized.
+    vertices : array_like of float, shape (V, 3)
+    noise : float
+        Root mean square of the errors that the lengths must have, over the mean edge length, if the surface
+        they come from is as smooth as this one.
+    weight : float
+        Of the roughness against the squares of the residuals, in mean edge lengths.
+    method : str
+    tolerance : float
+        Largest residual that would have counted as converged.
+    stages : sequence of Stage
+        How it was found.
+
+    Attributes
+    ----------
+    noise, weight
+        As given.
+    """
+
+    noise: float
+    weight: float
+
+    def __init__(
+        self,
+        metric: PolyhedralMetric,
+        vertices: ArrayLike,
+        *,
+        noise: float,
+        weight: float,
+        method: str,
+        tolerance: float,
+        stages: Sequence[Stage] = (),
+    ) -> None:
+        object.__setattr__(self, "noise", noise)
+        object.__setattr__(self, "weight", weight)
+        super().__init__(metric, vertices, method=method, tolerance=tolerance, stages=stages)
+
+    def _sentence(self) -> str:
+        e = int(np.argmax(self.residuals))
+        return (
+            f"a least-squares surface that misses the lengths, by {self.residual_rms:.1e} of the mean edge "
+            f"length (root mean square) and at most {self.residual:.1e}, at edge {e} "
+            f"{self.metric.edges[e].tolist()}: as smooth as it is, lengths with errors of about "
+            f"{self.noise:.1e} would lead to it"
+        )
+
+    @property
+    def residual_rms(self) -> float:
+        """Root mean square of `residuals`."""
+        return float(np.sqrt(np.mean(self.residuals**2)))
+
+    @property
+    def status(self) -> str:
+        """``"best fit"``."""
+        return "best fit"
+
+    @property
+    def report(self) -> dict[str, Any]:
+        """The report of an embedding, and under ``best_fit`` what is known of the fit."""
+        found = {"noise": self.noise, "residual_rms": self.residual_rms, "weight": self.weight}
+        return {**super().report, "best_fit": found}
