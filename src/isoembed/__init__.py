@@ -25,6 +25,7 @@ _HOME = {
     "GluedMetric": "isoembed.metric.glued",
     "glue": "isoembed.gluing.net",
     "Embedding": "isoembed.surface.embedding",
+    "FittedSurface": "isoembed.surface.fitted",
     "embed": "isoembed.verb",
     "Aim": "isoembed.aim.adaptive",
     "Paper": "isoembed.aim.paper",
@@ -47,6 +48,7 @@ if TYPE_CHECKING:
     from isoembed.metric.glued import GluedMetric as GluedMetric
     from isoembed.metric.polyhedral import PolyhedralMetric as PolyhedralMetric
     from isoembed.surface.embedding import Embedding as Embedding
+    from isoembed.surface.fitted import FittedSurface as FittedSurface
     from isoembed.verb import embed as embed
 
 
