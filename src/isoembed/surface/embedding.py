@@ -232,7 +232,7 @@ class Embedding:
 
     @cached_property
     def fine_roughness(self) -> float:
-        """How far vertices stand out of quintics fitted to their neighbors, in edge lengths: a robust mean.
+        """What quintics fitted to the neighbors leave of what they leave, in edge lengths: a robust mean.
 
         Of two realizations of the same lengths that are near each other, the one with less is the smoother.
         """

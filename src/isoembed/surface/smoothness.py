@@ -81,7 +81,7 @@ def quintic_residuals(triangulation: Triangulation, vertices: Floats) -> csr_arr
 
 
 def fine_roughness(triangulation: Triangulation, vertices: Floats) -> float:
-    """What quintics fitted to three rings leave of the vertices, over the mean edge length there.
+    """What quintics fitted to three rings leave of what they leave, over the mean edge length there.
 
     Realizations that are less than a thousandth of an edge apart differ in it where their `roughness` does
     not: there, what a cubic misses of the smooth shape is more than what tells them apart.
@@ -97,9 +97,10 @@ def fine_roughness(triangulation: Triangulation, vertices: Floats) -> float:
         The square of the mean square root over the vertices: the few where edges are too long for the shape
         must not outweigh all others.
     """
-    residuals = quintic_residuals(triangulation, vertices) @ vertices
+    residuals = quintic_residuals(triangulation, vertices)
+    twice = np.linalg.norm(residuals @ (residuals @ vertices), axis=1)
     about = edge_lengths_about(triangulation, edge_lengths(triangulation.edges, vertices))
-    return float(np.mean(np.sqrt(np.linalg.norm(residuals, axis=1) / about)) ** 2)
+    return float(np.mean(np.sqrt(twice / about)) ** 2)
 
 
 def roughness(triangulation: Triangulation, vertices: Floats, offsets: Floats) -> float:
