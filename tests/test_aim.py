@@ -189,13 +189,26 @@ def test_an_attempt_in_fair_shape_is_left_where_noise_leaves_no_surface():
     attempt = caught.value.embedding
     assert 1e-3 < attempt.residual < 0.5
     assert not attempt.converged
-    assert [stage.name for stage in attempt.stages][-3:] == ["guided pull back", "polish", "best fit"]
+    assert [stage.name for stage in attempt.stages][-4:] == [
+        "guided pull back",
+        "polish",
+        "best fit",
+        "polish",
+    ]
 
 
 def test_lengths_of_no_surface():
     metric = PolyhedralMetric.from_mesh(*smooth.ellipsoid(100))
     with pytest.raises(NotEmbedded):
         isoembed.embed(metric.with_lengths(np.ones(len(metric.lengths))))
+
+
+def test_a_loose_tolerance_does_not_make_the_answer_worse():
+    vertices, faces = triangulate(CassiniPeanut(), 300)
+    metric = PolyhedralMetric.from_mesh(vertices, faces)
+    surface = isoembed.embed(metric, tolerance=0.5)  # which the waypoint's polyhedron meets
+    assert smooth.misfit(surface.vertices, vertices) < 1e-9
+    assert all(other.residual < 1e-9 for other in surface.others)
 
 
 def test_without_a_waypoint_it_begins_on_the_sphere(monkeypatch):

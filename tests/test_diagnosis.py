@@ -89,7 +89,7 @@ def test_a_convex_metric_has_another_way():
     metric, x = of_body(*zoo.icosphere(2))
     assert not negative_deficits(metric).any()
     text, _ = diagnosed(metric, x)
-    assert "No deficit is negative: --method alexandrov finds the convex polyhedron" in text
+    assert "No deficit is negative: --method alexandrov is for the convex polyhedron" in text
 
 
 def test_a_failure_carries_it():
@@ -106,4 +106,4 @@ def test_a_failure_carries_it():
     assert attempt.message.startswith("no surface with these lengths was found: the nearest misses edge")
     assert f"edge {e} {metric.edges[e].tolist()} by {attempt.residual:.1e}" in attempt.message
     assert ". ." not in attempt.message
-    assert attempt.stages[-1].name == "best fit"
+    assert "best fit" in [stage.name for stage in attempt.stages]

@@ -7,6 +7,7 @@ import smooth
 import zoo
 from isoembed.aim.waypoint import MARGIN, convex_waypoint, is_convex
 from isoembed.gallery import CassiniPeanut, Ergosphere, triangulate
+from isoembed.linalg import SingularMatrix
 from isoembed.metric.curvature import deficits
 from isoembed.metric.glued import GluedMetric
 from isoembed.metric.polyhedral import PolyhedralMetric
@@ -57,3 +58,12 @@ def test_lengths_far_from_any_surface_have_a_waypoint_too():
     ones = metric.with_lengths(np.ones(len(metric.lengths)))
     assert deficits(ones).min() < -2  # vertices with nine and more triangles
     assert is_convex(convex_waypoint(GluedMetric.of(ones), smooth.tally()))
+
+
+def test_where_the_laplacian_is_singular_there_is_none(monkeypatch):
+    def refused(*_):
+        raise SingularMatrix("triangles too thin for floats")
+
+    metric = glued(*triangulate(CassiniPeanut(), 100))
+    monkeypatch.setattr("isoembed.linalg.factor.Solver.factor", refused)
+    assert convex_waypoint(metric, smooth.tally()) is None

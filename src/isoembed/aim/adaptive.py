@@ -25,7 +25,7 @@ from isoembed.aim.guided import Guide, guided_pull_back
 from isoembed.aim.neighbors import smoothest
 from isoembed.aim.waypoint import convex_waypoint
 from isoembed.alexandrov.method import Alexandrov
-from isoembed.errors import NotEmbedded
+from isoembed.errors import InvalidMetric, InvalidParameter, NotEmbedded
 from isoembed.linalg import SingularMatrix, chosen_backend
 from isoembed.metric.curvature import area
 from isoembed.metric.delaunay import delaunay
@@ -40,6 +40,8 @@ from isoembed.surface.rigidity import LengthSystem, length_residuals
 
 Floats = NDArray[np.float64]
 
+PLACED = 1e-10  # residual asked of the waypoint's polyhedron
+SHORTEST = 1e-9  # of a given length: where the start is a poor one, vertices may coincide
 EXACT = 1e-11  # mean edge lengths: a start this good is left alone, as where faces are flat steps do harm
 ON_THE_WAY = 1e-4  # mean edge lengths: where Newton's method has decided where it goes
 POLISHED = 1e-13  # residual asked of the last Newton steps, whatever the tolerance: they are quadratic
@@ -70,6 +72,8 @@ class Aim:
     name: str = field(default="aim", init=False, repr=False)
 
     def __post_init__(self) -> None:
+        if not isinstance(self.best_fit, bool):
+            raise InvalidParameter(f"best_fit is {self.best_fit!r}, not True or False")
         chosen_backend(self.backend)
 
     def run(self, metric: PolyhedralMetric, tolerance: float, log: Log) -> Embedding:
@@ -93,13 +97,15 @@ class Aim:
         given = GluedMetric.of(unit)
         with log.stage("waypoint") as tally:
             waypoint = convex_waypoint(given, tally, self.backend)
-        start = self._embedded(unit, waypoint, tolerance, log)
+        start = self._embedded(unit, waypoint, log)
         system = LengthSystem(unit.triangulation, backend=self.backend)
+        surface = partial(Embedding, metric, method=self.name, tolerance=tolerance)
+        surfaces = []
         with log.stage("pull back") as tally:
             vertices, strayed = _leap(system, start, unit.lengths, min(tolerance, EXACT), tally)
-        surface = partial(Embedding, metric, method=self.name, tolerance=tolerance)
-        surfaces = [surface(metric.unit * vertices)]
-        if not (surfaces[0].converged and (waypoint is given or strayed < STRAYED)):
+        if vertices is not None:
+            surfaces.append(surface(metric.unit * vertices))
+        if not (surfaces and surfaces[0].converged and (waypoint is given or strayed < STRAYED)):
             with log.stage("guided pull back") as tally:
                 path = _LogLinear(unit, start)
                 vertices = guided_pull_back(Guide(unit, start, self.backend), start, path.lengths, tally)
@@ -110,30 +116,40 @@ class Aim:
                 with log.stage("neighbors") as tally:
                     met = smoothest(system, vertices, unit.lengths, tally, residual_tolerance=EXACT)
                 surfaces += [surface(metric.unit * vertices) for vertices in met]
-        embedding = _chosen(surfaces)
+        embedding, fitted = _chosen(surfaces), None
         if embedding.residual > max(tolerance, EXACT):  # below that, the tolerance is beyond rounding
             with log.stage("best fit") as tally:
                 fit = best_fit(unit, start, tally, self.backend)
-            fitted = FittedSurface(
-                metric,
-                metric.unit * fit.vertices,
-                noise=fit.noise,
-                weight=fit.weight,
-                method=self.name,
-                tolerance=tolerance,
-            )
-            embedding = fitted if self.best_fit else embedding.with_message(diagnosis(embedding, fitted))
+            if fit is not None:
+                with log.stage("polish") as tally:
+                    vertices = _polished(system, fit.vertices, unit.lengths, tally)
+                for near in (fit.vertices, vertices):
+                    surfaces.append(surface(metric.unit * near))
+                fitted = FittedSurface(
+                    metric,
+                    metric.unit * fit.vertices,
+                    noise=fit.noise,
+                    weight=fit.weight,
+                    method=self.name,
+                    tolerance=tolerance,
+                )
+            embedding = _chosen(surfaces)
+            if not embedding.converged:
+                if self.best_fit and fitted is not None:
+                    embedding = fitted
+                else:
+                    embedding = embedding.with_message(diagnosis(embedding, fitted))
         return embedding.with_stages(log.stages)
 
-    def _embedded(
-        self, metric: PolyhedralMetric, waypoint: GluedMetric | None, tolerance: float, log: Log
-    ) -> Floats:
+    def _embedded(self, metric: PolyhedralMetric, waypoint: GluedMetric | None, log: Log) -> Floats:
         """The vertices of the waypoint's polyhedron, or what comes nearest."""
         if waypoint is not None:
             try:
-                return Alexandrov(backend=self.backend).run(waypoint, tolerance, log).vertices
+                return Alexandrov(backend=self.backend).run(waypoint, PLACED, log).vertices
             except NotEmbedded as failure:
                 return failure.embedding.vertices[: metric.triangulation.n_vertices]
+            except InvalidMetric:  # so thin that fewer than three vertices have a deficit beyond rounding
+                pass
         with log.stage("sphere") as tally:
             x = outward(metric.faces, conformal_sphere(delaunay(metric), tally, self.backend).points)
             return x * np.sqrt(area(metric) / area(PolyhedralMetric.from_mesh(x, metric.faces)))
@@ -147,7 +163,7 @@ class _LogLinear:
 
     def __init__(self, metric: PolyhedralMetric, start: Floats) -> None:
         self._given = metric.lengths
-        self._ratio = edge_lengths(metric.edges, start) / metric.lengths
+        self._ratio = np.maximum(edge_lengths(metric.edges, start) / metric.lengths, SHORTEST)
 
     def lengths(self, t: float) -> Floats:
         return self._given * self._ratio**t
@@ -155,7 +171,7 @@ class _LogLinear:
 
 def _leap(
     system: LengthSystem, start: Floats, lengths: Floats, good: float, tally: Tally
-) -> tuple[Floats, float]:
+) -> tuple[Floats | None, float]:
     """Newton's method while it converges; and by how much it strayed from where its first step pointed.
 
     It can cross over to a neighboring realization, with some vertices turned inside out, that has the same
@@ -173,13 +189,15 @@ def _leap(
         try:
             x = x - system.step(x, lengths, r)
         except SingularMatrix:
-            return start, np.inf
+            return None, np.inf
+        if not np.isfinite(x).all():
+            return None, np.inf
         pointed = x if pointed is start else pointed
         r = length_residuals(triangulation, x, lengths)
         residual = float(np.abs(r).max())
         tally.show(residual=residual)
         if not residual < CONVERGING * before or residual > LOST:
-            return start, np.inf
+            return None, np.inf
         before = residual
     expected, heights = (umbrella_heights(triangulation, y) for y in (pointed, x))
     strayed = float(np.abs(heights - expected).max() / np.sqrt(np.mean(heights**2)))
@@ -197,7 +215,8 @@ def _chosen(surfaces: list[Embedding]) -> Embedding:
     """The smoothest of the realizations, with the others beside it; if there is none, the nearest attempt."""
     different: list[Embedding] = []
     for surface in surfaces:
-        if surface.converged and all(surface.distance(other) > SAME for other in different):
+        realized = surface.converged and surface.residual < NEARLY  # whatever the tolerance
+        if realized and all(surface.distance(other) > SAME for other in different):
             different.append(surface)
     if not different:
         return min(surfaces, key=lambda surface: surface.residual)

@@ -38,6 +38,7 @@ LEVELS = 8  # such steps at most, down or up
 BETTER = 0.995  # of the best score so far, or less, is worth another mu
 SETTLED = 0.99  # of the energy is left, or more, after a step: the surface is where it belongs
 STEPS = 8  # at most, for each mu
+COLLAPSED = 0.3  # mean edge lengths: a surface that misses as much on average has lost its shape
 PROBES = 4  # random vectors that estimate the degrees of freedom, to a percent or so
 
 
@@ -61,7 +62,9 @@ class BestFit:
     noise: float
 
 
-def best_fit(metric: PolyhedralMetric, start: Floats, tally: Tally, backend: str | None = None) -> BestFit:
+def best_fit(
+    metric: PolyhedralMetric, start: Floats, tally: Tally, backend: str | None = None
+) -> BestFit | None:
     """Fit a smooth surface to the lengths of a metric.
 
     Parameters
@@ -77,7 +80,8 @@ def best_fit(metric: PolyhedralMetric, start: Floats, tally: Tally, backend: str
 
     Returns
     -------
-    BestFit
+    BestFit or None
+        None if nothing as smooth comes near to the lengths.
     """
     fits = _Fits(metric, start, tally, backend)
     best = first = fits.fit(start, WEIGHT)
@@ -90,6 +94,10 @@ def best_fit(metric: PolyhedralMetric, start: Floats, tally: Tally, backend: str
             best = last
         if best is not first:
             break
+    a, b = metric.edges.T
+    missed = np.linalg.norm(best.vertices[a] - best.vertices[b], axis=1) - metric.lengths
+    if not (best.score < np.inf and np.sqrt(np.mean(missed**2)) < COLLAPSED * metric.mean_length):
+        return None
     return BestFit(best.vertices, best.weight, best.noise)
 
 

@@ -21,15 +21,15 @@ REGION = 5  # vertices, on average: noise makes fewer deficits negative side by 
 ALMOST_CONVEX = 0.05  # of 4 pi: negative deficits that add up to less may be noise on a convex body
 
 
-def diagnosis(attempt: Embedding, fit: FittedSurface) -> str:
+def diagnosis(attempt: Embedding, fit: FittedSurface | None) -> str:
     """Say where the lengths have no surface, and what the user can do.
 
     Parameters
     ----------
     attempt : Embedding
         The nearest that was found; it misses the lengths.
-    fit : FittedSurface
-        The best fit to them.
+    fit : FittedSurface or None
+        The best fit to them, if there is one.
 
     Returns
     -------
@@ -40,14 +40,14 @@ def diagnosis(attempt: Embedding, fit: FittedSurface) -> str:
         f"no surface with these lengths was found: the nearest misses {_worst_edge(attempt)} "
         f"by {attempt.residual:.1e} of the mean edge length"
     )
-    return ". ".join([found, *_curvature(attempt.metric, fit.noise > UNLIKE), _errors(fit)])
+    return ". ".join([found, *_curvature(attempt.metric, fit is None or fit.noise > UNLIKE), _errors(fit)])
 
 
 def _curvature(metric: PolyhedralMetric, unlike: bool) -> list[str]:
     """The negative deficits, and what follows from them if the lengths are like those of a surface."""
     negative = negative_deficits(metric)
     if not negative.any():
-        return ["No deficit is negative: --method alexandrov finds the convex polyhedron of these lengths"]
+        return ["No deficit is negative: --method alexandrov is for the convex polyhedron of such lengths"]
     regions = connected_components(metric.triangulation.adjacency[negative][:, negative])[0]
     found = _negative(metric, negative, regions)
     if unlike:
@@ -80,12 +80,15 @@ def _negative(metric: PolyhedralMetric, negative: NDArray[np.bool_], regions: in
     )
 
 
-def _errors(fit: FittedSurface) -> str:
+def _errors(fit: FittedSurface | None) -> str:
     """What the best fit tells of the lengths."""
+    if fit is None:
+        return "No smooth surface comes near to them: check that each length is with its edge"
     if fit.noise > UNLIKE:
         return (
             f"No smooth surface comes near to them: the best fit misses {fit.residual_rms:.0%} of the mean "
-            f"edge length on average, most at {_worst_edge(fit)}: check that each length is with its edge"
+            f"edge length (root mean square), most at {_worst_edge(fit)}: check that each length is with its "
+            "edge"
         )
     squares = fit.residuals**2
     at_vertices = np.bincount(fit.metric.edges.ravel(), np.repeat(squares, 2)) / fit.triangulation.degrees

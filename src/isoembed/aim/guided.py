@@ -113,7 +113,11 @@ class Guide:
         inverse = LinearOperator((n, n), matvec=lambda g: factor.solve(g, sweeps=0), dtype=np.float64)
 
         def solve(gradient: Floats) -> Floats:
-            return cg(matrix, gradient.ravel(), rtol=SOLVED, M=inverse, maxiter=100)[0].reshape(-1, 3)
+            with np.errstate(all="ignore"):  # of a matrix too ill-conditioned for it, it makes no numbers
+                d = cg(matrix, gradient.ravel(), rtol=SOLVED, M=inverse, maxiter=100)[0].reshape(-1, 3)
+            if not np.isfinite(d).all():
+                raise SingularMatrix("conjugate gradients broke down")
+            return d
 
         return solve
 

@@ -54,8 +54,8 @@ def smoothest(
     Returns
     -------
     list of ndarray, shape (V, 3)
-        The smoothest comes first; last, where there is one, a rougher neighbor of it.  None if the vertices
-        do not have these lengths, and no neighbor is found that has.
+        The smoothest comes first; last, where there is one, a rougher neighbor of it.  Empty if the
+        vertices do not have these lengths, and no neighbor is found that has.
     """
     triangulation = system.triangulation
     best, met, roughness = vertices, [], np.inf

@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 from scipy.sparse import csc_array, csr_array
 
 from isoembed.errors import InvalidMetric
-from isoembed.linalg import Solver, SymmetricFactor, analyze, dissect
+from isoembed.linalg import SingularMatrix, Solver, SymmetricFactor, analyze, dissect
 from isoembed.metric.conformal import equivalent
 from isoembed.metric.convexity import deficit_rounding
 from isoembed.metric.flips import HalfEdges
@@ -30,6 +30,7 @@ MARGIN = 0.05  # of the deficit that a vertex's area would have on a sphere: wha
 ENOUGH = 0.5  # of the margin: closer, the conformal change need not come
 PINNED = 1e-9  # added to the Laplacian, of order 1: a common factor changes no deficit
 STEPS = 100
+DOUBLINGS = 50  # of the time: beyond, the curvature is as even as rounding leaves it
 SHORTEST = 1e-3  # of a Newton step
 
 
@@ -66,8 +67,17 @@ def convex_waypoint(metric: GluedMetric, tally: Tally, backend: str | None = Non
     """
     if is_convex(metric):
         return metric
-    reached = _Delaunay.of(metric, backend)
+    try:
+        return _changed(_Delaunay.of(metric, backend), tally, backend)
+    except SingularMatrix:  # triangles too thin for floats
+        return None
+
+
+def _changed(reached: _Delaunay, tally: Tally, backend: str | None) -> GluedMetric | None:
+    """Follow the conformal change; None where it stops short."""
     goal = _diffused(reached, tally)
+    if goal is None:
+        return None
     least = ENOUGH * MARGIN * reached.shares
     for _ in range(STEPS):
         missing = goal - reached.metric.deficits
@@ -88,16 +98,17 @@ def convex_waypoint(metric: GluedMetric, tally: Tally, backend: str | None = Non
     return None
 
 
-def _diffused(triangles: _Delaunay, tally: Tally) -> Floats:
-    """The deficits after the first time at which they are all positive with a margin."""
+def _diffused(triangles: _Delaunay, tally: Tally) -> Floats | None:
+    """The deficits after the first time at which they are all positive with a margin, if rounding allows."""
     mass = triangles.shares / (4 * np.pi) * triangles.metric.triangles.areas.sum()
     deficits, tau = triangles.metric.deficits, triangles.metric.mean_length**2
-    while True:
+    for _ in range(DOUBLINGS):
         diffused = mass * triangles.factored(mass / tau).solve(deficits / tau)
         tally.factorizations += 1
         if (diffused >= MARGIN * triangles.shares).all():
             return diffused
         tau *= 2
+    return None
 
 
 @dataclass(frozen=True)

@@ -83,7 +83,9 @@ class Polytope:
         radii : ndarray, shape (V,)
         """
         kappa, coupling, diagonal, lowest = _evaluate(tables.corners, tables.twins, tables.lengths, radii)
-        return cls(tables, radii, kappa, coupling, diagonal, float(lowest)) if lowest > 0 else None
+        if not (lowest > 0 and np.isfinite(kappa).all() and np.isfinite(coupling).all()):
+            return None
+        return cls(tables, radii, kappa, coupling, diagonal, float(lowest))
 
     def times_jacobian(self, v: Floats) -> Floats:
         """``(d kappa / d r) v`` for v of shape (V,) or (V, n)."""
@@ -101,7 +103,7 @@ class Polytope:
         return coo_array((values, (rows, columns)), shape=(n, n)).tocsc()
 
 
-@njit(cache=True)
+@njit(cache=True, error_model="numpy")  # a division by zero is no polytope, not an exception
 def _evaluate(
     corners: Indices, twins: Indices, lengths: Floats, r: Floats
 ) -> tuple[Floats, Floats, Floats, float]:

@@ -44,6 +44,6 @@ def equivalent(metric: GluedMetric, u: Floats) -> GluedMetric:
     InvalidMetric
         The factors break a triangle inequality, or lead beyond the floats.
     """
-    with np.errstate(over="ignore"):  # a length beyond the floats is refused as infinite
+    with np.errstate(over="ignore", invalid="ignore"):  # lengths beyond the floats are refused
         w = np.exp(u / 2)[metric.faces]
         return GluedMetric(metric.faces, metric.twins, metric.face_lengths * w * np.roll(w, -1, axis=1))
