@@ -27,6 +27,7 @@ Indices = NDArray[np.int64]
 Mask = NDArray[np.bool_]
 
 THREE_RINGS = 30  # more neighbors than two rings have
+ROBUST = 2 / 3  # exponent of the mean
 PLAIN = 0.2  # of the dihedral angles around: below it, the error of the fit may decide the sign
 
 
@@ -94,13 +95,13 @@ def fine_roughness(triangulation: Triangulation, vertices: Floats) -> float:
     Returns
     -------
     float
-        The square of the mean square root over the vertices: the few where edges are too long for the shape
-        must not outweigh all others.
+        The mean over the vertices with the exponent 2/3: the few where edges are too long for the shape must
+        not outweigh all others.
     """
     residuals = quintic_residuals(triangulation, vertices)
     twice = np.linalg.norm(residuals @ (residuals @ vertices), axis=1)
     about = edge_lengths_about(triangulation, edge_lengths(triangulation.edges, vertices))
-    return float(np.mean(np.sqrt(twice / about)) ** 2)
+    return float(np.mean((twice / about) ** ROBUST) ** (1 / ROBUST))
 
 
 def roughness(triangulation: Triangulation, vertices: Floats, offsets: Floats) -> float:
