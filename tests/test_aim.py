@@ -189,12 +189,7 @@ def test_an_attempt_in_fair_shape_is_left_where_noise_leaves_no_surface():
     attempt = caught.value.embedding
     assert 1e-3 < attempt.residual < 0.5
     assert not attempt.converged
-    assert [stage.name for stage in attempt.stages][-4:] == [
-        "guided pull back",
-        "polish",
-        "best fit",
-        "polish",
-    ]
+    assert [stage.name for stage in attempt.stages][-3:] == ["guided pull back", "polish", "best fit"]
 
 
 def test_lengths_of_no_surface():

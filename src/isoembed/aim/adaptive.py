@@ -120,11 +120,10 @@ class Aim:
         if embedding.residual > max(tolerance, EXACT):  # below that, the tolerance is beyond rounding
             with log.stage("best fit") as tally:
                 fit = best_fit(unit, start, tally, self.backend)
+                if fit is not None:  # it is one more start
+                    polished = _polished(system, fit.vertices, unit.lengths, tally)
+                    surfaces += [surface(metric.unit * near) for near in (fit.vertices, polished)]
             if fit is not None:
-                with log.stage("polish") as tally:
-                    vertices = _polished(system, fit.vertices, unit.lengths, tally)
-                for near in (fit.vertices, vertices):
-                    surfaces.append(surface(metric.unit * near))
                 fitted = FittedSurface(
                     metric,
                     metric.unit * fit.vertices,
