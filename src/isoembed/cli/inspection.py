@@ -208,7 +208,7 @@ def _warnings(
             (corner_low | corner_high) & ~narrow,
             lambda f: (
                 f"face {f} has {np.degrees(angles[f].min()):.3g} to {np.degrees(angles[f].max()):.3g} "
-                "degrees: the paper's triangulations keep within, and the pull-back may need more steps"
+                "degrees: the paper's triangulations keep within, and other realizations are likelier"
             ),
             "triangles with angles outside 30 to 120 degrees",
         ),

@@ -226,7 +226,7 @@ class Embedding:
     def roughness(self) -> float:
         """Root mean square distance of the vertices from a cubic fitted to their neighbors, in edge lengths.
 
-        Of two realizations of the same lengths, the one with less is the smoother.
+        Realizations less than a thousandth of an edge apart are told apart by `fine_roughness`.
         """
         return smoothness.roughness(self.triangulation, self._normalized, self._offsets)
 

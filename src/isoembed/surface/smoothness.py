@@ -107,7 +107,7 @@ def fine_roughness(triangulation: Triangulation, vertices: Floats) -> float:
 def roughness(triangulation: Triangulation, vertices: Floats, offsets: Floats) -> float:
     """Root mean square, over the vertices, of the offset over the mean length of the vertex's edges.
 
-    Of two surfaces with the same lengths, the one with less is the smoother.
+    Near surfaces with the same lengths are told apart by `fine_roughness`.
 
     Parameters
     ----------
