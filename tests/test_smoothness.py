@@ -12,13 +12,14 @@ import smooth
 import zoo
 from isoembed.aim.anneal import anneal
 from isoembed.cli.summary import summary
+from isoembed.gallery import Ergosphere, triangulate
 from isoembed.mesh.triangulation import Triangulation
 from isoembed.metric.polyhedral import PolyhedralMetric
 from isoembed.surface.curvature import bending_energy
 from isoembed.surface.embedding import Embedding
 from isoembed.surface.measures import vertex_normals
 from isoembed.surface.rigidity import LengthSystem, edge_rows
-from isoembed.surface.smoothness import offsets, rough_edges, roughness
+from isoembed.surface.smoothness import fine_roughness, offsets, rough_edges, roughness
 
 AXES = (1.5, 1.2, 1.0)
 
@@ -285,3 +286,16 @@ def test_the_summary_says_what_the_report_says():
         f"roughness {surface.roughness:.4g}, bending energy {surface.bending_energy:.4g}\n"
     ) in summary(surface)
     assert f"smallest singular value {surface.smallest_singular_value:.4g}\n" in summary(surface)
+
+
+@pytest.mark.parametrize("seed", range(4))
+def test_fine_roughness_does_not_depend_on_the_orientation(seed):
+    vertices, faces = irregular_ergosphere()
+    t = Triangulation(faces)
+    turned = fine_roughness(t, vertices @ zoo.rotation(seed))
+    assert turned == pytest.approx(fine_roughness(t, vertices), rel=1e-8)
+
+
+@cache
+def irregular_ergosphere():
+    return triangulate(Ergosphere(epsilon=0.02), 1000, irregular=1)

@@ -22,7 +22,7 @@ NEAR = 0.5  # square of the distance, in edges, within which weights are even
 HUB = 32  # edges: neighbors of a vertex with more of them need not be near each other
 SPARE = 3  # neighbors more than coefficients, without which a fit of that degree follows the noise
 KEPT = 0.02  # of the square of the constant column: less, and the neighbors' errors are blown up too far
-DEPENDENT = 1e-6  # of the square of a column: less is rounding of what the columns before it span
+DEPENDENT = 1e-10  # of the square of a column: less is rounding of what the columns before it span
 
 
 def neighborhoods(triangulation: Triangulation, least: int = ENOUGH) -> tuple[Indices, Indices]:
