@@ -34,12 +34,12 @@ def recovered(vertices, faces, **parameters):
 @pytest.mark.parametrize(
     ("mesh", "factorizations"),
     [
-        (smooth.ellipsoid(), 12),  # two deficits are negative
-        (smooth.ellipsoid(800), 8),
-        (smooth.drum(), 12),
+        (smooth.ellipsoid(), 8),  # two deficits are negative
+        (smooth.ellipsoid(800), 3),
+        (smooth.drum(), 8),
         (triangulate(Ellipsoid((5, 2, 1)), 400), 30),
         (triangulate(Ellipsoid((1, 1, 4)), 300), 30),
-        (triangulate(KerrHorizon(), 300), 8),
+        (triangulate(KerrHorizon(), 300), 3),
     ],
     ids=["ellipsoid", "ellipsoid 800", "drum", "(5, 2, 1)", "(1, 1, 4)", "Kerr"],
 )
@@ -51,7 +51,7 @@ def test_convex_bodies_come_back_from_their_lengths(mesh, factorizations):
     assert not surface.others
     assert sum(stage.factorizations for stage in surface.stages) <= factorizations
     if factorizations < 30:
-        assert [stage.name for stage in surface.stages][-1] == "pull back"
+        assert [stage.name for stage in surface.stages][-1] == "leap"
 
 
 NON_CONVEX = {
@@ -132,8 +132,8 @@ def test_extreme_units_change_not_one_digit(scale):
 
 
 def test_a_start_that_is_exact_is_left_alone():
-    # The hull is Alexandrov's polyhedron: no step on its edges can better it.
-    surface, error = recovered(*zoo.random_hull(40, 7))
+    # Vertices inside flat faces are put back where they are: no step on the edges can better it.
+    surface, error = recovered(*box(3)[:2])
     assert {stage.name: stage.factorizations for stage in surface.stages}["pull back"] == 0
     assert error < 1e-11
 

@@ -21,7 +21,6 @@ from isoembed import Embedding, NotEmbedded, PolyhedralMetric
 from isoembed.cli import main
 from isoembed.cli.parameters import parsed
 from isoembed.io import read_metric, write_metric
-from isoembed.stages import Progress
 
 COMMAND = [sys.executable, "-c", "import sys; from isoembed.cli import main; sys.exit(main())"]
 
@@ -119,14 +118,14 @@ def test_embed_reads_standard_input(run, monkeypatch):
 def test_embed_takes_parameters_of_the_method(run, monkeypatch):
     seen = []
 
-    def listen(metric, *, method, tolerance, progress):
-        seen.append((method, tolerance, progress))
+    def listen(metric, *, method, tolerance, progress, resume):
+        seen.append((method, tolerance, progress, resume))
         return Embedding(metric, zoo.icosphere(1)[0], method="paper", tolerance=tolerance)
 
     monkeypatch.setattr(isoembed, "embed", listen, raising=False)
     arguments = ["--parameter", "Tsteps=20", "--parameter", "path=exponential", "--parameter", "alpha=0.25"]
     assert run("embed", "metric.json", "--method", "paper", "--tolerance", "1e-6", *arguments)[0] == 0
-    assert seen == [(isoembed.Paper(Tsteps=20, path="exponential", alpha=0.25), 1e-6, None)]
+    assert seen == [(isoembed.Paper(Tsteps=20, path="exponential", alpha=0.25), 1e-6, None, None)]
 
 
 @pytest.mark.parametrize(
@@ -416,14 +415,16 @@ def test_control_c_in_a_real_process(here):
         process.send_signal(signal.SIGINT)
         _, err = process.communicate(timeout=30)
     assert process.returncode == 130
-    assert err == "isoembed: error: interrupted\n"
+    assert err.startswith("isoembed: error: interrupted in the stage '")
+    assert err.endswith("there is no checkpoint, as the method 'paper' kept nothing to go on from\n")
     assert sorted(os.listdir()) == ["m.npz", "metric.json"]
 
 
 @pytest.mark.parametrize("quiet", [False, True])
 def test_the_live_view_is_for_terminals(here, quiet):
     main_end, terminal = pty.openpty()
-    command = [*COMMAND, "embed", "metric.json", "-o", "a.npz", *(["--quiet"] if quiet else [])]
+    command = [*COMMAND, "embed", "metric.json", "--method", "paper", "-o", "a.npz"]
+    command += ["--quiet"] if quiet else []
     environment = {**os.environ, "TERM": "xterm", "COLUMNS": "100"}
     done = subprocess.run(command, stderr=terminal, stdout=subprocess.PIPE, env=environment)
     os.close(terminal)
@@ -437,22 +438,6 @@ def test_the_live_view_is_for_terminals(here, quiet):
     assert (done.returncode, done.stdout) == (0, b"")
     assert (b"residual" in shown and b"pull back" in shown) is not quiet
     assert bool(shown) is not quiet
-
-
-def test_the_live_table_shows_the_last_snapshot_of_each_stage():
-    from rich.console import Console
-
-    from isoembed.cli.live import StageTable
-
-    table = StageTable()
-    table.listen(Progress("layout", 1, None, None, None, None, 0.5))
-    table.listen(Progress("pull back", 1, 0.9, 1e-3, 4, 7, 1.0))
-    table.listen(Progress("pull back", 2, 0.25, 2e-7, 0, 3, 3.5))
-    console = Console(file=io.StringIO(), width=100)
-    console.print(table)
-    _, layout, pull_back = console.file.getvalue().splitlines()
-    assert layout.split() == ["layout", "1", "0.0"]
-    assert pull_back.split() == ["pull", "back", "2", "0.250", "2.0e-07", "0", "3", "2.5"]
 
 
 @pytest.mark.parametrize(

@@ -5,7 +5,7 @@ import pytest
 
 import smooth
 import zoo
-from isoembed.aim.waypoint import MARGIN, convex_waypoint, is_convex
+from isoembed.aim.waypoint import ROUND, convex_waypoint, is_convex
 from isoembed.gallery import CassiniPeanut, Ergosphere, triangulate
 from isoembed.linalg import SingularMatrix
 from isoembed.metric.curvature import deficits
@@ -33,7 +33,7 @@ def test_the_waypoint_is_convex_with_a_margin_and_near(surface):
     assert tally.factorizations <= 10
     areas = waypoint.triangles.areas
     share = 4 * np.pi / 3 * np.bincount(waypoint.faces.ravel(), np.repeat(areas / areas.sum(), 3))
-    assert (waypoint.deficits > MARGIN / 4 * share).all()
+    assert (waypoint.deficits > ROUND / 4 * share).all()
     # Large shapes stay: the curvature of each half of the body has hardly changed.
     assert waypoint.deficits.sum() == pytest.approx(4 * np.pi, abs=1e-9)
     assert np.abs(waypoint.deficits - metric.deficits).max() < np.abs(metric.deficits).max()

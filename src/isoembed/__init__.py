@@ -17,6 +17,7 @@ from typing import TYPE_CHECKING, Any
 from isoembed.version import __version__
 
 _HOME = {
+    "Interrupted": "isoembed.errors",
     "InvalidMetric": "isoembed.errors",
     "InvalidParameter": "isoembed.errors",
     "NotEmbedded": "isoembed.errors",
@@ -27,6 +28,7 @@ _HOME = {
     "Embedding": "isoembed.surface.embedding",
     "FittedSurface": "isoembed.surface.fitted",
     "embed": "isoembed.verb",
+    "Checkpoint": "isoembed.stages",
     "Aim": "isoembed.aim.adaptive",
     "Paper": "isoembed.aim.paper",
     "Alexandrov": "isoembed.alexandrov.method",
@@ -40,6 +42,7 @@ if TYPE_CHECKING:
     from isoembed.aim.paper import Paper as Paper
     from isoembed.alexandrov.method import Alexandrov as Alexandrov
     from isoembed.alexandrov.polyhedron import ConvexPolyhedron as ConvexPolyhedron
+    from isoembed.errors import Interrupted as Interrupted
     from isoembed.errors import InvalidMetric as InvalidMetric
     from isoembed.errors import InvalidParameter as InvalidParameter
     from isoembed.errors import NotEmbedded as NotEmbedded
@@ -47,6 +50,7 @@ if TYPE_CHECKING:
     from isoembed.mesh.triangulation import Triangulation as Triangulation
     from isoembed.metric.glued import GluedMetric as GluedMetric
     from isoembed.metric.polyhedral import PolyhedralMetric as PolyhedralMetric
+    from isoembed.stages import Checkpoint as Checkpoint
     from isoembed.surface.embedding import Embedding as Embedding
     from isoembed.surface.fitted import FittedSurface as FittedSurface
     from isoembed.verb import embed as embed

@@ -1,10 +1,11 @@
-"""The ways a request can end badly: no metric, a parameter that makes no sense, no embedding found."""
+"""How a request can end badly: no metric, a parameter that makes no sense, no embedding, an interruption."""
 
 from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
+    from isoembed.stages import Checkpoint, Stage
     from isoembed.surface.embedding import Embedding
 
 
@@ -15,7 +16,7 @@ class InvalidMetric(ValueError):  # noqa: N818 - the contract's name
     """
 
 
-class InvalidParameter(ValueError):  # noqa: N818 - as the other two
+class InvalidParameter(ValueError):  # noqa: N818 - as the others
     """A method's parameter has a value that it cannot have; the message names it."""
 
 
@@ -41,3 +42,29 @@ class NotEmbedded(RuntimeError):  # noqa: N818 - the contract's name
 
     def __str__(self) -> str:
         return str(self.args[0])
+
+
+class Interrupted(KeyboardInterrupt):
+    """The computation was interrupted, by Ctrl-C for one.
+
+    Parameters
+    ----------
+    checkpoint : Checkpoint or None
+        Where to go on: the ``resume`` of `isoembed.embed`.  None if nothing was kept yet; the method
+        ``"paper"`` keeps nothing.
+    stages : tuple of Stage
+        What was done; the last one is incomplete.
+
+    Attributes
+    ----------
+    checkpoint, stages
+        As given.
+    """
+
+    def __init__(self, checkpoint: Checkpoint | None, stages: tuple[Stage, ...]) -> None:
+        super().__init__(checkpoint, stages)  # both, for pickle
+        self.checkpoint = checkpoint
+        self.stages = stages
+
+    def __str__(self) -> str:
+        return f"interrupted in the stage {self.stages[-1].name!r}" if self.stages else "interrupted"

@@ -1,12 +1,17 @@
-"""What a computation did and is doing: stages with their costs, and snapshots for whoever watches."""
+"""What a computation did and is doing: stages, snapshots for whoever watches, and what to go on from."""
 
 from __future__ import annotations
 
 import time
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
 from dataclasses import dataclass, field
 from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from isoembed.forecast import Forecast
 
 
 @dataclass(frozen=True)
@@ -49,6 +54,10 @@ class Progress:
         Vertices of that kind.
     seconds : float
         Since the computation began.
+    level : str or None
+        What size of problem the stage is working on, such as ``"40,000 vertices"``.
+    remaining : float or None
+        Seconds left, an estimate; None while there is nothing to go by.
     """
 
     stage: str
@@ -58,6 +67,48 @@ class Progress:
     inverted: int | None
     partially_inverted: int | None
     seconds: float
+    level: str | None = None
+    remaining: float | None = None
+
+
+@dataclass(frozen=True)
+class Origin:
+    """What a checkpoint belongs to.
+
+    Attributes
+    ----------
+    metric : str
+        A digest of its triangles and of its lengths over ``metric.unit``.
+    method : str
+        The method with its parameters, all that decide what it computes.
+    tolerance : float
+    version : str
+        Of isoembed.
+    """
+
+    metric: str
+    method: str
+    tolerance: float
+    version: str
+
+
+@dataclass(frozen=True, eq=False)
+class Checkpoint:
+    """Where an interrupted computation had come to, to go on from.
+
+    Attributes
+    ----------
+    stage : str
+        The stage that kept it.
+    arrays : mapping of str to ndarray
+        What that stage needs to go on.
+    origin : Origin or None
+        What was being computed; `isoembed.embed` fills it in.
+    """
+
+    stage: str
+    arrays: Mapping[str, NDArray[Any]]
+    origin: Origin | None = None
 
 
 Listener = Callable[[Progress], None]
@@ -65,14 +116,17 @@ Listener = Callable[[Progress], None]
 
 @dataclass
 class Tally:
-    """The counters of one running stage.  A stage's code adds to them and calls `show` as it goes."""
+    """The counters of one running stage.
+
+    A stage's code adds to them as it goes, calls `show`, and `keep` with what it could go on from.
+    """
 
     name: str
     log: Log
     iterations: int = 0
     factorizations: int = 0
     _last: dict[str, Any] = field(
-        default_factory=lambda: dict.fromkeys(("t", "residual", "inverted", "partially_inverted"))
+        default_factory=lambda: dict.fromkeys(("t", "residual", "inverted", "partially_inverted", "level"))
     )
 
     def show(
@@ -82,39 +136,100 @@ class Tally:
         residual: float | None = None,
         inverted: int | None = None,
         partially_inverted: int | None = None,
+        level: str | None = None,
+        done: float | None = None,
     ) -> None:
-        """Tell the listener, if there is one, where the stage is.  What is not said stays as it was."""
-        said = {"t": t, "residual": residual, "inverted": inverted, "partially_inverted": partially_inverted}
+        """Tell the listener, if there is one, where the stage is.  What is not said stays as it was.
+
+        Parameters
+        ----------
+        t, residual, inverted, partially_inverted, level : optional
+            As in `Progress`.
+        done : float, optional
+            The share of the stage's work that is done, from 0 to 1.
+        """
+        said = {
+            "t": t,
+            "residual": residual,
+            "inverted": inverted,
+            "partially_inverted": partially_inverted,
+            "level": level,
+        }
         self._last |= {key: value for key, value in said.items() if value is not None}
-        if self.log.listener is not None:
-            seconds = time.perf_counter() - self.log.start
-            self.log.listener(Progress(self.name, self.iterations, **self._last, seconds=seconds))
+        log = self.log
+        if done is not None:
+            log.forecast.reach(done)
+        if log.listener is not None:
+            seconds, remaining = log.clock() - log.start, log.forecast.remaining
+            log.listener(
+                Progress(self.name, self.iterations, **self._last, seconds=seconds, remaining=remaining)
+            )
+
+    def keep(self, **arrays: ArrayLike) -> None:
+        """Keep what this stage could go on from, in place of all that was kept before.
+
+        It costs nothing: arrays are not copied, so they must not change any more.  What is kept has to hold
+        in the unit of ``metric.normalized``, and for the given vertices in the given order.
+        """
+        self.log.checkpoint = Checkpoint(self.name, {key: np.asarray(value) for key, value in arrays.items()})
 
 
 @dataclass
 class Log:
-    """Collects the stages of one computation.
+    """Collects the stages of one computation, and holds what it could go on from.
 
     Parameters
     ----------
     listener : callable, optional
         Receives a `Progress` at every iteration.
+    resumed : Checkpoint, optional
+        What to go on from.
+    clock : callable
+        The time in seconds.
+
+    Attributes
+    ----------
+    checkpoint : Checkpoint or None
+        What was kept last; until then, what the computation itself goes on from.
+    start : float
+        When it began.
+    forecast : Forecast
+        How long it will take.
     """
 
     listener: Listener | None = None
-    start: float = field(default_factory=time.perf_counter)
-    _stages: list[Stage] = field(default_factory=list)
+    resumed: Checkpoint | None = None
+    clock: Callable[[], float] = time.perf_counter
+    checkpoint: Checkpoint | None = field(init=False)
+    start: float = field(init=False)
+    forecast: Forecast = field(init=False)
+    _stages: list[Stage] = field(init=False, default_factory=list)
+
+    def __post_init__(self) -> None:
+        self.checkpoint = self.resumed
+        self.start = self.clock()
+        self.forecast = Forecast(self.clock)
+
+    def expect(self, weights: Mapping[str, float]) -> None:
+        """Say which stages come next and what they cost, for the time left; see `Forecast.expect`."""
+        self.forecast.expect(weights)
+
+    def resumed_at(self, stage: str) -> Mapping[str, NDArray[Any]] | None:
+        """What this stage kept in the run that goes on here, if it was the last to keep anything."""
+        return self.resumed.arrays if self.resumed is not None and self.resumed.stage == stage else None
 
     @contextmanager
     def stage(self, name: str) -> Iterator[Tally]:
         """Open a stage; its costs are recorded when it closes, also when it fails."""
-        tally, begin = Tally(name, self), time.perf_counter()
-        tally.show()
+        tally, begin = Tally(name, self), self.clock()
+        self.forecast.begin(name)
         try:
+            tally.show()
             yield tally
         finally:
-            seconds = time.perf_counter() - begin
+            seconds = self.clock() - begin
             self._stages.append(Stage(name, seconds, tally.iterations, tally.factorizations))
+            self.forecast.end()
 
     @property
     def stages(self) -> tuple[Stage, ...]:

@@ -4,13 +4,15 @@ from __future__ import annotations
 
 import math
 import numbers
+from dataclasses import replace
 from importlib import import_module
 from typing import Any, Protocol
 
-from isoembed.errors import InvalidParameter, NotEmbedded
+from isoembed.errors import Interrupted, InvalidParameter, NotEmbedded
 from isoembed.metric.glued import GluedMetric
 from isoembed.metric.polyhedral import PolyhedralMetric
-from isoembed.stages import Listener, Log
+from isoembed.resumption import check_origin, origin
+from isoembed.stages import Checkpoint, Listener, Log
 from isoembed.surface.embedding import Embedding
 
 METHODS = {
@@ -30,7 +32,7 @@ class Method(Protocol):
         ...
 
     def run(self, metric: Any, tolerance: float, log: Log) -> Embedding:
-        """Embed the metric as well as it can."""
+        """Embed the metric as well as it can, and go on from what was kept, if it takes that up."""
         ...
 
 
@@ -40,6 +42,7 @@ def embed(
     method: str | Method = "aim",
     tolerance: float = 1e-10,
     progress: Listener | None = None,
+    resume: Checkpoint | None = None,
 ) -> Embedding:
     """Find the surface in R^3 that realizes a polyhedral metric.
 
@@ -54,7 +57,10 @@ def embed(
     tolerance : float
         Largest ``| |x_a - x_b| - l_ab |`` over the mean edge length.
     progress : callable, optional
-        Receives an `isoembed.stages.Progress` as the computation goes.
+        Receives an `isoembed.stages.Progress` as the computation goes.  If it raises an exception, that ends
+        the computation; a `KeyboardInterrupt` does as Ctrl-C does.
+    resume : Checkpoint, optional
+        Where an interrupted run with the same metric, method and tolerance is to go on.
 
     Returns
     -------
@@ -69,7 +75,10 @@ def embed(
     NotEmbedded
         No such surface was found; the exception holds the best attempt.
     InvalidParameter
-        The method is unknown, the tolerance not positive, or a parameter does not fit the metric.
+        The method is unknown, the tolerance not positive, a parameter does not fit the metric, or what is to
+        be resumed was something else.
+    Interrupted
+        On Ctrl-C; a `KeyboardInterrupt` that holds the checkpoint to go on from.
 
     Examples
     --------
@@ -98,7 +107,18 @@ def embed(
         )
     if not isinstance(tolerance, numbers.Real) or not 0 < tolerance < math.inf:
         raise InvalidParameter(f"the tolerance is {tolerance!r}, not a positive finite number")
-    embedding = chosen.run(metric, tolerance, Log(progress))
+    if resume is not None:
+        if not isinstance(resume, Checkpoint):
+            raise InvalidParameter(
+                f"resume is a {type(resume).__name__}, not a Checkpoint: isoembed.io.read_checkpoint has one"
+            )
+        check_origin(resume, origin(metric, chosen, tolerance))
+    log = Log(progress, resume)
+    try:
+        embedding = chosen.run(metric, tolerance, log)
+    except KeyboardInterrupt as interruption:
+        kept = log.checkpoint and replace(log.checkpoint, origin=origin(metric, chosen, tolerance))
+        raise Interrupted(kept, log.stages) from interruption
     if embedding.status == "not converged":
         raise NotEmbedded(embedding.message, embedding)
     return embedding

@@ -11,8 +11,10 @@ The paper's three steps, each of them replaced by one that does not fail:
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass, field
 from functools import partial
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -22,11 +24,13 @@ from isoembed.aim.best_fit import best_fit
 from isoembed.aim.conformal_sphere import conformal_sphere
 from isoembed.aim.diagnosis import diagnosis
 from isoembed.aim.guided import Guide, guided_pull_back
+from isoembed.aim.leap import Landing, approach, leap
 from isoembed.aim.neighbors import smoothest
-from isoembed.aim.waypoint import convex_waypoint
+from isoembed.aim.waypoint import NEAR, convex_waypoint, is_convex, negative_curvature
 from isoembed.alexandrov.method import Alexandrov
 from isoembed.errors import InvalidMetric, InvalidParameter, NotEmbedded
 from isoembed.linalg import SingularMatrix, chosen_backend
+from isoembed.mesh.triangulation import Triangulation
 from isoembed.metric.curvature import area
 from isoembed.metric.delaunay import delaunay
 from isoembed.metric.glued import GluedMetric
@@ -50,7 +54,24 @@ LOST = 0.5  # mean edge lengths: no leap comes back from so large a residual
 POLISH = 10  # Newton steps at most
 NEARLY = 1e-6  # mean edge lengths: between two neighbors Newton's method may get no further
 STRAYED = 0.6  # root mean squares: of the heights above the neighbors, a trusted leap changes none by more
+LITTLE = 0.03  # of 4 pi: a metric with less negative curvature may be nearly convex
+LANDED = 0.25  # the same for a leap in the radii: .15 on the coarsest meshes, .37 where it crossed over
 SAME = 1e-7  # mean edge lengths: surfaces as near as this are one
+
+
+# Seconds that stages take as a rule, 40,000 vertices, for the time left.
+LEAP = {"nearest waypoint": 0.5, "polytopes": 1.0, "leap": 0.8}
+PULL_BACK = {
+    "waypoint": 1.0,
+    "flat vertices": 0.05,
+    "polytope": 1.0,
+    "placement": 0.2,
+    "edge paths": 0.1,
+    "pull back": 2.0,
+    "guided pull back": 100.0,
+    "polish": 2.0,
+    "neighbors": 15.0,
+}
 
 
 @dataclass(frozen=True)
@@ -94,23 +115,41 @@ class Aim:
             attempt, with a diagnosis, or the best fit.
         """
         unit = metric.normalized
-        given = GluedMetric.of(unit)
-        with log.stage("waypoint") as tally:
-            waypoint = convex_waypoint(given, tally, self.backend)
-        start = self._embedded(unit, waypoint, log)
-        system = LengthSystem(unit.triangulation, backend=self.backend)
         surface = partial(Embedding, metric, method=self.name, tolerance=tolerance)
+        given = GluedMetric.of(unit)
+        kept = _kept(log)
+        if kept is None:
+            if negative_curvature(given) < LITTLE:
+                vertices = self._leapt(unit, given, log)
+                if vertices is not None:
+                    embedding = surface(metric.unit * vertices)
+                    if embedding.residual <= max(tolerance, EXACT):
+                        return embedding.with_stages(log.stages)
+            log.expect(PULL_BACK)
+            with log.stage("waypoint") as tally:
+                waypoint = convex_waypoint(given, tally, self.backend)
+            start = self._embedded(unit, waypoint, log)
+        else:
+            log.expect(PULL_BACK)
+            start = kept["start"]
+        system = LengthSystem(unit.triangulation, backend=self.backend)
         surfaces = []
         with log.stage("pull back") as tally:
+            if kept is None:
+                tally.keep(start=start)
             vertices, strayed = _leap(system, start, unit.lengths, min(tolerance, EXACT), tally)
         if vertices is not None:
             surfaces.append(surface(metric.unit * vertices))
-        if not (surfaces and surfaces[0].converged and (waypoint is given or strayed < STRAYED)):
-            with log.stage("guided pull back") as tally:
-                path = _LogLinear(unit, start)
-                vertices = guided_pull_back(Guide(unit, start, self.backend), start, path.lengths, tally)
+        if not (surfaces and surfaces[0].converged and (is_convex(given) or strayed < STRAYED)):
+            guided = None if kept is None else kept.get("guided")
+            if guided is None:
+                with log.stage("guided pull back") as tally:
+                    path, guide = _LogLinear(unit, start), Guide(unit, start, self.backend)
+                    on_the_way = log.resumed_at("guided pull back")
+                    guided = guided_pull_back(guide, start, path.lengths, tally, on_the_way)
             with log.stage("polish") as tally:
-                vertices = _polished(system, vertices, unit.lengths, tally)
+                tally.keep(start=start, guided=guided)
+                vertices = _polished(system, guided, unit.lengths, tally)
             surfaces.append(surface(metric.unit * vertices))
             if surfaces[-1].residual < NEARLY:
                 with log.stage("neighbors") as tally:
@@ -140,6 +179,18 @@ class Aim:
                     embedding = embedding.with_message(diagnosis(embedding, fitted))
         return embedding.with_stages(log.stages)
 
+    def _leapt(self, metric: PolyhedralMetric, given: GluedMetric, log: Log) -> Floats | None:
+        """The vertices, if a leap in the radii gets there without straying."""
+        log.expect(LEAP)
+        with log.stage("nearest waypoint") as tally:
+            waypoint = convex_waypoint(given, tally, self.backend, NEAR)
+        if waypoint is None:
+            return None
+        near = None if log.resumed_at("leap") else approach(given, waypoint, log, self.backend)
+        landing = leap(given, near, log, self.backend)
+        landed = landing is not None and _strayed(metric.triangulation, landing) < LANDED
+        return landing.vertices if landing is not None and landed else None
+
     def _embedded(self, metric: PolyhedralMetric, waypoint: GluedMetric | None, log: Log) -> Floats:
         """The vertices of the waypoint's polyhedron, or what comes nearest."""
         if waypoint is not None:
@@ -152,6 +203,12 @@ class Aim:
         with log.stage("sphere") as tally:
             x = outward(metric.faces, conformal_sphere(delaunay(metric), tally, self.backend).points)
             return x * np.sqrt(area(metric) / area(PolyhedralMetric.from_mesh(x, metric.faces)))
+
+
+def _kept(log: Log) -> Mapping[str, NDArray[Any]] | None:
+    """What an interrupted run kept in the pull-back, if it came that far: ``start`` is always among it."""
+    stages = ("pull back", "guided pull back", "polish")
+    return next((kept for stage in stages if (kept := log.resumed_at(stage)) is not None), None)
 
 
 class _LogLinear:
@@ -171,11 +228,7 @@ class _LogLinear:
 def _leap(
     system: LengthSystem, start: Floats, lengths: Floats, good: float, tally: Tally
 ) -> tuple[Floats | None, float]:
-    """Newton's method while it converges; and by how much it strayed from where its first step pointed.
-
-    It can cross over to a neighboring realization, with some vertices turned inside out, that has the same
-    lengths.  Then a height above the neighbors changes by more than the first step's error explains.
-    """
+    """Newton's method while it converges; and by how much it strayed."""
     triangulation = system.triangulation
     r = length_residuals(triangulation, start, lengths)
     residual = float(np.abs(r).max())
@@ -198,9 +251,18 @@ def _leap(
         if not residual < CONVERGING * before or residual > LOST:
             return None, np.inf
         before = residual
-    expected, heights = (umbrella_heights(triangulation, y) for y in (pointed, x))
-    strayed = float(np.abs(heights - expected).max() / np.sqrt(np.mean(heights**2)))
-    return _polished(system, x, lengths, tally), strayed
+    return _polished(system, x, lengths, tally), _strayed(triangulation, Landing(x, pointed))
+
+
+def _strayed(triangulation: Triangulation, landing: Landing) -> float:
+    """By how much the heights above the neighbors differ from where the first step pointed.
+
+    In root mean squares: Newton's method can cross over to a neighboring realization, with some vertices
+    turned inside out, that has the same lengths.  Then a height changes by more than the first step's error
+    explains.
+    """
+    expected, heights = (umbrella_heights(triangulation, y) for y in (landing.pointed, landing.vertices))
+    return float(np.abs(heights - expected).max() / np.sqrt(np.mean(heights**2)))
 
 
 def _polished(system: LengthSystem, vertices: Floats, lengths: Floats, tally: Tally) -> Floats:

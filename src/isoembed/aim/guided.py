@@ -14,8 +14,9 @@ quintics fitted twice, which know smooth surfaces better still.
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from copy import copy
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -40,6 +41,7 @@ BENDING = 3.0  # w on the way
 LETTING_GO = (0.3, 0.03, 0.0)  # w at t = 0
 FADE = 0.1  # of mu from step to step, after that
 FADED = 15  # such steps at most
+USUAL_FADE = 4  # as a rule
 CLOSE = 1e-6  # mean edge lengths: from here, Newton's method does not get lost
 STALLED = 0.9  # of the residual is left, or more, after two steps of the fading on end: the surface is lost
 RHO = 3.5  # largest eigenvalue, or so, of the Laplacian of edges of length 1, which R's is 1
@@ -162,7 +164,13 @@ class Guide:
         return vertices
 
 
-def guided_pull_back(guide: Guide, start: Floats, lengths: Callable[[float], Floats], tally: Tally) -> Floats:
+def guided_pull_back(
+    guide: Guide,
+    start: Floats,
+    lengths: Callable[[float], Floats],
+    tally: Tally,
+    kept: Mapping[str, NDArray[Any]] | None = None,
+) -> Floats:
     """Follow a path of metrics from an embedded one at t = 1, then let go of what guides.
 
     Parameters
@@ -173,6 +181,8 @@ def guided_pull_back(guide: Guide, start: Floats, lengths: Callable[[float], Flo
     lengths : callable
         The lengths at t, shape (E,), in units of the mean edge length or so.
     tally : Tally
+    kept : mapping of str to ndarray, optional
+        What an interrupted pull-back kept, to go on from.
 
     Returns
     -------
@@ -181,16 +191,25 @@ def guided_pull_back(guide: Guide, start: Floats, lengths: Callable[[float], Flo
     """
     mu, given = WEIGHT, lengths(0.0)
     known: list[tuple[float, Floats]] = []
-    for t in np.linspace(1, 0, STEPS + 1).tolist():
+    steps = np.linspace(1, 0, STEPS + 1).tolist()
+    usual = len(steps) + len(LETTING_GO) + 2 + USUAL_FADE
+    if kept is not None:
+        mu, known = float(kept["mu"]), list(zip(kept["t"].tolist(), kept["x"], strict=True))
+        steps = [t for t in steps if t < known[-1][0]]
+    for t in steps:
         tally.show(t=t)
         guess = extrapolated(known[-3:], t) if known else start
         x, downhill = guide.step(guess, lengths(t), mu, BENDING, tally)
         while not downhill and mu < STIFFEST:
             mu *= STIFFER
             x, downhill = guide.step(guess, lengths(t), mu, BENDING, tally)
-        known.append((t, x if downhill else guess))
+        known = [*known[-2:], (t, x if downhill else guess)]
+        tally.keep(start=start, mu=mu, t=[t for t, _ in known], x=[x for _, x in known])
+        tally.show(done=min(tally.iterations / usual, 1.0))
+    x = known[-1][1]
     for w in (BENDING, *LETTING_GO):
         x = guide.relaxed(x, given, mu, w, tally)
+        tally.show(done=min(tally.iterations / usual, 1.0))
     mu *= FADE
     x = guide.relaxed(x, given, mu, 0.0, tally)
     found, residual = _let_go(guide.finer(x), x, given, mu, tally)

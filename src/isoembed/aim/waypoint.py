@@ -26,7 +26,7 @@ from isoembed.stages import Tally
 
 Floats = NDArray[np.float64]
 
-MARGIN = 0.05  # of the deficit that a vertex's area would have on a sphere: what the diffusion leaves
+ROUND, NEAR = 0.05, 0.005  # margins: of the deficit that a vertex's area would have on a sphere
 ENOUGH = 0.5  # of the margin: closer, the conformal change need not come
 PINNED = 1e-9  # added to the Laplacian, of order 1: a common factor changes no deficit
 STEPS = 100
@@ -39,7 +39,14 @@ def is_convex(metric: GluedMetric) -> bool:
     return bool((metric.deficits >= -deficit_rounding(metric.faces, metric.face_lengths)).all())
 
 
-def convex_waypoint(metric: GluedMetric, tally: Tally, backend: str | None = None) -> GluedMetric | None:
+def negative_curvature(metric: GluedMetric) -> float:
+    """The sum of the negative deficits, made positive, over 4 pi, which is the sum of all."""
+    return float(-np.minimum(metric.deficits, 0.0).sum() / (4 * np.pi))
+
+
+def convex_waypoint(
+    metric: GluedMetric, tally: Tally, backend: str | None = None, margin: float = ROUND
+) -> GluedMetric | None:
     """A convex metric to begin the pull-back from; the given one, if it is convex.
 
     Parameters
@@ -50,6 +57,9 @@ def convex_waypoint(metric: GluedMetric, tally: Tally, backend: str | None = Non
         Counts Newton steps and factorizations.
     backend : str, optional
         As in `isoembed.linalg.analyze`.
+    margin : float
+        What the diffusion leaves to the deficit of a vertex, at least, of what its area would have on a
+        sphere: the less, the nearer is the waypoint and the flatter in places.
 
     Returns
     -------
@@ -68,17 +78,17 @@ def convex_waypoint(metric: GluedMetric, tally: Tally, backend: str | None = Non
     if is_convex(metric):
         return metric
     try:
-        return _changed(_Delaunay.of(metric, backend), tally, backend)
+        return _changed(_Delaunay.of(metric, backend), margin, tally, backend)
     except SingularMatrix:  # triangles too thin for floats
         return None
 
 
-def _changed(reached: _Delaunay, tally: Tally, backend: str | None) -> GluedMetric | None:
+def _changed(reached: _Delaunay, margin: float, tally: Tally, backend: str | None) -> GluedMetric | None:
     """Follow the conformal change; None where it stops short."""
-    goal = _diffused(reached, tally)
+    goal = _diffused(reached, margin, tally)
     if goal is None:
         return None
-    least = ENOUGH * MARGIN * reached.shares
+    least = ENOUGH * margin * reached.shares
     for _ in range(STEPS):
         missing = goal - reached.metric.deficits
         tally.show(residual=float(np.abs(missing).max()))
@@ -98,14 +108,14 @@ def _changed(reached: _Delaunay, tally: Tally, backend: str | None) -> GluedMetr
     return None
 
 
-def _diffused(triangles: _Delaunay, tally: Tally) -> Floats | None:
+def _diffused(triangles: _Delaunay, margin: float, tally: Tally) -> Floats | None:
     """The deficits after the first time at which they are all positive with a margin, if rounding allows."""
     mass = triangles.shares / (4 * np.pi) * triangles.metric.triangles.areas.sum()
     deficits, tau = triangles.metric.deficits, triangles.metric.mean_length**2
     for _ in range(DOUBLINGS):
         diffused = mass * triangles.factored(mass / tau).solve(deficits / tau)
         tally.factorizations += 1
-        if (diffused >= MARGIN * triangles.shares).all():
+        if (diffused >= margin * triangles.shares).all():
             return diffused
         tau *= 2
     return None

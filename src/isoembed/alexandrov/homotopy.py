@@ -11,7 +11,7 @@ the placement.
 from __future__ import annotations
 
 from collections.abc import Generator, Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -32,12 +32,14 @@ Indices = NDArray[np.int64]
 LADDER = (2.0, 4.0, 16.0, 64.0, 256.0)  # start radii over the least that may do, until one arrives
 FORCING = 0.03  # residual of the linear equations on the way
 STALE = 10  # GMRES iterations beyond which a fresh factorization is cheaper
+MOST_ITERATIONS = 30
 DECREASE = 0.25  # least decrease, over what the linear model promises
 FIRST_STEP, LONGEST_STEP, SHORTEST_STEP = 0.5, 0.9, 1e-4
 HALVINGS, HALVINGS_IF_STALE = 30, 3
 CLOSE, CLOSEST = 3e-3, 1e-9  # largest curvature over largest deficit at which Newton's method is tried
 MOST_STEPS, NEWTON_STEPS = 1000, 40
 CREEP, LEAST_PROGRESS = 50, 0.999  # so many steps have to bring the curvatures down by this factor
+ARRIVED = 0.7  # share of all work that is done where Newton's method begins
 LOOSEST, TIGHTEST = 1e-2, 1e-6  # residual of Newton's linear equations
 EXACT, FLOOR, ROUNDING = (
     1e-9,
@@ -63,9 +65,38 @@ class Solution:
     pins: Indices
     factor: Factor
 
+    @property
+    def free(self) -> Floats:
+        """1 where a radius may change, 0 at the pins, shape (V,)."""
+        free = np.ones(self.polytope.radii.size)
+        free[self.pins] = 0.0
+        return free
+
+    def solve(self, b: Floats, tolerance: float) -> tuple[Floats, int]:
+        """``(-d kappa / d r)^-1 b`` with the pins left at zero; and the iterations that it took.
+
+        Parameters
+        ----------
+        b : ndarray, shape (V,) or (V, n)
+        tolerance : float
+            Relative residual.
+        """
+        free = self.free if b.ndim == 1 else self.free[:, None]
+        return gmres(
+            lambda v: free * -self.polytope.times_jacobian(v),
+            lambda v: self.factor.solve(v, sweeps=0),
+            free * b,
+            tolerance,
+            MOST_ITERATIONS,
+        )
+
 
 def walk(
-    tables: HalfEdges, deficits: Floats, tally: Tally, backend: str | None = None
+    tables: HalfEdges,
+    deficits: Floats,
+    tally: Tally,
+    backend: str | None = None,
+    radii: Floats | None = None,
 ) -> Iterator[Polytope | Solution]:
     """Yield the polytopes of the path, and at last, if one start arrives, the solution.
 
@@ -79,6 +110,8 @@ def walk(
         Counts steps and factorizations.
     backend : str, optional
         As in `isoembed.linalg.analyze`.
+    radii : ndarray, shape (V,), optional
+        Of a polytope on the path, to go on from.
     """
     tables = tables.copy()
     tables.make_delaunay(np.zeros(deficits.size))
@@ -88,12 +121,13 @@ def walk(
     # to about 4 pi - A / R^2.
     circumradius = float((tables.face_lengths.prod(axis=1) / (4 * areas)).max())
     least = max(circumradius, float(np.sqrt(areas.sum() / (4 * np.pi))))
-    for factor in LADDER:
-        start = Polytope.over(tables, np.full(deficits.size, factor * least))
-        if start is None:
+    starts = [np.full(deficits.size, factor * least) for factor in LADDER]
+    for start in starts if radii is None else (radii, *starts):
+        polytope = Polytope.over(tables, start)
+        if polytope is None:
             continue
         try:
-            arrived = yield from _attempt(start, deficits, tally, backend)
+            arrived = yield from _attempt(polytope, deficits, tally, backend)
         except SingularMatrix:
             continue
         if arrived:
@@ -129,8 +163,13 @@ def held(p: Polytope, tally: Tally, backend: str | None = None) -> Solution:
     ------
     SingularMatrix
     """
-    pins = independent_directions(p)
-    return Solution(p, pins, _factor(_pinned(p, _free(p, pins)), tally, backend))
+    return _held_at(p, independent_directions(p), tally, backend)
+
+
+def _held_at(p: Polytope, pins: Indices, tally: Tally, backend: str | None) -> Solution:
+    free = np.ones(p.radii.size)
+    free[pins] = 0.0
+    return Solution(p, pins, _factor(_pinned(p, free), tally, backend))
 
 
 def _path(
@@ -148,7 +187,13 @@ def _path(
             before = float(np.linalg.norm(p.curvatures))
         aim = max(epsilon, 0.0) * (1 - step) * deficits
         missing = p.curvatures - aim
-        dr, iterations = _solved(p, inverse, missing, FORCING)
+        dr, iterations = gmres(
+            lambda v, p=p: -p.times_jacobian(v),
+            lambda v, inverse=inverse: inverse.solve(v, sweeps=0),
+            missing,
+            FORCING,
+            MOST_ITERATIONS,
+        )
         if iterations > STALE and not fresh:
             inverse, fresh = _factor(-p.jacobian(), tally, backend), True
             continue
@@ -170,7 +215,8 @@ def _path(
         epsilon = _share(p.curvatures, deficits)
         step = min(step + 0.1, LONGEST_STEP) if halving == 0 else max(2 * step * fraction, 0.01)
         tally.iterations += 1
-        tally.show(t=epsilon, residual=float(np.abs(p.curvatures).max()))
+        done = np.log(max(epsilon, CLOSE)) / np.log(CLOSE) * ARRIVED
+        tally.show(t=epsilon, residual=float(np.abs(p.curvatures).max()), done=float(done))
         yield p
 
 
@@ -185,9 +231,7 @@ def newton(p: Polytope, deficits: Floats, tally: Tally, backend: str | None = No
     tally : Tally
     backend : str, optional
     """
-    start = held(p, tally, backend)
-    pins, inverse, fresh = start.pins, start.factor, True
-    free = _free(p, pins)
+    state, fresh = held(p, tally, backend), True
     forcing, done = LOOSEST, False
     for _ in range(NEWTON_STEPS):
         largest = float(np.abs(p.curvatures).max())
@@ -195,7 +239,7 @@ def newton(p: Polytope, deficits: Floats, tally: Tally, backend: str | None = No
         size = np.linalg.norm(p.curvatures)
         if size == 0:
             break
-        dr, iterations = _solved(p, inverse, free * p.curvatures, forcing, free)
+        dr, iterations = state.solve(p.curvatures, forcing)
         renew = iterations > STALE
         for halving in range(0 if renew and not fresh else 1 if done else 8):
             q = Polytope.over(p.tables, p.radii + 0.5**halving * dr)
@@ -204,17 +248,18 @@ def newton(p: Polytope, deficits: Floats, tally: Tally, backend: str | None = No
                 ratio = float(np.linalg.norm(q.curvatures) / size)
                 forcing = float(np.clip(ratio**2, TIGHTEST, LOOSEST))
                 p, fresh = q, False
+                state = replace(state, polytope=p)
                 break
         else:
             if done:  # the rounding floor
                 break
             if fresh:
                 return None
-            inverse, fresh = _factor(_pinned(p, free), tally, backend), True
+            state, fresh = _held_at(p, state.pins, tally, backend), True
             continue
         tally.iterations += 1
         tally.show(t=0.0, residual=float(np.abs(p.curvatures).max()))
-    return Solution(p, pins, inverse) if done else None
+    return state if done else None
 
 
 def independent_directions(p: Polytope) -> Indices:
@@ -236,13 +281,6 @@ def independent_directions(p: Polytope) -> Indices:
     return np.array(pins)
 
 
-def _free(p: Polytope, pins: Indices) -> Floats:
-    """1 where a radius may change, 0 at the pins, shape (V,)."""
-    free = np.ones(p.radii.size)
-    free[pins] = 0.0
-    return free
-
-
 def _pinned(p: Polytope, free: Floats) -> csc_array:
     """``-d kappa / d r`` with the rows and columns of unfree vertices replaced by those of the identity."""
     matrix = -p.jacobian()
@@ -256,15 +294,6 @@ def _factor(matrix: csc_array, tally: Tally, backend: str | None) -> Factor:
     # The triangles change with every flip, and with them the separators: an old order would fill in.
     tally.factorizations += 1
     return analyze(matrix, dissect(matrix).vertex_order(), backend, definite=False).factor(matrix.data)
-
-
-def _solved(
-    p: Polytope, inverse: Factor, b: Floats, tolerance: float, free: Floats | float = 1.0
-) -> tuple[Floats, int]:
-    """``(-d kappa / d r)^-1 b``, preconditioned by the factor of a polytope nearby; and the iterations."""
-    return gmres(
-        lambda v: free * -p.times_jacobian(v), lambda v: inverse.solve(v, sweeps=0), b, tolerance, 2 * STALE
-    )
 
 
 def _share(curvatures: Floats, deficits: Floats) -> float:

@@ -3,17 +3,16 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
 from dataclasses import dataclass, field, replace
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.sparse import coo_array
-from scipy.sparse.csgraph import reverse_cuthill_mckee
 
 from isoembed.alexandrov.attempt import attempted
 from isoembed.alexandrov.doubly_covered import THIN, DoublyCovered, doubly_covered, folded_shut
 from isoembed.alexandrov.homotopy import Solution, walk
-from isoembed.alexandrov.placement import placed, polished, relaxed, relaxed_polytope, worst_length
+from isoembed.alexandrov.placement import realized, relaxed, relaxed_polytope, worst_length
 from isoembed.alexandrov.polyhedron import ConvexPolyhedron, metric_on
 from isoembed.alexandrov.polytope import Polytope
 from isoembed.errors import InvalidMetric, InvalidParameter, NotEmbedded
@@ -35,7 +34,6 @@ Floats = NDArray[np.float64]
 
 ACCEPTED = 1e-11  # mean lengths: if it is more, Newton's method goes on with the lengths themselves
 DENTED = 1e-6  # mean lengths: where faces are nearly flat, lengths in floats fix heights to 1e-8 only
-POLISHES, POLISHED = 3, 1e-12  # at most so many rounds, until no length is off by more, in mean lengths
 
 
 @dataclass(frozen=True)
@@ -130,9 +128,17 @@ class Alexandrov:
             core, removal = remove_flat(original, flat)
             tally.iterations = int(flat.sum())
         with log.stage("polytope") as tally:
-            order = _near_in_memory(core)
+            order = core.order_in_memory()
             curved = np.flatnonzero(~flat)[order]
-            found = _polyhedron(core.in_order(order), unit.deficits[curved], tally, self.backend)
+            kept = log.resumed_at("polytope")
+            radii = kept["radii"][curved] if kept is not None and (kept["flat"] == flat).all() else None
+
+            def keep(p: Polytope) -> None:
+                everywhere = np.zeros(flat.size)
+                everywhere[curved] = p.radii
+                tally.keep(radii=everywhere, flat=flat)
+
+            found = _polyhedron(core.in_order(order), unit.deficits[curved], radii, keep, tally, self.backend)
         with log.stage("placement") as tally:
             if isinstance(found, DoublyCovered):
                 tables, vertices = found.tables, found.vertices
@@ -197,7 +203,12 @@ class Alexandrov:
 
 
 def _polyhedron(
-    core: HalfEdges, deficits: Floats, tally: Tally, backend: str | None
+    core: HalfEdges,
+    deficits: Floats,
+    radii: Floats | None,
+    keep: Callable[[Polytope], None],
+    tally: Tally,
+    backend: str | None,
 ) -> Solution | DoublyCovered | Polytope | None:
     """Solve, watching for a body that turns flat; failing that, the polytope with the least curvatures."""
     if deficits.size == 3:
@@ -207,9 +218,10 @@ def _polyhedron(
         if triangle is not None:
             return triangle
     thin, nearest = THIN, None
-    for found in walk(core, deficits, tally, backend):
+    for found in walk(core, deficits, tally, backend, radii):
         if isinstance(found, Solution):
             return found
+        keep(found)
         if found.lowest < thin:
             thin = found.lowest / 10
             polygon = folded_shut(found)
@@ -218,14 +230,6 @@ def _polyhedron(
         if nearest is None or np.abs(found.curvatures).max() < np.abs(nearest.curvatures).max():
             nearest = found
     return nearest
-
-
-def _near_in_memory(tables: HalfEdges) -> NDArray[np.int64]:
-    """An order of the vertices in which neighbors have near numbers, shape (V,)."""
-    n = tables.corners.size // 6 + 2
-    ends = (tables.corners, tables.corners[tables.twins])
-    graph = coo_array((np.ones(tables.corners.size), ends), shape=(n, n)).tocsr()
-    return reverse_cuthill_mckee(graph, symmetric_mode=True).astype(np.int64)
 
 
 def _diagnosis(nearest: Polytope | None, curved: NDArray[np.int64]) -> str:
@@ -239,10 +243,7 @@ def _diagnosis(nearest: Polytope | None, curved: NDArray[np.int64]) -> str:
 
 
 def _placed(solution: Solution, tally: Tally) -> Floats:
-    vertices = placed(solution)
-    while tally.iterations < POLISHES and worst_length(solution, vertices) > POLISHED:
-        vertices = polished(solution, vertices)
-        tally.iterations += 1
+    vertices = realized(solution, tally)
     if worst_length(solution, vertices) > ACCEPTED:
         vertices = relaxed(solution, vertices, tally)
     return vertices

@@ -16,7 +16,6 @@ from isoembed.alexandrov.homotopy import Solution, held
 from isoembed.alexandrov.polytope import Polytope
 from isoembed.errors import InvalidMetric
 from isoembed.linalg import SingularMatrix
-from isoembed.linalg.krylov import gmres
 from isoembed.mesh.triangulation import Triangulation
 from isoembed.metric.flips import HalfEdges
 from isoembed.stages import Tally
@@ -25,10 +24,28 @@ from isoembed.surface.rigidity import LengthSystem, length_residuals
 Floats = NDArray[np.float64]
 
 PRECISE, ROUGH = 1e-12, 1e-4  # residuals of linear equations: of a kernel, of a correction
-MOST = 30  # GMRES iterations
 SAMPLE = 100_000  # edges that determine six numbers
 RELAXATIONS, EXACT = 8, 1e-13  # Newton steps at most, and when they may end, in mean lengths
+POLISHES, POLISHED = 3, 16 * np.finfo(float).eps  # rounds, until lengths are right to this, over the radius
 MAGNIFIED = 1e-6  # length errors, over the mean length, are made this large to lift them above rounding
+
+
+def realized(solution: Solution, tally: Tally) -> Floats:
+    """Vertices around the apex, which is the origin, shape (V, 3), as exact as floats allow.
+
+    Parameters
+    ----------
+    solution : Solution
+    tally : Tally
+        Counts the rounds of the polish.
+    """
+    vertices = placed(solution)
+    for _ in range(POLISHES):
+        if worst_length(solution, vertices) <= POLISHED * float(np.abs(vertices).max()):
+            break
+        vertices = polished(solution, vertices)
+        tally.iterations += 1
+    return vertices
 
 
 def placed(solution: Solution) -> Floats:
@@ -41,7 +58,7 @@ def placed(solution: Solution) -> Floats:
     p = solution.polytope
     directions = np.zeros((p.radii.size, 3))
     directions[solution.pins] = np.eye(3)
-    directions += _solved(solution, p.times_jacobian(directions), PRECISE)
+    directions += solution.solve(p.times_jacobian(directions), PRECISE)[0]
     # They are so up to a linear map B: fit G = B B^T to |x_i| = r_i and |x_i - x_j| = l_ij.
     i, j, lengths = _edges(p)
     raw = directions * p.radii[:, None]
@@ -81,12 +98,12 @@ def polished(solution: Solution, vertices: Floats) -> Floats:
     p = Polytope.on(wrong, radii)
     if p is None:
         return vertices
-    dr = _solved(solution, p.curvatures, ROUGH)
+    dr, _ = solution.solve(p.curvatures, ROUGH)
     q = Polytope.on(wrong, radii + dr)
     if q is None:
         return vertices
     directions = vertices / radii[:, None]
-    turned = directions + _solved(solution, q.times_jacobian(directions), ROUGH) / scale
+    turned = directions + solution.solve(q.times_jacobian(directions), ROUGH)[0] / scale
     moved = turned * (radii + dr / scale)[:, None]
     # Up to a linear map again, which now is near the identity.
     i, j, lengths = _edges(solution.polytope)
@@ -197,21 +214,3 @@ def _edges(p: Polytope) -> tuple[NDArray[np.int64], NDArray[np.int64], Floats]:
     h = np.flatnonzero(np.arange(tables.twins.size) < tables.twins)
     h = h[:: -(-h.size // SAMPLE)]
     return tables.corners[h], tables.corners[tables.twins[h]], tables.lengths[h]
-
-
-def _solved(solution: Solution, b: Floats, tolerance: float) -> Floats:
-    """``(-d kappa / d r)^-1 b`` with the pins left at zero, for b of shape (V,) or (V, n)."""
-    free = np.ones(len(b))
-    free[solution.pins] = 0.0
-    p, factor = solution.polytope, solution.factor
-    columns = [
-        gmres(
-            lambda v: free * -p.times_jacobian(v),
-            lambda v: factor.solve(v, sweeps=0),
-            free * column,
-            tolerance,
-            MOST,
-        )[0]
-        for column in b.reshape(len(b), -1).T
-    ]
-    return np.stack(columns, axis=1).reshape(b.shape)

@@ -1,7 +1,7 @@
 """The command ``isoembed``: one file a subcommand, each imported when it is called for.
 
 Exit status: 0 done, 2 the input or the command line is wrong, 3 no embedding within the tolerance,
-130 interrupted.
+130 interrupted by Ctrl-C, 143 by SIGTERM.
 """
 
 from __future__ import annotations
@@ -13,7 +13,8 @@ from importlib import import_module
 
 from isoembed import __version__
 from isoembed.cli.screen import complain
-from isoembed.cli.status import INTERRUPTED, OK, WRONG
+from isoembed.cli.signals import Interruption, handled
+from isoembed.cli.status import OK, WRONG
 
 COMMANDS = {
     "embed": "find the surface in R^3 that has the given edge lengths",
@@ -39,7 +40,7 @@ def build_parser(arguments: Sequence[str]) -> Parser:
         prog="isoembed",
         description="From the triangles and edge lengths of a closed surface to the surface in R^3.",
         epilog="Exit status: 0 done; 2 wrong input or command line; 3 no embedding within the tolerance; "
-        "130 interrupted.",
+        "130 interrupted by Ctrl-C, 143 by SIGTERM.",
         allow_abbrev=False,
     )
     parser.add_argument("--version", action="version", version=f"isoembed {__version__}")
@@ -68,14 +69,16 @@ def main(argv: Sequence[str] | None = None) -> int:
         The exit status.
     """
     arguments = sys.argv[1:] if argv is None else list(argv)
+    interruption = Interruption()
     try:
-        options = build_parser(arguments).parse_args(arguments)
-        return _run(options)
+        with handled(interruption):
+            options = build_parser(arguments).parse_args(arguments)
+            return _run(options)
     except SystemExit as stop:  # argparse: --help, --version, a wrong command line
         return int(stop.code or OK)
-    except KeyboardInterrupt:
-        complain("interrupted")
-        return INTERRUPTED
+    except KeyboardInterrupt as stop:
+        complain(str(stop) or "interrupted")
+        return interruption.status
     except MemoryError:
         complain("there is not enough memory for this")
         return WRONG

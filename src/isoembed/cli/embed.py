@@ -7,9 +7,11 @@ import math
 
 import isoembed
 from isoembed.cli.answer import add_output_options, answer, check_outputs
+from isoembed.cli.interruption import add_checkpoint_options, checkpoint_file, farewell
 from isoembed.cli.parameters import configured
 from isoembed.cli.refusal import Refusal
-from isoembed.io import read_metric
+from isoembed.errors import Interrupted
+from isoembed.io import read_checkpoint, read_metric
 from isoembed.stages import Listener
 from isoembed.verb import METHODS
 
@@ -37,6 +39,7 @@ def configure(parser: argparse.ArgumentParser) -> None:
         help="largest length error allowed, relative to the mean edge length (default 1e-10)",
     )
     add_output_options(parser)
+    add_checkpoint_options(parser)
     parser.add_argument(
         "--repair",
         metavar="NOISE",
@@ -61,17 +64,24 @@ def configure(parser: argparse.ArgumentParser) -> None:
 def run(options: argparse.Namespace) -> int:
     """Embed the input; return the exit status."""
     check_outputs(options)
+    left = checkpoint_file(options)
     repair = [] if options.repair is None else [f"repair={options.repair}"]
     if options.best_fit and options.method != "aim":
         raise Refusal(f"--best-fit needs the method 'aim': the method {options.method!r} has no best fit")
     best_fit = ["best_fit=true"] if options.best_fit else []
     method = configured(options.method, options.parameter + repair + best_fit)
+    kept = read_checkpoint(options.resume) if options.resume else None
     metric = read_metric(options.input)
 
     def solve(progress: Listener | None) -> isoembed.Embedding:
-        return isoembed.embed(metric, method=method, tolerance=options.tolerance, progress=progress)
+        return isoembed.embed(
+            metric, method=method, tolerance=options.tolerance, progress=progress, resume=kept
+        )
 
-    return answer(options, solve)
+    try:
+        return answer(options, solve)
+    except Interrupted as interrupted:
+        raise KeyboardInterrupt(farewell(interrupted, left, method.name)) from None
 
 
 def _tolerance(text: str) -> float:

@@ -1,8 +1,15 @@
-"""Files: metrics in, surfaces and reports out.  Every file is read with one clear sentence or not at all.
+"""Files: metrics in, surfaces, reports and checkpoints out.
 
-`read_metric` takes arrays or meshes by their ending; what is written is written whole or not at all.
+Every file is read, or refused in one clear sentence.  `read_metric` takes arrays or meshes by
+their ending; what is written is written whole or not at all.
 """
 
+from isoembed.io.checkpoint import (
+    CHECKPOINT_ENDINGS,
+    checkpoint_writer,
+    read_checkpoint,
+    write_checkpoint,
+)
 from isoembed.io.files import FileError, check_output, write_whole
 from isoembed.io.metric import metric_writer, read_metric, write_metric
 from isoembed.io.registry import MESH_ENDINGS, METRIC_ENDINGS, SURFACE_ENDINGS
@@ -10,17 +17,21 @@ from isoembed.io.report import REPORT_ENDINGS, report_writer, write_report
 from isoembed.io.surface import mesh_writer, surface_writer, write_surface
 
 __all__ = [
+    "CHECKPOINT_ENDINGS",
     "MESH_ENDINGS",
     "METRIC_ENDINGS",
     "REPORT_ENDINGS",
     "SURFACE_ENDINGS",
     "FileError",
     "check_output",
+    "checkpoint_writer",
     "mesh_writer",
     "metric_writer",
+    "read_checkpoint",
     "read_metric",
     "report_writer",
     "surface_writer",
+    "write_checkpoint",
     "write_metric",
     "write_report",
     "write_surface",

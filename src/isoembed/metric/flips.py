@@ -16,6 +16,8 @@ from dataclasses import dataclass
 import numpy as np
 from numba import njit
 from numpy.typing import NDArray
+from scipy.sparse import coo_array
+from scipy.sparse.csgraph import reverse_cuthill_mckee
 
 Floats = NDArray[np.float64]
 Indices = NDArray[np.int64]
@@ -59,6 +61,13 @@ class HalfEdges:
     def copy(self) -> HalfEdges:
         """Copy all tables."""
         return HalfEdges(self.corners.copy(), self.twins.copy(), self.lengths.copy(), self.directions.copy())
+
+    def order_in_memory(self) -> Indices:
+        """An order of the vertices in which neighbors have near numbers, shape (V,)."""
+        n = self.corners.size // 6 + 2
+        ends = (self.corners, self.corners[self.twins])
+        graph = coo_array((np.ones(self.corners.size), ends), shape=(n, n)).tocsr()
+        return reverse_cuthill_mckee(graph, symmetric_mode=True).astype(np.int64)
 
     def in_order(self, order: Indices) -> HalfEdges:
         """Copy with other numbers for vertices and faces, so that what is near is near in memory.

@@ -1,0 +1,92 @@
+"""Checkpoints in files: NumPy archives that say what they belong to."""
+
+from __future__ import annotations
+
+import os
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from isoembed.io import npz
+from isoembed.io.files import FileError, Tables, Writer, check_ending, check_input, check_output, write_whole
+from isoembed.stages import Checkpoint, Origin
+
+CHECKPOINT_ENDINGS = (".npz",)
+
+KEPT = "kept/"  # before the names of the arrays, which are the method's own
+TEXTS = ("stage", "metric", "method", "version")
+TOLERANCE = "tolerance"
+
+
+def read_checkpoint(path: str | os.PathLike[str]) -> Checkpoint:
+    """Read a checkpoint.
+
+    Parameters
+    ----------
+    path : path
+        Ends with ``.npz``.
+
+    Returns
+    -------
+    Checkpoint
+
+    Raises
+    ------
+    FileError
+        The file cannot be read or holds no checkpoint.
+    """
+    path = Path(path)
+    check_ending(path, CHECKPOINT_ENDINGS)
+    check_input(path)
+    tables = npz.read(path)
+    texts = {name: _scalar(tables, name, "U", path) for name in TEXTS}
+    origin = Origin(texts["metric"], texts["method"], _scalar(tables, TOLERANCE, "f", path), texts["version"])
+    arrays = {name.removeprefix(KEPT): array for name, array in tables.items() if name.startswith(KEPT)}
+    return Checkpoint(texts["stage"], arrays, origin)
+
+
+def checkpoint_writer(checkpoint: Checkpoint) -> Writer:
+    """Return what writes the checkpoint; see `write_whole`.
+
+    Raises
+    ------
+    ValueError
+        It does not say which computation it belongs to, as those that `isoembed.embed` hands out do.
+    """
+    origin = checkpoint.origin
+    if origin is None:
+        raise ValueError("the checkpoint does not say which computation it belongs to")
+    tables: dict[str, Any] = {KEPT + name: array for name, array in checkpoint.arrays.items()}
+    tables |= {name: getattr(origin, name) for name in ("metric", "method", "version")}
+    tables |= {"stage": checkpoint.stage, TOLERANCE: origin.tolerance}
+    return lambda temporary: npz.write(temporary, tables)
+
+
+def write_checkpoint(path: str | os.PathLike[str], checkpoint: Checkpoint) -> None:
+    """Write a checkpoint, whole or not at all.
+
+    Parameters
+    ----------
+    path : path
+        Ends with ``.npz``.
+    checkpoint : Checkpoint
+        Of an `isoembed.Interrupted`.
+
+    Raises
+    ------
+    FileError
+        The ending is another one or the file cannot be written.
+    ValueError
+        The checkpoint does not say which computation it belongs to.
+    """
+    check_output(path, CHECKPOINT_ENDINGS)
+    write_whole({Path(path): checkpoint_writer(checkpoint)})
+
+
+def _scalar(tables: Tables, name: str, kind: str, path: Path) -> Any:
+    """A single value of this kind of type."""
+    value = tables.get(name)
+    if not isinstance(value, np.ndarray) or value.shape != () or value.dtype.kind != kind:
+        raise FileError(f"{path} is not a checkpoint: it has no {name!r}")
+    return value.item()

@@ -1,0 +1,111 @@
+"""The leap in the radii: convex and nearly convex metrics in two or three factorizations, or None."""
+
+import numpy as np
+import pytest
+
+import smooth
+import zoo
+from isoembed.aim.leap import approach, leap
+from isoembed.aim.waypoint import NEAR, convex_waypoint, is_convex
+from isoembed.alexandrov.homotopy import Solution
+from isoembed.gallery import CassiniPeanut, Ellipsoid, KerrHorizon, triangulate
+from isoembed.metric.glued import GluedMetric
+from isoembed.metric.polyhedral import PolyhedralMetric
+from isoembed.stages import Log
+from isoembed.surface.rigidity import LengthSystem, length_residuals
+from sprinkled import box
+
+
+def in_units(vertices, faces):
+    """The vertices in units of the mean edge length, and the metric."""
+    metric = PolyhedralMetric.from_mesh(vertices, faces)
+    return vertices / metric.unit, metric.normalized
+
+
+def leapt(metric):
+    """The approach, the landing, and the log."""
+    given, log = GluedMetric.of(metric), Log()
+    with log.stage("waypoint") as tally:
+        waypoint = convex_waypoint(given, tally, margin=NEAR)
+    near = approach(given, waypoint, log)
+    return near, leap(given, near, log), log
+
+
+CONVEX = {
+    "(3, 2, 1)": smooth.ellipsoid(800),
+    "Kerr": triangulate(KerrHorizon(), 500),
+    "irregular": triangulate(Ellipsoid((2, 1.5, 1)), 600, irregular=3),
+    "icosahedron": zoo.icosahedron(),
+    "random hull": zoo.random_hull(60, 2),
+}
+
+
+@pytest.mark.parametrize("name", CONVEX)
+def test_convex_metrics_in_three_factorizations(name):
+    vertices, metric = in_units(*CONVEX[name])
+    near, landing, log = leapt(metric)
+    assert not isinstance(near.found, Solution)  # it leaps before the path has come to its end
+    assert smooth.misfit(landing.vertices, vertices) < 1e-12
+    assert np.abs(length_residuals(metric.triangulation, landing.vertices, metric.lengths)).max() < 1e-12
+    assert sum(stage.factorizations for stage in log.stages) <= 3
+
+
+def test_many_edges_of_what_is_found_may_be_concave():
+    _, metric = in_units(*CONVEX["irregular"])
+    assert is_convex(GluedMetric.of(metric))
+    x = leapt(metric)[1].vertices
+    t = metric.triangulation
+    opposite = t.faces.sum(axis=1)[t.edge_faces] - t.edges.sum(axis=1)[:, None]
+    sides = x[np.column_stack([t.edges, opposite])]
+    volumes = np.linalg.det(sides[:, 1:] - sides[:, :1])
+    assert min((volumes > 0).sum(), (volumes < 0).sum()) > len(volumes) / 20
+
+
+def test_nearly_convex_metrics_by_way_of_their_waypoint():
+    vertices, metric = in_units(*smooth.drum())
+    assert not is_convex(GluedMetric.of(metric))
+    near, landing, _ = leapt(metric)
+    assert isinstance(near.found, Solution)
+    assert smooth.misfit(landing.vertices, vertices) < 1e-12
+
+
+def test_the_first_step_points_to_second_order():
+    # Two waypoints, one twice as far from the metric: the first Newton step misses by four times as much.
+    vertices, faces = CONVEX["Kerr"]
+    x = vertices / vertices.std()
+    bend = x * (1 + 0.05 * np.cos(2 * x[:, :1]))
+    missed = []
+    for share in (1.0, 0.5):
+        start = PolyhedralMetric.from_mesh(x + share * (bend - x), faces)
+        metric = PolyhedralMetric.from_mesh(x, faces)
+        waypoint = GluedMetric.of(metric.with_lengths(start.lengths))
+        given = GluedMetric.of(metric)
+        log = Log()
+        landing = leap(given, approach(given, waypoint, log), log)
+        missed.append(np.abs(np.linalg.norm(landing.pointed - landing.vertices, axis=1)).max())
+    assert 3 < missed[0] / missed[1] < 5
+
+
+def test_it_agrees_with_newtons_method_on_the_lengths():
+    _, metric = in_units(*CONVEX["irregular"])
+    x = leapt(metric)[1].vertices
+    r = length_residuals(metric.triangulation, x, metric.lengths)
+    step = LengthSystem(metric.triangulation).step(x, metric.lengths, r)
+    assert np.abs(step).max() < 1e-10  # nothing is left to do
+
+
+def test_where_the_curvature_is_negative_it_says_that_it_does_not_converge():
+    near, landing, _ = leapt(in_units(*triangulate(CassiniPeanut(), 600))[1])
+    assert isinstance(near.found, Solution)
+    assert landing is None
+
+
+def test_flat_vertices_have_no_radii():
+    vertices, faces, flat = box(3)
+    assert flat.any()
+    metric = GluedMetric.of(in_units(vertices, faces)[1])
+    assert approach(metric, metric, Log()) is None
+
+
+def test_without_an_approach_there_is_no_leap():
+    assert leap(GluedMetric.of(in_units(*zoo.icosahedron())[1]), None, Log()) is None
