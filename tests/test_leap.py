@@ -69,8 +69,8 @@ def test_nearly_convex_metrics_by_way_of_their_waypoint():
     assert smooth.misfit(landing.vertices, vertices) < 1e-12
 
 
-def test_the_first_step_points_to_second_order():
-    # Two waypoints, one twice as far from the metric: the first Newton step misses by four times as much.
+def test_it_strays_to_third_order():
+    # Two waypoints, one twice as far from the metric; three surfaces foresee the next.
     vertices, faces = CONVEX["Kerr"]
     x = vertices / vertices.std()
     bend = x * (1 + 0.05 * np.cos(2 * x[:, :1]))
@@ -82,8 +82,8 @@ def test_the_first_step_points_to_second_order():
         given = GluedMetric.of(metric)
         log = Log()
         landing = leap(given, approach(given, waypoint, log), log)
-        missed.append(np.abs(np.linalg.norm(landing.pointed - landing.vertices, axis=1)).max())
-    assert 3 < missed[0] / missed[1] < 5
+        missed.append(landing.strayed)
+    assert missed[0] / missed[1] > 6
 
 
 def test_it_agrees_with_newtons_method_on_the_lengths():

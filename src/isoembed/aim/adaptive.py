@@ -24,13 +24,12 @@ from isoembed.aim.best_fit import best_fit
 from isoembed.aim.conformal_sphere import conformal_sphere
 from isoembed.aim.diagnosis import diagnosis
 from isoembed.aim.guided import Guide, guided_pull_back
-from isoembed.aim.leap import Landing, approach, leap
+from isoembed.aim.leap import approach, leap
 from isoembed.aim.neighbors import smoothest
 from isoembed.aim.waypoint import NEAR, convex_waypoint, is_convex, negative_curvature
 from isoembed.alexandrov.method import Alexandrov
 from isoembed.errors import InvalidMetric, InvalidParameter, NotEmbedded
 from isoembed.linalg import SingularMatrix, chosen_backend
-from isoembed.mesh.triangulation import Triangulation
 from isoembed.metric.curvature import area
 from isoembed.metric.delaunay import delaunay
 from isoembed.metric.glued import GluedMetric
@@ -188,8 +187,7 @@ class Aim:
             return None
         near = None if log.resumed_at("leap") else approach(given, waypoint, log, self.backend)
         landing = leap(given, near, log, self.backend)
-        landed = landing is not None and _strayed(metric.triangulation, landing) < LANDED
-        return landing.vertices if landing is not None and landed else None
+        return landing.vertices if landing is not None and landing.strayed < LANDED else None
 
     def _embedded(self, metric: PolyhedralMetric, waypoint: GluedMetric | None, log: Log) -> Floats:
         """The vertices of the waypoint's polyhedron, or what comes nearest."""
@@ -228,7 +226,11 @@ class _LogLinear:
 def _leap(
     system: LengthSystem, start: Floats, lengths: Floats, good: float, tally: Tally
 ) -> tuple[Floats | None, float]:
-    """Newton's method while it converges; and by how much it strayed."""
+    """Newton's method while it converges; and by how much it strayed from where its first step pointed.
+
+    It can cross over to a neighboring realization, with some vertices turned inside out, that has the same
+    lengths.  Then a height above the neighbors changes by more than the first step's error explains.
+    """
     triangulation = system.triangulation
     r = length_residuals(triangulation, start, lengths)
     residual = float(np.abs(r).max())
@@ -251,18 +253,9 @@ def _leap(
         if not residual < CONVERGING * before or residual > LOST:
             return None, np.inf
         before = residual
-    return _polished(system, x, lengths, tally), _strayed(triangulation, Landing(x, pointed))
-
-
-def _strayed(triangulation: Triangulation, landing: Landing) -> float:
-    """By how much the heights above the neighbors differ from where the first step pointed.
-
-    In root mean squares: Newton's method can cross over to a neighboring realization, with some vertices
-    turned inside out, that has the same lengths.  Then a height changes by more than the first step's error
-    explains.
-    """
-    expected, heights = (umbrella_heights(triangulation, y) for y in (landing.pointed, landing.vertices))
-    return float(np.abs(heights - expected).max() / np.sqrt(np.mean(heights**2)))
+    expected, heights = (umbrella_heights(triangulation, y) for y in (pointed, x))
+    strayed = float(np.abs(heights - expected).max() / np.sqrt(np.mean(heights**2)))
+    return _polished(system, x, lengths, tally), strayed
 
 
 def _polished(system: LengthSystem, vertices: Floats, lengths: Floats, tally: Tally) -> Floats:

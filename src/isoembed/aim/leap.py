@@ -14,9 +14,10 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
+from isoembed.aim.pullback import extrapolated
 from isoembed.alexandrov.doubly_covered import THIN
 from isoembed.alexandrov.homotopy import CLOSE, Solution, held, walk
-from isoembed.alexandrov.placement import realized
+from isoembed.alexandrov.placement import placed, realized
 from isoembed.alexandrov.polytope import Polytope
 from isoembed.linalg import SingularMatrix
 from isoembed.metric.convexity import deficit_rounding
@@ -28,12 +29,13 @@ from isoembed.surface.measures import outward
 Floats = NDArray[np.float64]
 Indices = NDArray[np.int64]
 
+PARTS = 4  # of the way from the waypoint to a metric that is not convex
 CONVERGING = 0.5  # of the curvatures is left, or less, after each step
-NEARLY, SETTLED = 1e-9, 1e-12  # radians: curvatures that may be rounding, and that are left to the polish
+NEARLY, CLOSELY, SETTLED = 1e-6, 1e-9, 1e-12  # radians: on the way; what may be rounding; left to the polish
 STEPS = 20
 STALE = 10  # GMRES iterations beyond which a fresh factorization is cheaper
 LOOSEST, TIGHTEST = 1e-3, 1e-6  # residual of Newton's linear equations
-USUAL, STEPPED = 4, 0.4  # steps as a rule, and the share of all work that they are
+FLOWN = 0.4  # share of all work that is done when the vertices can be placed
 
 
 @dataclass(frozen=True, eq=False)
@@ -58,12 +60,14 @@ class Landing:
     Attributes
     ----------
     vertices : ndarray, shape (V, 3)
-    pointed : ndarray, shape (V, 3)
-        The same with the radii that the first step pointed at.
+    strayed : float
+        The most that the height of a vertex above its neighbors, measured in radii, differed from what was
+        foreseen, over what such heights are on a sphere.  Newton's method can cross over to a neighboring
+        realization, with some vertices turned inside out, that has the same lengths.
     """
 
     vertices: Floats
-    pointed: Floats
+    strayed: float
 
 
 def approach(
@@ -123,38 +127,83 @@ def leap(
     -------
     Landing or None
         None where Newton's method does not converge at once.
+
+    Notes
+    -----
+    With the metric of the waypoint, a leap changes triangles only.  With another one, it follows the lengths
+    ``l(t) = l(0)^{1-t} l(1)^t`` in a few steps, l(1) being the distances of the waypoint's vertices: where a
+    surface is nearly flat, one step would be decided by chance.
     """
     kept = log.resumed_at("leap")
     tables = HalfEdges.of(given.faces, given.twins, given.face_lengths)
     if kept is not None:
         order = tables.order_in_memory()
-        radii, pointed = kept["radii"][order], kept["pointed"][order]
     elif approach is not None:
-        order, found, pointed = approach.order, approach.found, None
-        radii = found.polytope.radii if isinstance(found, Solution) else found.radii
+        order = approach.order
     else:
         return None
-    back = np.argsort(order)
+    tables, back = tables.in_order(order), np.argsort(order)
     with log.stage("leap") as tally:
+        if kept is not None:
+            start = kept["start"][order]
+        elif isinstance(approach.found, Solution):
+            start = placed(approach.found)
+            start -= start.mean(axis=0)
+        else:
+            start = approach.found.radii
+        tally.keep(start=start[back])
         try:
-            p = Polytope.on(tables.in_order(order), radii)
-            landed = None if p is None else _without_curvature(p, pointed, back, tally, backend)
+            landed = _flown(tables, start, tally, backend)
         except SingularMatrix:
             return None
         if landed is None:
             return None
-        solution, pointed = landed
+        solution, strayed = landed
         vertices = outward(given.faces, realized(solution, tally)[back])
-    return Landing(vertices, vertices * (pointed / solution.polytope.radii)[back, None])
+    return Landing(vertices, strayed)
 
 
-def _without_curvature(
-    p: Polytope, pointed: Floats | None, back: Indices, tally: Tally, backend: str | None
-) -> tuple[Solution, Floats] | None:
+def _flown(
+    tables: HalfEdges, start: Floats, tally: Tally, backend: str | None
+) -> tuple[Solution, float] | None:
+    """From radii, in one step, or from vertices, in several; and by how much it strayed."""
+    ends = tables.corners, tables.corners[tables.twins]
+    if start.ndim == 1:
+        steps, ratio = 1, np.ones(tables.lengths.size)
+    else:
+        steps, ratio = PARTS, np.linalg.norm(start[ends[0]] - start[ends[1]], axis=1) / tables.lengths
+        start = np.linalg.norm(start, axis=1)
+    degrees, round_height = np.bincount(ends[0]), np.mean(tables.lengths**2) / (2 * start.mean())
+
+    def heights(radii: Floats) -> Floats:
+        return radii - np.bincount(ends[0], radii[ends[1]]) / degrees
+
+    known: list[tuple[float, Floats]] = [(1.0, start)]
+    state, strayed = None, 0.0
+    for t in np.linspace(1, 0, steps + 1)[1:].tolist():
+        p = Polytope.on(replace(tables, lengths=tables.lengths * ratio**t), extrapolated(known[-3:], t))
+        if p is None:
+            return None
+        state = held(p, tally, backend) if state is None else state.renewed(p, tally)
+        found = _without_curvature(state, SETTLED if t == 0 else NEARLY, tally)
+        if found is None:
+            return None
+        state, foreseen = found
+        if len(known) > 1:
+            foreseen = p.radii
+        change = np.abs(heights(state.polytope.radii - foreseen)).max() / round_height
+        strayed = max(strayed, float(change))
+        known.append((t, state.polytope.radii))
+        tally.show(t=t, done=FLOWN * (1 - t))
+    return state, strayed
+
+
+def _without_curvature(state: Solution, settled: float, tally: Tally) -> tuple[Solution, Floats] | None:
     """Newton's method while it converges; and the radii after its first step."""
-    state, forcing = held(p, tally, backend), LOOSEST
-    for _ in range(STEPS):
-        if np.abs(p.curvatures).max() <= SETTLED:
+    p, forcing = state.polytope, LOOSEST
+    first = p.radii
+    for step in range(STEPS):
+        if np.abs(p.curvatures).max() <= settled:
             break
         dr, iterations = state.solve(p.curvatures, forcing)
         q = Polytope.on(p.tables, p.radii + dr)
@@ -162,16 +211,13 @@ def _without_curvature(
             return None
         ratio = float(np.linalg.norm(q.curvatures) / np.linalg.norm(p.curvatures))
         if not ratio < CONVERGING:
-            if np.abs(p.curvatures).max() > NEARLY:
+            if np.abs(p.curvatures).max() > CLOSELY:
                 return None
             break
-        pointed = q.radii if pointed is None else pointed
+        first = first if step else q.radii
         tally.iterations += 1
-        tally.keep(radii=q.radii[back], pointed=pointed[back])
-        tally.show(
-            residual=float(np.abs(q.curvatures).max()), done=STEPPED * min(tally.iterations / USUAL, 1)
-        )
+        tally.show(residual=float(np.abs(q.curvatures).max()))
         # As Newton's method converges, so do its linear equations (Eisenstat and Walker).
         p, forcing = q, float(np.clip(ratio**2, TIGHTEST, LOOSEST))
-        state = held(p, tally, backend) if iterations > STALE else replace(state, polytope=p)
-    return state, p.radii if pointed is None else pointed
+        state = state.renewed(p, tally) if iterations > STALE else replace(state, polytope=p)
+    return state, first

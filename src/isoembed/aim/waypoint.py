@@ -13,10 +13,11 @@ from typing import cast
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.sparse import csc_array, csr_array
+from scipy.sparse import csc_array, csr_array, diags_array
+from scipy.sparse.linalg import cg
 
 from isoembed.errors import InvalidMetric
-from isoembed.linalg import SingularMatrix, Solver, SymmetricFactor, analyze, dissect
+from isoembed.linalg import SingularMatrix, Solver, analyze, dissect
 from isoembed.metric.conformal import equivalent
 from isoembed.metric.convexity import deficit_rounding
 from isoembed.metric.flips import HalfEdges
@@ -29,6 +30,7 @@ Floats = NDArray[np.float64]
 ROUND, NEAR = 0.05, 0.005  # margins: of the deficit that a vertex's area would have on a sphere
 ENOUGH = 0.5  # of the margin: closer, the conformal change need not come
 PINNED = 1e-9  # added to the Laplacian, of order 1: a common factor changes no deficit
+DIFFUSED, MOST = 1e-7, 150  # residual of conjugate gradients, and their iterations
 STEPS = 100
 DOUBLINGS = 50  # of the time: beyond, the curvature is as even as rounding leaves it
 SHORTEST = 1e-3  # of a Newton step
@@ -113,8 +115,8 @@ def _diffused(triangles: _Delaunay, margin: float, tally: Tally) -> Floats | Non
     mass = triangles.shares / (4 * np.pi) * triangles.metric.triangles.areas.sum()
     deficits, tau = triangles.metric.deficits, triangles.metric.mean_length**2
     for _ in range(DOUBLINGS):
-        diffused = mass * triangles.factored(mass / tau).solve(deficits / tau)
-        tally.factorizations += 1
+        tally.iterations += 1
+        diffused = mass * triangles.steady(mass / tau, deficits / tau, tally)
         if (diffused >= margin * triangles.shares).all():
             return diffused
         tau *= 2
@@ -146,17 +148,29 @@ class _Delaunay:
         share = np.bincount(self.metric.faces.ravel(), np.repeat(areas / areas.sum(), 3))
         return cast(Floats, 4 * np.pi / 3 * share)
 
-    def factored(self, diagonal: Floats) -> SymmetricFactor:
-        """Factor the Laplacian with this added to its diagonal."""
+    def shifted(self, diagonal: Floats) -> csc_array:
+        """The Laplacian with this added to its diagonal, in the pattern of the solver."""
         K = cotangent_laplacian(self.metric)
         K.sort_indices()
         on_diagonal = K.indices == np.repeat(np.arange(len(diagonal)), np.diff(K.indptr))
         K.data[on_diagonal] += diagonal  # a sum of matrices would drop entries that vanish
-        return self.solver.factor(K.data)
+        return K
+
+    def steady(self, diagonal: Floats, sources: Floats, tally: Tally) -> Floats:
+        """Solve with the Laplacian and this on its diagonal: without factoring, as long as it is large."""
+        matrix = self.shifted(diagonal)
+        found, failed = cg(
+            matrix, sources, rtol=DIFFUSED, maxiter=MOST, M=diags_array(1 / matrix.diagonal())
+        )
+        if failed:
+            tally.factorizations += 1
+            return self.solver.factor(matrix.data).solve(sources)
+        return cast(Floats, found)
 
     def solved(self, missing: Floats) -> Floats:
         """The conformal factors that add this to the deficits, to first order."""
-        step: Floats = self.factored(np.full(len(missing), PINNED)).solve(missing)
+        matrix = self.shifted(np.full(len(missing), PINNED))
+        step: Floats = self.solver.factor(matrix.data).solve(missing)
         step -= step.mean()
         return step
 

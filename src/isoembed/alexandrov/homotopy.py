@@ -19,7 +19,7 @@ from scipy.sparse import coo_array, csc_array
 from scipy.sparse.csgraph import dijkstra
 
 from isoembed.alexandrov.polytope import Polytope
-from isoembed.linalg import Factor, SingularMatrix, analyze, dissect
+from isoembed.linalg import Factor, SingularMatrix, Solver, analyze, dissect
 from isoembed.linalg.krylov import gmres
 from isoembed.metric.curvature import Triangles
 from isoembed.metric.flips import HalfEdges
@@ -57,20 +57,26 @@ class Solution:
     polytope : Polytope
     pins : ndarray of int, shape (3,)
         Vertices in independent directions from the apex.
+    solver : Solver
+        Of the triangles of the polytope that was factored.
     factor : Factor
         Of ``-d kappa / d r`` nearby, the rows and columns of the pins replaced by those of the identity.
     """
 
     polytope: Polytope
     pins: Indices
+    solver: Solver
     factor: Factor
 
     @property
     def free(self) -> Floats:
         """1 where a radius may change, 0 at the pins, shape (V,)."""
-        free = np.ones(self.polytope.radii.size)
-        free[self.pins] = 0.0
-        return free
+        return _free(self.polytope, self.pins)
+
+    def renewed(self, p: Polytope, tally: Tally) -> Solution:
+        """Factor another polytope of the same triangles, lengths and radii being others."""
+        tally.factorizations += 1
+        return replace(self, polytope=p, factor=self.solver.factor(_pinned(p, _free(p, self.pins)).data))
 
     def solve(self, b: Floats, tolerance: float) -> tuple[Floats, int]:
         """``(-d kappa / d r)^-1 b`` with the pins left at zero; and the iterations that it took.
@@ -167,9 +173,16 @@ def held(p: Polytope, tally: Tally, backend: str | None = None) -> Solution:
 
 
 def _held_at(p: Polytope, pins: Indices, tally: Tally, backend: str | None) -> Solution:
+    matrix = _pinned(p, _free(p, pins))
+    tally.factorizations += 1
+    solver = _analyzed(matrix, backend)
+    return Solution(p, pins, solver, solver.factor(matrix.data))
+
+
+def _free(p: Polytope, pins: Indices) -> Floats:
     free = np.ones(p.radii.size)
     free[pins] = 0.0
-    return Solution(p, pins, _factor(_pinned(p, free), tally, backend))
+    return free
 
 
 def _path(
@@ -291,9 +304,13 @@ def _pinned(p: Polytope, free: Floats) -> csc_array:
 
 
 def _factor(matrix: csc_array, tally: Tally, backend: str | None) -> Factor:
-    # The triangles change with every flip, and with them the separators: an old order would fill in.
     tally.factorizations += 1
-    return analyze(matrix, dissect(matrix).vertex_order(), backend, definite=False).factor(matrix.data)
+    return _analyzed(matrix, backend).factor(matrix.data)
+
+
+def _analyzed(matrix: csc_array, backend: str | None) -> Solver:
+    # The triangles change with every flip, and with them the separators: an old order would fill in.
+    return analyze(matrix, dissect(matrix).vertex_order(), backend, definite=False)
 
 
 def _share(curvatures: Floats, deficits: Floats) -> float:
