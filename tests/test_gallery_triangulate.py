@@ -1,11 +1,14 @@
 """The triangulations: shape of the triangles, topology, determinism, rates of convergence."""
 
+import sys
+
 import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from scipy.spatial import ConvexHull
 
+import zoo
 from isoembed.gallery import (
     SURFACES,
     Bean,
@@ -21,10 +24,12 @@ from isoembed.gallery import (
     triangulate,
 )
 from isoembed.gallery.blue_noise import blue_noise_directions
-from isoembed.gallery.flips import corner_angles, flip_to_delaunay, twin_halfedges
+from isoembed.gallery.flips import corner_angles, flip_to_delaunay, flip_where_touched, twin_halfedges
 from isoembed.gallery.points import fibonacci_lattice, spread_directions, vertex_density
 from isoembed.gallery.relax import lloyd_step
 from isoembed.surface.intersection import self_intersections
+
+MODULE = sys.modules["isoembed.gallery.triangulate"]  # its name in the package is that of the function
 
 
 def angles(x, faces):
@@ -38,6 +43,12 @@ def angles(x, faces):
             ]
         )
     )
+
+
+def connected(surface, n):
+    """The hull of the directions that a regular mesh starts from, and its half-edges' twins."""
+    _, faces = zoo.outward_hull(spread_directions(surface, fibonacci_lattice(n)))
+    return faces, twin_halfedges(faces)
 
 
 def volume(x, faces):
@@ -154,6 +165,51 @@ def directions(surface, x):
         above = surface.point(u(middle))[:, 2] > x[:, 2]
         low, high = np.where(above, middle, low), np.where(above, high, middle)
     return u(0.5 * (low + high))
+
+
+@pytest.mark.parametrize(
+    "surface", [Ellipsoid((3, 2, 1)), Drum(), HarmonicSurface(), Bean(), Ergosphere(0.1)], ids=str
+)
+def test_large_meshes_have_the_same_window(surface, monkeypatch):
+    monkeypatch.setattr(MODULE, "LARGE", 1000)
+    n = 3000
+    x, faces = triangulate(surface, n)
+    assert x.shape == (n, 3)
+    assert_closed_oriented_sphere(faces, n)
+    assert angles(x, faces).min() > 38 - 1e-9
+    assert angles(x, faces).max() < 97 + 1e-9
+    assert_looks_outward(surface, x, faces)
+    again = triangulate(surface, n)
+    np.testing.assert_array_equal(again[0], x)
+    np.testing.assert_array_equal(again[1], faces)
+
+
+def test_large_meshes_move_where_they_must(monkeypatch):
+    surface, n = Ellipsoid((3, 2, 1)), 4000
+    first = surface.point(spread_directions(surface, fibonacci_lattice(n)))
+    faces = flip_to_delaunay(first, surface.normal(directions(surface, first)), *connected(surface, n))[0]
+    bad = faces[((angles(first, faces) < 38) | (angles(first, faces) > 97)).any(axis=0)]
+    monkeypatch.setattr(MODULE, "LARGE", 1000)
+    x = triangulate(surface, n)[0]
+    moved = np.linalg.norm(x - first, axis=1) > 1e-9
+    assert 0.2 < moved.mean() < 0.8
+    edge = np.sqrt(surface.area / n)
+    distance = np.linalg.norm(x[moved][:, None] - first[np.unique(bad)], axis=2).min(axis=1)
+    assert distance.max() < 8 * edge
+    assert np.median(distance) < 2 * edge
+
+
+def test_a_large_mesh_that_is_not_finished_is_the_best_so_far(monkeypatch):
+    surface, n = Ellipsoid((3, 2, 1)), 3000
+    monkeypatch.setattr(MODULE, "LARGE", 1000)
+    beyond = []
+    for patience in (1, 2, 200):
+        monkeypatch.setattr("isoembed.gallery.touch_up.PATIENCE", patience)
+        x, faces = triangulate(surface, n)
+        assert_closed_oriented_sphere(faces, n)
+        corner = angles(x, faces)
+        beyond.append(max(38 - corner.min(), corner.max() - 97))
+    assert beyond[0] > beyond[1] > 0 > beyond[2]
 
 
 @pytest.mark.parametrize("irregular", [None, 0])
@@ -350,6 +406,24 @@ def test_flips_reach_the_delaunay_triangulation_of_the_sphere():
     mended, twin = flip_to_delaunay(x, x, spoilt, twin)
     assert key(mended) == key(hull)
     np.testing.assert_array_equal(twin, twin_halfedges(mended))
+
+
+@pytest.mark.parametrize("seed", range(3))
+def test_flips_near_what_has_changed_are_those_of_a_whole_mesh(seed):
+    x, faces = triangulate(Sphere(), 500)
+    rng = np.random.default_rng(seed)
+    chosen = rng.choice(500, 12, replace=False)
+    x[chosen] += 0.12 * rng.normal(size=(12, 3))
+    normals = x / np.linalg.norm(x, axis=1)[:, None]
+    x = normals.copy()
+    near, twin = faces.copy(), twin_halfedges(faces)
+    corners = corner_angles(x, near)
+    flip_where_touched(x, normals, near, twin, corners, np.flatnonzero(np.isin(faces, chosen).any(axis=1)))
+    whole = flip_to_delaunay(x, normals, faces, twin_halfedges(faces))[0]
+    assert (whole != faces).any(axis=1).sum() > 10
+    np.testing.assert_array_equal(near, whole)
+    np.testing.assert_array_equal(twin, twin_halfedges(near))
+    np.testing.assert_array_equal(corners, corner_angles(x, near))
 
 
 def test_no_edge_is_flipped_onto_an_existing_one():

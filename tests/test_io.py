@@ -26,6 +26,7 @@ from isoembed.io import (
     write_report,
     write_surface,
 )
+from isoembed.io.registry import FORMATS
 
 SPHERE = zoo.icosphere(1)
 ZOO = {
@@ -397,6 +398,213 @@ def test_shared_bad_cases(path):
     refusal(path)
 
 
+# The fast ways and the careful ones.
+
+
+def careful(monkeypatch, ending, path):
+    """What the reader of an ending makes of a file without its fast way."""
+    skipped = {
+        ".obj": ("isoembed.io.obj._read_plain", lambda data: None),
+        ".off": ("isoembed.io.off._read_plain", lambda data: None),
+        ".ply": ("isoembed.io.ply._rows_together", lambda element, source: None),
+        ".json": ("isoembed.io.objects._usual_tables", lambda document: None),
+    }
+    with monkeypatch.context() as patch:
+        patch.setattr(*skipped[ending])
+        return FORMATS[ending].read(path)
+
+
+def fast(monkeypatch, ending, path):
+    """What it makes of the file without the careful way."""
+    careful_ways = {
+        ".obj": "isoembed.io.obj._read_any",
+        ".off": "isoembed.io.off._read_any",
+        ".ply": "isoembed.io.ply._rows",
+        ".json": "isoembed.io.objects._any_tables",
+    }
+    with monkeypatch.context() as patch:
+        patch.delattr(careful_ways[ending])
+        return FORMATS[ending].read(path)
+
+
+def assert_same(one, other):
+    for key in ("vertices", "faces"):
+        np.testing.assert_array_equal(one[key], other[key])
+        kinds = [np.asarray(tables[key]).dtype.kind.replace("u", "i") for tables in (one, other)]
+        assert kinds[0] == kinds[1]
+
+
+@pytest.mark.parametrize("ending", [".obj", ".off", ".ply", ".json"])
+def test_the_fast_way_is_taken_and_reads_the_same(embedding, ending, tmp_path, monkeypatch):
+    path = tmp_path / f"surface{ending}"
+    write_surface(path, embedding)
+    assert_same(fast(monkeypatch, ending, path), careful(monkeypatch, ending, path))
+
+
+PLAIN_OBJ = """# a comment  \r
+o thing
+v\t0 0 0 0.5 # a weight
+  v 1e-3 -2.5E+1 .5\r
+v 0 1 +0
+vn 0 0 1
+v 0 0 1#near
+f 1/1 3/2/1 2//1
+
+f 1 2 4  # faces\r
+vt 0 0
+usemtl f 1 2
+f 2 3 4
+f 1 4 3"""
+PLAIN_OFF = """STOFF\r
+4 4  6 \r
+# a comment
+0 0 0 255
+  1e-3 -2.5E+1 .5 # near
+0 1 +0
+
+0 0 1
+3 0 2 1 255 0 0
+3 0 1 3
+ 3 1 2 3#
+3 0 3 2"""
+
+
+@pytest.mark.parametrize(("ending", "text"), [(".obj", PLAIN_OBJ), (".off", PLAIN_OFF)])
+def test_plain_text_may_have_comments_blanks_and_more(ending, text, tmp_path, monkeypatch):
+    path = tmp_path / f"a{ending}"
+    path.write_bytes(text.encode())
+    read = fast(monkeypatch, ending, path)
+    assert_same(read, careful(monkeypatch, ending, path))
+    assert read["vertices"].tolist() == [[0, 0, 0], [1e-3, -25, 0.5], [0, 1, 0], [0, 0, 1]]
+    assert read["faces"].tolist() == [[0, 2, 1], [0, 1, 3], [1, 2, 3], [0, 3, 2]]
+
+
+UNUSUAL_OBJ = [
+    PLAIN_OBJ.replace("f 1 2 4", "f 1 2 -1"),
+    PLAIN_OBJ.replace("f 1 2 4", "f 1 \\\n2 4"),
+    PLAIN_OBJ.replace("f 1 2 4", "f 1 2 4 3"),
+    PLAIN_OBJ.replace("f 1 2 4", "f 1 2"),
+    PLAIN_OBJ.replace("f 1 2 4", "f 1 +2 4"),
+    PLAIN_OBJ.replace("f 1 2 4", "f 1 2 4\x0b"),
+    PLAIN_OBJ.replace("f 1 2 4", f"f 1 2 {10**18}"),
+    PLAIN_OBJ.replace("a weight", "ein Gewicht für hier"),
+    PLAIN_OBJ.replace(".5\r\n", ".5\r"),
+    PLAIN_OBJ.replace("1e-3", "1_0"),
+    "v 0 0 0\nv 1 0 0\n",
+    "",
+]
+UNUSUAL_OFF = [
+    PLAIN_OFF.replace("3 0 1 3", "4 0 1 3 2"),
+    PLAIN_OFF.replace("4 4  6", "4 4 # 6"),
+    PLAIN_OFF.replace("STOFF\r\n4 4  6", "STOFF 4 4 6\n# and\x0c"),
+    PLAIN_OFF.replace("1e-3", "1_0"),
+    "OFF\n0 0 0\n",
+]
+
+
+@pytest.mark.parametrize(
+    ("ending", "text"), [*((".obj", text) for text in UNUSUAL_OBJ), *((".off", text) for text in UNUSUAL_OFF)]
+)
+def test_unusual_text_is_read_with_care(ending, text, tmp_path, monkeypatch):
+    path = tmp_path / f"a{ending}"
+    path.write_bytes(text.encode())
+    expected = careful(monkeypatch, ending, path)
+    assert FORMATS[ending].read(path)["faces"] == expected["faces"]
+    with pytest.raises(NameError):
+        fast(monkeypatch, ending, path)
+
+
+@pytest.mark.parametrize(
+    ("ending", "content", "sentence"),
+    [
+        (".obj", "v\nv 1 0 0\nf 1 1 1\n", "line 1: cannot understand 'v'"),
+        (".obj", "v 0 0 0\nv 1-2 0\nf 1 1 1\n", "line 2: cannot understand 'v 1-2 0'"),
+        (".obj", "v 0 0 0\nv 1-2 0 x\nf 1 1 1\n", "line 2: cannot understand 'v 1-2 0 x'"),
+        (".obj", "v 0 0 0x\nf 1 1 1\n", "line 1: cannot understand 'v 0 0 0x'"),
+        (".obj", "v 0 0 0\nf 1 1 1x\n", "line 2: cannot understand 'f 1 1 1x'"),
+        (".off", "OFF\n2 1 0\n0 0 0\n1-2 0 0\n3 0 0 0\n", "line 4: cannot understand '1-2 0 0'"),
+        (".off", "OFF\n1 1 0\n0 0 0\n3 0 0 0/1\n", "line 4: cannot understand '3 0 0 0/1'"),
+        (".off", "OFF\n99999999999 1 0\n0 0 0\n", "promises 99999999999 vertices"),
+    ],
+)
+def test_what_the_fast_ways_stumble_over_is_named(ending, content, sentence, tmp_path):
+    path = tmp_path / f"a{ending}"
+    path.write_text(content)
+    assert sentence in refusal(path)
+
+
+def test_large_files_are_written_in_pieces(monkeypatch, tmp_path):
+    write_whole_files = {ending: tmp_path / f"whole{ending}" for ending in (".obj", ".off", ".stl", ".json")}
+    for path in write_whole_files.values():
+        write_surface(path, sphere())
+    monkeypatch.setattr("isoembed.io.words.PIECE", 7)
+    for ending, path in write_whole_files.items():
+        write_surface(tmp_path / f"pieces{ending}", sphere())
+        assert (tmp_path / f"pieces{ending}").read_bytes() == path.read_bytes()
+
+
+def test_json_is_what_python_writes(tmp_path):
+    tables = {"vertices": SPHERE[0], "faces": SPHERE[1], "residual": np.array([1e-300, 0.1, -0.0])}
+    FORMATS[".json"].write(tmp_path / "a.json", tables)
+    lists = {key: table.tolist() for key, table in tables.items()}
+    assert (tmp_path / "a.json").read_text() == json.dumps(lists) + "\n"
+    for odd in (np.nan, np.inf):
+        with pytest.raises(ValueError, match="JSON compliant"):
+            FORMATS[".json"].write(tmp_path / "b.json", {"lengths": np.array([1.0, odd])})
+
+
+@pytest.mark.parametrize(
+    "table", ["[[0, 1, 2.0]]", "[[0, 1, 2], [3, 4]]", *(f"[[0, 1, 1{n * '0'}]]" for n in (18, 400, 5000))]
+)
+def test_tables_of_json_with_numbers_of_any_kind(table, tmp_path, monkeypatch):
+    path = tmp_path / "a.json"
+    path.write_text(f'{{"faces": {table}, "lengths": [1, 2]}}')
+    read, expected = FORMATS[".json"].read(path), careful(monkeypatch, ".json", path)
+    assert [list(row) for row in read["faces"]] == expected["faces"]
+    for k, row in enumerate(read["faces"]):
+        assert np.array(row).dtype == np.array(expected["faces"][k]).dtype
+    assert read["lengths"].dtype == np.float64
+
+
+def binary_ply(order, rows, *, before="", after=""):
+    """A tetrahedron with a label and a list of its own at each vertex, and the faces' rows as given."""
+    sign = "<" if order == "little" else ">"
+    head = f"ply\nformat binary_{order}_endian 1.0\nelement vertex 4\nproperty uchar label\n"
+    head += "property float z\nproperty list uchar short near\nproperty float x\nproperty double y\n"
+    head += f"element face {len(rows)}\n{before}property list int uint vertex_index\n{after}end_header\n"
+    points = [(0, 0, 0), (1, 0, 0), (0, 1, 0), (0, 0, 1)]
+    body = b"".join(struct.pack(f"{sign}BfBhhfd", 7, z, 2, -1, 1, x, y) for x, y, z in points)
+    for row in rows:
+        body += struct.pack(f"{sign}B", 9) if before else b""
+        body += struct.pack(f"{sign}i{len(row)}I", len(row), *row)
+        body += struct.pack(f"{sign}f", 0.5) if after else b""
+    return head.encode() + body
+
+
+@pytest.mark.parametrize("order", ["little", "big"])
+def test_binary_ply_with_other_properties_is_read_in_one_piece(order, tmp_path, monkeypatch):
+    path = tmp_path / "a.ply"
+    rows = [[0, 2, 1], [0, 1, 3], [1, 2, 3], [0, 3, 2]]
+    path.write_bytes(
+        binary_ply(order, rows, before="property uchar flag\n", after="property float32 quality\n")
+    )
+    read = fast(monkeypatch, ".ply", path)
+    assert_same(read, careful(monkeypatch, ".ply", path))
+    assert read["faces"].tolist() == rows
+    assert read["vertices"].tolist() == [[0, 0, 0], [1, 0, 0], [0, 1, 0], [0, 0, 1]]
+
+
+@pytest.mark.parametrize("rows", [[[0, 2, 1], [0, 1, 3, 2]], [[0, 2, 1, 3], [0, 1, 3]], []])
+def test_faces_of_different_sizes_in_binary_ply(rows, tmp_path, monkeypatch):
+    path = tmp_path / "a.ply"
+    path.write_bytes(binary_ply("little", rows))
+    with pytest.raises(NameError):
+        fast(monkeypatch, ".ply", path)
+    assert FORMATS[".ply"].read(path)["faces"] == rows
+    path.write_bytes(path.read_bytes()[:-1])
+    assert "is cut short in" in refusal(path)
+
+
 # Writing.
 
 
@@ -404,12 +612,11 @@ def test_a_failing_writer_leaves_the_old_file_and_nothing_else(tmp_path, monkeyp
     path = tmp_path / "surface.obj"
     path.write_text("old")
 
-    def half(self, data, **_):
-        with self.open("w") as file:
-            file.write(data[: len(data) // 2])
+    def half(template, table):
+        yield "v 0 0"
         raise OSError(28, "No space left on device")
 
-    monkeypatch.setattr(Path, "write_text", half)
+    monkeypatch.setattr("isoembed.io.obj.lines", half)
     with pytest.raises(FileError, match=r"cannot write .*surface\.obj: No space left on device"):
         write_surface(path, sphere())
     monkeypatch.undo()

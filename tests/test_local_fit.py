@@ -7,7 +7,7 @@ from scipy.sparse import csr_array
 import smooth
 import zoo
 from isoembed.mesh.triangulation import Triangulation
-from isoembed.surface.local_fit import ENOUGH, HUB, fit_residual_operator, neighborhoods
+from isoembed.surface.local_fit import ENOUGH, HUB, FitResiduals, neighborhoods
 
 POWERS = [(i, degree - i) for degree in range(6) for i in range(degree + 1)]
 
@@ -22,6 +22,15 @@ def scattered(counts, seed=0):
     return (indptr, np.concatenate(indices)), rng.uniform(-2, 2, size=(indptr[-1], 2))
 
 
+def graph(triangulation):
+    return triangulation.adjacency.indptr, triangulation.adjacency.indices
+
+
+def fit_residual_operator(near, charts, degree=3):
+    n = len(near[0]) - 1
+    return FitResiduals.of(0, near, charts, degree).matrix(n)
+
+
 def fitted_weights(chart, degree):
     """The weights of the points in the constant term of a fit, by dense least squares."""
     x, y = chart.T
@@ -32,7 +41,7 @@ def fitted_weights(chart, degree):
 
 def test_neighborhoods_are_two_rings():
     triangulation = Triangulation(smooth.ellipsoid()[1])
-    indptr, indices = neighborhoods(triangulation)
+    indptr, indices = neighborhoods(graph(triangulation))
     n = triangulation.n_vertices
     found = csr_array((np.ones(len(indices)), indices, indptr), shape=(n, n)).toarray()
     A = triangulation.adjacency.toarray()
@@ -45,7 +54,7 @@ def test_too_few_neighbors_are_joined_by_a_third_ring():
     two = ((A + A @ A) > 0).sum(axis=1) - 1
     three = ((A + A @ A + A @ A @ A) > 0).sum(axis=1) - 1
     assert two.min() < 16 <= two.max()
-    assert np.array_equal(np.diff(neighborhoods(triangulation, 16)[0]), np.where(two < 16, three, two))
+    assert np.array_equal(np.diff(neighborhoods(graph(triangulation), 16)[0]), np.where(two < 16, three, two))
 
 
 def test_no_paths_through_hubs():
@@ -55,7 +64,7 @@ def test_no_paths_through_hubs():
     faces = np.concatenate(
         [np.stack([i, j, np.full(n, n)], axis=1), np.stack([j, i, np.full(n, n + 1)], axis=1)]
     )
-    counts = np.diff(neighborhoods(Triangulation(faces))[0])
+    counts = np.diff(neighborhoods(graph(Triangulation(faces)))[0])
     assert (counts[:n] == 3 * 2 + 2).all()  # three on each side, and the tips
     assert (counts[n:] == n + 1).all()
 

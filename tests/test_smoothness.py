@@ -19,7 +19,14 @@ from isoembed.surface.curvature import bending_energy
 from isoembed.surface.embedding import Embedding
 from isoembed.surface.measures import vertex_normals
 from isoembed.surface.rigidity import LengthSystem, edge_rows
-from isoembed.surface.smoothness import fine_roughness, offsets, rough_edges, roughness
+from isoembed.surface.smoothness import (
+    fine_roughness,
+    fit_residuals,
+    offsets,
+    quintic_residuals,
+    rough_edges,
+    roughness,
+)
 
 AXES = (1.5, 1.2, 1.0)
 
@@ -110,6 +117,25 @@ def test_offsets_shrink_with_the_fourth_power_of_the_edge_length():
         sizes.append(np.sqrt((offsets(Triangulation(faces), u * AXES) ** 2).sum(axis=1).mean()))
     assert np.log2(sizes[0] / sizes[1]) == pytest.approx(4, abs=0.1)
     assert np.log2(sizes[1] / sizes[2]) == pytest.approx(4, abs=0.1)
+
+
+def test_blocks_of_vertices_are_measured_like_all_at_once(monkeypatch):
+    vertices, faces = dumbbell(2)
+    t = Triangulation(faces)
+    whole = offsets(t, vertices), fine_roughness(t, vertices), fit_residuals(t, vertices).toarray()
+    monkeypatch.setattr("isoembed.surface.smoothness.BLOCK", 37)
+    parts = offsets(t, vertices), fine_roughness(t, vertices), fit_residuals(t, vertices).toarray()
+    assert parts[0] == pytest.approx(whole[0], abs=1e-15)
+    assert parts[1] == pytest.approx(whole[1], rel=1e-9)
+    assert parts[2] == pytest.approx(whole[2], abs=1e-13)
+    normals = vertex_normals(faces, vertices)
+    heights = np.einsum("ij,ij->i", whole[2] @ vertices, normals)  # the matrix and what goes without it
+    assert whole[0] == pytest.approx(heights[:, None] * normals, abs=1e-14)
+    quintics = quintic_residuals(t, vertices)
+    twice = np.linalg.norm(quintics @ (quintics @ vertices), axis=1)
+    lengths = np.linalg.norm(vertices[t.edges[:, 0]] - vertices[t.edges[:, 1]], axis=1)
+    about = np.bincount(t.edges.ravel(), np.repeat(lengths, 2)) / t.degrees
+    assert whole[1] == pytest.approx(np.mean((twice / about) ** (2 / 3)) ** 1.5, rel=1e-9)
 
 
 def test_an_offset_is_the_height_of_a_vertex_lifted_from_a_plane():

@@ -181,12 +181,14 @@ class Aim:
     def _leapt(self, metric: PolyhedralMetric, given: GluedMetric, log: Log) -> Floats | None:
         """The vertices, if a leap in the radii gets there without straying."""
         log.expect(LEAP)
-        with log.stage("nearest waypoint") as tally:
-            waypoint = convex_waypoint(given, tally, self.backend, NEAR)
-        if waypoint is None:
-            return None
-        near = None if log.resumed_at("leap") else approach(given, waypoint, log, self.backend)
-        landing = leap(given, near, log, self.backend)
+        kept = log.resumed_at("leap")
+        if kept is not None:
+            start: Floats | None = kept["start"]
+        else:
+            with log.stage("nearest waypoint") as tally:
+                waypoint = convex_waypoint(given, tally, self.backend, NEAR)
+            start = None if waypoint is None else approach(given, waypoint, log, self.backend)
+        landing = None if start is None else leap(given, start, log, self.backend)
         return landing.vertices if landing is not None and landing.strayed < LANDED else None
 
     def _embedded(self, metric: PolyhedralMetric, waypoint: GluedMetric | None, log: Log) -> Floats:

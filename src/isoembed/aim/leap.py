@@ -39,21 +39,6 @@ FLOWN = 0.4  # share of all work that is done when the vertices can be placed
 
 
 @dataclass(frozen=True, eq=False)
-class Approach:
-    """A polytope over the waypoint with little curvature, or none.
-
-    Attributes
-    ----------
-    found : Polytope or Solution
-    order : ndarray of int64, shape (V,)
-        Its vertices in the numbers of the metric.
-    """
-
-    found: Polytope | Solution
-    order: Indices
-
-
-@dataclass(frozen=True, eq=False)
 class Landing:
     """Where a leap ends.
 
@@ -72,7 +57,7 @@ class Landing:
 
 def approach(
     given: GluedMetric, waypoint: GluedMetric, log: Log, backend: str | None = None
-) -> Approach | None:
+) -> Floats | None:
     """Lead a polytope over the waypoint to where the leap may begin.
 
     Parameters
@@ -87,38 +72,42 @@ def approach(
 
     Returns
     -------
-    Approach or None
-        None where the waypoint is flat at a vertex, whose radius nothing determines, or all of it is.
+    ndarray or None
+        Radii, shape (V,), if the waypoint is the given metric: the leap changes triangles only, and need not
+        begin at the polyhedron.  Otherwise its vertices, shape (V, 3).  None where the waypoint is flat at a
+        vertex, whose radius nothing determines, or all of it is.
     """
     if (waypoint.deficits <= deficit_rounding(waypoint.faces, waypoint.face_lengths)).any():
         return None
     tables = HalfEdges.of(waypoint.faces, waypoint.twins, waypoint.face_lengths)
     order = tables.order_in_memory()
-    deficits, kept = waypoint.deficits[order], log.resumed_at("polytopes")
-    # With the given metric itself, the leap changes triangles only, and need not begin at the polyhedron.
+    back, deficits, kept = np.argsort(order), waypoint.deficits[order], log.resumed_at("polytopes")
     close = CLOSE * float(deficits.max()) if waypoint is given else 0.0
     with log.stage("polytopes") as tally:
         radii = None if kept is None else kept["radii"][order]
         for found in walk(tables.in_order(order), deficits, tally, backend, radii):
-            if isinstance(found, Solution) or np.abs(found.curvatures).max() <= close:
-                return Approach(found, order)
+            if isinstance(found, Solution):
+                if waypoint is given:
+                    return found.polytope.radii[back]
+                vertices = placed(found)
+                return (vertices - vertices.mean(axis=0))[back]
+            if np.abs(found.curvatures).max() <= close:
+                return found.radii[back]
             if found.lowest < THIN:
                 return None
-            tally.keep(radii=found.radii[np.argsort(order)])
+            tally.keep(radii=found.radii[back])
     return None
 
 
-def leap(
-    given: GluedMetric, approach: Approach | None, log: Log, backend: str | None = None
-) -> Landing | None:
+def leap(given: GluedMetric, start: Floats, log: Log, backend: str | None = None) -> Landing | None:
     """Realize a metric that is convex or nearly so.
 
     Parameters
     ----------
     given : GluedMetric
         Of mean edge length 1 or so.
-    approach : Approach or None
-        Not needed to go on with a leap that was interrupted.
+    start : ndarray, shape (V,) or (V, 3)
+        Radii or vertices, from `approach`.
     log : Log
     backend : str, optional
         As in `isoembed.linalg.analyze`.
@@ -130,36 +119,22 @@ def leap(
 
     Notes
     -----
-    With the metric of the waypoint, a leap changes triangles only.  With another one, it follows the lengths
-    ``l(t) = l(0)^{1-t} l(1)^t`` in a few steps, l(1) being the distances of the waypoint's vertices: where a
-    surface is nearly flat, one step would be decided by chance.
+    From radii, Newton's method is applied once.  From vertices it follows the lengths
+    ``l(t) = l(0)^{1-t} l(1)^t`` in a few steps, l(1) being the distances of the vertices: where a surface is
+    nearly flat, one step would be decided by chance.
     """
-    kept = log.resumed_at("leap")
     tables = HalfEdges.of(given.faces, given.twins, given.face_lengths)
-    if kept is not None:
-        order = tables.order_in_memory()
-    elif approach is not None:
-        order = approach.order
-    else:
-        return None
-    tables, back = tables.in_order(order), np.argsort(order)
+    order = tables.order_in_memory()
     with log.stage("leap") as tally:
-        if kept is not None:
-            start = kept["start"][order]
-        elif isinstance(approach.found, Solution):
-            start = placed(approach.found)
-            start -= start.mean(axis=0)
-        else:
-            start = approach.found.radii
-        tally.keep(start=start[back])
+        tally.keep(start=start)
         try:
-            landed = _flown(tables, start, tally, backend)
+            landed = _flown(tables.in_order(order), start[order], tally, backend)
         except SingularMatrix:
             return None
         if landed is None:
             return None
         solution, strayed = landed
-        vertices = outward(given.faces, realized(solution, tally)[back])
+        vertices = outward(given.faces, realized(solution, tally)[np.argsort(order)])
     return Landing(vertices, strayed)
 
 
@@ -179,7 +154,8 @@ def _flown(
         return radii - np.bincount(ends[0], radii[ends[1]]) / degrees
 
     known: list[tuple[float, Floats]] = [(1.0, start)]
-    state, strayed = None, 0.0
+    state: Solution | None = None
+    strayed = 0.0
     for t in np.linspace(1, 0, steps + 1)[1:].tolist():
         p = Polytope.on(replace(tables, lengths=tables.lengths * ratio**t), extrapolated(known[-3:], t))
         if p is None:
@@ -195,7 +171,7 @@ def _flown(
         strayed = max(strayed, float(change))
         known.append((t, state.polytope.radii))
         tally.show(t=t, done=FLOWN * (1 - t))
-    return state, strayed
+    return None if state is None else (state, strayed)
 
 
 def _without_curvature(state: Solution, settled: float, tally: Tally) -> tuple[Solution, Floats] | None:

@@ -159,9 +159,7 @@ class _Delaunay:
     def steady(self, diagonal: Floats, sources: Floats, tally: Tally) -> Floats:
         """Solve with the Laplacian and this on its diagonal: without factoring, as long as it is large."""
         matrix = self.shifted(diagonal)
-        found, failed = cg(
-            matrix, sources, rtol=DIFFUSED, maxiter=MOST, M=diags_array(1 / matrix.diagonal())
-        )
+        found, failed = cg(matrix, sources, rtol=DIFFUSED, maxiter=MOST, M=diags_array(1 / matrix.diagonal()))
         if failed:
             tally.factorizations += 1
             return self.solver.factor(matrix.data).solve(sources)

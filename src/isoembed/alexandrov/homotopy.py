@@ -200,13 +200,7 @@ def _path(
             before = float(np.linalg.norm(p.curvatures))
         aim = max(epsilon, 0.0) * (1 - step) * deficits
         missing = p.curvatures - aim
-        dr, iterations = gmres(
-            lambda v, p=p: -p.times_jacobian(v),
-            lambda v, inverse=inverse: inverse.solve(v, sweeps=0),
-            missing,
-            FORCING,
-            MOST_ITERATIONS,
-        )
+        dr, iterations = _solved(p, inverse, missing)
         if iterations > STALE and not fresh:
             inverse, fresh = _factor(-p.jacobian(), tally, backend), True
             continue
@@ -311,6 +305,13 @@ def _factor(matrix: csc_array, tally: Tally, backend: str | None) -> Factor:
 def _analyzed(matrix: csc_array, backend: str | None) -> Solver:
     # The triangles change with every flip, and with them the separators: an old order would fill in.
     return analyze(matrix, dissect(matrix).vertex_order(), backend, definite=False)
+
+
+def _solved(p: Polytope, inverse: Factor, b: Floats) -> tuple[Floats, int]:
+    """``(-d kappa / d r)^-1 b``, roughly, preconditioned by the factor of a polytope nearby."""
+    return gmres(
+        lambda v: -p.times_jacobian(v), lambda v: inverse.solve(v, sweeps=0), b, FORCING, MOST_ITERATIONS
+    )
 
 
 def _share(curvatures: Floats, deficits: Floats) -> float:

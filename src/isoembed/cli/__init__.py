@@ -79,8 +79,8 @@ def main(argv: Sequence[str] | None = None) -> int:
     except KeyboardInterrupt as stop:
         complain(str(stop) or "interrupted")
         return interruption.status
-    except MemoryError:
-        complain("there is not enough memory for this")
+    except MemoryError as error:
+        complain(str(error) or "there is not enough memory for this")
         return WRONG
 
 

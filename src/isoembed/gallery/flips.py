@@ -1,13 +1,18 @@
 """Delaunay flips of a closed triangle mesh in R^3, in rounds of flips that do not touch each other."""
 
 import numpy as np
+from numba import njit
 from numpy.typing import NDArray
 
 Array = NDArray[np.float64]
 Index = NDArray[np.int64]
+Mask = NDArray[np.bool_]
 
 SLACK = 1e-9
 """Radians by which two opposite angles must exceed pi: a cocircular pair is left alone."""
+
+MAX_ROUNDS = 200
+"""In R^3 the angles of a bent quadrilateral can ask for either diagonal in turn; the rounds end then."""
 
 
 def twin_halfedges(faces: Index) -> Index:
@@ -24,31 +29,25 @@ def twin_halfedges(faces: Index) -> Index:
 
 def corner_angles(vertices: Array, faces: Index) -> Array:
     """Return the angles (F, 3) at the corners, in radians."""
-    x = vertices[faces]
-    a, b = np.roll(x, -1, axis=1) - x, np.roll(x, -2, axis=1) - x
-    return np.arctan2(np.linalg.norm(np.cross(a, b), axis=2), np.einsum("fci,fci->fc", a, b))
+    return np.asarray(np.arctan2(*_sines_and_cosines(vertices, faces)))
 
 
-def _flip(faces: Index, twin: Index, h: Index) -> None:
-    """Flip the half-edges h, no two of which share a triangle, in place."""
-    g = twin[h]
-    f, c, e, d = h // 3, h % 3, g // 3, g % 3
-    i, j, k, m = faces[f, c], faces[f, (c + 1) % 3], faces[f, (c + 2) % 3], faces[e, (d + 2) % 3]
-    old = np.concatenate([3 * f + (c + 2) % 3, 3 * e + (d + 1) % 3, 3 * e + (d + 2) % 3, 3 * f + (c + 1) % 3])
-    new = np.concatenate([3 * f, 3 * f + 1, 3 * e, 3 * e + 1])
-    # Neighboring quadrilaterals may be flipped in the same round: their half-edges move as well.
-    moved_to = np.arange(len(twin))
-    moved_to[old] = new
-    across = moved_to[twin[old]]
-    twin[new], twin[across] = across, new
-    twin[3 * f + 2], twin[3 * e + 2] = 3 * e + 2, 3 * f + 2
-    faces[f] = np.stack([k, i, m], axis=1)
-    faces[e] = np.stack([m, j, k], axis=1)
+@njit(cache=True)
+def _sines_and_cosines(vertices: Array, faces: Index) -> tuple[Array, Array]:
+    """The corners' sines and cosines, each (F, 3), times the lengths of the sides."""
+    sine, cosine = np.empty(faces.shape), np.empty(faces.shape)
+    for f in range(len(faces)):
+        for c in range(3):
+            o, p, q = vertices[faces[f, c]], vertices[faces[f, (c + 1) % 3]], vertices[faces[f, (c + 2) % 3]]
+            ax, ay, az = p[0] - o[0], p[1] - o[1], p[2] - o[2]
+            bx, by, bz = q[0] - o[0], q[1] - o[1], q[2] - o[2]
+            x, y, z = ay * bz - az * by, az * bx - ax * bz, ax * by - ay * bx
+            sine[f, c] = np.sqrt(x * x + y * y + z * z)
+            cosine[f, c] = ax * bx + ay * by + az * bz
+    return sine, cosine
 
 
-def flip_to_delaunay(
-    vertices: Array, normals: Array, faces: Index, twin: Index, max_rounds: int = 200
-) -> tuple[Index, Index]:
+def flip_to_delaunay(vertices: Array, normals: Array, faces: Index, twin: Index) -> tuple[Index, Index]:
     """Flip edges until no pair of opposite angles exceeds pi.
 
     Each round flips the worst edges that share no triangle. An edge is not flipped where the new one
@@ -61,27 +60,54 @@ def flip_to_delaunay(
     faces : (F, 3)
     twin : (3F,)
         From :func:`twin_halfedges`.
-    max_rounds
-        In R^3 the angles of a bent quadrilateral can ask for either diagonal in turn; the rounds end then.
 
     Returns
     -------
     faces, twin
         New arrays.
     """
-    faces, twin, n = faces.copy(), twin.copy(), len(vertices)
-    for _ in range(max_rounds):
-        opposite = np.roll(corner_angles(vertices, faces), -2, axis=1).ravel()
-        excess = opposite + opposite[twin] - np.pi
-        bad = np.flatnonzero((excess > SLACK) & (np.arange(len(twin)) < twin))
+    faces, twin = faces.copy(), twin.copy()
+    flip_where_touched(vertices, normals, faces, twin, corner_angles(vertices, faces), np.arange(len(faces)))
+    return faces, twin
+
+
+def flip_where_touched(
+    vertices: Array, normals: Array, faces: Index, twin: Index, angles: Array, touched: Index
+) -> Index:
+    """Do what :func:`flip_to_delaunay` does in place, where all edges but some triangles' need no flip.
+
+    Parameters
+    ----------
+    vertices, normals : (V, 3)
+    faces : (F, 3)
+    twin : (3F,)
+    angles : (F, 3)
+        From :func:`corner_angles`, and changed with the faces.
+    touched : (k,)
+        The triangles that have changed since the mesh was last Delaunay.
+
+    Returns
+    -------
+    (m,)
+        The triangles that have been flipped, some more than once.
+    """
+    n, flips = len(vertices), [np.empty(0, dtype=np.int64)]
+    for _ in range(MAX_ROUNDS):
+        is_touched = np.zeros(len(faces), dtype=bool)
+        is_touched[touched] = True
+        h = (3 * np.flatnonzero(is_touched)[:, None] + np.arange(3)).ravel()
+        g = twin[h]
+        h = np.sort(np.minimum(h, g)[(h < g) | ~is_touched[g // 3]])  # each edge once
+        excess = _opposite(angles, h) + _opposite(angles, twin[h]) - np.pi
+        bad, excess = h[excess > SLACK], excess[excess > SLACK]
         if bad.size == 0:
             break
-        bad = bad[np.argsort(-excess[bad], kind="stable")]
+        bad = bad[np.argsort(-excess, kind="stable")]
         flat, g = faces.ravel(), twin[bad]
         i, j = flat[bad], flat[g]
         k, m = flat[3 * (bad // 3) + (bad + 2) % 3], flat[3 * (g // 3) + (g + 2) % 3]
-        tail, head = flat, np.roll(faces, -1, axis=1).ravel()
-        allowed = ~np.isin(k * n + m, tail * n + head)
+        touched = np.concatenate([bad // 3, g // 3])
+        allowed = ~_joined(flat, twin, 3 * (bad // 3) + (bad + 2) % 3, m)
         for a, b, c in ((k, i, m), (m, j, k)):
             area = np.cross(vertices[b] - vertices[a], vertices[c] - vertices[a])
             allowed &= np.einsum("ij,ij->i", area, normals[a] + normals[b] + normals[c]) > 0.0
@@ -96,5 +122,53 @@ def flip_to_delaunay(
         chosen = (first[bad // 3] == rank) & (first[twin[bad] // 3] == rank)
         unique = np.zeros(len(bad), dtype=bool)
         unique[np.unique(key, return_index=True)[1]] = True
-        _flip(faces, twin, bad[chosen & unique])
-    return faces, twin
+        flipped = bad[chosen & unique]
+        changed = np.concatenate([flipped // 3, twin[flipped] // 3])
+        _flip(faces, twin, flipped)
+        angles[changed] = corner_angles(vertices, faces[changed])
+        flips.append(changed)
+    return np.concatenate(flips)
+
+
+def _opposite(angles: Array, h: Index) -> Array:
+    """Return the angles across from half-edges."""
+    return angles[h // 3, (h + 2) % 3]
+
+
+@njit(cache=True)
+def _joined(tails: Index, twin: Index, halfedges: Index, vertices: Index) -> Mask:
+    """Whether an edge leads from where a half-edge begins to a vertex, for each pair of them."""
+    found = np.zeros(len(halfedges), dtype=np.bool_)
+    for row in range(len(halfedges)):
+        h = halfedges[row]
+        while True:
+            if tails[twin[h]] == vertices[row]:
+                found[row] = True
+                break
+            h = twin[h - h % 3 + (h + 2) % 3]
+            if h == halfedges[row]:
+                break
+    return found
+
+
+@njit(cache=True)
+def _flip(faces: Index, twin: Index, halfedges: Index) -> None:
+    """Flip half-edges, no two of which share a triangle, in place."""
+    for h in halfedges:
+        g = twin[h]
+        f, c, e, d = h // 3, h % 3, g // 3, g % 3
+        i, j, k, m = faces[f, c], faces[f, (c + 1) % 3], faces[f, (c + 2) % 3], faces[e, (d + 2) % 3]
+        ki, im = twin[3 * f + (c + 2) % 3], twin[3 * e + (d + 1) % 3]
+        mj, jk = twin[3 * e + (d + 2) % 3], twin[3 * f + (c + 1) % 3]
+        faces[f, 0], faces[f, 1], faces[f, 2] = k, i, m
+        faces[e, 0], faces[e, 1], faces[e, 2] = m, j, k
+        _glue(twin, 3 * f, ki)
+        _glue(twin, 3 * f + 1, im)
+        _glue(twin, 3 * f + 2, 3 * e + 2)
+        _glue(twin, 3 * e, mj)
+        _glue(twin, 3 * e + 1, jk)
+
+
+@njit(cache=True)
+def _glue(twin: Index, h: int, g: int) -> None:
+    twin[h], twin[g] = g, h

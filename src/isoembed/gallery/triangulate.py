@@ -15,12 +15,16 @@ from isoembed.gallery.flips import corner_angles, flip_to_delaunay, twin_halfedg
 from isoembed.gallery.points import fibonacci_lattice, spread_directions, vertex_density
 from isoembed.gallery.relax import lloyd_step
 from isoembed.gallery.surface import Surface
+from isoembed.gallery.touch_up import touch_up
 
 Array = NDArray[np.float64]
 Index = NDArray[np.int64]
 
 MIN_VERTICES = 12
 MAX_SWEEPS = 100
+LARGE = 20_000
+"""Vertices beyond which only those near angles outside the window are relaxed: a sweep of all takes long."""
+
 ANGLE_WINDOW = np.radians([38.0, 97.0])
 """Angles at which the relaxation stops."""
 
@@ -81,10 +85,10 @@ def triangulate(
     -----
     Regular: a Fibonacci lattice with the wanted density, connected by the convex hull of its directions and
     Delaunay flips, is relaxed by Lloyd steps with flips in between, until all angles lie in 38-97 degrees or
-    for 100 sweeps; the mesh with the best angles of all sweeps is returned. Irregular: blue noise of the same
-    density (random points that keep their distance), connected in the same way and left alone; its angles
-    lie in about 15-135 degrees. Where the vertices are too few for the surface's sharpest features either
-    window may be missed.
+    for 100 sweeps; the mesh with the best angles of all sweeps is returned. Beyond 20,000 vertices only those
+    near angles outside of the window move. Irregular: blue noise of the same density (random points that
+    keep their distance), connected in the same way and left alone; its angles lie in about 15-135 degrees.
+    Where the vertices are too few for the surface's sharpest features either window may be missed.
     """
     n = _integer("the number of vertices", n_vertices, MIN_VERTICES)
     if irregular is None:
@@ -99,6 +103,15 @@ def _regular(surface: Surface, n: int) -> tuple[Array, Index]:
     u = spread_directions(surface, fibonacci_lattice(n))
     faces = _hull(u)
     twin = twin_halfedges(faces)
+    if n > LARGE:
+        faces, twin = flip_to_delaunay(surface._points(u), surface._normals(u), faces, twin)
+        u, faces = touch_up(surface, u, faces, twin, ANGLE_WINDOW)
+    else:
+        u, faces = _relaxed(surface, u, faces, twin)
+    return surface.point(u), faces
+
+
+def _relaxed(surface: Surface, u: Array, faces: Index, twin: Index) -> tuple[Array, Index]:
     best, best_score = (u, faces), (len(faces) + 1, np.inf)
     for _ in range(MAX_SWEEPS + 1):
         x, normals = surface._points(u), surface._normals(u)
@@ -111,5 +124,4 @@ def _regular(surface: Surface, n: int) -> tuple[Array, Index]:
         if score <= (0, 0.0):
             break
         u = surface._moved(u, lloyd_step(x, normals, faces, vertex_density(surface, u)))
-    u, faces = best
-    return surface.point(u), faces
+    return best

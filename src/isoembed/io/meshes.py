@@ -13,6 +13,11 @@ import numpy as np
 
 from isoembed.errors import InvalidMetric
 from isoembed.io.files import FileError, Tables
+from isoembed.io.words import lines
+from isoembed.surface.measures import face_normals
+
+CORNER = "  vertex %r %r %r\n"
+FACET = f"facet normal %r %r %r\n outer loop\n{3 * CORNER} endloop\nendfacet\n"
 
 
 def read_stl(path: Path) -> Tables:
@@ -38,17 +43,15 @@ def read_vtu(path: Path) -> Tables:
 
 def write_stl(path: Path, tables: Tables) -> None:
     """Write a text STL file: binary STL has single precision.  STL has no place for data at the vertices."""
-    from meshio import stl
-
     points, faces = np.asarray(tables["vertices"]), np.asarray(tables["faces"])
     scale = np.abs(points).max() or 1.0  # keeps tiny surfaces' normals from underflowing
-    a, b, c = (points[faces[:, k]] / scale for k in range(3))
-    normals = np.cross(b - a, c - a)
+    normals = face_normals(faces, points / scale)
     norms = np.linalg.norm(normals, axis=1, keepdims=True)
     normals = np.divide(normals, norms, out=np.zeros_like(normals), where=norms > 0)
-    mesh = _mesh({"vertices": points, "faces": faces})
-    mesh.cell_data["facet_normals"] = [normals]
-    stl.write(str(path), mesh, binary=False)
+    with path.open("w", encoding="utf-8") as file:
+        file.write("solid\n")
+        file.writelines(lines(FACET, np.hstack([normals, points[faces].reshape(-1, 9)])))
+        file.write("endsolid\n")
 
 
 def write_vtk(path: Path, tables: Tables) -> None:
@@ -83,12 +86,15 @@ def _read(path: Path, reader: Callable[[Path], Any]) -> Tables:
         raise FileError(f"{path} is not a readable {path.suffix[1:].upper()} file{reason}") from None
     if not mesh.cells:
         raise InvalidMetric("there are no faces")
+    vertices = np.asarray(mesh.points, dtype=np.float64)
+    if all(block.type == "triangle" for block in mesh.cells):
+        return {"vertices": vertices, "faces": np.concatenate([block.data for block in mesh.cells])}
     faces: list[list[int]] = []
     for block in mesh.cells:
         if block.type not in ("triangle", "quad", "polygon"):
             raise InvalidMetric(f"cell {len(faces)} is a {block.type}, not a triangle")
         faces += [list(map(int, face)) for face in block.data]
-    return {"vertices": np.asarray(mesh.points, dtype=np.float64), "faces": faces}
+    return {"vertices": vertices, "faces": faces}
 
 
 @contextlib.contextmanager

@@ -7,8 +7,24 @@ from __future__ import annotations
 from pathlib import Path
 
 import numpy as np
+from numba import njit
 
 from isoembed.io.files import FileError, Tables
+from isoembed.io.words import (
+    Bytes,
+    Indices,
+    copy_words,
+    ends,
+    in_word,
+    lines,
+    natural,
+    next_line,
+    numbers,
+    plain,
+    word_begin,
+)
+
+VERTEX, FACE, SLASH = (ord(c) for c in "vf/")
 
 
 def read(path: Path) -> Tables:
@@ -19,10 +35,53 @@ def read(path: Path) -> Tables:
     FileError
         Naming the line that cannot be understood.
     """
+    data = path.read_bytes()
+    return _read_plain(data) or _read_any(path, data.decode("utf-8", errors="replace"))
+
+
+def _read_plain(data: bytes) -> Tables | None:
+    """Triangles with absolute indices, in plain text."""
+    text = plain(data)
+    if text is None:
+        return None
+    coordinates, n_vertices, faces = _scan(text)
+    vertices = numbers(coordinates)
+    if vertices is None or vertices.size != 3 * n_vertices or len(faces) == 0:
+        return None
+    return {"vertices": vertices.reshape(-1, 3), "faces": faces}
+
+
+@njit(cache=True)
+def _scan(text: Bytes) -> tuple[Bytes, int, Indices]:
+    """The text of the coordinates, the number of vertices, and the triangles; none if a line is unusual."""
+    coordinates, faces = np.empty(len(text) + 3, dtype=np.uint8), np.empty((len(text) // 7 + 1, 3), np.int64)
+    end = vertices = row = i = 0
+    while i < len(text):
+        i = word_begin(text, i)
+        if in_word(text[i]) and not in_word(text[i + 1]):
+            if text[i] == VERTEX:
+                i, end = copy_words(text, i + 1, 3, coordinates, end)
+                if i < 0:
+                    return coordinates[:0], 0, faces[:0]
+                vertices += 1
+            elif text[i] == FACE:
+                i += 1
+                for corner in range(3):
+                    number, i = natural(text, i, SLASH)
+                    if number <= 0:
+                        return coordinates[:0], 0, faces[:0]
+                    faces[row, corner] = number - 1
+                row += 1
+                if not ends(text[word_begin(text, i)]):
+                    return coordinates[:0], 0, faces[:0]
+        i = next_line(text, i)
+    return coordinates[:end], vertices, faces[:row]
+
+
+def _read_any(path: Path, content: str) -> Tables:
     vertices: list[list[float]] = []
     faces: list[list[int]] = []
-    text = path.read_text(encoding="utf-8", errors="replace").replace("\\\n", " ")
-    for number, line in enumerate(text.splitlines(), start=1):
+    for number, line in enumerate(content.replace("\\\n", " ").splitlines(), start=1):
         word, *entries = line.split("#")[0].split() or [""]
         try:
             if word == "v":
@@ -45,6 +104,6 @@ def _vertex(entry: str, count: int) -> int:
 
 def write(path: Path, tables: Tables) -> None:
     """Write vertices and faces; OBJ has no place for data at the vertices."""
-    lines = [f"v {x!r} {y!r} {z!r}" for x, y, z in np.asarray(tables["vertices"]).tolist()]
-    lines += [f"f {a} {b} {c}" for a, b, c in (np.asarray(tables["faces"]) + 1).tolist()]
-    path.write_text("\n".join(lines) + "\n", encoding="utf-8")
+    with path.open("w", encoding="utf-8") as file:
+        file.writelines(lines("v %r %r %r\n", np.asarray(tables["vertices"])))
+        file.writelines(lines("f %d %d %d\n", np.asarray(tables["faces"]) + 1))

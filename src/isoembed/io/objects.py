@@ -3,17 +3,20 @@
 from __future__ import annotations
 
 import json
+from collections.abc import Callable, Iterator
+from itertools import chain
 from pathlib import Path
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from isoembed.errors import InvalidMetric
 from isoembed.io.files import FileError, Tables
+from isoembed.io.words import LONGEST, lines
 
 ROWS = {"faces": "face", "edges": "edge", "vertices": "vertex"}
 PLAIN = {"lengths": "length"}
-LONGEST_INTEGER = 18  # digits: every index has fewer, and longer ones do not fit into 64 bits
 
 
 def read(path: Path) -> Tables:
@@ -34,8 +37,7 @@ def parse(data: bytes, name: str) -> Tables:
     Returns
     -------
     dict
-        ``faces`` and ``edges`` stay lists, whose rows may still have the wrong length; ``lengths`` and
-        ``vertices`` are arrays.
+        Arrays; but ``faces`` and ``edges`` stay lists if their rows differ in length.
 
     Raises
     ------
@@ -45,7 +47,35 @@ def parse(data: bytes, name: str) -> Tables:
         A table holds something else than numbers.
     """
     try:
-        document = json.loads(data.decode("utf-8-sig"), parse_int=_integer)
+        usual = _usual_tables(_document(data, name))
+    except (ValueError, OverflowError):  # an integer beyond what Python or numpy take
+        usual = None
+    return _any_tables(_document(data, name, _integer)) if usual is None else usual
+
+
+def write(path: Path, tables: Tables) -> None:
+    """Write named arrays."""
+    if not all(np.isfinite(table).all() for table in tables.values()):
+        raise ValueError("Out of range float values are not JSON compliant")
+    with path.open("w", encoding="utf-8") as file:
+        for k, (key, table) in enumerate(tables.items()):
+            file.write(("{" if k == 0 else ", ") + json.dumps(key) + ": ")
+            file.writelines(_written(np.asarray(table)))
+        file.write("}\n")
+
+
+def _written(table: NDArray) -> Iterator[str]:
+    """The text of a list, or of a list of lists, in pieces."""
+    row = "%r" if table.ndim == 1 else f"[{', '.join(['%r'] * table.shape[1])}]"
+    yield "["
+    yield from lines(row, table[:1])
+    yield from lines(", " + row, table[1:])
+    yield "]"
+
+
+def _document(data: bytes, name: str, integer: Callable[[str], int | float] = int) -> dict[str, Any]:
+    try:
+        document = json.loads(data.decode("utf-8-sig"), parse_int=integer)
     except UnicodeDecodeError as error:
         raise FileError(f"{name} is not JSON: byte {error.start} is not UTF-8") from None
     except json.JSONDecodeError as error:
@@ -56,6 +86,34 @@ def parse(data: bytes, name: str) -> Tables:
         raise FileError(
             f"{name} holds a JSON {type(document).__name__}, not an object with faces and lengths"
         )
+    return document
+
+
+def _usual_tables(document: dict[str, Any]) -> Tables | None:
+    """Arrays, if every table is a list of numbers or of equally many numbers a row; else None."""
+    tables = {key: value for key, value in document.items() if value is not None}
+    for key in tables.keys() & (ROWS.keys() | PLAIN.keys()):
+        rows = tables[key]
+        if not isinstance(rows, list) or not rows:
+            return None
+        shape: tuple[int, ...] = (len(rows),)
+        if key in ROWS:
+            if set(map(type, rows)) != {list} or len(set(map(len, rows))) > 1:
+                return None
+            shape = (len(rows), len(rows[0]))
+            rows = list(chain.from_iterable(rows))
+        kinds = set(map(type, rows))
+        if not kinds <= {int, float}:
+            return None
+        array = np.fromiter(rows, np.int64 if kinds == {int} else np.float64, len(rows)).reshape(shape)
+        if kinds == {int} and np.abs(array).max(initial=0) >= 10**LONGEST:
+            return None
+        tables[key] = array.astype(np.float64) if key in ("lengths", "vertices") else array
+    return tables
+
+
+def _any_tables(document: dict[str, Any]) -> Tables:
+    """Tables in which every entry has been looked at."""
     tables: dict[str, Any] = {key: value for key, value in document.items() if value is not None}
     for key, row in ROWS.items():
         if key in tables:
@@ -70,14 +128,8 @@ def parse(data: bytes, name: str) -> Tables:
     return tables
 
 
-def write(path: Path, tables: Tables) -> None:
-    """Write named arrays."""
-    lists = {key: np.asarray(value).tolist() for key, value in tables.items()}
-    path.write_text(json.dumps(lists, allow_nan=False) + "\n", encoding="utf-8")
-
-
 def _integer(digits: str) -> int | float:
-    return int(digits) if len(digits) <= LONGEST_INTEGER else float(digits)
+    return int(digits) if len(digits) <= LONGEST else float(digits)
 
 
 def _check_list(table: Any, key: str) -> None:

@@ -4,14 +4,29 @@ than a general library accepts.
 
 from __future__ import annotations
 
+import re
 from itertools import islice
 from pathlib import Path
 
 import numpy as np
+from numba import njit
 
 from isoembed.io.files import FileError, Tables
+from isoembed.io.words import (
+    Bytes,
+    Indices,
+    copy_words,
+    ends,
+    lines,
+    natural,
+    next_line,
+    numbers,
+    plain,
+    word_begin,
+)
 
 HEADERS = ("OFF", "COFF", "NOFF", "CNOFF", "STOFF")
+HEADER = re.compile(rb"(?:C?N?|ST)OFF\s+(\d{1,18})[ \t]+(\d{1,18})(?:[ \t]+\d+)?[ \t]*\r?\n")
 
 
 def read(path: Path) -> Tables:
@@ -22,9 +37,57 @@ def read(path: Path) -> Tables:
     FileError
         Naming the line that cannot be understood, or what is missing.
     """
-    text = path.read_text(encoding="utf-8", errors="replace")
-    lines = ((k, line.split("#")[0].split()) for k, line in enumerate(text.splitlines(), start=1))
-    filled = ((k, words) for k, words in lines if words)
+    data = path.read_bytes()
+    return _read_plain(data) or _read_any(path, data.decode("utf-8", errors="replace"))
+
+
+def _read_plain(data: bytes) -> Tables | None:
+    """Triangles in plain text, under a header in a line or two of its own."""
+    header = HEADER.match(data)
+    text = plain(data)
+    if header is None or text is None:
+        return None
+    n_vertices, n_faces = int(header[1]), int(header[2])
+    if n_vertices + n_faces > len(data):
+        return None
+    coordinates, faces = _scan(text[header.end() :], n_vertices, n_faces)
+    vertices = numbers(coordinates)
+    if vertices is None or vertices.size != 3 * n_vertices or len(faces) == 0:
+        return None
+    return {"vertices": vertices.reshape(-1, 3), "faces": faces}
+
+
+@njit(cache=True)
+def _scan(text: Bytes, n_vertices: int, n_faces: int) -> tuple[Bytes, Indices]:
+    """The text of the coordinates, and the triangles; none if a line is unusual."""
+    coordinates, faces = np.empty(len(text) + 4, dtype=np.uint8), np.empty((n_faces, 3), dtype=np.int64)
+    end = row = i = 0
+    while row < n_vertices + n_faces:
+        if i == len(text):
+            return coordinates[:0], faces[:0]
+        i = word_begin(text, i)
+        if not ends(text[i]):
+            if row < n_vertices:
+                i, end = copy_words(text, i, 3, coordinates, end)
+                if i < 0:
+                    return coordinates[:0], faces[:0]
+            else:
+                count, i = natural(text, i)
+                if count != 3:
+                    return coordinates[:0], faces[:0]
+                for corner in range(3):
+                    index, i = natural(text, i)
+                    if index < 0:
+                        return coordinates[:0], faces[:0]
+                    faces[row - n_vertices, corner] = index
+            row += 1
+        i = next_line(text, i)
+    return coordinates[:end], faces
+
+
+def _read_any(path: Path, content: str) -> Tables:
+    split = ((k, line.split("#")[0].split()) for k, line in enumerate(content.splitlines(), start=1))
+    filled = ((k, words) for k, words in split if words)
     number, words = next(filled, (1, [""]))
     if words[0] not in HEADERS or "BINARY" in words:
         raise FileError(f"{path} is not an OFF text file: it does not begin with {' or '.join(HEADERS)}")
@@ -53,8 +116,8 @@ def read(path: Path) -> Tables:
 
 def write(path: Path, tables: Tables) -> None:
     """Write vertices and faces; OFF has no place for data at the vertices."""
-    vertices, faces = np.asarray(tables["vertices"]).tolist(), np.asarray(tables["faces"]).tolist()
-    lines = ["OFF", f"{len(vertices)} {len(faces)} 0"]
-    lines += [f"{x!r} {y!r} {z!r}" for x, y, z in vertices]
-    lines += [f"3 {a} {b} {c}" for a, b, c in faces]
-    path.write_text("\n".join(lines) + "\n", encoding="utf-8")
+    vertices, faces = np.asarray(tables["vertices"]), np.asarray(tables["faces"])
+    with path.open("w", encoding="utf-8") as file:
+        file.write(f"OFF\n{len(vertices)} {len(faces)} 0\n")
+        file.writelines(lines("%r %r %r\n", vertices))
+        file.writelines(lines("3 %d %d %d\n", faces))

@@ -8,12 +8,16 @@ import re
 import struct
 from collections.abc import Sequence
 from dataclasses import dataclass
+from itertools import chain
 from pathlib import Path
-from typing import Protocol
+from typing import Any, Protocol
 
 import numpy as np
+from numpy.typing import NDArray
 
 from isoembed.io.files import FileError, Tables
+
+Columns = NDArray[Any]
 
 CODES = {
     **{"char": "b", "uchar": "B", "short": "h", "ushort": "H", "int": "i", "uint": "I"},
@@ -48,6 +52,9 @@ class Source(Protocol):
     def take(self, codes: str) -> Sequence[float]:
         """The next numbers, of these types; IndexError where there are none."""
 
+    def take_all(self, element: Element) -> dict[str, Columns] | None:
+        """The next rows by the names of their properties, if they can be taken together, or None."""
+
 
 class Text:
     """The numbers of a text body."""
@@ -63,22 +70,50 @@ class Text:
         self._next += len(codes)
         return [float(w) if code in "fd" else int(w) for w, code in zip(words, codes, strict=True)]
 
+    def take_all(self, element: Element) -> None:
+        """Words are taken one by one."""
+
 
 class Binary:
     """The numbers of a binary body."""
 
-    def __init__(self, body: bytes, order: str) -> None:
-        self._body, self._order, self._next = body, order, 0
+    def __init__(self, data: bytes, begin: int, order: str) -> None:
+        self._data, self._next, self._order = data, begin, order
 
     def take(self, codes: str) -> Sequence[float]:
         """The next numbers."""
         layout = self._order + codes
         end = self._next + struct.calcsize(layout)
-        if end > len(self._body):
+        if end > len(self._data):
             raise IndexError
-        numbers = struct.unpack_from(layout, self._body, self._next)
+        numbers = struct.unpack_from(layout, self._data, self._next)
         self._next = end
         return numbers
+
+    def take_all(self, element: Element) -> dict[str, Columns] | None:
+        """The next rows, if all their lists are as long as in the first, so that one type describes them."""
+        begin = self._next
+        try:
+            first = [_value(p, self) for p in element.properties]
+        except (IndexError, ValueError):
+            return None
+        finally:
+            self._next = begin
+        fields: list[Any] = []
+        counts: dict[str, int] = {}
+        for k, p in enumerate(element.properties):
+            if p.count_code:
+                counts[f"count {k}"] = len(first[k])
+                fields.append((f"count {k}", self._order + p.count_code))
+            fields.append((f"value {k}", self._order + p.code, (len(first[k]),) if p.count_code else ()))
+        layout = np.dtype(fields)
+        if element.size * layout.itemsize > len(self._data) - begin:
+            return None
+        rows = np.frombuffer(self._data, layout, element.size, begin)
+        if any((rows[name] != count).any() for name, count in counts.items()):
+            return None
+        self._next += rows.nbytes
+        return {p.name: rows[f"value {k}"] for k, p in enumerate(element.properties)}
 
 
 def read(path: Path) -> Tables:
@@ -97,25 +132,15 @@ def read(path: Path) -> Tables:
         order, elements = _header(data[: end.start()].decode("utf-8", errors="replace"))
     except ValueError as error:
         raise FileError(f"{path}: the header says {str(error)!r}, which cannot be understood") from None
-    source: Source = Binary(data[end.end() :], order) if order else Text(data[end.end() :])
-    tables: dict[str, list[Sequence[float]]] = {"vertex": [], "face": []}
+    source: Source = Binary(data, end.end(), order) if order else Text(data[end.end() :])
+    tables: dict[str, list[Any]] = {"vertex": [], "face": []}
     for element in elements:
-        for row in range(element.size if element.properties else 0):
-            try:
-                values = {p.name: _value(p, source) for p in element.properties}
-                if element.name == "vertex":
-                    tables["vertex"].append([values[axis][0] for axis in "xyz"])
-                elif element.name == "face":
-                    tables["face"].append(next(values[name] for name in CORNERS if name in values))
-            except IndexError:
-                raise FileError(f"{path} is cut short in {element.name} {row} of {element.size}") from None
-            except (KeyError, StopIteration):
-                wanted = "x, y and z" if element.name == "vertex" else " or ".join(CORNERS)
-                raise FileError(f"{path}: {element.name} {row} has no {wanted}") from None
-            except ValueError as error:
-                raise FileError(f"{path}: cannot understand {element.name} {row}: {error}") from None
-    vertices = np.array(tables["vertex"], dtype=np.float64).reshape(-1, 3)
-    return {"vertices": vertices, "faces": [list(corners) for corners in tables["face"]]}
+        together = _rows_together(element, source)
+        rows = _rows(path, element, source) if together is None else together
+        if element.name in tables:
+            tables[element.name].append(rows)
+    vertices, faces = (parts[0] if len(parts) == 1 else list(chain(*parts)) for parts in tables.values())
+    return {"vertices": np.array(vertices, dtype=np.float64).reshape(-1, 3), "faces": faces}
 
 
 def write(path: Path, tables: Tables) -> None:
@@ -133,6 +158,39 @@ def write(path: Path, tables: Tables) -> None:
         file.write(("\n".join(head) + "\n").encode("ascii"))
         file.write(np.column_stack(columns).astype("<f8").tobytes())
         file.write(rows.tobytes())
+
+
+def _rows_together(element: Element, source: Source) -> Columns | None:
+    """The points of all vertices or the corners of all faces, if they can be taken together."""
+    lists = {p.name: bool(p.count_code) for p in element.properties}
+    corners = next((name for name in CORNERS if name in lists), "")
+    if element.name == "vertex" and [lists.get(axis) for axis in "xyz"] == [False] * 3:
+        columns = source.take_all(element)
+        return None if columns is None else np.column_stack([columns[axis] for axis in "xyz"])
+    if element.name == "face" and lists.get(corners):
+        columns = source.take_all(element)
+        return None if columns is None else columns[corners]
+    return None
+
+
+def _rows(path: Path, element: Element, source: Source) -> list[list[float]]:
+    """The points of the vertices or the corners of the faces, or nothing of another element, row by row."""
+    rows = []
+    for row in range(element.size if element.properties else 0):
+        try:
+            values = {p.name: _value(p, source) for p in element.properties}
+            if element.name == "vertex":
+                rows.append([values[axis][0] for axis in "xyz"])
+            elif element.name == "face":
+                rows.append(list(next(values[name] for name in CORNERS if name in values)))
+        except IndexError:
+            raise FileError(f"{path} is cut short in {element.name} {row} of {element.size}") from None
+        except (KeyError, StopIteration):
+            wanted = "x, y and z" if element.name == "vertex" else " or ".join(CORNERS)
+            raise FileError(f"{path}: {element.name} {row} has no {wanted}") from None
+        except ValueError as error:
+            raise FileError(f"{path}: cannot understand {element.name} {row}: {error}") from None
+    return rows
 
 
 def _value(column: Property, source: Source) -> Sequence[float]:

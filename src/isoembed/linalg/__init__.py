@@ -1,7 +1,8 @@
 """Sparse direct solvers: one small face over SuperLU, CHOLMOD and PARDISO.
 
 `dissect` orders a surface mesh by nested dissection, `analyze` prepares a pattern once, and its `factor` and
-`solve` do the numbers, with iterative refinement and one error, `SingularMatrix`, whatever the backend.
+`solve` do the numbers, with iterative refinement and the same errors, `SingularMatrix` and `OutOfMemory`,
+whatever the backend.
 """
 
 from isoembed.linalg.dissection import Dissection, dissect
@@ -14,11 +15,13 @@ from isoembed.linalg.factor import (
     chosen_backend,
     factor_general,
 )
+from isoembed.linalg.memory import OutOfMemory
 from isoembed.linalg.singular import SingularMatrix
 
 __all__ = [
     "Dissection",
     "Factor",
+    "OutOfMemory",
     "SingularMatrix",
     "Solver",
     "SymmetricFactor",

@@ -12,8 +12,11 @@ from numpy.typing import ArrayLike, NDArray
 from scipy.sparse.linalg import splu
 
 from isoembed.errors import InvalidParameter
-from isoembed.linalg.pattern import eliminated, first_asymmetry, first_gap, places, sizes
+from isoembed.linalg.elimination import foresee
+from isoembed.linalg.memory import make_sure_of
+from isoembed.linalg.pattern import eliminated, first_asymmetry, first_gap, places
 from isoembed.linalg.singular import SingularMatrix
+from isoembed.linalg.symmetric import SymmetricMatrix
 
 _BACKENDS = {"pardiso": "mkl", "cholmod": "cholmod", "superlu": ""}
 """The fastest first: each with the extra that installs it."""
@@ -75,6 +78,8 @@ def analyze(
     ------
     ValueError
         If the backend is unknown or not installed, or pattern or order are not as described.
+    OutOfMemory
+        If the factors would need more memory than is free.
     """
     return Solver(pattern, order, chosen_backend(backend), definite)
 
@@ -118,15 +123,17 @@ class Solver:
         self.backend, self.definite = backend, definite
         self.pattern = _checked(pattern)
         n = self.pattern.shape[0]
-        self._order = np.array(order, dtype=np.int64)
-        place = places(self._order)
-        if self._order.shape != (n,) or place.size != n:
+        order = np.array(order, dtype=np.int64)
+        if order.shape != (n,) or places(order).size != n:
             raise ValueError(f"the elimination order is not a permutation of the {n} unknowns")
-        library = import_module(f"isoembed.linalg.{backend}")
-        indptr, indices, self._source = eliminated(
-            self.pattern.indptr, self.pattern.indices, self._order, place, library.TRIANGLE == "lower"
+        elimination = foresee(self.pattern.indptr, self.pattern.indices, order)
+        self._order = elimination.order
+        self._indptr, self._indices, self._source = eliminated(
+            self.pattern.indptr, self.pattern.indices, self._order, places(self._order), True
         )
-        self._symbolic = library.Symbolic(indptr, indices, definite)
+        library = import_module(f"isoembed.linalg.{backend}")
+        self._symbolic = library.Symbolic(self._indptr, self._indices, elimination, definite)
+        self._make_sure_of_memory()
 
     def factor(self, data: ArrayLike) -> "SymmetricFactor":
         """Factorize one matrix.
@@ -145,29 +152,44 @@ class Solver:
         SingularMatrix
             If the matrix is singular to working precision, or is not positive definite though it must be, or
             has no factors L D L^T in this order.
+        OutOfMemory
+            If the factors would need more memory than is free.
         """
-        values = np.array(data, dtype=np.float64)
+        values = np.asarray(data, dtype=np.float64)
         if values.shape != (self.pattern.nnz,):
             raise ValueError(
                 f"the pattern has {self.pattern.nnz} entries, but the data have shape {values.shape}"
             )
         _refuse_infinite(values)
-        matrix = sp.csc_matrix((values, self.pattern.indices, self.pattern.indptr), shape=self.pattern.shape)
+        matrix = SymmetricMatrix(self._indptr, self._indices, values[self._source])
+        del data, values  # if nobody else holds them, their memory is free for the factors
         if self.definite:
             diagonal = matrix.diagonal()
-            _refuse_diagonal(diagonal)
-        factor = SymmetricFactor(matrix, self._symbolic.factor(values[self._source]), self._order)
-        scale = np.sqrt(diagonal) if self.definite else sizes(matrix.indptr, matrix.indices, values)
-        b, x = _refuse_growth(factor, scale, scale)
+            _refuse_diagonal(diagonal, self._order)
+        self._make_sure_of_memory()
+        numeric = self._symbolic.factor(matrix.data)
+        scale = np.sqrt(diagonal) if self.definite else matrix.sizes()
+        b, x = _refuse_growth(numeric, scale, scale)
         if not self.definite:
             _refuse_residual((b - matrix @ x) / scale)
-        return factor
+        return SymmetricFactor(matrix, numeric, self._order)
+
+    @property
+    def needs(self) -> int:
+        """Bytes of memory that the next factors will take, from the pattern alone."""
+        return int(self._symbolic.needs)
+
+    def _make_sure_of_memory(self) -> None:
+        make_sure_of(self.needs, f"the factors of a matrix of {self._order.size} unknowns")
 
 
 class Factor:
     """The factors of one matrix: solves, and refines what it solves."""
 
-    def __init__(self, matrix: sp.csc_matrix, numeric: Solves, order: NDArray[np.int64]) -> None:
+    def __init__(
+        self, matrix: SymmetricMatrix | sp.csc_matrix, numeric: Solves, order: NDArray[np.int64]
+    ) -> None:
+        """The matrix, its rows and columns, and its factors are in elimination order."""
         self._matrix, self._numeric, self._order = matrix, numeric, order
 
     def solve(self, b: ArrayLike, sweeps: int = 2) -> NDArray[np.float64]:
@@ -189,13 +211,19 @@ class Factor:
         n = self._order.size
         if b.ndim not in (1, 2) or b.shape[0] != n:
             raise ValueError(f"the matrix has {n} rows, but the right-hand side has shape {b.shape}")
-        x = self._solve_once(b)
+        x = np.empty_like(b)
+        x[self._order] = self._solved(b[self._order], sweeps)
+        return x
+
+    def _solved(self, b: NDArray[np.float64], sweeps: int) -> NDArray[np.float64]:
+        """As `solve`, in elimination order."""
+        x = self._numeric.solve(b)
         if sweeps == 0:
             return x
         residual = b - self._matrix @ x
         size = np.linalg.norm(residual, axis=0)
         for _ in range(sweeps):
-            refined = x + self._solve_once(residual)
+            refined = x + self._numeric.solve(residual)
             remaining = b - self._matrix @ refined
             remaining_size = np.linalg.norm(remaining, axis=0)
             better = remaining_size < size
@@ -205,16 +233,11 @@ class Factor:
             residual, size = np.where(better, remaining, residual), np.minimum(remaining_size, size)
         return x
 
-    def _solve_once(self, b: NDArray[np.float64]) -> NDArray[np.float64]:
-        x = np.empty_like(b)
-        x[self._order] = self._numeric.solve(b[self._order])
-        return x
-
 
 class SymmetricFactor(Factor):
     """The factors of one symmetric matrix, L D L^T with diagonal D."""
 
-    def __init__(self, matrix: sp.csc_matrix, numeric: Numeric, order: NDArray[np.int64]) -> None:
+    def __init__(self, matrix: SymmetricMatrix, numeric: Numeric, order: NDArray[np.int64]) -> None:
         super().__init__(matrix, numeric, order)
         self._numeric: Numeric = numeric
 
@@ -247,11 +270,10 @@ def factor_general(matrix: sp.sparray | sp.spmatrix) -> Factor:
         lu = splu(csc, permc_spec="COLAMD")
     except RuntimeError as error:
         raise SingularMatrix("the matrix is singular: elimination met a zero pivot") from error
-    factor = Factor(csc, lu, np.arange(csc.shape[0]))
     rows = abs(csc).max(axis=1).toarray().ravel()
     columns = (sp.diags_array(1.0 / rows) @ abs(csc)).max(axis=0).toarray().ravel()
-    _refuse_growth(factor, rows, columns)
-    return factor
+    _refuse_growth(lu, rows, columns)
+    return Factor(csc, lu, np.arange(csc.shape[0]))
 
 
 def _refuse_infinite(values: NDArray[np.float64]) -> None:
@@ -260,21 +282,23 @@ def _refuse_infinite(values: NDArray[np.float64]) -> None:
         raise SingularMatrix(f"the matrix is not finite: stored entry {k} is {values[k]}")
 
 
-def _refuse_diagonal(diagonal: NDArray[np.float64]) -> None:
+def _refuse_diagonal(diagonal: NDArray[np.float64], order: NDArray[np.int64]) -> None:
     if diagonal.min() <= 0:
         k = diagonal.argmin()
-        raise SingularMatrix(f"the matrix is not positive definite: diagonal entry {k} is {diagonal[k]:.3g}")
+        raise SingularMatrix(
+            f"the matrix is not positive definite: diagonal entry {order[k]} is {diagonal[k]:.3g}"
+        )
 
 
 def _refuse_growth(
-    factor: Factor, rows: NDArray[np.float64], columns: NDArray[np.float64]
+    numeric: Solves, rows: NDArray[np.float64], columns: NDArray[np.float64]
 ) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
     """Raise if the inverse of the matrix, its rows and columns scaled to size 1, blows a random probe up.
 
     Returns the right-hand side and the solution.
     """
     b = rows * np.random.default_rng(0).uniform(-1.0, 1.0, rows.size)
-    x = factor.solve(b, sweeps=0)
+    x = numeric.solve(b)
     growth = np.abs(columns * x).max()
     if not growth < _WORST_GROWTH:
         raise SingularMatrix(
@@ -297,9 +321,9 @@ def _checked(pattern: sp.sparray | sp.spmatrix) -> sp.csc_matrix:
     """The pattern as CSC, rows sorted, entries 1; raises ValueError unless symmetric with a diagonal."""
     checked = sp.csc_matrix(pattern, copy=True)
     checked.sum_duplicates()
+    ones = np.ones(checked.nnz, dtype=np.int8)
     checked = sp.csc_matrix(
-        (np.ones(checked.nnz), checked.indices.astype(np.int32), checked.indptr.astype(np.int32)),
-        shape=checked.shape,
+        (ones, checked.indices.astype(np.int32), checked.indptr.astype(np.int32)), shape=checked.shape
     )
     i, j = first_asymmetry(checked.indptr, checked.indices)
     if i >= 0:

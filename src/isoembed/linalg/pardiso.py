@@ -8,9 +8,11 @@ import numpy as np
 from numpy.typing import NDArray
 from pypardiso.scipy_aliases import pypardiso_solver
 
+from isoembed.linalg.elimination import Elimination
+from isoembed.linalg.memory import OutOfMemory
 from isoembed.linalg.singular import SingularMatrix
 
-TRIANGLE = "lower"  # by columns, which is the upper triangle by rows
+Pointers = NDArray[np.int32]
 
 # pypardiso only finds the library: its own calls analyze anew every time and know no Cholesky.
 _pardiso = pypardiso_solver.libmkl["pardiso"]
@@ -20,15 +22,26 @@ _ANALYZE, _FACTOR, _SOLVE, _RELEASE = 11, 22, 33, -1
 _ZERO_PIVOT, _OUT_OF_MEMORY = -4, -2
 _PERTURBED, _NEGATIVE = 13, 22  # counts of pivots, among the parameters
 
+# Bytes, measured: for an entry of L with its padding; for the analysis, an entry of the matrix and a row.
+FACTOR, ENTRY, ROW = 9.2, 19, 310
+
 
 class Symbolic:
-    """A pattern in elimination order: the lower triangle, CSC with sorted rows."""
+    """A pattern in elimination order: the lower triangle by columns, the upper one by rows, sorted."""
 
-    def __init__(self, indptr: NDArray[np.int32], indices: NDArray[np.int32], definite: bool) -> None:
+    def __init__(self, indptr: Pointers, indices: Pointers, elimination: Elimination, definite: bool) -> None:
         self._indptr, self._indices, self._definite = indptr, indices, definite
+        self._count = int(elimination.counts.sum())
         # A handle comes back here when its factors are let go: a loop that replaces its factor analyzes twice
         # at most, and nobody's factors are overwritten.
-        self._idle = [_Handle(indptr, indices, definite)]
+        self._idle: list[_Handle] = []
+
+    @property
+    def needs(self) -> int:
+        """Bytes that the next factors will take, with PARDISO's analysis; none where it has room already."""
+        if self._idle:
+            return 0
+        return int(FACTOR * self._count) + ENTRY * self._indices.size + ROW * self._indptr.size
 
     def factor(self, data: NDArray[np.float64]) -> "Numeric":
         """Factorize the matrix with these entries; raises SingularMatrix."""
@@ -58,7 +71,7 @@ class Numeric:
 class _Handle:
     """MKL's memory for one analysis and one set of factors, released when this object goes."""
 
-    def __init__(self, indptr: NDArray[np.int32], indices: NDArray[np.int32], definite: bool) -> None:
+    def __init__(self, indptr: Pointers, indices: Pointers, definite: bool) -> None:
         n = indptr.size - 1
         self._data = np.zeros(indices.size)
         parameters = np.zeros(64, dtype=np.int32)
@@ -92,8 +105,8 @@ def _call(
     kind: int,
     memory: NDArray[np.int64],
     parameters: NDArray[np.int32],
-    indptr: NDArray[np.int32],
-    indices: NDArray[np.int32],
+    indptr: Pointers,
+    indices: Pointers,
     order: NDArray[np.int32],
     data: NDArray[np.float64],
     phase: int,
@@ -125,7 +138,7 @@ def _call(
             raise SingularMatrix("the matrix is not positive definite")
         raise SingularMatrix("the matrix has no factors L D L^T in this order")
     if status.value == _OUT_OF_MEMORY:
-        raise MemoryError("PARDISO ran out of memory")
+        raise OutOfMemory(f"PARDISO ran out of memory for the factors of a matrix of {order.size} unknowns")
     if status.value != 0:
         raise RuntimeError(f"PARDISO failed in phase {phase} with status {status.value}")
 

@@ -1,4 +1,4 @@
-"""Kernels on sparse patterns: symmetry, the entries in elimination order, the sizes of the unknowns."""
+"""Kernels on sparse patterns: symmetry, the entries in elimination order."""
 
 from __future__ import annotations
 
@@ -6,11 +6,8 @@ import numpy as np
 from numba import njit
 from numpy.typing import NDArray
 
-Floats = NDArray[np.float64]
 Indices = NDArray[np.int64]
 Pointers = NDArray[np.int32]
-
-EQUILIBRATIONS = 5  # passes; 24 decades between neighbors come down to less than one
 
 
 @njit(cache=True)
@@ -64,7 +61,7 @@ def places(order: Indices) -> Indices:
 @njit(cache=True)
 def eliminated(
     indptr: Pointers, indices: Pointers, order: Indices, place: Indices, lower: bool
-) -> tuple[Pointers, Pointers, Indices]:
+) -> tuple[Pointers, Pointers, Pointers]:
     """Bring a symmetric pattern into elimination order.
 
     Parameters
@@ -80,7 +77,7 @@ def eliminated(
     -------
     indptr, indices : ndarray of int32
         Compressed columns with sorted rows.
-    source : ndarray of int64
+    source : ndarray of int32
         The entry of the given pattern, or its mirror image, that each entry comes from.
     """
     n = order.size
@@ -93,7 +90,7 @@ def eliminated(
     new_indptr = np.cumsum(new_indptr).astype(np.int32)
     end = new_indptr[:-1].copy()
     new_indices = np.empty(new_indptr[n], dtype=np.int32)
-    source = np.empty(new_indptr[n], dtype=np.int64)
+    source = np.empty(new_indptr[n], dtype=np.int32)
     for row in range(n):  # the entries of a column are met in order of their rows
         for p in range(indptr[order[row]], indptr[order[row] + 1]):
             column = place[indices[p]]
@@ -102,29 +99,3 @@ def eliminated(
                 source[end[column]] = p
                 end[column] += 1
     return new_indptr, new_indices, source
-
-
-@njit(cache=True)
-def sizes(indptr: Pointers, indices: Pointers, data: Floats) -> Floats:
-    """Scale factors s of a symmetric matrix: the largest ``|a_ij| / (s_i s_j)`` of every row is near 1.
-
-    Source: Ruiz, A scaling algorithm to equilibrate both rows and columns norms in matrices (2001): each pass
-    takes the square root of what is off.
-
-    Parameters
-    ----------
-    indptr, indices : ndarray of int32, shapes (n + 1,) and (nnz,)
-        Compressed columns, both triangles.
-    data : ndarray, shape (nnz,)
-    """
-    n = indptr.size - 1
-    s = np.ones(n)
-    for _ in range(EQUILIBRATIONS):
-        before = s.copy()
-        for column in range(n):
-            largest = 0.0
-            for p in range(indptr[column], indptr[column + 1]):
-                largest = max(largest, abs(data[p]) / before[column] / before[indices[p]])
-            if largest > 0:
-                s[column] *= np.sqrt(largest)
-    return s

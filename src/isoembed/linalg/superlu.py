@@ -7,21 +7,35 @@ import scipy.sparse as sp
 from numpy.typing import NDArray
 from scipy.sparse.linalg import SuperLU, splu
 
+from isoembed.linalg.elimination import Elimination
 from isoembed.linalg.singular import SingularMatrix
 
-TRIANGLE = "both"
+Pointers = NDArray[np.int32]
+
+# Bytes, measured, for an entry of L and of U; and where scipy copies both, which is how it shows the pivots.
+UNSEEN, SEEN = 32, 49
 
 
 class Symbolic:
-    """A pattern in elimination order: both triangles, CSC with sorted rows."""
+    """A pattern in elimination order: the lower triangle, CSC with sorted rows."""
 
-    def __init__(self, indptr: NDArray[np.int32], indices: NDArray[np.int32], definite: bool) -> None:
-        self._indptr, self._indices, self._definite = indptr, indices, definite
+    def __init__(self, indptr: Pointers, indices: Pointers, elimination: Elimination, definite: bool) -> None:
+        self._definite, self._count = definite, int(elimination.counts.sum())
+        n = indptr.size - 1
+        # SuperLU wants both triangles. Numbers from 1 on: scipy drops zeros from sums.
+        lower = sp.csc_matrix((np.arange(1, indices.size + 1), indices, indptr), shape=(n, n))
+        self._both = (lower + sp.tril(lower, -1).T).tocsc()
+        self._both.sort_indices()
+
+    @property
+    def needs(self) -> int:
+        """Bytes that the next factors will take."""
+        return (SEEN if self._definite else UNSEEN) * self._count
 
     def factor(self, data: NDArray[np.float64]) -> "Numeric":
         """Factorize the matrix with these entries; raises SingularMatrix."""
-        n = self._indptr.size - 1
-        matrix = sp.csc_matrix((data, self._indices, self._indptr), shape=(n, n))
+        both = self._both
+        matrix = sp.csc_matrix((data[both.data - 1], both.indices, both.indptr), shape=both.shape)
         try:
             lu = splu(matrix, permc_spec="NATURAL", diag_pivot_thresh=0.0, options={"SymmetricMode": True})
         except RuntimeError as error:

@@ -7,10 +7,12 @@ from functools import cached_property
 from typing import TypeVar
 
 import numpy as np
+from numba import njit
 from numpy.typing import ArrayLike, NDArray
 from scipy.sparse import csr_array
 
 from isoembed.mesh.checks import check_edges, check_faces, check_sphere, index_array
+from isoembed.mesh.joining import join
 
 Indices = NDArray[np.int64]
 
@@ -55,20 +57,7 @@ class Triangulation:
 
     def __init__(self, faces: ArrayLike) -> None:
         table = index_array(faces, 3, "face", "corners").copy()
-        check_faces(table)
-        start, end = table.ravel(), np.roll(table, -1, axis=1).ravel()
-        n = int(table.max()) + 1
-        keys, of_halfedge = np.unique(
-            np.minimum(start, end) * n + np.maximum(start, end), return_inverse=True
-        )
-        edges = np.column_stack(np.divmod(keys, n))
-        face_edges = of_halfedge.reshape(-1, 3)
-        check_edges(edges, face_edges, table)
-        along = start < end
-        edge_halfedges = np.empty((len(edges), 2), dtype=np.int64)
-        edge_halfedges[face_edges.ravel()[along], 0] = np.flatnonzero(along)
-        edge_halfedges[face_edges.ravel()[~along], 1] = np.flatnonzero(~along)
-        check_sphere(table, edges, edge_halfedges)
+        edges, face_edges, edge_halfedges = join(table) or _checked_tables(table)
         for name, value in zip(
             ("faces", "edges", "face_edges", "edge_halfedges"),
             (table, edges, face_edges, edge_halfedges),
@@ -151,13 +140,49 @@ class Triangulation:
         ndarray of int, shape (n,)
             -1 where no face has this edge.
         """
-        low, high = pairs.min(axis=1), pairs.max(axis=1)
-        n = self.n_vertices
-        inside = high < n  # keeps the keys from overflowing for absurd indices
-        key = np.where(inside, low * n + high, -1)
-        keys = self.edges[:, 0] * n + self.edges[:, 1]
-        position = np.minimum(np.searchsorted(keys, key), self.n_edges - 1)
-        return np.where(keys[position] == key, position, -1)
+        return _find(self.edges, self.n_vertices, pairs)
+
+
+@njit(cache=True)
+def _find(edges: Indices, n: int, pairs: Indices) -> Indices:
+    """The rows of the table of edges that have these ends, or -1."""
+    starts = np.zeros(n + 1, dtype=np.int64)  # of the edges by their lower end
+    for e in range(len(edges)):
+        starts[edges[e, 0] + 1] += 1
+    for v in range(n):
+        starts[v + 1] += starts[v]
+    found = np.full(len(pairs), -1)
+    for k in range(len(pairs)):
+        low, high = min(pairs[k, 0], pairs[k, 1]), max(pairs[k, 0], pairs[k, 1])
+        if low < 0 or high >= n:
+            continue
+        e, end = starts[low], starts[low + 1]
+        while e < end:
+            middle = (e + end) // 2
+            if edges[middle, 1] < high:
+                e = middle + 1
+            else:
+                end = middle
+        if e < starts[low + 1] and edges[e, 1] == high:
+            found[k] = e
+    return found
+
+
+def _checked_tables(faces: Indices) -> tuple[Indices, Indices, Indices]:
+    """Edges, face_edges and edge_halfedges, with a check and its message at every step."""
+    check_faces(faces)
+    start, end = faces.ravel(), np.roll(faces, -1, axis=1).ravel()
+    n = int(faces.max()) + 1
+    keys, of_halfedge = np.unique(np.minimum(start, end) * n + np.maximum(start, end), return_inverse=True)
+    edges = np.column_stack(np.divmod(keys, n))
+    face_edges = of_halfedge.reshape(-1, 3)
+    check_edges(edges, face_edges, faces)
+    along = start < end
+    edge_halfedges = np.empty((len(edges), 2), dtype=np.int64)
+    edge_halfedges[face_edges.ravel()[along], 0] = np.flatnonzero(along)
+    edge_halfedges[face_edges.ravel()[~along], 1] = np.flatnonzero(~along)
+    check_sphere(faces, edges, edge_halfedges)
+    return edges, face_edges, edge_halfedges
 
 
 Frozen = TypeVar("Frozen", bound=NDArray)

@@ -8,6 +8,7 @@ from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
+from numba import njit
 from numpy.typing import ArrayLike, NDArray
 
 from isoembed.errors import InvalidMetric
@@ -88,10 +89,9 @@ class PolyhedralMetric:
         if not finite.all():
             v = int(np.argmin(finite))
             raise InvalidMetric(f"vertex {v} has the coordinates {points[v].tolist()}, which are not finite")
-        a, b = triangulation.edges.T
         size = np.abs(points).max() or 1.0  # keeps the squares from under- and overflowing
         with np.errstate(over="ignore"):  # a length beyond the floats is refused as infinite
-            lengths = size * np.linalg.norm(points[a] / size - points[b] / size, axis=1)
+            lengths = size * _distances(triangulation.edges, points / size)
         return cls.on(triangulation, lengths)
 
     @classmethod
@@ -196,6 +196,10 @@ def _matched(triangulation: Triangulation, lengths: Floats, edges: ArrayLike) ->
     if (index < 0).any():
         k = int(np.argmax(index < 0))
         raise InvalidMetric(f"edge {k} {pairs[k].tolist()} is in no face")
+    if len(pairs) == triangulation.n_edges and (np.bincount(index) == 1).all():
+        matched = np.empty_like(lengths)
+        matched[index] = lengths
+        return matched
     order = np.argsort(index, kind="stable")
     present, start = np.unique(index[order], return_index=True)
     if len(present) < triangulation.n_edges:
@@ -227,14 +231,34 @@ def _check_lengths(triangulation: Triangulation, lengths: Floats) -> None:
     if len(lengths) != triangulation.n_edges:
         raise InvalidMetric(f"there are {triangulation.n_edges} edges but {len(lengths)} lengths")
     _check_positive(triangulation.edges, lengths)
-    sides = np.sort(lengths[triangulation.face_edges], axis=1)
-    broken = ~(
-        sides[:, 2] - sides[:, 1] < sides[:, 0]
-    )  # a difference of neighbors neither over- nor underflows
-    if broken.any():
-        f = int(np.argmax(broken))
-        a, b, c = sides[f].tolist()
+    f = _first_broken(triangulation.face_edges, lengths)
+    if f >= 0:
+        a, b, c = sorted(lengths[triangulation.face_edges[f]].tolist())
         raise InvalidMetric(
             f"face {f} {triangulation.faces[f].tolist()} breaks the triangle inequality: "
             f"its sides are {a!r}, {b!r} and {c!r}"
         )
+
+
+@njit(cache=True)
+def _first_broken(face_edges: NDArray[np.int64], lengths: Floats) -> int:
+    """The first face that breaks the triangle inequality, or -1."""
+    for f in range(len(face_edges)):
+        a, b, c = lengths[face_edges[f, 0]], lengths[face_edges[f, 1]], lengths[face_edges[f, 2]]
+        least, most = min(a, b, c), max(a, b, c)
+        middle = max(min(a, b), min(max(a, b), c))
+        if not most - middle < least:  # a difference of neighbors neither over- nor underflows
+            return f
+    return -1
+
+
+@njit(cache=True)
+def _distances(edges: NDArray[np.int64], points: Floats) -> Floats:
+    """Between the ends of each edge, (E,)."""
+    distances = np.empty(len(edges))
+    for e in range(len(edges)):
+        square = 0.0
+        for k in range(points.shape[1]):
+            square += (points[edges[e, 0], k] - points[edges[e, 1], k]) ** 2
+        distances[e] = np.sqrt(square)
+    return distances

@@ -170,8 +170,7 @@ class Embedding:
     @cached_property
     def residuals(self) -> Floats:
         """``| |x_a - x_b| - l_ab |`` over the mean edge length, shape (E,)."""
-        a, b = self.metric.edges.T
-        realized = np.linalg.norm(self._normalized[a] - self._normalized[b], axis=1)
+        realized = measures.edge_lengths(self.metric.edges, self._normalized)
         normalized = self.metric.normalized
         return frozen(np.abs(realized - normalized.lengths) / normalized.mean_length)
 

@@ -7,12 +7,14 @@ term are what is left of the constant column of the fit when all other monomials
 
 from __future__ import annotations
 
+from dataclasses import dataclass
+
 import numpy as np
 from numba import njit
 from numpy.typing import NDArray
 from scipy.sparse import csr_array, eye_array
 
-from isoembed.mesh.triangulation import Triangulation
+from isoembed.surface.normal_fits import normal_weights
 
 Floats = NDArray[np.float64]
 Indices = NDArray[np.int64]
@@ -25,7 +27,9 @@ KEPT = 0.02  # of the square of the constant column: less, and the neighbors' er
 DEPENDENT = 1e-10  # of the square of a column: less is rounding of what the columns before it span
 
 
-def neighborhoods(triangulation: Triangulation, least: int = ENOUGH) -> tuple[Indices, Indices]:
+def neighborhoods(
+    graph: tuple[Indices, Indices], least: int = ENOUGH, vertices: range | None = None
+) -> tuple[Indices, Indices]:
     """The vertices within two edges of each vertex, or within three where two reach too few.
 
     Paths do not lead through vertices with more than 32 edges: all neighborhoods together stay within a fixed
@@ -33,63 +37,111 @@ def neighborhoods(triangulation: Triangulation, least: int = ENOUGH) -> tuple[In
 
     Parameters
     ----------
-    triangulation : Triangulation
+    graph : (indptr, indices)
+        Of a triangulation's adjacency: vertex i has edges to ``indices[indptr[i]:indptr[i + 1]]``.
     least : int
         Fewer neighbors than this are extended by a third ring.
+    vertices : range, optional
+        The n consecutive vertices whose neighborhoods are wanted; by default all V.
 
     Returns
     -------
-    indptr : ndarray of int64, shape (V + 1,)
-    indices : ndarray of int64, shape (nnz,)
-        The neighbors of vertex i, nearest rings first and i itself not among them, are
+    indptr : ndarray of int, shape (n + 1,)
+    indices : ndarray of int, shape (nnz,)
+        The neighbors of the i-th vertex, nearest rings first and itself not among them, are
         ``indices[indptr[i]:indptr[i + 1]]``.
     """
-    adjacency = triangulation.adjacency
-    return _rings(adjacency.indptr.astype(np.int64), adjacency.indices.astype(np.int64), least)
+    chosen = range(len(graph[0]) - 1) if vertices is None else vertices
+    return _rings(*graph, least, chosen.start, chosen.stop)
 
 
-def fit_residual_operator(
-    neighborhoods: tuple[Indices, Indices], charts: Floats, degree: int = 3
-) -> csr_array:
-    """``I - fit``: takes values at the vertices to their differences from a fit to the neighbors' values.
+@dataclass(frozen=True)
+class FitResiduals:
+    """``I - fit`` at some vertices: what values there differ by from a fit to their neighbors' values.
 
     The fit is the polynomial that comes nearest to the neighbors' values with the weights
     ``1 / (1/2 + |p|^2)``, evaluated at the vertex, which has no part in it.  It is of lower degree where
     there are too few neighbors (fewer than 24 for a quintic, 18, 13, 9, 6 for less), or where they lie so
     that a fit of this degree leaves the value at the origin open (all on one side, or on a conic through it).
 
-    Parameters
+    Attributes
     ----------
-    neighborhoods : (indptr, indices)
-        As from the function of this name.
-    charts : ndarray, shape (nnz, 2)
-        Coordinates p of each neighbor in the plane, with the vertex at the origin, in units of the mean edge
-        length about the vertex.
-
-    Returns
-    -------
-    csr_array, shape (V, V)
-        Its rows sum to zero.  It takes cubic polynomials in a chart to zero at the chart's vertex.
+    first : int
+        The vertices are n consecutive ones from here on.
+    indptr, indices : ndarray of int
+        Their `neighborhoods`.
+    weights : ndarray, shape (nnz,)
+        Of the neighbors in the fitted values.
     """
-    indptr, indices = neighborhoods
-    n = len(indptr) - 1
-    weights = _fits(indptr, np.ascontiguousarray(charts, dtype=np.float64), degree)
-    return csr_array(eye_array(n, format="csr") - csr_array((weights, indices, indptr), shape=(n, n)))
+
+    first: int
+    indptr: Indices
+    indices: Indices
+    weights: Floats
+
+    @classmethod
+    def of(
+        cls, first: int, neighborhoods: tuple[Indices, Indices], charts: Floats, degree: int = 3
+    ) -> FitResiduals:
+        """Fit polynomials.
+
+        Parameters
+        ----------
+        first : int
+            Of n vertices.
+        neighborhoods : (indptr, indices)
+            As from the function of this name, of these vertices.
+        charts : ndarray, shape (nnz, 2)
+            Coordinates p of each neighbor in the plane, with the vertex at the origin, in units of the mean
+            edge length about the vertex.
+        degree : int
+            Of the polynomials.
+        """
+        indptr, indices = neighborhoods
+        weights = np.empty(len(charts))
+        fewest = (degree + 1) * (degree + 2) // 2 + SPARE
+        done = normal_weights(indptr, charts, degree, NEAR, fewest, KEPT, weights)
+        _fit(np.flatnonzero(~done), indptr, charts, degree, weights)
+        return cls(first, indptr, indices, weights)
+
+    def __matmul__(self, values: Floats) -> Floats:
+        """The residuals (n, 3) of values (V, 3); those of polynomials in a vertex's chart are zero."""
+        return _residuals(self.first, self.indptr, self.indices, self.weights, values)
+
+    def matrix(self, size: int) -> csr_array:
+        """The rows of these vertices as a matrix (n, V), given V; they sum to zero."""
+        n = len(self.indptr) - 1
+        own = eye_array(n, size, k=self.first, format="csr")
+        return csr_array(own - csr_array((self.weights, self.indices, self.indptr), shape=(n, size)))
 
 
 @njit(cache=True)
-def _rings(indptr: Indices, indices: Indices, least: int) -> tuple[Indices, Indices]:
-    n = len(indptr) - 1
-    starts = np.zeros(n + 1, dtype=np.int64)
-    seen, reached = np.full(n, -1), np.empty(n, dtype=np.int64)
-    for v in range(n):
-        starts[v + 1] = starts[v] + _reach(indptr, indices, v, least, seen, reached)
-    neighbors = np.empty(starts[n], dtype=np.int64)
-    seen[:] = -1
-    for v in range(n):
-        count = _reach(indptr, indices, v, least, seen, reached)
-        neighbors[starts[v] : starts[v + 1]] = reached[:count]
-    return starts, neighbors
+def _residuals(first: int, indptr: Indices, indices: Indices, weights: Floats, values: Floats) -> Floats:
+    residuals = np.empty((len(indptr) - 1, 3))
+    for row in range(len(indptr) - 1):
+        x, y, z = values[first + row]
+        for k in range(indptr[row], indptr[row + 1]):
+            weight, value = weights[k], values[indices[k]]
+            x, y, z = x - weight * value[0], y - weight * value[1], z - weight * value[2]
+        residuals[row, 0], residuals[row, 1], residuals[row, 2] = x, y, z
+    return residuals
+
+
+@njit(cache=True)
+def _rings(indptr: Indices, indices: Indices, least: int, first: int, last: int) -> tuple[Indices, Indices]:
+    starts = np.zeros(last - first + 1, dtype=np.int64)
+    neighbors = np.empty(3 * least * (last - first), dtype=indices.dtype)
+    seen, reached = np.full(len(indptr) - 1, -1, indices.dtype), np.empty(len(indptr) - 1, indices.dtype)
+    for row in range(last - first):
+        begin = starts[row]
+        end = begin + _reach(indptr, indices, first + row, least, seen, reached)
+        if end > len(neighbors):
+            longer = np.empty(2 * end, dtype=indices.dtype)
+            longer[:begin] = neighbors[:begin]
+            neighbors = longer
+        neighbors[begin:end] = reached[: end - begin]
+        starts[row + 1] = end
+    return starts, neighbors[: starts[-1]].copy()
 
 
 @njit(cache=True)
@@ -112,22 +164,19 @@ def _reach(indptr: Indices, indices: Indices, v: int, least: int, seen: Indices,
                 continue
             for j in range(indptr[u], indptr[u + 1]):
                 w = indices[j]
-                if seen[w] != v:
-                    seen[w] = v
-                    reached[count] = w
-                    count += 1
+                reached[count] = w  # overwritten by the next unless it is new
+                count += seen[w] != v
+                seen[w] = v
         begin = end
     return count
 
 
 @njit(cache=True)
-def _fits(indptr: Indices, charts: Floats, most: int) -> Floats:
-    """The weights of the neighbors in the fitted values, (nnz,)."""
-    weights = np.empty(len(charts))
-    for v in range(len(indptr) - 1):
-        begin, end = indptr[v], indptr[v + 1]
+def _fit(vertices: Indices, indptr: Indices, charts: Floats, most: int, weights: Floats) -> None:
+    """Fill in the weights of the neighbors of some vertices, one after the other."""
+    for i in vertices:
+        begin, end = indptr[i], indptr[i + 1]
         _constant_term(charts[begin:end], weights[begin:end], most)
-    return weights
 
 
 @njit(cache=True)

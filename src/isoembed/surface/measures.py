@@ -1,41 +1,68 @@
-"""Area and volume of a triangulated surface in R^3."""
+"""Lengths, normals, area and volume of a triangulated surface in R^3."""
 
 from __future__ import annotations
 
 import numpy as np
+from numba import njit
 from numpy.typing import NDArray
 
 Floats = NDArray[np.float64]
 Indices = NDArray[np.int64]
 
 
+@njit(cache=True)
 def edge_lengths(edges: Indices, vertices: Floats) -> Floats:
     """Lengths of the edges, (E,)."""
-    a, b = edges.T
-    return np.linalg.norm(vertices[a] - vertices[b], axis=1)
+    lengths = np.empty(len(edges))
+    for e in range(len(edges)):
+        square = 0.0
+        for k in range(vertices.shape[1]):
+            square += (vertices[edges[e, 0], k] - vertices[edges[e, 1], k]) ** 2
+        lengths[e] = np.sqrt(square)
+    return lengths
 
 
+@njit(cache=True)
 def face_normals(faces: Indices, vertices: Floats) -> Floats:
     """Normals of the triangles with twice their areas as norms, (F, 3), by the right-hand rule."""
-    a, b, c = (vertices[faces[:, k]] for k in range(3))
-    return np.cross(b - a, c - a)
+    normals = np.empty((len(faces), 3))
+    for f in range(len(faces)):
+        a, b, c = faces[f]
+        for k in range(3):
+            i, j = (k + 1) % 3, (k + 2) % 3
+            normals[f, k] = (vertices[b, i] - vertices[a, i]) * (vertices[c, j] - vertices[a, j]) - (
+                vertices[b, j] - vertices[a, j]
+            ) * (vertices[c, i] - vertices[a, i])
+    return normals
 
 
+@njit(cache=True)
 def face_areas(faces: Indices, vertices: Floats) -> Floats:
     """Areas of the triangles, (F,)."""
-    return np.linalg.norm(face_normals(faces, vertices), axis=1) / 2
+    normals = face_normals(faces, vertices)
+    areas = np.empty(len(faces))
+    for f in range(len(faces)):
+        areas[f] = np.sqrt(normals[f, 0] ** 2 + normals[f, 1] ** 2 + normals[f, 2] ** 2) / 2
+    return areas
 
 
+@njit(cache=True)
 def vertex_normals(faces: Indices, vertices: Floats) -> Floats:
     """Unit normals at the vertices, (V, 3): of the triangles, weighted by area; zero where they cancel."""
-    corners = faces.ravel()
+    sums = np.zeros((len(vertices), 3))
     normals = face_normals(faces, vertices)
-    sums = np.column_stack(
-        [np.bincount(corners, np.repeat(normals[:, k], 3), minlength=len(vertices)) for k in range(3)]
-    )
-    largest = np.abs(sums).max(axis=1, keepdims=True)
-    scaled = sums / np.where(largest > 0, largest, 1.0)  # the squares of areas would underflow
-    return scaled / np.maximum(np.linalg.norm(scaled, axis=1, keepdims=True), 1.0)
+    for f in range(len(faces)):
+        for corner in range(3):
+            for k in range(3):
+                sums[faces[f, corner], k] += normals[f, k]
+    for v in range(len(vertices)):
+        x, y, z = sums[v]
+        largest = max(abs(x), abs(y), abs(z))
+        if largest > 0:  # the squares of areas would underflow
+            x, y, z = x / largest, y / largest, z / largest
+            norm = np.sqrt(x * x + y * y + z * z)
+            sums[v, 0], sums[v, 1], sums[v, 2] = x / norm, y / norm, z / norm
+    return sums
 
 
 def area(faces: Indices, vertices: Floats) -> float:
@@ -45,11 +72,20 @@ def area(faces: Indices, vertices: Floats) -> float:
 
 def volume(faces: Indices, vertices: Floats) -> float:
     """Signed enclosed volume, positive where the normals point outward."""
-    centered = vertices - vertices.mean(axis=0)
-    normals = face_normals(faces, centered)
-    return float(np.einsum("ij,ij->", centered[faces[:, 0]], normals) / 6)
+    return float(_boxes(faces, vertices - vertices.mean(axis=0)).sum() / 6)
 
 
 def outward(faces: Indices, vertices: Floats) -> Floats:
     """Return the vertices, or their mirror image if the volume is negative."""
     return vertices if volume(faces, vertices) >= 0 else vertices * np.array([1.0, 1.0, -1.0])
+
+
+@njit(cache=True)
+def _boxes(faces: Indices, vertices: Floats) -> Floats:
+    """Signed volumes of the parallelepipeds over the triangles from the origin, (F,)."""
+    normals = face_normals(faces, vertices)
+    boxes = np.empty(len(faces))
+    for f in range(len(faces)):
+        x = vertices[faces[f, 0]]
+        boxes[f] = x[0] * normals[f, 0] + x[1] * normals[f, 1] + x[2] * normals[f, 2]
+    return boxes

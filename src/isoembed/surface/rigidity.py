@@ -8,21 +8,33 @@ matrix that is definite whenever the surface is infinitesimally rigid.
 
 from __future__ import annotations
 
-from functools import partial
+from functools import cached_property, partial
 from typing import cast
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.sparse import csr_array, eye_array, kron
+from scipy.sparse import csc_array, csr_array, eye_array, kron
 from scipy.sparse.linalg import LinearOperator, eigsh
 
-from isoembed.linalg import Dissection, SingularMatrix, SymmetricFactor, analyze, dissect
+from isoembed.linalg import (
+    Dissection,
+    OutOfMemory,
+    SingularMatrix,
+    Solver,
+    SymmetricFactor,
+    analyze,
+    dissect,
+)
 from isoembed.mesh.triangulation import Triangulation
+from isoembed.surface.rigidity_matrix import RigidityMatrix, coupled_edges
+from isoembed.surface.two_level import TwoLevel
 
 Floats = NDArray[np.float64]
 
 MEAN_DIAGONAL = 2.0  # of J J^T, whose rows have unit norm at each end, and, nearly, of J^T J
 HOLD = 1e-10  # relative to J^T J: fixes the rigid motions that neither lengths nor a penalty on bending see
+
+FINEST, MOST = 1e-10, 500  # residual and iterations of a step without factors: where K < 0 they take hundreds
 
 KRYLOV = 8  # vectors kept between restarts of Lanczos' iteration
 EIGEN = 1e-3  # relative, of the largest eigenvalue of the inverse of J J^T: a measure, not a solution
@@ -45,6 +57,8 @@ def edge_rows(triangulation: Triangulation, vertices: Floats, lengths: Floats) -
 class LengthSystem:
     """J J^T of one triangulation: its pattern is analyzed once, its values change with the vertices.
 
+    Where its factors need more memory than is free, steps are made by conjugate gradients on J^T J instead.
+
     Parameters
     ----------
     triangulation : Triangulation
@@ -61,23 +75,19 @@ class LengthSystem:
         backend: str | None = None,
     ) -> None:
         self.triangulation = triangulation
-        edges = triangulation.edges
-        dissection = dissection or dissect(triangulation.adjacency)
-        e = np.arange(len(edges))
-        ones = np.ones(2 * len(edges))
-        shape = (triangulation.n_vertices, len(edges))
-        touch = csr_array((ones, (edges.T.ravel(), np.tile(e, 2))), shape=shape)
-        # Every entry is at least 1, so that the product drops none.
-        self._solver = analyze((touch.T @ touch).tocsc(), dissection.edge_order(edges), backend)
-        pattern = self._solver.pattern
-        self._row = pattern.indices
-        self._column = np.repeat(e, np.diff(pattern.indptr))
-        self._diagonal = self._row == self._column
-        # Two edges that share a vertex meet with the sign of their directions there.
-        (a, b), (c, d) = edges[self._row].T, edges[self._column].T
-        self._sign = np.where(self._diagonal, 2.0, np.where((a == c) | (b == d), 1.0, -1.0))
+        self._dissection = dissection or dissect(triangulation.adjacency)
+        self._backend = backend
+        # The edges are held in the order in which they are eliminated: neighbors then are near in memory.
+        self._order = self._dissection.edge_order(triangulation.edges)
+        self._ends = triangulation.edges[self._order].astype(np.int32)
 
-    def step(self, vertices: Floats, lengths: Floats, residuals: Floats, mu: float = 0.0) -> Floats:
+    def step(
+        self,
+        vertices: Floats,
+        lengths: Floats,
+        residuals: Floats,
+        mu: float = 0.0,
+    ) -> Floats:
         """``d = J^T (J J^T + mu I)^-1 r``, (V, 3): to be subtracted from the vertices.
 
         Parameters
@@ -93,16 +103,20 @@ class LengthSystem:
         ------
         SingularMatrix
             The surface is not infinitesimally rigid and mu is 0.
+        OutOfMemory
+            Not even the factors of the coarse matrix of `two_level` fit into the memory that is free.
         """
-        rows = edge_rows(self.triangulation, vertices, lengths)
-        factor = self._factor(rows, mu)
-        d = self.triangulation.incidence @ (rows * factor.solve(residuals, sweeps=0)[:, None])
+        J, r = self._matrix(vertices, lengths), residuals[self._order]
+        try:
+            factor = self._factor(J, mu)
+        except OutOfMemory:
+            two_level = TwoLevel(J, vertices, self._dissection, mu * MEAN_DIAGONAL)
+            return two_level.step(r, FINEST, MOST).x
+        d = J.forces(factor.solve(r, sweeps=0))
         if mu > 0:
             return d
         # Refined through J: refining the solution of J J^T alone would not reduce this residual.
-        a, b = self.triangulation.edges.T
-        missing = residuals - np.einsum("ij,ij->i", rows, d[a] - d[b])
-        return d + self.triangulation.incidence @ (rows * factor.solve(missing, sweeps=0)[:, None])
+        return d + J.forces(factor.solve(r - J.rates(d), sweeps=0))
 
     def smallest_singular_value(self, vertices: Floats, lengths: Floats) -> float:
         """The smallest singular value of J, apart from the six of the rigid motions, to about three digits.
@@ -145,22 +159,32 @@ class LengthSystem:
         SingularMatrix
             J J^T is singular to working precision.
         """
-        rows = edge_rows(self.triangulation, vertices, lengths)
-        factor = self._factor(rows)
-        n = len(rows)
+        J = self._matrix(vertices, lengths)
+        factor = self._factor(J)
+        n = len(lengths)
         inverse = LinearOperator((n, n), matvec=partial(factor.solve, sweeps=0), dtype=np.float64)
         start = np.random.default_rng(0).standard_normal(n)
         _, vectors = eigsh(inverse, k=count, which="LA", v0=start, ncv=min(n, KRYLOV * count), tol=EIGEN)
-        changes = vectors.T[::-1] / np.linalg.norm(vectors.T[::-1], axis=1, keepdims=True)
+        changes = np.empty((count, n))
+        changes[:, self._order] = vectors.T[::-1] / np.linalg.norm(vectors.T[::-1], axis=1, keepdims=True)
         # Rayleigh's quotient, through J: rounding in J J^T would hide values below 1e-8.
-        motions = np.array([self.triangulation.incidence @ (rows * change[:, None]) for change in changes])
+        motions = np.array([J.forces(change[self._order]) for change in changes])
         sigma = np.linalg.norm(motions, axis=(1, 2))
         return sigma, motions / sigma[:, None, None], changes
 
-    def _factor(self, rows: Floats, mu: float = 0.0) -> SymmetricFactor:
-        values = self._sign * np.einsum("ij,ij->i", rows[self._row], rows[self._column])
-        values[self._diagonal] += mu * MEAN_DIAGONAL
-        return self._solver.factor(values)
+    def _matrix(self, vertices: Floats, lengths: Floats) -> RigidityMatrix:
+        return RigidityMatrix.of(self._ends, vertices, lengths[self._order])
+
+    def _factor(self, J: RigidityMatrix, mu: float = 0.0) -> SymmetricFactor:
+        pattern = self._solver.pattern
+        return self._solver.factor(J.gram(pattern.indptr, pattern.indices, mu * MEAN_DIAGONAL))
+
+    @cached_property
+    def _solver(self) -> Solver:
+        indptr, indices = coupled_edges(self._ends, self.triangulation.n_vertices)
+        n = len(self._ends)
+        pattern = csc_array((np.ones(indices.size, dtype=np.int8), indices, indptr), shape=(n, n))
+        return analyze(pattern, np.arange(n), self._backend)
 
 
 class VertexSystem:

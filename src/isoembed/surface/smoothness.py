@@ -9,25 +9,30 @@ bends by more than a right angle does not fold over.
 
 from __future__ import annotations
 
+from collections.abc import Iterable, Iterator
+from dataclasses import dataclass
 from typing import cast
 
 import numpy as np
 from numba import njit
 from numpy.typing import NDArray
-from scipy.sparse import csr_array
+from scipy.sparse import csr_array, vstack
 
 from isoembed.mesh.triangulation import Triangulation
 from isoembed.surface.convexity import FLAT
 from isoembed.surface.curvature import dihedral_angles
-from isoembed.surface.local_fit import ENOUGH, fit_residual_operator, neighborhoods
+from isoembed.surface.local_fit import ENOUGH, FitResiduals, neighborhoods
 from isoembed.surface.measures import edge_lengths, vertex_normals
+from isoembed.surface.spatial_order import reordered, spatial_order
 
 Floats = NDArray[np.float64]
 Indices = NDArray[np.int64]
 Mask = NDArray[np.bool_]
 
+QUINTIC = 5  # degree
 THREE_RINGS = 30  # more neighbors than two rings have
 ROBUST = 2 / 3  # exponent of the mean
+BLOCK = 1 << 16  # vertices whose fits are made together
 PLAIN = 0.2  # of the dihedral angles around: below it, the error of the fit may decide the sign
 
 
@@ -46,9 +51,12 @@ def offsets(triangulation: Triangulation, vertices: Floats) -> Floats:
     ndarray, shape (V, 3)
         In the unit of the vertices, to be subtracted from them for the surface that the neighborhoods expect.
     """
-    normals = vertex_normals(triangulation.faces, vertices)
-    residuals = fit_residuals(triangulation, vertices) @ vertices
-    return normals * np.einsum("ij,ij->i", residuals, normals)[:, None]
+    order = spatial_order(vertices)
+    surface = _Surroundings.of(triangulation, vertices).in_order(order)
+    residuals = _left(surface.residuals(), surface.vertices)
+    found = np.empty_like(residuals)
+    found[order] = surface.normals * np.einsum("ij,ij->i", residuals, surface.normals)[:, None]
+    return found
 
 
 def fit_residuals(
@@ -70,15 +78,58 @@ def fit_residuals(
     -------
     csr_array, shape (V, V)
     """
-    normals = vertex_normals(triangulation.faces, vertices)
-    near = neighborhoods(triangulation, least)
-    about = edge_lengths_about(triangulation, edge_lengths(triangulation.edges, vertices))
-    return fit_residual_operator(near, _polar_charts(*near, vertices, normals, about), degree)
+    n = triangulation.n_vertices
+    blocks = _Surroundings.of(triangulation, vertices).residuals(degree, least)
+    return csr_array(vstack([block.matrix(n) for block in blocks], format="csr"))
 
 
 def quintic_residuals(triangulation: Triangulation, vertices: Floats) -> csr_array:
     """`fit_residuals` of quintics, over three rings."""
-    return fit_residuals(triangulation, vertices, degree=5, least=THREE_RINGS)
+    return fit_residuals(triangulation, vertices, QUINTIC, THREE_RINGS)
+
+
+@dataclass(frozen=True)
+class _Surroundings:
+    """A surface with what its polar charts are made of.
+
+    Attributes
+    ----------
+    graph : (indptr, indices)
+        Of the adjacency.
+    vertices, normals : ndarray, shape (V, 3)
+    units : ndarray, shape (V,)
+        The mean edge length about each vertex.
+    """
+
+    graph: tuple[Indices, Indices]
+    vertices: Floats
+    normals: Floats
+    units: Floats
+
+    @classmethod
+    def of(cls, triangulation: Triangulation, vertices: Floats) -> _Surroundings:
+        adjacency = triangulation.adjacency
+        normals = vertex_normals(triangulation.faces, vertices)
+        units = edge_lengths_about(triangulation, edge_lengths(triangulation.edges, vertices))
+        return cls((adjacency.indptr, adjacency.indices), vertices, normals, units)
+
+    def in_order(self, order: Indices) -> _Surroundings:
+        """The same surface, its vertices numbered in another order."""
+        graph = reordered(*self.graph, order)
+        return _Surroundings(graph, self.vertices[order], self.normals[order], self.units[order])
+
+    def residuals(self, degree: int = 3, least: int = ENOUGH) -> Iterator[FitResiduals]:
+        """`fit_residuals` of some vertices after the other: the charts of all at once take much memory."""
+        n = len(self.vertices)
+        for first in range(0, n, BLOCK):
+            near = neighborhoods(self.graph, least, range(first, min(first + BLOCK, n)))
+            charts = _polar_charts(first, *near, self.vertices, self.normals, self.units)
+            yield FitResiduals.of(first, near, charts, degree)
+
+
+def _left(blocks: Iterable[FitResiduals], values: Floats) -> Floats:
+    """What the fits of all vertices leave of values, (V, 3)."""
+    return np.concatenate([block @ values for block in blocks])
 
 
 def fine_roughness(triangulation: Triangulation, vertices: Floats) -> float:
@@ -98,10 +149,10 @@ def fine_roughness(triangulation: Triangulation, vertices: Floats) -> float:
         The mean over the vertices with the exponent 2/3: the few where edges are too long for the shape must
         not outweigh all others.
     """
-    residuals = quintic_residuals(triangulation, vertices)
-    twice = np.linalg.norm(residuals @ (residuals @ vertices), axis=1)
-    about = edge_lengths_about(triangulation, edge_lengths(triangulation.edges, vertices))
-    return float(np.mean((twice / about) ** ROBUST) ** (1 / ROBUST))
+    surface = _Surroundings.of(triangulation, vertices).in_order(spatial_order(vertices))
+    blocks = list(surface.residuals(QUINTIC, THREE_RINGS))
+    twice = np.linalg.norm(_left(blocks, _left(blocks, surface.vertices)), axis=1)
+    return float(np.mean((twice / surface.units) ** ROBUST) ** (1 / ROBUST))
 
 
 def roughness(triangulation: Triangulation, vertices: Floats, offsets: Floats) -> float:
@@ -171,30 +222,32 @@ def _sums_at_ends(triangulation: Triangulation, values: Floats | Mask) -> Floats
     return cast(Floats, np.bincount(triangulation.edges.ravel(), np.repeat(values, 2)))
 
 
-@njit(cache=True)
+@njit(cache=True, error_model="numpy")
 def _polar_charts(
-    indptr: Indices, indices: Indices, vertices: Floats, normals: Floats, units: Floats
+    begin: int, indptr: Indices, indices: Indices, vertices: Floats, normals: Floats, units: Floats
 ) -> Floats:
-    """Directions of the neighbors in each vertex's tangent plane, times distances in its unit, (nnz, 2)."""
+    """Directions of neighbors in the tangent planes of vertices, times distances in their units, (nnz, 2)."""
     charts = np.zeros((len(indices), 2))
     first, second = np.empty(3), np.empty(3)  # perpendicular to each other and to the normal, of equal size
-    for v in range(len(indptr) - 1):
-        normal = normals[v]
-        k = np.argmin(np.abs(normal))
+    for row in range(len(indptr) - 1):
+        v = begin + row
+        normal, here, unit = normals[v], vertices[v], units[v]
+        k = 0
+        for c in (1, 2):
+            if abs(normal[c]) < abs(normal[k]):
+                k = c
         i, j = (k + 1) % 3, (k + 2) % 3
         first[k], first[i], first[j] = 0.0, -normal[j], normal[i]
         for c in range(3):
             a, b = (c + 1) % 3, (c + 2) % 3
             second[c] = normal[a] * first[b] - normal[b] * first[a]
-        for at in range(indptr[v], indptr[v + 1]):
-            x, y, square = 0.0, 0.0, 0.0
-            for c in range(3):
-                d = vertices[indices[at], c] - vertices[v, c]
-                x += first[c] * d
-                y += second[c] * d
-                square += d * d
-            in_plane = np.sqrt(x * x + y * y)
+        for at in range(indptr[row], indptr[row + 1]):
+            there = vertices[indices[at]]
+            dx, dy, dz = there[0] - here[0], there[1] - here[1], there[2] - here[2]
+            x = first[0] * dx + first[1] * dy + first[2] * dz
+            y = second[0] * dx + second[1] * dy + second[2] * dz
+            in_plane = x * x + y * y
             if in_plane > 0.0:
-                stretch = np.sqrt(square) / (in_plane * units[v])
+                stretch = np.sqrt((dx * dx + dy * dy + dz * dz) / in_plane) / unit
                 charts[at, 0], charts[at, 1] = stretch * x, stretch * y
     return charts

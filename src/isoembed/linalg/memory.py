@@ -1,0 +1,123 @@
+"""The memory that this process may still take, asked for before much of it is needed.
+
+Where memory is promised more often than it exists, a process that takes too much is killed without a word.
+"""
+
+from __future__ import annotations
+
+import os
+from pathlib import Path
+
+UNKNOWN = 1 << 62  # bytes: no bound is known
+SMALL = 1 << 24  # bytes that are taken without asking: that is as fast as reading the system's files
+UNITS = ("bytes", "kB", "MB", "GB", "TB", "PB")
+
+PROC = Path("/proc")
+CGROUPS = Path("/sys/fs/cgroup")
+
+
+class OutOfMemory(MemoryError):  # noqa: N818  (named for what it says, as SingularMatrix is)
+    """Something would need more memory than this process may take; the message says how much."""
+
+
+def make_sure_of(needed: int, what: str) -> None:
+    """Refuse what memory does not suffice for.
+
+    Parameters
+    ----------
+    needed : int
+        Bytes.
+    what : str
+        What needs them, in the plural: the subject of the sentence.
+
+    Raises
+    ------
+    OutOfMemory
+    """
+    if needed > SMALL:
+        free = available_memory()
+        if needed > free:
+            raise OutOfMemory(
+                f"{what} need about {readable(needed)} of memory, and {readable(free)} are free"
+            )
+
+
+def readable(size: float) -> str:
+    """A number of bytes, to three digits."""
+    step = 0
+    while size >= 999.5 and step < len(UNITS) - 1:
+        size, step = size / 1000, step + 1
+    return f"{size:.{1 if size < 99.95 and step else 0}f} {UNITS[step]}"
+
+
+def available_memory() -> int:
+    """Bytes that this process may still take: the least that the machine and its limits leave.
+
+    Returns
+    -------
+    int
+        What Linux calls available, and what control groups and the limit on the address space leave;
+        elsewhere the free pages. `UNKNOWN` where nothing tells.
+    """
+    return max(0, min(_machine(), _control_groups(), _address_space()))
+
+
+def _machine() -> int:
+    for line in _lines(PROC / "meminfo"):
+        if line.startswith("MemAvailable:"):
+            return 1024 * int(line.split()[1])
+    try:
+        return os.sysconf("SC_AVPHYS_PAGES") * os.sysconf("SC_PAGE_SIZE")
+    except (AttributeError, ValueError, OSError):
+        return UNKNOWN
+
+
+def _address_space() -> int:
+    """What RLIMIT_AS leaves; its size comes first in `statm`, in pages."""
+    try:
+        import resource
+    except ImportError:  # Windows
+        return UNKNOWN
+    limit = resource.getrlimit(resource.RLIMIT_AS)[0]
+    if limit == resource.RLIM_INFINITY:
+        return UNKNOWN
+    used = [int(line.split()[0]) * resource.getpagesize() for line in _lines(PROC / "self" / "statm")]
+    return limit - sum(used)
+
+
+def _control_groups() -> int:
+    """What the limits of the process's control group and of those above it leave, in either version."""
+    left = UNKNOWN
+    for line in _lines(PROC / "self" / "cgroup"):
+        _, controllers, path = line.split(":", 2)
+        if controllers == "":
+            root, limit, usage, reclaimable = CGROUPS, "memory.max", "memory.current", "inactive_file"
+        elif "memory" in controllers.split(","):
+            root, limit, usage = CGROUPS / "memory", "memory.limit_in_bytes", "memory.usage_in_bytes"
+            reclaimable = "total_inactive_file"
+        else:
+            continue
+        # Inside a container the path may be that outside: its own group then is the root.
+        group = root / path.strip("/")
+        for folder in (group, *group.parents):
+            left = min(left, _left(folder, limit, usage, reclaimable))
+            if folder == root:
+                break
+    return left
+
+
+def _left(folder: Path, limit: str, usage: str, reclaimable: str) -> int:
+    limits, used = _lines(folder / limit), _lines(folder / usage)
+    if not (limits and used and limits[0].isdigit()):  # "max" is no limit
+        return UNKNOWN
+    cached = [
+        int(line.split()[1]) for line in _lines(folder / "memory.stat") if line.startswith(reclaimable + " ")
+    ]
+    return int(limits[0]) - int(used[0]) + sum(cached)
+
+
+def _lines(path: Path) -> list[str]:
+    try:
+        return path.read_text().splitlines()
+    except OSError:
+        return []

@@ -1,0 +1,120 @@
+"""From triangles to edges in linear time, for what is a sphere; `checks` says what is wrong with the rest."""
+
+from __future__ import annotations
+
+import numpy as np
+from numba import njit
+from numpy.typing import NDArray
+
+Indices = NDArray[np.int64]
+Mask = NDArray[np.bool_]
+
+MOST = 2**31 - 1  # half-edges whose numbers fit into 32 bits
+
+
+def join(faces: Indices) -> tuple[Indices, Indices, Indices] | None:
+    """Edges, and which half-edges run along them, if the faces are a triangulated sphere.
+
+    Parameters
+    ----------
+    faces : ndarray of int64, shape (F, 3)
+        Not negative.
+
+    Returns
+    -------
+    edges, face_edges, edge_halfedges : ndarray of int64, shapes (E, 2), (F, 3), (E, 2)
+        As in `Triangulation`; or None if the faces are anything but a triangulated sphere.
+    """
+    corners = faces.ravel()
+    n = int(corners.max()) + 1
+    if corners.size > MOST or n - len(faces) / 2 != 2:
+        return None
+    edges, halfedges = np.empty((corners.size // 2, 2), np.int64), np.empty((corners.size // 2, 2), np.int64)
+    face_edges, twins = np.empty(faces.shape, np.int64), np.empty(corners.size, np.int32)
+    if not _pair(corners, _sorted_by_ends(corners, n), edges, face_edges.ravel(), halfedges, twins):
+        return None
+    return (edges, face_edges, halfedges) if _is_one_manifold(corners, n, twins) else None
+
+
+@njit(cache=True)
+def _next(h: int) -> int:
+    return h - 2 if h % 3 == 2 else h + 1
+
+
+@njit(cache=True)
+def _sorted_by_ends(corners: Indices, n: int) -> NDArray[np.int32]:
+    """The half-edges by their lower and then by their higher end: two passes of counting."""
+    before, after = np.arange(corners.size).astype(np.int32), np.empty(corners.size, dtype=np.int32)
+    for lower in (False, True):
+        starts = np.zeros(n + 1, dtype=np.int32)
+        for h in range(corners.size):
+            a, b = corners[h], corners[_next(h)]
+            starts[(min(a, b) if lower else max(a, b)) + 1] += 1
+        for v in range(n):
+            starts[v + 1] += starts[v]
+        for k in range(corners.size):
+            h = before[k]
+            a, b = corners[h], corners[_next(h)]
+            v = min(a, b) if lower else max(a, b)
+            after[starts[v]] = h
+            starts[v] += 1
+        before, after = after, before
+    return before
+
+
+@njit(cache=True)
+def _pair(
+    corners: Indices,
+    order: NDArray[np.int32],
+    edges: Indices,
+    face_edges: Indices,
+    edge_halfedges: Indices,
+    twins: NDArray[np.int32],
+) -> bool:
+    """Fill in the tables; False if half-edges do not come in pairs that run in opposite directions."""
+    for e in range(len(edges)):
+        h, g = order[2 * e], order[2 * e + 1]
+        a, b = corners[h], corners[_next(h)]
+        if a == b or corners[g] != b or corners[_next(g)] != a:
+            return False
+        if a > b:
+            h, g, a, b = g, h, b, a
+        if e and edges[e - 1, 0] == a and edges[e - 1, 1] == b:
+            return False
+        edges[e, 0], edges[e, 1] = a, b
+        edge_halfedges[e, 0], edge_halfedges[e, 1] = h, g
+        face_edges[h], face_edges[g] = e, e
+        twins[h], twins[g] = g, h
+    return True
+
+
+@njit(cache=True)
+def _is_one_manifold(corners: Indices, n: int, twins: NDArray[np.int32]) -> bool:
+    """Whether the faces at each vertex are one fan, and all faces hang together."""
+    turned, fans = np.zeros(corners.size, dtype=np.bool_), np.zeros(n, dtype=np.bool_)
+    for first in range(corners.size):
+        if turned[first]:
+            continue
+        if fans[corners[first]]:
+            return False
+        fans[corners[first]] = True
+        h = first
+        while not turned[h]:
+            turned[h] = True
+            h = _next(twins[h])
+    if not fans.all():
+        return False
+    reached, stack = np.zeros(corners.size // 3, dtype=np.bool_), np.empty(corners.size // 3, dtype=np.int32)
+    reached[0], stack[0] = True, 0
+    waiting, count = 1, 1
+    while waiting:
+        waiting -= 1
+        f = stack[waiting]
+        for h in range(3 * f, 3 * f + 3):
+            g = twins[h] // 3
+            if not reached[g]:
+                reached[g] = True
+                stack[waiting] = g
+                waiting += 1
+                count += 1
+    return count == corners.size // 3

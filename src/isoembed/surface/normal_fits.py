@@ -1,0 +1,196 @@
+"""Many polynomial fits at a time, by their normal equations, where these are well conditioned.
+
+The fits are those of `local_fit`, which orthogonalizes the columns of one fit after the other.  Here the fits
+of a few hundred vertices go through the same steps side by side, so that each step is one loop over them: the
+moments of their weighted points, Cholesky's factors of the normal equations, and the weights.  The normal
+equations square the condition of a fit; a fit that they might spoil is left to the other way.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+from numba import njit
+from numpy.typing import NDArray
+
+Floats = NDArray[np.float64]
+Indices = NDArray[np.int64]
+Mask = NDArray[np.bool_]
+
+SIDE_BY_SIDE = 128  # fits: enough for long loops, few enough for their moments to stay in a cache
+MANY = 128  # points of one fit: room for more would be room for a hub's
+SAFE = 1e-3  # of the square of a column: with less of it left, more than three digits of the weights are lost
+
+
+@njit(cache=True)
+def normal_weights(
+    indptr: Indices, charts: Floats, degree: int, near: float, fewest: int, kept: float, weights: Floats
+) -> Mask:
+    """Fill in the weights of the points in the constant terms of the fits, where that can be done safely.
+
+    Parameters
+    ----------
+    indptr : ndarray of int, shape (n + 1,)
+        The points of fit i are ``charts[indptr[i]:indptr[i + 1]]``.
+    charts : ndarray, shape (nnz, 2)
+    degree : int
+    near : float
+        The weight of a point p in the least squares is ``1 / (near + |p|^2)``.
+    fewest : int
+        Points without which a fit of this degree is not wanted.
+    kept : float
+        Of the square of the constant column: with less of it left, the fit is not wanted either.
+    weights : ndarray, shape (nnz,)
+        Overwritten; to be ignored where a fit is not done.
+
+    Returns
+    -------
+    ndarray of bool, shape (n,)
+        Whether the fit is done.
+    """
+    n = len(indptr) - 1
+    columns = degree * (degree + 3) // 2
+    shape = (MANY, SIDE_BY_SIDE)
+    x, y, w = np.zeros(shape), np.zeros(shape), np.zeros(shape)
+    moments = np.empty(((degree + 1) * (2 * degree + 1), SIDE_BY_SIDE))
+    powers, terms = np.empty_like(moments), np.empty((columns, SIDE_BY_SIDE))
+    factor = np.empty((columns + 1, columns + 1, SIDE_BY_SIDE))
+    inverses, rest = np.empty((columns, SIDE_BY_SIDE)), np.empty(SIDE_BY_SIDE)
+    done, sound = np.zeros(n, dtype=np.bool_), np.empty(SIDE_BY_SIDE, dtype=np.bool_)
+    for first in range(0, n, SIDE_BY_SIDE):
+        last = min(first + SIDE_BY_SIDE, n)
+        rows = _spread(indptr, charts, first, last, near, fewest, x, y, w)
+        _set_moments(x[:rows], y[:rows], w[:rows], degree, powers, moments)
+        _factorize(moments, degree, factor, inverses, rest, sound)
+        _solve(factor, inverses, terms)
+        _evaluate(x[:rows], y[:rows], w[:rows], degree, terms, powers)
+        for i in range(first, last):
+            lane = i - first
+            done[i] = sound[lane] and rest[lane] >= kept * moments[0, lane]
+            if done[i]:
+                total = 0.0
+                for k in range(indptr[i + 1] - indptr[i]):
+                    total += w[k, lane]
+                for k in range(indptr[i + 1] - indptr[i]):
+                    weights[indptr[i] + k] = w[k, lane] / total
+    return done
+
+
+@njit(cache=True, error_model="numpy")
+def _spread(
+    indptr: Indices,
+    charts: Floats,
+    first: int,
+    last: int,
+    near: float,
+    fewest: int,
+    x: Floats,
+    y: Floats,
+    w: Floats,
+) -> int:
+    """Put the points of each fit into a column, filled up with points without weight; return the rows."""
+    rows = 0
+    for i in range(first, last):
+        count = indptr[i + 1] - indptr[i]
+        if fewest <= count <= MANY:
+            rows = max(rows, count)
+    x[:rows], y[:rows], w[:rows] = 0.0, 0.0, 0.0
+    for i in range(first, last):
+        count = indptr[i + 1] - indptr[i]
+        if fewest <= count <= MANY:
+            for k in range(count):
+                p, q = charts[indptr[i] + k, 0], charts[indptr[i] + k, 1]
+                x[k, i - first], y[k, i - first], w[k, i - first] = p, q, 1.0 / (near + p * p + q * q)
+    return rows
+
+
+@njit(cache=True)
+def _set_moments(x: Floats, y: Floats, w: Floats, degree: int, powers: Floats, moments: Floats) -> None:
+    """Sum w x^(d - p) y^p over the points, at d (d + 1) / 2 + p for d up to twice the degree."""
+    moments[:] = 0.0
+    for k in range(len(x)):
+        _multiply(w[k], x[k], y[k], 2 * degree, powers)
+        for at in range(len(moments)):
+            moment, power = moments[at], powers[at]
+            for lane in range(SIDE_BY_SIDE):
+                moment[lane] += power[lane]
+
+
+@njit(cache=True)
+def _multiply(first: Floats, x: Floats, y: Floats, degree: int, powers: Floats) -> None:
+    """Fill in x^(d - p) y^p times the first of them."""
+    powers[0] = first
+    at = 1
+    for d in range(1, degree + 1):
+        for p in range(d + 1):
+            lower, power, factor = powers[at - d - p // d], powers[at], y if p == d else x
+            for lane in range(SIDE_BY_SIDE):
+                power[lane] = lower[lane] * factor[lane]
+            at += 1
+
+
+@njit(cache=True, error_model="numpy")
+def _factorize(
+    moments: Floats, degree: int, factor: Floats, inverses: Floats, rest: Floats, sound: Mask
+) -> None:
+    """Factorize the matrices of the monomials' products; the constant comes last, and `rest` is its pivot."""
+    columns = len(inverses)
+    of_degree, of_power = np.empty(columns + 1, dtype=np.int64), np.empty(columns + 1, dtype=np.int64)
+    column = 0
+    for d in range(1, degree + 1):
+        for p in range(d + 1):
+            of_degree[column], of_power[column] = d, p
+            column += 1
+    of_degree[columns], of_power[columns] = 0, 0
+    sound[:], rest[:] = True, moments[0]
+    for j in range(columns):
+        inverse = inverses[j]
+        for i in range(j, columns + 1):
+            d = of_degree[i] + of_degree[j]
+            product, entry = moments[d * (d + 1) // 2 + of_power[i] + of_power[j]], factor[i, j]
+            entry[:] = product
+            for k in range(j):
+                left, right = factor[i, k], factor[j, k]
+                for lane in range(SIDE_BY_SIDE):
+                    entry[lane] -= left[lane] * right[lane]
+            if i == j:
+                for lane in range(SIDE_BY_SIDE):
+                    good = entry[lane] > SAFE * product[lane]
+                    sound[lane] &= good
+                    inverse[lane] = 1.0 / np.sqrt(entry[lane]) if good else 0.0
+            for lane in range(SIDE_BY_SIDE):
+                entry[lane] *= inverse[lane]
+        last = factor[columns, j]
+        for lane in range(SIDE_BY_SIDE):
+            rest[lane] -= last[lane] * last[lane]
+
+
+@njit(cache=True)
+def _solve(factor: Floats, inverses: Floats, terms: Floats) -> None:
+    """The coefficients of the monomials in the constant's own fit."""
+    columns = len(inverses)
+    for j in range(columns - 1, -1, -1):
+        term, inverse = terms[j], inverses[j]
+        term[:] = factor[columns, j]
+        for i in range(j + 1, columns):
+            entry, other = factor[i, j], terms[i]
+            for lane in range(SIDE_BY_SIDE):
+                term[lane] -= entry[lane] * other[lane]
+        for lane in range(SIDE_BY_SIDE):
+            term[lane] *= inverse[lane]
+
+
+@njit(cache=True)
+def _evaluate(x: Floats, y: Floats, w: Floats, degree: int, terms: Floats, powers: Floats) -> None:
+    """Multiply the points' weights by what their fit leaves of the constant."""
+    ones = np.ones(SIDE_BY_SIDE)
+    left = np.empty(SIDE_BY_SIDE)
+    for k in range(len(x)):
+        _multiply(ones, x[k], y[k], degree, powers)
+        left[:] = 1.0
+        for j in range(len(terms)):
+            term, power = terms[j], powers[j + 1]
+            for lane in range(SIDE_BY_SIDE):
+                left[lane] -= term[lane] * power[lane]
+        weight = w[k]
+        for lane in range(SIDE_BY_SIDE):
+            weight[lane] *= left[lane]

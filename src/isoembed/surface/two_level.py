@@ -1,0 +1,320 @@
+"""Steps where the factors of J J^T do not fit: J^T J by conjugate gradients, preconditioned on two levels.
+
+The mesh is taken apart into aggregates of some thirty vertices.  On the coarse level these move as rigid
+bodies, which changes only the edges between them: a matrix of six unknowns an aggregate, whose factors are a
+tenth as large.  (Smoothed aggregation starts from the rigid motions, too: Vanek, Mandel, Brezina, Computing
+56, 1996.  But its hierarchies take as much memory as the factors of J J^T.)  What the coarse level leaves is
+smoothed by a polynomial in J^T J (Adams, Brezina, Hu, Tuminaro, J. Comput. Phys. 188, 2003).  On convex
+surfaces the number of iterations does not grow with the mesh.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numba import njit
+from numpy.typing import NDArray
+from scipy.sparse import bsr_array, csr_array, eye_array
+
+from isoembed.linalg import Dissection, SymmetricFactor, analyze, dissect
+from isoembed.linalg.conjugate import Approximation, conjugate_gradients
+from isoembed.surface.rigidity_matrix import Ends, RigidityMatrix
+
+Floats = NDArray[np.float64]
+Indices = NDArray[np.int64]
+Pointers = NDArray[np.int32]
+
+AGGREGATE = 48  # vertices at most
+DEGREE = 4  # of the smoothing polynomial
+LARGEST = 2.0  # an edge couples two blocks: no eigenvalue of D^-1 J^T J is larger
+SMOOTHED = LARGEST / 30  # and the eigenvalues from here on are smoothed
+HOLD = 1e-10  # relative: fixes what changes no edge
+
+
+class TwoLevel:
+    """``J^T J + damping I`` and its preconditioner.
+
+    Parameters
+    ----------
+    J : RigidityMatrix
+    positions : ndarray, shape (V, 3)
+        Where the vertices are in J.
+    dissection : Dissection
+        Of the vertex graph.
+    damping : float
+
+    Raises
+    ------
+    OutOfMemory
+        Even the coarse matrix has factors that are too large.
+    """
+
+    def __init__(self, J: RigidityMatrix, positions: Floats, dissection: Dissection, damping: float) -> None:
+        self._J, self._damping = J, damping
+        self._arms = positions - positions.mean(axis=0)
+        moments = self._arms.T @ self._arms
+        self._turning = np.linalg.pinv(np.eye(3) * np.trace(moments) - moments)
+        self._inverses = _inverses(J, damping)
+        self._bodies = _Bodies.of(positions, _aggregates(dissection.cells))
+        self._coarse = self._bodies.factor(J, damping)
+
+    def step(self, residuals: Floats, tolerance: float, most: int) -> Approximation:
+        """Solve ``(J^T J + damping I) d = J^T r``.
+
+        Parameters
+        ----------
+        residuals : ndarray, shape (E,)
+            r.
+        tolerance : float
+            Of the equation's residual, relative to ``J^T r``.
+        most : int
+            Iterations.
+
+        Returns
+        -------
+        Approximation
+            d, (V, 3), orthogonal to the rigid motions.
+        """
+        return conjugate_gradients(
+            self._times, self._preconditioned, self._J.forces(residuals), tolerance, most
+        )
+
+    def _times(self, motion: Floats) -> Floats:
+        forces = self._J.forces(self._J.rates(motion))
+        if self._damping:
+            forces += self._damping * motion
+        return forces
+
+    def _preconditioned(self, forces: Floats) -> Floats:
+        """A symmetric cycle: smooth, correct on the coarse level, smooth."""
+        motion = self._smoothed(forces)
+        motion += self._bodies.moved(self._coarse, forces - self._times(motion))
+        motion += self._smoothed(forces - self._times(motion))
+        _take_away_rigid(motion, self._arms, self._turning)
+        return motion
+
+    def _smoothed(self, forces: Floats) -> Floats:
+        """Chebyshev's iteration from zero for the eigenvalues from SMOOTHED to LARGEST.
+
+        Source: Saad, Iterative methods for sparse linear systems, 2003, algorithm 12.1.
+        """
+        theta, delta = (LARGEST + SMOOTHED) / 2, (LARGEST - SMOOTHED) / 2
+        sigma = theta / delta
+        rho = 1 / sigma
+        left = forces.copy()
+        step = _times_blocks(self._inverses, left) / theta
+        motion = step.copy()
+        for _ in range(DEGREE - 1):
+            left -= self._times(step)
+            before, rho = rho, 1 / (2 * sigma - rho)
+            step *= rho * before
+            step += 2 * rho / delta * _times_blocks(self._inverses, left)
+            motion += step
+        return motion
+
+
+@dataclass(frozen=True, eq=False)
+class _Bodies:
+    """Aggregates of vertices that move as rigid bodies: three translations, three rotations each.
+
+    Attributes
+    ----------
+    of_vertex : ndarray of int32, shape (V,)
+    arms : ndarray, shape (V, 3)
+        From the center of the body, over the size of them all: rotations then are as large as translations.
+    together : ndarray, shape (6 count, 6)
+        The motions of all bodies as one, an orthonormal basis.
+    """
+
+    of_vertex: Pointers
+    arms: Floats
+    together: Floats
+
+    @classmethod
+    def of(cls, positions: Floats, of_vertex: Pointers) -> _Bodies:
+        sums = np.column_stack([np.bincount(of_vertex, x) for x in positions.T])
+        centers = sums / np.bincount(of_vertex)[:, None]
+        arms = positions - centers[of_vertex]
+        size = float(np.sqrt(np.mean(np.einsum("ij,ij->i", arms, arms))))
+        together = np.zeros((len(centers), 6, 6))
+        together[:, :3, :3] = np.eye(3)
+        together[:, 3:, 3:] = size * np.eye(3)
+        for k, axis in enumerate(np.eye(3)):
+            together[:, :3, 3 + k] = np.cross(axis, centers - centers.mean(axis=0))
+        return cls(of_vertex, arms / size, np.linalg.qr(together.reshape(-1, 6))[0])
+
+    @property
+    def count(self) -> int:
+        return len(self.together) // 6
+
+    def factor(self, J: RigidityMatrix, damping: float) -> SymmetricFactor:
+        """Factor the coarse matrix; raises OutOfMemory."""
+        ends = self.of_vertex[J.ends]
+        ends = ends[ends[:, 0] != ends[:, 1]]
+        pairs = np.concatenate([ends, ends[:, ::-1]]).T
+        graph = csr_array((np.ones(len(ends) * 2), (pairs[0], pairs[1])), shape=(self.count, self.count))
+        pattern = csr_array(graph + eye_array(self.count))
+        pattern.sort_indices()
+        indptr, indices = pattern.indptr.astype(np.int32), pattern.indices.astype(np.int32)
+        blocks = _coarse_blocks(J.ends, J.rows, self.of_vertex, self.arms, indptr, indices, damping)
+        matrix = bsr_array((blocks, indices, indptr), shape=(6 * self.count, 6 * self.count)).tocsr()
+        matrix.setdiag(matrix.diagonal() + HOLD * matrix.diagonal().mean())
+        solver = analyze(matrix.T, dissect(graph).block_order(6))  # rows are columns: it is symmetric
+        return solver.factor(matrix.data)
+
+    def moved(self, factor: SymmetricFactor, forces: Floats) -> Floats:
+        """How the vertices move with the bodies that these forces, (V, 3), act on."""
+        wrenches = _wrenches(self.of_vertex, self.arms, self.count, forces).ravel()
+        moved = self._apart(factor.solve(self._apart(wrenches), sweeps=0))
+        return _motions(self.of_vertex, self.arms, moved.reshape(-1, 6))
+
+    def _apart(self, vector: Floats) -> Floats:
+        """Take away the motion as one, which the factor would blow up from rounding."""
+        return vector - self.together @ (self.together.T @ vector)
+
+
+@njit(cache=True)
+def _take_away_rigid(motion: Floats, arms: Floats, turning: Floats) -> None:
+    """Take from a motion, (V, 3), the translation and the rotation in it.
+
+    ``arms`` reach from the center; ``turning`` is the inverse of their moments of inertia.
+    """
+    shift, momentum, wrench = np.zeros(3), np.zeros(3), np.empty(6)
+    for v in range(len(motion)):
+        _wrench(arms[v], motion[v], wrench)
+        shift += wrench[:3]
+        momentum += wrench[3:]
+    shift /= len(motion)
+    x, y, z = turning @ momentum
+    for v in range(len(motion)):
+        motion[v, 0] -= shift[0] + y * arms[v, 2] - z * arms[v, 1]
+        motion[v, 1] -= shift[1] + z * arms[v, 0] - x * arms[v, 2]
+        motion[v, 2] -= shift[2] + x * arms[v, 1] - y * arms[v, 0]
+
+
+@njit(cache=True)
+def _aggregates(cells: Indices) -> Pointers:
+    """Number the cells of a tree, as in `Dissection.cells`, that are the largest with few vertices."""
+    n = cells.size
+    order = np.argsort(cells)
+    of_vertex = np.empty(n, dtype=np.int32)
+    count = 0
+    depth = np.int64(0)
+    while cells.max() >> depth:
+        depth += 1
+    waiting = [(0, n, depth)]
+    while waiting:
+        start, end, bit = waiting.pop()
+        if end - start <= AGGREGATE or bit == 0:
+            for p in range(start, end):
+                of_vertex[order[p]] = count
+            count += 1
+            continue
+        middle = start
+        while middle < end and (cells[order[middle]] >> (bit - 1)) & 1 == 0:
+            middle += 1
+        if middle > start:
+            waiting.append((start, middle, bit - 1))
+        if end > middle:
+            waiting.append((middle, end, bit - 1))
+    return of_vertex
+
+
+def _inverses(J: RigidityMatrix, damping: float) -> Floats:
+    """The inverses of the diagonal blocks of ``J^T J + damping I``, (V, 3, 3), held at flat vertices."""
+    blocks = _diagonal_blocks(J.ends, J.rows, J.vertices)
+    trace = np.einsum("iaa->i", blocks)
+    blocks[:, np.arange(3), np.arange(3)] += (damping + HOLD * trace)[:, None]
+    inverses = np.linalg.inv(blocks)
+    return (inverses + inverses.transpose(0, 2, 1)) / 2
+
+
+@njit(cache=True)
+def _diagonal_blocks(ends: Ends, rows: Floats, vertices: int) -> Floats:
+    blocks = np.zeros((vertices, 3, 3))
+    for e in range(len(ends)):
+        for v in ends[e]:
+            for i in range(3):
+                for j in range(3):
+                    blocks[v, i, j] += rows[e, i] * rows[e, j]
+    return blocks
+
+
+@njit(cache=True)
+def _times_blocks(blocks: Floats, vectors: Floats) -> Floats:
+    products = np.zeros_like(vectors)
+    for v in range(len(vectors)):
+        for i in range(3):
+            for j in range(3):
+                products[v, i] += blocks[v, i, j] * vectors[v, j]
+    return products
+
+
+@njit(cache=True)
+def _wrench(arm: Floats, force: Floats, wrench: Floats) -> None:
+    """Set a force and its moment about the center of the body."""
+    wrench[0], wrench[1], wrench[2] = force
+    wrench[3] = arm[1] * force[2] - arm[2] * force[1]
+    wrench[4] = arm[2] * force[0] - arm[0] * force[2]
+    wrench[5] = arm[0] * force[1] - arm[1] * force[0]
+
+
+@njit(cache=True)
+def _wrenches(of_vertex: Pointers, arms: Floats, count: int, forces: Floats) -> Floats:
+    wrenches, wrench = np.zeros((count, 6)), np.empty(6)
+    for v in range(len(forces)):
+        _wrench(arms[v], forces[v], wrench)
+        wrenches[of_vertex[v]] += wrench
+    return wrenches
+
+
+@njit(cache=True)
+def _motions(of_vertex: Pointers, arms: Floats, moved: Floats) -> Floats:
+    motions = np.empty((len(of_vertex), 3))
+    for v in range(len(of_vertex)):
+        tx, ty, tz, wx, wy, wz = moved[of_vertex[v]]
+        x, y, z = arms[v]
+        motions[v, 0] = tx + wy * z - wz * y
+        motions[v, 1] = ty + wz * x - wx * z
+        motions[v, 2] = tz + wx * y - wy * x
+    return motions
+
+
+@njit(cache=True)
+def _coarse_blocks(
+    ends: Ends,
+    rows: Floats,
+    of_vertex: Pointers,
+    arms: Floats,
+    indptr: Pointers,
+    indices: Pointers,
+    damping: float,
+) -> Floats:
+    """``P^T (J^T J + damping I) P``, (nnz, 6, 6), P being the motions of the bodies."""
+    blocks = np.zeros((indices.size, 6, 6))
+    bodies, wrenches = np.empty(2, dtype=np.int64), np.empty((2, 6))
+    for e in range(len(ends)):
+        for k in range(2):
+            bodies[k] = of_vertex[ends[e, k]]
+            _wrench(arms[ends[e, k]], rows[e] if k == 0 else -rows[e], wrenches[k])
+        if bodies[0] == bodies[1]:
+            continue
+        for i in range(2):
+            for j in range(2):
+                start, end = indptr[bodies[i]], indptr[bodies[i] + 1]
+                block = blocks[start + np.searchsorted(indices[start:end], bodies[j])]
+                for a in range(6):
+                    for b in range(6):
+                        block[a, b] += wrenches[i, a] * wrenches[j, b]
+    if damping > 0:
+        unit = np.eye(3)
+        for v in range(len(of_vertex)):
+            start, end = indptr[of_vertex[v]], indptr[of_vertex[v] + 1]
+            block = blocks[start + np.searchsorted(indices[start:end], of_vertex[v])]
+            for k in range(3):
+                _wrench(arms[v], unit[k], wrenches[0])
+                for a in range(6):
+                    for b in range(6):
+                        block[a, b] += damping * wrenches[0, a] * wrenches[0, b]
+    return blocks
