@@ -6,10 +6,8 @@ import io
 import json
 import os
 import pty
-import signal
 import subprocess
 import sys
-import time
 from pathlib import Path
 
 import numpy as np
@@ -21,6 +19,7 @@ from isoembed import Embedding, NotEmbedded, PolyhedralMetric
 from isoembed.cli import main
 from isoembed.cli.parameters import parsed
 from isoembed.io import read_metric, write_metric
+from isoembed.linalg import OutOfMemory
 
 COMMAND = [sys.executable, "-c", "import sys; from isoembed.cli import main; sys.exit(main())"]
 
@@ -201,12 +200,23 @@ def test_embed_interrupted(run, monkeypatch):
     assert os.listdir() == ["metric.json"]
 
 
-def test_embed_without_memory(run, monkeypatch):
+@pytest.mark.parametrize(
+    ("error", "sentence"),
+    [
+        (MemoryError(), "there is not enough memory for this"),
+        (
+            MemoryError("Unable to allocate 9 TiB"),
+            "there is not enough memory for this: Unable to allocate 9 TiB",
+        ),
+        (OutOfMemory("the factors need 9 TB"), "the factors need 9 TB"),
+    ],
+)
+def test_embed_without_memory(run, monkeypatch, error, sentence):
     def exhaust(*_, **__):
-        raise MemoryError
+        raise error
 
     monkeypatch.setattr(isoembed, "embed", exhaust, raising=False)
-    assert run("embed", "metric.json") == (2, "", "isoembed: error: there is not enough memory for this\n")
+    assert run("embed", "metric.json") == (2, "", f"isoembed: error: {sentence}\n")
 
 
 def test_nothing_is_written_when_the_second_file_fails(run, here, monkeypatch):
@@ -406,17 +416,27 @@ def test_a_full_standard_output_is_said(here):
     assert done.stderr == "isoembed: error: cannot write to standard output: No space left on device\n"
 
 
+STOPPED = """
+import os, signal, sys
+from isoembed.cli import main
+from isoembed.stages import Tally
+show = Tally.show
+def shown(tally, **said):
+    show(tally, **said)
+    if tally.iterations == 2:
+        os.kill(os.getpid(), signal.SIGINT)
+Tally.show = shown
+sys.exit(main())
+"""
+
+
 def test_control_c_in_a_real_process(here):
-    metric = PolyhedralMetric.from_mesh(*zoo.icosphere(4))
-    write_metric("m.npz", metric)
-    command = [*COMMAND, "embed", "m.npz", "--method", "paper", "--parameter", "Tsteps=10000", "-o", "a.npz"]
-    with subprocess.Popen(command, stderr=subprocess.PIPE, text=True) as process:
-        time.sleep(2.5)
-        process.send_signal(signal.SIGINT)
-        _, err = process.communicate(timeout=30)
-    assert process.returncode == 130
-    assert err.startswith("isoembed: error: interrupted in the stage '")
-    assert err.endswith("there is no checkpoint, as the method 'paper' kept nothing to go on from\n")
+    write_metric("m.npz", PolyhedralMetric.from_mesh(*zoo.icosphere(2)))
+    command = [sys.executable, "-c", STOPPED, "embed", "m.npz", "--method", "paper", "-o", "a.npz"]
+    done = subprocess.run(command, stderr=subprocess.PIPE, text=True)
+    assert done.returncode == 130
+    assert done.stderr.startswith("isoembed: error: interrupted in the stage '")
+    assert done.stderr.endswith("there is no checkpoint, as the method 'paper' kept nothing to go on from\n")
     assert sorted(os.listdir()) == ["m.npz", "metric.json"]
 
 

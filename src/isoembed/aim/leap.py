@@ -84,6 +84,7 @@ def approach(
     back, deficits, kept = np.argsort(order), waypoint.deficits[order], log.resumed_at("polytopes")
     close = CLOSE * float(deficits.max()) if waypoint is given else 0.0
     with log.stage("polytopes") as tally:
+        tally.show(level=f"{given.n_vertices:,} vertices")
         radii = None if kept is None else kept["radii"][order]
         for found in walk(tables.in_order(order), deficits, tally, backend, radii):
             if isinstance(found, Solution):
@@ -126,6 +127,7 @@ def leap(given: GluedMetric, start: Floats, log: Log, backend: str | None = None
     tables = HalfEdges.of(given.faces, given.twins, given.face_lengths)
     order = tables.order_in_memory()
     with log.stage("leap") as tally:
+        tally.show(level=f"{given.n_vertices:,} vertices")
         tally.keep(start=start)
         try:
             landed = _flown(tables.in_order(order), start[order], tally, backend)

@@ -80,7 +80,10 @@ def main(argv: Sequence[str] | None = None) -> int:
         complain(str(stop) or "interrupted")
         return interruption.status
     except MemoryError as error:
-        complain(str(error) or "there is not enough memory for this")
+        from isoembed.linalg.memory import OutOfMemory
+
+        known = "" if isinstance(error, OutOfMemory) else "there is not enough memory for this"
+        complain(": ".join(part for part in (known, str(error)) if part))
         return WRONG
 
 
