@@ -13,7 +13,7 @@ memory; what the stages took and their factorizations; the largest edge error, t
 coordinates over the diameter, and the inverted vertices.  "one" is the time of the processor for one numeric
 factorization of J J^T, the edges x edges matrix of Newton's method on the lengths, at the surface and by the
 same backend (not above --most edges); "total / one" leaves start-up, input and output out.  The exponent is
-that of the time of the processor, from 40,000 to 640,000 vertices.  With --meshes, meshes made once are kept
+that of the seconds of all stages, from 40,000 to 640,000 vertices.  With --meshes, meshes made once are kept
 in a folder.
 """
 
@@ -180,11 +180,13 @@ def show(row):
 
 
 def exponent(rows):
-    """Slope of log(cpu) over log(N) from 40,000 vertices to 640,000, or what there is of that."""
-    rows = [row for row in rows if "cpu" in row and 40_000 <= row["n"] <= 640_000]
+    """Slope of the stages' seconds over N, logarithmic, from 40,000 to 640,000 or what there is of it."""
+    rows = [row for row in rows if "solving" in row and 40_000 <= row["n"] <= 640_000]
     if len(rows) < 2:
         return None
-    return float(np.polyfit(np.log([row["n"] for row in rows]), np.log([row["cpu"] for row in rows]), 1)[0])
+    return float(
+        np.polyfit(np.log([row["n"] for row in rows]), np.log([row["solving"] for row in rows]), 1)[0]
+    )
 
 
 def main():

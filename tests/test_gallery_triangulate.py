@@ -27,6 +27,7 @@ from isoembed.gallery.blue_noise import blue_noise_directions
 from isoembed.gallery.flips import corner_angles, flip_to_delaunay, flip_where_touched, twin_halfedges
 from isoembed.gallery.points import fibonacci_lattice, spread_directions, vertex_density
 from isoembed.gallery.relax import lloyd_step
+from isoembed.gallery.touch_up import GOOD, INWARD, OUTSIDE, _judge
 from isoembed.surface.intersection import self_intersections
 
 MODULE = sys.modules["isoembed.gallery.triangulate"]  # its name in the package is that of the function
@@ -199,17 +200,42 @@ def test_large_meshes_move_where_they_must(monkeypatch):
     assert np.median(distance) < 2 * edge
 
 
+def beyond(x, faces):
+    """Degrees by which the angles are outside of the window."""
+    return max(38 - angles(x, faces).min(), angles(x, faces).max() - 97)
+
+
 def test_a_large_mesh_that_is_not_finished_is_the_best_so_far(monkeypatch):
-    surface, n = Ellipsoid((3, 2, 1)), 3000
     monkeypatch.setattr(MODULE, "LARGE", 1000)
-    beyond = []
-    for patience in (1, 2, 200):
+    surface, n, found = HarmonicSurface(16, 8, 0.5), 1500, []
+    for patience in (1, 2, 10):
         monkeypatch.setattr("isoembed.gallery.touch_up.PATIENCE", patience)
         x, faces = triangulate(surface, n)
         assert_closed_oriented_sphere(faces, n)
-        corner = angles(x, faces)
-        beyond.append(max(38 - corner.min(), corner.max() - 97))
-    assert beyond[0] > beyond[1] > 0 > beyond[2]
+        found.append(beyond(x, faces))
+    assert found[0] >= found[1] >= found[2] > 0
+    first = surface.point(spread_directions(surface, fibonacci_lattice(n)))
+    normals = surface.normal(directions(surface, first))
+    assert found[0] <= beyond(first, flip_to_delaunay(first, normals, *connected(surface, n))[0])
+
+
+def test_triangles_are_judged_by_their_angles_and_by_where_they_look():
+    x, faces = triangulate(Sphere(), 200)
+    every, window = np.arange(len(faces)), np.radians([38.0, 97.0])
+    verdicts = np.zeros(len(faces), dtype=np.int8)
+    _judge(x, x, faces, corner_angles(x, faces), window, every, verdicts)
+    assert (verdicts == GOOD).all()
+    x[0] += 0.7 * (x[faces[(faces == 0).any(axis=1)][0]].mean(axis=0) - x[0])
+    spoilt = corner_angles(x, faces)
+    _judge(x, x, faces, spoilt, window, every, verdicts)
+    outside = (spoilt < window[0]).any(axis=1) | (spoilt > window[1]).any(axis=1)
+    assert 0 < outside.sum() < 10
+    np.testing.assert_array_equal(verdicts == OUTSIDE, outside)
+    spoilt[5, 1] = np.nan
+    _judge(x, x, faces, spoilt, window, np.array([5]), verdicts)
+    assert verdicts[5] == OUTSIDE
+    _judge(x, -x, faces, spoilt, window, np.array([7]), verdicts)
+    assert np.flatnonzero(verdicts == INWARD).tolist() == [7]
 
 
 @pytest.mark.parametrize("irregular", [None, 0])

@@ -487,6 +487,7 @@ UNUSUAL_OBJ = [
     PLAIN_OBJ.replace("f 1 2 4", "f 1 +2 4"),
     PLAIN_OBJ.replace("f 1 2 4", "f 1 2 4\x0b"),
     PLAIN_OBJ.replace("f 1 2 4", f"f 1 2 {10**18}"),
+    PLAIN_OBJ.replace("# a comment  \r", "# a comment that goes on \\"),
     PLAIN_OBJ.replace("a weight", "ein Gewicht für hier"),
     PLAIN_OBJ.replace(".5\r\n", ".5\r"),
     PLAIN_OBJ.replace("1e-3", "1_0"),
@@ -518,6 +519,8 @@ def test_unusual_text_is_read_with_care(ending, text, tmp_path, monkeypatch):
     ("ending", "content", "sentence"),
     [
         (".obj", "v\nv 1 0 0\nf 1 1 1\n", "line 1: cannot understand 'v'"),
+        (".obj", "v 0 0 0\nv# 1 0 0\nf 1 1 1\n", "line 2: cannot understand 'v# 1 0 0'"),
+        (".obj", "v 0 0 0\nv 1-2 0 0\nf 1 1 1\n", "line 2: cannot understand 'v 1-2 0 0'"),
         (".obj", "v 0 0 0\nv 1-2 0\nf 1 1 1\n", "line 2: cannot understand 'v 1-2 0'"),
         (".obj", "v 0 0 0\nv 1-2 0 x\nf 1 1 1\n", "line 2: cannot understand 'v 1-2 0 x'"),
         (".obj", "v 0 0 0x\nf 1 1 1\n", "line 1: cannot understand 'v 0 0 0x'"),

@@ -42,6 +42,10 @@ T, TORUS = zoo.TETRAHEDRON, zoo.torus()
 SPHERE = zoo.icosphere(1)[1]
 OCTAHEDRON = np.array([[i, j, k] for k in (4, 5) for i, j in ((0, 1), (1, 2), (2, 3), (3, 0))])
 OCTAHEDRON[4:] = OCTAHEDRON[4:, ::-1]
+# Two tetrahedra on one edge, in an order in which each half-edge there is followed by one of the other's.
+ON_AN_EDGE = np.array(
+    [[0, 1, 2], [1, 0, 4], [1, 0, 3], [0, 1, 5], [0, 2, 3], [1, 3, 2], [0, 5, 4], [1, 4, 5]]
+)
 NO_SPHERES = {
     "hole": SPHERE[1:],
     "face turned": np.concatenate([SPHERE[:1, ::-1], SPHERE[1:]]),
@@ -60,6 +64,9 @@ NO_SPHERES = {
     "hole and handle": np.concatenate([TORUS[2:], [[0, 1, 20], [1, 0, 21]]]),
     "sphere and torus": np.concatenate([T, TORUS + 4]),
     "pinched twice": np.concatenate([OCTAHEDRON, np.where(OCTAHEDRON < 4, OCTAHEDRON + 6, OCTAHEDRON)]),
+    "loops": np.array([[0, 0, 1], [0, 0, 2]]),
+    "torus and two gaps": np.where(TORUS == 19, 21, TORUS),
+    "two edges for one": ON_AN_EDGE,
     "one vertex for two": np.concatenate([SPHERE[:-1], [[0, 1, 2]]]),
 }
 

@@ -47,11 +47,13 @@ def test_what_the_normal_equations_might_spoil_is_left(degree):
         "too many": rings(MANY + 1, 2),
         "on a line": rng.normal(size=(40, 1)) * [[0.6, 0.8]],
         "nearly on a line": rings(40, 3) @ [[0.6, 0.8], [1e-4 * 0.8, -1e-4 * 0.6]],
+        "stretched": rings(40, 6) @ [[0.6, 0.8], [-0.12, 0.09]],
         "on a circle": circle,
         "on one side": 0.3 * rings(40, 4) + [3, 0],
         "in a point": np.zeros((40, 2)),
         "far": 1e150 * rings(40, 5),
     }
+    assert len(bad) <= 2 * len(good)
     charts = [chart for pair in zip(good, bad.values(), strict=False) for chart in pair]
     charts += list(bad.values())[len(good) :]
     done, of_points, found, expected = weights(charts, degree)
@@ -60,3 +62,11 @@ def test_what_the_normal_equations_might_spoil_is_left(degree):
     np.testing.assert_array_equal(done, good_ones)
     assert found[of_points] == pytest.approx(expected[of_points], abs=1e-12)
     assert np.isnan(found[~of_points]).all()
+
+
+def test_a_constant_that_is_nearly_linear_is_left():
+    """Far to one side of the origin, a plane through the points says little about it."""
+    charts = [rings(40, 0) + np.array([x, 0.0]) for x in (0, 5, 15, 5)]
+    done, of_points, found, expected = weights(charts, 1)
+    assert done.tolist() == [True, True, False, True]
+    assert found[of_points] == pytest.approx(expected[of_points], abs=1e-12)

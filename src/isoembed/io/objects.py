@@ -92,7 +92,7 @@ def _document(data: bytes, name: str, integer: Callable[[str], int | float] = in
 def _usual_tables(document: dict[str, Any]) -> Tables | None:
     """Arrays, if every table is a list of numbers or of equally many numbers a row; else None."""
     tables = {key: value for key, value in document.items() if value is not None}
-    for key in tables.keys() & (ROWS.keys() | PLAIN.keys()):
+    for key in (key for key in (*ROWS, *PLAIN) if key in tables):
         rows = tables[key]
         if not isinstance(rows, list) or not rows:
             return None

@@ -33,7 +33,10 @@ def join(faces: Indices) -> tuple[Indices, Indices, Indices] | None:
     face_edges, twins = np.empty(faces.shape, np.int64), np.empty(corners.size, np.int32)
     if not _pair(corners, _sorted_by_ends(corners, n), edges, face_edges.ravel(), halfedges, twins):
         return None
-    return (edges, face_edges, halfedges) if _is_one_manifold(corners, n, twins) else None
+    # A connected surface has V' - E + F <= 2, where V' counts a vertex once for each fan of faces around it.
+    # If all n vertices are in faces, n <= V'; as n - E + F = 2, there is one fan around each, and no handle.
+    is_sphere = _uses_all(corners, n) and _is_connected(twins)
+    return (edges, face_edges, halfedges) if is_sphere else None
 
 
 @njit(cache=True)
@@ -75,7 +78,7 @@ def _pair(
     for e in range(len(edges)):
         h, g = order[2 * e], order[2 * e + 1]
         a, b = corners[h], corners[_next(h)]
-        if a == b or corners[g] != b or corners[_next(g)] != a:
+        if a == b or corners[_next(g)] != a:
             return False
         if a > b:
             h, g, a, b = g, h, b, a
@@ -89,22 +92,19 @@ def _pair(
 
 
 @njit(cache=True)
-def _is_one_manifold(corners: Indices, n: int, twins: NDArray[np.int32]) -> bool:
-    """Whether the faces at each vertex are one fan, and all faces hang together."""
-    turned, fans = np.zeros(corners.size, dtype=np.bool_), np.zeros(n, dtype=np.bool_)
-    for first in range(corners.size):
-        if turned[first]:
-            continue
-        if fans[corners[first]]:
-            return False
-        fans[corners[first]] = True
-        h = first
-        while not turned[h]:
-            turned[h] = True
-            h = _next(twins[h])
-    if not fans.all():
-        return False
-    reached, stack = np.zeros(corners.size // 3, dtype=np.bool_), np.empty(corners.size // 3, dtype=np.int32)
+def _uses_all(corners: Indices, n: int) -> bool:
+    """Whether every vertex is in a face."""
+    used = np.zeros(n, dtype=np.bool_)
+    for v in corners:
+        used[v] = True
+    return bool(used.all())
+
+
+@njit(cache=True)
+def _is_connected(twins: NDArray[np.int32]) -> bool:
+    """Whether one gets from the first face to all others across edges."""
+    n_faces = len(twins) // 3
+    reached, stack = np.zeros(n_faces, dtype=np.bool_), np.empty(n_faces, dtype=np.int32)
     reached[0], stack[0] = True, 0
     waiting, count = 1, 1
     while waiting:
@@ -117,4 +117,4 @@ def _is_one_manifold(corners: Indices, n: int, twins: NDArray[np.int32]) -> bool
                 stack[waiting] = g
                 waiting += 1
                 count += 1
-    return count == corners.size // 3
+    return count == n_faces

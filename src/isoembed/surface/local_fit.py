@@ -129,18 +129,22 @@ def _residuals(first: int, indptr: Indices, indices: Indices, weights: Floats, v
 
 @njit(cache=True)
 def _rings(indptr: Indices, indices: Indices, least: int, first: int, last: int) -> tuple[Indices, Indices]:
-    starts = np.zeros(last - first + 1, dtype=np.int64)
+    n, starts = len(indptr) - 1, np.zeros(last - first + 1, dtype=np.int64)
     neighbors = np.empty(3 * least * (last - first), dtype=indices.dtype)
-    seen, reached = np.full(len(indptr) - 1, -1, indices.dtype), np.empty(len(indptr) - 1, indices.dtype)
-    for row in range(last - first):
-        begin = starts[row]
-        end = begin + _reach(indptr, indices, first + row, least, seen, reached)
-        if end > len(neighbors):
-            longer = np.empty(2 * end, dtype=indices.dtype)
-            longer[:begin] = neighbors[:begin]
+    reached, seen = np.empty(n, dtype=indices.dtype), np.empty(n, dtype=indices.dtype)
+    for v in range(n):
+        seen[v] = -1
+    for v in range(first, last):
+        begin = starts[v - first]
+        count = _reach(indptr, indices, v, least, seen, reached)
+        if begin + count > len(neighbors):
+            longer = np.empty(2 * (begin + count), dtype=indices.dtype)
+            for k in range(begin):
+                longer[k] = neighbors[k]
             neighbors = longer
-        neighbors[begin:end] = reached[: end - begin]
-        starts[row + 1] = end
+        for k in range(count):
+            neighbors[begin + k] = reached[k]
+        starts[v - first + 1] = begin + count
     return starts, neighbors[: starts[-1]].copy()
 
 

@@ -93,7 +93,9 @@ def _spread(
         count = indptr[i + 1] - indptr[i]
         if fewest <= count <= MANY:
             rows = max(rows, count)
-    x[:rows], y[:rows], w[:rows] = 0.0, 0.0, 0.0
+    for k in range(rows):
+        for lane in range(SIDE_BY_SIDE):
+            x[k, lane], y[k, lane], w[k, lane] = 0.0, 0.0, 0.0
     for i in range(first, last):
         count = indptr[i + 1] - indptr[i]
         if fewest <= count <= MANY:
@@ -106,7 +108,10 @@ def _spread(
 @njit(cache=True)
 def _set_moments(x: Floats, y: Floats, w: Floats, degree: int, powers: Floats, moments: Floats) -> None:
     """Sum w x^(d - p) y^p over the points, at d (d + 1) / 2 + p for d up to twice the degree."""
-    moments[:] = 0.0
+    for at in range(len(moments)):
+        moment = moments[at]
+        for lane in range(SIDE_BY_SIDE):
+            moment[lane] = 0.0
     for k in range(len(x)):
         _multiply(w[k], x[k], y[k], 2 * degree, powers)
         for at in range(len(moments)):
@@ -116,9 +121,15 @@ def _set_moments(x: Floats, y: Floats, w: Floats, degree: int, powers: Floats, m
 
 
 @njit(cache=True)
+def _copy(source: Floats, target: Floats) -> None:
+    for lane in range(SIDE_BY_SIDE):
+        target[lane] = source[lane]
+
+
+@njit(cache=True)
 def _multiply(first: Floats, x: Floats, y: Floats, degree: int, powers: Floats) -> None:
     """Fill in x^(d - p) y^p times the first of them."""
-    powers[0] = first
+    _copy(first, powers[0])
     at = 1
     for d in range(1, degree + 1):
         for p in range(d + 1):
@@ -141,13 +152,14 @@ def _factorize(
             of_degree[column], of_power[column] = d, p
             column += 1
     of_degree[columns], of_power[columns] = 0, 0
-    sound[:], rest[:] = True, moments[0]
+    for lane in range(SIDE_BY_SIDE):
+        sound[lane], rest[lane] = True, moments[0, lane]
     for j in range(columns):
         inverse = inverses[j]
         for i in range(j, columns + 1):
             d = of_degree[i] + of_degree[j]
             product, entry = moments[d * (d + 1) // 2 + of_power[i] + of_power[j]], factor[i, j]
-            entry[:] = product
+            _copy(product, entry)
             for k in range(j):
                 left, right = factor[i, k], factor[j, k]
                 for lane in range(SIDE_BY_SIDE):
@@ -170,7 +182,7 @@ def _solve(factor: Floats, inverses: Floats, terms: Floats) -> None:
     columns = len(inverses)
     for j in range(columns - 1, -1, -1):
         term, inverse = terms[j], inverses[j]
-        term[:] = factor[columns, j]
+        _copy(factor[columns, j], term)
         for i in range(j + 1, columns):
             entry, other = factor[i, j], terms[i]
             for lane in range(SIDE_BY_SIDE):
@@ -186,7 +198,7 @@ def _evaluate(x: Floats, y: Floats, w: Floats, degree: int, terms: Floats, power
     left = np.empty(SIDE_BY_SIDE)
     for k in range(len(x)):
         _multiply(ones, x[k], y[k], degree, powers)
-        left[:] = 1.0
+        _copy(ones, left)
         for j in range(len(terms)):
             term, power = terms[j], powers[j + 1]
             for lane in range(SIDE_BY_SIDE):
