@@ -5,8 +5,9 @@ The paper's three steps, each of them replaced by one that does not fail:
 1. uniformize, but only as far as convexity (`isoembed.aim.waypoint`);
 2. embed where it is easy, which for a convex metric is everywhere: the exact polyhedron of Alexandrov's
    theorem (`isoembed.alexandrov`);
-3. pull back: where the given metric is convex or nearly so, Newton's method on the given edges gets there in
-   one leap; where it does not, step by step, guided by smoothness (`isoembed.aim.guided`).
+3. pull back: where the given metric is convex or nearly so, Newton's method gets there in one leap, on the
+   radii (`isoembed.aim.leap`) or on the lengths; where it does not, step by step, guided by smoothness
+   (`isoembed.aim.guided`).
 """
 
 from __future__ import annotations
@@ -54,7 +55,7 @@ POLISH = 10  # Newton steps at most
 NEARLY = 1e-6  # mean edge lengths: between two neighbors Newton's method may get no further
 STRAYED = 0.6  # root mean squares: of the heights above the neighbors, a trusted leap changes none by more
 LITTLE = 0.03  # of 4 pi: a metric with less negative curvature may be nearly convex
-LANDED = 0.25  # the same for a leap in the radii: .15 on the coarsest meshes, .37 where it crossed over
+LANDED = 0.25  # heights on a sphere: a trusted leap in the radii changes none by more
 SAME = 1e-7  # mean edge lengths: surfaces as near as this are one
 
 
@@ -119,7 +120,7 @@ class Aim:
         kept = _kept(log)
         if kept is None:
             if negative_curvature(given) < LITTLE:
-                vertices = self._leapt(unit, given, log)
+                vertices = self._leapt(given, log)
                 if vertices is not None:
                     embedding = surface(metric.unit * vertices)
                     if embedding.residual <= max(tolerance, EXACT):
@@ -178,7 +179,7 @@ class Aim:
                     embedding = embedding.with_message(diagnosis(embedding, fitted))
         return embedding.with_stages(log.stages)
 
-    def _leapt(self, metric: PolyhedralMetric, given: GluedMetric, log: Log) -> Floats | None:
+    def _leapt(self, given: GluedMetric, log: Log) -> Floats | None:
         """The vertices, if a leap in the radii gets there without straying."""
         log.expect(LEAP)
         kept = log.resumed_at("leap")
