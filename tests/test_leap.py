@@ -5,12 +5,17 @@ import pytest
 
 import smooth
 import zoo
-from isoembed.aim.leap import approach, leap
+from isoembed.aim.leap import _popped, _without_curvature, approach, inverted_vertices, leap
 from isoembed.aim.waypoint import NEAR, convex_waypoint, is_convex
+from isoembed.alexandrov.homotopy import held
+from isoembed.alexandrov.placement import realized
+from isoembed.alexandrov.polytope import Polytope
 from isoembed.gallery import CassiniPeanut, Ellipsoid, KerrHorizon, triangulate
+from isoembed.metric.flips import HalfEdges
 from isoembed.metric.glued import GluedMetric
 from isoembed.metric.polyhedral import PolyhedralMetric
 from isoembed.stages import Log
+from isoembed.surface.measures import vertex_normals
 from isoembed.surface.rigidity import LengthSystem, length_residuals
 from sprinkled import box
 
@@ -104,3 +109,23 @@ def test_flat_vertices_have_no_radii():
     assert flat.any()
     metric = GluedMetric.of(in_units(vertices, faces)[1])
     assert approach(metric, metric, Log()) is None
+
+
+@pytest.mark.parametrize("rank", [0, 10, 20, 40])
+def test_a_vertex_that_went_in_comes_out(rank):
+    # The realization of an ellipsoid's lengths with one vertex pushed in: from there, back to the ellipsoid.
+    vertices, metric = in_units(*smooth.ellipsoid(800))
+    given = GluedMetric.of(metric)
+    tables = HalfEdges.of(given.faces, given.twins, given.face_lengths)
+    v = np.argsort(given.deficits)[rank]  # where the surface is flattest
+    ring = np.flatnonzero(metric.triangulation.adjacency[[v]].toarray()[0])
+    normal = vertex_normals(metric.faces, vertices)[v]
+    pushed = vertices.copy()
+    pushed[v] -= 2 * ((vertices[v] - vertices[ring].mean(axis=0)) @ normal) * normal
+    tally = smooth.tally()
+    start = held(Polytope.on(tables, np.linalg.norm(pushed, axis=1)), tally)
+    inside, _ = _without_curvature(start, 1e-12, tally)
+    assert np.flatnonzero(inverted_vertices(inside.polytope)).tolist() == [v]
+    outside = _popped(inside, tally)
+    assert not inverted_vertices(outside.polytope).any()
+    assert smooth.misfit(realized(outside, tally), vertices) < 1e-12 < 1e-3 < smooth.misfit(pushed, vertices)

@@ -29,6 +29,7 @@ from isoembed.surface.measures import outward
 Floats = NDArray[np.float64]
 Indices = NDArray[np.int64]
 
+NUDGE = 1e-3  # mean edge lengths: to see how the curvature of an inverted vertex bends
 PARTS = 4  # of the way from the waypoint to a metric that is not convex
 CONVERGING = 0.5  # of the curvatures is left, or less, after each step
 NEARLY, CLOSELY, SETTLED = 1e-6, 1e-9, 1e-12  # radians: on the way; what may be rounding; left to the polish
@@ -173,7 +174,37 @@ def _flown(
         strayed = max(strayed, float(change))
         known.append((t, state.polytope.radii))
         tally.show(t=t, done=FLOWN * (1 - t))
-    return None if state is None else (state, strayed)
+    return None if state is None else (_popped(state, tally), strayed)
+
+
+def _popped(state: Solution, tally: Tally) -> Solution:
+    """Turn out the vertices all of whose edges are concave, where that gives another realization.
+
+    Where the metric is nearly flat, Newton's method may find either.  Of the height of one vertex alone, the
+    curvature there is a parabola: the other root is as far from its top.
+    """
+    p = state.polytope
+    inverted = inverted_vertices(p)
+    if not inverted.any():
+        return state
+    nudge = NUDGE * float(p.tables.lengths.mean())
+    nudged = Polytope.on(p.tables, p.radii + nudge * inverted)
+    if nudged is None:
+        return state
+    with np.errstate(all="ignore"):
+        across = np.where(inverted, -2 * nudge * p.diagonal / (nudged.diagonal - p.diagonal), 0.0)
+    q = Polytope.on(p.tables, p.radii + across) if np.isfinite(across).all() else None
+    found = None if q is None else _without_curvature(state.renewed(q, tally), SETTLED, tally)
+    if found is None or inverted_vertices(found[0].polytope).sum() >= inverted.sum():
+        return state
+    return found[0]
+
+
+def inverted_vertices(p: Polytope) -> NDArray[np.bool_]:
+    """The vertices of which all edges are concave, shape (V,)."""
+    largest = np.full(p.radii.size, -np.inf)
+    np.maximum.at(largest, p.tables.corners, p.coupling)
+    return largest < 0
 
 
 def _without_curvature(state: Solution, settled: float, tally: Tally) -> tuple[Solution, Floats] | None:
