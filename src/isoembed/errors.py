@@ -2,11 +2,10 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
     from isoembed.stages import Checkpoint, Stage
-    from isoembed.surface.embedding import Embedding
 
 
 class InvalidMetric(ValueError):  # noqa: N818 - the contract's name
@@ -27,8 +26,9 @@ class NotEmbedded(RuntimeError):  # noqa: N818 - the contract's name
     ----------
     message : str
         The diagnosis: how far from the lengths it ended, and where the method lost the surface.
-    embedding : Embedding
-        The best attempt.  Its ``report`` says how far from the lengths it is.
+    embedding : Embedding or SmoothEmbedding
+        The best attempt: of a polyhedral metric an `Embedding`, whose ``report`` says how far from the
+        lengths it is; of a smooth metric a `SmoothEmbedding`, whose ``residual`` does.
 
     Attributes
     ----------
@@ -36,7 +36,7 @@ class NotEmbedded(RuntimeError):  # noqa: N818 - the contract's name
         As given.
     """
 
-    def __init__(self, message: str, embedding: Embedding) -> None:
+    def __init__(self, message: str, embedding: Any) -> None:
         super().__init__(message, embedding)  # both, for pickle
         self.embedding = embedding
 

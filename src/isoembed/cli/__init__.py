@@ -18,7 +18,9 @@ from isoembed.cli.status import OK, WRONG
 
 COMMANDS = {
     "embed": "find the surface in R^3 that has the given edge lengths",
+    "energy": "compute quasi-local energies of a surface in spacetime (Hawking, Brown-York, Liu-Yau, ...)",
     "glue": "build a solid from a paper net: polygons whose sides are glued together",
+    "horizon": "embed horizons from files and compute their energies",
     "inspect": "say what kind of metric a file holds, and what that means for its embedding",
     "nets": "solve classic nets: the Latin cross, tetramonohedra, pita forms, D-forms, ...",
     "surface": "write the metric of a closed-form surface (ellipsoid, drum, Kerr horizon, ...)",

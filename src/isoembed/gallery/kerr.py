@@ -8,7 +8,7 @@ from abc import abstractmethod
 from dataclasses import dataclass, field
 from functools import cached_property
 from math import hypot, sqrt
-from typing import ClassVar
+from typing import ClassVar, NamedTuple
 
 import numpy as np
 from numpy.polynomial import Chebyshev
@@ -18,6 +18,80 @@ from isoembed.gallery.revolution import Profile, SurfaceOfRevolution
 from isoembed.gallery.surface import number, positive
 
 Array = NDArray[np.float64]
+
+
+class Radius(NamedTuple):
+    """R over M as a function of s, its first two derivatives in s, and Delta over M^2, Eq. (delta)."""
+
+    R: Array
+    R_s: Array
+    R_ss: Array
+    Delta: Array
+
+
+class Squares(NamedTuple):
+    """The 2-metric in units of M: h_thth, P = h_phph / s and q^2 = (h_thth - rho_th^2) / s, Eq. (f).
+
+    Derivatives are in s. Where q^2 is negative there is no surface of revolution.
+    """
+
+    h_thth: Array
+    P: Array
+    P_s: Array
+    P_ss: Array
+    q2: Array
+    q2_s: Array
+
+
+def horizon_radius(spin: float, charge: float, s: Array) -> Radius:
+    """The outer horizon r_+ of spin a and charge Q over the mass, a^2 + Q^2 at most 1."""
+    r_plus = 1.0 + sqrt(max(0.0, 1.0 - hypot(spin, charge) ** 2))
+    zero = np.zeros_like(s)
+    return Radius(zero + r_plus, zero, zero, zero)
+
+
+def ergosphere_radius(epsilon: float, spin: float, charge: float, s: Array) -> Radius:
+    """The distorted ergosphere, Eq. (rtheta), with charge; Delta is free of cancellation."""
+    a2 = spin**2
+    W = np.sqrt((1.0 - a2 - charge**2) + a2 * s)
+    Delta = a2 * s + epsilon * (2.0 * W + epsilon)
+    return Radius(1.0 + W + epsilon, a2 / (2.0 * W), -(a2**2) / (4.0 * W**3), Delta)
+
+
+def smarr_limit(charge: float) -> float:
+    """The largest spin over the mass at which the horizon of charge Q over the mass embeds in R^3."""
+    # r_+ = 1 + sqrt(1 - a^2 - Q^2) >= sqrt(3) a, solved for a; from Q^2 = 2/3 on it always holds.
+    Q2 = charge**2
+    return (sqrt(3.0) + sqrt(3.0 - 4.0 * Q2)) / 4.0 if Q2 < 2.0 / 3.0 else sqrt(1.0 - Q2)
+
+
+def squares(radius: Radius, spin: float, charge: float, s: Array) -> Squares:
+    """The 2-metric, Eq. (twosurf), of r = R(theta) at s = sin^2(theta); spin and charge over the mass."""
+    a2, Q2 = spin**2, charge**2
+    R, R_s, R_ss, Delta = radius
+    c2 = 1.0 - s
+    Sigma = R**2 + a2 * c2  # Eq. (sigma)
+    Sigma_s = 2.0 * R * R_s - a2
+    Sigma_ss = 2.0 * (R_s**2 + R * R_ss)
+    m, m_s, m_ss = 2.0 * R - Q2, 2.0 * R_s, 2.0 * R_ss
+    w = m / Sigma
+    w_s = (m_s - w * Sigma_s) / Sigma
+    w_ss = (m_ss - 2.0 * w_s * Sigma_s - w * Sigma_ss) / Sigma
+    P = R**2 + a2 + a2 * s * w  # Eq. (gpp)
+    P_s = 2.0 * R * R_s + a2 * (w + s * w_s)
+    P_ss = Sigma_ss + a2 * (2.0 * w_s + s * w_ss)
+    # q^2 = (h_thth - rho_th^2) / s, Eq. (f), with the 0/0 of the poles divided out by hand:
+    # Sigma - P = -a^2 s (1 + w) and R_th^2 = 4 s c^2 R_s^2.
+    if np.any(R_s):
+        g = Sigma * R_s**2 / Delta
+        g_s = (Sigma_s * R_s**2 + 2.0 * Sigma * R_s * R_ss - g * 2.0 * (R - 1.0) * R_s) / Delta
+    else:  # a horizon has Delta = 0, and R_th = 0 removes the term
+        g = g_s = np.zeros_like(s)
+    f = P_s**2 / P
+    f_s = (2.0 * P_s * P_ss - f * P_s) / P
+    q2 = P - a2 * (1.0 + w) + c2 * (4.0 * g - 2.0 * P_s - s * f)
+    q2_s = P_s - a2 * w_s - (4.0 * g - 2.0 * P_s - s * f) + c2 * (4.0 * g_s - 2.0 * P_ss - f - s * f_s)
+    return Squares(Sigma + 4.0 * s * c2 * g, P, P_s, P_ss, q2, q2_s)
 
 
 class KerrSurface(SurfaceOfRevolution):
@@ -32,43 +106,16 @@ class KerrSurface(SurfaceOfRevolution):
     charge: float
 
     @abstractmethod
-    def _R(self, s: Array) -> tuple[Array, Array, Array, Array]:
-        """R, its first two derivatives in s, and Delta, Eq. (delta), free of cancellation."""
+    def _R(self, s: Array) -> Radius:
+        """R and its derivatives, with Delta free of cancellation."""
 
     @property
     def _unit(self) -> float:
         return self.mass
 
-    def _squares(self, s: Array) -> tuple[Array, Array, Array, Array, Array]:
-        """P = rho^2 / s and its first two derivatives in s, then q^2 and its first derivative."""
-        a2, Q2 = (self.spin / self.mass) ** 2, (self.charge / self.mass) ** 2
-        R, R_s, R_ss, Delta = self._R(s)
-        c2 = 1.0 - s
-        Sigma = R**2 + a2 * c2  # Eq. (sigma)
-        Sigma_s = 2.0 * R * R_s - a2
-        Sigma_ss = 2.0 * (R_s**2 + R * R_ss)
-        m, m_s, m_ss = 2.0 * R - Q2, 2.0 * R_s, 2.0 * R_ss
-        w = m / Sigma
-        w_s = (m_s - w * Sigma_s) / Sigma
-        w_ss = (m_ss - 2.0 * w_s * Sigma_s - w * Sigma_ss) / Sigma
-        P = R**2 + a2 + a2 * s * w  # Eq. (gpp)
-        P_s = 2.0 * R * R_s + a2 * (w + s * w_s)
-        P_ss = Sigma_ss + a2 * (2.0 * w_s + s * w_ss)
-        # q^2 = (h_thth - rho_th^2) / s, Eq. (f), with the 0/0 of the poles divided out by hand:
-        # Sigma - P = -a^2 s (1 + w) and R_th^2 = 4 s c^2 R_s^2.
-        if np.any(R_s):
-            g = Sigma * R_s**2 / Delta
-            g_s = (Sigma_s * R_s**2 + 2.0 * Sigma * R_s * R_ss - g * 2.0 * (R - 1.0) * R_s) / Delta
-        else:  # a horizon has Delta = 0, and R_th = 0 removes the term
-            g = g_s = np.zeros_like(s)
-        f = P_s**2 / P
-        f_s = (2.0 * P_s * P_ss - f * P_s) / P
-        q2 = P - a2 * (1.0 + w) + c2 * (4.0 * g - 2.0 * P_s - s * f)
-        q2_s = P_s - a2 * w_s - (4.0 * g - 2.0 * P_s - s * f) + c2 * (4.0 * g_s - 2.0 * P_ss - f - s * f_s)
-        return P, P_s, P_ss, q2, q2_s
-
     def _profile(self, s: Array) -> Profile:
-        P, P_s, P_ss, q2, q2_s = self._squares(s)
+        spin, charge = self.spin / self.mass, self.charge / self.mass
+        _, P, P_s, P_ss, q2, q2_s = squares(self._R(s), spin, charge, s)
         p = np.sqrt(P)
         p_s = P_s / (2.0 * p)
         q = np.sqrt(np.maximum(q2, 0.0))
@@ -110,22 +157,18 @@ class KerrHorizon(KerrSurface):
         object.__setattr__(self, "mass", positive(f"{self.name}: mass", self.mass))
         object.__setattr__(self, "spin", number(f"{self.name}: spin", self.spin))
         object.__setattr__(self, "charge", number(f"{self.name}: charge", self.charge))
-        a, Q2 = abs(self.spin) / self.mass, (self.charge / self.mass) ** 2
-        if Q2 > 1.0:
+        a, Q = abs(self.spin) / self.mass, abs(self.charge) / self.mass
+        if Q > 1.0:
             raise ValueError(f"{self.name}: |charge| must be at most the mass {self.mass}, not {self.charge}")
-        # r_+ = 1 + sqrt(1 - a^2 - Q^2) >= sqrt(3) a, solved for a; from Q^2 = 2/3 on it always holds.
-        limit = (sqrt(3.0) + sqrt(3.0 - 4.0 * Q2)) / 4.0 if Q2 < 2.0 / 3.0 else sqrt(1.0 - Q2)
+        limit = smarr_limit(Q)
         if a > limit * (1.0 + 1e-15):
-            reason = "for the horizon to embed in R^3" if a * a + Q2 <= 1.0 else "for a horizon to exist"
+            reason = "for the horizon to embed in R^3" if a * a + Q * Q <= 1.0 else "for a horizon to exist"
             raise ValueError(
                 f"{self.name}: |spin| must be at most {limit * self.mass:.12g} {reason}, not {self.spin}"
             )
 
-    def _R(self, s: Array) -> tuple[Array, Array, Array, Array]:
-        a, Q = self.spin / self.mass, self.charge / self.mass
-        r_plus = 1.0 + sqrt(max(0.0, 1.0 - hypot(a, Q) ** 2))
-        zero = np.zeros_like(s)
-        return zero + r_plus, zero, zero, zero
+    def _R(self, s: Array) -> Radius:
+        return horizon_radius(self.spin / self.mass, self.charge / self.mass, s)
 
 
 @dataclass(frozen=True)
@@ -159,8 +202,5 @@ class Ergosphere(KerrSurface):
         """No charge."""
         return 0.0
 
-    def _R(self, s: Array) -> tuple[Array, Array, Array, Array]:
-        a2 = (self.spin / self.mass) ** 2
-        W = np.sqrt(1.0 - a2 + a2 * s)
-        Delta = a2 * s + self.epsilon * (2.0 * W + self.epsilon)
-        return 1.0 + W + self.epsilon, a2 / (2.0 * W), -(a2**2) / (4.0 * W**3), Delta
+    def _R(self, s: Array) -> Radius:
+        return ergosphere_radius(self.epsilon, self.spin / self.mass, 0.0, s)

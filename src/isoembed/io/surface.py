@@ -13,9 +13,11 @@ from isoembed.io.registry import FORMATS, SURFACE_ENDINGS
 from isoembed.surface.embedding import Embedding
 
 
-def mesh_writer(path: str | os.PathLike[str], vertices: ArrayLike, faces: ArrayLike) -> Writer:
-    """Return what writes a bare mesh in the format of this ending; see `write_whole`."""
-    return _writer(path, {"vertices": np.asarray(vertices), "faces": np.asarray(faces)})
+def mesh_writer(
+    path: str | os.PathLike[str], vertices: ArrayLike, faces: ArrayLike, **data: NDArray[np.float64]
+) -> Writer:
+    """Return what writes a mesh with data at its vertices in the format of this ending; see `write_whole`."""
+    return _writer(path, {"vertices": np.asarray(vertices), "faces": np.asarray(faces), **data})
 
 
 def surface_writer(path: str | os.PathLike[str], embedding: Embedding) -> Writer:

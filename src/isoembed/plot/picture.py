@@ -24,12 +24,14 @@ MARGINS = 0.9  # inches, below with the caption and above
 INK, PAPER = "#1c2430", "white"
 
 
-def figure(embedding: Embedding) -> Figure:
+def figure(embedding: Embedding, caption: str = "") -> Figure:
     """Draw a surface, colored by its mean curvature H = (k1 + k2) / 2.
 
     Parameters
     ----------
     embedding : Embedding
+    caption : str
+        By default the number of vertices, int H dA and the residual.
 
     Returns
     -------
@@ -89,15 +91,14 @@ def figure(embedding: Embedding) -> Figure:
     bar.set_label("mean curvature  $H = (k_1 + k_2)/2$", color=INK, labelpad=8)
     bar.outline.set_visible(False)
     bar_axes.tick_params(colors=INK, length=3, width=0.6, labelsize=9)
-    picture.text(
-        0.43, 0.25 * (1 - share), _caption(embedding), ha="center", va="center", fontsize=9, color=INK
-    )
+    below = caption or _caption(embedding)
+    picture.text(0.43, 0.25 * (1 - share), below, ha="center", va="center", fontsize=9, color=INK)
     return picture
 
 
-def picture_writer(path: str | os.PathLike[str], embedding: Embedding) -> Writer:
-    """Return what writes the picture in the format of this ending; see `write_whole`."""
-    drawn, format_ = figure(embedding), ending(path)[1:]
+def picture_writer(path: str | os.PathLike[str], embedding: Embedding, caption: str = "") -> Writer:
+    """Return what writes the picture in the format of this ending; see `write_whole` and `figure`."""
+    drawn, format_ = figure(embedding, caption), ending(path)[1:]
     return lambda temporary: drawn.savefig(temporary, format=format_, dpi=DPI)
 
 

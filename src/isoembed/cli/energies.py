@@ -1,0 +1,168 @@
+"""What the commands that compute energies do with them: say them, and write the surface."""
+
+from __future__ import annotations
+
+import argparse
+import json
+import sys
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+import isoembed
+from isoembed.cli.live import live_view
+from isoembed.cli.refusal import Refusal
+from isoembed.cli.screen import complain, say
+from isoembed.cli.status import NOT_EMBEDDED, OK
+from isoembed.errors import InvalidMetric, NotEmbedded
+from isoembed.io import SURFACE_ENDINGS, check_output, mesh_writer, surface_writer, write_whole
+from isoembed.metric.polyhedral import PolyhedralMetric
+from isoembed.relativity.embedded import CONVENTIONS, embed_surface
+from isoembed.relativity.mesh_energies import mesh_energies
+from isoembed.relativity.quadrature import intrinsic_energies
+from isoembed.relativity.surface_data import SurfaceData
+from isoembed.smooth.axisymmetric import AxisymmetricEmbedding
+from isoembed.surface.corrected import Lengths
+
+Floats = NDArray[np.float64]
+
+SHOWN = {
+    "area": "area",
+    "integrated_mean_curvature": "int H dA, H = (k1 + k2)/2",
+    "irreducible_mass": "irreducible mass",
+    "christodoulou_mass": "Christodoulou mass",
+    "hawking": "Hawking energy",
+    "brown_york": "Brown-York energy",
+    "liu_yau": "Kijowski-Liu-Yau energy",
+}
+
+DEFAULT, FEWEST = 1000, 12  # vertices
+
+
+def add_answer_options(parser: argparse.ArgumentParser) -> None:
+    """Add the options that say how to embed and where the answer goes."""
+    parser.add_argument(
+        "--vertices",
+        type=int,
+        metavar="N",
+        help=f"of the mesh that finds a smooth surface, and of the one that is written (default {DEFAULT})",
+    )
+    parser.add_argument("--json", action="store_true", help="print one JSON object instead of text")
+    parser.add_argument(
+        "-o",
+        "--output",
+        type=Path,
+        metavar="FILE",
+        help=f"where to write the embedded surface, by its ending: {' '.join(SURFACE_ENDINGS)}",
+    )
+    parser.add_argument(
+        "--best-fit",
+        action="store_true",
+        help="if a smooth surface does not embed, take the one that comes nearest to it",
+    )
+    parser.add_argument(
+        "--band",
+        type=Path,
+        metavar="FILE",
+        help="if an axisymmetric surface does not embed, write the band of it that does, as a mesh",
+    )
+
+
+def check_outputs(options: argparse.Namespace) -> None:
+    """Find out what cannot be written before anything is computed.
+
+    Raises
+    ------
+    FileError, Refusal
+        Naming the file or the option.
+    """
+    if options.vertices is not None and options.vertices < FEWEST:
+        raise Refusal(f"--vertices must be at least {FEWEST}, not {options.vertices}")
+    for path in (options.output, options.band):
+        if path:
+            check_output(path, SURFACE_ENDINGS)
+
+
+def smooth_answer(options: argparse.Namespace, data: SurfaceData) -> int:
+    """Embed a smooth surface, answer with its energies, and return the exit status."""
+    vertices = DEFAULT if options.vertices is None else options.vertices
+    try:
+        surface = embed_surface(data, vertices=vertices, best_fit=options.best_fit)
+    except NotEmbedded as error:
+        band = None if options.band is None else _band(data)
+        if band is not None:
+            write_whole({options.band: mesh_writer(options.band, *band)})
+        found = {"name": data.name, **intrinsic_energies(data).report, "conventions": CONVENTIONS}
+        _answered(options, {"status": "not embedded", "message": str(error), **found})
+        complain(str(error))
+        return NOT_EMBEDDED
+    if options.output:
+        write_whole({options.output: mesh_writer(options.output, **surface.mesh(vertices))})
+    _answered(options, surface.report)
+    return OK
+
+
+def mesh_answer(
+    options: argparse.Namespace,
+    metric: PolyhedralMetric,
+    k: Floats | None,
+    p: Floats | None,
+    lengths: Lengths,
+) -> int:
+    """Embed the triangles of a surface, answer with its energies, and return the exit status."""
+    if options.vertices is not None:
+        raise Refusal("--vertices is for smooth surfaces: this METRIC has its own")
+    if options.best_fit or options.band:
+        raise Refusal(f"--{'best-fit' if options.best_fit else 'band'} is for smooth surfaces")
+    try:
+        with live_view(sys.stderr is not None and sys.stderr.isatty()) as progress:
+            embedding = isoembed.embed(metric, progress=progress)
+    except NotEmbedded as error:
+        complain(str(error))
+        return NOT_EMBEDDED
+    found = mesh_energies(embedding, k, p, lengths=lengths)
+    if options.output:
+        write_whole({options.output: surface_writer(options.output, embedding)})
+    report = {
+        "status": "embedded",
+        "message": embedding.message,
+        "name": str(options.input),
+        **found.report,
+        "lengths": lengths,
+        "embedding": {
+            "vertices": metric.triangulation.n_vertices,
+            "residual": embedding.residual,
+            "volume": embedding.volume,
+        },
+        "conventions": CONVENTIONS,
+    }
+    _answered(options, report)
+    return OK
+
+
+def _band(data: SurfaceData) -> tuple[Floats, NDArray[np.int64]]:
+    """The largest band of an axisymmetric surface that embeds."""
+    try:
+        bands = AxisymmetricEmbedding.of(data.metric).bands
+    except InvalidMetric as error:
+        raise Refusal(f"--band is for surfaces that are symmetric about the z-axis: {error}") from None
+    if not bands:
+        raise Refusal("--band: no part of the surface is a surface of revolution")
+    return max(bands, key=lambda band: band.area).mesh()
+
+
+def _answered(options: argparse.Namespace, report: dict[str, Any]) -> None:
+    say(json.dumps(report, indent=2, allow_nan=False) if options.json else table(report))
+
+
+def table(report: dict[str, Any]) -> str:
+    """The energies of a report, with their errors, in lines."""
+    width = max(map(len, SHOWN.values()))
+    lines = [report["name"], ""]
+    for name, shown in SHOWN.items():
+        if report[name] is not None:
+            lines.append(f"{shown:{width}}  {report[name]:<22.15g} +- {report['errors'][name]:.0e}")
+    lines += ["", *(f"note: {note}" for note in report["notes"])]
+    return "\n".join([*lines, CONVENTIONS["units"]])

@@ -1,0 +1,80 @@
+"""``isoembed energy``: quasi-local energies of a closed-form surface, or of one from a file."""
+
+from __future__ import annotations
+
+import argparse
+from pathlib import Path
+
+from isoembed.cli.closed_form import add_spacetime_options, closed_form
+from isoembed.cli.energies import add_answer_options, check_outputs, mesh_answer, smooth_answer
+from isoembed.cli.numbers import read_numbers
+from isoembed.cli.refusal import Refusal
+from isoembed.io import MESH_ENDINGS, read_metric
+from isoembed.io.files import ending
+from isoembed.relativity.grid_file import holds_metric_grid, read_metric_grid
+from isoembed.relativity.surface_data import SurfaceData
+from isoembed.surface.corrected import Lengths
+
+OF_SPACETIME = ("mass", "spin", "charge", "surface", "slice")
+OF_METRIC = ("mean_curvature", "momentum", "lengths")
+
+
+def configure(parser: argparse.ArgumentParser) -> None:
+    """Add the options of ``isoembed energy``."""
+    parser.add_argument(
+        "input",
+        nargs="?",
+        metavar="METRIC",
+        help="a surface of your own: a metric on triangles (.npz or .json with faces, edges, lengths, or a "
+        "mesh), or on a grid (.npz .h5 .hdf5 with theta, phi, q_tt, q_tp, q_pp)",
+    )
+    parser.add_argument(
+        "--mean-curvature",
+        type=Path,
+        metavar="K.npy",
+        help="its k = k1 + k2 in the slice of spacetime, at the vertices or the nodes of the grid",
+    )
+    parser.add_argument(
+        "--momentum", type=Path, metavar="P.npy", help="its p = K_ij (gamma^ij - n^i n^j) there (default 0)"
+    )
+    parser.add_argument(
+        "--lengths",
+        choices=("geodesic", "chord"),
+        help="what the lengths of triangles are: geodesic lengths on the surface (default), or the distances "
+        "of the vertices in Euclidean space (default for meshes)",
+    )
+    add_spacetime_options(parser)
+    add_answer_options(parser)
+
+
+def run(options: argparse.Namespace) -> int:
+    """Compute the energies; return the exit status."""
+    check_outputs(options)
+    if options.spacetime is not None:
+        _refuse(options, ("input", *OF_METRIC), "does not go with a --spacetime")
+        return smooth_answer(options, closed_form(options))
+    _refuse(options, OF_SPACETIME, "needs a --spacetime")
+    if options.input is None:
+        raise Refusal("which surface? Give a METRIC, or a --spacetime and a --surface")
+    k, p = (path and read_numbers(path) for path in (options.mean_curvature, options.momentum))
+    if not holds_metric_grid(options.input):
+        default: Lengths = "chord" if ending(options.input) in MESH_ENDINGS else "geodesic"
+        lengths: Lengths = options.lengths or default
+        return mesh_answer(options, read_metric(options.input), k, p, lengths)
+    _refuse(options, ("lengths",), "is for a METRIC of triangles")
+    grid = read_metric_grid(options.input)
+    data = SurfaceData(
+        metric=grid,
+        mean_curvature=None if k is None else grid.function(k, str(options.mean_curvature)),
+        momentum=None if p is None else grid.function(p, str(options.momentum)),
+        relative_error=grid.truncation,
+        name=options.input,
+    )
+    return smooth_answer(options, data)
+
+
+def _refuse(options: argparse.Namespace, names: tuple[str, ...], why: str) -> None:
+    for name in names:
+        if getattr(options, name) is not None:
+            given = "METRIC" if name == "input" else f"--{name.replace('_', '-')}"
+            raise Refusal(f"{given} {why}")

@@ -1,0 +1,227 @@
+"""``isoembed horizon``: from horizon files to embeddings, energies, pictures and files for ParaView."""
+
+from __future__ import annotations
+
+import argparse
+import json
+from dataclasses import replace
+from importlib.util import find_spec
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from isoembed.cli.energies import DEFAULT, FEWEST, table
+from isoembed.cli.refusal import Refusal
+from isoembed.cli.screen import complain, say
+from isoembed.cli.status import NOT_EMBEDDED, OK
+from isoembed.errors import NotEmbedded
+from isoembed.io import FileError, mesh_writer, report_writer, write_whole
+from isoembed.io.files import Writer
+from isoembed.metric.polyhedral import PolyhedralMetric
+from isoembed.relativity.cartesian_grid import read_cartesian_grid
+from isoembed.relativity.conformally_flat import IsotropicSchwarzschild
+from isoembed.relativity.embedded import EmbeddedSurface, embed_surface
+from isoembed.relativity.horizon_file import read_horizon
+from isoembed.relativity.kerr_schild import KerrSchild
+from isoembed.relativity.painleve_gullstrand import PainleveGullstrand
+from isoembed.relativity.star_surface import StarSurface
+from isoembed.relativity.surface_data import SurfaceData
+from isoembed.relativity.three_geometry import ThreeGeometry
+from isoembed.smooth.grid_metric import GridMetric
+from isoembed.smooth.harmonics import gauss_rule
+from isoembed.surface.embedding import Embedding
+
+NODES = (48, 96)  # at which a surface from a file is looked at
+WRITTEN = (".vtk", ".json", ".png")
+GEOMETRIES = ("kerr-schild", "isotropic", "painleve-gullstrand")
+
+
+def configure(parser: argparse.ArgumentParser) -> None:
+    """Add the options of ``isoembed horizon``."""
+    parser.add_argument(
+        "files",
+        nargs="+",
+        metavar="FILE",
+        help="horizons: AHFinderDirect's h.t*.ah*.gp, SpECTRE's or other HDF5, .npz, VTK, or a metric on a "
+        "grid; several are taken as a sequence, and each is embedded from the one before",
+    )
+    parser.add_argument(
+        "--geometry",
+        metavar="GEOMETRY",
+        help="the 3-metric of the slice, which most horizon files lack: a file (.h5 .hdf5 .npz) with "
+        f"gxx ... gzz, and kxx ... kzz, on a Cartesian grid; or one of {', '.join(GEOMETRIES)}",
+    )
+    parser.add_argument("--mass", type=float, metavar="M", help="of the closed-form geometry (default 1)")
+    parser.add_argument(
+        "--spin",
+        type=float,
+        nargs=3,
+        metavar=("AX", "AY", "AZ"),
+        help="the vector a = J/M of the closed-form geometry, a length (default 0 0 0)",
+    )
+    parser.add_argument(
+        "--axis",
+        type=float,
+        nargs=3,
+        metavar=("X", "Y", "Z"),
+        help="the axis of the angular momentum (default that of --spin, or z)",
+    )
+    parser.add_argument(
+        "-o",
+        "--output",
+        type=Path,
+        metavar="FOLDER",
+        help="where to write, for each file, NAME.vtk with the surface, NAME.png and NAME.json",
+    )
+    parser.add_argument(
+        "--vertices",
+        type=int,
+        default=DEFAULT,
+        metavar="N",
+        help=f"of the mesh that finds the surface, and of the one that is written (default {DEFAULT})",
+    )
+    parser.add_argument("--json", action="store_true", help="print JSON: an object, or a list of them")
+
+
+def run(options: argparse.Namespace) -> int:
+    """Embed the horizons one after the other; return the exit status."""
+    if options.vertices < FEWEST:
+        raise Refusal(f"--vertices must be at least {FEWEST}, not {options.vertices}")
+    geometry = _geometry(options)
+    stems = _stems(options.files)
+    horizons = [(name, _data(name, geometry, _axis(options))) for name in options.files]
+    if options.output:
+        try:
+            options.output.mkdir(parents=True, exist_ok=True)
+        except OSError as error:
+            raise FileError(f"cannot make the folder {options.output}: {error.strerror}") from None
+    reports: list[dict[str, Any]] = []
+    before: EmbeddedSurface | None = None
+    status = OK
+    for stem, (name, (data, facts)) in zip(stems, horizons, strict=True):
+        try:
+            surface = _embedded(data, before, options.vertices)
+        except NotEmbedded as error:
+            complain(f"{name}: {error}")
+            status = NOT_EMBEDDED
+            continue
+        before = surface
+        report = {**surface.report, "horizon": facts}
+        reports.append(report)
+        if options.output:
+            write_whole(_writers(options.output / stem, surface, report, options.vertices))
+        if not options.json:
+            say(_text(report))
+    if options.json and reports:
+        say(json.dumps(reports if len(options.files) > 1 else reports[0], indent=2, allow_nan=False))
+    return status
+
+
+def _embedded(data: SurfaceData, before: EmbeddedSurface | None, vertices: int) -> EmbeddedSurface:
+    """Deform the surface before; where that leads nowhere, begin with a mesh."""
+    if before is not None:
+        try:
+            return embed_surface(data, start=before)
+        except NotEmbedded:
+            pass
+    return embed_surface(data, vertices=vertices)
+
+
+def _geometry(options: argparse.Namespace) -> ThreeGeometry | None:
+    name, mass = options.geometry, 1.0 if options.mass is None else options.mass
+    spin = options.spin or (0.0, 0.0, 0.0)
+    if name not in GEOMETRIES:
+        for given in ("mass", "spin"):
+            if getattr(options, given) is not None:
+                raise Refusal(f"--{given} needs a --geometry among {', '.join(GEOMETRIES)}")
+        return None if name is None else read_cartesian_grid(name)
+    if name == "kerr-schild":
+        return KerrSchild(mass, spin)
+    if any(spin):
+        raise Refusal(f"the geometry {name} has no spin: take kerr-schild")
+    return IsotropicSchwarzschild(mass) if name == "isotropic" else PainleveGullstrand(mass)
+
+
+def _axis(options: argparse.Namespace) -> tuple[float, float, float]:
+    given = options.axis or (options.spin if options.spin and any(options.spin) else (0.0, 0.0, 1.0))
+    if not any(given):
+        raise Refusal("--axis 0 0 0 is no axis")
+    return tuple(given)
+
+
+def _stems(files: list[str]) -> list[str]:
+    """Names for what is written, one for each file."""
+    stems = [Path(name).name.removesuffix(".gz").rsplit(".", 1)[0] or Path(name).name for name in files]
+    for k, stem in enumerate(stems):
+        if stem in stems[:k]:
+            raise Refusal(f"{files[stems.index(stem)]} and {files[k]} have the same name: {stem}")
+    return stems
+
+
+def _data(
+    name: str, geometry: ThreeGeometry | None, axis: tuple[float, float, float]
+) -> tuple[SurfaceData, dict[str, Any]]:
+    """The surface of a file, and what is known of it as a horizon."""
+    found = read_horizon(name)
+    if isinstance(found, GridMetric):
+        if geometry is not None:
+            raise Refusal(f"{name} holds a metric of its own: it needs no --geometry")
+        return SurfaceData(found, marginal=True, relative_error=found.truncation, name=name), {}
+    if geometry is None:
+        raise Refusal(f"{found.contents}: name it with --geometry")
+    surface = StarSurface.from_points(found.points, found.center.tolist())
+    u, weights = gauss_rule(*NODES)
+    mean = float(np.average(surface.radius(u), weights=weights))
+    data = replace(
+        surface.data(geometry, axis), marginal=True, relative_error=surface.misfit / mean, name=name
+    )
+    expansion = surface.expansion(geometry, u)
+    return data, {
+        "time": found.time,
+        "points": len(found.points),
+        "center": list(found.center),
+        "mean_coordinate_radius": mean,
+        "misfit": surface.misfit,
+        "largest_expansion": float(np.abs(expansion).max()),
+    }
+
+
+def _writers(
+    stem: Path, surface: EmbeddedSurface, report: dict[str, Any], vertices: int
+) -> dict[Path, Writer]:
+    """What writes the surface, its report and, where matplotlib is installed, its picture."""
+    tables = surface.mesh(vertices)
+    vtk, report_file, picture = (stem.with_name(f"{stem.name}{ending}") for ending in WRITTEN)
+    writers = {vtk: mesh_writer(vtk, **tables), report_file: report_writer(report)}
+    if find_spec("matplotlib") is None:
+        complain(f"{picture} is not written: pictures need matplotlib, pip install 'isoembed[plot]'")
+    else:
+        writers[picture] = _picture(picture, surface, tables)
+    return writers
+
+
+def _picture(path: Path, surface: EmbeddedSurface, tables: dict[str, NDArray[Any]]) -> Writer:
+    from isoembed.plot import picture_writer
+
+    metric = PolyhedralMetric.from_mesh(tables["vertices"], tables["faces"])
+    drawn = Embedding(metric, tables["vertices"], method="harmonics", tolerance=surface.embedding.tolerance)
+    energies = surface.energies
+    caption = (
+        f"{Path(surface.data.name).name}     area {energies.area.value:.8g}     "
+        rf"$\int\! H\,dA = {surface.embedding.integrated_mean_curvature:.8g}$"
+    )
+    return picture_writer(path, drawn, caption)
+
+
+def _text(report: dict[str, Any]) -> str:
+    """The energies, and what the file was like."""
+    horizon = report["horizon"]
+    if not horizon:
+        return table(report)
+    return (
+        f"{table(report)}\n{horizon['points']} points, fitted to {horizon['misfit']:.1e} of a mean radius "
+        f"{horizon['mean_coordinate_radius']:.6g} in coordinates; the expansion of outgoing rays, 0 on a "
+        f"horizon, is at most {horizon['largest_expansion']:.1e}"
+    )

@@ -1,0 +1,33 @@
+"""Arrays of numbers from ``.npy`` files."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+
+from isoembed.io import FileError
+from isoembed.io.files import check_input
+
+
+def read_numbers(path: Path) -> NDArray[np.float64]:
+    """Read one array of real numbers.
+
+    Raises
+    ------
+    FileError
+        The file cannot be read, or holds something else; the message names what is not finite.
+    """
+    check_input(path)
+    try:
+        array = np.load(path, allow_pickle=False)
+    except (ValueError, OSError, EOFError, SyntaxError, MemoryError) as error:
+        raise FileError(f"{path} is not a readable .npy file: {str(error).splitlines()[0]}") from None
+    if not isinstance(array, np.ndarray) or array.dtype.kind not in "iuf":
+        raise FileError(f"{path} does not hold one array of numbers")
+    finite = np.isfinite(array)
+    if not finite.all():
+        index = tuple(int(i) for i in np.argwhere(~finite)[0])
+        raise FileError(f"{path}: entry {index} is {array[index]}")
+    return array.astype(np.float64)

@@ -1,0 +1,145 @@
+"""Quasi-local energies of a surface from its embedding and its mean curvature in the slice.
+
+Units are geometric, G = c = 1; ``k = k1 + k2`` in the slice, ``k0 = k1 + k2 = 2 H`` in Euclidean space,
+``|H|^2 = k^2 - p^2`` the squared norm of the mean curvature vector.
+
+======================  ============================================================================
+irreducible mass        sqrt(A / 16 pi)
+Christodoulou mass      sqrt((m + Q^2 / 4 m)^2 + J^2 / 4 m^2), m the irreducible mass
+Hawking energy          sqrt(A / 16 pi) (1 - int (k^2 - p^2) dA / 16 pi)
+Brown-York energy       int (k0 - k) dA / 8 pi
+Kijowski-Liu-Yau        int (k0 - sqrt(k^2 - p^2)) dA / 8 pi
+======================  ============================================================================
+
+References
+----------
+D. Christodoulou, R. Ruffini, Phys. Rev. D 4 (1971) 3552; S. Hawking, J. Math. Phys. 9 (1968) 598;
+J. D. Brown, J. W. York, Phys. Rev. D 47 (1993) 1407; J. Kijowski, Gen. Rel. Grav. 29 (1997) 307;
+C.-C. M. Liu, S.-T. Yau, Phys. Rev. Lett. 90 (2003) 231102.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, fields
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from isoembed.surface.estimate import Estimate
+
+Floats = NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class Integrals:
+    """The integrals over a surface of which the energies are made.
+
+    Attributes
+    ----------
+    area : Estimate
+        int dA.
+    reference : Estimate, optional
+        int k0 dA = 2 int H dA, of the embedding in Euclidean space.
+    k : Estimate, optional
+        int k dA.
+    norm : Estimate, optional
+        int sqrt(k^2 - p^2) dA.
+    squared : Estimate, optional
+        int (k^2 - p^2) dA.
+    """
+
+    area: Estimate
+    reference: Estimate | None = None
+    k: Estimate | None = None
+    norm: Estimate | None = None
+    squared: Estimate | None = None
+
+
+@dataclass(frozen=True)
+class Energies:
+    """Area, int H dA and the energies, each with its error; None where a number is not defined.
+
+    Attributes
+    ----------
+    area : Estimate
+    integrated_mean_curvature : Estimate or None
+        None without an embedding.
+    irreducible_mass : Estimate
+    christodoulou_mass : Estimate or None
+        None where the angular momentum is not known.
+    hawking, brown_york, liu_yau : Estimate or None
+    notes : tuple of str
+        Why a number is missing or must be read with care.
+    """
+
+    area: Estimate
+    integrated_mean_curvature: Estimate | None
+    irreducible_mass: Estimate
+    christodoulou_mass: Estimate | None
+    hawking: Estimate | None
+    brown_york: Estimate | None
+    liu_yau: Estimate | None
+    notes: tuple[str, ...] = ()
+
+    @classmethod
+    def of(
+        cls,
+        integrals: Integrals,
+        *,
+        angular_momentum: float | None = None,
+        charge: float = 0.0,
+        notes: tuple[str, ...] = (),
+    ) -> Energies:
+        """Make the energies of a surface from its integrals.
+
+        Parameters
+        ----------
+        integrals : Integrals
+        angular_momentum : float, optional
+            J, in units of length^2.
+        charge : float
+            Q, in units of length.
+        notes : tuple of str
+            Handed on.
+        """
+        A, reference = integrals.area, integrals.reference
+        m = np.sqrt(A.value / (16.0 * np.pi))
+        irreducible = Estimate(m, 0.5 * m * A.error / A.value)
+        christodoulou = None
+        if angular_momentum is not None:
+            rest, spin = m + charge**2 / (4.0 * m), angular_momentum / (2.0 * m)
+            total = np.hypot(rest, spin)
+            slope = (rest * (1.0 - charge**2 / (4.0 * m**2)) - spin**2 / m) / total
+            christodoulou = Estimate(total, abs(slope) * irreducible.error)
+        hawking = None
+        if integrals.squared is not None:
+            fraction = integrals.squared.scaled(1.0 / (16.0 * np.pi))
+            value = m * (1.0 - fraction.value)
+            hawking = Estimate(value, m * fraction.error + abs(1.0 - fraction.value) * irreducible.error)
+        brown_york, liu_yau = (
+            None if reference is None or part is None else (reference - part).scaled(1.0 / (8.0 * np.pi))
+            for part in (integrals.k, integrals.norm)
+        )
+        imc = reference and reference.scaled(0.5)
+        return cls(A, imc, irreducible, christodoulou, hawking, brown_york, liu_yau, notes)
+
+    @property
+    def error_estimate(self) -> float:
+        """The largest error among the energies, in the unit of the mass."""
+        return max(
+            e.error
+            for name in ("irreducible_mass", "christodoulou_mass", "hawking", "brown_york", "liu_yau")
+            if (e := getattr(self, name)) is not None
+        )
+
+    @property
+    def report(self) -> dict[str, Any]:
+        """Plain numbers, for JSON: the values by name, ``errors`` by name, and ``error_estimate``."""
+        estimates = {f.name: getattr(self, f.name) for f in fields(self) if f.name != "notes"}
+        return {
+            **{name: e and e.value for name, e in estimates.items()},
+            "errors": {name: e and e.error for name, e in estimates.items()},
+            "error_estimate": self.error_estimate,
+            "notes": list(self.notes),
+        }

@@ -1,0 +1,50 @@
+"""What a quasi-local energy is computed from: a surface's metric, and how it lies in its 3-geometry."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from isoembed.smooth.two_metric import TwoMetric
+
+Floats = NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class SurfaceData:
+    """A closed surface in a slice of spacetime, as functions of the direction u on the unit sphere.
+
+    Attributes
+    ----------
+    metric : TwoMetric
+        The metric that the slice induces on the surface.
+    mean_curvature : callable, optional
+        Takes u (n, 3) and returns ``k = k1 + k2`` (n,) of the surface in the slice, for the outward normal:
+        2 / r for a sphere in flat space.
+    momentum : callable, optional
+        Takes u and returns ``p = K_ij (gamma^ij - n^i n^j)`` (n,), the trace over the surface of the slice's
+        extrinsic curvature; the mean curvature vector has the norm ``sqrt(k^2 - p^2)``.  Only its square
+        matters.  None where the slice is time-symmetric or p vanishes for another reason.
+    angular_momentum : float, optional
+        J, in units of length^2.
+    charge : float
+        Q, in units of length.
+    marginal : bool
+        The surface is a horizon: k^2 = p^2 by definition, whatever the two are by computation.
+    relative_error : float
+        By how much lengths are uncertain, over the lengths: of data on grids.
+    name : str
+        For reports.
+    """
+
+    metric: TwoMetric
+    mean_curvature: Callable[[Floats], Floats] | None = None
+    momentum: Callable[[Floats], Floats] | None = None
+    angular_momentum: float | None = None
+    charge: float = 0.0
+    marginal: bool = False
+    relative_error: float = 0.0
+    name: str = ""

@@ -1,0 +1,29 @@
+"""Smooth metrics on the sphere: what they are, their curvature and geodesics, how they are triangulated, and
+their embedding to many digits in spherical harmonics, which begins with the embedding of a triangulation.
+"""
+
+from isoembed.smooth.axisymmetric import AxisymmetricEmbedding, Band
+from isoembed.smooth.embedding import SmoothEmbedding
+from isoembed.smooth.gaussian_curvature import gaussian_curvature
+from isoembed.smooth.geodesics import geodesic_lengths
+from isoembed.smooth.grid_metric import GridMetric
+from isoembed.smooth.harmonics import Harmonics
+from isoembed.smooth.solve import embed_smooth
+from isoembed.smooth.triangulation import SphereMesh, triangulate
+from isoembed.smooth.two_metric import AngleMetric, PulledBack, TwoMetric
+
+__all__ = [
+    "AngleMetric",
+    "AxisymmetricEmbedding",
+    "Band",
+    "GridMetric",
+    "Harmonics",
+    "PulledBack",
+    "SmoothEmbedding",
+    "SphereMesh",
+    "TwoMetric",
+    "embed_smooth",
+    "gaussian_curvature",
+    "geodesic_lengths",
+    "triangulate",
+]

@@ -1,0 +1,570 @@
+"""Axisymmetric metrics: the surface of revolution; where there is none, and the bands that there are.
+
+With x = cos(theta), s = 1 - x^2, q_tt = T and q_pp = s P, the surface has rho^2 = s P and dz/dx = sqrt(G),
+``G = (q_tt - (d rho/d theta)^2) / s``.  T, P and G are smooth in x over the poles, and where G < 0 there is
+no surface of revolution.  Functions are Chebyshev series on pieces, bisected until they resolve.
+"""
+
+# ruff: noqa: N806 (T and P with their derivatives, as above)
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, field
+from functools import cached_property
+
+import numpy as np
+from numpy.polynomial import chebyshev
+from numpy.typing import ArrayLike, NDArray
+from scipy.optimize import brentq, minimize_scalar
+
+from isoembed.errors import InvalidMetric, InvalidParameter
+from isoembed.smooth.two_metric import AngleMetric, TwoMetric, angle_frame
+
+Floats = NDArray[np.float64]
+Indices = NDArray[np.int64]
+Interval = tuple[float, float]
+
+DEGREE = 32
+"""Of the series on each piece: higher ones lose digits to differentiation."""
+
+MOST_PIECES = 256
+"""Fitted, the bisected ones counted; the tips of an ergosphere with epsilon = 1e-6 take 82."""
+
+NOISE = 1e-11
+"""G and K are zero to rounding below this times their scale: the derivatives in them cost four digits."""
+
+
+@dataclass(frozen=True, eq=False)
+class AxisymmetricEmbedding:
+    """The surface of revolution about z that has a given metric, its height z falling with theta.
+
+    Made by `of` or `from_components`.  Where the height of a surface turns back (dimples at the poles), this
+    is the one that is reflected to fall everywhere.
+
+    Attributes
+    ----------
+    T, P : Piecewise
+        q_tt and q_pp / sin^2(theta) over `unit` squared, as functions of x = cos(theta).
+    unit : float
+        A length, about the largest circumferential radius.
+    resolution : float
+        The relative accuracy to which the metric is a smooth function.
+    """
+
+    T: Piecewise = field(repr=False)
+    P: Piecewise = field(repr=False)
+    unit: float
+    resolution: float
+
+    @classmethod
+    def of(cls, metric: TwoMetric, tolerance: float = 1e-8) -> AxisymmetricEmbedding:
+        """From a metric on the sphere.
+
+        Parameters
+        ----------
+        metric : TwoMetric
+        tolerance : float
+            How far components may vary along a circle of latitude, over the largest.
+
+        Raises
+        ------
+        InvalidMetric
+            The metric is not axisymmetric about z, or has q_tp, or is not positive, conical at a pole or not
+            smooth; the message says how much and where.
+        """
+
+        def components(x: Floats) -> Floats:
+            u = np.stack([np.sqrt((1.0 - x) * (1.0 + x)), np.zeros_like(x), x], axis=1)
+            q = _frame_components(metric, u)[[0, 2]]
+            bad = np.flatnonzero(~((q > 0.0) & np.isfinite(q)).all(axis=0))
+            if bad.size:
+                i = int(bad[0])
+                raise InvalidMetric(
+                    f"q_tt, q_pp / sin^2(theta) = {q[0, i]:.6g}, {q[1, i]:.6g} at theta = {_theta(x[i]):.6g}:"
+                    " that is not a positive metric"
+                )
+            return q
+
+        _check_symmetry(metric, tolerance)
+        scale = float(components(np.linspace(-1.0, 1.0, 65))[1].max())
+        (T, P), resolution = _fitted(
+            lambda x: components(x) / scale, np.array([-1.0, 0.0, 1.0]), weighted=False
+        )
+        for name, x in (("south", -1.0), ("north", 1.0)):
+            t, p = float(T(np.array([x]))[0]), float(P(np.array([x]))[0])
+            if abs(t - p) > max(1e-7, 10.0 * resolution) * p:
+                raise InvalidMetric(
+                    f"the metric is conical at the {name} pole:"
+                    f" q_tt sin^2(theta) / q_pp = {t / p:.9g} there, not 1"
+                )
+        return cls(T, P, float(np.sqrt(scale)), resolution)
+
+    @classmethod
+    def from_components(
+        cls, q_tt: Callable[[Floats], ArrayLike], q_pp: Callable[[Floats], ArrayLike]
+    ) -> AxisymmetricEmbedding:
+        """From the components, in units of length^2, as functions of theta between 0 and pi.
+
+        Raises
+        ------
+        InvalidMetric
+            As `of`, and where a component is not positive.
+        """
+        return cls.of(AngleMetric(lambda theta, _: (q_tt(theta), 0.0, q_pp(theta))))
+
+    @property
+    def area(self) -> float:
+        """The area of the metric, which exists whether or not the metric embeds."""
+        return self._area(0.0, np.pi)
+
+    @property
+    def integrated_mean_curvature(self) -> float:
+        """Integral of H dA with H = (k1 + k2)/2 of the whole surface.
+
+        Raises
+        ------
+        InvalidMetric
+            It does not embed; the message is `explanation`.
+        """
+        return self._whole.integrated_mean_curvature
+
+    @property
+    def embeds(self) -> bool:
+        """Whether the whole surface is a surface of revolution."""
+        return not self.obstruction
+
+    @cached_property
+    def obstruction(self) -> tuple[Interval, ...]:
+        """The intervals of theta on which q_tt < (d rho/d theta)^2: no surface of revolution has them."""
+        return self._negative(lambda x: self._terms(x)[0], 1.0)
+
+    @cached_property
+    def negative_curvature(self) -> tuple[Interval, ...]:
+        """The intervals of theta on which K < 0."""
+        scale = float(np.abs(self._gauss(self._samples)).max())
+        return self._negative(self._gauss, scale)
+
+    @cached_property
+    def bands(self) -> tuple[Band, ...]:
+        """The largest bands that embed, from north to south; one, of theta from 0 to pi, for the whole."""
+        edges = [0.0, *(theta for interval in self.obstruction for theta in interval), np.pi]
+        pairs = zip(edges[::2], edges[1::2], strict=True)
+        return tuple(Band(self, start, stop) for start, stop in pairs if stop > start)
+
+    @property
+    def explanation(self) -> str:
+        """A sentence: that the surface embeds, or where and why it does not, and what does."""
+        if self.embeds:
+            return "the metric is that of a surface of revolution: q_tt >= (d rho/d theta)^2 for all theta"
+        part = sum(band.area for band in self.bands) / self.area
+        return (
+            f"no surface of revolution has this metric for {_listed(self.obstruction)}:"
+            " there q_tt < (d rho/d theta)^2, as the cap on one side of the circle of latitude has negative"
+            f" total curvature (K < 0 for {_listed(self.negative_curvature)}; K >= 0 at the poles of every"
+            f" surface of revolution); {_listed([(band.start, band.stop) for band in self.bands])} embeds,"
+            f" {100.0 * part:.6g} % of the area"
+        )
+
+    def rho(self, theta: ArrayLike) -> Floats:
+        """The distance from the axis (n,) at theta (n,), embeddable there or not."""
+        theta = _angles(theta)
+        return self.unit * np.sin(theta) * np.sqrt(self.P(np.cos(theta)))
+
+    def z(self, theta: ArrayLike) -> Floats:
+        """The height (n,) of the whole surface at theta (n,), zero half way up.
+
+        Raises
+        ------
+        InvalidMetric
+            It does not embed; the message is `explanation`.
+        """
+        return self._whole.z(theta)
+
+    def points(self, u: Floats) -> Floats:
+        """The points (n, 3) of the whole surface named by unit vectors u (n, 3).
+
+        Raises
+        ------
+        InvalidMetric
+            It does not embed; the message is `explanation`.
+        """
+        z = self.z(np.arctan2(np.hypot(u[:, 0], u[:, 1]), u[:, 2]))
+        p = self.unit * np.sqrt(self.P(u[:, 2]))
+        return np.stack([p * u[:, 0], p * u[:, 1], z], axis=1)
+
+    def gaussian_curvature(self, theta: ArrayLike) -> Floats:
+        """K (n,) of the metric at theta (n,), in 1/length^2."""
+        return self._gauss(np.cos(_angles(theta))) / self.unit / self.unit
+
+    def mean_curvature(self, theta: ArrayLike) -> Floats:
+        """H = (k1 + k2)/2 (n,) at theta (n,), in 1/length: infinite on a band's edge, NaN off the bands."""
+        x = np.cos(_angles(theta))
+        G, _ = self._terms(x)
+        K = self._gauss(x)
+        k2 = np.sqrt(np.where(G > 0.0, G, np.nan) / (self.T(x) * self.P(x)))
+        # K = k1 k2.  At a band's edge k2 = 0 and K is not; where K, too, is zero at a pole, so is k1.
+        edge = (G <= 0.0) & (-self._noise <= G)
+        limit = np.where(np.abs(K) <= np.sqrt(self._noise), 0.0, np.copysign(np.inf, K))
+        return np.where(edge, limit, 0.5 * (K / k2 + k2)) / self.unit
+
+    @cached_property
+    def _whole(self) -> Band:
+        if not self.embeds:
+            raise InvalidMetric(self.explanation)
+        return self.bands[0]
+
+    @property
+    def _noise(self) -> float:
+        return max(NOISE, 1e3 * self.resolution)
+
+    @cached_property
+    def _derivatives(self) -> tuple[Piecewise, Piecewise, Piecewise]:
+        """P' and P'', T'."""
+        P_x = self.P.derivative()
+        return P_x, P_x.derivative(), self.T.derivative()
+
+    @cached_property
+    def _differences(self) -> tuple[Floats, Floats]:
+        """T - P over 1 + x on the first piece, and over 1 - x on the last, as series on these pieces."""
+        series = self.T.coefficients - self.P.coefficients
+        width = np.diff(self.T.breaks)
+        first, _ = chebyshev.chebdiv(series[:, 0], [1.0, 1.0])
+        last, _ = chebyshev.chebdiv(series[:, -1], [1.0, -1.0])
+        return first * (2.0 / width[0]), last * (2.0 / width[-1])
+
+    def _terms(self, x: Floats) -> tuple[Floats, Floats]:
+        """G, and d rho/d theta, at x."""
+        s = (1.0 - x) * (1.0 + x)
+        T, P, P_x = self.T(x), self.P(x), self._derivatives[0](x)
+        breaks = self.T.breaks
+        first, last = self._differences
+        south, north = x < breaks[1], x > breaks[-2]
+        E = np.empty_like(x)  # (T - P) / s
+        middle = ~(south | north)
+        E[middle] = (T - P)[middle] / s[middle]
+        E[south] = chebyshev.chebval(self.T.local(x[south])[1], first) / (1.0 - x[south])
+        E[north] = chebyshev.chebval(self.T.local(x[north])[1], last) / (1.0 + x[north])
+        return E + P + x * P_x - s * P_x * P_x / (4.0 * P), (x * P - 0.5 * s * P_x) / np.sqrt(P)
+
+    def _gauss(self, x: Floats) -> Floats:
+        """K at x: the derivative of the cosine of the meridian's slope, over the area element."""
+        s = (1.0 - x) * (1.0 + x)
+        T, P = self.T(x), self.P(x)
+        P_x, P_xx, T_x = (f(x) for f in self._derivatives)
+        N = x * P - 0.5 * s * P_x
+        return (P + 2.0 * x * P_x - 0.5 * s * P_xx - 0.5 * N * (P_x / P + T_x / T)) / (T * P)
+
+    @cached_property
+    def _area_beyond(self) -> Piecewise:
+        """The area below x, over 2 pi."""
+        (density,), _ = _fitted(
+            lambda x: np.sqrt(self.T(x) * self.P(x))[None, :], self.T.breaks, weighted=True
+        )
+        return density.primitive()
+
+    def _area(self, start: float, stop: float) -> float:
+        below = self._area_beyond(np.cos(np.array([start, stop])))
+        return float(2.0 * np.pi * (below[0] - below[1])) * self.unit * self.unit
+
+    @cached_property
+    def _samples(self) -> Floats:
+        """Values of x, falling from 1 to -1, as dense as the pieces have structure."""
+        nodes = 0.5 - 0.5 * np.cos(np.pi * np.arange(2 * DEGREE) / (2 * DEGREE))
+        x = (self.T.breaks[:-1, None] + np.diff(self.T.breaks)[:, None] * nodes).ravel()
+        return np.concatenate([[1.0], x[::-1]])
+
+    def _negative(self, f: Callable[[Floats], Floats], scale: float) -> tuple[Interval, ...]:
+        """The intervals of theta on which f(x) < 0 by more than rounding."""
+
+        def at(y: float) -> float:
+            return float(f(np.array([y]))[0])
+
+        x = self._samples
+        values = f(x)
+        # Between samples it may dip below zero and come back, where it is small against its differences.
+        inner, least = values[1:-1], np.minimum(values[:-2], values[2:])
+        most = np.maximum(values[:-2], values[2:])
+        dips = np.flatnonzero((inner > 0.0) & (inner <= least) & (inner <= most - inner)) + 1
+        lowest = [minimize_scalar(at, bounds=(x[i + 1], x[i - 1]), method="bounded").x for i in dips]
+        x = np.sort(np.append(x, lowest))[::-1]
+        values = f(x)
+        below = values < 0.0
+        turns = np.flatnonzero(below[1:] != below[:-1])
+        roots = [brentq(at, x[i], x[i + 1], xtol=1e-300) for i in turns]
+        edges = np.array([*([1.0] if below[0] else []), *roots, *([-1.0] if below[-1] else [])])
+        found = []
+        for upper, lower in edges.reshape(-1, 2):
+            inside = values[(x <= upper) & (x >= lower)]
+            if inside.size and inside.min() < -self._noise * scale:
+                found.append((_theta(upper), _theta(lower)))
+        return tuple(found)
+
+
+@dataclass(frozen=True, eq=False)
+class Band:
+    """The part of an axisymmetric surface between two circles of latitude (or poles) that embeds.
+
+    Attributes
+    ----------
+    metric : AxisymmetricEmbedding
+    start, stop : float
+        Its range of theta.
+    """
+
+    metric: AxisymmetricEmbedding = field(repr=False)
+    start: float
+    stop: float
+
+    @property
+    def area(self) -> float:
+        """Its area."""
+        return self.metric._area(self.start, self.stop)
+
+    @property
+    def height(self) -> float:
+        """How far it reaches along the axis."""
+        return float(self._primitives[0](np.array([np.pi]))[0]) * self.metric.unit
+
+    @property
+    def integrated_mean_curvature(self) -> float:
+        """Integral of H dA with H = (k1 + k2)/2; finite though H itself is not on an edge."""
+        # int k2 dA = 2 pi height.  int k1 dA = 2 pi int rho d(beta) is integrated by parts: beta, the angle
+        # by which the meridian has turned, needs one derivative less and is finite at the edges.
+        # At an edge, as at a pole, it is 0 or pi: to compute it would cost half of the digits.
+        edges = np.array([self.start, self.stop])
+        turned = np.where(self.metric._terms(np.cos(edges))[1] > 0.0, 0.0, np.pi)
+        before, after = turned * self.metric.rho(edges) / self.metric.unit
+        height, moment = (float(f(np.array([np.pi]))[0]) for f in self._primitives)
+        return np.pi * (height + float(after - before) - moment) * self.metric.unit
+
+    def z(self, theta: ArrayLike) -> Floats:
+        """The height (n,) at theta (n,) in the band, zero half way up.
+
+        Raises
+        ------
+        InvalidParameter
+            An angle is outside the band; the message names the first one.
+        """
+        theta = _angles(theta)
+        slack = 1e-14 * np.pi
+        outside = np.flatnonzero((theta < self.start - slack) | (theta > self.stop + slack))
+        if outside.size:
+            i = int(outside[0])
+            raise InvalidParameter(
+                f"theta[{i}] = {theta[i]:.9g} is outside the band from {self.start:.9g} to {self.stop:.9g}"
+            )
+        fraction = np.clip((theta - self.start) / (self.stop - self.start), 0.0, 1.0)
+        fallen = self._primitives[0](2.0 * np.arcsin(np.sqrt(fraction))) * self.metric.unit
+        return 0.5 * self.height - fallen
+
+    def mesh(self, around: int = 64) -> tuple[Floats, Indices]:
+        """Triangulate it.
+
+        Parameters
+        ----------
+        around : int
+            Vertices on each circle of latitude, at least 3.  Circles are as far apart as these on the widest.
+
+        Returns
+        -------
+        vertices : ndarray, shape (V, 3)
+        faces : ndarray, shape (F, 3)
+            Counterclockwise seen from outside; closed around the axis, with a boundary at each edge that is
+            not a pole.
+        """
+        if around < 3:
+            raise InvalidParameter(f"around must be at least 3, not {around}")
+        fine = self.start + (self.stop - self.start) * np.linspace(0.0, 1.0, 2001)
+        speed = np.sqrt(self.metric.T(np.cos(fine))) * self.metric.unit
+        along = np.concatenate([[0.0], np.cumsum(0.5 * (speed[1:] + speed[:-1]) * np.diff(fine))])
+        spacing = 2.0 * np.pi * float(self.metric.rho(fine).max()) / around
+        rows = max(2, round(float(along[-1]) / spacing)) + 1
+        theta = np.interp(np.linspace(0.0, along[-1], rows), along, fine)
+        phi = 2.0 * np.pi / around * np.arange(around)
+        rho, z = self.metric.rho(theta), self.z(theta)
+        circles = np.stack(
+            [np.outer(rho, np.cos(phi)), np.outer(rho, np.sin(phi)), np.repeat(z[:, None], around, axis=1)],
+            axis=-1,
+        ).reshape(-1, 3)
+        # A circle that is a pole is a single vertex.
+        ring = np.arange(rows * around).reshape(rows, around)
+        if self.start == 0.0:
+            ring[0] = ring[0, 0]
+        if self.stop == np.pi:
+            ring[-1] = ring[-1, 0]
+        upper, lower = ring[:-1], ring[1:]
+        right, lower_right = np.roll(upper, -1, axis=1), np.roll(lower, -1, axis=1)
+        faces = np.concatenate(
+            [
+                np.stack([upper, lower, lower_right], axis=-1).reshape(-1, 3),
+                np.stack([upper, lower_right, right], axis=-1).reshape(-1, 3),
+            ]
+        )
+        distinct = (np.diff(np.sort(faces, axis=1), axis=1) > 0).all(axis=1)
+        used, renumbered = np.unique(faces[distinct], return_inverse=True)
+        return circles[used], renumbered.reshape(-1, 3)
+
+    @cached_property
+    def _primitives(self) -> tuple[Piecewise, Piecewise]:
+        """Of -dz/d theta and of beta d rho/d theta, tan(beta) = -dz/d rho, as functions of tau.
+
+        theta = (start + stop)/2 - (stop - start)/2 cos(tau): what is like a square root at an edge is smooth.
+        """
+        half = 0.5 * (self.stop - self.start)
+
+        def integrands(tau: Floats) -> Floats:
+            theta = self.start + 2.0 * half * np.sin(0.5 * tau) ** 2
+            G, rho_theta = self.metric._terms(np.cos(theta))
+            fall = np.sin(theta) * np.sqrt(np.maximum(G, 0.0))
+            return np.stack([fall, np.arctan2(fall, rho_theta) * rho_theta]) * (half * np.sin(tau))
+
+        (fall, moment), _ = _fitted(integrands, np.array([0.0, 0.5 * np.pi, np.pi]), weighted=True)
+        return fall.primitive(), moment.primitive()
+
+
+@dataclass(frozen=True, eq=False)
+class Piecewise:
+    """A function on an interval, a Chebyshev series on each of its pieces.
+
+    Attributes
+    ----------
+    breaks : ndarray, shape (k + 1,)
+        Ascending.
+    coefficients : ndarray, shape (degree + 1, k)
+    """
+
+    breaks: Floats
+    coefficients: Floats
+
+    def local(self, x: Floats) -> tuple[Indices, Floats]:
+        """The piece that each x is on, and where between -1 and 1."""
+        i = np.clip(np.searchsorted(self.breaks, x, side="right") - 1, 0, len(self.breaks) - 2)
+        a, b = self.breaks[i], self.breaks[i + 1]
+        return i, ((x - a) - (b - x)) / (b - a)
+
+    def __call__(self, x: Floats) -> Floats:
+        """Its values at x (n,)."""
+        i, t = self.local(x)
+        return np.asarray(chebyshev.chebval(t, self.coefficients[:, i], tensor=False))
+
+    def derivative(self) -> Piecewise:
+        """Its derivative."""
+        return Piecewise(
+            self.breaks, chebyshev.chebder(self.coefficients, axis=0) * (2.0 / np.diff(self.breaks))
+        )
+
+    def primitive(self) -> Piecewise:
+        """Its integral from the beginning."""
+        series = chebyshev.chebint(self.coefficients, lbnd=-1.0, axis=0) * (0.5 * np.diff(self.breaks))
+        series[0, 1:] += np.cumsum(series.sum(axis=0))[:-1]
+        return Piecewise(self.breaks, series)
+
+
+def _fitted(
+    f: Callable[[Floats], Floats], breaks: Floats, weighted: bool
+) -> tuple[tuple[Piecewise, ...], float]:
+    """Series for the m functions f: (n,) -> (m, n) on common pieces, and the relative accuracy reached.
+
+    Pieces are bisected until their series have died away.  `weighted` by width suffices for integrals.  Noise
+    makes pieces without end: then less accuracy is asked for.
+    """
+    for tolerance in (2e-15, 2e-14, 2e-13, 2e-12, 2e-11, 2e-10, 2e-9, 2e-8, 2e-7, 2e-6, 2e-5):
+        result = _bisected(f, breaks, weighted, tolerance)
+        if result is not None:
+            return result, tolerance
+    raise InvalidMetric(
+        "the metric is not a smooth function of theta: polynomials do not settle on it to 2e-5"
+    )
+
+
+def _bisected(
+    f: Callable[[Floats], Floats], breaks: Floats, weighted: bool, tolerance: float
+) -> tuple[Piecewise, ...] | None:
+    n = DEGREE + 1
+    # Whole multiples of one angle, reduced: a recurrence would leave noise in the high coefficients.
+    table = np.cos(np.pi / (2 * n) * (np.outer(np.arange(n), 2 * np.arange(n) + 1) % (4 * n)))
+    nodes = table[1]
+    to_series = table * np.append(1.0, np.full(DEGREE, 2.0))[:, None] / n
+    left, right = breaks[:-1], breaks[1:]
+    total = breaks[-1] - breaks[0]
+    starts: list[Floats] = []
+    kept: list[Floats] = []
+    scale = np.zeros(1)
+    count = 0
+    while left.size:
+        count += left.size
+        if count > MOST_PIECES:
+            return None
+        x = left[:, None] + (right - left)[:, None] * (0.5 + 0.5 * nodes)
+        values = f(x.ravel()).reshape(-1, *x.shape)
+        series = np.einsum("dn,mkn->dmk", to_series, values)
+        scale = np.maximum(scale, np.abs(values).max(axis=(1, 2)))
+        tail = np.abs(series[-4:]).max(axis=0) / scale[:, None]
+        if weighted:
+            tail = tail * (right - left) / total
+        good = (tail <= tolerance).all(axis=0) | (right - left <= 1e-13 * total)
+        # What is rounding in the values would be multiplied by differentiation.
+        end = np.abs(series[::-1]).cumsum(axis=0)[::-1] <= 4e-16 * scale[:, None]
+        starts.append(left[good])
+        kept.append(np.where(end, 0.0, series)[:, :, good])
+        middle = 0.5 * (left[~good] + right[~good])
+        left, right = np.concatenate([left[~good], middle]), np.concatenate([middle, right[~good]])
+    start = np.concatenate(starts)
+    order = np.argsort(start)
+    series = np.concatenate(kept, axis=2)[:, :, order]
+    ends = np.append(start[order], breaks[-1])
+    return tuple(Piecewise(ends, series[:, m]) for m in range(series.shape[1]))
+
+
+def _frame_components(metric: TwoMetric, u: Floats) -> Floats:
+    """q_tt, q_tp / sin(theta) and q_pp / sin^2(theta), (3, n)."""
+    e_theta, e_phi = angle_frame(u)
+    q = metric.tensor(u)
+    pairs = ((e_theta, e_theta), (e_theta, e_phi), (e_phi, e_phi))
+    return np.stack([np.einsum("ni,nij,nj->n", a, q, b) for a, b in pairs])
+
+
+def _check_symmetry(metric: TwoMetric, tolerance: float) -> None:
+    names = ("q_tt", "q_tp / sin(theta)", "q_pp / sin^2(theta)")
+    theta = np.pi * (np.arange(24) + 0.5) / 24
+    phi = 2.0 * np.pi * (np.arange(11) + 0.31) / 11  # of 11 angles no low harmonic is constant
+    sin, cos = np.repeat(np.sin(theta), 11), np.repeat(np.cos(theta), 11)
+    around = np.tile(phi, 24)
+    u = np.stack([sin * np.cos(around), sin * np.sin(around), cos], axis=1)
+    q = _frame_components(metric, u).reshape(3, 24, 11)
+    scale = float(np.abs(q[[0, 2]]).max())
+    variation = (q.max(axis=2) - q.min(axis=2)) / scale
+    if not variation.max() <= tolerance:
+        k, i = divmod(int(np.argmax(variation)), len(theta))
+        raise InvalidMetric(
+            f"the metric is not axisymmetric about z: at theta = {theta[i]:.6g}, {names[k]} varies with phi"
+            f" by {variation[k, i]:.3g} of the largest component"
+        )
+    mixed = np.abs(q[1]).max(axis=1) / scale
+    if mixed.max() > tolerance:
+        i = int(np.argmax(mixed))
+        raise InvalidMetric(
+            f"the metric is twisted about z: at theta = {theta[i]:.6g}, q_tp / sin(theta) is"
+            f" {mixed[i]:.3g} of the largest component, not 0"
+        )
+
+
+def _theta(x: float) -> float:
+    return float(np.arctan2(np.sqrt((1.0 - x) * (1.0 + x)), x))
+
+
+def _angles(theta: ArrayLike) -> Floats:
+    angles = np.atleast_1d(np.asarray(theta, dtype=np.float64))
+    bad = np.flatnonzero(~((angles >= 0.0) & (angles <= np.pi)))
+    if bad.size:
+        raise InvalidParameter(f"theta[{bad[0]}] = {angles[bad[0]]:.9g} is not between 0 and pi")
+    return angles
+
+
+def _listed(intervals: Sequence[Interval]) -> str:
+    words = []
+    for start, stop in intervals:
+        lower = f"{start:.6g} < " if start > 0.0 else ""
+        upper = f" < {stop:.6g}" if stop < np.pi else ""
+        words.append(f"{lower}theta{upper}" if upper or not lower else f"theta > {start:.6g}")
+    return " and ".join(words) or "no theta"

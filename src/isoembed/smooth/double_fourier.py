@@ -1,0 +1,257 @@
+"""Functions on the sphere between the nodes of a grid in theta and phi, to the accuracy of a Fourier series.
+
+On the circle of all theta a smooth function on the sphere is even under the glide (theta, phi) -> (-theta,
+phi + pi), so that the part with exp(i m phi) is a series of cosines in theta for even m and of sines for odd
+m [1]_.  There is nothing at the poles that would have to be treated apart.
+
+References
+----------
+.. [1] S. A. Orszag, "Fourier series on spheres", Monthly Weather Review 102 (1974), 56-75.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+from numba import njit
+from numpy.typing import ArrayLike, NDArray
+
+from isoembed.errors import InvalidMetric
+
+Floats = NDArray[np.float64]
+Complexes = NDArray[np.complex128]
+
+POLE = 1e-6
+"""From here to a pole a node counts as the pole: single precision does not hit it."""
+
+UNEVEN = 1e-6
+"""What may be missing to uniform angles phi, in steps; and to 2 pi at the end."""
+
+ILL_CONDITIONED = 1e4
+"""The condition of the matrix of the series from which on its coefficients are not worth much."""
+
+FINER = 8
+"""How many times finer the table is than the grid; half of that for grids whose table would be large."""
+
+LARGE = 1 << 24
+"""Numbers in a table."""
+
+STENCIL = 16
+"""Nodes of the table, each way, of which a value is made: 1e-12 of the shortest wave of the grid is lost, and
+nothing (1e-16) of those of half its wave number; of half the fineness, 6e-8 and 1e-12."""
+
+
+@dataclass(frozen=True, eq=False)
+class DoubleFourier:
+    """Functions given on a grid in theta and phi, as their Fourier series.
+
+    Parameters
+    ----------
+    theta : array_like, shape (n,)
+        Increasing, strictly between 0 and pi: `inner_nodes` tells which nodes of a grid are.
+    phi : array_like, shape (m,)
+        As `around` takes it, without the end point.
+    values : ndarray, shape (n, m, c)
+        c functions at the nodes; scalars, or components of a tensor that are even under the glide.
+
+    Raises
+    ------
+    InvalidMetric
+        The values at these nodes do not determine a series: nodes on one hemisphere only, for one.
+    """
+
+    theta: Floats
+    phi: Floats
+    values: Floats
+
+    def __post_init__(self) -> None:
+        condition = max(np.linalg.cond(series) for series in self._series(self.theta))
+        if not condition < ILL_CONDITIONED:
+            raise InvalidMetric(
+                f"the {len(self.theta)} nodes theta = {self.theta[0]:.6g} ... {self.theta[-1]:.6g} do not "
+                f"determine a Fourier series (condition {condition:.1g}): cell-centered, uniform and "
+                "Gauss-Legendre nodes from pole to pole do"
+            )
+
+    def _series(self, theta: Floats) -> tuple[Floats, Floats]:
+        """The cosines for even m and the sines for odd m, each (len(theta), n)."""
+        k = np.arange(len(self.theta))
+        return np.cos(np.multiply.outer(theta, k)), np.sin(np.multiply.outer(theta, k + 1))
+
+    @cached_property
+    def coefficients(self) -> Complexes:
+        """(n, m // 2 + 1, c): of cosines or sines in theta times exp(i m (phi - phi_0)), m >= 0."""
+        m = len(self.phi)
+        spectrum = np.fft.rfft(self.values, axis=1) / m
+        spectrum[:, 1 : (m + 1) // 2] *= 2.0  # of the real part: for all but the mean and m / 2
+        for parity, series in enumerate(self._series(self.theta)):
+            part = spectrum[:, parity::2]
+            spectrum[:, parity::2] = np.linalg.solve(series, _flat(part)).reshape(part.shape)
+        return spectrum
+
+    @cached_property
+    def truncation(self) -> float:
+        """The largest coefficient among the highest tenth, in theta or phi, over the largest of all.
+
+        An estimate of the error relative to the size of the functions.
+        """
+        size = np.abs(self.coefficients)
+        n, m = size.shape[:2]
+        high = max(
+            np.max(size[n - max(2, n // 10) :]), np.max(size[:, m - max(2, m // 10) :]) if m > 2 else 0.0
+        )
+        return float(high / np.max(size))
+
+    @cached_property
+    def table(self) -> Floats:
+        """The values on a finer grid, with a margin of half a stencil around it for `at`."""
+        (rows, columns), margin = self._table_shape, STENCIL // 2
+        theta = np.arange(-margin, rows + margin + 1, dtype=np.float64) * (np.pi / rows)
+        a = self.coefficients
+        spectrum = np.zeros((len(theta), columns // 2 + 1, a.shape[2]), dtype=np.complex128)
+        for parity, series in enumerate(self._series(theta)):
+            part = a[:, parity::2]
+            values = series @ _flat(part)
+            spectrum[:, parity : a.shape[1] : 2] = values.reshape(len(theta), *part.shape[1:])
+        spectrum[:, 1:] /= 2.0
+        fine = np.fft.irfft(spectrum * columns, columns, axis=1)
+        return np.ascontiguousarray(fine[:, np.arange(-margin, columns + margin + 1) % columns])
+
+    @property
+    def _table_shape(self) -> tuple[int, int]:
+        """Steps from pole to pole, and around."""
+        finer = FINER if self.values.size * FINER**2 <= LARGE else FINER // 2
+        return finer * len(self.theta), finer * max(len(self.phi), 2 * STENCIL // FINER)
+
+    def at(self, u: Floats) -> Floats:
+        """The functions (n, c) in the directions u (n, 3), unit vectors; at the poles as from phi = 0."""
+        theta = np.arctan2(np.hypot(u[:, 0], u[:, 1]), u[:, 2])
+        phi = (np.arctan2(u[:, 1], u[:, 0]) - self.phi[0]) % (2.0 * np.pi)
+        rows, columns = self._table_shape
+        return _interpolated(self.table, theta * (rows / np.pi), phi * (columns / (2.0 * np.pi)))
+
+
+def inner_nodes(theta: ArrayLike) -> NDArray[np.bool_]:
+    """Check the angles theta of a grid, and tell which are not poles.
+
+    Parameters
+    ----------
+    theta : array_like, shape (n,)
+
+    Returns
+    -------
+    ndarray of bool, shape (n,)
+
+    Raises
+    ------
+    InvalidMetric
+        The angles are not finite, not between 0 and pi, or not increasing, or there are fewer than two
+        besides the poles; the message names the first such node.
+    """
+    theta = one_dimensional(theta, "theta")
+    bad = ~((theta >= -POLE) & (theta <= np.pi + POLE))
+    if bad.any():
+        i = int(np.argmax(bad))
+        raise InvalidMetric(f"theta[{i}] = {theta[i]:.6g} is not between 0 and pi")
+    falls = np.diff(theta) <= 0.0
+    if falls.any():
+        i = int(np.argmax(falls))
+        raise InvalidMetric(f"theta[{i + 1}] = {theta[i + 1]:.6g} is not above theta[{i}] = {theta[i]:.6g}")
+    inner = (theta > POLE) & (theta < np.pi - POLE)
+    if inner.sum() < 2:
+        raise InvalidMetric(f"there are {inner.sum()} nodes theta besides the poles, fewer than 2")
+    return inner
+
+
+def around(phi: ArrayLike) -> int:
+    """Check the angles phi of a grid, and tell how many make up the full circle.
+
+    Parameters
+    ----------
+    phi : array_like, shape (m,)
+        Uniform, beginning anywhere, once around, with or without the end point; one alone for what is
+        symmetric about the z-axis.
+
+    Returns
+    -------
+    int
+        m, or m - 1 if the end point is there.
+
+    Raises
+    ------
+    InvalidMetric
+        They are something else; the message names the first such node.
+    """
+    phi = one_dimensional(phi, "phi")
+    closed = len(phi) > 1 and abs(phi[-1] - phi[0] - 2.0 * np.pi) < UNEVEN
+    m = len(phi) - 1 if closed else len(phi)
+    step = 2.0 * np.pi / m
+    expected = phi[0] + step * np.arange(m)
+    bad = ~(np.abs(phi[:m] - expected) < UNEVEN * step)
+    if bad.any():
+        j = int(np.argmax(bad))
+        raise InvalidMetric(
+            f"phi[{j}] = {phi[j]:.6g} is not {expected[j]:.6g}: "
+            f"{m} uniform angles phi from {phi[0]:.6g} once around are needed"
+        )
+    return m
+
+
+def one_dimensional(angles: ArrayLike, name: str) -> Floats:
+    """The angles as an array.
+
+    Raises
+    ------
+    InvalidMetric
+        They are no finite numbers in a row; the message names the first that is not finite.
+    """
+    array = np.asarray(angles)
+    if array.ndim != 1 or array.size == 0 or array.dtype.kind not in "iuf":
+        raise InvalidMetric(
+            f"{name} has the shape {array.shape} and the type {array.dtype}, not (n,) numbers"
+        )
+    bad = ~np.isfinite(array)
+    if bad.any():
+        i = int(np.argmax(bad))
+        raise InvalidMetric(f"{name}[{i}] = {array[i]} is not finite")
+    return array.astype(np.float64)
+
+
+def _flat(part: Complexes) -> Complexes:
+    return part.reshape(len(part), part.shape[1] * part.shape[2])
+
+
+@njit(cache=True)
+def _weights(t: float, before: Floats, weights: Floats) -> None:
+    """Lagrange's, for t in [0, 1] and the nodes 1 - STENCIL / 2, ..., STENCIL / 2."""
+    first = 1 - STENCIL // 2
+    before[0] = 1.0
+    for j in range(1, STENCIL):
+        before[j] = before[j - 1] * (t - (first + j - 1)) / j
+    after = 1.0
+    for j in range(STENCIL - 1, -1, -1):
+        weights[j] = before[j] * after
+        after *= -(t - (first + j)) / (STENCIL - j)
+
+
+@njit(cache=True)
+def _interpolated(table: Floats, rows: Floats, columns: Floats) -> Floats:
+    """Values (n, c) at fractional places in the inside of a table (rows, columns, c)."""
+    n_rows, n_columns, count = table.shape
+    margin = STENCIL // 2
+    values = np.zeros((len(rows), count))
+    before, w_row, w_column = np.empty(STENCIL), np.empty(STENCIL), np.empty(STENCIL)
+    for k in range(len(rows)):
+        i = min(int(rows[k]), n_rows - 2 * margin - 2)
+        j = min(int(columns[k]), n_columns - 2 * margin - 2)
+        _weights(rows[k] - i, before, w_row)
+        _weights(columns[k] - j, before, w_column)
+        for a in range(STENCIL):
+            for c in range(count):
+                total = 0.0
+                for b in range(STENCIL):
+                    total += w_column[b] * table[i + 1 + a, j + 1 + b, c]
+                values[k, c] += w_row[a] * total
+    return values

@@ -1,0 +1,92 @@
+"""The Gaussian curvature of a smooth metric on the sphere, by differences of the metric alone."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from isoembed.smooth.geodesics import definite_tensor, in_own_unit
+from isoembed.smooth.two_metric import TwoMetric, angle_frame
+
+Floats = NDArray[np.float64]
+
+STEP = 2e-3
+"""Of the differences, in radians: their error, of fourth order, meets that of rounding, of order -2."""
+
+CHUNK = 4096
+"""Directions at a time, which bounds the memory."""
+
+AXIS = [(k, 0) for k in (-2, -1, 1, 2)] + [(0, k) for k in (-2, -1, 1, 2)]
+DIAGONAL = [(k, sign * k) for sign in (1, -1) for k in (-2, -1, 1, 2)]
+STENCIL = np.array([(0, 0), *AXIS, *DIAGONAL], dtype=np.float64)
+
+FIRST = np.array([1.0, -8.0, 8.0, -1.0]) / (12.0 * STEP)
+SECOND = np.array([-1.0, 16.0, 16.0, -1.0]) / (12.0 * STEP**2)
+SECOND_CENTER = -30.0 / (12.0 * STEP**2)
+
+
+def gaussian_curvature(metric: TwoMetric, u: ArrayLike) -> Floats:
+    """Gaussian curvature at some directions.
+
+    Parameters
+    ----------
+    metric : TwoMetric
+    u : array_like, shape (n, 3)
+        Unit vectors.
+
+    Returns
+    -------
+    ndarray, shape (n,)
+        In 1/length^2 of the metric's unit.  About eight digits, fewer where the metric varies within a
+        hundredth of a radian: the error is of fourth order in a step of 0.002 radians.
+
+    Raises
+    ------
+    InvalidMetric
+        The metric is not positive definite at one of the directions or near it.
+
+    Notes
+    -----
+    Brioschi's formula in the coordinates of the plane that touches the sphere at u, with derivatives from 17
+    samples of the metric about it.
+    """
+    directions = np.asarray(u, dtype=np.float64)
+    unit, own = in_own_unit(metric)
+    K = np.empty(len(directions))
+    for begin in range(0, len(directions), CHUNK):
+        part = slice(begin, begin + CHUNK)
+        K[part] = _brioschi(_sampled(own, directions[part]))
+    return K / unit / unit
+
+
+def _sampled(metric: TwoMetric, u: Floats) -> Floats:
+    """The components E, F, G (3, 17, n) of the metric about each direction, in its tangent plane."""
+    frame = np.stack(angle_frame(u))  # (2, n, 3)
+    x = u + np.einsum("ka,ani->kni", STEP * STENCIL, frame)
+    square = np.einsum("kni,kni->kn", x, x)
+    q = definite_tensor(metric, (x / np.sqrt(square)[..., None]).reshape(-1, 3)).reshape(*x.shape, 3)
+    E, F, G = (np.einsum("ni,knij,nj->kn", frame[a], q, frame[b]) for a, b in ((0, 0), (0, 1), (1, 1)))
+    return np.stack([E, F, G]) / square
+
+
+def _brioschi(samples: Floats) -> Floats:
+    center, x, y = samples[:, 0], samples[:, 1:5], samples[:, 5:9]
+    E, F, G = center
+    e_x, f_x, g_x = np.einsum("k,ckn->cn", FIRST, x)
+    e_y, f_y, g_y = np.einsum("k,ckn->cn", FIRST, y)
+    e_yy = SECOND @ y[0] + SECOND_CENTER * E
+    g_xx = SECOND @ x[2] + SECOND_CENTER * G
+    # Second differences along the diagonals, whose own center cancels, are f_xx + f_yy + 2 f_xy and the like.
+    f_xy = (SECOND @ samples[1, 9:13] - SECOND @ samples[1, 13:17]) / 4.0
+    zero = np.zeros_like(E)
+    first = _determinant(
+        -0.5 * e_yy + f_xy - 0.5 * g_xx, 0.5 * e_x, f_x - 0.5 * e_y, f_y - 0.5 * g_x, E, F, 0.5 * g_y, F, G
+    )
+    second = _determinant(zero, 0.5 * e_y, 0.5 * g_x, 0.5 * e_y, E, F, 0.5 * g_x, F, G)
+    return np.asarray((first - second) / (E * G - F**2) ** 2)
+
+
+def _determinant(*entries: Floats) -> Floats:
+    """Of 3x3 matrices, whose entries come row by row, each (n,)."""
+    a, b, c, d, e, f, g, h, i = entries
+    return a * (e * i - f * h) - b * (d * i - f * g) + c * (d * h - e * g)

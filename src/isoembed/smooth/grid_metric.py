@@ -1,0 +1,179 @@
+"""A metric that is known at the nodes of a grid in theta and phi, as a simulation writes it."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from isoembed.errors import InvalidMetric
+from isoembed.smooth.double_fourier import DoubleFourier, around, inner_nodes
+from isoembed.smooth.two_metric import TwoMetric, angle_frame, from_angles
+
+Floats = NDArray[np.float64]
+
+SEAM = 1e-6
+"""By how much, relative to the metric, the columns phi = 0 and phi = 2 pi may differ."""
+
+
+@dataclass(frozen=True, eq=False, init=False, repr=False)
+class GridMetric:
+    """A metric on the sphere from its coordinate components on a grid, interpolated by Fourier series.
+
+    The error is that of the grid: it falls exponentially with the number of nodes where the metric is
+    analytic.
+
+    Parameters
+    ----------
+    theta : array_like, shape (n,)
+        Increasing from pole to pole: cell-centered, uniform with or without the poles, or Gauss-Legendre.
+    phi : array_like, shape (m,)
+        Uniform once around, beginning anywhere; the end point 2 pi may be repeated.  One angle alone stands
+        for a metric that is symmetric about the z-axis.
+    q_tt, q_tp, q_pp : array_like, shape (n, m)
+        The coordinate components: ds^2 = q_tt dtheta^2 + 2 q_tp dtheta dphi + q_pp dphi^2, in units of
+        length^2.  What they are at the poles themselves, where q_tp and q_pp vanish, is not looked at.
+
+    Attributes
+    ----------
+    theta, phi, q_tt, q_tp, q_pp : ndarray
+        As given, read-only.
+
+    Raises
+    ------
+    InvalidMetric
+        The arrays do not fit together, the nodes are not such a grid, or the components at a node are not
+        finite or not positive definite; the message names the first such node.
+    """
+
+    theta: Floats
+    phi: Floats
+    q_tt: Floats
+    q_tp: Floats
+    q_pp: Floats
+    _field: DoubleFourier
+
+    def __init__(
+        self, theta: ArrayLike, phi: ArrayLike, q_tt: ArrayLike, q_tp: ArrayLike, q_pp: ArrayLike
+    ) -> None:
+        inner, m = inner_nodes(theta), around(phi)
+        angles = {"theta": np.array(theta, dtype=np.float64), "phi": np.array(phi, dtype=np.float64)}
+        shape = (len(angles["theta"]), len(angles["phi"]))
+        q = {
+            name: _component(values, name, shape)
+            for name, values in (("q_tt", q_tt), ("q_tp", q_tp), ("q_pp", q_pp))
+        }
+        for name, value in (angles | q).items():
+            value.flags.writeable = False
+            object.__setattr__(self, name, value)
+        self._check_nodes(inner, m)
+        sin = np.sin(self.theta[inner])[:, None]
+        Q = np.stack([self.q_tt[inner], self.q_tp[inner] / sin, self.q_pp[inner] / sin**2], axis=2)
+        object.__setattr__(self, "_field", DoubleFourier(self.theta[inner], self.phi[:m], Q[:, :m]))
+        self._check_between()
+
+    @classmethod
+    def sampled(cls, metric: TwoMetric, n: int, m: int) -> GridMetric:
+        """Sample a metric, which may be slow, on a cell-centered grid of n angles theta and m angles phi.
+
+        Raises
+        ------
+        InvalidMetric
+            The grid is too coarse for it.
+        """
+        theta, phi = (np.arange(n) + 0.5) * (np.pi / n), np.arange(m) * (2.0 * np.pi / m)
+        sin, cos = np.sin(theta)[:, None], np.cos(theta)[:, None]
+        u = np.stack(np.broadcast_arrays(sin * np.cos(phi), sin * np.sin(phi), cos), axis=2).reshape(-1, 3)
+        e = np.stack(angle_frame(u), axis=1)
+        Q = (e @ metric.tensor(u) @ e.transpose(0, 2, 1)).reshape(n, m, 2, 2)
+        return cls(theta, phi, Q[..., 0, 0], sin * Q[..., 0, 1], sin**2 * Q[..., 1, 1])
+
+    def __repr__(self) -> str:
+        return f"GridMetric({len(self.theta)} x {len(self.phi)} nodes)"
+
+    @property
+    def truncation(self) -> float:
+        """An estimate of the relative error: the highest Fourier coefficients over the largest."""
+        return self._field.truncation
+
+    def tensor(self, u: Floats) -> Floats:
+        """The metric (n, 3, 3) at the unit vectors u (n, 3); see `TwoMetric`."""
+        u = np.asarray(u, dtype=np.float64)
+        return from_angles(u, *self._field.at(u).T)
+
+    def function(self, values: ArrayLike, name: str) -> Callable[[Floats], Floats]:
+        """Interpolate a function on the sphere that is given on the same grid.
+
+        Parameters
+        ----------
+        values : array_like, shape (n, m)
+        name : str
+            For the message if they do not fit.
+
+        Returns
+        -------
+        callable
+            Takes unit vectors u (n, 3) and returns the values there (n,).
+
+        Raises
+        ------
+        InvalidMetric
+            The values have another shape, or one of them is not finite.
+        """
+        given = _component(values, name, (len(self.theta), len(self.phi)))
+        finite = np.isfinite(given)
+        if not finite.all():
+            i, j = (int(k) for k in np.argwhere(~finite)[0])
+            raise InvalidMetric(f"{name} is {given[i, j]} at theta[{i}], phi[{j}]")
+        inner, m = inner_nodes(self.theta), around(self.phi)
+        series = DoubleFourier(self.theta[inner], self.phi[:m], given[inner, :m, None])
+        return lambda u: series.at(np.asarray(u, dtype=np.float64))[:, 0]
+
+    def _check_nodes(self, inner: NDArray[np.bool_], m: int) -> None:
+        tt, tp, pp = self.q_tt, self.q_tp, self.q_pp
+        with np.errstate(invalid="ignore", over="ignore"):
+            finite = np.isfinite(tt) & np.isfinite(tp) & np.isfinite(pp)
+            positive = (tt > 0) & (pp > 0) & (np.abs(tp) / np.sqrt(tt) < np.sqrt(pp))
+        bad = ~(finite & positive) & inner[:, None]
+        if bad.any():
+            i, j = np.argwhere(bad)[0]
+            raise InvalidMetric(
+                f"q_tt, q_tp, q_pp = {tt[i, j]:.6g}, {tp[i, j]:.6g}, {pp[i, j]:.6g} at node [{i}, {j}], "
+                f"theta = {self.theta[i]:.6g}, phi = {self.phi[j]:.6g}: that is not "
+                + ("a positive definite metric" if finite[i, j] else "finite")
+            )
+        if m < len(self.phi):
+            sin = np.sin(self.theta[inner])
+            for name, q, power in (("q_tt", tt, 0), ("q_tp", tp, 1), ("q_pp", pp, 2)):
+                jump = np.abs(q[inner, -1] - q[inner, 0]) / sin**power
+                size = max(np.max(tt[inner]), np.max(pp[inner] / sin[:, None] ** 2))
+                if np.max(jump) > SEAM * size:
+                    i = int(np.flatnonzero(inner)[np.argmax(jump > SEAM * size)])
+                    raise InvalidMetric(
+                        f"{name}[{i}, {m}] = {q[i, m]:.6g} at phi = {self.phi[m]:.6g} is not "
+                        f"{name}[{i}, 0] = {q[i, 0]:.6g} at the same point"
+                    )
+
+    def _check_between(self) -> None:
+        """Too coarse a grid shows where the series is not positive between the nodes."""
+        Qtt, Qtp, Qpp = np.moveaxis(self._field.table, 2, 0)
+        scale = np.max(np.abs(self._field.table))
+        bad = ~((Qtt > 0) & (Qpp > 0) & ((Qtt / scale) * (Qpp / scale) > (Qtp / scale) ** 2))
+        if bad.any():
+            raise InvalidMetric(
+                f"between the {len(self.theta)} x {len(self.phi)} nodes the interpolated metric is not "
+                f"positive definite (its highest Fourier coefficients are {self.truncation:.1g} of the "
+                "largest): the grid is too coarse for it"
+            )
+
+
+def _component(values: ArrayLike, name: str, shape: tuple[int, int]) -> Floats:
+    array = np.asarray(values)
+    if array.shape != shape or array.dtype.kind not in "iuf":
+        raise InvalidMetric(
+            f"{name} has the shape {array.shape} and the type {array.dtype}, "
+            f"not {shape} numbers for {shape[0]} angles theta and {shape[1]} angles phi"
+        )
+    return array.astype(np.float64)

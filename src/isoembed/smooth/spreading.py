@@ -1,0 +1,99 @@
+"""Directions spread over the sphere with any density: points of a square, carried by its distribution."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+Floats = NDArray[np.float64]
+
+CHUNK = 4096
+"""Points at a time whose angles are looked up, which bounds the memory."""
+
+
+@dataclass(frozen=True)
+class Cells:
+    """A positive function on the sphere, by its values in the middle of cells of even steps in theta and phi.
+
+    Attributes
+    ----------
+    values : ndarray, shape (m, n)
+        By theta, then phi; these are angles about the axis, not those of the function's own coordinates.
+    axis : int
+        0, 1 or 2: the Cartesian axis about which the angles are taken.
+    """
+
+    values: Floats
+    axis: int
+
+    @classmethod
+    def of(cls, function: Callable[[Floats], Floats], shape: tuple[int, int], axis: int = 2) -> Cells:
+        """Sample a function, which takes unit vectors (k, 3) and returns (k,)."""
+        return cls(function(cell_centers(shape, axis)).reshape(shape), axis)
+
+    def integral(self) -> float:
+        """Over the unit sphere."""
+        return float(2.0 * np.pi * np.mean(self.values, axis=1) @ _zones(len(self.values)))
+
+    def at(self, u: Floats) -> Floats:
+        """Values (k,) in the directions u (k, 3), linear between the middles of the cells."""
+        m, n = self.values.shape
+        x, y, z = np.roll(u, 2 - self.axis, axis=1).T
+        row = np.clip(np.arctan2(np.hypot(x, y), z) * (m / np.pi) - 0.5, 0.0, m - 1.0)
+        column = np.arctan2(y, x) % (2.0 * np.pi) * (n / (2.0 * np.pi)) - 0.5
+        i, j = np.minimum(row.astype(np.int64), m - 2), np.floor(column).astype(np.int64)
+        s, t = row - i, column - j
+        j, k = j % n, (j + 1) % n
+        low = (1.0 - t) * self.values[i, j] + t * self.values[i, k]
+        return np.asarray(
+            (1.0 - s) * low + s * ((1.0 - t) * self.values[i + 1, j] + t * self.values[i + 1, k])
+        )
+
+    def spread(self, square: Floats) -> Floats:
+        """Carry points of the unit square (k, 2) to directions (k, 3) whose density is this function.
+
+        Points that are even in the square, whose second coordinate is periodic, come out with the density:
+        the inverses of the marginal distribution in theta and of the conditional one in phi carry them.
+        """
+        m, n = self.values.shape
+        cells = self.values * _zones(m)[:, None]
+        marginal = np.concatenate([[0.0], np.cumsum(cells.sum(axis=1))])
+        heights, turns = square.T
+        theta = np.interp(heights, marginal / marginal[-1], np.linspace(0.0, np.pi, m + 1))
+        # The conditional distribution of the point's own height: a blend of the two nearest rows.
+        row = np.clip(theta * (m / np.pi) - 0.5, 0.0, m - 1.0)
+        low = np.minimum(row.astype(np.int64), m - 2)
+        conditional = np.cumsum(self.values / self.values.sum(axis=1)[:, None], axis=1)
+        conditional = np.concatenate([np.zeros((m, 1)), conditional], axis=1)
+        phi = np.empty(len(square))
+        for begin in range(0, len(square), CHUNK):
+            part = slice(begin, begin + CHUNK)
+            blend = (row - low)[part, None]
+            F = (1.0 - blend) * conditional[low[part]] + blend * conditional[low[part] + 1]
+            cell = np.clip((turns[part, None] >= F).sum(axis=1) - 1, 0, n - 1)
+            at = np.arange(len(F))
+            rise = F[at, cell + 1] - F[at, cell]
+            phi[part] = (cell + (turns[part] - F[at, cell]) / rise) * (2.0 * np.pi / n)
+        return _about(np.cos(theta), phi, self.axis)
+
+
+def cell_centers(shape: tuple[int, int], axis: int) -> Floats:
+    """The directions (m n, 3) in the middle of the cells, by theta, then phi."""
+    theta = (np.arange(shape[0]) + 0.5) * (np.pi / shape[0])
+    phi = (np.arange(shape[1]) + 0.5) * (2.0 * np.pi / shape[1])
+    return _about(np.cos(theta)[:, None], phi[None, :], axis).reshape(-1, 3)
+
+
+def _zones(m: int) -> Floats:
+    """The heights (m,) of the zones of the unit sphere between even steps in theta."""
+    return -np.diff(np.cos(np.linspace(0.0, np.pi, m + 1)))
+
+
+def _about(z: NDArray, phi: NDArray, axis: int) -> Floats:
+    """The unit vectors (..., 3) at height z along the axis and the angle phi about it."""
+    sin = np.sqrt((1.0 - z) * (1.0 + z))
+    u = np.stack(np.broadcast_arrays(sin * np.cos(phi), sin * np.sin(phi), z), axis=-1)
+    return np.roll(u, axis - 2, axis=-1)

@@ -1,0 +1,156 @@
+"""What a smooth metric on the sphere is: at every direction u a quadratic form on the tangent plane.
+
+It is kept as a symmetric 3x3 matrix q with q u = 0, so that the length of the velocity v of a path of unit
+vectors is sqrt(v . q v).  No coordinate is singular anywhere; theta and phi appear only where data have them.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Protocol
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from isoembed.errors import InvalidMetric
+
+Floats = NDArray[np.float64]
+
+POLE = 1e-3
+"""sin(theta) below which components in theta and phi are not asked for, but extrapolated over the pole."""
+
+
+class TwoMetric(Protocol):
+    """A smooth Riemannian metric on the sphere of directions."""
+
+    def tensor(self, u: Floats) -> Floats:
+        """The metric (n, 3, 3) at unit vectors u (n, 3): symmetric, with q u = 0, in units of length^2."""
+        ...
+
+
+@dataclass(frozen=True)
+class AngleMetric:
+    """A metric whose components in theta and phi are given by a function.
+
+    Attributes
+    ----------
+    components : callable
+        Takes arrays theta and phi of one shape and returns q_tt, q_tp and q_pp, in units of length^2.  It is
+        never called at the poles.
+    """
+
+    components: Callable[[Floats, Floats], tuple[ArrayLike, ArrayLike, ArrayLike]]
+
+    def tensor(self, u: Floats) -> Floats:
+        """See `TwoMetric`.
+
+        Raises
+        ------
+        InvalidMetric
+            The function returns what is not finite or not positive; the message names theta and phi.
+        """
+        u = np.asarray(u, dtype=np.float64)
+        near = np.hypot(u[:, 0], u[:, 1]) < POLE
+        q = np.empty((len(u), 3, 3))
+        q[~near] = self._away(u[~near])
+        if near.any():
+            q[near] = self._over_pole(u[near])
+        return q
+
+    def _over_pole(self, u: Floats) -> Floats:
+        """Even Richardson extrapolation over four points on a line through each point, along x."""
+        # Of sixth order in the step.  Two steps away from here nothing is nearer to the pole than one step.
+        total = np.zeros((len(u), 3, 3))
+        for step, weight in ((2.0, 12.0 / 5.0), (3.0, -64.0 / 35.0), (4.0, 3.0 / 7.0)):
+            for sign in (-1.0, 1.0):
+                moved = u + np.array([sign * step * POLE, 0.0, 0.0])
+                total += 0.5 * weight * self._away(moved / np.linalg.norm(moved, axis=1, keepdims=True))
+        return projected(total, u)
+
+    def _away(self, u: Floats) -> Floats:
+        sin = np.hypot(u[:, 0], u[:, 1])
+        theta, phi = np.arctan2(sin, u[:, 2]), np.arctan2(u[:, 1], u[:, 0]) % (2.0 * np.pi)
+        given = np.stack(np.broadcast_arrays(*self.components(theta, phi), np.zeros(len(u)))[:3])
+        tt, tp, pp = given.astype(np.float64)
+        good = (tt > 0) & (pp > 0) & np.isfinite(given).all(axis=0)
+        good[good] = np.abs(tp[good]) < np.sqrt(tt[good]) * np.sqrt(pp[good])
+        if not good.all():
+            i = int(np.argmin(good))
+            raise InvalidMetric(
+                f"q_tt, q_tp, q_pp = {tt[i]:.6g}, {tp[i]:.6g}, {pp[i]:.6g} at theta = {theta[i]:.6g}, "
+                f"phi = {phi[i]:.6g}: that is not a positive definite metric"
+            )
+        return from_angles(u, tt, tp / sin, pp / sin**2)
+
+
+@dataclass(frozen=True)
+class PulledBack:
+    """The metric that a map X from the sphere into R^3 (or into a 3-geometry) induces.
+
+    Attributes
+    ----------
+    differential : callable
+        Takes unit vectors u (n, 3) and returns dX (n, 3, 3): ``dX @ v`` is the derivative of X along v.
+    ambient : callable, optional
+        Takes the same u and returns the 3-metric (n, 3, 3) at X(u); by default the Euclidean one.
+    """
+
+    differential: Callable[[Floats], Floats]
+    ambient: Callable[[Floats], Floats] | None = None
+
+    def tensor(self, u: Floats) -> Floats:
+        """See `TwoMetric`."""
+        dX = self.differential(u)
+        if self.ambient is None:
+            q = np.einsum("nki,nkj->nij", dX, dX)
+        else:
+            q = np.einsum("nki,nkl,nlj->nij", dX, self.ambient(u), dX)
+        return projected(q, u)
+
+
+def from_angles(u: Floats, Qtt: Floats, Qtp: Floats, Qpp: Floats) -> Floats:
+    """The tensor (n, 3, 3) from components in the orthonormal frame (e_theta, e_phi), away from the poles."""
+    e_theta, e_phi = angle_frame(u)
+    mixed = e_theta[:, :, None] * e_phi[:, None, :]
+    return (
+        Qtt[:, None, None] * e_theta[:, :, None] * e_theta[:, None, :]
+        + Qtp[:, None, None] * (mixed + mixed.transpose(0, 2, 1))
+        + Qpp[:, None, None] * e_phi[:, :, None] * e_phi[:, None, :]
+    )
+
+
+def angle_frame(u: Floats) -> tuple[Floats, Floats]:
+    """The unit vectors e_theta and e_phi (n, 3); at the poles those of phi = 0."""
+    sin = np.hypot(u[:, 0], u[:, 1])
+    pole = sin == 0.0
+    cos_phi = np.where(pole, 1.0, u[:, 0]) / np.where(pole, 1.0, sin)
+    sin_phi = np.where(pole, 0.0, u[:, 1]) / np.where(pole, 1.0, sin)
+    e_theta = np.stack([u[:, 2] * cos_phi, u[:, 2] * sin_phi, -sin], axis=1)
+    return e_theta, np.stack([-sin_phi, cos_phi, np.zeros(len(u))], axis=1)
+
+
+def projected(q: Floats, u: Floats) -> Floats:
+    """The part of symmetric tensors (n, 3, 3) that is tangent to the sphere at u (n, 3)."""
+    P = np.eye(3) - u[:, :, None] * u[:, None, :]
+    tangent = P @ q @ P
+    return 0.5 * (tangent + tangent.transpose(0, 2, 1))
+
+
+def area_density(q: Floats) -> Floats:
+    """The area (n,) of the metrics q (n, 3, 3) over that of the unit sphere: the root of the determinant."""
+    trace = np.trace(q, axis1=1, axis2=2)
+    shape = q / trace[:, None, None]  # squares of squared lengths would under- or overflow
+    return trace * np.sqrt(np.maximum(0.5 * (1.0 - np.einsum("nij,nij->n", shape, shape)), 0.0))
+
+
+def orthonormal_frame(u: Floats, q: Floats) -> Floats:
+    """Two tangent vectors (n, 2, 3) at each u with e_a . q e_b = delta_ab; e_1 x e_2 points along u."""
+    e_theta, e_phi = angle_frame(u)
+    first = np.einsum("ni,nij->nj", e_theta, q)
+    first_length = np.sqrt(np.einsum("ni,ni->n", first, e_theta))[:, None]
+    e_1 = e_theta / first_length
+    along = np.einsum("ni,ni->n", first, e_phi)[:, None] / first_length
+    rest = e_phi - along * e_1
+    rest /= np.sqrt(np.einsum("ni,nij,nj->n", rest, q, rest))[:, None]
+    return np.stack([e_1, rest], axis=1)

@@ -1,0 +1,351 @@
+"""Integrals over the smooth surface that a polyhedron stands for, to fourth order in the edge length.
+
+Area, volume and the integral of H of a polyhedron differ from those of the surface through its vertices by
+the square of the edge length.  The surface bulges out of each triangle by a height that the curvatures along
+its edges tell to leading order, with lambda the barycentric coordinates,
+
+    f = 1/2 sum_{i<j} lambda_i lambda_j kappa_ij l_ij^2,
+
+and the polyhedron is the surface moved by -f along its normals.  Steiner's variations of the three integrals
+in f are what the polyhedron lacks; the next ones are of fourth order in the edge length.  Odd orders cancel
+between neighboring triangles.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Literal
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from isoembed.errors import InvalidParameter
+from isoembed.mesh.triangulation import Triangulation
+from isoembed.surface import curvature, measures
+from isoembed.surface.chords import chord_lengths
+from isoembed.surface.estimate import Estimate
+from isoembed.surface.shape_operator import normal_curvatures, second_derivatives, shape_operators
+
+Floats = NDArray[np.float64]
+Lengths = Literal["geodesic", "chord"]
+
+QUARTIC, CUBIC = 4, 3  # degrees of the fits: the second only says how far the first can be trusted
+NEXT = 0.1  # of a correction times (kappa l)^2: the size of the next order
+ALIKE = 36.0  # faces about a vertex in which the errors of the fits are alike, three rings'
+
+
+@dataclass(frozen=True, eq=False)
+class SmoothIntegrals:
+    r"""Integrals over a smooth surface of which the vertices of a triangulation are known.
+
+    Attributes
+    ----------
+    triangulation : Triangulation
+        Oriented so that its normals point outward.
+    vertices : ndarray, shape (V, 3)
+    lengths : "geodesic" or "chord"
+        What the distances between the vertices are.  "chord": those between points of the surface, which the
+        vertices are.  "geodesic": its geodesics' lengths; the vertices are then near the surface, not on it.
+
+    Raises
+    ------
+    InvalidParameter
+        The lengths are neither, or the vertices have another shape or are not finite.
+
+    Notes
+    -----
+    Each integral is an `Estimate`.  Its error is
+
+        \|sum d\| + 6 sqrt(sum d^2) + 1/10 sum \|c\| (kappa l)^2,
+
+    c what is added in each triangle and d the part of it that is lost when the curvatures are fitted by
+    cubics instead of quartics: the error of the fits, in its mean and from triangle to triangle, and the size
+    of the next order of the expansion.  It is no bound.  On smooth surfaces that the mesh resolves it is
+    1 to 50 times the error, or more where errors happen to cancel; where curvatures change by their own size
+    within an edge it means little.
+    """
+
+    triangulation: Triangulation
+    vertices: Floats
+    lengths: Lengths
+
+    def __post_init__(self) -> None:
+        if self.lengths not in ("geodesic", "chord"):
+            raise InvalidParameter(f"the lengths must be 'geodesic' or 'chord', not {self.lengths!r}")
+        object.__setattr__(
+            self, "vertices", _checked(self.vertices, (self.triangulation.n_vertices, 3), "vertices")
+        )
+
+    @cached_property
+    def integrated_mean_curvature(self) -> Estimate:
+        """Integral of H = (k1 + k2) / 2 over the surface, in the unit of length.
+
+        With B the shape operator in a triangle, ``T = (tr B) 1 - B``, ``K = det B``, and g the derivative of
+        f along the outward normal of an edge, f_t that along the edge, it is
+
+            1/2 sum_edges c theta + sum_faces [ K int f - 1/2 int T(grad f, grad f)
+                + 1/4 tr B int |grad f|^2 + 1/4 sum_edges int (g f_t^2 + g^3 / 3) ds ],
+
+        c the chords of the edges (their lengths if these are chords).  The surface moved by phi = -f along
+        its normals is the polyhedron, whose integral of H is larger by the following terms, and is corrected
+        by them:
+
+        - ``int K phi``, the first variation of the integral of H (Steiner 1840; Reilly 1973).
+        - ``1/2 int T(grad phi, grad phi)``, half of the second one: K dA varies by ``-div(T grad phi) dA``.
+        - ``1/4 int grad phi . grad |grad phi|^2``, the third order of ``H dA = -1/2 W div(grad phi / W)`` on
+          a graph over a plane, W^2 = 1 + |grad phi|^2.  By parts over a triangle, in which lap phi = tr B, it
+          is ``-1/4 tr B int |grad phi|^2 + 1/4 sum_edges int (g phi_t^2 + g^3) ds``, g that of phi.
+        - ``-1/6 int g^3 ds`` on both sides of each edge, where the slope g jumps: H integrated across it is
+          half the angle, that is half the sum of ``arctan g = g - g^3 / 3``.
+        - ``1/2 sum theta dl`` where lengths are geodesics', too long for an inscribed polyhedron by dl: that
+          the angles change does not count, ``sum l dtheta = 0`` (Schlaefli 1858; Regge 1961; Rivin &
+          Schlenker 1999).
+
+        Where the triangulation is irregular, geodesic lengths change the dihedral angles by a tenth of their
+        size from edge to edge, and a thousandth of the correction remains as an error, of second order.
+        Correcting the lengths by `chord_lengths` and embedding them as chords, twice over, removes it.
+        """
+        t, points, unit = self.triangulation, self._points, self._unit
+        theta = curvature.dihedral_angles(t, points)
+        quartic, cubic = (
+            bulges.integrated_mean_curvature - (theta * self._excess(B) / 4)[t.face_edges].sum(axis=1)
+            for bulges, B in ((self._bulges, self._operators), (self._cubic_bulges, self._cubic_operators))
+        )
+        sizes = self._bulges.integrated_mean_curvature_size
+        raw = curvature.integrated_mean_curvature(t, points)
+        return _scaled(self._estimate(raw, quartic, cubic, sizes), unit)
+
+    @cached_property
+    def area(self) -> Estimate:
+        """Area of the surface, in the unit of length, squared.
+
+        ``A + sum_faces [ tr B int f - 1/2 int |grad f|^2 ]`` for chords: the first variation and the flat
+        part of the second.  A geodesic triangle is ``1 + K sum l^2 / 24`` times as large as the flat one with
+        its sides, and each of its angles is larger by a third of the integral of K (Gauss 1827): for geodesic
+        lengths K is the deficits' at the vertices, and neither the dihedral angles nor the fits are asked.
+        """
+        flat = measures.face_areas(self.triangulation.faces, self._points)
+        return _scaled(self._estimate(float(flat.sum()), *self._face_areas), self._unit, self._unit)
+
+    @cached_property
+    def volume(self) -> Estimate:
+        """Enclosed volume, in the unit of length, cubed: ``V + sum_faces int f``, where lengths are chords.
+
+        Raises
+        ------
+        InvalidParameter
+            The lengths are geodesics': the vertices are not on the surface, and no formula of their
+            neighborhoods says how far off they are.
+        """
+        if self.lengths != "chord":
+            raise InvalidParameter("the volume is known from vertices on the surface only: lengths = 'chord'")
+        heights = self._bulges.heights
+        raw = measures.volume(self.triangulation.faces, self._points)
+        estimate = self._estimate(raw, heights, self._cubic_bulges.heights, np.abs(heights))
+        return _scaled(estimate, self._unit, self._unit, self._unit)
+
+    def integral(self, values: ArrayLike) -> Estimate:
+        """Integral of a function over the surface, from its values at the vertices.
+
+        In each triangle, the mean of the values times the area of the surface over it, less ``A / 24
+        sum_{i<j} f_ij l_ij^2``, f_ij the second derivatives of the function along the edges: that is what
+        linear interpolation misses.
+
+        Parameters
+        ----------
+        values : array_like, shape (V,)
+
+        Returns
+        -------
+        Estimate
+            In the unit of the values times that of length, squared.
+
+        Raises
+        ------
+        InvalidParameter
+            The values have another shape or are not finite.
+        """
+        t, points = self.triangulation, self._points
+        given = _checked(values, (t.n_vertices,), "values")
+        size = float(np.abs(given).max()) or 1.0
+        data = given / size
+        flat = measures.face_areas(t.faces, points)
+        means = data[t.faces].mean(axis=1)
+        squares = measures.edge_lengths(t.edges, points) ** 2
+        missed = []
+        for degree in (QUARTIC, CUBIC):
+            hessians = second_derivatives(t, points, data[:, None], degree)[1][:, 0]
+            along = normal_curvatures(t, points, hessians) * squares
+            missed.append(flat / 24 * along[t.face_edges].sum(axis=1))
+        quartic, cubic, sizes = self._face_areas
+        estimate = self._estimate(
+            float(flat @ means),
+            means * quartic - missed[0],
+            means * cubic - missed[1],
+            np.abs(means) * sizes + np.abs(missed[0]),
+        )
+        return _scaled(estimate, size, self._unit, self._unit)
+
+    @cached_property
+    def _unit(self) -> float:
+        return float(measures.edge_lengths(self.triangulation.edges, self.vertices).mean())
+
+    @cached_property
+    def _points(self) -> Floats:
+        """The vertices in units of the mean edge length, in which nothing under- or overflows."""
+        return self.vertices / self._unit
+
+    @cached_property
+    def _operators(self) -> Floats:
+        return shape_operators(self.triangulation, self._points, QUARTIC)
+
+    @cached_property
+    def _cubic_operators(self) -> Floats:
+        return shape_operators(self.triangulation, self._points, CUBIC)
+
+    @cached_property
+    def _bulges(self) -> _Bulges:
+        return _Bulges.of(self.triangulation, self._points, self._operators)
+
+    @cached_property
+    def _cubic_bulges(self) -> _Bulges:
+        return _Bulges.of(self.triangulation, self._points, self._cubic_operators)
+
+    @cached_property
+    def _face_areas(self) -> tuple[Floats, Floats, Floats]:
+        """What the surface has more area than the triangles, the same to lower accuracy, and its size."""
+        t, points = self.triangulation, self._points
+        if self.lengths == "chord":
+            sizes = self._bulges.area_size
+            return self._bulges.area, self._cubic_bulges.area, sizes
+        flat = measures.face_areas(t.faces, points)
+        squares = measures.edge_lengths(t.edges, points) ** 2
+        moments = flat / 24 * squares[t.face_edges].sum(axis=1)
+        around = np.bincount(t.faces.ravel(), np.repeat(flat, 3))
+        K = 3 * _deficits(t, points) / around
+        # Over the geodesic triangles instead of the flat ones, K is smaller by as much as they are larger.
+        less = K * around / (around + K * np.bincount(t.faces.ravel(), np.repeat(moments, 3)))
+        more = moments * K[t.faces].mean(axis=1)
+        return more, moments * less[t.faces].mean(axis=1), np.abs(more)
+
+    def _excess(self, operators: Floats) -> Floats:
+        """Lengths of the edges over the distances of their ends on the surface, (E,)."""
+        lengths = measures.edge_lengths(self.triangulation.edges, self._points)
+        if self.lengths == "chord":
+            return np.zeros_like(lengths)
+        return lengths - chord_lengths(self.triangulation, self._points, lengths, operators)
+
+    def _estimate(self, raw: float, quartic: Floats, cubic: Floats, sizes: Floats) -> Estimate:
+        lost = quartic - cubic
+        error = abs(float(lost.sum())) + float(np.sqrt(ALIKE * np.sum(lost**2)))
+        return Estimate(raw + float(quartic.sum()), error + NEXT * float(sizes @ self._bulges.turns))
+
+
+def corrected_integrated_mean_curvature(
+    triangulation: Triangulation, vertices: Floats, lengths: Lengths = "geodesic"
+) -> Estimate:
+    """Integral of H dA, H = (k1 + k2) / 2, over the smooth surface: see `SmoothIntegrals`."""
+    return SmoothIntegrals(triangulation, vertices, lengths).integrated_mean_curvature
+
+
+def surface_integral(
+    triangulation: Triangulation, vertices: Floats, values: ArrayLike, lengths: Lengths = "geodesic"
+) -> Estimate:
+    """Integral of a function over the smooth surface from its values (V,): see `SmoothIntegrals.integral`."""
+    return SmoothIntegrals(triangulation, vertices, lengths).integral(values)
+
+
+@dataclass(frozen=True)
+class _Bulges:
+    """What the surface has more than the triangles of an inscribed polyhedron, each of shape (F,)."""
+
+    heights: Floats  # int f
+    area: Floats
+    area_size: Floats  # the absolute values of its terms
+    integrated_mean_curvature: Floats
+    integrated_mean_curvature_size: Floats
+    turns: Floats  # (kappa l)^2, both curvatures' squares times the mean square of the edges
+
+    @classmethod
+    def of(cls, triangulation: Triangulation, points: Floats, operators: Floats) -> _Bulges:
+        """Integrate f, its gradient and the slopes at the edges, in closed form."""
+        faces, face_edges = triangulation.faces, triangulation.face_edges
+        lengths = measures.edge_lengths(triangulation.edges, points)
+        kappa = normal_curvatures(triangulation, points, operators)
+        f = (kappa * lengths**2 / 2)[face_edges]  # f[:, h] is the coefficient of lambda_h lambda_(h + 1)
+        l = lengths[face_edges]
+        A = measures.face_areas(faces, points)
+        B = (operators[faces[:, 0]] + operators[faces[:, 1]] + operators[faces[:, 2]]) / 3
+        trace = np.einsum("fii->f", B)
+        square = np.einsum("fij,fij->f", B, B)
+        # The gradients of lambda point inward across the edges, and are 1 / height long; there is nothing
+        # over a triangle without area.
+        twice = np.where(A > 0, 2 * A, np.inf)[:, None]
+        inward = _inward(faces, points)
+        grad_lambda = inward * (l[:, [1, 2, 0]] / twice)[:, :, None]
+        # grad f = sum_a lambda_a G_a: G_a is the gradient at the corner a.
+        G = f[:, :, None] * grad_lambda[:, [1, 2, 0]] + f[:, [2, 0, 1], None] * grad_lambda[:, [2, 0, 1]]
+        turned = np.einsum("fij,faj->fai", B, G)
+        steep = A / 12 * (_dot(G.sum(axis=1), G.sum(axis=1)) + _dot(G, G).sum(axis=1))
+        bent = A / 12 * (_dot(G.sum(axis=1), turned.sum(axis=1)) + _dot(G, turned).sum(axis=1))
+        heights = A / 12 * f.sum(axis=1)
+        kinks = np.zeros_like(A)
+        for h in range(3):
+            g, g_next = -_dot(G[:, h], inward[:, h - 1]), -_dot(G[:, (h + 1) % 3], inward[:, h - 1])
+            f_t = f[:, h] / l[:, h]  # at the ends, with opposite signs
+            cubes = (g + g_next) * (g**2 + g_next**2) / 4
+            kinks += l[:, h] * (f_t**2 * (g + g_next) / 6 + cubes / 3)
+        terms = np.stack(
+            [(trace**2 - square) / 2 * heights, -(trace * steep - bent) / 2, trace * steep / 4, kinks / 4]
+        )
+        return cls(
+            heights=heights,
+            area=trace * heights - steep / 2,
+            area_size=np.abs(trace * heights) + steep / 2,
+            integrated_mean_curvature=terms.sum(axis=0),
+            integrated_mean_curvature_size=np.abs(terms).sum(axis=0),
+            turns=square * np.mean(l**2, axis=1),
+        )
+
+
+def _inward(faces: NDArray[np.int64], points: Floats) -> Floats:
+    """Unit vectors in each face, (F, 3, 3), across the edge opposite to each corner and toward it."""
+    normals = measures.face_normals(faces, points)
+    norms = np.linalg.norm(normals, axis=1)[:, None]
+    normals /= np.where(norms > 0, norms, 1.0)
+    corners = points[faces]
+    opposite = corners[:, [2, 0, 1]] - corners[:, [1, 2, 0]]
+    opposite /= np.linalg.norm(opposite, axis=2)[:, :, None]
+    return np.cross(normals[:, None, :], opposite)
+
+
+def _dot(a: Floats, b: Floats) -> Floats:
+    return np.asarray(np.einsum("...i,...i->...", a, b))
+
+
+def _deficits(triangulation: Triangulation, points: Floats) -> Floats:
+    """2 pi less the angles at each vertex, (V,)."""
+    faces = triangulation.faces
+    corners = points[faces]
+    ahead, behind = corners[:, [1, 2, 0]] - corners, corners[:, [2, 0, 1]] - corners
+    across = np.linalg.norm(np.cross(ahead, behind), axis=2)
+    angles = np.arctan2(across, _dot(ahead, behind))
+    return np.asarray(2 * np.pi - np.bincount(faces.ravel(), angles.ravel()))
+
+
+def _checked(given: ArrayLike, shape: tuple[int, ...], name: str) -> Floats:
+    array = np.asarray(given, dtype=np.float64)
+    if array.shape != shape:
+        raise InvalidParameter(f"the {name} have shape {array.shape}, not {shape}")
+    finite = np.isfinite(array).reshape(len(array), -1).all(axis=1)
+    if not finite.all():
+        v = int(np.argmin(finite))
+        raise InvalidParameter(f"the {name} at vertex {v} are {array[v].tolist()}, which is not finite")
+    return array
+
+
+def _scaled(estimate: Estimate, *units: float) -> Estimate:
+    for unit in units:  # one after the other: their product may overflow where the value does not
+        estimate = estimate.scaled(unit)
+    return estimate

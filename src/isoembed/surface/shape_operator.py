@@ -1,0 +1,251 @@
+"""Second derivatives at the vertices: the surface's shape operator, and the Hessians of functions on it.
+
+About each vertex the surface is the graph of a polynomial over the plane across the vertex's normal, fitted
+by weighted least squares to the vertices within three edges; functions are fitted over the same plane.
+Quartics leave errors of third order in the edge length, and of fourth where the neighbors lie evenly; cubics
+of second.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+from numba import njit
+from numpy.typing import NDArray
+
+from isoembed.mesh.triangulation import Triangulation
+from isoembed.surface.local_fit import NEAR, SPARE, neighborhoods
+from isoembed.surface.measures import edge_lengths, vertex_normals
+
+Floats = NDArray[np.float64]
+Indices = NDArray[np.int64]
+
+THREE_RINGS = 60  # neighbors: more than two rings hold, but around vertices of high degree
+AT_ONCE = 10_000  # vertices whose neighborhoods are held together
+GRAPH = 0.3  # cosine of the angle between normals: with less, a neighbor is around the bend
+STEEP = 0.5  # square of the cosine: edges that rise more cut through a tip, and are no guide to it
+DEPENDENT = 1e-6  # of a column: with less of it left, the neighbors do not determine the polynomial
+
+
+def shape_operators(triangulation: Triangulation, vertices: Floats, degree: int = 4) -> Floats:
+    """Shape operators at the vertices, as symmetric tensors in R^3.
+
+    Parameters
+    ----------
+    triangulation : Triangulation
+        Oriented so that its normals point outward; inward, all signs change.
+    vertices : ndarray, shape (V, 3)
+    degree : int
+        Of the polynomials; lower at vertices that have too few neighbors for it.
+
+    Returns
+    -------
+    ndarray, shape (V, 3, 3)
+        B, in the unit of length to the power -1: ``B n = 0``, and ``t . B t`` is the normal curvature along
+        a unit tangent vector t, positive where the surface is convex.
+    """
+    nothing = np.empty((len(vertices), 0))
+    return second_derivatives(triangulation, vertices, nothing, degree)[0]
+
+
+def second_derivatives(
+    triangulation: Triangulation, vertices: Floats, values: Floats, degree: int = 4
+) -> tuple[Floats, Floats]:
+    """Shape operators, and the covariant Hessians of functions that are given at the vertices.
+
+    Parameters
+    ----------
+    triangulation, vertices, degree
+        As in `shape_operators`.
+    values : ndarray, shape (V, m)
+
+    Returns
+    -------
+    operators : ndarray, shape (V, 3, 3)
+    hessians : ndarray, shape (V, m, 3, 3)
+        Symmetric tensors in R^3 that take nothing from the normal: ``t . h t`` is the second derivative along
+        the geodesic that starts along the unit tangent vector t.
+    """
+    n = triangulation.n_vertices
+    unit = edge_lengths(triangulation.edges, vertices).mean()
+    points = (vertices - vertices.mean(axis=0)) / unit
+    twice = np.repeat(edge_lengths(triangulation.edges, points), 2)
+    spacing: Floats = np.bincount(triangulation.edges.ravel(), twice) / triangulation.degrees
+    normals = vertex_normals(triangulation.faces, points)
+    graph = triangulation.adjacency.indptr, triangulation.adjacency.indices
+    operators, hessians = np.zeros((n, 3, 3)), np.zeros((n, values.shape[1], 3, 3))
+    columns = np.ascontiguousarray(values, dtype=np.float64)
+    for first in range(0, n, AT_ONCE):
+        some = range(first, min(first + AT_ONCE, n))
+        near = neighborhoods(graph, THREE_RINGS, some)
+        _fit(first, *near, points, normals, spacing, columns, degree, operators, hessians)
+    return operators / unit, hessians / unit / unit
+
+
+def normal_curvatures(triangulation: Triangulation, vertices: Floats, operators: Floats) -> Floats:
+    """Normal curvatures of the surface along the edges: the mean of those at the two ends.
+
+    Parameters
+    ----------
+    triangulation : Triangulation
+    vertices : ndarray, shape (V, 3)
+    operators : ndarray, shape (V, 3, 3)
+        From `shape_operators`; with Hessians in their place, these are a function's second derivatives.
+
+    Returns
+    -------
+    ndarray, shape (E,)
+    """
+    ends = triangulation.edges.T
+    along = vertices[ends[1]] - vertices[ends[0]]
+    along /= edge_lengths(triangulation.edges, vertices)[:, None]
+    normals = vertex_normals(triangulation.faces, vertices)
+    curvatures = np.zeros(triangulation.n_edges)
+    for end in ends:
+        # An edge leaves the tangent plane by half the angle that it spans; along the surface it is shorter.
+        rise = np.einsum("ei,ei->e", along, normals[end])
+        form = np.einsum("ei,eij,ej->e", along, operators[end], along)
+        curvatures += form / np.maximum(1.0 - rise**2, STEEP) / 2
+    return curvatures
+
+
+@njit(cache=True)
+def _fit(
+    first: int,
+    indptr: Indices,
+    indices: Indices,
+    points: Floats,
+    normals: Floats,
+    spacing: Floats,
+    values: Floats,
+    degree: int,
+    operators: Floats,
+    hessians: Floats,
+) -> None:
+    """Fill in the tensors of the vertices from `first` on; they stay zero where not even a quadric fits."""
+    most = 1
+    for i in range(len(indptr) - 1):
+        most = max(most, indptr[i + 1] - indptr[i] + 1)
+    size, right = (degree + 1) * (degree + 2) // 2, 1 + values.shape[1]
+    chart, system = np.empty((most, 3)), np.empty((size + right, most))
+    known, tensors = np.empty((most, right - 1)), np.empty((right, 3, 3))
+    for i in range(len(indptr) - 1):
+        v = first + i
+        normal = normals[v]
+        x, y = _tangents(normal)
+        chart[0], known[0] = 0.0, 0.0
+        count = 1
+        for k in range(indptr[i], indptr[i + 1]):
+            w = indices[k]
+            if _dot(normals[w], normal) < GRAPH:
+                continue
+            d = (points[w] - points[v]) / spacing[v]
+            chart[count, 0], chart[count, 1], chart[count, 2] = _dot(d, x), _dot(d, y), _dot(d, normal)
+            for j in range(right - 1):
+                known[count, j] = values[w, j] - values[v, j]
+            count += 1
+        for lower in range(degree, 1, -1):
+            needed = (lower + 1) * (lower + 2) // 2
+            if count >= needed + SPARE and _solved(chart[:count], known[:count], lower, system[:, :count]):
+                _set_tensors(system[needed : needed + right, :needed], x, y, normal, tensors)
+                operators[v] = -tensors[0] / spacing[v]
+                for j in range(1, right):
+                    hessians[v, j - 1] = tensors[j] / spacing[v] ** 2
+                break
+
+
+@njit(cache=True)
+def _tangents(normal: Floats) -> tuple[Floats, Floats]:
+    """Two unit vectors that complete a unit vector to a right-handed frame."""
+    least = np.argmin(np.abs(normal))
+    x = -normal[least] * normal
+    x[least] += 1.0
+    x /= np.sqrt(_dot(x, x))
+    y = np.array(
+        [
+            normal[1] * x[2] - normal[2] * x[1],
+            normal[2] * x[0] - normal[0] * x[2],
+            normal[0] * x[1] - normal[1] * x[0],
+        ]
+    )
+    return x, y
+
+
+@njit(cache=True)
+def _dot(a: Floats, b: Floats) -> float:
+    total = 0.0
+    for k in range(len(a)):
+        total += a[k] * b[k]
+    return total
+
+
+@njit(cache=True)
+def _solved(chart: Floats, known: Floats, degree: int, system: Floats) -> bool:
+    """Fit heights and values, by Householder's reflections; the coefficients replace the right-hand sides.
+
+    The rows of `system` are first the columns of the monomials, then the heights and the values; those of
+    degree d come before those of degree d + 1, and powers of the second coordinate rise within a degree.
+    """
+    m, size = len(chart), (degree + 1) * (degree + 2) // 2
+    rows = size + 1 + known.shape[1]
+    for k in range(m):
+        p, q = chart[k, 0], chart[k, 1]
+        root = 1.0 / np.sqrt(NEAR + p * p + q * q)
+        system[0, k] = root
+        at = 1
+        for d in range(1, degree + 1):
+            for power in range(d):
+                system[at + power, k] = system[at + power - d, k] * p
+            system[at + d, k] = system[at - 1, k] * q
+            at += d + 1
+        system[size, k] = root * chart[k, 2]
+        for j in range(known.shape[1]):
+            system[size + 1 + j, k] = root * known[k, j]
+    for c in range(size):
+        column = system[c]
+        whole, left = _dot(column, column), _dot(column[c:], column[c:])
+        if left <= DEPENDENT**2 * whole:
+            return False
+        diagonal = -np.sqrt(left) if column[c] > 0 else np.sqrt(left)
+        column[c] -= diagonal
+        scale = -1.0 / (diagonal * column[c])
+        for r in range(c + 1, rows):
+            part = scale * _dot(column[c:], system[r, c:])
+            for k in range(c, m):
+                system[r, k] -= part * column[k]
+        column[c] = diagonal  # the reflection has done its work
+    for r in range(size, rows):
+        solution = system[r]
+        for c in range(size - 1, -1, -1):
+            for j in range(c + 1, size):
+                solution[c] -= system[j, c] * solution[j]
+            solution[c] /= system[c, c]
+    return True
+
+
+@njit(cache=True)
+def _set_tensors(coefficients: Floats, x: Floats, y: Floats, normal: Floats, tensors: Floats) -> None:
+    """Fill in the surface's second derivatives along its normal, then the Hessians of the functions.
+
+    With z the height, the metric of the graph is ``g = 1 + dz dz``; its normal component of second
+    derivatives is ``z_ij / W``, ``W^2 = 1 + |dz|^2``, and the Hessian of f is ``f_ij - z_ij (dz . df) /
+    W^2``.
+    """
+    p, q = coefficients[0, 1], coefficients[0, 2]
+    square = 1.0 + p * p + q * q
+    # The dual basis of the tangent vectors (1, 0, p) and (0, 1, q).
+    first = ((1.0 + q * q) * (x + p * normal) - p * q * (y + q * normal)) / square
+    second = ((1.0 + p * p) * (y + q * normal) - p * q * (x + p * normal)) / square
+    z = coefficients[0]
+    for j in range(len(tensors)):
+        f = coefficients[j]
+        if j == 0:
+            factor, slope = 1.0 / np.sqrt(square), 0.0
+        else:
+            factor, slope = 1.0, (p * f[1] + q * f[2]) / square
+        xx = 2.0 * (factor * f[3] - slope * z[3])
+        xy = factor * f[4] - slope * z[4]
+        yy = 2.0 * (factor * f[5] - slope * z[5])
+        for a in range(3):
+            for b in range(3):
+                mixed = first[a] * second[b] + second[a] * first[b]
+                tensors[j, a, b] = xx * first[a] * first[b] + xy * mixed + yy * second[a] * second[b]
