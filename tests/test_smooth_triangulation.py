@@ -12,7 +12,7 @@ from isoembed.metric.curvature import Triangles, deficits
 from isoembed.smooth.gaussian_curvature import gaussian_curvature
 from isoembed.smooth.geodesics import geodesic_lengths
 from isoembed.smooth.harmonics import gauss_rule
-from isoembed.smooth.spreading import Cells
+from isoembed.gallery.spreading import Cells
 from isoembed.smooth.triangulation import triangulate
 from isoembed.smooth.two_metric import PulledBack, area_density
 from isoembed.smooth.unfolding import corner_angles, end_lengths, flip_to_delaunay, relaxed

@@ -24,6 +24,7 @@ COMMANDS = {
     "inspect": "say what kind of metric a file holds, and what that means for its embedding",
     "nets": "solve classic nets: the Latin cross, tetramonohedra, pita forms, D-forms, ...",
     "surface": "write the metric of a closed-form surface (ellipsoid, drum, Kerr horizon, ...)",
+    "triangulate": "cut a smooth 2-metric into triangles with geodesic lengths",
 }
 
 

@@ -14,6 +14,7 @@ from isoembed.relativity.surface_data import SurfaceData
 
 SLICES = ("boyer-lindquist", "kerr-schild", "painleve-gullstrand")
 SURFACES = "horizon, r=R and ergosphere=EPSILON"
+OF_SPACETIME = ("mass", "spin", "charge", "surface", "slice")  # options that need a --spacetime
 Z_AXIS = (0.0, 0.0, 1.0)
 
 
@@ -33,6 +34,20 @@ def add_spacetime_options(parser: argparse.ArgumentParser) -> None:
         choices=SLICES,
         help=f"the slice of spacetime that the surface lies in, for k and p (default {SLICES[0]})",
     )
+
+
+def refuse_given(options: argparse.Namespace, names: tuple[str, ...], why: str) -> None:
+    """Refuse options that make no sense beside others.
+
+    Raises
+    ------
+    Refusal
+        Naming the first that is given.
+    """
+    for name in names:
+        if getattr(options, name) is not None:
+            given = f"the input {options.input}" if name == "input" else f"--{name.replace('_', '-')}"
+            raise Refusal(f"{given} {why}")
 
 
 def closed_form(options: argparse.Namespace) -> SurfaceData:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import argparse
 from pathlib import Path
 
-from isoembed.cli.closed_form import add_spacetime_options, closed_form
+from isoembed.cli.closed_form import OF_SPACETIME, add_spacetime_options, closed_form, refuse_given
 from isoembed.cli.energies import add_answer_options, check_outputs, mesh_answer, smooth_answer
 from isoembed.cli.numbers import read_numbers
 from isoembed.cli.refusal import Refusal
@@ -15,7 +15,6 @@ from isoembed.relativity.grid_file import holds_metric_grid, read_metric_grid
 from isoembed.relativity.surface_data import SurfaceData
 from isoembed.surface.corrected import Lengths
 
-OF_SPACETIME = ("mass", "spin", "charge", "surface", "slice")
 OF_METRIC = ("mean_curvature", "momentum", "lengths")
 
 
@@ -51,9 +50,9 @@ def run(options: argparse.Namespace) -> int:
     """Compute the energies; return the exit status."""
     check_outputs(options)
     if options.spacetime is not None:
-        _refuse(options, ("input", *OF_METRIC), "does not go with a --spacetime")
+        refuse_given(options, ("input", *OF_METRIC), "does not go with a --spacetime")
         return smooth_answer(options, closed_form(options))
-    _refuse(options, OF_SPACETIME, "needs a --spacetime")
+    refuse_given(options, OF_SPACETIME, "needs a --spacetime")
     if options.input is None:
         raise Refusal("which surface? Give a METRIC, or a --spacetime and a --surface")
     k, p = (path and read_numbers(path) for path in (options.mean_curvature, options.momentum))
@@ -61,7 +60,7 @@ def run(options: argparse.Namespace) -> int:
         default: Lengths = "chord" if ending(options.input) in MESH_ENDINGS else "geodesic"
         lengths: Lengths = options.lengths or default
         return mesh_answer(options, read_metric(options.input), k, p, lengths)
-    _refuse(options, ("lengths",), "is for a METRIC of triangles")
+    refuse_given(options, ("lengths",), "is for a METRIC of triangles")
     grid = read_metric_grid(options.input)
     data = SurfaceData(
         metric=grid,
@@ -71,10 +70,3 @@ def run(options: argparse.Namespace) -> int:
         name=options.input,
     )
     return smooth_answer(options, data)
-
-
-def _refuse(options: argparse.Namespace, names: tuple[str, ...], why: str) -> None:
-    for name in names:
-        if getattr(options, name) is not None:
-            given = "METRIC" if name == "input" else f"--{name.replace('_', '-')}"
-            raise Refusal(f"{given} {why}")

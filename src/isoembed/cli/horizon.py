@@ -22,10 +22,12 @@ from isoembed.io.files import Writer
 from isoembed.metric.polyhedral import PolyhedralMetric
 from isoembed.relativity.cartesian_grid import read_cartesian_grid
 from isoembed.relativity.conformally_flat import IsotropicSchwarzschild
+from isoembed.relativity.coordinate_shape import CoordinateShape
 from isoembed.relativity.embedded import EmbeddedSurface, embed_surface
 from isoembed.relativity.horizon_file import read_horizon
 from isoembed.relativity.kerr_schild import KerrSchild
 from isoembed.relativity.painleve_gullstrand import PainleveGullstrand
+from isoembed.relativity.spectre import read_spectre
 from isoembed.relativity.star_surface import StarSurface
 from isoembed.relativity.surface_data import SurfaceData
 from isoembed.relativity.three_geometry import ThreeGeometry
@@ -68,6 +70,8 @@ def configure(parser: argparse.ArgumentParser) -> None:
         metavar=("X", "Y", "Z"),
         help="the axis of the angular momentum (default that of --spin, or z)",
     )
+    parser.add_argument("--time", type=float, metavar="T", help="which slice of a SpECTRE file with several")
+    parser.add_argument("--surface", metavar="NAME", help="which surface of a SpECTRE file with several")
     parser.add_argument(
         "-o",
         "--output",
@@ -91,7 +95,7 @@ def run(options: argparse.Namespace) -> int:
         raise Refusal(f"--vertices must be at least {FEWEST}, not {options.vertices}")
     geometry = _geometry(options)
     stems = _stems(options.files)
-    horizons = [(name, _data(name, geometry, _axis(options))) for name in options.files]
+    horizons = [(name, _data(name, _read(name, options), geometry, _axis(options))) for name in options.files]
     if options.output:
         try:
             options.output.mkdir(parents=True, exist_ok=True)
@@ -160,11 +164,19 @@ def _stems(files: list[str]) -> list[str]:
     return stems
 
 
+def _read(name: str, options: argparse.Namespace) -> CoordinateShape | GridMetric:
+    if options.time is None and options.surface is None:
+        return read_horizon(name)
+    return read_spectre(name, options.surface, options.time)
+
+
 def _data(
-    name: str, geometry: ThreeGeometry | None, axis: tuple[float, float, float]
+    name: str,
+    found: CoordinateShape | GridMetric,
+    geometry: ThreeGeometry | None,
+    axis: tuple[float, float, float],
 ) -> tuple[SurfaceData, dict[str, Any]]:
     """The surface of a file, and what is known of it as a horizon."""
-    found = read_horizon(name)
     if isinstance(found, GridMetric):
         if geometry is not None:
             raise Refusal(f"{name} holds a metric of its own: it needs no --geometry")
@@ -212,7 +224,7 @@ def _picture(path: Path, surface: EmbeddedSurface, tables: dict[str, NDArray[Any
         f"{Path(surface.data.name).name}     area {energies.area.value:.8g}     "
         rf"$\int\! H\,dA = {surface.embedding.integrated_mean_curvature:.8g}$"
     )
-    return picture_writer(path, drawn, caption)
+    return picture_writer(path, drawn, curvature=tables["mean_curvature"], caption=caption)
 
 
 def _text(report: dict[str, Any]) -> str:

@@ -8,6 +8,7 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from isoembed.errors import InvalidMetric
 from isoembed.io import objects
@@ -58,9 +59,11 @@ def read_metric(source: str | os.PathLike[str]) -> PolyhedralMetric:
     return _metric(FORMATS[ending(path)].read(path), str(path))
 
 
-def metric_writer(path: str | os.PathLike[str], metric: PolyhedralMetric) -> Writer:
+def metric_writer(
+    path: str | os.PathLike[str], metric: PolyhedralMetric, **data: NDArray[np.float64]
+) -> Writer:
     """Return what writes the metric in the format of this ending; see `write_whole`."""
-    tables = {"faces": metric.faces, "edges": metric.edges, "lengths": metric.lengths}
+    tables = {"faces": metric.faces, "edges": metric.edges, "lengths": metric.lengths, **data}
     return lambda temporary: ARRAYS[ending(path)].write(temporary, tables)
 
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import os
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -24,12 +24,16 @@ MARGINS = 0.9  # inches, below with the caption and above
 INK, PAPER = "#1c2430", "white"
 
 
-def figure(embedding: Embedding, caption: str = "") -> Figure:
+def figure(
+    embedding: Embedding, *, curvature: NDArray[np.float64] | None = None, caption: str = ""
+) -> Figure:
     """Draw a surface, colored by its mean curvature H = (k1 + k2) / 2.
 
     Parameters
     ----------
     embedding : Embedding
+    curvature : ndarray, shape (V,), optional
+        H at the vertices, where it is known better than from the triangles.
     caption : str
         By default the number of vertices, int H dA and the residual.
 
@@ -54,7 +58,8 @@ def figure(embedding: Embedding, caption: str = "") -> Figure:
         raise FileError("pictures need matplotlib: pip install 'isoembed[plot]'") from None
 
     view = View.of(embedding)
-    curvature = embedding.mean_curvature
+    if curvature is None:
+        curvature = embedding.mean_curvature
     low, high = _color_range(curvature)
     shades = ListedColormap(colormaps[COLORS](np.linspace(DARKEST, 1.0, 256)))
     scale = ScalarMappable(Normalize(low, high), shades)
@@ -96,9 +101,9 @@ def figure(embedding: Embedding, caption: str = "") -> Figure:
     return picture
 
 
-def picture_writer(path: str | os.PathLike[str], embedding: Embedding, caption: str = "") -> Writer:
+def picture_writer(path: str | os.PathLike[str], embedding: Embedding, **drawing: Any) -> Writer:
     """Return what writes the picture in the format of this ending; see `write_whole` and `figure`."""
-    drawn, format_ = figure(embedding, caption), ending(path)[1:]
+    drawn, format_ = figure(embedding, **drawing), ending(path)[1:]
     return lambda temporary: drawn.savefig(temporary, format=format_, dpi=DPI)
 
 

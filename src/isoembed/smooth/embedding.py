@@ -15,7 +15,7 @@ from isoembed.smooth.two_metric import TwoMetric, orthonormal_frame
 Floats = NDArray[np.float64]
 
 ROUNDING = 1e-11  # of a length: strains do not get much smaller
-CHECKED = 2.2  # nodes over coefficients, each way: other nodes than those that the equations were solved at
+CHECKED = 1.6  # nodes over coefficients, each way: other nodes than those that the equations were solved at
 
 
 @dataclass(frozen=True)

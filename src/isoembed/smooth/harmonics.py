@@ -125,11 +125,12 @@ class Harmonics:
         w = (x + 1j * y)[None, :] ** np.arange(self.order + 1)[:, None]  # (m, n)
         Pi = self._polynomials(z, derivatives)  # each (l, m, n)
         degrees, orders = self.labels
-        m, real = np.abs(orders), orders >= 0
+        m = np.abs(orders)
+        row = np.where(orders >= 0, m, self.order + 1 + m)
 
         def part(factor: NDArray[np.complex128]) -> Floats:
             """Real or imaginary part (size, n) of one factor for each order."""
-            return np.where(real[:, None], factor[m].real, factor[m].imag)
+            return np.concatenate([factor.real, factor.imag])[row]
 
         P = [table[degrees, m] for table in Pi]
         W = part(w)

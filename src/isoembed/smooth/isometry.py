@@ -6,6 +6,7 @@ weighted by its area, so that neither scale nor coordinates count.
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
@@ -20,7 +21,10 @@ Floats = NDArray[np.float64]
 OVERSAMPLED = 1.25  # nodes over coefficients, each way, so that there are three equations to an unknown
 FEWEST_AROUND = 8  # nodes about the axis
 SHORTEST = 1e-3  # of a Newton step that does not help
-SETTLED = 0.9  # of the error before: a step that gains less was the last one
+LEVEL = 1.0 + 1e-6  # of the error before: at the minimum it does not fall any more
+NEAR = 1e-3  # of a step over the coefficients: shorter ones can do with the equations of the step before
+SHRINKING = 0.3  # of the step before
+EXACT = 1e-13  # of a step over the coefficients
 MOST_STEPS = 30
 
 
@@ -92,23 +96,35 @@ def gauss_newton(metric: TwoMetric, harmonics: Harmonics, coefficients: Floats) 
     Y, B = Y[:, moving], np.ascontiguousarray(B[:, :, moving])
     C = coefficients.copy()
     error, tangents, residuals = _strained(B, C[moving], root)
+    before, solve, fresh = np.inf, None, True
     for _ in range(MOST_STEPS):
-        J = _jacobian(B, tangents, root)
-        turns = _turns(Y, C[moving], root)
-        step = _least_squares(J, -residuals.T.ravel(), turns).reshape(3, -1).T
+        fresh = solve is None
+        if solve is None:
+            solve = _normal_equations(_jacobian(B, tangents, root), _turns(Y, C[moving], root))
+        step = solve(-_gradient(B, tangents, residuals, root))
+        size = float(np.linalg.norm(step) / np.linalg.norm(C[moving]))
+        if size > SHRINKING * before:
+            # The equations of an earlier step have served their time; if they are new, rounding is left.
+            if fresh:
+                break
+            before, solve = np.inf, None
+            continue
         length = 1.0
         while True:
             trial = C[moving] + length * step
-            attained, tangents, residuals = _strained(B, trial, root)
-            if attained < error or length < SHORTEST:
+            attained, new_tangents, new_residuals = _strained(B, trial, root)
+            if attained <= LEVEL * error or length < SHORTEST:
                 break
             length *= 0.5
-        if not attained < error:
+        if not attained <= LEVEL * error:
             break
         C = np.concatenate([C[:1], trial])
-        settled, error = attained > SETTLED * error, attained
-        if settled:
+        error, tangents, residuals = attained, new_tangents, new_residuals
+        if size < EXACT:
             break
+        before = size if length == 1.0 else np.inf
+        if size > NEAR:
+            solve = None
     return C
 
 
@@ -143,10 +159,27 @@ def _turns(Y: Floats, C: Floats, root: Floats) -> Floats:
     return rows.reshape(3, -1)
 
 
-def _least_squares(J: Floats, right: Floats, turns: Floats) -> Floats:
-    """The step by the normal equations: Newton's method makes up for the digits that they lose."""
+def _gradient(B: Floats, tangents: Floats, residuals: Floats, root: Floats) -> Floats:
+    """Half the derivatives (m, 3) of the sum of squares of the weighted strains by the coefficients."""
+    r = root[:, None] * residuals
+    X1, X2 = tangents[:, 0], tangents[:, 1]
+    across = np.sqrt(2.0) * r[:, 1, None]
+    first, second = 2.0 * r[:, 0, None] * X1 + across * X2, 2.0 * r[:, 2, None] * X2 + across * X1
+    return np.asarray(B[:, 0].T @ first + B[:, 1].T @ second)
+
+
+def _normal_equations(J: Floats, turns: Floats) -> Callable[[Floats], Floats]:
+    """What solves the normal equations, for right sides and solutions (m, 3).
+
+    They lose half of the digits, but further steps make up for that.
+    """
     normal = J.T @ J + turns.T @ turns
     scale = 1.0 / np.sqrt(np.diag(normal))
     normal *= scale[:, None] * scale
     normal[np.diag_indices_from(normal)] += len(normal) * np.finfo(np.float64).eps
-    return scale * cho_solve(cho_factor(normal, overwrite_a=True), scale * (right @ J))
+    factor = cho_factor(normal, overwrite_a=True)
+
+    def solve(right: Floats) -> Floats:
+        return np.asarray(scale * cho_solve(factor, scale * right.T.ravel())).reshape(3, -1).T
+
+    return solve

@@ -13,11 +13,11 @@ from scipy.spatial import ConvexHull
 from isoembed.errors import InvalidMetric, InvalidParameter
 from isoembed.gallery.flips import twin_halfedges
 from isoembed.gallery.points import fibonacci_lattice
+from isoembed.gallery.spreading import Cells, cell_centers
 from isoembed.mesh.triangulation import Triangulation, frozen
 from isoembed.metric.polyhedral import PolyhedralMetric
 from isoembed.smooth.gaussian_curvature import gaussian_curvature
 from isoembed.smooth.geodesics import definite_tensor, geodesic_lengths, in_own_unit
-from isoembed.smooth.spreading import Cells, cell_centers
 from isoembed.smooth.two_metric import TwoMetric, area_density
 from isoembed.smooth.unfolding import corner_angles, end_lengths, flip_to_delaunay, relaxed
 
@@ -39,7 +39,7 @@ SWEEPS = 30
 TOUCHES = 300
 """Sweeps of the vertices near angles outside the window."""
 
-PATIENCE = 60
+PATIENCE = 40
 """Such sweeps in a row after which there should be fewer bad triangles."""
 
 RINGS = 2

@@ -1,0 +1,68 @@
+"""``isoembed triangulate``: from a smooth 2-metric to triangles with geodesic lengths."""
+
+from __future__ import annotations
+
+import argparse
+from pathlib import Path
+
+import numpy as np
+
+from isoembed.cli.closed_form import OF_SPACETIME, add_spacetime_options, closed_form, refuse_given
+from isoembed.cli.refusal import Refusal
+from isoembed.cli.screen import say
+from isoembed.cli.status import OK
+from isoembed.io import METRIC_ENDINGS, check_output, metric_writer, write_whole
+from isoembed.relativity.grid_file import read_metric_grid
+from isoembed.smooth.triangulation import triangulate
+
+
+def configure(parser: argparse.ArgumentParser) -> None:
+    """Add the options of ``isoembed triangulate``."""
+    parser.add_argument(
+        "input",
+        nargs="?",
+        metavar="GRID",
+        help="a metric on a grid: .npz .h5 .hdf5 with theta, phi, q_tt, q_tp, q_pp",
+    )
+    add_spacetime_options(parser)
+    number = parser.add_mutually_exclusive_group(required=True)
+    number.add_argument("--vertices", type=int, metavar="N", help="number of vertices, at least 12")
+    number.add_argument("--size", type=float, metavar="L", help="mean edge length, in the metric's unit")
+    parser.add_argument(
+        "--grading",
+        type=float,
+        default=0.0,
+        metavar="G",
+        help="vertices that follow the curvature, against one that follows the area: 0.1 suits sharp tips "
+        "(default 0: all triangles alike)",
+    )
+    parser.add_argument(
+        "-o",
+        "--output",
+        type=Path,
+        required=True,
+        metavar="FILE",
+        help=f"{' '.join(METRIC_ENDINGS)}: faces, edges, lengths, and the directions (V, 3) of the vertices",
+    )
+
+
+def run(options: argparse.Namespace) -> int:
+    """Write the triangles; return the exit status."""
+    check_output(options.output, METRIC_ENDINGS)
+    if options.spacetime is not None:
+        refuse_given(options, ("input",), "does not go with a --spacetime")
+        data = closed_form(options)
+        metric, name = data.metric, data.name
+    else:
+        refuse_given(options, OF_SPACETIME, "needs a --spacetime")
+        if options.input is None:
+            raise Refusal("which metric? Give a GRID, or a --spacetime and a --surface")
+        metric, name = read_metric_grid(options.input), options.input
+    mesh = triangulate(metric, options.vertices, size=options.size, grading=options.grading)
+    write_whole({options.output: metric_writer(options.output, mesh.metric, directions=mesh.directions)})
+    least, largest = np.degrees(mesh.angles)
+    say(
+        f"{options.output}: {name}, {mesh.metric.triangulation.n_vertices} vertices, mean edge length "
+        f"{mesh.metric.mean_length:.6g}, angles from {least:.1f} to {largest:.1f} degrees"
+    )
+    return OK
