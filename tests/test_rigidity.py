@@ -101,7 +101,7 @@ def penalized_step(system, penalty, vertices, lengths, residuals, mu, damping):
 
 def dense_penalized_step(triangulation, vertices, lengths, residuals, penalty, mu, damping):
     J = dense_jacobian(triangulation, vertices, lengths)
-    P = np.kron(penalty.toarray(), np.eye(3))  # noqa: N806
+    P = np.kron(penalty.toarray(), np.eye(3))
     N = J.T @ J + (mu + damping) * P + MEAN_DIAGONAL * HOLD * np.eye(J.shape[1])
     return np.linalg.solve(N, J.T @ residuals + mu * P @ vertices.ravel()).reshape(-1, 3)
 

@@ -8,11 +8,11 @@ from hypothesis import strategies as st
 from isoembed.errors import InvalidMetric, InvalidParameter
 from isoembed.gallery.flips import twin_halfedges
 from isoembed.gallery.points import fibonacci_lattice
+from isoembed.gallery.spreading import Cells
 from isoembed.metric.curvature import Triangles, deficits
 from isoembed.smooth.gaussian_curvature import gaussian_curvature
 from isoembed.smooth.geodesics import geodesic_lengths
 from isoembed.smooth.harmonics import gauss_rule
-from isoembed.gallery.spreading import Cells
 from isoembed.smooth.triangulation import triangulate
 from isoembed.smooth.two_metric import PulledBack, area_density
 from isoembed.smooth.unfolding import corner_angles, end_lengths, flip_to_delaunay, relaxed

@@ -70,7 +70,7 @@ def closed_form(options: argparse.Namespace) -> SurfaceData:
     if kind not in ("horizon", "r", "ergosphere") or (kind == "horizon") != (options.surface == "horizon"):
         raise Refusal(f"--surface {options.surface}: there are {SURFACES}")
     try:
-        number = float(text) if text else 0.0
+        number = 0.0 if kind == "horizon" else float(text)
     except ValueError:
         raise Refusal(f"--surface {options.surface}: {text!r} is not a number") from None
     if options.slice in (None, "boyer-lindquist"):

@@ -91,12 +91,11 @@ def smooth_answer(options: argparse.Namespace, data: SurfaceData) -> int:
     try:
         surface = embed_surface(data, vertices=vertices, best_fit=options.best_fit)
     except NotEmbedded as error:
-        band = None if options.band is None else _band(data)
-        if band is not None:
-            write_whole({options.band: mesh_writer(options.band, *band)})
         found = {"name": data.name, **intrinsic_energies(data).report, "conventions": CONVENTIONS}
         _answered(options, {"status": "not embedded", "message": str(error), **found})
         complain(str(error))
+        if options.band is not None:
+            _write_band(options.band, data)
         return NOT_EMBEDDED
     if options.output:
         write_whole({options.output: mesh_writer(options.output, **surface.mesh(vertices))})
@@ -109,7 +108,7 @@ def mesh_answer(
     metric: PolyhedralMetric,
     k: Floats | None,
     p: Floats | None,
-    lengths: Lengths,
+    lengths: Lengths | None,
 ) -> int:
     """Embed the triangles of a surface, answer with its energies, and return the exit status."""
     if options.vertices is not None:
@@ -120,17 +119,23 @@ def mesh_answer(
         with live_view(sys.stderr is not None and sys.stderr.isatty()) as progress:
             embedding = isoembed.embed(metric, progress=progress)
     except NotEmbedded as error:
+        if options.json:
+            say(
+                json.dumps(
+                    {"status": "not embedded", "message": str(error), "name": str(options.input)}, indent=2
+                )
+            )
         complain(str(error))
         return NOT_EMBEDDED
-    found = mesh_energies(embedding, k, p, lengths=lengths)
+    energies = mesh_energies(embedding, k, p, lengths=lengths)
     if options.output:
         write_whole({options.output: surface_writer(options.output, embedding)})
     report = {
         "status": "embedded",
         "message": embedding.message,
         "name": str(options.input),
-        **found.report,
-        "lengths": lengths,
+        **energies.report,
+        "lengths": lengths or "not known",
         "embedding": {
             "vertices": metric.triangulation.n_vertices,
             "residual": embedding.residual,
@@ -142,15 +147,18 @@ def mesh_answer(
     return OK
 
 
-def _band(data: SurfaceData) -> tuple[Floats, NDArray[np.int64]]:
-    """The largest band of an axisymmetric surface that embeds."""
+def _write_band(path: Path, data: SurfaceData) -> None:
+    """Write the largest band of an axisymmetric surface that embeds, or say why there is none."""
     try:
         bands = AxisymmetricEmbedding.of(data.metric).bands
     except InvalidMetric as error:
-        raise Refusal(f"--band is for surfaces that are symmetric about the z-axis: {error}") from None
+        complain(f"--band is for surfaces that are symmetric about the z-axis: {error}")
+        return
     if not bands:
-        raise Refusal("--band: no part of the surface is a surface of revolution")
-    return max(bands, key=lambda band: band.area).mesh()
+        complain(f"{path} is not written: no part of the surface is a surface of revolution")
+        return
+    vertices, faces = max(bands, key=lambda band: band.area).mesh()
+    write_whole({path: mesh_writer(path, vertices, faces)})
 
 
 def _answered(options: argparse.Namespace, report: dict[str, Any]) -> None:

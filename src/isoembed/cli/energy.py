@@ -39,8 +39,9 @@ def configure(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--lengths",
         choices=("geodesic", "chord"),
-        help="what the lengths of triangles are: geodesic lengths on the surface (default), or the distances "
-        "of the vertices in Euclidean space (default for meshes)",
+        help="what the lengths of triangles are: those of geodesics, as isoembed triangulate makes them, or "
+        "distances of points in Euclidean space, as in meshes and from isoembed surface (by default, but for "
+        "meshes, they are taken for geodesics' with errors wide enough for both)",
     )
     add_spacetime_options(parser)
     add_answer_options(parser)
@@ -57,10 +58,13 @@ def run(options: argparse.Namespace) -> int:
         raise Refusal("which surface? Give a METRIC, or a --spacetime and a --surface")
     k, p = (path and read_numbers(path) for path in (options.mean_curvature, options.momentum))
     if not holds_metric_grid(options.input):
-        default: Lengths = "chord" if ending(options.input) in MESH_ENDINGS else "geodesic"
-        lengths: Lengths = options.lengths or default
+        lengths: Lengths | None = options.lengths
+        if lengths is None and ending(options.input) in MESH_ENDINGS:
+            lengths = "chord"
         return mesh_answer(options, read_metric(options.input), k, p, lengths)
     refuse_given(options, ("lengths",), "is for a METRIC of triangles")
+    if p is not None and k is None:
+        raise Refusal("the momentum is of use only with the mean curvature: give --mean-curvature, too")
     grid = read_metric_grid(options.input)
     data = SurfaceData(
         metric=grid,

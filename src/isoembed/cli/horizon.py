@@ -18,12 +18,13 @@ from isoembed.cli.screen import complain, say
 from isoembed.cli.status import NOT_EMBEDDED, OK
 from isoembed.errors import NotEmbedded
 from isoembed.io import FileError, mesh_writer, report_writer, write_whole
-from isoembed.io.files import Writer
+from isoembed.io.files import Writer, ending
 from isoembed.metric.polyhedral import PolyhedralMetric
 from isoembed.relativity.cartesian_grid import read_cartesian_grid
 from isoembed.relativity.conformally_flat import IsotropicSchwarzschild
 from isoembed.relativity.coordinate_shape import CoordinateShape
 from isoembed.relativity.embedded import EmbeddedSurface, embed_surface
+from isoembed.relativity.hdf5 import HDF5_ENDINGS
 from isoembed.relativity.horizon_file import read_horizon
 from isoembed.relativity.kerr_schild import KerrSchild
 from isoembed.relativity.painleve_gullstrand import PainleveGullstrand
@@ -36,6 +37,7 @@ from isoembed.smooth.harmonics import gauss_rule
 from isoembed.surface.embedding import Embedding
 
 NODES = (48, 96)  # at which a surface from a file is looked at
+MARGINAL = 0.1  # times the mean radius: 2 for a sphere in flat space
 WRITTEN = (".vtk", ".json", ".png")
 GEOMETRIES = ("kerr-schild", "isotropic", "painleve-gullstrand")
 
@@ -108,6 +110,7 @@ def run(options: argparse.Namespace) -> int:
         try:
             surface = _embedded(data, before, options.vertices)
         except NotEmbedded as error:
+            reports.append({"status": "not embedded", "message": str(error), "name": name, "horizon": facts})
             complain(f"{name}: {error}")
             status = NOT_EMBEDDED
             continue
@@ -118,7 +121,7 @@ def run(options: argparse.Namespace) -> int:
             write_whole(_writers(options.output / stem, surface, report, options.vertices))
         if not options.json:
             say(_text(report))
-    if options.json and reports:
+    if options.json:
         say(json.dumps(reports if len(options.files) > 1 else reports[0], indent=2, allow_nan=False))
     return status
 
@@ -167,6 +170,8 @@ def _stems(files: list[str]) -> list[str]:
 def _read(name: str, options: argparse.Namespace) -> CoordinateShape | GridMetric:
     if options.time is None and options.surface is None:
         return read_horizon(name)
+    if ending(name) not in HDF5_ENDINGS:
+        raise Refusal(f"--time and --surface are for SpECTRE's HDF5 files, and {name} is none")
     return read_spectre(name, options.surface, options.time)
 
 
@@ -186,17 +191,20 @@ def _data(
     surface = StarSurface.from_points(found.points, found.center.tolist())
     u, weights = gauss_rule(*NODES)
     mean = float(np.average(surface.radius(u), weights=weights))
-    data = replace(
-        surface.data(geometry, axis), marginal=True, relative_error=surface.misfit / mean, name=name
-    )
-    expansion = surface.expansion(geometry, u)
+    data = surface.data(geometry, axis)
+    expansion = float(np.abs(surface.expansion(geometry, u)).max())
+    # A horizon that was found on a coarse grid is one; what expands like a sphere in flat space is not.
+    marginal = expansion * mean < MARGINAL
+    error = max(data.relative_error, surface.misfit / mean)
+    data = replace(data, marginal=marginal, relative_error=error, name=name)
     return data, {
         "time": found.time,
         "points": len(found.points),
         "center": list(found.center),
         "mean_coordinate_radius": mean,
         "misfit": surface.misfit,
-        "largest_expansion": float(np.abs(expansion).max()),
+        "largest_expansion": expansion,
+        "marginal": marginal,
     }
 
 
@@ -236,4 +244,5 @@ def _text(report: dict[str, Any]) -> str:
         f"{table(report)}\n{horizon['points']} points, fitted to {horizon['misfit']:.1e} of a mean radius "
         f"{horizon['mean_coordinate_radius']:.6g} in coordinates; the expansion of outgoing rays, 0 on a "
         f"horizon, is at most {horizon['largest_expansion']:.1e}"
+        + ("" if horizon["marginal"] else ": in this geometry it is no horizon")
     )

@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from isoembed.errors import InvalidParameter
 from isoembed.relativity.energies import Energies
 from isoembed.relativity.quadrature import smooth_energies
 from isoembed.relativity.surface_data import SurfaceData
@@ -112,13 +113,17 @@ def embed_surface(
 
     Raises
     ------
-    InvalidMetric, NotEmbedded
+    InvalidParameter, InvalidMetric, NotEmbedded
         See `isoembed.smooth.embed_smooth`.
 
     Notes
     -----
     Where the data are uncertain (``relative_error``), no more digits are sought than they have.
     """
+    if not isinstance(data, SurfaceData):
+        raise InvalidParameter(f"the data are a {type(data).__name__}, not SurfaceData: take its data()")
+    if not (start is None or isinstance(start, EmbeddedSurface)):
+        raise InvalidParameter(f"start is a {type(start).__name__}, not an EmbeddedSurface")
     embedding = embed_smooth(
         data.metric,
         start=None if start is None else start.embedding,

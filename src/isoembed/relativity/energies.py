@@ -67,7 +67,7 @@ class Energies:
         None without an embedding.
     irreducible_mass : Estimate
     christodoulou_mass : Estimate or None
-        None where the angular momentum is not known.
+        None where the angular momentum is not known, or the surface is no horizon.
     hawking, brown_york, liu_yau : Estimate or None
     notes : tuple of str
         Why a number is missing or must be read with care.

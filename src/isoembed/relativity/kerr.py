@@ -31,6 +31,7 @@ class KerrNewmanSurface(ABC):
     """A surface r = R(theta) of the slice t = const; a `TwoMetric` in the Boyer-Lindquist angles."""
 
     name: ClassVar[str]
+    marginal: ClassVar[bool] = False
     mass: float
     spin: float
     charge: float
@@ -138,6 +139,7 @@ class KerrNewmanSurface(ABC):
             momentum=None,
             angular_momentum=self.angular_momentum,
             charge=self.charge,
+            marginal=self.marginal,
             name=f"{self.name} of mass {self.mass:.9g}, spin {self.spin:.9g}, charge {self.charge:.9g}",
         )
 
@@ -157,6 +159,7 @@ class KerrNewmanHorizon(KerrNewmanSurface):
     """
 
     name: ClassVar[str] = "Kerr-Newman horizon"
+    marginal: ClassVar[bool] = True
     mass: float = 1.0
     spin: float = 0.0
     charge: float = 0.0

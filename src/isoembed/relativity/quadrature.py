@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
 
+from isoembed.errors import InvalidParameter
 from isoembed.relativity.energies import Energies, Integrals
 from isoembed.relativity.surface_data import SurfaceData
 from isoembed.smooth.embedding import SmoothEmbedding
@@ -47,6 +49,7 @@ def smooth_energies(data: SurfaceData, embedding: SmoothEmbedding) -> Energies:
             "embeddings, with other energies, cannot be excluded"
         )
     if not embedding.converged:
+        error += embedding.residual * abs(reference)
         notes.append(f"not an embedding, but the best fit: lengths are off by up to {embedding.residual:.1e}")
     return _energies(data, {**values, "reference": Estimate(reference, error)}, notes)
 
@@ -59,7 +62,7 @@ def intrinsic_energies(data: SurfaceData) -> Energies:
 def _energies(data: SurfaceData, values: dict[str, Estimate], notes: list[str]) -> Energies:
     return Energies.of(
         Integrals(**values),
-        angular_momentum=data.angular_momentum,
+        angular_momentum=data.angular_momentum if data.marginal else None,
         charge=data.charge,
         notes=tuple(notes),
     )
@@ -91,8 +94,8 @@ class _Nodes:
     @classmethod
     def of(cls, data: SurfaceData, n: int, around: int) -> _Nodes:
         u, weights = gauss_rule(n, around)
-        k = None if data.mean_curvature is None else data.mean_curvature(u)
-        p = np.zeros(len(u)) if data.momentum is None else data.momentum(u)
+        k = None if data.mean_curvature is None else _at(data.mean_curvature, u, "the mean curvature")
+        p = np.zeros(len(u)) if data.momentum is None else _at(data.momentum, u, "the momentum")
         return cls(u, weights * area_density(data.metric.tensor(u)), k, p, data.marginal)
 
     def integrals(self, relative: float) -> tuple[dict[str, Estimate], list[str]]:
@@ -134,3 +137,10 @@ class _Nodes:
 
 def _sum(weights: Floats, values: Floats) -> float:
     return float(weights @ values)
+
+
+def _at(function: Callable[[Floats], Floats], u: Floats, name: str) -> Floats:
+    values = np.asarray(function(u), dtype=np.float64)
+    if values.shape != (len(u),):
+        raise InvalidParameter(f"{name} at {len(u)} directions has the shape {values.shape}, not ({len(u)},)")
+    return values

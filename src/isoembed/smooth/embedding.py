@@ -9,13 +9,17 @@ import numpy as np
 from numpy.typing import NDArray
 
 from isoembed.smooth.harmonics import Harmonics
-from isoembed.smooth.isometry import MetricSamples, strains
+from isoembed.smooth.isometry import MetricSamples, around, strains
 from isoembed.smooth.two_metric import TwoMetric, orthonormal_frame
 
 Floats = NDArray[np.float64]
 
 ROUNDING = 1e-11  # of a length: strains do not get much smaller
-CHECKED = 1.6  # nodes over coefficients, each way: other nodes than those that the equations were solved at
+FEWEST = 2  # heights of nodes more than the degree, to begin with
+DENSER = 1.4  # heights of nodes over those before
+SETTLED = 1e-13  # of int H: more nodes are not needed
+NEGLIGIBLE = 0.01  # of the change from lower degree
+HIGHEST, MOST = 1000, 15_000_000  # heights, and harmonics at nodes, after which there are no more
 
 
 @dataclass(frozen=True)
@@ -32,7 +36,7 @@ class SmoothEmbedding:
         Largest `residual` that counts as an embedding.
     coarser : float
         The integral of H of the best map of lower degree, infinite if there is none.
-    obstruction : str
+    hindrance : str
         Why no surface has the metric, where that is known.
     """
 
@@ -41,7 +45,7 @@ class SmoothEmbedding:
     coefficients: Floats
     tolerance: float
     coarser: float
-    obstruction: str = ""
+    hindrance: str = ""
 
     def points(self, u: Floats) -> Floats:
         """The points X(u) (n, 3) in the directions u (n, 3)."""
@@ -69,52 +73,86 @@ class SmoothEmbedding:
     @cached_property
     def residual(self) -> float:
         """The largest relative error of a length, at nodes where the equations were not solved."""
-        return 0.5 * float(self.strain(self._samples.u).max())
+        return 0.5 * float(self.strain(self._measured.u).max())
 
     @property
     def converged(self) -> bool:
         """Whether the residual is within the tolerance and nothing is known to stand against it."""
-        return self.residual <= self.tolerance and not self.obstruction
+        return self.residual <= self.tolerance and not self.hindrance
 
-    @cached_property
+    @property
     def area(self) -> float:
         """Of the metric."""
-        return float(self._samples.areas.sum())
+        return self._measured.area
 
-    @cached_property
+    @property
     def integrated_mean_curvature(self) -> float:
         """The integral of H = (k1 + k2) / 2 over the surface; that of k0 is twice as much."""
-        return float(self._samples.areas @ self._shape(self._samples.u, self._samples.frames)[1])
+        return self._measured.integrated_mean_curvature
+
+    @property
+    def volume(self) -> float:
+        """Enclosed volume, positive."""
+        return self._measured.volume
+
+    @property
+    def least_curvature(self) -> float:
+        """The least Gaussian curvature at the nodes of the quadrature."""
+        return self._measured.least_curvature
 
     @property
     def curvature_error(self) -> float:
-        """Estimated error of `integrated_mean_curvature`, in the same unit.
-
-        It is the change from lower degree, and at least what the strains make where they are resolved: their
-        square.  Strains that are rounding leave rounding.
-        """
-        value = abs(self.integrated_mean_curvature)
+        """Estimated error of `integrated_mean_curvature`, in the same unit: `unsettled` and rounding."""
+        rounding = self._rounding
         if self.residual <= ROUNDING:
-            return self.residual * value
-        return max(abs(self.integrated_mean_curvature - self.coarser), self.residual**2 * value)
+            rounding = max(rounding, self.residual)
+        return self.unsettled + rounding * abs(self.integrated_mean_curvature)
+
+    @property
+    def _rounding(self) -> float:
+        """What second derivatives of the harmonics lose."""
+        return 2.0 * float(np.finfo(np.float64).eps) * self.harmonics.degree**2
+
+    @property
+    def unsettled(self) -> float:
+        """What more harmonics or nodes may change in `integrated_mean_curvature`.
+
+        It is the change from lower degree and at least what the strains make, their square; nothing where
+        these are rounding.  The change from fewer nodes adds to it.
+        """
+        value = self.integrated_mean_curvature
+        if self.residual <= ROUNDING:
+            return self._measured.change
+        strained = max(abs(value - self.coarser), self.residual**2 * abs(value))
+        return strained + self._measured.change
 
     @cached_property
-    def volume(self) -> float:
-        """Enclosed volume, positive."""
-        u, frames = self._samples.u, self._samples.frames
-        return (
-            float(self._samples.areas @ np.einsum("ni,ni->n", self.points(u), self._shape(u, frames)[0]))
-            / 3.0
-        )
-
-    @cached_property
-    def least_curvature(self) -> float:
-        """The least Gaussian curvature at the nodes of the quadrature."""
-        return float(self._shape(self._samples.u, self._samples.frames)[2].min())
-
-    @cached_property
-    def _samples(self) -> MetricSamples:
-        return MetricSamples.enough_for(self.metric, self.harmonics, CHECKED)
+    def _measured(self) -> _Measures:
+        """By quadrature with more and more nodes, until the integral of H settles."""
+        before = np.inf
+        n = FEWEST + self.harmonics.degree
+        while True:
+            n = int(np.ceil(DENSER * n))
+            samples = MetricSamples.of(self.metric, n, around(n, self.harmonics))
+            normals, H, K = self._shape(samples.u, samples.frames)
+            value = float(samples.areas @ H)
+            change = abs(value - before)
+            nodes = DENSER**2 * len(samples.u)
+            # Where lower degree was far from this one, so is this from what it will be.
+            enough = max(SETTLED, self._rounding) * abs(value)
+            if np.isfinite(self.coarser):
+                enough = max(enough, NEGLIGIBLE * abs(value - self.coarser))
+            if change <= enough or n > HIGHEST or nodes * self.harmonics.size > MOST:
+                heights = np.einsum("ni,ni->n", self.points(samples.u), normals)
+                return _Measures(
+                    u=samples.u,
+                    area=float(samples.areas.sum()),
+                    integrated_mean_curvature=value,
+                    change=change,
+                    volume=float(samples.areas @ heights) / 3.0,
+                    least_curvature=float(K.min()),
+                )
+            before = value
 
     def _frames(self, u: Floats) -> Floats:
         return orthonormal_frame(u, self.metric.tensor(u))
@@ -129,3 +167,15 @@ class SmoothEmbedding:
         h = -np.einsum("nabi,ni->nab", second, normals)
         H = 0.5 * (h[:, 0, 0] + h[:, 1, 1])
         return normals, H, h[:, 0, 0] * h[:, 1, 1] - h[:, 0, 1] ** 2
+
+
+@dataclass(frozen=True)
+class _Measures:
+    """What a surface measures by quadrature, at the nodes u (n, 3)."""
+
+    u: Floats
+    area: float
+    integrated_mean_curvature: float
+    change: float  # of int H, from the rule before
+    volume: float
+    least_curvature: float

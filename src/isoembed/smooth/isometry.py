@@ -21,6 +21,8 @@ Floats = NDArray[np.float64]
 OVERSAMPLED = 1.25  # nodes over coefficients, each way, so that there are three equations to an unknown
 FEWEST_AROUND = 8  # nodes about the axis
 SHORTEST = 1e-3  # of a Newton step that does not help
+RESOLVED = 1e-3  # of a length: with larger errors the least one is no better a place to go on from
+STALLED = 0.9  # of the error before
 LEVEL = 1.0 + 1e-6  # of the error before: at the minimum it does not fall any more
 NEAR = 1e-3  # of a step over the coefficients: shorter ones can do with the equations of the step before
 SHRINKING = 0.3  # of the step before
@@ -46,18 +48,16 @@ class MetricSamples:
     frames: Floats
 
     @classmethod
-    def of(cls, metric: TwoMetric, n: int, around: int) -> MetricSamples:
-        """Sample at `n` heights and `around` angles about the axis."""
-        u, weights = gauss_rule(n, around)
+    def of(cls, metric: TwoMetric, n: int, angles: int) -> MetricSamples:
+        """Sample at `n` heights and so many angles about the axis."""
+        u, weights = gauss_rule(n, angles)
         q = metric.tensor(u)
         return cls(u, weights * area_density(q), orthonormal_frame(u, q))
 
-    @classmethod
-    def enough_for(cls, metric: TwoMetric, harmonics: Harmonics, oversampled: float) -> MetricSamples:
-        """Sample so densely that harmonics and their products are told apart."""
-        n = int(np.ceil(oversampled * (harmonics.degree + 1)))
-        around = int(np.ceil(2.0 * oversampled * (harmonics.order + 1)))
-        return cls.of(metric, n, max(FEWEST_AROUND, around))
+
+def around(n: int, harmonics: Harmonics) -> int:
+    """How many angles about the axis go with n heights: a few about an axis of symmetry."""
+    return FEWEST_AROUND if harmonics.order < harmonics.degree else 2 * n
 
 
 def strains(tangents: Floats) -> Floats:
@@ -88,13 +88,15 @@ def gauss_newton(metric: TwoMetric, harmonics: Harmonics, coefficients: Floats) 
     ndarray, shape (size, 3)
         The coefficients of the best map; that of the constant harmonic is as given.
     """
-    samples = MetricSamples.enough_for(metric, harmonics, OVERSAMPLED)
+    n = int(np.ceil(OVERSAMPLED * (harmonics.degree + 1)))
+    samples = MetricSamples.of(metric, n, around(n, harmonics))
     Y, B = harmonics.along(samples.u, samples.frames)
     root = np.sqrt(samples.areas / samples.areas.sum())
     # Translations are left alone: the constant harmonic is the first one and is no unknown.
     moving = slice(1, None)
-    Y, B = Y[:, moving], np.ascontiguousarray(B[:, :, moving])
-    C = coefficients.copy()
+    unit = np.sqrt(samples.areas.sum() / (4.0 * np.pi))
+    Y, B = Y[:, moving], unit * B[:, :, moving]
+    C = coefficients / unit
     error, tangents, residuals = _strained(B, C[moving], root)
     before, solve, fresh = np.inf, None, True
     for _ in range(MOST_STEPS):
@@ -103,7 +105,7 @@ def gauss_newton(metric: TwoMetric, harmonics: Harmonics, coefficients: Floats) 
             solve = _normal_equations(_jacobian(B, tangents, root), _turns(Y, C[moving], root))
         step = solve(-_gradient(B, tangents, residuals, root))
         size = float(np.linalg.norm(step) / np.linalg.norm(C[moving]))
-        if size > SHRINKING * before:
+        if size > SHRINKING * before and not (fresh and size > NEAR):
             # The equations of an earlier step have served their time; if they are new, rounding is left.
             if fresh:
                 break
@@ -119,13 +121,14 @@ def gauss_newton(metric: TwoMetric, harmonics: Harmonics, coefficients: Floats) 
         if not attained <= LEVEL * error:
             break
         C = np.concatenate([C[:1], trial])
+        stalled = attained > max(STALLED * error, RESOLVED)
         error, tangents, residuals = attained, new_tangents, new_residuals
-        if size < EXACT:
+        if size < EXACT or stalled:
             break
         before = size if length == 1.0 else np.inf
         if size > NEAR:
             solve = None
-    return C
+    return unit * C
 
 
 def _strained(B: Floats, C: Floats, root: Floats) -> tuple[float, Floats, Floats]:

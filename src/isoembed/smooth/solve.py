@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -12,8 +11,8 @@ from isoembed.errors import InvalidMetric, InvalidParameter, NotEmbedded
 from isoembed.smooth.embedding import ROUNDING, SmoothEmbedding
 from isoembed.smooth.grid_metric import GridMetric
 from isoembed.smooth.harmonics import Harmonics, gauss_rule
+from isoembed.smooth.hindrance import by_curvature, no_revolution
 from isoembed.smooth.isometry import gauss_newton
-from isoembed.smooth.obstruction import obstruction
 from isoembed.smooth.triangulation import triangulate
 from isoembed.smooth.two_metric import TwoMetric, angle_frame
 from isoembed.verb import embed
@@ -26,6 +25,7 @@ SYMMETRIC = 1e-12  # of the metric: less variation about the axis is none
 MESHED, SYMMETRICALLY_MESHED = (96, 192), (768, 1)  # nodes in theta and phi, for meshes
 FALLING = 0.6  # of the residual before: less of a decrease is none
 ROUGH = 1e-2  # of an edge of the mesh: enough to be on a branch
+HINDERED = 32  # degree of the best fit to what has no embedding
 GRADED = 0.1  # vertices that follow the curvature, against one that follows the area
 
 
@@ -84,6 +84,9 @@ def embed_smooth(
             raise InvalidParameter(f"the {name} is {value!r}, not a positive finite number")
     symmetric = not varies(metric)
     ladder = [h for h in (Harmonics(L, 1 if symmetric else L) for L in DEGREES) if 3 * h.size <= UNKNOWNS]
+    hindrance = no_revolution(metric) if symmetric else ""
+    if hindrance:
+        ladder = [h for h in ladder if h.degree <= HINDERED]
     if start is None:
         first = 0
         guess = _branch(drawn(metric), ladder[0], vertices)
@@ -91,16 +94,11 @@ def embed_smooth(
         first = max(0, sum(h.degree < start.harmonics.degree for h in ladder) - 1)
         guess = recast(start.coefficients, start.harmonics, ladder[first])
     residuals: list[float] = []
-    best: SmoothEmbedding | None = None
-    for surface in _ladder(metric, ladder[first:], guess, tolerance):
-        residuals.append(surface.residual)
-        best = surface
-        settled = surface.curvature_error <= accuracy * abs(surface.integrated_mean_curvature)
-        if surface.converged and (settled or surface.residual <= ROUNDING):
+    for best in _ladder(metric, ladder[first:], guess, tolerance, hindrance):
+        residuals.append(best.residual)
+        settled = best.unsettled <= accuracy * abs(best.integrated_mean_curvature)
+        if best.converged and (settled or best.residual <= ROUNDING):
             break
-    assert best is not None
-    if symmetric or not best.converged:
-        best = replace(best, obstruction=obstruction(metric))
     if best.converged or best_fit:
         return best
     raise NotEmbedded(_diagnosis(best, residuals), best)
@@ -117,14 +115,14 @@ def recast(coefficients: Floats, old: Harmonics, new: Harmonics) -> Floats:
 
 
 def _ladder(
-    metric: TwoMetric, ladder: list[Harmonics], guess: Floats, tolerance: float
+    metric: TwoMetric, ladder: list[Harmonics], guess: Floats, tolerance: float, hindrance: str
 ) -> Iterator[SmoothEmbedding]:
     """The best embeddings of growing degree."""
     last, harmonics, C = np.inf, ladder[0], guess
     for following in ladder:
         C, harmonics = recast(C, harmonics, following), following
         C = gauss_newton(metric, harmonics, C)
-        surface = SmoothEmbedding(metric, harmonics, C, tolerance, last)
+        surface = SmoothEmbedding(metric, harmonics, C, tolerance, last, hindrance)
         last = surface.integrated_mean_curvature
         yield surface
 
@@ -162,8 +160,8 @@ def _diagnosis(best: SmoothEmbedding, residuals: list[float]) -> str:
     missed = (
         f"with more and more harmonics the lengths are off by {trend}, and {best.tolerance:.0e} is allowed"
     )
-    if best.obstruction:
-        return f"{best.obstruction}; {missed}"
+    if best.hindrance:
+        return f"{best.hindrance}; {missed}"
     if len(residuals) > 1 and residuals[-1] < FALLING * residuals[-2]:
-        return f"{missed}: the metric has details that are too fine for so few"
-    return f"{missed}: the metric may have no smooth embedding"
+        missed += ": the metric has details that are too fine for so few"
+    return f"{missed}; {by_curvature(best.metric)}"

@@ -145,8 +145,26 @@ def area_density(q: Floats) -> Floats:
 
 
 def orthonormal_frame(u: Floats, q: Floats) -> Floats:
-    """Two tangent vectors (n, 2, 3) at each u with e_a . q e_b = delta_ab; e_1 x e_2 points along u."""
+    """Two tangent vectors (n, 2, 3) at each u with e_a . q e_b = delta_ab; e_1 x e_2 points along u.
+
+    Raises
+    ------
+    InvalidMetric
+        A metric is not positive definite; the message says at which angles.
+    """
     e_theta, e_phi = angle_frame(u)
+    frame = np.stack([e_theta, e_phi], axis=1)
+    components = np.einsum("nai,nij,nbj->nab", frame, q, frame)
+    good = np.isfinite(components).all(axis=(1, 2)) & (components[:, 0, 0] > 0) & (components[:, 1, 1] > 0)
+    tt, pp = np.where(good, components[:, 0, 0], 1.0), np.where(good, components[:, 1, 1], 1.0)
+    good &= np.abs(components[:, 0, 1]) < np.sqrt(tt) * np.sqrt(pp)
+    if not good.all():
+        i = int(np.argmin(good))
+        theta, phi = np.arccos(u[i, 2]), np.arctan2(u[i, 1], u[i, 0]) % (2.0 * np.pi)
+        raise InvalidMetric(
+            f"the metric is not positive definite at theta = {theta:.6g}, phi = {phi:.6g}: along and across "
+            f"the meridian it is {components[i].tolist()}"
+        )
     first = np.einsum("ni,nij->nj", e_theta, q)
     first_length = np.sqrt(np.einsum("ni,ni->n", first, e_theta))[:, None]
     e_1 = e_theta / first_length
