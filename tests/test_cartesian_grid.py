@@ -8,7 +8,10 @@ from hypothesis import strategies as st
 from isoembed.errors import InvalidMetric, InvalidParameter
 from isoembed.io.files import FileError
 from isoembed.relativity.cartesian_grid import PAIRS, CartesianGrid, read_cartesian_grid
+from isoembed.relativity.conformally_flat import IsotropicSchwarzschild
+from isoembed.relativity.embedded import embed_surface
 from isoembed.relativity.kerr_schild import KerrSchild
+from isoembed.relativity.painleve_gullstrand import PainleveGullstrand
 from isoembed.relativity.star_surface import StarSurface
 
 FLAT = np.tile(np.eye(3)[:, :, None, None, None], (1, 1, 9, 10, 11))
@@ -17,6 +20,11 @@ FLAT = np.tile(np.eye(3)[:, :, None, None, None], (1, 1, 9, 10, 11))
 def points(shape, spacing, origin):
     i = np.stack(np.meshgrid(*(np.arange(n) for n in shape), indexing="ij"), axis=-1)
     return (np.array(origin) + np.array(spacing) * i).reshape(-1, 3)
+
+
+def directions():
+    u = np.random.default_rng(2).normal(size=(400, 3))
+    return u / np.linalg.norm(u, axis=1, keepdims=True)
 
 
 def gridded(values, shape):
@@ -83,6 +91,58 @@ def test_a_hole_converges():
     assert np.all(np.array(errors[-1]) < [1e-7, 3e-7, 2e-6, 2e-6, 1e-8]), errors
 
 
+def sampled(hole, spacing, half, cut, noise=0.0, unit=1.0):
+    """The hole on a cube about the origin, but for a ball within; the unit multiplies all lengths."""
+    n = round(2 * half / spacing) + 1
+    at = points((n, n, n), spacing, (-half,) * 3)
+    near = np.linalg.norm(at, axis=1) < cut
+    gamma, K = np.full((2, len(at), 3, 3), np.nan)
+    gamma[~near] = hole.metric(unit * at[~near])
+    K[~near] = hole.extrinsic_curvature(unit * at[~near])
+    rough = noise * np.random.default_rng(6).normal(size=gamma.shape)
+    gamma += rough + rough.transpose(0, 2, 1)
+    shape = (n, n, n)
+    return CartesianGrid(
+        (-unit * half,) * 3,
+        unit * spacing,
+        gridded(gamma, shape),
+        None if hole.time_symmetric else gridded(K, shape),
+    )
+
+
+@pytest.mark.parametrize(("spacing", "noise"), [(0.25, 0.0), (0.125, 0.0), (0.125, 1e-5)])
+def test_energies_are_within_their_errors(spacing, noise):
+    hole, sphere = IsotropicSchwarzschild(1.0), StarSurface.sphere((0, 0, 0), 2.5)
+    exact = embed_surface(sphere.data(hole)).energies
+    found = embed_surface(sphere.data(sampled(hole, spacing, 3.5, 0.3, noise))).energies
+    for name in ("area", "irreducible_mass", "integrated_mean_curvature"):
+        assert abs(getattr(found, name).value - getattr(exact, name).value) < getattr(found, name).error
+    for name in ("hawking", "brown_york", "liu_yau"):
+        off = abs(getattr(found, name).value - getattr(exact, name).value)
+        assert off < getattr(found, name).error < 100 * off, name
+
+
+def test_the_error_knows_of_extrinsic_curvature():
+    flat, sphere = PainleveGullstrand(1.0), StarSurface.sphere((0, 0, 0), 2.0)
+    errors = []
+    for spacing in (0.25, 0.2):
+        grid, x = sampled(flat, spacing, 3.0, 0.2), sphere.points(directions())
+        true = 2.0 * np.abs(grid.extrinsic_curvature(x) - flat.extrinsic_curvature(x)).max()
+        errors.append(sphere.data(grid).relative_error)
+        assert 0.05 * true < errors[-1] < 10 * true
+    assert np.log(errors[0] / errors[1]) / np.log(1.25) > 6.5
+    still = CartesianGrid(grid.origin, grid.spacing, grid.gamma)
+    assert sphere.data(still).relative_error < 1e-14
+
+
+@pytest.mark.parametrize("unit", [1e-60, 1e60])
+def test_the_error_scales(unit):
+    one, x = IsotropicSchwarzschild(1.0), StarSurface.sphere((0, 0, 0), 2.5).points(directions())
+    error = sampled(one, 0.25, 3.5, 0.3).relative_error(x)
+    other = sampled(IsotropicSchwarzschild(unit), 0.25, 3.5, 0.3, unit=unit).relative_error(unit * x)
+    assert other == pytest.approx(error, rel=1e-6)
+
+
 def test_six_or_nine_entries():
     nine = FLAT + 0.1
     six = nine[np.triu_indices(3)]
@@ -113,6 +173,7 @@ def skew():
     [
         (lambda: CartesianGrid((0, 0), 1.0, FLAT), "the origin must be three finite numbers"),
         (lambda: CartesianGrid((0, 0, 0), (1.0, 1.0), FLAT), "the spacing must be three finite numbers"),
+        (lambda: CartesianGrid((0, 0, 0), "fine", FLAT), "the spacing must be three finite numbers"),
         (
             lambda: CartesianGrid((0, 0, 0), (1.0, -1.0, 1.0), FLAT),
             "the spacing in y must be positive, not -1.0",

@@ -14,7 +14,7 @@ from isoembed.relativity.painleve_gullstrand import PainleveGullstrand
 from isoembed.relativity.star_surface import StarSurface
 from isoembed.relativity.three_geometry import AnalyticCallable, CallableGeometry
 from isoembed.smooth.harmonics import Harmonics, gauss_rule
-from isoembed.smooth.two_metric import area_density
+from isoembed.smooth.two_metric import angle_frame, area_density
 
 ORIGIN = (0.0, 0.0, 0.0)
 SPINS = [(0, 0, 0.6), (0, -0.6 * np.sin(0.4), 0.6 * np.cos(0.4)), (0.3, 0.5, -0.7)]
@@ -183,6 +183,38 @@ class TestKerr:
         np.testing.assert_allclose(k**2 - p**2, sphere.mean_curvature(lindquist, v) ** 2, rtol=1e-11)
 
 
+class TestDerivatives:
+    @pytest.mark.parametrize(("degree", "order"), [(0, 0), (1, 1), (9, 0), (9, 3), (40, 40)])
+    def test_are_those_of_the_harmonics(self, degree, order):
+        harmonics, u = Harmonics(degree, order), directions()
+        c = np.random.default_rng(1).normal(size=harmonics.size) / (1 + harmonics.labels[0]) ** 4
+        c[0] = 10.0
+        surface = StarSurface(ORIGIN, harmonics, c)
+        e = np.stack(angle_frame(u), axis=1)
+        _, slope, hessian = surface._derivatives(u)
+        values, first = harmonics.along(u, e)
+        np.testing.assert_allclose(surface.radius(u), values @ c, rtol=1e-13)
+        np.testing.assert_allclose(np.einsum("nai,ni->na", e, slope), first @ c, atol=1e-12)
+        second = harmonics.second_along(u, e, c[:, None])[..., 0]
+        np.testing.assert_allclose(e @ hessian @ e.transpose(0, 2, 1), second, atol=1e-11)
+        for normal in (slope, hessian):
+            np.testing.assert_allclose(np.einsum("ni,n...i->n...", u, normal), 0.0, atol=1e-12)
+
+    def test_lists_of_directions(self):
+        surface, hole = StarSurface.from_radius(bumpy), KerrSchild(1.0, SPINS[2])
+        u = directions(3)
+        for f in (surface.metric(hole).tensor, lambda v: surface.mean_curvature(hole, v), surface.points):
+            np.testing.assert_array_equal(f(u.tolist()), f(u))
+
+    @pytest.mark.parametrize("u", [np.array([0, 0, 1.0]), [0, 0, 1.0], np.ones((2, 2)), "z", [[1, 2], [3]]])
+    def test_refusals(self, u):
+        surface, hole = StarSurface.from_radius(bumpy), KerrSchild(1.0, SPINS[2])
+        data = surface.data(hole)
+        for f in (surface.radius, surface.points, data.metric.tensor, data.mean_curvature, data.momentum):
+            with pytest.raises(InvalidParameter, match=r"directions must be unit vectors \(n, 3\), not an"):
+                f(u)
+
+
 class TestBrillLindquist:
     def test_total_mass_far_away(self):
         holes = BrillLindquist([1.0, 0.5], [(0, 0, 1), (0, 0, -2)])  # at the center of mass
@@ -225,6 +257,32 @@ class TestFromRadius:
         hole = KerrSchild(1.0, (0, 0, 0.9))
         assert StarSurface.from_radius(hole.spheroid(hole.horizon)).harmonics.order == 0
 
+    @pytest.mark.parametrize(("spin", "most"), [(0.975, 1e-13), (0.985, 1e-11), (0.995, 1e-7)])
+    def test_high_degrees_are_taken_for_what_they_are(self, spin, most):
+        def radius(u):
+            return 2.5 + np.sqrt(1 - (spin * u[:, 2]) ** 2)
+
+        surface, u = StarSurface.from_radius(radius), directions(200)
+        error = np.abs(surface.radius(u) - radius(u)).max()
+        assert error < most
+        assert error < 200 * surface.misfit
+
+    @pytest.mark.parametrize("noise", [1e-14, 1e-10, 1e-7])
+    def test_noise_is_not_fitted(self, noise):
+        def radius(u):
+            return bumpy(u) + noise * np.random.default_rng(len(u)).normal(size=len(u))
+
+        surface, u = StarSurface.from_radius(radius), directions()
+        assert surface.harmonics.degree <= 16
+        assert surface.misfit == pytest.approx(noise, rel=0.5)
+        np.testing.assert_allclose(surface.radius(u), bumpy(u), atol=4 * noise)
+        flat = PainleveGullstrand(1.0)
+        assert surface.data(flat).relative_error == pytest.approx(surface.misfit / 3.0, rel=0.1)
+        with pytest.raises(
+            InvalidParameter, match=r"those of degree 128 are .* and miss it by \S+e-0[56]; fit"
+        ):
+            StarSurface.from_radius(lambda u: bumpy(u) + 1e-5 / noise * (radius(u) - bumpy(u)))
+
     def test_by_angles(self):
         surface = StarSurface.from_angles(
             lambda theta, phi: 3 + 0.4 * np.sin(theta) ** 2 * np.cos(2 * phi), (1, 0, 0)
@@ -259,6 +317,8 @@ class TestFromRadius:
                 r"not smooth enough for harmonics: those of degree 128 are still \S+e-06 of the mean",
             ),
             (lambda: StarSurface.sphere(ORIGIN, -1.0), "the radius must be positive, not -1.0"),
+            (lambda: StarSurface.sphere(ORIGIN, "big"), "the radius must be positive, not big"),
+            (lambda: StarSurface.sphere("here", 1.0), "the center must be three finite numbers, not here"),
             (lambda: StarSurface.sphere((0, np.nan, 0), 1.0), "the center must be three finite numbers"),
             (
                 lambda: StarSurface(ORIGIN, Harmonics(1, 1), np.ones(3)),
@@ -370,7 +430,21 @@ class TestData:
         np.testing.assert_array_equal(data.mean_curvature(u), surface.mean_curvature(hole, u))
         np.testing.assert_array_equal(data.momentum(u), surface.momentum(hole, u))
         assert data.angular_momentum == pytest.approx(0.6, rel=1e-12)
-        assert surface.data(hole).angular_momentum is None
+        plain = surface.data(hole)
+        assert plain.angular_momentum is None
+        assert not plain.marginal
+        assert plain.relative_error < 1e-15
+        horizon = surface.data(hole, marginal=True, name="mine")
+        assert horizon.marginal
+        assert horizon.name == "mine"
+
+    def test_misfit_and_geometry_make_the_error(self):
+        surface = StarSurface(ORIGIN, Harmonics(0, 0), [3.0 * np.sqrt(4 * np.pi)], misfit=0.06)
+        hole = IsotropicSchwarzschild(1.0)
+        assert surface.data(hole).relative_error == pytest.approx(0.02, rel=1e-14)
+        user = CallableGeometry(hole.metric, 12.0)
+        error = user.relative_error(surface.points(directions()))
+        assert surface.data(user).relative_error == pytest.approx(0.02 + error, abs=0.5 * error)
 
     def test_of_a_time_symmetric_slice(self):
         data = StarSurface.sphere(ORIGIN, 2.0).data(IsotropicSchwarzschild(1.0), axis=(0, 0, 1))
@@ -382,14 +456,37 @@ class TestData:
         user = CallableGeometry(hole.metric, 2.0, hole.extrinsic_curvature)
         np.testing.assert_allclose(surface.expansion(user, u), surface.expansion(hole, u), atol=1e-11)
 
+    @pytest.mark.parametrize(
+        ("axis", "sentence"),
+        [
+            (ORIGIN, "the axis must not be zero"),
+            ("z", "the axis must be three finite numbers, not z"),
+            (2, "the axis must be three finite numbers, not 2"),
+            ([[1, 2], 3, 4], "the axis must be three finite numbers"),
+        ],
+    )
+    def test_axes_that_are_none(self, axis, sentence):
+        with pytest.raises(InvalidParameter, match=sentence):
+            StarSurface.sphere(ORIGIN, 2.0).data(PainleveGullstrand(1.0), axis=axis)
+
     def test_refusals(self):
-        sphere, u = StarSurface.sphere(ORIGIN, 2.0), np.array([[0, 0, 1.0]])
-        with pytest.raises(InvalidParameter, match="the axis must not be zero"):
-            sphere.data(PainleveGullstrand(1.0), axis=ORIGIN)
-        bad = CallableGeometry(lambda x: np.full((len(x), 3, 3), np.nan), 1.0)
+        sphere, flat = StarSurface.sphere(ORIGIN, 2.0), PainleveGullstrand(1.0)
+
+        def nan(x):
+            return np.full((len(x), 3, 3), np.nan)
+
+        def away(x):
+            return np.where(np.linalg.norm(x, axis=1)[:, None, None] < 1.999, np.nan, flat.metric(x))
+
+        for geometry, what in (
+            (CallableGeometry(nan, 1.0), "the 3-metric at .* is not positive definite"),
+            (CallableGeometry(away, 1.0), "the gradient of the 3-metric at .* is not finite"),
+            (CallableGeometry(flat.metric, 1.0, nan), "the extrinsic curvature at .* is not finite"),
+        ):
+            with pytest.raises(InvalidMetric, match=what):
+                sphere.data(geometry)
+        u = np.array([[0, 0, 1.0]])
         with pytest.raises(InvalidMetric, match=r"the 3-metric at \(0, 0, 2\) is not positive definite"):
-            sphere.data(bad).metric.tensor(u)
-        flat = PainleveGullstrand(1.0)
-        bad = CallableGeometry(flat.metric, 1.0, lambda x: np.full((len(x), 3, 3), np.nan))
+            sphere.metric(CallableGeometry(nan, 1.0)).tensor(u)
         with pytest.raises(InvalidMetric, match=r"the extrinsic curvature at \(0, 0, 2\) is not finite"):
-            sphere.data(bad).momentum(u)
+            sphere.momentum(CallableGeometry(flat.metric, 1.0, nan), u)

@@ -80,6 +80,28 @@ def test_differences_are_of_sixth_order():
     assert np.all(orders > 5.8), orders
 
 
+@pytest.mark.parametrize("name", GEOMETRIES)
+def test_closed_forms_have_no_error(name):
+    hole, x = GEOMETRIES[name](1.0), outside()
+    assert hole.relative_error(x) == 0.0
+    assert AnalyticCallable(hole.metric).relative_error(x) == 0.0
+
+
+@pytest.mark.parametrize("unit", [1e-80, 1.0, 1e80])
+@pytest.mark.parametrize(("length", "noise"), [(1, 0.0), (6, 0.0), (24, 0.0), (1, 1e-10), (0.01, 0.0)])
+def test_differences_tell_their_error(length, noise, unit):
+    hole, x = IsotropicSchwarzschild(unit), outside(200, 0.9, 1.0) * unit
+
+    rng = np.random.default_rng(1)
+
+    def gamma(x):
+        return hole.metric(x) * (1.0 + noise * rng.normal(size=len(x)))[:, None, None]
+
+    user = CallableGeometry(gamma, length * unit)
+    true = np.abs(user.gradient(x) - hole.gradient(x)).max() * unit / np.abs(hole.metric(x)).max()
+    assert 0.05 * true < user.relative_error(x) < 20.0 * true
+
+
 def test_kerr_schild_without_spin_in_closed_form():
     M, x = 1.3, outside(least=0.5)
     r = np.linalg.norm(x, axis=1)[:, None, None]
@@ -171,6 +193,8 @@ X = np.array([[3.0, 0, 0], [0, 0, 0]])
         (lambda: KerrSchild(-1.0, (0, 0, 0)), "the mass must be positive, not -1.0"),
         (lambda: PainleveGullstrand(np.nan), "the mass must be positive, not nan"),
         (lambda: IsotropicSchwarzschild(0.0), "the mass must be positive, not 0.0"),
+        (lambda: IsotropicSchwarzschild("heavy"), "the mass must be positive, not heavy"),
+        (lambda: IsotropicSchwarzschild([1.0]), r"the mass must be positive, not \[1.0\]"),
         (lambda: KerrSchild(1.0, (0, 1)), r"the spin must be three finite numbers, not \(0, 1\)"),
         (lambda: BoyerLindquist(1.0, (0, 0, np.inf)), "the spin must be three finite numbers"),
         (lambda: BoyerLindquist(1.0, (0, 0.6, 0.9)), "no horizon: the spin 1.08167 exceeds the mass 1"),

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import argparse
-from dataclasses import replace
 
 from isoembed.cli.refusal import Refusal
 from isoembed.relativity.kerr import KerrNewmanErgosphere, KerrNewmanHorizon, KerrNewmanSphere
@@ -94,8 +93,9 @@ def closed_form(options: argparse.Namespace) -> SurfaceData:
     else:
         geometry = PainleveGullstrand(mass)
         surface = StarSurface.sphere((0.0, 0.0, 0.0), 2.0 * mass if kind == "horizon" else number)
-    return replace(
-        surface.data(geometry, Z_AXIS),
+    return surface.data(
+        geometry,
+        Z_AXIS,
         marginal=kind == "horizon",
         name=f"{options.surface} of mass {mass:.9g} and spin {spin:.9g} in the slice {options.slice}",
     )

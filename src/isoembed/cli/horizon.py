@@ -191,13 +191,11 @@ def _data(
     surface = StarSurface.from_points(found.points, found.center.tolist())
     u, weights = gauss_rule(*NODES)
     mean = float(np.average(surface.radius(u), weights=weights))
-    data = surface.data(geometry, axis)
+    data = surface.data(geometry, axis, name=name)
     expansion = float(np.abs(surface.expansion(geometry, u)).max())
     # A horizon that was found on a coarse grid is one; what expands like a sphere in flat space is not.
     marginal = expansion * mean < MARGINAL
-    error = max(data.relative_error, surface.misfit / mean)
-    data = replace(data, marginal=marginal, relative_error=error, name=name)
-    return data, {
+    return replace(data, marginal=marginal), {
         "time": found.time,
         "points": len(found.points),
         "center": list(found.center),

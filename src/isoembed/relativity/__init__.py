@@ -26,6 +26,8 @@ from isoembed.relativity.spectre import read_spectre
 from isoembed.relativity.star_surface import StarSurface
 from isoembed.relativity.surface_data import SurfaceData
 from isoembed.relativity.three_geometry import AnalyticCallable, CallableGeometry, ThreeGeometry
+from isoembed.relativity.time_function import TimeFunction
+from isoembed.relativity.wang_yau_energy import WangYau, wang_yau
 
 __all__ = [
     "AnalyticCallable",
@@ -46,6 +48,8 @@ __all__ = [
     "StarSurface",
     "SurfaceData",
     "ThreeGeometry",
+    "TimeFunction",
+    "WangYau",
     "embed_surface",
     "embeddability",
     "mesh_energies",
@@ -55,4 +59,5 @@ __all__ = [
     "read_metric_grid",
     "read_spectre",
     "smarr_limit",
+    "wang_yau",
 ]

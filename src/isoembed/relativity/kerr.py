@@ -95,6 +95,30 @@ class KerrNewmanSurface(ABC):
         k = np.divide(around + along, np.sqrt(Sigma * D), out=np.zeros_like(D), where=outside)
         return k / self.mass
 
+    def normal_momentum(self, u: Floats) -> Floats:
+        """``K(., n)`` of the slice as tangent vectors (n, 3) at u (n, 3): see `SurfaceData`.
+
+        Of ``K_ij = -g_phph d_i(omega) / (2 lapse)`` for j = phi, with the lapse sqrt(Delta / P) and the
+        angular velocity omega of observers who fall from rest.
+        """
+        s = _sin2(u)
+        a, Q = self._ratios
+        a2 = a * a
+        R, R_s, _, Delta = self._R(s)
+        c2 = 1.0 - s
+        Sigma = R**2 + a2 * c2
+        m = 2.0 * R - Q * Q
+        A = (R**2 + a2) ** 2 - a2 * Delta * s  # P Sigma
+        omega_r = a * (2.0 - m * (4.0 * R * (R**2 + a2) - 2.0 * a2 * (R - 1.0) * s) / A) / A
+        omega_s = a * a2 * m * Delta / A**2
+        # The normal is (Delta, -R_th) / sqrt(Sigma D), and Delta / sqrt(Delta D) is 1 where R_th = 0.
+        tilt = 4.0 * s * c2 * R_s * omega_s
+        D = Delta + 4.0 * s * c2 * R_s**2
+        steep = np.divide(Delta, D, out=np.ones_like(D), where=D > 0.0)
+        rate = np.sqrt(steep) * (omega_r - np.divide(tilt, Delta, out=np.zeros_like(D), where=Delta > 0.0))
+        around = -0.5 * (A / Sigma) ** 1.5 * rate / np.sqrt(Sigma)
+        return around[:, None] * np.stack([-u[:, 1], u[:, 0], np.zeros(len(u))], axis=1)
+
     def gaussian_curvature(self, u: Floats) -> Floats:
         """K (n,) of the surface's own metric at unit vectors u (n, 3), in 1/length^2."""
         s = _sin2(u)
@@ -137,6 +161,7 @@ class KerrNewmanSurface(ABC):
             metric=self,
             mean_curvature=self.mean_curvature,
             momentum=None,
+            normal_momentum=self.normal_momentum if self.spin else None,
             angular_momentum=self.angular_momentum,
             charge=self.charge,
             marginal=self.marginal,

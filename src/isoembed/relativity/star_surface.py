@@ -10,15 +10,23 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
 import numpy as np
+from numba import njit
 from numpy.typing import ArrayLike, NDArray
 from scipy.linalg import qr, solve_triangular, svdvals
 from scipy.spatial import ConvexHull, QhullError
 
 from isoembed.errors import InvalidMetric, InvalidParameter
 from isoembed.relativity.surface_data import SurfaceData
-from isoembed.relativity.three_geometry import ThreeGeometry, check_slice, positive_number, vector, written
+from isoembed.relativity.three_geometry import (
+    ThreeGeometry,
+    check_slice,
+    numbers,
+    positive_number,
+    vector,
+    written,
+)
 from isoembed.smooth.harmonics import Harmonics, gauss_rule
-from isoembed.smooth.two_metric import PulledBack, area_density, orthonormal_frame, projected
+from isoembed.smooth.two_metric import area_density, orthonormal_frame, projected
 
 Floats = NDArray[np.float64]
 
@@ -28,6 +36,10 @@ LARGEST_FITTED = 40
 """Up to which degree harmonics are fitted to points."""
 ROUNDING = 1e-15
 """What is rounding in the harmonics of a radius, over the radius."""
+MISSED = 1e-6
+"""How far harmonics may miss a radius, over the radius; more is no smooth surface."""
+CHECKED = (24, 48)
+"""Nodes in theta and phi at which a slice tells its errors."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -77,7 +89,7 @@ class StarSurface:
     def from_radius(
         cls, radius: Callable[[Floats], ArrayLike], center: Sequence[float] = (0.0, 0.0, 0.0)
     ) -> StarSurface:
-        """Project a radius onto harmonics, up to the degree where only rounding is left.
+        """Project a radius onto harmonics, up to the degree where only rounding or noise is left.
 
         Parameters
         ----------
@@ -88,27 +100,40 @@ class StarSurface:
         Raises
         ------
         InvalidParameter
-            A radius is not positive, or harmonics up to degree 128 leave a rest; the message says which.
+            A radius is not positive, or harmonics up to degree 128 miss it by more than a millionth; the
+            message says which.
+
+        Notes
+        -----
+        What is missed, where it is more than rounding, is the ``misfit``.
         """
         apart = _spread_directions(200)
         expected = _radii(radius, apart)
+        found: list[tuple[float, Harmonics, Floats, float]] = []
         degree = 16
-        while True:
+        while degree <= LARGEST_DEGREE:
             u, weights = gauss_rule(degree + 1, 2 * degree + 2)
             harmonics, coefficients = _projected(_radii(radius, u), u, weights, degree)
             sizes = np.abs(coefficients) / abs(coefficients[0])
             tail = float(sizes[harmonics.labels[0] > 3 * degree // 4].max())
             harmonics, coefficients = _trimmed(harmonics, coefficients, sizes > ROUNDING / 4.0)
             error = (harmonics.values(apart) @ coefficients - expected) / expected.max()
-            if tail <= ROUNDING and np.abs(error).max() <= 1e3 * ROUNDING:
+            missed = float(np.abs(error).max())
+            if missed <= MISSED:
                 misfit = float(np.sqrt(np.mean(error**2)) * expected.max())
-                return cls(center, harmonics, coefficients, misfit)
-            if degree >= LARGEST_DEGREE:
-                raise InvalidParameter(
-                    f"the radius is not smooth enough for harmonics: those of degree {degree} are still "
-                    f"{tail:.3g} of the mean, and miss it by {np.abs(error).max():.3g}; fit points instead"
-                )
+                found.append((missed, harmonics, coefficients, misfit))
+                if tail <= ROUNDING and missed <= 1e3 * ROUNDING:
+                    return cls(center, harmonics, coefficients, misfit)
             degree *= 2
+        if not found:
+            raise InvalidParameter(
+                f"the radius is not smooth enough for harmonics: those of degree {LARGEST_DEGREE} are still "
+                f"{tail:.3g} of the mean, and miss it by {missed:.3g}; fit points instead"
+            )
+        # Harmonics that come no nearer would be noise, and their second derivatives loud noise.
+        enough = 2.0 * min(missed for missed, *_ in found)
+        _, harmonics, coefficients, misfit = next(fit for fit in found if fit[0] <= enough)
+        return cls(center, harmonics, coefficients, misfit)
 
     @classmethod
     def from_angles(
@@ -171,44 +196,39 @@ class StarSurface:
 
     def radius(self, u: Floats) -> Floats:
         """The radius (n,) in the directions u (n, 3)."""
-        return self._in_parts(u, lambda part: self.harmonics.values(part) @ self.coefficients)
+        return self._derivatives(_directions(u))[0]
 
     def points(self, u: Floats) -> Floats:
         """The points X (n, 3) in the directions u (n, 3)."""
+        u = _directions(u)
         return np.array(self.center) + self.radius(u)[:, None] * u
 
     def differential(self, u: Floats) -> Floats:
         """The differential dX (n, 3, 3): ``dX @ v`` is the derivative of X along a tangent vector v."""
-        return u[:, :, None] * self._slope(u)[:, None, :] + self.radius(u)[:, None, None] * np.eye(3)
+        u = _directions(u)
+        r, slope, _ = self._derivatives(u)
+        return _differential(u, r, slope)
 
-    def metric(self, geometry: ThreeGeometry) -> PulledBack:
+    def metric(self, geometry: ThreeGeometry) -> InducedMetric:
         """Return the metric that the geometry induces on the surface."""
-        return PulledBack(self.differential, lambda u: _slice_metric(geometry, self.points(u)))
+        return InducedMetric(self, geometry)
 
     def mean_curvature(self, geometry: ThreeGeometry, u: Floats) -> Floats:
-        """``k = k1 + k2`` (n,) for the outward normal, in the directions u (n, 3); 2 / r on a flat sphere.
-
-        k is the trace of ``h_AB = -n_i (D_A D_B X^i + Gamma^i_jk X^j_A X^k_B)``, D the derivative of the unit
-        sphere: another one would change the first term by a tangent vector.
-        """
-        f = self._frame(geometry, u)
-        hessian = self.harmonics.second_along(u, f.e, self.coefficients[:, None])[..., 0]
-        bent = np.einsum("naa->n", hessian) - f.r * np.einsum("nai,nai->n", f.e, f.e)
-        turned = np.einsum("nai,ni,naj->nj", f.e, f.slope, f.e)
-        flat = np.einsum("ni,ni->n", f.lower, bent[:, None] * u + 2.0 * turned)
-        gradient = geometry.gradient(f.x)
-        along = np.einsum("nkj,nkji->ni", f.tangent, gradient)
-        across = np.einsum("nijk,njk->ni", gradient, f.tangent)
-        return -flat - np.einsum("ni,ni->n", f.upper, along - 0.5 * across)
+        """``k = k1 + k2`` (n,) for the outward normal, in the directions u (n, 3); 2 / r on a flat sphere."""
+        return self._frame(geometry, u).mean_curvature(geometry)
 
     def momentum(self, geometry: ThreeGeometry, u: Floats) -> Floats:
         """``p = K_ij (gamma^ij - n^i n^j)`` (n,) in the directions u (n, 3)."""
-        f = self._frame(geometry, u)
-        return np.einsum("nij,nij->n", f.tangent, _curvature(geometry, f.x))
+        return self._frame(geometry, u).momentum(geometry)
+
+    def normal_momentum(self, geometry: ThreeGeometry, u: Floats) -> Floats:
+        """``K(., n)`` as tangent vectors (n, 3) of the unit sphere at u (n, 3): see `SurfaceData`."""
+        return self._frame(geometry, u).normal_momentum(geometry)
 
     def expansion(self, geometry: ThreeGeometry, u: Floats) -> Floats:
         """``theta_+ = k - p`` (n,) of the light rays that leave outward; zero on an apparent horizon."""
-        return self.mean_curvature(geometry, u) - self.momentum(geometry, u)
+        frame = self._frame(geometry, u)
+        return frame.mean_curvature(geometry) - frame.momentum(geometry)
 
     def angular_momentum(self, geometry: ThreeGeometry, axis: Sequence[float]) -> float:
         """``J = 1 / (8 pi) int K_ij phi^i n^j dA``, a length squared, with ``phi = axis x (x - center)``.
@@ -237,52 +257,113 @@ class StarSurface:
                 return J
             n, before = 2 * n, J
 
-    def data(self, geometry: ThreeGeometry, axis: Sequence[float] | None = None) -> SurfaceData:
+    def data(
+        self,
+        geometry: ThreeGeometry,
+        axis: Sequence[float] | None = None,
+        marginal: bool = False,
+        name: str = "",
+    ) -> SurfaceData:
         """Return what quasi-local energies are computed from.
+
+        Their ``relative_error`` is the misfit over the mean radius and what the geometry says of its own.
 
         Parameters
         ----------
         geometry : ThreeGeometry
         axis : three floats, optional
             The axis of rotation for the angular momentum, which is left out without it.
+        marginal : bool
+            The surface is a horizon: the mean curvature vector is null by definition.
+        name : str
+            For reports.
+
+        Raises
+        ------
+        InvalidMetric
+            The slice's metric is not positive definite, or its extrinsic curvature not finite, on the
+            surface; the message names a point.
         """
+        frame = self._frame(geometry, gauss_rule(*CHECKED)[0])
+        frame.mean_curvature(geometry)
+        if not geometry.time_symmetric:
+            frame.momentum(geometry)
+        mean = self.coefficients[0] / np.sqrt(4.0 * np.pi)
         return SurfaceData(
             metric=self.metric(geometry),
             mean_curvature=lambda u: self.mean_curvature(geometry, u),
             momentum=None if geometry.time_symmetric else lambda u: self.momentum(geometry, u),
+            normal_momentum=None if geometry.time_symmetric else lambda u: self.normal_momentum(geometry, u),
             angular_momentum=None if axis is None else self.angular_momentum(geometry, axis),
+            marginal=marginal,
+            relative_error=float(self.misfit / mean) + geometry.relative_error(frame.x),
+            name=name,
         )
 
-    def _slope(self, u: Floats) -> Floats:
-        """The gradient of r on the unit sphere (n, 3)."""
-        return self._in_parts(u, lambda part: self.harmonics.gradients(part)[1] @ self.coefficients)
-
-    def _in_parts(self, u: Floats, f: Callable[[Floats], Floats]) -> Floats:
-        size = max(1, 1_000_000 // self.harmonics.size)
-        return np.concatenate([f(u[begin : begin + size]) for begin in range(0, max(len(u), 1), size)])
+    def _derivatives(self, u: Floats) -> tuple[Floats, Floats, Floats]:
+        """The radius (n,), its gradient (n, 3) and its covariant second derivatives (n, 3, 3)."""
+        degree, order = self.harmonics.degree, self.harmonics.order
+        degrees, orders = self.harmonics.labels
+        table = np.zeros((order + 1, degree + 1), dtype=np.complex128)
+        sine = orders < 0
+        # c Re w^m + s Im w^m = Re (c - i s) w^m
+        table.real[orders[~sine], degrees[~sine]] = self.coefficients[~sine]
+        table.imag[-orders[sine], degrees[sine]] = -self.coefficients[sine]
+        r, gradient, hessian = _summed(u, table, *_recurrence(degree, order))
+        radial = np.einsum("ni,ni->n", u, gradient)
+        P = np.eye(3) - u[:, :, None] * u[:, None, :]
+        return r, gradient - radial[:, None] * u, P @ hessian @ P - radial[:, None, None] * P
 
     def _frame(self, geometry: ThreeGeometry, u: Floats) -> _Frame:
-        r, slope = self.radius(u), self._slope(u)
+        u = _directions(u)
+        r, slope, hessian = self._derivatives(u)
         x = np.array(self.center) + r[:, None] * u
         gamma = _slice_metric(geometry, x)
-        dX = u[:, :, None] * slope[:, None, :] + r[:, None, None] * np.eye(3)
-        q = projected(np.einsum("nki,nkl,nlj->nij", dX, gamma, dX), u)
+        dX = _differential(u, r, slope)
+        q = projected(dX.transpose(0, 2, 1) @ gamma @ dX, u)
         e = orthonormal_frame(u, q)
-        T = np.einsum("nki,nai->nak", dX, e)
+        T = e @ dX.transpose(0, 2, 1)
         lower = np.cross(T[:, 0], T[:, 1])
         upper = np.linalg.solve(gamma, lower[:, :, None])[:, :, 0]
         length = np.sqrt(np.einsum("ni,ni->n", lower, upper))[:, None]
-        return _Frame(r, slope, x, q, e, np.einsum("nai,naj->nij", T, T), lower / length, upper / length)
+        tangent = T.transpose(0, 2, 1) @ T
+        return _Frame(u, r, slope, hessian, x, q, e, tangent, lower / length, upper / length)
+
+
+@dataclass(frozen=True)
+class InducedMetric:
+    """The metric that a slice induces on a surface; a `isoembed.smooth.TwoMetric`.
+
+    Attributes
+    ----------
+    surface : StarSurface
+    geometry : ThreeGeometry
+    """
+
+    surface: StarSurface
+    geometry: ThreeGeometry
+
+    def tensor(self, u: Floats) -> Floats:
+        """See `isoembed.smooth.TwoMetric`."""
+        u = _directions(u)
+        r, slope, _ = self.surface._derivatives(u)
+        gamma = _slice_metric(self.geometry, np.array(self.surface.center) + r[:, None] * u)
+        dX = _differential(u, r, slope)
+        return projected(dX.transpose(0, 2, 1) @ gamma @ dX, u)
 
 
 @dataclass(frozen=True)
 class _Frame:
-    """The surface to first order, at n directions."""
+    """The surface to second order, at n directions."""
 
+    u: Floats
+    """The directions (n, 3)."""
     r: Floats
     """The radius (n,)."""
     slope: Floats
     """Its gradient on the unit sphere (n, 3)."""
+    hessian: Floats
+    """Its covariant second derivatives there (n, 3, 3)."""
     x: Floats
     """The points (n, 3)."""
     q: Floats
@@ -296,6 +377,99 @@ class _Frame:
     upper: Floats
     """``n^i`` (n, 3)."""
 
+    def mean_curvature(self, geometry: ThreeGeometry) -> Floats:
+        """See `StarSurface`.
+
+        k is the trace of ``h_AB = -n_i (D_A D_B X^i + Gamma^i_jk X^j_A X^k_B)``, D the derivative of the
+        unit sphere: another one would change the first term by a tangent vector.
+        """
+        inverse = self.e.transpose(0, 2, 1) @ self.e  # of q
+        bent = np.einsum("nij,nij->n", inverse, self.hessian) - self.r * np.einsum("nii->n", inverse)
+        turned = np.einsum("nij,nj->ni", inverse, self.slope)
+        flat = np.einsum("ni,ni->n", self.lower, bent[:, None] * self.u + 2.0 * turned)
+        gradient = _finite("the gradient of the 3-metric", geometry.gradient(self.x), self.x)
+        along = np.einsum("nkj,nkji->ni", self.tangent, gradient)
+        across = np.einsum("nijk,njk->ni", gradient, self.tangent)
+        return -flat - np.einsum("ni,ni->n", self.upper, along - 0.5 * across)
+
+    def momentum(self, geometry: ThreeGeometry) -> Floats:
+        """See `StarSurface`."""
+        return np.einsum("nij,nij->n", self.tangent, _curvature(geometry, self.x))
+
+    def normal_momentum(self, geometry: ThreeGeometry) -> Floats:
+        """See `StarSurface`."""
+        toward = np.einsum("nij,nj->ni", _curvature(geometry, self.x), self.upper)
+        pulled = np.einsum("nki,nk->ni", _differential(self.u, self.r, self.slope), toward)
+        return pulled - np.einsum("ni,ni->n", pulled, self.u)[:, None] * self.u
+
+
+def _directions(u: ArrayLike) -> Floats:
+    array = numbers(u)
+    if array.ndim != 2 or array.shape[1] != 3:
+        raise InvalidParameter(f"directions must be unit vectors (n, 3), not an array {array.shape}")
+    return array
+
+
+def _differential(u: Floats, r: Floats, slope: Floats) -> Floats:
+    return u[:, :, None] * slope[:, None, :] + r[:, None, None] * np.eye(3)
+
+
+def _recurrence(degree: int, order: int) -> tuple[Floats, Floats, Floats]:
+    """Tables (order + 1, degree + 1) for ``P_l = a z P_l-1 - b P_l-2``, and ``P_mm`` (order + 1,)."""
+    l, m = np.arange(degree + 1.0), np.arange(order + 1.0)[:, None]
+    above = l > m
+    a = np.sqrt((4.0 * l**2 - 1.0) * above / np.where(above, l**2 - m**2, 1.0))
+    b = np.zeros_like(a)
+    b[:, 1:] = a[:, 1:] * np.where(above[:, 1:], 1.0, 0.0)
+    b[:, 1:] /= np.where(a[:, :-1] > 0.0, a[:, :-1], np.inf)
+    m = m[1:, 0]
+    steps = np.sqrt((2.0 * m + 1.0) / (2.0 * m)) * np.where(m == 1.0, np.sqrt(2.0), 1.0)
+    return a, b, np.cumprod(np.concatenate([[np.sqrt(0.25 / np.pi)], steps]))
+
+
+@njit(cache=True)
+def _summed(u, table, a, b, sectoral):  # type: ignore[no-untyped-def]
+    """Sums of harmonics at u (n, 3), with the derivatives of their extension to R^3: (n,), (n, 3), (n, 3, 3).
+
+    No table of harmonics at directions is made, which would take most of the time.
+    """
+    n, orders, degrees = len(u), table.shape[0], table.shape[1]
+    value, gradient, hessian = np.zeros(n), np.zeros((n, 3)), np.zeros((n, 3, 3))
+    for i in range(n):
+        z = u[i, 2]
+        w = complex(u[i, 0], u[i, 1])
+        w0, w1, w2 = 1.0 + 0.0j, 0.0j, 0.0j  # w^m and its derivatives
+        for m in range(orders):
+            p0, p1, p2 = sectoral[m], 0.0, 0.0
+            before0, before1, before2 = 0.0, 0.0, 0.0
+            f0, f1, f2 = p0 * table[m, m], 0.0j, 0.0j
+            for l in range(m + 1, degrees):
+                next0 = a[m, l] * z * p0 - b[m, l] * before0
+                next1 = a[m, l] * (z * p1 + p0) - b[m, l] * before1
+                next2 = a[m, l] * (z * p2 + 2.0 * p1) - b[m, l] * before2
+                before0, before1, before2 = p0, p1, p2
+                p0, p1, p2 = next0, next1, next2
+                f0 += p0 * table[m, l]
+                f1 += p1 * table[m, l]
+                f2 += p2 * table[m, l]
+            value[i] += (f0 * w0).real
+            gradient[i, 0] += (f0 * w1).real
+            gradient[i, 1] -= (f0 * w1).imag
+            gradient[i, 2] += (f1 * w0).real
+            hessian[i, 0, 0] += (f0 * w2).real
+            hessian[i, 0, 1] -= (f0 * w2).imag
+            hessian[i, 0, 2] += (f1 * w1).real
+            hessian[i, 1, 2] -= (f1 * w1).imag
+            hessian[i, 2, 2] += (f2 * w0).real
+            w0, w1, w2 = w0 * w, w1 * w + w0, w2 * w + 2.0 * w1
+        hessian[i, 1, 1] = -hessian[i, 0, 0]
+        hessian[i, 1, 0], hessian[i, 2, 0], hessian[i, 2, 1] = (
+            hessian[i, 0, 1],
+            hessian[i, 0, 2],
+            hessian[i, 1, 2],
+        )
+    return value, gradient, hessian
+
 
 def _slice_metric(geometry: ThreeGeometry, x: Floats) -> Floats:
     gamma = geometry.metric(x)
@@ -303,13 +477,16 @@ def _slice_metric(geometry: ThreeGeometry, x: Floats) -> Floats:
     return gamma
 
 
-def _curvature(geometry: ThreeGeometry, x: Floats) -> Floats:
-    """``K_ij`` (n, 3, 3), finite."""
-    K = geometry.extrinsic_curvature(x)
-    good = np.isfinite(K).all(axis=(1, 2))
+def _finite(what: str, values: Floats, x: Floats) -> Floats:
+    good = np.isfinite(values.reshape(len(x), -1)).all(axis=1)
     if not good.all():
-        raise InvalidMetric(f"the extrinsic curvature at {written(x[int(np.argmin(good))])} is not finite")
-    return K
+        raise InvalidMetric(f"{what} at {written(x[int(np.argmin(good))])} is not finite")
+    return values
+
+
+def _curvature(geometry: ThreeGeometry, x: Floats) -> Floats:
+    """``K_ij`` (n, 3, 3)."""
+    return _finite("the extrinsic curvature", geometry.extrinsic_curvature(x), x)
 
 
 def _check_radius(u: Floats, r: Floats) -> None:

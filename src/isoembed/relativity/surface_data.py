@@ -28,6 +28,10 @@ class SurfaceData:
         Takes u and returns ``p = K_ij (gamma^ij - n^i n^j)`` (n,), the trace over the surface of the slice's
         extrinsic curvature; the mean curvature vector has the norm ``sqrt(k^2 - p^2)``.  Only its square
         matters.  None where the slice is time-symmetric or p vanishes for another reason.
+    normal_momentum : callable, optional
+        Takes u and returns ``j = K(., n)``, n the outward normal in the slice, as tangent vectors (n, 3)
+        whose products with velocities of u are its values.  None where it vanishes.  Of all energies only
+        that of Wang and Yau sees it.
     angular_momentum : float, optional
         J, in units of length^2.
     charge : float
@@ -43,6 +47,7 @@ class SurfaceData:
     metric: TwoMetric
     mean_curvature: Callable[[Floats], Floats] | None = None
     momentum: Callable[[Floats], Floats] | None = None
+    normal_momentum: Callable[[Floats], Floats] | None = None
     angular_momentum: float | None = None
     charge: float = 0.0
     marginal: bool = False

@@ -46,6 +46,14 @@ class ThreeGeometry(Protocol):
         """``K_ij`` (n, 3, 3) at the points x (n, 3)."""
         ...
 
+    def relative_error(self, x: Floats) -> float:
+        """How uncertain the three are at the points x (n, 3) of a surface, as an error of lengths over them.
+
+        That is half an error of the metric over the metric.  One of the gradient, or of K, counts as what it
+        makes over the distance of the points from their mean: the mean curvature is as uncertain.
+        """
+        ...
+
 
 class AnalyticGeometry(ABC):
     """A slice whose metric is a formula that holds for complex coordinates: it has exact derivatives."""
@@ -63,6 +71,10 @@ class AnalyticGeometry(ABC):
     def extrinsic_curvature(self, x: Floats) -> Floats:
         """See `ThreeGeometry`."""
         return np.zeros((len(x), 3, 3))
+
+    def relative_error(self, x: Floats) -> float:
+        """Zero: see `ThreeGeometry`."""
+        return 0.0
 
 
 @dataclass(frozen=True)
@@ -129,17 +141,35 @@ class CallableGeometry:
 
     def gradient(self, x: Floats) -> Floats:
         """See `ThreeGeometry`."""
-        out = np.zeros((len(x), 3, 3, 3))
-        for k in range(3):
-            for steps, weight in ((1, 45.0), (2, -9.0), (3, 1.0)):
-                shift = np.zeros(3)
-                shift[k] = steps * STEP * self.length
-                out[:, k] += weight * (self.metric(x + shift) - self.metric(x - shift))
-        return out / (60.0 * STEP * self.length)
+        return self._differentiated(x, (45.0 / 60.0, -9.0 / 60.0, 1.0 / 60.0))
 
     def extrinsic_curvature(self, x: Floats) -> Floats:
         """See `ThreeGeometry`."""
         return np.zeros((len(x), 3, 3)) if self.K is None else _matrices("K_ij", self.K(x), len(x))
+
+    def relative_error(self, x: Floats) -> float:
+        """See `ThreeGeometry`: what differences of eighth order tell, of noise a tenth; and rounding."""
+        eighth = self._differentiated(x, (4.0 / 5.0, -1.0 / 5.0, 4.0 / 105.0, -1.0 / 280.0))
+        change = float(np.abs(eighth - self.gradient(x)).max(initial=0.0))
+        rounding = float(np.finfo(np.float64).eps) / (STEP * self.length)
+        size, distance = extent(x, self.metric(x))
+        return 0.5 * distance * (10.0 * change / size + rounding)
+
+    def _differentiated(self, x: Floats, weights: Sequence[float]) -> Floats:
+        """The gradient (n, 3, 3, 3) from differences over one, two, ... steps to both sides."""
+        out = np.zeros((len(x), 3, 3, 3))
+        for k in range(3):
+            for steps, weight in enumerate(weights, start=1):
+                shift = np.zeros(3)
+                shift[k] = steps * STEP * self.length
+                out[:, k] += weight * (self.metric(x + shift) - self.metric(x - shift))
+        return out / (STEP * self.length)
+
+
+def extent(x: Floats, gamma: Floats) -> tuple[float, float]:
+    """The least size of a metric (n, 3, 3) at points x (n, 3), and their largest distance from their mean."""
+    size = np.linalg.norm(gamma, axis=(1, 2)).min()
+    return float(size), float(np.linalg.norm(x - x.mean(axis=0), axis=1).max())
 
 
 def complex_step(f: Callable[[Numbers], Numbers], x: Floats) -> Floats:
@@ -200,9 +230,10 @@ def positive_number(what: str, value: float) -> float:
     InvalidParameter
         It is not.
     """
-    if not (isfinite(value) and value > 0.0):
+    number = numbers(value)
+    if number.ndim != 0 or not (isfinite(number) and number > 0.0):
         raise InvalidParameter(f"{what} must be positive, not {value}")
-    return float(value)
+    return float(number)
 
 
 def vector(what: str, value: Sequence[float] | Floats) -> tuple[float, float, float]:
@@ -213,11 +244,19 @@ def vector(what: str, value: Sequence[float] | Floats) -> tuple[float, float, fl
     InvalidParameter
         They are not three, or one is not finite.
     """
-    array = np.asarray(value, dtype=np.float64)
+    array = numbers(value)
     if array.shape != (3,) or not np.isfinite(array).all():
         raise InvalidParameter(f"{what} must be three finite numbers, not {value}")
     x, y, z = array.tolist()
     return x, y, z
+
+
+def numbers(given: ArrayLike) -> Floats:
+    """An array of what is given; one that is not a number, of shape (), where it has none."""
+    try:
+        return np.asarray(given, dtype=np.float64)
+    except (TypeError, ValueError):
+        return np.array(np.nan)
 
 
 def refuse_points(bad: NDArray[np.bool_], x: Numbers, why: str) -> None:

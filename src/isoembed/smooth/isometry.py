@@ -90,99 +90,151 @@ def gauss_newton(metric: TwoMetric, harmonics: Harmonics, coefficients: Floats) 
     """
     n = int(np.ceil(OVERSAMPLED * (harmonics.degree + 1)))
     samples = MetricSamples.of(metric, n, around(n, harmonics))
-    Y, B = harmonics.along(samples.u, samples.frames)
-    root = np.sqrt(samples.areas / samples.areas.sum())
-    # Translations are left alone: the constant harmonic is the first one and is no unknown.
-    moving = slice(1, None)
-    unit = np.sqrt(samples.areas.sum() / (4.0 * np.pi))
-    Y, B = Y[:, moving], unit * B[:, :, moving]
-    C = coefficients / unit
-    error, tangents, residuals = _strained(B, C[moving], root)
-    before, solve, fresh = np.inf, None, True
-    for _ in range(MOST_STEPS):
-        fresh = solve is None
-        if solve is None:
-            solve = _normal_equations(_jacobian(B, tangents, root), _turns(Y, C[moving], root))
-        step = solve(-_gradient(B, tangents, residuals, root))
-        size = float(np.linalg.norm(step) / np.linalg.norm(C[moving]))
-        if size > SHRINKING * before and not (fresh and size > NEAR):
-            # The equations of an earlier step have served their time; if they are new, rounding is left.
-            if fresh:
-                break
-            before, solve = np.inf, None
-            continue
-        length = 1.0
-        while True:
-            trial = C[moving] + length * step
-            attained, new_tangents, new_residuals = _strained(B, trial, root)
-            if attained <= LEVEL * error or length < SHORTEST:
-                break
-            length *= 0.5
-        if not attained <= LEVEL * error:
-            break
-        C = np.concatenate([C[:1], trial])
-        stalled = attained > max(STALLED * error, RESOLVED)
-        error, tangents, residuals = attained, new_tangents, new_residuals
-        if size < EXACT or stalled:
-            break
-        before = size if length == 1.0 else np.inf
-        if size > NEAR:
-            solve = None
-    return unit * C
+    return IsometrySystem.of(harmonics, samples).solved(coefficients)
 
 
-def _strained(B: Floats, C: Floats, root: Floats) -> tuple[float, Floats, Floats]:
-    tangents = B @ C
-    residuals = root[:, None] * strains(tangents)
-    return float(np.linalg.norm(residuals)), tangents, residuals
+@dataclass(frozen=True)
+class IsometrySystem:
+    """The equations X_a . X_b = delta_ab, or another right side, at the nodes of a rule.
 
-
-def _jacobian(B: Floats, tangents: Floats, root: Floats) -> Floats:
-    """Derivatives (3 n, 3 m) of the weighted strains by the coefficients of x, y and z."""
-    n, _, m = B.shape
-    J = np.empty((3, n, 3, m))
-    first, second = B[:, 0] * root[:, None], B[:, 1] * root[:, None]
-    for i in range(3):
-        X1, X2 = tangents[:, 0, i, None], tangents[:, 1, i, None]
-        J[0, :, i] = 2.0 * X1 * first
-        J[1, :, i] = np.sqrt(2.0) * (X1 * second + X2 * first)
-        J[2, :, i] = 2.0 * X2 * second
-    return J.reshape(3 * n, 3 * m)
-
-
-def _turns(Y: Floats, C: Floats, root: Floats) -> Floats:
-    """Rows (3, 3 m) that are zero for steps without rotation."""
-    X = Y @ C
-    X = X / np.sqrt(np.einsum("ni,ni,n->", X, X, root**2))
-    moments = (root[:, None] ** 2 * X).T @ Y  # (3, m)
-    rows = np.zeros((3, 3, Y.shape[1]))
-    for k in range(3):
-        i, j = (k + 1) % 3, (k + 2) % 3
-        rows[k, j], rows[k, i] = moments[i], -moments[j]
-    return rows.reshape(3, -1)
-
-
-def _gradient(B: Floats, tangents: Floats, residuals: Floats, root: Floats) -> Floats:
-    """Half the derivatives (m, 3) of the sum of squares of the weighted strains by the coefficients."""
-    r = root[:, None] * residuals
-    X1, X2 = tangents[:, 0], tangents[:, 1]
-    across = np.sqrt(2.0) * r[:, 1, None]
-    first, second = 2.0 * r[:, 0, None] * X1 + across * X2, 2.0 * r[:, 2, None] * X2 + across * X1
-    return np.asarray(B[:, 0].T @ first + B[:, 1].T @ second)
-
-
-def _normal_equations(J: Floats, turns: Floats) -> Callable[[Floats], Floats]:
-    """What solves the normal equations, for right sides and solutions (m, 3).
-
-    They lose half of the digits, but further steps make up for that.
+    Attributes
+    ----------
+    unit : float
+        The radius of the sphere with the metric's area: in it all numbers here are.
+    Y : ndarray, shape (n, m)
+        The harmonics but the constant one, which only translates.
+    B : ndarray, shape (n, 2, m)
+        Their derivatives along the frames.
+    root : ndarray, shape (n,)
+        The roots of the nodes' shares in the area.
     """
-    normal = J.T @ J + turns.T @ turns
-    scale = 1.0 / np.sqrt(np.diag(normal))
-    normal *= scale[:, None] * scale
-    normal[np.diag_indices_from(normal)] += len(normal) * np.finfo(np.float64).eps
-    factor = cho_factor(normal, overwrite_a=True)
 
-    def solve(right: Floats) -> Floats:
-        return np.asarray(scale * cho_solve(factor, scale * right.T.ravel())).reshape(3, -1).T
+    unit: float
+    Y: Floats
+    B: Floats
+    root: Floats
 
-    return solve
+    @classmethod
+    def of(cls, harmonics: Harmonics, samples: MetricSamples) -> IsometrySystem:
+        """Evaluate the harmonics at the nodes."""
+        unit = float(np.sqrt(samples.areas.sum() / (4.0 * np.pi)))
+        Y, B = harmonics.along(samples.u, samples.frames)
+        return cls(unit, Y[:, 1:], unit * B[:, :, 1:], np.sqrt(samples.areas / samples.areas.sum()))
+
+    def solved(self, coefficients: Floats, stretch: Floats | float = 0.0) -> Floats:
+        """Improve coefficients (size, 3) of X until the mean square of the strains less the stretch is least.
+
+        Parameters
+        ----------
+        coefficients : ndarray, shape (size, 3)
+        stretch : ndarray, shape (n, 3), or 0
+            What the strains are to be, in the form that `strains` gives them.
+        """
+        constant, C = coefficients[:1], coefficients[1:] / self.unit
+        error, tangents, residuals = self._strained(C, stretch)
+        before, solve, fresh = np.inf, None, True
+        for _ in range(MOST_STEPS):
+            fresh = solve is None
+            if solve is None:
+                solve = self._normal_equations(C, tangents)
+            step = solve(-self._gradient(tangents, residuals))
+            size = float(np.linalg.norm(step) / np.linalg.norm(C))
+            if size > SHRINKING * before and not (fresh and size > NEAR):
+                # The equations of an earlier step have served their time; if they are new, rounding is left.
+                if fresh:
+                    break
+                before, solve = np.inf, None
+                continue
+            length = 1.0
+            while True:
+                trial = C + length * step
+                attained, new_tangents, new_residuals = self._strained(trial, stretch)
+                if attained <= LEVEL * error or length < SHORTEST:
+                    break
+                length *= 0.5
+            if not attained <= LEVEL * error:
+                break
+            stalled = attained > max(STALLED * error, RESOLVED)
+            C, error, tangents, residuals = trial, attained, new_tangents, new_residuals
+            if size < EXACT or stalled:
+                break
+            before = size if length == 1.0 else np.inf
+            if size > NEAR:
+                solve = None
+        return np.concatenate([constant, self.unit * C])
+
+    def deformations(self, coefficients: Floats, strains: Floats) -> Floats:
+        """The changes of X, to first order, that make given changes of the strains.
+
+        Parameters
+        ----------
+        coefficients : ndarray, shape (size, 3)
+            Of X.
+        strains : ndarray, shape (k, n, 3)
+
+        Returns
+        -------
+        ndarray, shape (k, size, 3)
+            Without a translation or rotation.
+        """
+        C = coefficients[1:] / self.unit
+        tangents = self.B @ C
+        solve = self._normal_equations(C, tangents)
+        changes = np.zeros((len(strains), len(coefficients), 3))
+        for k, strain in enumerate(strains):
+            residuals = self.root[:, None] * strain
+            changes[k, 1:] = self.unit * solve(self._gradient(tangents, residuals))
+        return changes
+
+    def _strained(self, C: Floats, stretch: Floats | float) -> tuple[float, Floats, Floats]:
+        tangents = self.B @ C
+        residuals = self.root[:, None] * (strains(tangents) - stretch)
+        return float(np.linalg.norm(residuals)), tangents, residuals
+
+    def _gradient(self, tangents: Floats, residuals: Floats) -> Floats:
+        """Half the derivatives (m, 3) of the sum of squares of the weighted strains by the coefficients."""
+        r = self.root[:, None] * residuals
+        X1, X2 = tangents[:, 0], tangents[:, 1]
+        across = np.sqrt(2.0) * r[:, 1, None]
+        first, second = 2.0 * r[:, 0, None] * X1 + across * X2, 2.0 * r[:, 2, None] * X2 + across * X1
+        return np.asarray(self.B[:, 0].T @ first + self.B[:, 1].T @ second)
+
+    def _normal_equations(self, C: Floats, tangents: Floats) -> Callable[[Floats], Floats]:
+        """What solves the normal equations, for right sides and solutions (m, 3).
+
+        They lose half of the digits, but further steps make up for that.
+        """
+        J, turns = self._jacobian(tangents), self._turns(C)
+        normal = J.T @ J + turns.T @ turns
+        scale = 1.0 / np.sqrt(np.diag(normal))
+        normal *= scale[:, None] * scale
+        normal[np.diag_indices_from(normal)] += len(normal) * np.finfo(np.float64).eps
+        factor = cho_factor(normal, overwrite_a=True)
+
+        def solve(right: Floats) -> Floats:
+            return np.asarray(scale * cho_solve(factor, scale * right.T.ravel())).reshape(3, -1).T
+
+        return solve
+
+    def _jacobian(self, tangents: Floats) -> Floats:
+        """Derivatives (3 n, 3 m) of the weighted strains by the coefficients of x, y and z."""
+        n, _, m = self.B.shape
+        J = np.empty((3, n, 3, m))
+        first, second = self.B[:, 0] * self.root[:, None], self.B[:, 1] * self.root[:, None]
+        for i in range(3):
+            X1, X2 = tangents[:, 0, i, None], tangents[:, 1, i, None]
+            J[0, :, i] = 2.0 * X1 * first
+            J[1, :, i] = np.sqrt(2.0) * (X1 * second + X2 * first)
+            J[2, :, i] = 2.0 * X2 * second
+        return J.reshape(3 * n, 3 * m)
+
+    def _turns(self, C: Floats) -> Floats:
+        """Rows (3, 3 m) that are zero for steps without rotation."""
+        X = self.Y @ C
+        X = X / np.sqrt(np.einsum("ni,ni,n->", X, X, self.root**2))
+        moments = (self.root[:, None] ** 2 * X).T @ self.Y  # (3, m)
+        rows = np.zeros((3, 3, self.Y.shape[1]))
+        for k in range(3):
+            i, j = (k + 1) % 3, (k + 2) % 3
+            rows[k, j], rows[k, i] = moments[i], -moments[j]
+        return rows.reshape(3, -1)

@@ -105,9 +105,9 @@ def embed_smooth(
 
 
 def recast(coefficients: Floats, old: Harmonics, new: Harmonics) -> Floats:
-    """The coefficients (size, 3) of a map in other harmonics: cut off or filled up with zeros."""
+    """The coefficients (size, c) of functions in other harmonics: cut off or filled up with zeros."""
     place = {label: i for i, label in enumerate(zip(*new.labels, strict=True))}
-    result = np.zeros((new.size, 3))
+    result = np.zeros((new.size, coefficients.shape[1]))
     for i, label in enumerate(zip(*old.labels, strict=True)):
         if label in place:
             result[place[label]] = coefficients[i]

@@ -1,0 +1,63 @@
+"""Time functions on a surface, and the metric of the surface that they make of it in Minkowski space."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from isoembed.errors import InvalidParameter
+from isoembed.smooth.harmonics import Harmonics, gauss_rule
+from isoembed.smooth.two_metric import TwoMetric
+
+Floats = NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class TimeFunction:
+    """A function tau on the sphere of directions, in spherical harmonics.
+
+    Attributes
+    ----------
+    harmonics : Harmonics
+    coefficients : ndarray, shape (size,)
+        In the unit of length.  That of the constant harmonic has no consequences.
+    """
+
+    harmonics: Harmonics
+    coefficients: Floats
+
+    @classmethod
+    def of(cls, function: Callable[[Floats], ArrayLike], degree: int = 16) -> TimeFunction:
+        """Project a function of the directions u (n, 3), with values (n,), on harmonics up to a degree."""
+        harmonics = Harmonics(degree, degree)
+        u, weights = gauss_rule(2 * degree + 2, 4 * degree + 4)
+        values = np.asarray(function(u), dtype=np.float64)
+        if values.shape != (len(u),) or not np.isfinite(values).all():
+            raise InvalidParameter(
+                f"tau at {len(u)} directions has the shape {values.shape}, not ({len(u)},), or is not finite"
+            )
+        return cls(harmonics, harmonics.values(u).T @ (weights * values))
+
+    def values(self, u: Floats) -> Floats:
+        """Tau (n,) in the directions u (n, 3)."""
+        return self.harmonics.values(u) @ self.coefficients
+
+    def gradient(self, u: Floats) -> Floats:
+        """The tangent vectors (n, 3) whose products with velocities of u are the rates of change of tau."""
+        return self.harmonics.gradients(u)[1] @ self.coefficients
+
+
+@dataclass(frozen=True)
+class Raised:
+    """The metric ``q + d tau d tau``, that of a surface of Minkowski space in its projection to R^3."""
+
+    metric: TwoMetric
+    tau: TimeFunction
+
+    def tensor(self, u: Floats) -> Floats:
+        """See `TwoMetric`."""
+        slope = self.tau.gradient(u)
+        return self.metric.tensor(u) + slope[:, :, None] * slope[:, None, :]

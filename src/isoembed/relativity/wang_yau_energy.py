@@ -1,0 +1,262 @@
+"""The Wang-Yau quasi-local energy: for a time function, or for the one that makes it least."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Any, Literal
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from isoembed.errors import InvalidParameter, NotEmbedded
+from isoembed.relativity.surface_data import SurfaceData
+from isoembed.relativity.time_function import Raised, TimeFunction
+from isoembed.relativity.wang_yau_functional import Functional
+from isoembed.smooth.embedding import SmoothEmbedding
+from isoembed.smooth.harmonics import Harmonics
+from isoembed.smooth.solve import embed_smooth, recast
+from isoembed.surface.estimate import Estimate
+
+Floats = NDArray[np.float64]
+
+LEAST, MOST = 16, 24  # degree of X: what time functions add needs some harmonics, and many cost much
+COARSER = 0.75  # of the degree of X: what tells the error
+STRAINED = 1e-3  # of a length: an X that is worse has lost its surface
+MOST_STEPS = 30
+SUFFICIENT = 1e-4  # of the foretold decrease, for a step to be taken
+SHORTEST = 1e-3  # of Newton's step
+FLAT = 1e-9  # of the largest second derivative: smaller ones are none (boosts, in Minkowski space)
+ROUNDING = 1e-14
+
+
+@dataclass(frozen=True)
+class WangYau:
+    """The Wang-Yau energy of a surface.
+
+    Attributes
+    ----------
+    energy : Estimate
+        E(tau), in the unit of length.
+    tau : TimeFunction
+    embedding : SmoothEmbedding
+        Of ``q + d tau d tau``: with tau it is the surface in Minkowski space, (tau, X).
+    admissible : float
+        The least ``K + det D^2 tau / (1 + |grad tau|^2)``; tau is admissible where it is positive.
+    gradient : float
+        The norm of the derivatives of E by tau's coefficients, which are lengths; 0 at a critical tau.
+    least_second_derivative : float or None
+        The least eigenvalue of the second derivatives, positive at a minimum; None if tau was given.
+    embeddings : int
+        How many embeddings it took.
+    notes : tuple of str
+        What must be known to read the number.
+    """
+
+    energy: Estimate
+    tau: TimeFunction
+    embedding: SmoothEmbedding
+    admissible: float
+    gradient: float
+    least_second_derivative: float | None
+    embeddings: int
+    notes: tuple[str, ...] = ()
+
+    @property
+    def report(self) -> dict[str, Any]:
+        """Plain numbers, for JSON."""
+        degrees, orders = self.tau.harmonics.labels
+        return {
+            "wang_yau": self.energy.value,
+            "error": self.energy.error,
+            "admissible": self.admissible,
+            "gradient": self.gradient,
+            "least_second_derivative": self.least_second_derivative,
+            "embeddings": self.embeddings,
+            "tau": [
+                {"degree": int(l), "order": int(m), "coefficient": float(c)}
+                for l, m, c in zip(degrees, orders, self.tau.coefficients, strict=True)
+                if l > 0
+            ],
+            "notes": list(self.notes),
+        }
+
+
+def wang_yau(
+    data: SurfaceData,
+    tau: TimeFunction | Callable[[Floats], ArrayLike] | Literal["optimal"] | None = None,
+    *,
+    embedding: SmoothEmbedding | None = None,
+    degrees: tuple[int, ...] = (2, 4, 6, 8),
+    accuracy: float = 1e-9,
+) -> WangYau:
+    """Compute the Wang-Yau energy E(tau) of a surface, or the least one.
+
+    Parameters
+    ----------
+    data : SurfaceData
+        With k, and with p and K(., n) where they do not vanish.  Where the norm of the mean curvature vector
+        and the connection alpha of the normal bundle are known instead, they are ``mean_curvature`` and
+        ``normal_momentum``.
+    tau : TimeFunction, callable, "optimal" or None
+        The time function; a callable takes directions u (n, 3) and returns tau (n,).  None is tau = 0.
+        "optimal" looks for the least energy by Newton's method from tau = 0, in spherical harmonics.
+    embedding : SmoothEmbedding, optional
+        Of ``data.metric``, if it is at hand.
+    degrees : tuple of int
+        Those of tau, one after the other, until the energy settles.
+    accuracy : float
+        Relative change of the energy (over that of the radius of areas) at which it has settled.
+
+    Returns
+    -------
+    WangYau
+
+    Raises
+    ------
+    InvalidParameter
+        The mean curvature vector is not spacelike and outward somewhere: the energy is not real there.
+    NotEmbedded
+        The surface, or the one that a given tau makes, does not embed.
+
+    Notes
+    -----
+    Signature - + + +, H the trace of the second fundamental form.  The error is the change when X is embedded
+    in 3/4 of its harmonics, and that from the next lower degree of tau.
+
+    References
+    ----------
+    M.-T. Wang and S.-T. Yau, Phys. Rev. Lett. 102 (2009) 021101; Commun. Math. Phys. 288 (2009) 919.
+    """
+    flat = embed_smooth(data.metric) if embedding is None else embedding
+    degree = int(np.clip(flat.harmonics.degree, LEAST, MOST))
+    search = _Search(data, flat, degree)
+    if tau == "optimal":
+        return search.least(degrees, accuracy)
+    if tau is None:
+        tau = TimeFunction(Harmonics(1, 1), np.zeros(4))
+    elif not isinstance(tau, TimeFunction):
+        if not callable(tau):
+            raise InvalidParameter(f'tau is {tau!r}, not a TimeFunction, a function, "optimal" or None')
+        tau = TimeFunction.of(tau)
+    return search.at(tau)
+
+
+class _Search:
+    """The energies of one surface, counting the embeddings."""
+
+    def __init__(self, data: SurfaceData, flat: SmoothEmbedding, degree: int) -> None:
+        self.data, self.flat = data, flat
+        self.X = Harmonics(degree, degree)
+        self.embeddings = 1
+        self.scale = float(np.sqrt(flat.area / (16.0 * np.pi)))
+
+    def at(self, tau: TimeFunction) -> WangYau:
+        """E of a given time function, reached from 0."""
+        functional = Functional.of(self.data, self.flat, self.X, tau.harmonics)
+        t, X = tau.coefficients[1:], recast(self.flat.coefficients, self.flat.harmonics, self.X)
+        if np.any(t):
+            X = self._reached(functional, t, X)
+        return self._answer(functional, tau.harmonics, t, X, 0.0, None)
+
+    def least(self, degrees: tuple[int, ...], accuracy: float) -> WangYau:
+        """The least E, in more and more harmonics."""
+        X = recast(self.flat.coefficients, self.flat.harmonics, self.X)
+        tau, energy, change = TimeFunction(Harmonics(1, 1), np.zeros(4)), np.inf, np.inf
+        for degree in degrees:
+            harmonics = Harmonics(degree, degree)
+            functional = Functional.of(self.data, self.flat, self.X, harmonics)
+            t = recast(tau.coefficients[:, None], tau.harmonics, harmonics)[1:, 0]
+            t, X, found, eigenvalues = self._minimized(functional, t, X)
+            tau = TimeFunction(harmonics, np.concatenate([[0.0], t]))
+            change, energy = abs(found - energy), found
+            if change <= accuracy * self.scale:
+                break
+        return self._answer(functional, harmonics, t, X, change, float(eigenvalues.min()))
+
+    def _minimized(
+        self, functional: Functional, t: Floats, X: Floats
+    ) -> tuple[Floats, Floats, float, Floats]:
+        """Newton's method, downhill also where the second derivatives are negative."""
+        energy = functional.value(t, X)
+        for _ in range(MOST_STEPS):
+            gradient = functional.gradient(t, X)
+            eigenvalues, modes = np.linalg.eigh(functional.hessian(t, X))
+            sizes = np.maximum(np.abs(eigenvalues), FLAT * np.abs(eigenvalues).max())
+            step = -modes @ ((modes.T @ gradient) / sizes)
+            foretold = -float(gradient @ step)
+            if foretold <= ROUNDING * self.scale:
+                break
+            length = 1.0
+            while True:
+                there = t + length * step
+                map_there = self._embedded(functional, there, X)
+                if map_there is not None:
+                    attained = functional.value(there, map_there)
+                    if attained <= energy - SUFFICIENT * length * foretold:
+                        break
+                length *= 0.5
+                if length < SHORTEST:
+                    return t, X, energy, eigenvalues
+            t, X, energy = there, map_there, attained
+        return t, X, energy, eigenvalues
+
+    def _embedded(self, functional: Functional, t: Floats, X: Floats) -> Floats | None:
+        """X for another tau, if it is admissible and X follows."""
+        self.embeddings += 1
+        found = functional.embedded(t, X)
+        kept = functional.misfit(t, found) <= STRAINED and functional.least_admissible(t, found) > 0.0
+        return found if kept else None
+
+    def _reached(self, functional: Functional, t: Floats, X: Floats) -> Floats:
+        """X for a given tau, step by step from 0."""
+        done, step = 0.0, 1.0
+        while done < 1.0:
+            self.embeddings += 1
+            found = functional.embedded(min(1.0, done + step) * t, X)
+            if functional.misfit(min(1.0, done + step) * t, found) <= STRAINED:
+                X, done = found, min(1.0, done + step)
+            elif step > SHORTEST:
+                step *= 0.5
+            else:
+                raise NotEmbedded(
+                    f"the metric q + d tau d tau is not embedded beyond {done:.3g} times the given tau: "
+                    f"there K + det D^2 tau / W^2 is at least {functional.least_admissible(done * t, X):.3g}",
+                    self.flat,
+                )
+        return X
+
+    def _answer(
+        self,
+        functional: Functional,
+        harmonics: Harmonics,
+        t: Floats,
+        X: Floats,
+        change: float,
+        least: float | None,
+    ) -> WangYau:
+        tau = TimeFunction(harmonics, np.concatenate([[0.0], t]))
+        energy = functional.value(t, X)
+        lower = Harmonics(*(2 * (int(COARSER * self.X.degree),)))
+        coarse = Functional.of(self.data, self.flat, lower, harmonics)
+        self.embeddings += 1
+        there = coarse.embedded(t, recast(X, self.X, lower))
+        error = abs(coarse.value(t, there) - energy) + change
+        error += (ROUNDING + self.data.relative_error) * (abs(energy) + functional.reference(X))
+        admissible = functional.least_admissible(t, X)
+        notes = []
+        if admissible <= 0.0:
+            notes.append(f"tau is not admissible: K + det D^2 tau / W^2 is {admissible:.3g} somewhere")
+        if least is not None and least < 0.0:
+            notes.append("the second derivatives are not all positive: this may be no minimum")
+        metric = Raised(self.data.metric, tau)
+        return WangYau(
+            energy=Estimate(energy, error),
+            tau=tau,
+            embedding=SmoothEmbedding(metric, self.X, X, self.flat.tolerance, np.inf),
+            admissible=admissible,
+            gradient=float(np.linalg.norm(functional.gradient(t, X))),
+            least_second_derivative=least,
+            embeddings=self.embeddings,
+            notes=tuple(notes),
+        )
