@@ -502,3 +502,24 @@ def test_the_band_of_what_is_not_symmetric_is_refused(run, monkeypatch):
     status, _, err = run("x.npz", "--band", "band.npz", "--vertices", 60)
     assert status == 3 and not Path("band.npz").exists()
     assert "--band is for surfaces that are symmetric about the z-axis: " in err
+
+
+def test_the_wang_yau_energy_is_the_least(report, tmp_path):
+    """Of a round sphere of Schwarzschild's in a slice that falls: that of the slice at rest, tau = 0."""
+    slice_ = ["--spacetime", "schwarzschild", "--surface", "r=4", "--slice", "painleve-gullstrand"]
+    found = report(*slice_, "--wang-yau", "--vertices", 60, "-o", "a.npz")
+    exact = 4.0 * (1.0 - np.sqrt(0.5))
+    assert abs(found["wang_yau"] - exact) <= found["errors"]["wang_yau"] <= 1e-9
+    assert found["minimum"]["least_second_derivative"] > 0.0 and found["minimum"]["admissible"] > 0.0
+    written = np.load("a.npz")
+    np.testing.assert_allclose(np.linalg.norm(written["vertices"], axis=1), 4.0, rtol=1e-9)
+    np.testing.assert_allclose(written["tau"], 0.0, atol=1e-9)
+
+
+def test_where_there_is_no_wang_yau_energy_the_reason_is_said(report):
+    found = report(
+        "--spacetime", "kerr", "--spin", 0.5, "--surface", "horizon", "--wang-yau", "--vertices", 60
+    )
+    assert found["wang_yau"] is None and found["errors"]["wang_yau"] is None
+    assert "needs a spacelike, outward mean curvature vector" in found["notes"][-1]
+    assert found["liu_yau"] is not None

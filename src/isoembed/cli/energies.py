@@ -16,13 +16,14 @@ from isoembed.cli.live import live_view
 from isoembed.cli.refusal import Refusal
 from isoembed.cli.screen import complain, say
 from isoembed.cli.status import NOT_EMBEDDED, OK
-from isoembed.errors import InvalidMetric, NotEmbedded
+from isoembed.errors import InvalidMetric, InvalidParameter, NotEmbedded
 from isoembed.io import SURFACE_ENDINGS, check_output, mesh_writer, surface_writer, write_whole
 from isoembed.metric.polyhedral import PolyhedralMetric
-from isoembed.relativity.embedded import CONVENTIONS, embed_surface
+from isoembed.relativity.embedded import CONVENTIONS, EmbeddedSurface, embed_surface
 from isoembed.relativity.mesh_energies import mesh_energies
 from isoembed.relativity.quadrature import intrinsic_energies
 from isoembed.relativity.surface_data import SurfaceData
+from isoembed.relativity.wang_yau_energy import WangYau, wang_yau
 from isoembed.smooth.axisymmetric import AxisymmetricEmbedding
 from isoembed.surface.corrected import Lengths
 
@@ -36,6 +37,7 @@ SHOWN = {
     "hawking": "Hawking energy",
     "brown_york": "Brown-York energy",
     "liu_yau": "Kijowski-Liu-Yau energy",
+    "wang_yau": "Wang-Yau energy",
 }
 
 DEFAULT, FEWEST = 1000, 12  # vertices
@@ -56,6 +58,12 @@ def add_answer_options(parser: argparse.ArgumentParser) -> None:
         type=Path,
         metavar="FILE",
         help=f"where to write the embedded surface, by its ending: {' '.join(SURFACE_ENDINGS)}",
+    )
+    parser.add_argument(
+        "--wang-yau",
+        action="store_true",
+        help="add the Wang-Yau energy of a smooth surface, the least over all time functions; --output then "
+        "writes the projection of its surface in Minkowski space, with tau at the vertices",
     )
     parser.add_argument(
         "--best-fit",
@@ -97,9 +105,13 @@ def smooth_answer(options: argparse.Namespace, data: SurfaceData) -> int:
         if options.band is not None:
             _write_band(options.band, data)
         return NOT_EMBEDDED
+    report, tables = surface.report, surface.mesh
+    if options.wang_yau:
+        least = _add_wang_yau(report, surface)
+        tables = tables if least is None else least.mesh
     if options.output:
-        write_whole({options.output: mesh_writer(options.output, **surface.mesh(vertices))})
-    _answered(options, surface.report)
+        write_whole({options.output: mesh_writer(options.output, **tables(vertices))})
+    _answered(options, report)
     return OK
 
 
@@ -113,8 +125,9 @@ def mesh_answer(
     """Embed the triangles of a surface, answer with its energies, and return the exit status."""
     if options.vertices is not None:
         raise Refusal("--vertices is for smooth surfaces: this METRIC has its own")
-    if options.best_fit or options.band:
-        raise Refusal(f"--{'best-fit' if options.best_fit else 'band'} is for smooth surfaces")
+    for name in ("best_fit", "band", "wang_yau"):
+        if getattr(options, name):
+            raise Refusal(f"--{name.replace('_', '-')} is for smooth surfaces")
     try:
         with live_view(sys.stderr is not None and sys.stderr.isatty()) as progress:
             embedding = isoembed.embed(metric, progress=progress)
@@ -147,6 +160,20 @@ def mesh_answer(
     return OK
 
 
+def _add_wang_yau(report: dict[str, Any], surface: EmbeddedSurface) -> WangYau | None:
+    """Add the least Wang-Yau energy to a report, or why there is none."""
+    try:
+        found = wang_yau(surface.data, "optimal", embedding=surface.embedding)
+    except InvalidParameter as error:
+        report["wang_yau"] = report["errors"]["wang_yau"] = None
+        report["notes"].append(str(error))
+        return None
+    report["wang_yau"], report["errors"]["wang_yau"] = found.energy.value, found.energy.error
+    report["error_estimate"] = max(report["error_estimate"], found.energy.error)
+    report["minimum"] = found.report
+    return found
+
+
 def _write_band(path: Path, data: SurfaceData) -> None:
     """Write the largest band of an axisymmetric surface that embeds, or say why there is none."""
     try:
@@ -170,7 +197,7 @@ def table(report: dict[str, Any]) -> str:
     width = max(map(len, SHOWN.values()))
     lines = [report["name"], ""]
     for name, shown in SHOWN.items():
-        if report[name] is not None:
+        if report.get(name) is not None:
             lines.append(f"{shown:{width}}  {report[name]:<22.15g} +- {report['errors'][name]:.0e}")
     lines += ["", *(f"note: {note}" for note in report["notes"])]
     return "\n".join([*lines, CONVENTIONS["units"]])

@@ -27,6 +27,7 @@ CONVENTIONS = {
     "hawking": "sqrt(A/16 pi) (1 - int (k^2 - p^2) dA / 16 pi)",
     "brown_york": "int (k0 - k) dA / 8 pi",
     "liu_yau": "int (k0 - sqrt(k^2 - p^2)) dA / 8 pi",
+    "wang_yau": "least over tau of int k0 dA0 / 8 pi for q + d tau d tau, less its counterpart in spacetime",
 }
 
 

@@ -15,7 +15,8 @@ from isoembed.relativity.time_function import Raised, TimeFunction
 from isoembed.relativity.wang_yau_functional import Functional
 from isoembed.smooth.embedding import SmoothEmbedding
 from isoembed.smooth.harmonics import Harmonics
-from isoembed.smooth.solve import embed_smooth, recast
+from isoembed.smooth.solve import drawn, embed_smooth, recast
+from isoembed.smooth.triangulation import triangulate
 from isoembed.surface.estimate import Estimate
 
 Floats = NDArray[np.float64]
@@ -61,6 +62,24 @@ class WangYau:
     least_second_derivative: float | None
     embeddings: int
     notes: tuple[str, ...] = ()
+
+    def mesh(self, vertices: int) -> dict[str, NDArray[Any]]:
+        """A triangulation of the surface in Minkowski space, nearly equilateral in its projection.
+
+        Returns
+        -------
+        dict of str to ndarray
+            ``vertices`` (V, 3), the projection X, and ``faces`` (F, 3); at the vertices (V,) ``tau`` and the
+            ``mean_curvature`` H0 of the projection.
+        """
+        triangulation = triangulate(drawn(self.embedding.metric), vertices)
+        u = triangulation.directions
+        return {
+            "vertices": self.embedding.points(u),
+            "faces": triangulation.faces,
+            "tau": self.tau.values(u),
+            "mean_curvature": self.embedding.mean_curvature(u),
+        }
 
     @property
     def report(self) -> dict[str, Any]:
