@@ -134,7 +134,9 @@ def _branch(metric: TwoMetric, harmonics: Harmonics, vertices: int) -> Floats:
         embedding = embed(mesh.metric, tolerance=ROUGH)
     except NotEmbedded as error:
         embedding = error.embedding  # the isometry equations decide
-    return np.asarray(np.linalg.lstsq(harmonics.values(mesh.directions), embedding.vertices, rcond=None)[0])
+    C = np.asarray(np.linalg.lstsq(harmonics.values(mesh.directions), embedding.vertices, rcond=None)[0])
+    C[0] = 0.0  # the mean of X over the directions: no equation tells it
+    return C
 
 
 def varies(metric: TwoMetric) -> bool:
