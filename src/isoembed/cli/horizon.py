@@ -230,7 +230,7 @@ def _picture(path: Path, surface: EmbeddedSurface, tables: dict[str, NDArray[Any
         f"{Path(surface.data.name).name}     area {energies.area.value:.8g}     "
         rf"$\int\! H\,dA = {surface.embedding.integrated_mean_curvature:.8g}$"
     )
-    return picture_writer(path, drawn, curvature=tables["mean_curvature"], caption=caption)
+    return picture_writer(path, drawn, values=tables["mean_curvature"], caption=caption)
 
 
 def _text(report: dict[str, Any]) -> str:

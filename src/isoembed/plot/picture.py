@@ -21,19 +21,26 @@ WIDTH, DPI = 8.0, 220  # inches, dots an inch
 COLORS, DARKEST = "viridis", 0.14  # ordered in lightness, so it survives color blindness and gray printing
 RANGE = (1.0, 99.0)  # percentiles of the curvature between which the colors run
 MARGINS = 0.9  # inches, below with the caption and above
+LABEL = "mean curvature  $H = (k_1 + k_2)/2$"
 INK, PAPER = "#1c2430", "white"
 
 
 def figure(
-    embedding: Embedding, *, curvature: NDArray[np.float64] | None = None, caption: str = ""
+    embedding: Embedding,
+    *,
+    values: NDArray[np.float64] | None = None,
+    label: str = LABEL,
+    caption: str = "",
 ) -> Figure:
-    """Draw a surface, colored by its mean curvature H = (k1 + k2) / 2.
+    """Draw a surface, colored by its mean curvature H = (k1 + k2) / 2 or by other values.
 
     Parameters
     ----------
     embedding : Embedding
-    curvature : ndarray, shape (V,), optional
-        H at the vertices, where it is known better than from the triangles.
+    values : ndarray, shape (V,), optional
+        What the colors show at the vertices; by default the mean curvature of the triangles.
+    label : str
+        What the values are.
     caption : str
         By default the number of vertices, int H dA and the residual.
 
@@ -58,12 +65,11 @@ def figure(
         raise FileError("pictures need matplotlib: pip install 'isoembed[plot]'") from None
 
     view = View.of(embedding)
-    if curvature is None:
-        curvature = embedding.mean_curvature
-    low, high = _color_range(curvature)
+    shown = embedding.mean_curvature if values is None else values
+    low, high = _color_range(shown)
     shades = ListedColormap(colormaps[COLORS](np.linspace(DARKEST, 1.0, 256)))
     scale = ScalarMappable(Normalize(low, high), shades)
-    colors = scale.to_rgba(curvature[embedding.faces[view.faces]].mean(axis=1))[:, :3]
+    colors = scale.to_rgba(shown[embedding.faces[view.faces]].mean(axis=1))[:, :3]
     shaded = view.shade(colors)
 
     flat = view.polygons.reshape(-1, 2)
@@ -88,12 +94,12 @@ def figure(
     axes.axis("off")
 
     bar_axes = picture.add_axes((0.885, 0.72 * (1 - share) + 0.1 * share, 0.018, 0.8 * share))
-    below, above = curvature.min() < low, curvature.max() > high
+    below, above = shown.min() < low, shown.max() > high
     extend = {(False, False): "neither", (True, False): "min", (False, True): "max"}.get(
         (below, above), "both"
     )
     bar = picture.colorbar(scale, cax=bar_axes, extend=extend)
-    bar.set_label("mean curvature  $H = (k_1 + k_2)/2$", color=INK, labelpad=8)
+    bar.set_label(label, color=INK, labelpad=8)
     bar.outline.set_visible(False)
     bar_axes.tick_params(colors=INK, length=3, width=0.6, labelsize=9)
     below = caption or _caption(embedding)
@@ -119,8 +125,8 @@ def write_picture(path: str | os.PathLike[str], embedding: Embedding) -> None:
     write_whole({Path(path): picture_writer(path, embedding)})
 
 
-def _color_range(curvature: NDArray[np.float64]) -> tuple[float, float]:
-    low, high = np.percentile(curvature, RANGE)
+def _color_range(values: NDArray[np.float64]) -> tuple[float, float]:
+    low, high = np.percentile(values, RANGE)
     middle = (low + high) / 2
     half = max((high - low) / 2, 0.05 * abs(middle))  # a sphere's rounding is no structure
     return float(middle - half), float(middle + half)
