@@ -203,6 +203,14 @@ BAD = {
         shape_text(lopsided, 5, only=["+z", "+x", "-x", "-z"]),
         r"has neither the patch \+y nor the patch -y",
     ),
+    "patches elsewhere": (
+        "# N_patches = 4\n# origin = 0 0 0\n"
+        + "".join(
+            f"### {name} patch\n0 0 1 {point}\n"
+            for name, point in (("+z", "0 1 0"), ("+x", "0 1 0"), ("+y", "0 0 1"), ("-y", "0 1 0"))
+        ),
+        r"no point of the patch \+z is in the direction \+z",
+    ),
     "no symmetry": (
         ANY,
         r"neither reflections nor rotations by 180 degrees make it a smooth surface \(creases of 0.0",

@@ -185,7 +185,13 @@ def test_where_one_does_not_embed_the_others_are_answered(run, monkeypatch, orde
     reports = {report["name"]: report for report in strict(out)}
     for name in set(order) - {"bad"}:
         check(reports[f"{name}.npz"], spins[name])
-    assert {path.split(".")[0] for path in os.listdir("found")} == set(order) - {"bad"}
+    assert {path for path in os.listdir("found") if path.endswith(".vtk")} == {
+        f"{name}.vtk" for name in set(order) - {"bad"}
+    }
+    with open("found/bad.json") as file:  # what needs no embedding is reported all the same
+        report = json.load(file)
+    assert report["status"] == "not embedded" and report["irreducible_mass"] > 0.0
+    assert report["brown_york"] is None and reports["bad.npz"] == report
 
 
 REFUSED = [

@@ -24,8 +24,6 @@ from isoembed.smooth.two_metric import AngleMetric, PulledBack
 from isoembed.surface import curvature, measures
 from isoembed.surface.corrected import (
     SmoothIntegrals,
-    corrected_integrated_mean_curvature,
-    surface_integral,
 )
 from isoembed.surface.rigidity import LengthSystem, length_residuals
 from isoembed.surface.shape_operator import normal_curvatures, second_derivatives, shape_operators
@@ -207,7 +205,8 @@ def test_polyhedra_with_geodesic_lengths(surface, irregular):
         assert better.error < good.error / 8
     t, _, x = fine
     raw = curvature.integrated_mean_curvature(t, x) - surface.integrated_mean_curvature
-    found = corrected_integrated_mean_curvature(t, x).value - surface.integrated_mean_curvature
+    integral = SmoothIntegrals(t, x, "geodesic").integrated_mean_curvature
+    found = integral.value - surface.integrated_mean_curvature
     assert abs(found) < abs(raw) / 10
     assert abs(SmoothIntegrals(t, x, "geodesic").area.value / surface.area - 1) < 2e-6
 
@@ -235,14 +234,14 @@ def test_estimates_on_a_mesh_that_hardly_resolves_the_surface():
     surface = Ellipsoid((3, 2, 1))
     t, x = mesh(surface, 250, 1)
     exact = surface.integrated_mean_curvature
-    found = surface_integral(t, x, surface.mean_curvature(x / [3.0, 2.0, 1.0]), "chord")
+    found = SmoothIntegrals(t, x, "chord").integral(surface.mean_curvature(x / [3.0, 2.0, 1.0]))
     assert 1e-2 * exact < abs(found.value - exact) <= found.error < 3e-2 * exact
 
 
 def test_geodesics_taken_for_chords_are_noticed():
     t, _, x = geodesic("sphere", COARSE)
-    wrong = corrected_integrated_mean_curvature(t, x, "chord")
-    right = corrected_integrated_mean_curvature(t, x, "geodesic")
+    wrong = SmoothIntegrals(t, x, "chord").integrated_mean_curvature
+    right = SmoothIntegrals(t, x, "geodesic").integrated_mean_curvature
     assert abs(right.value - 4 * np.pi) < 1e-4 < abs(wrong.value - 4 * np.pi)
 
 
@@ -254,7 +253,7 @@ def test_functions_on_inscribed_polyhedra():
             u = x / AXES if surface.name == "ellipsoid" else x
             K, H = surface.gaussian_curvature(u), surface.mean_curvature(u)
             for values, exact in ((K, 4 * np.pi), (H, surface.integrated_mean_curvature)):
-                found = surface_integral(t, x, values, "chord")
+                found = SmoothIntegrals(t, x, "chord").integral(values)
                 assert abs(found.value - exact) <= found.error
         assert abs(found.value - exact) < 2e-4 * exact
 
@@ -266,7 +265,7 @@ def test_functions_on_polyhedra_with_geodesic_lengths():
         z = fibonacci(n)[:, 2]
         a, r = KERR.spin, 1 + np.sqrt(1 - KERR.spin**2)
         # The area of the horizon is (r^2 + a^2) times that of the sphere of directions.
-        found = surface_integral(t, x, z**4)
+        found = SmoothIntegrals(t, x, "geodesic").integral(z**4)
         exact = (r**2 + a**2) * 4 * np.pi / 5
         assert abs(found.value - exact) <= found.error < 2e-3 * exact
         errors.append(abs(found.value - exact))
@@ -297,15 +296,15 @@ def test_motions_and_scales_change_nothing(seed, size):
 def test_labels_change_nothing():
     t, x = mesh(ELLIPSOID, 200)
     moved, faces, _ = zoo.relabeled(x, t.faces, 3)
-    found = corrected_integrated_mean_curvature(Triangulation(faces), moved)
-    expected = corrected_integrated_mean_curvature(t, x)
+    found = SmoothIntegrals(Triangulation(faces), moved, "geodesic").integrated_mean_curvature
+    expected = SmoothIntegrals(t, x, "geodesic").integrated_mean_curvature
     assert np.allclose([found.value, found.error], [expected.value, expected.error], rtol=1e-9)
 
 
 def test_refusals():
     t, x = mesh(Sphere(), 200)
     with pytest.raises(InvalidParameter, match=r"^the lengths must be 'geodesic' or 'chord', not 'arc'$"):
-        corrected_integrated_mean_curvature(t, x, "arc")
+        SmoothIntegrals(t, x, "arc")
     with pytest.raises(InvalidParameter, match=r"^the vertices have shape \(199, 3\), not \(200, 3\)$"):
         SmoothIntegrals(t, x[1:], "chord")
     broken = x.copy()
@@ -315,9 +314,9 @@ def test_refusals():
     ):
         SmoothIntegrals(t, broken, "chord")
     with pytest.raises(InvalidParameter, match=r"^the values have shape \(3,\), not \(200,\)$"):
-        surface_integral(t, x, [1.0, 2.0, 3.0])
+        SmoothIntegrals(t, x, "geodesic").integral([1.0, 2.0, 3.0])
     with pytest.raises(InvalidParameter, match=r"^the values at vertex 7 are nan, which is not finite$"):
-        surface_integral(t, x, broken[:, 1])
+        SmoothIntegrals(t, x, "geodesic").integral(broken[:, 1])
     with pytest.raises(
         InvalidParameter, match=r"^the volume is known from vertices on the surface only: lengths = 'chord'$"
     ):

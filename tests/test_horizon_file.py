@@ -96,6 +96,35 @@ def test_points_that_are_no_surface_around_a_center():
             seen_from(points, np.zeros(3), "x", polygons)
 
 
+@given(seed=st.integers(0, 1000), exponent=st.integers(-100, 100), far=st.sampled_from([0.0, 1.0, 1e6]))
+def test_points_in_a_plane(seed, exponent, far):
+    turn = Rotation.random(random_state=seed).as_matrix()
+    u = lattice(50, seed)
+    for flat, where in (
+        ([1, 1, 0], "lie in a plane"),
+        ([1, 0, 0], "lie on a line"),
+        ([0, 0, 0], "are one point"),
+    ):
+        with pytest.raises(FileError, match=f"x: the 50 points {where}"):
+            seen_from(10.0**exponent * (u * flat @ turn.T + far), np.zeros(3), "x")
+    for thickness, refusal in ((0.5, None), (1e-6, "no points around the direction")):
+        thin = 10.0**exponent * (u * [1.0, 1.0, thickness] @ turn.T + far)
+        center = np.full(3, 10.0**exponent * far)
+        if refusal is None:
+            assert len(seen_from(thin, center, "x")[0]) == 50
+        else:
+            with pytest.raises(FileError, match=refusal):
+                seen_from(thin, center, "x")
+
+
+def test_points_on_a_cone_about_the_center():
+    phi = 2.0 * np.pi / 40 * np.arange(40)
+    r = 1.0 + 0.5 * np.cos(3.0 * phi)
+    points = r[:, None] * np.stack([np.cos(phi), np.sin(phi), 0.0 * phi + 0.3], axis=1)
+    with pytest.raises(FileError, match=r"the directions of the points .* lie in a plane: .* not complete"):
+        seen_from(points, np.zeros(3), "x")
+
+
 def test_polygons_tell_where_a_surface_folds_over():
     points = bumpy(lattice(100))
     _, faces = seen_from(points, np.zeros(3), "x")
@@ -234,6 +263,32 @@ def bad_arrays():
             InvalidMetric,
             "there are 31 points, but 30 in faces",
         ),
+        "empty": ({"points": np.empty((0, 3))}, FileError, "s.npz: 0 points: that is no surface"),
+        "empty, triangles": (
+            {"points": np.empty((0, 3)), "faces": faces},
+            FileError,
+            "s.npz: 0 points: that is no surface",
+        ),
+        "plane": (
+            {"points": points * [1.0, 1.0, 0.0]},
+            FileError,
+            "s.npz: the 30 points lie in a plane",
+        ),
+        "plane, center": (
+            {"points": points * [1.0, 1.0, 0.0], "center": [0.0, 0.0, 1.0]},
+            FileError,
+            "s.npz: the 30 points lie in a plane",
+        ),
+        "line": (
+            {"points": points[:, :1] * [1.0, 2.0, 3.0]},
+            FileError,
+            "s.npz: the 30 points lie on a line",
+        ),
+        "one point": (
+            {"points": np.full((100, 3), 0.1)},
+            FileError,
+            "s.npz: the 100 points are one point",
+        ),
         "center outside": (
             {"points": points, "center": [5.0, 0.0, 0.0]},
             FileError,
@@ -331,6 +386,8 @@ def bad_polydata():
         "not finite": (text.replace("E+00", "E+999", 1), "point 0 is not finite"),
         "key": (text.replace("POINT_DATA", "POINT_DATUM"), "'POINT_DATUM' is not known"),
         "no polygons": (polydata(points, [], {}), "has no polygons"),
+        "empty": (polydata(points[:0], quads, {}), "is not made of the 0 points"),
+        "plane": (polydata(points * [1, 0, 1], quads, {}), "surface.vtk: the 48 points lie in a plane"),
         "folded": (polydata(folded, quads, {}), r"(folds over|one direction)"),
     }
 

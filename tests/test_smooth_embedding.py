@@ -373,8 +373,39 @@ def test_of_a_metric_without_symmetry_the_sign_of_the_curvature_is_told(few):
 
 def test_details_that_are_too_fine(monkeypatch):
     monkeypatch.setattr(solve, "DEGREES", (4, 6))
-    with pytest.raises(NotEmbedded, match="the metric has details that are too fine for so few"):
+    with pytest.raises(NotEmbedded, match=r"too fine for so few; where it was looked at .* is positive"):
+        embed_smooth(Turned(KerrNewmanHorizon(1.0, 0.8), OBLIQUE), vertices=100)
+
+
+def test_a_surface_of_revolution_that_is_too_fine(monkeypatch):
+    monkeypatch.setattr(solve, "DEGREES", (4, 6))
+    with pytest.raises(NotEmbedded, match=r"the surface of revolution exists, and .*AxisymmetricEmbedding"):
         embed_smooth(KerrNewmanHorizon(1.0, 0.8), vertices=100)
+
+
+@pytest.mark.parametrize("c", [0.2, 4.0])
+def test_a_surface_of_revolution_in_directions_that_do_not_suit_it(c):
+    """An ellipsoid by its normals: a mesh leads low degrees astray, its profile does not."""
+
+    def differential(n):
+        squares = np.array([1.0, 1.0, c * c])
+        h = np.sqrt((n**2 * squares).sum(axis=1))[:, None, None]
+        bent = n * squares
+        return np.diag(squares) / h - bent[:, :, None] * bent[:, None, :] / h**3
+
+    found = embed_smooth(PulledBack(differential))
+    exact = Ellipsoid((1.0, 1.0, c)).integrated_mean_curvature
+    assert abs(found.integrated_mean_curvature - exact) <= found.curvature_error <= 1e-8 * exact
+
+
+def test_a_pattern_that_even_nodes_do_not_see():
+    class Wavy:
+        def tensor(self, u):
+            phi = np.arctan2(u[:, 1], u[:, 0])
+            size = 1.0 + 1e-3 * (1.0 - u[:, 2] ** 2) ** 24 * np.sin(48.0 * phi)
+            return size[:, None, None] * (np.eye(3) - u[:, :, None] * u[:, None, :])
+
+    assert solve.varies(Wavy())
 
 
 def test_the_tolerance_decides():

@@ -1,5 +1,7 @@
 """Triangulations of smooth metrics: angles, counts, densities, invariances, refusals."""
 
+import re
+
 import numpy as np
 import pytest
 from hypothesis import given, settings
@@ -146,9 +148,21 @@ def test_the_unit_of_length_does_not_matter(exponent):
     [
         ({"vertices": 11}, "the number of vertices must be at least 12, not 11"),
         ({"vertices": 12.5}, "the number of vertices must be an integer, not 12.5"),
+        (
+            {"vertices": 10_000_001},
+            "the number of vertices must be at most 10000000, not 10000001",
+        ),
         ({"size": 0.0}, "size must be a positive number, not 0.0"),
         ({"size": np.nan}, "size must be a positive number, not nan"),
         ({"size": 5.0}, "edges of the length 5 make 2.6 vertices, but there must be at least 12"),
+        (
+            {"size": 1e-9},
+            "edges of the length 1e-09 make 1.51e+19 vertices, but there must be at most 10000000",
+        ),
+        (
+            {"size": 1e-300},
+            "edges of the length 1e-300 make inf vertices, but there must be at most 10000000",
+        ),
         ({}, "either vertices or size must be given, not neither"),
         ({"vertices": 20, "size": 1.0}, "either vertices or size must be given, not both"),
         ({"vertices": 20, "grading": -0.1}, "grading must be a number of at least 0, not -0.1"),
@@ -158,6 +172,15 @@ def test_parameters_without_meaning_are_refused(arguments, sentence):
     with pytest.raises(InvalidParameter) as caught:
         triangulate(ROUND, **arguments)
     assert str(caught.value) == sentence
+
+
+def test_refusals_of_sizes_are_in_the_unit_of_the_metric():
+    large = PulledBack(lambda u: 1024.0 * warp_differential(u))
+    for size, number in ((5120.0, "2.6"), (1.024e-3, "1.51e+13")):
+        with pytest.raises(
+            InvalidParameter, match=rf"^edges of the length {size:.6g} make {re.escape(number)} "
+        ):
+            triangulate(large, size=size)
 
 
 def test_a_metric_that_is_not_positive_is_refused():

@@ -113,6 +113,18 @@ def not_finite(group):
     group["InertialCoordinates_x"][20] = np.nan
 
 
+def empty(group):
+    for name in list(group):
+        del group[name]
+    group["total_extents"] = np.array([0, 17])
+    for axis in "xyz":
+        group[f"InertialCoordinates_{axis}"] = np.empty(0)
+
+
+def flat(group):
+    group["InertialCoordinates_z"][...] = 0.0
+
+
 @pytest.mark.parametrize(
     "change, message",
     [
@@ -122,6 +134,8 @@ def not_finite(group):
         (volume_data, "not the points of 3 x 3 x 17 grid"),
         (folded, r"the surface folds over at point \d+, .*: it is not star-shaped about \("),
         (not_finite, "point 20 is not finite"),
+        (empty, r"AhA at t = 0\): 0 points: that is no surface"),
+        (flat, r"AhA at t = 0\): the 153 points lie in a plane"),
     ],
 )
 def test_malformed_groups(change, message, tmp_path):

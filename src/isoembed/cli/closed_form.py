@@ -85,9 +85,8 @@ def closed_form(options: argparse.Namespace) -> SurfaceData:
     geometry: KerrSchild | PainleveGullstrand
     if options.slice == "kerr-schild":
         geometry = KerrSchild(mass, (0.0, 0.0, spin))
-        surface = StarSurface.from_radius(
-            geometry.spheroid(geometry.horizon if kind == "horizon" else number)
-        )
+        horizon = geometry.horizon  # refuses a spin beyond the mass
+        surface = StarSurface.from_radius(geometry.spheroid(horizon if kind == "horizon" else number))
     elif spin:
         raise Refusal(f"the slice {options.slice} is that of a hole without spin, not {spin:g}")
     else:

@@ -109,6 +109,9 @@ def smooth_answer(options: argparse.Namespace, data: SurfaceData) -> int:
     if options.wang_yau:
         least = _add_wang_yau(report, surface)
         tables = tables if least is None else least.mesh
+    if options.band:
+        why = "the whole surface embeds" if surface.embedding.converged else "the best fit was asked for"
+        complain(f"{options.band} is not written: {why}")
     if options.output:
         write_whole({options.output: mesh_writer(options.output, **tables(vertices))})
     _answered(options, report)

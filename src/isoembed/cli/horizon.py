@@ -28,6 +28,7 @@ from isoembed.relativity.hdf5 import HDF5_ENDINGS
 from isoembed.relativity.horizon_file import read_horizon
 from isoembed.relativity.kerr_schild import KerrSchild
 from isoembed.relativity.painleve_gullstrand import PainleveGullstrand
+from isoembed.relativity.quadrature import intrinsic_energies
 from isoembed.relativity.spectre import read_spectre
 from isoembed.relativity.star_surface import StarSurface
 from isoembed.relativity.surface_data import SurfaceData
@@ -110,7 +111,18 @@ def run(options: argparse.Namespace) -> int:
         try:
             surface = _embedded(data, before, options.vertices)
         except NotEmbedded as error:
-            reports.append({"status": "not embedded", "message": str(error), "name": name, "horizon": facts})
+            found = intrinsic_energies(data).report
+            report = {
+                "status": "not embedded",
+                "message": str(error),
+                "name": name,
+                **found,
+                "horizon": facts,
+            }
+            reports.append(report)
+            if options.output:
+                path = options.output / f"{stem}.json"
+                write_whole({path: report_writer(report)})
             complain(f"{name}: {error}")
             status = NOT_EMBEDDED
             continue
@@ -145,7 +157,9 @@ def _geometry(options: argparse.Namespace) -> ThreeGeometry | None:
                 raise Refusal(f"--{given} needs a --geometry among {', '.join(GEOMETRIES)}")
         return None if name is None else read_cartesian_grid(name)
     if name == "kerr-schild":
-        return KerrSchild(mass, spin)
+        geometry = KerrSchild(mass, spin)
+        geometry.horizon  # noqa: B018 - refuses what has none
+        return geometry
     if any(spin):
         raise Refusal(f"the geometry {name} has no spin: take kerr-schild")
     return IsotropicSchwarzschild(mass) if name == "isotropic" else PainleveGullstrand(mass)

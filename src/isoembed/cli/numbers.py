@@ -5,6 +5,7 @@ from __future__ import annotations
 from pathlib import Path
 
 import numpy as np
+from numpy.lib.format import MAGIC_PREFIX
 from numpy.typing import NDArray
 
 from isoembed.io import FileError
@@ -21,10 +22,15 @@ def read_numbers(path: Path) -> NDArray[np.float64]:
     """
     check_input(path)
     try:
-        array = np.load(path, allow_pickle=False)
+        with path.open("rb") as file:
+            is_npy = file.read(len(MAGIC_PREFIX)) == MAGIC_PREFIX
+        # Other files numpy takes for pickles, and says how to load these.
+        array = np.load(path, allow_pickle=False) if is_npy else None
     except (ValueError, OSError, EOFError, SyntaxError, MemoryError) as error:
         raise FileError(f"{path} is not a readable .npy file: {str(error).splitlines()[0]}") from None
-    if not isinstance(array, np.ndarray) or array.dtype.kind not in "iuf":
+    if array is None:
+        raise FileError(f"{path} is not a .npy file")
+    if array.dtype.kind not in "iuf":
         raise FileError(f"{path} does not hold one array of numbers")
     finite = np.isfinite(array)
     if not finite.all():

@@ -98,8 +98,11 @@ def read_ahfinderdirect(path: str | os.PathLike[str]) -> CoordinateShape:
     origin, patches = _patches(path)
     widest = max(_overhang(patch, origin) for patch in patches)
     halves = _halves(patches, origin, widest, path)
-    arrow = np.concatenate([_trimmed(patch, origin, halves) for patch in patches])
-    arrow = _completed(arrow, halves, path)
+    arrows = [_trimmed(patch, origin, halves) for patch in patches]
+    for patch, arrow in zip(patches, arrows, strict=True):
+        if len(arrow) == 0:
+            raise FileError(f"{path}: no point of the patch {patch.name} is in the direction {patch.name}")
+    arrow = _completed(np.concatenate(arrows), halves, path)
     points = origin + arrow
     kept, faces = seen_from(points, origin, str(path), same=SEAM)
     name = re.search(r"ah\d+", path.name)

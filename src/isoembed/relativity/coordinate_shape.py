@@ -26,6 +26,9 @@ SAME = 1e-6
 SAME_RADIUS = 1e-4
 """Relative difference of the distances from the center that such points may have."""
 
+FLAT = 1e-9
+"""How thick points may be that lie in a plane, relative to their extent."""
+
 HOLE = np.pi / 3
 """The radius, seen from the center, of the largest cap without points in a surface that is complete."""
 
@@ -104,17 +107,20 @@ def seen_from(
     Raises
     ------
     FileError
-        A point is not finite or is the center, two points are in one direction, a polygon is turned around,
-        or some directions have no points; the message names the first such point or the direction.
+        The points are fewer than four or lie in a plane, one is not finite or is the center, two are in one
+        direction, a polygon is turned around, or some directions have no points; the message names the first
+        such point or the direction.
     """
-    check_finite(points, source)
+    check_solid(points, source)
     arrow = points - center
     scale = np.max(np.abs(arrow), initial=0.0)
     r = scale * np.linalg.norm(arrow / (scale or 1.0), axis=1)
     inside = ~(r > 1e-9 * scale)
-    if len(points) < 4 or inside.any():
-        what = f"point {int(np.argmax(inside))} is at the center" if inside.any() else f"{len(points)} points"
-        raise FileError(f"{source}: {what}: that is no surface around {_triple(center)}")
+    if inside.any():
+        raise FileError(
+            f"{source}: point {int(np.argmax(inside))} is at the center: "
+            f"that is no surface around {_triple(center)}"
+        )
     u = arrow / r[:, None]
     first = _first_alike(u, same)
     differs = np.abs(r - r[first]) > SAME_RADIUS * r
@@ -127,6 +133,11 @@ def seen_from(
     _check_turns(u, polygons, points, center, source)
     kept = np.unique(first)
     v = u[kept]
+    if _dimension(v) < 3:  # also where the points are on a cone
+        raise FileError(
+            f"{source}: the directions of the points from the center {_triple(center)} lie in a plane: "
+            "the surface is not complete"
+        )
     hull = ConvexHull(v)
     hole = int(np.argmax(hull.equations[:, 3]))
     if hull.equations[hole, 3] > -np.cos(HOLE):
@@ -144,17 +155,23 @@ def seen_from(
     return kept, faces
 
 
-def check_finite(points: Floats, source: str) -> None:
-    """Refuse points (n, 3) that are not finite.
+def check_solid(points: Floats, source: str) -> None:
+    """Refuse points (n, 3) through which there is no closed surface around anything.
 
     Raises
     ------
     FileError
-        Naming the first of them, and the file.
+        They are fewer than four, not finite, or in a plane; the message names the file.
     """
     bad = ~np.isfinite(points).all(axis=1)
     if bad.any():
         raise FileError(f"{source}: point {int(np.argmax(bad))} is not finite")
+    if len(points) < 4:
+        raise FileError(f"{source}: {len(points)} points: that is no surface, which has at least 4")
+    dimension = _dimension(points)
+    if dimension < 3:
+        where = ("are one point", "lie on a line", "lie in a plane")[dimension]
+        raise FileError(f"{source}: the {len(points)} points {where}: that is no closed surface")
 
 
 def middle(points: Floats) -> Floats:
@@ -167,6 +184,14 @@ def middle(points: Floats) -> Floats:
     matrix = np.column_stack([2.0 * arrow, np.ones(len(arrow))])
     solution = np.linalg.lstsq(matrix, np.einsum("ni,ni->n", arrow, arrow), rcond=None)[0]
     return mean + scale * solution[:3]
+
+
+def _dimension(points: Floats) -> int:
+    """Of the least plane, line or point that finite points (n, 3) are in, up to `FLAT` and rounding."""
+    x = points / (np.max(np.abs(points)) or 1.0)
+    arrow = x - x[0]
+    thin = FLAT * np.max(np.abs(arrow)) + 8.0 * np.finfo(np.float64).eps
+    return int(np.linalg.matrix_rank(arrow, tol=thin * np.sqrt(len(points))))
 
 
 def _first_alike(u: Floats, same: float) -> Indices:

@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from isoembed.errors import InvalidParameter
+from isoembed.errors import InvalidMetric, InvalidParameter
 from isoembed.relativity.energies import Energies
 from isoembed.relativity.quadrature import smooth_energies
 from isoembed.relativity.surface_data import SurfaceData
@@ -21,6 +21,7 @@ Floats = NDArray[np.float64]
 
 SETTLED = 1e-12  # of int H dA
 ROUGHER = 100.0  # an error of points, in its derivatives: lengths of short curves are so much worse
+SMALLEST, LARGEST = 1e-200, 1e200  # squared lengths of which squares are still numbers
 CONVENTIONS = {
     "units": "geometric, G = c = 1, in the unit of the lengths",
     "integrated_mean_curvature": "int H dA with H = (k1 + k2)/2 in Euclidean space; int k0 dA is twice that",
@@ -125,6 +126,12 @@ def embed_surface(
         raise InvalidParameter(f"the data are a {type(data).__name__}, not SurfaceData: take its data()")
     if not (start is None or isinstance(start, EmbeddedSurface)):
         raise InvalidParameter(f"start is a {type(start).__name__}, not an EmbeddedSurface")
+    trace = np.trace(data.metric.tensor(np.eye(3)), axis1=1, axis2=2)
+    if not np.all((trace > SMALLEST) & (trace < LARGEST)):
+        raise InvalidMetric(
+            f"squares of lengths of about {trace.max():.3g} leave the range of numbers when they are "
+            "multiplied: take another unit"
+        )
     embedding = embed_smooth(
         data.metric,
         start=None if start is None else start.embedding,

@@ -30,6 +30,8 @@ from isoembed.surface.estimate import Estimate
 
 Floats = NDArray[np.float64]
 
+ROUNDING = 1e-14
+
 
 @dataclass(frozen=True)
 class Integrals:
@@ -105,13 +107,15 @@ class Energies:
         """
         A, reference = integrals.area, integrals.reference
         m = np.sqrt(A.value / (16.0 * np.pi))
-        irreducible = Estimate(m, 0.5 * m * A.error / A.value)
+        irreducible = Estimate(m, 0.5 * m * (A.error / A.value))
         christodoulou = None
         if angular_momentum is not None:
             rest, spin = m + charge**2 / (4.0 * m), angular_momentum / (2.0 * m)
             total = np.hypot(rest, spin)
             slope = (rest * (1.0 - charge**2 / (4.0 * m**2)) - spin**2 / m) / total
-            christodoulou = Estimate(total, abs(slope) * irreducible.error)
+            # Where the slope vanishes, at the extreme, the second order and rounding are left.
+            second = irreducible.error / m * irreducible.error
+            christodoulou = Estimate(total, abs(slope) * irreducible.error + second + ROUNDING * total)
         hawking = None
         if integrals.squared is not None:
             fraction = integrals.squared.scaled(1.0 / (16.0 * np.pi))

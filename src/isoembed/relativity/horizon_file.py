@@ -17,7 +17,7 @@ from isoembed.io.files import FileError, check_input, ending
 from isoembed.io.registry import MESHES
 from isoembed.mesh.triangulation import Triangulation
 from isoembed.relativity.ahfinderdirect import is_shape, read_ahfinderdirect, text_of
-from isoembed.relativity.coordinate_shape import CoordinateShape, check_finite, middle, seen_from
+from isoembed.relativity.coordinate_shape import CoordinateShape, check_solid, middle, seen_from
 from isoembed.relativity.grid_file import holds_metric, read_metric_grid
 from isoembed.relativity.hdf5 import HDF5_ENDINGS, groups_in, hdf5_file, numbers_in
 from isoembed.relativity.polydata import is_polydata, parse_polydata
@@ -114,7 +114,7 @@ def _from_polydata(text: str, source: str) -> CoordinateShape:
     data = parse_polydata(text, source)
     if not data.polygons:
         raise FileError(f"{source} has no polygons: it is no surface")
-    check_finite(data.points, source)
+    check_solid(data.points, source)
     center = middle(data.points)
     kept, faces = seen_from(data.points, center, source, data.polygons)
     fields = {name: values[kept] for name, values in data.fields.items()}
@@ -145,7 +145,7 @@ def _shape_of(tables: Mapping[str, Any], source: str) -> CoordinateShape:
     given = next((tables[name] for name in CENTERS if name in tables), None)
     if given is not None and np.shape(given) != (3,):
         raise FileError(f"{source}: the center has the shape {np.shape(given)}, not (3,)")
-    check_finite(points, source)
+    check_solid(points, source)
     center = middle(points) if given is None else np.array(given, dtype=np.float64)
     time = float(np.asarray(tables["time"]).reshape(())) if np.size(tables.get("time", ())) == 1 else None
     if "faces" in tables:

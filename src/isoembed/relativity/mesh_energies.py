@@ -79,9 +79,9 @@ def _integrals(
             f"k^2 - p^2 = {squared[v]:.3g} < 0 at vertex {v}: the mean curvature vector is not spacelike "
             "there, and there is no Kijowski-Liu-Yau energy"
         ]
-    if k.min() < 0.0 < k.max():
+    if k.min() < 0.0:
         return parts, [
-            f"k changes its sign, {k.min():.3g} at vertex {int(np.argmin(k))}: the mean curvature vector "
-            "vanishes in between, and there is no Kijowski-Liu-Yau energy"
+            f"k = {k.min():.3g} < 0 at vertex {int(np.argmin(k))}: the mean curvature vector is not "
+            "spacelike and outward everywhere, and there is no Kijowski-Liu-Yau energy"
         ]
     return {**parts, "norm": smooth.integral(np.sqrt(squared))}, []

@@ -13,14 +13,17 @@ from isoembed.relativity.energies import Energies, Integrals
 from isoembed.relativity.surface_data import SurfaceData
 from isoembed.smooth.embedding import SmoothEmbedding
 from isoembed.smooth.harmonics import gauss_rule
+from isoembed.smooth.isometry import FEWEST_AROUND
+from isoembed.smooth.solve import varies
 from isoembed.smooth.two_metric import area_density
 from isoembed.surface.estimate import Estimate
 
 Floats = NDArray[np.float64]
 
-ROUNDING = 1e-14
-COARSER = 0.75  # of the nodes: the quadrature that tells the error of the other
-FEWEST, INTRINSIC = 48, 96  # heights of the nodes
+ROUNDING = 3e-14  # what sums over many nodes lose
+SETTLED = 3e-13  # of an integral: more nodes are not needed
+DENSER = 1.5  # heights of nodes over those before
+FEWEST, HIGHEST, HIGHEST_SYMMETRIC = 32, 256, 6000  # heights of the nodes
 TRAPPED = 1e-9  # of k^2: a k^2 - p^2 that is more negative is no rounding
 
 
@@ -35,12 +38,11 @@ def smooth_energies(data: SurfaceData, embedding: SmoothEmbedding) -> Energies:
 
     Notes
     -----
-    The quadrature's error is the difference from that with 3/4 of its nodes; that of int k0 dA is twice the
+    The quadrature's error is the change from fewer nodes; that of int k0 dA is twice the
     embedding's ``curvature_error``; and every integral is uncertain by what the lengths are.
     """
-    degree, order = embedding.harmonics.degree, embedding.harmonics.order
-    symmetric = order < degree
-    values, notes = _integrated(data, max(FEWEST, (4 if symmetric else 2) * degree), 8 if symmetric else None)
+    symmetric = embedding.harmonics.order < embedding.harmonics.degree
+    values, notes = _integrated(data, max(FEWEST, int(DENSER * embedding.harmonics.degree)), symmetric)
     reference = 2.0 * embedding.integrated_mean_curvature
     error = 2.0 * embedding.curvature_error + (ROUNDING + data.relative_error) * abs(reference)
     if embedding.converged and embedding.least_curvature < 0.0:
@@ -56,7 +58,7 @@ def smooth_energies(data: SurfaceData, embedding: SmoothEmbedding) -> Energies:
 
 def intrinsic_energies(data: SurfaceData) -> Energies:
     """The energies of a surface that no embedding is needed for."""
-    return _energies(data, *_integrated(data, INTRINSIC, None))
+    return _energies(data, *_integrated(data, FEWEST, not varies(data.metric)))
 
 
 def _energies(data: SurfaceData, values: dict[str, Estimate], notes: list[str]) -> Energies:
@@ -68,17 +70,28 @@ def _energies(data: SurfaceData, values: dict[str, Estimate], notes: list[str]) 
     )
 
 
-def _integrated(data: SurfaceData, n: int, around: int | None) -> tuple[dict[str, Estimate], list[str]]:
-    """The integrals over the surface by their names in `Integrals`, and what hinders others."""
+def _integrated(data: SurfaceData, n: int, symmetric: bool) -> tuple[dict[str, Estimate], list[str]]:
+    """The integrals over the surface by their names in `Integrals`, and what hinders others.
+
+    The heights of the nodes become more until no integral changes, or they are many.
+    """
     relative = ROUNDING + data.relative_error
-    fine, coarse = (_Nodes.of(data, m, around or 2 * m) for m in (n, int(COARSER * n)))
-    values, notes = fine.integrals(relative)
-    others, _ = coarse.integrals(relative)
-    for name, part in values.items():
-        # The coarser nodes may see a surface as not spacelike where the finer do not.
-        change = abs(part.value - others[name].value) if name in others else 0.0
-        values[name] = Estimate(part.value, change + part.error)
-    return values, notes
+    most = HIGHEST_SYMMETRIC if symmetric else HIGHEST
+    settled: dict[str, Estimate] = {}
+    before: dict[str, Estimate] = {}
+    while True:
+        values, notes = _Nodes.of(data, n, FEWEST_AROUND if symmetric else 2 * n).integrals(relative)
+        last = DENSER * n > most
+        for name in values.keys() - settled.keys():
+            value, error = values[name].value, values[name].error
+            change = abs(value - before[name].value) if name in before else np.inf
+            if last and name not in before:
+                change = 0.0  # fewer nodes did not see it as spacelike
+            if last or change <= max(SETTLED * abs(value), error):
+                settled[name] = Estimate(value, change + error)
+        if last or settled.keys() == values.keys():
+            return settled, notes
+        n, before = int(DENSER * n), values
 
 
 @dataclass(frozen=True)
@@ -117,10 +130,10 @@ class _Nodes:
                 f"k^2 - p^2 = {squared.min():.3g} < 0 at {self._place(squared)}: the mean curvature vector "
                 "is not spacelike there, and there is no Kijowski-Liu-Yau energy"
             )
-        elif self.k.min() < -TRAPPED * self.k.max() < 0.0:
+        elif self.k.min() < -TRAPPED * np.abs(self.k).max():
             notes.append(
-                f"k changes its sign, least {self.k.min():.3g} at {self._place(self.k)}: the mean "
-                "curvature vector vanishes in between, and there is no Kijowski-Liu-Yau energy"
+                f"k = {self.k.min():.3g} < 0 at {self._place(self.k)}: the mean curvature vector is not "
+                "spacelike and outward everywhere, and there is no Kijowski-Liu-Yau energy"
             )
         else:
             low, middle, high = (

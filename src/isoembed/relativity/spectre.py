@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from isoembed.io.files import FileError
-from isoembed.relativity.coordinate_shape import CoordinateShape, check_finite, middle, seen_from
+from isoembed.relativity.coordinate_shape import CoordinateShape, check_solid, middle, seen_from
 from isoembed.relativity.hdf5 import groups_in, hdf5_file, numbers_in
 
 Floats = NDArray[np.float64]
@@ -62,7 +62,7 @@ def read_spectre(
         grid = " x ".join(map(str, extents)) if extents is not None else "one"
         raise FileError(f"{source} has {sizes} coordinates x, y and z and not the points of {grid} grid")
     points = np.column_stack([tables[axis].ravel() for axis in COORDINATES]).astype(np.float64)
-    check_finite(points, source)
+    check_solid(points, source)
     center = middle(points)
     kept, faces = seen_from(points, center, source, _quads(extents) if extents is not None else ())
     fields = {

@@ -25,7 +25,7 @@ from isoembed.relativity.three_geometry import (
     vector,
     written,
 )
-from isoembed.smooth.harmonics import Harmonics, gauss_rule
+from isoembed.smooth.harmonics import Harmonics, gauss_rule, spread_directions
 from isoembed.smooth.two_metric import area_density, orthonormal_frame, projected
 
 Floats = NDArray[np.float64]
@@ -107,7 +107,7 @@ class StarSurface:
         -----
         What is missed, where it is more than rounding, is the ``misfit``.
         """
-        apart = _spread_directions(200)
+        apart = spread_directions(200)
         expected = _radii(radius, apart)
         found: list[tuple[float, Harmonics, Floats, float]] = []
         degree = 16
@@ -504,14 +504,6 @@ def _radii(radius: Callable[[Floats], ArrayLike], u: Floats) -> Floats:
         raise InvalidParameter(f"the radius has the shape {r.shape} for {len(u)} directions")
     _check_radius(u, r)
     return r
-
-
-def _spread_directions(n: int) -> Floats:
-    """Directions (n, 3) on a spiral, in no step with a product rule."""
-    i = np.arange(n)
-    z, phi = 1.0 - (2.0 * i + 1.0) / n, np.pi * (3.0 - np.sqrt(5.0)) * i
-    sin = np.sqrt(1.0 - z * z)
-    return np.stack([sin * np.cos(phi), sin * np.sin(phi), z], axis=1)
 
 
 def _projected(r: Floats, u: Floats, weights: Floats, degree: int) -> tuple[Harmonics, Floats]:

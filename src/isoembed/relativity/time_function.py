@@ -9,10 +9,13 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from isoembed.errors import InvalidParameter
-from isoembed.smooth.harmonics import Harmonics, gauss_rule
+from isoembed.smooth.harmonics import Harmonics, gauss_rule, spread_directions
 from isoembed.smooth.two_metric import TwoMetric
 
 Floats = NDArray[np.float64]
+
+SCATTERED = 1000  # directions at which a projection is checked
+MISSED = 1e-7  # of the largest value: more is not the same function
 
 
 @dataclass(frozen=True)
@@ -31,15 +34,24 @@ class TimeFunction:
 
     @classmethod
     def of(cls, function: Callable[[Floats], ArrayLike], degree: int = 16) -> TimeFunction:
-        """Project a function of the directions u (n, 3), with values (n,), on harmonics up to a degree."""
+        """Project a function of the directions u (n, 3), with values (n,), on harmonics up to a degree.
+
+        Raises
+        ------
+        InvalidParameter
+            Its values have another shape or are not finite, or the harmonics miss it.
+        """
         harmonics = Harmonics(degree, degree)
         u, weights = gauss_rule(2 * degree + 2, 4 * degree + 4)
-        values = np.asarray(function(u), dtype=np.float64)
-        if values.shape != (len(u),) or not np.isfinite(values).all():
+        tau = cls(harmonics, harmonics.values(u).T @ (weights * _values(function, u)))
+        u = spread_directions(SCATTERED)
+        values = _values(function, u)
+        missed = float(np.abs(tau.values(u) - values).max())
+        if missed > MISSED * np.abs(values).max():
             raise InvalidParameter(
-                f"tau at {len(u)} directions has the shape {values.shape}, not ({len(u)},), or is not finite"
+                f"tau is missed by {missed:.3g} by harmonics up to degree {degree}: it must be smooth"
             )
-        return cls(harmonics, harmonics.values(u).T @ (weights * values))
+        return tau
 
     def values(self, u: Floats) -> Floats:
         """Tau (n,) in the directions u (n, 3)."""
@@ -48,6 +60,16 @@ class TimeFunction:
     def gradient(self, u: Floats) -> Floats:
         """The tangent vectors (n, 3) whose products with velocities of u are the rates of change of tau."""
         return self.harmonics.gradients(u)[1] @ self.coefficients
+
+
+def _values(function: Callable[[Floats], ArrayLike], u: Floats) -> Floats:
+    values = np.asarray(function(u), dtype=np.float64)
+    if values.shape != (len(u),):
+        raise InvalidParameter(f"tau at {len(u)} directions has the shape {values.shape}, not ({len(u)},)")
+    if not np.isfinite(values).all():
+        i = int(np.argmin(np.isfinite(values)))
+        raise InvalidParameter(f"tau is {values[i]} at u = {u[i].tolist()}")
+    return values
 
 
 @dataclass(frozen=True)

@@ -47,7 +47,8 @@ class WangYau:
     gradient : float
         The norm of the derivatives of E by tau's coefficients, which are lengths; 0 at a critical tau.
     least_second_derivative : float or None
-        The least eigenvalue of the second derivatives, positive at a minimum; None if tau was given.
+        The least eigenvalue of the second derivatives: positive at a minimum, 0 where E does not change to
+        second order (boosts, in Minkowski space); None if tau was given.
     embeddings : int
         How many embeddings it took.
     notes : tuple of str
@@ -191,7 +192,10 @@ class _Search:
             change, energy = abs(found - energy), found
             if change <= accuracy * self.scale:
                 break
-        return self._answer(functional, harmonics, t, X, change, float(eigenvalues.min()))
+        least = float(eigenvalues.min())
+        if abs(least) <= FLAT * eigenvalues.max():
+            least = 0.0  # a boost, in Minkowski space
+        return self._answer(functional, harmonics, t, X, change, least)
 
     def _minimized(
         self, functional: Functional, t: Floats, X: Floats

@@ -211,6 +211,13 @@ def _physical(data: SurfaceData, u: Floats, frames: Floats) -> tuple[Floats, Flo
     """What the data say of k, p (n,) and, along the frames (n, 2), of K(., n)."""
     if data.mean_curvature is None:
         raise InvalidParameter("the Wang-Yau energy needs the mean curvature k of the surface")
+    if data.marginal:
+        raise InvalidParameter(
+            "the mean curvature vector of a horizon has no norm: only tau = 0 has a Wang-Yau energy, which is "
+            "that of Kijowski, Liu and Yau"
+        )
+    if data.momentum is not None and data.normal_momentum is None:
+        raise InvalidParameter("with a momentum, the Wang-Yau energy needs the normal_momentum K(., n), too")
     k = data.mean_curvature(u)
     p = np.zeros(len(u)) if data.momentum is None else data.momentum(u)
     worst = int(np.argmin(k - np.abs(p)))

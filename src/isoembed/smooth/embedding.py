@@ -8,7 +8,7 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
-from isoembed.smooth.harmonics import Harmonics
+from isoembed.smooth.harmonics import Harmonics, spread_directions
 from isoembed.smooth.isometry import MetricSamples, around, strains
 from isoembed.smooth.two_metric import TwoMetric, orthonormal_frame
 
@@ -19,6 +19,7 @@ FEWEST = 2  # heights of nodes more than the degree, to begin with
 DENSER = 1.4  # heights of nodes over those before
 SETTLED = 1e-13  # of int H: more nodes are not needed
 NEGLIGIBLE = 0.01  # of the change from lower degree
+SCATTERED = 1000  # directions beside the nodes, where symmetric nodes may not look
 HIGHEST, MOST = 1000, 15_000_000  # heights, and harmonics at nodes, after which there are no more
 
 
@@ -72,8 +73,9 @@ class SmoothEmbedding:
 
     @cached_property
     def residual(self) -> float:
-        """The largest relative error of a length, at nodes where the equations were not solved."""
-        return 0.5 * float(self.strain(self._measured.u).max())
+        """The largest relative error of a length, at directions where the equations were not solved."""
+        u = np.concatenate([self._measured.u, spread_directions(SCATTERED)])
+        return 0.5 * float(self.strain(u).max())
 
     @property
     def converged(self) -> bool:

@@ -183,3 +183,11 @@ def gauss_rule(n: int, around: int) -> tuple[Floats, Floats]:
     x, y = np.outer(sin, np.cos(phi)), np.outer(sin, np.sin(phi))
     u = np.stack([x, y, np.broadcast_to(z[:, None], x.shape)], axis=-1).reshape(-1, 3)
     return u, np.repeat(weight * 2.0 * np.pi / around, around)
+
+
+def spread_directions(n: int) -> Floats:
+    """Directions (n, 3) that are spread evenly and without a pattern: a Fibonacci lattice."""
+    k = np.arange(n) + 0.5
+    z, phi = 1.0 - 2.0 * k / n, np.pi * (1.0 + np.sqrt(5.0)) * k
+    sin = np.sqrt((1.0 - z) * (1.0 + z))
+    return np.stack([sin * np.cos(phi), sin * np.sin(phi), z], axis=1)

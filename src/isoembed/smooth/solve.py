@@ -2,17 +2,19 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Callable
+from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
 
 from isoembed.errors import InvalidMetric, InvalidParameter, NotEmbedded
+from isoembed.smooth.axisymmetric import AxisymmetricEmbedding
+from isoembed.smooth.curvature_sign import by_curvature
 from isoembed.smooth.embedding import ROUNDING, SmoothEmbedding
 from isoembed.smooth.grid_metric import GridMetric
-from isoembed.smooth.harmonics import Harmonics, gauss_rule
-from isoembed.smooth.hindrance import by_curvature, no_revolution
-from isoembed.smooth.isometry import gauss_newton
+from isoembed.smooth.harmonics import Harmonics, gauss_rule, spread_directions
+from isoembed.smooth.isometry import FEWEST_AROUND, gauss_newton
 from isoembed.smooth.triangulation import triangulate
 from isoembed.smooth.two_metric import TwoMetric, angle_frame
 from isoembed.verb import embed
@@ -26,6 +28,10 @@ MESHED, SYMMETRICALLY_MESHED = (96, 192), (768, 1)  # nodes in theta and phi, fo
 FALLING = 0.6  # of the residual before: less of a decrease is none
 ROUGH = 1e-2  # of an edge of the mesh: enough to be on a branch
 HINDERED = 32  # degree of the best fit to what has no embedding
+DETERMINED = 3  # vertices for a harmonic
+HIGH = 48  # degrees in which a surface of revolution is projected
+SPREAD = 400  # directions at which symmetry is looked for
+TURNS = (0.7, 1.9, 4.3)  # radians about z
 GRADED = 0.1  # vertices that follow the curvature, against one that follows the area
 
 
@@ -84,24 +90,24 @@ def embed_smooth(
             raise InvalidParameter(f"the {name} is {value!r}, not a positive finite number")
     symmetric = not varies(metric)
     ladder = [h for h in (Harmonics(L, 1 if symmetric else L) for L in DEGREES) if 3 * h.size <= UNKNOWNS]
-    hindrance = no_revolution(metric) if symmetric else ""
+    profile = _profile(metric) if symmetric else None
+    hindrance = "" if profile is None or profile.embeds else profile.explanation
     if hindrance:
         ladder = [h for h in ladder if h.degree <= HINDERED]
+    goal = _Goal(metric, tolerance, accuracy, hindrance)
     if start is None:
-        first = 0
-        guess = _branch(drawn(metric), ladder[0], vertices)
+        best, residuals = goal.approached(ladder, _from_mesh(metric, vertices, ladder[0]))
     else:
         first = max(0, sum(h.degree < start.harmonics.degree for h in ladder) - 1)
-        guess = recast(start.coefficients, start.harmonics, ladder[first])
-    residuals: list[float] = []
-    for best in _ladder(metric, ladder[first:], guess, tolerance, hindrance):
-        residuals.append(best.residual)
-        settled = best.unsettled <= accuracy * abs(best.integrated_mean_curvature)
-        if best.converged and (settled or best.residual <= ROUNDING):
-            break
+        best, residuals = goal.approached(
+            ladder[first:], lambda harmonics: recast(start.coefficients, start.harmonics, harmonics)
+        )
+    if not best.converged and profile is not None and profile.embeds:
+        high = [h for h in ladder if h.degree >= HIGH] or ladder[-1:]
+        best, residuals = goal.approached(high, _from_profile(profile))
     if best.converged or best_fit:
         return best
-    raise NotEmbedded(_diagnosis(best, residuals), best)
+    raise NotEmbedded(_diagnosis(best, residuals, profile), best)
 
 
 def recast(coefficients: Floats, old: Harmonics, new: Harmonics) -> Floats:
@@ -114,39 +120,93 @@ def recast(coefficients: Floats, old: Harmonics, new: Harmonics) -> Floats:
     return result
 
 
-def _ladder(
-    metric: TwoMetric, ladder: list[Harmonics], guess: Floats, tolerance: float, hindrance: str
-) -> Iterator[SmoothEmbedding]:
-    """The best embeddings of growing degree."""
-    last, harmonics, C = np.inf, ladder[0], guess
-    for following in ladder:
-        C, harmonics = recast(C, harmonics, following), following
-        C = gauss_newton(metric, harmonics, C)
-        surface = SmoothEmbedding(metric, harmonics, C, tolerance, last, hindrance)
-        last = surface.integrated_mean_curvature
-        yield surface
+@dataclass(frozen=True)
+class _Goal:
+    """What is to be embedded, and how well."""
+
+    metric: TwoMetric
+    tolerance: float
+    accuracy: float
+    hindrance: str
+
+    def approached(
+        self, ladder: list[Harmonics], origin: Callable[[Harmonics], Floats | None]
+    ) -> tuple[SmoothEmbedding, list[float]]:
+        """The best embedding in harmonics of growing degree, and the residuals on the way.
+
+        Each begins from the one before, or, where that is far off, from the origin as far as this tells them.
+        """
+        residuals: list[float] = []
+        last, C, old = np.inf, None, ladder[0]
+        for harmonics in ladder:
+            anew = origin(harmonics) if C is None or residuals[-1] > ROUGH else None
+            if anew is not None:
+                C, old = anew, harmonics
+            assert C is not None
+            C, old = gauss_newton(self.metric, harmonics, recast(C, old, harmonics)), harmonics
+            surface = SmoothEmbedding(self.metric, harmonics, C, self.tolerance, last, self.hindrance)
+            last = surface.integrated_mean_curvature
+            residuals.append(surface.residual)
+            settled = surface.unsettled <= self.accuracy * abs(last) or surface.residual <= ROUNDING
+            if surface.converged and settled:
+                break
+        return surface, residuals
 
 
-def _branch(metric: TwoMetric, harmonics: Harmonics, vertices: int) -> Floats:
-    """Coefficients (size, 3) fitted to the embedded vertices of a triangulation."""
-    mesh = triangulate(metric, vertices, grading=GRADED)
+def _from_mesh(metric: TwoMetric, vertices: int, least: Harmonics) -> Callable[[Harmonics], Floats | None]:
+    """What fits harmonics to the embedded vertices of a triangulation, where these are enough."""
+    mesh = triangulate(drawn(metric), max(vertices, DETERMINED * least.size), grading=GRADED)
     try:
         embedding = embed(mesh.metric, tolerance=ROUGH)
     except NotEmbedded as error:
         embedding = error.embedding  # the isometry equations decide
-    C = np.asarray(np.linalg.lstsq(harmonics.values(mesh.directions), embedding.vertices, rcond=None)[0])
-    C[0] = 0.0  # the mean of X over the directions: no equation tells it
-    return C
+
+    def fitted(harmonics: Harmonics) -> Floats | None:
+        if len(mesh.directions) < DETERMINED * harmonics.size:
+            return None
+        values = harmonics.values(mesh.directions)
+        C = np.asarray(np.linalg.lstsq(values, embedding.vertices, rcond=None)[0])
+        C[0] = 0.0  # the mean of X over the directions: no equation tells it
+        return C
+
+    return fitted
+
+
+def _from_profile(profile: AxisymmetricEmbedding) -> Callable[[Harmonics], Floats]:
+    """What projects a surface of revolution on harmonics."""
+
+    def projected(harmonics: Harmonics) -> Floats:
+        u, weights = gauss_rule(2 * harmonics.degree, FEWEST_AROUND)
+        return harmonics.values(u).T @ (weights[:, None] * profile.points(u))
+
+    return projected
+
+
+def _profile(metric: TwoMetric) -> AxisymmetricEmbedding | None:
+    """The surface of revolution with a metric that is symmetric about z, if it is smooth enough to tell."""
+    try:
+        return AxisymmetricEmbedding.of(metric)
+    except InvalidMetric:
+        return None
 
 
 def varies(metric: TwoMetric) -> bool:
-    """Whether the metric is not symmetric about the z-axis."""
-    n, around = 24, 48
-    u, _ = gauss_rule(n, around)
-    q = metric.tensor(u)
+    """Whether the metric is not symmetric about the z-axis, as far as it can be seen.
+
+    It is compared with itself turned by some angles, at directions that are spread without a pattern.
+    """
+    u = spread_directions(SPREAD)
+    components = [_along_meridians(metric, u)]
+    for angle in TURNS:
+        x, y, z = u.T
+        c, s = np.cos(angle), np.sin(angle)
+        components.append(_along_meridians(metric, np.stack([c * x - s * y, s * x + c * y, z], axis=1)))
+    return bool(np.ptp(components, axis=0).max() > SYMMETRIC * np.max(components))
+
+
+def _along_meridians(metric: TwoMetric, u: Floats) -> Floats:
     e = np.stack(angle_frame(u), axis=1)
-    components = np.einsum("nai,nij,nbj->nab", e, q, e).reshape(n, around, 2, 2)
-    return bool(np.ptp(components, axis=1).max() > SYMMETRIC * components.max())
+    return np.asarray(np.einsum("nai,nij,nbj->nab", e, metric.tensor(u), e))
 
 
 def drawn(metric: TwoMetric) -> TwoMetric:
@@ -157,7 +217,7 @@ def drawn(metric: TwoMetric) -> TwoMetric:
         return metric
 
 
-def _diagnosis(best: SmoothEmbedding, residuals: list[float]) -> str:
+def _diagnosis(best: SmoothEmbedding, residuals: list[float], profile: AxisymmetricEmbedding | None) -> str:
     trend = ", ".join(f"{r:.1e}" for r in residuals[-3:])
     missed = (
         f"with more and more harmonics the lengths are off by {trend}, and {best.tolerance:.0e} is allowed"
@@ -166,4 +226,6 @@ def _diagnosis(best: SmoothEmbedding, residuals: list[float]) -> str:
         return f"{best.hindrance}; {missed}"
     if len(residuals) > 1 and residuals[-1] < FALLING * residuals[-2]:
         missed += ": the metric has details that are too fine for so few"
+    if profile is not None:
+        return f"{missed}; the surface of revolution exists, and isoembed.smooth.AxisymmetricEmbedding has it"
     return f"{missed}; {by_curvature(best.metric)}"

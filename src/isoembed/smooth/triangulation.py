@@ -27,6 +27,9 @@ Mask = NDArray[np.bool_]
 
 MIN_VERTICES = 12
 
+MAX_VERTICES = 10_000_000
+"""More of them are a mistake in the unit of the size, and fit into no memory."""
+
 ANGLE_WINDOW = np.radians([35.0, 100.0])
 """Angles at which the relaxation stops."""
 
@@ -108,7 +111,7 @@ def triangulate(
     ----------
     metric : TwoMetric
     vertices : int, optional
-        Exact number of vertices, at least 12.
+        Exact number of vertices, at least 12 and at most ten million.
     size : float, optional
         Instead of their number: the mean edge length, in the metric's unit, met within two or three percent.
     grading : float
@@ -124,8 +127,8 @@ def triangulate(
     Raises
     ------
     InvalidParameter
-        Neither or both of `vertices` and `size` are given, there would be fewer than 12 vertices, or so few
-        that triangles have no area, `size` is not positive, or `grading` is negative.
+        Neither or both of `vertices` and `size` are given, there would be fewer than 12 vertices or more than
+        ten million, or so few that triangles have no area, `size` is not positive, or `grading` is negative.
     InvalidMetric
         The metric is not positive definite somewhere; the message names theta, phi and the value.
 
@@ -148,7 +151,7 @@ def triangulate(
     unit, own = in_own_unit(metric)
     area, density = _densities(own, grading, n)
     if size is not None:
-        n = _vertices_of_size(area, density, size / unit)
+        n = _vertices_of_size(area, density, size, unit)
     assert n is not None
     mesh = _Mesh.of(Cells(area.values * density.values, area.axis).spread(fibonacci_lattice(n)), own)
     return _relax(mesh, density if grading else None).finished(unit)
@@ -161,6 +164,8 @@ def _checked(vertices: int) -> int:
         raise InvalidParameter(f"the number of vertices must be an integer, not {vertices!r}") from None
     if n < MIN_VERTICES:
         raise InvalidParameter(f"the number of vertices must be at least {MIN_VERTICES}, not {n}")
+    if n > MAX_VERTICES:
+        raise InvalidParameter(f"the number of vertices must be at most {MAX_VERTICES}, not {n}")
     return n
 
 
@@ -197,18 +202,20 @@ def _roundest_axis(metric: TwoMetric) -> int:
     return 2 - int(np.argmin(np.round(spread, 9)))
 
 
-def _vertices_of_size(area: Cells, density: Cells, size: float) -> int:
-    """How many vertices have the mean distance `size`.
+def _vertices_of_size(area: Cells, density: Cells, size: float, unit: float) -> int:
+    """How many vertices have the mean distance `size`, the cells being those of the metric in `unit`.
 
     N vertices of the density w have N w / int w dA in a unit of area, each with the area 3^(1/2) l^2 / 2 if
     the triangles were equilateral.
     """
     root = Cells(area.values * np.sqrt(density.values), area.axis).integral()
     whole = Cells(area.values * density.values, area.axis).integral()
-    n = 2.0 + 2.0 / np.sqrt(3.0) * (EQUILATERAL_EXCESS * root / size) ** 2 / whole
-    if not n >= MIN_VERTICES - 0.5:
+    with np.errstate(over="ignore"):
+        n = 2.0 + 2.0 / np.sqrt(3.0) * (EQUILATERAL_EXCESS * root * np.divide(unit, size)) ** 2 / whole
+    if not MIN_VERTICES - 0.5 <= n < MAX_VERTICES + 0.5:
+        bound = f"least {MIN_VERTICES}" if n < MIN_VERTICES else f"most {MAX_VERTICES}"
         raise InvalidParameter(
-            f"edges of the length {size:.6g} make {n:.3g} vertices, but there must be at least {MIN_VERTICES}"
+            f"edges of the length {size:.6g} make {n:.3g} vertices, but there must be at {bound}"
         )
     return round(n)
 

@@ -242,20 +242,6 @@ class SmoothIntegrals:
         return Estimate(raw + float(quartic.sum()), error + NEXT * float(sizes @ self._bulges.turns))
 
 
-def corrected_integrated_mean_curvature(
-    triangulation: Triangulation, vertices: Floats, lengths: Lengths = "geodesic"
-) -> Estimate:
-    """Integral of H dA, H = (k1 + k2) / 2, over the smooth surface: see `SmoothIntegrals`."""
-    return SmoothIntegrals(triangulation, vertices, lengths).integrated_mean_curvature
-
-
-def surface_integral(
-    triangulation: Triangulation, vertices: Floats, values: ArrayLike, lengths: Lengths = "geodesic"
-) -> Estimate:
-    """Integral of a function over the smooth surface from its values (V,): see `SmoothIntegrals.integral`."""
-    return SmoothIntegrals(triangulation, vertices, lengths).integral(values)
-
-
 @dataclass(frozen=True)
 class _Bulges:
     """What the surface has more than the triangles of an inscribed polyhedron, each of shape (F,)."""

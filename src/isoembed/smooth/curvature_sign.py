@@ -1,28 +1,14 @@
-"""What stands in the way of a smooth embedding, where it can be seen."""
+"""What the curvature of a metric says of its embedding."""
 
 from __future__ import annotations
 
 import numpy as np
 
-from isoembed.errors import InvalidMetric
-from isoembed.smooth.axisymmetric import AxisymmetricEmbedding
 from isoembed.smooth.gaussian_curvature import gaussian_curvature
 from isoembed.smooth.harmonics import gauss_rule
 from isoembed.smooth.two_metric import TwoMetric
 
 SAMPLED = (48, 96)  # heights and angles at which the curvature is looked at
-
-
-def no_revolution(metric: TwoMetric) -> str:
-    """Say why a metric that is symmetric about the z-axis is that of no surface of revolution, if so.
-
-    Nothing is said of a metric that is not smooth enough to tell.
-    """
-    try:
-        profile = AxisymmetricEmbedding.of(metric)
-    except InvalidMetric:
-        return ""
-    return "" if profile.embeds else profile.explanation
 
 
 def by_curvature(metric: TwoMetric) -> str:
