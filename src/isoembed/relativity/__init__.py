@@ -4,6 +4,7 @@ Units are geometric, G = c = 1.  The mean curvature of relativity is the trace k
 """
 
 from isoembed.relativity.ahfinderdirect import read_ahfinderdirect
+from isoembed.relativity.boosted import BoostedSchwarzschild, Superposed
 from isoembed.relativity.boyer_lindquist import BoyerLindquist
 from isoembed.relativity.cartesian_grid import CartesianGrid, read_cartesian_grid
 from isoembed.relativity.conformally_flat import BrillLindquist, IsotropicSchwarzschild
@@ -31,6 +32,7 @@ from isoembed.relativity.wang_yau_energy import WangYau, wang_yau
 
 __all__ = [
     "AnalyticCallable",
+    "BoostedSchwarzschild",
     "BoyerLindquist",
     "BrillLindquist",
     "CallableGeometry",
@@ -46,6 +48,7 @@ __all__ = [
     "KerrSchild",
     "PainleveGullstrand",
     "StarSurface",
+    "Superposed",
     "SurfaceData",
     "ThreeGeometry",
     "TimeFunction",

@@ -32,6 +32,28 @@ class TimeFunction:
     harmonics: Harmonics
     coefficients: Floats
 
+    def __post_init__(self) -> None:
+        if np.shape(self.coefficients) != (self.harmonics.size,):
+            raise InvalidParameter(
+                f"{self.harmonics.size} harmonics take as many coefficients, "
+                f"not {np.shape(self.coefficients)}"
+            )
+
+    @classmethod
+    def zero(cls) -> TimeFunction:
+        """Return tau = 0."""
+        return cls.from_array(np.zeros(4))
+
+    @classmethod
+    def from_array(cls, coefficients: Floats) -> TimeFunction:
+        """Take (L + 1)^2 coefficients in all harmonics up to a degree L, as `Harmonics` sorts them."""
+        degree = int(np.sqrt(np.size(coefficients))) - 1
+        if np.ndim(coefficients) != 1 or (degree + 1) ** 2 != np.size(coefficients) or degree < 1:
+            raise InvalidParameter(
+                f"the coefficients of tau have the shape {np.shape(coefficients)}, not ((L + 1)^2,), L >= 1"
+            )
+        return cls(Harmonics(degree, degree), np.asarray(coefficients, dtype=np.float64))
+
     @classmethod
     def of(cls, function: Callable[[Floats], ArrayLike], degree: int = 16) -> TimeFunction:
         """Project a function of the directions u (n, 3), with values (n,), on harmonics up to a degree.

@@ -104,7 +104,7 @@ class WangYau:
 
 def wang_yau(
     data: SurfaceData,
-    tau: TimeFunction | Callable[[Floats], ArrayLike] | Literal["optimal"] | None = None,
+    tau: TimeFunction | Floats | Callable[[Floats], ArrayLike] | Literal["optimal"] | None = None,
     *,
     embedding: SmoothEmbedding | None = None,
     degrees: tuple[int, ...] = (2, 4, 6, 8),
@@ -118,8 +118,9 @@ def wang_yau(
         With k, and with p and K(., n) where they do not vanish.  Where the norm of the mean curvature vector
         and the connection alpha of the normal bundle are known instead, they are ``mean_curvature`` and
         ``normal_momentum``.
-    tau : TimeFunction, callable, "optimal" or None
-        The time function; a callable takes directions u (n, 3) and returns tau (n,).  None is tau = 0.
+    tau : TimeFunction, ndarray, callable, "optimal" or None
+        The time function; an array (size,) holds its coefficients in all harmonics up to some degree, as
+        `Harmonics` sorts them; a callable takes directions u (n, 3) and returns tau (n,).  None is tau = 0.
         "optimal" looks for the least energy by Newton's method from tau = 0, in spherical harmonics.
     embedding : SmoothEmbedding, optional
         Of ``data.metric``, if it is at hand.
@@ -148,16 +149,22 @@ def wang_yau(
     ----------
     M.-T. Wang and S.-T. Yau, Phys. Rev. Lett. 102 (2009) 021101; Commun. Math. Phys. 288 (2009) 919.
     """
+    if not degrees or min(degrees) < 1:
+        raise InvalidParameter(f"the degrees of tau are {degrees}: there must be some, and all at least 1")
     flat = embed_smooth(data.metric) if embedding is None else embedding
     degree = int(np.clip(flat.harmonics.degree, LEAST, MOST))
     search = _Search(data, flat, degree)
-    if tau == "optimal":
+    if isinstance(tau, str) and tau == "optimal":
         return search.least(degrees, accuracy)
     if tau is None:
-        tau = TimeFunction(Harmonics(1, 1), np.zeros(4))
-    elif not isinstance(tau, TimeFunction):
+        return search.at(TimeFunction.zero())
+    if isinstance(tau, np.ndarray):
+        return search.at(TimeFunction.from_array(tau))
+    if not isinstance(tau, TimeFunction):
         if not callable(tau):
-            raise InvalidParameter(f'tau is {tau!r}, not a TimeFunction, a function, "optimal" or None')
+            raise InvalidParameter(
+                f'tau is {tau!r}, not a TimeFunction, an array, a function, "optimal" or None'
+            )
         tau = TimeFunction.of(tau)
     return search.at(tau)
 
@@ -182,7 +189,7 @@ class _Search:
     def least(self, degrees: tuple[int, ...], accuracy: float) -> WangYau:
         """The least E, in more and more harmonics."""
         X = recast(self.flat.coefficients, self.flat.harmonics, self.X)
-        tau, energy, change = TimeFunction(Harmonics(1, 1), np.zeros(4)), np.inf, np.inf
+        tau, energy, change = TimeFunction.zero(), self.at(TimeFunction.zero()).energy.value, np.inf
         for degree in degrees:
             harmonics = Harmonics(degree, degree)
             functional = Functional.of(self.data, self.flat, self.X, harmonics)

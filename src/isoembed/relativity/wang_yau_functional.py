@@ -213,8 +213,8 @@ def _physical(data: SurfaceData, u: Floats, frames: Floats) -> tuple[Floats, Flo
         raise InvalidParameter("the Wang-Yau energy needs the mean curvature k of the surface")
     if data.marginal:
         raise InvalidParameter(
-            "the mean curvature vector of a horizon has no norm: only tau = 0 has a Wang-Yau energy, which is "
-            "that of Kijowski, Liu and Yau"
+            "the mean curvature vector of a horizon has no norm: only tau = 0 has a Wang-Yau energy, which "
+            "is that of Kijowski, Liu and Yau"
         )
     if data.momentum is not None and data.normal_momentum is None:
         raise InvalidParameter("with a momentum, the Wang-Yau energy needs the normal_momentum K(., n), too")
