@@ -16,8 +16,9 @@ from isoembed.cli import main
 from isoembed.io import read_metric, write_metric
 from isoembed.metric.curvature import area
 from isoembed.metric.polyhedral import PolyhedralMetric
-from isoembed.relativity import KerrNewmanSphere
+from isoembed.relativity import KerrNewmanSphere, StarSurface
 from isoembed.smooth import GridMetric, solve, triangulate
+from isoembed.smooth.two_metric import angle_frame
 from isoembed.surface.measures import volume
 
 KERR = KerrNewmanSphere(3.0, 1.0, 0.8)
@@ -524,3 +525,27 @@ def test_where_there_is_no_wang_yau_energy_the_reason_is_said(report):
     assert found["wang_yau"] is None and found["errors"]["wang_yau"] is None
     assert "only tau = 0 has a Wang-Yau energy" in found["notes"][-1]
     assert found["liu_yau"] is not None
+
+
+def test_the_wang_yau_energy_of_a_surface_on_a_grid(run, report):
+    """Kerr's r = 3 in a slice with momentum: with K(., n) the energy is known, without it is not."""
+    slice_ = isoembed.relativity.KerrSchild(1.0, (0.0, 0.0, 0.5))
+    data = StarSurface.from_radius(slice_.spheroid(3.0)).data(slice_)
+    metric = GridMetric.sampled(data.metric, 24, 8)
+    theta, phi = np.meshgrid(metric.theta, metric.phi, indexing="ij")
+    x, y = np.sin(theta) * np.cos(phi), np.sin(theta) * np.sin(phi)
+    u = np.stack([x, y, np.cos(theta)], axis=2).reshape(-1, 3)
+    np.savez("grid.npz", **{n: getattr(metric, n) for n in ("theta", "phi", "q_tt", "q_tp", "q_pp")})
+    np.save("k.npy", data.mean_curvature(u).reshape(24, 8))
+    np.save("p.npy", data.momentum(u).reshape(24, 8))
+    e_theta, e_phi = angle_frame(u)
+    j = data.normal_momentum(u)
+    components = [(j * e_theta).sum(axis=1), (j * e_phi).sum(axis=1) * np.sin(theta).ravel()]
+    np.save("j.npy", np.reshape(components, (2, 24, 8)))
+    arguments = ["grid.npz", "--mean-curvature", "k.npy", "--momentum", "p.npy", "--wang-yau"]
+    found = report(*arguments, "--normal-momentum", "j.npy")
+    assert abs(found["wang_yau"] - 1.2474088054291813) <= found["errors"]["wang_yau"] <= 1e-6
+    without = report(*arguments)
+    assert without["wang_yau"] is None and "needs the normal_momentum K(., n)" in without["notes"][-1]
+    status, _, err = run(*arguments, "--normal-momentum", "k.npy")
+    assert status == 2 and "k.npy has the shape (24, 8), not (2, n, m)" in err

@@ -313,3 +313,23 @@ def test_read_only_and_brief():
         g.q_tt[0, 0] = 1.0
     given_arrays["q_tt"][0, 0] = np.nan  # not the metric's
     assert np.isfinite(g.q_tt).all()
+
+
+def test_a_one_form_is_interpolated_over_the_poles():
+    """That of the gradient of a polynomial, from its coordinate components."""
+    n, m = 16, 24
+    theta, phi = (np.arange(n) + 0.5) * np.pi / n, 2.0 * np.pi / m * np.arange(m)
+    t, p = np.meshgrid(theta, phi, indexing="ij")
+    x, y, z = np.sin(t) * np.cos(p), np.sin(t) * np.sin(p), np.cos(t)
+    # f = x y + 2 y z: components are its derivatives by theta and phi.
+    x_t, y_t, z_t = np.cos(t) * np.cos(p), np.cos(t) * np.sin(p), -np.sin(t)
+    along = x_t * y + x * y_t + 2.0 * (y_t * z + y * z_t)
+    around_ = -y * y + x * x + 2.0 * x * z
+    grid = GridMetric(theta, phi, np.ones((n, m)), np.zeros((n, m)), np.sin(t) ** 2)
+    u = np.random.default_rng(0).normal(size=(50, 3))
+    u = np.concatenate([u / np.linalg.norm(u, axis=1)[:, None], [[0.0, 0.0, 1.0], [0.0, 0.0, -1.0]]])
+    gradient = np.stack([u[:, 1], u[:, 0] + 2.0 * u[:, 2], 2.0 * u[:, 1]], axis=1)
+    expected = gradient - (gradient * u).sum(axis=1)[:, None] * u
+    np.testing.assert_allclose(grid.one_form(along, around_, "j")(u), expected, atol=1e-13)
+    with pytest.raises(InvalidMetric, match="j"):
+        grid.one_form(along[:-1], around_, "j")

@@ -15,7 +15,7 @@ from isoembed.relativity.grid_file import holds_metric_grid, read_metric_grid
 from isoembed.relativity.surface_data import SurfaceData
 from isoembed.surface.corrected import Lengths
 
-OF_METRIC = ("mean_curvature", "momentum", "lengths")
+OF_METRIC = ("mean_curvature", "momentum", "normal_momentum", "lengths")
 
 
 def configure(parser: argparse.ArgumentParser) -> None:
@@ -35,6 +35,12 @@ def configure(parser: argparse.ArgumentParser) -> None:
     )
     parser.add_argument(
         "--momentum", type=Path, metavar="P.npy", help="its p = K_ij (gamma^ij - n^i n^j) there (default 0)"
+    )
+    parser.add_argument(
+        "--normal-momentum",
+        type=Path,
+        metavar="J.npy",
+        help="on a grid, for --wang-yau: the components of K(., n) for theta and phi, an array (2, n, m)",
     )
     parser.add_argument(
         "--lengths",
@@ -61,15 +67,23 @@ def run(options: argparse.Namespace) -> int:
         lengths: Lengths | None = options.lengths
         if lengths is None and ending(options.input) in MESH_ENDINGS:
             lengths = "chord"
+        refuse_given(options, ("normal_momentum",), "is for a METRIC on a grid")
         return mesh_answer(options, read_metric(options.input), k, p, lengths)
     refuse_given(options, ("lengths",), "is for a METRIC of triangles")
     if p is not None and k is None:
         raise Refusal("the momentum is of use only with the mean curvature: give --mean-curvature, too")
     grid = read_metric_grid(options.input)
+    j = None
+    if options.normal_momentum:
+        components = read_numbers(options.normal_momentum)
+        if components.ndim != 3 or len(components) != 2:
+            raise Refusal(f"{options.normal_momentum} has the shape {components.shape}, not (2, n, m)")
+        j = grid.one_form(components[0], components[1], str(options.normal_momentum))
     data = SurfaceData(
         metric=grid,
         mean_curvature=None if k is None else grid.function(k, str(options.mean_curvature)),
         momentum=None if p is None else grid.function(p, str(options.momentum)),
+        normal_momentum=j,
         relative_error=grid.truncation,
         name=options.input,
     )

@@ -122,14 +122,56 @@ class GridMetric:
         InvalidMetric
             The values have another shape, or one of them is not finite.
         """
+        series = self._series(self._given(values, name)[..., None])
+        return lambda u: series.at(np.asarray(u, dtype=np.float64))[:, 0]
+
+    def one_form(self, meridional: ArrayLike, azimuthal: ArrayLike, name: str) -> Callable[[Floats], Floats]:
+        """Interpolate a one-form on the sphere that is given on the same grid.
+
+        Parameters
+        ----------
+        meridional, azimuthal : array_like, shape (n, m)
+            Its coordinate components, for theta and phi.  What they are at the poles is not looked at.
+        name : str
+            For the message if they do not fit.
+
+        Returns
+        -------
+        callable
+            Takes unit vectors u (n, 3) and returns tangent vectors (n, 3) whose products with velocities of u
+            are the values of the form.
+
+        Raises
+        ------
+        InvalidMetric
+            As `function`.
+        """
+        sin, cos = np.sin(self.theta)[:, None], np.cos(self.theta)[:, None]
+        e_theta = np.stack(np.broadcast_arrays(cos * np.cos(self.phi), cos * np.sin(self.phi), -sin), axis=2)
+        e_phi = np.stack(np.broadcast_arrays(-np.sin(self.phi), np.cos(self.phi), 0.0 * sin), axis=2)
+        theta, phi = self._given(meridional, name), self._given(azimuthal, name)
+        # Cartesian components are smooth over the poles, those along the angles are not.
+        away = np.where(sin > 0.0, sin, 1.0)
+        series = self._series(theta[..., None] * e_theta + (phi / away)[..., None] * e_phi)
+
+        def vectors(u: Floats) -> Floats:
+            v = series.at(np.asarray(u, dtype=np.float64))
+            return np.asarray(v - np.einsum("ni,ni->n", v, u)[:, None] * u)
+
+        return vectors
+
+    def _given(self, values: ArrayLike, name: str) -> Floats:
         given = _component(values, name, (len(self.theta), len(self.phi)))
         finite = np.isfinite(given)
         if not finite.all():
             i, j = (int(k) for k in np.argwhere(~finite)[0])
             raise InvalidMetric(f"{name} is {given[i, j]} at theta[{i}], phi[{j}]")
+        return given
+
+    def _series(self, values: Floats) -> DoubleFourier:
+        """The series of values (n, m, c) at the nodes."""
         inner, m = inner_nodes(self.theta), around(self.phi)
-        series = DoubleFourier(self.theta[inner], self.phi[:m], given[inner, :m, None])
-        return lambda u: series.at(np.asarray(u, dtype=np.float64))[:, 0]
+        return DoubleFourier(self.theta[inner], self.phi[:m], values[inner, :m])
 
     def _check_nodes(self, inner: NDArray[np.bool_], m: int) -> None:
         tt, tp, pp = self.q_tt, self.q_tp, self.q_pp
