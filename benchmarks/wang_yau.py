@@ -130,7 +130,7 @@ def spheres():
     r, c, f = 4.0, 0.2, np.sqrt(0.5)
     data = round_sphere(r)
     embedding, X, tau = embed_smooth(data.metric), Harmonics(16, 16), Harmonics(8, 8)
-    functional = Functional.of(data, embedding, X, tau)
+    functional = Functional.of(data, embedding, TimeFunction.zero(), X, tau)
     start = recast(embedding.coefficients, embedding.harmonics, X)
     hessian = 0.5 * c**2 * np.diag(functional.hessian(np.zeros(tau.size - 1), start))
     for l in range(1, 9):

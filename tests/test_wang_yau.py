@@ -219,7 +219,7 @@ def test_spheres_in_closed_form(r, b, expected):
 def test_second_variation_of_spheres():
     data, embedding = static()
     X, tau, r, f = Harmonics(16, 16), Harmonics(4, 4), 4.0, np.sqrt(0.5)
-    functional = Functional.of(data, embedding, X, tau)
+    functional = Functional.of(data, embedding, TimeFunction.zero(), X, tau)
     hessian = functional.hessian(np.zeros(24), recast(embedding.coefficients, embedding.harmonics, X))
     l = tau.labels[0][1:]
     expected = l * (l + 1) * (1.0 - 2.0 * f + l * (l + 1) / (2.0 * f)) / (8.0 * np.pi * r)
@@ -314,7 +314,7 @@ def test_kerr_in_two_slices():
 def test_derivatives_are_those_of_differences():
     _, data, embedding = minkowski()
     X, tau = Harmonics(16, 16), Harmonics(3, 3)
-    functional = Functional.of(data, embedding, X, tau)
+    functional = Functional.of(data, embedding, TimeFunction.zero(), X, tau)
     rng = np.random.default_rng(2)
     t, v, h = 0.05 * rng.normal(size=tau.size - 1), rng.normal(size=tau.size - 1), 1e-4
     map0 = functional.embedded(t, recast(embedding.coefficients, embedding.harmonics, X))
@@ -498,3 +498,24 @@ def test_one_degree_has_an_error_too():
     found = wang_yau(data, "optimal", embedding=embedding, degrees=(1,))
     assert np.isfinite(found.energy.error)
     json.dumps(found.report, allow_nan=False)
+
+
+def test_a_surface_that_only_embeds_with_time():
+    """r = 1.5 of spin .95, below the radius from which it embeds in R^3 (Miller, Ray, Wang & Yau 2018)."""
+    data = KerrNewmanSphere(1.5, 1.0, 0.95).data()
+    for tau in (None, "optimal"):
+        with pytest.raises(NotEmbedded, match="no surface of revolution"):
+            wang_yau(data, tau)
+    found = wang_yau(data, lambda u: 1.2 * u[:, 2])
+    assert found.admissible > 0.0 and found.energy.error < 1e-6
+    assert found.embedding.least_curvature > 0.0
+
+
+def test_the_energy_does_not_depend_on_where_the_path_begins():
+    data = KerrNewmanSphere(3.0, 1.0, 0.8).data()
+    tau = TimeFunction.of(lambda u: 1.5 * u[:, 2] + 0.4 * u[:, 0] * u[:, 2], 2)
+    one = wang_yau(data, tau)
+    raised = embed_smooth(Raised(data.metric, tau))
+    functional = Functional.of(data, raised, tau, raised.harmonics, tau.harmonics)
+    other = functional.value(tau.coefficients[1:], raised.coefficients)
+    assert other == pytest.approx(one.energy.value, rel=1e-9)

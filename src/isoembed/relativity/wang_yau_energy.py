@@ -123,7 +123,8 @@ def wang_yau(
         `Harmonics` sorts them; a callable takes directions u (n, 3) and returns tau (n,).  None is tau = 0.
         "optimal" looks for the least energy by Newton's method from tau = 0, in spherical harmonics.
     embedding : SmoothEmbedding, optional
-        Of ``data.metric``, if it is at hand.
+        Of ``data.metric``, if it is at hand.  Where that does not embed, a given tau will do for which
+        ``q + d tau d tau`` does.
     degrees : tuple of int
         Those of tau, one after the other, until the energy settles.
     accuracy : float
@@ -151,48 +152,59 @@ def wang_yau(
     """
     if not degrees or min(degrees) < 1:
         raise InvalidParameter(f"the degrees of tau are {degrees}: there must be some, and all at least 1")
-    flat = embed_smooth(data.metric) if embedding is None else embedding
-    degree = int(np.clip(flat.harmonics.degree, LEAST, MOST))
-    search = _Search(data, flat, degree)
-    if isinstance(tau, str) and tau == "optimal":
-        return search.least(degrees, accuracy)
+    time = None if isinstance(tau, str) and tau == "optimal" else _time_function(tau)
+    at = TimeFunction.zero()
+    if embedding is None:
+        try:
+            embedding = embed_smooth(data.metric)
+        except NotEmbedded:
+            if time is None or not np.any(time.coefficients[1:]):
+                raise
+            at, embedding = time, embed_smooth(Raised(data.metric, time))
+    search = _Search(data, embedding, at)
+    return search.least(degrees, accuracy) if time is None else search.reached(time)
+
+
+def _time_function(tau: TimeFunction | Floats | Callable[[Floats], ArrayLike] | str | None) -> TimeFunction:
     if tau is None:
-        return search.at(TimeFunction.zero())
+        return TimeFunction.zero()
+    if isinstance(tau, TimeFunction):
+        return tau
     if isinstance(tau, np.ndarray):
-        return search.at(TimeFunction.from_array(tau))
-    if not isinstance(tau, TimeFunction):
-        if not callable(tau):
-            raise InvalidParameter(
-                f'tau is {tau!r}, not a TimeFunction, an array, a function, "optimal" or None'
-            )
-        tau = TimeFunction.of(tau)
-    return search.at(tau)
+        return TimeFunction.from_array(tau)
+    if not callable(tau):
+        raise InvalidParameter(f'tau is {tau!r}, not a TimeFunction, an array, a function, "optimal" or None')
+    return TimeFunction.of(tau)
 
 
 class _Search:
     """The energies of one surface, counting the embeddings."""
 
-    def __init__(self, data: SurfaceData, flat: SmoothEmbedding, degree: int) -> None:
-        self.data, self.flat = data, flat
+    def __init__(self, data: SurfaceData, base: SmoothEmbedding, at: TimeFunction) -> None:
+        degree = int(np.clip(base.harmonics.degree, LEAST, MOST))
+        self.data, self.base, self.at = data, base, at  # base is the X of this tau
         self.X = Harmonics(degree, degree)
         self.embeddings = 1
-        self.scale = float(np.sqrt(flat.area / (16.0 * np.pi)))
+        self.scale = float(np.sqrt(base.area / (16.0 * np.pi)))
 
-    def at(self, tau: TimeFunction) -> WangYau:
-        """E of a given time function, reached from 0."""
-        functional = Functional.of(self.data, self.flat, self.X, tau.harmonics)
-        t, X = tau.coefficients[1:], recast(self.flat.coefficients, self.flat.harmonics, self.X)
-        if np.any(t):
-            X = self._reached(functional, t, X)
-        return self._answer(functional, tau.harmonics, t, X, 0.0, None)
+    def reached(self, tau: TimeFunction) -> WangYau:
+        """E of a given time function, reached from that of the base."""
+        functional = self._functional(self.X, tau.harmonics)
+        X = recast(self.base.coefficients, self.base.harmonics, self.X)
+        if tau is not self.at and np.any(tau.coefficients[1:]):
+            X = self._reached(functional, tau.coefficients[1:], X)
+        return self._answer(functional, tau.harmonics, tau.coefficients[1:], X, 0.0, None)
+
+    def _functional(self, X: Harmonics, tau: Harmonics) -> Functional:
+        return Functional.of(self.data, self.base, self.at, X, tau)
 
     def least(self, degrees: tuple[int, ...], accuracy: float) -> WangYau:
         """The least E, in more and more harmonics."""
-        X = recast(self.flat.coefficients, self.flat.harmonics, self.X)
-        tau, energy, change = TimeFunction.zero(), self.at(TimeFunction.zero()).energy.value, np.inf
+        X = recast(self.base.coefficients, self.base.harmonics, self.X)
+        tau, energy, change = self.at, self.reached(self.at).energy.value, np.inf
         for degree in degrees:
             harmonics = Harmonics(degree, degree)
-            functional = Functional.of(self.data, self.flat, self.X, harmonics)
+            functional = self._functional(self.X, harmonics)
             t = recast(tau.coefficients[:, None], tau.harmonics, harmonics)[1:, 0]
             t, X, found, eigenvalues = self._minimized(functional, t, X)
             tau = TimeFunction(harmonics, np.concatenate([[0.0], t]))
@@ -252,7 +264,7 @@ class _Search:
                 raise NotEmbedded(
                     f"the metric q + d tau d tau is not embedded beyond {done:.3g} times the given tau: "
                     f"there K + det D^2 tau / W^2 is at least {functional.least_admissible(done * t, X):.3g}",
-                    self.flat,
+                    self.base,
                 )
         return X
 
@@ -268,7 +280,7 @@ class _Search:
         tau = TimeFunction(harmonics, np.concatenate([[0.0], t]))
         energy = functional.value(t, X)
         lower = Harmonics(*(2 * (int(COARSER * self.X.degree),)))
-        coarse = Functional.of(self.data, self.flat, lower, harmonics)
+        coarse = self._functional(lower, harmonics)
         self.embeddings += 1
         there = coarse.embedded(t, recast(X, self.X, lower))
         error = abs(coarse.value(t, there) - energy) + change
@@ -283,7 +295,7 @@ class _Search:
         return WangYau(
             energy=Estimate(energy, error),
             tau=tau,
-            embedding=SmoothEmbedding(metric, self.X, X, self.flat.tolerance, np.inf),
+            embedding=SmoothEmbedding(metric, self.X, X, self.base.tolerance, np.inf),
             admissible=admissible,
             gradient=float(np.linalg.norm(functional.gradient(t, X))),
             least_second_derivative=least,

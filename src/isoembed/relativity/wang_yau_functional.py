@@ -24,6 +24,7 @@ from numpy.typing import NDArray
 
 from isoembed.errors import InvalidParameter
 from isoembed.relativity.surface_data import SurfaceData
+from isoembed.relativity.time_function import TimeFunction
 from isoembed.smooth.embedding import SmoothEmbedding
 from isoembed.smooth.harmonics import Harmonics
 from isoembed.smooth.isometry import IsometrySystem, MetricSamples, strains
@@ -77,7 +78,12 @@ class Functional:
 
     @classmethod
     def of(
-        cls, data: SurfaceData, embedding: SmoothEmbedding, harmonics: Harmonics, tau: Harmonics
+        cls,
+        data: SurfaceData,
+        embedding: SmoothEmbedding,
+        at: TimeFunction,
+        harmonics: Harmonics,
+        tau: Harmonics,
     ) -> Functional:
         """Prepare the functional.
 
@@ -86,7 +92,9 @@ class Functional:
         data : SurfaceData
             With the mean curvature.
         embedding : SmoothEmbedding
-            Of ``data.metric``: tau = 0.
+            Of ``q + d tau d tau`` for one tau.
+        at : TimeFunction
+            That tau.
         harmonics, tau : Harmonics
             Of X, and of the time functions.
 
@@ -104,8 +112,12 @@ class Functional:
         second = _pairs(harmonics.second_along(u, e, np.eye(harmonics.size)))
         gradients = tau.along(u, e)[1][:, :, 1:]
         flat = _pairs(tau.second_along(u, e, np.eye(tau.size)))[:, :, 1:]
-        # X0 is isometric: the tangent part of its second derivatives is how q's derivative differs.
+        # (tau, X0) has the metric q in Minkowski space: the tangent part of its second derivatives is how q's
+        # derivative differs from that of the sphere.
         drift = np.einsum("npc,nac->npa", second @ X0, first @ X0)
+        slope = at.harmonics.along(u, e)[1] @ at.coefficients
+        bend = _pairs(at.harmonics.second_along(u, e, at.coefficients[:, None])[..., 0])
+        drift -= bend[:, :, None] * slope[:, None, :]
         return cls(
             system=IsometrySystem.of(harmonics, samples),
             first=first,
