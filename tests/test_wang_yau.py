@@ -7,7 +7,7 @@ from functools import cache
 import numpy as np
 import pytest
 
-from isoembed.errors import InvalidParameter, NotEmbedded
+from isoembed.errors import InvalidParameter, NoMinimum, NotEmbedded
 from isoembed.relativity import (
     AnalyticCallable,
     KerrNewmanHorizon,
@@ -19,6 +19,7 @@ from isoembed.relativity import (
     TimeFunction,
     embed_surface,
     wang_yau,
+    wang_yau_energy,
 )
 from isoembed.relativity.boosted import BoostedSchwarzschild
 from isoembed.relativity.time_function import Raised
@@ -519,3 +520,17 @@ def test_the_energy_does_not_depend_on_where_the_path_begins():
     functional = Functional.of(data, raised, tau, raised.harmonics, tau.harmonics)
     other = functional.value(tau.coefficients[1:], raised.coefficients)
     assert other == pytest.approx(one.energy.value, rel=1e-9)
+
+
+def test_a_search_that_ends_too_early_is_no_minimum(monkeypatch):
+    _, data, embedding = minkowski()
+    monkeypatch.setattr(wang_yau_energy, "MOST_STEPS", 1)
+    with pytest.raises(NoMinimum, match=r"the search ended at E = .* was to gain"):
+        wang_yau(data, "optimal", embedding=embedding, degrees=(2,))
+
+
+def test_a_degree_that_does_not_resolve_the_surface(monkeypatch):
+    monkeypatch.setattr(wang_yau_energy, "LEAST", 4)
+    monkeypatch.setattr(wang_yau_energy, "MOST", 4)
+    with pytest.raises(NotEmbedded, match="by harmonics up to degree 4"):
+        wang_yau(KerrNewmanSphere(1.7, 1.0, 0.95).data())

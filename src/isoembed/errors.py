@@ -44,6 +44,10 @@ class NotEmbedded(RuntimeError):  # noqa: N818 - the contract's name
         return str(self.args[0])
 
 
+class NoMinimum(RuntimeError):  # noqa: N818 - as the others
+    """The search for a least energy ended where the energy still falls; the message says how fast."""
+
+
 class Interrupted(KeyboardInterrupt):
     """The computation was interrupted, by Ctrl-C for one.
 

@@ -16,7 +16,7 @@ from isoembed.cli.live import live_view
 from isoembed.cli.refusal import Refusal
 from isoembed.cli.screen import complain, say
 from isoembed.cli.status import NOT_EMBEDDED, OK
-from isoembed.errors import InvalidMetric, InvalidParameter, NotEmbedded
+from isoembed.errors import InvalidMetric, InvalidParameter, NoMinimum, NotEmbedded
 from isoembed.io import SURFACE_ENDINGS, check_output, mesh_writer, surface_writer, write_whole
 from isoembed.metric.polyhedral import PolyhedralMetric
 from isoembed.relativity.embedded import CONVENTIONS, EmbeddedSurface, embed_surface
@@ -167,7 +167,7 @@ def _add_wang_yau(report: dict[str, Any], surface: EmbeddedSurface) -> WangYau |
     """Add the least Wang-Yau energy to a report, or why there is none."""
     try:
         found = wang_yau(surface.data, "optimal", embedding=surface.embedding)
-    except InvalidParameter as error:
+    except (InvalidParameter, NotEmbedded, NoMinimum) as error:
         report["wang_yau"] = report["errors"]["wang_yau"] = None
         report["notes"].append(str(error))
         return None

@@ -26,7 +26,7 @@ from isoembed.relativity.coordinate_shape import CoordinateShape
 from isoembed.relativity.embedded import EmbeddedSurface, embed_surface
 from isoembed.relativity.hdf5 import HDF5_ENDINGS
 from isoembed.relativity.horizon_file import read_horizon
-from isoembed.relativity.kerr_schild import KerrSchild
+from isoembed.relativity.kerr_schild import KerrSchild, horizon_radius
 from isoembed.relativity.painleve_gullstrand import PainleveGullstrand
 from isoembed.relativity.quadrature import intrinsic_energies
 from isoembed.relativity.spectre import read_spectre
@@ -157,9 +157,8 @@ def _geometry(options: argparse.Namespace) -> ThreeGeometry | None:
                 raise Refusal(f"--{given} needs a --geometry among {', '.join(GEOMETRIES)}")
         return None if name is None else read_cartesian_grid(name)
     if name == "kerr-schild":
-        geometry = KerrSchild(mass, spin)
-        geometry.horizon  # noqa: B018 - refuses what has none
-        return geometry
+        horizon_radius(mass, spin)  # refuses a spin beyond the mass
+        return KerrSchild(mass, spin)
     if any(spin):
         raise Refusal(f"the geometry {name} has no spin: take kerr-schild")
     return IsotropicSchwarzschild(mass) if name == "isotropic" else PainleveGullstrand(mass)

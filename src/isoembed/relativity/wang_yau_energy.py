@@ -9,7 +9,7 @@ from typing import Any, Literal
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from isoembed.errors import InvalidParameter, NotEmbedded
+from isoembed.errors import InvalidParameter, NoMinimum, NotEmbedded
 from isoembed.relativity.surface_data import SurfaceData
 from isoembed.relativity.time_function import Raised, TimeFunction
 from isoembed.relativity.wang_yau_functional import Functional
@@ -29,6 +29,7 @@ SUFFICIENT = 1e-4  # of the foretold decrease, for a step to be taken
 SHORTEST = 1e-3  # of Newton's step
 FLAT = 1e-9  # of the largest second derivative: smaller ones are none (boosts, in Minkowski space)
 ROUNDING = 1e-14
+STATIONARY = 1e-9  # of the irreducible mass: what a minimum may still have to fall
 
 
 @dataclass(frozen=True)
@@ -139,7 +140,9 @@ def wang_yau(
     InvalidParameter
         The mean curvature vector is not spacelike and outward somewhere: the energy is not real there.
     NotEmbedded
-        The surface, or the one that a given tau makes, does not embed.
+        The surface, or the one that a given tau makes, does not embed, or harmonics of degree 24 miss it.
+    NoMinimum
+        The search ended where the energy still falls.
 
     Notes
     -----
@@ -191,7 +194,9 @@ class _Search:
         """E of a given time function, reached from that of the base."""
         functional = self._functional(self.X, tau.harmonics)
         X = recast(self.base.coefficients, self.base.harmonics, self.X)
-        if tau is not self.at and np.any(tau.coefficients[1:]):
+        if tau is self.at or not np.any(tau.coefficients[1:]):
+            X = functional.embedded(tau.coefficients[1:], X)
+        else:
             X = self._reached(functional, tau.coefficients[1:], X)
         return self._answer(functional, tau.harmonics, tau.coefficients[1:], X, 0.0, None)
 
@@ -229,19 +234,31 @@ class _Search:
             foretold = -float(gradient @ step)
             if foretold <= ROUNDING * self.scale:
                 break
-            length = 1.0
-            while True:
-                there = t + length * step
-                map_there = self._embedded(functional, there, X)
-                if map_there is not None:
-                    attained = functional.value(there, map_there)
-                    if attained <= energy - SUFFICIENT * length * foretold:
-                        break
-                length *= 0.5
-                if length < SHORTEST:
-                    return t, X, energy, eigenvalues
-            t, X, energy = there, map_there, attained
+            found = self._lower(functional, t, X, step, energy, foretold)
+            if found is None:
+                break
+            t, X, energy = found
+        if foretold > STATIONARY * self.scale:
+            raise NoMinimum(
+                f"the search ended at E = {energy:.6g}, from where Newton's step was to gain {foretold:.1e}: "
+                "the time functions beyond are not admissible or not embedded, or the steps did not suffice"
+            )
         return t, X, energy, eigenvalues
+
+    def _lower(
+        self, functional: Functional, t: Floats, X: Floats, step: Floats, energy: float, foretold: float
+    ) -> tuple[Floats, Floats, float] | None:
+        """Go along a step until E falls by enough: tau, X and E there, or None."""
+        length = 1.0
+        while length >= SHORTEST:
+            there = t + length * step
+            followed = self._embedded(functional, there, X)
+            if followed is not None:
+                attained = functional.value(there, followed)
+                if attained <= energy - SUFFICIENT * length * foretold:
+                    return there, followed, attained
+            length *= 0.5
+        return None
 
     def _embedded(self, functional: Functional, t: Floats, X: Floats) -> Floats | None:
         """X for another tau, if it is admissible and X follows."""
@@ -278,6 +295,12 @@ class _Search:
         least: float | None,
     ) -> WangYau:
         tau = TimeFunction(harmonics, np.concatenate([[0.0], t]))
+        misfit = functional.misfit(t, X)
+        if misfit > STRAINED:
+            raise NotEmbedded(
+                f"q + d tau d tau is missed by {misfit:.1e} by harmonics up to degree {self.X.degree}",
+                self.base,
+            )
         energy = functional.value(t, X)
         lower = Harmonics(*(2 * (int(COARSER * self.X.degree),)))
         coarse = self._functional(lower, harmonics)

@@ -16,6 +16,9 @@ class Estimate:
         object.__setattr__(self, "value", float(self.value))
         object.__setattr__(self, "error", float(self.error))
 
+    def __str__(self) -> str:
+        return f"{self.value:.15g} +- {self.error:.0e}"
+
     def __add__(self, other: Estimate) -> Estimate:
         return Estimate(self.value + other.value, self.error + other.error)
 
