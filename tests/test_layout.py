@@ -18,7 +18,7 @@ def inscribed(n, seed):
 
 
 def tree(metric, radius, root=0):
-    return embedding_tree(metric, radius, root, smooth.tally())
+    return embedding_tree(metric, radius, root, smooth.tally()).vertices
 
 
 @given(st.integers(0, 10**6), st.floats(1e-3, 1e3))
@@ -89,3 +89,27 @@ def test_layers_are_counted():
         front = sorted({g for f in front for g in across[f]} - seen)
         seen |= set(front)
     assert tally.iterations == layers
+
+
+def test_every_vertex_is_placed_from_an_edge_of_a_layer_before():
+    x, faces = inscribed(200, 3)
+    metric = PolyhedralMetric.from_mesh(x, faces)
+    root = 7
+    found = embedding_tree(metric, 1.0, root, smooth.tally())
+    first = np.flatnonzero(found.pivots[:, 0] < 0)
+    a, b, c = faces[root]
+    assert set(first) == {a, b}
+    assert set(found.pivots[c]) == {a, b}
+    assert set(np.flatnonzero(found.layers == 0)) == {a, b, c}
+    triangles = {frozenset(face) for face in metric.faces.tolist()}
+    rest = np.setdiff1d(np.arange(200), [a, b, c])
+    for v in rest:
+        assert frozenset((v, *found.pivots[v])) in triangles
+    assert (found.layers[found.pivots[rest]] < found.layers[rest, None]).all()
+    # Each vertex stands as far from the two as the metric says.
+    for k in range(2):
+        ends = np.column_stack([rest, found.pivots[rest, k]])
+        away = np.linalg.norm(found.vertices[rest] - found.vertices[ends[:, 1]], axis=1)
+        lengths = metric.lengths[metric.triangulation.edge_indices(ends)]
+        assert away == pytest.approx(lengths, abs=1e-6)
+    assert not (found.vertices.flags.writeable or found.layers.flags.writeable)

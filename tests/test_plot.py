@@ -24,13 +24,17 @@ def embedded(surface, n):
     return Embedding(PolyhedralMetric.from_mesh(vertices, faces), vertices, method="exact", tolerance=1e-10)
 
 
+def seen(surface):
+    return View.of(surface.vertices, surface.faces)
+
+
 @pytest.fixture(scope="module")
 def peanut():
     return embedded(CassiniPeanut(), 200)
 
 
 def test_half_of_a_sphere_is_seen():
-    view = View.of(embedded(Sphere(), 1000))
+    view = seen(embedded(Sphere(), 1000))
     assert len(view.faces) == pytest.approx(998, rel=0.05)
     # The projected triangles cover the disk once.
     a, b, c = view.polygons.transpose(1, 0, 2)
@@ -44,7 +48,7 @@ def test_the_view_does_not_depend_on_the_position(peanut):
     turn, _ = np.linalg.qr(np.random.default_rng(1).normal(size=(3, 3)))
     turn *= np.sign(np.linalg.det(turn))
     moved = Embedding(peanut.metric, 7.0 + peanut.vertices @ turn, method="exact", tolerance=1e-10)
-    here, there = View.of(peanut).polygons, View.of(moved).polygons
+    here, there = seen(peanut).polygons, seen(moved).polygons
     # A surface of revolution fixes its long axis only: the extent of the picture is what must agree.
     np.testing.assert_allclose(np.ptp(here[..., 0]), np.ptp(there[..., 0]), rtol=0.02)
     assert np.ptp(here[..., 0]) > np.ptp(here[..., 1])  # the long axis lies across
@@ -56,7 +60,7 @@ def test_the_figure_says_which_convention(peanut):
     assert axes.get_aspect() == 1.0
     assert "H = (k_1 + k_2)/2" in bar.get_ylabel()
     (triangles,) = axes.collections
-    assert len(triangles.get_paths()) == len(View.of(peanut).faces)
+    assert len(triangles.get_paths()) == len(seen(peanut).faces)
     # The waist is less curved than the ends, so the colors differ in lightness.
     lightness = triangles.get_facecolors()[:, :3].mean(axis=1)
     assert np.ptp(lightness) > 0.2
@@ -92,5 +96,5 @@ def test_what_cannot_be_drawn(peanut, tmp_path, monkeypatch):
 @pytest.mark.parametrize("radius", [1e-150, 1.0, 1e12])
 def test_any_size(radius):
     sphere = embedded(Sphere(radius=radius), 42)
-    assert np.isfinite(View.of(sphere).polygons).all()
+    assert np.isfinite(seen(sphere).polygons).all()
     figure(sphere).canvas.draw()

@@ -36,7 +36,7 @@ class Stage:
     factorizations: int
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Progress:
     """A snapshot of a running computation.
 
@@ -58,6 +58,9 @@ class Progress:
         What size of problem the stage is working on, such as ``"40,000 vertices"``.
     remaining : float or None
         Seconds left, an estimate; None while there is nothing to go by.
+    vertices : ndarray, shape (V, 3), or None
+        The surface that the stage has reached, in the unit of ``metric.normalized``, in any position; None in
+        snapshots of what is not decided yet, which are most.
     """
 
     stage: str
@@ -69,6 +72,7 @@ class Progress:
     seconds: float
     level: str | None = None
     remaining: float | None = None
+    vertices: NDArray[np.float64] | None = None
 
 
 @dataclass(frozen=True)
@@ -138,6 +142,7 @@ class Tally:
         partially_inverted: int | None = None,
         level: str | None = None,
         done: float | None = None,
+        vertices: NDArray[np.float64] | None = None,
     ) -> None:
         """Tell the listener, if there is one, where the stage is.  What is not said stays as it was.
 
@@ -147,6 +152,8 @@ class Tally:
             As in `Progress`.
         done : float, optional
             The share of the stage's work that is done, from 0 to 1.
+        vertices : ndarray, shape (V, 3), optional
+            As in `Progress`.  They are not copied, so they must not change any more, and not said again.
         """
         said = {
             "t": t,
@@ -162,7 +169,14 @@ class Tally:
         if log.listener is not None:
             seconds, remaining = log.clock() - log.start, log.forecast.remaining
             log.listener(
-                Progress(self.name, self.iterations, **self._last, seconds=seconds, remaining=remaining)
+                Progress(
+                    self.name,
+                    self.iterations,
+                    **self._last,
+                    seconds=seconds,
+                    remaining=remaining,
+                    vertices=vertices,
+                )
             )
 
     def keep(self, **arrays: ArrayLike) -> None:

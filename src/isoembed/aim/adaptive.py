@@ -137,7 +137,10 @@ class Aim:
         with log.stage("pull back") as tally:
             if kept is None:
                 tally.keep(start=start)
+            tally.show(t=1.0, vertices=start)
             vertices, strayed = _leap(system, start, unit.lengths, min(tolerance, EXACT), tally)
+            if vertices is not None:
+                tally.show(t=0.0, vertices=vertices)
         if vertices is not None:
             surfaces.append(surface(metric.unit * vertices))
         if not (surfaces and surfaces[0].converged and (is_convex(given) or strayed < STRAYED)):
@@ -150,6 +153,7 @@ class Aim:
             with log.stage("polish") as tally:
                 tally.keep(start=start, guided=guided)
                 vertices = _polished(system, guided, unit.lengths, tally)
+                tally.show(vertices=vertices)
             surfaces.append(surface(metric.unit * vertices))
             if surfaces[-1].residual < NEARLY:
                 with log.stage("neighbors") as tally:

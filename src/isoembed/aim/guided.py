@@ -205,11 +205,11 @@ def guided_pull_back(
             x, downhill = guide.step(guess, lengths(t), mu, BENDING, tally)
         known = [*known[-2:], (t, x if downhill else guess)]
         tally.keep(start=start, mu=mu, t=[t for t, _ in known], x=[x for _, x in known])
-        tally.show(done=min(tally.iterations / usual, 1.0))
+        tally.show(done=min(tally.iterations / usual, 1.0), vertices=known[-1][1])
     x = known[-1][1]
     for w in (BENDING, *LETTING_GO):
         x = guide.relaxed(x, given, mu, w, tally)
-        tally.show(done=min(tally.iterations / usual, 1.0))
+        tally.show(done=min(tally.iterations / usual, 1.0), vertices=x)
     mu *= FADE
     x = guide.relaxed(x, given, mu, 0.0, tally)
     found, residual = _let_go(guide.finer(x), x, given, mu, tally)

@@ -2,10 +2,13 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass
+
 import numpy as np
 from numpy.typing import NDArray
 
 from isoembed.errors import InvalidParameter
+from isoembed.mesh.triangulation import frozen
 from isoembed.metric.polyhedral import PolyhedralMetric
 from isoembed.stages import Tally
 
@@ -13,7 +16,27 @@ Floats = NDArray[np.float64]
 Indices = NDArray[np.int64]
 
 
-def embedding_tree(metric: PolyhedralMetric, radius: float, root: int, tally: Tally) -> Floats:
+@dataclass(frozen=True)
+class EmbeddingTree:
+    """The vertices on the sphere, and what each of them was computed from.
+
+    Attributes
+    ----------
+    vertices : ndarray, shape (V, 3)
+        Points on the sphere about the origin.
+    layers : ndarray of int, shape (V,)
+        The layer that placed each vertex; 0 for the three of the root.
+    pivots : ndarray of int, shape (V, 2)
+        The ends of the edge that each vertex was placed from: with it, they span the two edges that were
+        used.  -1 for the ends of the first edge.
+    """
+
+    vertices: Floats
+    layers: Indices
+    pivots: Indices
+
+
+def embedding_tree(metric: PolyhedralMetric, radius: float, root: int, tally: Tally) -> EmbeddingTree:
     """Place a metric of constant curvature on the sphere, triangle after triangle.
 
     The first edge is placed by Eqs. (xb)-(zb).  Every other vertex follows from a placed edge by the two
@@ -34,8 +57,7 @@ def embedding_tree(metric: PolyhedralMetric, radius: float, root: int, tally: Ta
 
     Returns
     -------
-    ndarray, shape (V, 3)
-        Points on the sphere about the origin.
+    EmbeddingTree
 
     Raises
     ------
@@ -48,7 +70,8 @@ def embedding_tree(metric: PolyhedralMetric, radius: float, root: int, tally: Ta
         raise InvalidParameter(f"root is {root}, but the faces are numbered from 0 to {len(faces) - 1}")
     r, lengths = radius, metric.lengths
     x = np.zeros((triangulation.n_vertices, 3))
-    placed = np.zeros(triangulation.n_vertices, dtype=bool)
+    layers = np.full(triangulation.n_vertices, -1)  # until a vertex is placed
+    pivots = np.full((triangulation.n_vertices, 2), -1)
     done = np.zeros(len(faces), dtype=bool)
 
     a, b, c = faces[root]
@@ -56,10 +79,13 @@ def embedding_tree(metric: PolyhedralMetric, radius: float, root: int, tally: Ta
     x[c] = _opposite(
         r, x[[a]], x[[b]], lengths[face_edges[root, [2]]], lengths[face_edges[root, [1]]], np.array([1.0])
     )[0]
-    placed[faces[root]] = done[root] = True
+    pivots[c] = a, b
+    layers[faces[root]] = 0
+    done[root] = True
 
-    front = np.array([root])
+    front, layer = np.array([root]), 0
     while len(front):
+        layer += 1
         tally.iterations += 1
         # Half-edges of neighbors across the front; the first one to reach a vertex places it.
         inside = (3 * front[:, None] + np.arange(3)).ravel()
@@ -71,8 +97,8 @@ def embedding_tree(metric: PolyhedralMetric, radius: float, root: int, tally: Ta
         front = outside // 3
         done[front] = True
         new = faces[front, (outside % 3 + 2) % 3]
-        _, first = np.unique(np.where(placed[new], -1, new), return_index=True)
-        first = first[~placed[new[first]]]
+        _, first = np.unique(np.where(layers[new] >= 0, -1, new), return_index=True)
+        first = first[layers[new[first]] < 0]
         f, c = np.divmod(outside[first], 3)
         a, b, v = faces[f, c], faces[f, (c + 1) % 3], new[first]
         g, d = np.divmod(inside[first], 3)
@@ -83,8 +109,8 @@ def embedding_tree(metric: PolyhedralMetric, radius: float, root: int, tally: Ta
         x[v] = _opposite(
             r, x[a], x[b], lengths[face_edges[f, (c + 2) % 3]], lengths[face_edges[f, (c + 1) % 3]], side
         )
-        placed[v] = True
-    return x
+        layers[v], pivots[v] = layer, np.column_stack([a, b])
+    return EmbeddingTree(frozen(x), frozen(layers), frozen(pivots))
 
 
 def _first_edge(r: float, l: float) -> tuple[Floats, Floats]:

@@ -138,6 +138,7 @@ def leap(given: GluedMetric, start: Floats, log: Log, backend: str | None = None
             return None
         solution, strayed = landed
         vertices = outward(given.faces, realized(solution, tally)[np.argsort(order)])
+        tally.show(vertices=vertices)
     return Landing(vertices, strayed)
 
 

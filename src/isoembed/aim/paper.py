@@ -138,7 +138,8 @@ class Paper:
             if not uniform.converged:
                 lost = f"the curvature did not become uniform (k / kbar is off 1 by {uniform.deviation:.1e})"
         with log.stage("embedding tree") as tally:  # 2.2
-            vertices = embedding_tree(uniform.metric, uniform.radius, self.root, tally)
+            vertices = embedding_tree(uniform.metric, uniform.radius, self.root, tally).vertices
+            tally.show(t=1.0, vertices=vertices)
         system = LengthSystem(given.triangulation, backend=self.backend)
         with log.stage("anneal A") as tally:
             if self.sphere:
@@ -151,8 +152,10 @@ class Paper:
                     max_iterations=self.max_iterations,
                 )
             annealed = self.anneal(system, vertices, uniform.metric.lengths, tolerance, tally)
+            self._show(system, annealed, 1.0, tally)
         with log.stage("convexity and anneal B") as tally:
             annealed = self.make_convex(system, annealed, uniform.metric.lengths, tolerance, tally)
+            self._show(system, annealed, 1.0, tally)
             if not annealed.converged:
                 lost = lost or f"the uniform surface could not be annealed (residual {annealed.residual:.1e})"
         with log.stage("pull back") as tally:  # 2.3
@@ -235,4 +238,5 @@ class Paper:
             residual=annealed.residual,
             inverted=int(inverted.sum()),
             partially_inverted=int(partial.sum()),
+            vertices=annealed.vertices,
         )

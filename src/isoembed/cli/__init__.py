@@ -25,6 +25,7 @@ COMMANDS = {
     "nets": "solve classic nets: the Latin cross, tetramonohedra, pita forms, D-forms, ...",
     "surface": "write the metric of a closed-form surface (ellipsoid, drum, Kerr horizon, ...)",
     "triangulate": "cut a smooth 2-metric into triangles with geodesic lengths",
+    "view": "look at a surface, in the browser or as a picture",
 }
 
 

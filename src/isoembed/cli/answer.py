@@ -5,11 +5,13 @@ from __future__ import annotations
 import argparse
 import sys
 from collections.abc import Callable, Mapping
+from itertools import combinations
 from pathlib import Path
 from typing import Any
 
 import isoembed
 from isoembed.cli.live import live_view
+from isoembed.cli.pictures import add_picture_options, check_pictures, film_for, picture_writers
 from isoembed.cli.refusal import Refusal
 from isoembed.cli.screen import complain, say
 from isoembed.cli.status import NOT_EMBEDDED, OK
@@ -24,7 +26,9 @@ from isoembed.io import (
     write_whole,
 )
 from isoembed.io.files import Writer
-from isoembed.stages import Listener
+from isoembed.stages import Listener, Progress
+
+OUTPUTS = ("output", "report", "picture", "html", "animate")
 
 
 def add_output_options(parser: argparse.ArgumentParser) -> None:
@@ -37,14 +41,26 @@ def add_output_options(parser: argparse.ArgumentParser) -> None:
         help=f"where to write the surface, by its ending: {' '.join(SURFACE_ENDINGS)}",
     )
     parser.add_argument("--report", type=Path, metavar="FILE.json", help="where to write the report")
+    add_picture_options(parser)
     parser.add_argument(
         "--keep", action="store_true", help="write the best attempt even if it is not an answer"
     )
     parser.add_argument("--quiet", action="store_true", help="print nothing but errors")
 
 
-def check_outputs(options: argparse.Namespace) -> None:
+def asked_for(options: argparse.Namespace) -> dict[str, Path]:
+    """The files that are asked for, by the names of their options."""
+    return {name: path for name in OUTPUTS if (path := getattr(options, name))}
+
+
+def check_outputs(options: argparse.Namespace, **beside: Path | None) -> None:
     """Find out what cannot be written before anything is computed.
+
+    Parameters
+    ----------
+    options : argparse.Namespace
+    **beside : path or None
+        Files that the command writes besides, by the names of their options.
 
     Raises
     ------
@@ -53,12 +69,16 @@ def check_outputs(options: argparse.Namespace) -> None:
     """
     if options.output:
         check_output(options.output, SURFACE_ENDINGS)
-    elif options.keep:
-        raise Refusal("--keep needs an --output to write the best attempt to")
     if options.report:
         check_output(options.report, REPORT_ENDINGS)
-    if options.output and options.report and options.output.resolve() == options.report.resolve():
-        raise Refusal(f"--output and --report are the same file {options.output}")
+    check_pictures(options)
+    asked = asked_for(options)
+    if options.keep and not asked.keys() - {"report"}:
+        raise Refusal("--keep needs an --output to write the best attempt to")
+    everything = asked | {name: path for name, path in beside.items() if path}
+    for (name, path), (other, same) in combinations(everything.items(), 2):
+        if path.resolve() == same.resolve():
+            raise Refusal(f"--{name} and --{other} are the same file {path}")
 
 
 def answer(
@@ -87,16 +107,19 @@ def answer(
         The exit status.
     """
     show = not options.quiet and sys.stderr is not None and sys.stderr.isatty()
+    film = film_for(options)
     try:
-        with live_view(show) as progress:
-            embedding = solve(progress)
+        with live_view(show) as view:
+            embedding = solve(_heard_by(view, film))
         failure = None
     except NotEmbedded as error:
         embedding, failure = error.embedding, str(error)
 
     writers = dict(beside or {})
-    if options.output and (failure is None or options.keep):
-        writers[options.output] = surface_writer(options.output, embedding)
+    if failure is None or options.keep:
+        if options.output:
+            writers[options.output] = surface_writer(options.output, embedding)
+        writers |= picture_writers(options, embedding, film)
     if options.report:
         writers[options.report] = report_writer(_report(embedding, failure))
     write_whole(writers)
@@ -108,6 +131,17 @@ def answer(
         elif failure is None and not embedding.converged:
             say(f"{embedding.status}: {embedding.message}")
     return OK if failure is None else NOT_EMBEDDED
+
+
+def _heard_by(*listeners: Listener | None) -> Listener | None:
+    """One listener for those that there are."""
+    there = [listener for listener in listeners if listener is not None]
+
+    def tell(progress: Progress) -> None:
+        for listener in there:
+            listener(progress)
+
+    return tell if there else None
 
 
 def _report(embedding: isoembed.Embedding, failure: str | None) -> dict[str, Any]:

@@ -6,9 +6,8 @@ import argparse
 from pathlib import Path
 
 import isoembed
-from isoembed.cli.answer import add_output_options, answer, check_outputs
+from isoembed.cli.answer import add_output_options, answer, asked_for, check_outputs
 from isoembed.cli.netfile import read_net
-from isoembed.cli.refusal import Refusal
 from isoembed.cli.screen import say
 from isoembed.cli.solid import described
 from isoembed.cli.status import OK
@@ -30,22 +29,18 @@ def configure(parser: argparse.ArgumentParser) -> None:
         type=Path,
         metavar="FILE",
         help="where to write the glued metric, on a simplicial complex, by its ending: "
-        f"{' '.join(METRIC_ENDINGS)}; with neither --output nor --report nothing is solved",
+        f"{' '.join(METRIC_ENDINGS)}; where nothing else is asked for, nothing is solved",
     )
 
 
 def run(options: argparse.Namespace) -> int:
     """Glue the net and solve it; return the exit status."""
-    check_outputs(options)
     if options.metric:
         check_output(options.metric, METRIC_ENDINGS)
-        for name in ("output", "report"):
-            other = getattr(options, name)
-            if other and other.resolve() == options.metric.resolve():
-                raise Refusal(f"--{name} and --metric are the same file {other}")
+    check_outputs(options, metric=options.metric)
     net = read_net(options.input)
     beside = {options.metric: metric_writer(options.metric, net.simplicial())} if options.metric else {}
-    if options.metric and not options.output and not options.report:
+    if options.metric and not asked_for(options):
         write_whole(beside)
         if not options.quiet:
             say(f"{options.metric}: {net!r}")

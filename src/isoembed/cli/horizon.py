@@ -234,7 +234,7 @@ def _writers(
 
 
 def _picture(path: Path, surface: EmbeddedSurface, tables: dict[str, NDArray[Any]]) -> Writer:
-    from isoembed.plot import picture_writer
+    from isoembed.plot import Quantity, picture_writer
 
     metric = PolyhedralMetric.from_mesh(tables["vertices"], tables["faces"])
     drawn = Embedding(metric, tables["vertices"], method="harmonics", tolerance=surface.embedding.tolerance)
@@ -243,7 +243,8 @@ def _picture(path: Path, surface: EmbeddedSurface, tables: dict[str, NDArray[Any
         f"{Path(surface.data.name).name}     area {energies.area.value:.8g}     "
         rf"$\int\! H\,dA = {surface.embedding.integrated_mean_curvature:.8g}$"
     )
-    return picture_writer(path, drawn, values=tables["mean_curvature"], caption=caption)
+    exact = Quantity("mean curvature", "mean curvature  $H = (k_1 + k_2)/2$", tables["mean_curvature"])
+    return picture_writer(path, drawn, color=exact, caption=caption)
 
 
 def _text(report: dict[str, Any]) -> str:

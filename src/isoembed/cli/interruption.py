@@ -7,6 +7,7 @@ import shlex
 import signal
 from pathlib import Path
 
+from isoembed.cli.answer import asked_for
 from isoembed.cli.refusal import Refusal
 from isoembed.cli.signals import handled
 from isoembed.errors import Interrupted
@@ -47,9 +48,9 @@ def checkpoint_file(options: argparse.Namespace) -> Path | None:
         return None
     if options.checkpoint:
         check_output(path, CHECKPOINT_ENDINGS)
-    others = (("INPUT", Path(options.input)), ("--output", options.output), ("--report", options.report))
-    for name, other in others:
-        if other and other.resolve() == path.resolve():
+    outputs = {f"--{name}": other for name, other in asked_for(options).items()}
+    for name, other in {"INPUT": Path(options.input), **outputs}.items():
+        if other.resolve() == path.resolve():
             raise Refusal(f"{name} and the checkpoint are the same file {path}")
     return path
 

@@ -1,5 +1,31 @@
-"""Pictures of surfaces.  Needs matplotlib: ``pip install 'isoembed[plot]'``."""
+"""Pictures of surfaces: still ones, films, and pages for the browser.
 
-from isoembed.plot.picture import PICTURE_ENDINGS, figure, picture_writer, write_picture
+Still ones and films need matplotlib: ``pip install 'isoembed[plot]'``.
+"""
 
-__all__ = ["PICTURE_ENDINGS", "figure", "picture_writer", "write_picture"]
+from isoembed.plot.animation import ANIMATION_ENDINGS, animation_writer, write_animation
+from isoembed.plot.film import Film, Frame
+from isoembed.plot.page import PAGE_ENDINGS, page_writer, write_page
+from isoembed.plot.picture import PICTURE_ENDINGS, Panel, figure, panels, picture_writer, write_picture
+from isoembed.plot.quantity import QUANTITIES, Quantity, quantities, quantity
+
+__all__ = [
+    "ANIMATION_ENDINGS",
+    "PAGE_ENDINGS",
+    "PICTURE_ENDINGS",
+    "QUANTITIES",
+    "Film",
+    "Frame",
+    "Panel",
+    "Quantity",
+    "animation_writer",
+    "figure",
+    "page_writer",
+    "panels",
+    "picture_writer",
+    "quantities",
+    "quantity",
+    "write_animation",
+    "write_page",
+    "write_picture",
+]

@@ -1,8 +1,10 @@
-"""The picture of a surface: triangles colored by mean curvature, lit from the upper left."""
+"""Pictures of surfaces: triangles colored by a quantity, lit from the upper left."""
 
 from __future__ import annotations
 
 import os
+from collections.abc import Sequence
+from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -10,37 +12,57 @@ import numpy as np
 from numpy.typing import NDArray
 
 from isoembed.io.files import FileError, Writer, check_output, ending, write_whole
+from isoembed.plot.quantity import MEAN_CURVATURE, Quantity, quantity
 from isoembed.plot.view import View
 from isoembed.surface.embedding import Embedding
 
 if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+    from matplotlib.cm import ScalarMappable
     from matplotlib.figure import Figure
+
+Floats = NDArray[np.float64]
 
 PICTURE_ENDINGS = (".png", ".svg", ".pdf")
 WIDTH, DPI = 8.0, 220  # inches, dots an inch
 COLORS, DARKEST = "viridis", 0.14  # ordered in lightness, so it survives color blindness and gray printing
-RANGE = (1.0, 99.0)  # percentiles of the curvature between which the colors run
+UNKNOWN = 0.72  # gray, where a quantity has no meaning
 MARGINS = 0.9  # inches, below with the caption and above
-LABEL = "mean curvature  $H = (k_1 + k_2)/2$"
+SHARE = 0.82  # of the width; the rest is for the color bar
+TITLE = 0.35  # inches, above panels
+GAP = 0.04  # of a panel's width, on both sides
+RASTERIZED = 20_000  # triangles from which on a vector file is larger than it is worth
 INK, PAPER = "#1c2430", "white"
 
 
-def figure(
-    embedding: Embedding,
-    *,
-    values: NDArray[np.float64] | None = None,
-    label: str = LABEL,
-    caption: str = "",
-) -> Figure:
-    """Draw a surface, colored by its mean curvature H = (k1 + k2) / 2 or by other values.
+@dataclass(frozen=True, eq=False)
+class Panel:
+    """One surface of several in a row.
+
+    Attributes
+    ----------
+    vertices : ndarray, shape (V, 3)
+    faces : ndarray of int, shape (F, 3)
+        Counterclockwise, seen from outside.
+    values : ndarray, shape (V,)
+        What the colors show.
+    title : str
+    """
+
+    vertices: Floats
+    faces: NDArray[np.int64]
+    values: Floats
+    title: str = ""
+
+
+def figure(embedding: Embedding, *, color: str | Quantity = MEAN_CURVATURE, caption: str = "") -> Figure:
+    """Draw a surface.
 
     Parameters
     ----------
     embedding : Embedding
-    values : ndarray, shape (V,), optional
-        What the colors show at the vertices; by default the mean curvature of the triangles.
-    label : str
-        What the values are.
+    color : str or Quantity
+        What the colors show: a quantity or the name of one, of `isoembed.plot.QUANTITIES`.
     caption : str
         By default the number of vertices, int H dA and the residual.
 
@@ -53,58 +75,43 @@ def figure(
     ------
     FileError
         matplotlib is not installed.
+    InvalidParameter
+        There is no such quantity.
     """
-    try:
-        from matplotlib import colormaps
-        from matplotlib.backends.backend_agg import FigureCanvasAgg
-        from matplotlib.cm import ScalarMappable
-        from matplotlib.collections import PolyCollection
-        from matplotlib.colors import ListedColormap, Normalize
-        from matplotlib.figure import Figure
-    except ImportError:
-        raise FileError("pictures need matplotlib: pip install 'isoembed[plot]'") from None
+    shown = quantity(embedding, color) if isinstance(color, str) else color
+    panel = Panel(embedding.vertices, embedding.faces, shown.values)
+    return _row([panel], shown, caption or _caption(embedding))
 
-    view = View.of(embedding)
-    shown = embedding.mean_curvature if values is None else values
-    low, high = _color_range(shown)
-    shades = ListedColormap(colormaps[COLORS](np.linspace(DARKEST, 1.0, 256)))
-    scale = ScalarMappable(Normalize(low, high), shades)
-    colors = scale.to_rgba(shown[embedding.faces[view.faces]].mean(axis=1))[:, :3]
-    shaded = view.shade(colors)
 
-    flat = view.polygons.reshape(-1, 2)
-    (left, bottom), (right, top) = flat.min(axis=0), flat.max(axis=0)
-    across = 0.82 * WIDTH  # the rest is for the color bar
-    height = max(across * (top - bottom) / (right - left), 0.3 * WIDTH)
-    picture = Figure(figsize=(WIDTH, height + MARGINS), facecolor=PAPER)
-    FigureCanvasAgg(picture)
-    share = height / (height + MARGINS)
-    axes = picture.add_axes((0.02, 0.72 * (1 - share), 0.82, share))
-    width = float(np.clip(14.0 / np.sqrt(len(embedding.faces)), 0.1, 0.7))
-    dark = shaded.mean(axis=1, keepdims=True) < 0.4
-    lines = np.where(dark, 0.88 * shaded + 0.12, 0.8 * shaded)
-    triangles = PolyCollection(
-        list(view.polygons), facecolors=shaded, edgecolors=lines, linewidths=width, joinstyle="round"
-    )
-    triangles.set_rasterized(len(view.faces) > 20_000)
-    axes.add_collection(triangles)
-    axes.set_xlim(left, right)
-    axes.set_ylim(bottom, top)
-    axes.set_aspect("equal")
-    axes.axis("off")
+def panels(
+    surfaces: Sequence[Panel],
+    *,
+    label: str,
+    bounds: tuple[float, float] | None = None,
+    caption: str = "",
+) -> Figure:
+    """Draw surfaces side by side, in one size and with one scale of colors.
 
-    bar_axes = picture.add_axes((0.885, 0.72 * (1 - share) + 0.1 * share, 0.018, 0.8 * share))
-    below, above = shown.min() < low, shown.max() > high
-    extend = {(False, False): "neither", (True, False): "min", (False, True): "max"}.get(
-        (below, above), "both"
-    )
-    bar = picture.colorbar(scale, cax=bar_axes, extend=extend)
-    bar.set_label(label, color=INK, labelpad=8)
-    bar.outline.set_visible(False)
-    bar_axes.tick_params(colors=INK, length=3, width=0.6, labelsize=9)
-    below = caption or _caption(embedding)
-    picture.text(0.43, 0.25 * (1 - share), below, ha="center", va="center", fontsize=9, color=INK)
-    return picture
+    Parameters
+    ----------
+    surfaces : sequence of Panel
+        Where they have the same vertices, turned alike beforehand (`isoembed.surface.alignment.aligned`).
+    label : str
+        What the values are.
+    bounds : (float, float), optional
+        Where the colors begin and end; by default for the first surface's values.
+    caption : str
+
+    Returns
+    -------
+    matplotlib.figure.Figure
+
+    Raises
+    ------
+    FileError
+        matplotlib is not installed.
+    """
+    return _row(surfaces, Quantity("", label, surfaces[0].values), caption, bounds)
 
 
 def picture_writer(path: str | os.PathLike[str], embedding: Embedding, **drawing: Any) -> Writer:
@@ -113,23 +120,118 @@ def picture_writer(path: str | os.PathLike[str], embedding: Embedding, **drawing
     return lambda temporary: drawn.savefig(temporary, format=format_, dpi=DPI)
 
 
-def write_picture(path: str | os.PathLike[str], embedding: Embedding) -> None:
-    """Write the picture of a surface as ``.png``, ``.svg`` or ``.pdf``.
+def write_picture(
+    path: str | os.PathLike[str], embedding: Embedding, *, color: str | Quantity = MEAN_CURVATURE
+) -> None:
+    """Write the picture of a surface as ``.png``, ``.svg`` or ``.pdf``; the last two are vectors.
 
     Raises
     ------
     FileError
         The ending is not known, the file cannot be written, or matplotlib is not installed.
+    InvalidParameter
+        There is no such quantity.
     """
     check_output(path, PICTURE_ENDINGS)
-    write_whole({Path(path): picture_writer(path, embedding)})
+    write_whole({Path(path): picture_writer(path, embedding, color=color)})
 
 
-def _color_range(values: NDArray[np.float64]) -> tuple[float, float]:
-    low, high = np.percentile(values, RANGE)
-    middle = (low + high) / 2
-    half = max((high - low) / 2, 0.05 * abs(middle))  # a sphere's rounding is no structure
-    return float(middle - half), float(middle + half)
+def check_drawable() -> None:
+    """Refuse to draw without matplotlib.
+
+    Raises
+    ------
+    FileError
+    """
+    try:
+        import matplotlib.figure  # noqa: F401
+    except ImportError:
+        raise FileError("pictures need matplotlib: pip install 'isoembed[plot]'") from None
+
+
+def _row(
+    surfaces: Sequence[Panel],
+    shown: Quantity,
+    caption: str,
+    bounds: tuple[float, float] | None = None,
+) -> Figure:
+    """Surfaces side by side, a color bar, titles above and a caption below."""
+    check_drawable()
+    from matplotlib.backends.backend_agg import FigureCanvasAgg
+    from matplotlib.figure import Figure
+
+    low, high = shown.bounds if bounds is None else bounds
+    scale = color_scale(low, high, shown.scale)
+    views = [View.of(panel.vertices, panel.faces) for panel in surfaces]
+    extents = np.array([view.extent for view in views])
+    (left, bottom), (right, top) = extents[:, 0].min(axis=0), extents[:, 1].max(axis=0)
+    if len(surfaces) > 1:
+        left, right = left - GAP * (right - left), right + GAP * (right - left)
+    across = SHARE * WIDTH / len(surfaces)
+    above = TITLE if any(panel.title for panel in surfaces) else 0.0
+    height = max(across * (top - bottom) / (right - left), 0.3 * WIDTH / len(surfaces))
+    total = height + MARGINS + above
+    picture = Figure(figsize=(WIDTH, total), facecolor=PAPER)
+    FigureCanvasAgg(picture)
+    foot, share = 0.72 * MARGINS / total, height / total
+    for k, (panel, view) in enumerate(zip(surfaces, views, strict=True)):
+        axes = picture.add_axes((0.02 + k * across / WIDTH, foot, across / WIDTH, share))
+        draw(axes, view, panel.values[panel.faces], scale)
+        axes.set_xlim(left, right)
+        axes.set_ylim(bottom, top)
+        if panel.title:
+            axes.set_title(panel.title, color=INK, fontsize=10)
+
+    everything = np.concatenate([panel.values[np.isfinite(panel.values)] for panel in surfaces])
+    ends = (bool((everything < low).any()), bool((everything > high).any()))
+    extend = {(False, False): "neither", (True, False): "min", (False, True): "max"}.get(ends, "both")
+    bar_axes = picture.add_axes((0.885, foot + 0.1 * share, 0.018, 0.8 * share))
+    bar = picture.colorbar(scale, cax=bar_axes, extend=extend)
+    bar.set_label(shown.label, color=INK, labelpad=8, fontsize=10 if height > 2.5 else 8)
+    bar.outline.set_visible(False)
+    bar_axes.tick_params(which="both", colors=INK, length=3, width=0.6, labelsize=9)
+    picture.text(0.43, 0.25 * MARGINS / total, caption, ha="center", va="center", fontsize=9, color=INK)
+    return picture
+
+
+def color_scale(low: float, high: float, scale: str = "linear") -> ScalarMappable:
+    """From values to colors, ordered in lightness."""
+    from matplotlib import colormaps
+    from matplotlib.cm import ScalarMappable
+    from matplotlib.colors import ListedColormap, LogNorm, Normalize
+
+    shades = ListedColormap(colormaps[COLORS](np.linspace(DARKEST, 1.0, 256)))
+    return ScalarMappable((LogNorm if scale == "log" else Normalize)(low, high), shades)
+
+
+def draw(axes: Axes, view: View, values: Floats, scale: ScalarMappable) -> None:
+    """Draw the triangles that are seen.
+
+    Parameters
+    ----------
+    axes : matplotlib.axes.Axes
+        Made equal, and without a frame.
+    view : View
+    values : ndarray, shape (F, 3)
+        At the corners of all triangles; a triangle has the color of their mean, or gray where it has none.
+    scale : matplotlib.cm.ScalarMappable
+        From `color_scale`.
+    """
+    from matplotlib.collections import PolyCollection
+
+    means = values[view.faces].mean(axis=1)
+    known = np.isfinite(means)[:, None]
+    shaded = view.shade(np.where(known, scale.to_rgba(np.nan_to_num(means))[:, :3], UNKNOWN))
+    width = float(np.clip(14.0 / np.sqrt(len(values)), 0.1, 0.7))
+    dark = shaded.mean(axis=1, keepdims=True) < 0.4
+    lines = np.where(dark, 0.88 * shaded + 0.12, 0.8 * shaded)
+    triangles = PolyCollection(
+        list(view.polygons), facecolors=shaded, edgecolors=lines, linewidths=width, joinstyle="round"
+    )
+    triangles.set_rasterized(len(view.faces) > RASTERIZED)
+    axes.add_collection(triangles)
+    axes.set_aspect("equal")
+    axes.axis("off")
 
 
 def _caption(embedding: Embedding) -> str:

@@ -7,7 +7,6 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from isoembed.surface.embedding import Embedding
 from isoembed.surface.measures import face_normals
 
 Floats = NDArray[np.float64]
@@ -15,6 +14,42 @@ Floats = NDArray[np.float64]
 AZIMUTH, ELEVATION = np.radians(24.0), np.radians(20.0)
 LIGHT = np.array([-0.5, 0.8, 0.8])  # right, up, toward the viewer
 AMBIENT, DIFFUSE, GLOSS, SHARPNESS = 0.66, 0.42, 0.14, 20
+
+
+@dataclass(frozen=True, eq=False)
+class Pose:
+    """How a surface is put before the viewer: its principal axes, longest first, and half diameter 1.
+
+    Attributes
+    ----------
+    center : ndarray, shape (3,)
+    axes : ndarray, shape (3, 3)
+        Columns, right-handed.
+    size : float
+        Half the diameter, in the unit of the vertices.
+    """
+
+    center: Floats
+    axes: Floats
+    size: float
+
+    @classmethod
+    def of(cls, vertices: Floats) -> Pose:
+        """The pose of a surface by its own axes."""
+        center = vertices.mean(axis=0)
+        centered = vertices - center
+        largest = float(np.abs(centered).max())
+        centered /= largest
+        _, axes = np.linalg.eigh(centered.T @ centered)
+        axes = axes[:, ::-1]
+        # Eigenvectors have no sign: the heavier tail points along the axis, so that pictures can be repeated.
+        axes = axes * np.where((np.asarray(centered @ axes) ** 3).sum(axis=0) < 0, -1.0, 1.0)
+        axes[:, 2] *= np.sign(np.linalg.det(axes))
+        return cls(center, axes, largest * float(np.linalg.norm(centered, axis=1).max()))
+
+    def put(self, vertices: Floats) -> Floats:
+        """The vertices, (V, 3), along long, middle and short axis."""
+        return (vertices - self.center) / self.size @ self.axes
 
 
 @dataclass(frozen=True)
@@ -39,13 +74,26 @@ class View:
     gloss: Floats
 
     @classmethod
-    def of(cls, embedding: Embedding) -> View:
-        """Look at a surface: its longest axis lies across the picture, its shortest one points up."""
-        points = _principal(embedding.vertices) @ _camera().T
-        normals = face_normals(embedding.faces, points)
+    def of(
+        cls, vertices: Floats, faces: NDArray[np.int64], pose: Pose | None = None, turn: float = 0.0
+    ) -> View:
+        """Look at a surface: its longest axis lies across the picture, its shortest one points up.
+
+        Parameters
+        ----------
+        vertices : ndarray, shape (V, 3)
+        faces : ndarray of int, shape (F, 3)
+            Counterclockwise, seen from outside.
+        pose : Pose, optional
+            Where the surface is put: by default by its own axes.
+        turn : float
+            Radians by which the viewer has walked around the shortest axis.
+        """
+        points = (pose or Pose.of(vertices)).put(vertices) @ camera(turn).T
+        normals = face_normals(faces, points)
         normals /= np.maximum(np.linalg.norm(normals, axis=1, keepdims=True), np.finfo(float).tiny)
         front = np.flatnonzero(normals[:, 2] > 0)  # of a closed surface the other side is never seen
-        corners = points[embedding.faces[front]]
+        corners = points[faces[front]]
         order = np.argsort(corners[:, :, 2].mean(axis=1))
         front, corners = front[order], corners[order]
         toward = LIGHT / np.linalg.norm(LIGHT)
@@ -55,27 +103,20 @@ class View:
         gloss = np.maximum(normals[front] @ halfway, 0.0) ** SHARPNESS
         return cls(corners[:, :, :2], front, light, gloss)
 
+    @property
+    def extent(self) -> tuple[Floats, Floats]:
+        """The lower left and the upper right corner of what is seen."""
+        points = self.polygons.reshape(-1, 2)
+        return points.min(axis=0), points.max(axis=0)
+
     def shade(self, colors: Floats) -> Floats:
         """Return the colors (n, 3) of the visible triangles under this light."""
         lit = colors * (AMBIENT + DIFFUSE * self.light)[:, None]
         return np.clip(lit + GLOSS * self.gloss[:, None], 0.0, 1.0)
 
 
-def _principal(vertices: Floats) -> Floats:
-    """The vertices in their principal axes, longest first, scaled to half diameter 1."""
-    centered = vertices - vertices.mean(axis=0)
-    centered /= np.abs(centered).max()
-    _, axes = np.linalg.eigh(centered.T @ centered)
-    axes = axes[:, ::-1]
-    # Eigenvectors have no sign: the heavier tail points along the axis, so that a picture can be made again.
-    axes = axes * np.where((np.asarray(centered @ axes) ** 3).sum(axis=0) < 0, -1.0, 1.0)
-    axes[:, 2] *= np.sign(np.linalg.det(axes))
-    turned = centered @ axes
-    return turned / np.linalg.norm(turned, axis=1).max()
-
-
-def _camera() -> Floats:
-    """Rotation from (long, middle, short) axes to right, up and toward the viewer."""
-    (ca, sa), (ce, se) = ((np.cos(x), np.sin(x)) for x in (AZIMUTH, ELEVATION))
+def camera(turn: float = 0.0) -> Floats:
+    """Rotation from (long, middle, short) axes to right, up and toward the viewer, who may walk around."""
+    (ca, sa), (ce, se) = ((np.cos(x), np.sin(x)) for x in (AZIMUTH + turn, ELEVATION))
     right, toward = np.array([ca, sa, 0.0]), np.array([sa * ce, -ca * ce, se])
     return np.array([right, np.cross(toward, right), toward])

@@ -1,4 +1,4 @@
-"""How far two placements of the same vertices are apart, rigid motions aside."""
+"""Two placements of the same vertices, rigid motions aside."""
 
 from __future__ import annotations
 
@@ -8,16 +8,31 @@ from numpy.typing import NDArray
 Floats = NDArray[np.float64]
 
 
+def aligned(vertices: Floats, onto: Floats) -> Floats:
+    """Rotate and shift vertices onto their other places, as near as least squares bring them.
+
+    Kabsch, Acta Cryst. A32 (1976).
+
+    Parameters
+    ----------
+    vertices, onto : ndarray, shape (V, 3)
+
+    Returns
+    -------
+    ndarray, shape (V, 3)
+    """
+    center = onto.mean(axis=0)
+    x, y = vertices - vertices.mean(axis=0), onto - center
+    left, _, right = np.linalg.svd(x.T @ y)
+    proper = np.diag([1.0, 1.0, np.sign(np.linalg.det(left @ right))])
+    return x @ (left @ proper @ right) + center
+
+
 def distance(vertices: Floats, others: Floats) -> float:
     """The largest distance of a vertex from its other place, after the best rotation and translation.
-
-    Best in least squares (Kabsch, Acta Cryst. A32, 1976).
 
     Parameters
     ----------
     vertices, others : ndarray, shape (V, 3)
     """
-    x, y = vertices - vertices.mean(axis=0), others - others.mean(axis=0)
-    left, _, right = np.linalg.svd(x.T @ y)
-    proper = np.diag([1.0, 1.0, np.sign(np.linalg.det(left @ right))])
-    return float(np.linalg.norm(x @ (left @ proper @ right) - y, axis=1).max())
+    return float(np.linalg.norm(aligned(vertices, others) - others, axis=1).max())

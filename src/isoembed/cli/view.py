@@ -1,0 +1,100 @@
+"""``isoembed view``: look at a surface, in the browser or as a picture."""
+
+from __future__ import annotations
+
+import argparse
+import tempfile
+import webbrowser
+from pathlib import Path
+
+import numpy as np
+
+from isoembed.cli.pictures import add_color_option
+from isoembed.cli.refusal import Refusal
+from isoembed.cli.screen import say
+from isoembed.cli.status import OK
+from isoembed.io import FileError, check_output, read_metric, write_whole
+from isoembed.io.files import ending
+from isoembed.io.registry import FORMATS, SURFACE_ENDINGS
+from isoembed.metric.polyhedral import PolyhedralMetric
+from isoembed.plot import PICTURE_ENDINGS, picture_writer
+from isoembed.plot.page import PAGE_ENDINGS, page_writer, write_page
+from isoembed.plot.quantity import MEAN_CURVATURE
+from isoembed.surface.embedding import Embedding
+from isoembed.surface.measures import volume
+
+TOLERANCE = 1e-10  # as of `isoembed embed`, for files that hold lengths beside the vertices
+
+
+def configure(parser: argparse.ArgumentParser) -> None:
+    """Add the options of ``isoembed view``."""
+    parser.add_argument(
+        "file",
+        type=Path,
+        metavar="FILE",
+        help=f"a surface with vertices ({' '.join(SURFACE_ENDINGS)}); if it holds lengths, too, length "
+        "errors are against those",
+    )
+    parser.add_argument(
+        "-o",
+        "--output",
+        type=Path,
+        metavar="FILE",
+        help=f"{' '.join(PAGE_ENDINGS)}: a page for the browser, in one file; {' '.join(PICTURE_ENDINGS)}: a "
+        "picture (default: a page in a new temporary folder, which is opened in the browser)",
+    )
+    add_color_option(parser)
+
+
+def run(options: argparse.Namespace) -> int:
+    """Show the surface; return the exit status."""
+    output = options.output
+    if output:
+        check_output(output, (*PAGE_ENDINGS, *PICTURE_ENDINGS))
+        if output.resolve() == options.file.resolve():
+            raise Refusal(f"the output is the input {output}")
+    if options.color and (not output or ending(output) in PAGE_ENDINGS):
+        raise Refusal(f"--color is for pictures ({' '.join(PICTURE_ENDINGS)}): a page shows all quantities")
+    surface = _surface(options.file)
+    if not output:
+        return _browse(surface, options.file)
+    if ending(output) in PAGE_ENDINGS:
+        writer = page_writer(output, surface, title=options.file.name)
+    else:
+        writer = picture_writer(output, surface, color=options.color or MEAN_CURVATURE)
+    write_whole({output: writer})
+    return OK
+
+
+def _browse(surface: Embedding, path: Path) -> int:
+    page = Path(tempfile.mkdtemp(prefix="isoembed-")) / f"{path.stem}.html"
+    write_page(page, surface, title=path.name)
+    opened = webbrowser.open(page.as_uri())
+    say(str(page) if opened else f"{page}: no browser could be opened here; open this file in one")
+    return OK
+
+
+def _surface(path: Path) -> Embedding:
+    """The surface of a file, outward, with its own lengths or those that the file holds.
+
+    Raises
+    ------
+    FileError, InvalidMetric
+        It cannot be read, has no vertices, or is no triangulated sphere.
+    """
+    metric = read_metric(path)
+    tables = FORMATS[ending(path)].read(path)
+    if "vertices" not in tables:
+        raise FileError(
+            f"{path} is a metric without vertices: embed it first, with "
+            f"'isoembed embed {path} -o surface.ply'"
+        )
+    shape = np.shape(tables["vertices"])
+    if shape[1:] != (3,):
+        raise FileError(f"{path} holds vertices of shape {shape}, not (V, 3)")
+    own = PolyhedralMetric.from_mesh(tables["vertices"], metric.faces)  # checks the vertices
+    vertices, given = np.asarray(tables["vertices"], dtype=np.float64), "lengths" in tables
+    if volume(metric.faces, vertices / own.unit) < 0:  # the faces are turned over, not the surface
+        metric = PolyhedralMetric(metric.faces[:, ::-1], metric.lengths, metric.edges)
+    message = "" if given else "the lengths are those between the vertices of the file"
+    return Embedding(metric, vertices, method="given", tolerance=TOLERANCE, message=message)

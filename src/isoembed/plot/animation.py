@@ -1,0 +1,174 @@
+"""Films: the pull-back as a GIF or an MP4, surface after surface, and once around the answer."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from importlib.util import find_spec
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+
+from isoembed.io.files import FileError, Writer, check_output, ending, write_whole
+from isoembed.metric.polyhedral import PolyhedralMetric
+from isoembed.plot.film import ANSWER, Frame
+from isoembed.plot.picture import INK, PAPER, check_drawable, color_scale, draw
+from isoembed.plot.quantity import mean_curvature
+from isoembed.plot.view import Pose, View
+from isoembed.surface.embedding import Embedding
+
+Floats = NDArray[np.float64]
+Pixels = NDArray[np.uint8]
+
+ANIMATION_ENDINGS = (".gif", ".mp4")
+IMAGES_A_SECOND = 10
+SECONDS_A_FRAME = 0.5  # from one surface to the next
+LONGEST = 6.0  # seconds from the first surface to the answer
+TURN = 3.0  # seconds once around the answer
+WIDTH, DPI = 5.6, 100  # inches, dots an inch
+COLORS_OF_GIF = 64
+FOOT, HEAD = 0.5, 0.6  # inches, below and above the surface
+
+
+@dataclass(frozen=True, eq=False)
+class _Image:
+    """What one image of a film shows."""
+
+    vertices: Floats
+    turn: float
+    heading: str
+    caption: str
+
+
+def animation_writer(path: str | os.PathLike[str], embedding: Embedding, frames: Sequence[Frame]) -> Writer:
+    """Return what writes the film in the format of this ending; see `write_whole` and `write_animation`."""
+    check_animation(path)
+    images = tuple(_images(embedding, frames))
+    pixels = _drawn(embedding, images)
+    return (_write_gif if ending(path) == ".gif" else _write_mp4)(pixels)
+
+
+def write_animation(path: str | os.PathLike[str], embedding: Embedding, frames: Sequence[Frame]) -> None:
+    """Write the way to a surface, colored by mean curvature, as ``.gif`` or ``.mp4``.
+
+    Between the surfaces that were computed, straight lines; then the viewer walks around the answer.
+
+    Parameters
+    ----------
+    path : path
+    embedding : Embedding
+        The answer.
+    frames : sequence of Frame
+        From `Film.frames`; if it holds the answer alone, the film only walks around it.
+
+    Raises
+    ------
+    FileError
+        The ending is not known, the file cannot be written, or matplotlib, or for MP4 imageio-ffmpeg, is not
+        installed.
+    """
+    check_output(path, ANIMATION_ENDINGS)
+    write_whole({Path(path): animation_writer(path, embedding, frames)})
+
+
+def check_animation(path: str | os.PathLike[str]) -> None:
+    """Refuse a film for which something is not installed.
+
+    Raises
+    ------
+    FileError
+    """
+    check_drawable()
+    if ending(path) == ".mp4" and find_spec("imageio_ffmpeg") is None:
+        raise FileError("MP4 needs imageio-ffmpeg: pip install 'isoembed[mp4]'; a .gif does not")
+
+
+def _images(embedding: Embedding, frames: Sequence[Frame]) -> Iterator[_Image]:
+    """All images, first to last."""
+    shown = frames if frames else (Frame(ANSWER, 0.0, embedding.residual, embedding.vertices),)
+    between = len(shown) - 1
+    steps = max(1, round(min(SECONDS_A_FRAME, LONGEST / max(between, 1)) * IMAGES_A_SECOND))
+    texts = [_texts(embedding, frame) for frame in shown]
+    for k in range(between):
+        for s in np.arange(steps) / steps:
+            vertices = (1 - s) * shown[k].vertices + s * shown[k + 1].vertices
+            yield _Image(vertices, 0.0, *texts[k])
+    for turn in np.linspace(0, 2 * np.pi, round(TURN * IMAGES_A_SECOND), endpoint=False):
+        yield _Image(shown[-1].vertices, float(turn), *texts[-1])
+
+
+def _texts(embedding: Embedding, frame: Frame) -> tuple[str, str]:
+    """The heading and the caption of a surface."""
+    surface = _surface(embedding, frame.vertices)
+    place = "" if frame.t is None else f"     t = {frame.t:.2f}"
+    inverted = int(surface.inverted_vertices.sum() + surface.partially_inverted_vertices.sum())
+    return (
+        f"{frame.stage}{place}",
+        f"{embedding.triangulation.n_vertices:,} vertices     "
+        f"{int(surface.concave_edges.sum()):,} concave edges     "
+        f"{inverted:,} inverted or partially inverted vertices",
+    )
+
+
+def _surface(embedding: Embedding, vertices: Floats) -> Embedding:
+    """A surface on the way, with lengths of its own."""
+    metric = PolyhedralMetric.from_mesh(vertices, embedding.faces)
+    return Embedding(metric, vertices, method=embedding.method, tolerance=embedding.tolerance)
+
+
+def _drawn(embedding: Embedding, images: Sequence[_Image]) -> Iterator[Pixels]:
+    """The images as pixels, (height, width, 3), one after the other."""
+    from matplotlib.backends.backend_agg import FigureCanvasAgg
+    from matplotlib.figure import Figure
+
+    shown = mean_curvature(embedding)
+    scale = color_scale(*shown.bounds)
+    pose = Pose.of(embedding.vertices)
+    size = max(float(np.linalg.norm(pose.put(image.vertices), axis=1).max()) for image in images)
+    height = max(
+        float(np.ptp(View.of(i.vertices, embedding.faces, pose, i.turn).polygons[..., 1])) for i in images
+    )
+    tall = WIDTH * height / (2 * size) + FOOT + HEAD
+    tall = 2 * round(tall * DPI / 2) / DPI  # films have even heights
+    for image in images:
+        picture = Figure(figsize=(WIDTH, tall), facecolor=PAPER, dpi=DPI)
+        canvas = FigureCanvasAgg(picture)
+        axes = picture.add_axes((0.0, FOOT / tall, 1.0, 1 - (FOOT + HEAD) / tall))
+        values = _surface(embedding, image.vertices).mean_curvature
+        draw(axes, View.of(image.vertices, embedding.faces, pose, image.turn), values[embedding.faces], scale)
+        axes.set_xlim(-1.02 * size, 1.02 * size)
+        axes.set_ylim(-0.52 * height, 0.52 * height)
+        picture.text(
+            0.5, 1 - 0.5 * HEAD / tall, image.heading, ha="center", va="center", fontsize=12, color=INK
+        )
+        picture.text(0.5, 0.5 * FOOT / tall, image.caption, ha="center", va="center", fontsize=9, color=INK)
+        canvas.draw()
+        yield np.asarray(canvas.buffer_rgba())[..., :3].copy()
+
+
+def _write_gif(pixels: Iterator[Pixels]) -> Writer:
+    def write(temporary: Path) -> None:
+        from PIL import Image
+
+        first, *others = (Image.fromarray(image).quantize(COLORS_OF_GIF) for image in pixels)
+        first.save(temporary, save_all=True, append_images=others, duration=1000 // IMAGES_A_SECOND, loop=0)
+
+    return write
+
+
+def _write_mp4(pixels: Iterator[Pixels]) -> Writer:
+    def write(temporary: Path) -> None:
+        from imageio_ffmpeg import write_frames
+
+        first = next(pixels)
+        size = first.shape[1], first.shape[0]
+        film = write_frames(str(temporary), size, fps=IMAGES_A_SECOND, macro_block_size=2, quality=6)
+        film.send(None)
+        film.send(first)
+        for image in pixels:
+            film.send(image)
+        film.close()
+
+    return write

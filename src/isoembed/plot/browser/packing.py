@@ -1,0 +1,51 @@
+"""Arrays as text within a page."""
+
+from __future__ import annotations
+
+import base64
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+MISSING, LAST = 65535, 65534  # of 16 bit: no value; the largest one
+
+
+class Packed:
+    """Arrays one after the other, little-endian, each at a multiple of four bytes."""
+
+    def __init__(self) -> None:
+        self._bytes = bytearray()
+
+    def add(self, array: NDArray[Any]) -> dict[str, Any]:
+        """Append an array of floats as they are, in single precision, or of indices; say where it is."""
+        if array.dtype.kind == "f":
+            kind = "f4"
+        elif array.dtype == np.uint8:
+            kind = "u1"
+        else:
+            kind = "u2" if array.max(initial=0) < 2**16 else "u4"
+        self._bytes += bytes(-len(self._bytes) % 4)
+        entry = {"at": len(self._bytes), "type": kind, "count": array.size}
+        self._bytes += np.ascontiguousarray(array, dtype=f"<{kind}").tobytes()
+        return entry
+
+    def add_floats(self, values: NDArray[np.float64]) -> dict[str, Any]:
+        """Append floats of any size in single precision: a value is ``step`` times its entry."""
+        finite = np.isfinite(values)
+        step = float(np.abs(values[finite]).max(initial=0.0)) or 1.0
+        return {**self.add(np.where(finite, values, np.nan) / step), "low": 0.0, "step": step}
+
+    def add_short(self, values: NDArray[np.float64]) -> dict[str, Any]:
+        """Append floats in 16 bit, between the least and the largest: a value is ``low + step * entry``."""
+        finite = np.isfinite(values)
+        low = float(values[finite].min(initial=np.inf)) if finite.any() else 0.0
+        high = float(values[finite].max(initial=-np.inf)) if finite.any() else 0.0
+        step = (high - low) / LAST or 1.0
+        entries = np.where(finite, np.rint((np.where(finite, values, low) - low) / step), MISSING)
+        return {**self.add(entries.astype(np.uint16)), "low": low, "step": step}
+
+    @property
+    def text(self) -> str:
+        """All of it in base64."""
+        return base64.b64encode(self._bytes).decode("ascii")

@@ -1,0 +1,629 @@
+"use strict";
+{
+// ---------------------------------------------------------------------------------------------- the data
+
+const $ = (id) => document.getElementById(id);
+const data = JSON.parse($("data").textContent);
+const bytes = Uint8Array.from(atob($("arrays").textContent), (c) => c.charCodeAt(0)).buffer;
+const KINDS = { f4: Float32Array, u1: Uint8Array, u2: Uint16Array, u4: Uint32Array };
+const MISSING = 65535; // of 16 bit: no value
+const CONCAVE = "concave edges", CONFORMAL = "conformal factor"; // quantities
+
+const stored = (entry) => new KINDS[entry.type](bytes, entry.at, entry.count);
+
+function numbers(entry) {
+  const from = stored(entry), to = new Float32Array(entry.count);
+  for (let i = 0; i < to.length; i++) {
+    to[i] = entry.type === "u2" && from[i] === MISSING ? NaN : entry.low + entry.step * from[i];
+  }
+  return to;
+}
+
+const faces = stored(data.faces), edges = stored(data.edges), frames = data.frames;
+const last = frames.length - 1;
+const n = frames[last].positions.count / 3;
+
+// -------------------------------------------------------------------------------------------- the state
+
+const still = data.camera; // the first view: rows right, up, toward the viewer
+const view = { turn: still.slice(), zoom: 1, x: 0, y: 0 };
+const shown = { frame: last, quantity: data.quantities[0], mesh: true, creases: false, smooth: false };
+let positions, values, concave, low, high; // of the frame
+let dirty = true, hovered = -1;
+
+// ------------------------------------------------------------------------------------------- words
+
+const RAISED = { "-": "⁻", 0: "⁰", 1: "¹", 2: "²", 3: "³", 4: "⁴", 5: "⁵", 6: "⁶", 7: "⁷", 8: "⁸", 9: "⁹" };
+
+function written(x, digits = 4) {
+  if (x === null || Number.isNaN(x)) return "no value";
+  if (x === 0) return "0";
+  const far = Math.abs(x) < 1e-3 || Math.abs(x) >= 1e5;
+  const [mantissa, power] = (far ? x.toExponential(digits - 1) : String(Number(x.toPrecision(digits)))).split("e");
+  const short = String(Number(mantissa)).replace("-", "−");
+  return power === undefined ? short : `${short}\u00a0×\u00a010${[...power.replace("+", "")].map((c) => RAISED[c]).join("")}`;
+}
+
+const meant = (s) => (shown.quantity.scale === "log" ? 10 ** s : s); // a stored value
+
+// ------------------------------------------------------------------------------------------- WebGL
+
+const canvas = $("canvas");
+const FAR = 6; // the viewer's distance, in half diameters
+let gl, parts;
+
+const PROJECTION = `
+uniform mat3 turn; uniform vec4 frame; uniform float reach;
+vec4 projected(vec3 p) { // right, up, toward
+  float w = 1.0 - p.z / ${FAR.toFixed(1)};
+  return vec4((p.xy * frame.x + frame.yz * w) * vec2(frame.w, 1.0), (-p.z / reach + reach / ${FAR.toFixed(1)}) , w);
+}`;
+
+const SURFACE = [`#version 300 es
+layout(location = 0) in vec3 position; layout(location = 1) in vec3 normal; layout(location = 2) in vec2 value;
+${PROJECTION}
+out vec3 place; out vec3 direction; out vec2 shade;
+void main() { place = turn * position; direction = turn * normal; shade = value; gl_Position = projected(place); }
+`, `#version 300 es
+precision highp float;
+in vec3 place; in vec3 direction; in vec2 shade;
+uniform sampler2D ramp; uniform bool smoothly;
+out vec4 color;
+vec3 linear(vec3 c) { return mix(c / 12.92, pow((c + 0.055) / 1.055, vec3(2.4)), step(0.04045, c)); }
+vec3 screen(vec3 c) { return mix(c * 12.92, 1.055 * pow(c, vec3(1.0 / 2.4)) - 0.055, step(0.0031308, c)); }
+void main() {
+  vec3 n = cross(dFdx(place), dFdy(place));
+  n = smoothly && dot(direction, direction) > 0.0 ? (gl_FrontFacing ? direction : -direction) : n;
+  n = normalize(n);
+  vec3 eye = normalize(vec3(0.0, 0.0, ${FAR.toFixed(1)}) - place);
+  vec3 base = linear(shade.y > 0.001 ? vec3(0.60) : texture(ramp, vec2(clamp(shade.x, 0.0, 1.0) * 64.0 / 65.0 + 0.5 / 65.0, 0.5)).rgb);
+  if (!gl_FrontFacing) base = mix(base, vec3(0.16, 0.15, 0.16), 0.75); // the inside
+  vec3 key = normalize(vec3(-0.5, 0.8, 0.8)), fill = normalize(vec3(0.9, -0.1, 0.5));
+  float light = 0.55 + 0.13 * n.y + 0.48 * max(dot(n, key), 0.0) + 0.12 * max(dot(n, fill), 0.0);
+  float gloss = pow(max(dot(n, normalize(key + eye)), 0.0), 38.0);
+  float edge = pow(1.0 - max(dot(n, eye), 0.0), 3.0);
+  color = vec4(screen(clamp(base * light * (1.0 - 0.25 * edge) + 0.10 * gloss + 0.035 * edge, 0.0, 1.0)), 1.0);
+}`];
+
+const LINES = [`#version 300 es
+precision highp float; precision highp sampler2D;
+layout(location = 0) in uvec2 ends;
+${PROJECTION}
+uniform sampler2D points; uniform vec2 size; uniform float width; uniform float lift;
+out float across;
+vec4 end(uint i) {
+  vec3 p = turn * texelFetch(points, ivec2(int(i) & 1023, int(i) >> 10), 0).xyz;
+  return projected(p + lift * normalize(vec3(0.0, 0.0, ${FAR.toFixed(1)}) - p));
+}
+void main() {
+  vec4 a = end(ends.x), b = end(ends.y);
+  vec2 along = (b.xy / b.w - a.xy / a.w) * size;
+  along = dot(along, along) > 1e-12 ? normalize(along) : vec2(1.0, 0.0);
+  float side = (gl_VertexID & 1) == 0 ? -1.0 : 1.0;
+  bool first = gl_VertexID < 2;
+  vec4 p = first ? a : b;
+  across = side * (width / 2.0 + 1.0);
+  vec2 shift = across * vec2(-along.y, along.x) + (first ? -0.3 : 0.3) * width * along;
+  gl_Position = vec4(p.xy + shift / size * p.w, p.zw);
+}`, `#version 300 es
+precision highp float;
+in float across;
+uniform vec4 core; uniform vec4 casing; uniform float width; uniform float coreWidth;
+out vec4 color;
+void main() {
+  float outer = clamp(width / 2.0 + 0.5 - abs(across), 0.0, 1.0), inner = clamp(coreWidth / 2.0 + 0.5 - abs(across), 0.0, 1.0);
+  vec4 c = mix(casing, core, inner);
+  color = vec4(c.rgb, 1.0) * c.a * outer;
+}`];
+
+function program([vertex, fragment]) {
+  const made = gl.createProgram();
+  for (const [kind, text] of [[gl.VERTEX_SHADER, vertex], [gl.FRAGMENT_SHADER, fragment]]) {
+    const shader = gl.createShader(kind);
+    gl.shaderSource(shader, text);
+    gl.compileShader(shader);
+    gl.attachShader(made, shader);
+  }
+  gl.linkProgram(made);
+  if (!gl.getProgramParameter(made, gl.LINK_STATUS) && !gl.isContextLost()) {
+    throw new Error(gl.getAttachedShaders(made).map((s) => gl.getShaderInfoLog(s)).join("\n"));
+  }
+  const count = gl.getProgramParameter(made, gl.ACTIVE_UNIFORMS);
+  const at = {};
+  for (let k = 0; k < count; k++) {
+    const { name } = gl.getActiveUniform(made, k);
+    at[name] = gl.getUniformLocation(made, name);
+  }
+  return { made, at };
+}
+
+function build() {
+  gl.enable(gl.DEPTH_TEST);
+  gl.enable(gl.POLYGON_OFFSET_FILL);
+  gl.enable(gl.STENCIL_TEST);
+  gl.stencilOp(gl.KEEP, gl.KEEP, gl.REPLACE);
+  gl.blendFunc(gl.ONE, gl.ONE_MINUS_SRC_ALPHA);
+  parts = { surface: program(SURFACE), lines: program(LINES) };
+  const buffer = (location, size, place) => {
+    const made = gl.createBuffer();
+    gl.bindBuffer(gl.ARRAY_BUFFER, made);
+    gl.enableVertexAttribArray(location);
+    place(location, size);
+    return made;
+  };
+  const floats = (location, size) => gl.vertexAttribPointer(location, size, gl.FLOAT, false, 0, 0);
+  const kind = edges instanceof Uint16Array ? gl.UNSIGNED_SHORT : gl.UNSIGNED_INT;
+  const ends = (location, size) => {
+    gl.vertexAttribIPointer(location, size, kind, 0, 0);
+    gl.vertexAttribDivisor(location, 1);
+  };
+  const array = (fill) => {
+    const made = gl.createVertexArray();
+    gl.bindVertexArray(made);
+    return { made, ...fill() };
+  };
+  parts.kind = kind;
+  parts.mantle = array(() => {
+    const buffers = { positions: buffer(0, 3, floats), normals: buffer(1, 3, floats), shades: buffer(2, 2, floats) };
+    gl.bindBuffer(gl.ELEMENT_ARRAY_BUFFER, gl.createBuffer());
+    gl.bufferData(gl.ELEMENT_ARRAY_BUFFER, faces, gl.STATIC_DRAW);
+    return buffers;
+  });
+  parts.mesh = array(() => ({ ends: buffer(0, 2, ends), count: edges.length / 2 }));
+  gl.bufferData(gl.ARRAY_BUFFER, edges, gl.STATIC_DRAW);
+  parts.creases = array(() => ({ ends: buffer(0, 2, ends), count: 0 }));
+  gl.bindVertexArray(null);
+  const texture = (unit) => {
+    gl.activeTexture(gl.TEXTURE0 + unit);
+    gl.bindTexture(gl.TEXTURE_2D, gl.createTexture());
+    for (const [name, value] of [["MIN_FILTER", unit ? gl.NEAREST : gl.LINEAR], ["MAG_FILTER", unit ? gl.NEAREST : gl.LINEAR]]) {
+      gl.texParameteri(gl.TEXTURE_2D, gl[`TEXTURE_${name}`], value);
+    }
+    for (const axis of ["S", "T"]) gl.texParameteri(gl.TEXTURE_2D, gl[`TEXTURE_WRAP_${axis}`], gl.CLAMP_TO_EDGE);
+  };
+  texture(0);
+  const colors = Uint8Array.from(data.ramp.flatMap((c) => [1, 3, 5].map((k) => parseInt(c.slice(k, k + 2), 16)).concat(255)));
+  gl.texImage2D(gl.TEXTURE_2D, 0, gl.RGBA8, data.ramp.length, 1, 0, gl.RGBA, gl.UNSIGNED_BYTE, colors);
+  texture(1);
+}
+
+function normals() {
+  const sums = new Float32Array(3 * n), p = positions;
+  for (let f = 0; f < faces.length; f += 3) {
+    const a = 3 * faces[f], b = 3 * faces[f + 1], c = 3 * faces[f + 2];
+    const ux = p[b] - p[a], uy = p[b + 1] - p[a + 1], uz = p[b + 2] - p[a + 2];
+    const vx = p[c] - p[a], vy = p[c + 1] - p[a + 1], vz = p[c + 2] - p[a + 2];
+    const x = uy * vz - uz * vy, y = uz * vx - ux * vz, z = ux * vy - uy * vx;
+    for (const v of [a, b, c]) {
+      sums[v] += x;
+      sums[v + 1] += y;
+      sums[v + 2] += z;
+    }
+  }
+  for (let v = 0; v < sums.length; v += 3) {
+    const norm = Math.hypot(sums[v], sums[v + 1], sums[v + 2]);
+    for (let k = v; k < v + 3 && norm > 0; k++) sums[k] /= norm;
+  }
+  return sums;
+}
+
+function upload() { // the frame and its colors
+  const fill = (buffer, array) => {
+    gl.bindBuffer(gl.ARRAY_BUFFER, buffer);
+    gl.bufferData(gl.ARRAY_BUFFER, array, gl.DYNAMIC_DRAW);
+  };
+  const shades = new Float32Array(2 * n), rows = Math.ceil(n / 1024), texels = new Float32Array(4096 * rows);
+  for (let v = 0; v < n; v++) {
+    const there = Number.isFinite(values[v]);
+    shades[2 * v] = there ? Math.min(Math.max((values[v] - low) / (high - low), -9), 9) : 0.5;
+    shades[2 * v + 1] = there ? 0 : 1;
+    for (let k = 0; k < 3; k++) texels[4 * v + k] = positions[3 * v + k];
+  }
+  fill(parts.mantle.positions, positions);
+  fill(parts.mantle.normals, normals());
+  fill(parts.mantle.shades, shades);
+  const creased = [];
+  for (let e = 0; e < edges.length / 2; e++) {
+    if (concave[e >> 3] & (1 << (e & 7))) creased.push(edges[2 * e], edges[2 * e + 1]);
+  }
+  fill(parts.creases.ends, edges.constructor.from(creased));
+  parts.creases.count = creased.length / 2;
+  gl.activeTexture(gl.TEXTURE1);
+  gl.texImage2D(gl.TEXTURE_2D, 0, gl.RGBA32F, 1024, rows, 0, gl.RGBA, gl.FLOAT, texels);
+}
+
+// ------------------------------------------------------------------------------------------- the picture
+
+function fit() { // the size of the canvas, and of the half diameter in it, in pixels
+  const { clientWidth: w, clientHeight: h } = canvas, [across, down] = seen;
+  const round = 0.9 * Math.min(w, h) / 2; // whichever way it is turned
+  return { w, h, unit: Math.min(0.9 * w / 2 / across, 0.86 * h / 2 / down, 1.3 * round) };
+}
+
+const seen = [0, 0]; // half of the width and height of the first view, in half diameters of the answer
+let most = 1; // of all frames, from its center
+
+for (const frame of frames) {
+  const p = numbers(frame.positions), rows = [still.slice(0, 3), still.slice(3, 6)];
+  for (let v = 0; v < p.length; v += 3) {
+    most = Math.max(most, Math.hypot(p[v], p[v + 1], p[v + 2]));
+    rows.forEach(([a, b, c], k) => (seen[k] = Math.max(seen[k], Math.abs(a * p[v] + b * p[v + 1] + c * p[v + 2]))));
+  }
+}
+most = Math.min(most, 0.8 * FAR);
+const reach = 1.02 * most, shrink = Math.min(1, 1.4 / Math.max(...seen)); // wild frames may leave the picture
+seen.forEach((half, k) => (seen[k] = Math.max(shrink * half, 0.2)));
+
+function draw() {
+  const ratio = Math.min(window.devicePixelRatio || 1, 3), { w, h, unit } = fit();
+  const [across, down] = [Math.max(1, Math.round(ratio * w)), Math.max(1, Math.round(ratio * h))];
+  if (canvas.width !== across || canvas.height !== down) [canvas.width, canvas.height] = [across, down];
+  gl.viewport(0, 0, across, down);
+  gl.clearColor(0, 0, 0, 0);
+  gl.clear(gl.COLOR_BUFFER_BIT | gl.DEPTH_BUFFER_BIT | gl.STENCIL_BUFFER_BIT);
+  const t = view.turn, columns = [t[0], t[3], t[6], t[1], t[4], t[7], t[2], t[5], t[8]];
+  const grown = view.zoom * unit;
+  const common = ({ made, at }) => {
+    gl.useProgram(made);
+    gl.uniformMatrix3fv(at.turn, false, columns);
+    gl.uniform4f(at.frame, grown / (h / 2), view.x / (h / 2), view.y / (h / 2), h / w);
+    gl.uniform1f(at.reach, reach);
+    return at;
+  };
+  const surface = common(parts.surface);
+  gl.uniform1i(surface.ramp, 0);
+  gl.uniform1i(surface.smoothly, shown.smooth ? 1 : 0);
+  gl.bindVertexArray(parts.mantle.made);
+  gl.depthMask(true);
+  gl.disable(gl.BLEND);
+  gl.polygonOffset(1, 1);
+  gl.stencilFunc(gl.ALWAYS, 1, 1);
+  gl.drawElements(gl.TRIANGLES, faces.length, parts.kind, 0);
+
+  const at = common(parts.lines);
+  gl.uniform1i(at.points, 1);
+  gl.uniform2f(at.size, across / 2, down / 2);
+  gl.depthMask(false);
+  gl.enable(gl.BLEND);
+  const lines = ({ made, count }, width, core, casing, lift) => {
+    gl.uniform1f(at.width, ratio * width[1]);
+    gl.uniform1f(at.coreWidth, ratio * width[0]);
+    gl.uniform4fv(at.core, core);
+    gl.uniform4fv(at.casing, casing);
+    gl.uniform1f(at.lift, lift);
+    gl.bindVertexArray(made);
+    gl.drawArraysInstanced(gl.TRIANGLE_STRIP, 0, 4, count);
+  };
+  const length = grown * Math.sqrt(5.8 / (faces.length / 3) * 4); // of an edge, about, in pixels
+  const strength = Math.min(Math.max((length - 2.5) / 9, 0), 1);
+  if (shown.mesh && strength > 0) {
+    const black = [0.03, 0.04, 0.06, 0.08 + 0.2 * strength];
+    lines(parts.mesh, [0.7, 0.7], black, black, 0.001);
+  }
+  if ((shown.creases || shown.quantity.name === CONCAVE) && parts.creases.count) {
+    const width = Math.min(Math.max(length / 7, 1.1), 2.4);
+    gl.stencilFunc(gl.EQUAL, 1, 1); // nothing of them beside the surface
+    lines(parts.creases, [width, width + 1.6], [0.06, 0.05, 0.08, 1], [1, 1, 1, 0.75], 0.005);
+  }
+  gl.bindVertexArray(null);
+  gl.depthMask(true);
+}
+
+function tick() {
+  if (dirty) {
+    dirty = false;
+    if (!gl.isContextLost()) draw();
+    point();
+  }
+  requestAnimationFrame(tick);
+}
+
+// --------------------------------------------------------------------------------- what the colors say
+
+function select() { // take the frame and the quantity
+  const frame = frames[shown.frame], { name, scale: kind } = shown.quantity;
+  positions = numbers(frame.positions);
+  concave = stored(frame.concave);
+  const of = frame.values[name] || (name === CONFORMAL && frames[last].values[name]); // the same for all
+  values = of ? numbers(of) : new Float32Array(n).fill(NaN);
+  [low, high] = (kind === "log" && of ? of : frames[last].values[name]).bounds;
+  if (!gl.isContextLost()) upload();
+  legend();
+  moment();
+  dirty = true;
+}
+
+function legend() {
+  const { label, unit, scale: kind } = shown.quantity;
+  let least = Infinity, most = -Infinity, missing = 0;
+  for (const value of values) {
+    if (Number.isFinite(value)) [least, most] = [Math.min(least, value), Math.max(most, value)];
+    else missing++;
+  }
+  $("label").textContent = label + (unit && ` (${unit})`);
+  $("colors").style.backgroundImage = `linear-gradient(to right, ${data.ramp.join(", ")})`;
+  $("below").style.backgroundColor = data.ramp[0];
+  $("above").style.backgroundColor = data.ramp[data.ramp.length - 1];
+  const slack = 1e-6 * (high - low);
+  $("below").style.visibility = least < low - slack ? "visible" : "hidden";
+  $("above").style.visibility = most > high + slack ? "visible" : "hidden";
+  const words = least <= most ? [least === most ? `all are ${written(meant(least))}` : `from ${written(meant(least))} to ${written(meant(most))}`] : [];
+  if (missing) words.push(`gray: no value at ${missing} ${missing === 1 ? "vertex" : "vertices"}`);
+  $("span").textContent = words.join("; ");
+  $("ticks").replaceChildren(...marks(kind).map((value) => {
+    const mark = document.createElement("span");
+    mark.textContent = kind === "log" ? written(10 ** value).replace(/^1\s×\s/, "") : written(value);
+    mark.style.left = `${100 * (value - low) / (high - low)}%`;
+    return mark;
+  }));
+}
+
+function marks(kind) { // where the numbers stand beside the colors
+  const rough = (high - low) / 4, power = 10 ** Math.floor(Math.log10(rough));
+  const step = kind === "log" ? Math.max(1, Math.round(rough)) : power * [1, 2, 2.5, 5, 10].find((k) => k * power >= rough * 0.95);
+  const found = [];
+  for (let k = Math.ceil(low / step - 1e-9); k <= high / step + 1e-9; k++) found.push(Number((k * step).toPrecision(12)));
+  return found;
+}
+
+function moment() {
+  const { stage, t, residual } = frames[shown.frame];
+  let count = 0;
+  for (const eight of concave) for (let b = eight; b; b &= b - 1) count++;
+  const words = [`frame ${shown.frame + 1} of ${frames.length}`];
+  if (t !== null) words.push(`t = ${written(t, 3)}`);
+  if (residual !== null) words.push(`length errors up to ${written(residual, 2)}${shown.frame < last ? " at this t" : ""}`);
+  words.push(`${count} concave ${count === 1 ? "edge" : "edges"}`);
+  const name = document.createElement("b");
+  name.textContent = stage;
+  $("moment").replaceChildren(name, ...words.flatMap((word) => {
+    const whole = document.createElement("span"); // is not broken
+    whole.textContent = word;
+    return [" · ", whole];
+  }));
+  $("frame").value = shown.frame;
+  $("frame").setAttribute("aria-valuetext", `${stage}, ${words.join(", ")}`);
+}
+
+// ------------------------------------------------------------------------------------ turning and zooming
+
+function turn(across, level, twist) { // by angles about the upright axis, the level one and the line of sight
+  const angle = Math.hypot(across, level, twist);
+  if (angle === 0) return;
+  const [x, y, z] = [level / angle, across / angle, twist / angle], s = Math.sin(angle), c = 1 - Math.cos(angle);
+  const r = [
+    1 - c * (y * y + z * z), c * x * y - s * z, c * x * z + s * y,
+    c * x * y + s * z, 1 - c * (x * x + z * z), c * y * z - s * x,
+    c * x * z - s * y, c * y * z + s * x, 1 - c * (x * x + y * y),
+  ];
+  const m = view.turn, product = [];
+  for (let i = 0; i < 3; i++) for (let j = 0; j < 3; j++) product.push(r[3 * i] * m[j] + r[3 * i + 1] * m[3 + j] + r[3 * i + 2] * m[6 + j]);
+  view.turn = orthonormal(product);
+  changed();
+}
+
+function orthonormal([a, b, c, d, e, f]) { // the rows do not drift
+  const first = Math.hypot(a, b, c);
+  [a, b, c] = [a / first, b / first, c / first];
+  const along = a * d + b * e + c * f;
+  [d, e, f] = [d - along * a, e - along * b, f - along * c];
+  const second = Math.hypot(d, e, f);
+  [d, e, f] = [d / second, e / second, f / second];
+  return [a, b, c, d, e, f, b * f - c * e, c * d - a * f, a * e - b * d];
+}
+
+function zoom(factor, x = 0, y = 0) { // about a point, in pixels from the center, y up
+  const to = Math.min(Math.max(view.zoom * factor, 0.4), 60), by = to / view.zoom;
+  Object.assign(view, { zoom: to, x: x + (view.x - x) * by, y: y + (view.y - y) * by });
+  changed();
+}
+
+function reset() {
+  Object.assign(view, { turn: still.slice(), zoom: 1, x: 0, y: 0 });
+  changed();
+}
+
+function changed() {
+  dirty = true;
+  placed = null;
+}
+
+const pointers = new Map();
+const where = (event) => {
+  const box = canvas.getBoundingClientRect();
+  return [event.clientX - box.left - box.width / 2, box.top + box.height / 2 - event.clientY];
+};
+let moved = 0;
+
+function down(event) {
+  if (event.button) return;
+  if (!pointers.size) moved = 0;
+  canvas.setPointerCapture(event.pointerId);
+  pointers.set(event.pointerId, where(event));
+}
+
+function move(event) {
+  const here = where(event), before = pointers.get(event.pointerId);
+  if (!before) {
+    if (event.pointerType !== "touch") hover(here);
+    return;
+  }
+  const [dx, dy] = [here[0] - before[0], here[1] - before[1]];
+  moved += Math.hypot(dx, dy);
+  if (pointers.size === 1) {
+    const { unit } = fit();
+    turn(dx / unit, -dy / unit, 0);
+  } else {
+    const other = [...pointers].find(([id]) => id !== event.pointerId)[1];
+    const arm = [before[0] - other[0], before[1] - other[1]], now = [here[0] - other[0], here[1] - other[1]];
+    zoom(Math.hypot(...now) / Math.max(Math.hypot(...arm), 1), ...other);
+    turn(0, 0, Math.atan2(arm[0] * now[1] - arm[1] * now[0], arm[0] * now[0] + arm[1] * now[1]));
+  }
+  pointers.set(event.pointerId, here);
+}
+
+function up(event) {
+  if (pointers.delete(event.pointerId) && moved < 6 && event.type === "pointerup") hover(where(event));
+}
+
+const KEYS = {
+  ArrowLeft: () => turn(-0.1, 0, 0), ArrowRight: () => turn(0.1, 0, 0),
+  ArrowUp: () => turn(0, -0.1, 0), ArrowDown: () => turn(0, 0.1, 0),
+  "+": () => zoom(1.15), "=": () => zoom(1.15), "-": () => zoom(1 / 1.15), 0: reset,
+};
+
+// ------------------------------------------------------------------------------------ the vertex pointed at
+
+let placed = null; // the vertices on the screen: pixels from the center, and nearness
+
+function place() {
+  const { unit } = fit(), grown = view.zoom * unit, t = view.turn;
+  placed = new Float32Array(3 * n);
+  for (let v = 0; v < 3 * n; v += 3) {
+    const [x, y, z] = [positions[v], positions[v + 1], positions[v + 2]];
+    const near = t[6] * x + t[7] * y + t[8] * z, w = 1 - near / FAR;
+    placed[v] = (t[0] * x + t[1] * y + t[2] * z) * grown / w + view.x;
+    placed[v + 1] = (t[3] * x + t[4] * y + t[5] * z) * grown / w + view.y;
+    placed[v + 2] = near;
+  }
+}
+
+function hover([x, y]) { // the nearest corner of the front triangle there
+  if (!placed) place();
+  let best = -Infinity, found = -1;
+  for (let f = 0; f < faces.length; f += 3) {
+    const a = 3 * faces[f], b = 3 * faces[f + 1], c = 3 * faces[f + 2];
+    const u = (placed[b] - x) * (placed[c + 1] - y) - (placed[c] - x) * (placed[b + 1] - y);
+    const v = (placed[c] - x) * (placed[a + 1] - y) - (placed[a] - x) * (placed[c + 1] - y);
+    const w = (placed[a] - x) * (placed[b + 1] - y) - (placed[b] - x) * (placed[a + 1] - y);
+    if ((u >= 0 && v >= 0 && w >= 0) || (u <= 0 && v <= 0 && w <= 0)) {
+      const nearness = (u * placed[a + 2] + v * placed[b + 2] + w * placed[c + 2]) / (u + v + w);
+      if (nearness > best) {
+        best = nearness;
+        const apart = [a, b, c].map((p) => Math.hypot(placed[p] - x, placed[p + 1] - y));
+        found = [a, b, c][apart.indexOf(Math.min(...apart))] / 3;
+      }
+    }
+  }
+  hovered = found;
+  point();
+}
+
+function point() { // mark the vertex, and say what it is
+  $("mark").hidden = $("tip").hidden = hovered < 0;
+  if (hovered < 0) return;
+  if (!placed) place();
+  const { w, h } = fit();
+  const [x, y] = [w / 2 + placed[3 * hovered], h / 2 - placed[3 * hovered + 1]];
+  const name = document.createElement("b");
+  name.textContent = `vertex ${hovered}`;
+  $("tip").replaceChildren(name, `  ${shown.quantity.name} ${written(meant(values[hovered]))}`);
+  Object.assign($("mark").style, { left: `${x}px`, top: `${y}px` });
+  const { offsetWidth, offsetHeight } = $("tip");
+  const left = Math.min(Math.max(x + 14, 4), w - offsetWidth - 4), top = y - offsetHeight - 12;
+  Object.assign($("tip").style, { left: `${left}px`, top: `${top > 4 ? top : y + 14}px` });
+}
+
+// ------------------------------------------------------------------------------------------------ the film
+
+let playing = 0; // the time of the next frame
+const PACE = 140; // milliseconds a frame
+
+function play(now) {
+  if (!playing) return;
+  if (now >= playing) {
+    if (shown.frame === last) return pause();
+    show(shown.frame + 1);
+    playing = now + (frames[shown.frame].stage === frames[shown.frame - 1].stage ? PACE : 3 * PACE);
+  }
+  requestAnimationFrame(play);
+}
+
+function pause() {
+  playing = 0;
+  $("play").textContent = "▶";
+  $("play").setAttribute("aria-label", "Play");
+}
+
+function start() {
+  if (shown.frame === last) show(0);
+  playing = performance.now() + 3 * PACE;
+  $("play").textContent = "❚❚";
+  $("play").setAttribute("aria-label", "Pause");
+  requestAnimationFrame(play);
+}
+
+function show(frame) {
+  shown.frame = frame;
+  placed = null;
+  select();
+}
+
+// ----------------------------------------------------------------------------------------------- beginning
+
+function dark() {
+  return getComputedStyle(document.documentElement).colorScheme === "dark" ||
+    (!document.documentElement.dataset.theme && matchMedia("(prefers-color-scheme: dark)").matches);
+}
+
+$("theme").addEventListener("click", () => {
+  document.documentElement.dataset.theme = dark() ? "light" : "dark";
+});
+
+gl = canvas.getContext("webgl2", { antialias: true, alpha: true, stencil: true });
+if (gl) {
+  build();
+  $("controls").hidden = false;
+  $("film").hidden = last === 0;
+  $("frame").max = last;
+  for (const { name } of data.quantities) $("color").append(new Option(name));
+  $("color").addEventListener("change", () => {
+    shown.quantity = data.quantities[$("color").selectedIndex];
+    $("creases").disabled = shown.quantity.name === CONCAVE; // they are drawn with their share
+    $("creases").checked = shown.creases || $("creases").disabled;
+    select();
+  });
+  for (const name of ["mesh", "creases", "smooth"]) {
+    $(name).addEventListener("change", () => {
+      shown[name] = $(name).checked;
+      dirty = true;
+    });
+  }
+  $("frame").addEventListener("input", () => {
+    pause();
+    show(Number($("frame").value));
+  });
+  $("play").addEventListener("click", () => (playing ? pause() : start()));
+  $("closer").addEventListener("click", () => zoom(1.3));
+  $("farther").addEventListener("click", () => zoom(1 / 1.3));
+  $("reset").addEventListener("click", reset);
+  canvas.addEventListener("dblclick", reset);
+  canvas.addEventListener("pointerdown", down);
+  canvas.addEventListener("pointermove", move);
+  for (const name of ["pointerup", "pointercancel"]) canvas.addEventListener(name, up);
+  canvas.addEventListener("pointerleave", (event) => {
+    if (event.pointerType !== "touch") hover([Infinity, Infinity]);
+  });
+  canvas.addEventListener("wheel", (event) => {
+    event.preventDefault();
+    zoom(Math.exp(-event.deltaY * (event.deltaMode ? 0.05 : 0.0015)), ...where(event));
+  }, { passive: false });
+  canvas.addEventListener("keydown", (event) => {
+    if (event.ctrlKey || event.metaKey || event.altKey || !(event.key in KEYS)) return;
+    event.preventDefault();
+    KEYS[event.key]();
+  });
+  canvas.addEventListener("webglcontextlost", (event) => event.preventDefault());
+  canvas.addEventListener("webglcontextrestored", () => {
+    build();
+    select();
+  });
+  new ResizeObserver(changed).observe(canvas);
+  select();
+  requestAnimationFrame(tick);
+} else {
+  canvas.hidden = $("buttons").hidden = true;
+  $("sorry").hidden = false;
+  $("sorry").textContent = "The surface is drawn with WebGL 2, which this browser does not have or has turned off. The report does without.";
+}
+}

@@ -1,0 +1,143 @@
+"""The report of an embedding as tables of HTML."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping
+from html import escape
+from typing import Any
+
+MARKS = {"converged": "yes", "best fit": "near"}  # the class of a status; any other is "no"
+NONE, TIMES = "\N{EN DASH}", "\N{NO-BREAK SPACE}\N{MULTIPLICATION SIGN}\N{NO-BREAK SPACE}"
+RAISED = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
+
+Rows = Iterable[tuple[str, str]]
+
+
+def report_html(report: Mapping[str, Any]) -> str:
+    """Return the tables.
+
+    Parameters
+    ----------
+    report : mapping
+        `Embedding.report`.
+    """
+    given, residual, convexity = report["input"], report["residual"], report["convexity"]
+    smoothness, others = report["smoothness"], report["other_realizations"]
+    paths = [("along the given edges", number(residual["paths"]))] if "paths" in residual else []
+    parts = [
+        f'<p class="status {MARKS.get(report["status"], "no")}">{escape(report["status"])}</p>',
+        f'<p class="message">{escape(report["message"])}</p>',
+        _table(
+            "How it was found",
+            [
+                ("method", escape(report["method"])),
+                ("tolerance", number(report["tolerance"])),
+                ("vertices", number(given["vertices"])),
+                ("edges", number(given["edges"])),
+                ("triangles", number(given["faces"])),
+                ("vertices with a negative deficit", number(given["negative_deficits"])),
+            ],
+        ),
+        _table(
+            "Length errors, in mean edge lengths",
+            [
+                ("largest", number(residual["max"])),
+                *paths,
+                ("mean", number(residual["mean"])),
+                ("standard deviation", number(residual["std"])),
+            ],
+        ),
+        _table(
+            "Convexity",
+            [
+                ("concave edges", number(convexity["concave_edges"])),
+                ("inverted vertices", number(convexity["inverted_vertices"])),
+                ("partially inverted vertices", number(convexity["partially_inverted_vertices"])),
+            ],
+        ),
+        _table(
+            "Measures, in the unit of the lengths",
+            [
+                ("area", number(report["area"])),
+                ("volume", number(report["volume"])),
+                (
+                    "∫ <i>H</i> d<i>A</i>, <i>H</i> = (<i>k</i>₁ + <i>k</i>₂)/2",
+                    number(report["integrated_mean_curvature"]),
+                ),
+            ],
+        ),
+        _table("Smoothness", [(_words(key), number(value)) for key, value in smoothness.items()]),
+        _grid("Stages", ("stage", "seconds", "steps", "factor&shy;izations"), _stages(report["stages"])),
+        _grid(
+            "Other realizations of these lengths",
+            ("distance", "roughness"),
+            [(number(other["distance"]), number(other["roughness"])) for other in others],
+        ),
+    ]
+    parts += [
+        _table(_words(key).capitalize(), _flattened(report[key]))
+        for key in ("best_fit", "polyhedron", "certificate", "repair")
+        if report.get(key)
+    ]
+    return "\n".join(part for part in parts if part)
+
+
+def number(value: float | None) -> str:
+    """A number in at most six digits, with a power of ten if it is far from 1."""
+    if value is None:
+        return NONE
+    if isinstance(value, int):
+        return f"{value:,}".replace(",", "\N{NARROW NO-BREAK SPACE}")
+    text = f"{value:.6g}" if value == 0 or 1e-3 <= abs(value) < 1e6 else f"{value:.3g}"
+    digits, _, power = text.partition("e")
+    digits = digits.replace("-", "\N{MINUS SIGN}")
+    return f"{digits}{TIMES}10{str(int(power)).translate(RAISED)}" if power else digits
+
+
+def _stages(stages: Iterable[Mapping[str, Any]]) -> list[tuple[str, ...]]:
+    return [
+        (
+            escape(stage["name"]),
+            f"{stage['seconds']:.2f}",
+            number(stage["iterations"]),
+            number(stage["factorizations"]),
+        )
+        for stage in stages
+    ]
+
+
+def _flattened(entries: Mapping[str, Any], above: str = "") -> list[tuple[str, str]]:
+    """Rows of nested entries; of a list its length."""
+    rows: list[tuple[str, str]] = []
+    for key, value in entries.items():
+        name = f"{above}{_words(key)}"
+        if isinstance(value, Mapping):
+            rows += _flattened(value, f"{name}, ")
+        elif isinstance(value, bool):
+            rows.append((name, "yes" if value else "no"))
+        elif isinstance(value, str):
+            rows.append((name, escape(value)))
+        else:
+            rows.append((name, number(len(value) if isinstance(value, list) else value)))
+    return rows
+
+
+def _words(key: str) -> str:
+    return escape(key.replace("_", " "))
+
+
+def _table(caption: str, rows: Rows) -> str:
+    body = "".join(f'<tr><th scope="row">{name}</th><td>{value}</td></tr>' for name, value in rows)
+    return f"<table><caption>{caption}</caption>{body}</table>"
+
+
+def _grid(caption: str, heads: tuple[str, ...], rows: list[tuple[str, ...]]) -> str:
+    """A table with a line for each entry; nothing if there is none."""
+    if not rows:
+        return ""
+    head = "".join(f'<th scope="col">{name}</th>' for name in heads)
+    body = "".join(f"<tr>{''.join(f'<td>{value}</td>' for value in row)}</tr>" for row in rows)
+    return (
+        f'<table class="grid"><caption>{caption}</caption><thead><tr>{head}</tr></thead>'
+        f"<tbody>{body}</tbody></table>"
+    )

@@ -1,0 +1,91 @@
+"""The surfaces on the way to an answer."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from isoembed.stages import Progress
+from isoembed.surface.alignment import aligned
+from isoembed.surface.embedding import Embedding
+from isoembed.surface.measures import outward
+
+Floats = NDArray[np.float64]
+
+ANSWER = "answer"
+SEEN = 1e-3  # mean edge lengths: surfaces nearer to each other than this look the same
+
+
+@dataclass(frozen=True, eq=False)
+class Frame:
+    """A surface on the way.
+
+    Attributes
+    ----------
+    stage : str
+        The stage of the method that reached it; `ANSWER` for the last one.
+    t : float or None
+        Position on the path of metrics: 1 is the uniform metric or the convex waypoint, 0 the given one.
+    residual : float or None
+        Largest length error in mean edge lengths, against the metric at this t.
+    vertices : ndarray, shape (V, 3)
+        In the unit of the given lengths, each surface turned onto the next.
+    """
+
+    stage: str
+    t: float | None
+    residual: float | None
+    vertices: Floats
+
+
+class Film:
+    """A listener that keeps the surfaces that a computation reaches.
+
+    Examples
+    --------
+    ::
+
+        film = Film()
+        surface = isoembed.embed(metric, method="paper", progress=film)
+        film.frames(surface)
+    """
+
+    def __init__(self) -> None:
+        self._taken: list[Progress] = []
+
+    def __call__(self, progress: Progress) -> None:
+        """Take a snapshot in."""
+        if progress.vertices is not None:
+            self._taken.append(progress)
+
+    def frames(self, embedding: Embedding) -> tuple[Frame, ...]:
+        """The surfaces met on the way to this answer, with it as the last.
+
+        Surfaces that can hardly be told from the next are left out.  A method that changes the triangles, or
+        leaps to its answer, leaves the answer alone.
+
+        Parameters
+        ----------
+        embedding : Embedding
+            What the computation returned.
+
+        Returns
+        -------
+        tuple of Frame
+        """
+        following = Frame(ANSWER, 0.0, embedding.residual, embedding.vertices)
+        frames, unit = [following], embedding.metric.unit
+        for taken in reversed(self._taken):
+            if taken.vertices is None or taken.vertices.shape != embedding.vertices.shape:
+                continue
+            after = following.vertices / unit
+            vertices = aligned(outward(embedding.faces, taken.vertices), after)
+            if (
+                np.linalg.norm(vertices - after, axis=1).max()
+                > SEEN * embedding.metric.normalized.mean_length
+            ):
+                following = Frame(taken.stage, taken.t, taken.residual, unit * vertices)
+                frames.append(following)
+        return tuple(reversed(frames))

@@ -1,0 +1,224 @@
+"""A page for the browser: one file with a surface to turn around, its colors, its film and its report."""
+
+from __future__ import annotations
+
+import base64
+import hashlib
+import json
+import os
+import re
+from collections.abc import Callable, Sequence
+from html import escape
+from importlib.resources import files
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from isoembed.errors import InvalidMetric
+from isoembed.io.files import Writer, check_output, write_whole
+from isoembed.metric.polyhedral import PolyhedralMetric
+from isoembed.plot.browser.packing import Packed
+from isoembed.plot.browser.ramp import ramp
+from isoembed.plot.browser.report import number, report_html
+from isoembed.plot.browser.thinning import thinned
+from isoembed.plot.film import ANSWER, Frame
+from isoembed.plot.quantity import (
+    Quantity,
+    concavity,
+    intrinsic_curvature,
+    mean_curvature,
+    quantities,
+    residual,
+)
+from isoembed.plot.view import Pose, camera
+from isoembed.surface.embedding import Embedding
+from isoembed.surface.measures import edge_lengths
+from isoembed.version import __version__
+
+Floats = NDArray[np.float64]
+
+PAGE_ENDINGS = (".html",)
+FRAMES = 40  # at most: more are not seen
+BYTES = 6_000_000  # of all frames but the last: a page of 8 MB with its text encoding
+ROUNDING = 1e-15  # mean edge lengths: residuals below are of the file that the vertices came from
+COLORS = 65  # the browser interpolates between them
+UNITS = {
+    "mean curvature": "1 / length",
+    "Gaussian curvature": "1 / length²",
+    "residual": "",
+    "concave edges": "",
+    "conformal factor": "",
+}
+TEX = {"$": "", r"\varepsilon_a": "ε", "A^*_a": "A*", "k_1": "k₁", "k_2": "k₂", "  ": " "}
+
+
+def page_writer(
+    path: str | os.PathLike[str],
+    embedding: Embedding,
+    *,
+    frames: Sequence[Frame] = (),
+    title: str = "",
+    caption: str = "",
+) -> Writer:
+    """Return what writes the page of a surface; see `write_whole` and `write_page`."""
+    text = _page(embedding, frames, title or Path(path).stem, caption)
+    return lambda temporary: _write(temporary, text)
+
+
+def write_page(
+    path: str | os.PathLike[str],
+    embedding: Embedding,
+    *,
+    frames: Sequence[Frame] = (),
+    title: str = "",
+    caption: str = "",
+) -> None:
+    """Write a page for the browser: one file, which loads nothing from anywhere.
+
+    It shows the surface in WebGL, with the colors of every quantity of `isoembed.plot.quantities`; the frames
+    of a film, at most 40 of them; and the report, with the JSON to download.  The vertices are in single
+    precision in units of the half diameter; of frames before the last, positions and colors are in 16 bit.
+
+    Parameters
+    ----------
+    path : path
+        Ending in ``.html``.
+    embedding : Embedding
+    frames : sequence of Frame
+        `Film.frames`; the last one is the embedding itself.
+    title : str
+        By default the name of the file.
+    caption : str
+        A line below; by default the numbers of vertices and triangles, int H dA and the residual.
+
+    Raises
+    ------
+    FileError
+        The ending is not known or the file cannot be written.
+    """
+    check_output(path, PAGE_ENDINGS)
+    write_whole({Path(path): page_writer(path, embedding, frames=frames, title=title, caption=caption)})
+
+
+def _page(embedding: Embedding, frames: Sequence[Frame], title: str, caption: str) -> str:
+    assets = files("isoembed.plot") / "browser"
+    style, script, page = ((assets / f"page.{kind}").read_text("utf-8") for kind in ("css", "js", "html"))
+    data, arrays = _data(embedding, frames)
+    report = embedding.report
+    parts = {
+        "title": escape(title),
+        "caption": escape(caption or _caption(embedding)),
+        "version": __version__,
+        "style": style,
+        "style hash": _hash(style),
+        "script": script,
+        "script hash": _hash(script),
+        "report": report_html(report),
+        "json": base64.b64encode(json.dumps(report, indent=2).encode()).decode("ascii"),
+        "data": json.dumps(data, allow_nan=False).replace("<", r"\u003c"),  # nothing may end the element
+        "arrays": arrays,
+    }
+    return re.sub(r"\{\{([a-z ]+)\}\}", lambda match: parts[match[1]], page)
+
+
+def _hash(text: str) -> str:
+    """What the page's policy knows its own style and script by."""
+    return "sha256-" + base64.b64encode(hashlib.sha256(text.encode()).digest()).decode("ascii")
+
+
+def _caption(embedding: Embedding) -> str:
+    t, total = embedding.triangulation, embedding.integrated_mean_curvature
+    words = [f"{t.n_vertices:,} vertices, {t.n_faces:,} triangles", f"∫ H dA = {number(total)}"]
+    if embedding.residual > ROUNDING:
+        words.append(f"largest length error {number(embedding.residual)} of the mean edge")
+    return " · ".join(words)
+
+
+def _data(embedding: Embedding, frames: Sequence[Frame]) -> tuple[dict[str, Any], str]:
+    """What the script shows: a JSON object, and the arrays that it points to."""
+    t, packed = embedding.triangulation, Packed()
+    earlier = list(frames[:-1])
+    shown = [
+        q
+        for q in quantities(embedding)
+        if earlier or not (q.name == "residual" and q.values.max() <= ROUNDING)
+    ]
+    size = t.n_vertices * (6 + 2 * len(shown)) + t.n_edges / 8
+    chosen = thinned([frame.stage for frame in earlier] + [ANSWER], int(min(FRAMES, 1 + BYTES // size)))
+    pose = Pose.of(embedding.vertices)
+
+    entries = []
+    for frame in (earlier[k] for k in chosen[:-1]):
+        surface = Embedding(embedding.metric, frame.vertices, method="", tolerance=1.0, message=frame.stage)
+        entries.append(
+            {
+                "stage": frame.stage,
+                "t": frame.t,
+                "residual": frame.residual,
+                "concave": packed.add(np.packbits(surface.concave_edges, bitorder="little")),
+                "positions": packed.add_short(pose.put(surface.vertices).ravel()),
+                "values": {q.name: _shades(q, packed.add_short) for q in _on_the_way(surface)},
+            }
+        )
+    entries.append(
+        {
+            "stage": ANSWER,
+            "t": frames[-1].t if frames else None,
+            "residual": embedding.residual,
+            "concave": packed.add(np.packbits(embedding.concave_edges, bitorder="little")),
+            "positions": packed.add_floats(pose.put(embedding.vertices).ravel()),
+            "values": {q.name: _shades(q, packed.add_floats) for q in shown},
+        }
+    )
+    return {
+        "faces": packed.add(t.faces.ravel()),
+        "edges": packed.add(t.edges.ravel()),
+        "pose": {"center": pose.center.tolist(), "axes": pose.axes.tolist(), "size": pose.size},
+        "camera": camera().ravel().tolist(),
+        "ramp": ramp(COLORS),
+        "quantities": [
+            {"name": q.name, "label": _plain(q.label), "unit": UNITS.get(q.name, ""), "scale": q.scale}
+            for q in shown
+        ],
+        "frames": entries,
+    }, packed.text
+
+
+def _on_the_way(surface: Embedding) -> list[Quantity]:
+    """What changes from frame to frame: Gaussian curvature is that of the frame's own lengths."""
+    metric, unit = surface.metric, surface.metric.unit
+    with np.errstate(divide="ignore", invalid="ignore", over="ignore"):  # a frame may be folded flat
+        found = [mean_curvature(surface), residual(surface), concavity(surface)]
+        lengths = unit * edge_lengths(metric.edges, surface.vertices / unit)
+        try:
+            own = PolyhedralMetric.on(metric.triangulation, lengths)
+        except InvalidMetric:  # a triangle without area has no curvature at its corners
+            return found
+        return [
+            *found,
+            intrinsic_curvature(
+                Embedding(own, surface.vertices, method="", tolerance=1.0, message=surface.message)
+            ),
+        ]
+
+
+def _shades(quantity: Quantity, add: Callable[[Floats], dict[str, Any]]) -> dict[str, Any]:
+    """Values, of a logarithmic scale their logarithms, and where the colors begin and end."""
+    values, bounds = quantity.values, np.array(quantity.bounds)
+    if quantity.scale == "log":
+        values, bounds = np.log10(values), np.log10(bounds)
+    low, high = bounds.tolist()
+    return {**add(values), "bounds": [low, high if low < high else low + 1.0]}
+
+
+def _plain(label: str) -> str:
+    """A label without TeX."""
+    for tex, plain in TEX.items():
+        label = label.replace(tex, plain)
+    return label
+
+
+def _write(path: Path, text: str) -> None:
+    path.write_text(text, encoding="utf-8")

@@ -1,0 +1,138 @@
+"""What the colors of a picture show: quantities at the vertices of a surface."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Literal
+
+import numpy as np
+from numpy.typing import NDArray
+
+from isoembed.aim.conformal_sphere import conformal_factors, conformal_sphere
+from isoembed.errors import InvalidParameter
+from isoembed.io.surface import vertex_residuals
+from isoembed.metric.curvature import area, dual_areas, gaussian_curvature
+from isoembed.metric.delaunay import delaunay
+from isoembed.stages import Log
+from isoembed.surface.embedding import Embedding
+
+Floats = NDArray[np.float64]
+
+SMALLEST = 1e-17  # mean edge lengths: a residual of zero has a place on a logarithmic scale
+PERCENTILES = (1.0, 99.0)  # between which the colors run
+
+
+@dataclass(frozen=True, eq=False)
+class Quantity:
+    """A number at every vertex.
+
+    Attributes
+    ----------
+    name : str
+    label : str
+        With its symbol, in TeX between dollar signs.
+    values : ndarray, shape (V,)
+        NaN where it has no meaning.
+    scale : {"linear", "log"}
+    """
+
+    name: str
+    label: str
+    values: Floats
+    scale: Literal["linear", "log"] = "linear"
+
+    @property
+    def bounds(self) -> tuple[float, float]:
+        """Where the colors begin and end: all but the outermost hundredths of the values lie between."""
+        values = self.values[np.isfinite(self.values)]
+        if not values.size:
+            return 0.0, 1.0
+        low, high = np.percentile(values, PERCENTILES)
+        if self.scale == "log":
+            return float(low), float(max(high, 10 * low))
+        middle = (low + high) / 2
+        half = max((high - low) / 2, 0.05 * abs(middle)) or 0.5  # a sphere's rounding is no structure
+        return float(middle - half), float(middle + half)
+
+
+MEAN_CURVATURE = "mean curvature"
+
+
+def mean_curvature(embedding: Embedding) -> Quantity:
+    """H = (k1 + k2) / 2, from the dihedral angles."""
+    return Quantity(MEAN_CURVATURE, "mean curvature  $H = (k_1 + k_2)/2$", embedding.mean_curvature)
+
+
+def intrinsic_curvature(embedding: Embedding) -> Quantity:
+    """K, the deficit over the circumcentric dual area, where that is positive."""
+    metric = embedding.metric
+    known = dual_areas(metric.normalized) > 0
+    values = np.full(len(known), np.nan)
+    values[known] = gaussian_curvature(metric)[known]
+    return Quantity("Gaussian curvature", r"Gaussian curvature  $K = \varepsilon_a / A^*_a$", values)
+
+
+def residual(embedding: Embedding) -> Quantity:
+    """The largest length error of the edges at each vertex, in mean edge lengths."""
+    values = np.maximum(vertex_residuals(embedding), SMALLEST)
+    return Quantity("residual", "largest length error at a vertex, in mean edge lengths", values, "log")
+
+
+def concavity(embedding: Embedding) -> Quantity:
+    """The share of the edges at each vertex that are concave; beyond 0.7 it is partially inverted."""
+    ends = embedding.metric.edges[embedding.concave_edges].ravel()
+    counts = np.bincount(ends, minlength=embedding.triangulation.n_vertices)
+    return Quantity(
+        "concave edges", "share of concave edges at a vertex", counts / embedding.triangulation.degrees
+    )
+
+
+def conformal_factor(embedding: Embedding) -> Quantity | None:
+    """The u of the discretely conformal map to the sphere of the same area, centered; None if there is none.
+
+    A length on the sphere is the length on the surface times ``e^u``; Springborn, Schroeder and Pinkall,
+    ACM TOG 27 (2008).
+    """
+    unit = delaunay(embedding.metric.normalized)
+    with Log().stage("conformal map") as tally:
+        sphere = conformal_sphere(unit, tally)
+    if not sphere.exact:
+        return None
+    factors = conformal_factors(unit, sphere) + np.log(area(unit) / (4 * np.pi)) / 2
+    return Quantity("conformal factor", "conformal factor  $u$  to the sphere of this area", factors)
+
+
+QUANTITIES = {
+    MEAN_CURVATURE: mean_curvature,
+    "Gaussian curvature": intrinsic_curvature,
+    "residual": residual,
+    "concave edges": concavity,
+    "conformal factor": conformal_factor,
+}
+"""By name, what makes a quantity of an embedding."""
+
+
+def quantities(embedding: Embedding) -> tuple[Quantity, ...]:
+    """Everything that there is to show of a surface.
+
+    Parameters
+    ----------
+    embedding : Embedding
+    """
+    return tuple(found for make in QUANTITIES.values() if (found := make(embedding)) is not None)
+
+
+def quantity(embedding: Embedding, name: str) -> Quantity:
+    """The quantity of this name.
+
+    Raises
+    ------
+    InvalidParameter
+        There is no such quantity, or this surface does not have it.
+    """
+    if name not in QUANTITIES:
+        raise InvalidParameter(f"there is no quantity {name!r} to show; there are {', '.join(QUANTITIES)}")
+    found = QUANTITIES[name](embedding)
+    if found is None:
+        raise InvalidParameter(f"this surface has no {name}: its metric has no conformal map to the sphere")
+    return found
