@@ -6,19 +6,29 @@ BIN := $(VENV)/bin
 PIP := $(BIN)/python -m pip --quiet --disable-pip-version-check
 INSTALLED := $(VENV)/.installed
 LINTERS := $(VENV)/.installed-lint
+SPHINX := $(VENV)/.installed-docs
 
-.PHONY: help demo test lint bench clean
+# The matrices are small: threads of BLAS would wait for each other.
+export OMP_NUM_THREADS ?= 1
+export OPENBLAS_NUM_THREADS ?= 1
+
+.PHONY: help demo reproduce test lint bench docs clean
 .DELETE_ON_ERROR:
 
 help:
-	@echo 'make demo   embed the (3, 2, 1) ellipsoid from its edge lengths; the results are in demo/'
-	@echo 'make test   run the tests'
-	@echo 'make lint   check style and types'
-	@echo 'make bench  measure cost against size'
-	@echo 'make clean  remove .venv, demo/ and caches'
+	@echo 'make demo       embed the (3, 2, 1) ellipsoid from its edge lengths; the results are in demo/'
+	@echo 'make reproduce  make the figures and numbers of the paper again, in reproduction/'
+	@echo 'make test       run the tests'
+	@echo 'make lint       check style and types'
+	@echo 'make bench      measure cost against size'
+	@echo 'make docs       build the documentation in site/, the tutorials executed'
+	@echo 'make clean      remove .venv, demo/, reproduction/, site/ and caches'
 
 demo: $(INSTALLED)
 	$(BIN)/python docs/examples/demo.py
+
+reproduce: $(INSTALLED)
+	$(BIN)/isoembed reproduce --output reproduction
 
 test: $(INSTALLED)
 	$(BIN)/python -m pytest -q
@@ -31,8 +41,15 @@ lint: $(LINTERS)
 bench: $(INSTALLED)
 	@for script in benchmarks/*.py; do echo "$$script"; $(BIN)/python "$$script" || exit 1; done
 
+# Warnings are errors, and a page that is gone is gone: nothing is taken from an earlier build.
+docs: $(SPHINX)
+	@rm -rf build/site
+	$(BIN)/python -m sphinx --quiet --fail-on-warning --keep-going --fresh-env -d build/doctrees docs build/site
+	@rm -rf site && mv build/site site
+	@echo 'the documentation is in site/index.html'
+
 clean:
-	rm -rf $(VENV) demo build dist .pytest_cache .mypy_cache .ruff_cache .hypothesis
+	rm -rf $(VENV) demo reproduction site build dist .pytest_cache .mypy_cache .ruff_cache .hypothesis
 	find src tests benchmarks -name __pycache__ -prune -exec rm -rf {} +
 
 $(INSTALLED): pyproject.toml | $(BIN)/python
@@ -41,6 +58,10 @@ $(INSTALLED): pyproject.toml | $(BIN)/python
 
 $(LINTERS): $(INSTALLED)
 	$(PIP) install --editable '.[lint]'
+	@touch $@
+
+$(SPHINX): $(INSTALLED)
+	$(PIP) install --editable '.[docs]'
 	@touch $@
 
 # The first Python that is new enough and can make a virtual environment with pip.

@@ -23,6 +23,7 @@ from isoembed.gallery import (
     Sphere,
     Superellipsoid,
 )
+from isoembed.gallery.directions import directions_of
 from isoembed.gallery.quadrature import sphere_rule
 
 HORIZON_LIMIT = sqrt(3.0) / 2.0
@@ -96,6 +97,17 @@ def test_integrals_are_the_reference_values(surface, area, volume, imc):
     assert surface.area == pytest.approx(area, rel=3e-14)
     assert surface.volume == pytest.approx(volume, rel=3e-14)
     assert surface.integrated_mean_curvature == pytest.approx(imc, rel=3e-14)
+
+
+@pytest.mark.parametrize("surface", SURFACE_ZOO, ids=str)
+def test_directions_name_their_points(surface):
+    u = sphere_points()
+    assert np.abs(directions_of(surface, surface.point(u)) - u).max() < 1e-9
+
+
+def test_a_point_beside_the_surface_has_no_direction():
+    with pytest.raises(ValueError, match=r"point 1, \[0\.0, 0\.0, 3\.0\], is not on Ellipsoid"):
+        directions_of(Ellipsoid((3.0, 2.0, 1.0)), [[3.0, 0, 0], [0, 0, 3.0]])
 
 
 @pytest.mark.parametrize("surface", SURFACE_ZOO, ids=str)

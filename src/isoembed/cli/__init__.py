@@ -23,6 +23,7 @@ COMMANDS = {
     "horizon": "embed horizons from files and compute their energies",
     "inspect": "say what kind of metric a file holds, and what that means for its embedding",
     "nets": "solve classic nets: the Latin cross, tetramonohedra, pita forms, D-forms, ...",
+    "reproduce": "make the figures and numbers of the paper again, in one report",
     "surface": "write the metric of a closed-form surface (ellipsoid, drum, Kerr horizon, ...)",
     "triangulate": "cut a smooth 2-metric into triangles with geodesic lengths",
     "view": "look at a surface, in the browser or as a picture",

@@ -1,0 +1,43 @@
+"""``isoembed reproduce``: the paper's figures and numbers, made again, in one report."""
+
+from __future__ import annotations
+
+import argparse
+import sys
+from contextlib import suppress
+from pathlib import Path
+
+from isoembed.cli.screen import complain, say
+from isoembed.cli.status import NOT_EMBEDDED, OK
+
+
+def configure(parser: argparse.ArgumentParser) -> None:
+    """Add the options of ``isoembed reproduce``."""
+    parser.add_argument(
+        "-o",
+        "--output",
+        type=Path,
+        metavar="DIR",
+        required=True,
+        help="the folder for report.html, numbers.json and figures/; made if it is not there",
+    )
+    parser.add_argument("--quick", action="store_true", help="small meshes: half a minute instead of six")
+    parser.add_argument("--quiet", action="store_true", help="print nothing but errors")
+
+
+def run(options: argparse.Namespace) -> int:
+    """Make the report; return the exit status."""
+    from isoembed.studies import reproduce  # loads the whole library
+
+    def tell(line: str) -> None:
+        if not options.quiet and sys.stderr is not None:
+            with suppress(OSError):  # nobody watches
+                print(line, file=sys.stderr, flush=True)
+
+    plan = reproduce.QUICK if options.quick else reproduce.FULL
+    outcome = reproduce.reproduce(plan, options.output, tell)
+    if not options.quiet:
+        say(str(outcome.report))
+    for failure in outcome.failures:
+        complain(failure)
+    return NOT_EMBEDDED if outcome.failures else OK

@@ -1,0 +1,305 @@
+"""The section on the cited methods: the table, their convergence, and one metric's surfaces in a row."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from isoembed.plot import Panel, panels
+from isoembed.smooth.harmonics import Harmonics
+from isoembed.studies.baselines.embedding_flow import STAGES, embedding_flow
+from isoembed.studies.baselines.spherical_harmonics import fit_harmonics, sphere
+from isoembed.studies.baselines.subjects import Problem, paper_subjects, saddled
+from isoembed.studies.baselines.table import BUMPS, HEADER, ROUGH, WORSE, Run, compare, searches
+from isoembed.studies.baselines.uniformization import uniformized
+from isoembed.studies.plots import MARKERS, SERIES, blank, dress, legend
+from isoembed.studies.section import Comparison, Illustration, Section, Table
+from isoembed.surface.alignment import aligned
+from isoembed.surface.embedding import Embedding
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+SEARCHED = 8  # degree of the harmonics that are fitted from many starts
+SIZES = (0.1, 0.3, 0.5)  # of the bumps of these starts, in radii
+FLOWED = Harmonics(24, 1)  # for the horizon, which is symmetric about z
+HALVINGS = 6  # numbers of steps 1, 2, 4, ...
+FLOOR = 1e-9  # residuals below this are no more of the steps alone
+SHOWN = (
+    ("(true surface)", "true surface"),
+    ("wire frame, from a sphere", "wire frame"),
+    ("harmonics, from a bumpy sphere", "harmonics"),
+    ("embedding flow", "embedding flow"),
+    ("isoembed, aim", "isoembed"),
+)
+
+
+@dataclass(frozen=True)
+class Curve:
+    """Residuals over degrees or numbers of steps."""
+
+    label: str
+    x: tuple[int, ...]
+    residuals: tuple[float, ...]
+
+    @property
+    def order(self) -> float:
+        """The order in 1/x between the last two points above `FLOOR`."""
+        above = [i for i, r in enumerate(self.residuals) if r > FLOOR][-2:]
+        (x0, x1), (r0, r1) = np.log([self.x[i] for i in above]), np.log([self.residuals[i] for i in above])
+        return float((r0 - r1) / (x1 - x0))
+
+
+def study(*, vertices: int, degree: int, steps: int, seeds: int) -> Section:
+    """Run the cited methods and this library's on the same metrics.
+
+    Parameters
+    ----------
+    vertices : int
+        Of the meshes; at least two for a harmonic.
+    degree : int
+        Of the harmonics, at least 4.
+    steps : int
+        Of the embedding flow.
+    seeds : int
+        Random starts of the harmonics for each metric and size of bumps.
+
+    Returns
+    -------
+    Section
+    """
+    subjects = paper_subjects()
+    runs = compare(subjects, vertices=vertices, degree=degree, steps=steps)
+    problems = [run.problem for run in runs if run.method == SHOWN[0][0]]
+    by_degree = degree_curves(problems, range(2, degree + 1, 2))
+    by_steps = step_curves(problems[2])
+    bent = flow_curves((problems[3], Problem.of(saddled(), vertices)), (degree // 2, degree), steps)
+    stuck = [[searches(subject, SEARCHED, bumps, seeds) for bumps in SIZES] for subject in subjects]
+    return Section(
+        title="The methods that the paper cites",
+        text=(
+            "Three methods that the paper builds on or competes with, made again in their simplest form "
+            f"and run on the paper's surfaces and a Kerr horizon, each on one mesh of {vertices} vertices. "
+            "The residual is the largest error of a length over the mean edge length, the distance the "
+            "largest of a vertex from its place on the true surface over the diameter, after the best "
+            "rigid motion or reflection; inverted vertices include partially inverted ones. Smooth maps "
+            "are evaluated at the vertices of the mesh. True meshes have concave edges, too: triangles "
+            "that are good in the metric are not those of the convex hull.",
+            "Wire frame (H.-P. Nollert and H. Herold, in Relativity and Scientific Computing, Springer "
+            "1996): the vertices minimize the squared errors of the lengths. Theirs come from the metric's "
+            "components by a Taylor expansion between the points of a grid; here they are given, and the "
+            "minimizer is Levenberg and Marquardt's. It starts from a conformal layout of the lengths on a "
+            f"sphere, as it is and with every coordinate moved at random by {ROUGH:g} mean edge lengths.",
+            "Harmonics (M. Bondarescu, M. Alcubierre and E. Seidel, Class. Quantum Grav. 19 (2002) 375): "
+            f"three functions in real spherical harmonics, here to degree {degree}, minimize the squared "
+            "differences of the metric's components, here by L-BFGS with exact derivatives, from the round "
+            f"sphere of the same area and from the same with random bumps of {BUMPS:g} radii (rms). The "
+            "ellipsoid and the drum are in star-shaped coordinates, the other two in Boyer-Lindquist "
+            "angles.",
+            "Embedding flow (M. Jasiulek and M. Korzynski, Class. Quantum Grav. 29 (2012) 155010): from "
+            "the embedded round sphere along a conformal path of metrics, with the velocity that solves "
+            "the linearized embedding equation; nothing corrects what the steps miss. Here the conformal "
+            "factor is found by Newton's method instead of Ricci flow, and the linear equation is solved "
+            "in least squares for the harmonics' coefficients instead of as an elliptic one. That step of "
+            "theirs divides by the extrinsic curvature and needs K > 0; least squares do not, and what they "
+            "do where K < 0 is in the last table.",
+            "The last row of each metric has the same harmonics begun from the embedded polyhedron, as "
+            "isoembed.smooth.embed_smooth does at each degree: what harmonics cannot resolve is the same "
+            "as for the baselines, and only the start differs.",
+        ),
+        figures=(
+            Illustration(
+                "baselines-convergence",
+                f"Left: harmonics fitted from the round sphere, by degree; mesh of {vertices} vertices. "
+                "Right: the embedding flow of the Kerr horizon by the number of its steps, degree "
+                f"{FLOWED.degree}, with measured orders.",
+                _convergence(by_degree, by_steps),
+            ),
+            Illustration(
+                "baselines-surfaces",
+                f"{subjects[0].name}, {vertices} vertices: the true surface and what the methods find, "
+                "colored by mean curvature. Wire frame: from the sphere; harmonics: from the bumpy sphere.",
+                _row([run for run in runs if run.problem is problems[0]]),
+            ),
+        ),
+        comparisons=_comparisons(
+            runs, by_degree, bent, int(np.sum(stuck)), len(subjects) * len(SIZES) * seeds
+        ),
+        tables=(
+            Table("The methods on four metrics", HEADER, tuple(run.cells for run in runs)),
+            Table(
+                f"Harmonics of degree {SEARCHED} from random starts: how many ended with more than "
+                f"{WORSE:g} times the strain that the round sphere leads to",
+                ("metric", *(f"bumps of {size:g} radii" for size in SIZES)),
+                tuple(
+                    (subject.name, *(f"{count} of {seeds}" for count in counts))
+                    for subject, counts in zip(subjects, stuck, strict=True)
+                ),
+            ),
+            Table(
+                "The embedding flow where K < 0 in places, which the published method excludes: the residual "
+                "by the degree of the harmonics",
+                ("metric", *(f"degree {n}" for n in bent[0].x)),
+                tuple((curve.label, *(f"{r:.1e}" for r in curve.residuals)) for curve in bent),
+            ),
+        ),
+        numbers={
+            "runs": [
+                {
+                    "metric": run.problem.subject.name,
+                    "method": run.method,
+                    "residual": run.surface.residual,
+                    "distance": run.distance,
+                    "inverted": run.inverted,
+                    "concave_edges": int(run.surface.concave_edges.sum()),
+                    "seconds": run.seconds,
+                    "note": run.note,
+                }
+                for run in runs
+            ],
+            "residual_by_degree": {curve.label: list(curve.residuals) for curve in by_degree},
+            "flow_residual_where_K_is_negative": {curve.label: list(curve.residuals) for curve in bent},
+            "flow_orders": {curve.label: curve.order for curve in by_steps},
+            "harmonics_stuck": {
+                subject.name: counts for subject, counts in zip(subjects, stuck, strict=True)
+            },
+        },
+    )
+
+
+def degree_curves(problems: Sequence[Problem], degrees: Sequence[int]) -> tuple[Curve, ...]:
+    """The residuals of harmonics that are fitted from the round sphere."""
+    curves = []
+    for problem in problems:
+        residuals = []
+        for degree in degrees:
+            harmonics, metric = Harmonics(degree, degree), problem.subject.metric
+            found = fit_harmonics(metric, harmonics, sphere(metric, harmonics))
+            residuals.append(_residual(problem, found.points(problem.directions)))
+        curves.append(Curve(problem.subject.name, tuple(degrees), tuple(residuals)))
+    return tuple(curves)
+
+
+def flow_curves(problems: Sequence[Problem], degrees: Sequence[int], steps: int) -> tuple[Curve, ...]:
+    """The residuals of the embedding flow, of order 4, by degree."""
+    curves = []
+    for problem in problems:
+        residuals = []
+        for degree in degrees:
+            start = uniformized(problem.subject.metric, Harmonics(degree, degree))
+            found = embedding_flow(problem.subject.metric, start, steps)
+            residuals.append(_residual(problem, found.points(problem.directions)))
+        curves.append(Curve(problem.subject.name, tuple(degrees), tuple(residuals)))
+    return tuple(curves)
+
+
+def step_curves(problem: Problem) -> tuple[Curve, ...]:
+    """The residuals of the embedding flow of a surface of revolution, one curve for each order."""
+    metric = problem.subject.metric
+    start = uniformized(metric, FLOWED)
+    counts = tuple(2**k for k in range(HALVINGS))
+    return tuple(
+        Curve(
+            f"order {order}",
+            counts,
+            tuple(
+                _residual(problem, embedding_flow(metric, start, n, order).points(problem.directions))
+                for n in counts
+            ),
+        )
+        for order in STAGES
+    )
+
+
+def _residual(problem: Problem, vertices: np.ndarray) -> float:
+    return Embedding(problem.metric, vertices, method="baseline", tolerance=1.0).residual
+
+
+def _convergence(by_degree: Sequence[Curve], by_steps: Sequence[Curve]) -> Figure:
+    figure = blank(3.4)
+    left, right = figure.subplots(1, 2, sharey=True)
+    for curve, color, marker in zip(by_degree, SERIES, MARKERS, strict=False):
+        left.semilogy(curve.x, curve.residuals, color=color, marker=marker, markersize=4, label=curve.label)
+    for curve, color, marker in zip(by_steps, SERIES, MARKERS, strict=False):
+        label = f"{curve.label}: measured {curve.order:.2f}"
+        right.loglog(curve.x, curve.residuals, color=color, marker=marker, markersize=4, label=label)
+    dress(left, "degree of the harmonics", "largest length error / mean edge", "Harmonics, from the sphere")
+    dress(right, "steps of the flow", "", "Embedding flow, Kerr horizon")
+    left.set_xticks(by_degree[0].x)
+    right.set_xticks(by_steps[0].x, [str(n) for n in by_steps[0].x])
+    right.minorticks_off()
+    for axes in (left, right):
+        legend(axes, loc="lower left")
+    return figure
+
+
+def _row(runs: Sequence[Run]) -> Figure:
+    chosen = {run.method: run.surface for run in runs}
+    truth = chosen[SHOWN[0][0]]
+    return panels(
+        [
+            Panel(
+                aligned(chosen[method].vertices, truth.vertices),
+                truth.faces,
+                chosen[method].mean_curvature,
+                title,
+            )
+            for method, title in SHOWN
+        ],
+        label="mean curvature H",
+    )
+
+
+def _comparisons(
+    runs: Sequence[Run], by_degree: Sequence[Curve], bent: Sequence[Curve], stuck: int, starts: int
+) -> tuple[Comparison, ...]:
+    wire = [run for run in runs if run.method.startswith("wire frame")]
+    notes = [run.note for run in wire]
+    ours = [run for run in runs if run.method == "isoembed, aim"]
+    return (
+        Comparison(
+            "Nollert and Herold's wire frame has no means of choosing smooth solutions (section 1)",
+            "stated",
+            f"of {len(wire)} runs {notes.count('the true surface')} found the true surface, "
+            f"{notes.count('exact lengths, another surface')} exact lengths on another one, "
+            f"{notes.count('stopped short of the lengths')} not the lengths",
+        ),
+        Comparison(
+            "Bondarescu et al. get stuck in local minima in the space of coefficients (section 1)",
+            "stated",
+            f"{stuck} of {starts} random starts at degree {SEARCHED} ended with more than {WORSE:g} times "
+            "the strain that the round sphere leads to",
+            "In star-shaped and Boyer-Lindquist coordinates the round sphere is a good start for these "
+            "bodies.",
+        ),
+        Comparison(
+            "They raise the number of coefficients to reduce the residuals (section 1)",
+            "stated",
+            "; ".join(
+                f"{curve.label}: {curve.residuals[0]:.0e} at degree {curve.x[0]}, "
+                f"{curve.residuals[-1]:.0e} at {curve.x[-1]}"
+                for curve in by_degree
+            ),
+        ),
+        Comparison(
+            "Jasiulek and Korzynski's flow needs strictly positive curvature (section 1)",
+            "stated, for the inverse of the extrinsic curvature",
+            "without that inverse, in least squares: "
+            + "; ".join(
+                f"{curve.label}: residual "
+                + ", ".join(f"{r:.1e} at degree {n}" for n, r in zip(curve.x, curve.residuals, strict=True))
+                for curve in bent
+            ),
+            "Where K < 0 the linear equation is not elliptic: nothing is singular in least squares, but more "
+            "harmonics need not help.",
+        ),
+        Comparison(
+            "AIM is not trapped in local minima and tells smooth from non-smooth polyhedra (section 4)",
+            "stated",
+            f"{sum(run.note == 'the true surface' for run in ours)} of {len(ours)} true surfaces, residuals "
+            f"up to {max(run.surface.residual for run in ours):.0e}",
+        ),
+    )

@@ -1,0 +1,90 @@
+"""The wire frame of Nollert and Herold (1996): vertices from edge lengths alone, by least squares.
+
+Theirs: neighboring points of a coordinate grid get distances from the metric's components by a Taylor
+expansion, and the positions minimize the squares of the differences between these distances and those in R^3.
+Here the lengths are given, without the error of that expansion; the minimizer is Levenberg and Marquardt's,
+and the start is a sphere.  As in theirs, nothing but the lengths tells one surface from another.
+
+References
+----------
+H.-P. Nollert and H. Herold, Visualization in curved spacetimes II: Visualization of surfaces via embedding,
+in Relativity and Scientific Computing, Springer 1996.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from isoembed.aim.anneal import anneal_damped
+from isoembed.aim.conformal_sphere import conformal_sphere
+from isoembed.errors import InvalidParameter
+from isoembed.metric.curvature import area
+from isoembed.metric.delaunay import delaunay
+from isoembed.metric.polyhedral import PolyhedralMetric
+from isoembed.stages import Log
+from isoembed.surface.embedding import Embedding
+from isoembed.surface.rigidity import LengthSystem
+
+Floats = NDArray[np.float64]
+
+MOST_STEPS = 200
+
+
+def sphere_layout(metric: PolyhedralMetric, noise: float = 0.0, seed: int = 0) -> Floats:
+    """A start: vertices (V, 3) on the sphere of the same area, from the lengths alone.
+
+    Parameters
+    ----------
+    metric : PolyhedralMetric
+    noise : float
+        Standard deviation of random displacements of every coordinate, in mean edge lengths.
+    seed : int
+        Of the displacements.
+    """
+    given = metric.normalized
+    with Log().stage("layout") as tally:
+        points = conformal_sphere(delaunay(given), tally).points
+    radius = np.sqrt(area(given) / (4.0 * np.pi))
+    shifts = given.mean_length * noise * np.random.default_rng(seed).standard_normal(points.shape)
+    return np.asarray(metric.unit * (radius * points + shifts))
+
+
+def wire_frame(metric: PolyhedralMetric, start: ArrayLike, tolerance: float = 1e-10) -> Embedding:
+    """Minimize the sum of ``(|x_a - x_b|^2 - l_ab^2)^2 / (2 l_ab)^2`` from a start.
+
+    Parameters
+    ----------
+    metric : PolyhedralMetric
+    start : array_like, shape (V, 3)
+    tolerance : float
+        Largest residual that ends the search; otherwise it ends after 200 steps.
+
+    Returns
+    -------
+    Embedding
+        Where the search has ended, whatever that is.
+
+    Raises
+    ------
+    InvalidParameter
+        The start has another shape.
+    """
+    x = np.asarray(start, dtype=np.float64)
+    if x.shape != (metric.triangulation.n_vertices, 3):
+        raise InvalidParameter(
+            f"the start has the shape {x.shape}, not ({metric.triangulation.n_vertices}, 3)"
+        )
+    given, log = metric.normalized, Log()
+    with log.stage("least squares") as tally:
+        found = anneal_damped(
+            LengthSystem(given.triangulation),
+            x / metric.unit,
+            given.lengths,
+            tally,
+            residual_tolerance=tolerance,
+            max_iterations=MOST_STEPS,
+        )
+    return Embedding(
+        metric, metric.unit * found.vertices, method="wire frame", tolerance=tolerance, stages=log.stages
+    )

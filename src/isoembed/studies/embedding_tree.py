@@ -1,0 +1,345 @@
+"""The embedding tree on the sphere (paper, section 2.2, figures 2 and 3), drawn and measured."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from isoembed.aim.layout import EmbeddingTree
+from isoembed.aim.layout import embedding_tree as grown
+from isoembed.aim.paper import Paper
+from isoembed.gallery import Ellipsoid, triangulate
+from isoembed.metric.polyhedral import PolyhedralMetric
+from isoembed.stages import Log, Tally
+from isoembed.studies import plots
+from isoembed.studies.section import Comparison, Illustration, Section, Table
+from isoembed.surface.measures import edge_lengths
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
+
+Floats = NDArray[np.float64]
+Indices = NDArray[np.int64]
+Mask = NDArray[np.bool_]
+
+SIDE = 0.62  # of the triangles in figure 3, in radii
+TILT = 0.35  # radians, of figure 3 toward the viewer
+
+
+@dataclass(frozen=True)
+class _Placed:
+    """A uniform metric, its tree, and what the tree made of each length."""
+
+    metric: PolyhedralMetric
+    radius: float
+    tree: EmbeddingTree
+    used: Mask
+    errors: Floats  # relative, (E,)
+
+
+def study(*, shown: int, sizes: Sequence[int]) -> Section:
+    """Draw the tree and measure what it does to the edges that it does not use.
+
+    Parameters
+    ----------
+    shown : int
+        Vertices of the sphere that is drawn.
+    sizes : sequence of int
+        Vertices of the ellipsoids that are measured, rising.
+
+    Returns
+    -------
+    Section
+    """
+    first_edge = _first_edge_errors()
+    pictured = _placed(shown)
+    rows = [_measured(_placed(n)) for n in sizes]
+    n = np.array(sizes)
+    falling = {key: _exponent(n, np.array([row[key] for row in rows])) for key in ("median", "mean", "worst")}
+    middle = pictured.tree.layers.max() // 4
+    unfolded = _two_solutions()
+    last = rows[-1]
+    largest = _placed(sizes[-1])
+    growth = _growth(largest)
+    return Section(
+        title="The embedding tree",
+        text=(
+            "The uniform metric is put on the sphere of radius r = 1 / sqrt(kbar) vertex after vertex: two "
+            "lengths and the radius decide each. Of the 3 N - 6 edges that uses 2 N - 3; the other N - 3, "
+            "the determined edges, get whatever distance their ends happen to have.",
+            f"The edges that are used come out right to rounding. Of the determined ones of the ellipsoid at "
+            f"{last['vertices']:,} vertices, half are wrong by more than {last['median']:.1e} of their "
+            f"length and the worst by {last['worst']:.0%}. With more vertices the typical error falls, like "
+            f"N to the power {falling['median']:.1f}; the worst one hardly does "
+            f"({falling['worst']:.1f}). A median over all edges would hide this, since two thirds of them "
+            "are used.",
+            "The reason is in the right half of the last figure: a vertex inherits the errors of the edge "
+            f"that it is placed from, and they grow from layer to layer, here by a factor of "
+            f"{growth**10:.1f} every ten layers.",
+        ),
+        figures=(
+            Illustration(
+                "embedding-tree",
+                f"The tree on the front side of the sphere ({shown} vertices) after {middle} layers. Gray: "
+                "triangles that are placed. Dotted: the edges that place the next vertices (dots). Blue: "
+                "determined edges.",
+                _tree_figure(pictured, middle),
+            ),
+            Illustration(
+                "two-solutions",
+                "The two points k at the given distances from a and b on the sphere. The unfolded one has "
+                f"the larger distance from i: {unfolded['far']:.3f} r against {unfolded['near']:.3f} r.",
+                _choice_figure(),
+            ),
+            Illustration(
+                "determined-edges",
+                "Left: errors of the determined edges of the ellipsoid against the number of vertices. "
+                "Right: the same at the largest size, against the layer of the later end.",
+                _error_figure(n, rows, largest),
+            ),
+        ),
+        comparisons=(
+            Comparison(
+                "Eqs. (xb)-(zb) put the second end of the first edge on the sphere at the distance l",
+                "as printed",
+                f"off by at most {first_edge['radius']:.0e} r and {first_edge['length']:.0e} l, for l from "
+                "0.01 r to sqrt(2) r",
+                "They reach up to l = sqrt(2) r, the diameter of the circle of latitude on which both ends "
+                "lie and the edge of the regular octahedron.",
+            ),
+            Comparison(
+                "Inconsistencies are on the determined edges (section 2.2)",
+                "ordinarily, unless N is sufficiently large",
+                f"used edges: at most {last['used']:.0e}; determined edges: median {last['median']:.0e}, "
+                f"mean {last['mean']:.0e}, worst {last['worst']:.2f} (relative, N = {last['vertices']:,})",
+                "The worst ones hardly fade with N: errors grow from layer to layer, and more vertices bring "
+                "more layers.",
+            ),
+            Comparison(
+                "Of the two solutions the one with the largest distance ik is right (figure 3)",
+                "maximal",
+                f"unfolded {unfolded['far']:.3f} r, folded {unfolded['near']:.3f} r; their "
+                f"distances from a and b differ by {unfolded['apart']:.1g} r",
+            ),
+        ),
+        tables=(
+            Table(
+                "Relative errors of the lengths on the sphere, ellipsoid (3, 2, 1)",
+                ("N", "layers", "used, worst", "determined: median", "mean", "worst"),
+                tuple(
+                    (
+                        f"{row['vertices']:,}",
+                        str(row["layers"]),
+                        f"{row['used']:.1e}",
+                        f"{row['median']:.1e}",
+                        f"{row['mean']:.1e}",
+                        f"{row['worst']:.2f}",
+                    )
+                    for row in rows
+                ),
+            ),
+        ),
+        numbers={
+            "first_edge": first_edge,
+            "two_solutions": unfolded,
+            "ellipsoid": rows,
+            "exponents": falling,
+            "growth_per_layer": growth,
+        },
+    )
+
+
+def _placed(n: int) -> _Placed:
+    """Uniformize an ellipsoid and grow the tree, as `Paper` does."""
+    metric = PolyhedralMetric.from_mesh(*triangulate(Ellipsoid(), n)).normalized
+    tally = Tally("embedding tree", Log())
+    uniform = Paper().uniformize(metric, tally)
+    tree = grown(uniform.metric, uniform.radius, Paper().root, tally)
+    triangulation = metric.triangulation
+    first = np.flatnonzero(tree.pivots[:, 0] < 0)
+    later = np.flatnonzero(tree.pivots[:, 0] >= 0)
+    pairs = [np.column_stack([later, tree.pivots[later, k]]) for k in range(2)]
+    used = np.zeros(triangulation.n_edges, dtype=bool)
+    used[triangulation.edge_indices(np.vstack([first, *pairs]))] = True
+    lengths = uniform.metric.lengths
+    errors = np.abs(edge_lengths(metric.edges, tree.vertices) / lengths - 1)
+    return _Placed(uniform.metric, uniform.radius, tree, used, errors)
+
+
+def _measured(placed: _Placed) -> dict[str, Any]:
+    determined = placed.errors[~placed.used]
+    return {
+        "vertices": len(placed.tree.layers),
+        "layers": int(placed.tree.layers.max()),
+        "determined": len(determined),
+        "used": float(placed.errors[placed.used].max()),
+        "median": float(np.median(determined)),
+        "mean": float(determined.mean()),
+        "worst": float(determined.max()),
+    }
+
+
+def _later_layer(placed: _Placed) -> Indices:
+    """The layer of each edge's later end, (E,)."""
+    return placed.tree.layers[placed.metric.edges].max(axis=1)
+
+
+def _growth(placed: _Placed) -> float:
+    """Factor by which the typical error of a determined edge grows from a layer to the next."""
+    free = ~placed.used & (placed.errors > 0)
+    return float(np.exp(np.polyfit(_later_layer(placed)[free], np.log(placed.errors[free]), 1)[0]))
+
+
+def _exponent(n: Indices, value: Floats) -> float:
+    return float(np.polyfit(np.log(n), np.log(value), 1)[0])
+
+
+def _first_edge_errors() -> dict[str, float]:
+    """How far Eqs. (xb)-(zb) are off the sphere and off the length, at r = 1."""
+    l = np.linspace(0.01, np.sqrt(2), 1000)
+    root = np.sqrt(np.maximum(l**2 * (2 - l**2), 0.0))
+    a = np.array([0.5, 0.5, np.sqrt(0.5)])
+    b = np.column_stack([(1 - l**2 + root) / 2, (1 - l**2 - root) / 2, np.full(len(l), np.sqrt(0.5))])
+    return {
+        "radius": float(np.abs(np.linalg.norm(b, axis=1) - 1).max()),
+        "length": float(np.abs(np.linalg.norm(b - a, axis=1) / l - 1).max()),
+    }
+
+
+def _fold() -> dict[str, Floats]:
+    """Points of the unit sphere: the triangle i a b, k unfolded, and k folded over the edge a b."""
+    half = SIDE / 2
+    a, b = (np.array([sign * half, 0.0, np.sqrt(1 - half**2)]) for sign in (-1.0, 1.0))
+    turn = 2 * np.arcsin(half)  # of the apexes about the axis of x, near enough to an equilateral triangle
+    i = np.array([0.12 * SIDE, -np.sin(turn), np.cos(turn)])
+    k = np.array([-0.2 * SIDE, np.sin(0.85 * turn), np.cos(0.85 * turn)])
+    i, k = (p / np.linalg.norm(p) for p in (i, k))
+    normal = np.cross(a, b)
+    normal /= np.linalg.norm(normal)  # of the mirror through the center, a and b
+    return {"a": a, "b": b, "i": i, "k": k, "k'": k - 2 * (k @ normal) * normal}
+
+
+def _two_solutions() -> dict[str, float]:
+    p = _fold()
+
+    def between(x: str, y: str) -> float:
+        return float(np.linalg.norm(p[x] - p[y]))
+
+    apart = max(abs(between("k", end) - between("k'", end)) for end in "ab")
+    return {"far": between("i", "k"), "near": between("i", "k'"), "apart": apart}
+
+
+def _tree_figure(placed: _Placed, layer: int) -> Figure:
+    from matplotlib.collections import LineCollection, PolyCollection
+    from matplotlib.patches import Circle
+
+    tree, triangulation = placed.tree, placed.metric.triangulation
+    root = tree.vertices[triangulation.faces[Paper().root]].mean(axis=0)
+    toward = root / np.linalg.norm(root)
+    right = np.cross([0.3, -0.2, 1.0], toward)
+    right /= np.linalg.norm(right)
+    points = tree.vertices / placed.radius @ np.array([right, np.cross(toward, right), toward]).T
+    flat, front = points[:, :2], points[:, 2] > 0.05
+
+    figure = plots.blank(6.2)
+    axes = figure.add_subplot()
+    plots.bare(axes)
+    axes.add_patch(Circle((0, 0), 1, facecolor=plots.PALE, edgecolor=plots.GRID, linewidth=1.0))
+    old, new = tree.layers <= layer, tree.layers == layer + 1
+    solid = triangulation.faces[(old & front)[triangulation.faces].all(axis=1)]
+    axes.add_collection(PolyCollection(list(flat[solid]), facecolors=plots.STONE, edgecolors="none"))
+    ends = triangulation.edges
+    seen = front[ends].all(axis=1)
+    both_old, reaching = old[ends].all(axis=1), new[ends].any(axis=1) & (old | new)[ends].all(axis=1)
+    for which, style in (
+        (both_old & placed.used, {"colors": plots.INK, "linewidths": 1.1, "label": "used, placed"}),
+        (
+            reaching & placed.used,
+            {
+                "colors": plots.INK,
+                "linewidths": 1.4,
+                "linestyles": (0, (1, 1.6)),
+                "label": "used for the next",
+            },
+        ),
+        (
+            (both_old | reaching) & ~placed.used,
+            {"colors": plots.BLUE, "linewidths": 3.0, "label": "determined"},
+        ),
+    ):
+        lines = LineCollection(list(flat[ends[which & seen]]), capstyle="round", **style)  # type: ignore[arg-type]
+        axes.add_collection(lines)
+    dots = flat[new & front]
+    axes.plot(*dots.T, "o", color=plots.INK, markersize=5, label="next vertices")
+    axes.set_xlim(-1.3, 1.3)
+    axes.set_ylim(-1.03, 1.03)
+    plots.legend(axes, loc="lower center", ncols=4, bbox_to_anchor=(0.5, -0.07))
+    return figure
+
+
+def _choice_figure() -> Figure:
+    points = _fold()
+    (c, s) = np.cos(TILT), np.sin(TILT)
+    camera = np.array([[1.0, 0.0, 0.0], [0.0, c, s]])
+    at = {name: camera @ p for name, p in points.items()}
+
+    figure = plots.blank(3.9)
+    axes = figure.add_subplot()
+    plots.bare(axes)
+    slope = np.radians(np.linspace(-44, 44, 60))
+    for angle in np.radians(np.arange(-44, 45, 11)):  # a patch of the sphere, for depth
+        for x, y in ((slope, angle), (angle, slope)):
+            z = 1 / np.sqrt(1 + np.tan(x) ** 2 + np.tan(y) ** 2)
+            arc = np.array(np.broadcast_arrays(np.tan(x) * z, np.tan(y) * z, z))
+            axes.plot(*(camera @ arc), color=plots.GRID, linewidth=0.7, zorder=0)
+    axes.fill(
+        *np.array([at[name] for name in "iab"]).T, facecolor=plots.STONE, edgecolor=plots.INK, linewidth=1.2
+    )
+    for name, color in (("k", plots.BLUE), ("k'", plots.VERMILION)):
+        for end in "ab":
+            axes.plot(*np.array([at[end], at[name]]).T, ":", color=color, linewidth=1.8)
+        axes.plot(*np.array([at["i"], at[name]]).T, "--", color=color, linewidth=1.0)
+        axes.plot(*at[name], "o", color=color, markersize=7)
+    _name(axes, at)
+    axes.margins(0.02)
+    return figure
+
+
+def _name(axes: Axes, at: dict[str, Floats]) -> None:
+    """Write the names beside the points of figure 3."""
+    words = {
+        "a": ("a", (-12, 0), plots.INK),
+        "b": ("b", (12, 0), plots.INK),
+        "i": ("i", (0, -13), plots.INK),
+        "k": ("k, unfolded", (14, 8), plots.BLUE),
+        "k'": ("k, folded", (-40, -12), plots.VERMILION),
+    }
+    for name, (word, offset, color) in words.items():
+        axes.annotate(
+            word,
+            tuple(at[name]),
+            xytext=offset,
+            textcoords="offset points",
+            ha="center",
+            va="center",
+            color=color,
+        )
+
+
+def _error_figure(n: Indices, rows: list[dict[str, Any]], largest: _Placed) -> Figure:
+    figure = plots.blank(3.4)
+    left, right = figure.subplots(1, 2)
+    plots.dress(left, "vertices N", "relative error of a length", "determined edges")
+    for key, color, marker in zip(("worst", "mean", "median"), plots.SERIES, plots.MARKERS, strict=False):
+        left.loglog(n, [row[key] for row in rows], color=color, marker=marker, label=key)
+    left.loglog(n, [row["used"] for row in rows], color=plots.INK, marker="x", label="used edges, worst")
+    plots.legend(left)
+    plots.dress(right, "layer", "", f"N = {n[-1]:,}")
+    free = ~largest.used
+    right.semilogy(_later_layer(largest)[free], largest.errors[free], ".", color=plots.BLUE, markersize=3)
+    return figure

@@ -1,0 +1,293 @@
+"""Time against the number of vertices, stage by stage, and the steps of the pull-back (paper, figure 8)."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from isoembed.aim.paper import Flow, Paper
+from isoembed.errors import NotEmbedded
+from isoembed.gallery import SURFACES, triangulate
+from isoembed.metric.polyhedral import PolyhedralMetric
+from isoembed.stages import Log
+from isoembed.studies import plots
+from isoembed.studies.guided_pull_back import SAME
+from isoembed.studies.section import Comparison, Illustration, Section, Table
+from isoembed.surface.alignment import distance
+from isoembed.verb import embed
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+BODIES = ("ellipsoid", "drum")
+TOLERANCE = 1e-6  # the paper's
+RUNS = 3  # of which the fastest counts, stage by stage: whatever else the machine does only adds to the time
+WARM = 100  # vertices of what is embedded once before anything is timed, to compile
+MOST = 16  # steps that are tried
+TOTAL, DEFAULT = "total", "method aim"
+FLOWS: Mapping[Flow, float] = {"RK45": 0.1, "BDF": 1e-3}  # integrators, and the epsilon that they reach
+CUBIC = 3.0
+
+
+def study(*, sizes: Sequence[int], flow_sizes: Sequence[int], step_sizes: Sequence[int]) -> Section:
+    """Time the paper's method and the default one, integrate the Ricci flow, and count steps.
+
+    Parameters
+    ----------
+    sizes : sequence of int
+        Vertices of the surfaces that are timed, rising; at least two.
+    flow_sizes : sequence of int
+        Of those on which the Ricci flow is integrated, rising; at least two.  Beyond some 400 an explicit
+        integrator takes long.
+    step_sizes : sequence of int
+        Of those of which the steps are counted, rising.
+
+    Returns
+    -------
+    Section
+    """
+    for name in BODIES:
+        _timed(name, WARM)
+        _flowed(name, WARM)
+    timed = {name: [_timed(name, n) for n in sizes] for name in BODIES}
+    flowed = {name: [_flowed(name, n) for n in flow_sizes] for name in BODIES}
+    steps = {name: [_fewest_steps(name, n) for n in step_sizes] for name in BODIES}
+    seconds = {name: _exponents(sizes, rows, "seconds") for name, rows in timed.items()}
+    factorizations = {name: _exponents(sizes, rows, "factorizations") for name, rows in timed.items()}
+    evaluations = {name: _exponents(flow_sizes, rows, "evaluations") for name, rows in flowed.items()}
+    flow_seconds = {name: _exponents(flow_sizes, rows, "seconds") for name, rows in flowed.items()}
+    stages = [key for key in timed[BODIES[0]][0]["seconds"] if key not in (TOTAL, DEFAULT)]
+    steepest = {name: _steepest(seconds[name], stages) for name in BODIES}
+    return Section(
+        title="Scaling",
+        text=(
+            f"Seconds of each stage of the paper's method, tolerance {TOLERANCE:.0e}, from {sizes[0]:,} to "
+            f"{sizes[-1]:,} vertices. They are the least of three runs on one machine, compiled beforehand; "
+            "exponents are slopes of straight lines through the logarithms. The factorizations of sparse "
+            "matrices, which are most of the work, are counted beside: their number goes like "
+            + " and ".join(f"N^{_digits(factorizations[name][TOTAL])} ({name})" for name in BODIES)
+            + ".",
+            "Here the uniform metric is found by Newton's method. The Ricci flow as an ordinary differential "
+            "equation, as in the paper, is timed apart: with an explicit integrator (RK45), until the root "
+            f"mean square of K / kbar - 1 is below {FLOWS['RK45']:g}, and with an implicit one (BDF), to "
+            f"{FLOWS['BDF']:g}.",
+        ),
+        figures=(
+            Illustration(
+                "scaling",
+                "Seconds of the stages against the number of vertices. Dotted: N cubed.",
+                _time_figure(sizes, timed),
+            ),
+            Illustration(
+                "flow-and-steps",
+                "Left: right-hand sides of the Ricci flow as an ordinary differential equation. Right: the "
+                "fewest steps of the pull-back that lead to the surface that the lengths are from, without "
+                "the convexity routine.",
+                _flow_figure(flow_sizes, flowed, step_sizes, steps),
+            ),
+        ),
+        comparisons=(
+            Comparison(
+                "AIM scales sub-cubically (abstract, figure 8)",
+                "below N^3",
+                ", ".join(f"N^{_digits(seconds[name][TOTAL])} ({name})" for name in BODIES)
+                + "; the default method "
+                + ", ".join(f"N^{_digits(seconds[name][DEFAULT])}" for name in BODIES),
+            ),
+            Comparison(
+                "The Ricci flow is the highest-order contribution (section 3.1)",
+                "it is",
+                "by Newton's method "
+                + ", ".join(f"N^{_digits(seconds[name]['uniformize'])} ({name})" for name in BODIES)
+                + ", where the steepest stage is "
+                + ", ".join(
+                    f"{steepest[name]} ({name}, N^{_digits(seconds[name][steepest[name]])})"
+                    for name in BODIES
+                )
+                + "; integrated by RK45 "
+                + ", ".join(f"N^{_digits(flow_seconds[name]['RK45'])} ({name})" for name in BODIES),
+                "As a differential equation with an explicit integrator the flow is stiff: it takes "
+                + ", ".join(f"N^{_digits(evaluations[name]['RK45'])}" for name in BODIES)
+                + " right-hand sides, each of which costs of order N. By BDF it takes "
+                + ", ".join(f"N^{_digits(evaluations[name]['BDF'])}" for name in BODIES)
+                + ", and Newton's method "
+                + ", ".join(f"N^{_digits(factorizations[name]['uniformize'])}" for name in BODIES)
+                + " factorizations.",
+            ),
+            Comparison(
+                "Steps necessary for adiabaticity against N (figure 8)",
+                "a power of N (no number in the text)",
+                "; ".join(
+                    f"{name}: " + ", ".join(f"{n or f'> {MOST}'}" for n in steps[name]) for name in BODIES
+                )
+                + " at N = "
+                + ", ".join(f"{n:,}" for n in step_sizes),
+                "Counted here as adiabatic: the end is the surface that the lengths are from. Without the "
+                "convexity routine, with extrapolation, from a start without crumpled vertices.",
+            ),
+        ),
+        tables=(
+            Table(
+                "Exponents of N: seconds, and number of factorizations",
+                ("stage", *(f"{name}: {what}" for name in BODIES for what in ("seconds", "factorizations"))),
+                tuple(
+                    (
+                        key,
+                        *(
+                            _digits(found[name].get(key))
+                            for name in BODIES
+                            for found in (seconds, factorizations)
+                        ),
+                    )
+                    for key in (*stages, TOTAL, DEFAULT)
+                ),
+            ),
+            Table(
+                "The Ricci flow as a differential equation: exponents of N",
+                (
+                    "integrator",
+                    *(f"{name}: {what}" for name in BODIES for what in ("right-hand sides", "seconds")),
+                ),
+                tuple(
+                    (
+                        flow,
+                        *(
+                            _digits(found[name].get(flow))
+                            for name in BODIES
+                            for found in (evaluations, flow_seconds)
+                        ),
+                    )
+                    for flow in FLOWS
+                ),
+            ),
+        ),
+        numbers={
+            "sizes": list(sizes),
+            "timed": timed,
+            "exponents": {"seconds": seconds, "factorizations": factorizations},
+            "flow_sizes": list(flow_sizes),
+            "flows": flowed,
+            "flow_exponents": {"evaluations": evaluations, "seconds": flow_seconds},
+            "step_sizes": list(step_sizes),
+            "fewest_steps": steps,
+        },
+    )
+
+
+def _metric(name: str, n: int) -> PolyhedralMetric:
+    return PolyhedralMetric.from_mesh(*triangulate(SURFACES[name](), n))
+
+
+def _timed(name: str, n: int) -> dict[str, dict[str, float]]:
+    """Seconds and factorizations of the stages of the paper's method, and of both methods in total."""
+    metric = _metric(name, n)
+    papers = [embed(metric, method="paper", tolerance=TOLERANCE).stages for _ in range(RUNS)]
+    defaults = [embed(metric).stages for _ in range(RUNS)]
+    found: dict[str, dict[str, float]] = {}
+    for what in ("seconds", "factorizations"):
+        costs = {
+            stage.name: min(getattr(stages[k], what) for stages in papers)
+            for k, stage in enumerate(papers[0])
+        }
+        least = min(sum(getattr(stage, what) for stage in stages) for stages in defaults)
+        found[what] = {**costs, TOTAL: sum(costs.values()), DEFAULT: least}
+    return found
+
+
+def _flowed(name: str, n: int) -> dict[str, dict[str, float | None]]:
+    """Right-hand sides and seconds of the Ricci flow; None where it does not get there."""
+    metric = _metric(name, n).normalized
+    found: dict[str, dict[str, float | None]] = {"evaluations": {}, "seconds": {}}
+    for flow, epsilon in FLOWS.items():
+        method, log = Paper(flow=flow, epsilon=epsilon), Log()
+        for _ in range(RUNS):
+            with log.stage("uniformize") as tally:
+                arrived = method.uniformize(metric, tally).converged
+        found["evaluations"][flow] = log.stages[0].iterations if arrived else None
+        found["seconds"][flow] = min(run.seconds for run in log.stages) if arrived else None
+    return found
+
+
+def _fewest_steps(name: str, n: int) -> int | None:
+    """Least Tsteps with which the paper's method finds the given surface without its convexity routine."""
+    vertices, faces = triangulate(SURFACES[name](), n)
+    metric = PolyhedralMetric.from_mesh(vertices, faces)
+    for steps in range(1, MOST + 1):
+        try:
+            surface = embed(metric, method=Paper(Tsteps=steps, convexity="none"), tolerance=TOLERANCE)
+        except NotEmbedded:
+            continue
+        if distance(surface.vertices, vertices) < SAME * metric.mean_length:
+            return steps
+    return None
+
+
+def _exponents(sizes: Sequence[int], rows: Sequence[Mapping[str, Any]], what: str) -> dict[str, float | None]:
+    """Slopes of log(cost) over log(N); None for what costs nothing or did not end."""
+    slopes: dict[str, float | None] = {}
+    for key in rows[0][what]:
+        costs = [row[what].get(key) for row in rows]
+        if all(cost is not None and cost > 0 for cost in costs):
+            slopes[key] = float(np.polyfit(np.log(sizes), np.log(np.array(costs, dtype=float)), 1)[0])
+        else:
+            slopes[key] = None
+    return slopes
+
+
+def _steepest(slopes: Mapping[str, float | None], stages: Sequence[str]) -> str:
+    return max(stages, key=lambda stage: slopes[stage] or 0.0)
+
+
+def _digits(slope: float | None) -> str:
+    return "-" if slope is None else f"{round(slope, 2) + 0.0:.2f}"  # no minus before zero
+
+
+def _time_figure(sizes: Sequence[int], timed: Mapping[str, Any]) -> Figure:
+    figure = plots.blank(4.6)
+    n = np.array(sizes, dtype=float)
+    for axes, (name, rows) in zip(figure.subplots(1, 2, sharey=True), timed.items(), strict=True):
+        plots.dress(axes, "vertices N", "seconds" if name == BODIES[0] else "", name)
+        keys = [key for key in rows[0]["seconds"] if key not in (TOTAL, DEFAULT)]
+        styles = [
+            *zip(keys, plots.SERIES, plots.MARKERS, strict=False),
+            (TOTAL, plots.INK, "*"),
+            (DEFAULT, plots.FAINT, "x"),
+        ]
+        for key, color, marker in styles:
+            seconds = [row["seconds"][key] for row in rows]
+            axes.loglog(n, seconds, color=color, marker=marker, markersize=5, linewidth=1.3, label=key)
+        top = rows[-1]["seconds"][TOTAL]
+        axes.loglog(n, top * (n / n[-1]) ** CUBIC, ":", color=plots.FAINT, linewidth=1.2)
+        plots.mark_sizes(axes, sizes)
+    plots.legend_below(figure, axes)
+    return figure
+
+
+def _flow_figure(
+    flow_sizes: Sequence[int],
+    flowed: Mapping[str, Sequence[Mapping[str, Any]]],
+    step_sizes: Sequence[int],
+    steps: Mapping[str, Sequence[int | None]],
+) -> Figure:
+    figure = plots.blank(3.3)
+    left, right = figure.subplots(1, 2)
+    plots.dress(left, "vertices N", "right-hand sides", "Ricci flow")
+    for (name, rows), line in zip(flowed.items(), ("-", "--"), strict=True):
+        for flow, color, marker in zip(FLOWS, plots.SERIES, plots.MARKERS, strict=False):
+            counts = [row["evaluations"][flow] or np.nan for row in rows]
+            left.loglog(
+                flow_sizes, counts, line, color=color, marker=marker, markersize=5, label=f"{flow}, {name}"
+            )
+    plots.mark_sizes(left, flow_sizes)
+    plots.legend(left)
+    plots.dress(right, "vertices N", "fewest steps", "adiabatic pull-back")
+    for (name, fewest), color, marker in zip(steps.items(), plots.SERIES, plots.MARKERS, strict=False):
+        found = [count or np.nan for count in fewest]
+        right.semilogx(step_sizes, found, color=color, marker=marker, markersize=5, label=name)
+    plots.mark_sizes(right, step_sizes)
+    right.set_ylim(bottom=0)
+    right.yaxis.get_major_locator().set_params(integer=True)
+    plots.legend(right)
+    return figure
