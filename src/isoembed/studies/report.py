@@ -88,7 +88,7 @@ def rendered(figure: Figure) -> Image:
     from matplotlib import rc_context
 
     ending = ".svg" if _marks(figure) < HEAVY else ".png"
-    metadata = {"Date": None} if ending == ".svg" else {}
+    metadata = {"Date": None, "Creator": None} if ending == ".svg" else {}
     buffer = BytesIO()
     with rc_context({"svg.hashsalt": "isoembed"}):
         figure.savefig(
