@@ -7,16 +7,26 @@ import pytest
 
 import isoembed
 import smooth
+import zoo
 from isoembed import Embedding, Paper, PolyhedralMetric
-from isoembed.gallery import Sphere, triangulate
+from isoembed.gallery import Bean, Sphere, triangulate
 from isoembed.io import FileError
-from isoembed.plot import Film, write_animation
+from isoembed.plot import Film, Frame, write_animation
 from isoembed.plot.animation import DPI, FOOT, HEAD, IMAGES_A_SECOND, TURN, WIDTH
 
 pytest.importorskip("matplotlib")
 Image = pytest.importorskip("PIL.Image")
 
 AROUND = round(TURN * IMAGES_A_SECOND)
+
+
+def images_of(path):
+    images = []
+    with Image.open(path) as file:
+        for k in range(file.n_frames):
+            file.seek(k)
+            images.append(np.asarray(file.convert("RGB")).astype(int))
+    return images
 
 
 @pytest.fixture(scope="module")
@@ -31,12 +41,8 @@ def film(tmp_path_factory):
     path = tmp_path_factory.mktemp("film") / "gap.gif"
     write_animation(path, surface, frames)
     with Image.open(path) as file:
-        images = []
-        for k in range(file.n_frames):
-            file.seek(k)
-            images.append(np.asarray(file.convert("RGB")).astype(int))
         assert file.info["loop"] == 0
-    return surface, frames, images
+    return surface, frames, images_of(path)
 
 
 def inked(image):
@@ -72,6 +78,38 @@ def test_the_answer_alone_is_walked_around(tmp_path):
     write_animation(tmp_path / "a.gif", sphere, ())
     with Image.open(tmp_path / "a.gif") as file:
         assert file.n_frames == AROUND
+
+
+def test_nothing_is_cut_off(tmp_path):
+    # A disk with a spike on one side: the middle of its vertices is not the middle of the picture.
+    vertices, faces = zoo.icosphere(2)
+    spiked = vertices * [3.0, 3.0, 1.0]
+    spiked[np.argmax(spiked[:, 2])] = [0.0, 0.0, 4.0]
+    metric = PolyhedralMetric.from_mesh(spiked, faces)
+    surface = Embedding(metric, spiked, method="exact", tolerance=1e-10)
+    write_animation(tmp_path / "a.gif", surface, ())
+    for image in images_of(tmp_path / "a.gif"):
+        middle = image[round(HEAD * DPI) : -round(FOOT * DPI)]
+        rows = np.flatnonzero((np.ptp(middle, axis=2) > 25).any(axis=1))
+        assert 1 < rows[0] < rows[-1] < len(middle) - 2
+
+
+def test_rare_colors_stay(tmp_path):
+    # A bean has little but its ends that is strongly curved, and the largest values are yellow.
+    vertices, faces = triangulate(Bean(), 300)
+    bean = Embedding(PolyhedralMetric.from_mesh(vertices, faces), vertices, method="exact", tolerance=1e-10)
+    write_animation(tmp_path / "a.gif", bean, ())
+    red, green, blue = images_of(tmp_path / "a.gif")[0].reshape(-1, 3).T
+    assert ((red + green) / 2 - blue).max() > 150
+
+
+@pytest.mark.parametrize("scales", [(1, 1, 0), (1, 0, 0), (0, 0, 0)])
+def test_a_surface_on_the_way_may_be_folded_flat(scales, tmp_path):
+    vertices, faces = zoo.icosphere(0)
+    sphere = Embedding(PolyhedralMetric.from_mesh(vertices, faces), vertices, method="exact", tolerance=1e-10)
+    frames = [Frame("folded", 1.0, None, vertices * scales), Frame("answer", 0.0, 0.0, vertices)]
+    write_animation(tmp_path / "a.gif", sphere, frames)
+    assert len(images_of(tmp_path / "a.gif")) > AROUND
 
 
 def test_mp4(film, tmp_path):

@@ -68,3 +68,15 @@ def test_a_solid_from_paper(tmp_path, monkeypatch, capsys):
     assert {p.name for p in tmp_path.iterdir()} == {"net.json", "p.html", "c.png", "m.npz"}
     assert main(["glue", "net.json", "--report", "r.json", "--metric", "r.json"]) == 2
     assert "--report and --metric are the same file r.json" in capsys.readouterr().err
+
+
+def test_both_sides_of_a_triangle(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    net = {
+        "polygons": [[[0, 0], [4, 0], [2, 3]], [[0, 0], [2, -3], [4, 0]]],
+        "sides": [[[0, 0], [1, 2]], [[0, 1], [1, 1]], [[0, 2], [1, 0]]],
+    }
+    (tmp_path / "net.json").write_text(json.dumps(net))
+    assert main(["glue", "net.json", "--html", "p.html", "--picture", "c.png", "--animate", "f.gif"]) == 0
+    assert {p.name for p in tmp_path.iterdir()} == {"net.json", "p.html", "c.png", "f.gif"}
+    assert "3 vertices, 2 triangles" in (tmp_path / "p.html").read_text()

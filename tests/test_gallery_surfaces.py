@@ -203,7 +203,7 @@ def test_superellipsoid_of_power_two_is_the_ellipsoid():
         ),
         (HarmonicSurface(2, 0, -0.4, 2.0), lambda x, y, z: 2 - 0.4 * (3 * z**2 - 1)),
     ],
-    ids=str,
+    ids=["2, 2", "3, 3", "4, 3", "2, 0"],
 )
 def test_harmonic_surfaces_have_the_radius_of_the_harmonic_polynomial(surface, radius):
     u = sphere_points()

@@ -2,6 +2,7 @@
 
 import base64
 import json
+import os
 import re
 from html.parser import HTMLParser
 
@@ -181,6 +182,13 @@ def test_what_has_no_value_is_missing(tmp_path):
     assert np.isfinite(values).any()
 
 
+def test_a_frame_whose_lengths_no_surface_has(ellipsoid, tmp_path):
+    surface, frames = ellipsoid
+    lost = Frame("lost", 0.5, np.inf, frames[0].vertices)
+    write_page(tmp_path / "a.html", surface, frames=[lost, frames[-1]])
+    assert [entry["residual"] for entry in read(tmp_path / "a.html")[2]["frames"]] == [None, surface.residual]
+
+
 def test_a_frame_without_area(ellipsoid, tmp_path):
     surface, frames = ellipsoid
     flat = frames[0].vertices * [1.0, 0.0, 0.0]
@@ -189,7 +197,12 @@ def test_a_frame_without_area(ellipsoid, tmp_path):
     assert "Gaussian curvature" not in data["frames"][0]["values"]
 
 
-@pytest.mark.parametrize("radius", [1e-150, 1e12])
+def test_a_name_that_is_no_text(ellipsoid, tmp_path):
+    write_page(tmp_path / "a.html", ellipsoid[0], title=os.fsdecode(b"\xff.ply"))
+    assert "<h1>?.ply</h1>" in (tmp_path / "a.html").read_text(encoding="utf-8")
+
+
+@pytest.mark.parametrize("radius", [1e-154, 1e-150, 1e12])
 def test_any_size(radius, tmp_path):
     surface, frames = deformed(*zoo.icosphere(1), radius * np.array([1.0, 1.0, 0.5]))
     write_page(tmp_path / "a.html", surface, frames=frames[-1:])
@@ -268,7 +281,7 @@ def test_the_ramp_rises_evenly_in_lightness():
     ("value", "text"),
     [
         (None, "\u2013"),
-        (1234, "1\u202f234"),
+        (1234, "1,234"),
         (0.0, "0"),
         (26.376123, "26.3761"),
         (-0.5, "\u22120.5"),

@@ -5,7 +5,7 @@ import pytest
 
 import zoo
 from isoembed import Embedding, InvalidParameter, PolyhedralMetric
-from isoembed.gallery import Ellipsoid, KerrHorizon, Sphere, triangulate
+from isoembed.gallery import BentTube, Ellipsoid, KerrHorizon, Sphere, triangulate
 from isoembed.plot import QUANTITIES, Quantity, quantities, quantity
 
 
@@ -86,7 +86,23 @@ def test_bounds_are_never_empty():
     assert Quantity("", "", np.full(5, np.nan)).bounds == (0, 1)
     low, high = Quantity("", "", np.full(5, 1e-16), "log").bounds
     assert (low, high) == pytest.approx((1e-16, 1e-15))
-    assert Quantity("", "", np.zeros(5)).bounds == (-0.5, 0.5)
+    assert Quantity("", "", np.array([3e-9, 2e-7]), "log").bounds == pytest.approx((1e-9, 1e-6))
+    assert Quantity("", "", np.zeros(5)).bounds == (0, 1)
+
+
+@pytest.mark.parametrize("radius", [1e-152, 1e-154, 1e-200])
+def test_gaussian_curvature_is_unknown_beyond_the_range_of_floats(radius):
+    found = quantity(exact(Sphere(radius=radius), 42), "Gaussian curvature")
+    assert np.isnan(found.values).all()
+    assert found.bounds == (0, 1)
+
+
+def test_a_metric_without_a_conformal_map():
+    needle = exact(BentTube((1.65, 0.1, 0.1)), 400)
+    shown = quantity(needle, "conformal factor")
+    assert np.isnan(shown.values).all()
+    assert shown.label == "this surface has no conformal factor"
+    assert "conformal factor" not in [q.name for q in quantities(needle)]
 
 
 def test_what_is_not_there():

@@ -115,14 +115,15 @@ def answer(
     except NotEmbedded as error:
         embedding, failure = error.embedding, str(error)
 
+    shown = failure is None or options.keep
     writers = dict(beside or {})
-    if failure is None or options.keep:
-        if options.output:
-            writers[options.output] = surface_writer(options.output, embedding)
-        writers |= picture_writers(options, embedding, film)
+    if options.output and shown:
+        writers[options.output] = surface_writer(options.output, embedding)
     if options.report:
         writers[options.report] = report_writer(_report(embedding, failure))
     write_whole(writers)
+    if shown:  # when nothing can be lost any more
+        write_whole(picture_writers(options, embedding, film))
     if failure is not None:
         complain(failure)
     if not options.quiet:

@@ -12,11 +12,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from isoembed.io.files import FileError, Writer, check_output, ending, write_whole
-from isoembed.metric.polyhedral import PolyhedralMetric
 from isoembed.plot.film import ANSWER, Frame
 from isoembed.plot.picture import INK, PAPER, check_drawable, color_scale, draw
 from isoembed.plot.quantity import mean_curvature
-from isoembed.plot.view import Pose, View
+from isoembed.plot.view import Pose, View, camera
 from isoembed.surface.embedding import Embedding
 
 Floats = NDArray[np.float64]
@@ -28,7 +27,6 @@ SECONDS_A_FRAME = 0.5  # from one surface to the next
 LONGEST = 6.0  # seconds from the first surface to the answer
 TURN = 3.0  # seconds once around the answer
 WIDTH, DPI = 5.6, 100  # inches, dots an inch
-COLORS_OF_GIF = 64
 FOOT, HEAD = 0.5, 0.6  # inches, below and above the surface
 
 
@@ -101,7 +99,7 @@ def _images(embedding: Embedding, frames: Sequence[Frame]) -> Iterator[_Image]:
 
 def _texts(embedding: Embedding, frame: Frame) -> tuple[str, str]:
     """The heading and the caption of a surface."""
-    surface = _surface(embedding, frame.vertices)
+    surface = _surface(embedding, frame.vertices, frame.stage)
     place = "" if frame.t is None else f"     t = {frame.t:.2f}"
     inverted = int(surface.inverted_vertices.sum() + surface.partially_inverted_vertices.sum())
     return (
@@ -112,10 +110,9 @@ def _texts(embedding: Embedding, frame: Frame) -> tuple[str, str]:
     )
 
 
-def _surface(embedding: Embedding, vertices: Floats) -> Embedding:
-    """A surface on the way, with lengths of its own."""
-    metric = PolyhedralMetric.from_mesh(vertices, embedding.faces)
-    return Embedding(metric, vertices, method=embedding.method, tolerance=embedding.tolerance)
+def _surface(embedding: Embedding, vertices: Floats, stage: str) -> Embedding:
+    """A surface on the way, of which only the shape is of interest: it may be folded flat."""
+    return Embedding(embedding.metric, vertices, method="", tolerance=1.0, message=stage)
 
 
 def _drawn(embedding: Embedding, images: Sequence[_Image]) -> Iterator[Pixels]:
@@ -127,19 +124,20 @@ def _drawn(embedding: Embedding, images: Sequence[_Image]) -> Iterator[Pixels]:
     scale = color_scale(*shown.bounds)
     pose = Pose.of(embedding.vertices)
     size = max(float(np.linalg.norm(pose.put(image.vertices), axis=1).max()) for image in images)
-    height = max(
-        float(np.ptp(View.of(i.vertices, embedding.faces, pose, i.turn).polygons[..., 1])) for i in images
-    )
+    ups = [pose.put(image.vertices) @ camera(image.turn)[1] for image in images]
+    bottom, top = float(min(up.min() for up in ups)), float(max(up.max() for up in ups))
+    height = top - bottom
     tall = WIDTH * height / (2 * size) + FOOT + HEAD
     tall = 2 * round(tall * DPI / 2) / DPI  # films have even heights
     for image in images:
         picture = Figure(figsize=(WIDTH, tall), facecolor=PAPER, dpi=DPI)
         canvas = FigureCanvasAgg(picture)
         axes = picture.add_axes((0.0, FOOT / tall, 1.0, 1 - (FOOT + HEAD) / tall))
-        values = _surface(embedding, image.vertices).mean_curvature
+        with np.errstate(divide="ignore", invalid="ignore"):  # of a vertex without area
+            values = _surface(embedding, image.vertices, image.heading).mean_curvature
         draw(axes, View.of(image.vertices, embedding.faces, pose, image.turn), values[embedding.faces], scale)
         axes.set_xlim(-1.02 * size, 1.02 * size)
-        axes.set_ylim(-0.52 * height, 0.52 * height)
+        axes.set_ylim(bottom - 0.02 * height, top + 0.02 * height)
         picture.text(
             0.5, 1 - 0.5 * HEAD / tall, image.heading, ha="center", va="center", fontsize=12, color=INK
         )
@@ -152,7 +150,9 @@ def _write_gif(pixels: Iterator[Pixels]) -> Writer:
     def write(temporary: Path) -> None:
         from PIL import Image
 
-        first, *others = (Image.fromarray(image).quantize(COLORS_OF_GIF) for image in pixels)
+        # An octree keeps colors that are rare, as the lightest ones of a tip are; a median cut does not.
+        octree = Image.Quantize.FASTOCTREE
+        first, *others = (Image.fromarray(image).quantize(256, method=octree) for image in pixels)
         first.save(temporary, save_all=True, append_images=others, duration=1000 // IMAGES_A_SECOND, loop=0)
 
     return write

@@ -42,7 +42,7 @@ Floats = NDArray[np.float64]
 PAGE_ENDINGS = (".html",)
 FRAMES = 40  # at most: more are not seen
 BYTES = 6_000_000  # of all frames but the last: a page of 8 MB with its text encoding
-ROUNDING = 1e-15  # mean edge lengths: residuals below are of the file that the vertices came from
+ROUNDING = 1e-15  # mean edge lengths: lengths that were taken from vertices are theirs up to this
 COLORS = 65  # the browser interpolates between them
 UNITS = {
     "mean curvature": "1 / length",
@@ -131,20 +131,22 @@ def _hash(text: str) -> str:
 def _caption(embedding: Embedding) -> str:
     t, total = embedding.triangulation, embedding.integrated_mean_curvature
     words = [f"{t.n_vertices:,} vertices, {t.n_faces:,} triangles", f"∫ H dA = {number(total)}"]
-    if embedding.residual > ROUNDING:
+    if not _is_its_own(embedding):
         words.append(f"largest length error {number(embedding.residual)} of the mean edge")
     return " · ".join(words)
+
+
+def _is_its_own(embedding: Embedding) -> bool:
+    """Whether nothing was computed and the lengths are those of the vertices: it has no residual to show."""
+    return not embedding.stages and embedding.residual <= ROUNDING
 
 
 def _data(embedding: Embedding, frames: Sequence[Frame]) -> tuple[dict[str, Any], str]:
     """What the script shows: a JSON object, and the arrays that it points to."""
     t, packed = embedding.triangulation, Packed()
     earlier = list(frames[:-1])
-    shown = [
-        q
-        for q in quantities(embedding)
-        if earlier or not (q.name == "residual" and q.values.max() <= ROUNDING)
-    ]
+    own = not earlier and _is_its_own(embedding)
+    shown = [q for q in quantities(embedding) if not (own and q.name == "residual")]
     size = t.n_vertices * (6 + 2 * len(shown)) + t.n_edges / 8
     chosen = thinned([frame.stage for frame in earlier] + [ANSWER], int(min(FRAMES, 1 + BYTES // size)))
     pose = Pose.of(embedding.vertices)
@@ -156,7 +158,7 @@ def _data(embedding: Embedding, frames: Sequence[Frame]) -> tuple[dict[str, Any]
             {
                 "stage": frame.stage,
                 "t": frame.t,
-                "residual": frame.residual,
+                "residual": _known(frame.residual),
                 "concave": packed.add(np.packbits(surface.concave_edges, bitorder="little")),
                 "positions": packed.add_short(pose.put(surface.vertices).ravel()),
                 "values": {q.name: _shades(q, packed.add_short) for q in _on_the_way(surface)},
@@ -184,6 +186,11 @@ def _data(embedding: Embedding, frames: Sequence[Frame]) -> tuple[dict[str, Any]
         ],
         "frames": entries,
     }, packed.text
+
+
+def _known(residual: float | None) -> float | None:
+    """None, too, where it is infinite: a path may lead through lengths that make no triangles."""
+    return residual if residual is not None and np.isfinite(residual) else None
 
 
 def _on_the_way(surface: Embedding) -> list[Quantity]:
@@ -221,4 +228,4 @@ def _plain(label: str) -> str:
 
 
 def _write(path: Path, text: str) -> None:
-    path.write_text(text, encoding="utf-8")
+    path.write_text(text, encoding="utf-8", errors="replace")  # names of files may hold any bytes

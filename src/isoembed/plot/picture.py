@@ -187,6 +187,7 @@ def _row(
     extend = {(False, False): "neither", (True, False): "min", (False, True): "max"}.get(ends, "both")
     bar_axes = picture.add_axes((0.885, foot + 0.1 * share, 0.018, 0.8 * share))
     bar = picture.colorbar(scale, cax=bar_axes, extend=extend)
+    bar_axes.yaxis.set_minor_formatter("")  # between powers of ten
     bar.set_label(shown.label, color=INK, labelpad=8, fontsize=10 if height > 2.5 else 8)
     bar.outline.set_visible(False)
     bar_axes.tick_params(which="both", colors=INK, length=3, width=0.6, labelsize=9)
@@ -238,6 +239,6 @@ def _caption(embedding: Embedding) -> str:
     t = embedding.triangulation
     return (
         f"{t.n_vertices:,} vertices, {t.n_faces:,} triangles     "
-        rf"$\int\! H\,dA = {embedding.integrated_mean_curvature:.6g}$     "
-        f"largest length error {embedding.residual:.0e} of the mean edge"
+        rf"$\int\! H\,dA$ = {embedding.integrated_mean_curvature:.6g}     "
+        f"largest length error {embedding.residual:.1g} of the mean edge"
     )

@@ -20,6 +20,7 @@ Floats = NDArray[np.float64]
 
 SMALLEST = 1e-17  # mean edge lengths: a residual of zero has a place on a logarithmic scale
 PERCENTILES = (1.0, 99.0)  # between which the colors run
+LARGEST = 1e300  # of a curvature: beyond, sums overflow
 
 
 @dataclass(frozen=True, eq=False)
@@ -43,15 +44,21 @@ class Quantity:
 
     @property
     def bounds(self) -> tuple[float, float]:
-        """Where the colors begin and end: all but the outermost hundredths of the values lie between."""
+        """Where the colors begin and end: all but the outermost hundredths of the values lie between.
+
+        On a logarithmic scale they are powers of ten.
+        """
         values = self.values[np.isfinite(self.values)]
         if not values.size:
             return 0.0, 1.0
         low, high = np.percentile(values, PERCENTILES)
         if self.scale == "log":
-            return float(low), float(max(high, 10 * low))
+            first = np.floor(np.log10(low))
+            return float(10**first), float(10 ** max(np.ceil(np.log10(high)), first + 1))
         middle = (low + high) / 2
-        half = max((high - low) / 2, 0.05 * abs(middle)) or 0.5  # a sphere's rounding is no structure
+        half = max((high - low) / 2, 0.05 * abs(middle))  # a sphere's rounding is no structure
+        if half == 0:
+            return 0.0, 1.0
         return float(middle - half), float(middle + half)
 
 
@@ -64,18 +71,21 @@ def mean_curvature(embedding: Embedding) -> Quantity:
 
 
 def intrinsic_curvature(embedding: Embedding) -> Quantity:
-    """K, the deficit over the circumcentric dual area, where that is positive."""
+    """K, the deficit over the circumcentric dual area, where that is positive and K within floats."""
     metric = embedding.metric
     known = dual_areas(metric.normalized) > 0
     values = np.full(len(known), np.nan)
-    values[known] = gaussian_curvature(metric)[known]
+    with np.errstate(over="ignore", divide="ignore", invalid="ignore"):
+        curvature = gaussian_curvature(metric)
+    known &= np.abs(curvature) < LARGEST
+    values[known] = curvature[known]
     return Quantity("Gaussian curvature", r"Gaussian curvature  $K = \varepsilon_a / A^*_a$", values)
 
 
 def residual(embedding: Embedding) -> Quantity:
     """The largest length error of the edges at each vertex, in mean edge lengths."""
     values = np.maximum(vertex_residuals(embedding), SMALLEST)
-    return Quantity("residual", "largest length error at a vertex, in mean edge lengths", values, "log")
+    return Quantity("residual", "largest length error, in mean edge lengths", values, "log")
 
 
 def concavity(embedding: Embedding) -> Quantity:
@@ -93,6 +103,8 @@ def conformal_factor(embedding: Embedding) -> Quantity | None:
     A length on the sphere is the length on the surface times ``e^u``; Springborn, Schroeder and Pinkall,
     ACM TOG 27 (2008).
     """
+    if embedding.triangulation.n_faces == 2:  # the two sides of a triangle: nothing is left without the pole
+        return None
     unit = delaunay(embedding.metric.normalized)
     with Log().stage("conformal map") as tally:
         sphere = conformal_sphere(unit, tally)
@@ -123,16 +135,15 @@ def quantities(embedding: Embedding) -> tuple[Quantity, ...]:
 
 
 def quantity(embedding: Embedding, name: str) -> Quantity:
-    """The quantity of this name.
+    """The quantity of this name; NaN everywhere if this surface does not have it.
 
     Raises
     ------
     InvalidParameter
-        There is no such quantity, or this surface does not have it.
+        There is no such quantity.
     """
     if name not in QUANTITIES:
         raise InvalidParameter(f"there is no quantity {name!r} to show; there are {', '.join(QUANTITIES)}")
     found = QUANTITIES[name](embedding)
-    if found is None:
-        raise InvalidParameter(f"this surface has no {name}: its metric has no conformal map to the sphere")
-    return found
+    nowhere = np.full(embedding.triangulation.n_vertices, np.nan)
+    return Quantity(name, f"this surface has no {name}", nowhere) if found is None else found

@@ -12,7 +12,7 @@ const CONCAVE = "concave edges", CONFORMAL = "conformal factor"; // quantities
 const stored = (entry) => new KINDS[entry.type](bytes, entry.at, entry.count);
 
 function numbers(entry) {
-  const from = stored(entry), to = new Float32Array(entry.count);
+  const from = stored(entry), to = new Float64Array(entry.count);
   for (let i = 0; i < to.length; i++) {
     to[i] = entry.type === "u2" && from[i] === MISSING ? NaN : entry.low + entry.step * from[i];
   }
@@ -219,7 +219,7 @@ function upload() { // the frame and its colors
     shades[2 * v + 1] = there ? 0 : 1;
     for (let k = 0; k < 3; k++) texels[4 * v + k] = positions[3 * v + k];
   }
-  fill(parts.mantle.positions, positions);
+  fill(parts.mantle.positions, Float32Array.from(positions));
   fill(parts.mantle.normals, normals());
   fill(parts.mantle.shades, shades);
   const creased = [];
@@ -276,9 +276,14 @@ function draw() {
   gl.bindVertexArray(parts.mantle.made);
   gl.depthMask(true);
   gl.disable(gl.BLEND);
-  gl.polygonOffset(1, 1);
+  gl.enable(gl.CULL_FACE);
   gl.stencilFunc(gl.ALWAYS, 1, 1);
-  gl.drawElements(gl.TRIANGLES, faces.length, parts.kind, 0);
+  for (const [hidden, offset] of [[gl.FRONT, 4], [gl.BACK, 1]]) { // where a body is flat its front wins
+    gl.cullFace(hidden);
+    gl.polygonOffset(offset, offset);
+    gl.drawElements(gl.TRIANGLES, faces.length, parts.kind, 0);
+  }
+  gl.disable(gl.CULL_FACE);
 
   const at = common(parts.lines);
   gl.uniform1i(at.points, 1);
@@ -295,7 +300,7 @@ function draw() {
     gl.drawArraysInstanced(gl.TRIANGLE_STRIP, 0, 4, count);
   };
   const length = grown * Math.sqrt(5.8 / (faces.length / 3) * 4); // of an edge, about, in pixels
-  const strength = Math.min(Math.max((length - 2.5) / 9, 0), 1);
+  const strength = Math.min(Math.max((length - 3.5) / 9, 0), 1);
   if (shown.mesh && strength > 0) {
     const black = [0.03, 0.04, 0.06, 0.08 + 0.2 * strength];
     lines(parts.mesh, [0.7, 0.7], black, black, 0.001);
@@ -325,7 +330,7 @@ function select() { // take the frame and the quantity
   positions = numbers(frame.positions);
   concave = stored(frame.concave);
   const of = frame.values[name] || (name === CONFORMAL && frames[last].values[name]); // the same for all
-  values = of ? numbers(of) : new Float32Array(n).fill(NaN);
+  values = of ? numbers(of) : new Float64Array(n).fill(NaN);
   [low, high] = (kind === "log" && of ? of : frames[last].values[name]).bounds;
   if (!gl.isContextLost()) upload();
   legend();
@@ -359,6 +364,10 @@ function legend() {
 }
 
 function marks(kind) { // where the numbers stand beside the colors
+  if (kind === "log" && high - low < 2) { // 1, 2 and 5 times powers of ten
+    const powers = Array.from({ length: 5 }, (_, k) => Math.floor(low) + k);
+    return powers.flatMap((k) => [1, 2, 5].map((m) => k + Math.log10(m))).filter((value) => low <= value && value <= high);
+  }
   const rough = (high - low) / 4, power = 10 ** Math.floor(Math.log10(rough));
   const step = kind === "log" ? Math.max(1, Math.round(rough)) : power * [1, 2, 2.5, 5, 10].find((k) => k * power >= rough * 0.95);
   const found = [];
@@ -373,7 +382,7 @@ function moment() {
   const words = [`frame ${shown.frame + 1} of ${frames.length}`];
   if (t !== null) words.push(`t = ${written(t, 3)}`);
   if (residual !== null) words.push(`length errors up to ${written(residual, 2)}${shown.frame < last ? " at this t" : ""}`);
-  words.push(`${count} concave ${count === 1 ? "edge" : "edges"}`);
+  words.push(`${count.toLocaleString("en-US")} concave ${count === 1 ? "edge" : "edges"}`);
   const name = document.createElement("b");
   name.textContent = stage;
   $("moment").replaceChildren(name, ...words.flatMap((word) => {

@@ -7,13 +7,10 @@ processing" (2020), from dark violet over teal to light yellow.
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
-
-Floats = NDArray[np.float64]
 
 LIGHTNESS = (0.36, 0.93)
 HUE = (292.0, 102.0)  # degrees
-CHROMA = 0.15  # at most; less where the screen has no such color
+CHROMA = (0.102, 0.17, 0.4)  # least, growth and place of the least: just within what screens show
 
 # Ottosson's matrices: from L, a, b to the cube roots of cone responses, and from these to linear RGB.
 TO_CONES = np.array(
@@ -42,19 +39,9 @@ def ramp(count: int) -> list[str]:
     """
     share = np.linspace(0.0, 1.0, count)
     lightness, hue = (low + (high - low) * share for low, high in (LIGHTNESS, np.radians(HUE)))
-    rgb = _rgb(lightness, np.full(count, CHROMA), hue)
-    for k, color in enumerate(rgb):
-        chroma = CHROMA
-        while color.min() < 0 or color.max() > 1:
-            chroma -= 0.002
-            color = _rgb(lightness[k : k + 1], np.array([chroma]), hue[k : k + 1])[0]
-        rgb[k] = color
+    least, growth, place = CHROMA
+    chroma = least + growth * (share - place) ** 2
+    lab = np.column_stack([lightness, chroma * np.cos(hue), chroma * np.sin(hue)])
+    rgb = (lab @ TO_CONES.T) ** 3 @ TO_RGB.T
     screen = np.where(rgb <= 0.0031308, 12.92 * rgb, 1.055 * rgb ** (1 / 2.4) - 0.055)  # sRGB, IEC 61966-2-1
     return ["#" + bytes(color).hex() for color in np.rint(255 * screen).astype(np.uint8)]
-
-
-def _rgb(lightness: Floats, chroma: Floats, hue: Floats) -> Floats:
-    """Linear RGB, (n, 3); outside 0..1 where the screen does not reach."""
-    lab = np.column_stack([lightness, chroma * np.cos(hue), chroma * np.sin(hue)])
-    cones: Floats = (lab @ TO_CONES.T) ** 3
-    return cones @ TO_RGB.T

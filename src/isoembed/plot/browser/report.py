@@ -30,7 +30,7 @@ def report_html(report: Mapping[str, Any]) -> str:
         _table(
             "How it was found",
             [
-                ("method", escape(report["method"])),
+                ("method", f'<span class="words">{escape(report["method"])}</span>'),
                 ("tolerance", number(report["tolerance"])),
                 ("vertices", number(given["vertices"])),
                 ("edges", number(given["edges"])),
@@ -87,7 +87,7 @@ def number(value: float | None) -> str:
     if value is None:
         return NONE
     if isinstance(value, int):
-        return f"{value:,}".replace(",", "\N{NARROW NO-BREAK SPACE}")
+        return f"{value:,}"
     text = f"{value:.6g}" if value == 0 or 1e-3 <= abs(value) < 1e6 else f"{value:.3g}"
     digits, _, power = text.partition("e")
     digits = digits.replace("-", "\N{MINUS SIGN}")
@@ -116,7 +116,7 @@ def _flattened(entries: Mapping[str, Any], above: str = "") -> list[tuple[str, s
         elif isinstance(value, bool):
             rows.append((name, "yes" if value else "no"))
         elif isinstance(value, str):
-            rows.append((name, escape(value)))
+            rows.append((name, f'<span class="words">{escape(value)}</span>'))
         else:
             rows.append((name, number(len(value) if isinstance(value, list) else value)))
     return rows
