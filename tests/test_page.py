@@ -12,7 +12,7 @@ import pytest
 import zoo
 from isoembed import Embedding, PolyhedralMetric, embed
 from isoembed.io import FileError
-from isoembed.plot import Frame, quantities
+from isoembed.plot import Film, Frame, quantities
 from isoembed.plot.browser.packing import Packed
 from isoembed.plot.browser.ramp import ramp
 from isoembed.plot.browser.report import number
@@ -217,6 +217,19 @@ def test_residuals_within_rounding_are_left_out(tmp_path):
     text, _, data, _ = read(tmp_path / "a.html")
     assert "residual" not in [q["name"] for q in data["quantities"]]
     assert "largest length error" not in text
+
+
+@pytest.mark.parametrize(("method", "said"), [("aim", "--method paper"), ("alexandrov", "no surface before")])
+def test_an_answer_without_a_way_to_it(method, said, tmp_path):
+    film = Film()
+    surface = embed(PolyhedralMetric.from_mesh(*zoo.icosphere(1)), method=method, progress=film)
+    write_page(tmp_path / "a.html", surface, frames=film.frames(surface))
+    _, _, data, _ = read(tmp_path / "a.html")
+    assert said in data["alone"]
+    assert len(data["frames"]) == 1
+    assert "residual" in [q["name"] for q in data["quantities"]]  # something was computed
+    write_page(tmp_path / "b.html", surface)  # without a film there is nothing to explain
+    assert read(tmp_path / "b.html")[2]["alone"] == ""
 
 
 def test_a_convex_polyhedron(tmp_path):

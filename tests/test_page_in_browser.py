@@ -14,7 +14,7 @@ pytest.importorskip("matplotlib.image", reason="screenshots are read by matplotl
 from matplotlib.image import imread
 from playwright.sync_api import sync_playwright
 
-from isoembed import Embedding, PolyhedralMetric
+from isoembed import Embedding, PolyhedralMetric, embed
 from isoembed.plot import Frame
 from isoembed.plot.page import write_page
 from isoembed.plot.quantity import intrinsic_curvature
@@ -274,6 +274,15 @@ def test_what_has_no_value_is_gray(browser, size, tmp_path):
         colors = tab.pixels()[:, 70:-70][tab.shape()]
         assert (np.ptp(colors, axis=1) < 0.05).mean() > 0.1
     assert tab.complaints == []
+    tab.context.close()
+
+
+def test_an_answer_without_a_way_to_it(browser, tmp_path):
+    surface = embed(PolyhedralMetric.from_mesh(*zoo.icosphere(1)))
+    write_page(tmp_path / "alone.html", surface, frames=[Frame("answer", 0.0, 0.0, surface.vertices)])
+    tab = Tab(browser, tmp_path / "alone.html").open()
+    assert "leaped to this surface" in tab.text("#alone")
+    assert not tab.page.locator("#film").is_visible()
     tab.context.close()
 
 

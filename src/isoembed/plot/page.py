@@ -43,6 +43,10 @@ PAGE_ENDINGS = (".html",)
 FRAMES = 40  # at most: more are not seen
 BYTES = 6_000_000  # of all frames but the last: a page of 8 MB with its text encoding
 ROUNDING = 1e-15  # mean edge lengths: lengths that were taken from vertices are theirs up to this
+LEAPT = (
+    "The method leaped to this surface: there is none on the way to it. With --method paper there are some."
+)
+ALONE = "This method has no surface before the answer."
 COLORS = 65  # the browser interpolates between them
 UNITS = {
     "mean curvature": "1 / length",
@@ -178,6 +182,7 @@ def _data(embedding: Embedding, frames: Sequence[Frame]) -> tuple[dict[str, Any]
         "faces": packed.add(t.faces.ravel()),
         "edges": packed.add(t.edges.ravel()),
         "pose": {"center": pose.center.tolist(), "axes": pose.axes.tolist(), "size": pose.size},
+        "alone": (LEAPT if embedding.method == "aim" else ALONE) if len(frames) == 1 else "",
         "camera": camera().ravel().tolist(),
         "ramp": ramp(COLORS),
         "quantities": [

@@ -584,6 +584,8 @@ if (gl) {
   build();
   $("controls").hidden = false;
   $("film").hidden = last === 0;
+  $("alone").hidden = !data.alone;
+  $("alone").textContent = data.alone;
   $("frame").max = last;
   for (const { name } of data.quantities) $("color").append(new Option(name));
   $("color").addEventListener("change", () => {
