@@ -31,7 +31,7 @@ reproduce: $(INSTALLED)
 	$(BIN)/isoembed reproduce --output reproduction
 
 test: $(INSTALLED)
-	$(BIN)/python -m pytest -q
+	$(BIN)/python -m pytest -q --numprocesses auto --dist loadfile
 
 lint: $(LINTERS)
 	$(BIN)/ruff check .
