@@ -24,6 +24,8 @@ from pathlib import Path
 import numpy as np
 from scipy.spatial import ConvexHull
 
+from stages import aligned
+
 SIZES = (1000, 3226, 12800, 51200, 160_000, 640_000, 1_000_000)
 BODIES = {
     "ball": (1.0, 1.0, 1.0),
@@ -68,13 +70,6 @@ def scrambled(vertices, faces, seed, thinnest):
     tables = HalfEdges.of(metric.faces, metric.triangulation.twins, metric.face_lengths)
     tables.scramble(10 * len(vertices), np.random.default_rng(seed), thinnest)
     return GluedMetric(tables.faces, tables.twins, tables.face_lengths)
-
-
-def aligned(found, true):
-    """Largest distance after the best rigid motion, mirror images allowed, over the diameter."""
-    a, b = found - found.mean(axis=0), true - true.mean(axis=0)
-    u, _, v = np.linalg.svd(a.T @ b)
-    return float(np.linalg.norm(a @ u @ v - b, axis=1).max() / (2 * np.linalg.norm(b, axis=1).max()))
 
 
 def one_factorization(polyhedron, backend):

@@ -3,7 +3,7 @@
 For the paper's ellipsoid and drum and both methods: seconds, factorizations and steps a stage, the time of a
 stage over that of one factorization of J J^T, exponents fitted over N, accuracy (edge error, distance to the
 discarded coordinates over the diameter, inverted vertices) and peak memory. "steps" is the least Tsteps with
-which the paper's method finds the smooth surface without its convexity routine.
+which the paper's method finds the surface that the lengths are from, without its convexity routine.
 """
 
 import argparse
@@ -23,9 +23,10 @@ TOLERANCE = {"aim": 1e-10, "paper": 1e-6}
 
 def aligned(found, true):
     """Largest distance after the best rigid motion, mirror images allowed, over the diameter."""
-    a, b = found - found.mean(axis=0), true - true.mean(axis=0)
-    u, _, v = np.linalg.svd(a.T @ b)
-    return np.linalg.norm(a @ u @ v - b, axis=1).max() / (2 * np.linalg.norm(b, axis=1).max())
+    from isoembed.surface.alignment import distance
+
+    diameter = 2 * np.linalg.norm(true - true.mean(axis=0), axis=1).max()
+    return min(distance(x, true) for x in (found, found * [1, 1, -1])) / diameter
 
 
 def one_factorization(metric, vertices):
@@ -98,29 +99,13 @@ def show(rows):
         counts = f"{inverted['inverted_vertices']} + {inverted['partially_inverted_vertices']}"
         print(
             f"{row['vertices']:>6} {row['seconds']:>8.2f} {one:>7.3f} {row['seconds'] / one:>6.1f} "
-            f"{factorizations:>6} {row['steps'] or '> 32':>6} {row['residual']['max']:>11.1e} "
+            f"{factorizations:>6} {row['steps'] or 'none':>6} {row['residual']['max']:>11.1e} "
             f"{row['aligned']:>8.0e} {counts:>9} {row['peak_mb']:>8.0f}  " + "  ".join(parts)
         )
     print(f"exponents: total {exponent(rows, lambda row: row['seconds']):.2f}", end="")
     for k, name in enumerate(names):
         print(f", {name} {exponent(rows, lambda row, k=k: row['stages'][k]['seconds']):.2f}", end="")
     print()
-
-
-def fewest_steps(name, n):
-    """Least Tsteps of the paper's method that embeds without inverted vertices."""
-    from isoembed import NotEmbedded, Paper, PolyhedralMetric, embed
-    from isoembed.gallery import SURFACES, triangulate
-
-    metric = PolyhedralMetric.from_mesh(*triangulate(SURFACES[name](), n))
-    for steps in range(1, 33):
-        try:
-            surface = embed(metric, method=Paper(Tsteps=steps, convexity="none"), tolerance=1e-6)
-        except NotEmbedded:
-            continue
-        if not (surface.inverted_vertices.any() or surface.partially_inverted_vertices.any()):
-            return steps
-    return None
 
 
 def in_own_process(name, n, what):
@@ -137,7 +122,12 @@ def main():
     arguments = parser.parse_args()
     if arguments.measure:
         name, n, method = arguments.measure
-        print(json.dumps(fewest_steps(name, int(n)) if method == "steps" else measure(name, int(n), method)))
+        if method == "steps":
+            from isoembed.studies.scaling import fewest_steps
+
+            print(json.dumps(fewest_steps(name, int(n))))
+        else:
+            print(json.dumps(measure(name, int(n), method)))
         return
     sizes = [n for n in SIZES if n <= 1600 or not arguments.quick]
     everything = []

@@ -183,3 +183,9 @@ def test_angles_are_those_of_the_triangles(sections):
     assert angles["smallest"] == pytest.approx(found.min(), rel=1e-9)
     assert angles["largest"] == pytest.approx(found.max(), rel=1e-9)
     assert angles["outside"] == [((found < 30) | (found > top)).sum() for top in (90, 120)]
+
+
+def test_deficits_change_evenly_on_the_linear_path(sections):
+    for found in sections[guided_pull_back].numbers["paths"].values():
+        assert found["rates"]["deficits"] == pytest.approx(1, abs=0.1)
+        assert found["rates"]["curvature"] > 1.5

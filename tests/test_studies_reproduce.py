@@ -222,6 +222,17 @@ def test_a_folder_that_is_a_file_is_refused_before_anything_is_made(tmp_path):
             reproduce(a_plan(never), folder, lambda line: None)
 
 
+@pytest.mark.parametrize("name", ["report.html", "numbers.json"])
+def test_a_folder_in_the_place_of_a_file_is_refused_before_anything_is_made(tmp_path, name):
+    (tmp_path / name).mkdir()
+
+    def never():
+        raise AssertionError("made too early")
+
+    with pytest.raises(FileError, match=rf"^cannot write .*{name}: it is a folder$"):
+        reproduce(a_plan(never), tmp_path, lambda line: None)
+
+
 @pytest.mark.parametrize("plan", [FULL, QUICK], ids=lambda plan: plan.name)
 def test_a_plan_fits_its_studies(plan):
     assert len({study.name for study in plan.studies}) == len(plan.studies) == len(FULL.studies)

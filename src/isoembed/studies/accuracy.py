@@ -68,7 +68,8 @@ def study(*, vertices: int) -> Section:
         title="Accuracy of the lengths",
         text=(
             f"The ellipsoid and the drum with {vertices:,} vertices, from their lengths. Errors are "
-            "differences of lengths measured on the vertices that are returned, in mean edge lengths. "
+            "absolute differences of lengths, measured on the vertices that are returned, in mean edge "
+            "lengths. "
             "Newton's method stops below its tolerance, and its last step, which is quadratic, usually leads "
             "well below it.",
         ),

@@ -72,12 +72,12 @@ def study(*, shown: int, sizes: Sequence[int]) -> Section:
             "The uniform metric is put on the sphere of radius r = 1 / sqrt(kbar) vertex after vertex: two "
             "lengths and the radius decide each. Of the 3 N - 6 edges that uses 2 N - 3; the other N - 3, "
             "the determined edges, get whatever distance their ends happen to have.",
-            f"The edges that are used come out right to rounding. Of the determined ones of the ellipsoid at "
-            f"{last['vertices']:,} vertices, half are wrong by more than {last['median']:.1e} of their "
-            f"length and the worst by {last['worst']:.0%}. With more vertices the typical error falls, like "
-            f"N to the power {falling['median']:.1f}; the worst one hardly does "
-            f"({falling['worst']:.1f}). A median over all edges would hide this, since two thirds of them "
-            "are used.",
+            f"On the ellipsoid with {last['vertices']:,} vertices the lengths of the edges that are used "
+            f"come out right to {last['used']:.0e}. Of the determined ones half are wrong by more than "
+            f"{last['median']:.1e} of their length and the worst by {last['worst']:.0%}. With more vertices "
+            f"the typical error falls, like N to the power {falling['median']:.1f}; the worst one hardly "
+            f"does ({falling['worst']:.1f}). A median over all edges would hide this, since two thirds of "
+            "them are used.",
             "The reason is in the right half of the last figure: a vertex inherits the errors of the edge "
             f"that it is placed from, and they grow from layer to layer, here by a factor of "
             f"{growth**10:.1f} every ten layers.",
@@ -105,7 +105,7 @@ def study(*, shown: int, sizes: Sequence[int]) -> Section:
         ),
         comparisons=(
             Comparison(
-                "Eqs. (xb)-(zb) put the second end of the first edge on the sphere at the distance l",
+                "Eqs. (10)-(12) put the second end of the first edge on the sphere at the distance l",
                 "as printed",
                 f"off by at most {first_edge['radius']:.0e} r and {first_edge['length']:.0e} l, for l from "
                 "0.01 r to sqrt(2) r",
@@ -200,7 +200,7 @@ def _exponent(n: Indices, value: Floats) -> float:
 
 
 def _first_edge_errors() -> dict[str, float]:
-    """How far Eqs. (xb)-(zb) are off the sphere and off the length, at r = 1."""
+    """How far Eqs. (10)-(12) are off the sphere and off the length, at r = 1."""
     l = np.linspace(0.01, np.sqrt(2), 1000)
     root = np.sqrt(np.maximum(l**2 * (2 - l**2), 0.0))
     a = np.array([0.5, 0.5, np.sqrt(0.5)])

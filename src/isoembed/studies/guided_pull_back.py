@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
@@ -15,17 +15,18 @@ from isoembed.aim.paper import Convexity, Paper
 from isoembed.aim.paths import path_factors, path_times
 from isoembed.aim.pullback import pull_back
 from isoembed.aim.uniformize import Uniformization
-from isoembed.errors import InvalidMetric, NotEmbedded
+from isoembed.errors import InvalidMetric
 from isoembed.gallery import SURFACES, triangulate
 from isoembed.metric.conformal import rescaled
+from isoembed.metric.curvature import deficits, gaussian_curvature
 from isoembed.metric.polyhedral import PolyhedralMetric
 from isoembed.stages import Log, Progress, Tally
 from isoembed.studies import plots
+from isoembed.studies.attempt import attempted
 from isoembed.studies.section import Comparison, Illustration, Section, Table
 from isoembed.surface.alignment import distance
 from isoembed.surface.convexity import concave_edges
 from isoembed.surface.rigidity import LengthSystem, VertexSystem, length_residuals
-from isoembed.verb import embed
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -127,12 +128,27 @@ def study(*, cases: Sequence[tuple[str, int, int]], path_vertices: int) -> Secti
                 "Neither the exponential path nor the flow's own history improves on the linear one "
                 "(section 2.3)",
                 "no improvement, more work",
-                f"fewest steps, iterations in {COMPARED} steps (ellipsoid, drum): " + "; ".join(by_path),
-                "The steps of the flow's path are uneven: the longest changes a length by "
-                + ", ".join(f"{rows[-1]['longest']:.2f} ({name})" for name, rows in by_body.items())
-                + " mean edges, on the linear path by "
-                + ", ".join(f"{rows[0]['longest']:.2f}" for rows in by_body.values())
+                f"fewest steps, and iterations in {COMPARED} steps (ellipsoid, drum): " + "; ".join(by_path),
+                "On the exponential paths the iterations differ by at most "
+                f"{_most_apart(list(by_body.values()))} from those on the linear one. Uneven steps: the "
+                "longest changes a length, in mean edges, by "
+                + "; ".join(
+                    f"{rows[0]['name']}: " + ", ".join(f"{row['longest']:.2f}" for row in rows)
+                    for rows in zip(*by_body.values(), strict=True)
+                )
                 + ".",
+            ),
+            Comparison(
+                "On the linear path the Gaussian curvature changes by the same amount in every step "
+                "(section 2.3)",
+                "its rate of change is constant",
+                "largest over smallest change in a step: "
+                + "; ".join(
+                    f"{name}: deficits {found['rates']['deficits']:.2f}, K {found['rates']['curvature']:.1f}"
+                    for name, found in paths.items()
+                ),
+                "What changes evenly is the deficit, K times the dual area; K itself is divided by areas "
+                "that change, too.",
             ),
             Comparison(
                 "Extrapolation from three surfaces brings the guess nearer (section 2.3)",
@@ -175,7 +191,18 @@ def _distances(followed: list[dict[str, Any]]) -> str:
 def _sentence(rows: list[dict[str, Any]]) -> str:
     """Fewest steps and iterations of one path, on one surface after another."""
     fewest = ", ".join(str(row["arrived"][0]) if row["arrived"] else f"> {TRIED[-1]}" for row in rows)
-    return f"{rows[0]['name']}: {fewest} and {', '.join(str(row['iterations']) for row in rows)}"
+    iterations = ", ".join(str(row["iterations"]) for row in rows)
+    return f"{rows[0]['name']}: {fewest} steps, {iterations} iterations"
+
+
+def _most_apart(by_body: list[list[dict[str, Any]]]) -> int:
+    """By how many iterations an exponential path differs from the linear one at most."""
+    return max(
+        abs(row["iterations"] - linear["iterations"])
+        for linear, *others in by_body
+        for row in others
+        if row["name"].startswith("exponential")
+    )
 
 
 def _followed(name: str, n: int, steps: int) -> dict[str, Any]:
@@ -192,10 +219,7 @@ def _followed(name: str, n: int, steps: int) -> dict[str, Any]:
     for routine in ROUTINES:
         seen: list[Progress] = []
         method = Paper(sphere=False, convexity=routine, Tsteps=steps)
-        try:
-            surface = embed(metric, method=method, tolerance=TOLERANCE, progress=seen.append)
-        except NotEmbedded as error:
-            surface = error.embedding
+        surface = attempted(metric, method, TOLERANCE, seen.append)
         shown = [p for p in seen if p.vertices is not None and p.inverted is not None]
         concave = [int(concave_edges(metric.triangulation, p.vertices).sum()) for p in shown]  # type: ignore[arg-type]
         found["routines"][routine] = {
@@ -270,6 +294,10 @@ def _compared(start: _Start) -> dict[str, Any]:
     later = np.array(way.guesses[3:])  # j > 3
     return {
         "paths": rows,
+        "rates": {
+            "deficits": _unevenness(start, deficits),
+            "curvature": _unevenness(start, gaussian_curvature),
+        },
         "extrapolation": {
             "guesses": way.guesses,
             "factor": float(np.median(later[:, 1] / later[:, 0])),
@@ -277,6 +305,18 @@ def _compared(start: _Start) -> dict[str, Any]:
             "without": without.iterations,
         },
     }
+
+
+def _unevenness(start: _Start, quantity: Callable[[PolyhedralMetric], Floats]) -> float:
+    """The largest over the smallest change of a quantity, as a vector, in a step of the linear path."""
+    values = np.array(
+        [
+            quantity(rescaled(start.metric, path_factors("linear", start.uniform, t)))
+            for t in path_times("linear", COMPARED, 0.1)
+        ]
+    )
+    changes = np.linalg.norm(np.diff(values, axis=0), axis=1)
+    return float(changes.max() / changes.min())
 
 
 def _followed_figure(followed: Sequence[dict[str, Any]]) -> Figure:

@@ -129,7 +129,7 @@ def study(*, vertices: int) -> Section:
             ),
             Comparison(
                 "The convexity routine, v + 2 v_diff (section 2.2)",
-                '"close to the popped out solution"',
+                'close to the "popped out" solution',
                 f"{everywhere['inverted']} of the {vertices} vertices can be inverted so; as printed, "
                 f"{everywhere['printed']} of them are popped, with v - 2 v_diff {everywhere['corrected']}",
                 "The sign is wrong: v_diff points inward where the vertex is inverted.",

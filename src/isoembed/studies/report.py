@@ -35,7 +35,7 @@ DPI = 200
 TYPES = {".svg": "image/svg+xml", ".png": "image/png"}
 PART = re.compile(r"; (?![^()]*\))")  # a semicolon that is not in parentheses
 SPOKEN = 2  # powers of ten up to which a number is not written in them
-WORD, LONG = re.compile(r"[A-Za-z]{2}"), 24  # how a cell of a column of words begins; when it is broken
+WORD, LONG = re.compile(r"[A-Za-z]{2}"), 22  # how a cell of a column of words begins; when it is broken
 POWER = re.compile(r"(?<=[A-Za-z0-9)])\^(-?\d+(?:\.\d+)?)")
 EXPONENT = re.compile(r"(?<![\w.])(\d+(?:\.\d+)?)e([+-]?)0*(\d+)(?![\w.]*\w)")
 INTEGRAL = re.compile(r"\bint (H[^ ]*) dA")

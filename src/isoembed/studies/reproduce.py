@@ -15,7 +15,7 @@ import numpy as np
 from threadpoolctl import threadpool_limits
 
 from isoembed.errors import NotEmbedded
-from isoembed.io.files import FileError, Writer, write_whole
+from isoembed.io.files import FileError, Writer, check_output, write_whole
 from isoembed.plot.picture import check_drawable
 from isoembed.studies import (
     accuracy,
@@ -137,7 +137,7 @@ QUICK = Plan(
         Study(
             "scaling",
             scaling.study,
-            {"sizes": (100, 200, 400), "flow_sizes": (100, 200), "step_sizes": (200, 400)},
+            {"sizes": (200, 400, 800), "flow_sizes": (100, 200), "step_sizes": (400, 800, 1600)},
         ),
         Study("ergosphere", ergosphere.study, {"vertices": 300, "epsilons": (0.1, 0.3, 1.3)}),
         Study("baselines", baselines.study, {"vertices": 200, "degree": 8, "steps": 4, "seeds": 2}),
@@ -209,6 +209,8 @@ def _prepare(folder: Path) -> None:
             raise FileError(f"cannot make the folder {each}: {reason}") from None
         if not os.access(each, os.W_OK | os.X_OK):
             raise FileError(f"cannot write {each}: no permission to write in it")
+    for name in (REPORT, NUMBERS):
+        check_output(folder / name, {Path(name).suffix})
 
 
 def _bytes(data: bytes) -> Writer:

@@ -53,7 +53,7 @@ def study(*, sizes: Sequence[int], flow_sizes: Sequence[int], step_sizes: Sequen
         _flowed(name, WARM)
     timed = {name: [_timed(name, n) for n in sizes] for name in BODIES}
     flowed = {name: [_flowed(name, n) for n in flow_sizes] for name in BODIES}
-    steps = {name: [_fewest_steps(name, n) for n in step_sizes] for name in BODIES}
+    steps = {name: [fewest_steps(name, n) for n in step_sizes] for name in BODIES}
     seconds = {name: _exponents(sizes, rows, "seconds") for name, rows in timed.items()}
     factorizations = {name: _exponents(sizes, rows, "factorizations") for name, rows in timed.items()}
     evaluations = {name: _exponents(flow_sizes, rows, "evaluations") for name, rows in flowed.items()}
@@ -118,9 +118,12 @@ def study(*, sizes: Sequence[int], flow_sizes: Sequence[int], step_sizes: Sequen
             ),
             Comparison(
                 "Steps necessary for adiabaticity against N (figure 8)",
-                "a power of N (no number in the text)",
+                "plotted in figure 8, no number in the text",
                 "; ".join(
-                    f"{name}: " + ", ".join(f"{n or f'> {MOST}'}" for n in steps[name]) for name in BODIES
+                    f"{name}: "
+                    + ", ".join(f"{n or f'> {MOST}'}" for n in steps[name])
+                    + f" (N^{_digits(_slope(step_sizes, steps[name]))})"
+                    for name in BODIES
                 )
                 + " at N = "
                 + ", ".join(f"{n:,}" for n in step_sizes),
@@ -210,8 +213,21 @@ def _flowed(name: str, n: int) -> dict[str, dict[str, float | None]]:
     return found
 
 
-def _fewest_steps(name: str, n: int) -> int | None:
-    """Least Tsteps with which the paper's method finds the given surface without its convexity routine."""
+def fewest_steps(name: str, n: int) -> int | None:
+    """Least Tsteps with which the paper's method finds the given surface without its convexity routine.
+
+    Parameters
+    ----------
+    name : str
+        Of a surface in `isoembed.gallery.SURFACES`.
+    n : int
+        Number of vertices.
+
+    Returns
+    -------
+    int or None
+        None if `MOST` are not enough.
+    """
     vertices, faces = triangulate(SURFACES[name](), n)
     metric = PolyhedralMetric.from_mesh(vertices, faces)
     for steps in range(1, MOST + 1):
@@ -226,14 +242,14 @@ def _fewest_steps(name: str, n: int) -> int | None:
 
 def _exponents(sizes: Sequence[int], rows: Sequence[Mapping[str, Any]], what: str) -> dict[str, float | None]:
     """Slopes of log(cost) over log(N); None for what costs nothing or did not end."""
-    slopes: dict[str, float | None] = {}
-    for key in rows[0][what]:
-        costs = [row[what].get(key) for row in rows]
-        if all(cost is not None and cost > 0 for cost in costs):
-            slopes[key] = float(np.polyfit(np.log(sizes), np.log(np.array(costs, dtype=float)), 1)[0])
-        else:
-            slopes[key] = None
-    return slopes
+    return {key: _slope(sizes, [row[what].get(key) for row in rows]) for key in rows[0][what]}
+
+
+def _slope(sizes: Sequence[int], costs: Sequence[float | None]) -> float | None:
+    """Slope of log(cost) over log(N); None if a cost is nothing or not known."""
+    if not all(costs):
+        return None
+    return float(np.polyfit(np.log(sizes), np.log(np.array(costs, dtype=float)), 1)[0])
 
 
 def _steepest(slopes: Mapping[str, float | None], stages: Sequence[str]) -> str:

@@ -10,9 +10,10 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.spatial.distance import pdist
 
-from isoembed.errors import InvalidParameter, NotEmbedded
+from isoembed.errors import InvalidParameter
 from isoembed.smooth.harmonics import Harmonics
 from isoembed.smooth.isometry import gauss_newton
+from isoembed.studies.attempt import attempted
 from isoembed.studies.baselines.embedding_flow import embedding_flow
 from isoembed.studies.baselines.spherical_harmonics import HarmonicMap, fit_harmonics, projected, sphere
 from isoembed.studies.baselines.subjects import Problem, Subject
@@ -20,13 +21,14 @@ from isoembed.studies.baselines.uniformization import uniformized
 from isoembed.studies.baselines.wire_frame import sphere_layout, wire_frame
 from isoembed.surface import alignment
 from isoembed.surface.embedding import Embedding
-from isoembed.verb import embed
 
 Floats = NDArray[np.float64]
 
 ROUGH = 0.3  # mean edge lengths, of the wire frame's second start
 BUMPS = 0.3  # radii, of the harmonics' second start
+TOLERANCE = 1e-10  # mean edge lengths: as a user of `isoembed.embed` has it
 ARRIVED = 1e-6  # of the diameter: a surface so near to the true one is that
+FOUND = "the true surface"
 WORSE = 2.0  # strains over the least one from which on they are not due to the degree
 RESOLVED = 1e-5  # strains below this have squares that a minimizer cannot tell apart much longer
 DETERMINED = 2  # vertices for a harmonic at least
@@ -158,21 +160,14 @@ def _runs(problem: Problem, harmonics: Harmonics, steps: int) -> list[Run]:
     start = uniformized(metric, harmonics)
     flowed = embedding_flow(metric, start, steps)
     seconds = time.perf_counter() - begin
-    note = f"degree {harmonics.degree}, {steps} steps of order 4"
-    if not start.settled:
-        note += "; the curvature did not become uniform"
-    if start.least_curvature < 0.0:
-        note += "; K < 0 in places, where the published method does not apply"
-    runs.append(
-        Run(problem, "embedding flow", _on_mesh(problem, flowed.points(problem.directions)), seconds, note)
-    )
+    notes = ["the curvature did not become uniform"] * (not start.settled)
+    notes += ["K < 0 in places, where the published method does not apply"] * (start.least_curvature < 0.0)
+    surface = _on_mesh(problem, flowed.points(problem.directions))
+    runs.append(Run(problem, "embedding flow", surface, seconds, "; ".join(notes)))
 
     for method in ("paper", "aim"):
         begin = time.perf_counter()
-        try:
-            found = embed(problem.metric, method=method)
-        except NotEmbedded as error:
-            found = error.embedding
+        found = attempted(problem.metric, method, TOLERANCE)
         runs.append(_noted(Run(problem, f"isoembed, {method}", found, time.perf_counter() - begin, "")))
 
     # What `embed_smooth` does at one degree: it fits harmonics to the polyhedron and goes on from there.
@@ -181,7 +176,7 @@ def _runs(problem: Problem, harmonics: Harmonics, steps: int) -> list[Run]:
     C = gauss_newton(metric, harmonics, guess)
     seconds = runs[-1].seconds + time.perf_counter() - begin
     surface = _on_mesh(problem, harmonics.values(problem.directions) @ C)
-    runs.append(Run(problem, "isoembed, aim and harmonics", surface, seconds, f"degree {harmonics.degree}"))
+    runs.append(Run(problem, "isoembed, aim and harmonics", surface, seconds, ""))
     return runs
 
 
@@ -194,13 +189,13 @@ def _noted(run: Run) -> Run:
     if not run.surface.converged:
         note = "stopped short of the lengths"
     else:
-        note = "the true surface" if run.distance <= ARRIVED else "exact lengths, another surface"
+        note = FOUND if run.distance <= ARRIVED else "exact lengths, another surface"
     return replace(run, note=note)
 
 
 def _harmonic_note(fitted: HarmonicMap, least: float) -> str:
     ratio = fitted.strain / least
-    note = f"degree {fitted.harmonics.degree}, {fitted.iterations} iterations"
+    note = f"{fitted.iterations} iterations"
     if ratio <= WORSE or fitted.strain <= RESOLVED:
         return note
     end = "a local minimum" if fitted.settled else "not settled"
