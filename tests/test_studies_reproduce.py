@@ -153,7 +153,11 @@ def test_plain_text_becomes_html():
         "2 \N{MULTIPLICATION SIGN} 10<sup>\N{MINUS SIGN}7</sup>, 10<sup>\N{MINUS SIGN}6</sup>, 0, 0.67, 4"
     )
     assert text("int H dA, -0.5, 3-4, v - 2 v_diff").replace("\N{NO-BREAK SPACE}", " ") == (
-        "\N{INTEGRAL} H dA, \N{MINUS SIGN}0.5, 3-4, v - 2 v_diff"
+        "\N{INTEGRAL} H dA, \N{MINUS SIGN}0.5, 3-4, v - 2 v<sub>diff</sub>"
+    )
+    assert (
+        text("K / kbar at rho_0, embedding_tree")
+        == "K / k\N{COMBINING MACRON} at rho<sub>0</sub>, embedding_tree"
     )
 
 

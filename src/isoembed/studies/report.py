@@ -39,6 +39,7 @@ WORD, LONG = re.compile(r"[A-Za-z]{2}"), 22  # how a cell of a column of words b
 POWER = re.compile(r"(?<=[A-Za-z0-9)])\^(-?\d+(?:\.\d+)?)")
 EXPONENT = re.compile(r"(?<![\w.])(\d+(?:\.\d+)?)e([+-]?)0*(\d+)(?![\w.]*\w)")
 INTEGRAL = re.compile(r"\bint (H[^ ]*) dA")
+SUBSCRIPT = re.compile(r"\b([A-Za-z]|rho)_(\w+)")
 NEGATIVE = re.compile(r"(?<![\w.)])-(?=\.?\d)")
 
 
@@ -141,7 +142,7 @@ def page(made: Sequence[Made], plan: str) -> str:
 
 
 def text(plain: str) -> str:
-    """Escape plain text, and set its powers, integrals and signs: ``N^-1``, ``2e-07``, ``int H dA``."""
+    """Escape plain text, and set powers, integrals, subscripts and signs: ``N^-1``, ``int H dA``, ``t_f``."""
     html = (
         escape(plain)
         .replace("&lt;=", "\N{LESS-THAN OR EQUAL TO}")
@@ -149,6 +150,7 @@ def text(plain: str) -> str:
     )
     html = POWER.sub(lambda found: f"<sup>{_signed(found[1])}</sup>", html)
     html = EXPONENT.sub(_ten, html)
+    html = SUBSCRIPT.sub(r"\1<sub>\2</sub>", html).replace("kbar", "k\N{COMBINING MACRON}")
     html = INTEGRAL.sub("\N{INTEGRAL}\N{NO-BREAK SPACE}\\1\N{NO-BREAK SPACE}dA", html)
     return NEGATIVE.sub("\N{MINUS SIGN}", html)
 
