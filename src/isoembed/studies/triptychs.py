@@ -348,7 +348,8 @@ def _comparisons(made: dict[str, Triptych]) -> list[Comparison]:
                 f"{n['percent_error']:+.2f} % in int H dA against {smooth[name]['percent_error']:+.3f} %"
                 for name, n in ((name, one.numbers(one.crumpled)) for name, one in made.items())
             ),
-            "True of their shape at a distance; not of their curvature, which is what an energy is made of.",
+            "With its guidance the method ends on the smooth one. Without it surfaces with the same lengths "
+            "can be this far apart.",
         ),
         Comparison(
             "Without adiabaticity and the convexity routine the embedding is not smooth (figures 6 and 9)",
