@@ -9,6 +9,7 @@ import re
 import stat
 import struct
 import sys
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -22,6 +23,7 @@ from isoembed.io import (
     FileError,
     check_output,
     read_metric,
+    read_surface,
     write_metric,
     write_report,
     write_surface,
@@ -396,6 +398,25 @@ def test_shared_bad_cases(path):
     if path.stem == "bad_two_triangles":
         pytest.skip("a flat surface, not an error")
     refusal(path)
+
+
+def test_a_surface_comes_back_from_its_file(tmp_path, monkeypatch):
+    path = tmp_path / "surface.npz"
+    given = sphere()
+    m = given.metric
+    np.savez(path, vertices=2.0 * given.vertices, faces=m.faces, edges=m.edges, lengths=m.lengths)
+    reads = []
+    read = FORMATS[".npz"].read
+    counting = replace(FORMATS[".npz"], read=lambda file: reads.append(file) or read(file))
+    monkeypatch.setitem(FORMATS, ".npz", counting)
+    found = read_surface(path)
+    assert reads == [path]  # once
+    np.testing.assert_array_equal(found.vertices, 2.0 * given.vertices)
+    np.testing.assert_array_equal(found.metric.lengths, given.metric.lengths)
+    assert found.residuals == pytest.approx(given.metric.lengths / given.metric.mean_length, rel=1e-6)
+    with pytest.raises(FileError, match="is a metric without vertices: embed it first"):
+        write_metric(path, given.metric)
+        read_surface(path)
 
 
 # The fast ways and the careful ones.

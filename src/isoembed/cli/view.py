@@ -7,23 +7,17 @@ import tempfile
 import webbrowser
 from pathlib import Path
 
-import numpy as np
-
 from isoembed.cli.pictures import add_color_option
 from isoembed.cli.refusal import Refusal
 from isoembed.cli.screen import say
 from isoembed.cli.status import OK
-from isoembed.io import FileError, check_output, read_metric, write_whole
+from isoembed.io import check_output, read_surface, write_whole
 from isoembed.io.files import ending
-from isoembed.io.registry import FORMATS, SURFACE_ENDINGS
-from isoembed.metric.polyhedral import PolyhedralMetric
+from isoembed.io.registry import SURFACE_ENDINGS
 from isoembed.plot import PICTURE_ENDINGS, picture_writer
 from isoembed.plot.page import PAGE_ENDINGS, page_writer, write_page
 from isoembed.plot.quantity import MEAN_CURVATURE
 from isoembed.surface.embedding import Embedding
-from isoembed.surface.measures import volume
-
-TOLERANCE = 1e-10  # as of `isoembed embed`, for files that hold lengths beside the vertices
 
 
 def configure(parser: argparse.ArgumentParser) -> None:
@@ -55,7 +49,7 @@ def run(options: argparse.Namespace) -> int:
             raise Refusal(f"the output is the input {output}")
     if options.color and (not output or ending(output) in PAGE_ENDINGS):
         raise Refusal(f"--color is for pictures ({' '.join(PICTURE_ENDINGS)}): a page shows all quantities")
-    surface = _surface(options.file)
+    surface = read_surface(options.file)
     if not output:
         return _browse(surface, options.file)
     if ending(output) in PAGE_ENDINGS:
@@ -72,29 +66,3 @@ def _browse(surface: Embedding, path: Path) -> int:
     opened = webbrowser.open(page.as_uri())
     say(str(page) if opened else f"{page}: no browser could be opened here; open this file in one")
     return OK
-
-
-def _surface(path: Path) -> Embedding:
-    """The surface of a file, outward, with its own lengths or those that the file holds.
-
-    Raises
-    ------
-    FileError, InvalidMetric
-        It cannot be read, has no vertices, or is no triangulated sphere.
-    """
-    metric = read_metric(path)
-    tables = FORMATS[ending(path)].read(path)
-    if "vertices" not in tables:
-        raise FileError(
-            f"{path} is a metric without vertices: embed it first, with "
-            f"'isoembed embed {path} -o surface.ply'"
-        )
-    shape = np.shape(tables["vertices"])
-    if shape[1:] != (3,):
-        raise FileError(f"{path} holds vertices of shape {shape}, not (V, 3)")
-    own = PolyhedralMetric.from_mesh(tables["vertices"], metric.faces)  # checks the vertices
-    vertices, given = np.asarray(tables["vertices"], dtype=np.float64), "lengths" in tables
-    if volume(metric.faces, vertices / own.unit) < 0:  # the faces are turned over, not the surface
-        metric = PolyhedralMetric(metric.faces[:, ::-1], metric.lengths, metric.edges)
-    message = "" if given else "the lengths are those between the vertices of the file"
-    return Embedding(metric, vertices, method="given", tolerance=TOLERANCE, message=message)

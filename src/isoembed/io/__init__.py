@@ -14,7 +14,7 @@ from isoembed.io.files import FileError, check_output, write_whole
 from isoembed.io.metric import metric_writer, read_metric, write_metric
 from isoembed.io.registry import MESH_ENDINGS, METRIC_ENDINGS, SURFACE_ENDINGS
 from isoembed.io.report import REPORT_ENDINGS, report_writer, write_report
-from isoembed.io.surface import mesh_writer, surface_writer, write_surface
+from isoembed.io.surface import mesh_writer, read_surface, surface_writer, write_surface
 
 __all__ = [
     "CHECKPOINT_ENDINGS",
@@ -29,6 +29,7 @@ __all__ = [
     "metric_writer",
     "read_checkpoint",
     "read_metric",
+    "read_surface",
     "report_writer",
     "surface_writer",
     "write_checkpoint",

@@ -52,11 +52,16 @@ def read_metric(source: str | os.PathLike[str]) -> PolyhedralMetric:
         stream = getattr(sys.stdin, "buffer", None)
         if stream is None:
             raise FileError("there is no standard input to read from")
-        return _metric(objects.parse(stream.read(), "standard input"), "standard input")
-    path = Path(source)
+        return metric_of(objects.parse(stream.read(), "standard input"), "standard input")
+    return metric_of(read_tables(source), str(source))
+
+
+def read_tables(path: str | os.PathLike[str]) -> Tables:
+    """Read the arrays of a file in any of the formats."""
+    path = Path(path)
     check_ending(path, FORMATS)
     check_input(path)
-    return _metric(FORMATS[ending(path)].read(path), str(path))
+    return FORMATS[ending(path)].read(path)
 
 
 def metric_writer(
@@ -79,7 +84,8 @@ def write_metric(path: str | os.PathLike[str], metric: PolyhedralMetric) -> None
     write_whole({Path(path): metric_writer(path, metric)})
 
 
-def _metric(tables: Tables, name: str) -> PolyhedralMetric:
+def metric_of(tables: Tables, name: str) -> PolyhedralMetric:
+    """The metric of the arrays of a file of this name."""
     if "faces" not in tables or not ("lengths" in tables or "vertices" in tables):
         there = ", ".join(tables) if tables else "nothing"
         raise FileError(

@@ -1,4 +1,4 @@
-"""Surfaces into files."""
+"""Surfaces from files and into files."""
 
 from __future__ import annotations
 
@@ -8,9 +8,54 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from isoembed.io.files import Tables, Writer, check_output, ending, write_whole
+from isoembed.io.files import FileError, Tables, Writer, check_output, ending, write_whole
+from isoembed.io.metric import metric_of, read_tables
 from isoembed.io.registry import FORMATS, SURFACE_ENDINGS
+from isoembed.metric.polyhedral import PolyhedralMetric
 from isoembed.surface.embedding import Embedding
+from isoembed.surface.measures import volume
+
+TOLERANCE = 1e-10  # as of `isoembed.embed`, for files that hold lengths beside the vertices
+
+
+def read_surface(path: str | os.PathLike[str]) -> Embedding:
+    """Read a surface.
+
+    Parameters
+    ----------
+    path : path
+        ``.npz`` or ``.json`` with ``faces`` (F, 3) and ``vertices`` (V, 3), or a mesh.  If it holds
+        ``lengths`` (E,), too, with ``edges`` (E, 2), they are the metric; otherwise the lengths between the
+        vertices are.  Faces whose normals point inward are turned over.
+
+    Returns
+    -------
+    Embedding
+        Its method is ``"given"``.
+
+    Raises
+    ------
+    FileError
+        The file cannot be read, its ending is not known, or it has no vertices.
+    InvalidMetric
+        What it holds is not a triangulated sphere.
+    """
+    tables = read_tables(path)
+    metric = metric_of(tables, str(path))
+    if "vertices" not in tables:
+        raise FileError(
+            f"{path} is a metric without vertices: embed it first, with "
+            f"'isoembed embed {path} -o surface.ply'"
+        )
+    vertices = np.asarray(tables["vertices"])
+    if vertices.shape[1:] != (3,):
+        raise FileError(f"{path} holds vertices of shape {vertices.shape}, not (V, 3)")
+    given = "lengths" in tables
+    own = PolyhedralMetric.from_mesh(vertices, metric.faces) if given else metric  # checks the vertices
+    if volume(metric.faces, np.asarray(vertices / own.unit, dtype=np.float64)) < 0:
+        metric = PolyhedralMetric(metric.faces[:, ::-1], metric.lengths, metric.edges)
+    message = "" if given else "the lengths are those between the vertices of the file"
+    return Embedding(metric, vertices, method="given", tolerance=TOLERANCE, message=message)
 
 
 def mesh_writer(

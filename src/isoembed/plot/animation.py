@@ -35,6 +35,7 @@ class _Image:
     """What one image of a film shows."""
 
     vertices: Floats
+    values: Floats
     turn: float
     heading: str
     caption: str
@@ -92,9 +93,10 @@ def _images(embedding: Embedding, frames: Sequence[Frame]) -> Iterator[_Image]:
     for k in range(between):
         for s in np.arange(steps) / steps:
             vertices = (1 - s) * shown[k].vertices + s * shown[k + 1].vertices
-            yield _Image(vertices, 0.0, *texts[k])
+            yield _Image(vertices, _values(embedding, vertices), 0.0, *texts[k])
+    last, values = shown[-1].vertices, _values(embedding, shown[-1].vertices)
     for turn in np.linspace(0, 2 * np.pi, round(TURN * IMAGES_A_SECOND), endpoint=False):
-        yield _Image(shown[-1].vertices, float(turn), *texts[-1])
+        yield _Image(last, values, float(turn), *texts[-1])
 
 
 def _texts(embedding: Embedding, frame: Frame) -> tuple[str, str]:
@@ -115,6 +117,12 @@ def _surface(embedding: Embedding, vertices: Floats, stage: str) -> Embedding:
     return Embedding(embedding.metric, vertices, method="", tolerance=1.0, message=stage)
 
 
+def _values(embedding: Embedding, vertices: Floats) -> Floats:
+    """Mean curvature."""
+    with np.errstate(divide="ignore", invalid="ignore"):  # of a vertex without area
+        return _surface(embedding, vertices, ANSWER).mean_curvature
+
+
 def _drawn(embedding: Embedding, images: Sequence[_Image]) -> Iterator[Pixels]:
     """The images as pixels, (height, width, 3), one after the other."""
     from matplotlib.backends.backend_agg import FigureCanvasAgg
@@ -133,9 +141,8 @@ def _drawn(embedding: Embedding, images: Sequence[_Image]) -> Iterator[Pixels]:
         picture = Figure(figsize=(WIDTH, tall), facecolor=PAPER, dpi=DPI)
         canvas = FigureCanvasAgg(picture)
         axes = picture.add_axes((0.0, FOOT / tall, 1.0, 1 - (FOOT + HEAD) / tall))
-        with np.errstate(divide="ignore", invalid="ignore"):  # of a vertex without area
-            values = _surface(embedding, image.vertices, image.heading).mean_curvature
-        draw(axes, View.of(image.vertices, embedding.faces, pose, image.turn), values[embedding.faces], scale)
+        view = View.of(image.vertices, embedding.faces, pose, image.turn)
+        draw(axes, view, image.values[embedding.faces], scale)
         axes.set_xlim(-1.02 * size, 1.02 * size)
         axes.set_ylim(bottom - 0.02 * height, top + 0.02 * height)
         picture.text(
