@@ -64,7 +64,7 @@ def fibonacci(n, axes=(3.0, 2.0, 1.0)):
 def scrambled(vertices, faces, seed, thinnest):
     """The metric of a body, on triangles that were flipped at random."""
     from isoembed import GluedMetric, PolyhedralMetric
-    from isoembed.metric.flips import HalfEdges
+    from isoembed.intrinsic.flips import HalfEdges
 
     metric = PolyhedralMetric.from_mesh(vertices, faces)
     tables = HalfEdges.of(metric.faces, metric.triangulation.twins, metric.face_lengths)
@@ -76,17 +76,17 @@ def one_factorization(polyhedron, backend):
     """Least seconds of three: order, analyze and factor ``d kappa / d r`` at the solution."""
     from isoembed.alexandrov.homotopy import held
     from isoembed.alexandrov.polytope import Polytope
-    from isoembed.metric.flips import HalfEdges
-    from isoembed.stages import Log
+    from isoembed.intrinsic.flips import HalfEdges
+    from isoembed.progress.stages import Log
 
     metric, vertices = polyhedron.metric, polyhedron.vertices
     tables = HalfEdges.of(metric.faces, metric.triangulation.twins, metric.face_lengths)
     p = Polytope.over(tables, np.linalg.norm(vertices - vertices.mean(axis=0), axis=1))
     seconds = []
-    with Log().stage("factor") as tally:
+    with Log().stage("factor") as recorder:
         for _ in range(3):
             start = time.perf_counter()
-            held(p, tally, backend)
+            held(p, recorder, backend)
             seconds.append(time.perf_counter() - start)
     return min(seconds)
 

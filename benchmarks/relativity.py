@@ -41,10 +41,10 @@ from isoembed.relativity import (
 from isoembed.smooth import Harmonics, SmoothEmbedding, triangulate
 from isoembed.smooth.harmonics import gauss_rule
 from isoembed.smooth.isometry import gauss_newton
-from isoembed.smooth.solve import recast
+from isoembed.smooth.solve import resized
 from isoembed.smooth.two_metric import area_density, orthonormal_frame
 from isoembed.surface.chords import chord_lengths
-from isoembed.surface.corrected import SmoothIntegrals
+from isoembed.surface.smooth_integrals import SmoothIntegrals
 
 PARTS = ("smooth", "degree", "mesh", "slices", "files")
 SIZES = (500, 1000, 2000, 4000)
@@ -202,7 +202,7 @@ def degree():
         before = None
         for L in DEGREES:
             harmonics = Harmonics(L, 1)
-            C = gauss_newton(surface, harmonics, recast(whole.coefficients, whole.harmonics, harmonics))
+            C = gauss_newton(surface, harmonics, resized(whole.coefficients, whole.harmonics, harmonics))
             found = SmoothEmbedding(surface, harmonics, C, np.inf, np.inf)
             error = relative(found.integrated_mean_curvature, exact)
             row = {"surface": name, "degree": L, "residual": found.residual, "int H error": error}

@@ -34,11 +34,11 @@ from isoembed.relativity import (
     embed_surface,
     wang_yau,
 )
-from isoembed.relativity.boosted import BoostedSchwarzschild, Superposed
-from isoembed.relativity.wang_yau_functional import Functional
+from isoembed.relativity.energies.wang_yau_functional import Functional
+from isoembed.relativity.spacetimes.boosted import BoostedSchwarzschild, Superposed
 from isoembed.smooth import Harmonics, PulledBack, embed_smooth
 from isoembed.smooth.harmonics import gauss_rule
-from isoembed.smooth.solve import recast
+from isoembed.smooth.solve import resized
 from isoembed.smooth.two_metric import orthonormal_frame, projected
 
 PARTS = ("spheres", "minkowski", "boosted", "kerr", "extreme", "pair")
@@ -131,7 +131,7 @@ def spheres():
     data = round_sphere(r)
     embedding, X, tau = embed_smooth(data.metric), Harmonics(16, 16), Harmonics(8, 8)
     functional = Functional.of(data, embedding, TimeFunction.zero(), X, tau)
-    start = recast(embedding.coefficients, embedding.harmonics, X)
+    start = resized(embedding.coefficients, embedding.harmonics, X)
     hessian = 0.5 * c**2 * np.diag(functional.hessian(np.zeros(tau.size - 1), start))
     for l in range(1, 9):
         found = hessian[tau.labels[0][1:] == l]

@@ -3,15 +3,23 @@
 The seeds of the property tests are fixed: a failure today is a failure tomorrow.
 """
 
-from pathlib import Path
+import signal
 
 import pytest
 from hypothesis import settings
 
+from places import SHARED
+
 settings.register_profile("isoembed", derandomize=True, deadline=None, max_examples=30)
 settings.load_profile("isoembed")
 
-SHARED = Path(__file__).parents[2] / "shared"
+
+@pytest.fixture(scope="session", autouse=True)
+def interruptible():
+    """Ctrl-C as usual, also where the tests were started with SIGINT ignored, as background jobs are."""
+    before = signal.signal(signal.SIGINT, signal.default_int_handler)
+    yield
+    signal.signal(signal.SIGINT, before)
 
 
 def pytest_collection_modifyitems(items):

@@ -7,21 +7,21 @@ import numpy as np
 import pytest
 
 import isoembed
-import smooth
+import smooth_bodies
 import zoo
+from isoembed._embed import configured
 from isoembed.aim.adaptive import Aim
 from isoembed.aim.paper import Paper
 from isoembed.errors import NotEmbedded
 from isoembed.metric.polyhedral import PolyhedralMetric
-from isoembed.stages import Log
+from isoembed.progress.stages import Log
 from isoembed.surface.embedding import Embedding
-from isoembed.verb import configured
 
 METHODS = {"aim": Aim(), "paper": Paper(Tsteps=2, max_iterations=10)}
 
 
 def metric(noise=0.0):
-    exact = PolyhedralMetric.from_mesh(*smooth.ellipsoid(100))
+    exact = PolyhedralMetric.from_mesh(*smooth_bodies.ellipsoid(100))
     factors = 1 + noise * np.random.default_rng(0).normal(size=len(exact.lengths))
     return exact.with_lengths(exact.lengths * factors)
 
@@ -130,9 +130,9 @@ def test_watching_changes_nothing():
 
 def test_an_interrupted_stage_is_recorded():
     log = Log()
-    with pytest.raises(KeyboardInterrupt), log.stage("uniformize") as tally:
-        tally.iterations += 3
-        tally.factorizations += 2
+    with pytest.raises(KeyboardInterrupt), log.stage("uniformize") as recorder:
+        recorder.iterations += 3
+        recorder.factorizations += 2
         raise KeyboardInterrupt
     (stage,) = log.stages
     assert (stage.name, stage.iterations, stage.factorizations) == ("uniformize", 3, 2)

@@ -3,9 +3,9 @@
 import numpy as np
 import pytest
 
-import smooth
+import smooth_bodies
 import zoo
-from isoembed.aim.waypoint import ROUND, convex_waypoint, is_convex
+from isoembed.aim.convexification import ROUND, convexified, is_convex
 from isoembed.gallery import CassiniPeanut, Ergosphere, triangulate
 from isoembed.linalg import SingularMatrix
 from isoembed.metric.curvature import deficits
@@ -18,19 +18,19 @@ def glued(vertices, faces):
 
 
 def test_a_convex_metric_is_its_own_waypoint():
-    for mesh in (zoo.random_hull(20, 0), zoo.cube(), smooth.ellipsoid()):
-        metric, tally = glued(*mesh), smooth.tally()
-        assert convex_waypoint(metric, tally) is metric
-        assert tally.factorizations == 0
+    for mesh in (zoo.random_hull(20, 0), zoo.cube(), smooth_bodies.ellipsoid()):
+        metric, recorder = glued(*mesh), smooth_bodies.recorder()
+        assert convexified(metric, recorder) is metric
+        assert recorder.factorizations == 0
 
 
 @pytest.mark.parametrize("surface", [CassiniPeanut(), Ergosphere(epsilon=0.1)], ids=str)
 def test_the_waypoint_is_convex_with_a_margin_and_near(surface):
-    metric, tally = glued(*triangulate(surface, 400)), smooth.tally()
+    metric, recorder = glued(*triangulate(surface, 400)), smooth_bodies.recorder()
     assert not is_convex(metric)
-    waypoint = convex_waypoint(metric, tally)
+    waypoint = convexified(metric, recorder)
     assert is_convex(waypoint)
-    assert tally.factorizations <= 10
+    assert recorder.factorizations <= 10
     areas = waypoint.triangles.areas
     share = 4 * np.pi / 3 * np.bincount(waypoint.faces.ravel(), np.repeat(areas / areas.sum(), 3))
     assert (waypoint.deficits > ROUND / 4 * share).all()
@@ -45,7 +45,7 @@ def test_a_small_dent_needs_a_small_change_only():
     dent = vertices * (1 - 0.1 * np.exp(-np.sum((vertices - vertices[0]) ** 2, axis=1) / 0.02))[:, None]
     metric = glued(dent, faces)
     assert not is_convex(metric)
-    waypoint = convex_waypoint(metric, smooth.tally())
+    waypoint = convexified(metric, smooth_bodies.recorder())
     assert is_convex(waypoint)
     far = vertices @ vertices[0] < -0.5
     near = np.abs(waypoint.deficits - metric.deficits).max()
@@ -57,7 +57,7 @@ def test_lengths_far_from_any_surface_have_a_waypoint_too():
     metric = PolyhedralMetric.from_mesh(vertices, faces)
     ones = metric.with_lengths(np.ones(len(metric.lengths)))
     assert deficits(ones).min() < -2  # vertices with nine and more triangles
-    assert is_convex(convex_waypoint(GluedMetric.of(ones), smooth.tally()))
+    assert is_convex(convexified(GluedMetric.of(ones), smooth_bodies.recorder()))
 
 
 def test_where_the_laplacian_is_singular_there_is_none(monkeypatch):
@@ -66,4 +66,4 @@ def test_where_the_laplacian_is_singular_there_is_none(monkeypatch):
 
     metric = glued(*triangulate(CassiniPeanut(), 100))
     monkeypatch.setattr("isoembed.linalg.factor.Solver.factor", refused)
-    assert convex_waypoint(metric, smooth.tally()) is None
+    assert convexified(metric, smooth_bodies.recorder()) is None

@@ -28,8 +28,8 @@ _HOME = {
     "glue": "isoembed.gluing.net",
     "Embedding": "isoembed.surface.embedding",
     "FittedSurface": "isoembed.surface.fitted",
-    "embed": "isoembed.verb",
-    "Checkpoint": "isoembed.stages",
+    "embed": "isoembed._embed",
+    "Checkpoint": "isoembed.progress.stages",
     "Aim": "isoembed.aim.adaptive",
     "Paper": "isoembed.aim.paper",
     "Alexandrov": "isoembed.alexandrov.method",
@@ -39,6 +39,7 @@ _HOME = {
 __all__ = ["__version__", *_HOME]
 
 if TYPE_CHECKING:
+    from isoembed._embed import embed as embed
     from isoembed.aim.adaptive import Aim as Aim
     from isoembed.aim.paper import Paper as Paper
     from isoembed.alexandrov.method import Alexandrov as Alexandrov
@@ -52,10 +53,9 @@ if TYPE_CHECKING:
     from isoembed.mesh.triangulation import Triangulation as Triangulation
     from isoembed.metric.glued import GluedMetric as GluedMetric
     from isoembed.metric.polyhedral import PolyhedralMetric as PolyhedralMetric
-    from isoembed.stages import Checkpoint as Checkpoint
+    from isoembed.progress.stages import Checkpoint as Checkpoint
     from isoembed.surface.embedding import Embedding as Embedding
     from isoembed.surface.fitted import FittedSurface as FittedSurface
-    from isoembed.verb import embed as embed
 
 
 def __getattr__(name: str) -> Any:

@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
-    from isoembed.stages import Checkpoint, Stage
+    from isoembed.progress.stages import Checkpoint, Stage
 
 
 class InvalidMetric(ValueError):  # noqa: N818 - the contract's name

@@ -2,12 +2,12 @@
 
 The paper's three steps, each of them replaced by one that does not fail:
 
-1. uniformize, but only as far as convexity (`isoembed.aim.waypoint`);
+1. uniformize, but only as far as convexity (`isoembed.aim.convexification`);
 2. embed where it is easy, which for a convex metric is everywhere: the exact polyhedron of Alexandrov's
    theorem (`isoembed.alexandrov`);
 3. pull back: where the given metric is convex or nearly so, Newton's method gets there in one leap, on the
-   radii (`isoembed.aim.leap`) or on the lengths; where it does not, step by step, guided by smoothness
-   (`isoembed.aim.guided`).
+   radii (`isoembed.aim.radii_newton`) or on the lengths; where it does not, step by step, guided by
+   smoothness (`isoembed.aim.regularized_continuation`).
 """
 
 from __future__ import annotations
@@ -22,20 +22,20 @@ from numpy.typing import NDArray
 
 from isoembed.aim.anneal import anneal
 from isoembed.aim.best_fit import best_fit
-from isoembed.aim.conformal_sphere import conformal_sphere
+from isoembed.aim.convexification import NEAR, convexified, is_convex, negative_curvature
 from isoembed.aim.diagnosis import diagnosis
-from isoembed.aim.guided import Guide, guided_pull_back
-from isoembed.aim.leap import approach, leap
-from isoembed.aim.neighbors import smoothest
-from isoembed.aim.waypoint import NEAR, convex_waypoint, is_convex, negative_curvature
+from isoembed.aim.nearby_realizations import nearby_realizations
+from isoembed.aim.radii_newton import approach, leap
+from isoembed.aim.regularized_continuation import Guide, regularized_continuation
 from isoembed.alexandrov.method import Alexandrov
 from isoembed.errors import InvalidMetric, InvalidParameter, NotEmbedded
 from isoembed.linalg import SingularMatrix, chosen_backend
+from isoembed.metric.conformal_sphere import conformal_sphere
 from isoembed.metric.curvature import area
 from isoembed.metric.delaunay import delaunay
 from isoembed.metric.glued import GluedMetric
 from isoembed.metric.polyhedral import PolyhedralMetric
-from isoembed.stages import Log, Tally
+from isoembed.progress.stages import Log, StageRecorder
 from isoembed.surface.convexity import umbrella_heights
 from isoembed.surface.embedding import Embedding
 from isoembed.surface.fitted import FittedSurface
@@ -126,45 +126,47 @@ class Aim:
                     if embedding.residual <= max(tolerance, EXACT):
                         return embedding.with_stages(log.stages)
             log.expect(PULL_BACK)
-            with log.stage("waypoint") as tally:
-                waypoint = convex_waypoint(given, tally, self.backend)
+            with log.stage("waypoint") as recorder:
+                waypoint = convexified(given, recorder, self.backend)
             start = self._embedded(unit, waypoint, log)
         else:
             log.expect(PULL_BACK)
             start = kept["start"]
         system = LengthSystem(unit.triangulation, backend=self.backend)
         surfaces = []
-        with log.stage("pull back") as tally:
+        with log.stage("pull back") as recorder:
             if kept is None:
-                tally.keep(start=start)
-            tally.show(t=1.0, vertices=start)
-            vertices, strayed = _leap(system, start, unit.lengths, min(tolerance, EXACT), tally)
+                recorder.keep(start=start)
+            recorder.show(t=1.0, vertices=start)
+            vertices, branch_deviation = _leap(system, start, unit.lengths, min(tolerance, EXACT), recorder)
             if vertices is not None:
-                tally.show(t=0.0, vertices=vertices)
+                recorder.show(t=0.0, vertices=vertices)
         if vertices is not None:
             surfaces.append(surface(metric.unit * vertices))
-        if not (surfaces and surfaces[0].converged and (is_convex(given) or strayed < STRAYED)):
+        if not (surfaces and surfaces[0].converged and (is_convex(given) or branch_deviation < STRAYED)):
             guided = None if kept is None else kept.get("guided")
             if guided is None:
-                with log.stage("guided pull back") as tally:
+                with log.stage("guided pull back") as recorder:
                     path, guide = _LogLinear(unit, start), Guide(unit, start, self.backend)
                     on_the_way = log.resumed_at("guided pull back")
-                    guided = guided_pull_back(guide, start, path.lengths, tally, on_the_way)
-            with log.stage("polish") as tally:
-                tally.keep(start=start, guided=guided)
-                vertices = _polished(system, guided, unit.lengths, tally)
-                tally.show(vertices=vertices)
+                    guided = regularized_continuation(guide, start, path.lengths, recorder, on_the_way)
+            with log.stage("polish") as recorder:
+                recorder.keep(start=start, guided=guided)
+                vertices = _polished(system, guided, unit.lengths, recorder)
+                recorder.show(vertices=vertices)
             surfaces.append(surface(metric.unit * vertices))
             if surfaces[-1].residual < NEARLY:
-                with log.stage("neighbors") as tally:
-                    met = smoothest(system, vertices, unit.lengths, tally, residual_tolerance=EXACT)
+                with log.stage("neighbors") as recorder:
+                    met = nearby_realizations(
+                        system, vertices, unit.lengths, recorder, residual_tolerance=EXACT
+                    )
                 surfaces += [surface(metric.unit * vertices) for vertices in met]
         embedding, fitted = _chosen(surfaces), None
         if embedding.residual > max(tolerance, EXACT):  # below that, the tolerance is beyond rounding
-            with log.stage("best fit") as tally:
-                fit = best_fit(unit, start, tally, self.backend)
+            with log.stage("best fit") as recorder:
+                fit = best_fit(unit, start, recorder, self.backend)
                 if fit is not None:  # it is one more start
-                    polished = _polished(system, fit.vertices, unit.lengths, tally)
+                    polished = _polished(system, fit.vertices, unit.lengths, recorder)
                     surfaces += [surface(metric.unit * near) for near in (fit.vertices, polished)]
             if fit is not None:
                 fitted = FittedSurface(
@@ -190,11 +192,11 @@ class Aim:
         if kept is not None:
             start: Floats | None = kept["start"]
         else:
-            with log.stage("nearest waypoint") as tally:
-                waypoint = convex_waypoint(given, tally, self.backend, NEAR)
+            with log.stage("nearest waypoint") as recorder:
+                waypoint = convexified(given, recorder, self.backend, NEAR)
             start = None if waypoint is None else approach(given, waypoint, log, self.backend)
         landing = None if start is None else leap(given, start, log, self.backend)
-        return landing.vertices if landing is not None and landing.strayed < LANDED else None
+        return landing.vertices if landing is not None and landing.branch_deviation < LANDED else None
 
     def _embedded(self, metric: PolyhedralMetric, waypoint: GluedMetric | None, log: Log) -> Floats:
         """The vertices of the waypoint's polyhedron, or what comes nearest."""
@@ -205,8 +207,8 @@ class Aim:
                 return failure.embedding.vertices[: metric.triangulation.n_vertices]
             except InvalidMetric:  # so thin that fewer than three vertices have a deficit beyond rounding
                 pass
-        with log.stage("sphere") as tally:
-            x = outward(metric.faces, conformal_sphere(delaunay(metric), tally, self.backend).points)
+        with log.stage("sphere") as recorder:
+            x = outward(metric.faces, conformal_sphere(delaunay(metric), recorder, self.backend).points)
             return x * np.sqrt(area(metric) / area(PolyhedralMetric.from_mesh(x, metric.faces)))
 
 
@@ -231,7 +233,7 @@ class _LogLinear:
 
 
 def _leap(
-    system: LengthSystem, start: Floats, lengths: Floats, good: float, tally: Tally
+    system: LengthSystem, start: Floats, lengths: Floats, good: float, recorder: StageRecorder
 ) -> tuple[Floats | None, float]:
     """Newton's method while it converges; and by how much it strayed from where its first step pointed.
 
@@ -245,8 +247,8 @@ def _leap(
         return start, 0.0
     x, pointed, before = start, start, np.inf
     while residual > ON_THE_WAY or x is start:
-        tally.iterations += 1
-        tally.factorizations += 1
+        recorder.iterations += 1
+        recorder.factorizations += 1
         try:
             x = x - system.step(x, lengths, r)
         except SingularMatrix:
@@ -256,19 +258,19 @@ def _leap(
         pointed = x if pointed is start else pointed
         r = length_residuals(triangulation, x, lengths)
         residual = float(np.abs(r).max())
-        tally.show(residual=residual)
+        recorder.show(residual=residual)
         if not residual < CONVERGING * before or residual > LOST:
             return None, np.inf
         before = residual
     expected, heights = (umbrella_heights(triangulation, y) for y in (pointed, x))
-    strayed = float(np.abs(heights - expected).max() / np.sqrt(np.mean(heights**2)))
-    return _polished(system, x, lengths, tally), strayed
+    branch_deviation = float(np.abs(heights - expected).max() / np.sqrt(np.mean(heights**2)))
+    return _polished(system, x, lengths, recorder), branch_deviation
 
 
-def _polished(system: LengthSystem, vertices: Floats, lengths: Floats, tally: Tally) -> Floats:
+def _polished(system: LengthSystem, vertices: Floats, lengths: Floats, recorder: StageRecorder) -> Floats:
     """Newton's method to the rounding floor."""
     return anneal(
-        system, vertices, lengths, tally, residual_tolerance=POLISHED, max_iterations=POLISH
+        system, vertices, lengths, recorder, residual_tolerance=POLISHED, max_iterations=POLISH
     ).vertices
 
 

@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from isoembed.linalg import SingularMatrix
-from isoembed.stages import Tally
+from isoembed.progress.stages import StageRecorder
 from isoembed.surface.rigidity import LengthSystem, VertexSystem, length_residuals
 
 Floats = NDArray[np.float64]
@@ -40,7 +40,7 @@ def anneal(
     system: LengthSystem,
     vertices: Floats,
     lengths: Floats,
-    tally: Tally,
+    recorder: StageRecorder,
     *,
     residual_tolerance: float,
     step_tolerance: float = 0.0,
@@ -71,7 +71,7 @@ def anneal(
     best = Annealed(x, float(np.abs(r).max()), False)
     for iteration in range(max_iterations + 1):
         residual = float(np.abs(r).max())
-        tally.show(residual=residual)
+        recorder.show(residual=residual)
         if residual < best.residual:
             best = Annealed(x, residual, False)
         elif best.residual < ROUNDING and iteration:
@@ -84,8 +84,8 @@ def anneal(
             step = system.step(x, lengths, r)
         except SingularMatrix:
             return best
-        tally.iterations += 1
-        tally.factorizations += 1
+        recorder.iterations += 1
+        recorder.factorizations += 1
         x = x - step
         r = length_residuals(system.triangulation, x, lengths)
         if np.abs(step).max() <= step_tolerance:
@@ -98,7 +98,7 @@ def anneal_on_sphere(
     vertices: Floats,
     lengths: Floats,
     radius: float,
-    tally: Tally,
+    recorder: StageRecorder,
     *,
     max_iterations: int,
 ) -> Floats:
@@ -124,13 +124,13 @@ def anneal_on_sphere(
     x = vertices
     for _ in range(max_iterations):
         r = length_residuals(system.triangulation, x, lengths)
-        tally.show(residual=float(np.abs(r).max()))
+        recorder.show(residual=float(np.abs(r).max()))
         try:
             step = system.spherical_step(x, lengths, r, radius)
         except SingularMatrix:
             break
-        tally.iterations += 1
-        tally.factorizations += 1
+        recorder.iterations += 1
+        recorder.factorizations += 1
         x = x - step
         if np.abs(step).max() < SETTLED:
             break
@@ -141,7 +141,7 @@ def anneal_damped(
     system: LengthSystem,
     vertices: Floats,
     lengths: Floats,
-    tally: Tally,
+    recorder: StageRecorder,
     *,
     residual_tolerance: float,
     max_iterations: int,
@@ -166,14 +166,14 @@ def anneal_damped(
         except SingularMatrix:
             mu *= 5.0
             continue
-        tally.iterations += 1
-        tally.factorizations += 1
+        recorder.iterations += 1
+        recorder.factorizations += 1
         r_trial = length_residuals(triangulation, trial, lengths)
         energy_trial = r_trial @ r_trial
         if energy_trial < energy:
             mu *= 0.3 if energy_trial < energy / 2 else 1.0
             x, r, energy = trial, r_trial, energy_trial
-            tally.show(residual=float(np.abs(r).max()))
+            recorder.show(residual=float(np.abs(r).max()))
         else:
             mu *= 5.0
     residual = float(np.abs(r).max())

@@ -5,8 +5,8 @@ The best fit minimizes
 
     ``|r|^2 + mu |R x|^2``,
 
-r the errors of the lengths and R the roughness, as in `isoembed.aim.guided`.  Were it not for errors, mu
-could vanish; if it does, the surface follows them.  What they are the lengths themselves tell: of all mu,
+r the errors of the lengths and R the roughness, as in `isoembed.aim.regularized_continuation`.  Were it
+not for errors, mu could vanish; if it does, the surface follows them.  What they are the lengths themselves tell: of all mu,
 the one is taken that best foretells each length from the others, by generalized cross-validation.
 
 References
@@ -24,10 +24,10 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from isoembed.aim.guided import Guide
+from isoembed.aim.regularized_continuation import Guide
 from isoembed.linalg import SingularMatrix
 from isoembed.metric.polyhedral import PolyhedralMetric
-from isoembed.stages import Tally
+from isoembed.progress.stages import StageRecorder
 from isoembed.surface.rigidity import edge_rows, length_residuals
 
 Floats = NDArray[np.float64]
@@ -63,7 +63,7 @@ class BestFit:
 
 
 def best_fit(
-    metric: PolyhedralMetric, start: Floats, tally: Tally, backend: str | None = None
+    metric: PolyhedralMetric, start: Floats, recorder: StageRecorder, backend: str | None = None
 ) -> BestFit | None:
     """Fit a smooth surface to the lengths of a metric.
 
@@ -83,7 +83,7 @@ def best_fit(
     BestFit or None
         None if nothing as smooth comes near to the lengths.
     """
-    fits = _Fits(metric, start, tally, backend)
+    fits = _Fits(metric, start, recorder, backend)
     best = first = fits.fit(start, WEIGHT)
     for direction in (-1, 1):
         last = first
@@ -114,11 +114,13 @@ class _Fit:
 class _Fits:
     """Fits to one metric for any mu."""
 
-    def __init__(self, metric: PolyhedralMetric, start: Floats, tally: Tally, backend: str | None) -> None:
+    def __init__(
+        self, metric: PolyhedralMetric, start: Floats, recorder: StageRecorder, backend: str | None
+    ) -> None:
         self._guide = Guide(metric, start, backend)
         self._triangulation, self._lengths = metric.triangulation, metric.lengths
         self._unit = metric.mean_length
-        self._tally = tally
+        self._tally = recorder
         self._probes = np.random.default_rng(0).choice([-1.0, 1.0], size=(PROBES, len(metric.lengths)))
 
     def fit(self, vertices: Floats, weight: float) -> _Fit:

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from isoembed.aim.anneal import Annealed, anneal, anneal_damped, anneal_on_sphere
 from isoembed.aim.convexity import PRINTED, crumpled_vertices, pop_and_anneal, popped
-from isoembed.aim.layout import embedding_tree
+from isoembed.aim.embedding_tree import embedding_tree
 from isoembed.aim.paths import path_factors, path_times
 from isoembed.aim.pullback import pull_back
 from isoembed.aim.uniformize import Uniformization, newton_uniformization, ricci_flow
@@ -18,7 +18,7 @@ from isoembed.errors import InvalidMetric, InvalidParameter
 from isoembed.linalg import chosen_backend
 from isoembed.metric.conformal import rescaled
 from isoembed.metric.polyhedral import PolyhedralMetric
-from isoembed.stages import Log, Tally
+from isoembed.progress.stages import Log, StageRecorder
 from isoembed.surface.embedding import Embedding
 from isoembed.surface.rigidity import LengthSystem, VertexSystem
 
@@ -133,44 +133,44 @@ class Paper:
         """
         given = metric.normalized
         lost = ""
-        with log.stage("uniformize") as tally:  # 2.1
-            uniform = self.uniformize(given, tally)
+        with log.stage("uniformize") as recorder:  # 2.1
+            uniform = self.uniformize(given, recorder)
             if not uniform.converged:
                 lost = f"the curvature did not become uniform (k / kbar is off 1 by {uniform.deviation:.1e})"
-        with log.stage("embedding tree") as tally:  # 2.2
-            vertices = embedding_tree(uniform.metric, uniform.radius, self.root, tally).vertices
-            tally.show(t=1.0, vertices=vertices)
+        with log.stage("embedding tree") as recorder:  # 2.2
+            vertices = embedding_tree(uniform.metric, uniform.radius, self.root, recorder).vertices
+            recorder.show(t=1.0, vertices=vertices)
         system = LengthSystem(given.triangulation, backend=self.backend)
-        with log.stage("anneal A") as tally:
+        with log.stage("anneal A") as recorder:
             if self.sphere:
                 vertices = anneal_on_sphere(
                     VertexSystem(given.triangulation, backend=self.backend),
                     vertices,
                     uniform.metric.lengths,
                     uniform.radius,
-                    tally,
+                    recorder,
                     max_iterations=self.max_iterations,
                 )
-            annealed = self.anneal(system, vertices, uniform.metric.lengths, tolerance, tally)
-            self._show(system, annealed, 1.0, tally)
-        with log.stage("convexity and anneal B") as tally:
-            annealed = self.make_convex(system, annealed, uniform.metric.lengths, tolerance, tally)
-            self._show(system, annealed, 1.0, tally)
+            annealed = self.anneal(system, vertices, uniform.metric.lengths, tolerance, recorder)
+            self._show(system, annealed, 1.0, recorder)
+        with log.stage("convexity and anneal B") as recorder:
+            annealed = self.make_convex(system, annealed, uniform.metric.lengths, tolerance, recorder)
+            self._show(system, annealed, 1.0, recorder)
             if not annealed.converged:
                 lost = lost or f"the uniform surface could not be annealed (residual {annealed.residual:.1e})"
-        with log.stage("pull back") as tally:  # 2.3
+        with log.stage("pull back") as recorder:  # 2.3
 
             def relax(guess: Floats, t: float) -> Annealed:
                 try:
                     lengths = rescaled(given, path_factors(self.path, uniform, t)).lengths
                 except InvalidMetric:  # between two metrics, but none itself
                     return Annealed(guess, np.inf, False)
-                reached = self.anneal(system, guess, lengths, tolerance, tally)
-                return self.make_convex(system, reached, lengths, tolerance, tally)
+                reached = self.anneal(system, guess, lengths, tolerance, recorder)
+                return self.make_convex(system, reached, lengths, tolerance, recorder)
 
             for step in pull_back(annealed.vertices, path_times(self.path, self.Tsteps, self.alpha), relax):
                 annealed = step.annealed
-                self._show(system, annealed, step.t, tally)
+                self._show(system, annealed, step.t, recorder)
                 if not annealed.converged:
                     lost = lost or f"the pull-back lost the surface at t = {step.t:.3g} t_f"
         embedding = Embedding(
@@ -184,21 +184,26 @@ class Paper:
             return embedding
         return embedding.with_message(f"{embedding.message}; {lost}")
 
-    def uniformize(self, metric: PolyhedralMetric, tally: Tally) -> Uniformization:
+    def uniformize(self, metric: PolyhedralMetric, recorder: StageRecorder) -> Uniformization:
         """Section 2.1: conformal factors to the uniform metric."""
         if self.flow == "newton":
-            return newton_uniformization(metric, tally, epsilon=self.epsilon, backend=self.backend)
-        return ricci_flow(metric, tally, integrator=self.flow, epsilon=self.epsilon, t_f=self.t_f)
+            return newton_uniformization(metric, recorder, epsilon=self.epsilon, backend=self.backend)
+        return ricci_flow(metric, recorder, integrator=self.flow, epsilon=self.epsilon, t_f=self.t_f)
 
     def anneal(
-        self, system: LengthSystem, vertices: Floats, lengths: Floats, tolerance: float, tally: Tally
+        self,
+        system: LengthSystem,
+        vertices: Floats,
+        lengths: Floats,
+        tolerance: float,
+        recorder: StageRecorder,
     ) -> Annealed:
         """Anneal A, anneal B and the corrector of GAP: Newton's method, damped where it does not converge."""
         annealed = anneal(
             system,
             vertices,
             lengths,
-            tally,
+            recorder,
             residual_tolerance=tolerance,
             step_tolerance=self.step_tolerance,
             max_iterations=self.max_iterations,
@@ -209,18 +214,23 @@ class Paper:
             system,
             vertices,
             lengths,
-            tally,
+            recorder,
             residual_tolerance=tolerance,
             max_iterations=self.max_iterations,
         )
 
     def make_convex(
-        self, system: LengthSystem, annealed: Annealed, lengths: Floats, tolerance: float, tally: Tally
+        self,
+        system: LengthSystem,
+        annealed: Annealed,
+        lengths: Floats,
+        tolerance: float,
+        recorder: StageRecorder,
     ) -> Annealed:
         """The convexity routine and the annealing after it."""
 
         def relax(vertices: Floats) -> Annealed:
-            return self.anneal(system, vertices, lengths, tolerance, tally)
+            return self.anneal(system, vertices, lengths, tolerance, recorder)
 
         if self.convexity == "none":
             return annealed
@@ -231,9 +241,9 @@ class Paper:
             return annealed
         return relax(popped(system.triangulation, annealed.vertices, inverted | partial, PRINTED))
 
-    def _show(self, system: LengthSystem, annealed: Annealed, t: float, tally: Tally) -> None:
+    def _show(self, system: LengthSystem, annealed: Annealed, t: float, recorder: StageRecorder) -> None:
         inverted, partial = crumpled_vertices(system.triangulation, annealed.vertices)
-        tally.show(
+        recorder.show(
             t=t,
             residual=annealed.residual,
             inverted=int(inverted.sum()),

@@ -10,10 +10,10 @@ from numpy.typing import NDArray
 from scipy.integrate import solve_ivp
 from scipy.sparse import csr_array, diags_array
 
-from isoembed.aim.conformal_sphere import conformal_factors, conformal_sphere
 from isoembed.errors import InvalidMetric
 from isoembed.linalg import SingularMatrix, factor_general
 from isoembed.metric.conformal import rescaled
+from isoembed.metric.conformal_sphere import conformal_factors, conformal_sphere
 from isoembed.metric.curvature import area, deficits, dual_areas
 from isoembed.metric.delaunay import delaunay
 from isoembed.metric.polyhedral import PolyhedralMetric
@@ -23,7 +23,7 @@ from isoembed.metric.variation import (
     dual_area_derivative,
     length_derivative,
 )
-from isoembed.stages import Tally
+from isoembed.progress.stages import StageRecorder
 
 Floats = NDArray[np.float64]
 
@@ -68,7 +68,7 @@ class Uniformization:
 
 
 def ricci_flow(
-    metric: PolyhedralMetric, tally: Tally, *, integrator: str, epsilon: float, t_f: float
+    metric: PolyhedralMetric, recorder: StageRecorder, *, integrator: str, epsilon: float, t_f: float
 ) -> Uniformization:
     """Integrate ``du_a/dt = -(k_a - kbar)``, Eq. (ricci), kbar = 2 pi chi / A.
 
@@ -113,11 +113,11 @@ def ricci_flow(
         return k - 4 * np.pi / area(rho), k, dual
 
     def velocity(_time: float, u: Floats) -> Floats:
-        tally.iterations += 1
-        if tally.iterations > MOST_EVALUATIONS:
+        recorder.iterations += 1
+        if recorder.iterations > MOST_EVALUATIONS:
             raise _Exhausted
         excess = curvature_excess(u)[0]
-        tally.show(residual=float(np.abs(excess).max() * time_unit))
+        recorder.show(residual=float(np.abs(excess).max() * time_unit))
         return -excess
 
     def jacobian(_time: float, u: Floats) -> csr_array:
@@ -149,7 +149,7 @@ def ricci_flow(
         )
     except _Exhausted:
         return Uniformization(np.zeros(n), metric, np.zeros((1, n)), _deviation(metric), False)
-    tally.factorizations += int(solution.nlu)
+    recorder.factorizations += int(solution.nlu)
     u = solution.y[:, -1]
     if solution.status == 1:
         u = solution.y_events[0][-1]
@@ -166,7 +166,7 @@ class _Exhausted(Exception):  # noqa: N818 - a signal through the integrator, ca
 
 def newton_uniformization(
     metric: PolyhedralMetric,
-    tally: Tally,
+    recorder: StageRecorder,
     *,
     epsilon: float,
     max_iterations: int = 30,
@@ -196,15 +196,15 @@ def newton_uniformization(
         Of the given metric's area.
     """
     triangles = delaunay(metric.normalized)
-    sphere = conformal_sphere(triangles, tally, backend)
+    sphere = conformal_sphere(triangles, recorder, backend)
     C = np.column_stack([np.ones(len(sphere.points)), sphere.points])
     state = _start(metric, conformal_factors(triangles.normalized, sphere), C)
     for _ in range(max_iterations):
-        tally.show(residual=state.deviation)
+        recorder.show(residual=state.deviation)
         if state.deviation < epsilon:
             break
-        step = _newton_step(metric, state, C, tally)
-        tally.iterations += 1
+        step = _newton_step(metric, state, C, recorder)
+        recorder.iterations += 1
         s = 1.0
         while True:
             try:
@@ -252,7 +252,7 @@ def _start(metric: PolyhedralMetric, u: Floats, C: Floats) -> _State:
             u = u / 2
 
 
-def _newton_step(metric: PolyhedralMetric, state: _State, C: Floats, tally: Tally) -> Floats:
+def _newton_step(metric: PolyhedralMetric, state: _State, C: Floats, recorder: StageRecorder) -> Floats:
     """Solve ``(dF/du) du + M C lambda = -F``, ``C^T M du = 0``."""
     rho, F, dual = state.rho, state.F, state.dual
     kbar = 4 * np.pi / area(rho)
@@ -264,7 +264,7 @@ def _newton_step(metric: PolyhedralMetric, state: _State, C: Floats, tally: Tall
         factor = factor_general(S)
     except SingularMatrix:
         return np.zeros(len(F))
-    tally.factorizations += 1
+    recorder.factorizations += 1
     solved = factor.solve(np.column_stack([F, dual * kbar / area(rho), modes]))
     plain, responses = solved[:, 0], solved[:, 1:]
     # Unknowns: g^T du, lambda.

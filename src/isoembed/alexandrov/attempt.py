@@ -12,13 +12,13 @@ from isoembed.alexandrov.placement import placed
 from isoembed.alexandrov.polytope import Polytope
 from isoembed.linalg import SingularMatrix
 from isoembed.metric.polyhedral import PolyhedralMetric
-from isoembed.stages import Tally
+from isoembed.progress.stages import StageRecorder
 
 Floats = NDArray[np.float64]
 
 
 def attempted(
-    metric: PolyhedralMetric, core: NDArray[np.int64], nearest: Polytope | None, tally: Tally
+    metric: PolyhedralMetric, core: NDArray[np.int64], nearest: Polytope | None, recorder: StageRecorder
 ) -> Floats:
     """Vertices on the given triangles, shape (V, 3), which are no solution.
 
@@ -35,7 +35,7 @@ def attempted(
     vertices = np.empty((n, 3))
     known = np.zeros(n, dtype=np.bool_)
     known[core] = True
-    vertices[core] = _spread(core.size) if nearest is None else _placed(nearest, tally)
+    vertices[core] = _spread(core.size) if nearest is None else _placed(nearest, recorder)
     if not known.all():  # each of the others at the mean of its neighbors
         adjacency = metric.triangulation.adjacency
         rest = (diags_array(metric.triangulation.degrees.astype(np.float64)) - adjacency).tocsr()[~known]
@@ -44,9 +44,9 @@ def attempted(
     return vertices
 
 
-def _placed(nearest: Polytope, tally: Tally) -> Floats:
+def _placed(nearest: Polytope, recorder: StageRecorder) -> Floats:
     try:
-        return placed(held(nearest, tally))
+        return placed(held(nearest, recorder))
     except SingularMatrix:
         return float(nearest.radii.mean()) * _spread(nearest.radii.size)
 

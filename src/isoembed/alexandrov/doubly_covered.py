@@ -14,8 +14,8 @@ from scipy.sparse import coo_array
 from scipy.sparse.csgraph import connected_components
 
 from isoembed.alexandrov.polytope import Polytope
+from isoembed.intrinsic.flips import HalfEdges, set_directions, tilts
 from isoembed.metric.curvature import Triangles
-from isoembed.metric.flips import HalfEdges, set_directions, tilts
 
 Floats = NDArray[np.float64]
 Indices = NDArray[np.int64]
@@ -42,7 +42,7 @@ class DoublyCovered:
     vertices: Floats
 
 
-def folded_shut(p: Polytope) -> DoublyCovered | None:
+def flat_limit(p: Polytope) -> DoublyCovered | None:
     """Read the polygon off a polytope that is turning flat; None if it is not one.
 
     Parameters

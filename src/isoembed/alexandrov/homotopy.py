@@ -19,11 +19,11 @@ from scipy.sparse import coo_array, csc_array
 from scipy.sparse.csgraph import dijkstra
 
 from isoembed.alexandrov.polytope import Polytope
+from isoembed.intrinsic.flips import HalfEdges
 from isoembed.linalg import Factor, SingularMatrix, Solver, analyze, dissect
 from isoembed.linalg.krylov import gmres
 from isoembed.metric.curvature import Triangles
-from isoembed.metric.flips import HalfEdges
-from isoembed.stages import Tally
+from isoembed.progress.stages import StageRecorder
 
 Floats = NDArray[np.float64]
 Indices = NDArray[np.int64]
@@ -73,9 +73,9 @@ class Solution:
         """1 where a radius may change, 0 at the pins, shape (V,)."""
         return _free(self.polytope, self.pins)
 
-    def renewed(self, p: Polytope, tally: Tally) -> Solution:
+    def renewed(self, p: Polytope, recorder: StageRecorder) -> Solution:
         """Factor another polytope of the same triangles, lengths and radii being others."""
-        tally.factorizations += 1
+        recorder.factorizations += 1
         return replace(self, polytope=p, factor=self.solver.factor(_pinned(p, _free(p, self.pins)).data))
 
     def solve(self, b: Floats, tolerance: float) -> tuple[Floats, int]:
@@ -100,7 +100,7 @@ class Solution:
 def walk(
     tables: HalfEdges,
     deficits: Floats,
-    tally: Tally,
+    recorder: StageRecorder,
     backend: str | None = None,
     radii: Floats | None = None,
 ) -> Iterator[Polytope | Solution]:
@@ -133,7 +133,7 @@ def walk(
         if polytope is None:
             continue
         try:
-            arrived = yield from _attempt(polytope, deficits, tally, backend)
+            arrived = yield from _attempt(polytope, deficits, recorder, backend)
         except SingularMatrix:
             continue
         if arrived:
@@ -141,12 +141,12 @@ def walk(
 
 
 def _attempt(
-    p: Polytope, deficits: Floats, tally: Tally, backend: str | None
+    p: Polytope, deficits: Floats, recorder: StageRecorder, backend: str | None
 ) -> Generator[Polytope | Solution, None, bool]:
     """Go from one start to the solution, trying Newton's method whenever it may work; return if it did."""
     close = CLOSE
     while close >= CLOSEST:
-        path = _path(p, deficits, tally, backend)
+        path = _path(p, deficits, recorder, backend)
         for p in path:
             yield p
             if np.abs(p.curvatures).max() <= close * deficits.max():
@@ -154,7 +154,7 @@ def _attempt(
         else:
             return False
         path.close()  # lets its factor go, which is as large as the next one
-        solution = newton(p, deficits, tally, backend)
+        solution = newton(p, deficits, recorder, backend)
         if solution is not None:
             yield solution
             return True
@@ -162,19 +162,19 @@ def _attempt(
     return False
 
 
-def held(p: Polytope, tally: Tally, backend: str | None = None) -> Solution:
+def held(p: Polytope, recorder: StageRecorder, backend: str | None = None) -> Solution:
     """Hold three radii of a polytope and factor what is left, whatever its curvatures.
 
     Raises
     ------
     SingularMatrix
     """
-    return _held_at(p, independent_directions(p), tally, backend)
+    return _held_at(p, independent_directions(p), recorder, backend)
 
 
-def _held_at(p: Polytope, pins: Indices, tally: Tally, backend: str | None) -> Solution:
+def _held_at(p: Polytope, pins: Indices, recorder: StageRecorder, backend: str | None) -> Solution:
     matrix = _pinned(p, _free(p, pins))
-    tally.factorizations += 1
+    recorder.factorizations += 1
     solver = _analyzed(matrix, backend)
     return Solution(p, pins, solver, solver.factor(matrix.data))
 
@@ -186,10 +186,10 @@ def _free(p: Polytope, pins: Indices) -> Floats:
 
 
 def _path(
-    p: Polytope, deficits: Floats, tally: Tally, backend: str | None
+    p: Polytope, deficits: Floats, recorder: StageRecorder, backend: str | None
 ) -> Generator[Polytope, None, None]:
     """Lead the curvatures toward zero along ``epsilon delta``."""
-    inverse, fresh = _factor(-p.jacobian(), tally, backend), True
+    inverse, fresh = _factor(-p.jacobian(), recorder, backend), True
     epsilon = _share(p.curvatures, deficits)
     step, before = FIRST_STEP, np.inf
     yield p
@@ -202,7 +202,7 @@ def _path(
         missing = p.curvatures - aim
         dr, iterations = _solved(p, inverse, missing)
         if iterations > STALE and not fresh:
-            inverse, fresh = _factor(-p.jacobian(), tally, backend), True
+            inverse, fresh = _factor(-p.jacobian(), recorder, backend), True
             continue
         size = np.linalg.norm(missing)
         for halving in range(HALVINGS if fresh else HALVINGS_IF_STALE):
@@ -212,7 +212,7 @@ def _path(
                 break
         else:
             if not fresh:
-                inverse, fresh = _factor(-p.jacobian(), tally, backend), True
+                inverse, fresh = _factor(-p.jacobian(), recorder, backend), True
                 continue
             step /= 4
             if step < SHORTEST_STEP:
@@ -221,13 +221,15 @@ def _path(
         p, fresh = q, False
         epsilon = _share(p.curvatures, deficits)
         step = min(step + 0.1, LONGEST_STEP) if halving == 0 else max(2 * step * fraction, 0.01)
-        tally.iterations += 1
+        recorder.iterations += 1
         done = np.log(max(epsilon, CLOSE)) / np.log(CLOSE) * ARRIVED
-        tally.show(t=epsilon, residual=float(np.abs(p.curvatures).max()), done=float(done))
+        recorder.show(t=epsilon, residual=float(np.abs(p.curvatures).max()), done=float(done))
         yield p
 
 
-def newton(p: Polytope, deficits: Floats, tally: Tally, backend: str | None = None) -> Solution | None:
+def newton(
+    p: Polytope, deficits: Floats, recorder: StageRecorder, backend: str | None = None
+) -> Solution | None:
     """Newton's method with three radii held, which fixes the apex; None if it does not converge.
 
     Parameters
@@ -238,7 +240,7 @@ def newton(p: Polytope, deficits: Floats, tally: Tally, backend: str | None = No
     tally : Tally
     backend : str, optional
     """
-    state, fresh = held(p, tally, backend), True
+    state, fresh = held(p, recorder, backend), True
     forcing, done = LOOSEST, False
     for _ in range(NEWTON_STEPS):
         largest = float(np.abs(p.curvatures).max())
@@ -262,10 +264,10 @@ def newton(p: Polytope, deficits: Floats, tally: Tally, backend: str | None = No
                 break
             if fresh:
                 return None
-            state, fresh = _held_at(p, state.pins, tally, backend), True
+            state, fresh = _held_at(p, state.pins, recorder, backend), True
             continue
-        tally.iterations += 1
-        tally.show(t=0.0, residual=float(np.abs(p.curvatures).max()))
+        recorder.iterations += 1
+        recorder.show(t=0.0, residual=float(np.abs(p.curvatures).max()))
     return state if done else None
 
 
@@ -297,8 +299,8 @@ def _pinned(p: Polytope, free: Floats) -> csc_array:
     return matrix
 
 
-def _factor(matrix: csc_array, tally: Tally, backend: str | None) -> Factor:
-    tally.factorizations += 1
+def _factor(matrix: csc_array, recorder: StageRecorder, backend: str | None) -> Factor:
+    recorder.factorizations += 1
     return _analyzed(matrix, backend).factor(matrix.data)
 
 

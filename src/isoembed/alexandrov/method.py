@@ -10,22 +10,22 @@ import numpy as np
 from numpy.typing import NDArray
 
 from isoembed.alexandrov.attempt import attempted
-from isoembed.alexandrov.doubly_covered import THIN, DoublyCovered, doubly_covered, folded_shut
+from isoembed.alexandrov.doubly_covered import THIN, DoublyCovered, doubly_covered, flat_limit
 from isoembed.alexandrov.homotopy import Solution, walk
 from isoembed.alexandrov.placement import realized, relaxed, relaxed_polytope, worst_length
 from isoembed.alexandrov.polyhedron import ConvexPolyhedron, metric_on
 from isoembed.alexandrov.polytope import Polytope
 from isoembed.errors import InvalidMetric, InvalidParameter, NotEmbedded
+from isoembed.intrinsic.edge_paths import edge_paths
+from isoembed.intrinsic.flat_vertices import remove_flat_vertices
+from isoembed.intrinsic.flips import HalfEdges
+from isoembed.intrinsic.insert_vertices import insert_vertices
 from isoembed.linalg import chosen_backend
 from isoembed.metric.convexity import deficit_rounding
-from isoembed.metric.edge_paths import edge_paths
-from isoembed.metric.flat import remove_flat
-from isoembed.metric.flips import HalfEdges
 from isoembed.metric.glued import GluedMetric
 from isoembed.metric.polyhedral import PolyhedralMetric
-from isoembed.metric.put_back import put_back
 from isoembed.metric.repair import Repair, repaired
-from isoembed.stages import Log, Tally
+from isoembed.progress.stages import Log, StageRecorder
 from isoembed.surface.convexity import FLAT
 from isoembed.surface.embedding import Embedding
 from isoembed.surface.measures import face_normals, outward
@@ -124,10 +124,10 @@ class Alexandrov:
         """The polyhedron, or an attempt, if these vertices are taken for flat."""
         unit = given.normalized
         original = HalfEdges.of(unit.faces, unit.twins, unit.face_lengths)
-        with log.stage("flat vertices") as tally:
-            core, removal = remove_flat(original, flat)
-            tally.iterations = int(flat.sum())
-        with log.stage("polytope") as tally:
+        with log.stage("flat vertices") as recorder:
+            core, removal = remove_flat_vertices(original, flat)
+            recorder.iterations = int(flat.sum())
+        with log.stage("polytope") as recorder:
             order = core.order_in_memory()
             curved = np.flatnonzero(~flat)[order]
             kept = log.resumed_at("polytope")
@@ -136,16 +136,18 @@ class Alexandrov:
             def keep(p: Polytope) -> None:
                 everywhere = np.zeros(flat.size)
                 everywhere[curved] = p.radii
-                tally.keep(radii=everywhere, flat=flat)
+                recorder.keep(radii=everywhere, flat=flat)
 
-            found = _polyhedron(core.in_order(order), unit.deficits[curved], radii, keep, tally, self.backend)
-        with log.stage("placement") as tally:
+            found = _polyhedron(
+                core.in_order(order), unit.deficits[curved], radii, keep, recorder, self.backend
+            )
+        with log.stage("placement") as recorder:
             if isinstance(found, DoublyCovered):
                 tables, vertices = found.tables, found.vertices
             elif isinstance(found, Solution):
-                tables, vertices = found.polytope.tables, _placed(found, tally)
+                tables, vertices = found.polytope.tables, _placed(found, recorder)
             else:
-                rescued = None if found is None else relaxed_polytope(found, tally)
+                rescued = None if found is None else relaxed_polytope(found, recorder)
                 if rescued is None:
                     return self._failure(metric, curved, found, _diagnosis(found, curved), tolerance, log)
                 tables, vertices = rescued
@@ -153,7 +155,7 @@ class Alexandrov:
             vertices = outward(tables.faces, vertices[np.argsort(order)])
         try:
             with log.stage("edge paths"):
-                restored = put_back(tables, removal, _creases(tables, vertices))
+                restored = insert_vertices(tables, removal, _creases(tables, vertices))
                 paths = edge_paths(original, restored.tables, _one_halfedge_an_edge(metric))
             result = metric_on(restored.tables, given.unit)
         except InvalidMetric as error:  # not the given metric's fault: these are triangles of our own
@@ -190,8 +192,8 @@ class Alexandrov:
     ) -> Embedding:
         """The given triangles on the nearest polytope that there is."""
         given = metric.simplicial() if isinstance(metric, GluedMetric) else metric
-        with log.stage("attempt") as tally:
-            vertices = attempted(given.normalized, core, nearest, tally)
+        with log.stage("attempt") as recorder:
+            vertices = attempted(given.normalized, core, nearest, recorder)
         return Embedding(
             given,
             given.unit * vertices,
@@ -207,7 +209,7 @@ def _polyhedron(
     deficits: Floats,
     radii: Floats | None,
     keep: Callable[[Polytope], None],
-    tally: Tally,
+    recorder: StageRecorder,
     backend: str | None,
 ) -> Solution | DoublyCovered | Polytope | None:
     """Solve, watching for a body that turns flat; failing that, the polytope with the least curvatures."""
@@ -218,13 +220,13 @@ def _polyhedron(
         if triangle is not None:
             return triangle
     thin, nearest = THIN, None
-    for found in walk(core, deficits, tally, backend, radii):
+    for found in walk(core, deficits, recorder, backend, radii):
         if isinstance(found, Solution):
             return found
         keep(found)
         if found.lowest < thin:
             thin = found.lowest / 10
-            polygon = folded_shut(found)
+            polygon = flat_limit(found)
             if polygon is not None:
                 return polygon
         if nearest is None or np.abs(found.curvatures).max() < np.abs(nearest.curvatures).max():
@@ -242,10 +244,10 @@ def _diagnosis(nearest: Polytope | None, curved: NDArray[np.int64]) -> str:
     )
 
 
-def _placed(solution: Solution, tally: Tally) -> Floats:
-    vertices = realized(solution, tally)
+def _placed(solution: Solution, recorder: StageRecorder) -> Floats:
+    vertices = realized(solution, recorder)
     if worst_length(solution, vertices) > ACCEPTED:
-        vertices = relaxed(solution, vertices, tally)
+        vertices = relaxed(solution, vertices, recorder)
     return vertices
 
 

@@ -15,10 +15,10 @@ from numpy.typing import NDArray
 from isoembed.alexandrov.homotopy import Solution, held
 from isoembed.alexandrov.polytope import Polytope
 from isoembed.errors import InvalidMetric
+from isoembed.intrinsic.flips import HalfEdges
 from isoembed.linalg import SingularMatrix
 from isoembed.mesh.triangulation import Triangulation
-from isoembed.metric.flips import HalfEdges
-from isoembed.stages import Tally
+from isoembed.progress.stages import StageRecorder
 from isoembed.surface.rigidity import LengthSystem, length_residuals
 
 Floats = NDArray[np.float64]
@@ -30,7 +30,7 @@ POLISHES, POLISHED = 3, 16 * np.finfo(float).eps  # rounds, until lengths are ri
 MAGNIFIED = 1e-6  # length errors, over the mean length, are made this large to lift them above rounding
 
 
-def realized(solution: Solution, tally: Tally) -> Floats:
+def realized(solution: Solution, recorder: StageRecorder) -> Floats:
     """Vertices around the apex, which is the origin, shape (V, 3), as exact as floats allow.
 
     Parameters
@@ -44,7 +44,7 @@ def realized(solution: Solution, tally: Tally) -> Floats:
         if worst_length(solution, vertices) <= POLISHED * float(np.abs(vertices).max()):
             break
         vertices = polished(solution, vertices)
-        tally.iterations += 1
+        recorder.iterations += 1
     return vertices
 
 
@@ -115,7 +115,7 @@ def polished(solution: Solution, vertices: Floats) -> Floats:
     return moved if worst_length(solution, moved) < worst_length(solution, vertices) else vertices
 
 
-def relaxed(solution: Solution, vertices: Floats, tally: Tally) -> Floats:
+def relaxed(solution: Solution, vertices: Floats, recorder: StageRecorder) -> Floats:
     """Newton's method on the lengths, where nearly flat vertices leave ``d kappa / d r`` nearly singular.
 
     Parameters
@@ -139,7 +139,7 @@ def relaxed(solution: Solution, vertices: Floats, tally: Tally) -> Floats:
     system = LengthSystem(triangulation)
     best = vertices
     for _ in range(RELAXATIONS):
-        tally.factorizations += 1
+        recorder.factorizations += 1
         try:
             step = system.step(vertices, lengths, length_residuals(triangulation, vertices, lengths))
         except SingularMatrix:
@@ -152,7 +152,7 @@ def relaxed(solution: Solution, vertices: Floats, tally: Tally) -> Floats:
     return best
 
 
-def relaxed_polytope(nearest: Polytope, tally: Tally) -> tuple[HalfEdges, Floats] | None:
+def relaxed_polytope(nearest: Polytope, recorder: StageRecorder) -> tuple[HalfEdges, Floats] | None:
     """Where the curvatures get small but not to zero, go on with the lengths, and flip what is then reflex.
 
     Parameters
@@ -169,10 +169,10 @@ def relaxed_polytope(nearest: Polytope, tally: Tally) -> tuple[HalfEdges, Floats
     p = nearest
     for _ in range(RELAXATIONS):
         try:
-            solution = held(p, tally)
+            solution = held(p, recorder)
         except SingularMatrix:
             return None
-        vertices = relaxed(solution, placed(solution), tally)
+        vertices = relaxed(solution, placed(solution), recorder)
         if not worst_length(solution, vertices) <= 10 * EXACT:
             return None
         # Seen from inside, the body is a polytope; if it has the same triangles, it is convex.

@@ -14,13 +14,13 @@ from scipy.sparse.csgraph import connected_components
 
 from isoembed.alexandrov.certificate import Certificate, certify
 from isoembed.errors import InvalidMetric
+from isoembed.intrinsic.edge_paths import EdgePaths
+from isoembed.intrinsic.flips import HalfEdges
 from isoembed.mesh.triangulation import Triangulation, frozen
-from isoembed.metric.edge_paths import EdgePaths
-from isoembed.metric.flips import HalfEdges
 from isoembed.metric.glued import GluedMetric
 from isoembed.metric.polyhedral import PolyhedralMetric
 from isoembed.metric.repair import Repair
-from isoembed.stages import Stage
+from isoembed.progress.stages import Stage
 from isoembed.surface.convexity import FLAT
 from isoembed.surface.curvature import dihedral_angles
 from isoembed.surface.embedding import Embedding

@@ -20,7 +20,7 @@ from numba import njit
 from numpy.typing import NDArray
 from scipy.sparse import coo_array, csc_array
 
-from isoembed.metric.flips import HalfEdges, twice_area
+from isoembed.intrinsic.flips import HalfEdges, twice_area
 
 Floats = NDArray[np.float64]
 Indices = NDArray[np.int64]
@@ -65,10 +65,10 @@ class Polytope:
             return None
         mean = float(radii.mean())
         weights = (radii - mean) * (radii + mean)
-        reflex = tables.reflex(weights)
-        if reflex.size:
+        non_delaunay = tables.non_delaunay(weights)
+        if non_delaunay.size:
             tables = tables.copy()
-            _, stuck = tables.make_delaunay(weights, reflex)
+            _, stuck = tables.make_delaunay(weights, non_delaunay)
             if stuck:
                 return None
         return cls.on(tables, radii)

@@ -12,7 +12,7 @@ from collections.abc import Sequence
 from importlib import import_module
 
 from isoembed import __version__
-from isoembed.cli.screen import complain
+from isoembed.cli.screen import print_error
 from isoembed.cli.signals import Interruption, handled
 from isoembed.cli.status import OK, WRONG
 
@@ -35,7 +35,7 @@ class Parser(argparse.ArgumentParser):
 
     def error(self, message: str) -> None:  # type: ignore[override]
         """Refuse the command line."""
-        complain(f"{message} (see '{self.prog} --help')")
+        print_error(f"{message} (see '{self.prog} --help')")
         raise SystemExit(WRONG)
 
 
@@ -82,13 +82,13 @@ def main(argv: Sequence[str] | None = None) -> int:
     except SystemExit as stop:  # argparse: --help, --version, a wrong command line
         return int(stop.code or OK)
     except KeyboardInterrupt as stop:
-        complain(str(stop) or "interrupted")
+        print_error(str(stop) or "interrupted")
         return interruption.status
     except MemoryError as error:
         from isoembed.linalg.memory import OutOfMemory
 
         known = "" if isinstance(error, OutOfMemory) else "there is not enough memory for this"
-        complain(": ".join(part for part in (known, str(error)) if part))
+        print_error(": ".join(part for part in (known, str(error)) if part))
         return WRONG
 
 
@@ -98,5 +98,5 @@ def _run(options: argparse.Namespace) -> int:
     try:
         return int(options.run(options))
     except USER_ERRORS as error:
-        complain(str(error))
+        print_error(str(error))
         return WRONG

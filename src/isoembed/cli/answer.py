@@ -12,8 +12,8 @@ from typing import Any
 import isoembed
 from isoembed.cli.live import live_view
 from isoembed.cli.pictures import add_picture_options, check_pictures, film_for, picture_writers
-from isoembed.cli.refusal import Refusal
-from isoembed.cli.screen import complain, say
+from isoembed.cli.refusal import UsageError
+from isoembed.cli.screen import print_error, print_out
 from isoembed.cli.status import NOT_EMBEDDED, OK
 from isoembed.cli.summary import summary
 from isoembed.errors import NotEmbedded
@@ -23,10 +23,10 @@ from isoembed.io import (
     check_output,
     report_writer,
     surface_writer,
-    write_whole,
+    write_atomically,
 )
 from isoembed.io.files import Writer
-from isoembed.stages import Listener, Progress
+from isoembed.progress.stages import Listener, Progress
 
 OUTPUTS = ("output", "report", "picture", "html", "animate")
 
@@ -74,11 +74,11 @@ def check_outputs(options: argparse.Namespace, **beside: Path | None) -> None:
     check_pictures(options)
     asked = asked_for(options)
     if options.keep and not asked.keys() - {"report"}:
-        raise Refusal("--keep needs an --output to write the best attempt to")
+        raise UsageError("--keep needs an --output to write the best attempt to")
     everything = asked | {name: path for name, path in beside.items() if path}
     for (name, path), (other, same) in combinations(everything.items(), 2):
         if path.resolve() == same.resolve():
-            raise Refusal(f"--{name} and --{other} are the same file {path}")
+            raise UsageError(f"--{name} and --{other} are the same file {path}")
 
 
 def answer(
@@ -121,16 +121,16 @@ def answer(
         writers[options.output] = surface_writer(options.output, embedding)
     if options.report:
         writers[options.report] = report_writer(_report(embedding, failure))
-    write_whole(writers)
+    write_atomically(writers)
     if shown:  # when nothing can be lost any more
-        write_whole(picture_writers(options, embedding, film))
+        write_atomically(picture_writers(options, embedding, film))
     if failure is not None:
-        complain(failure)
+        print_error(failure)
     if not options.quiet:
         if not options.output:
-            say(describe(embedding))
+            print_out(describe(embedding))
         elif failure is None and not embedding.converged:
-            say(f"{embedding.status}: {embedding.message}")
+            print_out(f"{embedding.status}: {embedding.message}")
     return OK if failure is None else NOT_EMBEDDED
 
 

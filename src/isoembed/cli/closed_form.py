@@ -4,12 +4,12 @@ from __future__ import annotations
 
 import argparse
 
-from isoembed.cli.refusal import Refusal
-from isoembed.relativity.kerr import KerrNewmanErgosphere, KerrNewmanHorizon, KerrNewmanSphere
-from isoembed.relativity.kerr_schild import KerrSchild
-from isoembed.relativity.painleve_gullstrand import PainleveGullstrand
-from isoembed.relativity.star_surface import StarSurface
-from isoembed.relativity.surface_data import SurfaceData
+from isoembed.cli.refusal import UsageError
+from isoembed.relativity.spacetimes.kerr import KerrNewmanErgosphere, KerrNewmanHorizon, KerrNewmanSphere
+from isoembed.relativity.spacetimes.kerr_schild import KerrSchild
+from isoembed.relativity.spacetimes.painleve_gullstrand import PainleveGullstrand
+from isoembed.relativity.spacetimes.star_surface import StarSurface
+from isoembed.relativity.spacetimes.surface_data import SurfaceData
 
 SLICES = ("boyer-lindquist", "kerr-schild", "painleve-gullstrand")
 SURFACES = "horizon, r=R and ergosphere=EPSILON"
@@ -46,7 +46,7 @@ def refuse_given(options: argparse.Namespace, names: tuple[str, ...], why: str) 
     for name in names:
         if getattr(options, name) is not None:
             given = f"the input {options.input}" if name == "input" else f"--{name.replace('_', '-')}"
-            raise Refusal(f"{given} {why}")
+            raise UsageError(f"{given} {why}")
 
 
 def closed_form(options: argparse.Namespace) -> SurfaceData:
@@ -58,20 +58,20 @@ def closed_form(options: argparse.Namespace) -> SurfaceData:
         There is none.
     """
     if options.surface is None:
-        raise Refusal(f"which --surface? There are {SURFACES}")
+        raise UsageError(f"which --surface? There are {SURFACES}")
     mass, spin, charge = (
         default if given is None else given
         for given, default in ((options.mass, 1.0), (options.spin, 0.0), (options.charge, 0.0))
     )
     if options.spacetime == "schwarzschild" and (spin or charge):
-        raise Refusal("a Schwarzschild black hole has neither spin nor charge: take --spacetime kerr")
+        raise UsageError("a Schwarzschild black hole has neither spin nor charge: take --spacetime kerr")
     kind, _, text = options.surface.partition("=")
     if kind not in ("horizon", "r", "ergosphere") or (kind == "horizon") != (options.surface == "horizon"):
-        raise Refusal(f"--surface {options.surface}: there are {SURFACES}")
+        raise UsageError(f"--surface {options.surface}: there are {SURFACES}")
     try:
         number = 0.0 if kind == "horizon" else float(text)
     except ValueError:
-        raise Refusal(f"--surface {options.surface}: {text!r} is not a number") from None
+        raise UsageError(f"--surface {options.surface}: {text!r} is not a number") from None
     if options.slice in (None, "boyer-lindquist"):
         if kind == "horizon":
             return KerrNewmanHorizon(mass, spin, charge).data()
@@ -79,16 +79,16 @@ def closed_form(options: argparse.Namespace) -> SurfaceData:
             return KerrNewmanSphere(number, mass, spin, charge).data()
         return KerrNewmanErgosphere(number, mass, spin, charge).data()
     if charge:
-        raise Refusal(f"--charge needs the slice {SLICES[0]}")
+        raise UsageError(f"--charge needs the slice {SLICES[0]}")
     if kind == "ergosphere":
-        raise Refusal(f"--surface ergosphere needs the slice {SLICES[0]}")
+        raise UsageError(f"--surface ergosphere needs the slice {SLICES[0]}")
     geometry: KerrSchild | PainleveGullstrand
     if options.slice == "kerr-schild":
         geometry = KerrSchild(mass, (0.0, 0.0, spin))
         horizon = geometry.horizon  # refuses a spin beyond the mass
         surface = StarSurface.from_radius(geometry.spheroid(horizon if kind == "horizon" else number))
     elif spin:
-        raise Refusal(f"the slice {options.slice} is that of a hole without spin, not {spin:g}")
+        raise UsageError(f"the slice {options.slice} is that of a hole without spin, not {spin:g}")
     else:
         geometry = PainleveGullstrand(mass)
         surface = StarSurface.sphere((0.0, 0.0, 0.0), 2.0 * mass if kind == "horizon" else number)

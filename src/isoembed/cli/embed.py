@@ -6,14 +6,14 @@ import argparse
 import math
 
 import isoembed
+from isoembed._embed import METHODS
 from isoembed.cli.answer import add_output_options, answer, check_outputs
-from isoembed.cli.interruption import add_checkpoint_options, checkpoint_file, farewell
+from isoembed.cli.interruption import add_checkpoint_options, checkpoint_file, save_checkpoint
 from isoembed.cli.parameters import configured
-from isoembed.cli.refusal import Refusal
+from isoembed.cli.refusal import UsageError
 from isoembed.errors import Interrupted
 from isoembed.io import read_checkpoint, read_metric
-from isoembed.stages import Listener
-from isoembed.verb import METHODS
+from isoembed.progress.stages import Listener
 
 
 def configure(parser: argparse.ArgumentParser) -> None:
@@ -67,7 +67,7 @@ def run(options: argparse.Namespace) -> int:
     left = checkpoint_file(options)
     repair = [] if options.repair is None else [f"repair={options.repair}"]
     if options.best_fit and options.method != "aim":
-        raise Refusal(f"--best-fit needs the method 'aim': the method {options.method!r} has no best fit")
+        raise UsageError(f"--best-fit needs the method 'aim': the method {options.method!r} has no best fit")
     best_fit = ["best_fit=true"] if options.best_fit else []
     method = configured(options.method, options.parameter + repair + best_fit)
     kept = read_checkpoint(options.resume) if options.resume else None
@@ -81,7 +81,7 @@ def run(options: argparse.Namespace) -> int:
     try:
         return answer(options, solve)
     except Interrupted as interrupted:
-        raise KeyboardInterrupt(farewell(interrupted, left, method.name)) from None
+        raise KeyboardInterrupt(save_checkpoint(interrupted, left, method.name)) from None
 
 
 def _tolerance(text: str) -> float:

@@ -13,19 +13,19 @@ from numpy.typing import NDArray
 
 import isoembed
 from isoembed.cli.live import live_view
-from isoembed.cli.refusal import Refusal
-from isoembed.cli.screen import complain, say
+from isoembed.cli.refusal import UsageError
+from isoembed.cli.screen import print_error, print_out
 from isoembed.cli.status import NOT_EMBEDDED, OK
 from isoembed.errors import InvalidMetric, InvalidParameter, NoMinimum, NotEmbedded
-from isoembed.io import SURFACE_ENDINGS, check_output, mesh_writer, surface_writer, write_whole
+from isoembed.io import SURFACE_ENDINGS, check_output, mesh_writer, surface_writer, write_atomically
 from isoembed.metric.polyhedral import PolyhedralMetric
-from isoembed.relativity.embedded import CONVENTIONS, EmbeddedSurface, embed_surface
-from isoembed.relativity.mesh_energies import mesh_energies
-from isoembed.relativity.quadrature import intrinsic_energies
-from isoembed.relativity.surface_data import SurfaceData
-from isoembed.relativity.wang_yau_energy import WangYau, wang_yau
+from isoembed.relativity.energies.embedded import CONVENTIONS, EmbeddedSurface, embed_surface
+from isoembed.relativity.energies.mesh_energies import mesh_energies
+from isoembed.relativity.energies.quadrature import intrinsic_energies
+from isoembed.relativity.energies.wang_yau_energy import WangYau, wang_yau
+from isoembed.relativity.spacetimes.surface_data import SurfaceData
 from isoembed.smooth.axisymmetric import AxisymmetricEmbedding
-from isoembed.surface.corrected import Lengths
+from isoembed.surface.smooth_integrals import Lengths
 
 Floats = NDArray[np.float64]
 
@@ -87,7 +87,7 @@ def check_outputs(options: argparse.Namespace) -> None:
         Naming the file or the option.
     """
     if options.vertices is not None and options.vertices < FEWEST:
-        raise Refusal(f"--vertices must be at least {FEWEST}, not {options.vertices}")
+        raise UsageError(f"--vertices must be at least {FEWEST}, not {options.vertices}")
     for path in (options.output, options.band):
         if path:
             check_output(path, SURFACE_ENDINGS)
@@ -101,7 +101,7 @@ def smooth_answer(options: argparse.Namespace, data: SurfaceData) -> int:
     except NotEmbedded as error:
         found = {"name": data.name, **intrinsic_energies(data).report, "conventions": CONVENTIONS}
         _answered(options, {"status": "not embedded", "message": str(error), **found})
-        complain(str(error))
+        print_error(str(error))
         if options.band is not None:
             _write_band(options.band, data)
         return NOT_EMBEDDED
@@ -111,9 +111,9 @@ def smooth_answer(options: argparse.Namespace, data: SurfaceData) -> int:
         tables = tables if least is None else least.mesh
     if options.band:
         why = "the whole surface embeds" if surface.embedding.converged else "the best fit was asked for"
-        complain(f"{options.band} is not written: {why}")
+        print_error(f"{options.band} is not written: {why}")
     if options.output:
-        write_whole({options.output: mesh_writer(options.output, **tables(vertices))})
+        write_atomically({options.output: mesh_writer(options.output, **tables(vertices))})
     _answered(options, report)
     return OK
 
@@ -127,25 +127,25 @@ def mesh_answer(
 ) -> int:
     """Embed the triangles of a surface, answer with its energies, and return the exit status."""
     if options.vertices is not None:
-        raise Refusal("--vertices is for smooth surfaces: this METRIC has its own")
+        raise UsageError("--vertices is for smooth surfaces: this METRIC has its own")
     for name in ("best_fit", "band", "wang_yau"):
         if getattr(options, name):
-            raise Refusal(f"--{name.replace('_', '-')} is for smooth surfaces")
+            raise UsageError(f"--{name.replace('_', '-')} is for smooth surfaces")
     try:
         with live_view(sys.stderr is not None and sys.stderr.isatty()) as progress:
             embedding = isoembed.embed(metric, progress=progress)
     except NotEmbedded as error:
         if options.json:
-            say(
+            print_out(
                 json.dumps(
                     {"status": "not embedded", "message": str(error), "name": str(options.input)}, indent=2
                 )
             )
-        complain(str(error))
+        print_error(str(error))
         return NOT_EMBEDDED
     energies = mesh_energies(embedding, k, p, lengths=lengths)
     if options.output:
-        write_whole({options.output: surface_writer(options.output, embedding)})
+        write_atomically({options.output: surface_writer(options.output, embedding)})
     report = {
         "status": "embedded",
         "message": embedding.message,
@@ -182,17 +182,17 @@ def _write_band(path: Path, data: SurfaceData) -> None:
     try:
         bands = AxisymmetricEmbedding.of(data.metric).bands
     except InvalidMetric as error:
-        complain(f"--band is for surfaces that are symmetric about the z-axis: {error}")
+        print_error(f"--band is for surfaces that are symmetric about the z-axis: {error}")
         return
     if not bands:
-        complain(f"{path} is not written: no part of the surface is a surface of revolution")
+        print_error(f"{path} is not written: no part of the surface is a surface of revolution")
         return
     vertices, faces = max(bands, key=lambda band: band.area).mesh()
-    write_whole({path: mesh_writer(path, vertices, faces)})
+    write_atomically({path: mesh_writer(path, vertices, faces)})
 
 
 def _answered(options: argparse.Namespace, report: dict[str, Any]) -> None:
-    say(json.dumps(report, indent=2, allow_nan=False) if options.json else table(report))
+    print_out(json.dumps(report, indent=2, allow_nan=False) if options.json else table(report))
 
 
 def table(report: dict[str, Any]) -> str:

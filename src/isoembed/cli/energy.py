@@ -8,12 +8,12 @@ from pathlib import Path
 from isoembed.cli.closed_form import OF_SPACETIME, add_spacetime_options, closed_form, refuse_given
 from isoembed.cli.energies import add_answer_options, check_outputs, mesh_answer, smooth_answer
 from isoembed.cli.numbers import read_numbers
-from isoembed.cli.refusal import Refusal
+from isoembed.cli.refusal import UsageError
 from isoembed.io import MESH_ENDINGS, read_metric
 from isoembed.io.files import ending
-from isoembed.relativity.grid_file import holds_metric_grid, read_metric_grid
-from isoembed.relativity.surface_data import SurfaceData
-from isoembed.surface.corrected import Lengths
+from isoembed.relativity.horizons.grid_file import holds_metric_grid, read_metric_grid
+from isoembed.relativity.spacetimes.surface_data import SurfaceData
+from isoembed.surface.smooth_integrals import Lengths
 
 OF_METRIC = ("mean_curvature", "momentum", "normal_momentum", "lengths")
 
@@ -61,7 +61,7 @@ def run(options: argparse.Namespace) -> int:
         return smooth_answer(options, closed_form(options))
     refuse_given(options, OF_SPACETIME, "needs a --spacetime")
     if options.input is None:
-        raise Refusal("which surface? Give a METRIC, or a --spacetime and a --surface")
+        raise UsageError("which surface? Give a METRIC, or a --spacetime and a --surface")
     k, p = (path and read_numbers(path) for path in (options.mean_curvature, options.momentum))
     if not holds_metric_grid(options.input):
         lengths: Lengths | None = options.lengths
@@ -71,13 +71,13 @@ def run(options: argparse.Namespace) -> int:
         return mesh_answer(options, read_metric(options.input), k, p, lengths)
     refuse_given(options, ("lengths",), "is for a METRIC of triangles")
     if p is not None and k is None:
-        raise Refusal("the momentum is of use only with the mean curvature: give --mean-curvature, too")
+        raise UsageError("the momentum is of use only with the mean curvature: give --mean-curvature, too")
     grid = read_metric_grid(options.input)
     j = None
     if options.normal_momentum:
         components = read_numbers(options.normal_momentum)
         if components.ndim != 3 or len(components) != 2:
-            raise Refusal(f"{options.normal_momentum} has the shape {components.shape}, not (2, n, m)")
+            raise UsageError(f"{options.normal_momentum} has the shape {components.shape}, not (2, n, m)")
         j = grid.one_form(components[0], components[1], str(options.normal_momentum))
     data = SurfaceData(
         metric=grid,

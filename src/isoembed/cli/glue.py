@@ -8,11 +8,11 @@ from pathlib import Path
 import isoembed
 from isoembed.cli.answer import add_output_options, answer, asked_for, check_outputs
 from isoembed.cli.netfile import read_net
-from isoembed.cli.screen import say
+from isoembed.cli.screen import print_out
 from isoembed.cli.solid import described
 from isoembed.cli.status import OK
-from isoembed.io import METRIC_ENDINGS, check_output, metric_writer, write_whole
-from isoembed.stages import Listener
+from isoembed.io import METRIC_ENDINGS, check_output, metric_writer, write_atomically
+from isoembed.progress.stages import Listener
 
 
 def configure(parser: argparse.ArgumentParser) -> None:
@@ -41,9 +41,9 @@ def run(options: argparse.Namespace) -> int:
     net = read_net(options.input)
     beside = {options.metric: metric_writer(options.metric, net.simplicial())} if options.metric else {}
     if options.metric and not asked_for(options):
-        write_whole(beside)
+        write_atomically(beside)
         if not options.quiet:
-            say(f"{options.metric}: {net!r}")
+            print_out(f"{options.metric}: {net!r}")
         return OK
 
     def solve(progress: Listener | None) -> isoembed.Embedding:

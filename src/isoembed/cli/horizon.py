@@ -13,26 +13,26 @@ import numpy as np
 from numpy.typing import NDArray
 
 from isoembed.cli.energies import DEFAULT, FEWEST, table
-from isoembed.cli.refusal import Refusal
-from isoembed.cli.screen import complain, say
+from isoembed.cli.refusal import UsageError
+from isoembed.cli.screen import print_error, print_out
 from isoembed.cli.status import NOT_EMBEDDED, OK
 from isoembed.errors import NotEmbedded
-from isoembed.io import FileError, mesh_writer, report_writer, write_whole
+from isoembed.io import FileError, mesh_writer, report_writer, write_atomically
 from isoembed.io.files import Writer, ending
+from isoembed.io.hdf5 import HDF5_ENDINGS
 from isoembed.metric.polyhedral import PolyhedralMetric
-from isoembed.relativity.cartesian_grid import read_cartesian_grid
-from isoembed.relativity.conformally_flat import IsotropicSchwarzschild
-from isoembed.relativity.coordinate_shape import CoordinateShape
-from isoembed.relativity.embedded import EmbeddedSurface, embed_surface
-from isoembed.relativity.hdf5 import HDF5_ENDINGS
-from isoembed.relativity.horizon_file import read_horizon
-from isoembed.relativity.kerr_schild import KerrSchild, horizon_radius
-from isoembed.relativity.painleve_gullstrand import PainleveGullstrand
-from isoembed.relativity.quadrature import intrinsic_energies
-from isoembed.relativity.spectre import read_spectre
-from isoembed.relativity.star_surface import StarSurface
-from isoembed.relativity.surface_data import SurfaceData
-from isoembed.relativity.three_geometry import ThreeGeometry
+from isoembed.relativity.energies.embedded import EmbeddedSurface, embed_surface
+from isoembed.relativity.energies.quadrature import intrinsic_energies
+from isoembed.relativity.horizons.coordinate_shape import CoordinateShape
+from isoembed.relativity.horizons.horizon_file import read_horizon
+from isoembed.relativity.horizons.spectre import read_spectre
+from isoembed.relativity.spacetimes.cartesian_grid import read_cartesian_grid
+from isoembed.relativity.spacetimes.conformally_flat import IsotropicSchwarzschild
+from isoembed.relativity.spacetimes.kerr_schild import KerrSchild, horizon_radius
+from isoembed.relativity.spacetimes.painleve_gullstrand import PainleveGullstrand
+from isoembed.relativity.spacetimes.star_surface import StarSurface
+from isoembed.relativity.spacetimes.surface_data import SurfaceData
+from isoembed.relativity.spacetimes.three_geometry import ThreeGeometry
 from isoembed.smooth.grid_metric import GridMetric
 from isoembed.smooth.harmonics import gauss_rule
 from isoembed.surface.embedding import Embedding
@@ -95,7 +95,7 @@ def configure(parser: argparse.ArgumentParser) -> None:
 def run(options: argparse.Namespace) -> int:
     """Embed the horizons one after the other; return the exit status."""
     if options.vertices < FEWEST:
-        raise Refusal(f"--vertices must be at least {FEWEST}, not {options.vertices}")
+        raise UsageError(f"--vertices must be at least {FEWEST}, not {options.vertices}")
     geometry = _geometry(options)
     stems = _stems(options.files)
     horizons = [(name, _data(name, _read(name, options), geometry, _axis(options))) for name in options.files]
@@ -122,19 +122,19 @@ def run(options: argparse.Namespace) -> int:
             reports.append(report)
             if options.output:
                 path = options.output / f"{stem}.json"
-                write_whole({path: report_writer(report)})
-            complain(f"{name}: {error}")
+                write_atomically({path: report_writer(report)})
+            print_error(f"{name}: {error}")
             status = NOT_EMBEDDED
             continue
         before = surface
         report = {**surface.report, "horizon": facts}
         reports.append(report)
         if options.output:
-            write_whole(_writers(options.output / stem, surface, report, options.vertices))
+            write_atomically(_writers(options.output / stem, surface, report, options.vertices))
         if not options.json:
-            say(_text(report))
+            print_out(_text(report))
     if options.json:
-        say(json.dumps(reports if len(options.files) > 1 else reports[0], indent=2, allow_nan=False))
+        print_out(json.dumps(reports if len(options.files) > 1 else reports[0], indent=2, allow_nan=False))
     return status
 
 
@@ -154,20 +154,20 @@ def _geometry(options: argparse.Namespace) -> ThreeGeometry | None:
     if name not in GEOMETRIES:
         for given in ("mass", "spin"):
             if getattr(options, given) is not None:
-                raise Refusal(f"--{given} needs a --geometry among {', '.join(GEOMETRIES)}")
+                raise UsageError(f"--{given} needs a --geometry among {', '.join(GEOMETRIES)}")
         return None if name is None else read_cartesian_grid(name)
     if name == "kerr-schild":
         horizon_radius(mass, spin)  # refuses a spin beyond the mass
         return KerrSchild(mass, spin)
     if any(spin):
-        raise Refusal(f"the geometry {name} has no spin: take kerr-schild")
+        raise UsageError(f"the geometry {name} has no spin: take kerr-schild")
     return IsotropicSchwarzschild(mass) if name == "isotropic" else PainleveGullstrand(mass)
 
 
 def _axis(options: argparse.Namespace) -> tuple[float, float, float]:
     given = options.axis or (options.spin if options.spin and any(options.spin) else (0.0, 0.0, 1.0))
     if not any(given):
-        raise Refusal("--axis 0 0 0 is no axis")
+        raise UsageError("--axis 0 0 0 is no axis")
     return tuple(given)
 
 
@@ -176,7 +176,7 @@ def _stems(files: list[str]) -> list[str]:
     stems = [Path(name).name.removesuffix(".gz").rsplit(".", 1)[0] or Path(name).name for name in files]
     for k, stem in enumerate(stems):
         if stem in stems[:k]:
-            raise Refusal(f"{files[stems.index(stem)]} and {files[k]} have the same name: {stem}")
+            raise UsageError(f"{files[stems.index(stem)]} and {files[k]} have the same name: {stem}")
     return stems
 
 
@@ -184,7 +184,7 @@ def _read(name: str, options: argparse.Namespace) -> CoordinateShape | GridMetri
     if options.time is None and options.surface is None:
         return read_horizon(name)
     if ending(name) not in HDF5_ENDINGS:
-        raise Refusal(f"--time and --surface are for SpECTRE's HDF5 files, and {name} is none")
+        raise UsageError(f"--time and --surface are for SpECTRE's HDF5 files, and {name} is none")
     return read_spectre(name, options.surface, options.time)
 
 
@@ -197,10 +197,10 @@ def _data(
     """The surface of a file, and what is known of it as a horizon."""
     if isinstance(found, GridMetric):
         if geometry is not None:
-            raise Refusal(f"{name} holds a metric of its own: it needs no --geometry")
+            raise UsageError(f"{name} holds a metric of its own: it needs no --geometry")
         return SurfaceData(found, marginal=True, relative_error=found.truncation, name=name), {}
     if geometry is None:
-        raise Refusal(f"{found.contents}: name it with --geometry")
+        raise UsageError(f"{found.contents}: name it with --geometry")
     surface = StarSurface.from_points(found.points, found.center.tolist())
     u, weights = gauss_rule(*NODES)
     mean = float(np.average(surface.radius(u), weights=weights))
@@ -227,7 +227,7 @@ def _writers(
     vtk, report_file, picture = (stem.with_name(f"{stem.name}{ending}") for ending in WRITTEN)
     writers = {vtk: mesh_writer(vtk, **tables), report_file: report_writer(report)}
     if find_spec("matplotlib") is None:
-        complain(f"{picture} is not written: pictures need matplotlib, pip install 'isoembed[plot]'")
+        print_error(f"{picture} is not written: pictures need matplotlib, pip install 'isoembed[plot]'")
     else:
         writers[picture] = _picture(picture, surface, tables)
     return writers

@@ -6,7 +6,7 @@ import argparse
 import json
 
 from isoembed.cli.inspection import Inspection, inspect
-from isoembed.cli.screen import say
+from isoembed.cli.screen import print_out
 from isoembed.cli.status import OK
 from isoembed.io import read_metric
 
@@ -25,7 +25,7 @@ def run(options: argparse.Namespace) -> int:
     """Inspect the input; return the exit status."""
     metric = read_metric(options.input)
     found = inspect(metric)
-    say(
+    print_out(
         json.dumps(found.as_json(), indent=2, allow_nan=False)
         if options.json
         else _text(options.input, found)

@@ -8,10 +8,10 @@ import signal
 from pathlib import Path
 
 from isoembed.cli.answer import asked_for
-from isoembed.cli.refusal import Refusal
+from isoembed.cli.refusal import UsageError
 from isoembed.cli.signals import handled
 from isoembed.errors import Interrupted
-from isoembed.io import CHECKPOINT_ENDINGS, FileError, check_output, checkpoint_writer, write_whole
+from isoembed.io import CHECKPOINT_ENDINGS, FileError, check_output, checkpoint_writer, write_atomically
 
 ENDING = ".checkpoint.npz"  # after the name of the output
 
@@ -51,11 +51,11 @@ def checkpoint_file(options: argparse.Namespace) -> Path | None:
     outputs = {f"--{name}": other for name, other in asked_for(options).items()}
     for name, other in {"INPUT": Path(options.input), **outputs}.items():
         if other.resolve() == path.resolve():
-            raise Refusal(f"{name} and the checkpoint are the same file {path}")
+            raise UsageError(f"{name} and the checkpoint are the same file {path}")
     return path
 
 
-def farewell(interrupted: Interrupted, path: Path | None, method: str) -> str:
+def save_checkpoint(interrupted: Interrupted, path: Path | None, method: str) -> str:
     """Leave the checkpoint, and say so in a sentence.
 
     Parameters
@@ -73,7 +73,7 @@ def farewell(interrupted: Interrupted, path: Path | None, method: str) -> str:
         return f"{interrupted}; there is no checkpoint, as neither --output nor --checkpoint says where"
     try:
         with handled(signal.SIG_IGN):  # this takes a moment, and the wish is known
-            write_whole({path: checkpoint_writer(checkpoint)})
+            write_atomically({path: checkpoint_writer(checkpoint)})
     except FileError as error:
         return f"{interrupted}; there is no checkpoint: {error}"
     again = f"the same command with --resume {shlex.quote(str(path))} goes on from it"

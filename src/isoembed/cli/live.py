@@ -9,7 +9,7 @@ from contextlib import contextmanager
 from dataclasses import replace
 from typing import TYPE_CHECKING
 
-from isoembed.stages import Listener, Progress
+from isoembed.progress.stages import Listener, Progress
 
 if TYPE_CHECKING:
     from rich.table import Table

@@ -23,7 +23,7 @@ from isoembed.gluing import (
     zipped,
 )
 from isoembed.gluing.outlines import Curve
-from isoembed.io import FileError, objects
+from isoembed.io import FileError, json
 from isoembed.io.files import check_ending, check_input
 
 FORMS = ("polygons", "zip", "pita", "dform")
@@ -72,11 +72,11 @@ def read_net(source: str) -> Net:
         stream = getattr(sys.stdin, "buffer", None)
         if stream is None:
             raise FileError("there is no standard input to read from")
-        return _net(objects.parse(stream.read(), "standard input"), "standard input")
+        return _net(json.parse(stream.read(), "standard input"), "standard input")
     path = Path(source)
     check_ending(path, [".json"])
     check_input(path)
-    return _net(objects.read(path), str(path))
+    return _net(json.read(path), str(path))
 
 
 def _net(document: Mapping[str, Any], name: str) -> Net:

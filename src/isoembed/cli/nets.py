@@ -8,12 +8,12 @@ from typing import cast
 
 import isoembed
 from isoembed.alexandrov.polyhedron import ConvexPolyhedron
-from isoembed.cli.screen import complain, say
+from isoembed.cli.screen import print_error, print_out
 from isoembed.cli.solid import Solid
 from isoembed.cli.status import NOT_EMBEDDED, OK
 from isoembed.errors import NotEmbedded
 from isoembed.gluing.classics import CLASSICS
-from isoembed.io import SURFACE_ENDINGS, check_output, surface_writer, write_whole
+from isoembed.io import SURFACE_ENDINGS, check_output, surface_writer, write_atomically
 from isoembed.io.files import Writer
 
 
@@ -41,7 +41,7 @@ def run(options: argparse.Namespace) -> int:
     """List the nets or solve those of a name; return the exit status."""
     if options.name is None:
         width = max(map(len, CLASSICS))
-        say("\n".join(f"{name:{width}}  {classic.purpose}" for name, classic in CLASSICS.items()))
+        print_out("\n".join(f"{name:{width}}  {classic.purpose}" for name, classic in CLASSICS.items()))
         return OK
     nets = CLASSICS[options.name].make()
     paths = [
@@ -71,12 +71,12 @@ def run(options: argparse.Namespace) -> int:
         rows.append((str(k + 1), label, f"{kind + 1}: {solid.name}", *counts, *sizes))
         if options.output:
             writers[paths[k]] = surface_writer(paths[k], polyhedron)
-    write_whole(writers)
+    write_atomically(writers)
     if not options.quiet:
-        say(_table(rows))
-        say(f"\n{len(nets)} nets, {len(kinds)} solids")
+        print_out(_table(rows))
+        print_out(f"\n{len(nets)} nets, {len(kinds)} solids")
     for failure in failures:
-        complain(failure)
+        print_error(failure)
     return NOT_EMBEDDED if failures else OK
 
 

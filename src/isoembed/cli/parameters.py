@@ -7,13 +7,13 @@ from collections.abc import Sequence
 from dataclasses import fields
 from typing import Any, Literal, Union, get_args, get_origin, get_type_hints
 
-from isoembed import verb
-from isoembed.cli.refusal import Refusal
+from isoembed import _embed
+from isoembed.cli.refusal import UsageError
 
 TRUTH = {"true": True, "yes": True, "1": True, "false": False, "no": False, "0": False}
 
 
-def configured(method: str, assignments: Sequence[str]) -> verb.Method:
+def configured(method: str, assignments: Sequence[str]) -> _embed.Method:
     """Make the method of this name with these parameters.
 
     Parameters
@@ -27,24 +27,24 @@ def configured(method: str, assignments: Sequence[str]) -> verb.Method:
     Refusal
         A parameter or its value is not one of the method's.
     """
-    configuration = verb.configuration(method)
+    configuration = _embed.configuration(method)
     known = [field.name for field in fields(configuration) if field.init]
     types_ = get_type_hints(configuration)
     values: dict[str, Any] = {}
     for assignment in assignments:
         name, equals, text = assignment.partition("=")
         if not equals:
-            raise Refusal(f"--parameter {assignment} is not of the form NAME=VALUE")
+            raise UsageError(f"--parameter {assignment} is not of the form NAME=VALUE")
         if name not in known:
-            raise Refusal(f"the method {method!r} has no parameter {name!r}; it has {', '.join(known)}")
+            raise UsageError(f"the method {method!r} has no parameter {name!r}; it has {', '.join(known)}")
         try:
             values[name] = parsed(text, types_[name])
         except ValueError as error:
-            raise Refusal(f"--parameter {assignment}: {error}") from None
+            raise UsageError(f"--parameter {assignment}: {error}") from None
     try:
         return configuration(**values)
     except ValueError as error:
-        raise Refusal(f"method {method!r}: {error}") from None
+        raise UsageError(f"method {method!r}: {error}") from None
 
 
 def parsed(text: str, type_: Any) -> Any:

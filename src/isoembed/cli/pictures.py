@@ -5,7 +5,7 @@ from __future__ import annotations
 import argparse
 from pathlib import Path
 
-from isoembed.cli.refusal import Refusal
+from isoembed.cli.refusal import UsageError
 from isoembed.io import check_output
 from isoembed.io.files import Writer
 from isoembed.plot.animation import ANIMATION_ENDINGS, animation_writer, check_animation
@@ -69,7 +69,7 @@ def check_pictures(options: argparse.Namespace) -> None:
     if options.animate:
         check_animation(options.animate)
     if options.color and not options.picture:
-        raise Refusal("--color needs a --picture whose colors it chooses")
+        raise UsageError("--color needs a --picture whose colors it chooses")
 
 
 def film_for(options: argparse.Namespace) -> Film | None:

@@ -7,8 +7,8 @@ from isoembed.errors import InvalidMetric, InvalidParameter
 from isoembed.io import FileError
 
 
-class Refusal(ValueError):  # noqa: N818 - the command refuses, nothing failed
+class UsageError(ValueError):
     """A command line that is well formed but makes no sense."""
 
 
-USER_ERRORS = (Refusal, FileError, InvalidMetric, InvalidParameter, OutputError)
+USER_ERRORS = (UsageError, FileError, InvalidMetric, InvalidParameter, OutputError)

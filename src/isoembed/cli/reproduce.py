@@ -7,7 +7,7 @@ import sys
 from contextlib import suppress
 from pathlib import Path
 
-from isoembed.cli.screen import complain, say
+from isoembed.cli.screen import print_error, print_out
 from isoembed.cli.status import NOT_EMBEDDED, OK
 
 
@@ -37,7 +37,7 @@ def run(options: argparse.Namespace) -> int:
     plan = reproduce.QUICK if options.quick else reproduce.FULL
     outcome = reproduce.reproduce(plan, options.output, tell)
     if not options.quiet:
-        say(str(outcome.report))
+        print_out(str(outcome.report))
     for failure in outcome.failures:
-        complain(failure)
+        print_error(failure)
     return NOT_EMBEDDED if outcome.failures else OK

@@ -12,7 +12,7 @@ class OutputError(RuntimeError):
     """Standard output does not take the answer."""
 
 
-def say(text: str) -> None:
+def print_out(text: str) -> None:
     """Print an answer.  A reader who has gone away (``| head``) is no failure of ours.
 
     Raises
@@ -29,7 +29,7 @@ def say(text: str) -> None:
         raise OutputError(f"cannot write to standard output: {error.strerror}") from None
 
 
-def complain(message: str) -> None:
+def print_error(message: str) -> None:
     """Print ``isoembed: error: message`` in one line."""
     if sys.stderr is not None:
         line = " ".join(f"isoembed: error: {message}".split())

@@ -7,8 +7,8 @@ from dataclasses import Field, fields
 from pathlib import Path
 from typing import Any, get_args, get_type_hints
 
-from isoembed.cli.refusal import Refusal
-from isoembed.cli.screen import say
+from isoembed.cli.refusal import UsageError
+from isoembed.cli.screen import print_out
 from isoembed.cli.status import OK
 from isoembed.gallery import SURFACES, Surface, triangulate
 from isoembed.io import (
@@ -18,7 +18,7 @@ from isoembed.io import (
     check_output,
     mesh_writer,
     metric_writer,
-    write_whole,
+    write_atomically,
 )
 from isoembed.io.files import ending
 from isoembed.metric.polyhedral import PolyhedralMetric
@@ -59,10 +59,10 @@ def run(options: argparse.Namespace) -> int:
     if options.list:
         width = max(len(name) for name in SURFACES)
         lines = (f"{name:{width}}  {_purpose(kind)}{_defaults(kind)}" for name, kind in SURFACES.items())
-        say("\n".join(lines))
+        print_out("\n".join(lines))
         return OK
     if options.name is None:
-        raise Refusal(f"which surface? There are {', '.join(SURFACES)}")
+        raise UsageError(f"which surface? There are {', '.join(SURFACES)}")
     check_output(options.output, SURFACE_ENDINGS)
     surface, vertices, faces = _meshed(options)
     metric = PolyhedralMetric.from_mesh(vertices, faces)
@@ -70,8 +70,8 @@ def run(options: argparse.Namespace) -> int:
         writer = metric_writer(options.output, metric)
     else:
         writer = mesh_writer(options.output, vertices, faces)
-    write_whole({options.output: writer})
-    say(
+    write_atomically({options.output: writer})
+    print_out(
         f"{options.output}: {surface!r}, {metric.triangulation.n_vertices} vertices; the smooth surface has "
         f"area {surface.area:.12g}, volume {surface.volume:.12g}, "
         f"int H dA {surface.integrated_mean_curvature:.12g} with H = (k1 + k2)/2"
@@ -86,7 +86,7 @@ def _meshed(options: argparse.Namespace) -> tuple[Surface, Any, Any]:
         surface = kind(**{name: tuple(v) if isinstance(v, list) else v for name, v in values.items()})
         return surface, *triangulate(surface, options.vertices, irregular=options.irregular)
     except ValueError as error:
-        raise Refusal(str(error)) from None
+        raise UsageError(str(error)) from None
 
 
 def _add_option(parser: argparse.ArgumentParser, field: Field[Any], type_: Any) -> None:

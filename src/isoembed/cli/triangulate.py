@@ -8,11 +8,11 @@ from pathlib import Path
 import numpy as np
 
 from isoembed.cli.closed_form import OF_SPACETIME, add_spacetime_options, closed_form, refuse_given
-from isoembed.cli.refusal import Refusal
-from isoembed.cli.screen import say
+from isoembed.cli.refusal import UsageError
+from isoembed.cli.screen import print_out
 from isoembed.cli.status import OK
-from isoembed.io import METRIC_ENDINGS, check_output, metric_writer, write_whole
-from isoembed.relativity.grid_file import read_metric_grid
+from isoembed.io import METRIC_ENDINGS, check_output, metric_writer, write_atomically
+from isoembed.relativity.horizons.grid_file import read_metric_grid
 from isoembed.smooth.triangulation import triangulate
 
 
@@ -56,12 +56,12 @@ def run(options: argparse.Namespace) -> int:
     else:
         refuse_given(options, OF_SPACETIME, "needs a --spacetime")
         if options.input is None:
-            raise Refusal("which metric? Give a GRID, or a --spacetime and a --surface")
+            raise UsageError("which metric? Give a GRID, or a --spacetime and a --surface")
         metric, name = read_metric_grid(options.input), options.input
     mesh = triangulate(metric, options.vertices, size=options.size, grading=options.grading)
-    write_whole({options.output: metric_writer(options.output, mesh.metric, directions=mesh.directions)})
+    write_atomically({options.output: metric_writer(options.output, mesh.metric, directions=mesh.directions)})
     least, largest = np.degrees(mesh.angles)
-    say(
+    print_out(
         f"{options.output}: {name}, {mesh.metric.triangulation.n_vertices} vertices, mean edge length "
         f"{mesh.metric.mean_length:.6g}, angles from {least:.1f} to {largest:.1f} degrees"
     )

@@ -8,10 +8,10 @@ import webbrowser
 from pathlib import Path
 
 from isoembed.cli.pictures import add_color_option
-from isoembed.cli.refusal import Refusal
-from isoembed.cli.screen import say
+from isoembed.cli.refusal import UsageError
+from isoembed.cli.screen import print_out
 from isoembed.cli.status import OK
-from isoembed.io import check_output, read_surface, write_whole
+from isoembed.io import check_output, read_surface, write_atomically
 from isoembed.io.files import ending
 from isoembed.io.registry import SURFACE_ENDINGS
 from isoembed.plot import PICTURE_ENDINGS, picture_writer
@@ -46,9 +46,11 @@ def run(options: argparse.Namespace) -> int:
     if output:
         check_output(output, (*PAGE_ENDINGS, *PICTURE_ENDINGS))
         if output.resolve() == options.file.resolve():
-            raise Refusal(f"the output is the input {output}")
+            raise UsageError(f"the output is the input {output}")
     if options.color and (not output or ending(output) in PAGE_ENDINGS):
-        raise Refusal(f"--color is for pictures ({' '.join(PICTURE_ENDINGS)}): a page shows all quantities")
+        raise UsageError(
+            f"--color is for pictures ({' '.join(PICTURE_ENDINGS)}): a page shows all quantities"
+        )
     surface = read_surface(options.file)
     if not output:
         return _browse(surface, options.file)
@@ -56,7 +58,7 @@ def run(options: argparse.Namespace) -> int:
         writer = page_writer(output, surface, title=options.file.name)
     else:
         writer = picture_writer(output, surface, color=options.color or MEAN_CURVATURE)
-    write_whole({output: writer})
+    write_atomically({output: writer})
     return OK
 
 
@@ -64,5 +66,5 @@ def _browse(surface: Embedding, path: Path) -> int:
     page = Path(tempfile.mkdtemp(prefix="isoembed-")) / f"{path.stem}.html"
     write_page(page, surface, title=path.name)
     opened = webbrowser.open(page.as_uri())
-    say(str(page) if opened else f"{page}: no browser could be opened here; open this file in one")
+    print_out(str(page) if opened else f"{page}: no browser could be opened here; open this file in one")
     return OK

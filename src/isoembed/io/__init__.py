@@ -10,7 +10,7 @@ from isoembed.io.checkpoint import (
     read_checkpoint,
     write_checkpoint,
 )
-from isoembed.io.files import FileError, check_output, write_whole
+from isoembed.io.files import FileError, check_output, write_atomically
 from isoembed.io.metric import metric_writer, read_metric, write_metric
 from isoembed.io.registry import MESH_ENDINGS, METRIC_ENDINGS, SURFACE_ENDINGS
 from isoembed.io.report import REPORT_ENDINGS, report_writer, write_report
@@ -32,9 +32,9 @@ __all__ = [
     "read_surface",
     "report_writer",
     "surface_writer",
+    "write_atomically",
     "write_checkpoint",
     "write_metric",
     "write_report",
     "write_surface",
-    "write_whole",
 ]

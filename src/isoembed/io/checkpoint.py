@@ -9,8 +9,16 @@ from typing import Any
 import numpy as np
 
 from isoembed.io import npz
-from isoembed.io.files import FileError, Tables, Writer, check_ending, check_input, check_output, write_whole
-from isoembed.stages import Checkpoint, Origin
+from isoembed.io.files import (
+    FileError,
+    Tables,
+    Writer,
+    check_ending,
+    check_input,
+    check_output,
+    write_atomically,
+)
+from isoembed.progress.stages import Checkpoint, Fingerprint
 
 CHECKPOINT_ENDINGS = (".npz",)
 
@@ -41,13 +49,15 @@ def read_checkpoint(path: str | os.PathLike[str]) -> Checkpoint:
     check_input(path)
     tables = npz.read(path)
     texts = {name: _scalar(tables, name, "U", path) for name in TEXTS}
-    origin = Origin(texts["metric"], texts["method"], _scalar(tables, TOLERANCE, "f", path), texts["version"])
+    origin = Fingerprint(
+        texts["metric"], texts["method"], _scalar(tables, TOLERANCE, "f", path), texts["version"]
+    )
     arrays = {name.removeprefix(KEPT): array for name, array in tables.items() if name.startswith(KEPT)}
     return Checkpoint(texts["stage"], arrays, origin)
 
 
 def checkpoint_writer(checkpoint: Checkpoint) -> Writer:
-    """Return what writes the checkpoint; see `write_whole`.
+    """Return what writes the checkpoint; see `write_atomically`.
 
     Raises
     ------
@@ -81,7 +91,7 @@ def write_checkpoint(path: str | os.PathLike[str], checkpoint: Checkpoint) -> No
         The checkpoint does not say which computation it belongs to.
     """
     check_output(path, CHECKPOINT_ENDINGS)
-    write_whole({Path(path): checkpoint_writer(checkpoint)})
+    write_atomically({Path(path): checkpoint_writer(checkpoint)})
 
 
 def _scalar(tables: Tables, name: str, kind: str, path: Path) -> Any:

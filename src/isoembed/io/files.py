@@ -84,7 +84,7 @@ def check_input(path: Path) -> None:
         raise FileError(f"cannot read {path}: {error.strerror}") from None
 
 
-def write_whole(writers: Mapping[Path, Writer]) -> None:
+def write_atomically(writers: Mapping[Path, Writer]) -> None:
     """Write several files, each whole, and none of them if any fails.
 
     Parameters

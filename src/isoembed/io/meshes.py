@@ -13,7 +13,7 @@ import numpy as np
 
 from isoembed.errors import InvalidMetric
 from isoembed.io.files import FileError, Tables
-from isoembed.io.words import lines
+from isoembed.io.text_scan import lines
 from isoembed.surface.measures import face_normals
 
 CORNER = "  vertex %r %r %r\n"

@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from isoembed.errors import InvalidMetric
-from isoembed.io import objects
+from isoembed.io import json
 from isoembed.io.files import (
     FileError,
     Tables,
@@ -20,7 +20,7 @@ from isoembed.io.files import (
     check_input,
     check_output,
     ending,
-    write_whole,
+    write_atomically,
 )
 from isoembed.io.registry import ARRAYS, FORMATS, METRIC_ENDINGS
 from isoembed.metric.polyhedral import PolyhedralMetric
@@ -52,7 +52,7 @@ def read_metric(source: str | os.PathLike[str]) -> PolyhedralMetric:
         stream = getattr(sys.stdin, "buffer", None)
         if stream is None:
             raise FileError("there is no standard input to read from")
-        return metric_of(objects.parse(stream.read(), "standard input"), "standard input")
+        return metric_of(json.parse(stream.read(), "standard input"), "standard input")
     return metric_of(read_tables(source), str(source))
 
 
@@ -67,7 +67,7 @@ def read_tables(path: str | os.PathLike[str]) -> Tables:
 def metric_writer(
     path: str | os.PathLike[str], metric: PolyhedralMetric, **data: NDArray[np.float64]
 ) -> Writer:
-    """Return what writes the metric in the format of this ending; see `write_whole`."""
+    """Return what writes the metric in the format of this ending; see `write_atomically`."""
     tables = {"faces": metric.faces, "edges": metric.edges, "lengths": metric.lengths, **data}
     return lambda temporary: ARRAYS[ending(path)].write(temporary, tables)
 
@@ -81,7 +81,7 @@ def write_metric(path: str | os.PathLike[str], metric: PolyhedralMetric) -> None
         The ending is not known or the file cannot be written.
     """
     check_output(path, METRIC_ENDINGS)
-    write_whole({Path(path): metric_writer(path, metric)})
+    write_atomically({Path(path): metric_writer(path, metric)})
 
 
 def metric_of(tables: Tables, name: str) -> PolyhedralMetric:

@@ -10,7 +10,7 @@ import numpy as np
 from numba import njit
 
 from isoembed.io.files import FileError, Tables
-from isoembed.io.words import (
+from isoembed.io.text_scan import (
     Bytes,
     Indices,
     copy_words,

@@ -6,7 +6,7 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
 
-from isoembed.io import meshes, npz, obj, objects, off, ply
+from isoembed.io import json, meshes, npz, obj, off, ply
 from isoembed.io.files import Tables
 
 
@@ -20,7 +20,7 @@ class Format:
 
 ARRAYS: dict[str, Format] = {
     ".npz": Format(npz.read, npz.write),
-    ".json": Format(objects.read, objects.write),
+    ".json": Format(json.read, json.write),
 }
 """Formats that hold any named arrays, so also metrics."""
 

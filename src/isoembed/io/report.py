@@ -8,13 +8,13 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
-from isoembed.io.files import Writer, check_output, write_whole
+from isoembed.io.files import Writer, check_output, write_atomically
 
 REPORT_ENDINGS = (".json",)
 
 
 def report_writer(report: Mapping[str, Any]) -> Writer:
-    """Return what writes the report; see `write_whole`.
+    """Return what writes the report; see `write_atomically`.
 
     Raises
     ------
@@ -36,7 +36,7 @@ def write_report(path: str | os.PathLike[str], report: Mapping[str, Any]) -> Non
         A number is not finite.
     """
     check_output(path, REPORT_ENDINGS)
-    write_whole({Path(path): report_writer(report)})
+    write_atomically({Path(path): report_writer(report)})
 
 
 def _write(path: Path, text: str) -> None:

@@ -8,7 +8,7 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from isoembed.io.files import FileError, Tables, Writer, check_output, ending, write_whole
+from isoembed.io.files import FileError, Tables, Writer, check_output, ending, write_atomically
 from isoembed.io.metric import metric_of, read_tables
 from isoembed.io.registry import FORMATS, SURFACE_ENDINGS
 from isoembed.metric.polyhedral import PolyhedralMetric
@@ -61,12 +61,12 @@ def read_surface(path: str | os.PathLike[str]) -> Embedding:
 def mesh_writer(
     path: str | os.PathLike[str], vertices: ArrayLike, faces: ArrayLike, **data: NDArray[np.float64]
 ) -> Writer:
-    """Return what writes a mesh with data at its vertices in the format of this ending; see `write_whole`."""
+    """Writer of a mesh with data at its vertices in the format of this ending; see `write_atomically`."""
     return _writer(path, {"vertices": np.asarray(vertices), "faces": np.asarray(faces), **data})
 
 
 def surface_writer(path: str | os.PathLike[str], embedding: Embedding) -> Writer:
-    """Return what writes the surface in the format of this ending; see `write_whole`."""
+    """Return what writes the surface in the format of this ending; see `write_atomically`."""
     return _writer(
         path,
         {
@@ -91,7 +91,7 @@ def write_surface(path: str | os.PathLike[str], embedding: Embedding) -> None:
         The ending is not known or the file cannot be written.
     """
     check_output(path, SURFACE_ENDINGS)
-    write_whole({Path(path): surface_writer(path, embedding)})
+    write_atomically({Path(path): surface_writer(path, embedding)})
 
 
 def vertex_residuals(embedding: Embedding) -> NDArray[np.float64]:

@@ -12,7 +12,7 @@ import scipy.sparse as sp
 from numpy.typing import ArrayLike, NDArray
 
 from isoembed.linalg.bisection import bisection_paths, separator_order
-from isoembed.linalg.hops import breadth_first, hop_coordinates
+from isoembed.linalg.graph_coordinates import breadth_first, hop_coordinates
 from isoembed.linalg.pattern import eliminated, places
 from isoembed.linalg.separator import Graph
 

@@ -42,7 +42,7 @@ class Elimination(NamedTuple):
 
 
 @njit(cache=True)
-def foresee(indptr: Pointers, indices: Pointers, order: Indices) -> Elimination:
+def symbolic_analysis(indptr: Pointers, indices: Pointers, order: Indices) -> Elimination:
     """Find the elimination tree, bring the order into post-order, and count the entries of L.
 
     Parameters

@@ -12,7 +12,7 @@ from numpy.typing import ArrayLike, NDArray
 from scipy.sparse.linalg import splu
 
 from isoembed.errors import InvalidParameter
-from isoembed.linalg.elimination import foresee
+from isoembed.linalg.elimination import symbolic_analysis
 from isoembed.linalg.memory import make_sure_of
 from isoembed.linalg.pattern import eliminated, first_asymmetry, first_gap, places
 from isoembed.linalg.singular import SingularMatrix
@@ -126,7 +126,7 @@ class Solver:
         order = np.array(order, dtype=np.int64)
         if order.shape != (n,) or places(order).size != n:
             raise ValueError(f"the elimination order is not a permutation of the {n} unknowns")
-        elimination = foresee(self.pattern.indptr, self.pattern.indices, order)
+        elimination = symbolic_analysis(self.pattern.indptr, self.pattern.indices, order)
         self._order = elimination.order
         self._indptr, self._indices, self._source = eliminated(
             self.pattern.indptr, self.pattern.indices, self._order, places(self._order), True

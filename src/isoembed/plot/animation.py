@@ -11,7 +11,7 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from isoembed.io.files import FileError, Writer, check_output, ending, write_whole
+from isoembed.io.files import FileError, Writer, check_output, ending, write_atomically
 from isoembed.plot.film import ANSWER, Frame
 from isoembed.plot.picture import INK, PAPER, check_drawable, color_scale, draw
 from isoembed.plot.quantity import mean_curvature
@@ -42,7 +42,7 @@ class _Image:
 
 
 def animation_writer(path: str | os.PathLike[str], embedding: Embedding, frames: Sequence[Frame]) -> Writer:
-    """Return what writes the film in the format of this ending; see `write_whole` and `write_animation`."""
+    """Writer of the film in the format of this ending; see `write_atomically` and `write_animation`."""
     check_animation(path)
     images = tuple(_images(embedding, frames))
     pixels = _drawn(embedding, images)
@@ -69,7 +69,7 @@ def write_animation(path: str | os.PathLike[str], embedding: Embedding, frames: 
         installed.
     """
     check_output(path, ANIMATION_ENDINGS)
-    write_whole({Path(path): animation_writer(path, embedding, frames)})
+    write_atomically({Path(path): animation_writer(path, embedding, frames)})
 
 
 def check_animation(path: str | os.PathLike[str]) -> None:

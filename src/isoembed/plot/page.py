@@ -17,7 +17,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from isoembed.errors import InvalidMetric
-from isoembed.io.files import Writer, check_output, write_whole
+from isoembed.io.files import Writer, check_output, write_atomically
 from isoembed.metric.polyhedral import PolyhedralMetric
 from isoembed.plot.browser.packing import Packed
 from isoembed.plot.browser.ramp import ramp
@@ -66,7 +66,7 @@ def page_writer(
     title: str = "",
     caption: str = "",
 ) -> Writer:
-    """Return what writes the page of a surface; see `write_whole` and `write_page`."""
+    """Return what writes the page of a surface; see `write_atomically` and `write_page`."""
     text = _page(embedding, frames, title or Path(path).stem, caption)
     return lambda temporary: _write(temporary, text)
 
@@ -103,7 +103,7 @@ def write_page(
         The ending is not known or the file cannot be written.
     """
     check_output(path, PAGE_ENDINGS)
-    write_whole({Path(path): page_writer(path, embedding, frames=frames, title=title, caption=caption)})
+    write_atomically({Path(path): page_writer(path, embedding, frames=frames, title=title, caption=caption)})
 
 
 def _page(embedding: Embedding, frames: Sequence[Frame], title: str, caption: str) -> str:

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from isoembed.io.files import FileError, Writer, check_output, ending, write_whole
+from isoembed.io.files import FileError, Writer, check_output, ending, write_atomically
 from isoembed.plot.quantity import MEAN_CURVATURE, Quantity, quantity
 from isoembed.plot.view import View
 from isoembed.surface.embedding import Embedding
@@ -115,7 +115,7 @@ def panels(
 
 
 def picture_writer(path: str | os.PathLike[str], embedding: Embedding, **drawing: Any) -> Writer:
-    """Return what writes the picture in the format of this ending; see `write_whole` and `figure`."""
+    """Return what writes the picture in the format of this ending; see `write_atomically` and `figure`."""
     drawn, format_ = figure(embedding, **drawing), ending(path)[1:]
     return lambda temporary: drawn.savefig(temporary, format=format_, dpi=DPI)
 
@@ -133,7 +133,7 @@ def write_picture(
         There is no such quantity.
     """
     check_output(path, PICTURE_ENDINGS)
-    write_whole({Path(path): picture_writer(path, embedding, color=color)})
+    write_atomically({Path(path): picture_writer(path, embedding, color=color)})
 
 
 def check_drawable() -> None:

@@ -8,12 +8,12 @@ from typing import Literal
 import numpy as np
 from numpy.typing import NDArray
 
-from isoembed.aim.conformal_sphere import conformal_factors, conformal_sphere
 from isoembed.errors import InvalidParameter
 from isoembed.io.surface import vertex_residuals
+from isoembed.metric.conformal_sphere import conformal_factors, conformal_sphere
 from isoembed.metric.curvature import area, dual_areas, gaussian_curvature
 from isoembed.metric.delaunay import delaunay
-from isoembed.stages import Log
+from isoembed.progress.stages import Log
 from isoembed.surface.embedding import Embedding
 
 Floats = NDArray[np.float64]
@@ -106,8 +106,8 @@ def conformal_factor(embedding: Embedding) -> Quantity | None:
     if embedding.triangulation.n_faces == 2:  # the two sides of a triangle: nothing is left without the pole
         return None
     unit = delaunay(embedding.metric.normalized)
-    with Log().stage("conformal map") as tally:
-        sphere = conformal_sphere(unit, tally)
+    with Log().stage("conformal map") as recorder:
+        sphere = conformal_sphere(unit, recorder)
     if not sphere.exact:
         return None
     factors = conformal_factors(unit, sphere) + np.log(area(unit) / (4 * np.pi)) / 2

@@ -3,32 +3,32 @@
 Units are geometric, G = c = 1.  The mean curvature of relativity is the trace k = k1 + k2.
 """
 
-from isoembed.relativity.ahfinderdirect import read_ahfinderdirect
-from isoembed.relativity.boosted import BoostedSchwarzschild, Superposed
-from isoembed.relativity.boyer_lindquist import BoyerLindquist
-from isoembed.relativity.cartesian_grid import CartesianGrid, read_cartesian_grid
-from isoembed.relativity.conformally_flat import BrillLindquist, IsotropicSchwarzschild
-from isoembed.relativity.coordinate_shape import CoordinateShape
-from isoembed.relativity.embedded import EmbeddedSurface, embed_surface
-from isoembed.relativity.energies import Energies, Integrals
-from isoembed.relativity.grid_file import read_metric_grid
-from isoembed.relativity.horizon_file import read_horizon
-from isoembed.relativity.kerr import (
+from isoembed.relativity.energies.embedded import EmbeddedSurface, embed_surface
+from isoembed.relativity.energies.energies import Energies, Integrals
+from isoembed.relativity.energies.mesh_energies import mesh_energies
+from isoembed.relativity.energies.time_function import TimeFunction
+from isoembed.relativity.energies.wang_yau_energy import WangYau, wang_yau
+from isoembed.relativity.horizons.ahfinderdirect import read_ahfinderdirect
+from isoembed.relativity.horizons.coordinate_shape import CoordinateShape
+from isoembed.relativity.horizons.grid_file import read_metric_grid
+from isoembed.relativity.horizons.horizon_file import read_horizon
+from isoembed.relativity.horizons.spectre import read_spectre
+from isoembed.relativity.spacetimes.boosted import BoostedSchwarzschild, Superposed
+from isoembed.relativity.spacetimes.boyer_lindquist import BoyerLindquist
+from isoembed.relativity.spacetimes.cartesian_grid import CartesianGrid, read_cartesian_grid
+from isoembed.relativity.spacetimes.conformally_flat import BrillLindquist, IsotropicSchwarzschild
+from isoembed.relativity.spacetimes.kerr import (
     KerrNewmanErgosphere,
     KerrNewmanHorizon,
     KerrNewmanSphere,
     embeddability,
     smarr_limit,
 )
-from isoembed.relativity.kerr_schild import KerrSchild
-from isoembed.relativity.mesh_energies import mesh_energies
-from isoembed.relativity.painleve_gullstrand import PainleveGullstrand
-from isoembed.relativity.spectre import read_spectre
-from isoembed.relativity.star_surface import StarSurface
-from isoembed.relativity.surface_data import SurfaceData
-from isoembed.relativity.three_geometry import AnalyticCallable, CallableGeometry, ThreeGeometry
-from isoembed.relativity.time_function import TimeFunction
-from isoembed.relativity.wang_yau_energy import WangYau, wang_yau
+from isoembed.relativity.spacetimes.kerr_schild import KerrSchild
+from isoembed.relativity.spacetimes.painleve_gullstrand import PainleveGullstrand
+from isoembed.relativity.spacetimes.star_surface import StarSurface
+from isoembed.relativity.spacetimes.surface_data import SurfaceData
+from isoembed.relativity.spacetimes.three_geometry import AnalyticCallable, CallableGeometry, ThreeGeometry
 
 __all__ = [
     "AnalyticCallable",

@@ -8,6 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from isoembed._embed import embed
 from isoembed.errors import InvalidMetric, InvalidParameter, NotEmbedded
 from isoembed.smooth.axisymmetric import AxisymmetricEmbedding
 from isoembed.smooth.curvature_sign import by_curvature
@@ -17,7 +18,6 @@ from isoembed.smooth.harmonics import Harmonics, gauss_rule, spread_directions
 from isoembed.smooth.isometry import FEWEST_AROUND, gauss_newton
 from isoembed.smooth.triangulation import triangulate
 from isoembed.smooth.two_metric import TwoMetric, angle_frame
-from isoembed.verb import embed
 
 Floats = NDArray[np.float64]
 
@@ -100,7 +100,7 @@ def embed_smooth(
     else:
         first = max(0, sum(h.degree < start.harmonics.degree for h in ladder) - 1)
         best, residuals = goal.approached(
-            ladder[first:], lambda harmonics: recast(start.coefficients, start.harmonics, harmonics)
+            ladder[first:], lambda harmonics: resized(start.coefficients, start.harmonics, harmonics)
         )
     if not best.converged and profile is not None and profile.embeds:
         high = [h for h in ladder if h.degree >= HIGH] or ladder[-1:]
@@ -110,7 +110,7 @@ def embed_smooth(
     raise NotEmbedded(_diagnosis(best, residuals, profile), best)
 
 
-def recast(coefficients: Floats, old: Harmonics, new: Harmonics) -> Floats:
+def resized(coefficients: Floats, old: Harmonics, new: Harmonics) -> Floats:
     """The coefficients (size, c) of functions in other harmonics: cut off or filled up with zeros."""
     place = {label: i for i, label in enumerate(zip(*new.labels, strict=True))}
     result = np.zeros((new.size, coefficients.shape[1]))
@@ -143,7 +143,7 @@ class _Goal:
             if anew is not None:
                 C, old = anew, harmonics
             assert C is not None
-            C, old = gauss_newton(self.metric, harmonics, recast(C, old, harmonics)), harmonics
+            C, old = gauss_newton(self.metric, harmonics, resized(C, old, harmonics)), harmonics
             surface = SmoothEmbedding(self.metric, harmonics, C, self.tolerance, last, self.hindrance)
             last = surface.integrated_mean_curvature
             residuals.append(surface.residual)

@@ -11,15 +11,15 @@ from numpy.typing import NDArray
 from scipy.spatial import ConvexHull
 
 from isoembed.errors import InvalidMetric, InvalidParameter
-from isoembed.gallery.flips import twin_halfedges
-from isoembed.gallery.points import fibonacci_lattice
-from isoembed.gallery.spreading import Cells, cell_centers
 from isoembed.mesh.triangulation import Triangulation, frozen
+from isoembed.meshing.flips import twin_halfedges
+from isoembed.meshing.intrinsic_relaxation import corner_angles, end_lengths, flip_to_delaunay, relaxed
+from isoembed.meshing.points import fibonacci_lattice
+from isoembed.meshing.spreading import Cells, cell_centers
 from isoembed.metric.polyhedral import PolyhedralMetric
 from isoembed.smooth.gaussian_curvature import gaussian_curvature
 from isoembed.smooth.geodesics import definite_tensor, geodesic_lengths, in_own_unit
 from isoembed.smooth.two_metric import TwoMetric, area_density
-from isoembed.smooth.unfolding import corner_angles, end_lengths, flip_to_delaunay, relaxed
 
 Floats = NDArray[np.float64]
 Indices = NDArray[np.int64]

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from isoembed._embed import embed
 from isoembed.aim.paper import Paper
 from isoembed.gallery import SURFACES, triangulate
 from isoembed.metric.curvature import corner_angles, negative_deficits
@@ -15,7 +16,6 @@ from isoembed.studies import plots
 from isoembed.studies.section import Comparison, Illustration, Section, Table
 from isoembed.surface.alignment import distance
 from isoembed.surface.embedding import Embedding
-from isoembed.verb import embed
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure

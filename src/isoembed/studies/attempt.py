@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
+from isoembed._embed import Method, embed
 from isoembed.errors import NotEmbedded
 from isoembed.metric.polyhedral import PolyhedralMetric
-from isoembed.stages import Listener
+from isoembed.progress.stages import Listener
 from isoembed.surface.embedding import Embedding
-from isoembed.verb import Method, embed
 
 
 def attempted(

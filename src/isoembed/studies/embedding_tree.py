@@ -9,12 +9,12 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from isoembed.aim.layout import EmbeddingTree
-from isoembed.aim.layout import embedding_tree as grown
+from isoembed.aim.embedding_tree import EmbeddingTree
+from isoembed.aim.embedding_tree import embedding_tree as grown
 from isoembed.aim.paper import Paper
 from isoembed.gallery import Ellipsoid, triangulate
 from isoembed.metric.polyhedral import PolyhedralMetric
-from isoembed.stages import Log, Tally
+from isoembed.progress.stages import Log, StageRecorder
 from isoembed.studies import plots
 from isoembed.studies.section import Comparison, Illustration, Section, Table
 from isoembed.surface.measures import edge_lengths
@@ -157,9 +157,9 @@ def study(*, shown: int, sizes: Sequence[int]) -> Section:
 def _placed(n: int) -> _Placed:
     """Uniformize an ellipsoid and grow the tree, as `Paper` does."""
     metric = PolyhedralMetric.from_mesh(*triangulate(Ellipsoid(), n)).normalized
-    tally = Tally("embedding tree", Log())
-    uniform = Paper().uniformize(metric, tally)
-    tree = grown(uniform.metric, uniform.radius, Paper().root, tally)
+    recorder = StageRecorder("embedding tree", Log())
+    uniform = Paper().uniformize(metric, recorder)
+    tree = grown(uniform.metric, uniform.radius, Paper().root, recorder)
     triangulation = metric.triangulation
     first = np.flatnonzero(tree.pivots[:, 0] < 0)
     later = np.flatnonzero(tree.pivots[:, 0] >= 0)

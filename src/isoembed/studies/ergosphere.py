@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.optimize import brentq, minimize_scalar
 
+from isoembed._embed import Method
 from isoembed.aim.paper import Paper
 from isoembed.gallery import Ergosphere, triangulate
 from isoembed.gallery.kerr import ergosphere_radius, squares
@@ -21,7 +22,6 @@ from isoembed.studies.attempt import attempted
 from isoembed.studies.mean_curvature import PAPERS
 from isoembed.studies.section import Comparison, Illustration, Section, Table
 from isoembed.surface.embedding import Embedding
-from isoembed.verb import Method
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure

@@ -16,7 +16,7 @@ from isoembed.metric.curvature import deficits
 from isoembed.metric.polyhedral import PolyhedralMetric
 from isoembed.plot import Panel, panels
 from isoembed.plot.view import Pose, camera
-from isoembed.stages import Log, Tally
+from isoembed.progress.stages import Log, StageRecorder
 from isoembed.studies import plots
 from isoembed.studies.section import Comparison, Illustration, Section, Table
 from isoembed.surface.alignment import aligned, distance
@@ -183,7 +183,7 @@ def _convex_body(n: int) -> tuple[Floats, NDArray[np.int64]]:
 
 def _annealed(metric: PolyhedralMetric, system: LengthSystem, vertices: Floats) -> Annealed:
     return Paper().anneal(
-        system, vertices, metric.lengths, EXACT * metric.mean_length, Tally("anneal", Log())
+        system, vertices, metric.lengths, EXACT * metric.mean_length, StageRecorder("anneal", Log())
     )
 
 

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
+from isoembed._embed import Method, embed
 from isoembed.aim.paper import Paper
 from isoembed.gallery import Drum, Ellipsoid, Ergosphere, triangulate
 from isoembed.gallery.surface import Surface
@@ -16,9 +17,8 @@ from isoembed.metric.curvature import corner_angles
 from isoembed.metric.polyhedral import PolyhedralMetric
 from isoembed.studies import plots
 from isoembed.studies.section import Comparison, Illustration, Section, Table
-from isoembed.surface.corrected import SmoothIntegrals
 from isoembed.surface.embedding import Embedding
-from isoembed.verb import Method, embed
+from isoembed.surface.smooth_integrals import SmoothIntegrals
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -100,8 +100,8 @@ def study(*, sizes: Sequence[int]) -> Section:
             "First order in N is second order in the edge length, since N is inversely proportional to its "
             "square. What a polyhedron lacks is known from the curvatures along its edges; with it added, "
             "the integral over the smooth surface has an error of fourth order in the edge length, second in "
-            "N (isoembed.surface.corrected). The ergosphere, which the paper leaves out here, is like the "
-            "others where the mesh resolves its tips.",
+            "N (isoembed.surface.smooth_integrals). The ergosphere, which the paper leaves out here, is like "
+            "the others where the mesh resolves its tips.",
         ),
         figures=(
             Illustration(

@@ -15,15 +15,15 @@ import numpy as np
 from threadpoolctl import threadpool_limits
 
 from isoembed.errors import NotEmbedded
-from isoembed.io.files import FileError, Writer, check_output, write_whole
+from isoembed.io.files import FileError, Writer, check_output, write_atomically
 from isoembed.plot.picture import check_drawable
 from isoembed.studies import (
     accuracy,
     embedding_tree,
     ergosphere,
-    guided_pull_back,
     inverted_vertex,
     mean_curvature,
+    regularized_continuation,
     scaling,
     three_steps,
     triptychs,
@@ -96,7 +96,7 @@ FULL = Plan(
         Study("inverted-vertex", inverted_vertex.study, {"vertices": 60}),
         Study(
             "guided-pull-back",
-            guided_pull_back.study,
+            regularized_continuation.study,
             {"cases": (("ellipsoid", 1600, 20), ("drum", 1600, 10)), "path_vertices": 400},
         ),
         Study("triptychs", triptychs.study, {"ellipsoid": 3226, "drum": 3246, "ergosphere": 3246}),
@@ -128,7 +128,7 @@ QUICK = Plan(
         Study("inverted-vertex", inverted_vertex.study, {"vertices": 60}),
         Study(
             "guided-pull-back",
-            guided_pull_back.study,
+            regularized_continuation.study,
             {"cases": (("ellipsoid", 400, 5), ("drum", 200, 10)), "path_vertices": 100},
         ),
         Study("triptychs", triptychs.study, {"ellipsoid": 600, "drum": 600, "ergosphere": 800}),
@@ -189,7 +189,7 @@ def reproduce(plan: Plan, folder: Path, tell: Callable[[str], None]) -> Outcome:
     numbers = json.dumps(_numbers(made, plan), indent=2, allow_nan=False) + "\n"
     writers[folder / NUMBERS] = _bytes(numbers.encode())
     writers[folder / REPORT] = _bytes(page(made, plan.name).encode())
-    write_whole(writers)
+    write_atomically(writers)
     for one in made:
         for name, image in one.images.items():
             for ending in TYPES.keys() - {image.ending}:  # what an earlier run may have left

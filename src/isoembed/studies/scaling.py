@@ -7,16 +7,16 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from isoembed._embed import embed
 from isoembed.aim.paper import Flow, Paper
 from isoembed.errors import NotEmbedded
 from isoembed.gallery import SURFACES, triangulate
 from isoembed.metric.polyhedral import PolyhedralMetric
-from isoembed.stages import Log
+from isoembed.progress.stages import Log
 from isoembed.studies import plots
-from isoembed.studies.guided_pull_back import SAME
+from isoembed.studies.regularized_continuation import SAME
 from isoembed.studies.section import Comparison, Illustration, Section, Table
 from isoembed.surface.alignment import distance
-from isoembed.verb import embed
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -206,8 +206,8 @@ def _flowed(name: str, n: int) -> dict[str, dict[str, float | None]]:
     for flow, epsilon in FLOWS.items():
         method, log = Paper(flow=flow, epsilon=epsilon), Log()
         for _ in range(RUNS):
-            with log.stage("uniformize") as tally:
-                arrived = method.uniformize(metric, tally).converged
+            with log.stage("uniformize") as recorder:
+                arrived = method.uniformize(metric, recorder).converged
         found["evaluations"][flow] = log.stages[0].iterations if arrived else None
         found["seconds"][flow] = min(run.seconds for run in log.stages) if arrived else None
     return found

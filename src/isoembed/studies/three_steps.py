@@ -9,6 +9,7 @@ from numpy.typing import NDArray
 from scipy.sparse import csr_array
 from scipy.sparse.csgraph import breadth_first_order, shortest_path
 
+from isoembed._embed import embed
 from isoembed.aim.paper import Paper
 from isoembed.gallery import Ellipsoid, triangulate
 from isoembed.mesh.triangulation import Triangulation
@@ -17,10 +18,9 @@ from isoembed.metric.polyhedral import PolyhedralMetric
 from isoembed.plot import Film
 from isoembed.plot.picture import color_scale, draw
 from isoembed.plot.view import View
-from isoembed.stages import Log, Tally
+from isoembed.progress.stages import Log, StageRecorder
 from isoembed.studies import plots
 from isoembed.studies.section import Comparison, Illustration, Section
-from isoembed.verb import embed
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -48,7 +48,7 @@ def study(*, vertices: int) -> Section:
     """
     given = PolyhedralMetric.from_mesh(*triangulate(Ellipsoid(), vertices))
     method = Paper()
-    uniform = method.uniformize(given.normalized, Tally("uniformize", Log())).metric
+    uniform = method.uniformize(given.normalized, StageRecorder("uniformize", Log())).metric
     film = Film()
     surface = embed(given, method=method, progress=film)
     on_sphere = [frame.vertices for frame in film.frames(surface) if frame.t == 1][-1]

@@ -9,22 +9,22 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
+from isoembed._embed import Method, embed
 from isoembed.aim.anneal import anneal_damped
 from isoembed.aim.paper import Paper
 from isoembed.gallery import Drum, Ellipsoid, Ergosphere, triangulate
-from isoembed.gallery.directions import directions_of
 from isoembed.gallery.surface import Surface
+from isoembed.meshing.directions import directions_of
 from isoembed.metric.curvature import negative_deficits
 from isoembed.metric.polyhedral import PolyhedralMetric
 from isoembed.plot import Panel, panels
-from isoembed.stages import Log, Tally
+from isoembed.progress.stages import Log, StageRecorder
 from isoembed.studies.attempt import attempted
 from isoembed.studies.section import Comparison, Illustration, Section, Table
 from isoembed.surface.alignment import aligned
 from isoembed.surface.embedding import Embedding
 from isoembed.surface.measures import vertex_normals
 from isoembed.surface.rigidity import LengthSystem
-from isoembed.verb import Method, embed
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -282,7 +282,7 @@ def kicked(smooth: Embedding, kick: float) -> Embedding:
         LengthSystem(t),
         points + np.where(held, 0.0, heights)[:, None] * normals,
         metric.lengths,
-        Tally("anneal", Log()),
+        StageRecorder("anneal", Log()),
         residual_tolerance=TOLERANCE,
         max_iterations=LONGEST,
     )

@@ -15,7 +15,7 @@ from numpy.typing import ArrayLike, NDArray
 from isoembed.mesh.triangulation import Triangulation, frozen
 from isoembed.metric.curvature import negative_deficits
 from isoembed.metric.polyhedral import PolyhedralMetric
-from isoembed.stages import Stage
+from isoembed.progress.stages import Stage
 from isoembed.surface import alignment, convexity, curvature, measures, smoothness
 from isoembed.surface.intersection import self_intersections
 from isoembed.surface.rigidity import LengthSystem

@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from isoembed.metric.polyhedral import PolyhedralMetric
-from isoembed.stages import Stage
+from isoembed.progress.stages import Stage
 from isoembed.surface.embedding import Embedding
 
 

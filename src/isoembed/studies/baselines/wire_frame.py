@@ -17,12 +17,12 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from isoembed.aim.anneal import anneal_damped
-from isoembed.aim.conformal_sphere import conformal_sphere
 from isoembed.errors import InvalidParameter
+from isoembed.metric.conformal_sphere import conformal_sphere
 from isoembed.metric.curvature import area
 from isoembed.metric.delaunay import delaunay
 from isoembed.metric.polyhedral import PolyhedralMetric
-from isoembed.stages import Log
+from isoembed.progress.stages import Log
 from isoembed.surface.embedding import Embedding
 from isoembed.surface.rigidity import LengthSystem
 
@@ -43,8 +43,8 @@ def sphere_layout(metric: PolyhedralMetric, noise: float = 0.0, seed: int = 0) -
         Of the displacements.
     """
     given = metric.normalized
-    with Log().stage("layout") as tally:
-        points = conformal_sphere(delaunay(given), tally).points
+    with Log().stage("layout") as recorder:
+        points = conformal_sphere(delaunay(given), recorder).points
     radius = np.sqrt(area(given) / (4.0 * np.pi))
     shifts = given.mean_length * noise * np.random.default_rng(seed).standard_normal(points.shape)
     return np.asarray(metric.unit * (radius * points + shifts))
@@ -76,12 +76,12 @@ def wire_frame(metric: PolyhedralMetric, start: ArrayLike, tolerance: float = 1e
             f"the start has the shape {x.shape}, not ({metric.triangulation.n_vertices}, 3)"
         )
     given, log = metric.normalized, Log()
-    with log.stage("least squares") as tally:
+    with log.stage("least squares") as recorder:
         found = anneal_damped(
             LengthSystem(given.triangulation),
             x / metric.unit,
             given.lengths,
-            tally,
+            recorder,
             residual_tolerance=tolerance,
             max_iterations=MOST_STEPS,
         )

@@ -1,0 +1,192 @@
+"""Uniformization (paper, section 2.1) only as far as convexity: a convex metric near the given one.
+
+Curvature is let diffuse over the surface until it is positive everywhere: the large shape stays, and only
+what is small is smoothed away.  A conformal change of the lengths, one factor a vertex, leads to a metric of
+this curvature.  Unlike the uniform metric it is near, as near as the given one is to convexity, and unique up
+to scale: there are no Moebius maps to pin.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import cast
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.sparse import csc_array, csr_array, diags_array
+from scipy.sparse.linalg import cg
+
+from isoembed.errors import InvalidMetric
+from isoembed.intrinsic.flips import HalfEdges
+from isoembed.linalg import SingularMatrix, Solver, analyze, dissect
+from isoembed.metric.conformal import equivalent
+from isoembed.metric.convexity import deficit_rounding
+from isoembed.metric.glued import GluedMetric
+from isoembed.metric.laplacian import cotangent_laplacian
+from isoembed.progress.stages import StageRecorder
+
+Floats = NDArray[np.float64]
+
+ROUND, NEAR = 0.05, 0.005  # margins: of the deficit that a vertex's area would have on a sphere
+ENOUGH = 0.5  # of the margin: closer, the conformal change need not come
+PINNED = 1e-9  # added to the Laplacian, of order 1: a common factor changes no deficit
+DIFFUSED, MOST = 1e-7, 150  # residual of conjugate gradients, and their iterations
+STEPS = 100
+DOUBLINGS = 50  # of the time: beyond, the curvature is as even as rounding leaves it
+SHORTEST = 1e-3  # of a Newton step
+
+
+def is_convex(metric: GluedMetric) -> bool:
+    """Whether no deficit is negative beyond rounding."""
+    return bool((metric.deficits >= -deficit_rounding(metric.faces, metric.face_lengths)).all())
+
+
+def negative_curvature(metric: GluedMetric) -> float:
+    """The sum of the negative deficits, made positive, over 4 pi, which is the sum of all."""
+    return float(-np.minimum(metric.deficits, 0.0).sum() / (4 * np.pi))
+
+
+def convexified(
+    metric: GluedMetric, recorder: StageRecorder, backend: str | None = None, margin: float = ROUND
+) -> GluedMetric | None:
+    """A convex metric to begin the pull-back from; the given one, if it is convex.
+
+    Parameters
+    ----------
+    metric : GluedMetric
+        Of mean edge length 1 or so.
+    tally : Tally
+        Counts Newton steps and factorizations.
+    backend : str, optional
+        As in `isoembed.linalg.analyze`.
+    margin : float
+        What the diffusion leaves to the deficit of a vertex, at least, of what its area would have on a
+        sphere: the less, the nearer is the waypoint and the flatter in places.
+
+    Returns
+    -------
+    GluedMetric or None
+        On the given vertices, but on triangles of its own.  None if it was not reached.
+
+    Notes
+    -----
+    The curvature measure after the time tau is ``delta(tau) = M (M + tau K)^-1 delta(0)``, M the areas and K
+    the cotangent Laplacian, on the intrinsic Delaunay triangulation; tau is doubled from the square of the
+    mean edge length on.  The factors u of ``l_ij e^{(u_i + u_j) / 2}`` follow by Newton's method, as the
+    derivative of the deficits is K (Springborn, Schroeder and Pinkall, ACM TOG 27, 2008).  Where that would
+    break a triangle, the metric reached becomes Delaunay again by flips, and goes on from there: not in the
+    same conformal class, but nothing asks for that.
+    """
+    if is_convex(metric):
+        return metric
+    try:
+        return _changed(_Delaunay.of(metric, backend), margin, recorder, backend)
+    except SingularMatrix:  # triangles too thin for floats
+        return None
+
+
+def _changed(
+    reached: _Delaunay, margin: float, recorder: StageRecorder, backend: str | None
+) -> GluedMetric | None:
+    """Follow the conformal change; None where it stops short."""
+    goal = _diffused(reached, margin, recorder)
+    if goal is None:
+        return None
+    least = ENOUGH * margin * reached.shares
+    for _ in range(STEPS):
+        missing = goal - reached.metric.deficits
+        recorder.show(residual=float(np.abs(missing).max()))
+        if (reached.metric.deficits >= least).all():
+            return reached.metric
+        step = reached.solved(missing)
+        recorder.iterations += 1
+        recorder.factorizations += 1
+        s = 1.0
+        while (trial := reached.changed(s * step)) is None or (
+            np.linalg.norm(goal - trial.metric.deficits) > (1 - s / 10) * np.linalg.norm(missing)
+        ):
+            s /= 2
+            if s < SHORTEST:
+                return None
+        reached = trial if s == 1.0 else _Delaunay.of(trial.metric, backend)
+    return None
+
+
+def _diffused(triangles: _Delaunay, margin: float, recorder: StageRecorder) -> Floats | None:
+    """The deficits after the first time at which they are all positive with a margin, if rounding allows."""
+    mass = triangles.shares / (4 * np.pi) * triangles.metric.triangles.areas.sum()
+    deficits, tau = triangles.metric.deficits, triangles.metric.mean_length**2
+    for _ in range(DOUBLINGS):
+        recorder.iterations += 1
+        diffused = mass * triangles.steady(mass / tau, deficits / tau, recorder)
+        if (diffused >= margin * triangles.shares).all():
+            return diffused
+        tau *= 2
+    return None
+
+
+@dataclass(frozen=True)
+class _Delaunay:
+    """A metric on its Delaunay triangles, and who solves Laplace's equations on them."""
+
+    metric: GluedMetric
+    solver: Solver
+
+    @classmethod
+    def of(cls, metric: GluedMetric, backend: str | None) -> _Delaunay:
+        tables = HalfEdges.of(metric.faces, metric.twins, metric.face_lengths)
+        tables.make_delaunay(np.zeros(metric.n_vertices))
+        metric = GluedMetric(tables.faces, tables.twins, tables.face_lengths)
+        pattern = _pattern(metric)
+        pairs = csr_array(pattern)
+        pairs.setdiag(0)
+        pairs.eliminate_zeros()
+        return cls(metric, analyze(pattern, dissect(pairs).vertex_order(), backend))
+
+    @property
+    def shares(self) -> Floats:
+        """The deficits that the vertices' areas, a third of each triangle, would have on a sphere, (V,)."""
+        areas = self.metric.triangles.areas
+        share = np.bincount(self.metric.faces.ravel(), np.repeat(areas / areas.sum(), 3))
+        return cast(Floats, 4 * np.pi / 3 * share)
+
+    def shifted(self, diagonal: Floats) -> csc_array:
+        """The Laplacian with this added to its diagonal, in the pattern of the solver."""
+        K = cotangent_laplacian(self.metric)
+        K.sort_indices()
+        on_diagonal = K.indices == np.repeat(np.arange(len(diagonal)), np.diff(K.indptr))
+        K.data[on_diagonal] += diagonal  # a sum of matrices would drop entries that vanish
+        return K
+
+    def steady(self, diagonal: Floats, sources: Floats, recorder: StageRecorder) -> Floats:
+        """Solve with the Laplacian and this on its diagonal: without factoring, as long as it is large."""
+        matrix = self.shifted(diagonal)
+        found, failed = cg(matrix, sources, rtol=DIFFUSED, maxiter=MOST, M=diags_array(1 / matrix.diagonal()))
+        if failed:
+            recorder.factorizations += 1
+            return self.solver.factor(matrix.data).solve(sources)
+        return cast(Floats, found)
+
+    def solved(self, missing: Floats) -> Floats:
+        """The conformal factors that add this to the deficits, to first order."""
+        matrix = self.shifted(np.full(len(missing), PINNED))
+        step: Floats = self.solver.factor(matrix.data).solve(missing)
+        step -= step.mean()
+        return step
+
+    def changed(self, u: Floats) -> _Delaunay | None:
+        """The metric with these factors on the same triangles, if there is one."""
+        try:
+            return _Delaunay(equivalent(self.metric, u), self.solver)
+        except InvalidMetric:
+            return None
+
+
+def _pattern(metric: GluedMetric) -> csc_array:
+    """Where the Laplacian has entries: from connectivity, as its values may vanish."""
+    i, j = metric.faces.ravel(), np.roll(metric.faces, -1, axis=1).ravel()
+    n = metric.n_vertices
+    ends = (np.concatenate([i, i]), np.concatenate([i, j]))
+    pattern = csc_array((np.ones(2 * i.size), ends), shape=(n, n))
+    pattern.data[:] = 1.0
+    return pattern

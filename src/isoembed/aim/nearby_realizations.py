@@ -1,0 +1,157 @@
+"""Neighboring realizations: other surfaces with the same lengths, near where a surface is soft.
+
+Along motions v_j that hardly change the lengths, ``J v_j = sigma_j u_j``, the errors of the lengths are, as
+far as the u_i go,
+
+    ``<u_i, r> + sigma_i s_i + 1/2 sum_jk s_j s_k <u_i, q_jk>``,  ``q_jk = (dv_j . dv_k) / l``,
+
+a few quadratic equations.  Their roots foresee realizations; Newton's method finds these from there.
+
+Pulled back, a surface may come to any of such neighbors.  The smoothest is the one that is meant.
+"""
+
+from __future__ import annotations
+
+import itertools
+
+import numpy as np
+from numpy.typing import NDArray
+
+from isoembed.aim.anneal import anneal
+from isoembed.linalg import SingularMatrix
+from isoembed.progress.stages import StageRecorder
+from isoembed.surface.rigidity import LengthSystem, length_residuals
+from isoembed.surface.smoothness import fine_roughness
+
+Floats = NDArray[np.float64]
+
+MOTIONS = 4  # the softest: beyond them, neighbors are far
+NEAR = 0.03  # mean edge lengths: beyond, quadratic equations are a poor guide
+APART = 0.1  # of the distance foreseen: nearer, Newton's method fell back
+FEW = 4  # Newton steps
+POLISHED = 1e-13  # residual that they aim for
+MOVES = 4  # from neighbor to neighbor
+LEAST = 1e-9  # mean edge lengths: nearer, it is the surface itself
+ROOT_STEPS, ROOT = 30, 1e-3  # Newton steps toward a root, and how near to each other they are the same
+
+
+def nearby_realizations(
+    system: LengthSystem,
+    vertices: Floats,
+    lengths: Floats,
+    recorder: StageRecorder,
+    *,
+    residual_tolerance: float,
+) -> list[Floats]:
+    """The smoothest realization among neighbors of neighbors, and those that were met on the way to it.
+
+    Parameters
+    ----------
+    system : LengthSystem
+    vertices : ndarray, shape (V, 3)
+        Has these lengths.
+    lengths : ndarray, shape (E,)
+        Of mean 1 or so.
+    tally : Tally
+    residual_tolerance : float
+        For the neighbors.
+
+    Returns
+    -------
+    list of ndarray, shape (V, 3)
+        The smoothest comes first; last, where there is one, a rougher neighbor of it.  Empty if the
+        vertices do not have these lengths, and no neighbor is found that has.
+    """
+    triangulation = system.triangulation
+    best, met, roughness = vertices, [], np.inf
+    if np.abs(length_residuals(triangulation, vertices, lengths)).max() <= residual_tolerance:
+        met, roughness = [vertices], fine_roughness(triangulation, vertices)
+    for _ in range(MOVES):
+        recorder.factorizations += 1
+        foreseen = _foreseen(system, best, lengths)
+        if not foreseen:
+            return met
+        expected = [fine_roughness(triangulation, best + motion) for motion in foreseen]
+        motion = foreseen[int(np.argmin(expected)) if min(expected) < roughness else 0]
+        neighbor = _realized(system, best, motion, lengths, recorder, residual_tolerance)
+        if neighbor is None:
+            return met
+        rougher = fine_roughness(triangulation, neighbor)
+        if rougher >= roughness:
+            return [*met, neighbor]
+        best, met, roughness = neighbor, [neighbor, *met], rougher
+    return met
+
+
+def _foreseen(system: LengthSystem, vertices: Floats, lengths: Floats) -> list[Floats]:
+    """The motions to where the lengths are the given ones, as far as the softest go, the shortest first."""
+    try:
+        sigmas, motions, changes = system.softest(vertices, lengths, min(MOTIONS, len(lengths) - 1))
+    except SingularMatrix:
+        return []
+    r = length_residuals(system.triangulation, vertices, lengths)
+    a, b = system.triangulation.edges.T
+    d = motions[:, a] - motions[:, b]
+    Q = np.einsum("ie,jec,kec->ijk", changes / lengths, d, d, optimize=True)
+    roots = quadratic_roots(changes @ r, sigmas, Q)
+    found = [np.tensordot(root, motions, axes=1) for root in roots]
+    reach = [float(np.linalg.norm(motion, axis=1).max()) for motion in found]
+    least = APART * max(float(np.abs(r).max()), LEAST)
+    return [found[k] for k in np.argsort(reach) if least < reach[k] < NEAR]
+
+
+def quadratic_roots(constant: Floats, slope: Floats, Q: Floats) -> list[Floats]:
+    """Real roots of ``c_i + sigma_i s_i + 1/2 sum_jk Q_ijk s_j s_k``, from where the axes have theirs.
+
+    Parameters
+    ----------
+    constant, slope : ndarray, shape (k,)
+    Q : ndarray, shape (k, k, k)
+        Symmetric in the last two.
+
+    Returns
+    -------
+    list of ndarray, shape (k,)
+        Not always all of them.
+    """
+    k = len(slope)
+    alone = -2 * slope / np.einsum("iii->i", Q)
+    roots: list[Floats] = []
+    for corner in itertools.product((0.0, 1.0), repeat=k):
+        s = np.array(corner) * alone
+        for _ in range(ROOT_STEPS):
+            f = constant + slope * s + np.einsum("ijk,j,k->i", Q, s, s) / 2
+            try:
+                step = np.linalg.solve(np.diag(slope) + Q @ s, f)
+            except np.linalg.LinAlgError:
+                break
+            s = s - step
+            if np.linalg.norm(step) <= 1e-12 * np.linalg.norm(s):
+                break
+        else:
+            continue
+        if all(np.linalg.norm(s - root) > ROOT * np.linalg.norm(root) for root in roots):
+            roots.append(s)
+    return roots
+
+
+def _realized(
+    system: LengthSystem,
+    vertices: Floats,
+    motion: Floats,
+    lengths: Floats,
+    recorder: StageRecorder,
+    residual_tolerance: float,
+) -> Floats | None:
+    """Where Newton's method leads from the end of a motion, if to another realization."""
+    found = anneal(
+        system,
+        vertices + motion,
+        lengths,
+        recorder,
+        residual_tolerance=POLISHED,
+        max_iterations=FEW,
+    )
+    moved = np.abs(found.vertices - vertices).max()
+    apart = moved > APART * np.abs(motion).max()
+    return found.vertices if apart and found.residual <= residual_tolerance else None

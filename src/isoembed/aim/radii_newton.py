@@ -1,0 +1,235 @@
+"""The leap: Newton's method on the radii of a generalized polytope, from the waypoint to the given triangles.
+
+The pyramids over the *given* triangles, of the given lengths, with a common apex, fit together in space when
+their curvatures vanish, whether the edges be convex or not (Bobenko and Izmestiev, Annales de l'Institut
+Fourier 58, 2008, who need convexity for existence only).  So the radii of a polyhedron nearby are all that
+has to be put right: one unknown a vertex, and a matrix with the pattern of the triangulation, in the place of
+three unknowns and the edges.  The positions follow at the end, all at once.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from isoembed.aim.pullback import extrapolated
+from isoembed.alexandrov.doubly_covered import THIN
+from isoembed.alexandrov.homotopy import CLOSE, Solution, held, walk
+from isoembed.alexandrov.placement import placed, realized
+from isoembed.alexandrov.polytope import Polytope
+from isoembed.intrinsic.flips import HalfEdges
+from isoembed.linalg import SingularMatrix
+from isoembed.metric.convexity import deficit_rounding
+from isoembed.metric.glued import GluedMetric
+from isoembed.progress.stages import Log, StageRecorder
+from isoembed.surface.measures import outward
+
+Floats = NDArray[np.float64]
+Indices = NDArray[np.int64]
+
+NUDGE = 1e-3  # mean edge lengths: to see how the curvature of an inverted vertex bends
+PARTS = 4  # of the way from the waypoint to a metric that is not convex
+CONVERGING = 0.5  # of the curvatures is left, or less, after each step
+NEARLY, CLOSELY, SETTLED = 1e-6, 1e-9, 1e-12  # radians: on the way; what may be rounding; left to the polish
+STEPS = 20
+STALE = 10  # GMRES iterations beyond which a fresh factorization is cheaper
+LOOSEST, TIGHTEST = 1e-3, 1e-6  # residual of Newton's linear equations
+FLOWN = 0.4  # share of all work that is done when the vertices can be placed
+
+
+@dataclass(frozen=True, eq=False)
+class RadiiSolution:
+    """Where a leap ends.
+
+    Attributes
+    ----------
+    vertices : ndarray, shape (V, 3)
+    strayed : float
+        The most that the height of a vertex above its neighbors, measured in radii, differed from what was
+        foreseen, over what such heights are on a sphere.  Newton's method can cross over to a neighboring
+        realization, with some vertices turned inside out, that has the same lengths.
+    """
+
+    vertices: Floats
+    branch_deviation: float
+
+
+def approach(
+    given: GluedMetric, waypoint: GluedMetric, log: Log, backend: str | None = None
+) -> Floats | None:
+    """Lead a polytope over the waypoint to where the leap may begin.
+
+    Parameters
+    ----------
+    given : GluedMetric
+        Of mean edge length 1 or so.
+    waypoint : GluedMetric
+        A convex metric near it, on the same vertices; it may be the given one.
+    log : Log
+    backend : str, optional
+        As in `isoembed.linalg.analyze`.
+
+    Returns
+    -------
+    ndarray or None
+        Radii, shape (V,), if the waypoint is the given metric: the leap changes triangles only, and need not
+        begin at the polyhedron.  Otherwise its vertices, shape (V, 3).  None where the waypoint is flat at a
+        vertex, whose radius nothing determines, or all of it is.
+    """
+    if (waypoint.deficits <= deficit_rounding(waypoint.faces, waypoint.face_lengths)).any():
+        return None
+    tables = HalfEdges.of(waypoint.faces, waypoint.twins, waypoint.face_lengths)
+    order = tables.order_in_memory()
+    back, deficits, kept = np.argsort(order), waypoint.deficits[order], log.resumed_at("polytopes")
+    close = CLOSE * float(deficits.max()) if waypoint is given else 0.0
+    with log.stage("polytopes") as recorder:
+        recorder.show(level=f"{given.n_vertices:,} vertices")
+        radii = None if kept is None else kept["radii"][order]
+        for found in walk(tables.in_order(order), deficits, recorder, backend, radii):
+            if isinstance(found, Solution):
+                if waypoint is given:
+                    return found.polytope.radii[back]
+                vertices = placed(found)
+                return (vertices - vertices.mean(axis=0))[back]
+            if np.abs(found.curvatures).max() <= close:
+                return found.radii[back]
+            if found.lowest < THIN:
+                return None
+            recorder.keep(radii=found.radii[back])
+    return None
+
+
+def leap(given: GluedMetric, start: Floats, log: Log, backend: str | None = None) -> RadiiSolution | None:
+    """Realize a metric that is convex or nearly so.
+
+    Parameters
+    ----------
+    given : GluedMetric
+        Of mean edge length 1 or so.
+    start : ndarray, shape (V,) or (V, 3)
+        Radii or vertices, from `approach`.
+    log : Log
+    backend : str, optional
+        As in `isoembed.linalg.analyze`.
+
+    Returns
+    -------
+    Landing or None
+        None where Newton's method does not converge at once.
+
+    Notes
+    -----
+    From radii, Newton's method is applied once.  From vertices it follows the lengths
+    ``l(t) = l(0)^{1-t} l(1)^t`` in a few steps, l(1) being the distances of the vertices: where a surface is
+    nearly flat, one step would be decided by chance.
+    """
+    tables = HalfEdges.of(given.faces, given.twins, given.face_lengths)
+    order = tables.order_in_memory()
+    with log.stage("leap") as recorder:
+        recorder.show(level=f"{given.n_vertices:,} vertices")
+        recorder.keep(start=start)
+        try:
+            landed = _flown(tables.in_order(order), start[order], recorder, backend)
+        except SingularMatrix:
+            return None
+        if landed is None:
+            return None
+        solution, branch_deviation = landed
+        vertices = outward(given.faces, realized(solution, recorder)[np.argsort(order)])
+        recorder.show(vertices=vertices)
+    return RadiiSolution(vertices, branch_deviation)
+
+
+def _flown(
+    tables: HalfEdges, start: Floats, recorder: StageRecorder, backend: str | None
+) -> tuple[Solution, float] | None:
+    """From radii, in one step, or from vertices, in several; and by how much it strayed."""
+    ends = tables.corners, tables.corners[tables.twins]
+    if start.ndim == 1:
+        steps, ratio = 1, np.ones(tables.lengths.size)
+    else:
+        steps, ratio = PARTS, np.linalg.norm(start[ends[0]] - start[ends[1]], axis=1) / tables.lengths
+        start = np.linalg.norm(start, axis=1)
+    degrees, round_height = np.bincount(ends[0]), np.mean(tables.lengths**2) / (2 * start.mean())
+
+    def heights(radii: Floats) -> Floats:
+        return radii - np.bincount(ends[0], radii[ends[1]]) / degrees
+
+    known: list[tuple[float, Floats]] = [(1.0, start)]
+    state: Solution | None = None
+    branch_deviation = 0.0
+    for t in np.linspace(1, 0, steps + 1)[1:].tolist():
+        p = Polytope.on(replace(tables, lengths=tables.lengths * ratio**t), extrapolated(known[-3:], t))
+        if p is None:
+            return None
+        state = held(p, recorder, backend) if state is None else state.renewed(p, recorder)
+        found = _without_curvature(state, SETTLED if t == 0 else NEARLY, recorder)
+        if found is None:
+            return None
+        state, foreseen = found
+        if len(known) > 1:
+            foreseen = p.radii
+        change = np.abs(heights(state.polytope.radii - foreseen)).max() / round_height
+        branch_deviation = max(branch_deviation, float(change))
+        known.append((t, state.polytope.radii))
+        recorder.show(t=t, done=FLOWN * (1 - t))
+    return None if state is None else (_popped(state, recorder), branch_deviation)
+
+
+def _popped(state: Solution, recorder: StageRecorder) -> Solution:
+    """Turn out the vertices all of whose edges are concave, where that gives another realization.
+
+    Where the metric is nearly flat, Newton's method may find either.  Of the height of one vertex alone, the
+    curvature there is a parabola: the other root is as far from its top.
+    """
+    p = state.polytope
+    inverted = inverted_vertices(p)
+    if not inverted.any():
+        return state
+    nudge = NUDGE * float(p.tables.lengths.mean())
+    nudged = Polytope.on(p.tables, p.radii + nudge * inverted)
+    if nudged is None:
+        return state
+    with np.errstate(all="ignore"):
+        across = np.where(inverted, -2 * nudge * p.diagonal / (nudged.diagonal - p.diagonal), 0.0)
+    q = Polytope.on(p.tables, p.radii + across) if np.isfinite(across).all() else None
+    found = None if q is None else _without_curvature(state.renewed(q, recorder), SETTLED, recorder)
+    if found is None or inverted_vertices(found[0].polytope).sum() >= inverted.sum():
+        return state
+    return found[0]
+
+
+def inverted_vertices(p: Polytope) -> NDArray[np.bool_]:
+    """The vertices of which all edges are concave, shape (V,)."""
+    largest = np.full(p.radii.size, -np.inf)
+    np.maximum.at(largest, p.tables.corners, p.coupling)
+    return largest < 0
+
+
+def _without_curvature(
+    state: Solution, settled: float, recorder: StageRecorder
+) -> tuple[Solution, Floats] | None:
+    """Newton's method while it converges; and the radii after its first step."""
+    p, forcing = state.polytope, LOOSEST
+    first = p.radii
+    for step in range(STEPS):
+        if np.abs(p.curvatures).max() <= settled:
+            break
+        dr, iterations = state.solve(p.curvatures, forcing)
+        q = Polytope.on(p.tables, p.radii + dr)
+        if q is None:
+            return None
+        ratio = float(np.linalg.norm(q.curvatures) / np.linalg.norm(p.curvatures))
+        if not ratio < CONVERGING:
+            if np.abs(p.curvatures).max() > CLOSELY:
+                return None
+            break
+        first = first if step else q.radii
+        recorder.iterations += 1
+        recorder.show(residual=float(np.abs(q.curvatures).max()))
+        # As Newton's method converges, so do its linear equations (Eisenstat and Walker).
+        p, forcing = q, float(np.clip(ratio**2, TIGHTEST, LOOSEST))
+        state = state.renewed(p, recorder) if iterations > STALE else replace(state, polytope=p)
+    return state, first

@@ -1,0 +1,245 @@
+"""The triangles around a flat vertex, unfolded into the plane and cut anew without it."""
+
+from __future__ import annotations
+
+import numpy as np
+from numba import njit
+from numpy.typing import NDArray
+
+from isoembed.intrinsic.flips import angle_between, following, preceding
+from isoembed.intrinsic.local_delaunay import THIN, push
+from isoembed.intrinsic.tracing import modulo, total_angle
+
+Floats = NDArray[np.float64]
+Indices = NDArray[np.int64]
+Mask = NDArray[np.bool_]
+
+
+@njit(cache=True)
+def retriangulate_star(
+    h: int,
+    corners: Indices,
+    twins: Indices,
+    lengths: Floats,
+    directions: Floats,
+    leaving: Indices,
+    alive: Mask,
+    moved: Indices,
+    stack: Indices,
+    waiting: Mask,
+) -> int:
+    """Replace the triangles around a vertex by two fewer, and put their sides on a stack.
+
+    Parameters
+    ----------
+    h : int
+        A half-edge that leaves the vertex.  None is a loop; or one is, and encloses the end of h alone.
+    corners, twins, lengths, directions : ndarray, shape (3F,)
+        Of `HalfEdges`.
+    leaving : ndarray of int, shape (V,)
+        Half-edges that leave each vertex.
+    alive : ndarray of bool, shape (F,)
+        The faces that are left.
+    moved : ndarray of int, shape (3F,)
+        Scratch, all -1.
+    stack, waiting : ndarray, shape (3F,)
+        As of `isoembed.intrinsic.local_delaunay.restore_delaunay`; nothing waits.
+
+    Returns
+    -------
+    int
+        The height of the stack; -1, and nothing is changed, if however the polygon is cut, a triangle is too
+        thin.
+    """
+    # The polygon: its corners, where they lie, and the sides from each to the next.
+    folded = h // 3 == twins[h] // 3
+    vertices, faces, sides, x, y = _star(h, corners, twins, lengths)
+    if folded:
+        first, x, y = _around_tip(x, y, lengths[h], lengths[preceding(h)])
+        vertices, sides = _turned(vertices, first, corners[twins[h]]), _turned(sides, first, -1)
+        sides[-1] = -1
+    n = x.size
+    triangles, worst = _best_cut(x, y)
+    if not worst > THIN:
+        return -1
+
+    # From corner to corner: lengths, and directions at the first.
+    size, direction = np.empty((n, n)), np.empty((n, n))
+    for i in range(n):
+        j = (i + 1) % n
+        g = sides[i]
+        if g >= 0:
+            size[i, j] = size[j, i] = lengths[g]
+            direction[i, j], direction[j, i] = directions[g], directions[twins[g]]
+    if folded:
+        size[0, 1] = size[1, 0] = size[0, n - 1] = size[n - 1, 0] = np.hypot(x[1], y[1])
+        direction[0, 1] = direction[0, n - 1] = directions[twins[h]] + np.arctan2(y[1], x[1])
+        turn = np.arctan2(-y[1], -x[1]) - np.arctan2(y[2] - y[1], x[2] - x[1])
+        direction[1, 0] = direction[n - 1, 0] = direction[1, 2] + modulo(turn, 2 * np.pi)
+    for t in range(n - 2):  # parts before wholes: i -> k and k -> j are known
+        i, k, j = triangles[t]
+        if j - i < n - 1:
+            size[i, j] = size[j, i] = np.hypot(x[j] - x[i], y[j] - y[i])
+            direction[i, j] = direction[i, k] + angle_between(size[i, k], size[i, j], size[k, j])
+            direction[j, i] = direction[j, k] - angle_between(size[k, j], size[i, j], size[i, k])
+
+    half = np.empty((n, n), dtype=np.int64)  # the new half-edge from corner to corner
+    across = np.empty(n, dtype=np.int64)
+    for k in range(n):
+        across[k] = twins[sides[k]] if sides[k] >= 0 else -1
+    for t in range(n - 2):
+        i, k, j = triangles[t]
+        for c, (a, b) in enumerate(((i, k), (k, j), (j, i))):
+            g = 3 * faces[t] + c
+            half[a, b] = g
+            corners[g], lengths[g], directions[g] = vertices[a], size[a, b], direction[a, b]
+            leaving[vertices[a]] = g
+    alive[faces[n - 2]] = alive[faces[n - 1]] = False
+    for t in range(n - 2):
+        i, _, j = triangles[t]
+        if j - i < n - 1:
+            twins[half[i, j]], twins[half[j, i]] = half[j, i], half[i, j]
+    if folded:
+        twins[half[0, 1]], twins[half[n - 1, 0]] = half[n - 1, 0], half[0, 1]
+    # Sides may be glued to each other.
+    for k in range(n):
+        if sides[k] >= 0:
+            moved[sides[k]] = half[k, (k + 1) % n]
+    for k in range(n):
+        if sides[k] >= 0:
+            g, t = half[k, (k + 1) % n], across[k]
+            if moved[t] >= 0:
+                t = moved[t]
+            twins[g], twins[t] = t, g
+    for k in range(n):
+        if sides[k] >= 0:
+            moved[sides[k]] = -1
+    top = 0
+    for t in range(n - 2):
+        for g in range(3 * faces[t], 3 * faces[t] + 3):
+            top = push(g, stack, top, waiting, twins)
+    return top
+
+
+@njit(cache=True)
+def _star(
+    h: int, corners: Indices, twins: Indices, lengths: Floats
+) -> tuple[Indices, Indices, Indices, Floats, Floats]:
+    """The triangles around the vertex that a half-edge leaves.
+
+    Returns
+    -------
+    ndarray of int, ndarray of int, ndarray of int
+        The vertices around it, the faces, and the sides between those vertices; if h runs to a vertex that a
+        loop encloses, only those beyond the loop, and the face within last.
+    ndarray, ndarray
+        Where the vertices lie, as seen from it, if the x axis is along h.
+    """
+    folded = h // 3 == twins[h] // 3
+    edges = 0
+    e = h
+    while edges == 0 or e != h:
+        edges += 1
+        e = twins[preceding(e)]
+    # If so, the edges are h, the loop, those of which the last runs as the first, and the loop.
+    n = edges - 4 if folded else edges
+    vertices, sides = np.empty(n, dtype=np.int64), np.empty(n, dtype=np.int64)
+    faces = np.empty(n + 2 if folded else n, dtype=np.int64)
+    x, y = np.empty(n), np.empty(n)
+    stretch = 2 * np.pi / total_angle(h, twins, lengths)
+    angle = 0.0
+    for k in range(-2 if folded else 0, n):
+        side, into = following(e), preceding(e)
+        faces[k] = e // 3
+        if k >= 0:
+            vertices[k], sides[k] = corners[side], side
+            x[k], y[k] = lengths[e] * np.cos(angle), lengths[e] * np.sin(angle)
+        angle += stretch * angle_between(lengths[e], lengths[into], lengths[side])
+        e = twins[into]
+    return vertices, faces, sides, x, y
+
+
+@njit(cache=True)
+def _around_tip(x: Floats, y: Floats, far: float, width: float) -> tuple[int, Floats, Floats]:
+    """Unfold a polygon around a vertex of small total angle inside it, cut open from there to a corner.
+
+    Parameters
+    ----------
+    x, y : ndarray, shape (n,)
+        The corners, as seen from a vertex inside, if the x axis runs to the other one.
+    far, width : float
+        How far that is, and the length of the loop around it.
+
+    Returns
+    -------
+    int
+        The corner to which it is cut: that which admits the best triangles.
+    ndarray, ndarray, shape (n + 2,)
+        The corners, as seen from the tip: itself, those from the cut once around, that of the cut again.
+    """
+    n = x.size
+    turn = angle_between(far, far, width)
+    best, most = 0, -np.inf
+    best_x, best_y = np.zeros(n + 2), np.zeros(n + 2)
+    for first in range(n):
+        px, py = np.zeros(n + 2), np.zeros(n + 2)
+        for k in range(n + 1):
+            i = (first + k) % n
+            angle = turn * ((first + k) // n)
+            c, s = np.cos(angle), np.sin(angle)
+            px[k + 1], py[k + 1] = c * (far - x[i]) + s * y[i], s * (far - x[i]) - c * y[i]
+        worst = _best_cut(px, py)[1]
+        if worst > most:
+            best, most, best_x, best_y = first, worst, px, py
+    return best, best_x, best_y
+
+
+@njit(cache=True)
+def _turned(values: Indices, first: int, before: int) -> Indices:
+    """Begin at one, go once around, and add it again; and put another before."""
+    n = values.size
+    result = np.empty(n + 2, dtype=np.int64)
+    result[0] = before
+    for k in range(n + 1):
+        result[k + 1] = values[(first + k) % n]
+    return result
+
+
+@njit(cache=True)
+def _best_cut(x: Floats, y: Floats) -> tuple[Indices, float]:
+    """Cut a polygon into triangles of which the thinnest is as thick as can be.
+
+    If none of them is turned over, they do not overlap; so nothing else needs to be checked.
+
+    Returns
+    -------
+    ndarray of int, shape (n - 2, 3)
+        Corners in ascending order; a triangle comes after those that its shorter sides cut off.
+    float
+        Least height over longest side.
+    """
+    n = x.size
+    worst = np.full((n, n), np.inf)
+    middle = np.empty((n, n), dtype=np.int64)
+    for span in range(2, n):
+        for i in range(n - span):
+            j = i + span
+            ax, ay = x[j] - x[i], y[j] - y[i]
+            worst[i, j] = -np.inf
+            for k in range(i + 1, j):
+                bx, by = x[k] - x[i], y[k] - y[i]
+                longest = max(ax * ax + ay * ay, bx * bx + by * by, (ax - bx) ** 2 + (ay - by) ** 2)
+                here = min((bx * ay - by * ax) / longest, worst[i, k], worst[k, j])
+                if here > worst[i, j] or k == i + 1:
+                    worst[i, j], middle[i, j] = here, k
+    triangles = np.empty((n - 2, 3), dtype=np.int64)
+    triangles[n - 3, 0], triangles[n - 3, 2] = 0, n - 1
+    found = 1
+    for t in range(n - 3, -1, -1):
+        i, j = triangles[t, 0], triangles[t, 2]
+        k = triangles[t, 1] = middle[i, j]
+        for a, b in ((i, k), (k, j)):
+            if b - a > 1:
+                triangles[n - 3 - found, 0], triangles[n - 3 - found, 2] = a, b
+                found += 1
+    return triangles, worst[0, n - 1]

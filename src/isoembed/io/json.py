@@ -1,0 +1,163 @@
+"""JSON: one object of named tables, each a list of numbers or a list of lists of numbers."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Callable, Iterator
+from itertools import chain
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from isoembed.errors import InvalidMetric
+from isoembed.io.files import FileError, Tables
+from isoembed.io.text_scan import LONGEST, lines
+
+ROWS = {"faces": "face", "edges": "edge", "vertices": "vertex"}
+PLAIN = {"lengths": "length"}
+
+
+def read(path: Path) -> Tables:
+    """Read a file; see `parse`."""
+    return parse(path.read_bytes(), str(path))
+
+
+def parse(data: bytes, name: str) -> Tables:
+    """Read the tables of a JSON object that a metric may consist of; other entries are left aside.
+
+    Parameters
+    ----------
+    data : bytes
+        UTF-8.
+    name : str
+        What the data is called in a message.
+
+    Returns
+    -------
+    dict
+        Arrays; but ``faces`` and ``edges`` stay lists if their rows differ in length.
+
+    Raises
+    ------
+    FileError
+        The data is no JSON object.
+    InvalidMetric
+        A table holds something else than numbers.
+    """
+    try:
+        usual = _usual_tables(_document(data, name))
+    except (ValueError, OverflowError):  # an integer beyond what Python or numpy take
+        usual = None
+    return _any_tables(_document(data, name, _integer)) if usual is None else usual
+
+
+def write(path: Path, tables: Tables) -> None:
+    """Write named arrays."""
+    if not all(np.isfinite(table).all() for table in tables.values()):
+        raise ValueError("Out of range float values are not JSON compliant")
+    with path.open("w", encoding="utf-8") as file:
+        for k, (key, table) in enumerate(tables.items()):
+            file.write(("{" if k == 0 else ", ") + json.dumps(key) + ": ")
+            file.writelines(_written(np.asarray(table)))
+        file.write("}\n")
+
+
+def _written(table: NDArray) -> Iterator[str]:
+    """The text of a list, or of a list of lists, in pieces."""
+    row = "%r" if table.ndim == 1 else f"[{', '.join(['%r'] * table.shape[1])}]"
+    yield "["
+    yield from lines(row, table[:1])
+    yield from lines(", " + row, table[1:])
+    yield "]"
+
+
+def _document(data: bytes, name: str, integer: Callable[[str], int | float] = int) -> dict[str, Any]:
+    try:
+        document = json.loads(data.decode("utf-8-sig"), parse_int=integer)
+    except UnicodeDecodeError as error:
+        raise FileError(f"{name} is not JSON: byte {error.start} is not UTF-8") from None
+    except json.JSONDecodeError as error:
+        raise FileError(f"{name} is not JSON: {error}") from None
+    except RecursionError:
+        raise FileError(f"{name} is not a metric: its lists are nested too deeply") from None
+    if not isinstance(document, dict):
+        raise FileError(
+            f"{name} holds a JSON {type(document).__name__}, not an object with faces and lengths"
+        )
+    return document
+
+
+def _usual_tables(document: dict[str, Any]) -> Tables | None:
+    """Arrays, if every table is a list of numbers or of equally many numbers a row; else None."""
+    tables = {key: value for key, value in document.items() if value is not None}
+    for key in (key for key in (*ROWS, *PLAIN) if key in tables):
+        rows = tables[key]
+        if not isinstance(rows, list) or not rows:
+            return None
+        shape: tuple[int, ...] = (len(rows),)
+        if key in ROWS:
+            if set(map(type, rows)) != {list} or len(set(map(len, rows))) > 1:
+                return None
+            shape = (len(rows), len(rows[0]))
+            rows = list(chain.from_iterable(rows))
+        kinds = set(map(type, rows))
+        if not kinds <= {int, float}:
+            return None
+        array = np.fromiter(rows, np.int64 if kinds == {int} else np.float64, len(rows)).reshape(shape)
+        if kinds == {int} and np.abs(array).max(initial=0) >= 10**LONGEST:
+            return None
+        tables[key] = array.astype(np.float64) if key in ("lengths", "vertices") else array
+    return tables
+
+
+def _any_tables(document: dict[str, Any]) -> Tables:
+    """Tables in which every entry has been looked at."""
+    tables: dict[str, Any] = {key: value for key, value in document.items() if value is not None}
+    for key, row in ROWS.items():
+        if key in tables:
+            _check_rows(tables[key], key, row)
+    for key, row in PLAIN.items():
+        if key in tables:
+            _check_list(tables[key], key)
+            _check_numbers(tables[key], row + " {}")
+            tables[key] = np.array(tables[key], dtype=np.float64)
+    if "vertices" in tables:
+        tables["vertices"] = _points(tables["vertices"])
+    return tables
+
+
+def _integer(digits: str) -> int | float:
+    return int(digits) if len(digits) <= LONGEST else float(digits)
+
+
+def _check_list(table: Any, key: str) -> None:
+    if not isinstance(table, list):
+        raise InvalidMetric(f"{key} is {_shown(table)}, not a list")
+
+
+def _check_rows(table: Any, key: str, row: str) -> None:
+    _check_list(table, key)
+    for k, entries in enumerate(table):
+        if not isinstance(entries, list):
+            raise InvalidMetric(f"{row} {k} is {_shown(entries)}, not a list of numbers")
+        _check_numbers(entries, f"entry {{}} of {row} {k}")
+
+
+def _check_numbers(entries: list[Any], name: str) -> None:
+    for k, entry in enumerate(entries):
+        if isinstance(entry, bool) or not isinstance(entry, int | float):
+            raise InvalidMetric(f"{name.format(k)} is {_shown(entry)}, not a number")
+
+
+def _points(rows: list[list[float]]) -> np.ndarray:
+    for k, row in enumerate(rows):
+        if len(row) != len(rows[0]):
+            raise InvalidMetric(f"vertex {k} has {len(row)} coordinates, but vertex 0 has {len(rows[0])}")
+    return np.array(rows, dtype=np.float64).reshape(len(rows), -1)
+
+
+def _shown(value: Any) -> str:
+    text = json.dumps(value)
+    return text if len(text) <= 40 else text[:37] + "..."

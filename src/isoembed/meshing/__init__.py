@@ -1,0 +1,1 @@
+"""Good triangulations of smooth surfaces and metrics: points, spreading, relaxation, flips."""

@@ -1,0 +1,276 @@
+"""Triangles on the sphere that are moved and flipped by their lengths alone, compiled.
+
+The tables over half-edges are those of `isoembed.intrinsic.flips`: half-edge ``h = 3 f + c`` leaves corner c
+of face f, ``corners[h]`` is the vertex that it leaves, ``twins[h]`` runs the other way and ``lengths[h]``
+is its length.  Vertices also have directions u (V, 3) on the unit sphere, in which every triangle looks outward.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+from numba import njit
+from numpy.typing import NDArray
+
+from isoembed.intrinsic.flips import (
+    angle_between,
+    flip,
+    following,
+    is_delaunay,
+    non_delaunay_edges,
+    preceding,
+)
+
+Floats = NDArray[np.float64]
+Indices = NDArray[np.int64]
+Mask = NDArray[np.bool_]
+
+LONGEST_STEP = 0.5
+"""Bound of a step over the shortest edge at the vertex."""
+
+WIDEST = -0.5
+"""Cosine of the angle between the ends of a new edge at least: a coarse mesh might have edges half around."""
+
+THINNEST = 1e-6
+"""Height over longest side of the triangles that a flip may make."""
+
+
+@njit(cache=True)
+def corner_angles(lengths: Floats) -> Floats:
+    """The angles (F, 3), in radians, 0 and pi where the lengths make no triangle."""
+    angles = np.empty((lengths.size // 3, 3))
+    for f in range(len(angles)):
+        a, b, c = lengths[3 * f], lengths[3 * f + 1], lengths[3 * f + 2]
+        angles[f, 0] = angle_between(a, c, b)
+        angles[f, 1] = angle_between(b, a, c)
+        angles[f, 2] = angle_between(c, b, a)
+    return angles
+
+
+@njit(cache=True)
+def end_lengths(u: Floats, q: Floats, corners: Indices, twins: Indices, lengths: Floats) -> None:
+    """Measure all half-edges by the mean of the metric's tensors q (V, 3, 3) at their ends, in place.
+
+    That is of second order in the length, and exact on round spheres.
+    """
+    for h in range(corners.size):
+        t = twins[h]
+        if t < h:
+            lengths[h] = lengths[t]
+            continue
+        i, j = corners[h], corners[t]
+        square, chord2 = 0.0, 0.0
+        for a in range(3):
+            chord2 += (u[j, a] - u[i, a]) ** 2
+            for b in range(3):
+                square += 0.5 * (q[i, a, b] + q[j, a, b]) * (u[j, a] - u[i, a]) * (u[j, b] - u[i, b])
+        half = 0.5 * np.sqrt(chord2)
+        # The tangent part of the chord is the sine of the arc.
+        lengths[h] = np.sqrt(square) * np.arcsin(half) / (half * np.sqrt(1.0 - half**2))
+
+
+@njit(cache=True)
+def looks_outward(u: Floats, a: int, b: int, c: int) -> bool:
+    """Whether three directions come counterclockwise, seen from outside."""
+    volume = 0.0
+    for k in range(3):
+        i, j = (k + 1) % 3, (k + 2) % 3
+        volume += u[a, k] * (u[b, i] * u[c, j] - u[b, j] * u[c, i])
+    return volume > 0.0
+
+
+@njit(cache=True)
+def joined(corners: Indices, twins: Indices, h: int, vertex: int) -> bool:
+    """Whether an edge leads to a vertex from where half-edge h begins."""
+    g = h
+    while True:
+        if corners[twins[g]] == vertex:
+            return True
+        g = twins[preceding(g)]
+        if g == h:
+            return False
+
+
+@njit(cache=True)
+def flip_to_delaunay(u: Floats, corners: Indices, twins: Indices, lengths: Floats) -> Indices:
+    """Flip edges until all are Delaunay whose flip leaves a triangulation that looks outward, in place.
+
+    A new edge gets its length in the plane of its two triangles unfolded.
+
+    Returns
+    -------
+    ndarray of int, shape (k,)
+        One half-edge of each edge that was flipped, some more than once.
+    """
+    n = corners.size
+    weights, directions = np.zeros(n // 6 + 2), np.zeros(n)
+    non_delaunay = non_delaunay_edges(corners, twins, lengths, weights)
+    waiting = np.zeros(n, dtype=np.bool_)
+    stack = np.empty(n, dtype=np.int64)
+    top = non_delaunay.size
+    stack[:top] = non_delaunay
+    waiting[non_delaunay] = True
+    flipped = np.empty(4 * n, dtype=np.int64)
+    flips = 0
+    while top > 0 and flips < flipped.size:
+        top -= 1
+        h = stack[top]
+        waiting[h] = False
+        if is_delaunay(h, corners, twins, lengths, weights):
+            continue
+        t = twins[h]
+        into, other = preceding(h), preceding(t)
+        i, j, k, m = corners[h], corners[t], corners[into], corners[other]
+        if not (looks_outward(u, k, i, m) and looks_outward(u, m, j, k)) or joined(corners, twins, into, m):
+            continue
+        if u[k, 0] * u[m, 0] + u[k, 1] * u[m, 1] + u[k, 2] * u[m, 2] < WIDEST:
+            continue
+        if not flip(h, corners, twins, lengths, directions, THINNEST):
+            continue
+        flipped[flips] = following(h)
+        flips += 1
+        for side in (h, into, t, other):
+            name = min(side, twins[side])
+            if not waiting[name]:
+                stack[top] = name
+                top += 1
+                waiting[name] = True
+    return flipped[:flips].copy()
+
+
+@njit(cache=True)
+def relaxed(
+    u: Floats,
+    corners: Indices,
+    twins: Indices,
+    lengths: Floats,
+    density: Floats,
+    moving: Mask,
+    optimal: bool,
+    factor: float,
+) -> Floats:
+    """Directions (V, 3) after some vertices have moved within their stars, unfolded into the plane.
+
+    Parameters
+    ----------
+    u : ndarray, shape (V, 3)
+    corners, twins, lengths : ndarray, shape (3F,)
+        Of a Delaunay triangulation.
+    density : ndarray, shape (V,)
+        Wanted vertices per area, up to a factor.
+    moving : ndarray of bool, shape (V,)
+    optimal : bool
+        Towards the mean circumcenter of the triangles (an optimal Delaunay triangulation: Chen and Holst,
+        2011), which repairs quickly; or towards the centroid of the Voronoi cell (Du, Faber and Gunzburger,
+        1999), which evens out.  Both have the given density where the mass is its square.
+    factor : float
+        Over-relaxation.
+
+    Notes
+    -----
+    The angles of a star are scaled to 2 pi.  A step in the plane becomes one on the sphere by the linear map
+    that best takes the neighbors' unfolded positions to their directions.  Steps that would turn a triangle
+    over are shortened.
+    """
+    moved = u.copy()
+    done = ~moving
+    for first in range(corners.size):
+        v = corners[first]
+        if not done[v]:
+            done[v] = True
+            moved[v] += _step(first, u, corners, twins, lengths, density, optimal, factor)
+            moved[v] /= np.sqrt(moved[v, 0] ** 2 + moved[v, 1] ** 2 + moved[v, 2] ** 2)
+    keep = 0.5
+    for attempt in range(9):
+        turned = False
+        for f in range(0, corners.size, 3):
+            if not looks_outward(moved, corners[f], corners[f + 1], corners[f + 2]):
+                turned = True
+                for v in corners[f : f + 3]:
+                    moved[v] = u[v] + keep * (moved[v] - u[v])
+                    moved[v] /= np.sqrt(moved[v, 0] ** 2 + moved[v, 1] ** 2 + moved[v, 2] ** 2)
+        if not turned:
+            return moved
+        if attempt == 7:
+            keep = 0.0
+    return u.copy()
+
+
+@njit(cache=True)
+def _step(
+    first: int,
+    u: Floats,
+    corners: Indices,
+    twins: Indices,
+    lengths: Floats,
+    density: Floats,
+    optimal: bool,
+    factor: float,
+) -> Floats:
+    """The tangent displacement (3,) of the vertex that half-edge `first` leaves."""
+    v = corners[first]
+    total, shortest = 0.0, np.inf
+    h = first
+    while True:
+        into = preceding(h)
+        total += angle_between(lengths[h], lengths[into], lengths[following(h)])
+        shortest = min(shortest, lengths[h])
+        h = twins[into]
+        if h == first:
+            break
+
+    step = np.zeros(3)
+    if not (total > 0.0 and shortest > 0.0):
+        return step  # lengths that make no triangles
+    scale = 2.0 * np.pi / total
+    weight, x, y = 0.0, 0.0, 0.0
+    xx, xy, yy = 0.0, 0.0, 0.0
+    along_x, along_y = np.zeros(3), np.zeros(3)
+    direction = 0.0
+    px, py = lengths[first], 0.0
+    while True:
+        into = preceding(h)
+        j, k = corners[following(h)], corners[into]
+        direction += scale * angle_between(lengths[h], lengths[into], lengths[following(h)])
+        qx, qy = lengths[into] * np.cos(direction), lengths[into] * np.sin(direction)
+        xx += px * px
+        xy += px * py
+        yy += py * py
+        height = u[j, 0] * u[v, 0] + u[j, 1] * u[v, 1] + u[j, 2] * u[v, 2]
+        for a in range(3):
+            tangent = u[j, a] - height * u[v, a]
+            along_x[a] += tangent * px
+            along_y[a] += tangent * py
+        double = px * qy - py * qx
+        if double > 0.0:
+            p2, q2 = px * px + py * py, qx * qx + qy * qy
+            cx, cy = 0.5 * (qy * p2 - py * q2) / double, 0.5 * (px * q2 - qx * p2) / double
+            mean = (density[v] + density[j] + density[k]) / 3.0
+            if optimal:
+                mass = double * mean**2
+                weight += mass
+                x += mass * cx
+                y += mass * cy
+            else:
+                for mx, my, side, neighbor in ((0.5 * px, 0.5 * py, 1.0, j), (0.5 * qx, 0.5 * qy, -1.0, k)):
+                    # Signed: the circumcenter of an obtuse triangle lies outside.
+                    area = side * (mx * cy - my * cx)
+                    middle = 0.5 * (density[v] + density[neighbor])
+                    mass = area * ((density[v] + middle + mean) / 3.0) ** 2
+                    weight += mass
+                    x += mass * (mx + cx) / 3.0
+                    y += mass * (my + cy) / 3.0
+        px, py = qx, qy
+        h = twins[into]
+        if h == first:
+            break
+
+    determinant = xx * yy - xy * xy
+    if not (weight > 0.0 and determinant > 0.0):
+        return step
+    x, y = factor * x / weight, factor * y / weight
+    bound = LONGEST_STEP * shortest
+    cut = bound / max(bound, np.hypot(x, y))
+    a, b = cut * (yy * x - xy * y) / determinant, cut * (xx * y - xy * x) / determinant
+    for c in range(3):
+        step[c] = a * along_x[c] + b * along_y[c]
+    return step

@@ -1,0 +1,251 @@
+"""What a computation did and is doing: stages, snapshots for whoever watches, and what to go on from."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable, Iterator, Mapping
+from contextlib import contextmanager
+from dataclasses import dataclass, field
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from isoembed.progress.time_left import TimeLeft
+
+
+@dataclass(frozen=True)
+class Stage:
+    """The cost of one stage of a method.
+
+    Attributes
+    ----------
+    name : str
+        What the stage is called in the method's description.
+    seconds : float
+        Wall-clock time.
+    iterations : int
+        Iterations of the stage's outer loop (Newton steps, right-hand sides, layers).
+    factorizations : int
+        Sparse factorizations.
+    """
+
+    name: str
+    seconds: float
+    iterations: int
+    factorizations: int
+
+
+@dataclass(frozen=True, eq=False)
+class Progress:
+    """A snapshot of a running computation.
+
+    Attributes
+    ----------
+    stage : str
+        The running stage.
+    iteration : int
+        Its iteration so far.
+    t : float or None
+        Position on the path of metrics: 1 is the uniform metric, 0 the given one.
+    residual : float or None
+        Current largest ``| |x_a - x_b| - l_ab |`` over the mean edge length, or the stage's own residual.
+    inverted, partially_inverted : int or None
+        Vertices of that kind.
+    seconds : float
+        Since the computation began.
+    level : str or None
+        What size of problem the stage is working on, such as ``"40,000 vertices"``.
+    remaining : float or None
+        Seconds left, an estimate; None while there is nothing to go by.
+    vertices : ndarray, shape (V, 3), or None
+        The surface that the stage has reached, in the unit of ``metric.normalized``, in any position; None in
+        snapshots of what is not decided yet, which are most.
+    """
+
+    stage: str
+    iteration: int
+    t: float | None
+    residual: float | None
+    inverted: int | None
+    partially_inverted: int | None
+    seconds: float
+    level: str | None = None
+    remaining: float | None = None
+    vertices: NDArray[np.float64] | None = None
+
+
+@dataclass(frozen=True)
+class Fingerprint:
+    """What a checkpoint belongs to.
+
+    Attributes
+    ----------
+    metric : str
+        A digest of its triangles and of its lengths over ``metric.unit``.
+    method : str
+        The method with its parameters, all that decide what it computes.
+    tolerance : float
+    version : str
+        Of isoembed.
+    """
+
+    metric: str
+    method: str
+    tolerance: float
+    version: str
+
+
+@dataclass(frozen=True, eq=False)
+class Checkpoint:
+    """Where an interrupted computation had come to, to go on from.
+
+    Attributes
+    ----------
+    stage : str
+        The stage that kept it.
+    arrays : mapping of str to ndarray
+        What that stage needs to go on.
+    origin : Origin or None
+        What was being computed; `isoembed.embed` fills it in.
+    """
+
+    stage: str
+    arrays: Mapping[str, NDArray[Any]]
+    origin: Fingerprint | None = None
+
+
+Listener = Callable[[Progress], None]
+
+
+@dataclass
+class StageRecorder:
+    """The counters of one running stage.
+
+    A stage's code adds to them as it goes, calls `show`, and `keep` with what it could go on from.
+    """
+
+    name: str
+    log: Log
+    iterations: int = 0
+    factorizations: int = 0
+    _last: dict[str, Any] = field(
+        default_factory=lambda: dict.fromkeys(("t", "residual", "inverted", "partially_inverted", "level"))
+    )
+
+    def show(
+        self,
+        *,
+        t: float | None = None,
+        residual: float | None = None,
+        inverted: int | None = None,
+        partially_inverted: int | None = None,
+        level: str | None = None,
+        done: float | None = None,
+        vertices: NDArray[np.float64] | None = None,
+    ) -> None:
+        """Tell the listener, if there is one, where the stage is.  What is not said stays as it was.
+
+        Parameters
+        ----------
+        t, residual, inverted, partially_inverted, level : optional
+            As in `Progress`.
+        done : float, optional
+            The share of the stage's work that is done, from 0 to 1.
+        vertices : ndarray, shape (V, 3), optional
+            As in `Progress`.  They are not copied, so they must not change any more, and not said again.
+        """
+        said = {
+            "t": t,
+            "residual": residual,
+            "inverted": inverted,
+            "partially_inverted": partially_inverted,
+            "level": level,
+        }
+        self._last |= {key: value for key, value in said.items() if value is not None}
+        log = self.log
+        if done is not None:
+            log.time_left.reach(done)
+        if log.listener is not None:
+            seconds, remaining = log.clock() - log.start, log.time_left.remaining
+            log.listener(
+                Progress(
+                    self.name,
+                    self.iterations,
+                    **self._last,
+                    seconds=seconds,
+                    remaining=remaining,
+                    vertices=vertices,
+                )
+            )
+
+    def keep(self, **arrays: ArrayLike) -> None:
+        """Keep what this stage could go on from, in place of all that was kept before.
+
+        It costs nothing: arrays are not copied, so they must not change any more.  What is kept has to hold
+        in the unit of ``metric.normalized``, and for the given vertices in the given order.
+        """
+        self.log.checkpoint = Checkpoint(self.name, {key: np.asarray(value) for key, value in arrays.items()})
+
+
+@dataclass
+class Log:
+    """Collects the stages of one computation, and holds what it could go on from.
+
+    Parameters
+    ----------
+    listener : callable, optional
+        Receives a `Progress` at every iteration.
+    resumed : Checkpoint, optional
+        What to go on from.
+    clock : callable
+        The time in seconds.
+
+    Attributes
+    ----------
+    checkpoint : Checkpoint or None
+        What was kept last; until then, what the computation itself goes on from.
+    start : float
+        When it began.
+    forecast : Forecast
+        How long it will take.
+    """
+
+    listener: Listener | None = None
+    resumed: Checkpoint | None = None
+    clock: Callable[[], float] = time.perf_counter
+    checkpoint: Checkpoint | None = field(init=False)
+    start: float = field(init=False)
+    time_left: TimeLeft = field(init=False)
+    _stages: list[Stage] = field(init=False, default_factory=list)
+
+    def __post_init__(self) -> None:
+        self.checkpoint = self.resumed
+        self.start = self.clock()
+        self.time_left = TimeLeft(self.clock)
+
+    def expect(self, weights: Mapping[str, float]) -> None:
+        """Say which stages come next and what they cost, for the time left; see `Forecast.expect`."""
+        self.time_left.expect(weights)
+
+    def resumed_at(self, stage: str) -> Mapping[str, NDArray[Any]] | None:
+        """What this stage kept in the run that goes on here, if it was the last to keep anything."""
+        return self.resumed.arrays if self.resumed is not None and self.resumed.stage == stage else None
+
+    @contextmanager
+    def stage(self, name: str) -> Iterator[StageRecorder]:
+        """Open a stage; its costs are recorded when it closes, also when it fails."""
+        recorder, begin = StageRecorder(name, self), self.clock()
+        self.time_left.begin(name)
+        try:
+            recorder.show()
+            yield recorder
+        finally:
+            seconds = self.clock() - begin
+            self._stages.append(Stage(name, seconds, recorder.iterations, recorder.factorizations))
+            self.time_left.end()
+
+    @property
+    def stages(self) -> tuple[Stage, ...]:
+        """The closed stages, in order."""
+        return tuple(self._stages)

@@ -1,0 +1,1 @@
+"""Quasi-local energies of surfaces, each with an error."""

@@ -1,0 +1,143 @@
+"""A surface of a slice, its smooth embedding in Euclidean space, and the energies that follow."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from isoembed.errors import InvalidMetric, InvalidParameter
+from isoembed.relativity.energies.energies import Energies
+from isoembed.relativity.energies.quadrature import smooth_energies
+from isoembed.relativity.spacetimes.surface_data import SurfaceData
+from isoembed.smooth.embedding import SmoothEmbedding
+from isoembed.smooth.solve import drawn, embed_smooth
+from isoembed.smooth.triangulation import triangulate
+
+Floats = NDArray[np.float64]
+
+SETTLED = 1e-12  # of int H dA
+ROUGHER = 100.0  # an error of points, in its derivatives: lengths of short curves are so much worse
+SMALLEST, LARGEST = 1e-200, 1e200  # squared lengths of which squares are still numbers
+CONVENTIONS = {
+    "units": "geometric, G = c = 1, in the unit of the lengths",
+    "integrated_mean_curvature": "int H dA with H = (k1 + k2)/2 in Euclidean space; int k0 dA is twice that",
+    "hawking": "sqrt(A/16 pi) (1 - int (k^2 - p^2) dA / 16 pi)",
+    "brown_york": "int (k0 - k) dA / 8 pi",
+    "liu_yau": "int (k0 - sqrt(k^2 - p^2)) dA / 8 pi",
+    "wang_yau": "least over tau of int k0 dA0 / 8 pi for q + d tau d tau, less its counterpart in spacetime",
+}
+
+
+@dataclass(frozen=True)
+class EmbeddedSurface:
+    """A surface with its smooth embedding.
+
+    Attributes
+    ----------
+    data : SurfaceData
+    embedding : SmoothEmbedding
+        Of ``data.metric``.
+    """
+
+    data: SurfaceData
+    embedding: SmoothEmbedding
+
+    @cached_property
+    def energies(self) -> Energies:
+        """Area, int H dA and the quasi-local energies, each with its error."""
+        return smooth_energies(self.data, self.embedding)
+
+    @property
+    def report(self) -> dict[str, Any]:
+        """What was found, as plain numbers for JSON: the energies and how the surface was embedded."""
+        found = self.embedding
+        return {
+            "status": "embedded" if found.converged else "best fit",
+            "name": self.data.name,
+            **self.energies.report,
+            "embedding": {
+                "degree": found.harmonics.degree,
+                "order": found.harmonics.order,
+                "residual": found.residual,
+                "least_gaussian_curvature": found.least_curvature,
+                "volume": found.volume,
+            },
+            "conventions": CONVENTIONS,
+        }
+
+    def mesh(self, vertices: int) -> dict[str, NDArray[Any]]:
+        """A triangulation of the embedded surface, with data at its vertices.
+
+        Returns
+        -------
+        dict of str to ndarray
+            ``vertices`` (V, 3) in Euclidean space and ``faces`` (F, 3); at the vertices (V,) the
+            ``mean_curvature`` H and the ``gaussian_curvature`` there, ``k`` and ``p`` in the slice where they
+            are given, and the ``residual``, the relative error of lengths.
+        """
+        triangulation = triangulate(drawn(self.data.metric), vertices)
+        u = triangulation.directions
+        tables = {
+            "vertices": self.embedding.points(u),
+            "faces": triangulation.faces,
+            "mean_curvature": self.embedding.mean_curvature(u),
+            "gaussian_curvature": self.embedding.gaussian_curvature(u),
+            "residual": 0.5 * self.embedding.strain(u),
+        }
+        if self.data.mean_curvature is not None:
+            tables["k"] = self.data.mean_curvature(u)
+        if self.data.momentum is not None:
+            tables["p"] = self.data.momentum(u)
+        return tables
+
+
+def embed_surface(
+    data: SurfaceData,
+    *,
+    start: EmbeddedSurface | None = None,
+    vertices: int = 1000,
+    tolerance: float = 1e-4,
+    best_fit: bool = False,
+) -> EmbeddedSurface:
+    """Embed a surface of a slice in Euclidean space, for its energies.
+
+    Parameters
+    ----------
+    data : SurfaceData
+    start : EmbeddedSurface, optional
+        One nearby, such as the one before in a sequence: it is deformed, which is several times faster.
+    vertices, tolerance, best_fit
+        See `isoembed.smooth.embed_smooth`.
+
+    Raises
+    ------
+    InvalidParameter, InvalidMetric, NotEmbedded
+        See `isoembed.smooth.embed_smooth`.
+
+    Notes
+    -----
+    Where the data are uncertain (``relative_error``), no more digits are sought than they have.
+    """
+    if not isinstance(data, SurfaceData):
+        raise InvalidParameter(f"the data are a {type(data).__name__}, not SurfaceData: take its data()")
+    if not (start is None or isinstance(start, EmbeddedSurface)):
+        raise InvalidParameter(f"start is a {type(start).__name__}, not an EmbeddedSurface")
+    trace = np.trace(data.metric.tensor(np.eye(3)), axis1=1, axis2=2)
+    if not np.all((trace > SMALLEST) & (trace < LARGEST)):
+        raise InvalidMetric(
+            f"squares of lengths of about {trace.max():.3g} leave the range of numbers when they are "
+            "multiplied: take another unit"
+        )
+    embedding = embed_smooth(
+        data.metric,
+        start=None if start is None else start.embedding,
+        vertices=vertices,
+        tolerance=max(tolerance, ROUGHER * data.relative_error),
+        accuracy=max(SETTLED, data.relative_error),
+        best_fit=best_fit,
+    )
+    return EmbeddedSurface(data, embedding)

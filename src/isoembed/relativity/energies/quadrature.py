@@ -1,0 +1,159 @@
+"""The integrals of a surface's energies by spectral quadrature over the sphere of directions."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from isoembed.errors import InvalidParameter
+from isoembed.relativity.energies.energies import Energies, Integrals
+from isoembed.relativity.spacetimes.surface_data import SurfaceData
+from isoembed.smooth.embedding import SmoothEmbedding
+from isoembed.smooth.harmonics import gauss_rule
+from isoembed.smooth.isometry import FEWEST_AROUND
+from isoembed.smooth.solve import varies
+from isoembed.smooth.two_metric import area_density
+from isoembed.surface.estimate import Estimate
+
+Floats = NDArray[np.float64]
+
+ROUNDING = 3e-14  # what sums over many nodes lose
+SETTLED = 3e-13  # of an integral: more nodes are not needed
+DENSER = 1.5  # heights of nodes over those before
+FEWEST, HIGHEST, HIGHEST_SYMMETRIC = 32, 256, 6000  # heights of the nodes
+TRAPPED = 1e-9  # of k^2: a k^2 - p^2 that is more negative is no rounding
+
+
+def smooth_energies(data: SurfaceData, embedding: SmoothEmbedding) -> Energies:
+    """The energies of a surface with a smooth embedding.
+
+    Parameters
+    ----------
+    data : SurfaceData
+    embedding : SmoothEmbedding
+        Of ``data.metric``.
+
+    Notes
+    -----
+    The quadrature's error is the change from fewer nodes; that of int k0 dA is twice the
+    embedding's ``curvature_error``; and every integral is uncertain by what the lengths are.
+    """
+    symmetric = embedding.harmonics.order < embedding.harmonics.degree
+    values, notes = _integrated(data, max(FEWEST, int(DENSER * embedding.harmonics.degree)), symmetric)
+    reference = 2.0 * embedding.integrated_mean_curvature
+    error = 2.0 * embedding.curvature_error + (ROUNDING + data.relative_error) * abs(reference)
+    if embedding.converged and embedding.least_curvature < 0.0:
+        notes.append(
+            f"the Gaussian curvature is negative in places, least {embedding.least_curvature:.3g}: other "
+            "embeddings, with other energies, cannot be excluded"
+        )
+    if not embedding.converged:
+        error += embedding.residual * abs(reference)
+        notes.append(f"not an embedding, but the best fit: lengths are off by up to {embedding.residual:.1e}")
+    return _energies(data, {**values, "reference": Estimate(reference, error)}, notes)
+
+
+def intrinsic_energies(data: SurfaceData) -> Energies:
+    """The energies of a surface that no embedding is needed for."""
+    return _energies(data, *_integrated(data, FEWEST, not varies(data.metric)))
+
+
+def _energies(data: SurfaceData, values: dict[str, Estimate], notes: list[str]) -> Energies:
+    return Energies.of(
+        Integrals(**values),
+        angular_momentum=data.angular_momentum if data.marginal else None,
+        charge=data.charge,
+        notes=tuple(notes),
+    )
+
+
+def _integrated(data: SurfaceData, n: int, symmetric: bool) -> tuple[dict[str, Estimate], list[str]]:
+    """The integrals over the surface by their names in `Integrals`, and what hinders others.
+
+    The heights of the nodes become more until no integral changes, or they are many.
+    """
+    relative = ROUNDING + data.relative_error
+    most = HIGHEST_SYMMETRIC if symmetric else HIGHEST
+    settled: dict[str, Estimate] = {}
+    before: dict[str, Estimate] = {}
+    while True:
+        values, notes = _Nodes.of(data, n, FEWEST_AROUND if symmetric else 2 * n).integrals(relative)
+        last = DENSER * n > most
+        for name in values.keys() - settled.keys():
+            value, error = values[name].value, values[name].error
+            change = abs(value - before[name].value) if name in before else np.inf
+            if last and name not in before:
+                change = 0.0  # fewer nodes did not see it as spacelike
+            if last or change <= max(SETTLED * abs(value), error):
+                settled[name] = Estimate(value, change + error)
+        if last or settled.keys() == values.keys():
+            return settled, notes
+        n, before = int(DENSER * n), values
+
+
+@dataclass(frozen=True)
+class _Nodes:
+    """The data at the nodes u (n, 3) of a quadrature."""
+
+    u: Floats
+    dA: Floats
+    k: Floats | None
+    p: Floats
+    marginal: bool
+
+    @classmethod
+    def of(cls, data: SurfaceData, n: int, around: int) -> _Nodes:
+        u, weights = gauss_rule(n, around)
+        k = None if data.mean_curvature is None else _at(data.mean_curvature, u, "the mean curvature")
+        p = np.zeros(len(u)) if data.momentum is None else _at(data.momentum, u, "the momentum")
+        return cls(u, weights * area_density(data.metric.tensor(u)), k, p, data.marginal)
+
+    def integrals(self, relative: float) -> tuple[dict[str, Estimate], list[str]]:
+        """The integrals by their names in `Integrals`, and what hinders others."""
+        area = float(self.dA.sum())
+        values, notes = {"area": Estimate(area, 2.0 * relative * area)}, []
+        if self.k is not None:
+            values["k"] = Estimate(_sum(self.dA, self.k), 2.0 * relative * _sum(self.dA, np.abs(self.k)))
+        else:
+            notes.append("k is not given: there is no Brown-York energy")
+        if self.marginal:
+            return {**values, "norm": Estimate(0.0, 0.0), "squared": Estimate(0.0, 0.0)}, notes
+        if self.k is None:
+            return values, notes
+        squared, uncertain = self.k**2 - self.p**2, 2.0 * relative * (self.k**2 + self.p**2)
+        values["squared"] = Estimate(_sum(self.dA, squared), _sum(self.dA, uncertain))
+        if squared.min() < -max(TRAPPED, 2.0 * relative) * (self.k**2).max():
+            notes.append(
+                f"k^2 - p^2 = {squared.min():.3g} < 0 at {self._place(squared)}: the mean curvature vector "
+                "is not spacelike there, and there is no Kijowski-Liu-Yau energy"
+            )
+        elif self.k.min() < -TRAPPED * np.abs(self.k).max():
+            notes.append(
+                f"k = {self.k.min():.3g} < 0 at {self._place(self.k)}: the mean curvature vector is not "
+                "spacelike and outward everywhere, and there is no Kijowski-Liu-Yau energy"
+            )
+        else:
+            low, middle, high = (
+                np.sqrt(np.maximum(squared + shift, 0.0)) for shift in (-uncertain, 0.0, uncertain)
+            )
+            values["norm"] = Estimate(_sum(self.dA, middle), _sum(self.dA, high - low))
+        return values, notes
+
+    def _place(self, values: Floats) -> str:
+        """Where values are least."""
+        x, y, z = self.u[int(np.argmin(values))]
+        return f"theta = {np.arccos(z):.3f}, phi = {np.arctan2(y, x) % (2.0 * np.pi):.3f}"
+
+
+def _sum(weights: Floats, values: Floats) -> float:
+    return float(weights @ values)
+
+
+def _at(function: Callable[[Floats], Floats], u: Floats, name: str) -> Floats:
+    values = np.asarray(function(u), dtype=np.float64)
+    if values.shape != (len(u),):
+        raise InvalidParameter(f"{name} at {len(u)} directions has the shape {values.shape}, not ({len(u)},)")
+    return values

@@ -1,0 +1,107 @@
+"""Time functions on a surface, and the metric of the surface that they make of it in Minkowski space."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from isoembed.errors import InvalidParameter
+from isoembed.smooth.harmonics import Harmonics, gauss_rule, spread_directions
+from isoembed.smooth.two_metric import TwoMetric
+
+Floats = NDArray[np.float64]
+
+SCATTERED = 1000  # directions at which a projection is checked
+MISSED = 1e-7  # of the largest value: more is not the same function
+
+
+@dataclass(frozen=True)
+class TimeFunction:
+    """A function tau on the sphere of directions, in spherical harmonics.
+
+    Attributes
+    ----------
+    harmonics : Harmonics
+    coefficients : ndarray, shape (size,)
+        In the unit of length.  That of the constant harmonic has no consequences.
+    """
+
+    harmonics: Harmonics
+    coefficients: Floats
+
+    def __post_init__(self) -> None:
+        if np.shape(self.coefficients) != (self.harmonics.size,):
+            raise InvalidParameter(
+                f"{self.harmonics.size} harmonics take as many coefficients, "
+                f"not {np.shape(self.coefficients)}"
+            )
+
+    @classmethod
+    def zero(cls) -> TimeFunction:
+        """Return tau = 0."""
+        return cls.from_array(np.zeros(4))
+
+    @classmethod
+    def from_array(cls, coefficients: Floats) -> TimeFunction:
+        """Take (L + 1)^2 coefficients in all harmonics up to a degree L, as `Harmonics` sorts them."""
+        degree = int(np.sqrt(np.size(coefficients))) - 1
+        if np.ndim(coefficients) != 1 or (degree + 1) ** 2 != np.size(coefficients) or degree < 1:
+            raise InvalidParameter(
+                f"the coefficients of tau have the shape {np.shape(coefficients)}, not ((L + 1)^2,), L >= 1"
+            )
+        return cls(Harmonics(degree, degree), np.asarray(coefficients, dtype=np.float64))
+
+    @classmethod
+    def of(cls, function: Callable[[Floats], ArrayLike], degree: int = 16) -> TimeFunction:
+        """Project a function of the directions u (n, 3), with values (n,), on harmonics up to a degree.
+
+        Raises
+        ------
+        InvalidParameter
+            Its values have another shape or are not finite, or the harmonics miss it.
+        """
+        harmonics = Harmonics(degree, degree)
+        u, weights = gauss_rule(2 * degree + 2, 4 * degree + 4)
+        tau = cls(harmonics, harmonics.values(u).T @ (weights * _values(function, u)))
+        u = spread_directions(SCATTERED)
+        values = _values(function, u)
+        missed = float(np.abs(tau.values(u) - values).max())
+        if missed > MISSED * np.abs(values).max():
+            raise InvalidParameter(
+                f"tau is missed by {missed:.3g} by harmonics up to degree {degree}: it must be smooth"
+            )
+        return tau
+
+    def values(self, u: Floats) -> Floats:
+        """Tau (n,) in the directions u (n, 3)."""
+        return self.harmonics.values(u) @ self.coefficients
+
+    def gradient(self, u: Floats) -> Floats:
+        """The tangent vectors (n, 3) whose products with velocities of u are the rates of change of tau."""
+        return self.harmonics.gradients(u)[1] @ self.coefficients
+
+
+def _values(function: Callable[[Floats], ArrayLike], u: Floats) -> Floats:
+    values = np.asarray(function(u), dtype=np.float64)
+    if values.shape != (len(u),):
+        raise InvalidParameter(f"tau at {len(u)} directions has the shape {values.shape}, not ({len(u)},)")
+    if not np.isfinite(values).all():
+        i = int(np.argmin(np.isfinite(values)))
+        raise InvalidParameter(f"tau is {values[i]} at u = {u[i].tolist()}")
+    return values
+
+
+@dataclass(frozen=True)
+class TimeRaisedMetric:
+    """The metric ``q + d tau d tau``, that of a surface of Minkowski space in its projection to R^3."""
+
+    metric: TwoMetric
+    tau: TimeFunction
+
+    def tensor(self, u: Floats) -> Floats:
+        """See `TwoMetric`."""
+        slope = self.tau.gradient(u)
+        return self.metric.tensor(u) + slope[:, :, None] * slope[:, None, :]

@@ -1,0 +1,227 @@
+"""The coordinate shape of a horizon: points in the coordinates of a slice, and a closed surface through them.
+
+Lengths in these coordinates are not lengths on the horizon: for those the 3-metric is needed.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass, field
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.sparse import coo_array
+from scipy.sparse.csgraph import connected_components
+from scipy.spatial import ConvexHull, cKDTree
+
+from isoembed.io.files import FileError
+from isoembed.mesh.joining import join
+
+Floats = NDArray[np.float64]
+Indices = NDArray[np.int64]
+
+SAME = 1e-6
+"""Directions nearer to one another than this, in radians, are of one point that is written twice."""
+
+SAME_RADIUS = 1e-4
+"""Relative difference of the distances from the center that such points may have."""
+
+FLAT = 1e-9
+"""How thick points may be that lie in a plane, relative to their extent."""
+
+HOLE = np.pi / 3
+"""The radius, seen from the center, of the largest cap without points in a surface that is complete."""
+
+
+@dataclass(frozen=True, eq=False)
+class CoordinateShape:
+    """A closed surface of genus 0 in the coordinates of a slice of spacetime.
+
+    Attributes
+    ----------
+    points : ndarray, shape (V, 3)
+        Distinct points on it, in the coordinates of the file.
+    faces : ndarray of int, shape (F, 3)
+        Triangles between them, counterclockwise from outside.
+    center : ndarray, shape (3,)
+        A point inside.  Unless the file has triangles, all of the surface can be seen from it.
+    time : float or None
+        The time of the slice, where the file says it.
+    name : str
+        Of the horizon.
+    source : str
+        The file.
+    fields : mapping of str to ndarray, shape (V,)
+        What else the file knows at the points.
+    """
+
+    points: Floats
+    faces: Indices
+    center: Floats
+    time: float | None = None
+    name: str = ""
+    source: str = ""
+    fields: Mapping[str, Floats] = field(default_factory=dict)
+
+    def __post_init__(self) -> None:
+        for array in (self.points, self.faces, self.center, *self.fields.values()):
+            array.flags.writeable = False
+
+    @property
+    def contents(self) -> str:
+        """What the file has, and what it does not have, in one sentence."""
+        here = f"the coordinates of {len(self.points)} points of a horizon"
+        if self.fields:
+            names = ", ".join(list(self.fields)[:4]) + (", ..." if len(self.fields) > 4 else "")
+            here += f" and {names} there"
+        return (
+            f"{self.source or 'this'} holds {here}, but no metric: "
+            "lengths on the horizon need the 3-metric of the slice along it"
+        )
+
+
+def triangulate_star_shaped(
+    points: Floats, center: Floats, source: str, polygons: Iterable[Indices] = (), same: float = SAME
+) -> tuple[Indices, Indices]:
+    """Make the closed surface of scattered points all of which can be seen from its center.
+
+    Parameters
+    ----------
+    points : ndarray, shape (n, 3)
+        In any order; points on seams may be there several times.
+    center : ndarray, shape (3,)
+    source : str
+        The file, for messages.
+    polygons : iterable of ndarray of int
+        Polygons of the file, closed or not: they tell whether the surface folds over.
+    same : float
+        Directions nearer to one another than this, in radians, are of one point.
+
+    Returns
+    -------
+    kept : ndarray of int, shape (V,)
+        The distinct points.
+    faces : ndarray of int, shape (F, 3)
+        Triangles between these, outward: the convex hull of the directions.
+
+    Raises
+    ------
+    FileError
+        The points are fewer than four or lie in a plane, one is not finite or is the center, two are in one
+        direction, a polygon is turned around, or some directions have no points; the message names the first
+        such point or the direction.
+    """
+    check_solid(points, source)
+    arrow = points - center
+    scale = np.max(np.abs(arrow), initial=0.0)
+    r = scale * np.linalg.norm(arrow / (scale or 1.0), axis=1)
+    inside = ~(r > 1e-9 * scale)
+    if inside.any():
+        raise FileError(
+            f"{source}: point {int(np.argmax(inside))} is at the center: "
+            f"that is no surface around {_triple(center)}"
+        )
+    u = arrow / r[:, None]
+    first = _first_alike(u, same)
+    differs = np.abs(r - r[first]) > SAME_RADIUS * r
+    if differs.any():
+        i = int(np.argmax(differs))
+        raise FileError(
+            f"{source}: the points {first[i]} and {i}, {_triple(points[first[i]])} and {_triple(points[i])}, "
+            f"are in one direction from the center {_triple(center)}: the surface is not star-shaped about it"
+        )
+    _check_turns(u, polygons, points, center, source)
+    kept = np.unique(first)
+    v = u[kept]
+    if _dimension(v) < 3:  # also where the points are on a cone
+        raise FileError(
+            f"{source}: the directions of the points from the center {_triple(center)} lie in a plane: "
+            "the surface is not complete"
+        )
+    hull = ConvexHull(v)
+    hole = int(np.argmax(hull.equations[:, 3]))
+    if hull.equations[hole, 3] > -np.cos(HOLE):
+        raise FileError(
+            f"{source}: there are no points around the direction {_triple(hull.equations[hole, :3])} "
+            f"from the center {_triple(center)}: the surface is not complete"
+        )
+    faces = hull.simplices.astype(np.int64)
+    inward = np.einsum("fi,fi->f", v[faces[:, 0]], np.cross(v[faces[:, 1]], v[faces[:, 2]])) < 0
+    faces[inward] = faces[inward][:, ::-1]
+    left = np.setdiff1d(np.arange(len(v)), faces)
+    if len(left) or join(faces) is None:
+        where = f" at {_triple(points[kept[left[0]]])}" if len(left) else ""
+        raise FileError(f"{source}: the points are too close to one another{where} to be triangulated")
+    return kept, faces
+
+
+def check_solid(points: Floats, source: str) -> None:
+    """Refuse points (n, 3) through which there is no closed surface around anything.
+
+    Raises
+    ------
+    FileError
+        They are fewer than four, not finite, or in a plane; the message names the file.
+    """
+    bad = ~np.isfinite(points).all(axis=1)
+    if bad.any():
+        raise FileError(f"{source}: point {int(np.argmax(bad))} is not finite")
+    if len(points) < 4:
+        raise FileError(f"{source}: {len(points)} points: that is no surface, which has at least 4")
+    dimension = _dimension(points)
+    if dimension < 3:
+        where = ("are one point", "lie on a line", "lie in a plane")[dimension]
+        raise FileError(f"{source}: the {len(points)} points {where}: that is no closed surface")
+
+
+def middle(points: Floats) -> Floats:
+    """The center (3,) of the sphere that fits points (n, 3) best: sampling hardly matters to it."""
+    mean = points.mean(axis=0)
+    arrow = points - mean
+    scale = np.max(np.abs(arrow)) or 1.0
+    arrow = arrow / scale
+    # |x|^2 = 2 c . x + d
+    matrix = np.column_stack([2.0 * arrow, np.ones(len(arrow))])
+    solution = np.linalg.lstsq(matrix, np.einsum("ni,ni->n", arrow, arrow), rcond=None)[0]
+    return mean + scale * solution[:3]
+
+
+def _dimension(points: Floats) -> int:
+    """Of the least plane, line or point that finite points (n, 3) are in, up to `FLAT` and rounding."""
+    x = points / (np.max(np.abs(points)) or 1.0)
+    arrow = x - x[0]
+    thin = FLAT * np.max(np.abs(arrow)) + 8.0 * np.finfo(np.float64).eps
+    return int(np.linalg.matrix_rank(arrow, tol=thin * np.sqrt(len(points))))
+
+
+def _first_alike(u: Floats, same: float) -> Indices:
+    """For each direction (n, 3) the first that is the same."""
+    n = len(u)
+    a, b = cKDTree(u).query_pairs(same, output_type="ndarray").T
+    count, label = connected_components(coo_array((np.ones(len(a)), (a, b)), shape=(n, n)), directed=False)
+    first = np.full(count, n)
+    np.minimum.at(first, label, np.arange(n))
+    return first[label]
+
+
+def _check_turns(u: Floats, polygons: Iterable[Indices], points: Floats, center: Floats, source: str) -> None:
+    """All triangles into which the polygons fan out must turn the same way as seen from the center."""
+    fans = [(p[0], p[k], p[k + 1]) for p in polygons for k in range(1, len(p) - 1)]
+    if not fans:
+        return
+    corners = np.array(fans)
+    a, b, c = u[corners.T]
+    turn = np.einsum("fi,fi->f", a, np.cross(b, c))
+    # What is thin may turn by rounding alone.
+    size = np.linalg.norm(np.cross(b - a, c - a), axis=1)
+    wrong = -turn * np.sign(np.sum(turn)) > 1e-3 * size
+    if wrong.any():
+        i = int(corners[int(np.argmax(wrong)), 0])
+        raise FileError(
+            f"{source}: the surface folds over at point {i}, {_triple(points[i])}: "
+            f"it is not star-shaped about {_triple(center)}"
+        )
+
+
+def _triple(x: Floats) -> str:
+    return "(" + ", ".join(f"{value:.6g}" for value in x) + ")"

@@ -1,0 +1,130 @@
+"""Horizons that SpECTRE writes: surface data in HDF5, in groups with the ending .vol."""
+
+from __future__ import annotations
+
+import numbers
+import os
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from isoembed.io.files import FileError
+from isoembed.io.hdf5 import groups_in, hdf5_file, numbers_in
+from isoembed.relativity.horizons.coordinate_shape import (
+    CoordinateShape,
+    check_solid,
+    middle,
+    triangulate_star_shaped,
+)
+
+Floats = NDArray[np.float64]
+
+COORDINATES = tuple(f"InertialCoordinates_{axis}" for axis in "xyz")
+
+
+def read_spectre(
+    path: str | os.PathLike[str], surface: str | None = None, observation: float | None = None
+) -> CoordinateShape:
+    """Read one surface at one time.
+
+    Parameters
+    ----------
+    path : path
+        An HDF5 file with groups ``<surface>.vol/ObservationId<number>``, each with the inertial coordinates
+        of the collocation points (Gauss-Legendre in theta, equiangular in phi) and scalars there.
+    surface : str, optional
+        Its name, with or without ``.vol``; may be left out if there is one only.
+    observation : int or float, optional
+        An int counts observations in the order of time, from 0, or from the end if it is negative; a float
+        is the time itself.  May be left out if there is one only.
+
+    Returns
+    -------
+    CoordinateShape
+        With the scalars as its fields, ``RicciScalar`` (twice the Gauss curvature) for one.
+
+    Raises
+    ------
+    FileError
+        The file cannot be read, or there is no such surface or observation, or several and none is chosen;
+        the message lists those that are there.
+    """
+    path = Path(path)
+    with hdf5_file(path) as file:
+        surfaces = surfaces_in(file)
+        group, name = _chosen_surface(surfaces, surface, path)
+        observed, time = _chosen_observation(group, observation, f"{path}: {name}")
+        tables = numbers_in(observed)
+        extents = tables.get("total_extents")
+    source = f"{path} ({name} at t = {time:g})"
+    absent = [axis for axis in COORDINATES if axis not in tables]
+    if absent:
+        raise FileError(f"{source} has no {absent[0]}: it is not a surface in space")
+    sizes = [tables[axis].size for axis in COORDINATES]
+    if len(set(sizes)) > 1 or (extents is not None and (len(extents) != 2 or np.prod(extents) != sizes[0])):
+        grid = " x ".join(map(str, extents)) if extents is not None else "one"
+        raise FileError(f"{source} has {sizes} coordinates x, y and z and not the points of {grid} grid")
+    points = np.column_stack([tables[axis].ravel() for axis in COORDINATES]).astype(np.float64)
+    check_solid(points, source)
+    center = middle(points)
+    kept, faces = triangulate_star_shaped(
+        points, center, source, _quads(extents) if extents is not None else ()
+    )
+    fields = {
+        key: value.astype(np.float64)[kept]
+        for key, value in tables.items()
+        if key not in COORDINATES and value.dtype.kind == "f" and value.shape == (len(points),)
+    }
+    return CoordinateShape(points[kept], faces, center, time, name, str(path), fields)
+
+
+def surfaces_in(file: Any) -> dict[str, Any]:
+    """The groups of surface data in an open file, by their names without ``.vol``."""
+    return {name[:-4]: group for name, group in groups_in(file).items() if name.endswith(".vol")}
+
+
+def _quads(extents: NDArray[np.integer]) -> NDArray[np.int64]:
+    """The quadrilaterals of the grid, theta running fastest: the file's own are not oriented alike."""
+    i, j = np.meshgrid(np.arange(int(extents[0]) - 1), np.arange(int(extents[1])))
+    here, there = i + int(extents[0]) * j, i + int(extents[0]) * ((j + 1) % int(extents[1]))
+    return np.stack([here, here + 1, there + 1, there], axis=-1).reshape(-1, 4)
+
+
+def _chosen_surface(surfaces: dict[str, Any], surface: str | None, path: Path) -> tuple[Any, str]:
+    there = ", ".join(surfaces) or "nothing"
+    name = surface.removesuffix(".vol") if surface is not None else next(iter(surfaces), "")
+    if surface is None and len(surfaces) > 1:
+        raise FileError(f"{path} holds several surfaces: choose one of {there}")
+    if name not in surfaces:
+        wanted = f"no surface {name}" if surface is not None else "no groups *.vol"
+        raise FileError(f"{path} holds {wanted}, but {there}")
+    return surfaces[name], name
+
+
+def _chosen_observation(group: Any, observation: float | None, source: str) -> tuple[Any, float]:
+    timed = sorted(
+        (
+            (float(item.attrs["observation_value"]), item)
+            for item in group.values()
+            if "observation_value" in item.attrs
+        ),
+        key=lambda pair: pair[0],
+    )
+    times = np.array([time for time, _ in timed])
+    listed = ", ".join(f"{time:g}" for time in times) or "none"
+    if observation is None:
+        if len(timed) != 1:
+            raise FileError(f"{source} holds {len(timed)} observations: choose one of t = {listed}")
+        k = 0
+    elif isinstance(observation, numbers.Integral):
+        if not -len(timed) <= observation < len(timed):
+            raise FileError(f"{source} holds no observation {observation}, but {len(timed)}, t = {listed}")
+        k = int(observation)
+    else:
+        near = np.flatnonzero(np.abs(times - observation) <= 1e-9 * np.abs(times))
+        if len(near) == 0:
+            raise FileError(f"{source} holds no observation t = {observation:g}, but t = {listed}")
+        k = int(near[0])
+    return timed[k][1], timed[k][0]

@@ -1,0 +1,1 @@
+"""Slices of spacetime, in closed form or on grids, and the surfaces in them."""

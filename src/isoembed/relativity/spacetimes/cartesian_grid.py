@@ -1,0 +1,269 @@
+"""Slices that are given on a Cartesian grid, interpolated to eighth order, and files of them.
+
+A file, .npz or HDF5, holds arrays of one shape (nx, ny, nz), [i, j, k] being the point
+``origin + spacing * (i, j, k)``: ``gxx gxy gxz gyy gyz gzz`` and, unless the slice is time-symmetric,
+``kxx kxy kxz kyy kyz kzz``; besides ``origin``, three numbers, and ``spacing``, three or one.  In HDF5 they
+are data sets of the root group, and origin and spacing may be attributes of it.
+"""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass
+from itertools import pairwise
+from pathlib import Path
+
+import numpy as np
+from numba import njit
+from numpy.typing import ArrayLike, NDArray
+
+from isoembed.errors import InvalidParameter
+from isoembed.io import npz
+from isoembed.io.files import FileError, check_ending, check_input, ending
+from isoembed.io.hdf5 import HDF5_ENDINGS, hdf5_file
+from isoembed.relativity.spacetimes.three_geometry import (
+    extent,
+    numbers,
+    positive_number,
+    refuse_points,
+    vector,
+    written,
+)
+
+Floats = NDArray[np.float64]
+
+NODES = 8
+"""Points of the Lagrange interpolation along each axis."""
+SMOOTH = 5.0
+"""By how much less two more points may help than the two before, where data are smooth; measured: 4."""
+PAIRS = ("xx", "xy", "xz", "yy", "yz", "zz")
+ENTRY = np.array([[0, 1, 2], [1, 3, 4], [2, 4, 5]])
+"""Which of the six is which entry of a symmetric matrix."""
+
+
+@dataclass(frozen=True, eq=False)
+class CartesianGrid:
+    """A slice by its values at the points ``origin + spacing * (i, j, k)``.
+
+    Between them it is a polynomial of degree seven along each axis, through the eight nearest points: the
+    error falls as the eighth power of the spacing, that of the gradient as the seventh.
+
+    Attributes
+    ----------
+    origin : three floats
+        The point [0, 0, 0].
+    spacing : float or three floats
+    gamma : ndarray, shape (6, nx, ny, nz) or (3, 3, nx, ny, nz)
+        ``gamma_ij``; the six are xx, xy, xz, yy, yz and zz, and are what is kept.  Points inside of a hole
+        may be missing, as NaN: only those within four spacings of a point count there (within seven at the
+        faces of the grid).
+    K : ndarray, of such a shape, optional
+        ``K_ij``, with the sign of `isoembed.relativity.spacetimes.three_geometry`; without it the slice is
+        time-symmetric.
+
+    Raises
+    ------
+    InvalidParameter
+        A shape is wrong, there are fewer than eight points along an axis, a matrix is not symmetric, or the
+        spacing is not positive.
+    """
+
+    origin: Sequence[float]
+    spacing: float | Sequence[float]
+    gamma: Floats
+    K: Floats | None = None
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "origin", vector("the origin", self.origin))
+        given = numbers(self.spacing)
+        spacing = vector("the spacing", np.full(3, given) if given.ndim == 0 else given)
+        for axis, h in zip("xyz", spacing, strict=True):
+            positive_number(f"the spacing in {axis}", h)
+        object.__setattr__(self, "spacing", spacing)
+        object.__setattr__(self, "gamma", _six("gamma", self.gamma))
+        shape = self.gamma.shape[1:]
+        if min(shape) < NODES:
+            raise InvalidParameter(f"the grid has {shape} points: there must be {NODES} along each axis")
+        if self.K is not None:
+            object.__setattr__(self, "K", _six("K", self.K))
+            if self.K.shape != self.gamma.shape:
+                raise InvalidParameter(f"K is given at {self.K.shape[1:]} points, gamma at {shape}")
+
+    @property
+    def time_symmetric(self) -> bool:
+        """See `ThreeGeometry`."""
+        return self.K is None
+
+    def metric(self, x: Floats) -> Floats:
+        """See `ThreeGeometry`.
+
+        Raises
+        ------
+        InvalidParameter
+            A point lies outside the grid.
+        """
+        return self._interpolated(self.gamma, x, NODES)
+
+    def gradient(self, x: Floats) -> Floats:
+        """See `ThreeGeometry`."""
+        return self._differentiated(x, NODES)
+
+    def extrinsic_curvature(self, x: Floats) -> Floats:
+        """See `ThreeGeometry`."""
+        if self.K is None:
+            return np.zeros((len(x), 3, 3))
+        return self._interpolated(self.K, x, NODES)
+
+    def relative_error(self, x: Floats) -> float:
+        """See `ThreeGeometry`: what interpolation through two, four, six and eight points tells.
+
+        It knows of no error that is smooth on the grid, nor of noise below the terms of seventh order.
+        """
+        nodes = range(2, NODES + 1, 2)
+        size, distance = extent(x, self.metric(x))
+        error = _rest(self._interpolated(self.gamma, x, n) for n in nodes)
+        error += distance * _rest(self._differentiated(x, n) for n in nodes)
+        if self.K is not None:
+            error += distance * _rest(self._interpolated(self.K, x, n) for n in nodes)
+        return 0.5 * error / size
+
+    def _interpolated(self, fields: Floats, x: Floats, nodes: int) -> Floats:
+        start, s = self._located(x, nodes)
+        return _contracted(fields, start, _weights(s, nodes))[:, ENTRY]
+
+    def _differentiated(self, x: Floats, nodes: int) -> Floats:
+        start, s = self._located(x, nodes)
+        weights, slopes = _weights(s, nodes), _slopes(s, nodes)
+        out = np.empty((len(s), 3, 3, 3))
+        for k, h in enumerate(np.array(self.spacing)):
+            along = weights.copy()
+            along[:, k] = slopes[:, k] / h
+            out[:, k] = _contracted(self.gamma, start, along)[:, ENTRY]
+        return out
+
+    def _located(self, x: Floats, nodes: int) -> tuple[NDArray[np.int64], Floats]:
+        """The first of some points along each axis (n, 3), and the distance from it in spacings."""
+        origin, spacing, shape = np.array(self.origin), np.array(self.spacing), np.array(self.gamma.shape[1:])
+        t = (x - origin) / spacing
+        outside = ((t < -1e-9) | (t > shape - 1.0 + 1e-9) | np.isnan(t)).any(axis=1)
+        box = f"from {written(origin)} to {written(origin + (shape - 1) * spacing)}"
+        refuse_points(outside, x, f"lies outside the grid, which reaches {box}")
+        start = np.clip(np.floor(t).astype(np.int64) - (nodes // 2 - 1), 0, shape - nodes)
+        return start, t - start
+
+
+def read_cartesian_grid(path: str | os.PathLike[str]) -> CartesianGrid:
+    """Read a slice from an .npz or HDF5 file; the module's description says how it is laid out.
+
+    Raises
+    ------
+    FileError
+        The file cannot be read, or lacks something; the message says what.
+    """
+    path = Path(path)
+    check_ending(path, (".npz", *HDF5_ENDINGS))
+    check_input(path)
+    tables = npz.read(path) if ending(path) == ".npz" else _hdf5_tables(path)
+    wanted = ["origin", "spacing", *(f"g{pair}" for pair in PAIRS)]
+    if any(f"k{pair}" in tables for pair in PAIRS):
+        wanted += [f"k{pair}" for pair in PAIRS]
+    for name in wanted:
+        if name not in tables:
+            raise FileError(f"{path} has no {name}")
+        if tables[name].dtype.kind not in "iuf":
+            raise FileError(f"{name} in {path} does not hold real numbers")
+        if name[0] in "gk" and tables[name].shape != tables["gxx"].shape:
+            raise FileError(f"{name} in {path} has the shape {tables[name].shape}, gxx {tables['gxx'].shape}")
+    if tables["spacing"].size not in (1, 3):
+        raise FileError(f"spacing in {path} must be three numbers or one, not {tables['spacing'].size}")
+    try:
+        return CartesianGrid(
+            tables["origin"].ravel().tolist(),
+            np.broadcast_to(tables["spacing"].ravel(), 3).tolist(),
+            np.stack([tables[f"g{pair}"] for pair in PAIRS]),
+            np.stack([tables[f"k{pair}"] for pair in PAIRS]) if "kxx" in wanted else None,
+        )
+    except InvalidParameter as error:
+        raise FileError(f"{path}: {error}") from None
+
+
+def _hdf5_tables(path: Path) -> dict[str, NDArray]:
+    names = ["origin", "spacing", *(letter + pair for letter in "gk" for pair in PAIRS)]
+    with hdf5_file(path) as file:
+        tables = {name: np.asarray(file.attrs[name]) for name in names[:2] if name in file.attrs}
+        return tables | {name: file[name][()] for name in names if hasattr(file.get(name), "dtype")}
+
+
+def _six(what: str, given: ArrayLike) -> Floats:
+    """The entries (6, nx, ny, nz) of symmetric matrices, read-only."""
+    array = np.asarray(given, dtype=np.float64)
+    if array.ndim == 5 and array.shape[:2] == (3, 3):
+        largest = np.abs(array).max(axis=(0, 1))
+        for i, j in ((0, 1), (0, 2), (1, 2)):
+            apart = np.abs(array[i, j] - array[j, i]) > 1e-10 * largest
+            if apart.any():
+                at = tuple(int(index) for index in np.unravel_index(int(np.argmax(apart)), apart.shape))
+                raise InvalidParameter(
+                    f"{what} is not symmetric at the grid point {at}: {array[i, j][at]} and {array[j, i][at]}"
+                )
+        array = array[np.triu_indices(3)]
+    if array.ndim != 4 or len(array) != 6:
+        raise InvalidParameter(
+            f"{what} must have the shape (6, nx, ny, nz) or (3, 3, nx, ny, nz), not {array.shape}"
+        )
+    array = np.ascontiguousarray(array).view()
+    array.setflags(write=False)
+    return array
+
+
+def _rest(approximations: Iterable[Floats]) -> float:
+    """The largest error of the last of four approximations, from how they approach each other."""
+    first, second, third = (float(np.abs(b - a).max(initial=0.0)) for a, b in pairwise(approximations))
+    # Smooth data go on as they have begun, or half as well; noise does not fall further.
+    if 0.0 < third <= second and third * first <= SMOOTH * second**2:
+        return third * min(1.0, 2.0 * third / second)
+    return third
+
+
+def _weights(s: Floats, nodes: int) -> Floats:
+    """Lagrange's polynomials (n, 3, nodes) for the nodes 0, 1, ... at s (n, 3)."""
+    w = np.ones((*s.shape, nodes))
+    for j in range(nodes):
+        for k in range(nodes):
+            if k != j:
+                w[..., j] *= (s - k) / (j - k)
+    return w
+
+
+def _slopes(s: Floats, nodes: int) -> Floats:
+    """Their derivatives (n, 3, nodes)."""
+    w = np.zeros((*s.shape, nodes))
+    for j in range(nodes):
+        for i in range(nodes):
+            if i != j:
+                term = np.full(s.shape, 1.0 / (j - i))
+                for k in range(nodes):
+                    if k not in (i, j):
+                        term *= (s - k) / (j - k)
+                w[..., j] += term
+    return w
+
+
+@njit(cache=True)
+def _contracted(fields, start, weights):  # type: ignore[no-untyped-def]
+    """Fields (m, nx, ny, nz) summed (n, m) with weights (n, 3, nodes), from the points `start` (n, 3) on."""
+    n, m, nodes = len(start), len(fields), weights.shape[2]
+    out = np.zeros((n, m))
+    for p in range(n):
+        i0, j0, k0 = start[p]
+        for c in range(m):
+            total = 0.0
+            for i in range(nodes):
+                for j in range(nodes):
+                    row = 0.0
+                    for k in range(nodes):
+                        row += weights[p, 2, k] * fields[c, i0 + i, j0 + j, k0 + k]
+                    total += weights[p, 0, i] * weights[p, 1, j] * row
+            out[p, c] = total
+    return out

@@ -1,0 +1,357 @@
+"""The guided adiabatic pull-back: what guides it, and along which path (paper, section 2.3, figure 5)."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from isoembed.aim.anneal import Annealed, anneal_on_sphere
+from isoembed.aim.embedding_tree import embedding_tree
+from isoembed.aim.paper import Convexity, Paper
+from isoembed.aim.paths import path_factors, path_times
+from isoembed.aim.pullback import pull_back
+from isoembed.aim.uniformize import Uniformization
+from isoembed.errors import InvalidMetric
+from isoembed.gallery import SURFACES, triangulate
+from isoembed.metric.conformal import rescaled
+from isoembed.metric.curvature import deficits, gaussian_curvature
+from isoembed.metric.polyhedral import PolyhedralMetric
+from isoembed.progress.stages import Log, Progress, StageRecorder
+from isoembed.studies import plots
+from isoembed.studies.attempt import attempted
+from isoembed.studies.section import Comparison, Illustration, Section, Table
+from isoembed.surface.alignment import distance
+from isoembed.surface.convexity import concave_edges
+from isoembed.surface.rigidity import LengthSystem, VertexSystem, length_residuals
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+Floats = NDArray[np.float64]
+
+TOLERANCE = 1e-6  # the paper's
+ROUTINES: dict[Convexity, str] = {"corrected": "corrected", "printed": "as printed", "none": "no routine"}
+PATHS = (("linear", 0.1), ("exponential", 0.1), ("exponential", 0.3), ("flow", 0.1))  # and alpha
+SAME = 1e-3  # mean edge lengths: surfaces nearer than this are one; other realizations were 70 times farther
+COMPARED = 10  # steps of every path
+TRIED = (1, 2, 3, 4, 5, 6, 8, COMPARED, 12)  # Tsteps
+
+
+@dataclass(frozen=True)
+class _Start:
+    """The uniform surface, smooth, and the Ricci flow that led to its metric."""
+
+    metric: PolyhedralMetric
+    uniform: Uniformization
+    system: LengthSystem
+    vertices: Floats
+    given: Floats
+
+
+@dataclass(frozen=True)
+class _Way:
+    """One pull-back."""
+
+    arrived: bool  # whether its end is the surface that the lengths are from
+    iterations: int  # of Newton's method
+    guesses: list[tuple[float, float]]  # residuals of the guess and of the surface before, in the new lengths
+
+
+def study(*, cases: Sequence[tuple[str, int, int]], path_vertices: int) -> Section:
+    """Follow crumpled vertices down to t = 0, and compare the paths.
+
+    Parameters
+    ----------
+    cases : sequence of (str, int, int)
+        Surface (a name of `isoembed.gallery.SURFACES`), vertices and Tsteps.
+    path_vertices : int
+        Of the ellipsoid and the drum on which the paths are compared.
+
+    Returns
+    -------
+    Section
+    """
+    followed = [_followed(*case) for case in cases]
+    paths = {name: _compared(_start(name, path_vertices)) for name in ("ellipsoid", "drum")}
+    starts, annealed, ends = (
+        {key: sum(case["routines"][key]["crumpled"][place] for case in followed) for key in ROUTINES}
+        for place in (0, 1, -1)
+    )
+    by_body = {name: found["paths"] for name, found in paths.items()}
+    gains = [found["extrapolation"] for found in paths.values()]
+    by_path = [_sentence([found["paths"][k] for found in paths.values()]) for k in range(len(PATHS))]
+    return Section(
+        title="The guided adiabatic pull-back",
+        text=(
+            "Annealed straight from the embedding tree, with Paper(sphere=False), the uniform surface has "
+            "inverted and partially inverted vertices. The figure follows their number from t = t_f to t = 0 "
+            "with the convexity routine corrected, as printed, and left out.",
+            f"Together {starts['none']} vertices are crumpled at the start. In the end there are "
+            f"{ends['corrected']} with the corrected routine, {ends['printed']} with the printed one and "
+            f"{ends['none']} without any. The corrected one is kept only where it helps, so it cannot add "
+            "any in a step; the next step of the path can. To have no crumpled vertex is not yet to be the "
+            "surface that the lengths are from: the ends with the corrected routine are "
+            f"{_distances(followed)} from it.",
+            "Concave edges say less. The triangles are given, and even the smooth surface that the lengths "
+            "are from is concave at many of their edges; the diamonds mark at how many.",
+        ),
+        figures=(
+            Illustration(
+                "guided-pull-back",
+                "Inverted and partially inverted vertices (above) and concave edges (below) along the "
+                "pull-back, from the uniform surface on the left to the given metric on the right. Diamonds: "
+                "the surface that the lengths are from.",
+                _followed_figure(followed),
+            ),
+            Illustration(
+                "paths",
+                f"Residual of the guess for the next surface, in mean edge lengths, on the linear path in "
+                f"{COMPARED} steps ({path_vertices} vertices): the surface before, and the polynomial "
+                "through the three before.",
+                _guess_figure(paths),
+            ),
+        ),
+        comparisons=(
+            Comparison(
+                "The convexity routine reduces partially inverted vertices step by step until none is left "
+                "(section 2.3)",
+                "gradually, to 0",
+                "after anneal A, after anneal B, at t = 0: "
+                + "; ".join(f"{word} {starts[k]}, {annealed[k]}, {ends[k]}" for k, word in ROUTINES.items()),
+                "The printed sign pushes inverted vertices further in.",
+            ),
+            Comparison(
+                "Neither the exponential path nor the flow's own history improves on the linear one "
+                "(section 2.3)",
+                "no improvement, more work",
+                f"fewest steps, and iterations in {COMPARED} steps (ellipsoid, drum): " + "; ".join(by_path),
+                "On the exponential paths the iterations differ by at most "
+                f"{_most_apart(list(by_body.values()))} from those on the linear one. Uneven steps: the "
+                "longest changes a length, in mean edges, by "
+                + "; ".join(
+                    f"{rows[0]['name']}: " + ", ".join(f"{row['longest']:.2f}" for row in rows)
+                    for rows in zip(*by_body.values(), strict=True)
+                )
+                + ".",
+            ),
+            Comparison(
+                "On the linear path the Gaussian curvature changes by the same amount in every step "
+                "(section 2.3)",
+                "its rate of change is constant",
+                "largest over smallest change in a step: "
+                + "; ".join(
+                    f"{name}: deficits {found['rates']['deficits']:.2f}, K {found['rates']['curvature']:.1f}"
+                    for name, found in paths.items()
+                ),
+                "What changes evenly is the deficit, K times the dual area; K itself is divided by areas "
+                "that change, too.",
+            ),
+            Comparison(
+                "Extrapolation from three surfaces brings the guess nearer (section 2.3)",
+                "nearer",
+                "the residual of the guess is smaller by a factor of "
+                + ", ".join(f"{gain['factor']:.0f} ({name})" for name, gain in zip(paths, gains, strict=True))
+                + " (median over the steps); Newton iterations "
+                + ", ".join(f"{gain['iterations']} instead of {gain['without']}" for gain in gains),
+            ),
+        ),
+        tables=(
+            Table(
+                f"Pull-backs without the convexity routine, {path_vertices} vertices: numbers of steps that "
+                f"lead to the surface that the lengths are from, of {', '.join(map(str, TRIED))}, and Newton "
+                f"iterations in {COMPARED} steps",
+                ("surface", "path", "leading there", f"iterations in {COMPARED} steps"),
+                tuple(
+                    (
+                        name,
+                        row["name"],
+                        ", ".join(map(str, row["arrived"])) or "none",
+                        str(row["iterations"]),
+                    )
+                    for name, found in paths.items()
+                    for row in found["paths"]
+                ),
+            ),
+        ),
+        numbers={"pull_backs": followed, "paths": paths},
+    )
+
+
+def _distances(followed: list[dict[str, Any]]) -> str:
+    return " and ".join(
+        f"{case['routines']['corrected']['off']:.1g} mean edges ({case['surface']}, N = {case['vertices']:,})"
+        for case in followed
+    )
+
+
+def _sentence(rows: list[dict[str, Any]]) -> str:
+    """Fewest steps and iterations of one path, on one surface after another."""
+    fewest = ", ".join(str(row["arrived"][0]) if row["arrived"] else f"> {TRIED[-1]}" for row in rows)
+    iterations = ", ".join(str(row["iterations"]) for row in rows)
+    return f"{rows[0]['name']}: {fewest} steps, {iterations} iterations"
+
+
+def _most_apart(by_body: list[list[dict[str, Any]]]) -> int:
+    """By how many iterations an exponential path differs from the linear one at most."""
+    return max(
+        abs(row["iterations"] - linear["iterations"])
+        for linear, *others in by_body
+        for row in others
+        if row["name"].startswith("exponential")
+    )
+
+
+def _followed(name: str, n: int, steps: int) -> dict[str, Any]:
+    """Crumpled vertices and concave edges at every step, for each routine."""
+    vertices, faces = triangulate(SURFACES[name](), n)
+    metric = PolyhedralMetric.from_mesh(vertices, faces)
+    found: dict[str, Any] = {
+        "surface": name,
+        "vertices": n,
+        "steps": steps,
+        "concave_given": int(concave_edges(metric.triangulation, vertices).sum()),
+        "routines": {},
+    }
+    for routine in ROUTINES:
+        seen: list[Progress] = []
+        method = Paper(sphere=False, convexity=routine, Tsteps=steps)
+        surface = attempted(metric, method, TOLERANCE, seen.append)
+        shown = [p for p in seen if p.vertices is not None and p.inverted is not None]
+        concave = [int(concave_edges(metric.triangulation, p.vertices).sum()) for p in shown]  # type: ignore[arg-type]
+        found["routines"][routine] = {
+            "t": [p.t for p in shown],
+            "crumpled": [(p.inverted or 0) + (p.partially_inverted or 0) for p in shown],
+            "concave": concave,
+            "residual": surface.residual,
+            "off": distance(surface.vertices, vertices) / metric.mean_length,
+        }
+    return found
+
+
+def _start(name: str, n: int) -> _Start:
+    """Embed the uniform surface of the Ricci flow, spherical fit included."""
+    given, faces = triangulate(SURFACES[name](), n)
+    kept = PolyhedralMetric.from_mesh(given, faces)
+    metric = kept.normalized
+    method, recorder = Paper(flow="BDF"), StageRecorder("start", Log())
+    uniform = method.uniformize(metric, recorder)
+    lengths = uniform.metric.lengths
+    vertices = anneal_on_sphere(
+        VertexSystem(metric.triangulation),
+        embedding_tree(uniform.metric, uniform.radius, method.root, recorder).vertices,
+        lengths,
+        uniform.radius,
+        recorder,
+        max_iterations=method.max_iterations,
+    )
+    system = LengthSystem(metric.triangulation)
+    annealed = method.anneal(system, vertices, lengths, TOLERANCE, recorder)
+    return _Start(metric, uniform, system, annealed.vertices, given / kept.unit)
+
+
+def _pulled(start: _Start, path: str, steps: int, alpha: float, extrapolate: bool = True) -> _Way:
+    """Pull back without the convexity routine."""
+    method, recorder, triangulation = Paper(), StageRecorder("pull back", Log()), start.metric.triangulation
+    guesses: list[tuple[float, float]] = []
+    reached = [Annealed(start.vertices, 0.0, True)]
+
+    def relax(guess: Floats, t: float) -> Annealed:
+        before = reached[-1].vertices
+        try:
+            lengths = rescaled(start.metric, path_factors(path, start.uniform, t)).lengths
+        except InvalidMetric:  # between two metrics, but none itself
+            return Annealed(guess, np.inf, False)
+        first, last = (np.abs(length_residuals(triangulation, x, lengths)).max() for x in (guess, before))
+        guesses.append((float(first), float(last)))
+        found = method.anneal(start.system, guess if extrapolate else before, lengths, TOLERANCE, recorder)
+        reached.append(found)
+        return found
+
+    *_, end = pull_back(start.vertices, path_times(path, steps, alpha), relax)
+    off = distance(end.annealed.vertices, start.given) / start.metric.mean_length
+    return _Way(off < SAME, recorder.iterations, guesses)
+
+
+def _compared(start: _Start) -> dict[str, Any]:
+    """All paths, and what extrapolation is worth on the linear one."""
+    rows = []
+    for path, alpha in PATHS:
+        ways = {steps: _pulled(start, path, steps, alpha) for steps in TRIED}
+        rows.append(
+            {
+                "name": f"{path}, alpha = {alpha}" if path == "exponential" else path,
+                "arrived": [steps for steps, way in ways.items() if way.arrived],
+                "iterations": ways[COMPARED].iterations,
+                "longest": max(before for _, before in ways[COMPARED].guesses),
+            }
+        )
+    way = _pulled(start, "linear", COMPARED, 0.1)
+    without = _pulled(start, "linear", COMPARED, 0.1, extrapolate=False)
+    later = np.array(way.guesses[3:])  # j > 3
+    return {
+        "paths": rows,
+        "rates": {
+            "deficits": _unevenness(start, deficits),
+            "curvature": _unevenness(start, gaussian_curvature),
+        },
+        "extrapolation": {
+            "guesses": way.guesses,
+            "factor": float(np.median(later[:, 1] / later[:, 0])),
+            "iterations": way.iterations,
+            "without": without.iterations,
+        },
+    }
+
+
+def _unevenness(start: _Start, quantity: Callable[[PolyhedralMetric], Floats]) -> float:
+    """The largest over the smallest change of a quantity, as a vector, in a step of the linear path."""
+    values = np.array(
+        [
+            quantity(rescaled(start.metric, path_factors("linear", start.uniform, t)))
+            for t in path_times("linear", COMPARED, 0.1)
+        ]
+    )
+    changes = np.linalg.norm(np.diff(values, axis=0), axis=1)
+    return float(changes.max() / changes.min())
+
+
+def _followed_figure(followed: Sequence[dict[str, Any]]) -> Figure:
+    figure = plots.blank(5.0)
+    rows = figure.subplots(2, len(followed), squeeze=False, sharex=True)
+    for k, case in enumerate(followed):
+        above, below = rows[:, k]
+        title = f"{case['surface']}, N = {case['vertices']:,}, {case['steps']} steps"
+        plots.dress(above, "", "crumpled vertices" if k == 0 else "", title)
+        plots.dress(below, "$t / t_f$", "concave edges" if k == 0 else "")
+        for (routine, word), color, marker in zip(
+            ROUTINES.items(), plots.SERIES, plots.MARKERS, strict=False
+        ):
+            way = case["routines"][routine]
+            style = {"color": color, "marker": marker, "linewidth": 1.3, "markersize": 4.0}
+            if routine == "printed":  # under the next curve where it is the same
+                style |= {"markersize": 8.0, "fillstyle": "none"}
+            above.plot(way["t"], way["crumpled"], label=word, **style)
+            below.plot(way["t"], way["concave"], **style)
+        below.plot(
+            0, case["concave_given"], "D", color=plots.INK, markersize=8, fillstyle="none", clip_on=False
+        )
+        above.set_ylim(bottom=-0.5)
+        above.set_xlim(1.03, -0.03)
+    plots.legend(rows[0, 0])
+    return figure
+
+
+def _guess_figure(paths: dict[str, dict[str, Any]]) -> Figure:
+    figure = plots.blank(3.2)
+    for axes, (name, found) in zip(figure.subplots(1, len(paths), sharey=True), paths.items(), strict=True):
+        guess, before = np.array(found["extrapolation"]["guesses"]).T
+        j = np.arange(1, len(guess) + 1)
+        plots.dress(axes, "step j", "residual of the guess" if name == "ellipsoid" else "", name)
+        axes.semilogy(j, before, "s-", color=plots.VERMILION, label="the surface before", markersize=5)
+        axes.semilogy(j, guess, "o-", color=plots.BLUE, label="extrapolated from j = 4 on", markersize=5)
+    plots.legend(axes)
+    return figure

@@ -1,0 +1,39 @@
+"""Thresholds of algorithms: each has a value, a unit and a sentence, and one home.
+
+An algorithm's thresholds are the fields of one frozen dataclass, made with `threshold`; the tables of
+``docs/theory.md`` are made from them.  Compiled code takes the values from `compiled`.
+"""
+
+from __future__ import annotations
+
+from collections import namedtuple
+from collections.abc import Iterator
+from dataclasses import asdict, field, fields
+from typing import Any
+
+
+def threshold(value: Any, unit: str, meaning: str) -> Any:
+    """A field of a dataclass of thresholds.
+
+    Parameters
+    ----------
+    value : number or tuple of numbers
+        The default.
+    unit : str
+        What it is measured in, such as ``"mean edge lengths"``, ``"radians"``, ``"relative"`` or ``"count"``.
+    meaning : str
+        One sentence that says what happens at this value.
+    """
+    return field(default=value, metadata={"unit": unit, "meaning": meaning})
+
+
+def compiled(thresholds: Any) -> Any:
+    """The values as a named tuple, which functions compiled by numba may use as a global constant."""
+    values = asdict(thresholds)
+    return namedtuple(type(thresholds).__name__, values)(**values)
+
+
+def rows(thresholds: Any) -> Iterator[tuple[str, Any, str, str]]:
+    """The name, value, unit and meaning of each threshold, in the order of their definition."""
+    for each in fields(thresholds):
+        yield each.name, getattr(thresholds, each.name), each.metadata["unit"], each.metadata["meaning"]

@@ -1,0 +1,81 @@
+"""Neighboring realizations, and how far realizations are apart."""
+
+import numpy as np
+import pytest
+
+import smooth_bodies
+import zoo
+from isoembed.aim.nearby_realizations import nearby_realizations, quadratic_roots
+from isoembed.gallery import Bean, triangulate
+from isoembed.metric.polyhedral import PolyhedralMetric
+from isoembed.surface.alignment import distance
+from isoembed.surface.rigidity import LengthSystem, length_residuals
+
+
+def realization(vertices, faces):
+    metric = PolyhedralMetric.from_mesh(vertices, faces)
+    normalized = metric.normalized
+    return LengthSystem(metric.triangulation), vertices / metric.unit, normalized.lengths
+
+
+def found(system, x, lengths):
+    return nearby_realizations(system, x, lengths, smooth_bodies.recorder(), residual_tolerance=1e-11)
+
+
+@pytest.mark.parametrize(("surface", "n", "irregular"), [(Bean(), 400, None), (Bean(), 1000, 1)])
+def test_from_a_neighbor_the_smooth_surface_is_found_again(surface, n, irregular):
+    system, x, lengths = realization(*triangulate(surface, n, irregular=irregular))
+    first, *others = found(system, x, lengths)
+    assert distance(first, x) < 1e-9  # the surface that the lengths were taken from is the smoothest
+    assert others
+    for other in others:
+        assert np.abs(length_residuals(system.triangulation, other, lengths)).max() < 1e-11
+        assert distance(other, x) > 1e-6
+        again, *_ = found(system, other, lengths)
+        assert distance(again, x) < 1e-9
+
+
+def test_roots_of_quadratic_equations():
+    rng = np.random.default_rng(0)
+    for k in (1, 2, 3, 4):
+        Q = rng.normal(size=(k, k, k))
+        Q = Q + Q.transpose(0, 2, 1)
+        slope = rng.uniform(0.5, 1.0, k)
+        roots = quadratic_roots(np.zeros(k), slope, Q)
+        assert any(np.abs(root).max() < 1e-12 for root in roots)
+        assert any(np.abs(root).max() > 1e-3 for root in roots)
+        for root in roots:
+            assert slope * root + np.einsum("ijk,j,k->i", Q, root, root) / 2 == pytest.approx(0, abs=1e-9)
+        for first, root in enumerate(roots):
+            assert all(np.linalg.norm(root - other) > 1e-6 for other in roots[:first])
+
+
+def test_from_between_two_neighbors_one_is_found():
+    system, x, lengths = realization(*triangulate(Bean(), 400))
+    _, other, *_ = found(system, x, lengths)
+    between = 0.95 * x + 0.05 * other
+    assert np.abs(length_residuals(system.triangulation, between, lengths)).max() > 1e-11
+    first, *_ = found(system, between, lengths)
+    assert min(distance(first, x), distance(first, other)) < 1e-9
+
+
+@pytest.mark.parametrize("mesh", [zoo.icosahedron(), zoo.icosphere(2), zoo.random_hull(30, 0)])
+def test_convex_bodies_are_alone(mesh):
+    system, x, lengths = realization(*mesh)
+    assert len(found(system, x, lengths)) == 1
+
+
+def test_a_surface_that_flexes_has_none_to_be_found():
+    vertices, faces = zoo.icosphere(1)
+    system, _, lengths = realization(vertices, faces)
+    assert found(system, vertices * [1, 1, 0], lengths) == []
+
+
+def test_the_distance_forgets_motions():
+    vertices, _ = zoo.random_hull(20, 1)
+    moved = vertices @ zoo.rotation(3) + [1.0, -2.0, 0.5]
+    assert distance(vertices, moved) < 1e-14
+    moved[7] += [0.0, 0.0, 1e-3]
+    assert 5e-4 < distance(vertices, moved) < 1e-3
+    # A mirror image is another placement.
+    assert distance(vertices, vertices * [1, 1, -1]) > 0.1

@@ -1,0 +1,95 @@
+"""Flat bodies: polygons covered twice, found on the way and laid out."""
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+import zoo
+from isoembed.alexandrov.doubly_covered import THIN, doubly_covered, flat_limit
+from isoembed.alexandrov.homotopy import walk
+from isoembed.intrinsic.flips import HalfEdges
+from isoembed.mesh.triangulation import Triangulation
+from isoembed.metric.curvature import Triangles
+from isoembed.progress.stages import Log
+
+
+def polygon(n, seed, stretch=1.0):
+    angle = 2 * np.pi * (np.arange(n) + 0.6 * np.random.default_rng(seed).random(n)) / n
+    return np.column_stack([stretch * np.cos(angle), np.sin(angle)])
+
+
+def found_flat(outline, seed):
+    tables = HalfEdges.of(*zoo.doubly_covered(outline))
+    tables.scramble(10 * len(outline), np.random.default_rng(seed))
+    deficits = 2 * np.pi - np.bincount(tables.corners, Triangles.of(tables.face_lengths).angles.ravel())
+    with Log().stage("polytope") as recorder:
+        for p in walk(tables, deficits, recorder):
+            found = flat_limit(p) if p.lowest < THIN else None
+            if found is not None:
+                return found
+    return None
+
+
+@given(st.integers(4, 12), st.integers(0, 10**6), st.sampled_from([1.0, 3.0, 10.0]))
+def test_polygons_are_found(n, seed, stretch):
+    outline = polygon(n, seed, stretch)
+    found = found_flat(outline, seed)
+    assert found is not None
+    assert zoo.aligned(found.vertices, np.column_stack([outline, np.zeros(n)])) < 1e-9 * stretch
+    Triangulation(found.tables.faces)  # a simplicial complex
+    i, j = found.tables.corners, found.tables.corners[found.tables.twins]
+    chords = np.linalg.norm(found.vertices[i] - found.vertices[j], axis=1)
+    assert chords == pytest.approx(found.tables.lengths, abs=1e-12 * stretch)
+
+
+def test_the_square_whose_apex_is_on_a_diagonal():
+    square = np.array([[0.0, 0], [1, 0], [1, 1], [0, 1]])
+    found = found_flat(square, 0)
+    assert zoo.aligned(found.vertices, np.column_stack([square, np.zeros(4)])) < 1e-12
+
+
+def test_the_parallelogram_whose_apex_is_on_two_flat_edges():
+    shear = np.array([[0.0, 0], [1, 0], [2, 1], [1, 1]])
+    found = found_flat(shear, 1)
+    assert zoo.aligned(found.vertices, np.column_stack([shear, np.zeros(4)])) < 1e-12
+
+
+def test_the_signposts_of_the_fans_are_those_of_the_metric():
+    outline = polygon(7, 1)
+    tables = HalfEdges.of(*zoo.doubly_covered(outline))
+    start, end = tables.corners, np.roll(tables.faces, -1, axis=1).ravel()
+    folds = (end - start) % 7 == 1
+    folds |= folds[tables.twins]
+    found = doubly_covered(tables, folds)
+    angles = Triangles.of(tables.face_lengths).angles.ravel()
+    total = np.bincount(tables.corners, angles)
+    known = {(a, b): x for a, b, x in zip(start[folds], end[folds], tables.directions[folds], strict=True)}
+    new_ends = np.roll(found.tables.faces, -1, axis=1).ravel()
+    seen = 0
+    for a, b, x in zip(found.tables.corners, new_ends, found.tables.directions, strict=True):
+        if (b - a) % 7 in (1, 6):
+            off = (x - known[a, b]) / total[a]
+            assert abs((off + 0.5) % 1 - 0.5) < 1e-12
+            seen += 1
+    assert seen == 14
+
+
+def test_the_doubly_covered_triangle():
+    outline = np.array([[0.0, 0], [4, 0], [0, 3]])
+    tables = HalfEdges.of(*zoo.doubly_covered(outline))
+    found = doubly_covered(tables, np.ones(6, dtype=bool))
+    assert zoo.aligned(found.vertices, np.column_stack([outline, np.zeros(3)])) < 1e-14
+
+
+def test_what_is_not_a_doubly_covered_polygon():
+    tables = HalfEdges.of(*zoo.doubly_covered(polygon(6, 0)))
+    assert doubly_covered(tables, np.zeros(tables.twins.size, dtype=bool)) is None
+    assert doubly_covered(tables, np.ones(tables.twins.size, dtype=bool)) is None
+    # The two sheets of a tetrahedron, folded along a closed path of four edges, have different angles.
+    faces, twins, lengths = zoo.doubly_covered(np.array([[0.0, 0], [2, 0], [2, 1], [0, 1]]))
+    start, end = faces.ravel(), np.roll(faces, -1, axis=1).ravel()
+    bent = lengths.ravel().copy()
+    bent[(start + end == 2) & (start != 1) & (np.arange(12) < 6)] *= 1.1
+    folds = (end - start) % 4 != 2
+    assert doubly_covered(HalfEdges.of(faces, twins, bent.reshape(-1, 3)), folds) is None

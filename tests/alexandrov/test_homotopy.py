@@ -1,0 +1,86 @@
+"""From a metric to its polytope and its vertices, compared with discarded coordinates."""
+
+import numpy as np
+import pytest
+
+import zoo
+from isoembed import PolyhedralMetric
+from isoembed.alexandrov.homotopy import Solution, independent_directions, newton, walk
+from isoembed.alexandrov.placement import placed, polished
+from isoembed.alexandrov.polytope import Polytope
+from isoembed.intrinsic.flips import HalfEdges
+from isoembed.metric.curvature import deficits
+from isoembed.progress.stages import Log
+
+
+def problem(vertices, faces, scrambled=None):
+    metric = PolyhedralMetric.from_mesh(vertices, faces)
+    tables = HalfEdges.of(metric.faces, metric.triangulation.twins, metric.face_lengths)
+    tables.scramble(10 * len(vertices) if scrambled is None else scrambled, np.random.default_rng(0))
+    return tables, deficits(metric)
+
+
+def solved(tables, deficits):
+    with Log().stage("polytope") as recorder:
+        *path, last = walk(tables, deficits, recorder)
+    return path, last, recorder
+
+
+def worst_edge(solution, vertices):
+    tables = solution.polytope.tables
+    chords = vertices[tables.corners] - vertices[tables.corners[tables.twins]]
+    return np.abs(np.linalg.norm(chords, axis=1) - tables.lengths).max() / tables.lengths.mean()
+
+
+@pytest.mark.parametrize("axes", [(1, 1, 1), (3, 2, 1), (30, 1, 1), (1, 1, 0.03), (300, 1, 1), (1, 1, 0.003)])
+@pytest.mark.parametrize("seed", range(3))
+def test_bodies_of_all_shapes(axes, seed):
+    points = np.random.default_rng(seed).normal(size=(60, 3))
+    vertices, faces = zoo.outward_hull(points / np.linalg.norm(points, axis=1)[:, None] * axes)
+    _, solution, _ = solved(*problem(vertices, faces))
+    assert isinstance(solution, Solution)
+    found = polished(solution, placed(solution))
+    assert worst_edge(solution, found) < 1e-10
+    assert zoo.aligned(found, vertices) < 1e-9 * max(axes)
+
+
+def test_the_tetrahedron():
+    vertices, faces = zoo.tetrahedron()
+    _, solution, _ = solved(*problem(vertices, faces, scrambled=0))
+    assert zoo.aligned(placed(solution), vertices) < 1e-12
+
+
+def test_a_round_body_takes_two_factorizations():
+    vertices, faces = zoo.icosphere(3)
+    vertices = vertices * [3.0, 2.0, 1.0]
+    path, solution, recorder = solved(*problem(vertices, faces))
+    assert recorder.factorizations == 2
+    assert len(path) < 15
+    # The curvatures of the path go down from the deficits' size.
+    assert np.linalg.norm(path[-1].curvatures) < 0.05 * np.linalg.norm(path[0].curvatures)
+    assert np.abs(solution.polytope.curvatures).max() < 1e-12
+
+
+def test_the_polish_takes_the_errors_of_the_placement_away():
+    vertices, faces = zoo.icosphere(3)
+    _, solution, _ = solved(*problem(vertices * [3.0, 2.0, 1.0], faces))
+    shaken = placed(solution) + 1e-7 * np.random.default_rng(0).normal(size=vertices.shape)
+    once = polished(solution, shaken)
+    assert worst_edge(solution, shaken) > 1e-7
+    assert worst_edge(solution, once) < 1e-3 * worst_edge(solution, shaken)
+    assert polished(solution, once) is once or worst_edge(solution, polished(solution, once)) < 1e-12
+
+
+def test_newton_gives_up_far_from_a_solution():
+    tables, epsilon = problem(*zoo.random_hull(40, 2))
+    start = Polytope.over(tables, np.full(40, 50.0))
+    with Log().stage("newton") as recorder:
+        assert newton(start, epsilon, recorder) is None
+
+
+def test_the_pins_see_the_apex_at_right_angles():
+    vertices, faces = zoo.icosphere(3)
+    tables, _ = problem(vertices, faces, scrambled=0)
+    pins = independent_directions(Polytope.over(tables, np.ones(len(vertices))))
+    products = vertices[pins] @ vertices[pins].T
+    assert np.abs(products - np.eye(3)).max() < 0.2

@@ -1,0 +1,257 @@
+"""``method="alexandrov"``: the polyhedron of a metric, whatever its triangles."""
+
+import json
+from itertools import pairwise
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+import isoembed
+import zoo
+from isoembed import Alexandrov, ConvexPolyhedron, GluedMetric, PolyhedralMetric, embed
+from isoembed.intrinsic.flips import HalfEdges
+
+
+def scrambled(vertices, faces, seed):
+    """The metric of a surface on random triangles, which need not be a simplicial complex."""
+    metric = PolyhedralMetric.from_mesh(vertices, faces)
+    tables = HalfEdges.of(metric.faces, metric.triangulation.twins, metric.face_lengths)
+    tables.scramble(10 * len(vertices), np.random.default_rng(seed))
+    return GluedMetric(tables.faces, tables.twins, tables.face_lengths)
+
+
+def grid_cube(n):
+    """The unit cube with n x n squares, each cut in two, on every side."""
+    vertices, faces = zoo.cube()
+    points, triangles = [], []
+    for side in range(6):
+        axis, far = divmod(side, 2)
+        u, v = (k for k in range(3) if k != axis)
+        i, j = (index.ravel() for index in np.meshgrid(np.arange(n + 1), np.arange(n + 1), indexing="ij"))
+        grid = np.zeros((len(i), 3))
+        grid[:, axis], grid[:, u], grid[:, v] = far, i / n, j / n
+        a = np.array([p * (n + 1) + q for p in range(n) for q in range(n)])
+        quads = np.stack([a, a + n + 1, a + n + 2, a + 1], axis=1)
+        if (far == 1) == (axis == 1):
+            quads = quads[:, ::-1]
+        offset = sum(map(len, points))
+        triangles += [offset + quads[:, [0, 1, 2]], offset + quads[:, [0, 2, 3]]]
+        points.append(grid)
+    del vertices, faces
+    unique, index = np.unique(np.round(np.concatenate(points), 12), axis=0, return_inverse=True)
+    return unique, index.ravel()[np.concatenate(triangles)]
+
+
+@given(st.integers(4, 40), st.integers(0, 10**6))
+def test_hulls_from_scrambled_triangles(n, seed):
+    vertices, faces = zoo.random_hull(n, seed)
+    found = embed(scrambled(vertices, faces, seed), method="alexandrov")
+    assert isinstance(found, ConvexPolyhedron)
+    assert zoo.aligned(found.vertices, vertices) < 1e-9
+    assert found.residual < 1e-10 and not found.concave_edges.any()
+    assert {frozenset(f) for f in found.faces.tolist()} == {frozenset(f) for f in faces.tolist()}
+
+
+@given(st.integers(0, 10**6), st.sampled_from([1e-150, 1e-12, 1.0, 1e12, 1e150]))
+def test_neither_scale_nor_labels_nor_mirror_matter(seed, scale):
+    vertices, faces = zoo.random_hull(12, seed)
+    found = embed(PolyhedralMetric.from_mesh(vertices * scale, faces), method="alexandrov")
+    assert zoo.aligned(found.vertices / scale, vertices) < 1e-10
+    moved, turned, new = zoo.relabeled(vertices, faces[:, ::-1], seed)
+    other = embed(PolyhedralMetric.from_mesh(moved * scale, turned), method="alexandrov")
+    assert zoo.aligned(other.vertices[new] / scale, vertices) < 1e-10
+
+
+@pytest.mark.parametrize("n", [2, 5, 12])
+def test_flat_vertices_find_their_places(n):
+    vertices, faces = grid_cube(n)
+    found = embed(scrambled(vertices, faces, n), method="alexandrov")
+    assert zoo.aligned(found.vertices, vertices) < 1e-10
+    assert len(found.flat_vertices) == len(vertices) - 8
+    assert found.volume == pytest.approx(1, rel=1e-10)
+    assert found.integrated_mean_curvature == pytest.approx(3 * np.pi, rel=1e-8)
+    assert sorted(len(outline) for outline in found.polygons) == [4 * n] * 6
+    assert found.certificate.certified
+
+
+def test_polygons_are_the_faces_from_outside():
+    vertices, faces = zoo.cube()
+    found = embed(PolyhedralMetric.from_mesh(vertices, faces), method="alexandrov")
+    assert len(found.polygons) == 6
+    for outline, f in zip(found.polygons, range(6), strict=True):
+        points = found.vertices[outline]
+        normal = np.cross(points[1] - points[0], points[2] - points[1])
+        assert normal @ (points.mean(axis=0) - found.vertices.mean(axis=0)) > 0
+        triangles = found.faces[found.face_polygons == f]
+        assert set(triangles.ravel()) == set(outline)
+
+
+def test_edges_of_the_input_are_drawn_on_the_result():
+    vertices, faces = zoo.cube()
+    metric = scrambled(vertices, faces, 1)
+    found = embed(metric, method="alexandrov")
+    points, starts = found.edge_paths.points(found.vertices), found.edge_paths.point_offsets
+    assert len(starts) == metric.n_edges + 1
+    h = np.flatnonzero(np.arange(metric.twins.size) < metric.twins)
+    bent = 0
+    for e, (i, j) in enumerate(pairwise(starts)):
+        path = points[i:j]
+        steps = np.linalg.norm(np.diff(path, axis=0), axis=1)
+        assert steps.sum() == pytest.approx(metric.face_lengths.ravel()[h[e]], rel=1e-12)
+        # On the surface: within the faces of the cube.
+        inside = found.vertices.min(axis=0) - 1e-12
+        assert (path >= inside).all()
+        bent += len(path) > 2
+    assert bent > 0
+    assert found.path_residuals.max() < 1e-13
+
+
+def test_a_doubly_covered_polygon():
+    angle = 2 * np.pi * np.arange(7) / 7
+    outline = np.column_stack([2 * np.cos(angle), np.sin(angle)])
+    found = embed(GluedMetric(*zoo.doubly_covered(outline)), method="alexandrov")
+    assert zoo.aligned(found.vertices, np.column_stack([outline, np.zeros(7)])) < 1e-12
+    assert found.volume == 0 and len(found.polygons) == 2
+    perimeter = np.linalg.norm(outline - np.roll(outline, 1, axis=0), axis=1).sum()
+    assert found.integrated_mean_curvature == pytest.approx(np.pi * perimeter / 2, rel=1e-12)
+    assert "doubly covered" in found.certificate.reason and not found.certificate.certified
+
+
+def test_a_doubly_covered_triangle():
+    faces, twins, lengths = zoo.doubly_covered(np.array([[0.0, 0], [4, 0], [0, 3]]))
+    for metric in (GluedMetric(faces, twins, lengths), PolyhedralMetric(faces, [4.0, 3.0, 5.0])):
+        found = embed(metric, method="alexandrov")
+        assert found.area == pytest.approx(12) and found.residual < 1e-14
+    with pytest.raises(isoembed.InvalidParameter, match="triangle covered twice"):
+        embed(metric, method="aim")
+
+
+def test_what_is_not_convex_is_refused_by_name():
+    vertices, faces = zoo.icosphere(1)
+    vertices[20] *= 1.5
+    with pytest.raises(isoembed.InvalidMetric, match=r"vertex \d+ has total angle .* > 2 pi"):
+        embed(PolyhedralMetric.from_mesh(vertices, faces), method="alexandrov")
+
+
+def with_centers(vertices, faces):
+    """Every face cut into three at its center."""
+    n, f = len(vertices), len(faces)
+    corners = [np.stack([faces[:, k], faces[:, (k + 1) % 3], n + np.arange(f)], axis=1) for k in range(3)]
+    return np.vstack([vertices, vertices[faces].mean(axis=1)]), np.concatenate(corners)
+
+
+@pytest.mark.parametrize("noise", [1e-4, 1e-6, 1e-8, 1e-10])
+def test_noise_is_repaired_where_asked_and_reported(noise):
+    vertices, faces = with_centers(*zoo.octahedron())
+    metric = PolyhedralMetric.from_mesh(vertices, faces)
+    rng = np.random.default_rng(1)
+    noisy = metric.with_lengths(metric.lengths * (1 + noise * rng.normal(size=len(metric.lengths))))
+    with pytest.raises(isoembed.InvalidMetric, match="> 2 pi"):
+        embed(noisy, method="alexandrov")
+    found = embed(noisy, method=Alexandrov(repair=100 * noise))
+    assert zoo.aligned(found.vertices, vertices) < 10 * noise**0.5
+    said = found.report["repair"]
+    assert len(said["vertices"]) > 0 and max(said["deficits"]) < 0
+    assert 0 < said["largest_relative_length_change"] < 100 * noise
+    assert embed(metric, method=Alexandrov(repair=noise)).report["repair"] is None
+
+
+def test_the_noise_is_a_number_of_radians():
+    with pytest.raises(isoembed.InvalidParameter, match="repair is -1"):
+        Alexandrov(repair=-1)
+
+
+def test_triangles_too_thin_for_floats_are_a_failure():
+    # Noise at vertices on the edges of a body makes faces that are 1e-7 wide.
+    vertices, faces = zoo.subdivided(*zoo.tetrahedron())
+    metric = PolyhedralMetric.from_mesh(vertices, faces)
+    rng = np.random.default_rng(0)
+    noisy = metric.with_lengths(metric.lengths * (1 + 1e-7 * rng.normal(size=len(metric.lengths))))
+    with pytest.raises(isoembed.NotEmbedded, match=r"too thin for floats|no polytope|miss the tolerance"):
+        embed(noisy, method=Alexandrov(repair=1e-3))
+
+
+def test_a_glued_metric_needs_this_method():
+    metric = scrambled(*zoo.octahedron(), 0)
+    with pytest.raises(isoembed.InvalidParameter, match='take the method "alexandrov"'):
+        embed(metric)
+
+
+def test_failure_is_reported_with_what_there_is(monkeypatch):
+    monkeypatch.setattr("isoembed.alexandrov.homotopy.NEWTON_STEPS", 0)
+    monkeypatch.setattr("isoembed.alexandrov.placement.RELAXATIONS", 0)
+    vertices, faces = grid_cube(2)
+    metric = PolyhedralMetric.from_mesh(vertices, faces)
+    with pytest.raises(isoembed.NotEmbedded, match="no polytope without curvature") as failure:
+        embed(metric, method="alexandrov")
+    attempt = failure.value.embedding
+    assert attempt.metric is metric and attempt.residual > 1e-10
+    assert attempt.residual < 1  # not far
+    assert attempt.report["status"] == "not converged"
+
+
+@pytest.mark.parametrize(
+    ("n", "apex", "height"), [(3, (0.3, 0.2), 0.1), (4, (0.3, 0.2), 0.02), (8, (0, 0), 0.01)]
+)
+def test_low_pyramids_are_finished_by_their_lengths(n, apex, height):
+    angle = 2 * np.pi * np.arange(n) / n
+    base = np.column_stack([np.cos(angle), np.sin(angle), 0 * angle])
+    vertices, faces = zoo.outward_hull(np.vstack([base, [*apex, height]]))
+    found = embed(PolyhedralMetric.from_mesh(vertices, faces), method="alexandrov")
+    assert zoo.aligned(found.vertices, vertices) < 1e-10
+    assert not found.concave_edges.any()
+
+
+def test_what_failed_is_no_success_however_near_its_lengths(monkeypatch):
+    monkeypatch.setattr("isoembed.alexandrov.homotopy.NEWTON_STEPS", 0)
+    monkeypatch.setattr("isoembed.alexandrov.placement.RELAXATIONS", 0)
+    with pytest.raises(isoembed.NotEmbedded, match="no polytope without curvature"):
+        embed(PolyhedralMetric.from_mesh(*zoo.icosahedron()), method="alexandrov", tolerance=1.0)
+
+
+@pytest.mark.parametrize("size", [1e-3, 1.0, 1e6])
+def test_the_certified_distance_is_in_the_unit_of_the_lengths(size):
+    vertices, faces = zoo.random_hull(30, 2)
+    found = embed(PolyhedralMetric.from_mesh(size * vertices, faces), method="alexandrov")
+    assert found.certificate.certified
+    assert zoo.aligned(found.vertices, size * vertices) < 100 * found.certificate.distance + 1e-14 * size
+    assert 1e-17 * size < found.certificate.distance < 1e-11 * size
+
+
+def test_deficits_that_rounding_hides_are_refused():
+    sides = [1.0, 1.0, 2 - 1e-14]
+    metric = GluedMetric([[0, 1, 2], [0, 2, 1]], [5, 4, 3, 2, 1, 0], [sides, sides[::-1]])
+    with pytest.raises(
+        isoembed.InvalidMetric, match="only 2 vertices have a deficit that rounding does not hide"
+    ):
+        embed(metric, method="alexandrov")
+
+
+def test_success_is_claimed_on_the_residual_of_what_is_returned():
+    vertices, faces = zoo.icosahedron()
+    metric = PolyhedralMetric.from_mesh(vertices, faces)
+    with pytest.raises(isoembed.NotEmbedded):
+        embed(metric, method="alexandrov", tolerance=1e-30)
+
+
+def test_the_report():
+    vertices, faces = grid_cube(2)
+    metric = scrambled(vertices, faces, 3)
+    report = embed(metric, method="alexandrov").report
+    json.dumps(report, allow_nan=False)
+    assert report["status"] == "converged" and report["method"] == "alexandrov"
+    assert report["input"]["edges"] == metric.n_edges
+    assert report["polyhedron"] == {"vertices": 8, "faces": 6, "flat_vertices": 18}
+    assert report["certificate"]["certified"]
+    assert report["residual"]["max"] >= report["residual"]["paths"]
+    names = [stage["name"] for stage in report["stages"]]
+    assert names == ["flat vertices", "polytope", "placement", "edge paths"]
+
+
+def test_two_factorizations():
+    vertices, faces = zoo.icosphere(4)
+    found = embed(scrambled(vertices * [3.0, 2.0, 1.0], faces, 0), method=Alexandrov(backend="superlu"))
+    assert sum(stage.factorizations for stage in found.stages) == 2
+    assert zoo.aligned(found.vertices, vertices * [3.0, 2.0, 1.0]) < 1e-12

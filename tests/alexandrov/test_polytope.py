@@ -1,0 +1,98 @@
+"""Generalized polytopes: closed forms, finite differences, and bodies whose radii are known."""
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+import zoo
+from isoembed import PolyhedralMetric
+from isoembed.alexandrov.polytope import Polytope
+from isoembed.intrinsic.flips import HalfEdges
+
+CENTER = np.array([0.05, -0.1, 0.02])
+
+
+def tables_of(vertices, faces, scrambled=0):
+    metric = PolyhedralMetric.from_mesh(vertices, faces)
+    tables = HalfEdges.of(metric.faces, metric.triangulation.twins, metric.face_lengths)
+    tables.scramble(scrambled, np.random.default_rng(0))
+    return tables
+
+
+@given(st.integers(6, 40), st.integers(0, 10**6))
+def test_a_body_has_no_curvature_around_an_inner_point(n, seed):
+    vertices, faces = zoo.random_hull(n, seed)
+    vertices = vertices - vertices.mean(axis=0)
+    radii = np.linalg.norm(vertices, axis=1)
+    p = Polytope.over(tables_of(vertices, faces, 10 * n), radii)
+    assert p is not None
+    # Flips went back to the faces of the hull.
+    assert {frozenset(f) for f in p.tables.faces.tolist()} == {frozenset(f) for f in faces.tolist()}
+    assert np.abs(p.curvatures).max() < 1e-9
+    # Moving the apex changes no curvature.
+    scale = np.abs(p.coupling).max()
+    assert np.abs(p.times_jacobian(vertices / radii[:, None])).max() < 1e-9 * max(scale, 1)
+
+
+def test_the_signature_at_a_solution():
+    vertices, faces = zoo.random_hull(30, 1)
+    p = Polytope.over(tables_of(vertices, faces), np.linalg.norm(vertices - CENTER, axis=1))
+    eigenvalues = np.linalg.eigvalsh(p.jacobian().toarray())
+    small = np.abs(eigenvalues) < 1e-10 * np.abs(eigenvalues).max()
+    assert (small.sum(), (eigenvalues[~small] > 0).sum()) == (3, 1)
+
+
+def test_equal_radii_around_a_regular_body():
+    # Around each of the 6 axes stand 4 pyramids with edges R, R, R over a triangle of side s.
+    s, R = np.sqrt(2.0), 3.0
+    p = Polytope.over(tables_of(*zoo.octahedron()), np.full(6, R))
+    half = s / 2 / R  # sine of half the angle at the apex
+    beta = 2 * np.arcsin(half)
+    dihedral = np.arccos(np.cos(beta) / (1 + np.cos(beta)))
+    assert p.curvatures == pytest.approx(np.full(6, 2 * np.pi - 4 * dihedral), abs=1e-13)
+    assert p.lowest == pytest.approx((R**2 - s**2 / 3) / R**2, rel=1e-13)
+
+
+@pytest.mark.parametrize("scale", [1e-3, 1.0, 1e3])
+def test_the_derivative_is_that_of_the_curvatures(scale):
+    vertices, faces = zoo.random_hull(25, 4)
+    radii = 1.2 * np.linalg.norm(vertices - CENTER, axis=1) * scale
+    tables = tables_of(vertices * scale, faces)
+    p = Polytope.over(tables, radii)
+    v = np.random.default_rng(0).normal(size=25) * radii
+    step = 1e-6
+    ahead, behind = (Polytope.on(p.tables, radii + sign * step * v) for sign in (1, -1))
+    difference = (ahead.curvatures - behind.curvatures) / (2 * step)
+    assert p.times_jacobian(v) == pytest.approx(difference, abs=1e-7)
+    assert p.jacobian() @ v == pytest.approx(p.times_jacobian(v), abs=1e-12)
+    assert p.times_jacobian(np.column_stack([v, 2 * v]))[:, 1] == pytest.approx(
+        2 * p.times_jacobian(v), abs=1e-12
+    )
+
+
+def test_the_derivative_on_loops_and_repeated_edges():
+    # A doubly covered polygon has few edges, which repeat when they are scrambled.
+    outline = np.array([[0.0, 0], [3, 0], [2, 1], [0.5, 1.5]])
+    tables = HalfEdges.of(*zoo.doubly_covered(outline))
+    tables.scramble(20, np.random.default_rng(3))
+    pairs = np.sort(np.stack([tables.corners, tables.corners[tables.twins]], axis=1), axis=1)
+    assert len(np.unique(pairs, axis=0)) < 6  # some edge repeats another or is a loop
+    radii = np.array([40.0, 40.1, 39.9, 40.0])
+    p = Polytope.on(tables, radii)
+    v, step = np.array([0.3, -1.0, 0.5, 0.8]), 1e-6
+    ahead, behind = (Polytope.on(tables, radii + sign * step * v) for sign in (1, -1))
+    difference = (ahead.curvatures - behind.curvatures) / (2 * step)
+    assert p.times_jacobian(v) == pytest.approx(difference, abs=1e-7)
+    assert p.jacobian() @ v == pytest.approx(p.times_jacobian(v), abs=1e-13)
+
+
+def test_what_is_no_polytope():
+    vertices, faces = zoo.octahedron()
+    tables = tables_of(vertices, faces)
+    assert Polytope.over(tables, np.full(6, 0.5)) is None  # too short to reach over a triangle
+    assert Polytope.over(tables, np.full(6, -2.0)) is None
+    assert (
+        Polytope.over(tables, np.array([9.0, 1, 1, 1, 1, 1])) is None
+    )  # longer than the triangle inequality
+    assert Polytope.over(tables, np.full(6, np.nan)) is None

@@ -1,0 +1,241 @@
+"""Ctrl-C and SIGTERM: what the command leaves, what it says, and how it goes on."""
+
+import os
+import signal
+import subprocess
+import sys
+import threading
+
+import numpy as np
+import pytest
+
+import counting
+import zoo
+from isoembed import PolyhedralMetric, _embed
+from isoembed.cli import main
+from isoembed.cli.signals import Interruption, handled
+from isoembed.io import read_checkpoint, read_metric, write_metric
+from isoembed.progress.stages import StageRecorder
+from places import SUPPORT
+
+STOP = ("--method", "counting", "--parameter", "stop=2")
+SILENT = ("--parameter", "keeps=false")
+LEFT = "a.ply.checkpoint.npz"
+COMMAND = [
+    sys.executable,
+    "-c",
+    f"import sys; sys.path.insert(0, {str(SUPPORT)!r}); from isoembed import _embed; "
+    f"_embed.METHODS['counting'] = {counting.HOME!r}; from isoembed.cli import main; sys.exit(main())",
+]
+
+
+@pytest.fixture
+def here(tmp_path, monkeypatch):
+    """An empty folder with the metric of an icosphere in it, and a method that can be stopped."""
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.setitem(_embed.METHODS, "counting", counting.HOME)
+    write_metric("metric.npz", PolyhedralMetric.from_mesh(*zoo.icosphere(1)))
+    return tmp_path
+
+
+@pytest.fixture
+def run(here, capfd):
+    """Call the command in that folder; return its status and its complaint."""
+
+    def call(*arguments):
+        status = main(["embed", "metric.npz", *(str(argument) for argument in arguments)])
+        _, err = capfd.readouterr()
+        assert "Traceback" not in err
+        assert err.count("\n") <= 1
+        assert not [name for name in os.listdir() if name.startswith(".")]
+        return status, err
+
+    return call
+
+
+def files():
+    return sorted(set(os.listdir()) - {"metric.npz"})
+
+
+def is_the_answer(path):
+    np.testing.assert_allclose(read_metric(path).lengths, read_metric("metric.npz").lengths, rtol=1e-9)
+
+
+# What is left, and going on
+
+
+def test_it_leaves_a_checkpoint_beside_the_output_and_goes_on_from_it(run):
+    status, err = run(*STOP, "-o", "a.ply", "--report", "r.json", "--quiet")
+    assert status == 130
+    assert err == (
+        "isoembed: error: interrupted in the stage 'counting'; the checkpoint is in a.ply.checkpoint.npz: "
+        "the same command with --resume a.ply.checkpoint.npz goes on from it\n"
+    )
+    assert files() == [LEFT]
+    assert read_checkpoint(LEFT).arrays["left"] == 2
+    assert run(*STOP, "-o", "a.ply", "--resume", LEFT) == (0, "")
+    assert files() == ["a.ply", LEFT]
+    is_the_answer("a.ply")
+
+
+def test_sigterm_does_the_same_under_its_own_status(run):
+    status, err = run(*STOP, "--parameter", f"number={int(signal.SIGTERM)}", "-o", "a.ply")
+    assert status == 143
+    assert "the checkpoint is in a.ply.checkpoint.npz" in err
+    assert files() == [LEFT]
+
+
+def test_the_checkpoint_may_have_a_name_of_its_own(run):
+    status, err = run(*STOP, "-o", "a.ply", "--checkpoint", "my run.npz")
+    assert status == 130
+    assert "is in my run.npz: the same command with --resume 'my run.npz' goes on" in err
+    assert files() == ["my run.npz"]
+    assert run(*STOP, "--resume", "my run.npz", "--checkpoint", "my run.npz") == (0, "")
+
+
+def test_without_an_output_there_is_a_checkpoint_only_on_demand(run):
+    status, err = run(*STOP)
+    assert status == 130
+    assert err.endswith("; there is no checkpoint, as neither --output nor --checkpoint says where\n")
+    assert files() == []
+    assert run(*STOP, "--checkpoint", "c.npz")[0] == 130
+    assert files() == ["c.npz"]
+
+
+def test_without_an_output_the_resumed_checkpoint_is_replaced(run, monkeypatch):
+    run(*STOP, "--checkpoint", "c.npz")
+    keep = StageRecorder.keep
+
+    def stop(recorder, **arrays):
+        keep(recorder, **arrays)
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr(StageRecorder, "keep", stop)
+    status, err = run(*STOP, "--resume", "c.npz")
+    assert (status, files()) == (130, ["c.npz"])
+    assert "is in c.npz" in err
+    assert read_checkpoint("c.npz").arrays["left"] == 1
+
+
+def test_where_nothing_was_kept_it_says_so(run):
+    status, err = run(*STOP, *SILENT, "-o", "a.ply")
+    assert status == 130
+    assert err.endswith("; there is no checkpoint, as the method 'counting' kept nothing to go on from\n")
+    assert files() == []
+
+
+def test_a_checkpoint_that_cannot_be_written_is_said(run, here):
+    (here / LEFT).mkdir()
+    status, err = run(*STOP, "-o", "a.ply")
+    assert status == 130
+    assert "; there is no checkpoint: cannot write a.ply.checkpoint.npz: Is a directory" in err
+    assert files() == [LEFT]
+    assert os.listdir(LEFT) == []
+
+
+# What is refused
+
+
+def test_that_of_another_computation_is_refused(run):
+    run(*STOP, "-o", "a.ply")
+    for options, words in (
+        (("--method", "counting"), "left by another method: Counting(steps=5, stop=2, "),
+        ((*STOP, "--tolerance", "1e-8"), "left under another tolerance: 1e-10, not 1e-08"),
+    ):
+        status, err = run(*options, "-o", "a.ply", "--resume", LEFT)
+        assert status == 2
+        assert words in err
+    metric = read_metric("metric.npz")
+    write_metric("metric.npz", metric.with_lengths(1.1 * metric.lengths))
+    status, err = run(*STOP, "-o", "a.ply", "--resume", LEFT)
+    assert status == 2
+    assert "the checkpoint belongs to another metric" in err
+    assert files() == [LEFT]
+
+
+@pytest.mark.parametrize(
+    ("options", "sentence"),
+    [
+        (["--resume", "no.npz"], "there is no file no.npz"),
+        (["--resume", "metric.npz"], "INPUT and the checkpoint are the same file metric.npz"),
+        (["--resume", "metric.npz", "-o", "a.ply"], "metric.npz is not a checkpoint: it has no 'stage'"),
+        (["--checkpoint", "a.ply"], "a.ply has the ending '.ply', not one of .npz"),
+        (["--checkpoint", "no/a.npz"], "there is no folder"),
+        (["--checkpoint", "a.npz", "-o", "./a.npz"], "--output and the checkpoint are the same file a.npz"),
+        (["--checkpoint", "metric.npz"], "INPUT and the checkpoint are the same file"),
+    ],
+)
+def test_refusals(run, options, sentence):
+    status, err = run(*STOP, *options)
+    assert status == 2
+    assert sentence in err
+    assert files() == []
+
+
+# Signals
+
+
+def test_signals_that_come_together_are_one():
+    interruption = Interruption()
+    before = [signal.getsignal(number) for number in (signal.SIGINT, signal.SIGTERM)]
+    with handled(interruption):
+        with pytest.raises(KeyboardInterrupt):
+            signal.raise_signal(signal.SIGTERM)
+        signal.raise_signal(signal.SIGTERM)  # as timeout(1) does
+        signal.raise_signal(signal.SIGINT)
+        interruption._came -= 10
+        with pytest.raises(KeyboardInterrupt):
+            signal.raise_signal(signal.SIGINT)
+    assert interruption.status == 130
+    assert [signal.getsignal(number) for number in (signal.SIGINT, signal.SIGTERM)] == before
+
+
+def test_what_is_ignored_stays_ignored():
+    before = signal.signal(signal.SIGINT, signal.SIG_IGN)
+    try:
+        with handled(Interruption()):
+            signal.raise_signal(signal.SIGINT)
+        assert signal.getsignal(signal.SIGINT) is signal.SIG_IGN
+    finally:
+        signal.signal(signal.SIGINT, before)
+
+
+def test_a_thread_may_call_the_command(here, capfd):
+    statuses = []
+    thread = threading.Thread(target=lambda: statuses.append(main(["embed", "metric.npz", "-o", "a.ply"])))
+    thread.start()
+    thread.join(timeout=60)
+    assert statuses == [0]
+
+
+def test_another_signal_while_the_checkpoint_is_written_does_not_tear_it(run, monkeypatch):
+    from isoembed.io import npz
+
+    write = npz.write
+
+    def disturbed(path, tables):
+        for number in (signal.SIGINT, signal.SIGTERM):
+            signal.raise_signal(number)
+        write(path, tables)
+
+    monkeypatch.setattr(npz, "write", disturbed)
+    monkeypatch.setattr("isoembed.cli.signals.SAME", 0.0)
+    assert run(*STOP, "-o", "a.ply")[0] == 130
+    assert read_checkpoint(LEFT).arrays["left"] == 2
+
+
+@pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM])
+def test_in_a_real_process(here, number):
+    command = [*COMMAND, "embed", "metric.npz", *STOP, "--parameter", "wait=true", "-o", "a.ply"]
+    with subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True) as process:
+        assert process.stdout.readline() == "kept\n"
+        for _ in range(3):
+            process.send_signal(number)
+        out, err = process.communicate(timeout=30)
+    assert (process.returncode, out) == (128 + number, "")
+    assert err.startswith("isoembed: error: interrupted in the stage 'counting'; the checkpoint is in ")
+    assert err.count("\n") == 1
+    assert files() == [LEFT]
+    done = subprocess.run([*command, "--resume", LEFT], capture_output=True, text=True, timeout=60)
+    assert (done.returncode, done.stdout, done.stderr) == (0, "", "")
+    is_the_answer("a.ply")

@@ -1,0 +1,90 @@
+"""The live view: what it shows of a running computation."""
+
+import io
+
+import pytest
+from rich.console import Console
+
+from isoembed.cli.live import StageTable, duration, live_view
+from isoembed.progress.stages import Progress
+
+
+class Clock:
+    """Stands until it is told to go on."""
+
+    now = 100.0
+
+    def __call__(self):
+        return self.now
+
+
+def shown(table):
+    console = Console(file=io.StringIO(), width=100)
+    console.print(table)
+    return [line.split() for line in console.file.getvalue().splitlines() if line.strip()]
+
+
+def test_it_shows_the_last_snapshot_of_each_stage():
+    table = StageTable(Clock())
+    table.listen(Progress("layout", 1, None, None, None, None, 0.5))
+    table.listen(Progress("pull back", 1, 0.9, 1e-3, 4, 7, 1.0))
+    table.listen(Progress("pull back", 2, 0.25, 2e-7, 0, 3, 3.5, level="1,000 vertices", remaining=4.1))
+    heading, layout, pull_back, left = shown(table)
+    assert heading == [
+        "stage", "iteration", "level", "t", "residual", "inverted", "partially", "seconds",
+    ]  # fmt: skip
+    assert layout == ["layout", "1", "0.0"]
+    assert pull_back == ["pull", "back", "2", "1,000", "vertices", "0.250", "2.0e-07", "0", "3", "2.5"]
+    assert left == ["about", "5", "s", "left"]
+
+
+def test_columns_are_shown_when_there_is_something_in_them():
+    table = StageTable(Clock())
+    assert shown(table) == []
+    table.listen(Progress("layout", 1, None, None, None, None, 0.5))
+    assert shown(table) == [["stage", "iteration", "seconds"], ["layout", "1", "0.0"]]
+    table.listen(Progress("layout", 2, None, 0.1, None, None, 0.5))
+    assert shown(table)[0] == ["stage", "iteration", "residual", "seconds"]
+
+
+def test_the_clock_goes_on_until_the_end():
+    clock = Clock()
+    table = StageTable(clock)
+    table.listen(Progress("layout", 1, None, None, None, None, 0.5))
+    clock.now += 2
+    assert shown(table)[1][-1] == "2.0"
+    table.listen(Progress("pull back", 1, None, None, None, None, 2.5, remaining=8.0))
+    clock.now += 3
+    assert [line[-1] for line in shown(table)[1:3]] == ["0.0", "3.0"]
+    assert shown(table)[3] == ["about", "5", "s", "left"]
+    table.finish()
+    clock.now += 100
+    assert [line[-1] for line in shown(table)[1:]] == ["0.0", "3.0"]  # and nothing is left
+
+
+def test_when_it_is_over_nothing_is_left(capfd):
+    with live_view(True) as listen:
+        listen(Progress("pull back", 1, None, None, None, None, 2.5, remaining=8.0))
+    err = capfd.readouterr().err
+    assert "pull back" in err
+    assert "left" not in err
+
+
+@pytest.mark.parametrize(
+    ("seconds", "words"),
+    [
+        (-3, "1 s"),
+        (0, "1 s"),
+        (1.2, "2 s"),
+        (10, "10 s"),
+        (10.1, "15 s"),
+        (55, "55 s"),
+        (55.1, "1 min"),
+        (61, "2 min"),
+        (3540.0, "59 min"),
+        (3540.1, "1 h 0 min"),
+        (5000, "1 h 24 min"),
+    ],
+)
+def test_durations(seconds, words):
+    assert duration(seconds) == words

@@ -1,0 +1,181 @@
+"""Edges drawn across other triangles of the same metric."""
+
+from itertools import pairwise
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+import zoo
+from isoembed.intrinsic.edge_paths import edge_paths
+from isoembed.intrinsic.flat_vertices import remove_flat_vertices
+from isoembed.intrinsic.flips import HalfEdges
+from isoembed.intrinsic.insert_vertices import insert_vertices
+from sprinkled import box, checked, distances, polyhedron, sprinkled, tables_of
+
+
+def all_edges(tables):
+    return np.flatnonzero(np.arange(tables.twins.size) < tables.twins)
+
+
+def along(paths, vertices):
+    """Length of each path through space."""
+    steps = np.linalg.norm(np.diff(paths.points(vertices), axis=0), axis=1)
+    total = np.concatenate([[0.0], np.cumsum(steps)])
+    starts = paths.point_offsets
+    return total[starts[1:] - 1] - total[starts[:-1]]
+
+
+def test_on_its_own_triangles_an_edge_crosses_nothing():
+    vertices, faces = zoo.random_hull(30, 2)
+    tables = tables_of(vertices, faces)
+    edges = all_edges(tables)
+    paths = edge_paths(tables, tables, edges)
+    assert paths.halfedges.size == 0 and paths.lost.size == 0
+    assert np.array_equal(paths.lengths, tables.lengths[edges])
+    assert paths.mismatch < 1e-15
+    ends = np.column_stack([tables.corners[edges], tables.corners[tables.twins[edges]]])
+    assert np.array_equal(paths.ends, ends)
+    assert np.array_equal(paths.point_offsets, 2 * np.arange(len(edges) + 1))
+    assert np.array_equal(paths.points(vertices), vertices[ends].reshape(-1, 3))
+
+
+def test_one_flip_in_a_square():
+    vertices = np.array([[0.0, 0, 0], [1, 0, 0], [1, 1, 0], [0, 1, 0], [0.5, 0.5, -1]])
+    faces = np.array([[0, 1, 2], [0, 2, 3], [1, 0, 4], [2, 1, 4], [3, 2, 4], [0, 3, 4]])
+    tables = tables_of(vertices, faces)
+    flipped = tables.copy()
+    diagonal = 2  # 2 -> 0
+    flipped.scramble(1, _One(diagonal))
+    paths = edge_paths(tables, flipped, np.array([diagonal, 0, 3]))
+    assert paths.offsets.tolist() == [0, 1, 1, 2]
+    assert paths.ends.tolist() == [[2, 0], [0, 1], [0, 2]]
+    crossed = flipped.corners[paths.halfedges], flipped.corners[flipped.twins[paths.halfedges]]
+    assert {tuple(sorted(pair)) for pair in zip(*crossed, strict=True)} == {(1, 3)}
+    assert paths.parameters == pytest.approx([0.5, 0.5], rel=1e-15)
+    points = paths.points(vertices)
+    assert points[:3] == pytest.approx(np.array([[1, 1, 0], [0.5, 0.5, 0], [0, 0, 0]]), abs=1e-15)
+    assert points[5:] == pytest.approx(np.array([[0, 0, 0], [0.5, 0.5, 0], [1, 1, 0]]), abs=1e-15)
+    # A path is crossed from the face that it leaves: it is to the left of the half-edge.
+    lower = paths.halfedges[0] // 3
+    assert 2 in flipped.faces[lower]
+
+
+class _One:
+    """Stands in for a generator of random numbers."""
+
+    def __init__(self, value):
+        self.value = value
+
+    def integers(self, low, high, size):
+        return np.full(size, self.value)
+
+
+def test_over_the_edges_of_a_cube():
+    # The shortest way between opposite corners of two squares in a row.
+    vertices = np.array([[x, y, z] for x in (0.0, 1.0) for y in (0.0, 1.0) for z in (0.0, 1.0)])
+    _, faces = zoo.cube()
+    tables = tables_of(vertices, faces)
+    rng = np.random.default_rng(0)
+    found = 0
+    for _ in range(50):
+        other = tables.copy()
+        other.scramble(10, rng, 1e-2)
+        edges = all_edges(other)
+        paths = edge_paths(other, tables, edges)
+        assert paths.lost.size == 0 and paths.mismatch < 1e-13
+        assert along(paths, vertices) == pytest.approx(paths.lengths, rel=1e-12)
+        for e in np.flatnonzero(np.abs(paths.lengths - 5**0.5) < 1e-9):
+            i, j = paths.point_offsets[e : e + 2]
+            points = paths.points(vertices)[i:j]
+            assert np.abs(points[0] - points[-1]).sum() == pytest.approx(3)
+            # Half-way up an edge of the cube, and over the diagonals of the squares.
+            on_edge = ((points == 0) | (points == 1)).sum(axis=1) == 2
+            assert points[on_edge] == pytest.approx(
+                np.where((points[on_edge] % 1) == 0, points[on_edge], 0.5)
+            )
+            assert on_edge.sum() == 1
+            found += 1
+    assert found > 5
+
+
+@given(st.integers(4, 16), st.integers(0, 60), st.integers(0, 10**6), st.sampled_from([1.0, 30.0]))
+def test_edges_of_the_input_on_the_polyhedron(n, m, seed, length):
+    body, hull = zoo.random_hull(n, seed)
+    vertices, faces, flat = sprinkled(body * [length, 1, 1], hull, m, seed)
+    tables = tables_of(vertices, faces)
+    core, removal = remove_flat_vertices(tables, flat)
+    core, bent = polyhedron(core, vertices[~flat])
+    final = insert_vertices(core, removal, bent).tables
+    paths = edge_paths(tables, final, all_edges(tables))
+    assert paths.mismatch < 1e-9
+    # All of them are chords of the body: the original triangles lie in its faces.
+    starts = paths.point_offsets
+    points = paths.points(vertices)
+    for (i, j), (a, b) in zip(pairwise(starts), paths.ends, strict=True):
+        chord = vertices[b] - vertices[a]
+        part = (points[i:j] - vertices[a]) @ chord / (chord @ chord)
+        assert np.abs(points[i:j] - vertices[a] - part[:, None] * chord).max() < 1e-9 * length
+        assert (np.diff(part) > -1e-9).all()
+    assert along(paths, vertices) == pytest.approx(distances(tables, vertices)[all_edges(tables)], rel=1e-9)
+
+
+@given(st.integers(0, 10**6), st.sampled_from([1.0, 10.0]))
+def test_there_and_back_again(seed, length):
+    # Whichever of two triangulations is drawn on the other, their edges cross as often.
+    body, faces = zoo.random_hull(12, seed)
+    one = tables_of(body * [length, 1, 1], faces)
+    other = one.copy()
+    other.scramble(40, np.random.default_rng(seed), 1e-2)
+    on_other = edge_paths(one, other, all_edges(one))
+    on_one = edge_paths(other, one, all_edges(other))
+    assert on_other.mismatch < 1e-10 and on_one.mismatch < 1e-10
+    assert on_one.halfedges.size == on_other.halfedges.size
+    assert along(on_one, body * [length, 1, 1]) == pytest.approx(on_one.lengths, abs=1e-10 * length)
+
+
+def test_grids_of_many_points_in_line():
+    vertices, faces, flat = box(12)
+    tables = tables_of(vertices, faces)
+    shuffled = tables.copy()
+    shuffled.scramble(10 * len(vertices), np.random.default_rng(0))
+    core, removal = remove_flat_vertices(shuffled, flat)
+    core, bent = polyhedron(core, vertices[~flat])
+    final = insert_vertices(core, removal, bent).tables
+    for original in (tables, shuffled):
+        paths = edge_paths(original, final, all_edges(original))
+        assert paths.mismatch < 1e-10
+        assert along(paths, vertices) == pytest.approx(paths.lengths, abs=1e-11)
+        assert ((paths.parameters >= 0) & (paths.parameters <= 1)).all()
+        s = paths.parameters[:, None]
+        a, b = final.corners[paths.halfedges], final.corners[final.twins[paths.halfedges]]
+        starts = paths.point_offsets
+        inner = np.delete(np.arange(starts[-1]), np.concatenate([starts[:-1], starts[1:] - 1]))
+        assert paths.points(vertices)[inner] == pytest.approx((1 - s) * vertices[a] + s * vertices[b])
+
+
+def test_a_path_that_goes_astray_is_lost():
+    vertices, faces = zoo.random_hull(20, 4)
+    tables = tables_of(vertices, faces)
+    v = 7
+    turned = tables.directions + np.where(tables.corners == v, 0.1, 0.0)
+    elsewhere = HalfEdges(tables.corners, tables.twins, tables.lengths, turned)
+    edges = all_edges(tables)
+    paths = edge_paths(elsewhere, tables, edges)
+    assert np.array_equal(paths.lost, np.flatnonzero(tables.corners[edges] == v))
+    assert paths.lost.size > 0 and paths.mismatch == np.inf
+    assert np.isnan(paths.distances).sum() == paths.lost.size
+    # It is drawn with its ends alone.
+    e = paths.lost[0]
+    assert paths.offsets[e] == paths.offsets[e + 1]
+    assert np.array_equal(paths.points(vertices)[paths.point_offsets[e]], vertices[v])
+
+
+def test_the_mismatch_measures_the_metric():
+    vertices, faces = zoo.random_hull(20, 4)
+    tables = tables_of(vertices, faces)
+    metric = checked(tables)
+    longer = HalfEdges(tables.corners, tables.twins, tables.lengths * (1 + 1e-8), tables.directions)
+    paths = edge_paths(tables, longer, all_edges(tables))
+    assert paths.mismatch == pytest.approx(1e-8 * tables.lengths.max() / metric.mean_length, rel=1e-6)

@@ -1,0 +1,220 @@
+"""An interrupted computation goes on from its checkpoint, which belongs to it alone."""
+
+import pickle
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+import isoembed
+import zoo
+from counting import STAGE, Counting
+from isoembed import Checkpoint, GluedMetric, Interrupted, InvalidParameter, PolyhedralMetric
+from isoembed.aim.adaptive import Aim
+from isoembed.aim.paper import Paper
+from isoembed.alexandrov.method import Alexandrov
+from isoembed.io import FileError, read_checkpoint, write_checkpoint
+from isoembed.progress.fingerprint import check_fingerprint, origin
+
+VERTICES, FACES = zoo.icosphere(1)
+
+
+@pytest.fixture
+def metric():
+    return PolyhedralMetric.from_mesh(VERTICES, FACES)
+
+
+def interrupted(metric, method, **options):
+    with pytest.raises(Interrupted) as caught:
+        isoembed.embed(metric, method=method, **options)
+    return caught.value
+
+
+def at_the_second(snapshot):
+    """Do as Ctrl-C does, but from within."""
+    if snapshot.iteration == 2:
+        raise KeyboardInterrupt
+
+
+# The verb
+
+
+def test_it_goes_on_where_it_was(metric):
+    whole = isoembed.embed(metric, method=Counting())
+    stop = interrupted(metric, Counting(stop=2))
+    assert stop.checkpoint.stage == STAGE
+    assert stop.checkpoint.arrays["left"] == 2
+    assert [(stage.name, stage.iterations) for stage in stop.stages] == [(STAGE, 3)]
+    rest = isoembed.embed(metric, method=Counting(stop=2), resume=stop.checkpoint)
+    assert (rest.vertices == whole.vertices).all()
+    assert [stage.iterations for stage in rest.stages] == [2]
+
+
+def test_an_interruption_is_never_swallowed_and_survives_pickling(metric):
+    stop = interrupted(metric, Counting(stop=2))
+    assert isinstance(stop, KeyboardInterrupt)
+    assert not isinstance(stop, Exception)
+    assert str(stop) == "interrupted in the stage 'counting'"
+    assert type(stop.__cause__) is KeyboardInterrupt
+    again = pickle.loads(pickle.dumps(stop))
+    assert str(again) == str(stop)
+    assert again.checkpoint.origin == stop.checkpoint.origin
+
+
+def test_a_listener_can_interrupt(metric):
+    stop = interrupted(metric, Counting(), progress=at_the_second)
+    assert stop.checkpoint.arrays["left"] == 3
+
+
+def test_interrupted_again_it_goes_on_from_the_last(metric):
+    first = interrupted(metric, Counting(), progress=at_the_second)
+    second = interrupted(metric, Counting(), progress=at_the_second, resume=first.checkpoint)
+    assert second.checkpoint.arrays["left"] == 1
+
+    def at_once(snapshot):
+        raise KeyboardInterrupt
+
+    third = interrupted(metric, Counting(), progress=at_once, resume=second.checkpoint)
+    assert [stage.name for stage in third.stages] == [STAGE]
+    assert third.checkpoint.arrays is second.checkpoint.arrays
+    assert isoembed.embed(metric, method=Counting(), resume=third.checkpoint).converged
+
+
+@pytest.mark.parametrize("method", [Counting(stop=2, keeps=False), Paper()])
+def test_where_nothing_is_kept_there_is_no_checkpoint(metric, method):
+    stop = interrupted(metric, method, progress=at_the_second if method.name == "paper" else None)
+    assert stop.checkpoint is None
+    assert len(stop.stages) > 0
+
+
+def test_an_interruption_before_the_first_stage(metric):
+    class Early(Counting):
+        def run(self, metric, tolerance, log):
+            raise KeyboardInterrupt
+
+    assert str(interrupted(metric, Early())) == "interrupted"
+
+
+# Whose it is
+
+
+def test_of_a_metric_its_unit_does_not_matter_but_all_else_does(metric):
+    there = origin(metric, Counting(), 1e-10)
+    assert origin(metric.with_lengths(2.0**40 * metric.lengths), Counting(), 1e-10) == there
+    assert origin(PolyhedralMetric(metric.faces, metric.lengths), Counting(), 1e-10) == there
+    longer = metric.lengths.copy()
+    longer[7] = np.nextafter(longer[7], 2)
+    turned = np.roll(FACES, 1, axis=1)
+    others = (
+        metric.with_lengths(longer),
+        PolyhedralMetric(turned, metric.lengths),
+        PolyhedralMetric(metric.faces[::-1], metric.lengths),
+        GluedMetric.of(metric),
+    )
+    digests = {origin(other, Counting(), 1e-10).metric for other in (metric, *others)}
+    assert len(digests) == 5
+
+
+def test_who_factors_does_not_matter():
+    metric = PolyhedralMetric.from_mesh(*zoo.tetrahedron())
+    there = origin(metric, Aim(), 1e-10)
+    assert origin(metric, Aim(backend="superlu"), 1e-10) == there
+    assert there.method == "Aim(best_fit=False)"
+    assert there.version == isoembed.__version__
+    assert origin(metric, Alexandrov(repair=1e-3), 1e-10).method == "Alexandrov(repair=0.001)"
+
+
+@pytest.mark.parametrize(
+    ("change", "sentence"),
+    [
+        ({"metric": "0"}, "the checkpoint belongs to another metric: not all triangles and lengths are"),
+        ({"method": "Paper()"}, r"left by another method: Paper\(\), not Counting\(steps=5, "),
+        ({"tolerance": 1e-8}, "left under another tolerance: 1e-08, not 1e-10"),
+        ({"version": "0.0"}, f"left by another version: isoembed 0.0, not {isoembed.__version__}"),
+    ],
+    ids=lambda value: next(iter(value)) if isinstance(value, dict) else "",
+)
+def test_that_of_another_computation_is_refused(metric, change, sentence):
+    here = origin(metric, Counting(), 1e-10)
+    foreign = Checkpoint(STAGE, {}, replace(here, **change))
+    check_fingerprint(replace(foreign, origin=here), here)
+    with pytest.raises(InvalidParameter, match=sentence):
+        isoembed.embed(metric, method=Counting(), resume=foreign)
+
+
+def test_what_is_no_checkpoint_is_refused(metric):
+    with pytest.raises(
+        InvalidParameter, match=r"resume is a str, not a Checkpoint: isoembed\.io\.read_checkp"
+    ):
+        isoembed.embed(metric, method=Counting(), resume="run.npz")
+    with pytest.raises(InvalidParameter, match="does not say which computation it belongs to"):
+        isoembed.embed(metric, method=Counting(), resume=Checkpoint(STAGE, {}))
+
+
+def test_a_method_of_ones_own_is_known_by_what_it_says_of_itself(metric):
+    class Own:
+        name = "own"
+
+        def __repr__(self):
+            return "Own(3)"
+
+    assert origin(metric, Own(), 1e-10).method == "Own(3)"
+
+
+# Files
+
+
+@pytest.fixture
+def file(metric, tmp_path):
+    path = tmp_path / "run.npz"
+    write_checkpoint(path, interrupted(metric, Counting(stop=2)).checkpoint)
+    return path
+
+
+def test_a_file_holds_all_of_it(metric, file):
+    kept = interrupted(metric, Counting(stop=2)).checkpoint
+    read = read_checkpoint(file)
+    assert (read.stage, read.origin) == (kept.stage, kept.origin)
+    assert set(read.arrays) == set(kept.arrays)
+    for name, array in kept.arrays.items():
+        assert read.arrays[name].dtype == array.dtype
+        assert (read.arrays[name] == array).all()
+    assert isoembed.embed(metric, method=Counting(stop=2), resume=read).converged
+
+
+def test_arrays_may_have_any_name(file):
+    checkpoint = read_checkpoint(file)
+    arrays = {name: np.array([k]) for k, name in enumerate(("file", "stage", "kept/x", "metric"))}
+    write_checkpoint(file, replace(checkpoint, arrays=arrays))
+    assert read_checkpoint(file).arrays == arrays
+    assert read_checkpoint(file).stage == STAGE
+
+
+def test_other_files_are_refused(file, metric):
+    with pytest.raises(FileError, match=r"no\.npz"):
+        read_checkpoint(file.with_name("no.npz"))
+    with pytest.raises(FileError, match=r"has the ending '\.json', not one of \.npz"):
+        read_checkpoint(file.with_name("run.json"))
+    with pytest.raises(FileError, match=r"has the ending '\.ply', not one of \.npz"):
+        write_checkpoint(file.with_name("run.ply"), read_checkpoint(file))
+    isoembed.io.write_metric(file.with_name("metric.npz"), metric)
+    with pytest.raises(FileError, match=r"metric\.npz is not a checkpoint: it has no 'stage'"):
+        read_checkpoint(file.with_name("metric.npz"))
+    file.write_bytes(file.read_bytes()[:-100])
+    with pytest.raises(FileError, match="is cut short"):
+        read_checkpoint(file)
+
+
+@pytest.mark.parametrize("value", ["1e-10", [1e-10], 1])
+def test_a_tolerance_that_is_no_number_is_no_tolerance(file, value):
+    with np.load(file) as archive:
+        tables = dict(archive)
+    np.savez(file, **(tables | {"tolerance": value}))
+    with pytest.raises(FileError, match="is not a checkpoint: it has no 'tolerance'"):
+        read_checkpoint(file)
+
+
+def test_one_without_an_origin_is_not_written(tmp_path):
+    with pytest.raises(ValueError, match="does not say which computation"):
+        write_checkpoint(tmp_path / "a.npz", Checkpoint(STAGE, {}))
+    assert list(tmp_path.iterdir()) == []

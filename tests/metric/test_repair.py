@@ -1,0 +1,196 @@
+"""Repair of deficits that noise made negative: what it must leave, and that less would not do."""
+
+import itertools
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from scipy.optimize import linprog
+
+import isoembed.metric.repair as repair_module
+from isoembed import PolyhedralMetric
+from isoembed.errors import InvalidMetric, InvalidParameter
+from isoembed.intrinsic.flips import HalfEdges
+from isoembed.metric.convexity import deficit_rounding
+from isoembed.metric.curvature import deficits
+from isoembed.metric.glued import GluedMetric
+from isoembed.metric.repair import repaired
+from zoo import icosphere, octahedron, random_hull
+
+
+def grid_cube(n):
+    """The surface of a cube, each side n x n squares cut along a diagonal; nearly all vertices are flat."""
+    points = np.array([p for p in itertools.product(range(n + 1), repeat=3) if min(p) == 0 or max(p) == n])
+    number = {tuple(p): k for k, p in enumerate(points.tolist())}
+    faces = []
+    for axis, side, a, b in itertools.product(range(3), (0, n), range(n), range(n)):
+        corners = [(a, b), (a + 1, b), (a + 1, b + 1), (a, b + 1)]
+        square = [number[(*c[:axis], side, *c[axis:])] for c in corners]
+        if (side == 0) == (axis != 1):
+            square.reverse()
+        faces += [square[:3], [square[0], *square[2:]]]
+    return PolyhedralMetric.from_mesh(points, faces)
+
+
+def noisy(metric, size, seed=0):
+    errors = np.random.default_rng(seed).standard_normal(metric.lengths.size)
+    return metric.with_lengths(metric.lengths * (1 + size * errors))
+
+
+def rounding(metric):
+    return deficit_rounding(metric.faces, metric.face_lengths)
+
+
+def is_convex(metric):
+    return (deficits(metric) >= -rounding(metric)).all() and rounding(metric).max() < 1e-11
+
+
+def pressed(metric, vertex, total):
+    """Lengths at one vertex scaled until its deficit is as told, by bisection."""
+    touching = (metric.edges == vertex).any(axis=1)
+    low, high = 0.5, 1.0
+    for _ in range(80):
+        middle = (low + high) / 2
+        changed = metric.with_lengths(np.where(touching, middle, 1.0) * metric.lengths)
+        low, high = (middle, high) if deficits(changed)[vertex] < total else (low, middle)
+    return metric.with_lengths(np.where(touching, high, 1.0) * metric.lengths)
+
+
+@pytest.mark.parametrize("noise", [1e-12, 1e-9, 1e-6, 1e-4])
+@pytest.mark.parametrize("n", [4, 10])
+def test_noise_on_flat_faces_is_repaired_by_as_little(n, noise):
+    metric = noisy(grid_cube(n), noise)
+    before = deficits(metric)
+    result, repair = repaired(metric, 50 * noise)
+    assert is_convex(result)
+    assert np.array_equal(repair.vertices, np.flatnonzero(before < -rounding(metric)))
+    assert np.array_equal(repair.deficits, before[repair.vertices])
+    assert 0.1 * noise < repair.largest_factor < 20 * noise
+    changes = np.abs(result.lengths / metric.lengths - 1)
+    assert repair.largest_change == pytest.approx(changes.max(), rel=1e-9)
+    u = repair.factors
+    expected = metric.lengths * np.exp(u[metric.edges].sum(axis=1) / 2)
+    np.testing.assert_allclose(result.lengths, expected, rtol=1e-15)
+
+
+def test_factors_and_deficits_are_never_both_positive():
+    result, repair = repaired(noisy(grid_cube(6), 1e-5), 1e-3)
+    after = deficits(result)
+    assert repair.factors.min() == 0
+    assert after[repair.factors > 0].max() < 1e-12
+    assert (after[repair.factors == 0] > 1e-6).any()
+
+
+def test_one_pressed_vertex_changes_the_edges_at_it_only():
+    vertices, faces = icosphere(2)
+    metric = pressed(PolyhedralMetric.from_mesh(vertices, faces), 17, -1e-4)
+    result, repair = repaired(metric, 2e-4)
+    assert repair.vertices.tolist() == [17]
+    assert repair.deficits == pytest.approx([-1e-4], rel=1e-6)
+    assert np.flatnonzero(repair.factors).tolist() == [17]
+    elsewhere = (metric.edges != 17).all(axis=1)
+    assert np.array_equal(result.lengths[elsewhere], metric.lengths[elsewhere])
+    assert deficits(result)[17] == pytest.approx(0.0, abs=1e-13)
+
+
+def test_an_octahedron_pressed_in_has_a_closed_form():
+    # Four isosceles triangles with sides l, l, s round a vertex are flat when sin(pi / 4) = s / (2 l).
+    metric = PolyhedralMetric.from_mesh(*octahedron())
+    dented = pressed(metric, 0, -1e-3)
+    result, repair = repaired(dented, 1e-2)
+    l = dented.lengths[(dented.edges == 0).any(axis=1)][0]
+    s = dented.lengths[(dented.edges != 0).all(axis=1)][0]
+    assert repair.factors[0] == pytest.approx(2 * np.log(s / (np.sqrt(2.0) * l)), rel=1e-9)
+    assert repair.largest_change == pytest.approx(s / (np.sqrt(2.0) * l) - 1, rel=1e-9)
+    assert deficits(result)[0] == pytest.approx(0.0, abs=1e-13)
+
+
+def test_no_other_conformal_change_has_a_smaller_range():
+    metric = noisy(grid_cube(3), 1e-7, seed=3)
+    _, repair = repaired(metric, 1.0)
+    n = metric.triangulation.n_vertices
+
+    def after(u):
+        return deficits(metric.with_lengths(metric.lengths * np.exp(u[metric.edges].sum(axis=1) / 2)))
+
+    step = 1e-4
+    slopes = np.stack([(after(e) - after(-e)) / (2 * step) for e in step * np.eye(n)], axis=1)
+    # Minimize t over u and t: no deficit negative and 0 <= u <= t, in units of the noise.
+    bounds = np.block([[-slopes, np.zeros((n, 1))], [np.eye(n), -np.ones((n, 1))]])
+    least = linprog(
+        np.append(np.zeros(n), 1.0), A_ub=bounds, b_ub=np.append(after(np.zeros(n)) / 1e-7, np.zeros(n))
+    )
+    assert least.status == 0
+    assert repair.largest_factor == pytest.approx(1e-7 * least.fun, rel=1e-5)
+
+
+@settings(deadline=None, max_examples=25)
+@given(seed=st.integers(0, 10**6), exponent=st.floats(-12, -3), scale=st.sampled_from([1e-150, 1.0, 3e80]))
+def test_any_noise_is_repaired_and_units_do_not_matter(seed, exponent, scale):
+    metric = noisy(grid_cube(3), 10.0**exponent, seed)
+    result, repair = repaired(metric, 1.0)
+    assert is_convex(result)
+    scaled, same = repaired(metric.with_lengths(scale * metric.lengths), 1.0)
+    np.testing.assert_allclose(scaled.lengths, scale * result.lengths, rtol=1e-12)
+    np.testing.assert_allclose(
+        same.factors, repair.factors, rtol=0, atol=1e-3 * repair.largest_factor + 1e-14
+    )
+
+
+@pytest.mark.parametrize("noise", [1e-10, 1e-6])
+def test_triangulations_that_are_not_delaunay(noise):
+    metric = GluedMetric.of(noisy(grid_cube(5), noise))
+    tables = HalfEdges.of(metric.faces, metric.twins, metric.face_lengths)
+    assert tables.scramble(300, np.random.default_rng(0), 0.05) > 30
+    scrambled = GluedMetric(tables.faces, tables.twins, tables.face_lengths)
+    result, repair = repaired(scrambled, 100 * noise)
+    assert isinstance(result, GluedMetric)
+    assert len(repair.vertices) > 30
+    assert result.deficits.min() > -1e-12
+    assert repair.largest_factor < 100 * noise
+
+
+def test_what_is_convex_stays_as_it_is():
+    for metric in (PolyhedralMetric.from_mesh(*random_hull(100, 1)), grid_cube(4)):
+        result, repair = repaired(metric, 0.0)
+        assert result is metric
+        assert repair.vertices.size == repair.deficits.size == 0
+        assert repair.largest_factor == repair.largest_change == 0.0
+
+
+def test_deficits_below_the_noise_are_refused_by_name():
+    metric = pressed(PolyhedralMetric.from_mesh(*icosphere(1)), 7, -1e-3)
+    with pytest.raises(InvalidMetric, match=r"^vertex 7 has total angle 6\.284185\d* > 2 pi"):
+        repaired(metric, 0.9e-3)
+    assert repaired(metric, 1.1e-3)[1].vertices.tolist() == [7]
+
+
+@pytest.mark.parametrize("noise", [-1e-9, np.nan, np.inf])
+def test_noise_is_a_number_of_radians(noise):
+    with pytest.raises(InvalidParameter, match=r"^the noise is .*, not a number of radians from 0 on$"):
+        repaired(grid_cube(1), noise)
+
+
+def test_what_is_far_from_convex_cannot_be_repaired():
+    rng = np.random.default_rng(0)
+    vertices, faces = random_hull(60, 0)
+    spiky = PolyhedralMetric.from_mesh(vertices * np.exp(rng.standard_normal(len(vertices)))[:, None], faces)
+    worst = int(np.argmin(deficits(spiky)))
+    sentence = rf"^vertex {worst} has total angle .* > 2 pi .* too much to be repaired by a conformal change$"
+    with pytest.raises(InvalidMetric, match=sentence):
+        repaired(spiky, 100.0)
+
+
+def test_vertices_are_exchanged_one_by_one_where_blocks_do_not_help(monkeypatch):
+    metric = noisy(grid_cube(3), 1e-6)
+    expected = repaired(metric, 1e-3)[1].factors
+    monkeypatch.setattr(repair_module, "BLOCKS", 0)
+    np.testing.assert_allclose(repaired(metric, 1e-3)[1].factors, expected, rtol=1e-9, atol=1e-18)
+
+
+def test_a_report_can_be_written_of_it():
+    report = repaired(noisy(grid_cube(2), 1e-6), 1e-3)[1].as_json()
+    assert set(report) == {"vertices", "deficits", "largest_factor", "largest_relative_length_change"}
+    assert len(report["vertices"]) == len(report["deficits"]) > 0
+    assert max(report["deficits"]) < 0 < report["largest_factor"]

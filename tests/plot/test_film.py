@@ -1,0 +1,80 @@
+"""Films: which surfaces are kept on the way, and how they are put."""
+
+import itertools
+
+import numpy as np
+import pytest
+
+import isoembed
+import smooth_bodies
+from isoembed import Paper, PolyhedralMetric
+from isoembed.gallery import Ergosphere, triangulate
+from isoembed.plot import Film
+from isoembed.plot.film import ANSWER
+from isoembed.surface.measures import edge_lengths, volume
+
+
+def filmed(metric, **how):
+    film = Film()
+    surface = isoembed.embed(metric, progress=film, **how)
+    return surface, film.frames(surface)
+
+
+@pytest.fixture(scope="module")
+def by_the_paper():
+    vertices, faces = smooth_bodies.ellipsoid()
+    return filmed(PolyhedralMetric.from_mesh(1e3 * vertices, faces), method=Paper(Tsteps=4))
+
+
+def test_the_way_of_the_paper(by_the_paper):
+    surface, frames = by_the_paper
+    assert [frame.t for frame in frames if frame.stage == "pull back"] == pytest.approx([0.75, 0.5, 0.25])
+    assert frames[0].stage == "embedding tree"
+    assert frames[0].t == 1
+    last = frames[-1]
+    assert (last.stage, last.t, last.residual) == (ANSWER, 0, surface.residual)
+    assert (last.vertices == surface.vertices).all()
+    # The tree is on a sphere, of the area of the given surface or so.
+    radii = np.linalg.norm(frames[0].vertices - frames[0].vertices.mean(axis=0), axis=1)
+    assert radii == pytest.approx(np.sqrt(surface.area / (4 * np.pi)), rel=0.1)
+
+
+def test_every_surface_is_turned_onto_the_next(by_the_paper):
+    surface, frames = by_the_paper
+    for frame, following in itertools.pairwise(frames):
+        assert volume(surface.faces, frame.vertices) > 0
+        x, y = (f.vertices - f.vertices.mean(axis=0) for f in (frame, following))
+        pull = x.T @ y  # symmetric where no rotation brings them nearer
+        assert np.abs(pull - pull.T).max() < 1e-9 * np.abs(pull).max()
+    # No step of the pull-back is long in this position: the surfaces are not turned over.
+    apart = [np.linalg.norm(a.vertices - b.vertices, axis=1).max() for a, b in itertools.pairwise(frames)]
+    assert max(apart) < 0.3 * np.ptp(surface.vertices)
+
+
+def test_a_surface_on_the_way_has_the_lengths_of_its_metric(by_the_paper):
+    surface, frames = by_the_paper
+    half = next(frame for frame in frames if frame.t == 0.5)
+    lengths = edge_lengths(surface.metric.edges, half.vertices)
+    u = Paper().uniformize(surface.metric.normalized, smooth_bodies.recorder()).u / 2
+    a, b = surface.metric.edges.T
+    expected = surface.metric.lengths * (np.exp(u[a]) + np.exp(u[b])) / 2  # Eqs. (len) and (linlink)
+    assert np.abs(lengths / expected - 1).max() < 1e-9
+
+
+def test_the_guided_way_ends_at_the_answer():
+    metric = PolyhedralMetric.from_mesh(*triangulate(Ergosphere(epsilon=0.3), 200))
+    _, frames = filmed(metric)
+    times = [frame.t for frame in frames if frame.stage == "guided pull back"]
+    assert times == sorted(times, reverse=True)
+    assert times[0] == 1
+    assert frames[-1].stage == ANSWER
+    assert len({frame.vertices.tobytes() for frame in frames}) == len(frames)
+
+
+def test_a_leap_leaves_the_answer_alone():
+    vertices, faces = smooth_bodies.ellipsoid()
+    metric = PolyhedralMetric.from_mesh(vertices, faces)
+    for method in ("aim", "alexandrov"):
+        surface, frames = filmed(metric, method=method)
+        assert [frame.stage for frame in frames] == [ANSWER]
+        assert frames[0].vertices is surface.vertices

@@ -1,0 +1,342 @@
+"""The page in a real browser: what is drawn, and what its controls do.  Needs Playwright and a Chromium."""
+
+import io
+import shutil
+
+import numpy as np
+import pytest
+
+import zoo
+
+pytest.importorskip("playwright.sync_api", reason="pages are tried out in a browser by playwright")
+pytest.importorskip("matplotlib.image", reason="screenshots are read by matplotlib")
+
+from matplotlib.image import imread
+from playwright.sync_api import sync_playwright
+
+from isoembed import Embedding, PolyhedralMetric, embed
+from isoembed.plot import Frame
+from isoembed.plot.page import write_page
+from isoembed.plot.quantity import intrinsic_curvature
+
+CHROMIUM = next(filter(None, map(shutil.which, ("chromium", "chromium-browser", "google-chrome"))), None)
+if CHROMIUM is None:
+    pytest.skip("pages are tried out in Chromium, which is not installed", allow_module_level=True)
+
+ARGUMENTS = [
+    *("--headless", "--no-sandbox", "--no-first-run", "--disable-sync", "--disable-quic"),
+    *("--disable-background-networking", "--disable-component-update"),
+    *("--use-gl=angle", "--use-angle=swiftshader", "--enable-unsafe-swiftshader"),  # WebGL without a GPU
+]
+EVIL = "</script><script>throw Error('out')</script> <!-- & \u2028 \""
+
+
+@pytest.fixture(scope="module")
+def browser():
+    with sync_playwright() as playwright:
+        chromium = playwright.chromium.launch(executable_path=CHROMIUM, args=ARGUMENTS)
+        yield chromium
+        chromium.close()
+
+
+@pytest.fixture(scope="module")
+def file(tmp_path_factory):
+    """A sphere that becomes a dented ellipsoid, with a message that wants to break out."""
+    path = tmp_path_factory.mktemp("page") / "dented.html"
+    vertices, faces = zoo.icosphere(2)
+    target = vertices * [2.0, 1.2, 0.8]
+    target[::7] *= 0.8
+    target -= target.mean(axis=0)
+    metric = PolyhedralMetric.from_mesh(target, faces)
+    surface = Embedding(metric, target, method="exact", tolerance=1e-10, message=EVIL)
+    frames = [
+        Frame("start" if t == 1 else "pull back", t, 1e-9, t * vertices + (1 - t) * target)
+        for t in np.linspace(1.0, 0.0, 5)
+    ]
+    write_page(path, surface, frames=frames, title=EVIL)
+    return path
+
+
+class Tab:
+    """A page that is open, what it asked the network for, and what went wrong in it."""
+
+    def __init__(self, browser, file, **options):
+        self.context = browser.new_context(**options)
+        self.page = self.context.new_page()
+        self.file = file
+        self.page.on("request", lambda request: self.requests.append(request.url))
+        self.page.on("console", lambda message: self.complaints.append(message.text))
+        self.page.on("pageerror", lambda error: self.complaints.append(str(error)))
+
+    def open(self):
+        """Begin anew."""
+        self.requests, self.complaints = [], []
+        self.page.emulate_media(color_scheme="light")
+        self.page.mouse.move(2, 2)
+        self.page.goto(self.file.as_uri())
+        self.restore_delaunay()
+        return self
+
+    def restore_delaunay(self):
+        """Wait until what has changed is drawn."""
+        self.page.evaluate("new Promise((f) => requestAnimationFrame(() => requestAnimationFrame(f)))")
+
+    def pixels(self):
+        """The canvas with what is behind it, (h, w, 3), 0 to 1."""
+        self.restore_delaunay()
+        return imread(io.BytesIO(self.page.locator("#canvas").screenshot()))[:, :, :3]
+
+    def shape(self):
+        """Where the surface is on the canvas, between its buttons."""
+        everything = self.pixels()[:, 70:-70]
+        return np.abs(everything - everything[5, 5]).max(axis=2) > 0.25
+
+    def text(self, selector):
+        return self.page.locator(selector).inner_text()
+
+
+@pytest.fixture(scope="module")
+def desktop(browser, file):
+    window = Tab(browser, file, viewport={"width": 900, "height": 720})
+    yield window
+    window.context.close()
+
+
+@pytest.fixture
+def tab(desktop, tmp_path):
+    yield desktop.open()
+    desktop.page.screenshot(path=tmp_path / "screen.png")
+    assert desktop.requests == [desktop.file.as_uri()]
+    assert desktop.complaints == []
+
+
+def differing(one, other):
+    """The share of the pixels that differ."""
+    return (np.abs(one - other).max(axis=2) > 0.02).mean()
+
+
+def test_a_surface_is_drawn(tab):
+    shape, pixels = tab.shape(), tab.pixels()[:, 70:-70]
+    assert 0.1 < shape.mean() < 0.8
+    assert shape[shape.shape[0] // 2, shape.shape[1] // 2]
+    colors = np.unique((6 * pixels[shape]).astype(int), axis=0)
+    assert len(colors) > 20
+
+
+def test_the_camera_is_that_of_the_pictures(tab):
+    # The longest axis lies across: half of it is the half diameter.
+    rows, columns = np.nonzero(tab.shape())
+    assert np.ptp(columns) > 1.4 * np.ptp(rows)
+
+
+def test_another_quantity_has_other_colors(tab):
+    seen = [tab.pixels()]
+    for name in ("Gaussian curvature", "concave edges", "conformal factor"):
+        tab.page.select_option("#color", name)
+        seen.append(tab.pixels())
+        assert differing(seen[-2], seen[-1]) > 0.02
+        assert name.split()[0] in tab.text("#label")
+        assert tab.page.locator("#ticks span").count() >= 2
+
+
+def test_concave_edges_are_dark_lines(tab):
+    before = tab.pixels()
+    tab.page.check("#creases")
+    after = tab.pixels()
+    darker = (after.max(axis=2) < 0.2) & (before.max(axis=2) > 0.2)
+    assert darker.sum() > 50
+
+
+def test_the_mesh_and_smooth_shading(tab):
+    everything = tab.pixels()
+    tab.page.uncheck("#mesh")
+    plain = tab.pixels()
+    assert plain.mean() > everything.mean()  # the lines were dark
+    tab.page.check("#smooth")
+    assert differing(plain, tab.pixels()) > 0.005
+
+
+def test_the_slider_shows_the_way(tab):
+    def slide(k):
+        tab.page.locator("#frame").fill(str(k))
+        return tab.shape()
+
+    answer = tab.shape()
+    words = tab.text("#moment")
+    assert words.startswith("answer · frame 5 of 5 · t = 0")
+    sphere = slide(0)
+    rows, columns = np.nonzero(sphere)
+    assert np.ptp(columns) == pytest.approx(np.ptp(rows), rel=0.05)  # a sphere
+    height, width = sphere.shape
+    assert abs(columns.mean() - width / 2) < 3
+    assert abs(rows.mean() - height / 2) < 3
+    first = tab.text("#moment")
+    assert first.startswith("start · frame 1 of 5 · t = 1")
+    assert "0 concave edges" in first
+    middle = slide(2)
+    assert "pull back · frame 3 of 5 · t = 0.5" in tab.text("#moment")
+    assert (middle != answer).mean() > 0.01
+    np.testing.assert_array_equal(slide(4), answer)
+    assert tab.text("#moment") == words
+
+
+def test_the_film_plays_to_its_end(tab):
+    # The page itself notes what it shows: a slow machine may miss frames from outside.
+    tab.page.evaluate(
+        """() => {
+            window.noted = [];
+            const note = () => noted.push(document.getElementById("frame").value);
+            new MutationObserver(note).observe(document.getElementById("moment"), { childList: true });
+            new MutationObserver(() => noted.push(document.getElementById("play").getAttribute("aria-label")))
+                .observe(document.getElementById("play"), { attributes: true });
+        }"""
+    )
+    tab.page.click("#play")
+    tab.page.locator("#play[aria-label=Play]").wait_for()
+    assert tab.page.evaluate("noted") == ["0", "Pause", "1", "2", "3", "4", "Play"]
+    assert "frame 5 of 5" in tab.text("#moment")
+
+
+def test_turning_zooming_and_going_back(tab):
+    box = tab.page.locator("#canvas").bounding_box()
+    x, y = box["x"] + box["width"] / 2, box["y"] + box["height"] / 2
+    first = tab.pixels()
+
+    def drag():
+        tab.page.mouse.move(x, y)
+        tab.page.mouse.down()
+        tab.page.mouse.move(x + 80, y + 60, steps=3)
+        tab.page.mouse.up()
+        tab.page.mouse.move(2, 2)
+
+    def keys():
+        tab.page.focus("#canvas")
+        for key in ("ArrowLeft", "ArrowUp", "ArrowLeft"):
+            tab.page.keyboard.press(key)
+
+    def wheel():
+        tab.page.mouse.move(x, y)
+        tab.page.mouse.wheel(0, 400)
+        tab.page.mouse.move(2, 2)
+
+    seen = [first]
+    for change in (drag, keys, wheel, lambda: tab.page.click("#closer")):
+        change()
+        seen.append(tab.pixels())
+        assert differing(seen[-2], seen[-1]) > 0.02
+    tab.page.click("#reset")
+    tab.page.mouse.move(2, 2)
+    assert differing(first, tab.pixels()) < 1e-3
+
+
+def test_turning_follows_the_hand(tab):
+    # What is under the pointer at the front moves with it.
+    box = tab.page.locator("#canvas").bounding_box()
+    x, y = box["x"] + box["width"] / 2, box["y"] + box["height"] / 2
+    tab.page.mouse.move(x, y)
+    before = tab.text("#tip b")
+    tab.page.mouse.down()
+    tab.page.mouse.move(x + 24, y + 10, steps=4)
+    tab.page.mouse.up()
+    mark = tab.page.locator("#mark").bounding_box()
+    tab.page.mouse.move(x + 24, y + 10)
+    assert tab.text("#tip b") == before
+    assert abs(mark["x"] + mark["width"] / 2 - (x + 24)) < 40
+
+
+def test_the_vertex_under_the_pointer_is_named(tab):
+    box = tab.page.locator("#canvas").bounding_box()
+    tab.page.mouse.move(box["x"] + box["width"] / 2, box["y"] + box["height"] / 2)
+    assert tab.page.locator("#mark").is_visible()
+    words = tab.text("#tip")
+    assert words.startswith("vertex ")
+    assert "mean curvature" in words
+    tab.page.mouse.move(box["x"] + 3, box["y"] + 3)
+    assert not tab.page.locator("#mark").is_visible()
+
+
+@pytest.mark.parametrize("size", [1.0, 1e-150])
+def test_what_has_no_value_is_gray(browser, size, tmp_path):
+    # Where a triangle is obtuse, the circumcentric dual area of its sharp corners may be negative.
+    points = size * np.array([[-1.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 0.3, 0.0], [0.0, 0.0, 0.6]])
+    metric = PolyhedralMetric.from_mesh(points, zoo.TETRAHEDRON)
+    surface = Embedding(metric, points, method="exact", tolerance=1e-10)
+    frames = [Frame("same", None, None, points), Frame("answer", 0.0, 0.0, points)]
+    write_page(tmp_path / "needle.html", surface, frames=frames)
+    tab = Tab(browser, tmp_path / "needle.html", viewport={"width": 500, "height": 600}).open()
+    tab.page.select_option("#color", "Gaussian curvature")
+    tab.page.uncheck("#mesh")
+    missing = int(np.isnan(intrinsic_curvature(surface).values).sum())
+    assert 0 < missing < 4
+    for frame in (1, 0):
+        tab.page.locator("#frame").fill(str(frame))
+        assert f"gray: no value at {missing} vert" in tab.text("#span")
+        colors = tab.pixels()[:, 70:-70][tab.shape()]
+        assert (np.ptp(colors, axis=1) < 0.05).mean() > 0.1
+    assert tab.complaints == []
+    tab.context.close()
+
+
+def test_an_answer_without_a_way_to_it(browser, tmp_path):
+    surface = embed(PolyhedralMetric.from_mesh(*zoo.icosphere(1)))
+    write_page(tmp_path / "alone.html", surface, frames=[Frame("answer", 0.0, 0.0, surface.vertices)])
+    tab = Tab(browser, tmp_path / "alone.html").open()
+    assert "leaped to this surface" in tab.text("#alone")
+    assert not tab.page.locator("#film").is_visible()
+    tab.context.close()
+
+
+def test_light_and_dark(tab):
+    light = tab.pixels()[5, 5].mean()
+    tab.page.emulate_media(color_scheme="dark")
+    dark = tab.pixels()[5, 5].mean()
+    assert light > 0.8
+    assert dark < 0.2
+    tab.page.click("#theme")
+    assert tab.pixels()[5, 5].mean() == pytest.approx(light)
+
+
+def test_the_report_is_beside_it(tab):
+    assert tab.text(".message") == EVIL.replace("\u2028", " ") or EVIL[:40] in tab.text(".message")
+    assert "area" in tab.text("aside")
+    with tab.page.expect_download() as download:
+        tab.page.click("#json")
+    assert download.value.suggested_filename == "report.json"
+    tab.requests = [url for url in tab.requests if not url.startswith("data:")]  # which the link holds
+
+
+def test_on_a_phone(browser, file, tmp_path):
+    phone = {"width": 390, "height": 844}
+    tab = Tab(browser, file, viewport=phone, device_scale_factor=2, has_touch=True).open()
+    tab.page.screenshot(path=tmp_path / "phone.png")
+    assert tab.page.evaluate("document.documentElement.scrollWidth") <= 390
+    tops = [tab.page.locator(part).bounding_box()["y"] for part in ("#view", "#controls", "aside")]
+    assert tops == sorted(tops)
+    assert tab.shape().mean() > 0.1
+    first = tab.pixels()
+    tab.page.touchscreen.tap(195, 300)
+    assert tab.page.locator("#tip").is_visible()
+    tab.page.locator("#closer").tap()
+    assert differing(first, tab.pixels()) > 0.02
+    assert tab.complaints == []
+    tab.context.close()
+
+
+def test_without_webgl(browser, file):
+    tab = Tab(browser, file)
+    tab.page.add_init_script("HTMLCanvasElement.prototype.getContext = () => null;")
+    tab.open()
+    assert "WebGL 2" in tab.text("#sorry")
+    assert not tab.page.locator("#controls").is_visible()
+    assert "area" in tab.text("aside")
+    assert tab.complaints == []
+    tab.context.close()
+
+
+def test_without_javascript(browser, file):
+    context = browser.new_context(java_script_enabled=False)
+    page = context.new_page()
+    page.goto(file.as_uri())
+    assert "this browser runs none" in page.locator("#view").inner_text()
+    assert "area" in page.locator("aside").inner_text()
+    context.close()

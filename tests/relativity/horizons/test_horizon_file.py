@@ -1,0 +1,453 @@
+"""Files of horizons and of metrics on grids, by content and ending; closed surfaces of scattered points."""
+
+import gzip
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+from scipy.spatial.transform import Rotation
+
+from horizon_texts import lopsided, shape_text
+from isoembed.errors import InvalidMetric
+from isoembed.gallery import KerrHorizon, triangulate
+from isoembed.io.files import FileError
+from isoembed.io.meshes import write_vtk
+from isoembed.mesh.triangulation import Triangulation
+from isoembed.relativity.horizons.coordinate_shape import CoordinateShape, middle, triangulate_star_shaped
+from isoembed.relativity.horizons.grid_file import read_metric_grid
+from isoembed.relativity.horizons.horizon_file import read_horizon
+from isoembed.smooth.grid_metric import GridMetric
+from isoembed.surface.measures import volume
+from places import SHARED
+
+h5py = pytest.importorskip("h5py")
+
+
+def lattice(n, seed=0):
+    """Directions all over the sphere, in no order."""
+    k = np.random.default_rng(seed).permutation(n)
+    z, phi = 1.0 - (2.0 * k + 1.0) / n, k * np.pi * (3.0 - np.sqrt(5.0))
+    s = np.sqrt(1.0 - z**2)
+    return np.stack([s * np.cos(phi), s * np.sin(phi), z], axis=1)
+
+
+def bumpy(u):
+    return u * (1.0 + 0.3 * u[:, :1] * u[:, 1:2] + 0.2 * u[:, 2:])
+
+
+def is_closed_and_outward(points, faces, center):
+    assert Triangulation(faces).n_vertices == len(points)
+    a, b, c = (points - center)[faces.T]
+    return bool(np.all(np.einsum("fi,fi->f", a, np.cross(b, c)) > 0))
+
+
+# Surfaces of points.
+
+
+@given(seed=st.integers(0, 1000), exponent=st.integers(-100, 100))
+def test_scattered_points_become_a_closed_surface(seed, exponent):
+    rng = np.random.default_rng(seed)
+    turn = Rotation.random(random_state=seed).as_matrix()
+    center = rng.normal(size=3)
+    unit = bumpy(lattice(60, seed)) @ turn.T
+    points = (unit + center) * 10.0**exponent
+    twice = np.concatenate([points, points[::3]])
+    kept, faces = triangulate_star_shaped(twice, center * 10.0**exponent, "x")
+    np.testing.assert_array_equal(kept, np.arange(60))
+    assert is_closed_and_outward(unit, faces, np.zeros(3))
+
+
+def test_rings_around_open_poles_and_poles_written_many_times():
+    theta, phi = np.linspace(0.0, np.pi, 21), 2.0 * np.pi / 40 * np.arange(41)
+    for rows, count in ((theta, 19 * 40 + 2), (theta[1:-1], 19 * 40)):
+        t, p = (a.ravel() for a in np.meshgrid(rows, phi, indexing="ij"))
+        u = np.stack([np.sin(t) * np.cos(p), np.sin(t) * np.sin(p), np.cos(t)], axis=1)
+        kept, faces = triangulate_star_shaped(u, np.zeros(3), "x")
+        assert len(kept) == count
+        assert is_closed_and_outward(u[kept], faces, np.zeros(3))
+
+
+@given(seed=st.integers(0, 1000))
+def test_the_middle_does_not_depend_on_the_sampling(seed):
+    rng = np.random.default_rng(seed)
+    u = lattice(200, seed)
+    u = u[u[:, 2] > -0.9 + rng.uniform(0.0, 1.0)]  # many on one side
+    np.testing.assert_allclose(middle(3e8 + 1e3 * u), 3e8, atol=1e-3)
+
+
+def test_points_that_are_no_surface_around_a_center():
+    u = lattice(100)
+    cases = [
+        (np.vstack([u, 2.0 * u[7]]), (), r"x: the points 7 and 100, .* are in one direction .* star-shaped"),
+        (np.vstack([u[:4], [[0.0, 0.0, 0.0]], u[4:]]), (), "point 4 is at the center"),
+        (u[:3], (), "3 points: that is no surface"),
+        (np.where(np.arange(100)[:, None] == 5, np.inf, u), (), "point 5 is not finite"),
+        (
+            u[u[:, 2] < 0.3],
+            (),
+            r"no points around the direction \(.*, 0.99\d*\) from the center .* not complete",
+        ),
+    ]
+    for points, polygons, message in cases:
+        with pytest.raises(FileError, match=message):
+            triangulate_star_shaped(points, np.zeros(3), "x", polygons)
+
+
+@given(seed=st.integers(0, 1000), exponent=st.integers(-100, 100), far=st.sampled_from([0.0, 1.0, 1e6]))
+def test_points_in_a_plane(seed, exponent, far):
+    turn = Rotation.random(random_state=seed).as_matrix()
+    u = lattice(50, seed)
+    for flat, where in (
+        ([1, 1, 0], "lie in a plane"),
+        ([1, 0, 0], "lie on a line"),
+        ([0, 0, 0], "are one point"),
+    ):
+        with pytest.raises(FileError, match=f"x: the 50 points {where}"):
+            triangulate_star_shaped(10.0**exponent * (u * flat @ turn.T + far), np.zeros(3), "x")
+    for thickness, refusal in ((0.5, None), (1e-6, "no points around the direction")):
+        thin = 10.0**exponent * (u * [1.0, 1.0, thickness] @ turn.T + far)
+        center = np.full(3, 10.0**exponent * far)
+        if refusal is None:
+            assert len(triangulate_star_shaped(thin, center, "x")[0]) == 50
+        else:
+            with pytest.raises(FileError, match=refusal):
+                triangulate_star_shaped(thin, center, "x")
+
+
+def test_points_on_a_cone_about_the_center():
+    phi = 2.0 * np.pi / 40 * np.arange(40)
+    r = 1.0 + 0.5 * np.cos(3.0 * phi)
+    points = r[:, None] * np.stack([np.cos(phi), np.sin(phi), 0.0 * phi + 0.3], axis=1)
+    with pytest.raises(FileError, match=r"the directions of the points .* lie in a plane: .* not complete"):
+        triangulate_star_shaped(points, np.zeros(3), "x")
+
+
+def test_polygons_tell_where_a_surface_folds_over():
+    points = bumpy(lattice(100))
+    _, faces = triangulate_star_shaped(points, np.zeros(3), "x")
+    assert (
+        len(triangulate_star_shaped(points, np.zeros(3), "x", list(faces[:, ::-1]))[0]) == 100
+    )  # either way round
+    turned = points.copy()
+    turned[13] = -0.5 * points[13]
+    with pytest.raises(FileError, match=r"the surface folds over at point \d+"):
+        triangulate_star_shaped(turned, np.zeros(3), "x", list(faces))
+
+
+# Files with arrays.
+
+
+def metric_arrays(spin=0.5, n=24, m=30):
+    r = 1.0 + np.sqrt(1.0 - spin**2)
+    theta, phi = (np.arange(n) + 0.5) * np.pi / n, 2.0 * np.pi / m * np.arange(m)
+    Sigma = (r**2 + (spin * np.cos(theta)) ** 2)[:, None] + np.zeros(m)
+    q_pp = (r**2 + spin**2) ** 2 * np.sin(theta)[:, None] ** 2 / Sigma
+    return {"theta": theta, "phi": phi, "q_tt": Sigma, "q_pp": q_pp}
+
+
+def write_hdf5(path, arrays, group="/"):
+    with h5py.File(path, "a") as file:
+        place = file.require_group(group)
+        for name, values in arrays.items():
+            place[name] = values
+    return path
+
+
+@pytest.mark.parametrize("kind", ["npz", "h5", "hdf5", "group"])
+def test_metrics_on_grids(kind, tmp_path):
+    arrays = metric_arrays()
+    path = tmp_path / f"q.{'h5' if kind == 'group' else kind}"
+    if kind == "npz":
+        np.savez(path, **arrays)
+    else:
+        write_hdf5(path, arrays, "horizon/t0" if kind == "group" else "/")
+    u = lattice(50)
+    with_tp = GridMetric(**arrays, q_tp=np.zeros_like(arrays["q_tt"]))
+    for metric in (read_metric_grid(path), read_horizon(path)):
+        assert isinstance(metric, GridMetric)
+        np.testing.assert_array_equal(metric.tensor(u), with_tp.tensor(u))
+
+
+def test_q_tp_is_the_coordinate_component(tmp_path):
+    theta, phi = (np.arange(16) + 0.5) * np.pi / 16, 2.0 * np.pi / 20 * np.arange(20)
+    t, p = np.meshgrid(theta, phi, indexing="ij")
+    A = np.array([1.0, 0.7, 0.4])  # ds^2 = |dX|^2 of the map u -> A u
+    d_t = A[:, None, None] * [np.cos(t) * np.cos(p), np.cos(t) * np.sin(p), -np.sin(t)]
+    d_p = A[:, None, None] * [-np.sin(t) * np.sin(p), np.sin(t) * np.cos(p), 0.0 * t]
+    q = {"q_tt": (d_t**2).sum(0), "q_tp": (d_t * d_p).sum(0), "q_pp": (d_p**2).sum(0)}
+    np.savez(tmp_path / "q.npz", theta=theta, phi=phi, **q)
+    u = lattice(50)
+    P = np.eye(3) - u[:, :, None] * u[:, None, :]
+    np.testing.assert_allclose(
+        read_metric_grid(tmp_path / "q.npz").tensor(u), P @ np.diag(A**2) @ P, rtol=0, atol=1e-14
+    )
+
+
+def test_metrics_that_are_none(tmp_path):
+    path = tmp_path / "q.npz"
+    arrays = metric_arrays()
+    np.savez(path, **{name: values for name, values in arrays.items() if name != "phi"})
+    with pytest.raises(FileError, match=r"q.npz holds theta, q_tt, q_pp: phi missing"):
+        read_metric_grid(path)
+    arrays["q_pp"][3, 5] = np.nan
+    np.savez(path, **arrays)
+    with pytest.raises(InvalidMetric, match=r"q.npz: .*nan at node \[3, 5\]"):
+        read_horizon(path)
+    np.savez(path, **(arrays | {"q_pp": arrays["q_pp"][:, :4]}))
+    with pytest.raises(InvalidMetric, match=r"q.npz: q_pp has the shape \(24, 4\)"):
+        read_metric_grid(path)
+    two = tmp_path / "q.h5"
+    write_hdf5(two, metric_arrays(), "a")
+    write_hdf5(two, metric_arrays(), "b")
+    with pytest.raises(FileError, match="holds 2 metrics, in the groups a, b"):
+        read_metric_grid(two)
+    with pytest.raises(FileError, match=r"has the ending '.json', not one of .npz .h5"):
+        read_metric_grid(tmp_path / "q.json")
+    with pytest.raises(FileError, match="there is no file"):
+        read_metric_grid(tmp_path / "none.npz")
+
+
+@pytest.mark.parametrize("kind", ["npz", "h5"])
+def test_surfaces_as_arrays(kind, tmp_path):
+    points = bumpy(lattice(120)) + np.array([0.0, 3.0, 0.0])
+    x, y, z = points.T.reshape(3, 10, 12)
+    path = tmp_path / f"s.{kind}"
+    arrays = {"x": x, "y": y, "z": z, "center": [0.0, 3.0, 0.0], "time": 2.5, "expansion": x - y}
+    if kind == "npz":
+        np.savez(path, **arrays)
+    else:
+        write_hdf5(path, arrays, "ah1")
+    shape = read_horizon(path)
+    assert isinstance(shape, CoordinateShape)
+    np.testing.assert_array_equal(shape.points, points)
+    assert is_closed_and_outward(shape.points, shape.faces, shape.center)
+    assert shape.time == 2.5 and list(shape.fields) == ["expansion"]
+    np.testing.assert_array_equal(shape.fields["expansion"], points[:, 0] - points[:, 1])
+    assert f"{path} holds the coordinates of 120 points of a horizon and expansion there" in shape.contents
+
+
+def test_triangles_of_a_file_are_kept(tmp_path):
+    """Also where the surface is not star-shaped: a sphere that is bent into a banana."""
+    u, faces = lattice(300), None
+    _, faces = triangulate_star_shaped(u, np.zeros(3), "x")
+    angle, r = 2.2 * u[:, 0], 2.0 + 0.4 * u[:, 1]
+    points = np.stack([r * np.sin(angle), r * np.cos(angle), 0.4 * u[:, 2]], axis=1)
+    if volume(faces, points) > 0:
+        faces = faces[:, ::-1]
+    np.savez(tmp_path / "banana.npz", points=points, faces=faces)
+    shape = read_horizon(tmp_path / "banana.npz")
+    np.testing.assert_array_equal(shape.points, points)
+    np.testing.assert_array_equal(shape.faces, faces[:, ::-1])
+    assert volume(shape.faces, shape.points) > 0
+
+
+def bad_arrays():
+    points = bumpy(lattice(30))
+    _, faces = triangulate_star_shaped(points, np.zeros(3), "x")
+    hole = np.where(np.arange(30)[:, None] == 3, np.nan, points)
+    return {
+        "nothing of use": ({"a": points}, FileError, "holds a: neither a metric .* nor points"),
+        "shape": ({"points": points.T}, FileError, r"points has the shape \(3, 30\), not \(V, 3\)"),
+        "x, y, z": (
+            {"x": points[:, 0], "y": points[1:, 1], "z": points[:, 2]},
+            FileError,
+            r"x, y and z have the shapes \(30,\), \(29,\) and \(30,\)",
+        ),
+        "words": ({"points": points.astype(str)}, FileError, "the points are not numbers"),
+        "not finite": ({"points": hole}, FileError, "point 3 is not finite"),
+        "center": ({"points": points, "center": [1.0]}, FileError, r"the center has the shape \(1,\)"),
+        "open": ({"points": points, "faces": faces[1:]}, InvalidMetric, "s.npz: edge .* not closed"),
+        "more points": (
+            {"points": np.vstack([points, points[:1]]), "faces": faces},
+            InvalidMetric,
+            "there are 31 points, but 30 in faces",
+        ),
+        "empty": ({"points": np.empty((0, 3))}, FileError, "s.npz: 0 points: that is no surface"),
+        "empty, triangles": (
+            {"points": np.empty((0, 3)), "faces": faces},
+            FileError,
+            "s.npz: 0 points: that is no surface",
+        ),
+        "plane": (
+            {"points": points * [1.0, 1.0, 0.0]},
+            FileError,
+            "s.npz: the 30 points lie in a plane",
+        ),
+        "plane, center": (
+            {"points": points * [1.0, 1.0, 0.0], "center": [0.0, 0.0, 1.0]},
+            FileError,
+            "s.npz: the 30 points lie in a plane",
+        ),
+        "line": (
+            {"points": points[:, :1] * [1.0, 2.0, 3.0]},
+            FileError,
+            "s.npz: the 30 points lie on a line",
+        ),
+        "one point": (
+            {"points": np.full((100, 3), 0.1)},
+            FileError,
+            "s.npz: the 100 points are one point",
+        ),
+        "center outside": (
+            {"points": points, "center": [5.0, 0.0, 0.0]},
+            FileError,
+            "s.npz: .* not complete",
+        ),
+    }
+
+
+@pytest.mark.parametrize("arrays, error, message", bad_arrays().values(), ids=bad_arrays())
+def test_arrays_that_are_no_surface(arrays, error, message, tmp_path):
+    np.savez(tmp_path / "s.npz", **arrays)
+    with pytest.raises(error, match=message):
+        read_horizon(tmp_path / "s.npz")
+
+
+def test_several_surfaces_in_one_file(tmp_path):
+    path = tmp_path / "s.h5"
+    for group in ("ah1", "ah2"):
+        write_hdf5(path, {"points": lattice(20)}, group)
+    with pytest.raises(FileError, match="holds 2 surfaces, in the groups ah1, ah2"):
+        read_horizon(path)
+
+
+def test_spectre_is_recognized(tmp_path):
+    path = tmp_path / "horizons.h5"
+    for time in (0, 1):
+        points = lattice(40)
+        arrays = {f"InertialCoordinates_{axis}": points[:, i] for i, axis in enumerate("xyz")}
+        write_hdf5(path, arrays, f"AhA.vol/ObservationId{time}")
+    with h5py.File(path, "a") as file:
+        file["AhA.vol/ObservationId0"].attrs["observation_value"] = 0.25
+    assert read_horizon(path).time == 0.25
+    with h5py.File(path, "a") as file:
+        file["AhA.vol/ObservationId1"].attrs["observation_value"] = 0.5
+    with pytest.raises(FileError, match=r"choose one of t = 0.25, 0.5"):
+        read_horizon(path)
+
+
+# Text files.
+
+
+def polydata(points, polygons, fields):
+    """As QuasiLocalMeasures writes it."""
+    n = len(points)
+    text = ["# vtk DataFile Version 2.0", "Horizon data", "ASCII", "DATASET POLYDATA", f"POINTS  {n} float"]
+    text += [" ".join(f"{x:.15E}" for x in point) for point in points]
+    text += ["", f"POLYGONS  {len(polygons)}  {sum(len(p) + 1 for p in polygons)}"]
+    text += [" ".join(map(str, [len(p), *p])) for p in polygons]
+    text += ["", f"POINT_DATA  {n}", ""]
+    for name, values in fields.items():
+        text += [f"SCALARS {name} float 1", "LOOKUP_TABLE default", *map(str, values), ""]
+    return "\n".join(text)
+
+
+def rings(n=12, m=18):
+    """Quadrilaterals between circles of latitude, open at the poles."""
+    t, p = np.meshgrid((np.arange(n) + 0.5) * np.pi / n, 2.0 * np.pi / m * np.arange(m), indexing="ij")
+    u = np.stack([np.sin(t) * np.cos(p), np.sin(t) * np.sin(p), np.cos(t)], axis=2).reshape(-1, 3)
+    i, j = (a.ravel() for a in np.meshgrid(np.arange(n - 1), np.arange(m), indexing="ij"))
+    here, there = m * i + j, m * i + (j + 1) % m
+    return bumpy(u) + np.array([4.0, 0.0, 0.0]), np.column_stack([here, here + m, there + m, there])
+
+
+@pytest.mark.parametrize("zipped", [False, True])
+def test_polygons_of_quasi_local_measures(zipped, tmp_path):
+    points, quads = rings()
+    text = polydata(points, quads, {"shape": points[:, 0], "repsi2": points[:, 1]})
+    text += f"\nVECTORS v double\n{' '.join(map(str, points.ravel()))}\nCELL_DATA {len(quads)}\n"
+    text += f"FIELD f 1\narea 1 {len(quads)} float\n{' '.join('1' for _ in quads)}\n"
+    path = tmp_path / ("surface.vtk.gz" if zipped else "surface.vtk")
+    path.write_bytes(gzip.compress(text.encode()) if zipped else text.encode())
+    shape = read_horizon(path)
+    np.testing.assert_allclose(shape.points, points, rtol=1e-14)
+    assert is_closed_and_outward(shape.points, shape.faces, shape.center)
+    assert list(shape.fields) == ["shape", "repsi2", "v"]
+    np.testing.assert_allclose(shape.fields["repsi2"], points[:, 1], rtol=1e-14)
+    np.testing.assert_allclose(shape.fields["v"], points, rtol=1e-14)
+
+
+def bad_polydata():
+    points, quads = rings(6, 8)
+    text = polydata(points, quads, {"shape": points[:, 0]})
+    folded = points.copy()
+    folded[20] = 2.0 * np.array([4.0, 0.0, 0.0]) - points[20]
+    return {
+        "binary": (text.replace("ASCII", "BINARY"), "is a binary VTK file of polygons"),
+        "cut in the points": (text[:800], r"ends after \d+ of 144 numbers of the points"),
+        "cut in a name": (text[: text.index("SCALARS") + 7], "ends early"),
+        "a word": (text.replace("E+00", "E+00x", 1), "among the points, could not convert"),
+        "count": (text.replace("POINTS  48", "POINTS  many"), "'many' is not a number of points"),
+        "corner": (
+            text.replace("\n4 0 8", "\n4 0 99", 1),
+            "number 0 of the POLYGONS is not made of the 48 points",
+        ),
+        "not finite": (text.replace("E+00", "E+999", 1), "point 0 is not finite"),
+        "key": (text.replace("POINT_DATA", "POINT_DATUM"), "'POINT_DATUM' is not known"),
+        "no polygons": (polydata(points, [], {}), "has no polygons"),
+        "empty": (polydata(points[:0], quads, {}), "is not made of the 0 points"),
+        "plane": (polydata(points * [1, 0, 1], quads, {}), "surface.vtk: the 48 points lie in a plane"),
+        "folded": (polydata(folded, quads, {}), r"(folds over|one direction)"),
+    }
+
+
+@pytest.mark.parametrize("text, message", bad_polydata().values(), ids=bad_polydata())
+def test_malformed_polygons(text, message, tmp_path):
+    path = tmp_path / "surface.vtk"
+    path.write_text(text)
+    with pytest.raises(FileError, match=message):
+        read_horizon(path)
+
+
+def test_meshes(tmp_path):
+    vertices, faces = triangulate(KerrHorizon(), 60)[:2]
+    write_vtk(tmp_path / "m.vtk", {"vertices": vertices, "faces": faces})
+    obj = "".join(f"v {x!r} {y!r} {z!r}\n" for x, y, z in vertices.tolist())
+    obj += "".join(f"f {a + 1} {b + 1} {c + 1}\n" for a, b, c in faces.tolist())
+    (tmp_path / "m.obj.gz").write_bytes(gzip.compress(obj.encode()))
+    for name in ("m.vtk", "m.obj.gz"):
+        shape = read_horizon(tmp_path / name)
+        np.testing.assert_array_equal(shape.points, vertices)
+        np.testing.assert_array_equal(np.sort(shape.faces), np.sort(faces))
+
+
+def test_ahfinderdirect_is_recognized_by_its_first_lines(tmp_path):
+    for name in ("h.t8.ah1.gp", "shape.txt", "h.t8.ah1.gp.gz"):
+        text = shape_text(lopsided, 5).encode()
+        (tmp_path / name).write_bytes(gzip.compress(text) if name.endswith("gz") else text)
+        assert len(read_horizon(tmp_path / name).points) == 98
+
+
+def test_other_files(tmp_path):
+    path = tmp_path / "BH_diagnostics.ah1.gp"
+    path.write_text("# column  1 = cctk_iteration\n0\t0.0\n")
+    with pytest.raises(FileError, match=r"has no line '# N_patches = ...'"):
+        read_horizon(path)
+    path = tmp_path / "notes.txt"
+    path.write_text("nothing")
+    with pytest.raises(FileError, match="is neither a shape file of AHFinderDirect, nor of a kind"):
+        read_horizon(path)
+    with pytest.raises(FileError, match="there is no file"):
+        read_horizon(tmp_path / "none.npz")
+
+
+@pytest.mark.shared
+@pytest.mark.parametrize("spin", [0.5, 0.8])
+def test_metrics_of_others(spin):
+    metric = read_horizon(SHARED / "cases" / f"kerr_horizon_a{spin}_metric_grid.npz")
+    r = 1.0 + np.sqrt(1.0 - spin**2)
+    u = lattice(400)
+    e_phi = np.stack([-u[:, 1], u[:, 0], 0.0 * u[:, 2]], axis=1) / np.hypot(u[:, 0], u[:, 1])[:, None]
+    Sigma = r**2 + (spin * u[:, 2]) ** 2
+    around = np.einsum("ni,nij,nj->n", e_phi, metric.tensor(u), e_phi)
+    np.testing.assert_allclose(around, (r**2 + spin**2) ** 2 / Sigma, rtol=1e-14)
+
+
+@pytest.mark.shared
+def test_the_surface_of_others():
+    shape = read_horizon(SHARED / "real" / "kuibit" / "surface01_00000000.vtk.gz")
+    assert len(shape.points) == 37 * 76 and len(shape.faces) == 2 * 37 * 76 - 4
+    assert is_closed_and_outward(shape.points, shape.faces, shape.center)
+    assert {"shape", "repsi2", "renprho", "renpmu"} <= set(shape.fields)
+    np.testing.assert_allclose(np.linalg.norm(shape.points - shape.center, axis=1), 0.2528, rtol=1e-3)

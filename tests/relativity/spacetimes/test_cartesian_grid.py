@@ -1,0 +1,287 @@
+"""Slices on Cartesian grids: exact for polynomials, of eighth order for holes, and their files."""
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from isoembed.errors import InvalidMetric, InvalidParameter
+from isoembed.io.files import FileError
+from isoembed.relativity.energies.embedded import embed_surface
+from isoembed.relativity.spacetimes.cartesian_grid import PAIRS, CartesianGrid, read_cartesian_grid
+from isoembed.relativity.spacetimes.conformally_flat import IsotropicSchwarzschild
+from isoembed.relativity.spacetimes.kerr_schild import KerrSchild
+from isoembed.relativity.spacetimes.painleve_gullstrand import PainleveGullstrand
+from isoembed.relativity.spacetimes.star_surface import StarSurface
+
+FLAT = np.tile(np.eye(3)[:, :, None, None, None], (1, 1, 9, 10, 11))
+
+
+def points(shape, spacing, origin):
+    i = np.stack(np.meshgrid(*(np.arange(n) for n in shape), indexing="ij"), axis=-1)
+    return (np.array(origin) + np.array(spacing) * i).reshape(-1, 3)
+
+
+def directions():
+    u = np.random.default_rng(2).normal(size=(400, 3))
+    return u / np.linalg.norm(u, axis=1, keepdims=True)
+
+
+def gridded(values, shape):
+    return np.moveaxis(values, 0, -1).reshape(3, 3, *shape)
+
+
+def polynomial(x):
+    """A metric (n, 3, 3) of degree seven, and its gradient."""
+    a, b = x @ [0.3, -0.2, 0.1], x @ [0.1, 0.2, -0.3]
+    gamma = np.zeros((len(x), 3, 3))
+    gradient = np.zeros((len(x), 3, 3, 3))
+    for i in range(3):
+        gamma[:, i, i] = 2 + i + a**7 - 0.5 * b**3
+        gradient[:, :, i, i] = (7 * a**6)[:, None] * [0.3, -0.2, 0.1] - (1.5 * b**2)[:, None] * [
+            0.1,
+            0.2,
+            -0.3,
+        ]
+    gamma[:, 0, 1] = gamma[:, 1, 0] = a * b
+    gradient[:, :, 0, 1] = b[:, None] * [0.3, -0.2, 0.1] + a[:, None] * [0.1, 0.2, -0.3]
+    gradient[:, :, 1, 0] = gradient[:, :, 0, 1]
+    return gamma, gradient
+
+
+@given(exponent=st.integers(-100, 100), seed=st.integers(0, 10))
+def test_polynomials_are_exact_up_to_the_faces(exponent, seed):
+    unit, shape, origin, spacing = 10.0**exponent, (9, 10, 12), (-1.0, -0.5, 0.0), (0.25, 0.2, 0.15)
+    x = points(shape, spacing, origin)
+    gamma = gridded(polynomial(x)[0], shape)
+    grid = CartesianGrid(unit * np.array(origin), unit * np.array(spacing), gamma, gamma)
+    asked = np.random.default_rng(seed).uniform(x.min(axis=0), x.max(axis=0), size=(20, 3))
+    asked = np.concatenate([asked, [x[0], x[-1], x[500]]])
+    expected, gradient = polynomial(asked)
+    np.testing.assert_allclose(grid.metric(unit * asked), expected, atol=1e-13)
+    np.testing.assert_allclose(grid.extrinsic_curvature(unit * asked), expected, atol=1e-13)
+    np.testing.assert_allclose(unit * grid.gradient(unit * asked), gradient, atol=1e-11)
+
+
+def test_a_hole_converges():
+    hole = KerrSchild(1.0, (0.1, 0.2, 0.5))
+    surface = StarSurface.from_radius(hole.spheroid(3.0))
+    u = np.random.default_rng(1).normal(size=(60, 3))
+    u /= np.linalg.norm(u, axis=1, keepdims=True)
+    x = surface.points(u)
+    J = surface.angular_momentum(hole, hole.spin)
+    errors = []
+    for n in (29, 41):
+        at = points((n, n, n), 8.4 / (n - 1), (-4.2, -4.2, -4.2))
+        near = np.linalg.norm(at, axis=1) < 0.7  # what a code has cut out
+        gamma, K = np.full((2, len(at), 3, 3), np.nan)
+        gamma[~near], K[~near] = hole.metric(at[~near]), hole.extrinsic_curvature(at[~near])
+        grid = CartesianGrid((-4.2,) * 3, 8.4 / (n - 1), gridded(gamma, (n, n, n)), gridded(K, (n, n, n)))
+        errors.append(
+            [
+                np.abs(grid.metric(x) - hole.metric(x)).max(),
+                np.abs(grid.extrinsic_curvature(x) - hole.extrinsic_curvature(x)).max(),
+                np.abs(grid.gradient(x) - hole.gradient(x)).max(),
+                np.abs(surface.expansion(grid, u) - surface.expansion(hole, u)).max(),
+                abs(surface.angular_momentum(grid, hole.spin) / J - 1),
+            ]
+        )
+    orders = np.log(np.array(errors[0]) / errors[-1]) / np.log(40 / 28)
+    assert np.all(orders > [7, 7, 6, 6, 6]), orders
+    assert np.all(np.array(errors[-1]) < [1e-7, 3e-7, 2e-6, 2e-6, 1e-8]), errors
+
+
+def sampled(hole, spacing, half, cut, noise=0.0, unit=1.0):
+    """The hole on a cube about the origin, but for a ball within; the unit multiplies all lengths."""
+    n = round(2 * half / spacing) + 1
+    at = points((n, n, n), spacing, (-half,) * 3)
+    near = np.linalg.norm(at, axis=1) < cut
+    gamma, K = np.full((2, len(at), 3, 3), np.nan)
+    gamma[~near] = hole.metric(unit * at[~near])
+    K[~near] = hole.extrinsic_curvature(unit * at[~near])
+    rough = noise * np.random.default_rng(6).normal(size=gamma.shape)
+    gamma += rough + rough.transpose(0, 2, 1)
+    shape = (n, n, n)
+    return CartesianGrid(
+        (-unit * half,) * 3,
+        unit * spacing,
+        gridded(gamma, shape),
+        None if hole.time_symmetric else gridded(K, shape),
+    )
+
+
+@pytest.mark.parametrize(("spacing", "noise"), [(0.25, 0.0), (0.125, 0.0), (0.125, 1e-5)])
+def test_energies_are_within_their_errors(spacing, noise):
+    hole, sphere = IsotropicSchwarzschild(1.0), StarSurface.sphere((0, 0, 0), 2.5)
+    exact = embed_surface(sphere.data(hole)).energies
+    found = embed_surface(sphere.data(sampled(hole, spacing, 3.5, 0.3, noise))).energies
+    for name in ("area", "irreducible_mass", "integrated_mean_curvature"):
+        assert abs(getattr(found, name).value - getattr(exact, name).value) < getattr(found, name).error
+    for name in ("hawking", "brown_york", "liu_yau"):
+        off = abs(getattr(found, name).value - getattr(exact, name).value)
+        assert off < getattr(found, name).error < 100 * off, name
+
+
+def test_the_error_knows_of_extrinsic_curvature():
+    flat, sphere = PainleveGullstrand(1.0), StarSurface.sphere((0, 0, 0), 2.0)
+    errors = []
+    for spacing in (0.25, 0.2):
+        grid, x = sampled(flat, spacing, 3.0, 0.2), sphere.points(directions())
+        true = 2.0 * np.abs(grid.extrinsic_curvature(x) - flat.extrinsic_curvature(x)).max()
+        errors.append(sphere.data(grid).relative_error)
+        assert 0.05 * true < errors[-1] < 10 * true
+    assert np.log(errors[0] / errors[1]) / np.log(1.25) > 6.5
+    still = CartesianGrid(grid.origin, grid.spacing, grid.gamma)
+    assert sphere.data(still).relative_error < 1e-14
+
+
+@pytest.mark.parametrize("unit", [1e-60, 1e60])
+def test_the_error_scales(unit):
+    one, x = IsotropicSchwarzschild(1.0), StarSurface.sphere((0, 0, 0), 2.5).points(directions())
+    error = sampled(one, 0.25, 3.5, 0.3).relative_error(x)
+    other = sampled(IsotropicSchwarzschild(unit), 0.25, 3.5, 0.3, unit=unit).relative_error(unit * x)
+    assert other == pytest.approx(error, rel=1e-6)
+
+
+def test_six_or_nine_entries():
+    nine = FLAT + 0.1
+    six = nine[np.triu_indices(3)]
+    x = np.array([[0.31, 0.42, 0.53]])
+    one, other = CartesianGrid((0, 0, 0), 0.1, nine), CartesianGrid((0, 0, 0), (0.1, 0.1, 0.1), six)
+    np.testing.assert_array_equal(one.metric(x), other.metric(x))
+    assert one.time_symmetric
+    assert not one.extrinsic_curvature(x).any()
+    with pytest.raises(ValueError, match="read-only"):
+        one.gamma[0, 0, 0, 0] = 2.0
+
+
+def test_the_users_arrays_stay_writable():
+    six = FLAT[np.triu_indices(3)].copy()
+    CartesianGrid((0, 0, 0), 0.1, six)
+    six[0] = 2.0
+    assert six[0, 0, 0, 0] == 2.0
+
+
+def skew():
+    bad = FLAT.copy()
+    bad[0, 2, 3, 4, 5] = 0.5
+    return bad
+
+
+@pytest.mark.parametrize(
+    ("make", "sentence"),
+    [
+        (lambda: CartesianGrid((0, 0), 1.0, FLAT), "the origin must be three finite numbers"),
+        (lambda: CartesianGrid((0, 0, 0), (1.0, 1.0), FLAT), "the spacing must be three finite numbers"),
+        (lambda: CartesianGrid((0, 0, 0), "fine", FLAT), "the spacing must be three finite numbers"),
+        (
+            lambda: CartesianGrid((0, 0, 0), (1.0, -1.0, 1.0), FLAT),
+            "the spacing in y must be positive, not -1.0",
+        ),
+        (
+            lambda: CartesianGrid((0, 0, 0), 1.0, FLAT[0]),
+            r"gamma must have the shape .* not \(3, 9, 10, 11\)",
+        ),
+        (
+            lambda: CartesianGrid((0, 0, 0), 1.0, FLAT[..., :7]),
+            r"has \(9, 10, 7\) points: there must be 8 along",
+        ),
+        (
+            lambda: CartesianGrid((0, 0, 0), 1.0, skew()),
+            r"gamma is not symmetric at the grid point \(3, 4, 5\): 0.5",
+        ),
+        (
+            lambda: CartesianGrid((0, 0, 0), 1.0, FLAT, FLAT[..., :9]),
+            r"K is given at \(9, 10, 9\) points, gamma at \(9, 10, 11\)",
+        ),
+        (
+            lambda: CartesianGrid((0, 0, 0), 1.0, FLAT).metric(np.array([[1, 2, 3], [1, 9.1, 3.0]])),
+            r"point 1, \(1, 9.1, 3\), lies outside the grid, which reaches from \(0, 0, 0\) to \(8, 9, 10\)",
+        ),
+        (
+            lambda: CartesianGrid((0, 0, 0), 1.0, FLAT).gradient(np.full((1, 3), np.nan)),
+            r"point 0, \(nan, nan, nan\), lies outside the grid",
+        ),
+    ],
+)
+def test_refusals(make, sentence):
+    with pytest.raises(InvalidParameter, match=sentence):
+        make()
+
+
+def test_a_surface_through_missing_points_is_refused():
+    gamma = FLAT.copy()
+    gamma[..., 5, 5, 5] = np.nan
+    surface = StarSurface.sphere((4, 4, 4), 1.0)
+    with pytest.raises(InvalidMetric, match=r"is not positive definite: xx, xy, \.\.\. = nan"):
+        surface.mean_curvature(CartesianGrid((0, 0, 0), 1.0, gamma), np.array([[0, 0, 1.0]]))
+
+
+def tables(curved):
+    rng = np.random.default_rng(4)
+    letters = "gk" if curved else "g"
+    arrays = {letter + pair: rng.normal(size=(8, 9, 10)) for letter in letters for pair in PAIRS}
+    return arrays | {"origin": np.array([1.0, 2.0, 3.0]), "spacing": np.array(0.5)}
+
+
+def write(path, arrays, attributes=False):
+    if path.suffix == ".npz":
+        np.savez(path, **arrays)
+        return
+    h5py = pytest.importorskip("h5py")
+    with h5py.File(path, "w") as file:
+        for name, array in arrays.items():
+            if attributes and name in ("origin", "spacing"):
+                file.attrs[name] = array
+            else:
+                file[name] = array
+
+
+@pytest.mark.parametrize("curved", [False, True])
+@pytest.mark.parametrize(("name", "attributes"), [("a.npz", False), ("a.h5", False), ("a.hdf5", True)])
+def test_files(tmp_path, name, attributes, curved):
+    arrays = tables(curved)
+    write(tmp_path / name, arrays, attributes)
+    grid = read_cartesian_grid(tmp_path / name)
+    assert grid.origin == (1.0, 2.0, 3.0)
+    assert grid.spacing == (0.5, 0.5, 0.5)
+    assert grid.time_symmetric is not curved
+    x = np.array([[1.0, 2.5, 4.0]])  # the grid point [0, 1, 2]
+    np.testing.assert_allclose(
+        grid.metric(x)[0][np.triu_indices(3)], [arrays[f"g{p}"][0, 1, 2] for p in PAIRS]
+    )
+    if curved:
+        expected = [arrays[f"k{p}"][0, 1, 2] for p in PAIRS]
+        np.testing.assert_allclose(grid.extrinsic_curvature(x)[0][np.triu_indices(3)], expected)
+
+
+@pytest.mark.parametrize(
+    ("spoil", "sentence"),
+    [
+        (lambda t: t.pop("gyz"), "has no gyz"),
+        (lambda t: t.pop("kyz"), "has no kyz"),
+        (lambda t: t.pop("origin"), "has no origin"),
+        (
+            lambda t: t.update(gxz=t["gxz"][:, :, 1:]),
+            r"gxz in \S+ has the shape \(8, 9, 9\), gxx \(8, 9, 10\)",
+        ),
+        (lambda t: t.update(kxx=t["kxx"] * 1j), "kxx in .* does not hold real numbers"),
+        (lambda t: t.update(spacing=np.ones(2)), r"spacing in \S+ must be three numbers or one, not 2"),
+        (lambda t: t.update(spacing=np.array(-1.0)), "the spacing in x must be positive, not -1.0"),
+        (lambda t: t.update(origin=np.array([np.inf, 0, 0])), "the origin must be three finite numbers"),
+    ],
+)
+@pytest.mark.parametrize("name", ["a.npz", "a.h5"])
+def test_files_that_lack_something(tmp_path, name, spoil, sentence):
+    arrays = tables(curved=True)
+    spoil(arrays)
+    write(tmp_path / name, arrays)
+    with pytest.raises(FileError, match=sentence):
+        read_cartesian_grid(tmp_path / name)
+
+
+def test_other_files(tmp_path):
+    with pytest.raises(FileError, match=r"the ending '\.txt', not one of \.npz"):
+        read_cartesian_grid(tmp_path / "a.txt")
+    with pytest.raises(FileError, match="there is no file"):
+        read_cartesian_grid(tmp_path / "a.npz")

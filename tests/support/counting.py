@@ -1,0 +1,51 @@
+"""A method that counts down to the answer: it keeps every step, and can be stopped at one."""
+
+import os
+import signal
+import time
+from dataclasses import dataclass, field
+
+import zoo
+from isoembed.surface.embedding import Embedding
+
+STAGE = "counting"
+HOME = "counting:Counting"  # for METHODS
+
+
+@dataclass(frozen=True)
+class Counting:
+    """Embeds `zoo.icosphere(1)`: the larger copies of it that it passes through are nothing but copies.
+
+    A run that does not go on from another one gets the `signals` when the step `stop` is kept, and, if
+    `wait`, then stays until it is told to go.  Without `keeps` it keeps nothing.
+    """
+
+    steps: int = 5
+    stop: int = -1
+    number: int = int(signal.SIGINT)
+    wait: bool = False
+    keeps: bool = True
+    backend: str | None = None
+
+    name: str = field(default="counting", init=False, repr=False)
+
+    def run(self, metric, tolerance, log):
+        log.expect({STAGE: 1.0})
+        with log.stage(STAGE) as recorder:
+            vertices, _ = zoo.icosphere(1)
+            kept = log.resumed_at(STAGE)
+            left, x = (
+                (self.steps, vertices * 2.0**self.steps) if kept is None else (int(kept["left"]), kept["x"])
+            )
+            while left:
+                left, x = left - 1, x / 2
+                recorder.iterations += 1
+                if self.keeps:
+                    recorder.keep(left=left, x=x)
+                recorder.show(level="42 vertices", done=1 - left / self.steps)
+                if left == self.stop and kept is None:
+                    if self.wait:
+                        print("kept", flush=True)
+                        time.sleep(60)
+                    os.kill(os.getpid(), self.number)
+        return Embedding(metric, x, method=self.name, tolerance=tolerance, stages=log.stages)
