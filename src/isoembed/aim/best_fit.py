@@ -6,8 +6,9 @@ The best fit minimizes
     ``|r|^2 + mu |R x|^2``,
 
 r the errors of the lengths and R the roughness, as in `isoembed.aim.regularized_continuation`.  Were it
-not for errors, mu could vanish; if it does, the surface follows them.  What they are the lengths themselves tell: of all mu,
-the one is taken that best foretells each length from the others, by generalized cross-validation.
+not for errors, mu could vanish; if it does, the surface follows them.  What they are the lengths themselves
+tell: of all mu, the one is taken that best predicts each length from the others, by generalized
+cross-validation.
 
 References
 ----------

@@ -2,7 +2,8 @@
 
 The tables over half-edges are those of `isoembed.intrinsic.flips`: half-edge ``h = 3 f + c`` leaves corner c
 of face f, ``corners[h]`` is the vertex that it leaves, ``twins[h]`` runs the other way and ``lengths[h]``
-is its length.  Vertices also have directions u (V, 3) on the unit sphere, in which every triangle looks outward.
+is its length.  Vertices also have directions u (V, 3) on the unit sphere, in which every triangle
+looks outward.
 """
 
 from __future__ import annotations
