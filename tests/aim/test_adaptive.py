@@ -207,7 +207,7 @@ def test_a_loose_tolerance_does_not_make_the_answer_worse():
 
 
 def test_without_a_waypoint_it_begins_on_the_sphere(monkeypatch):
-    monkeypatch.setattr("isoembed.aim.adaptive.convex_waypoint", lambda *_: None)
+    monkeypatch.setattr("isoembed.aim.adaptive.convexified", lambda *_: None)
     surface, error = recovered(*triangulate(CassiniPeanut(), 300))
     assert "sphere" in [stage.name for stage in surface.stages]
     assert error < 1e-9

@@ -15,13 +15,13 @@ from isoembed.progress.stages import StageRecorder
 STOPPED = """
 import os, signal, sys
 from isoembed.cli import main
-from isoembed.progress.stages import Tally
-keep, stage = Tally.keep, sys.argv.pop()
-def kept(tally, **arrays):
-    keep(tally, **arrays)
-    if tally.name == stage:
+from isoembed.progress.stages import StageRecorder
+keep, stage = StageRecorder.keep, sys.argv.pop()
+def kept(recorder, **arrays):
+    keep(recorder, **arrays)
+    if recorder.name == stage:
         os.kill(os.getpid(), signal.SIGINT)
-Tally.keep = kept
+StageRecorder.keep = kept
 sys.exit(main())
 """
 

@@ -419,13 +419,13 @@ def test_a_full_standard_output_is_said(here):
 STOPPED = """
 import os, signal, sys
 from isoembed.cli import main
-from isoembed.progress.stages import Tally
-show = Tally.show
-def shown(tally, **said):
-    show(tally, **said)
-    if tally.iterations == 2:
+from isoembed.progress.stages import StageRecorder
+show = StageRecorder.show
+def shown(recorder, **said):
+    show(recorder, **said)
+    if recorder.iterations == 2:
         os.kill(os.getpid(), signal.SIGINT)
-Tally.show = shown
+StageRecorder.show = shown
 sys.exit(main())
 """
 

@@ -1,11 +1,17 @@
 """Blue noise on a surface: irregular points that keep their distance, from too many random ones."""
 
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
 import numpy as np
 from numpy.typing import NDArray
 from scipy.spatial import cKDTree
 
-from isoembed.gallery.surface import Surface
 from isoembed.meshing.points import spread_directions, vertex_density
+
+if TYPE_CHECKING:
+    from isoembed.gallery.surface import Surface
 
 Array = NDArray[np.float64]
 Index = NDArray[np.int64]

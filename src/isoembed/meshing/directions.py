@@ -1,11 +1,17 @@
 """From points of a surface back to the directions that name them."""
 
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 from scipy.spatial import cKDTree
 
-from isoembed.gallery.surface import Surface
 from isoembed.meshing.points import fibonacci_lattice, spread_directions
+
+if TYPE_CHECKING:
+    from isoembed.gallery.surface import Surface
 
 Array = NDArray[np.float64]
 

@@ -1,10 +1,16 @@
 """Directions spread over a surface with a wanted density: points of a square, carried by its distribution."""
 
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
 import numpy as np
 from numpy.typing import NDArray
 
-from isoembed.gallery.surface import Surface
 from isoembed.meshing.spreading import Cells
+
+if TYPE_CHECKING:
+    from isoembed.gallery.surface import Surface
 
 Array = NDArray[np.float64]
 

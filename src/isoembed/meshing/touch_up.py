@@ -1,13 +1,19 @@
 """Relaxation of a large mesh where it needs it: what the regular mesh of a large surface is made with."""
 
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
 import numpy as np
 from numba import njit
 from numpy.typing import NDArray
 
-from isoembed.gallery.surface import Surface
 from isoembed.meshing.flips import corner_angles, flip_where_touched
 from isoembed.meshing.points import vertex_density
 from isoembed.meshing.relax import lloyd_step
+
+if TYPE_CHECKING:
+    from isoembed.gallery.surface import Surface
 
 Array = NDArray[np.float64]
 Index = NDArray[np.int64]

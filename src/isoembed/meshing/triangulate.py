@@ -3,19 +3,23 @@
 Regular: spread points, connect them, relax them, keep the best. Irregular: blue noise, connected.
 """
 
+from __future__ import annotations
+
 from operator import index
-from typing import SupportsIndex
+from typing import TYPE_CHECKING, SupportsIndex
 
 import numpy as np
 from numpy.typing import NDArray
 from scipy.spatial import ConvexHull
 
-from isoembed.gallery.surface import Surface
 from isoembed.meshing.blue_noise import blue_noise_directions
 from isoembed.meshing.flips import corner_angles, flip_to_delaunay, twin_halfedges
 from isoembed.meshing.points import fibonacci_lattice, spread_directions, vertex_density
 from isoembed.meshing.relax import lloyd_step
 from isoembed.meshing.touch_up import touch_up
+
+if TYPE_CHECKING:
+    from isoembed.gallery.surface import Surface
 
 Array = NDArray[np.float64]
 Index = NDArray[np.int64]
