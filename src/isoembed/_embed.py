@@ -11,7 +11,7 @@ from typing import Any, Protocol
 from isoembed.errors import Interrupted, InvalidParameter, NotEmbedded
 from isoembed.metric.glued import GluedMetric
 from isoembed.metric.polyhedral import PolyhedralMetric
-from isoembed.progress.fingerprint import check_fingerprint, origin
+from isoembed.progress.fingerprint import Fingerprint
 from isoembed.progress.stages import Checkpoint, Listener, Log
 from isoembed.surface.embedding import Embedding
 
@@ -112,12 +112,13 @@ def embed(
             raise InvalidParameter(
                 f"resume is a {type(resume).__name__}, not a Checkpoint: isoembed.io.read_checkpoint has one"
             )
-        check_fingerprint(resume, origin(metric, chosen, tolerance))
+        Fingerprint.of(metric.tables, chosen, tolerance).check(resume.fingerprint)
     log = Log(progress, resume)
     try:
         embedding = chosen.run(metric, tolerance, log)
     except KeyboardInterrupt as interruption:
-        kept = log.checkpoint and replace(log.checkpoint, origin=origin(metric, chosen, tolerance))
+        here = Fingerprint.of(metric.tables, chosen, tolerance)
+        kept = log.checkpoint and replace(log.checkpoint, fingerprint=here)
         raise Interrupted(kept, log.stages) from interruption
     if embedding.status == "not converged":
         raise NotEmbedded(embedding.message, embedding)

@@ -26,7 +26,7 @@ def problem(amount, mesh=None):
 
 
 def watched():
-    """A tally and the residuals that are shown on it."""
+    """A recorder and the residuals that are shown on it."""
     shown = []
     return StageRecorder("test", Log(lambda progress: shown.append(progress.residual))), shown
 

@@ -9,12 +9,9 @@ import pytest
 import isoembed
 import zoo
 from counting import STAGE, Counting
-from isoembed import Checkpoint, GluedMetric, Interrupted, InvalidParameter, PolyhedralMetric
-from isoembed.aim.adaptive import Aim
+from isoembed import Checkpoint, Interrupted, PolyhedralMetric
 from isoembed.aim.paper import Paper
-from isoembed.alexandrov.method import Alexandrov
 from isoembed.io import FileError, read_checkpoint, write_checkpoint
-from isoembed.progress.fingerprint import check_fingerprint, origin
 
 VERTICES, FACES = zoo.icosphere(1)
 
@@ -58,7 +55,7 @@ def test_an_interruption_is_never_swallowed_and_survives_pickling(metric):
     assert type(stop.__cause__) is KeyboardInterrupt
     again = pickle.loads(pickle.dumps(stop))
     assert str(again) == str(stop)
-    assert again.checkpoint.origin == stop.checkpoint.origin
+    assert again.checkpoint.fingerprint == stop.checkpoint.fingerprint
 
 
 def test_a_listener_can_interrupt(metric):
@@ -95,72 +92,6 @@ def test_an_interruption_before_the_first_stage(metric):
     assert str(interrupted(metric, Early())) == "interrupted"
 
 
-# Whose it is
-
-
-def test_of_a_metric_its_unit_does_not_matter_but_all_else_does(metric):
-    there = origin(metric, Counting(), 1e-10)
-    assert origin(metric.with_lengths(2.0**40 * metric.lengths), Counting(), 1e-10) == there
-    assert origin(PolyhedralMetric(metric.faces, metric.lengths), Counting(), 1e-10) == there
-    longer = metric.lengths.copy()
-    longer[7] = np.nextafter(longer[7], 2)
-    turned = np.roll(FACES, 1, axis=1)
-    others = (
-        metric.with_lengths(longer),
-        PolyhedralMetric(turned, metric.lengths),
-        PolyhedralMetric(metric.faces[::-1], metric.lengths),
-        GluedMetric.of(metric),
-    )
-    digests = {origin(other, Counting(), 1e-10).metric for other in (metric, *others)}
-    assert len(digests) == 5
-
-
-def test_who_factors_does_not_matter():
-    metric = PolyhedralMetric.from_mesh(*zoo.tetrahedron())
-    there = origin(metric, Aim(), 1e-10)
-    assert origin(metric, Aim(backend="superlu"), 1e-10) == there
-    assert there.method == "Aim(best_fit=False)"
-    assert there.version == isoembed.__version__
-    assert origin(metric, Alexandrov(repair=1e-3), 1e-10).method == "Alexandrov(repair=0.001)"
-
-
-@pytest.mark.parametrize(
-    ("change", "sentence"),
-    [
-        ({"metric": "0"}, "the checkpoint belongs to another metric: not all triangles and lengths are"),
-        ({"method": "Paper()"}, r"left by another method: Paper\(\), not Counting\(steps=5, "),
-        ({"tolerance": 1e-8}, "left under another tolerance: 1e-08, not 1e-10"),
-        ({"version": "0.0"}, f"left by another version: isoembed 0.0, not {isoembed.__version__}"),
-    ],
-    ids=lambda value: next(iter(value)) if isinstance(value, dict) else "",
-)
-def test_that_of_another_computation_is_refused(metric, change, sentence):
-    here = origin(metric, Counting(), 1e-10)
-    foreign = Checkpoint(STAGE, {}, replace(here, **change))
-    check_fingerprint(replace(foreign, origin=here), here)
-    with pytest.raises(InvalidParameter, match=sentence):
-        isoembed.embed(metric, method=Counting(), resume=foreign)
-
-
-def test_what_is_no_checkpoint_is_refused(metric):
-    with pytest.raises(
-        InvalidParameter, match=r"resume is a str, not a Checkpoint: isoembed\.io\.read_checkp"
-    ):
-        isoembed.embed(metric, method=Counting(), resume="run.npz")
-    with pytest.raises(InvalidParameter, match="does not say which computation it belongs to"):
-        isoembed.embed(metric, method=Counting(), resume=Checkpoint(STAGE, {}))
-
-
-def test_a_method_of_ones_own_is_known_by_what_it_says_of_itself(metric):
-    class Own:
-        name = "own"
-
-        def __repr__(self):
-            return "Own(3)"
-
-    assert origin(metric, Own(), 1e-10).method == "Own(3)"
-
-
 # Files
 
 
@@ -174,7 +105,7 @@ def file(metric, tmp_path):
 def test_a_file_holds_all_of_it(metric, file):
     kept = interrupted(metric, Counting(stop=2)).checkpoint
     read = read_checkpoint(file)
-    assert (read.stage, read.origin) == (kept.stage, kept.origin)
+    assert (read.stage, read.fingerprint) == (kept.stage, kept.fingerprint)
     assert set(read.arrays) == set(kept.arrays)
     for name, array in kept.arrays.items():
         assert read.arrays[name].dtype == array.dtype
@@ -214,7 +145,7 @@ def test_a_tolerance_that_is_no_number_is_no_tolerance(file, value):
         read_checkpoint(file)
 
 
-def test_one_without_an_origin_is_not_written(tmp_path):
+def test_one_without_a_fingerprint_is_not_written(tmp_path):
     with pytest.raises(ValueError, match="does not say which computation"):
         write_checkpoint(tmp_path / "a.npz", Checkpoint(STAGE, {}))
     assert list(tmp_path.iterdir()) == []

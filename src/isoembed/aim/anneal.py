@@ -55,7 +55,7 @@ def anneal(
         The initial guess.
     lengths : ndarray, shape (E,)
         Of mean 1 or so: tolerances are relative to the unit.
-    tally : Tally
+    recorder : StageRecorder
     residual_tolerance : float
         Stop when every length is right to this (the paper's 1e-6).
     step_tolerance : float
@@ -114,7 +114,7 @@ def anneal_on_sphere(
         About the origin.
     lengths : ndarray, shape (E,)
     radius : float
-    tally : Tally
+    recorder : StageRecorder
     max_iterations : int
 
     Returns

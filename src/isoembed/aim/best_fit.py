@@ -74,7 +74,7 @@ def best_fit(
         Of mean edge length 1 or so.
     start : ndarray, shape (V, 3)
         A smooth surface of about this shape and size, such as the polyhedron of the waypoint.
-    tally : Tally
+    recorder : StageRecorder
         Counts Gauss-Newton steps and factorizations.
     backend : str, optional
         As in `isoembed.linalg.analyze`.
@@ -121,7 +121,7 @@ class _Fits:
         self._guide = Guide(metric, start, backend)
         self._triangulation, self._lengths = metric.triangulation, metric.lengths
         self._unit = metric.mean_length
-        self._tally = recorder
+        self._recorder = recorder
         self._probes = np.random.default_rng(0).choice([-1.0, 1.0], size=(PROBES, len(metric.lengths)))
 
     def fit(self, vertices: Floats, weight: float) -> _Fit:
@@ -129,7 +129,7 @@ class _Fits:
         mu = weight * self._unit**2
         x, energy = vertices, self._energy(vertices, mu)
         for _ in range(STEPS):
-            x = self._guide.relaxed(x, self._lengths, mu, 0.0, self._tally)
+            x = self._guide.relaxed(x, self._lengths, mu, 0.0, self._recorder)
             before, energy = energy, self._energy(x, mu)
             if not energy < SETTLED * before:
                 break
@@ -153,7 +153,7 @@ class _Fits:
         """
         triangulation = self._triangulation
         rows = edge_rows(triangulation, x, self._lengths)
-        self._tally.factorizations += 1
+        self._recorder.factorizations += 1
         solve = self._guide.solver(x, self._lengths, mu, 0.0)
         a, b = triangulation.edges.T
         left = 0.0

@@ -55,7 +55,7 @@ def convexified(
     ----------
     metric : GluedMetric
         Of mean edge length 1 or so.
-    tally : Tally
+    recorder : StageRecorder
         Counts Newton steps and factorizations.
     backend : str, optional
         As in `isoembed.linalg.analyze`.

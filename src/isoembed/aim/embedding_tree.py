@@ -54,7 +54,7 @@ def embedding_tree(
         r, Eq. (avg).
     root : int
         The face to start from.
-    tally : Tally
+    recorder : StageRecorder
         Counts the layers.
 
     Returns

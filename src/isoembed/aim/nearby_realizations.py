@@ -52,7 +52,7 @@ def nearby_realizations(
         Has these lengths.
     lengths : ndarray, shape (E,)
         Of mean 1 or so.
-    tally : Tally
+    recorder : StageRecorder
     residual_tolerance : float
         For the neighbors.
 

@@ -139,7 +139,7 @@ class Guide:
         vertices : ndarray, shape (V, 3)
         lengths : ndarray, shape (E,)
         mu, w : float
-        tally : Tally
+        recorder : StageRecorder
         stiffness : float
             Shortens the step where surfaces are soft: the matrix is that of mu times this.
         """
@@ -188,7 +188,7 @@ def regularized_continuation(
         Realizes the metric at t = 1.
     lengths : callable
         The lengths at t, shape (E,), in units of the mean edge length or so.
-    tally : Tally
+    recorder : StageRecorder
     kept : mapping of str to ndarray, optional
         What an interrupted pull-back kept, to go on from.
 

@@ -76,7 +76,7 @@ def ricci_flow(
     ----------
     metric : PolyhedralMetric
         rho_0.
-    tally : Tally
+    recorder : StageRecorder
         Counts right-hand sides as iterations, and the integrator's factorizations.
     integrator : {"BDF", "Radau", "RK45", "RK23", "DOP853", "LSODA"}
         A method of `scipy.integrate.solve_ivp`.  The flow is stiff: explicit ones take thousands of steps.
@@ -183,7 +183,7 @@ def newton_uniformization(
     ----------
     metric : PolyhedralMetric
         rho_0.
-    tally : Tally
+    recorder : StageRecorder
     epsilon : float
         Stop when the root mean square of ``k_a / kbar - 1``, the Moebius modes apart, is below it.
     max_iterations : int

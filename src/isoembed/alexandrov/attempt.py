@@ -29,7 +29,7 @@ def attempted(
         The vertices of the polytope.
     nearest : Polytope or None
         That with the least curvatures; without one, the vertices are spread over a sphere.
-    tally : Tally
+    recorder : StageRecorder
     """
     n = metric.triangulation.n_vertices
     vertices = np.empty((n, 3))

@@ -112,7 +112,7 @@ def walk(
         Any triangulation of the metric.
     deficits : ndarray, shape (V,)
         All positive; V is at least 4.
-    tally : Tally
+    recorder : StageRecorder
         Counts steps and factorizations.
     backend : str, optional
         As in `isoembed.linalg.analyze`.
@@ -237,7 +237,7 @@ def newton(
     p : Polytope
         Near to a solution.
     deficits : ndarray, shape (V,)
-    tally : Tally
+    recorder : StageRecorder
     backend : str, optional
     """
     state, fresh = held(p, recorder, backend), True

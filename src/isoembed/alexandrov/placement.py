@@ -36,7 +36,7 @@ def realized(solution: Solution, recorder: StageRecorder) -> Floats:
     Parameters
     ----------
     solution : Solution
-    tally : Tally
+    recorder : StageRecorder
         Counts the rounds of the polish.
     """
     vertices = placed(solution)
@@ -122,7 +122,7 @@ def relaxed(solution: Solution, vertices: Floats, recorder: StageRecorder) -> Fl
     ----------
     solution : Solution
     vertices : ndarray, shape (V, 3)
-    tally : Tally
+    recorder : StageRecorder
 
     Returns
     -------
@@ -159,7 +159,7 @@ def relaxed_polytope(nearest: Polytope, recorder: StageRecorder) -> tuple[HalfEd
     ----------
     nearest : Polytope
         With small curvatures.
-    tally : Tally
+    recorder : StageRecorder
 
     Returns
     -------

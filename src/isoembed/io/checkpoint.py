@@ -1,4 +1,4 @@
-"""Checkpoints in files: NumPy archives that say what they belong to."""
+"""Checkpoints in files: NumPy archives that carry a fingerprint."""
 
 from __future__ import annotations
 
@@ -18,7 +18,8 @@ from isoembed.io.files import (
     check_output,
     write_atomically,
 )
-from isoembed.progress.stages import Checkpoint, Fingerprint
+from isoembed.progress.fingerprint import Fingerprint
+from isoembed.progress.stages import Checkpoint
 
 CHECKPOINT_ENDINGS = (".npz",)
 
@@ -49,27 +50,26 @@ def read_checkpoint(path: str | os.PathLike[str]) -> Checkpoint:
     check_input(path)
     tables = npz.read(path)
     texts = {name: _scalar(tables, name, "U", path) for name in TEXTS}
-    origin = Fingerprint(
-        texts["metric"], texts["method"], _scalar(tables, TOLERANCE, "f", path), texts["version"]
-    )
+    tolerance = _scalar(tables, TOLERANCE, "f", path)
+    fingerprint = Fingerprint(texts["metric"], texts["method"], tolerance, texts["version"])
     arrays = {name.removeprefix(KEPT): array for name, array in tables.items() if name.startswith(KEPT)}
-    return Checkpoint(texts["stage"], arrays, origin)
+    return Checkpoint(texts["stage"], arrays, fingerprint)
 
 
 def checkpoint_writer(checkpoint: Checkpoint) -> Writer:
-    """Return what writes the checkpoint; see `write_atomically`.
+    """Writer of the checkpoint; see `write_atomically`.
 
     Raises
     ------
     ValueError
         It does not say which computation it belongs to, as those that `isoembed.embed` hands out do.
     """
-    origin = checkpoint.origin
-    if origin is None:
+    fingerprint = checkpoint.fingerprint
+    if fingerprint is None:
         raise ValueError("the checkpoint does not say which computation it belongs to")
     tables: dict[str, Any] = {KEPT + name: array for name, array in checkpoint.arrays.items()}
-    tables |= {name: getattr(origin, name) for name in ("metric", "method", "version")}
-    tables |= {"stage": checkpoint.stage, TOLERANCE: origin.tolerance}
+    tables |= {name: getattr(fingerprint, name) for name in ("metric", "method", "version")}
+    tables |= {"stage": checkpoint.stage, TOLERANCE: fingerprint.tolerance}
     return lambda temporary: npz.write(temporary, tables)
 
 

@@ -67,7 +67,7 @@ def conformal_sphere(
     ----------
     metric : PolyhedralMetric
         Best on Delaunay triangles: see `isoembed.metric.delaunay.delaunay`.
-    tally : Tally
+    recorder : StageRecorder
         Counts the Newton steps and their factorizations.
     backend : str, optional
         As in `isoembed.linalg.analyze`.

@@ -136,6 +136,11 @@ class GluedMetric:
         """The metric in its own `unit`, in which its mean edge length is between 1 and 2."""
         return GluedMetric._made(self.faces, self.twins, self.face_lengths / self.unit)
 
+    @property
+    def tables(self) -> tuple[NDArray, ...]:
+        """Arrays that define it up to its `unit`: faces, twins and lengths."""
+        return self.faces, self.twins, self.face_lengths / self.unit
+
     @cached_property
     def triangles(self) -> Triangles:
         """The shapes of the faces."""

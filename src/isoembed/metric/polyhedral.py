@@ -113,6 +113,11 @@ class PolyhedralMetric:
         object.__setattr__(self, "triangulation", triangulation)
         object.__setattr__(self, "lengths", lengths)
 
+    @property
+    def tables(self) -> tuple[NDArray, ...]:
+        """Arrays that define it up to its `unit`: faces and lengths."""
+        return self.faces, self.lengths / self.unit
+
     def with_lengths(self, lengths: ArrayLike) -> PolyhedralMetric:
         """Return the metric with the same triangles and these lengths, in the order of `edges`.
 

@@ -1,1 +1,1 @@
-"""What a computation did and is doing: stages, snapshots, the time left, and what a checkpoint belongs to."""
+"""Progress of a computation: its stages, snapshots, the time left, checkpoints and their fingerprints."""

@@ -1,68 +1,79 @@
-"""Whose a checkpoint is: it says what was being computed, and nothing else goes on from it."""
+"""Fingerprint of a computation: a checkpoint carries one, and only the same computation goes on from it."""
 
 from __future__ import annotations
 
 import hashlib
-from dataclasses import fields, is_dataclass
-from typing import Any
+from collections.abc import Iterable
+from dataclasses import dataclass, fields, is_dataclass
 
 import numpy as np
+from numpy.typing import NDArray
 
 from isoembed.errors import InvalidParameter
-from isoembed.metric.glued import GluedMetric
-from isoembed.metric.polyhedral import PolyhedralMetric
-from isoembed.progress.stages import Checkpoint, Fingerprint
 from isoembed.version import __version__
 
 
-def origin(metric: PolyhedralMetric | GluedMetric, method: object, tolerance: float) -> Fingerprint:
-    """Describe a computation by all that decides what its checkpoints mean.
+@dataclass(frozen=True)
+class Fingerprint:
+    """What a checkpoint belongs to.
 
-    Parameters
+    Attributes
     ----------
-    metric : PolyhedralMetric or GluedMetric
-    method : configured method
-        Who factors its matrices is left out: every backend goes on from what another one left.
+    metric : str
+        A digest of its triangles and of its lengths over ``metric.unit``.
+    method : str
+        The method with its parameters, all that decide what it computes.
     tolerance : float
+    version : str
+        Of isoembed.
     """
-    return Fingerprint(_digest(metric), _described(method), float(tolerance), __version__)
+
+    metric: str
+    method: str
+    tolerance: float
+    version: str
+
+    @classmethod
+    def of(cls, tables: Iterable[NDArray], method: object, tolerance: float) -> Fingerprint:
+        """Fingerprint of embedding a metric by a method.
+
+        Parameters
+        ----------
+        tables : iterable of ndarray
+            The ``tables`` of the metric.
+        method : configured method
+            Its backend is left out: every backend goes on from what another one left.
+        tolerance : float
+        """
+        return cls(_digest(tables), _described(method), float(tolerance), __version__)
+
+    def check(self, found: Fingerprint | None) -> None:
+        """Refuse the fingerprint of another computation.
+
+        Raises
+        ------
+        InvalidParameter
+            There is none, or the metric, the method, the tolerance or the version is another one.
+        """
+        if found is None:
+            raise InvalidParameter("the checkpoint does not say which computation it belongs to")
+        here, there = self, found
+        differences = {
+            "metric": "the checkpoint belongs to another metric: "
+            "not all triangles and lengths are those given here",
+            "method": f"the checkpoint was left by another method: {there.method}, not {here.method}",
+            "tolerance": "the checkpoint was left under another tolerance: "
+            f"{there.tolerance:g}, not {here.tolerance:g}",
+            "version": f"the checkpoint was left by another version: isoembed {there.version}, "
+            f"not {here.version}",
+        }
+        for name, sentence in differences.items():
+            if getattr(there, name) != getattr(here, name):
+                raise InvalidParameter(sentence)
 
 
-def check_fingerprint(checkpoint: Checkpoint, here: Fingerprint) -> None:
-    """Refuse a checkpoint of something else.
-
-    Raises
-    ------
-    InvalidParameter
-        The metric, the method, the tolerance or the version is another one: the first that is.
-    """
-    there = checkpoint.origin
-    if there is None:
-        raise InvalidParameter("the checkpoint does not say which computation it belongs to")
-    if there.metric != here.metric:
-        raise InvalidParameter(
-            "the checkpoint belongs to another metric: not all triangles and lengths are those given here"
-        )
-    if there.method != here.method:
-        raise InvalidParameter(
-            f"the checkpoint was left by another method: {there.method}, not {here.method}"
-        )
-    if there.tolerance != here.tolerance:
-        raise InvalidParameter(
-            f"the checkpoint was left under another tolerance: {there.tolerance:g}, not {here.tolerance:g}"
-        )
-    if there.version != here.version:
-        raise InvalidParameter(
-            f"the checkpoint was left by another version: isoembed {there.version}, not {here.version}"
-        )
-
-
-def _digest(metric: PolyhedralMetric | GluedMetric) -> str:
-    """SHA-256 of the triangles and of the lengths in the metric's own unit, on any machine the same."""
-    if isinstance(metric, PolyhedralMetric):
-        tables: tuple[Any, ...] = (metric.faces, metric.lengths / metric.unit)
-    else:
-        tables = (metric.faces, metric.twins, metric.face_lengths / metric.unit)
+def _digest(tables: Iterable[NDArray]) -> str:
+    """SHA-256 of arrays of integers and floats, the same on any machine."""
     digest = hashlib.sha256()
     for table in tables:
         kind = "<f8" if table.dtype.kind == "f" else "<i8"

@@ -1,4 +1,4 @@
-"""What a computation did and is doing: stages, snapshots for whoever watches, and what to go on from."""
+"""Stages of a computation: their costs, snapshots for a listener, and checkpoints."""
 
 from __future__ import annotations
 
@@ -11,12 +11,13 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from isoembed.progress.fingerprint import Fingerprint
 from isoembed.progress.time_left import TimeLeft
 
 
 @dataclass(frozen=True)
 class Stage:
-    """The cost of one stage of a method.
+    """Cost of one stage of a method.
 
     Attributes
     ----------
@@ -38,7 +39,7 @@ class Stage:
 
 @dataclass(frozen=True, eq=False)
 class Progress:
-    """A snapshot of a running computation.
+    """Snapshot of a running computation.
 
     Attributes
     ----------
@@ -75,30 +76,9 @@ class Progress:
     vertices: NDArray[np.float64] | None = None
 
 
-@dataclass(frozen=True)
-class Fingerprint:
-    """What a checkpoint belongs to.
-
-    Attributes
-    ----------
-    metric : str
-        A digest of its triangles and of its lengths over ``metric.unit``.
-    method : str
-        The method with its parameters, all that decide what it computes.
-    tolerance : float
-    version : str
-        Of isoembed.
-    """
-
-    metric: str
-    method: str
-    tolerance: float
-    version: str
-
-
 @dataclass(frozen=True, eq=False)
 class Checkpoint:
-    """Where an interrupted computation had come to, to go on from.
+    """State of an interrupted computation, from which it can go on.
 
     Attributes
     ----------
@@ -106,13 +86,13 @@ class Checkpoint:
         The stage that kept it.
     arrays : mapping of str to ndarray
         What that stage needs to go on.
-    origin : Origin or None
+    fingerprint : Fingerprint or None
         What was being computed; `isoembed.embed` fills it in.
     """
 
     stage: str
     arrays: Mapping[str, NDArray[Any]]
-    origin: Fingerprint | None = None
+    fingerprint: Fingerprint | None = None
 
 
 Listener = Callable[[Progress], None]
@@ -120,9 +100,9 @@ Listener = Callable[[Progress], None]
 
 @dataclass
 class StageRecorder:
-    """The counters of one running stage.
+    """Recorder of one running stage: its counters, snapshots and checkpoints.
 
-    A stage's code adds to them as it goes, calls `show`, and `keep` with what it could go on from.
+    A stage's code adds to the counters as it goes, calls `show`, and `keep` with what it could go on from.
     """
 
     name: str
@@ -144,7 +124,7 @@ class StageRecorder:
         done: float | None = None,
         vertices: NDArray[np.float64] | None = None,
     ) -> None:
-        """Tell the listener, if there is one, where the stage is.  What is not said stays as it was.
+        """Send a snapshot to the listener, if there is one.  What is not given stays as it was.
 
         Parameters
         ----------
@@ -153,34 +133,20 @@ class StageRecorder:
         done : float, optional
             The share of the stage's work that is done, from 0 to 1.
         vertices : ndarray, shape (V, 3), optional
-            As in `Progress`.  They are not copied, so they must not change any more, and not said again.
+            As in `Progress`.  They are not copied, so they must not change any more, and are sent once.
         """
-        said = {
-            "t": t,
-            "residual": residual,
-            "inverted": inverted,
-            "partially_inverted": partially_inverted,
-            "level": level,
-        }
-        self._last |= {key: value for key, value in said.items() if value is not None}
+        given = (t, residual, inverted, partially_inverted, level)
+        self._last |= {key: value for key, value in zip(self._last, given, strict=True) if value is not None}
         log = self.log
         if done is not None:
             log.time_left.reach(done)
         if log.listener is not None:
             seconds, remaining = log.clock() - log.start, log.time_left.remaining
-            log.listener(
-                Progress(
-                    self.name,
-                    self.iterations,
-                    **self._last,
-                    seconds=seconds,
-                    remaining=remaining,
-                    vertices=vertices,
-                )
-            )
+            now = {**self._last, "seconds": seconds, "remaining": remaining, "vertices": vertices}
+            log.listener(Progress(self.name, self.iterations, **now))
 
     def keep(self, **arrays: ArrayLike) -> None:
-        """Keep what this stage could go on from, in place of all that was kept before.
+        """Replace the checkpoint by what this stage could go on from.
 
         It costs nothing: arrays are not copied, so they must not change any more.  What is kept has to hold
         in the unit of ``metric.normalized``, and for the given vertices in the given order.
@@ -190,7 +156,7 @@ class StageRecorder:
 
 @dataclass
 class Log:
-    """Collects the stages of one computation, and holds what it could go on from.
+    """Record of one computation: its stages and its last checkpoint.
 
     Parameters
     ----------
@@ -207,8 +173,8 @@ class Log:
         What was kept last; until then, what the computation itself goes on from.
     start : float
         When it began.
-    forecast : Forecast
-        How long it will take.
+    time_left : TimeLeft
+        Estimate of how long it will still take.
     """
 
     listener: Listener | None = None
@@ -225,11 +191,11 @@ class Log:
         self.time_left = TimeLeft(self.clock)
 
     def expect(self, weights: Mapping[str, float]) -> None:
-        """Say which stages come next and what they cost, for the time left; see `Forecast.expect`."""
+        """Announce which stages come next and what they cost; see `TimeLeft.expect`."""
         self.time_left.expect(weights)
 
     def resumed_at(self, stage: str) -> Mapping[str, NDArray[Any]] | None:
-        """What this stage kept in the run that goes on here, if it was the last to keep anything."""
+        """Arrays of the checkpoint to go on from, if this stage kept it."""
         return self.resumed.arrays if self.resumed is not None and self.resumed.stage == stage else None
 
     @contextmanager

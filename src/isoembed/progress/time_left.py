@@ -1,14 +1,25 @@
-"""How long a computation will still take: what its stages cost as a rule, at the pace that they have here."""
+"""Time left of a computation: what its stages cost as a rule, at the pace that they have here."""
 
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
+from dataclasses import dataclass
 
-EARLY = 0.03  # of the work: until as much is done, its pace is anybody's guess
+from isoembed.thresholds import threshold
+
+
+@dataclass(frozen=True)
+class TimeLeftThresholds:
+    """Thresholds of the estimate of the time left."""
+
+    early: float = threshold(0.03, "share of the work", "Until as much is done, no time left is estimated.")
+
+
+TIME_LEFT = TimeLeftThresholds()
 
 
 class TimeLeft:
-    """The seconds that are left, from the weights of the stages and the time that they took so far.
+    """Estimate of the seconds left, from the weights of the stages and the time that they took so far.
 
     A stage that says which share of it is done goes on at its own pace, the more so the more is done, and
     until then, like those that do not say and those to come, at the pace of what is behind it.
@@ -49,7 +60,7 @@ class TimeLeft:
         self._begun = self._reported = self._clock()
 
     def reach(self, done: float) -> None:
-        """Take in which share of the running stage is done."""
+        """Set the share of the running stage that is done."""
         self._done, self._reported = min(max(done, 0.0), 1.0), self._clock()
 
     def end(self) -> None:
@@ -62,11 +73,11 @@ class TimeLeft:
 
     @property
     def remaining(self) -> float | None:
-        """Seconds; None as long as next to nothing is done, and in a stage that was not expected."""
+        """Seconds left; None as long as next to nothing is done, and in a stage that was not expected."""
         ahead = sum(self._weights[name] for name in self._pending)
         own = self._reported - self._begun
         worked = self._worked + self._done * self._weight
-        if not self._weight or not worked > EARLY * (self._worked + self._weight + ahead):
+        if not self._weight or not worked > TIME_LEFT.early * (self._worked + self._weight + ahead):
             return None
         pace = (self._seconds + own) / worked
         rest = (1 - self._done) * (own + (1 - self._done) * self._weight * pace)
@@ -74,5 +85,5 @@ class TimeLeft:
 
     @property
     def _weight(self) -> float:
-        """Of the running stage."""
+        """Weight of the running stage."""
         return self._weights.get(self._running, 0.0)
