@@ -12,13 +12,14 @@ SPHINX := $(VENV)/.installed-docs
 export OMP_NUM_THREADS ?= 1
 export OPENBLAS_NUM_THREADS ?= 1
 
-.PHONY: help demo reproduce test lint bench docs clean
+.PHONY: help demo reproduce test test-slow lint bench docs clean
 .DELETE_ON_ERROR:
 
 help:
 	@echo 'make demo       embed the (3, 2, 1) ellipsoid from its edge lengths; the results are in demo/'
 	@echo 'make reproduce  make the figures and numbers of the paper again, in reproduction/'
-	@echo 'make test       run the tests'
+	@echo 'make test       run the tests, but for the slow ones'
+	@echo 'make test-slow  run the slow ones: pages of the documentation, whole studies'
 	@echo 'make lint       check style and types'
 	@echo 'make bench      measure cost against size'
 	@echo 'make docs       build the documentation in site/, the tutorials executed'
@@ -31,12 +32,16 @@ reproduce: $(INSTALLED)
 	$(BIN)/isoembed reproduce --output reproduction
 
 test: $(INSTALLED)
-	$(BIN)/python -m pytest -q --numprocesses auto --dist loadfile
+	$(BIN)/python -m pytest -q --numprocesses auto --dist loadfile -m "not slow"
+
+test-slow: $(INSTALLED)
+	$(BIN)/python -m pytest -q --numprocesses auto --dist worksteal -m slow
 
 lint: $(LINTERS)
 	$(BIN)/ruff check .
 	$(BIN)/ruff format --check .
 	$(BIN)/mypy
+	$(BIN)/lint-imports --no-cache
 
 bench: $(INSTALLED)
 	@for script in benchmarks/*.py; do echo "$$script"; $(BIN)/python "$$script" || exit 1; done

@@ -1,17 +1,9 @@
-"""The README and the pages of docs/ do what they say: Python and commands run, links lead on.
-
-The blocks of a page run in order in one temporary folder, each Python block in a namespace of its own.
-"""
+"""The README and the pages of docs/ are whole: links lead on, every name and option has its place."""
 
 import argparse
 import importlib
-import os
 import re
-import shlex
-import subprocess
-import sysconfig
 from itertools import pairwise
-from pathlib import Path
 
 import numpy as np
 import pytest
@@ -19,66 +11,16 @@ from PIL import Image
 
 import isoembed
 from isoembed.cli import COMMANDS, build_parser
+from pages import ALIKE, DOCS, PAGES, PICTURE, blocks, difference
+from places import ROOT
 
-ROOT = Path(__file__).resolve().parent.parent
-DOCS = ROOT / "docs"
-PAGES = [ROOT / "README.md", *sorted(DOCS.glob("**/*.md"))]
-FENCE = re.compile(r"^```(\S*)\n(.*?)^```$", re.MULTILINE | re.DOTALL)
 LINK = re.compile(r"\]\(([^)#\s]+)[^)]*\)")
-PICTURE = re.compile(r"!\[[^\]]*\]\((images/gallery/[^)]+)\)")
 
 DOCUMENTED = [
     "isoembed",
     *(f"isoembed.{room}" for room in ("gallery", "gluing", "io", "linalg", "plot", "relativity", "smooth")),
 ]
 """The rooms that say what is public in ``__all__``."""
-
-
-def blocks(page):
-    """Yield (language, first line, text) of the fenced blocks."""
-    text = page.read_text(encoding="utf-8")
-    for match in FENCE.finditer(text):
-        yield match[1], text.count("\n", 0, match.start(2)) + 1, match[2]
-
-
-def run(command, folder):
-    scripts = sysconfig.get_path("scripts")
-    environment = os.environ | {"PATH": scripts + os.pathsep + os.environ["PATH"]}
-    return subprocess.run(shlex.split(command), cwd=folder, env=environment, capture_output=True, text=True)
-
-
-def coarse(picture):
-    """The picture in cells of about 16 x 16 pixels, so that neither fonts nor edges of triangles count."""
-    rows, columns = (max(size // 16, 1) for size in picture.size[::-1])
-    return np.asarray(picture.convert("RGB").resize((columns, rows), Image.Resampling.BOX), dtype=float)
-
-
-def difference(one, two):
-    """The mean difference of two pictures, over 255; 1 if their sizes differ by more than two percent."""
-    if any(abs(a / b - 1) > 0.02 for a, b in zip(one.size, two.size, strict=True)):
-        return 1.0
-    return float(np.abs(coarse(one) - coarse(two.resize(one.size))).mean() / 255)
-
-
-ALIKE = 0.01  # a picture and itself in 256 colors differ by less than half of that
-
-
-@pytest.mark.parametrize("page", PAGES, ids=lambda page: page.relative_to(ROOT).as_posix())
-def test_the_code_of_a_page_runs(page, tmp_path, monkeypatch):
-    monkeypatch.chdir(tmp_path)
-    for language, line, text in blocks(page):
-        if language == "python":
-            code = compile("\n" * (line - 1) + text, str(page), "exec")
-            exec(code, {"__name__": "__main__"})
-        elif language == "console":
-            for entry in re.findall(r"^\$ (isoembed .*)$", text.replace("\\\n", " "), re.MULTILINE):
-                done = run(entry, tmp_path)
-                assert done.returncode == 0, f"{page.name}, line {line}: {entry}\n{done.stderr}"
-                assert "Traceback" not in done.stderr
-    for name in PICTURE.findall(page.read_text(encoding="utf-8")):
-        with Image.open(DOCS / name) as kept, Image.open(tmp_path / Path(name).name) as drawn:
-            found = difference(kept, drawn)
-        assert found < ALIKE, f"{page.name}: the block draws another {name} ({found:.3f}); make it again"
 
 
 def test_there_is_code_to_run():

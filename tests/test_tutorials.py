@@ -1,11 +1,12 @@
 """The tutorials run from top to bottom, with the asserts in their cells, and are kept without outputs."""
 
 import json
-from pathlib import Path
 
 import pytest
 
-TUTORIALS = sorted((Path(__file__).resolve().parent.parent / "docs" / "tutorials").glob("*.ipynb"))
+from pages import DOCS
+
+TUTORIALS = sorted((DOCS / "tutorials").glob("*.ipynb"))
 
 
 def cells(tutorial):
@@ -17,6 +18,7 @@ def code(cell):
     return "".join("\n" if line.startswith("%") else line for line in cell["source"])
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("tutorial", TUTORIALS, ids=lambda file: file.stem)
 def test_a_tutorial_runs(tutorial, tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
