@@ -2,9 +2,9 @@
 
     python docs/thresholds.py [--check]
 
-A table stands between ``<!-- thresholds: MODULE:NAME -->`` and ``<!-- end -->``; between ``<!-- thresholds -->``
-and ``<!-- end -->`` stand those of the whole package.  With --check nothing is written, and the exit status is 1
-if a page is out of date.
+A table stands between ``<!-- thresholds: MODULE:NAME -->`` and ``<!-- end -->``; between
+``<!-- thresholds -->`` and ``<!-- end -->`` stand those of the whole package.  With --check nothing is
+written, and the exit status is 1 if a page is out of date.
 """
 
 import pkgutil
