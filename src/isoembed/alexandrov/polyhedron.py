@@ -2,13 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from dataclasses import replace
+from dataclasses import KW_ONLY, dataclass, field, replace
 from functools import cached_property
 from typing import Any
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import NDArray
 from scipy.sparse import coo_array
 from scipy.sparse.csgraph import connected_components
 
@@ -20,7 +19,6 @@ from isoembed.mesh.triangulation import Triangulation, frozen
 from isoembed.metric.glued import GluedMetric
 from isoembed.metric.polyhedral import PolyhedralMetric
 from isoembed.metric.repair import Repair
-from isoembed.progress.stages import Stage
 from isoembed.surface.convexity import FLAT
 from isoembed.surface.curvature import dihedral_angles
 from isoembed.surface.embedding import Embedding
@@ -44,6 +42,7 @@ def metric_on(tables: HalfEdges, unit: float) -> PolyhedralMetric:
     return PolyhedralMetric.on(triangulation, lengths)
 
 
+@dataclass(frozen=True, eq=False, repr=False)
 class ConvexPolyhedron(Embedding):
     """Alexandrov's polyhedron of a metric.
 
@@ -67,50 +66,21 @@ class ConvexPolyhedron(Embedding):
         The vertices without a deficit.
     repair : Repair or None
         What was changed to make the metric convex.
-    tolerance : float
-        Largest residual that counts as converged.
-    stages : sequence of Stage
-        How it was found.
-    message : str
-        What there is to say; by default a sentence on the residual.
-
-    Attributes
-    ----------
-    given, edge_paths, core, flat_vertices, repair
-        As given.
+    tolerance, stages, message
+        As of an `Embedding`.
     """
 
+    _: KW_ONLY
     given: GluedMetric
     edge_paths: EdgePaths
     core: tuple[HalfEdges, Floats] | None
     flat_vertices: Indices
     repair: Repair | None
+    method: str = field(default="alexandrov", init=False)
 
-    def __init__(
-        self,
-        metric: PolyhedralMetric,
-        vertices: ArrayLike,
-        *,
-        given: GluedMetric,
-        edge_paths: EdgePaths,
-        core: tuple[HalfEdges, Floats] | None,
-        flat_vertices: Indices,
-        repair: Repair | None,
-        tolerance: float,
-        stages: Sequence[Stage] = (),
-        message: str = "",
-    ) -> None:
-        for name, value in (
-            ("given", given),
-            ("edge_paths", edge_paths),
-            ("core", core),
-            ("flat_vertices", frozen(flat_vertices)),
-            ("repair", repair),
-        ):
-            object.__setattr__(self, name, value)
-        super().__init__(
-            metric, vertices, method="alexandrov", tolerance=tolerance, stages=stages, message=message
-        )
+    def __post_init__(self) -> None:
+        frozen(self.flat_vertices)
+        super().__post_init__()
 
     @property
     def residual(self) -> float:

@@ -5,12 +5,12 @@ from __future__ import annotations
 import copy
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import KW_ONLY, dataclass
 from functools import cached_property
 from typing import Any
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import NDArray
 
 from isoembed.mesh.triangulation import Triangulation, frozen
 from isoembed.metric.curvature import negative_deficits
@@ -26,7 +26,7 @@ Floats = NDArray[np.float64]
 FACTORED = 4_000_000  # entries of J J^T, for 100,000 vertices: more are not factored only for a report
 
 
-@dataclass(frozen=True, eq=False, init=False, repr=False)
+@dataclass(frozen=True, eq=False, repr=False)
 class Embedding:
     """A realization of a polyhedral metric in R^3, exact or attempted: it measures itself.
 
@@ -60,24 +60,15 @@ class Embedding:
 
     metric: PolyhedralMetric
     vertices: Floats
+    _: KW_ONLY
     method: str
     tolerance: float
-    stages: tuple[Stage, ...]
-    message: str
-    others: tuple[Embedding, ...]
+    stages: Sequence[Stage] = ()
+    message: str = ""
+    others: Sequence[Embedding] = ()
 
-    def __init__(
-        self,
-        metric: PolyhedralMetric,
-        vertices: ArrayLike,
-        *,
-        method: str,
-        tolerance: float,
-        stages: Sequence[Stage] = (),
-        message: str = "",
-        others: Sequence[Embedding] = (),
-    ) -> None:
-        points = np.array(vertices, dtype=np.float64)
+    def __post_init__(self) -> None:
+        points, metric = np.array(self.vertices, dtype=np.float64), self.metric
         if points.shape != (metric.triangulation.n_vertices, 3):
             raise ValueError(
                 f"the vertices have shape {points.shape}, not ({metric.triangulation.n_vertices}, 3)"
@@ -88,19 +79,13 @@ class Embedding:
             raise ValueError(f"vertex {v} has the coordinates {points[v].tolist()}, which are not finite")
         # The sign is taken in the metric's own unit: the volume of tiny surfaces underflows.
         points = metric.unit * measures.outward(metric.faces, points / metric.unit)
-        points.flags.writeable = False
-        for name, value in (
-            ("metric", metric),
-            ("vertices", points),
-            ("method", method),
-            ("tolerance", tolerance),
-            ("stages", tuple(stages)),
-            ("message", message),
-            ("others", tuple(others)),
-        ):
+        self._set(vertices=frozen(points), stages=tuple(self.stages), others=tuple(self.others))
+        if not self.message:
+            self._set(message=self._sentence())
+
+    def _set(self, **values: Any) -> None:
+        for name, value in values.items():
             object.__setattr__(self, name, value)
-        if not message:
-            object.__setattr__(self, "message", self._sentence())
 
     def _sentence(self) -> str:
         e = int(np.argmax(self.residuals))
@@ -142,8 +127,7 @@ class Embedding:
 
     def _with(self, **changes: Any) -> Embedding:
         changed = copy.copy(self)
-        for name, value in changes.items():
-            object.__setattr__(changed, name, value)
+        changed._set(**changes)
         return changed
 
     def __repr__(self) -> str:

@@ -2,17 +2,15 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from dataclasses import KW_ONLY, dataclass
 from typing import Any
 
 import numpy as np
-from numpy.typing import ArrayLike
 
-from isoembed.metric.polyhedral import PolyhedralMetric
-from isoembed.progress.stages import Stage
 from isoembed.surface.embedding import Embedding
 
 
+@dataclass(frozen=True, eq=False, repr=False)
 class FittedSurface(Embedding):
     """A smooth surface that comes near to the lengths of a metric, but does not have them.
 
@@ -20,43 +18,18 @@ class FittedSurface(Embedding):
 
     Parameters
     ----------
-    metric : PolyhedralMetric
-        What was to be realized.
-    vertices : array_like of float, shape (V, 3)
+    metric, vertices, method, tolerance, stages
+        As of an `Embedding`.
     noise : float
         Root mean square of the errors that the lengths must have, over the mean edge length, if the surface
         they come from is as smooth as this one.
     weight : float
         Of the roughness against the squares of the residuals, in mean edge lengths.
-    method : str
-    tolerance : float
-        Largest residual that would have counted as converged.
-    stages : sequence of Stage
-        How it was found.
-
-    Attributes
-    ----------
-    noise, weight
-        As given.
     """
 
+    _: KW_ONLY
     noise: float
     weight: float
-
-    def __init__(
-        self,
-        metric: PolyhedralMetric,
-        vertices: ArrayLike,
-        *,
-        noise: float,
-        weight: float,
-        method: str,
-        tolerance: float,
-        stages: Sequence[Stage] = (),
-    ) -> None:
-        object.__setattr__(self, "noise", noise)
-        object.__setattr__(self, "weight", weight)
-        super().__init__(metric, vertices, method=method, tolerance=tolerance, stages=stages)
 
     def _sentence(self) -> str:
         e = int(np.argmax(self.residuals))
