@@ -2,6 +2,7 @@
 
 import json
 import pickle
+from importlib.metadata import EntryPoint
 
 import numpy as np
 import pytest
@@ -9,7 +10,7 @@ import pytest
 import isoembed
 import smooth_bodies
 import zoo
-from isoembed._embed import configured
+from isoembed._embed import configured, method_names
 from isoembed.aim.adaptive import Aim
 from isoembed.aim.paper import Paper
 from isoembed.errors import NotEmbedded
@@ -52,7 +53,7 @@ def test_an_unknown_method():
         isoembed.embed(metric(), method="weyl")
 
 
-class Lying:
+class Lying(isoembed.Method):
     """A method that is content with any vertices."""
 
     name = "lying"
@@ -202,3 +203,90 @@ def test_a_flow_that_leaves_the_metrics_is_a_failure_of_the_method(flow):
     except isoembed.NotEmbedded as error:
         surface = error.embedding
     assert np.isfinite(surface.vertices).all()
+
+
+class Scaled(isoembed.Method):
+    """Knows the surface, in the unit in which it is asked for it, and another one."""
+
+    name = "scaled"
+
+    def __init__(self, vertices):
+        self.vertices = vertices
+
+    def run(self, metric, tolerance, log):
+        assert 1 <= metric.mean_length < 2
+        vertices = self.vertices / PolyhedralMetric.from_mesh(self.vertices, metric.faces).unit
+        found = Embedding(metric, vertices, method=self.name, tolerance=tolerance)
+        other = Embedding(metric, vertices @ np.diag([1, 1, -1]), method=self.name, tolerance=tolerance)
+        assert found.mean_curvature.size == metric.triangulation.n_vertices
+        return found.with_others([other])
+
+
+def test_the_unit_is_restored_and_nothing_is_measured_again(monkeypatch):
+    vertices, faces = zoo.icosphere(1)
+    vertices = 2.0**-500 * vertices
+    given = PolyhedralMetric.from_mesh(vertices, faces)
+    calls = []
+    measure = isoembed.surface.measures.edge_lengths
+    monkeypatch.setattr(
+        "isoembed.surface.measures.edge_lengths", lambda *args: calls.append(0) or measure(*args)
+    )
+    surface = isoembed.embed(given, method=Scaled(vertices))
+    assert surface.metric is given
+    assert surface.residual == 0
+    assert len(calls) == 2  # once for each surface
+    assert (surface.vertices == vertices).all()
+    assert surface.others[0].metric is given
+    again = Embedding(given, vertices, method="scaled", tolerance=1e-10)
+    assert (surface.mean_curvature == again.mean_curvature).all()
+    assert (surface.volume, surface.area) == (again.volume, again.area)
+
+
+class EntryPoints(dict):
+    """What `importlib.metadata.entry_points` finds where a package brings methods."""
+
+    names = property(dict.keys)
+
+    def __call__(self, *, group, name=None):
+        assert group == "isoembed.methods"
+        found = [EntryPoint(key, value, group) for key, value in self.items()]
+        return self if name is None else [point for point in found if point.name == name]
+
+
+def test_methods_of_installed_packages(monkeypatch):
+    installed = EntryPoints(
+        counting="counting:Counting",
+        gone="no_such_module:Method",
+        what="counting:STAGE",
+        aim="counting:Counting",
+    )
+    monkeypatch.setattr("isoembed._embed.entry_points", installed)
+    vertices, faces = zoo.icosphere(1)
+    metric = PolyhedralMetric.from_mesh(vertices, faces)
+    assert isoembed.embed(metric, method="counting").method == "counting"
+    assert isoembed.embed(metric, method="aim").method == "aim"
+    assert method_names() == ("aim", "paper", "alexandrov", "counting", "gone", "what")
+    for name, said in (
+        ("gone", "'gone' cannot be loaded from no_such_module:Method: ModuleNotFoundError"),
+        ("what", "'what' is counting:STAGE, which is not derived from isoembed.Method"),
+        ("else", "there is no method 'else'; there are aim, paper, alexandrov, counting"),
+    ):
+        with pytest.raises(isoembed.InvalidParameter, match=said):
+            isoembed.embed(metric, method=name)
+
+
+def test_what_a_method_takes_is_asked_of_it():
+    class Gluing(Lying):
+        takes_glued = takes_doubly_covered = True
+
+    assert not Lying.takes_glued
+    two = PolyhedralMetric([[0, 1, 2], [0, 2, 1]], [1.0] * 3)
+    for given in (two, isoembed.GluedMetric.of(two)):
+        with pytest.raises(isoembed.InvalidParameter, match="the method 'lying'"):
+            isoembed.embed(given, method=Lying())
+    assert isoembed.embed(two, method=Gluing(), tolerance=100.0).converged
+
+
+def test_what_is_not_derived_from_method_is_refused():
+    with pytest.raises(isoembed.InvalidParameter, match=r"is a Recorder: derive it from isoembed\.Method"):
+        isoembed.embed(metric(), method=type("Recorder", (), {})())

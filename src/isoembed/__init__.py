@@ -29,6 +29,7 @@ _HOME = {
     "Embedding": "isoembed.surface.embedding",
     "FittedSurface": "isoembed.surface.fitted",
     "embed": "isoembed._embed",
+    "Method": "isoembed._embed",
     "Checkpoint": "isoembed.progress.stages",
     "Aim": "isoembed.aim.adaptive",
     "Paper": "isoembed.aim.paper",
@@ -39,6 +40,7 @@ _HOME = {
 __all__ = ["__version__", *_HOME]
 
 if TYPE_CHECKING:
+    from isoembed._embed import Method as Method
     from isoembed._embed import embed as embed
     from isoembed.aim.adaptive import Aim as Aim
     from isoembed.aim.paper import Paper as Paper

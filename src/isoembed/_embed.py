@@ -1,12 +1,18 @@
-"""The one verb: embed a metric by a method."""
+"""Embedding a metric by a method: `embed`, and what a `Method` is.
+
+A method says what it keeps and takes, so that nobody needs to know it by name.  Besides the three of this
+package there are those of installed packages, under the entry points ``isoembed.methods``, and those that are
+passed as they are.
+"""
 
 from __future__ import annotations
 
 import math
 import numbers
+from abc import ABC, abstractmethod
 from dataclasses import replace
-from importlib import import_module
-from typing import Any, Protocol
+from importlib.metadata import EntryPoint, entry_points
+from typing import Any, ClassVar
 
 from isoembed.errors import Interrupted, InvalidParameter, NotEmbedded
 from isoembed.metric.glued import GluedMetric
@@ -20,20 +26,63 @@ METHODS = {
     "paper": "isoembed.aim.paper:Paper",
     "alexandrov": "isoembed.alexandrov.method:Alexandrov",
 }
-"""Where each method's configuration is; they are imported on first use."""
+"""Where the methods of this package are; they are imported on first use."""
+
+GROUP = "isoembed.methods"
+"""The entry points under which other packages bring theirs."""
 
 
-class Method(Protocol):
-    """A configured method, such as `isoembed.Aim`, `isoembed.Paper` or `isoembed.Alexandrov`."""
+class Method(ABC):
+    """A way to embed metrics, with its parameters: what `embed` takes as ``method=``.
 
-    @property
-    def name(self) -> str:
-        """What ``method=`` calls it."""
-        ...
+    Derive a frozen dataclass from it.  Its fields, each with a default, are the parameters, which the command
+    sets with ``--parameter NAME=VALUE``; one called ``backend`` says who computes, not what.  A package makes
+    its method known by an entry point of the group ``isoembed.methods``.
 
+    Attributes
+    ----------
+    name : str
+        What ``method=`` and reports call it.
+    keeps_triangles : bool
+        Whether the surface has the given triangles; otherwise it has the metric on triangles of its own.
+    takes_glued : bool
+        Whether the metric may be a `GluedMetric`, whose triangles need not be a simplicial complex.
+    takes_doubly_covered : bool
+        Whether the metric may be two triangles, of which the surface is one covered twice.
+    shows_path : bool
+        Whether there always are surfaces before the last, which `StageRecorder.show` has been given.
+    """
+
+    name: ClassVar[str]
+    keeps_triangles: ClassVar[bool] = True
+    takes_glued: ClassVar[bool] = False
+    takes_doubly_covered: ClassVar[bool] = False
+    shows_path: ClassVar[bool] = False
+
+    @abstractmethod
     def run(self, metric: Any, tolerance: float, log: Log) -> Embedding:
-        """Embed the metric as well as it can, and go on from what was kept, if it takes that up."""
-        ...
+        """Embed a metric as well as it can; the answer may miss the tolerance, and says so.
+
+        Parameters
+        ----------
+        metric : PolyhedralMetric, or GluedMetric if it takes one
+            Normalized: its mean edge length is between 1 and 2.  The caller restores the unit.
+        tolerance : float
+            Largest residual to count as converged.
+        log : Log
+            Records the stages, and has what an interrupted run kept, to go on from.
+
+        Returns
+        -------
+        Embedding
+
+        Raises
+        ------
+        InvalidMetric
+            The metric is none that the method takes.
+        NotEmbedded
+            There is no surface; the exception holds the best attempt.
+        """
 
 
 def embed(
@@ -49,11 +98,11 @@ def embed(
     Parameters
     ----------
     metric : PolyhedralMetric or GluedMetric
-    method : {"aim", "paper", "alexandrov"} or a configured method
+    method : {"aim", "paper", "alexandrov"}, the name of an installed method, or a Method
         ``"aim"``, the default, is `isoembed.Aim`; ``"paper"`` is `isoembed.Paper`, AIM as printed.  Both keep
         the given triangles.  ``"alexandrov"`` is `isoembed.Alexandrov`, the exact convex polyhedron of a
-        convex metric, on triangles of its own; a `GluedMetric` needs it.  Pass an `Aim`, a `Paper` or an
-        `Alexandrov` to set parameters.
+        convex metric, on triangles of its own; a `GluedMetric` needs it.  Pass an `Aim`, a `Paper`, an
+        `Alexandrov` or a `Method` of your own to set parameters.
     tolerance : float
         Largest ``| |x_a - x_b| - l_ab |`` over the mean edge length.
     progress : callable, optional
@@ -87,16 +136,13 @@ def embed(
     0.117851130198
     """
     chosen = configured(method)
-    if isinstance(metric, GluedMetric) and chosen.name != "alexandrov":
+    if isinstance(metric, GluedMetric) and not chosen.takes_glued:
         raise InvalidParameter(
             f"the method {chosen.name!r} keeps the given triangles, and those of a glued metric need not be "
             'a simplicial complex: take the method "alexandrov", or glued.simplicial()'
         )
-    if (
-        isinstance(metric, PolyhedralMetric)
-        and metric.triangulation.n_faces == 2
-        and chosen.name != "alexandrov"
-    ):
+    two = isinstance(metric, PolyhedralMetric) and metric.triangulation.n_faces == 2
+    if two and not chosen.takes_doubly_covered:
         raise InvalidParameter(
             f"the metric is a triangle covered twice, which the method {chosen.name!r} does not embed: "
             'take the method "alexandrov"'
@@ -107,17 +153,20 @@ def embed(
         )
     if not isinstance(tolerance, numbers.Real) or not 0 < tolerance < math.inf:
         raise InvalidParameter(f"the tolerance is {tolerance!r}, not a positive finite number")
+    unit = metric.normalized
     if resume is not None:
         if not isinstance(resume, Checkpoint):
             raise InvalidParameter(
                 f"resume is a {type(resume).__name__}, not a Checkpoint: isoembed.io.read_checkpoint has one"
             )
-        Fingerprint.of(metric.tables, chosen, tolerance).check(resume.fingerprint)
+        Fingerprint.of(unit.tables, chosen, tolerance).check(resume.fingerprint)
     log = Log(progress, resume)
     try:
-        embedding = chosen.run(metric, tolerance, log)
+        embedding = chosen.run(unit, tolerance, log).in_unit_of(metric)
+    except NotEmbedded as failure:
+        raise NotEmbedded(str(failure), failure.embedding.in_unit_of(metric)) from None
     except KeyboardInterrupt as interruption:
-        here = Fingerprint.of(metric.tables, chosen, tolerance)
+        here = Fingerprint.of(unit.tables, chosen, tolerance)
         kept = log.checkpoint and replace(log.checkpoint, fingerprint=here)
         raise Interrupted(kept, log.stages) from interruption
     if embedding.status == "not converged":
@@ -133,16 +182,43 @@ def configured(method: str | Method) -> Method:
     InvalidParameter
         There is no such method.
     """
+    if isinstance(method, str):
+        return configuration(method)()
     if isinstance(method, type):
         raise InvalidParameter(f"the method is the class {method.__name__}: make one, {method.__name__}()")
-    if not isinstance(method, str):
-        return method
-    if method not in METHODS:
-        raise InvalidParameter(f"there is no method {method!r}; there are {', '.join(METHODS)}")
-    return configuration(method)()
+    if not isinstance(method, Method):
+        raise InvalidParameter(f"the method is a {type(method).__name__}: derive it from isoembed.Method")
+    return method
 
 
-def configuration(name: str) -> type[Any]:
-    """The frozen dataclass that configures the method of this name."""
-    home, _, kind = METHODS[name].partition(":")
-    return getattr(import_module(home), kind)
+def configuration(name: str) -> type[Method]:
+    """The class of the method of this name.
+
+    Raises
+    ------
+    InvalidParameter
+        There is none, or the package that brings it has an entry point that leads to none.
+    """
+    if name in METHODS:
+        found = EntryPoint(name, METHODS[name], GROUP)
+    else:
+        brought = tuple(entry_points(group=GROUP, name=name))
+        if not brought:
+            raise InvalidParameter(f"there is no method {name!r}; there are {', '.join(method_names())}")
+        found = brought[0]
+    try:
+        kind = found.load()
+    except Exception as error:  # whatever a module of others raises
+        raise InvalidParameter(
+            f"the method {name!r} cannot be loaded from {found.value}: {type(error).__name__}: {error}"
+        ) from error
+    if not (isinstance(kind, type) and issubclass(kind, Method)):
+        raise InvalidParameter(
+            f"the method {name!r} is {found.value}, which is not derived from isoembed.Method"
+        )
+    return kind
+
+
+def method_names() -> tuple[str, ...]:
+    """The names that ``method=`` may be: of this package's methods, then of those that others bring."""
+    return tuple(dict.fromkeys([*METHODS, *sorted(entry_points(group=GROUP).names)]))

@@ -3,9 +3,12 @@
 import os
 import signal
 import time
-from dataclasses import dataclass, field
+from dataclasses import dataclass
+from typing import ClassVar
 
 import zoo
+from isoembed._embed import Method
+from isoembed.metric.polyhedral import PolyhedralMetric
 from isoembed.surface.embedding import Embedding
 
 STAGE = "counting"
@@ -13,7 +16,7 @@ HOME = "counting:Counting"  # for METHODS
 
 
 @dataclass(frozen=True)
-class Counting:
+class Counting(Method):
     """Embeds `zoo.icosphere(1)`: the larger copies of it that it passes through are nothing but copies.
 
     A run that does not go on from another one gets the `signals` when the step `stop` is kept, and, if
@@ -27,12 +30,13 @@ class Counting:
     keeps: bool = True
     backend: str | None = None
 
-    name: str = field(default="counting", init=False, repr=False)
+    name: ClassVar[str] = "counting"
 
     def run(self, metric, tolerance, log):
         log.expect({STAGE: 1.0})
         with log.stage(STAGE) as recorder:
-            vertices, _ = zoo.icosphere(1)
+            vertices, faces = zoo.icosphere(1)
+            vertices = vertices / PolyhedralMetric.from_mesh(vertices, faces).unit
             kept = log.resumed_at(STAGE)
             left, x = (
                 (self.steps, vertices * 2.0**self.steps) if kept is None else (int(kept["left"]), kept["x"])

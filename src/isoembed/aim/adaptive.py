@@ -13,13 +13,14 @@ The paper's three steps, each of them replaced by one that does not fail:
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from functools import partial
-from typing import Any
+from typing import Any, ClassVar
 
 import numpy as np
 from numpy.typing import NDArray
 
+from isoembed._embed import Method
 from isoembed.aim.anneal import anneal
 from isoembed.aim.best_fit import best_fit
 from isoembed.aim.convexification import NEAR, convexified, is_convex, negative_curvature
@@ -75,7 +76,7 @@ PULL_BACK = {
 
 
 @dataclass(frozen=True)
-class Aim:
+class Aim(Method):
     """The adaptive method.
 
     Parameters
@@ -90,7 +91,7 @@ class Aim:
     best_fit: bool = False
     backend: str | None = None
 
-    name: str = field(default="aim", init=False, repr=False)
+    name: ClassVar[str] = "aim"
 
     def __post_init__(self) -> None:
         if not isinstance(self.best_fit, bool):
@@ -114,64 +115,63 @@ class Aim:
             The smoothest of the surfaces that were found to have these lengths; if there is none, the nearest
             attempt, with a diagnosis, or the best fit.
         """
-        unit = metric.normalized
         surface = partial(Embedding, metric, method=self.name, tolerance=tolerance)
-        given = GluedMetric.of(unit)
+        given = GluedMetric.of(metric)
         kept = _kept(log)
         if kept is None:
             if negative_curvature(given) < LITTLE:
                 vertices = self._leapt(given, log)
                 if vertices is not None:
-                    embedding = surface(metric.unit * vertices)
+                    embedding = surface(vertices)
                     if embedding.residual <= max(tolerance, EXACT):
                         return embedding.with_stages(log.stages)
             log.expect(PULL_BACK)
             with log.stage("waypoint") as recorder:
                 waypoint = convexified(given, recorder, self.backend)
-            start = self._embedded(unit, waypoint, log)
+            start = self._embedded(metric, waypoint, log)
         else:
             log.expect(PULL_BACK)
             start = kept["start"]
-        system = LengthSystem(unit.triangulation, backend=self.backend)
+        system = LengthSystem(metric.triangulation, backend=self.backend)
         surfaces = []
         with log.stage("pull back") as recorder:
             if kept is None:
                 recorder.keep(start=start)
             recorder.show(t=1.0, vertices=start)
-            vertices, branch_deviation = _leap(system, start, unit.lengths, min(tolerance, EXACT), recorder)
+            vertices, branch_deviation = _leap(system, start, metric.lengths, min(tolerance, EXACT), recorder)
             if vertices is not None:
                 recorder.show(t=0.0, vertices=vertices)
         if vertices is not None:
-            surfaces.append(surface(metric.unit * vertices))
+            surfaces.append(surface(vertices))
         if not (surfaces and surfaces[0].converged and (is_convex(given) or branch_deviation < STRAYED)):
             guided = None if kept is None else kept.get("guided")
             if guided is None:
                 with log.stage("guided pull back") as recorder:
-                    path, guide = _LogLinear(unit, start), Guide(unit, start, self.backend)
+                    path, guide = _LogLinear(metric, start), Guide(metric, start, self.backend)
                     on_the_way = log.resumed_at("guided pull back")
                     guided = regularized_continuation(guide, start, path.lengths, recorder, on_the_way)
             with log.stage("polish") as recorder:
                 recorder.keep(start=start, guided=guided)
-                vertices = _polished(system, guided, unit.lengths, recorder)
+                vertices = _polished(system, guided, metric.lengths, recorder)
                 recorder.show(vertices=vertices)
-            surfaces.append(surface(metric.unit * vertices))
+            surfaces.append(surface(vertices))
             if surfaces[-1].residual < NEARLY:
                 with log.stage("neighbors") as recorder:
                     met = nearby_realizations(
-                        system, vertices, unit.lengths, recorder, residual_tolerance=EXACT
+                        system, vertices, metric.lengths, recorder, residual_tolerance=EXACT
                     )
-                surfaces += [surface(metric.unit * vertices) for vertices in met]
+                surfaces += [surface(vertices) for vertices in met]
         embedding, fitted = _chosen(surfaces), None
         if embedding.residual > max(tolerance, EXACT):  # below that, the tolerance is beyond rounding
             with log.stage("best fit") as recorder:
-                fit = best_fit(unit, start, recorder, self.backend)
+                fit = best_fit(metric, start, recorder, self.backend)
                 if fit is not None:  # it is one more start
-                    polished = _polished(system, fit.vertices, unit.lengths, recorder)
-                    surfaces += [surface(metric.unit * near) for near in (fit.vertices, polished)]
+                    polished = _polished(system, fit.vertices, metric.lengths, recorder)
+                    surfaces += [surface(near) for near in (fit.vertices, polished)]
             if fit is not None:
                 fitted = FittedSurface(
                     metric,
-                    metric.unit * fit.vertices,
+                    fit.vertices,
                     noise=fit.noise,
                     weight=fit.weight,
                     method=self.name,
@@ -202,9 +202,10 @@ class Aim:
         """The vertices of the waypoint's polyhedron, or what comes nearest."""
         if waypoint is not None:
             try:
-                return Alexandrov(backend=self.backend).run(waypoint, PLACED, log).vertices
+                found = Alexandrov(backend=self.backend).run(waypoint.normalized, PLACED, log)
+                return waypoint.unit * found.vertices
             except NotEmbedded as failure:
-                return failure.embedding.vertices[: metric.triangulation.n_vertices]
+                return waypoint.unit * failure.embedding.vertices[: metric.triangulation.n_vertices]
             except InvalidMetric:  # so thin that fewer than three vertices have a deficit beyond rounding
                 pass
         with log.stage("sphere") as recorder:

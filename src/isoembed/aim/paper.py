@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
-from typing import Literal, get_args
+from dataclasses import dataclass
+from typing import ClassVar, Literal, get_args
 
 import numpy as np
 from numpy.typing import NDArray
 
+from isoembed._embed import Method
 from isoembed.aim.anneal import Annealed, anneal, anneal_damped, anneal_on_sphere
 from isoembed.aim.convexity import PRINTED, crumpled_vertices, pop_and_anneal, popped
 from isoembed.aim.embedding_tree import embedding_tree
@@ -32,7 +33,7 @@ Convexity = Literal["corrected", "printed", "none"]
 
 
 @dataclass(frozen=True)
-class Paper:
+class Paper(Method):
     """AIM step by step, with the paper's parameters.
 
     The residual tolerance is that of `isoembed.embed`; the paper's is 1e-6.  All lengths are in units of the
@@ -89,7 +90,8 @@ class Paper:
     max_iterations: int = 50
     backend: str | None = None
 
-    name: str = field(default="paper", init=False, repr=False)
+    name: ClassVar[str] = "paper"
+    shows_path: ClassVar[bool] = True
 
     def __post_init__(self) -> None:
         for parameter, choices in (("flow", Flow), ("path", PathName), ("convexity", Convexity)):
@@ -131,20 +133,19 @@ class Paper:
         -------
         Embedding
         """
-        given = metric.normalized
         lost = ""
         with log.stage("uniformize") as recorder:  # 2.1
-            uniform = self.uniformize(given, recorder)
+            uniform = self.uniformize(metric, recorder)
             if not uniform.converged:
                 lost = f"the curvature did not become uniform (k / kbar is off 1 by {uniform.deviation:.1e})"
         with log.stage("embedding tree") as recorder:  # 2.2
             vertices = embedding_tree(uniform.metric, uniform.radius, self.root, recorder).vertices
             recorder.show(t=1.0, vertices=vertices)
-        system = LengthSystem(given.triangulation, backend=self.backend)
+        system = LengthSystem(metric.triangulation, backend=self.backend)
         with log.stage("anneal A") as recorder:
             if self.sphere:
                 vertices = anneal_on_sphere(
-                    VertexSystem(given.triangulation, backend=self.backend),
+                    VertexSystem(metric.triangulation, backend=self.backend),
                     vertices,
                     uniform.metric.lengths,
                     uniform.radius,
@@ -162,7 +163,7 @@ class Paper:
 
             def relax(guess: Floats, t: float) -> Annealed:
                 try:
-                    lengths = rescaled(given, path_factors(self.path, uniform, t)).lengths
+                    lengths = rescaled(metric, path_factors(self.path, uniform, t)).lengths
                 except InvalidMetric:  # between two metrics, but none itself
                     return Annealed(guess, np.inf, False)
                 reached = self.anneal(system, guess, lengths, tolerance, recorder)
@@ -175,7 +176,7 @@ class Paper:
                     lost = lost or f"the pull-back lost the surface at t = {step.t:.3g} t_f"
         embedding = Embedding(
             metric,
-            annealed.vertices * metric.unit,
+            annealed.vertices,
             method=self.name,
             tolerance=tolerance,
             stages=log.stages,

@@ -4,11 +4,13 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, replace
+from typing import ClassVar
 
 import numpy as np
 from numpy.typing import NDArray
 
+from isoembed._embed import Method
 from isoembed.alexandrov.attempt import attempted
 from isoembed.alexandrov.doubly_covered import THIN, DoublyCovered, doubly_covered, flat_limit
 from isoembed.alexandrov.homotopy import Solution, walk
@@ -37,7 +39,7 @@ DENTED = 1e-6  # mean lengths: where faces are nearly flat, lengths in floats fi
 
 
 @dataclass(frozen=True)
-class Alexandrov:
+class Alexandrov(Method):
     """The only convex polyhedron of a metric whose deficits are not negative.
 
     The generalized polytope of Bobenko and Izmestiev is led to zero curvature, its triangulation being
@@ -62,7 +64,10 @@ class Alexandrov:
     repair: float = 0.0
     backend: str | None = None
 
-    name: str = field(default="alexandrov", init=False, repr=False)
+    name: ClassVar[str] = "alexandrov"
+    keeps_triangles: ClassVar[bool] = False
+    takes_glued: ClassVar[bool] = True
+    takes_doubly_covered: ClassVar[bool] = True
 
     def __post_init__(self) -> None:
         chosen_backend(self.backend)
@@ -93,15 +98,14 @@ class Alexandrov:
         """
         metric, repair = repaired(metric, self.repair)
         given = GluedMetric.of(metric)
-        unit = given.normalized
-        rounding = deficit_rounding(unit.faces, unit.face_lengths)
+        rounding = deficit_rounding(given.faces, given.face_lengths)
         # A deficit within the tolerance can be told from none only by trying.
         for least in (rounding, np.maximum(rounding, tolerance)):
-            flat = unit.deficits <= least
+            flat = given.deficits <= least
             if (~flat).sum() < 3:
                 raise InvalidMetric(
                     f"only {(~flat).sum()} vertices have a deficit that rounding does not hide, and a convex "
-                    f"polyhedron has at least 3: face {int(np.argmin(unit.triangles.areas))} is too thin"
+                    f"polyhedron has at least 3: face {int(np.argmin(given.triangles.areas))} is too thin"
                 )
             answer = self._solved(
                 metric, given, flat, repair if repair.vertices.size else None, tolerance, log
@@ -122,8 +126,7 @@ class Alexandrov:
         log: Log,
     ) -> Embedding:
         """The polyhedron, or an attempt, if these vertices are taken for flat."""
-        unit = given.normalized
-        original = HalfEdges.of(unit.faces, unit.twins, unit.face_lengths)
+        original = HalfEdges.of(given.faces, given.twins, given.face_lengths)
         with log.stage("flat vertices") as recorder:
             core, removal = remove_flat_vertices(original, flat)
             recorder.iterations = int(flat.sum())
@@ -139,7 +142,7 @@ class Alexandrov:
                 recorder.keep(radii=everywhere, flat=flat)
 
             found = _polyhedron(
-                core.in_order(order), unit.deficits[curved], radii, keep, recorder, self.backend
+                core.in_order(order), given.deficits[curved], radii, keep, recorder, self.backend
             )
         with log.stage("placement") as recorder:
             if isinstance(found, DoublyCovered):
@@ -157,14 +160,14 @@ class Alexandrov:
             with log.stage("edge paths"):
                 restored = insert_vertices(tables, removal, _creases(tables, vertices))
                 paths = edge_paths(original, restored.tables, _one_halfedge_an_edge(metric))
-            result = metric_on(restored.tables, given.unit)
+            result = metric_on(restored.tables)
         except InvalidMetric as error:  # not the given metric's fault: these are triangles of our own
             nearest = found.polytope if isinstance(found, Solution) else None
             message = f"the polyhedron was found, but no triangles on it with all vertices: {error}"
             return self._failure(metric, curved, nearest, message, tolerance, log)
         polyhedron = ConvexPolyhedron(
             result,
-            given.unit * restored.vertices(vertices),
+            restored.vertices(vertices),
             given=given,
             edge_paths=paths,
             core=None if isinstance(found, DoublyCovered) else (tables, vertices),
@@ -193,10 +196,10 @@ class Alexandrov:
         """The given triangles on the nearest polytope that there is."""
         given = metric.simplicial() if isinstance(metric, GluedMetric) else metric
         with log.stage("attempt") as recorder:
-            vertices = attempted(given.normalized, core, nearest, recorder)
+            vertices = attempted(given, core, nearest, recorder)
         return Embedding(
             given,
-            given.unit * vertices,
+            vertices,
             method=self.name,
             tolerance=tolerance,
             stages=log.stages,

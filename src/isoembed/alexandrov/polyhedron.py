@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import KW_ONLY, dataclass, field, replace
 from functools import cached_property
-from typing import Any
+from typing import Any, ClassVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -28,8 +28,8 @@ Floats = NDArray[np.float64]
 Indices = NDArray[np.int64]
 
 
-def metric_on(tables: HalfEdges, unit: float) -> PolyhedralMetric:
-    """The metric of triangles that are a simplicial complex, in another unit.
+def metric_on(tables: HalfEdges) -> PolyhedralMetric:
+    """The metric of triangles that are a simplicial complex.
 
     Raises
     ------
@@ -38,7 +38,7 @@ def metric_on(tables: HalfEdges, unit: float) -> PolyhedralMetric:
     """
     triangulation = Triangulation(tables.faces)
     lengths = np.empty(triangulation.n_edges)
-    lengths[triangulation.face_edges.ravel()] = unit * tables.lengths
+    lengths[triangulation.face_edges.ravel()] = tables.lengths
     return PolyhedralMetric.on(triangulation, lengths)
 
 
@@ -78,9 +78,16 @@ class ConvexPolyhedron(Embedding):
     repair: Repair | None
     method: str = field(default="alexandrov", init=False)
 
+    _DIMENSIONAL: ClassVar[tuple[str, ...]] = (*Embedding._DIMENSIONAL, "certificate")
+
     def __post_init__(self) -> None:
         frozen(self.flat_vertices)
         super().__post_init__()
+
+    def in_unit_of(self, given: PolyhedralMetric | GluedMetric) -> Embedding:
+        """Return the same polyhedron, found for the `normalized` of a metric, in the unit of that metric."""
+        own = GluedMetric.of(given) if self.repair is None else self.given.scaled(given.unit)
+        return super().in_unit_of(given)._with(given=own)
 
     @property
     def residual(self) -> float:
@@ -171,7 +178,7 @@ class ConvexPolyhedron(Embedding):
         tables, vertices = self.core
         unit = self.given.unit
         try:
-            certificate = certify(metric_on(tables, unit), unit * vertices)
+            certificate = certify(metric_on(tables).scaled(unit), unit * vertices)
         except InvalidMetric as error:
             return Certificate(False, f"not certified, because {error}")
         return replace(

@@ -6,10 +6,10 @@ import argparse
 import math
 
 import isoembed
-from isoembed._embed import METHODS
+from isoembed._embed import configuration, method_names
 from isoembed.cli.answer import add_output_options, answer, check_outputs
 from isoembed.cli.interruption import add_checkpoint_options, checkpoint_file, save_checkpoint
-from isoembed.cli.parameters import configured
+from isoembed.cli.parameters import configured, parameters
 from isoembed.cli.refusal import UsageError
 from isoembed.errors import Interrupted
 from isoembed.io import read_checkpoint, read_metric
@@ -26,10 +26,10 @@ def configure(parser: argparse.ArgumentParser) -> None:
     )
     parser.add_argument(
         "--method",
-        choices=tuple(METHODS),
+        choices=method_names(),
         default="aim",
         help="aim: the adaptive method (default); paper: AIM as printed; "
-        "alexandrov: the exact convex polyhedron",
+        "alexandrov: the exact convex polyhedron; others are those of installed packages",
     )
     parser.add_argument(
         "--tolerance",
@@ -66,7 +66,7 @@ def run(options: argparse.Namespace) -> int:
     check_outputs(options)
     left = checkpoint_file(options)
     repair = [] if options.repair is None else [f"repair={options.repair}"]
-    if options.best_fit and options.method != "aim":
+    if options.best_fit and "best_fit" not in parameters(configuration(options.method)):
         raise UsageError(f"--best-fit needs the method 'aim': the method {options.method!r} has no best fit")
     best_fit = ["best_fit=true"] if options.best_fit else []
     method = configured(options.method, options.parameter + repair + best_fit)

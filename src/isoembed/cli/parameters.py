@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import types
 from collections.abc import Sequence
-from dataclasses import fields
+from contextlib import suppress
+from dataclasses import MISSING, Field, fields, is_dataclass
 from typing import Any, Literal, Union, get_args, get_origin, get_type_hints
 
 from isoembed import _embed
@@ -28,7 +29,7 @@ def configured(method: str, assignments: Sequence[str]) -> _embed.Method:
         A parameter or its value is not one of the method's.
     """
     configuration = _embed.configuration(method)
-    known = [field.name for field in fields(configuration) if field.init]
+    known, needed = parameters(configuration), parameters(configuration, needed=True)
     types_ = get_type_hints(configuration)
     values: dict[str, Any] = {}
     for assignment in assignments:
@@ -41,10 +42,19 @@ def configured(method: str, assignments: Sequence[str]) -> _embed.Method:
             values[name] = parsed(text, types_[name])
         except ValueError as error:
             raise UsageError(f"--parameter {assignment}: {error}") from None
+    missing = [name for name in needed if name not in values]
+    if missing:
+        raise UsageError(f"the method {method!r} needs --parameter {missing[0]}=VALUE")
     try:
         return configuration(**values)
     except ValueError as error:
         raise UsageError(f"method {method!r}: {error}") from None
+
+
+def parameters(configuration: type[_embed.Method], *, needed: bool = False) -> list[str]:
+    """The names of a method's parameters, the fields of its dataclass; or of those that have no default."""
+    every: list[Field] = [f for f in fields(configuration) if f.init] if is_dataclass(configuration) else []
+    return [f.name for f in every if not needed or (f.default is MISSING and f.default_factory is MISSING)]
 
 
 def parsed(text: str, type_: Any) -> Any:
@@ -63,14 +73,21 @@ def parsed(text: str, type_: Any) -> Any:
     if origin in (Union, types.UnionType):
         if text.lower() == "none" and type(None) in get_args(type_):
             return None
-        (type_,) = (option for option in get_args(type_) if option is not type(None))
-        return parsed(text, type_)
+        *others, last = (option for option in get_args(type_) if option is not type(None))
+        for option in others:
+            with suppress(ValueError):
+                return parsed(text, option)
+        return parsed(text, last)
     if type_ is bool:
         if text.lower() not in TRUTH:
             raise ValueError(f"{text!r} is not true or false")
         return TRUTH[text.lower()]
     if type_ is str:
         return text
+    if type_ not in (int, float):
+        raise ValueError(
+            f"a parameter of the type {getattr(type_, '__name__', type_)} can be set in Python only"
+        )
     try:
         return type_(text)
     except ValueError:

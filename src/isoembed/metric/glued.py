@@ -131,6 +131,10 @@ class GluedMetric:
         """The power of two below the mean edge length: dividing by it rounds nothing."""
         return float(np.ldexp(1.0, int(np.frexp(self.mean_length)[1]) - 1))
 
+    def scaled(self, factor: float) -> GluedMetric:
+        """Return the metric in another unit: every length times this factor."""
+        return GluedMetric._made(self.faces, self.twins, self.face_lengths * factor)
+
     @cached_property
     def normalized(self) -> GluedMetric:
         """The metric in its own `unit`, in which its mean edge length is between 1 and 2."""
@@ -169,8 +173,7 @@ class GluedMetric:
             A triangle is so thin that rounding breaks one of its parts.
         """
         unit = self.normalized
-        result = simplicial(unit.faces, unit.twins, unit.face_lengths)
-        return result.with_lengths(result.lengths * self.unit)
+        return simplicial(unit.faces, unit.twins, unit.face_lengths).scaled(self.unit)
 
 
 def _side(h: int) -> str:

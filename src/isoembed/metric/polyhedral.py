@@ -128,6 +128,11 @@ class PolyhedralMetric:
         """
         return self.on(self.triangulation, lengths)
 
+    def scaled(self, factor: float) -> PolyhedralMetric:
+        """Return the metric in another unit: every length times this factor."""
+        with np.errstate(over="ignore"):  # a length beyond the floats is refused as infinite
+            return self.with_lengths(self.lengths * factor)
+
     def __repr__(self) -> str:
         t = self.triangulation
         return (

@@ -16,7 +16,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from isoembed.errors import InvalidMetric
+from isoembed._embed import configuration
+from isoembed.errors import InvalidMetric, InvalidParameter
 from isoembed.io.files import Writer, check_output, write_atomically
 from isoembed.metric.polyhedral import PolyhedralMetric
 from isoembed.plot.browser.packing import Packed
@@ -182,7 +183,7 @@ def _data(embedding: Embedding, frames: Sequence[Frame]) -> tuple[dict[str, Any]
         "faces": packed.add(t.faces.ravel()),
         "edges": packed.add(t.edges.ravel()),
         "pose": {"center": pose.center.tolist(), "axes": pose.axes.tolist(), "size": pose.size},
-        "alone": (LEAPT if embedding.method == "aim" else ALONE) if len(frames) == 1 else "",
+        "alone": _why_alone(embedding.method) if len(frames) == 1 else "",
         "camera": camera().ravel().tolist(),
         "ramp": ramp(COLORS),
         "quantities": [
@@ -191,6 +192,15 @@ def _data(embedding: Embedding, frames: Sequence[Frame]) -> tuple[dict[str, Any]
         ],
         "frames": entries,
     }, packed.text
+
+
+def _why_alone(method: str) -> str:
+    """Why there is no surface before the answer."""
+    try:
+        found = configuration(method)
+    except InvalidParameter:  # it was passed as it is
+        return ALONE
+    return LEAPT if found.keeps_triangles and not found.shows_path else ALONE
 
 
 def _known(residual: float | None) -> float | None:

@@ -7,13 +7,14 @@ import math
 from collections.abc import Sequence
 from dataclasses import KW_ONLY, dataclass
 from functools import cached_property
-from typing import Any
+from typing import Any, ClassVar
 
 import numpy as np
 from numpy.typing import NDArray
 
 from isoembed.mesh.triangulation import Triangulation, frozen
 from isoembed.metric.curvature import negative_deficits
+from isoembed.metric.glued import GluedMetric
 from isoembed.metric.polyhedral import PolyhedralMetric
 from isoembed.progress.stages import Stage
 from isoembed.surface import alignment, convexity, curvature, measures, smoothness
@@ -67,16 +68,15 @@ class Embedding:
     message: str = ""
     others: Sequence[Embedding] = ()
 
+    _DIMENSIONAL: ClassVar[tuple[str, ...]] = ("mean_curvature",)  # cached properties that have a unit
+
     def __post_init__(self) -> None:
         points, metric = np.array(self.vertices, dtype=np.float64), self.metric
         if points.shape != (metric.triangulation.n_vertices, 3):
             raise ValueError(
                 f"the vertices have shape {points.shape}, not ({metric.triangulation.n_vertices}, 3)"
             )
-        finite = np.isfinite(points).all(axis=1)
-        if not finite.all():
-            v = int(np.argmin(finite))
-            raise ValueError(f"vertex {v} has the coordinates {points[v].tolist()}, which are not finite")
+        _check_finite(points)
         # The sign is taken in the metric's own unit: the volume of tiny surfaces underflows.
         points = metric.unit * measures.outward(metric.faces, points / metric.unit)
         self._set(vertices=frozen(points), stages=tuple(self.stages), others=tuple(self.others))
@@ -124,6 +124,23 @@ class Embedding:
         """Return the same embedding with other realizations beside it, which the message then names."""
         both = self._with(others=tuple(others))
         return both._with(message=both._sentence())
+
+    def in_unit_of(self, given: PolyhedralMetric | GluedMetric) -> Embedding:
+        """Return the same surface, found for the `normalized` of a metric, in the unit of that metric.
+
+        What was measured is not measured again: but for `_DIMENSIONAL`, what is cached has no unit.
+        """
+        own = isinstance(given, PolyhedralMetric) and self.metric is given.normalized
+        vertices = given.unit * self.vertices
+        _check_finite(vertices)
+        changed = self._with(
+            metric=given if own else self.metric.scaled(given.unit),
+            vertices=frozen(vertices),
+            others=tuple(other.in_unit_of(given) for other in self.others),
+        )
+        for name in self._DIMENSIONAL:
+            changed.__dict__.pop(name, None)
+        return changed
 
     def _with(self, **changes: Any) -> Embedding:
         changed = copy.copy(self)
@@ -318,6 +335,13 @@ class Embedding:
                 for stage in self.stages
             ],
         }
+
+
+def _check_finite(points: Floats) -> None:
+    finite = np.isfinite(points).all(axis=1)
+    if not finite.all():
+        v = int(np.argmin(finite))
+        raise ValueError(f"vertex {v} has the coordinates {points[v].tolist()}, which are not finite")
 
 
 def _finite(value: float) -> float | None:
