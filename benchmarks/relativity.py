@@ -26,6 +26,7 @@ from pathlib import Path
 import numpy as np
 
 from isoembed import NotEmbedded, PolyhedralMetric, embed
+from isoembed.meshing.sphere import gauss_rule
 from isoembed.relativity import (
     KerrNewmanErgosphere,
     KerrNewmanHorizon,
@@ -38,10 +39,9 @@ from isoembed.relativity import (
     read_horizon,
     read_metric_grid,
 )
-from isoembed.smooth import Harmonics, SmoothEmbedding, triangulate
-from isoembed.smooth.harmonics import gauss_rule
+from isoembed.smooth import Harmonics, SmoothEmbedding, triangulate_metric
 from isoembed.smooth.isometry import gauss_newton
-from isoembed.smooth.solve import resized
+from isoembed.smooth.transforms import resized
 from isoembed.smooth.two_metric import area_density, orthonormal_frame
 from isoembed.surface.chords import chord_lengths
 from isoembed.surface.smooth_integrals import SmoothIntegrals
@@ -244,7 +244,7 @@ def mesh(sizes):
         exact = REFERENCE.get(name, (None, profile.integrated_mean_curvature))[1]
         batch = []
         for n in sizes:
-            triangles = triangulate(surface, n, grading=grading)
+            triangles = triangulate_metric(surface, n, grading=grading)
             metric = triangles.metric
             if lengths == "chord":
                 metric = PolyhedralMetric.from_mesh(profile.points(triangles.directions), triangles.faces)
@@ -310,7 +310,7 @@ def negative(n):
     for name in ("ergosphere 0.3", "ergosphere 0.1"):
         surface = surfaces()[name]
         exact = surface.profile().integrated_mean_curvature
-        triangles = triangulate(surface, n, grading=GRADING)
+        triangles = triangulate_metric(surface, n, grading=GRADING)
         metric = triangles.metric
         i, j = metric.edges.T
         solution = embed_surface(surface.data()).embedding

@@ -26,6 +26,7 @@ import numpy as np
 
 from isoembed import NotEmbedded
 from isoembed.errors import InvalidParameter
+from isoembed.meshing.sphere import gauss_rule
 from isoembed.relativity import (
     KerrNewmanSphere,
     StarSurface,
@@ -37,8 +38,7 @@ from isoembed.relativity import (
 from isoembed.relativity.energies.wang_yau_functional import Functional
 from isoembed.relativity.spacetimes.boosted import BoostedSchwarzschild, Superposed
 from isoembed.smooth import Harmonics, PulledBack, embed_smooth
-from isoembed.smooth.harmonics import gauss_rule
-from isoembed.smooth.solve import resized
+from isoembed.smooth.transforms import resized
 from isoembed.smooth.two_metric import orthonormal_frame, projected
 
 PARTS = ("spheres", "minkowski", "boosted", "kerr", "extreme", "pair")

@@ -17,7 +17,7 @@ from isoembed.io import read_metric, write_metric
 from isoembed.metric.curvature import area
 from isoembed.metric.polyhedral import PolyhedralMetric
 from isoembed.relativity import KerrNewmanSphere, StarSurface
-from isoembed.smooth import GridMetric, solve, triangulate
+from isoembed.smooth import GridMetric, solve, triangulate_metric
 from isoembed.smooth.two_metric import angle_frame
 from isoembed.surface.measures import volume
 
@@ -264,7 +264,7 @@ def test_the_best_fit(run, few):
 
 @cache
 def kerr_mesh():
-    return triangulate(KERR, 400)
+    return triangulate_metric(KERR, 400)
 
 
 @pytest.fixture

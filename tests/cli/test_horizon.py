@@ -150,8 +150,8 @@ def test_a_grid_needs_no_geometry(run):
 
 def test_a_sequence_begins_each_from_the_one_before(run, monkeypatch):
     meshes = []
-    triangulate = solve.triangulate
-    monkeypatch.setattr(solve, "triangulate", lambda *a, **o: meshes.append(1) or triangulate(*a, **o))
+    graded_mesh = solve.graded_mesh
+    monkeypatch.setattr(solve, "graded_mesh", lambda *a, **o: meshes.append(1) or graded_mesh(*a, **o))
     write_grid("a.npz", 0.5)
     write_grid("b.npz", 0.6)
     status, out, err = run("a.npz", "b.npz", "--vertices", 60, "--json", "-o", "found")

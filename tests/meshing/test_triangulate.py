@@ -25,8 +25,9 @@ from isoembed.gallery import (
 )
 from isoembed.meshing.blue_noise import blue_noise_directions
 from isoembed.meshing.flips import corner_angles, flip_to_delaunay, flip_where_touched, twin_halfedges
-from isoembed.meshing.points import fibonacci_lattice, spread_directions, vertex_density
+from isoembed.meshing.points import spread_directions, vertex_density
 from isoembed.meshing.relax import lloyd_step
+from isoembed.meshing.sphere import fibonacci_lattice
 from isoembed.meshing.touch_up import GOOD, INWARD, OUTSIDE, _judge
 from isoembed.surface.intersection import self_intersections
 

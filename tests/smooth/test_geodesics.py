@@ -10,9 +10,9 @@ from scipy.spatial.transform import Rotation
 
 from isoembed.errors import InvalidMetric, InvalidParameter
 from isoembed.gallery import Ellipsoid, Ergosphere, KerrHorizon
+from isoembed.meshing.sphere import gauss_rule
 from isoembed.smooth.gaussian_curvature import gaussian_curvature
 from isoembed.smooth.geodesics import geodesic_lengths
-from isoembed.smooth.harmonics import gauss_rule
 from isoembed.smooth.two_metric import PulledBack, area_density
 from smooth_metrics import ROUND, Dented, ellipsoid, kerr_surface, warp, warp_differential
 

@@ -4,7 +4,8 @@ import numpy as np
 import pytest
 from scipy.special import sph_harm_y
 
-from isoembed.smooth.harmonics import Harmonics, gauss_rule
+from isoembed.meshing.sphere import gauss_rule
+from isoembed.smooth.harmonics import Harmonics
 
 POLES = np.array([[0.0, 0.0, 1.0], [0.0, 0.0, -1.0]])
 

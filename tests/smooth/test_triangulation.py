@@ -10,13 +10,12 @@ from hypothesis import strategies as st
 from isoembed.errors import InvalidMetric, InvalidParameter
 from isoembed.meshing.flips import twin_halfedges
 from isoembed.meshing.intrinsic_relaxation import corner_angles, end_lengths, flip_to_delaunay, relaxed
-from isoembed.meshing.points import fibonacci_lattice
+from isoembed.meshing.sphere import fibonacci_lattice, gauss_rule
 from isoembed.meshing.spreading import Cells
 from isoembed.metric.curvature import Triangles, deficits
 from isoembed.smooth.gaussian_curvature import gaussian_curvature
 from isoembed.smooth.geodesics import geodesic_lengths
-from isoembed.smooth.harmonics import gauss_rule
-from isoembed.smooth.triangulation import triangulate
+from isoembed.smooth.triangulation import triangulate_metric
 from isoembed.smooth.two_metric import PulledBack, area_density
 from smooth_metrics import ROUND, Dented, ellipsoid, kerr_surface, warp_differential
 
@@ -65,7 +64,7 @@ def excess(metric):
 @pytest.mark.parametrize("n", [12, 199, 1000])
 def test_triangles_are_nearly_equilateral(name, n):
     metric, grading = METRICS[name]
-    mesh = triangulate(metric, n, grading=grading)
+    mesh = triangulate_metric(metric, n, grading=grading)
     least, most = np.degrees(mesh.angles)
     sharp = name == "ergosphere 0.1" and n == 199  # too few for its tips
     assert least >= (25 if sharp else 35)
@@ -81,7 +80,7 @@ def test_triangles_are_nearly_equilateral(name, n):
 
 
 def test_lengths_are_those_of_the_geodesics():
-    mesh = triangulate(kerr_surface(0.975, 0.5), 300, grading=0.1)
+    mesh = triangulate_metric(kerr_surface(0.975, 0.5), 300, grading=0.1)
     again = mesh.measured(kerr_surface(0.975, 0.5))
     assert np.abs(again.lengths / mesh.metric.lengths - 1).max() < 1e-14
     other = mesh.measured(ROUND)
@@ -91,14 +90,14 @@ def test_lengths_are_those_of_the_geodesics():
 
 
 def test_deficits_are_not_negative_where_the_curvature_is_not():
-    assert deficits(triangulate(kerr_surface(0.8), 1000).metric).min() > 0
-    assert deficits(triangulate(kerr_surface(0.95), 1000).metric).min() < 0
+    assert deficits(triangulate_metric(kerr_surface(0.8), 1000).metric).min() > 0
+    assert deficits(triangulate_metric(kerr_surface(0.95), 1000).metric).min() < 0
 
 
 @pytest.mark.parametrize("name", ["horizon 0.8", "ellipsoid", "warped"])
 def test_area_is_that_of_the_metric_after_its_correction(name):
     metric, _ = METRICS[name]
-    mesh = triangulate(metric, 2000)
+    mesh = triangulate_metric(metric, 2000)
     l = mesh.metric.face_lengths
     middle = mesh.directions[mesh.faces].sum(axis=1)
     K = gaussian_curvature(metric, middle / np.linalg.norm(middle, axis=1, keepdims=True))
@@ -113,7 +112,7 @@ def test_area_is_that_of_the_metric_after_its_correction(name):
 @pytest.mark.parametrize("grading", [0.0, 0.3])
 @pytest.mark.parametrize("name", ["horizon 0.8", "ergosphere 0.1", "ellipsoid", "warped"])
 def test_the_mean_length_is_the_size(name, grading):
-    mesh = triangulate(METRICS[name][0], size=0.25, grading=grading)
+    mesh = triangulate_metric(METRICS[name][0], size=0.25, grading=grading)
     assert mesh.metric.mean_length == pytest.approx(0.25, rel=0.03)
 
 
@@ -125,7 +124,7 @@ def test_grading_gives_the_curvature_its_share():
     for grading in (0.0, 0.5):
         density = 1 + grading * np.abs(K) * dA.sum() / (4 * np.pi)
         share = (density * dA)[tip].sum() / (density * dA).sum()
-        mesh = triangulate(metric, 3000, grading=grading)
+        mesh = triangulate_metric(metric, 3000, grading=grading)
         found = np.count_nonzero(mesh.directions[:, 2] > np.cos(0.2)) / 3000
         assert found == pytest.approx(share, rel=0.1)
 
@@ -134,13 +133,13 @@ def test_grading_gives_the_curvature_its_share():
 @given(st.integers(-480, 480))
 def test_the_unit_of_length_does_not_matter(exponent):
     scale = 2.0**exponent
-    mesh = triangulate(ROUND, 40, grading=0.2)
-    large = triangulate(PulledBack(lambda u: scale * warp_differential(u)), 40, grading=0.2)
+    mesh = triangulate_metric(ROUND, 40, grading=0.2)
+    large = triangulate_metric(PulledBack(lambda u: scale * warp_differential(u)), 40, grading=0.2)
     assert np.array_equal(mesh.directions, large.directions)
     assert np.array_equal(mesh.faces, large.faces)
     assert np.array_equal(scale * mesh.metric.lengths, large.metric.lengths)
-    by_size = triangulate(PulledBack(lambda u: scale * warp_differential(u)), size=0.5 * scale)
-    assert len(by_size.directions) == len(triangulate(ROUND, size=0.5).directions)
+    by_size = triangulate_metric(PulledBack(lambda u: scale * warp_differential(u)), size=0.5 * scale)
+    assert len(by_size.directions) == len(triangulate_metric(ROUND, size=0.5).directions)
 
 
 @pytest.mark.parametrize(
@@ -170,7 +169,7 @@ def test_the_unit_of_length_does_not_matter(exponent):
 )
 def test_parameters_without_meaning_are_refused(arguments, sentence):
     with pytest.raises(InvalidParameter) as caught:
-        triangulate(ROUND, **arguments)
+        triangulate_metric(ROUND, **arguments)
     assert str(caught.value) == sentence
 
 
@@ -180,15 +179,15 @@ def test_refusals_of_sizes_are_in_the_unit_of_the_metric():
         with pytest.raises(
             InvalidParameter, match=rf"^edges of the length {size:.6g} make {re.escape(number)} "
         ):
-            triangulate(large, size=size)
+            triangulate_metric(large, size=size)
 
 
 def test_a_metric_that_is_not_positive_is_refused():
     sentence = r"the metric has the eigenvalue -0\.5 at theta = 0\.\d+, phi = \d\.\d+: it must be positive"
     with pytest.raises(InvalidMetric, match=sentence):
-        triangulate(Dented(-1.5), 100)
+        triangulate_metric(Dented(-1.5), 100)
     with pytest.raises(InvalidMetric, match=r"breaks the triangle inequality"):
-        triangulate(ROUND, 12).measured(stretched(1, 1, 1000))
+        triangulate_metric(ROUND, 12).measured(stretched(1, 1, 1000))
 
 
 def bumpy(u):
@@ -227,7 +226,7 @@ def tables(mesh):
 def test_lengths_from_the_ends_are_of_second_order_and_exact_on_the_round_sphere():
     errors = []
     for n in (400, 1600):
-        mesh = triangulate(ROUND, n)
+        mesh = triangulate_metric(ROUND, n)
         corners, twins, exact = tables(mesh)
         lengths = np.empty_like(exact)
         end_lengths(mesh.directions, ROUND.tensor(mesh.directions), corners, twins, lengths)
@@ -240,7 +239,7 @@ def test_lengths_from_the_ends_are_of_second_order_and_exact_on_the_round_sphere
 
 
 def test_flips_restore_a_delaunay_triangulation():
-    mesh = triangulate(stretched(1, 1, 1), 300)
+    mesh = triangulate_metric(stretched(1, 1, 1), 300)
     corners, twins, _ = tables(mesh)
     lengths = mesh.measured(ellipsoid(3, 1, 1)).face_lengths.ravel().copy()
     assert len(flip_to_delaunay(mesh.directions, corners, twins, lengths)) > 100
@@ -256,7 +255,7 @@ def test_flips_restore_a_delaunay_triangulation():
 
 @pytest.mark.parametrize("optimal", [True, False])
 def test_vertices_between_equal_triangles_stay(optimal):
-    mesh = triangulate(stretched(1, 1, 1), 12)
+    mesh = triangulate_metric(stretched(1, 1, 1), 12)
     t = (1 + np.sqrt(5)) / 2
     u = np.array([np.roll([0, a, b * t], k) for k in range(3) for a in (1, -1) for b in (1, -1)])
     u /= np.linalg.norm(u, axis=1, keepdims=True)

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from isoembed.errors import InvalidMetric
-from isoembed.smooth.harmonics import gauss_rule
+from isoembed.meshing.sphere import gauss_rule
 from isoembed.smooth.two_metric import AngleMetric, PulledBack, area_density, orthonormal_frame
 
 A = np.array([[2.0, 0.3, -0.2], [0.0, 1.5, 0.4], [0.1, 0.0, 1.0]])

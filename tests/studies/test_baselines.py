@@ -7,10 +7,11 @@ import pytest
 
 from isoembed.errors import InvalidParameter
 from isoembed.gallery import Ellipsoid, KerrHorizon
+from isoembed.meshing.sphere import fibonacci_directions
 from isoembed.metric.curvature import area
 from isoembed.relativity import KerrNewmanHorizon
 from isoembed.smooth.gaussian_curvature import gaussian_curvature
-from isoembed.smooth.harmonics import Harmonics, spread_directions
+from isoembed.smooth.harmonics import Harmonics
 from isoembed.smooth.isometry import gauss_newton
 from isoembed.smooth.two_metric import PulledBack
 from isoembed.studies.baselines.embedding_flow import embedding_flow
@@ -29,7 +30,7 @@ NEARLY_ROUND = star_shaped("nearly round", Ellipsoid((1.2, 1.1, 1.0)))
 
 @pytest.mark.parametrize("subject", [*paper_subjects(), saddled()], ids=lambda s: s.name)
 def test_subjects_have_the_metrics_of_their_surfaces(subject):
-    u, h = spread_directions(40), 1e-4
+    u, h = fibonacci_directions(40), 1e-4
     q = subject.metric.tensor(u)
     t = np.cross(u, [0.3, -0.5, 0.8])
     t /= np.linalg.norm(t, axis=1)[:, None]
@@ -74,7 +75,7 @@ def test_starts_of_another_shape_are_refused():
 
 
 def test_the_sphere_is_a_start_of_the_same_area_with_bumps_of_the_given_size():
-    u = spread_directions(2000)
+    u = fibonacci_directions(2000)
     harmonics = Harmonics(6, 6)
     smooth, bumpy = (sphere(ROUND, harmonics, size, seed=2) for size in (0.0, 0.3))
     np.testing.assert_allclose(harmonics.values(u) @ smooth, 2.0 * u, atol=1e-13)
@@ -87,7 +88,7 @@ def test_harmonics_find_what_they_contain():
     metric = PulledBack(lambda u: np.broadcast_to(np.diag([3.0, 2.0, 1.0]), (len(u), 3, 3)))
     harmonics = Harmonics(3, 3)
     found = fit_harmonics(metric, harmonics, sphere(metric, harmonics))
-    u = spread_directions(50)
+    u = fibonacci_directions(50)
     assert found.settled
     assert misfit(found.points(u), u * [3.0, 2.0, 1.0]) < 1e-6
 
@@ -97,7 +98,7 @@ def test_harmonics_end_where_gauss_newton_steps_end():
     metric, harmonics = paper_subjects()[1].metric, Harmonics(4, 4)
     found = fit_harmonics(metric, harmonics, sphere(metric, harmonics))
     again = gauss_newton(metric, harmonics, found.coefficients)
-    u = spread_directions(50)
+    u = fibonacci_directions(50)
     assert found.strain > 0.1
     assert misfit(found.points(u), harmonics.values(u) @ again) < 1e-5
 
@@ -135,7 +136,7 @@ def test_uniformization_undoes_a_conformal_change():
             factors = np.exp(2.0 * harmonics.values(u) @ found.factors)
             return factors[:, None, None] * metric.tensor(u)
 
-    u = spread_directions(60)
+    u = fibonacci_directions(60)
     K = gaussian_curvature(Uniform(), u)
     np.testing.assert_allclose(K, K.mean(), rtol=1e-5)
     X = harmonics.values(u) @ found.coefficients
@@ -146,7 +147,7 @@ def test_uniformization_undoes_a_conformal_change():
 def test_the_flow_leaves_a_sphere_alone():
     start = uniformized(ROUND, Harmonics(4, 4))
     found = embedding_flow(ROUND, start, steps=1, order=1)
-    u = spread_directions(50)
+    u = fibonacci_directions(50)
     assert found.strain < 1e-7  # the curvature has eight digits
     assert misfit(found.points(u), 2.0 * u) < 1e-7
 
@@ -154,7 +155,7 @@ def test_the_flow_leaves_a_sphere_alone():
 @pytest.mark.parametrize("order", [1, 2, 4])
 def test_the_flow_has_the_order_of_its_steps(order):
     start = uniformized(KERR.metric, Harmonics(16, 1))
-    u = spread_directions(100)
+    u = fibonacci_directions(100)
     errors = [
         misfit(embedding_flow(KERR.metric, start, steps, order).points(u), KERR.point(u)) for steps in (4, 8)
     ]
@@ -170,7 +171,7 @@ def test_flows_that_cannot_be_are_refused():
 
 
 def test_projection_is_exact_where_it_can_be():
-    u = spread_directions(40)
+    u = fibonacci_directions(40)
     harmonics = Harmonics(2, 2)
     C = np.random.default_rng(0).standard_normal((harmonics.size, 3))
     np.testing.assert_allclose(projected(harmonics.values(u) @ C, u, harmonics), C, atol=1e-12)

@@ -20,6 +20,7 @@ from isoembed.errors import NotEmbedded
 from isoembed.io import FileError, mesh_writer, report_writer, write_atomically
 from isoembed.io.files import Writer, ending
 from isoembed.io.hdf5 import HDF5_ENDINGS
+from isoembed.meshing.sphere import gauss_rule
 from isoembed.metric.polyhedral import PolyhedralMetric
 from isoembed.relativity.energies.embedded import EmbeddedSurface, embed_surface
 from isoembed.relativity.energies.quadrature import intrinsic_energies
@@ -34,7 +35,6 @@ from isoembed.relativity.spacetimes.star_surface import StarSurface
 from isoembed.relativity.spacetimes.surface_data import SurfaceData
 from isoembed.relativity.spacetimes.three_geometry import ThreeGeometry
 from isoembed.smooth.grid_metric import GridMetric
-from isoembed.smooth.harmonics import gauss_rule
 from isoembed.surface.embedding import Embedding
 
 NODES = (48, 96)  # at which a surface from a file is looked at

@@ -13,7 +13,7 @@ from isoembed.cli.screen import print_out
 from isoembed.cli.status import OK
 from isoembed.io import METRIC_ENDINGS, check_output, metric_writer, write_atomically
 from isoembed.relativity.horizons.grid_file import read_metric_grid
-from isoembed.smooth.triangulation import triangulate
+from isoembed.smooth.triangulation import triangulate_metric
 
 
 def configure(parser: argparse.ArgumentParser) -> None:
@@ -58,7 +58,7 @@ def run(options: argparse.Namespace) -> int:
         if options.input is None:
             raise UsageError("which metric? Give a GRID, or a --spacetime and a --surface")
         metric, name = read_metric_grid(options.input), options.input
-    mesh = triangulate(metric, options.vertices, size=options.size, grading=options.grading)
+    mesh = triangulate_metric(metric, options.vertices, size=options.size, grading=options.grading)
     write_atomically({options.output: metric_writer(options.output, mesh.metric, directions=mesh.directions)})
     least, largest = np.degrees(mesh.angles)
     print_out(

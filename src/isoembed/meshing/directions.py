@@ -8,7 +8,8 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 from scipy.spatial import cKDTree
 
-from isoembed.meshing.points import fibonacci_lattice, spread_directions
+from isoembed.meshing.points import spread_directions
+from isoembed.meshing.sphere import fibonacci_lattice
 
 if TYPE_CHECKING:
     from isoembed.gallery.surface import Surface

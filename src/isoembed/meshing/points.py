@@ -32,12 +32,6 @@ def vertex_density(surface: Surface, u: Array) -> Array:
     return 1.0 + CURVATURE_SHARE * np.abs(K) * surface._radius**2
 
 
-def fibonacci_lattice(n: int) -> Array:
-    """Return n points (n, 2) spread evenly over the unit square, whose second coordinate is periodic."""
-    i = np.arange(n)
-    return np.stack([(i + 0.5) / n, i * (0.5 * (np.sqrt(5.0) - 1.0)) % 1.0], axis=1)
-
-
 def _pole(surface: Surface) -> int:
     """Return the axis around which the surface is closest to round, z when in doubt."""
     extent = np.log(np.linalg.norm(surface._points(np.eye(3)), axis=1))

@@ -10,12 +10,12 @@ from typing import TYPE_CHECKING, SupportsIndex
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.spatial import ConvexHull
 
 from isoembed.meshing.blue_noise import blue_noise_directions
 from isoembed.meshing.flips import corner_angles, flip_to_delaunay, twin_halfedges
-from isoembed.meshing.points import fibonacci_lattice, spread_directions, vertex_density
+from isoembed.meshing.points import spread_directions, vertex_density
 from isoembed.meshing.relax import lloyd_step
+from isoembed.meshing.sphere import fibonacci_lattice, hull_faces
 from isoembed.meshing.touch_up import touch_up
 
 if TYPE_CHECKING:
@@ -31,15 +31,6 @@ LARGE = 20_000
 
 ANGLE_WINDOW = np.radians([38.0, 97.0])
 """Angles at which the relaxation stops."""
-
-
-def _hull(u: Array) -> Index:
-    """Return the Delaunay triangulation (F, 3) of points on the unit sphere, oriented outward."""
-    faces = ConvexHull(u).simplices.astype(np.int64)
-    a, b, c = (u[faces[:, i]] for i in range(3))
-    inward = np.einsum("ij,ij->i", np.cross(a, b), c) < 0.0
-    faces[inward] = faces[inward][:, [0, 2, 1]]
-    return faces
 
 
 def _inward_faces(vertices: Array, normals: Array, faces: Index) -> int:
@@ -98,14 +89,14 @@ def triangulate(
     if irregular is None:
         return _regular(surface, n)
     u = blue_noise_directions(surface, n, _integer("the seed of an irregular mesh", irregular, 0))
-    faces = _hull(u)
+    faces = hull_faces(u)
     faces, _ = flip_to_delaunay(surface._points(u), surface._normals(u), faces, twin_halfedges(faces))
     return surface.point(u), faces
 
 
 def _regular(surface: Surface, n: int) -> tuple[Array, Index]:
     u = spread_directions(surface, fibonacci_lattice(n))
-    faces = _hull(u)
+    faces = hull_faces(u)
     twin = twin_halfedges(faces)
     if n > LARGE:
         faces, twin = flip_to_delaunay(surface._points(u), surface._normals(u), faces, twin)

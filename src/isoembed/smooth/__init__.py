@@ -9,7 +9,7 @@ from isoembed.smooth.geodesics import geodesic_lengths
 from isoembed.smooth.grid_metric import GridMetric
 from isoembed.smooth.harmonics import Harmonics
 from isoembed.smooth.solve import embed_smooth
-from isoembed.smooth.triangulation import SphereMesh, triangulate
+from isoembed.smooth.triangulation import SphereMesh, triangulate_metric
 from isoembed.smooth.two_metric import AngleMetric, PulledBack, TwoMetric
 
 __all__ = [
@@ -25,5 +25,5 @@ __all__ = [
     "embed_smooth",
     "gaussian_curvature",
     "geodesic_lengths",
-    "triangulate",
+    "triangulate_metric",
 ]

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 
+from isoembed.meshing.sphere import gauss_rule
 from isoembed.smooth.gaussian_curvature import gaussian_curvature
-from isoembed.smooth.harmonics import gauss_rule
 from isoembed.smooth.two_metric import TwoMetric
 
 SAMPLED = (48, 96)  # heights and angles at which the curvature is looked at

@@ -2,14 +2,16 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
 
-from isoembed.smooth.harmonics import Harmonics, spread_directions
+from isoembed.meshing.sphere import fibonacci_directions
+from isoembed.smooth.harmonics import Harmonics
 from isoembed.smooth.isometry import MetricSamples, around, strains
+from isoembed.smooth.triangulation import SphereMesh, graded_mesh
 from isoembed.smooth.two_metric import TwoMetric, orthonormal_frame
 
 Floats = NDArray[np.float64]
@@ -39,6 +41,8 @@ class SmoothEmbedding:
         The integral of H of the best map of lower degree, infinite if there is none.
     hindrance : str
         Why no surface has the metric, where that is known.
+    mesh : SphereMesh, optional
+        The triangulation that the embedding began with.
     """
 
     metric: TwoMetric
@@ -47,6 +51,19 @@ class SmoothEmbedding:
     tolerance: float
     coarser: float
     hindrance: str = ""
+    mesh: SphereMesh | None = field(default=None, repr=False)
+
+    def triangulated(self, vertices: int) -> SphereMesh:
+        """A mesh of the metric with so many vertices: the one that the embedding began with, or a new one.
+
+        Raises
+        ------
+        InvalidParameter
+            There would be fewer than 12 vertices or more than ten million.
+        """
+        if self.mesh is not None and len(self.mesh.directions) == vertices:
+            return self.mesh
+        return graded_mesh(self.metric, vertices)
 
     def points(self, u: Floats) -> Floats:
         """The points X(u) (n, 3) in the directions u (n, 3)."""
@@ -74,7 +91,7 @@ class SmoothEmbedding:
     @cached_property
     def residual(self) -> float:
         """The largest relative error of a length, at directions where the equations were not solved."""
-        u = np.concatenate([self._measured.u, spread_directions(SCATTERED)])
+        u = np.concatenate([self._measured.u, fibonacci_directions(SCATTERED)])
         return 0.5 * float(self.strain(u).max())
 
     @property

@@ -10,12 +10,15 @@ from numpy.typing import ArrayLike, NDArray
 
 from isoembed.errors import InvalidMetric
 from isoembed.smooth.double_fourier import DoubleFourier, around, inner_nodes
-from isoembed.smooth.two_metric import TwoMetric, angle_frame, from_angles
+from isoembed.smooth.two_metric import TwoMetric, angle_components, from_angles, is_axisymmetric
 
 Floats = NDArray[np.float64]
 
 SEAM = 1e-6
 """By how much, relative to the metric, the columns phi = 0 and phi = 2 pi may differ."""
+
+NODES, SYMMETRIC_NODES = (96, 192), (768, 1)
+"""Nodes in theta and phi of `sampled_on_grid`, the latter for metrics that are symmetric about the z-axis."""
 
 
 @dataclass(frozen=True, eq=False, init=False, repr=False)
@@ -86,8 +89,7 @@ class GridMetric:
         theta, phi = (np.arange(n) + 0.5) * (np.pi / n), np.arange(m) * (2.0 * np.pi / m)
         sin, cos = np.sin(theta)[:, None], np.cos(theta)[:, None]
         u = np.stack(np.broadcast_arrays(sin * np.cos(phi), sin * np.sin(phi), cos), axis=2).reshape(-1, 3)
-        e = np.stack(angle_frame(u), axis=1)
-        Q = (e @ metric.tensor(u) @ e.transpose(0, 2, 1)).reshape(n, m, 2, 2)
+        Q = angle_components(u, metric.tensor(u)).reshape(n, m, 2, 2)
         return cls(theta, phi, Q[..., 0, 0], sin * Q[..., 0, 1], sin**2 * Q[..., 1, 1])
 
     def __repr__(self) -> str:
@@ -209,6 +211,14 @@ class GridMetric:
                 f"positive definite (its highest Fourier coefficients are {self.truncation:.1g} of the "
                 "largest): the grid is too coarse for it"
             )
+
+
+def sampled_on_grid(metric: TwoMetric) -> TwoMetric:
+    """The metric on a fine grid: good enough for meshes, and quick where the metric is slow."""
+    try:
+        return GridMetric.sampled(metric, *(SYMMETRIC_NODES if is_axisymmetric(metric) else NODES))
+    except InvalidMetric:  # too coarse a grid for it
+        return metric
 
 
 def _component(values: ArrayLike, name: str, shape: tuple[int, int]) -> Floats:

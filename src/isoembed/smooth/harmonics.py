@@ -1,4 +1,4 @@
-"""Real spherical harmonics as functions on R^3, with their derivatives, and quadrature on the sphere.
+"""Real spherical harmonics as functions on R^3, with their derivatives.
 
 ``Y_lm(u) = Pi_lm(z) Re, Im (x + i y)^m``, orthonormal, ``Pi_lm`` a polynomial in z: there is no division by
 sin(theta) anywhere, and the poles are points like any others.
@@ -10,8 +10,8 @@ from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
+from numba import njit
 from numpy.typing import NDArray
-from scipy.special import roots_legendre
 
 Floats = NDArray[np.float64]
 Indices = NDArray[np.int64]
@@ -88,6 +88,33 @@ class Harmonics:
             first[:, k] = sum(D * t for D, t in zip(gradient, tangents[:, k].T, strict=True)).T
         return np.ascontiguousarray(Y.T), first
 
+    def derivatives(self, u: Floats, coefficients: Floats) -> tuple[Floats, Floats, Floats]:
+        """A function given by its coefficients, with its covariant derivatives on the unit sphere.
+
+        Parameters
+        ----------
+        u : ndarray, shape (n, 3)
+        coefficients : ndarray, shape (size,)
+
+        Returns
+        -------
+        values : ndarray, shape (n,)
+        gradient : ndarray, shape (n, 3)
+            Tangent to the sphere.
+        hessian : ndarray, shape (n, 3, 3)
+            Symmetric, zero along u.
+        """
+        degrees, orders = self.labels
+        table = np.zeros((self.order + 1, self.degree + 1), dtype=np.complex128)
+        sine = orders < 0
+        # c Re w^m + s Im w^m = Re (c - i s) w^m
+        table.real[orders[~sine], degrees[~sine]] = coefficients[~sine]
+        table.imag[-orders[sine], degrees[sine]] = -coefficients[sine]
+        values, gradient, hessian = _summed(u, table, *_recurrence(self.degree, self.order))
+        radial = np.einsum("ni,ni->n", u, gradient)
+        P = np.eye(3) - u[:, :, None] * u[:, None, :]
+        return values, gradient - radial[:, None] * u, P @ hessian @ P - radial[:, None, None] * P
+
     def second_along(self, u: Floats, tangents: Floats, coefficients: Floats) -> Floats:
         """Covariant second derivatives on the unit sphere of functions given by their coefficients.
 
@@ -150,44 +177,73 @@ class Harmonics:
     def _polynomials(self, z: Floats, derivatives: int) -> list[Floats]:
         """``Pi_lm(z)`` and its derivatives, each (degree + 1, order + 1, n), by the recurrence in l."""
         L, M = self.degree, self.order
+        a, b, sectoral = _recurrence(L, M)
         tables = [np.zeros((L + 1, M + 1, len(z))) for _ in range(derivatives + 1)]
-        sectoral = np.sqrt(1.0 / (4.0 * np.pi))
-        for m in range(M + 1):
-            if m:
-                sectoral *= np.sqrt((2.0 * m + 1.0) / (2.0 * m)) * (np.sqrt(2.0) if m == 1 else 1.0)
-            tables[0][m, m] = sectoral
+        tables[0][np.arange(M + 1), np.arange(M + 1)] = sectoral[:, None]
         for l in range(1, L + 1):
-            orders = np.arange(min(l - 1, M) + 1)
-            a = np.sqrt((4.0 * l**2 - 1.0) / (l**2 - orders**2))[:, None]
-            # The row before the first has no harmonics, whatever its factor.
-            b = a * np.sqrt(((l - 1.0) ** 2 - orders**2) / max(4.0 * (l - 1.0) ** 2 - 1.0, 1.0))[:, None]
+            m = np.arange(min(l - 1, M) + 1)
             for d, table in enumerate(tables):
-                row = z * table[l - 1, orders]
+                row = z * table[l - 1, m]
                 if d:
-                    row = row + d * tables[d - 1][l - 1, orders]
-                table[l, orders] = a * row
+                    row = row + d * tables[d - 1][l - 1, m]
+                table[l, m] = a[m, l, None] * row
                 if l > 1:
-                    table[l, orders] -= b * table[l - 2, orders]
+                    table[l, m] -= b[m, l, None] * table[l - 2, m]
         return tables
 
 
-def gauss_rule(n: int, around: int) -> tuple[Floats, Floats]:
-    """Nodes (n * around, 3) and weights of a product rule on the unit sphere.
+def _recurrence(degree: int, order: int) -> tuple[Floats, Floats, Floats]:
+    """Tables (order + 1, degree + 1) for ``P_l = a z P_l-1 - b P_l-2``, and ``P_mm`` (order + 1,)."""
+    l, m = np.arange(degree + 1.0), np.arange(order + 1.0)[:, None]
+    above = l > m
+    a = np.sqrt((4.0 * l**2 - 1.0) * above / np.where(above, l**2 - m**2, 1.0))
+    b = np.zeros_like(a)
+    b[:, 1:] = a[:, 1:] * np.where(above[:, 1:], 1.0, 0.0)
+    b[:, 1:] /= np.where(a[:, :-1] > 0.0, a[:, :-1], np.inf)
+    m = m[1:, 0]
+    steps = np.sqrt((2.0 * m + 1.0) / (2.0 * m)) * np.where(m == 1.0, np.sqrt(2.0), 1.0)
+    return a, b, np.cumprod(np.concatenate([[np.sqrt(0.25 / np.pi)], steps]))
 
-    Gauss-Legendre in z times even angles about the z-axis: exact for harmonics of degree below 2 n and order
-    below `around`.  No node is a pole.
+
+@njit(cache=True)
+def _summed(u, table, a, b, sectoral):  # type: ignore[no-untyped-def]
+    """Sums of harmonics at u (n, 3), with the derivatives of their extension to R^3: (n,), (n, 3), (n, 3, 3).
+
+    No table of harmonics at directions is made, which would take most of the time.
     """
-    z, weight = roots_legendre(n)
-    phi = 2.0 * np.pi / around * np.arange(around)
-    sin = np.sqrt((1.0 - z) * (1.0 + z))
-    x, y = np.outer(sin, np.cos(phi)), np.outer(sin, np.sin(phi))
-    u = np.stack([x, y, np.broadcast_to(z[:, None], x.shape)], axis=-1).reshape(-1, 3)
-    return u, np.repeat(weight * 2.0 * np.pi / around, around)
-
-
-def spread_directions(n: int) -> Floats:
-    """Directions (n, 3) that are spread evenly and without a pattern: a Fibonacci lattice."""
-    k = np.arange(n) + 0.5
-    z, phi = 1.0 - 2.0 * k / n, np.pi * (1.0 + np.sqrt(5.0)) * k
-    sin = np.sqrt((1.0 - z) * (1.0 + z))
-    return np.stack([sin * np.cos(phi), sin * np.sin(phi), z], axis=1)
+    n, orders, degrees = len(u), table.shape[0], table.shape[1]
+    value, gradient, hessian = np.zeros(n), np.zeros((n, 3)), np.zeros((n, 3, 3))
+    for i in range(n):
+        z = u[i, 2]
+        w = complex(u[i, 0], u[i, 1])
+        w0, w1, w2 = 1.0 + 0.0j, 0.0j, 0.0j  # w^m and its derivatives
+        for m in range(orders):
+            p0, p1, p2 = sectoral[m], 0.0, 0.0
+            before0, before1, before2 = 0.0, 0.0, 0.0
+            f0, f1, f2 = p0 * table[m, m], 0.0j, 0.0j
+            for l in range(m + 1, degrees):
+                next0 = a[m, l] * z * p0 - b[m, l] * before0
+                next1 = a[m, l] * (z * p1 + p0) - b[m, l] * before1
+                next2 = a[m, l] * (z * p2 + 2.0 * p1) - b[m, l] * before2
+                before0, before1, before2 = p0, p1, p2
+                p0, p1, p2 = next0, next1, next2
+                f0 += p0 * table[m, l]
+                f1 += p1 * table[m, l]
+                f2 += p2 * table[m, l]
+            value[i] += (f0 * w0).real
+            gradient[i, 0] += (f0 * w1).real
+            gradient[i, 1] -= (f0 * w1).imag
+            gradient[i, 2] += (f1 * w0).real
+            hessian[i, 0, 0] += (f0 * w2).real
+            hessian[i, 0, 1] -= (f0 * w2).imag
+            hessian[i, 0, 2] += (f1 * w1).real
+            hessian[i, 1, 2] -= (f1 * w1).imag
+            hessian[i, 2, 2] += (f2 * w0).real
+            w0, w1, w2 = w0 * w, w1 * w + w0, w2 * w + 2.0 * w1
+        hessian[i, 1, 1] = -hessian[i, 0, 0]
+        hessian[i, 1, 0], hessian[i, 2, 0], hessian[i, 2, 1] = (
+            hessian[i, 0, 1],
+            hessian[i, 0, 2],
+            hessian[i, 1, 2],
+        )
+    return value, gradient, hessian

@@ -13,7 +13,8 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.linalg import cho_factor, cho_solve
 
-from isoembed.smooth.harmonics import Harmonics, gauss_rule
+from isoembed.meshing.sphere import gauss_rule
+from isoembed.smooth.harmonics import Harmonics
 from isoembed.smooth.two_metric import TwoMetric, area_density, orthonormal_frame
 
 Floats = NDArray[np.float64]

@@ -4,35 +4,32 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
+from functools import partial
 
 import numpy as np
 from numpy.typing import NDArray
 
 from isoembed._embed import embed
 from isoembed.errors import InvalidMetric, InvalidParameter, NotEmbedded
+from isoembed.meshing.sphere import gauss_rule
 from isoembed.smooth.axisymmetric import AxisymmetricEmbedding
 from isoembed.smooth.curvature_sign import by_curvature
 from isoembed.smooth.embedding import ROUNDING, SmoothEmbedding
-from isoembed.smooth.grid_metric import GridMetric
-from isoembed.smooth.harmonics import Harmonics, gauss_rule, spread_directions
+from isoembed.smooth.harmonics import Harmonics
 from isoembed.smooth.isometry import FEWEST_AROUND, gauss_newton
-from isoembed.smooth.triangulation import triangulate
-from isoembed.smooth.two_metric import TwoMetric, angle_frame
+from isoembed.smooth.transforms import resized
+from isoembed.smooth.triangulation import SphereMesh, graded_mesh
+from isoembed.smooth.two_metric import TwoMetric, is_axisymmetric
 
 Floats = NDArray[np.float64]
 
 DEGREES = (8, 12, 16, 24, 32, 48, 64, 96, 128, 192)
 UNKNOWNS = 3300  # more take minutes: degree 32 of all orders, degree 192 about an axis of symmetry
-SYMMETRIC = 1e-12  # of the metric: less variation about the axis is none
-MESHED, SYMMETRICALLY_MESHED = (96, 192), (768, 1)  # nodes in theta and phi, for meshes
 FALLING = 0.6  # of the residual before: less of a decrease is none
 ROUGH = 1e-2  # of an edge of the mesh: enough to be on a branch
 HINDERED = 32  # degree of the best fit to what has no embedding
 DETERMINED = 3  # vertices for a harmonic
 HIGH = 48  # degrees in which a surface of revolution is projected
-SPREAD = 400  # directions at which symmetry is looked for
-TURNS = (0.7, 1.9, 4.3)  # radians about z
-GRADED = 0.1  # vertices that follow the curvature, against one that follows the area
 
 
 def embed_smooth(
@@ -88,36 +85,26 @@ def embed_smooth(
     for name, value in (("tolerance", tolerance), ("accuracy", accuracy)):
         if not 0 < value < np.inf:
             raise InvalidParameter(f"the {name} is {value!r}, not a positive finite number")
-    symmetric = not varies(metric)
+    symmetric = is_axisymmetric(metric)
     ladder = [h for h in (Harmonics(L, 1 if symmetric else L) for L in DEGREES) if 3 * h.size <= UNKNOWNS]
     profile = _profile(metric) if symmetric else None
     hindrance = "" if profile is None or profile.embeds else profile.explanation
     if hindrance:
         ladder = [h for h in ladder if h.degree <= HINDERED]
-    goal = _Goal(metric, tolerance, accuracy, hindrance)
     if start is None:
-        best, residuals = goal.approached(ladder, _from_mesh(metric, vertices, ladder[0]))
+        mesh = graded_mesh(metric, max(vertices, DETERMINED * ladder[0].size))
+        origin, first = _from_mesh(mesh), 0
     else:
+        mesh, origin = None, partial(resized, start.coefficients, start.harmonics)
         first = max(0, sum(h.degree < start.harmonics.degree for h in ladder) - 1)
-        best, residuals = goal.approached(
-            ladder[first:], lambda harmonics: resized(start.coefficients, start.harmonics, harmonics)
-        )
+    goal = _Goal(metric, tolerance, accuracy, hindrance, mesh)
+    best, residuals = goal.approached(ladder[first:], origin)
     if not best.converged and profile is not None and profile.embeds:
         high = [h for h in ladder if h.degree >= HIGH] or ladder[-1:]
         best, residuals = goal.approached(high, _from_profile(profile))
     if best.converged or best_fit:
         return best
     raise NotEmbedded(_diagnosis(best, residuals, profile), best)
-
-
-def resized(coefficients: Floats, old: Harmonics, new: Harmonics) -> Floats:
-    """The coefficients (size, c) of functions in other harmonics: cut off or filled up with zeros."""
-    place = {label: i for i, label in enumerate(zip(*new.labels, strict=True))}
-    result = np.zeros((new.size, coefficients.shape[1]))
-    for i, label in enumerate(zip(*old.labels, strict=True)):
-        if label in place:
-            result[place[label]] = coefficients[i]
-    return result
 
 
 @dataclass(frozen=True)
@@ -128,6 +115,7 @@ class _Goal:
     tolerance: float
     accuracy: float
     hindrance: str
+    mesh: SphereMesh | None
 
     def approached(
         self, ladder: list[Harmonics], origin: Callable[[Harmonics], Floats | None]
@@ -144,7 +132,9 @@ class _Goal:
                 C, old = anew, harmonics
             assert C is not None
             C, old = gauss_newton(self.metric, harmonics, resized(C, old, harmonics)), harmonics
-            surface = SmoothEmbedding(self.metric, harmonics, C, self.tolerance, last, self.hindrance)
+            surface = SmoothEmbedding(
+                self.metric, harmonics, C, self.tolerance, last, self.hindrance, self.mesh
+            )
             last = surface.integrated_mean_curvature
             residuals.append(surface.residual)
             settled = surface.unsettled <= self.accuracy * abs(last) or surface.residual <= ROUNDING
@@ -153,9 +143,8 @@ class _Goal:
         return surface, residuals
 
 
-def _from_mesh(metric: TwoMetric, vertices: int, least: Harmonics) -> Callable[[Harmonics], Floats | None]:
+def _from_mesh(mesh: SphereMesh) -> Callable[[Harmonics], Floats | None]:
     """What fits harmonics to the embedded vertices of a triangulation, where these are enough."""
-    mesh = triangulate(drawn(metric), max(vertices, DETERMINED * least.size), grading=GRADED)
     try:
         embedding = embed(mesh.metric, tolerance=ROUGH)
     except NotEmbedded as error:
@@ -188,33 +177,6 @@ def _profile(metric: TwoMetric) -> AxisymmetricEmbedding | None:
         return AxisymmetricEmbedding.of(metric)
     except InvalidMetric:
         return None
-
-
-def varies(metric: TwoMetric) -> bool:
-    """Whether the metric is not symmetric about the z-axis, as far as it can be seen.
-
-    It is compared with itself turned by some angles, at directions that are spread without a pattern.
-    """
-    u = spread_directions(SPREAD)
-    components = [_along_meridians(metric, u)]
-    for angle in TURNS:
-        x, y, z = u.T
-        c, s = np.cos(angle), np.sin(angle)
-        components.append(_along_meridians(metric, np.stack([c * x - s * y, s * x + c * y, z], axis=1)))
-    return bool(np.ptp(components, axis=0).max() > SYMMETRIC * np.max(components))
-
-
-def _along_meridians(metric: TwoMetric, u: Floats) -> Floats:
-    e = np.stack(angle_frame(u), axis=1)
-    return np.asarray(np.einsum("nai,nij,nbj->nab", e, metric.tensor(u), e))
-
-
-def drawn(metric: TwoMetric) -> TwoMetric:
-    """The metric as it is on a fine grid: good enough for meshes, and quick where the metric is slow."""
-    try:
-        return GridMetric.sampled(metric, *(MESHED if varies(metric) else SYMMETRICALLY_MESHED))
-    except InvalidMetric:  # too coarse a grid for it
-        return metric
 
 
 def _diagnosis(best: SmoothEmbedding, residuals: list[float], profile: AxisymmetricEmbedding | None) -> str:

@@ -8,17 +8,17 @@ from operator import index
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.spatial import ConvexHull
 
 from isoembed.errors import InvalidMetric, InvalidParameter
 from isoembed.mesh.triangulation import Triangulation, frozen
 from isoembed.meshing.flips import twin_halfedges
 from isoembed.meshing.intrinsic_relaxation import corner_angles, end_lengths, flip_to_delaunay, relaxed
-from isoembed.meshing.points import fibonacci_lattice
+from isoembed.meshing.sphere import fibonacci_lattice, hull_faces
 from isoembed.meshing.spreading import Cells, cell_centers
 from isoembed.metric.polyhedral import PolyhedralMetric
 from isoembed.smooth.gaussian_curvature import gaussian_curvature
 from isoembed.smooth.geodesics import definite_tensor, geodesic_lengths, in_own_unit
+from isoembed.smooth.grid_metric import sampled_on_grid
 from isoembed.smooth.two_metric import TwoMetric, area_density
 
 Floats = NDArray[np.float64]
@@ -32,6 +32,9 @@ MAX_VERTICES = 10_000_000
 
 ANGLE_WINDOW = np.radians([35.0, 100.0])
 """Angles at which the relaxation stops."""
+
+GRADED = 0.1
+"""Vertices that follow the curvature, against one that follows the area, in the meshes for embeddings."""
 
 OPTIMAL_SWEEPS = 10
 """Sweeps towards optimal Delaunay triangulations, before those to centroidal Voronoi tessellations."""
@@ -102,7 +105,7 @@ class SphereMesh:
         return self.metric.with_lengths(lengths)
 
 
-def triangulate(
+def triangulate_metric(
     metric: TwoMetric, vertices: int | None = None, *, size: float | None = None, grading: float = 0.0
 ) -> SphereMesh:
     """Triangulate the sphere with triangles that are nearly equilateral in a smooth metric.
@@ -155,6 +158,11 @@ def triangulate(
     assert n is not None
     mesh = _Mesh.of(Cells(area.values * density.values, area.axis).spread(fibonacci_lattice(n)), own)
     return _relax(mesh, density if grading else None).finished(unit)
+
+
+def graded_mesh(metric: TwoMetric, vertices: int) -> SphereMesh:
+    """The mesh that embeddings begin with: of the metric on a grid, with more vertices where it is curved."""
+    return triangulate_metric(sampled_on_grid(metric), vertices, grading=GRADED)
 
 
 def _checked(vertices: int) -> int:
@@ -233,10 +241,7 @@ class _Mesh:
     @classmethod
     def of(cls, u: Floats, metric: TwoMetric) -> _Mesh:
         """The convex hull of directions (V, 3)."""
-        faces = ConvexHull(u).simplices.astype(np.int64)
-        a, b, c = (u[faces[:, i]] for i in range(3))
-        inward = np.einsum("ij,ij->i", np.cross(a, b), c) < 0.0
-        faces[inward] = faces[inward][:, [0, 2, 1]]
+        faces = hull_faces(u)
         return cls(metric, u, faces.ravel().copy(), twin_halfedges(faces), np.empty(faces.size))
 
     def copy(self) -> _Mesh:

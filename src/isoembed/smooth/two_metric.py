@@ -14,11 +14,21 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from isoembed.errors import InvalidMetric
+from isoembed.meshing.sphere import fibonacci_directions
 
 Floats = NDArray[np.float64]
 
 POLE = 1e-3
 """sin(theta) below which components in theta and phi are not asked for, but extrapolated over the pole."""
+
+SYMMETRIC = 1e-12
+"""Variation about the z-axis, over the metric, that is none."""
+
+SPREAD = 400
+"""Directions at which symmetry is looked for."""
+
+TURNS = (0.7, 1.9, 4.3)
+"""Angles about the z-axis by which the metric is turned for that, in radians."""
 
 
 class TwoMetric(Protocol):
@@ -130,6 +140,26 @@ def angle_frame(u: Floats) -> tuple[Floats, Floats]:
     return e_theta, np.stack([-sin_phi, cos_phi, np.zeros(len(u))], axis=1)
 
 
+def angle_components(u: Floats, q: Floats) -> Floats:
+    """The components (n, 2, 2) of tensors (n, 3, 3) in the orthonormal frame (e_theta, e_phi) at u (n, 3)."""
+    e = np.stack(angle_frame(u), axis=1)
+    return np.asarray(np.einsum("nai,nij,nbj->nab", e, q, e))
+
+
+def is_axisymmetric(metric: TwoMetric) -> bool:
+    """Whether the metric is symmetric about the z-axis, as far as it can be seen.
+
+    It is compared with itself turned by some angles, at directions that are spread without a pattern.
+    """
+    x, y, z = fibonacci_directions(SPREAD).T
+    components = []
+    for angle in (0.0, *TURNS):
+        c, s = np.cos(angle), np.sin(angle)
+        u = np.stack([c * x - s * y, s * x + c * y, z], axis=1)
+        components.append(angle_components(u, metric.tensor(u)))
+    return bool(np.ptp(components, axis=0).max() <= SYMMETRIC * np.max(components))
+
+
 def projected(q: Floats, u: Floats) -> Floats:
     """The part of symmetric tensors (n, 3, 3) that is tangent to the sphere at u (n, 3)."""
     P = np.eye(3) - u[:, :, None] * u[:, None, :]
@@ -153,8 +183,7 @@ def orthonormal_frame(u: Floats, q: Floats) -> Floats:
         A metric is not positive definite; the message says at which angles.
     """
     e_theta, e_phi = angle_frame(u)
-    frame = np.stack([e_theta, e_phi], axis=1)
-    components = np.einsum("nai,nij,nbj->nab", frame, q, frame)
+    components = angle_components(u, q)
     good = np.isfinite(components).all(axis=(1, 2)) & (components[:, 0, 0] > 0) & (components[:, 1, 1] > 0)
     tt, pp = np.where(good, components[:, 0, 0], 1.0), np.where(good, components[:, 1, 1], 1.0)
     good &= np.abs(components[:, 0, 1]) < np.sqrt(tt) * np.sqrt(pp)

@@ -196,7 +196,7 @@ def test_too_few_vertices(horizon):
 
 
 def test_a_warm_start_needs_no_mesh(horizon, monkeypatch):
-    monkeypatch.setattr(solve, "triangulate", lambda *_, **__: pytest.fail("a mesh was made"))
+    monkeypatch.setattr(solve, "graded_mesh", lambda *_, **__: pytest.fail("a mesh was made"))
     found = embed_surface(KerrNewmanHorizon(1.0, 0.6).data(), start=horizon)
     assert isinstance(found, EmbeddedSurface)
     within(found.energies.integrated_mean_curvature, 23.898597646410372)

@@ -8,7 +8,7 @@ import pytest
 from isoembed import embed
 from isoembed.errors import InvalidParameter
 from isoembed.relativity import KerrNewmanSphere, mesh_energies
-from isoembed.smooth import triangulate
+from isoembed.smooth import triangulate_metric
 
 SCHWARZSCHILD, KERR = KerrNewmanSphere(3.0), KerrNewmanSphere(3.0, 1.0, 0.8)
 AREA = {SCHWARZSCHILD: 36.0 * np.pi, KERR: 120.12242026143980}
@@ -19,7 +19,7 @@ BOTH = pytest.mark.parametrize("surface", [SCHWARZSCHILD, KERR], ids=["Schwarzsc
 
 @cache
 def embedded(surface, vertices):
-    mesh = triangulate(surface, vertices)
+    mesh = triangulate_metric(surface, vertices)
     return mesh.directions, embed(mesh.metric)
 
 

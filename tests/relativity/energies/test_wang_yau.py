@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 
 from isoembed.errors import InvalidParameter, NoMinimum, NotEmbedded
+from isoembed.meshing.sphere import gauss_rule
 from isoembed.relativity import (
     AnalyticCallable,
     KerrNewmanHorizon,
@@ -25,8 +26,7 @@ from isoembed.relativity.energies.time_function import TimeRaisedMetric
 from isoembed.relativity.energies.wang_yau_functional import Functional
 from isoembed.relativity.spacetimes.boosted import BoostedSchwarzschild
 from isoembed.smooth import Harmonics, PulledBack, embed_smooth
-from isoembed.smooth.harmonics import gauss_rule
-from isoembed.smooth.solve import resized
+from isoembed.smooth.transforms import resized
 from isoembed.smooth.two_metric import orthonormal_frame, projected
 
 EAST = np.sqrt(4.0 * np.pi / 3.0)  # times the harmonic of degree 1 is z

@@ -6,11 +6,11 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from isoembed.errors import InvalidParameter
+from isoembed.meshing.sphere import gauss_rule
 from isoembed.relativity.spacetimes.boosted import BoostedSchwarzschild, Superposed
 from isoembed.relativity.spacetimes.conformally_flat import BrillLindquist, IsotropicSchwarzschild
 from isoembed.relativity.spacetimes.star_surface import StarSurface
 from isoembed.relativity.spacetimes.three_geometry import CallableGeometry, complex_step, stationary_curvature
-from isoembed.smooth.harmonics import gauss_rule
 
 V = np.array([0.3, -0.4, 0.5])
 HOLE = BoostedSchwarzschild(1.3, V, (0.2, 0.1, -0.3))

@@ -15,6 +15,7 @@ from scipy.integrate import quad
 from isoembed.errors import InvalidMetric, InvalidParameter
 from isoembed.gallery import Ergosphere, KerrHorizon
 from isoembed.gallery.kerr import Radius
+from isoembed.meshing.sphere import gauss_rule
 from isoembed.relativity.spacetimes.kerr import (
     KerrNewmanErgosphere,
     KerrNewmanHorizon,
@@ -23,7 +24,6 @@ from isoembed.relativity.spacetimes.kerr import (
     embeddability,
     smarr_limit,
 )
-from isoembed.smooth.harmonics import gauss_rule
 from isoembed.smooth.two_metric import area_density
 
 LIMIT = sqrt(3.0) / 2.0

@@ -14,8 +14,7 @@ from isoembed.relativity.energies.energies import Energies
 from isoembed.relativity.energies.quadrature import smooth_energies
 from isoembed.relativity.spacetimes.surface_data import SurfaceData
 from isoembed.smooth.embedding import SmoothEmbedding
-from isoembed.smooth.solve import drawn, embed_smooth
-from isoembed.smooth.triangulation import triangulate
+from isoembed.smooth.solve import embed_smooth
 
 Floats = NDArray[np.float64]
 
@@ -79,7 +78,7 @@ class EmbeddedSurface:
             ``mean_curvature`` H and the ``gaussian_curvature`` there, ``k`` and ``p`` in the slice where they
             are given, and the ``residual``, the relative error of lengths.
         """
-        triangulation = triangulate(drawn(self.data.metric), vertices)
+        triangulation = self.embedding.triangulated(vertices)
         u = triangulation.directions
         tables = {
             "vertices": self.embedding.points(u),

@@ -9,13 +9,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from isoembed.errors import InvalidParameter
+from isoembed.meshing.sphere import gauss_rule
 from isoembed.relativity.energies.energies import Energies, Integrals
 from isoembed.relativity.spacetimes.surface_data import SurfaceData
 from isoembed.smooth.embedding import SmoothEmbedding
-from isoembed.smooth.harmonics import gauss_rule
 from isoembed.smooth.isometry import FEWEST_AROUND
-from isoembed.smooth.solve import varies
-from isoembed.smooth.two_metric import area_density
+from isoembed.smooth.two_metric import area_density, is_axisymmetric
 from isoembed.surface.estimate import Estimate
 
 Floats = NDArray[np.float64]
@@ -58,7 +57,7 @@ def smooth_energies(data: SurfaceData, embedding: SmoothEmbedding) -> Energies:
 
 def intrinsic_energies(data: SurfaceData) -> Energies:
     """The energies of a surface that no embedding is needed for."""
-    return _energies(data, *_integrated(data, FEWEST, not varies(data.metric)))
+    return _energies(data, *_integrated(data, FEWEST, is_axisymmetric(data.metric)))
 
 
 def _energies(data: SurfaceData, values: dict[str, Estimate], notes: list[str]) -> Energies:

@@ -9,7 +9,8 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from isoembed.errors import InvalidParameter
-from isoembed.smooth.harmonics import Harmonics, gauss_rule, spread_directions
+from isoembed.meshing.sphere import fibonacci_directions, gauss_rule
+from isoembed.smooth.harmonics import Harmonics
 from isoembed.smooth.two_metric import TwoMetric
 
 Floats = NDArray[np.float64]
@@ -66,7 +67,7 @@ class TimeFunction:
         harmonics = Harmonics(degree, degree)
         u, weights = gauss_rule(2 * degree + 2, 4 * degree + 4)
         tau = cls(harmonics, harmonics.values(u).T @ (weights * _values(function, u)))
-        u = spread_directions(SCATTERED)
+        u = fibonacci_directions(SCATTERED)
         values = _values(function, u)
         missed = float(np.abs(tau.values(u) - values).max())
         if missed > MISSED * np.abs(values).max():

@@ -15,8 +15,8 @@ from isoembed.relativity.energies.wang_yau_functional import Functional
 from isoembed.relativity.spacetimes.surface_data import SurfaceData
 from isoembed.smooth.embedding import SmoothEmbedding
 from isoembed.smooth.harmonics import Harmonics
-from isoembed.smooth.solve import drawn, embed_smooth, resized
-from isoembed.smooth.triangulation import triangulate
+from isoembed.smooth.solve import embed_smooth
+from isoembed.smooth.transforms import resized
 from isoembed.surface.estimate import Estimate
 
 Floats = NDArray[np.float64]
@@ -74,7 +74,7 @@ class WangYau:
             ``vertices`` (V, 3), the projection X, and ``faces`` (F, 3); at the vertices (V,) ``tau`` and the
             ``mean_curvature`` H0 of the projection.
         """
-        triangulation = triangulate(drawn(self.embedding.metric), vertices)
+        triangulation = self.embedding.triangulated(vertices)
         u = triangulation.directions
         return {
             "vertices": self.embedding.points(u),

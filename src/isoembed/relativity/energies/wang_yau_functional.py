@@ -28,7 +28,7 @@ from isoembed.relativity.spacetimes.surface_data import SurfaceData
 from isoembed.smooth.embedding import SmoothEmbedding
 from isoembed.smooth.harmonics import Harmonics
 from isoembed.smooth.isometry import IsometrySystem, MetricSamples, strains
-from isoembed.smooth.solve import resized
+from isoembed.smooth.transforms import resized
 
 Floats = NDArray[np.float64]
 

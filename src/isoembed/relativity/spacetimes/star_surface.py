@@ -5,17 +5,15 @@ The derivatives are covariant ones along two tangent vectors at each direction: 
 
 from __future__ import annotations
 
-from bisect import bisect_left
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from numba import njit
 from numpy.typing import ArrayLike, NDArray
-from scipy.linalg import qr, solve_triangular, svdvals
 from scipy.spatial import ConvexHull, QhullError
 
 from isoembed.errors import InvalidMetric, InvalidParameter
+from isoembed.meshing.sphere import fibonacci_directions, gauss_rule
 from isoembed.relativity.spacetimes.surface_data import SurfaceData
 from isoembed.relativity.spacetimes.three_geometry import (
     ThreeGeometry,
@@ -25,15 +23,14 @@ from isoembed.relativity.spacetimes.three_geometry import (
     vector,
     written,
 )
-from isoembed.smooth.harmonics import Harmonics, gauss_rule, spread_directions
+from isoembed.smooth.harmonics import Harmonics
+from isoembed.smooth.transforms import analyzed, fitted, trimmed
 from isoembed.smooth.two_metric import area_density, orthonormal_frame, projected
 
 Floats = NDArray[np.float64]
 
 LARGEST_DEGREE = 128
 """Up to which degree the harmonics of a function are sought."""
-LARGEST_FITTED = 40
-"""Up to which degree harmonics are fitted to points."""
 ROUNDING = 1e-15
 """What is rounding in the harmonics of a radius, over the radius."""
 MISSED = 1e-6
@@ -107,16 +104,16 @@ class StarSurface:
         -----
         What is missed, where it is more than rounding, is the ``misfit``.
         """
-        apart = spread_directions(200)
+        apart = fibonacci_directions(200)
         expected = _radii(radius, apart)
         found: list[tuple[float, Harmonics, Floats, float]] = []
         degree = 16
         while degree <= LARGEST_DEGREE:
             u, weights = gauss_rule(degree + 1, 2 * degree + 2)
-            harmonics, coefficients = _projected(_radii(radius, u), u, weights, degree)
+            coefficients, harmonics = analyzed(_radii(radius, u), u, weights, degree)
             sizes = np.abs(coefficients) / abs(coefficients[0])
             tail = float(sizes[harmonics.labels[0] > 3 * degree // 4].max())
-            harmonics, coefficients = _trimmed(harmonics, coefficients, sizes > ROUNDING / 4.0)
+            coefficients, harmonics = trimmed(coefficients, harmonics, sizes > ROUNDING / 4.0)
             error = (harmonics.values(apart) @ coefficients - expected) / expected.max()
             missed = float(np.abs(error).max())
             if missed <= MISSED:
@@ -159,8 +156,8 @@ class StarSurface:
     def from_points(cls, points: ArrayLike, center: Sequence[float]) -> StarSurface:
         """Fit harmonics to points by least squares, weighted by the solid angles for which the points stand.
 
-        The degree is the one of least generalized cross-validation, at most 40: what follows is noise.  It is
-        lowered where holes between the points would leave coefficients undetermined.
+        The degree is the one of least generalized cross-validation, at most 40; see
+        `isoembed.smooth.transforms.fitted`.
 
         Parameters
         ----------
@@ -172,10 +169,6 @@ class StarSurface:
         ------
         InvalidParameter
             The points are too few, not finite, at the center, or do not surround it.
-
-        References
-        ----------
-        Golub, Heath and Wahba, Technometrics 21 (1979) 215.
         """
         c = vector("the center", center)
         x = np.asarray(points, dtype=np.float64)
@@ -192,7 +185,8 @@ class StarSurface:
         u = d / r[:, None]
         weights = _solid_angles(u)
         used = weights > 0.0
-        return cls(c, *_fitted(u[used], r[used], weights[used]))
+        coefficients, harmonics, misfit = fitted(u[used], r[used], weights[used])
+        return cls(c, harmonics, coefficients, misfit)
 
     def radius(self, u: Floats) -> Floats:
         """The radius (n,) in the directions u (n, 3)."""
@@ -302,17 +296,7 @@ class StarSurface:
 
     def _derivatives(self, u: Floats) -> tuple[Floats, Floats, Floats]:
         """The radius (n,), its gradient (n, 3) and its covariant second derivatives (n, 3, 3)."""
-        degree, order = self.harmonics.degree, self.harmonics.order
-        degrees, orders = self.harmonics.labels
-        table = np.zeros((order + 1, degree + 1), dtype=np.complex128)
-        sine = orders < 0
-        # c Re w^m + s Im w^m = Re (c - i s) w^m
-        table.real[orders[~sine], degrees[~sine]] = self.coefficients[~sine]
-        table.imag[-orders[sine], degrees[sine]] = -self.coefficients[sine]
-        r, gradient, hessian = _summed(u, table, *_recurrence(degree, order))
-        radial = np.einsum("ni,ni->n", u, gradient)
-        P = np.eye(3) - u[:, :, None] * u[:, None, :]
-        return r, gradient - radial[:, None] * u, P @ hessian @ P - radial[:, None, None] * P
+        return self.harmonics.derivatives(u, self.coefficients)
 
     def _frame(self, geometry: ThreeGeometry, u: Floats) -> _Frame:
         u = _directions(u)
@@ -414,63 +398,6 @@ def _differential(u: Floats, r: Floats, slope: Floats) -> Floats:
     return u[:, :, None] * slope[:, None, :] + r[:, None, None] * np.eye(3)
 
 
-def _recurrence(degree: int, order: int) -> tuple[Floats, Floats, Floats]:
-    """Tables (order + 1, degree + 1) for ``P_l = a z P_l-1 - b P_l-2``, and ``P_mm`` (order + 1,)."""
-    l, m = np.arange(degree + 1.0), np.arange(order + 1.0)[:, None]
-    above = l > m
-    a = np.sqrt((4.0 * l**2 - 1.0) * above / np.where(above, l**2 - m**2, 1.0))
-    b = np.zeros_like(a)
-    b[:, 1:] = a[:, 1:] * np.where(above[:, 1:], 1.0, 0.0)
-    b[:, 1:] /= np.where(a[:, :-1] > 0.0, a[:, :-1], np.inf)
-    m = m[1:, 0]
-    steps = np.sqrt((2.0 * m + 1.0) / (2.0 * m)) * np.where(m == 1.0, np.sqrt(2.0), 1.0)
-    return a, b, np.cumprod(np.concatenate([[np.sqrt(0.25 / np.pi)], steps]))
-
-
-@njit(cache=True)
-def _summed(u, table, a, b, sectoral):  # type: ignore[no-untyped-def]
-    """Sums of harmonics at u (n, 3), with the derivatives of their extension to R^3: (n,), (n, 3), (n, 3, 3).
-
-    No table of harmonics at directions is made, which would take most of the time.
-    """
-    n, orders, degrees = len(u), table.shape[0], table.shape[1]
-    value, gradient, hessian = np.zeros(n), np.zeros((n, 3)), np.zeros((n, 3, 3))
-    for i in range(n):
-        z = u[i, 2]
-        w = complex(u[i, 0], u[i, 1])
-        w0, w1, w2 = 1.0 + 0.0j, 0.0j, 0.0j  # w^m and its derivatives
-        for m in range(orders):
-            p0, p1, p2 = sectoral[m], 0.0, 0.0
-            before0, before1, before2 = 0.0, 0.0, 0.0
-            f0, f1, f2 = p0 * table[m, m], 0.0j, 0.0j
-            for l in range(m + 1, degrees):
-                next0 = a[m, l] * z * p0 - b[m, l] * before0
-                next1 = a[m, l] * (z * p1 + p0) - b[m, l] * before1
-                next2 = a[m, l] * (z * p2 + 2.0 * p1) - b[m, l] * before2
-                before0, before1, before2 = p0, p1, p2
-                p0, p1, p2 = next0, next1, next2
-                f0 += p0 * table[m, l]
-                f1 += p1 * table[m, l]
-                f2 += p2 * table[m, l]
-            value[i] += (f0 * w0).real
-            gradient[i, 0] += (f0 * w1).real
-            gradient[i, 1] -= (f0 * w1).imag
-            gradient[i, 2] += (f1 * w0).real
-            hessian[i, 0, 0] += (f0 * w2).real
-            hessian[i, 0, 1] -= (f0 * w2).imag
-            hessian[i, 0, 2] += (f1 * w1).real
-            hessian[i, 1, 2] -= (f1 * w1).imag
-            hessian[i, 2, 2] += (f2 * w0).real
-            w0, w1, w2 = w0 * w, w1 * w + w0, w2 * w + 2.0 * w1
-        hessian[i, 1, 1] = -hessian[i, 0, 0]
-        hessian[i, 1, 0], hessian[i, 2, 0], hessian[i, 2, 1] = (
-            hessian[i, 0, 1],
-            hessian[i, 0, 2],
-            hessian[i, 1, 2],
-        )
-    return value, gradient, hessian
-
-
 def _slice_metric(geometry: ThreeGeometry, x: Floats) -> Floats:
     gamma = geometry.metric(x)
     check_slice("the 3-metric", x, gamma)
@@ -506,38 +433,6 @@ def _radii(radius: Callable[[Floats], ArrayLike], u: Floats) -> Floats:
     return r
 
 
-def _projected(r: Floats, u: Floats, weights: Floats, degree: int) -> tuple[Harmonics, Floats]:
-    """The harmonics of r on a Gauss rule of degree + 1 circles: Fourier on each, then Legendre."""
-    harmonics = Harmonics(degree, degree)
-    around = len(r) // (degree + 1)
-    z, w = u[::around, 2], weights[::around, None] * (0.5 * around)
-    meridian = np.stack([np.sqrt((1.0 - z) * (1.0 + z)), np.zeros_like(z), z], axis=1)
-    values = harmonics.values(meridian)
-    fourier = np.fft.rfft(r.reshape(-1, around), axis=1) * (2.0 / around)
-    fourier[:, 0] *= 0.5
-    coefficients = np.empty(harmonics.size)
-    _, orders = harmonics.labels
-    for m in range(degree + 1):
-        P, f = values[:, orders == m], fourier[:, m : m + 1]
-        projection = (w if m else 2.0 * w) * P
-        c = projection.T @ f
-        c += projection.T @ (f - P @ c)  # the weights of long rules have lost two digits
-        coefficients[orders == m] = c[:, 0].real
-        if m:
-            coefficients[orders == -m] = -c[:, 0].imag
-    return harmonics, coefficients
-
-
-def _trimmed(
-    harmonics: Harmonics, coefficients: Floats, needed: NDArray[np.bool_]
-) -> tuple[Harmonics, Floats]:
-    """The lowest degree and order that hold all coefficients that are needed."""
-    degrees, orders = harmonics.labels
-    fewer = Harmonics(int(degrees[needed].max()), int(np.abs(orders[needed]).max()))
-    kept = (degrees <= fewer.degree) & (np.abs(orders) <= fewer.order)
-    return fewer, coefficients[kept]
-
-
 def _solid_angles(u: Floats) -> Floats:
     """A third of the spherical triangles of the convex hull at each direction; zero for one given twice.
 
@@ -559,38 +454,3 @@ def _solid_angles(u: Floats) -> Floats:
     weights = np.zeros(len(u))
     np.add.at(weights, hull.simplices, solid[:, None] / 3.0)
     return weights
-
-
-def _fitted(u: Floats, r: Floats, weights: Floats) -> tuple[Harmonics, Floats, float]:
-    """Harmonics, their coefficients and the misfit, a length; see `StarSurface.from_points`."""
-    m = len(u)
-    most = max(0, min(LARGEST_FITTED, int(np.sqrt(0.5 * m)) - 1))
-    highest = min(most, 8)
-    root = np.sqrt(weights)
-    while True:
-        harmonics = Harmonics(highest, highest)
-        sorted_by_degree = np.argsort(harmonics.labels[0], kind="stable")
-        # One factorization serves all degrees: those of lower degree are its leading columns, and the data
-        # as the last column become their components along them and, at the end, what is orthogonal to all.
-        table = root[:, None] * np.column_stack([harmonics.values(u)[:, sorted_by_degree], r])
-        (R,) = qr(table, mode="r", overwrite_a=True)
-        b, left = R[: harmonics.size, -1], R[harmonics.size, -1] ** 2
-        sizes = (np.arange(highest + 1) + 1) ** 2
-        squares = left + np.concatenate([np.cumsum(b[::-1] ** 2)[::-1], [0.0]])[sizes]
-        validation = squares / (1.0 - sizes / m) ** 2
-        # As good as the least of all, but for chance.
-        degree = int(np.argmax(validation <= (1.0 + np.sqrt(8.0 / m)) * validation.min()))
-        if highest == most or degree <= 3 * highest // 4:
-            break
-        highest = min(2 * highest, most)
-
-    def undetermined(l: int) -> bool:
-        values = svdvals(R[: sizes[l], : sizes[l]])
-        return bool(values[-1] < 0.1 * values[0])
-
-    degree = bisect_left(range(degree + 1), True, key=undetermined) - 1  # the highest that is determined
-    size = sizes[degree]
-    chosen = Harmonics(degree, degree)
-    coefficients = np.empty(size)
-    coefficients[np.argsort(chosen.labels[0], kind="stable")] = solve_triangular(R[:size, :size], b[:size])
-    return chosen, coefficients, float(np.sqrt(squares[degree] / weights.sum()))

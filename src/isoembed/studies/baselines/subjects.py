@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from isoembed.gallery import Drum, Ellipsoid, Ergosphere, HarmonicSurface, KerrHorizon
 from isoembed.metric.polyhedral import PolyhedralMetric
 from isoembed.relativity import KerrNewmanErgosphere, KerrNewmanHorizon
-from isoembed.smooth.triangulation import triangulate
+from isoembed.smooth.triangulation import triangulate_metric
 from isoembed.smooth.two_metric import PulledBack, TwoMetric
 
 Floats = NDArray[np.float64]
@@ -57,7 +57,7 @@ class Problem:
     @classmethod
     def of(cls, subject: Subject, vertices: int) -> Problem:
         """Triangulate a subject with so many vertices."""
-        mesh = triangulate(subject.metric, vertices)
+        mesh = triangulate_metric(subject.metric, vertices)
         points = subject.point(mesh.directions)
         return cls(subject, mesh.directions, points, PolyhedralMetric.from_mesh(points, mesh.faces))
 

@@ -1,0 +1,50 @@
+"""Points on the unit sphere: spread evenly, at the nodes of a rule, connected by their convex hull."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.spatial import ConvexHull
+from scipy.special import roots_legendre
+
+Floats = NDArray[np.float64]
+Indices = NDArray[np.int64]
+
+GOLDEN = 0.5 * (np.sqrt(5.0) - 1.0)
+
+
+def fibonacci_lattice(n: int) -> Floats:
+    """Points (n, 2) spread evenly over the unit square, whose second coordinate is periodic."""
+    i = np.arange(n)
+    return np.stack([(i + 0.5) / n, i * GOLDEN % 1.0], axis=1)
+
+
+def fibonacci_directions(n: int) -> Floats:
+    """Directions (n, 3) spread evenly and without a pattern, none of them at a pole or at phi = 0."""
+    height, turn = fibonacci_lattice(n).T
+    z, phi = 1.0 - 2.0 * height, 2.0 * np.pi * (turn + 0.5 * (1.0 + GOLDEN))
+    sin = np.sqrt((1.0 - z) * (1.0 + z))
+    return np.stack([sin * np.cos(phi), sin * np.sin(phi), z], axis=1)
+
+
+def gauss_rule(n: int, around: int) -> tuple[Floats, Floats]:
+    """Nodes (n * around, 3) and weights of a product rule on the unit sphere.
+
+    Gauss-Legendre in z times even angles about the z-axis: exact for harmonics of degree below 2 n and order
+    below `around`.  No node is a pole.
+    """
+    z, weight = roots_legendre(n)
+    phi = 2.0 * np.pi / around * np.arange(around)
+    sin = np.sqrt((1.0 - z) * (1.0 + z))
+    x, y = np.outer(sin, np.cos(phi)), np.outer(sin, np.sin(phi))
+    u = np.stack([x, y, np.broadcast_to(z[:, None], x.shape)], axis=-1).reshape(-1, 3)
+    return u, np.repeat(weight * 2.0 * np.pi / around, around)
+
+
+def hull_faces(u: Floats) -> Indices:
+    """Triangles (F, 3) of the convex hull of directions (n, 3), outward: their Delaunay triangulation."""
+    faces = ConvexHull(u).simplices.astype(np.int64)
+    a, b, c = (u[faces[:, i]] for i in range(3))
+    inward = np.einsum("ij,ij->i", np.cross(a, b), c) < 0.0
+    faces[inward] = faces[inward][:, [0, 2, 1]]
+    return faces
