@@ -4,32 +4,12 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
-from typing import NamedTuple
 
 import numpy as np
 
 from isoembed.errors import InvalidParameter
-from isoembed.relativity.spacetimes.three_geometry import (
-    AnalyticGeometry,
-    Floats,
-    Numbers,
-    positive_number,
-    refuse_points,
-    vector,
-)
-
-
-class _Rest(NamedTuple):
-    """The hole at rest, at n points."""
-
-    d: Numbers
-    """The points from the hole (n, 3), over M."""
-    rho: Numbers
-    """Their isotropic radius (n,), over M."""
-    psi: Numbers
-    """The conformal factor (n,)."""
-    N: Numbers
-    """The lapse (n,), negative beyond the throat."""
+from isoembed.relativity.spacetimes.checks import positive_number, refuse_points, vector
+from isoembed.relativity.spacetimes.three_geometry import AnalyticGeometry, Floats, Numbers
 
 
 @dataclass(frozen=True)
@@ -78,7 +58,7 @@ class BoostedSchwarzschild(AnalyticGeometry):
             raise InvalidParameter(f"the speed must be less than that of light, 1, not {speed:.6g}")
 
     @property
-    def time_symmetric(self) -> bool:  # type: ignore[override]
+    def time_symmetric(self) -> bool:
         """See `ThreeGeometry`."""
         return not any(self.velocity)
 
@@ -89,20 +69,20 @@ class BoostedSchwarzschild(AnalyticGeometry):
         return float(1.0 / np.sqrt((1.0 - speed) * (1.0 + speed)))
 
     def spheroid(self, radius: float) -> Callable[[Floats], Floats]:
-        """Return the surface of one isotropic radius |x'|: the distance (n,) from the hole by direction."""
+        """Distance (n,) from the hole, by direction, of the surface of one isotropic radius |x'|."""
         positive_number("the radius", radius)
         w = self._proper_velocity
         return lambda u: radius / np.sqrt(1.0 + (u @ w) ** 2)
 
     def metric(self, x: Numbers) -> Numbers:
         """See `ThreeGeometry`; x may be complex."""
-        rest, w = self._rest(x), self._proper_velocity
-        A = rest.psi**4
-        return A[:, None, None] * np.eye(3) + (A - rest.N**2)[:, None, None] * np.outer(w, w)
+        (_, _, psi, N), w = self._at_rest(x), self._proper_velocity
+        A = psi**4
+        return A[:, None, None] * np.eye(3) + (A - N**2)[:, None, None] * np.outer(w, w)
 
     def extrinsic_curvature(self, x: Floats) -> Floats:
         """See `ThreeGeometry`."""
-        d, rho, psi, N = self._rest(x)
+        d, rho, psi, N = self._at_rest(x)
         v, W = np.array(self.velocity), self.lorentz_factor
         A, m = psi**4, 0.5 / rho
         slope = (d + W**2 * (d @ v)[:, None] * v) / rho[:, None]  # d_i rho
@@ -111,9 +91,8 @@ class BoostedSchwarzschild(AnalyticGeometry):
         mixing = stretching - 4.0 * N * m / (rho * psi**2) * (slope @ v)  # of B = A - N^2
         mixed = W**2 * F[:, :, None] * v
         total = mixed + mixed.transpose(0, 2, 1)
-        total += (N * stretching)[:, None, None] * np.eye(3) + (N * mixing)[:, None, None] * W**2 * np.outer(
-            v, v
-        )
+        total += (N * stretching)[:, None, None] * np.eye(3)
+        total += (N * mixing)[:, None, None] * W**2 * np.outer(v, v)
         E = A + W**2 * (A - N**2) * (v @ v)
         return np.asarray(total / (2.0 * np.sqrt(A * E))[:, None, None] / self.mass)
 
@@ -122,12 +101,16 @@ class BoostedSchwarzschild(AnalyticGeometry):
         """``W v``."""
         return self.lorentz_factor * np.array(self.velocity)
 
-    def _rest(self, x: Numbers) -> _Rest:
+    def _at_rest(self, x: Numbers) -> tuple[Numbers, Numbers, Numbers, Numbers]:
+        """Points from the hole (n, 3) and their isotropic radii (n,), over M; psi (n,), and the lapse N (n,).
+
+        N is negative beyond the throat.
+        """
         d = (x - np.array(self.position)) / self.mass
         rho2 = np.einsum("ni,ni->n", d, d) + (d @ self._proper_velocity) ** 2
         refuse_points(rho2.real <= 0.0, x, "is a puncture")
         rho = np.sqrt(rho2)
-        return _Rest(d, rho, 1.0 + 0.5 / rho, (rho - 0.5) / (rho + 0.5))
+        return d, rho, 1.0 + 0.5 / rho, (rho - 0.5) / (rho + 0.5)
 
 
 @dataclass(frozen=True)
@@ -156,7 +139,7 @@ class Superposed(AnalyticGeometry):
             raise InvalidParameter("there is no hole to superpose")
 
     @property
-    def time_symmetric(self) -> bool:  # type: ignore[override]
+    def time_symmetric(self) -> bool:
         """See `ThreeGeometry`."""
         return all(hole.time_symmetric for hole in self.holes)
 

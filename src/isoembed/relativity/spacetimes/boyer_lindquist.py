@@ -2,25 +2,17 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
 
-from isoembed.relativity.spacetimes.kerr_schild import horizon_radius
-from isoembed.relativity.spacetimes.three_geometry import (
-    AnalyticGeometry,
-    Floats,
-    Numbers,
-    complex_step,
-    positive_number,
-    refuse_points,
-    vector,
-)
+from isoembed.relativity.spacetimes.checks import refuse_points
+from isoembed.relativity.spacetimes.kerr_schild import KerrSlice, horizon_radius
+from isoembed.relativity.spacetimes.three_geometry import Floats, Numbers, complex_step
 
 
 @dataclass(frozen=True)
-class BoyerLindquist(AnalyticGeometry):
+class BoyerLindquist(KerrSlice):
     """The coordinates are x = r sin(theta) cos(phi), ... with the Boyer-Lindquist r, theta and phi.
 
     In them, with n = x / r and the vector a, free of coordinate singularities on the axis,
@@ -35,19 +27,9 @@ class BoyerLindquist(AnalyticGeometry):
         The vector a = J / M, a length, along any axis; at most the mass.
     """
 
-    mass: float
-    spin: Sequence[float]
-    time_symmetric = False
-
     def __post_init__(self) -> None:
-        object.__setattr__(self, "mass", positive_number("the mass", self.mass))
-        object.__setattr__(self, "spin", vector("the spin", self.spin))
+        super().__post_init__()
         horizon_radius(self.mass, self.spin)
-
-    @property
-    def horizon(self) -> float:
-        """The radius ``r_+ = M + sqrt(M^2 - a^2)`` of the horizon."""
-        return horizon_radius(self.mass, self.spin)
 
     def metric(self, x: Numbers) -> Numbers:
         """See `ThreeGeometry`; x may be complex, and lies outside the horizon.
@@ -70,8 +52,7 @@ class BoyerLindquist(AnalyticGeometry):
 
         Of the shift ``-w a x x``, a multiple of a Killing vector, only the gradient of w contributes.
         """
-        a = np.array(self.spin) / self.mass
-        lowered = np.einsum("nij,nj->ni", self.metric(x), np.cross(a, x))  # a length
+        lowered = np.einsum("nij,nj->ni", self.metric(x), np.cross(self._a, x))  # a length
         mixed = lowered[:, :, None] * complex_step(self._dragging, x)[:, None, :]
         _, _, r, Sigma, Delta = self._functions(x)
         lapse = np.sqrt(Delta * Sigma / self._spread(r, Sigma))
@@ -89,7 +70,7 @@ class BoyerLindquist(AnalyticGeometry):
 
     def _functions(self, x: Numbers) -> tuple[Numbers, Floats, Numbers, Numbers, Numbers]:
         """x, a, r, Sigma and Delta, in units of the mass."""
-        xi, a = x / self.mass, np.array(self.spin) / self.mass
+        xi, a = x / self.mass, self._a
         r = np.sqrt(np.einsum("ni,ni->n", xi, xi))
         r_plus = self.horizon / self.mass
         refuse_points(r.real <= r_plus, x, f"does not lie outside the horizon r = {self.horizon:.6g}")

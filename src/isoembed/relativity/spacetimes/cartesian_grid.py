@@ -22,24 +22,32 @@ from isoembed.errors import InvalidParameter
 from isoembed.io import npz
 from isoembed.io.files import FileError, check_ending, check_input, ending
 from isoembed.io.hdf5 import HDF5_ENDINGS, hdf5_file
-from isoembed.relativity.spacetimes.three_geometry import (
-    extent,
-    numbers,
-    positive_number,
-    refuse_points,
-    vector,
-    written,
-)
+from isoembed.relativity.spacetimes.checks import numbers, positive_number, refuse_points, vector, written
+from isoembed.relativity.spacetimes.three_geometry import extent
+from isoembed.thresholds import threshold
 
 Floats = NDArray[np.float64]
 
-NODES = 8
-"""Points of the Lagrange interpolation along each axis."""
-SMOOTH = 5.0
-"""By how much less two more points may help than the two before, where data are smooth; measured: 4."""
-PAIRS = ("xx", "xy", "xz", "yy", "yz", "zz")
+PLACE = ("origin", "spacing")
+GAMMA = ("gxx", "gxy", "gxz", "gyy", "gyz", "gzz")
+K = ("kxx", "kxy", "kxz", "kyy", "kyz", "kzz")
 ENTRY = np.array([[0, 1, 2], [1, 3, 4], [2, 4, 5]])
 """Which of the six is which entry of a symmetric matrix."""
+
+
+@dataclass(frozen=True)
+class InterpolationThresholds:
+    """Thresholds of the interpolation on a Cartesian grid."""
+
+    nodes: int = threshold(8, "count", "Points of the Lagrange interpolation along each axis.")
+    outside: float = threshold(1e-9, "spacings", "How far beyond the grid a point may lie.")
+    asymmetry: float = threshold(1e-10, "largest entry", "Entries ij and ji that differ by more are refused.")
+    smooth: float = threshold(
+        5.0, "relative", "How much less the last two points may help in smooth data (measured: 4)."
+    )
+
+
+INTERPOLATION = InterpolationThresholds()
 
 
 @dataclass(frozen=True, eq=False)
@@ -83,8 +91,8 @@ class CartesianGrid:
         object.__setattr__(self, "spacing", spacing)
         object.__setattr__(self, "gamma", _six("gamma", self.gamma))
         shape = self.gamma.shape[1:]
-        if min(shape) < NODES:
-            raise InvalidParameter(f"the grid has {shape} points: there must be {NODES} along each axis")
+        if min(shape) < (nodes := INTERPOLATION.nodes):
+            raise InvalidParameter(f"the grid has {shape} points: there must be {nodes} along each axis")
         if self.K is not None:
             object.__setattr__(self, "K", _six("K", self.K))
             if self.K.shape != self.gamma.shape:
@@ -103,24 +111,24 @@ class CartesianGrid:
         InvalidParameter
             A point lies outside the grid.
         """
-        return self._interpolated(self.gamma, x, NODES)
+        return self._interpolated(self.gamma, x, INTERPOLATION.nodes)
 
     def gradient(self, x: Floats) -> Floats:
         """See `ThreeGeometry`."""
-        return self._differentiated(x, NODES)
+        return self._differentiated(x, INTERPOLATION.nodes)
 
     def extrinsic_curvature(self, x: Floats) -> Floats:
         """See `ThreeGeometry`."""
         if self.K is None:
             return np.zeros((len(x), 3, 3))
-        return self._interpolated(self.K, x, NODES)
+        return self._interpolated(self.K, x, INTERPOLATION.nodes)
 
     def relative_error(self, x: Floats) -> float:
         """See `ThreeGeometry`: what interpolation through two, four, six and eight points tells.
 
         It knows of no error that is smooth on the grid, nor of noise below the terms of seventh order.
         """
-        nodes = range(2, NODES + 1, 2)
+        nodes = range(2, INTERPOLATION.nodes + 1, 2)
         size, distance = extent(x, self.metric(x))
         error = _rest(self._interpolated(self.gamma, x, n) for n in nodes)
         error += distance * _rest(self._differentiated(x, n) for n in nodes)
@@ -130,11 +138,11 @@ class CartesianGrid:
 
     def _interpolated(self, fields: Floats, x: Floats, nodes: int) -> Floats:
         start, s = self._located(x, nodes)
-        return _contracted(fields, start, _weights(s, nodes))[:, ENTRY]
+        return _contracted(fields, start, _lagrange(s, nodes)[0])[:, ENTRY]
 
     def _differentiated(self, x: Floats, nodes: int) -> Floats:
         start, s = self._located(x, nodes)
-        weights, slopes = _weights(s, nodes), _slopes(s, nodes)
+        weights, slopes = _lagrange(s, nodes)
         out = np.empty((len(s), 3, 3, 3))
         for k, h in enumerate(np.array(self.spacing)):
             along = weights.copy()
@@ -146,7 +154,8 @@ class CartesianGrid:
         """The first of some points along each axis (n, 3), and the distance from it in spacings."""
         origin, spacing, shape = np.array(self.origin), np.array(self.spacing), np.array(self.gamma.shape[1:])
         t = (x - origin) / spacing
-        outside = ((t < -1e-9) | (t > shape - 1.0 + 1e-9) | np.isnan(t)).any(axis=1)
+        beyond = INTERPOLATION.outside
+        outside = ((t < -beyond) | (t > shape - 1.0 + beyond) | np.isnan(t)).any(axis=1)
         box = f"from {written(origin)} to {written(origin + (shape - 1) * spacing)}"
         refuse_points(outside, x, f"lies outside the grid, which reaches {box}")
         start = np.clip(np.floor(t).astype(np.int64) - (nodes // 2 - 1), 0, shape - nodes)
@@ -165,9 +174,8 @@ def read_cartesian_grid(path: str | os.PathLike[str]) -> CartesianGrid:
     check_ending(path, (".npz", *HDF5_ENDINGS))
     check_input(path)
     tables = npz.read(path) if ending(path) == ".npz" else _hdf5_tables(path)
-    wanted = ["origin", "spacing", *(f"g{pair}" for pair in PAIRS)]
-    if any(f"k{pair}" in tables for pair in PAIRS):
-        wanted += [f"k{pair}" for pair in PAIRS]
+    time_symmetric = not any(name in tables for name in K)
+    wanted = (*PLACE, *GAMMA) if time_symmetric else (*PLACE, *GAMMA, *K)
     for name in wanted:
         if name not in tables:
             raise FileError(f"{path} has no {name}")
@@ -181,29 +189,30 @@ def read_cartesian_grid(path: str | os.PathLike[str]) -> CartesianGrid:
         return CartesianGrid(
             tables["origin"].ravel().tolist(),
             np.broadcast_to(tables["spacing"].ravel(), 3).tolist(),
-            np.stack([tables[f"g{pair}"] for pair in PAIRS]),
-            np.stack([tables[f"k{pair}"] for pair in PAIRS]) if "kxx" in wanted else None,
+            np.stack([tables[name] for name in GAMMA]),
+            None if time_symmetric else np.stack([tables[name] for name in K]),
         )
     except InvalidParameter as error:
         raise FileError(f"{path}: {error}") from None
 
 
 def _hdf5_tables(path: Path) -> dict[str, NDArray]:
-    names = ["origin", "spacing", *(letter + pair for letter in "gk" for pair in PAIRS)]
     with hdf5_file(path) as file:
-        tables = {name: np.asarray(file.attrs[name]) for name in names[:2] if name in file.attrs}
-        return tables | {name: file[name][()] for name in names if hasattr(file.get(name), "dtype")}
+        tables = {name: np.asarray(file.attrs[name]) for name in PLACE if name in file.attrs}
+        sets = {name: file[name][()] for name in (*PLACE, *GAMMA, *K) if hasattr(file.get(name), "dtype")}
+        return tables | sets
 
 
 def _six(what: str, given: ArrayLike) -> Floats:
     """The entries (6, nx, ny, nz) of symmetric matrices, read-only."""
     array = np.asarray(given, dtype=np.float64)
     if array.ndim == 5 and array.shape[:2] == (3, 3):
-        largest = np.abs(array).max(axis=(0, 1))
+        apart = np.abs(array - array.swapaxes(0, 1)) > INTERPOLATION.asymmetry * np.abs(array).max(
+            axis=(0, 1)
+        )
         for i, j in ((0, 1), (0, 2), (1, 2)):
-            apart = np.abs(array[i, j] - array[j, i]) > 1e-10 * largest
-            if apart.any():
-                at = tuple(int(index) for index in np.unravel_index(int(np.argmax(apart)), apart.shape))
+            if apart[i, j].any():
+                at = tuple(int(index) for index in np.argwhere(apart[i, j])[0])
                 raise InvalidParameter(
                     f"{what} is not symmetric at the grid point {at}: {array[i, j][at]} and {array[j, i][at]}"
                 )
@@ -221,33 +230,20 @@ def _rest(approximations: Iterable[Floats]) -> float:
     """The largest error of the last of four approximations, from how they approach each other."""
     first, second, third = (float(np.abs(b - a).max(initial=0.0)) for a, b in pairwise(approximations))
     # Smooth data go on as they have begun, or half as well; noise does not fall further.
-    if 0.0 < third <= second and third * first <= SMOOTH * second**2:
+    if 0.0 < third <= second and third * first <= INTERPOLATION.smooth * second**2:
         return third * min(1.0, 2.0 * third / second)
     return third
 
 
-def _weights(s: Floats, nodes: int) -> Floats:
-    """Lagrange's polynomials (n, 3, nodes) for the nodes 0, 1, ... at s (n, 3)."""
-    w = np.ones((*s.shape, nodes))
+def _lagrange(s: Floats, nodes: int) -> tuple[Floats, Floats]:
+    """Lagrange's polynomials (n, 3, nodes) for the nodes 0, 1, ... at s (n, 3), and their derivatives."""
+    weights, slopes = np.ones((*s.shape, nodes)), np.zeros((*s.shape, nodes))
     for j in range(nodes):
         for k in range(nodes):
             if k != j:
-                w[..., j] *= (s - k) / (j - k)
-    return w
-
-
-def _slopes(s: Floats, nodes: int) -> Floats:
-    """Their derivatives (n, 3, nodes)."""
-    w = np.zeros((*s.shape, nodes))
-    for j in range(nodes):
-        for i in range(nodes):
-            if i != j:
-                term = np.full(s.shape, 1.0 / (j - i))
-                for k in range(nodes):
-                    if k not in (i, j):
-                        term *= (s - k) / (j - k)
-                w[..., j] += term
-    return w
+                slopes[..., j] = (slopes[..., j] * (s - k) + weights[..., j]) / (j - k)
+                weights[..., j] *= (s - k) / (j - k)
+    return weights, slopes
 
 
 @njit(cache=True)

@@ -9,19 +9,27 @@ from dataclasses import dataclass
 import numpy as np
 
 from isoembed.errors import InvalidParameter
-from isoembed.relativity.spacetimes.three_geometry import (
-    AnalyticGeometry,
-    Numbers,
-    positive_number,
-    refuse_points,
-    vector,
-)
+from isoembed.relativity.spacetimes.checks import positive_number, refuse_points, vector
+from isoembed.relativity.spacetimes.three_geometry import AnalyticGeometry, Numbers
 
 
-class _ConformallyFlat(AnalyticGeometry):
+class _Punctures(AnalyticGeometry):
+    """Holes of given masses at given positions, ``psi = 1 + sum_k m_k / (2 |x - x_k|)``."""
+
+    @property
     @abstractmethod
+    def _holes(self) -> tuple[tuple[float, Sequence[float]], ...]:
+        """The mass and the position of each."""
+
     def conformal_factor(self, x: Numbers) -> Numbers:
         """The factor psi (n,) at the points x (n, 3), which may be complex."""
+        psi = np.ones(len(x), dtype=x.dtype)
+        for mass, position in self._holes:
+            d = (x - np.array(position)) / mass
+            r2 = np.einsum("ni,ni->n", d, d)
+            refuse_points(r2.real <= 0.0, x, "is a puncture")
+            psi = psi + 0.5 / np.sqrt(r2)
+        return psi
 
     def metric(self, x: Numbers) -> Numbers:
         """See `ThreeGeometry`; x may be complex."""
@@ -29,7 +37,7 @@ class _ConformallyFlat(AnalyticGeometry):
 
 
 @dataclass(frozen=True)
-class IsotropicSchwarzschild(_ConformallyFlat):
+class IsotropicSchwarzschild(_Punctures):
     """Schwarzschild's black hole in isotropic coordinates, ``psi = 1 + M / (2 |x|)``.
 
     Attributes
@@ -43,13 +51,13 @@ class IsotropicSchwarzschild(_ConformallyFlat):
     def __post_init__(self) -> None:
         object.__setattr__(self, "mass", positive_number("the mass", self.mass))
 
-    def conformal_factor(self, x: Numbers) -> Numbers:
-        """The factor psi (n,) at the points x (n, 3), which may be complex."""
-        return 1.0 + _potential(x, self.mass, (0.0, 0.0, 0.0))
+    @property
+    def _holes(self) -> tuple[tuple[float, Sequence[float]], ...]:
+        return ((self.mass, (0.0, 0.0, 0.0)),)
 
 
 @dataclass(frozen=True)
-class BrillLindquist(_ConformallyFlat):
+class BrillLindquist(_Punctures):
     """Black holes at a moment of time symmetry, ``psi = 1 + sum_k m_k / (2 |x - x_k|)``.
 
     Attributes
@@ -77,17 +85,6 @@ class BrillLindquist(_ConformallyFlat):
         object.__setattr__(self, "masses", masses)
         object.__setattr__(self, "positions", positions)
 
-    def conformal_factor(self, x: Numbers) -> Numbers:
-        """The factor psi (n,) at the points x (n, 3), which may be complex."""
-        psi = np.ones(len(x), dtype=x.dtype)
-        for mass, position in zip(self.masses, self.positions, strict=True):
-            psi = psi + _potential(x, mass, position)
-        return psi
-
-
-def _potential(x: Numbers, mass: float, position: Sequence[float]) -> Numbers:
-    """``m / (2 |x - x_k|)`` (n,)."""
-    d = (x - np.array(position)) / mass
-    r2 = np.einsum("ni,ni->n", d, d)
-    refuse_points(r2.real <= 0.0, x, "is a puncture")
-    return 0.5 / np.sqrt(r2)
+    @property
+    def _holes(self) -> tuple[tuple[float, Sequence[float]], ...]:
+        return tuple(zip(self.masses, self.positions, strict=True))

@@ -87,13 +87,10 @@ class KerrNewmanSurface(ABC):
         around = 0.5 * Delta * P_r / P - 2.0 * c2 * R_s * (1.0 + s * P_s / P)
         # Along the meridian, g_rr dr^2 + g_thth dth^2 = Sigma (dr^2 / Delta + dth^2) is conformally flat.
         R_thth = 2.0 * (1.0 - 2.0 * s) * R_s + 4.0 * s * c2 * R_ss
-        turning = slope2 * (R - 1.0) - R_thth * Delta
         along = (R * Delta + 2.0 * a2 * s * c2 * R_s) / Sigma
+        along += _quotient(slope2 * (R - 1.0) - R_thth * Delta, D)
         # A horizon has D = 0, and k = 0 like sqrt(D).
-        outside = D > 0.0
-        along += np.divide(turning, D, out=np.zeros_like(D), where=outside)
-        k = np.divide(around + along, np.sqrt(Sigma * D), out=np.zeros_like(D), where=outside)
-        return k / self.mass
+        return _quotient(around + along, np.sqrt(Sigma * D)) / self.mass
 
     def normal_momentum(self, u: Floats) -> Floats:
         """``K(., n)`` of the slice as tangent vectors (n, 3) at u (n, 3): see `SurfaceData`.
@@ -115,7 +112,7 @@ class KerrNewmanSurface(ABC):
         tilt = 4.0 * s * c2 * R_s * omega_s
         D = Delta + 4.0 * s * c2 * R_s**2
         steep = np.divide(Delta, D, out=np.ones_like(D), where=D > 0.0)
-        rate = np.sqrt(steep) * (omega_r - np.divide(tilt, Delta, out=np.zeros_like(D), where=Delta > 0.0))
+        rate = np.sqrt(steep) * (omega_r - _quotient(tilt, Delta))
         around = -0.5 * (A / Sigma) ** 1.5 * rate / np.sqrt(Sigma)
         return around[:, None] * np.stack([-u[:, 1], u[:, 0], np.zeros(len(u))], axis=1)
 
@@ -151,7 +148,7 @@ class KerrNewmanSurface(ABC):
         return self.spin * self.mass if self.charge == 0.0 else None
 
     def data(self) -> SurfaceData:
-        """What energies are computed from.
+        """Data of which energies are computed.
 
         The momentum p is zero: reversing t and phi together is an isometry, so that of the slice's extrinsic
         curvature only the components r phi and theta phi do not vanish, which enter neither its trace nor its
@@ -169,7 +166,7 @@ class KerrNewmanSurface(ABC):
         )
 
     def profile(self) -> AxisymmetricEmbedding:
-        """Its surface of revolution in R^3, or what there is of one."""
+        """Surface of revolution in R^3 with this metric, or the bands of one that exist."""
         return AxisymmetricEmbedding.of(self)
 
 
@@ -306,10 +303,10 @@ def smarr_limit(mass: float = 1.0, charge: float = 0.0) -> float:
 
 
 def embeddability(surface: KerrNewmanSurface) -> str:
-    """Whether a surface embeds in R^3, and if not which part of it does not, why, and which part does.
+    """Sentence on whether a surface embeds in R^3, and if not which part does not, why, and which part does.
 
-    A horizon is told its bound on the spin.  The two caps at a pole differ: K < 0 on the smaller one.  By
-    Gauss and Bonnet the total curvature of a cap is 2 pi (1 - d rho/d(arc length)), and no surface of
+    That of a horizon gives its bound on the spin.  The two caps at a pole differ: K < 0 on the smaller one.
+    By Gauss and Bonnet the total curvature of a cap is 2 pi (1 - d rho/d(arc length)), and no surface of
     revolution has one that is negative; it takes as much positive curvature around the smaller cap until the
     total is zero, and there the band that embeds begins.
     """
@@ -326,3 +323,8 @@ def embeddability(surface: KerrNewmanSurface) -> str:
 
 def _sin2(u: Floats) -> Floats:
     return np.asarray(u[:, 0] ** 2 + u[:, 1] ** 2, dtype=np.float64)
+
+
+def _quotient(a: Floats, b: Floats) -> Floats:
+    """Quotient a / b where b > 0, and 0 elsewhere."""
+    return np.divide(a, b, out=np.zeros_like(b), where=b > 0.0)

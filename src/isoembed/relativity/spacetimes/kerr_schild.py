@@ -9,33 +9,19 @@ from math import sqrt
 import numpy as np
 
 from isoembed.errors import InvalidParameter
+from isoembed.relativity.spacetimes.checks import positive_number, refuse_points, vector
 from isoembed.relativity.spacetimes.three_geometry import (
     AnalyticGeometry,
     Floats,
     Numbers,
     complex_step,
-    positive_number,
-    refuse_points,
     stationary_curvature,
-    vector,
 )
 
 
 @dataclass(frozen=True)
-class KerrSchild(AnalyticGeometry):
-    """``gamma_ij = delta_ij + 2 H l_i l_j``, lapse ``(1 + 2 H)^(-1/2)``, shift ``beta_i = 2 H l_i``.
-
-    Attributes
-    ----------
-    mass : float
-        M, the unit of length.
-    spin : three floats
-        The vector a = J / M, a length, along any axis.
-
-    References
-    ----------
-    Matzner, Huq and Shoemaker, Phys. Rev. D 59 (1998) 024015.
-    """
+class KerrSlice(AnalyticGeometry):
+    """A slice of the spacetime of a hole with a mass and a spin, a vector."""
 
     mass: float
     spin: Sequence[float]
@@ -56,8 +42,30 @@ class KerrSchild(AnalyticGeometry):
         """
         return horizon_radius(self.mass, self.spin)
 
+    @property
+    def _a(self) -> Floats:
+        """The spin over the mass."""
+        return np.array(self.spin) / self.mass
+
+
+@dataclass(frozen=True)
+class KerrSchild(KerrSlice):
+    """``gamma_ij = delta_ij + 2 H l_i l_j``, lapse ``(1 + 2 H)^(-1/2)``, shift ``beta_i = 2 H l_i``.
+
+    Attributes
+    ----------
+    mass : float
+        M, the unit of length.
+    spin : three floats
+        The vector a = J / M, a length, along any axis.
+
+    References
+    ----------
+    Matzner, Huq and Shoemaker, Phys. Rev. D 59 (1998) 024015.
+    """
+
     def spheroid(self, r: float) -> Callable[[Floats], Floats]:
-        """Return the surface of one Boyer-Lindquist radius: the distance (n,) by direction u (n, 3)."""
+        """Distance (n,), by direction u (n, 3), of the surface of one Boyer-Lindquist radius."""
         positive_number("the radius", r)
         a = np.array(self.spin) / r
         return lambda u: r * np.sqrt((1.0 + a @ a) / (1.0 + (u @ a) ** 2))
@@ -80,7 +88,7 @@ class KerrSchild(AnalyticGeometry):
 
     def _null_form(self, x: Numbers) -> tuple[Numbers, Numbers]:
         """H (n,) and ``l_i`` (n, 3)."""
-        x, a = x / self.mass, np.array(self.spin) / self.mass
+        x, a = x / self.mass, self._a
         aa, ax = a @ a, x @ a
         d = np.einsum("ni,ni->n", x, x) - aa
         root = np.sqrt(d * d + 4.0 * ax * ax)

@@ -6,11 +6,12 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from isoembed.relativity.spacetimes.three_geometry import Floats, positive_number, refuse_points
+from isoembed.relativity.spacetimes.checks import positive_number, refuse_points
+from isoembed.relativity.spacetimes.three_geometry import AnalyticGeometry, Floats, Numbers
 
 
 @dataclass(frozen=True)
-class PainleveGullstrand:
+class PainleveGullstrand(AnalyticGeometry):
     """``gamma_ij = delta_ij``, ``K_ij = sqrt(2 M / r^3) (delta_ij - 3/2 n_i n_j)``, regular to r = 0.
 
     Lapse 1 and shift ``beta^i = sqrt(2 M / r) n^i``: the slices of observers that fall from rest at infinity.
@@ -27,13 +28,9 @@ class PainleveGullstrand:
     def __post_init__(self) -> None:
         object.__setattr__(self, "mass", positive_number("the mass", self.mass))
 
-    def metric(self, x: Floats) -> Floats:
+    def metric(self, x: Numbers) -> Numbers:
         """See `ThreeGeometry`."""
         return np.tile(np.eye(3), (len(x), 1, 1))
-
-    def gradient(self, x: Floats) -> Floats:
-        """See `ThreeGeometry`."""
-        return np.zeros((len(x), 3, 3, 3))
 
     def extrinsic_curvature(self, x: Floats) -> Floats:
         """See `ThreeGeometry`."""
@@ -43,7 +40,3 @@ class PainleveGullstrand:
         n = xi / r[:, None]
         rate = np.sqrt(2.0 / r**3) / self.mass
         return rate[:, None, None] * (np.eye(3) - 1.5 * n[:, :, None] * n[:, None, :])
-
-    def relative_error(self, x: Floats) -> float:
-        """Zero: see `ThreeGeometry`."""
-        return 0.0

@@ -14,15 +14,9 @@ from scipy.spatial import ConvexHull, QhullError
 
 from isoembed.errors import InvalidMetric, InvalidParameter
 from isoembed.meshing.sphere import fibonacci_directions, gauss_rule
+from isoembed.relativity.spacetimes.checks import check_slice, numbers, positive_number, vector, written
 from isoembed.relativity.spacetimes.surface_data import SurfaceData
-from isoembed.relativity.spacetimes.three_geometry import (
-    ThreeGeometry,
-    check_slice,
-    numbers,
-    positive_number,
-    vector,
-    written,
-)
+from isoembed.relativity.spacetimes.three_geometry import ThreeGeometry
 from isoembed.smooth.harmonics import Harmonics
 from isoembed.smooth.transforms import analyzed, fitted, trimmed
 from isoembed.smooth.two_metric import area_density, orthonormal_frame, projected

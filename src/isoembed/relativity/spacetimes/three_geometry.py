@@ -1,4 +1,4 @@
-"""What a slice of spacetime is: its metric, the gradient of that, and its extrinsic curvature.
+"""Slices of spacetime: the metric, its gradient, and the extrinsic curvature.
 
 Signs are those of Alcubierre and of Baumgarte and Shapiro:
 ``K_ij = -(d_t gamma_ij - L_beta gamma_ij) / (2 alpha)``, and outgoing light rays expand by
@@ -10,20 +10,34 @@ from __future__ import annotations
 from abc import ABC, abstractmethod
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
-from math import isfinite
 from typing import Any, Protocol
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from isoembed.errors import InvalidMetric, InvalidParameter
+from isoembed.errors import InvalidParameter
+from isoembed.relativity.spacetimes.checks import positive_number
+from isoembed.thresholds import threshold
 
 Floats = NDArray[np.float64]
 Numbers = NDArray[Any]
 """Real, or complex for derivatives by the complex step."""
 
-STEP = 1.0 / 256.0
-"""Step of differences over the length of a `CallableGeometry`: truncation and rounding are alike there."""
+
+@dataclass(frozen=True)
+class DifferenceThresholds:
+    """Thresholds of the derivatives of geometries that are given by functions."""
+
+    step: float = threshold(
+        1.0 / 256.0, "geometry's length", "Step of differences: truncation is as rounding."
+    )
+    complex_step: float = threshold(
+        1e-30, "largest coordinate", "Complex step: its square is nothing beside 1."
+    )
+    noise: float = threshold(10.0, "relative", "Error of the gradient over its change to eighth order.")
+
+
+DIFFERENCES = DifferenceThresholds()
 
 
 class ThreeGeometry(Protocol):
@@ -47,7 +61,7 @@ class ThreeGeometry(Protocol):
         ...
 
     def relative_error(self, x: Floats) -> float:
-        """How uncertain the three are at the points x (n, 3) of a surface, as an error of lengths over them.
+        """Uncertainty of the three at the points x (n, 3) of a surface, as a relative error of lengths.
 
         That is half an error of the metric over the metric.  One of the gradient, or of K, counts as what it
         makes over the distance of the points from their mean: the mean curvature is as uncertain.
@@ -58,7 +72,10 @@ class ThreeGeometry(Protocol):
 class AnalyticGeometry(ABC):
     """A slice whose metric is a formula that holds for complex coordinates: it has exact derivatives."""
 
-    time_symmetric: bool = True
+    @property
+    def time_symmetric(self) -> bool:
+        """Whether the extrinsic curvature vanishes everywhere."""
+        return True
 
     @abstractmethod
     def metric(self, x: Numbers) -> Numbers:
@@ -77,8 +94,28 @@ class AnalyticGeometry(ABC):
         return 0.0
 
 
+class _Callables:
+    """A slice given by functions of x (n, 3)."""
+
+    gamma: Callable[[Numbers], ArrayLike]
+    K: Callable[[Floats], ArrayLike] | None
+
+    @property
+    def time_symmetric(self) -> bool:
+        """See `ThreeGeometry`."""
+        return self.K is None
+
+    def metric(self, x: Numbers) -> Numbers:
+        """See `ThreeGeometry`."""
+        return _matrices("metric", self.gamma(x), len(x))
+
+    def extrinsic_curvature(self, x: Floats) -> Floats:
+        """See `ThreeGeometry`."""
+        return np.zeros((len(x), 3, 3)) if self.K is None else _matrices("K_ij", self.K(x), len(x))
+
+
 @dataclass(frozen=True)
-class AnalyticCallable(AnalyticGeometry):
+class AnalyticCallable(_Callables, AnalyticGeometry):
     """A slice given by functions of which the metric takes complex coordinates, too.
 
     No absolute value, norm, maximum, conjugate or ``arctan2`` may occur in it.
@@ -94,22 +131,9 @@ class AnalyticCallable(AnalyticGeometry):
     gamma: Callable[[Numbers], ArrayLike]
     K: Callable[[Floats], ArrayLike] | None = None
 
-    @property
-    def time_symmetric(self) -> bool:  # type: ignore[override]
-        """See `ThreeGeometry`."""
-        return self.K is None
-
-    def metric(self, x: Numbers) -> Numbers:
-        """See `ThreeGeometry`; x may be complex."""
-        return _matrices("metric", self.gamma(x), len(x))
-
-    def extrinsic_curvature(self, x: Floats) -> Floats:
-        """See `ThreeGeometry`."""
-        return np.zeros((len(x), 3, 3)) if self.K is None else _matrices("K_ij", self.K(x), len(x))
-
 
 @dataclass(frozen=True)
-class CallableGeometry:
+class CallableGeometry(_Callables):
     """A slice given by any functions, differentiated by central differences of sixth order.
 
     Attributes
@@ -130,40 +154,27 @@ class CallableGeometry:
     def __post_init__(self) -> None:
         positive_number("the length over which the metric varies", self.length)
 
-    @property
-    def time_symmetric(self) -> bool:
-        """See `ThreeGeometry`."""
-        return self.K is None
-
-    def metric(self, x: Floats) -> Floats:
-        """See `ThreeGeometry`."""
-        return _matrices("metric", self.gamma(x), len(x))
-
     def gradient(self, x: Floats) -> Floats:
         """See `ThreeGeometry`."""
         return self._differentiated(x, (45.0 / 60.0, -9.0 / 60.0, 1.0 / 60.0))
-
-    def extrinsic_curvature(self, x: Floats) -> Floats:
-        """See `ThreeGeometry`."""
-        return np.zeros((len(x), 3, 3)) if self.K is None else _matrices("K_ij", self.K(x), len(x))
 
     def relative_error(self, x: Floats) -> float:
         """See `ThreeGeometry`: what differences of eighth order tell, of noise a tenth; and rounding."""
         eighth = self._differentiated(x, (4.0 / 5.0, -1.0 / 5.0, 4.0 / 105.0, -1.0 / 280.0))
         change = float(np.abs(eighth - self.gradient(x)).max(initial=0.0))
-        rounding = float(np.finfo(np.float64).eps) / (STEP * self.length)
+        rounding = float(np.finfo(np.float64).eps) / (DIFFERENCES.step * self.length)
         size, distance = extent(x, self.metric(x))
-        return 0.5 * distance * (10.0 * change / size + rounding)
+        return 0.5 * distance * (DIFFERENCES.noise * change / size + rounding)
 
     def _differentiated(self, x: Floats, weights: Sequence[float]) -> Floats:
         """The gradient (n, 3, 3, 3) from differences over one, two, ... steps to both sides."""
+        h = DIFFERENCES.step * self.length
         out = np.zeros((len(x), 3, 3, 3))
-        for k in range(3):
+        for k, along in enumerate(np.eye(3)):
             for steps, weight in enumerate(weights, start=1):
-                shift = np.zeros(3)
-                shift[k] = steps * STEP * self.length
+                shift = steps * h * along
                 out[:, k] += weight * (self.metric(x + shift) - self.metric(x - shift))
-        return out / (STEP * self.length)
+        return out / h
 
 
 def extent(x: Floats, gamma: Floats) -> tuple[float, float]:
@@ -191,8 +202,7 @@ def complex_step(f: Callable[[Numbers], Numbers], x: Floats) -> Floats:
     Squire and Trapp, SIAM Rev. 40 (1998) 110.
     """
     x = np.asarray(x, dtype=np.float64)
-    # Any step will do whose square is nothing beside 1; it is measured in the lengths of the problem.
-    step = 1e-30 * (float(np.abs(x).max(initial=0.0)) or 1.0)
+    step = DIFFERENCES.complex_step * (float(np.abs(x).max(initial=0.0)) or 1.0)
     return np.stack([f(x + 1j * step * np.eye(3)[k]).imag / step for k in range(3)], axis=1)
 
 
@@ -220,78 +230,6 @@ def stationary_curvature(
     mixed = np.einsum("nk,nikj->nij", up, gradient)
     christoffel = mixed + mixed.transpose(0, 2, 1) - np.einsum("nk,nkij->nij", up, gradient)
     return (d_shift + d_shift.transpose(0, 2, 1) - christoffel) / (2.0 * lapse[:, None, None])
-
-
-def positive_number(what: str, value: float) -> float:
-    """Return a number that must be positive and finite.
-
-    Raises
-    ------
-    InvalidParameter
-        It is not.
-    """
-    number = numbers(value)
-    if number.ndim != 0 or not (isfinite(number) and number > 0.0):
-        raise InvalidParameter(f"{what} must be positive, not {value}")
-    return float(number)
-
-
-def vector(what: str, value: Sequence[float] | Floats) -> tuple[float, float, float]:
-    """Return three finite numbers.
-
-    Raises
-    ------
-    InvalidParameter
-        They are not three, or one is not finite.
-    """
-    array = numbers(value)
-    if array.shape != (3,) or not np.isfinite(array).all():
-        raise InvalidParameter(f"{what} must be three finite numbers, not {value}")
-    x, y, z = array.tolist()
-    return x, y, z
-
-
-def numbers(given: ArrayLike) -> Floats:
-    """An array of what is given; one that is not a number, of shape (), where it has none."""
-    try:
-        return np.asarray(given, dtype=np.float64)
-    except (TypeError, ValueError):
-        return np.array(np.nan)
-
-
-def refuse_points(bad: NDArray[np.bool_], x: Numbers, why: str) -> None:
-    """Name the first of some points that are where they must not be.
-
-    Raises
-    ------
-    InvalidParameter
-        There is one.
-    """
-    if bad.any():
-        i = int(np.argmax(bad))
-        raise InvalidParameter(f"point {i}, {written(x[i].real)}, {why}")
-
-
-def check_slice(what: str, x: Floats, gamma: Floats) -> None:
-    """Refuse what is no Riemannian metric.
-
-    Raises
-    ------
-    InvalidMetric
-        It is not finite or not positive definite; the message names the first such point.
-    """
-    minor = gamma[:, 0, 0] * gamma[:, 1, 1] - gamma[:, 0, 1] * gamma[:, 1, 0]
-    good = np.isfinite(gamma).all(axis=(1, 2)) & (gamma[:, 0, 0] > 0) & (minor > 0)
-    good[good] = np.linalg.det(gamma[good]) > 0
-    if not good.all():
-        i = int(np.argmin(good))
-        entries = ", ".join(f"{value:.6g}" for value in gamma[i][np.triu_indices(3)])
-        raise InvalidMetric(f"{what} at {written(x[i])} is not positive definite: xx, xy, ... = {entries}")
-
-
-def written(x: Floats) -> str:
-    """Three numbers for a message."""
-    return f"({x[0]:.6g}, {x[1]:.6g}, {x[2]:.6g})"
 
 
 def _matrices(what: str, given: ArrayLike, n: int) -> Numbers:

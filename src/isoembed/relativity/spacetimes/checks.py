@@ -1,0 +1,100 @@
+"""Checks of what users give: numbers, vectors, points, and metrics at points."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from math import isfinite
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from isoembed.errors import InvalidMetric, InvalidParameter
+
+Floats = NDArray[np.float64]
+
+
+def positive_number(what: str, value: float) -> float:
+    """A number that must be positive and finite.
+
+    Raises
+    ------
+    InvalidParameter
+        It is not.
+    """
+    number = numbers(value)
+    if number.ndim != 0 or not (isfinite(number) and number > 0.0):
+        raise InvalidParameter(f"{what} must be positive, not {value}")
+    return float(number)
+
+
+def vector(what: str, value: Sequence[float] | Floats) -> tuple[float, float, float]:
+    """Three numbers that must be finite.
+
+    Raises
+    ------
+    InvalidParameter
+        They are not three, or one is not finite.
+    """
+    array = numbers(value)
+    if array.shape != (3,) or not np.isfinite(array).all():
+        raise InvalidParameter(f"{what} must be three finite numbers, not {value}")
+    x, y, z = array.tolist()
+    return x, y, z
+
+
+def numbers(given: ArrayLike) -> Floats:
+    """An array of what is given; NaN of shape () where that holds no numbers."""
+    try:
+        return np.asarray(given, dtype=np.float64)
+    except (TypeError, ValueError):
+        return np.array(np.nan)
+
+
+def refuse_points(bad: NDArray[np.bool_], x: NDArray[Any], why: str) -> None:
+    """Raise an error that names the first of the points x (n, 3) that are bad (n,).
+
+    Raises
+    ------
+    InvalidParameter
+        There is one.
+    """
+    if bad.any():
+        i = int(np.argmax(bad))
+        raise InvalidParameter(f"point {i}, {written(x[i].real)}, {why}")
+
+
+def check_slice(what: str, x: Floats, gamma: Floats) -> None:
+    """Raise an error unless gamma (n, 3, 3) at the points x (n, 3) is a Riemannian metric.
+
+    Raises
+    ------
+    InvalidMetric
+        It is not finite or not positive definite; the message names the first such point.
+    """
+    minor = gamma[:, 0, 0] * gamma[:, 1, 1] - gamma[:, 0, 1] * gamma[:, 1, 0]
+    good = np.isfinite(gamma).all(axis=(1, 2)) & (gamma[:, 0, 0] > 0) & (minor > 0)
+    good[good] = np.linalg.det(gamma[good]) > 0
+    if not good.all():
+        i = int(np.argmin(good))
+        entries = ", ".join(f"{value:.6g}" for value in gamma[i][np.triu_indices(3)])
+        raise InvalidMetric(f"{what} at {written(x[i])} is not positive definite: xx, xy, ... = {entries}")
+
+
+def check_finite(what: str, x: Floats, values: Floats) -> Floats:
+    """The values (n, ...) at the points x (n, 3), which must be finite.
+
+    Raises
+    ------
+    InvalidMetric
+        One is not; the message names the first such point.
+    """
+    good = np.isfinite(values.reshape(len(x), -1)).all(axis=1)
+    if not good.all():
+        raise InvalidMetric(f"{what} at {written(x[int(np.argmin(good))])} is not finite")
+    return values
+
+
+def written(x: Floats) -> str:
+    """Three numbers as a message has them."""
+    return f"({x[0]:.6g}, {x[1]:.6g}, {x[2]:.6g})"
