@@ -12,7 +12,7 @@ from collections.abc import Sequence
 from importlib import import_module
 
 from isoembed import __version__
-from isoembed.cli.screen import print_error
+from isoembed.cli.screen import OutputError, UsageError, print_error
 from isoembed.cli.signals import Interruption, handled
 from isoembed.cli.status import OK, WRONG
 
@@ -93,10 +93,12 @@ def main(argv: Sequence[str] | None = None) -> int:
 
 
 def _run(options: argparse.Namespace) -> int:
-    from isoembed.cli.refusal import USER_ERRORS  # loads numpy, which --help and --version do without
+    # These load numpy, which --help and --version do without.
+    from isoembed.errors import InvalidMetric, InvalidParameter
+    from isoembed.io import FileError
 
     try:
         return int(options.run(options))
-    except USER_ERRORS as error:
+    except (UsageError, OutputError, FileError, InvalidMetric, InvalidParameter) as error:
         print_error(str(error))
         return WRONG

@@ -4,31 +4,21 @@ from __future__ import annotations
 
 import argparse
 import sys
-from collections.abc import Callable, Mapping
-from itertools import combinations
+from collections.abc import Callable, Collection
 from pathlib import Path
-from typing import Any
 
 import isoembed
 from isoembed.cli.live import live_view
-from isoembed.cli.pictures import add_picture_options, check_pictures, film_for, picture_writers
-from isoembed.cli.refusal import UsageError
-from isoembed.cli.screen import print_error, print_out
+from isoembed.cli.outputs import Outputs
+from isoembed.cli.pictures import PICTURES, add_picture_options, check_pictures, picture_writers
+from isoembed.cli.screen import UsageError, add_quiet_option, print_error, print_out
 from isoembed.cli.status import NOT_EMBEDDED, OK
 from isoembed.cli.summary import summary
 from isoembed.errors import NotEmbedded
-from isoembed.io import (
-    REPORT_ENDINGS,
-    SURFACE_ENDINGS,
-    check_output,
-    report_writer,
-    surface_writer,
-    write_atomically,
-)
+from isoembed.io import REPORT_ENDINGS, SURFACE_ENDINGS, report_writer, surface_writer
 from isoembed.io.files import Writer
+from isoembed.plot.film import Film
 from isoembed.progress.stages import Listener, Progress
-
-OUTPUTS = ("output", "report", "picture", "html", "animate")
 
 
 def add_output_options(parser: argparse.ArgumentParser) -> None:
@@ -45,85 +35,66 @@ def add_output_options(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--keep", action="store_true", help="write the best attempt even if it is not an answer"
     )
-    parser.add_argument("--quiet", action="store_true", help="print nothing but errors")
+    add_quiet_option(parser)
 
 
-def asked_for(options: argparse.Namespace) -> dict[str, Path]:
-    """The files that are asked for, by the names of their options."""
-    return {name: path for name in OUTPUTS if (path := getattr(options, name))}
-
-
-def check_outputs(options: argparse.Namespace, **beside: Path | None) -> None:
-    """Find out what cannot be written before anything is computed.
+def asked_for(options: argparse.Namespace, **beside: Collection[str]) -> Outputs:
+    """The files of the options of `add_output_options`, checked before anything is computed.
 
     Parameters
     ----------
     options : argparse.Namespace
-    **beside : path or None
-        Files that the command writes besides, by the names of their options.
+    **beside : collection of str
+        The endings of what the command writes besides, by the names of its options.
 
     Raises
     ------
-    FileError, Refusal
+    FileError, UsageError
         Naming the file.
     """
-    if options.output:
-        check_output(options.output, SURFACE_ENDINGS)
-    if options.report:
-        check_output(options.report, REPORT_ENDINGS)
+    outputs = Outputs.of(options, output=SURFACE_ENDINGS, report=REPORT_ENDINGS, **PICTURES, **beside)
     check_pictures(options)
-    asked = asked_for(options)
-    if options.keep and not asked.keys() - {"report"}:
+    if options.keep and not outputs.keys() - {"report", *beside}:
         raise UsageError("--keep needs an --output to write the best attempt to")
-    everything = asked | {name: path for name, path in beside.items() if path}
-    for (name, path), (other, same) in combinations(everything.items(), 2):
-        if path.resolve() == same.resolve():
-            raise UsageError(f"--{name} and --{other} are the same file {path}")
+    outputs.keep_apart()
+    return outputs
 
 
 def answer(
     options: argparse.Namespace,
+    outputs: Outputs,
     solve: Callable[[Listener | None], isoembed.Embedding],
     *,
     describe: Callable[[isoembed.Embedding], str] = summary,
-    beside: Mapping[Path, Writer] | None = None,
+    **beside: Callable[[Path], Writer],
 ) -> int:
     """Solve under a live view, and write and say what is asked for.
 
     Parameters
     ----------
     options : argparse.Namespace
-        With the options of `add_output_options`.
+    outputs : Outputs
+        From `asked_for`.
     solve : callable
         Takes the listener and embeds.
     describe : callable
         Says in a few lines what was found.
-    beside : mapping of path to Writer, optional
-        What is written whatever the answer.
+    **beside : callable
+        Makers of what is written whatever the answer, by the names of the options.
 
     Returns
     -------
     int
         The exit status.
     """
-    show = not options.quiet and sys.stderr is not None and sys.stderr.isatty()
-    film = film_for(options)
-    try:
-        with live_view(show) as view:
-            embedding = solve(_heard_by(view, film))
-        failure = None
-    except NotEmbedded as error:
-        embedding, failure = error.embedding, str(error)
-
-    shown = failure is None or options.keep
-    writers = dict(beside or {})
-    if options.output and shown:
-        writers[options.output] = surface_writer(options.output, embedding)
-    if options.report:
-        writers[options.report] = report_writer(_report(embedding, failure))
-    write_atomically(writers)
-    if shown:  # when nothing can be lost any more
-        write_atomically(picture_writers(options, embedding, film))
+    film = Film() if outputs.keys() & {"html", "animate"} else None
+    embedding, failure = solved(solve, film, quiet=options.quiet)
+    if failure is None or options.keep:
+        beside["output"] = lambda path: surface_writer(path, embedding)
+    message = {} if failure is None else {"message": failure}
+    outputs.write(report=lambda _: report_writer({**embedding.report, **message}), **beside)
+    if failure is None or options.keep:  # when nothing can be lost any more
+        outputs.write(**picture_writers(options, embedding, film))
     if failure is not None:
         print_error(failure)
     if not options.quiet:
@@ -132,6 +103,17 @@ def answer(
         elif failure is None and not embedding.converged:
             print_out(f"{embedding.status}: {embedding.message}")
     return OK if failure is None else NOT_EMBEDDED
+
+
+def solved(
+    solve: Callable[[Listener | None], isoembed.Embedding], film: Film | None = None, *, quiet: bool = False
+) -> tuple[isoembed.Embedding, str | None]:
+    """Solve under a live view; return the surface, or the best attempt and why it is no answer."""
+    try:
+        with live_view(not quiet and sys.stderr is not None and sys.stderr.isatty()) as view:
+            return solve(_heard_by(view, film)), None
+    except NotEmbedded as error:
+        return error.embedding, str(error)
 
 
 def _heard_by(*listeners: Listener | None) -> Listener | None:
@@ -143,7 +125,3 @@ def _heard_by(*listeners: Listener | None) -> Listener | None:
             listener(progress)
 
     return tell if there else None
-
-
-def _report(embedding: isoembed.Embedding, failure: str | None) -> dict[str, Any]:
-    return embedding.report if failure is None else {**embedding.report, "message": failure}

@@ -7,10 +7,10 @@ import math
 
 import isoembed
 from isoembed._embed import configuration, method_names
-from isoembed.cli.answer import add_output_options, answer, check_outputs
+from isoembed.cli.answer import add_output_options, answer, asked_for
 from isoembed.cli.interruption import add_checkpoint_options, checkpoint_file, save_checkpoint
 from isoembed.cli.parameters import configured, parameters
-from isoembed.cli.refusal import UsageError
+from isoembed.cli.screen import UsageError
 from isoembed.errors import Interrupted
 from isoembed.io import read_checkpoint, read_metric
 from isoembed.progress.stages import Listener
@@ -63,8 +63,8 @@ def configure(parser: argparse.ArgumentParser) -> None:
 
 def run(options: argparse.Namespace) -> int:
     """Embed the input; return the exit status."""
-    check_outputs(options)
-    left = checkpoint_file(options)
+    outputs = asked_for(options)
+    left = checkpoint_file(options, outputs)
     repair = [] if options.repair is None else [f"repair={options.repair}"]
     if options.best_fit and "best_fit" not in parameters(configuration(options.method)):
         raise UsageError(f"--best-fit needs the method 'aim': the method {options.method!r} has no best fit")
@@ -79,7 +79,7 @@ def run(options: argparse.Namespace) -> int:
         )
 
     try:
-        return answer(options, solve)
+        return answer(options, outputs, solve)
     except Interrupted as interrupted:
         raise KeyboardInterrupt(save_checkpoint(interrupted, left, method.name)) from None
 

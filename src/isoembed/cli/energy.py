@@ -4,18 +4,35 @@ from __future__ import annotations
 
 import argparse
 from pathlib import Path
+from typing import Any
 
-from isoembed.cli.closed_form import OF_SPACETIME, add_spacetime_options, closed_form, refuse_given
-from isoembed.cli.energies import add_answer_options, check_outputs, mesh_answer, smooth_answer
+import isoembed
+from isoembed.cli.answer import solved
 from isoembed.cli.numbers import read_numbers
-from isoembed.cli.refusal import UsageError
-from isoembed.io import MESH_ENDINGS, read_metric
+from isoembed.cli.outputs import Outputs
+from isoembed.cli.screen import UsageError, print_error, print_json, print_out
+from isoembed.cli.smooth_options import (
+    OF_SPACETIME,
+    add_spacetime_options,
+    add_vertices_option,
+    closed_form,
+    refuse_given,
+    vertices,
+)
+from isoembed.cli.status import NOT_EMBEDDED, OK
+from isoembed.errors import InvalidMetric, NotEmbedded
+from isoembed.io import MESH_ENDINGS, SURFACE_ENDINGS, mesh_writer, read_metric, surface_writer
 from isoembed.io.files import ending
+from isoembed.relativity.energies.embedded import CONVENTIONS, embed_surface
+from isoembed.relativity.energies.mesh_energies import mesh_energies
+from isoembed.relativity.energies.report import energy_table, mesh_report, unembedded_report, wang_yau_report
 from isoembed.relativity.horizons.grid_file import holds_metric_grid, read_metric_grid
 from isoembed.relativity.spacetimes.surface_data import SurfaceData
+from isoembed.smooth.axisymmetric import AxisymmetricEmbedding
 from isoembed.surface.smooth_integrals import Lengths
 
 OF_METRIC = ("mean_curvature", "momentum", "normal_momentum", "lengths")
+OF_SMOOTH = ("best_fit", "band", "wang_yau")
 
 
 def configure(parser: argparse.ArgumentParser) -> None:
@@ -50,25 +67,83 @@ def configure(parser: argparse.ArgumentParser) -> None:
         "meshes, they are taken for geodesics' with errors wide enough for both)",
     )
     add_spacetime_options(parser)
-    add_answer_options(parser)
+    add_vertices_option(parser)
+    parser.add_argument("--json", action="store_true", help="print one JSON object instead of text")
+    parser.add_argument(
+        "-o",
+        "--output",
+        type=Path,
+        metavar="FILE",
+        help=f"where to write the embedded surface, by its ending: {' '.join(SURFACE_ENDINGS)}",
+    )
+    parser.add_argument(
+        "--wang-yau",
+        action="store_true",
+        help="add the Wang-Yau energy of a smooth surface, the least over all time functions; --output then "
+        "writes the projection of its surface in Minkowski space, with tau at the vertices",
+    )
+    parser.add_argument(
+        "--best-fit",
+        action="store_true",
+        help="if a smooth surface does not embed, take the one that comes nearest to it",
+    )
+    parser.add_argument(
+        "--band",
+        type=Path,
+        metavar="FILE",
+        help="if an axisymmetric surface does not embed, write the band of it that does, as a mesh",
+    )
 
 
 def run(options: argparse.Namespace) -> int:
     """Compute the energies; return the exit status."""
-    check_outputs(options)
+    number = vertices(options)
+    outputs = Outputs.of(options, output=SURFACE_ENDINGS, band=SURFACE_ENDINGS)
     if options.spacetime is not None:
         refuse_given(options, ("input", *OF_METRIC), "does not go with a --spacetime")
-        return smooth_answer(options, closed_form(options))
+        return _smooth(options, outputs, closed_form(options), number)
     refuse_given(options, OF_SPACETIME, "needs a --spacetime")
     if options.input is None:
         raise UsageError("which surface? Give a METRIC, or a --spacetime and a --surface")
+    if holds_metric_grid(options.input):
+        return _smooth(options, outputs, _on_grid(options), number)
+    return _triangles(options, outputs)
+
+
+def _smooth(options: argparse.Namespace, outputs: Outputs, data: SurfaceData, number: int) -> int:
+    try:
+        surface = embed_surface(data, vertices=number, best_fit=options.best_fit)
+    except NotEmbedded as error:
+        _show(options, {**unembedded_report(data, error), "conventions": CONVENTIONS})
+        print_error(str(error))
+        if options.band:
+            _write_band(outputs, data)
+        return NOT_EMBEDDED
+    report, least = wang_yau_report(surface) if options.wang_yau else (surface.report, None)
+    if options.band:
+        why = "the whole surface embeds" if surface.embedding.converged else "the best fit was asked for"
+        print_error(f"{options.band} is not written: {why}")
+    outputs.write(output=lambda path: mesh_writer(path, **(least or surface).mesh(number)))
+    _show(options, report)
+    return OK
+
+
+def _write_band(outputs: Outputs, data: SurfaceData) -> None:
+    """Write the largest band of an axisymmetric surface that embeds, or say why there is none."""
+    try:
+        bands = AxisymmetricEmbedding.of(data.metric).bands
+    except InvalidMetric as error:
+        print_error(f"--band is for surfaces that are symmetric about the z-axis: {error}")
+        return
+    if not bands:
+        print_error(f"{outputs['band']} is not written: no part of the surface is a surface of revolution")
+        return
+    outputs.write(band=lambda path: mesh_writer(path, *max(bands, key=lambda band: band.area).mesh()))
+
+
+def _on_grid(options: argparse.Namespace) -> SurfaceData:
+    """The surface of a metric on a grid."""
     k, p = (path and read_numbers(path) for path in (options.mean_curvature, options.momentum))
-    if not holds_metric_grid(options.input):
-        lengths: Lengths | None = options.lengths
-        if lengths is None and ending(options.input) in MESH_ENDINGS:
-            lengths = "chord"
-        refuse_given(options, ("normal_momentum",), "is for a METRIC on a grid")
-        return mesh_answer(options, read_metric(options.input), k, p, lengths)
     refuse_given(options, ("lengths",), "is for a METRIC of triangles")
     if p is not None and k is None:
         raise UsageError("the momentum is of use only with the mean curvature: give --mean-curvature, too")
@@ -79,7 +154,7 @@ def run(options: argparse.Namespace) -> int:
         if components.ndim != 3 or len(components) != 2:
             raise UsageError(f"{options.normal_momentum} has the shape {components.shape}, not (2, n, m)")
         j = grid.one_form(components[0], components[1], str(options.normal_momentum))
-    data = SurfaceData(
+    return SurfaceData(
         metric=grid,
         mean_curvature=None if k is None else grid.function(k, str(options.mean_curvature)),
         momentum=None if p is None else grid.function(p, str(options.momentum)),
@@ -87,4 +162,31 @@ def run(options: argparse.Namespace) -> int:
         relative_error=grid.truncation,
         name=options.input,
     )
-    return smooth_answer(options, data)
+
+
+def _triangles(options: argparse.Namespace, outputs: Outputs) -> int:
+    k, p = (path and read_numbers(path) for path in (options.mean_curvature, options.momentum))
+    refuse_given(options, ("normal_momentum",), "is for a METRIC on a grid")
+    metric = read_metric(options.input)
+    refuse_given(options, ("vertices",), "is for smooth surfaces: this METRIC has its own")
+    refuse_given(options, OF_SMOOTH, "is for smooth surfaces")
+    lengths: Lengths | None = options.lengths
+    if lengths is None and ending(options.input) in MESH_ENDINGS:
+        lengths = "chord"
+    embedding, failure = solved(lambda progress: isoembed.embed(metric, progress=progress))
+    if failure is not None:
+        if options.json:
+            print_json({"status": "not embedded", "message": failure, "name": str(options.input)})
+        print_error(failure)
+        return NOT_EMBEDDED
+    energies = mesh_energies(embedding, k, p, lengths=lengths)
+    outputs.write(output=lambda path: surface_writer(path, embedding))
+    _show(options, mesh_report(embedding, energies, lengths, str(options.input)))
+    return OK
+
+
+def _show(options: argparse.Namespace, report: dict[str, Any]) -> None:
+    if options.json:
+        print_json(report)
+    else:
+        print_out(energy_table(report))

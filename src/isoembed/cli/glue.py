@@ -6,12 +6,14 @@ import argparse
 from pathlib import Path
 
 import isoembed
-from isoembed.cli.answer import add_output_options, answer, asked_for, check_outputs
-from isoembed.cli.netfile import read_net
+from isoembed.alexandrov.solid import Solid
+from isoembed.cli.answer import add_output_options, answer, asked_for
 from isoembed.cli.screen import print_out
-from isoembed.cli.solid import described
 from isoembed.cli.status import OK
-from isoembed.io import METRIC_ENDINGS, check_output, metric_writer, write_atomically
+from isoembed.cli.summary import summary
+from isoembed.io import METRIC_ENDINGS, metric_writer
+from isoembed.io.files import Writer
+from isoembed.io.net import read_net
 from isoembed.progress.stages import Listener
 
 
@@ -35,13 +37,14 @@ def configure(parser: argparse.ArgumentParser) -> None:
 
 def run(options: argparse.Namespace) -> int:
     """Glue the net and solve it; return the exit status."""
-    if options.metric:
-        check_output(options.metric, METRIC_ENDINGS)
-    check_outputs(options, metric=options.metric)
+    outputs = asked_for(options, metric=METRIC_ENDINGS)
     net = read_net(options.input)
-    beside = {options.metric: metric_writer(options.metric, net.simplicial())} if options.metric else {}
-    if options.metric and not asked_for(options):
-        write_atomically(beside)
+
+    def metric(path: Path) -> Writer:
+        return metric_writer(path, net.simplicial())
+
+    if outputs.keys() == {"metric"}:
+        outputs.write(metric=metric)
         if not options.quiet:
             print_out(f"{options.metric}: {net!r}")
         return OK
@@ -49,4 +52,9 @@ def run(options: argparse.Namespace) -> int:
     def solve(progress: Listener | None) -> isoembed.Embedding:
         return isoembed.embed(net, method="alexandrov", progress=progress)
 
-    return answer(options, solve, describe=described, beside=beside)
+    return answer(options, outputs, solve, describe=_described, metric=metric)
+
+
+def _described(embedding: isoembed.Embedding) -> str:
+    solid = f"{Solid.of(embedding)}\n\n" if isinstance(embedding, isoembed.ConvexPolyhedron) else ""
+    return f"{solid}{summary(embedding)}"

@@ -3,44 +3,32 @@
 from __future__ import annotations
 
 import argparse
-import json
-from dataclasses import replace
 from importlib.util import find_spec
 from pathlib import Path
-from typing import Any
 
-import numpy as np
-from numpy.typing import NDArray
-
-from isoembed.cli.energies import DEFAULT, FEWEST, table
-from isoembed.cli.refusal import UsageError
-from isoembed.cli.screen import print_error, print_out
+from isoembed.cli.outputs import Outputs
+from isoembed.cli.screen import UsageError, print_error, print_json, print_out
+from isoembed.cli.smooth_options import add_vertices_option, vertices
 from isoembed.cli.status import NOT_EMBEDDED, OK
-from isoembed.errors import NotEmbedded
-from isoembed.io import FileError, mesh_writer, report_writer, write_atomically
-from isoembed.io.files import Writer, ending
+from isoembed.io import FileError, mesh_writer, report_writer
+from isoembed.io.files import ending
 from isoembed.io.hdf5 import HDF5_ENDINGS
-from isoembed.meshing.sphere import gauss_rule
-from isoembed.metric.polyhedral import PolyhedralMetric
-from isoembed.relativity.energies.embedded import EmbeddedSurface, embed_surface
-from isoembed.relativity.energies.quadrature import intrinsic_energies
+from isoembed.plot.picture import Panel, figure_writer, panels
+from isoembed.relativity.energies.embedded import EmbeddedSurface
+from isoembed.relativity.energies.report import EmbeddedHorizon, embed_horizons
 from isoembed.relativity.horizons.coordinate_shape import CoordinateShape
+from isoembed.relativity.horizons.horizon import Horizon
 from isoembed.relativity.horizons.horizon_file import read_horizon
 from isoembed.relativity.horizons.spectre import read_spectre
 from isoembed.relativity.spacetimes.cartesian_grid import read_cartesian_grid
 from isoembed.relativity.spacetimes.conformally_flat import IsotropicSchwarzschild
 from isoembed.relativity.spacetimes.kerr_schild import KerrSchild, horizon_radius
 from isoembed.relativity.spacetimes.painleve_gullstrand import PainleveGullstrand
-from isoembed.relativity.spacetimes.star_surface import StarSurface
-from isoembed.relativity.spacetimes.surface_data import SurfaceData
 from isoembed.relativity.spacetimes.three_geometry import ThreeGeometry
 from isoembed.smooth.grid_metric import GridMetric
-from isoembed.surface.embedding import Embedding
 
-NODES = (48, 96)  # at which a surface from a file is looked at
-MARGINAL = 0.1  # times the mean radius: 2 for a sphere in flat space
-WRITTEN = (".vtk", ".json", ".png")
 GEOMETRIES = ("kerr-schild", "isotropic", "painleve-gullstrand")
+WRITTEN = ("vtk", "json", "png")
 
 
 def configure(parser: argparse.ArgumentParser) -> None:
@@ -82,70 +70,58 @@ def configure(parser: argparse.ArgumentParser) -> None:
         metavar="FOLDER",
         help="where to write, for each file, NAME.vtk with the surface, NAME.png and NAME.json",
     )
-    parser.add_argument(
-        "--vertices",
-        type=int,
-        default=DEFAULT,
-        metavar="N",
-        help=f"of the mesh that finds the surface, and of the one that is written (default {DEFAULT})",
-    )
+    add_vertices_option(parser)
     parser.add_argument("--json", action="store_true", help="print JSON: an object, or a list of them")
 
 
 def run(options: argparse.Namespace) -> int:
     """Embed the horizons one after the other; return the exit status."""
-    if options.vertices < FEWEST:
-        raise UsageError(f"--vertices must be at least {FEWEST}, not {options.vertices}")
+    number = vertices(options)
     geometry = _geometry(options)
     stems = _stems(options.files)
-    horizons = [(name, _data(name, _read(name, options), geometry, _axis(options))) for name in options.files]
+    horizons = [_horizon(name, options, geometry) for name in options.files]
     if options.output:
         try:
             options.output.mkdir(parents=True, exist_ok=True)
         except OSError as error:
             raise FileError(f"cannot make the folder {options.output}: {error.strerror}") from None
-    reports: list[dict[str, Any]] = []
-    before: EmbeddedSurface | None = None
-    status = OK
-    for stem, (name, (data, facts)) in zip(stems, horizons, strict=True):
-        try:
-            surface = _embedded(data, before, options.vertices)
-        except NotEmbedded as error:
-            found = intrinsic_energies(data).report
-            report = {
-                "status": "not embedded",
-                "message": str(error),
-                "name": name,
-                **found,
-                "horizon": facts,
-            }
-            reports.append(report)
-            if options.output:
-                path = options.output / f"{stem}.json"
-                write_atomically({path: report_writer(report)})
-            print_error(f"{name}: {error}")
-            status = NOT_EMBEDDED
-            continue
-        before = surface
-        report = {**surface.report, "horizon": facts}
-        reports.append(report)
+    reports, status = [], OK
+    for stem, found in zip(stems, embed_horizons(horizons, number), strict=True):
+        reports.append(found.report)
         if options.output:
-            write_atomically(_writers(options.output / stem, surface, report, options.vertices))
-        if not options.json:
-            print_out(_text(report))
+            _write(Outputs((end, options.output / f"{stem}.{end}") for end in WRITTEN), found, number)
+        if found.surface is None:
+            print_error(f"{found.report['name']}: {found.report['message']}")
+            status = NOT_EMBEDDED
+        elif not options.json:
+            print_out(str(found))
     if options.json:
-        print_out(json.dumps(reports if len(options.files) > 1 else reports[0], indent=2, allow_nan=False))
+        print_json(reports if len(options.files) > 1 else reports[0])
     return status
 
 
-def _embedded(data: SurfaceData, before: EmbeddedSurface | None, vertices: int) -> EmbeddedSurface:
-    """Deform the surface before; where that leads nowhere, begin with a mesh."""
-    if before is not None:
-        try:
-            return embed_surface(data, start=before)
-        except NotEmbedded:
-            pass
-    return embed_surface(data, vertices=vertices)
+def _write(outputs: Outputs, found: EmbeddedHorizon, number: int) -> None:
+    """Write the report, the surface and, where matplotlib is installed, its picture."""
+    writers = {"json": lambda _: report_writer(found.report)}
+    if found.surface is not None:
+        tables = found.surface.mesh(number)
+        writers["vtk"] = lambda path: mesh_writer(path, **tables)
+        if find_spec("matplotlib") is None:
+            missing = "pictures need matplotlib, pip install 'isoembed[plot]'"
+            print_error(f"{outputs['png']} is not written: {missing}")
+        else:
+            panel = Panel(tables["vertices"], tables["faces"], tables["mean_curvature"])
+            label, caption = "mean curvature  $H = (k_1 + k_2)/2$", _caption(found.surface)
+            drawn = panels([panel], label=label, caption=caption)
+            writers["png"] = lambda path: figure_writer(path, drawn)
+    outputs.write(**writers)
+
+
+def _caption(surface: EmbeddedSurface) -> str:
+    return (
+        f"{Path(surface.data.name).name}     area {surface.energies.area.value:.8g}     "
+        rf"$\int\! H\,dA = {surface.embedding.integrated_mean_curvature:.8g}$"
+    )
 
 
 def _geometry(options: argparse.Namespace) -> ThreeGeometry | None:
@@ -188,73 +164,10 @@ def _read(name: str, options: argparse.Namespace) -> CoordinateShape | GridMetri
     return read_spectre(name, options.surface, options.time)
 
 
-def _data(
-    name: str,
-    found: CoordinateShape | GridMetric,
-    geometry: ThreeGeometry | None,
-    axis: tuple[float, float, float],
-) -> tuple[SurfaceData, dict[str, Any]]:
-    """The surface of a file, and what is known of it as a horizon."""
-    if isinstance(found, GridMetric):
-        if geometry is not None:
-            raise UsageError(f"{name} holds a metric of its own: it needs no --geometry")
-        return SurfaceData(found, marginal=True, relative_error=found.truncation, name=name), {}
-    if geometry is None:
+def _horizon(name: str, options: argparse.Namespace, geometry: ThreeGeometry | None) -> Horizon:
+    found = _read(name, options)
+    if isinstance(found, GridMetric) and geometry is not None:
+        raise UsageError(f"{name} holds a metric of its own: it needs no --geometry")
+    if isinstance(found, CoordinateShape) and geometry is None:
         raise UsageError(f"{found.contents}: name it with --geometry")
-    surface = StarSurface.from_points(found.points, found.center.tolist())
-    u, weights = gauss_rule(*NODES)
-    mean = float(np.average(surface.radius(u), weights=weights))
-    data = surface.data(geometry, axis, name=name)
-    expansion = float(np.abs(surface.expansion(geometry, u)).max())
-    # A horizon that was found on a coarse grid is one; what expands like a sphere in flat space is not.
-    marginal = expansion * mean < MARGINAL
-    return replace(data, marginal=marginal), {
-        "time": found.time,
-        "points": len(found.points),
-        "center": list(found.center),
-        "mean_coordinate_radius": mean,
-        "misfit": surface.misfit,
-        "largest_expansion": expansion,
-        "marginal": marginal,
-    }
-
-
-def _writers(
-    stem: Path, surface: EmbeddedSurface, report: dict[str, Any], vertices: int
-) -> dict[Path, Writer]:
-    """What writes the surface, its report and, where matplotlib is installed, its picture."""
-    tables = surface.mesh(vertices)
-    vtk, report_file, picture = (stem.with_name(f"{stem.name}{ending}") for ending in WRITTEN)
-    writers = {vtk: mesh_writer(vtk, **tables), report_file: report_writer(report)}
-    if find_spec("matplotlib") is None:
-        print_error(f"{picture} is not written: pictures need matplotlib, pip install 'isoembed[plot]'")
-    else:
-        writers[picture] = _picture(picture, surface, tables)
-    return writers
-
-
-def _picture(path: Path, surface: EmbeddedSurface, tables: dict[str, NDArray[Any]]) -> Writer:
-    from isoembed.plot import Quantity, picture_writer
-
-    metric = PolyhedralMetric.from_mesh(tables["vertices"], tables["faces"])
-    drawn = Embedding(metric, tables["vertices"], method="harmonics", tolerance=surface.embedding.tolerance)
-    energies = surface.energies
-    caption = (
-        f"{Path(surface.data.name).name}     area {energies.area.value:.8g}     "
-        rf"$\int\! H\,dA = {surface.embedding.integrated_mean_curvature:.8g}$"
-    )
-    exact = Quantity("mean curvature", "mean curvature  $H = (k_1 + k_2)/2$", tables["mean_curvature"])
-    return picture_writer(path, drawn, color=exact, caption=caption)
-
-
-def _text(report: dict[str, Any]) -> str:
-    """The energies, and what the file was like."""
-    horizon = report["horizon"]
-    if not horizon:
-        return table(report)
-    return (
-        f"{table(report)}\n{horizon['points']} points, fitted to {horizon['misfit']:.1e} of a mean radius "
-        f"{horizon['mean_coordinate_radius']:.6g} in coordinates; the expansion of outgoing rays, 0 on a "
-        f"horizon, is at most {horizon['largest_expansion']:.1e}"
-        + ("" if horizon["marginal"] else ": in this geometry it is no horizon")
-    )
+    return Horizon.of(found, geometry, axis=_axis(options), name=name)

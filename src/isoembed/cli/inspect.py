@@ -3,12 +3,11 @@
 from __future__ import annotations
 
 import argparse
-import json
 
-from isoembed.cli.inspection import Inspection, inspect
-from isoembed.cli.screen import print_out
+from isoembed.cli.screen import print_json, print_out
 from isoembed.cli.status import OK
 from isoembed.io import read_metric
+from isoembed.metric.inspection import inspect
 
 
 def configure(parser: argparse.ArgumentParser) -> None:
@@ -23,22 +22,9 @@ def configure(parser: argparse.ArgumentParser) -> None:
 
 def run(options: argparse.Namespace) -> int:
     """Inspect the input; return the exit status."""
-    metric = read_metric(options.input)
-    found = inspect(metric)
-    print_out(
-        json.dumps(found.as_json(), indent=2, allow_nan=False)
-        if options.json
-        else _text(options.input, found)
-    )
-    return OK
-
-
-def _text(name: str, found: Inspection) -> str:
-    lines = [f"{name}: a polyhedral metric on the sphere", ""]
-    width = max(len(measure.name) for measure in found.measures)
-    lines += [f"{measure.name:{width}}  {measure.text}" for measure in found.measures]
-    if found.warnings:
-        lines += ["", *(f"warning: {warning.text}" for warning in found.warnings)]
+    found = inspect(read_metric(options.input))
+    if options.json:
+        print_json(found.report)
     else:
-        lines += ["", "Nothing stands against an embedding."]
-    return "\n".join(lines)
+        print_out(f"{options.input}: a polyhedral metric on the sphere\n\n{found}")
+    return OK

@@ -7,8 +7,8 @@ import shlex
 import signal
 from pathlib import Path
 
-from isoembed.cli.answer import asked_for
-from isoembed.cli.refusal import UsageError
+from isoembed.cli.outputs import Outputs
+from isoembed.cli.screen import UsageError
 from isoembed.cli.signals import handled
 from isoembed.errors import Interrupted
 from isoembed.io import CHECKPOINT_ENDINGS, FileError, check_output, checkpoint_writer, write_atomically
@@ -33,12 +33,12 @@ def add_checkpoint_options(parser: argparse.ArgumentParser) -> None:
     )
 
 
-def checkpoint_file(options: argparse.Namespace) -> Path | None:
+def checkpoint_file(options: argparse.Namespace, outputs: Outputs) -> Path | None:
     """Where a checkpoint would go, if anywhere.
 
     Raises
     ------
-    FileError, Refusal
+    FileError, UsageError
         It cannot be written where it was asked for, or is another file of this run.
     """
     path: Path | None = options.checkpoint or options.resume
@@ -48,8 +48,8 @@ def checkpoint_file(options: argparse.Namespace) -> Path | None:
         return None
     if options.checkpoint:
         check_output(path, CHECKPOINT_ENDINGS)
-    outputs = {f"--{name}": other for name, other in asked_for(options).items()}
-    for name, other in {"INPUT": Path(options.input), **outputs}.items():
+    others = {f"--{name}": other for name, other in outputs.items()}
+    for name, other in {"INPUT": Path(options.input), **others}.items():
         if other.resolve() == path.resolve():
             raise UsageError(f"{name} and the checkpoint are the same file {path}")
     return path

@@ -9,7 +9,7 @@ from dataclasses import MISSING, Field, fields, is_dataclass
 from typing import Any, Literal, Union, get_args, get_origin, get_type_hints
 
 from isoembed import _embed
-from isoembed.cli.refusal import UsageError
+from isoembed.cli.screen import UsageError
 
 TRUTH = {"true": True, "yes": True, "1": True, "false": False, "no": False, "0": False}
 
@@ -25,7 +25,7 @@ def configured(method: str, assignments: Sequence[str]) -> _embed.Method:
 
     Raises
     ------
-    Refusal
+    UsageError
         A parameter or its value is not one of the method's.
     """
     configuration = _embed.configuration(method)

@@ -3,10 +3,10 @@
 from __future__ import annotations
 
 import argparse
+from collections.abc import Callable
 from pathlib import Path
 
-from isoembed.cli.refusal import UsageError
-from isoembed.io import check_output
+from isoembed.cli.screen import UsageError
 from isoembed.io.files import Writer
 from isoembed.plot.animation import ANIMATION_ENDINGS, animation_writer, check_animation
 from isoembed.plot.film import Film
@@ -15,7 +15,7 @@ from isoembed.plot.picture import PICTURE_ENDINGS, check_drawable, picture_write
 from isoembed.plot.quantity import MEAN_CURVATURE, QUANTITIES
 from isoembed.surface.embedding import Embedding
 
-ENDINGS = {"picture": PICTURE_ENDINGS, "html": PAGE_ENDINGS, "animate": ANIMATION_ENDINGS}
+PICTURES = {"picture": PICTURE_ENDINGS, "html": PAGE_ENDINGS, "animate": ANIMATION_ENDINGS}
 
 
 def add_picture_options(parser: argparse.ArgumentParser) -> None:
@@ -53,17 +53,13 @@ def add_color_option(parser: argparse.ArgumentParser) -> None:
 
 
 def check_pictures(options: argparse.Namespace) -> None:
-    """Find out what cannot be made before anything is computed.
+    """Find out what cannot be drawn before anything is computed.
 
     Raises
     ------
-    FileError, Refusal
-        Naming the file.
+    FileError, UsageError
+        Naming what is missing.
     """
-    for name, endings in ENDINGS.items():
-        path = getattr(options, name)
-        if path:
-            check_output(path, endings)
     if options.picture:
         check_drawable()
     if options.animate:
@@ -72,24 +68,13 @@ def check_pictures(options: argparse.Namespace) -> None:
         raise UsageError("--color needs a --picture whose colors it chooses")
 
 
-def film_for(options: argparse.Namespace) -> Film | None:
-    """What takes the surfaces on the way, if anything shows them."""
-    return Film() if options.html or options.animate else None
-
-
 def picture_writers(
     options: argparse.Namespace, embedding: Embedding, film: Film | None
-) -> dict[Path, Writer]:
-    """What writes the pictures that are asked for."""
-    writers: dict[Path, Writer] = {}
-    if options.picture:
-        writers[options.picture] = picture_writer(
-            options.picture, embedding, color=options.color or MEAN_CURVATURE
-        )
-    if film is not None:
-        frames = film.frames(embedding)
-        if options.html:
-            writers[options.html] = page_writer(options.html, embedding, frames=frames)
-        if options.animate:
-            writers[options.animate] = animation_writer(options.animate, embedding, frames)
-    return writers
+) -> dict[str, Callable[[Path], Writer]]:
+    """Makers of the pictures, by the names of their options."""
+    frames = () if film is None else film.frames(embedding)
+    return {
+        "picture": lambda path: picture_writer(path, embedding, color=options.color or MEAN_CURVATURE),
+        "html": lambda path: page_writer(path, embedding, frames=frames),
+        "animate": lambda path: animation_writer(path, embedding, frames),
+    }

@@ -7,7 +7,7 @@ import sys
 from contextlib import suppress
 from pathlib import Path
 
-from isoembed.cli.screen import print_error, print_out
+from isoembed.cli.screen import add_quiet_option, print_error, print_out
 from isoembed.cli.status import NOT_EMBEDDED, OK
 
 
@@ -22,7 +22,7 @@ def configure(parser: argparse.ArgumentParser) -> None:
         help="the folder for report.html, numbers.json and figures/; made if it is not there",
     )
     parser.add_argument("--quick", action="store_true", help="small meshes: half a minute instead of six")
-    parser.add_argument("--quiet", action="store_true", help="print nothing but errors")
+    add_quiet_option(parser)
 
 
 def run(options: argparse.Namespace) -> int:

@@ -2,14 +2,25 @@
 
 from __future__ import annotations
 
+import argparse
+import json
 import os
 import sys
 from contextlib import suppress
-from typing import TextIO
+from typing import Any, TextIO
+
+
+class UsageError(ValueError):
+    """A command line that is well formed but makes no sense."""
 
 
 class OutputError(RuntimeError):
     """Standard output does not take the answer."""
+
+
+def add_quiet_option(parser: argparse.ArgumentParser) -> None:
+    """Add the option that silences the command."""
+    parser.add_argument("--quiet", action="store_true", help="print nothing but errors")
 
 
 def print_out(text: str) -> None:
@@ -27,6 +38,11 @@ def print_out(text: str) -> None:
     except OSError as error:
         _abandon()
         raise OutputError(f"cannot write to standard output: {error.strerror}") from None
+
+
+def print_json(document: Any) -> None:
+    """Print an answer as strict JSON."""
+    print_out(json.dumps(document, indent=2, allow_nan=False))
 
 
 def print_error(message: str) -> None:

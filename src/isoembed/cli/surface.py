@@ -7,8 +7,7 @@ from dataclasses import Field, fields
 from pathlib import Path
 from typing import Any, get_args, get_type_hints
 
-from isoembed.cli.refusal import UsageError
-from isoembed.cli.screen import print_out
+from isoembed.cli.screen import UsageError, print_out
 from isoembed.cli.status import OK
 from isoembed.gallery import SURFACES, Surface, triangulate
 from isoembed.io import (

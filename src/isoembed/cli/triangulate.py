@@ -7,9 +7,8 @@ from pathlib import Path
 
 import numpy as np
 
-from isoembed.cli.closed_form import OF_SPACETIME, add_spacetime_options, closed_form, refuse_given
-from isoembed.cli.refusal import UsageError
-from isoembed.cli.screen import print_out
+from isoembed.cli.screen import UsageError, print_out
+from isoembed.cli.smooth_options import OF_SPACETIME, add_spacetime_options, closed_form, refuse_given
 from isoembed.cli.status import OK
 from isoembed.io import METRIC_ENDINGS, check_output, metric_writer, write_atomically
 from isoembed.relativity.horizons.grid_file import read_metric_grid

@@ -8,8 +8,7 @@ import webbrowser
 from pathlib import Path
 
 from isoembed.cli.pictures import add_color_option
-from isoembed.cli.refusal import UsageError
-from isoembed.cli.screen import print_out
+from isoembed.cli.screen import UsageError, print_out
 from isoembed.cli.status import OK
 from isoembed.io import check_output, read_surface, write_atomically
 from isoembed.io.files import ending

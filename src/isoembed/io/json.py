@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import sys
 from collections.abc import Callable, Iterator
 from itertools import chain
 from pathlib import Path
@@ -22,6 +23,14 @@ PLAIN = {"lengths": "length"}
 def read(path: Path) -> Tables:
     """Read a file; see `parse`."""
     return parse(path.read_bytes(), str(path))
+
+
+def read_standard_input() -> Tables:
+    """Read standard input; see `parse`."""
+    stream = getattr(sys.stdin, "buffer", None)
+    if stream is None:
+        raise FileError("there is no standard input to read from")
+    return parse(stream.read(), "standard input")
 
 
 def parse(data: bytes, name: str) -> Tables:

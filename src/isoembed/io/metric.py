@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import os
-import sys
 from pathlib import Path
 from typing import Any
 
@@ -49,10 +48,7 @@ def read_metric(source: str | os.PathLike[str]) -> PolyhedralMetric:
         What it holds is not a metric.
     """
     if source == "-":
-        stream = getattr(sys.stdin, "buffer", None)
-        if stream is None:
-            raise FileError("there is no standard input to read from")
-        return metric_of(json.parse(stream.read(), "standard input"), "standard input")
+        return metric_of(json.read_standard_input(), "standard input")
     return metric_of(read_tables(source), str(source))
 
 

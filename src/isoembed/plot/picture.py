@@ -116,8 +116,12 @@ def panels(
 
 def picture_writer(path: str | os.PathLike[str], embedding: Embedding, **drawing: Any) -> Writer:
     """Return what writes the picture in the format of this ending; see `write_atomically` and `figure`."""
-    drawn, format_ = figure(embedding, **drawing), ending(path)[1:]
-    return lambda temporary: drawn.savefig(temporary, format=format_, dpi=DPI)
+    return figure_writer(path, figure(embedding, **drawing))
+
+
+def figure_writer(path: str | os.PathLike[str], drawn: Figure) -> Writer:
+    """Return what writes a figure in the format of this ending; see `write_atomically`."""
+    return lambda temporary: drawn.savefig(temporary, format=ending(path)[1:], dpi=DPI)
 
 
 def write_picture(

@@ -1,13 +1,10 @@
-"""Nets from JSON: what a user types to glue paper."""
+"""Paper nets from JSON: polygons and the pairs of sides that are glued, or a form by its name."""
 
 from __future__ import annotations
 
-import sys
 from collections.abc import Callable, Mapping
 from pathlib import Path
 from typing import Any
-
-from numpy.typing import ArrayLike
 
 from isoembed.gluing import (
     Ellipse,
@@ -22,25 +19,20 @@ from isoembed.gluing import (
     triangle,
     zipped,
 )
-from isoembed.gluing.outlines import Curve
-from isoembed.io import FileError, json
-from isoembed.io.files import check_ending, check_input
+from isoembed.io import json
+from isoembed.io.files import FileError, check_ending, check_input
+
+Makers = dict[str, tuple[Callable[..., Any], int, int]]
+"""Shapes by name: who makes them, from how many numbers at least and at most."""
 
 FORMS = ("polygons", "zip", "pita", "dform")
-
-POLYGONS: dict[str, tuple[Callable[..., Any], int, int]] = {
+POLYGONS: Makers = {
     "rectangle": (rectangle, 2, 2),
     "triangle": (triangle, 3, 3),
     "regular": (regular_polygon, 1, 2),
 }
-"""Polygons by name: who makes them, from how many numbers at least and at most."""
-
-CURVES: dict[str, tuple[Callable[..., Any], int, int]] = {
-    "circle": (circle, 1, 1),
-    "ellipse": (Ellipse, 2, 2),
-    "stadium": (Stadium, 2, 2),
-}
-"""Curves by name."""
+CURVES: Makers = {"circle": (circle, 1, 1), "ellipse": (Ellipse, 2, 2), "stadium": (Stadium, 2, 2)}
+OUTLINES = POLYGONS | CURVES
 
 
 def read_net(source: str) -> Net:
@@ -69,10 +61,7 @@ def read_net(source: str) -> Net:
         What it holds makes no metric.
     """
     if source == "-":
-        stream = getattr(sys.stdin, "buffer", None)
-        if stream is None:
-            raise FileError("there is no standard input to read from")
-        return _net(json.parse(stream.read(), "standard input"), "standard input")
+        return _net(json.read_standard_input(), "standard input")
     path = Path(source)
     check_ending(path, [".json"])
     check_input(path)
@@ -88,20 +77,20 @@ def _net(document: Mapping[str, Any], name: str) -> Net:
     if form == "polygons":
         entries = _entries(document, name, ("polygons", "sides"))
         polygons = _list(entries["polygons"], f"polygons of {name}")
-        shapes = [_polygon(polygon, f"polygon {p}") for p, polygon in enumerate(polygons)]
+        shapes = [_shape(polygon, f"polygon {p}", POLYGONS) for p, polygon in enumerate(polygons)]
         return glue(shapes, _list(entries["sides"], f"sides of {name}"))
     _entries(document, name, (form,))
     if form == "zip":
         entries = _entries(document["zip"], f"zip of {name}", ("polygon", "at"))
-        return zipped(_polygon(entries["polygon"], "the polygon"), entries["at"])
+        return zipped(_shape(entries["polygon"], "the polygon", POLYGONS), entries["at"])
     if form == "pita":
         entries = _entries(document["pita"], f"pita of {name}", ("outline",), ("at", "n"))
-        return pita(_outline(entries.pop("outline"), "the outline"), **entries)
+        return pita(_shape(entries.pop("outline"), "the outline", OUTLINES), **entries)
     entries = _entries(document["dform"], f"dform of {name}", ("outlines",), ("offset", "n"))
     outlines = _list(entries.pop("outlines"), f"outlines of {name}")
     if len(outlines) != 2:
         raise FileError(f"the outlines of {name} are {len(outlines)}, not 2")
-    first, second = (_outline(outline, f"outline {k}") for k, outline in enumerate(outlines))
+    first, second = (_shape(outline, f"outline {k}", OUTLINES) for k, outline in enumerate(outlines))
     return dform(first, second, **entries)
 
 
@@ -126,16 +115,10 @@ def _list(given: Any, name: str) -> list[Any]:
     return given
 
 
-def _polygon(given: Any, name: str) -> ArrayLike:
-    return _made(given, name, POLYGONS) if isinstance(given, dict) else given
-
-
-def _outline(given: Any, name: str) -> Curve | ArrayLike:
-    return _made(given, name, POLYGONS | CURVES) if isinstance(given, dict) else given
-
-
-def _made(given: dict[str, Any], name: str, known: Mapping[str, tuple[Callable[..., Any], int, int]]) -> Any:
-    """A shape that is given as ``{"name": numbers}``."""
+def _shape(given: Any, name: str, known: Makers) -> Any:
+    """A shape: as it is, or, where it is given as ``{"name": numbers}``, the one of that name."""
+    if not isinstance(given, dict):
+        return given
     if len(given) != 1 or next(iter(given)) not in known:
         raise FileError(f"{name} is {', '.join(given) or 'nothing'}, not one of {', '.join(known)}")
     ((shape, numbers),) = given.items()

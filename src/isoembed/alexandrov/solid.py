@@ -1,4 +1,4 @@
-"""What a convex polyhedron is called, and whether two are the same."""
+"""Corners, edges and faces of a convex polyhedron, its name, and whether two are congruent."""
 
 from __future__ import annotations
 
@@ -9,10 +9,7 @@ from numpy.typing import NDArray
 from scipy.spatial.distance import pdist
 
 from isoembed.alexandrov.polyhedron import ConvexPolyhedron
-from isoembed.cli.summary import summary
-from isoembed.surface.embedding import Embedding
-
-SAME = 1e-6  # relative: lengths of solids that are told apart by eye
+from isoembed.thresholds import threshold
 
 FACES = {
     4: "tetrahedron",
@@ -28,17 +25,28 @@ SIDES = {3: "triangle", 4: "quadrilateral", 5: "pentagon", 6: "hexagon"}
 Floats = NDArray[np.float64]
 
 
+@dataclass(frozen=True)
+class SolidThresholds:
+    """Thresholds of the comparison of solids."""
+
+    same: float = threshold(1e-6, "relative", "Difference up to which lengths or deficits are the same.")
+
+
+SOLID = SolidThresholds()
+
+
 @dataclass(frozen=True, eq=False)
 class Solid:
-    """The corners, edges and faces that a polyhedron really has.
+    """Corners, edges and faces of a polyhedron, without its flat vertices.
 
     Attributes
     ----------
     vertices, edges, faces : int
-        Of a doubly covered polygon those of both sides: two faces.
+        A doubly covered polygon has two faces.
     name : str
+        Such as ``"cube"`` or ``"pentahedron"``.
     distances : ndarray
-        All distances between two corners, in order: the same for congruent solids and mirror images.
+        All distances between two corners, ascending: the same for congruent solids and mirror images.
     """
 
     vertices: int
@@ -49,7 +57,7 @@ class Solid:
 
     @classmethod
     def of(cls, polyhedron: ConvexPolyhedron) -> Solid:
-        """Look at a polyhedron without its flat vertices."""
+        """The solid of a polyhedron."""
         corner = np.ones(len(polyhedron.vertices), dtype=np.bool_)
         corner[polyhedron.flat_vertices] = False
         loops = [[v for v in polygon if corner[v]] for polygon in polyhedron.polygons]
@@ -68,7 +76,7 @@ class Solid:
     def is_congruent(self, other: Solid) -> bool:
         """Whether the two are the same up to motions and mirror images, as far as distances tell."""
         return len(self.distances) == len(other.distances) and np.allclose(
-            self.distances, other.distances, rtol=0, atol=SAME * self.distances[-1]
+            self.distances, other.distances, rtol=0, atol=SOLID.same * self.distances[-1]
         )
 
 
@@ -79,14 +87,7 @@ def _name(loops: list[list[int]], vertices: Floats, deficits: Floats) -> str:
         [np.linalg.norm(vertices[loop] - vertices[np.roll(loop, 1)], axis=1) for loop in loops]
     )
     name = FACES.get(len(loops), f"{len(loops)}-hedron")
-    alike = np.ptp(lengths) < SAME * lengths.max() and np.ptp(deficits) < SAME
+    alike = np.ptp(lengths) < SOLID.same * lengths.max() and np.ptp(deficits) < SOLID.same
     if alike and len({len(loop) for loop in loops}) == 1:
         return "cube" if len(loops) == 6 else f"regular {name}"
     return name
-
-
-def described(embedding: Embedding) -> str:
-    """Return the summary that ``isoembed glue`` prints where no output file is asked for."""
-    if isinstance(embedding, ConvexPolyhedron):
-        return f"{Solid.of(embedding)}\n\n{summary(embedding)}"
-    return summary(embedding)

@@ -1,0 +1,92 @@
+"""Options of the commands that take smooth surfaces: which closed form, and how many vertices."""
+
+from __future__ import annotations
+
+import argparse
+from typing import get_args
+
+from isoembed.cli.screen import UsageError
+from isoembed.errors import InvalidParameter
+from isoembed.relativity.spacetimes.closed_form import SURFACES, Slice, kerr_surface
+from isoembed.relativity.spacetimes.surface_data import SurfaceData
+
+OF_SPACETIME = ("mass", "spin", "charge", "surface", "slice")  # options that need a --spacetime
+DEFAULT, FEWEST = 1000, 12  # vertices
+
+
+def add_spacetime_options(parser: argparse.ArgumentParser) -> None:
+    """Add the options that name a surface of a closed-form spacetime."""
+    parser.add_argument("--spacetime", choices=("kerr", "schwarzschild"), help="a closed-form spacetime")
+    parser.add_argument("--mass", type=float, metavar="M", help="its mass (default 1)")
+    parser.add_argument("--spin", type=float, metavar="A", help="its spin a = J/M, a length (default 0)")
+    parser.add_argument("--charge", type=float, metavar="Q", help="its charge, a length (default 0)")
+    parser.add_argument(
+        "--surface",
+        metavar="SURFACE",
+        help="horizon; r=R, of constant Boyer-Lindquist radius; ergosphere=EPSILON, r = r_ergo + EPSILON M",
+    )
+    slices = get_args(Slice)
+    parser.add_argument(
+        "--slice",
+        choices=slices,
+        help=f"the slice of spacetime that the surface lies in, for k and p (default {slices[0]})",
+    )
+
+
+def add_vertices_option(parser: argparse.ArgumentParser) -> None:
+    """Add the option that says how fine the mesh of a smooth surface is."""
+    parser.add_argument(
+        "--vertices",
+        type=int,
+        metavar="N",
+        help=f"of the mesh that finds a smooth surface, and of the one that is written (default {DEFAULT})",
+    )
+
+
+def vertices(options: argparse.Namespace) -> int:
+    """How many vertices the mesh of a smooth surface has.
+
+    Raises
+    ------
+    UsageError
+        They are too few.
+    """
+    if options.vertices is not None and options.vertices < FEWEST:
+        raise UsageError(f"--vertices must be at least {FEWEST}, not {options.vertices}")
+    return DEFAULT if options.vertices is None else int(options.vertices)
+
+
+def refuse_given(options: argparse.Namespace, names: tuple[str, ...], why: str) -> None:
+    """Refuse options that make no sense beside others.
+
+    Raises
+    ------
+    UsageError
+        Naming the first that is given.
+    """
+    for name in names:
+        value = getattr(options, name)
+        if value is not None and value is not False:
+            given = f"the input {options.input}" if name == "input" else f"--{name.replace('_', '-')}"
+            raise UsageError(f"{given} {why}")
+
+
+def closed_form(options: argparse.Namespace) -> SurfaceData:
+    """The surface that the options name.
+
+    Raises
+    ------
+    UsageError, InvalidParameter
+        There is none.
+    """
+    if options.surface is None:
+        raise UsageError(f"which --surface? There are {SURFACES}")
+    if options.spacetime == "schwarzschild" and (options.spin or options.charge):
+        raise UsageError("a Schwarzschild black hole has neither spin nor charge: take --spacetime kerr")
+    given = {name: value for name in OF_SPACETIME if (value := getattr(options, name)) is not None}
+    try:
+        return kerr_surface(**given)
+    except InvalidParameter as error:  # where the message begins with a parameter's name, it is an option's
+        if str(error).split()[0] in OF_SPACETIME:
+            raise UsageError(f"--{error}") from None
+        raise

@@ -1,0 +1,97 @@
+"""Solids that a family of nets folds to, in classes of congruent ones."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from dataclasses import dataclass
+from typing import cast
+
+from isoembed._embed import embed
+from isoembed.alexandrov.polyhedron import ConvexPolyhedron
+from isoembed.alexandrov.solid import Solid
+from isoembed.errors import NotEmbedded
+from isoembed.gluing.net import Net
+
+HEADINGS = ("", "net", "solid", "vertices", "edges", "faces", "area", "volume")
+
+
+@dataclass(frozen=True)
+class Folded:
+    """Solid of one net of a family.
+
+    Attributes
+    ----------
+    number, kind : int
+        Place of the net in the family, and of the solid among the kinds that are not congruent, from 1.
+    label : str
+        What tells the net from the others.
+    polyhedron : ConvexPolyhedron
+    solid : Solid
+    """
+
+    number: int
+    kind: int
+    label: str
+    polyhedron: ConvexPolyhedron
+    solid: Solid
+
+
+@dataclass(frozen=True)
+class Folding:
+    """Solids of a family of nets, and why some have none; as a string, a table.
+
+    Attributes
+    ----------
+    folded : tuple of Folded
+    failures : tuple of str
+    """
+
+    folded: tuple[Folded, ...]
+    failures: tuple[str, ...]
+
+    def __str__(self) -> str:
+        table: list[tuple[str, ...]] = [HEADINGS]
+        for one in self.folded:
+            counts = map(str, (one.solid.vertices, one.solid.edges, one.solid.faces))
+            sizes = (f"{size:.9g}" for size in (one.polyhedron.area, one.polyhedron.volume))
+            table.append((str(one.number), one.label, f"{one.kind}: {one.solid.name}", *counts, *sizes))
+        widths = [max(map(len, column)) for column in zip(*table, strict=True)]
+        # Words to the left, numbers to the right.
+        lines = [
+            "  ".join(
+                text.ljust(width) if 0 < k < 3 else text.rjust(width)
+                for k, (text, width) in enumerate(zip(row, widths, strict=True))
+            )
+            for row in table
+        ]
+        kinds = {one.kind for one in self.folded}
+        counted = f"{len(self.folded) + len(self.failures)} nets, {len(kinds)} solids"
+        return "\n".join([*lines, "", counted])
+
+
+def fold(nets: Iterable[tuple[str, Net]]) -> Folding:
+    """Solve nets, and sort their solids into kinds.
+
+    Parameters
+    ----------
+    nets : iterable of (str, Net)
+        Each with a label, as from ``CLASSICS["latin-cross"].make()``.
+
+    Returns
+    -------
+    Folding
+    """
+    folded: list[Folded] = []
+    kinds: list[Solid] = []
+    failures: list[str] = []
+    for number, (label, net) in enumerate(nets, 1):
+        try:
+            polyhedron = cast(ConvexPolyhedron, embed(net, method="alexandrov"))
+        except NotEmbedded as error:
+            failures.append(f"net {number}, {label}: {error}")
+            continue
+        solid = Solid.of(polyhedron)
+        kind = next((k for k, other in enumerate(kinds) if solid.is_congruent(other)), len(kinds))
+        kinds += [solid] if kind == len(kinds) else []
+        folded.append(Folded(number, kind + 1, label, polyhedron, solid))
+    return Folding(tuple(folded), tuple(failures))

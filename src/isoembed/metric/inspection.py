@@ -1,0 +1,233 @@
+"""Inspection of a metric: measures that matter to its embedding, and warnings that follow from them."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from isoembed.metric.curvature import (
+    ROUNDING,
+    area,
+    corner_angles,
+    deficits,
+    dual_areas,
+    gaussian_curvature,
+)
+from isoembed.metric.polyhedral import PolyhedralMetric
+from isoembed.thresholds import threshold
+
+Floats = NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class InspectionThresholds:
+    """Thresholds of the warnings of an inspection."""
+
+    flat: float = threshold(
+        1e-6, "radians", "Deficit below which a surface bends less than the square root of rounding."
+    )
+    needle: float = threshold(5.0, "degrees", "Angle below which a triangle is a needle.")
+    narrow: float = threshold(30.0, "degrees", "Least angle for which the paper expects convexity to work.")
+    wide: float = threshold(120.0, "degrees", "Largest angle for which the paper expects convexity to work.")
+    steep: float = threshold(
+        1000.0, "relative", "Longest over shortest edge beyond which there is a warning."
+    )
+
+
+INSPECTION = InspectionThresholds()
+
+
+@dataclass(frozen=True)
+class Measure:
+    """One measure of a metric: its name, a sentence for the eye, and values for programs."""
+
+    name: str
+    text: str
+    values: Mapping[str, float | int]
+
+
+@dataclass(frozen=True)
+class Caution:
+    """A warning: its kind, how often it applies, and where first and what it means for an embedding."""
+
+    kind: str
+    count: int
+    text: str
+
+
+@dataclass(frozen=True)
+class Inspection:
+    """Measures and warnings of a metric; as a string, a line for each.
+
+    Attributes
+    ----------
+    measures : tuple of Measure
+    warnings : tuple of Caution
+    """
+
+    measures: tuple[Measure, ...]
+    warnings: tuple[Caution, ...]
+
+    @property
+    def report(self) -> dict[str, Any]:
+        """Plain numbers for JSON: an entry a measure, and the warnings; what is not finite is None."""
+        document: dict[str, Any] = {
+            measure.name.replace(" ", "_"): {
+                key: x if math.isfinite(x) else None for key, x in measure.values.items()
+            }
+            for measure in self.measures
+        }
+        document["warnings"] = [
+            {"kind": warning.kind, "count": warning.count, "message": warning.text}
+            for warning in self.warnings
+        ]
+        return document
+
+    def __str__(self) -> str:
+        width = max(len(measure.name) for measure in self.measures)
+        lines = [f"{measure.name:{width}}  {measure.text}" for measure in self.measures]
+        lines += ["", *(f"warning: {warning.text}" for warning in self.warnings)]
+        return "\n".join(lines if self.warnings else [*lines, "Nothing stands against an embedding."])
+
+
+def inspect(metric: PolyhedralMetric) -> Inspection:
+    """Measure a metric, and warn of what its embedding will feel.
+
+    Parameters
+    ----------
+    metric : PolyhedralMetric
+
+    Returns
+    -------
+    Inspection
+
+    Examples
+    --------
+    >>> tetrahedron = PolyhedralMetric([[0, 1, 2], [0, 2, 3], [0, 3, 1], [1, 3, 2]], [1.0] * 6)
+    >>> inspect(tetrahedron).report["counts"]
+    {'vertices': 4, 'edges': 6, 'faces': 4}
+    """
+    unit = metric.normalized
+    angles, epsilon, duals = corner_angles(unit), deficits(unit), dual_areas(unit)
+    face, corner = np.divmod(metric.triangulation.edge_halfedges, 3)
+    # Angles across each edge, their sum minus pi: positive where the edge is not Delaunay.
+    excess = angles[face, (corner + 2) % 3].sum(axis=1) - np.pi
+    found = metric, angles, epsilon, duals, excess
+    return Inspection(tuple(_measures(*found)), tuple(_warnings(*found)))
+
+
+def _measures(
+    metric: PolyhedralMetric, angles: Floats, epsilon: Floats, duals: Floats, excess: Floats
+) -> Iterator[Measure]:
+    t, lengths = metric.triangulation, metric.lengths
+    with np.errstate(all="ignore"):
+        curvature = gaussian_curvature(metric)[duals > 0]  # some are: dual areas sum to the area
+        surface = area(metric)
+        dual = {key: x * metric.unit * metric.unit for key, x in _range(duals).items()}
+    counts = {"vertices": t.n_vertices, "edges": t.n_edges, "faces": t.n_faces}
+    yield Measure("counts", ", ".join(f"{count} {name}" for name, count in counts.items()), counts)
+    degrees = {"min": int(t.degrees.min()), "max": int(t.degrees.max())}
+    yield Measure("degrees", f"{degrees['min']} to {degrees['max']} edges at a vertex", degrees)
+    mean = metric.mean_length
+    text = f"{lengths.min():.6g} to {lengths.max():.6g}, mean {mean:.6g}"
+    yield Measure("lengths", text, {**_range(lengths), "mean": mean})
+    low, high = np.degrees([angles.min(), angles.max()])
+    yield Measure("angles", f"{low:.4g} to {high:.4g} degrees", {"min_degrees": low, "max_degrees": high})
+    negative, gauss_bonnet = int((epsilon < -ROUNDING).sum()), float(epsilon.sum() - 4 * np.pi)
+    text = (
+        f"{epsilon.min():.4g} to {epsilon.max():.4g} radians, {negative} negative, "
+        f"sum - 4 pi = {gauss_bonnet:.1e}"
+    )
+    values = {**_range(epsilon), "negative": negative, "sum_minus_4_pi": gauss_bonnet}
+    yield Measure("deficits", text, values)
+    undefined = int((duals <= 0).sum())
+    text = f"{dual['min']:.4g} to {dual['max']:.4g}, {undefined} not positive"
+    yield Measure("dual areas", text, {**dual, "not_positive": undefined})
+    k = _range(curvature)
+    yield Measure("gaussian curvature", f"{k['min']:.4g} to {k['max']:.4g}", k)
+    violations = int((excess > ROUNDING).sum())
+    text = f"{violations} edges with opposite angles of more than 180 degrees together"
+    yield Measure("delaunay", text, {"violations": violations})
+    yield Measure("area", f"{surface:.12g}", {"total": surface})
+
+
+def _range(values: Floats) -> dict[str, float]:
+    return {"min": float(values.min()), "max": float(values.max())}
+
+
+def _warnings(
+    metric: PolyhedralMetric, angles: Floats, epsilon: Floats, duals: Floats, excess: Floats
+) -> Iterator[Caution]:
+    t = metric.triangulation
+    least, largest = angles.min(axis=1), angles.max(axis=1)
+    needle = least < np.radians(INSPECTION.needle)
+    beyond = (least < np.radians(INSPECTION.narrow)) | (largest > np.radians(INSPECTION.wide))
+    found = (
+        (
+            *("negative_deficits", epsilon < -ROUNDING, "negative deficits"),
+            lambda v: (
+                f"vertex {v} has {epsilon[v]:.4g} rad: the metric is not convex there, Alexandrov's "
+                "theorem does not apply, and an embedding, if there is one, need not be the only one"
+            ),
+        ),
+        (
+            *("flat_vertices", np.abs(epsilon) <= INSPECTION.flat, "flat vertices"),
+            lambda v: (
+                f"vertex {v} has deficit {epsilon[v]:.1e}: a flat vertex can move off its plane at "
+                "second order, so coordinates are only as good as the square root of the length error"
+            ),
+        ),
+        (
+            *("degree_three", t.degrees == 3, "vertices of degree 3"),
+            lambda v: (
+                f"vertex {v} has only 3 edges: it can be mirrored in the plane of its neighbors without "
+                "changing a length, so there are two embeddings for each"
+            ),
+        ),
+        (
+            *("dual_areas", duals <= 0, "dual areas that are not positive"),
+            lambda v: (
+                f"vertex {v}: the curvature k = deficit / dual area is undefined there, and methods "
+                "that flow by it (--method paper) may fail"
+            ),
+        ),
+        (
+            *("needles", needle, f"triangles with an angle below {INSPECTION.needle:g} degrees"),
+            lambda f: (
+                f"face {f} {t.faces[f].tolist()} has an angle of {np.degrees(least[f]):.2g} degrees: needles "
+                "are badly conditioned and may keep the residual from falling to rounding"
+            ),
+        ),
+        (
+            *("angles", beyond & ~needle),
+            f"triangles with angles outside {INSPECTION.narrow:g} to {INSPECTION.wide:g} degrees",
+            lambda f: (
+                f"face {f} has {np.degrees(least[f]):.3g} to {np.degrees(largest[f]):.3g} degrees: the "
+                "paper's triangulations keep within, and other realizations are likelier"
+            ),
+        ),
+        (
+            *("not_delaunay", excess > ROUNDING, "edges that are not Delaunay"),
+            lambda e: (
+                f"edge {t.edges[e].tolist()}: cotangent weights are negative there, and a convex "
+                "surface has a concave edge in such triangles more often than in Delaunay ones"
+            ),
+        ),
+    )
+    for kind, where, what, text in found:
+        if where.any():
+            first = int(np.argmax(where))
+            yield Caution(kind, int(where.sum()), f"{where.sum()} {what}; the first: {text(first)}")
+    ratio = float(metric.lengths.max() / metric.lengths.min())
+    if ratio > INSPECTION.steep:
+        yield Caution(
+            "length_ratio",
+            1,
+            f"the longest edge is {ratio:.3g} times the shortest: the residual is measured in mean edge "
+            "lengths, so short edges are held less exactly relative to themselves",
+        )

@@ -1,0 +1,144 @@
+"""Reports of energies: of embedded surfaces, of those that do not embed, of triangles and of horizons."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator
+from dataclasses import dataclass
+from typing import Any
+
+from isoembed.errors import InvalidParameter, NoMinimum, NotEmbedded
+from isoembed.relativity.energies.embedded import CONVENTIONS, EmbeddedSurface, embed_surface
+from isoembed.relativity.energies.energies import Energies
+from isoembed.relativity.energies.quadrature import intrinsic_energies
+from isoembed.relativity.energies.wang_yau_energy import WangYau, wang_yau
+from isoembed.relativity.horizons.horizon import Horizon
+from isoembed.relativity.spacetimes.surface_data import SurfaceData
+from isoembed.surface.embedding import Embedding
+from isoembed.surface.smooth_integrals import Lengths
+
+SHOWN = {
+    "area": "area",
+    "integrated_mean_curvature": "int H dA, H = (k1 + k2)/2",
+    "irreducible_mass": "irreducible mass",
+    "christodoulou_mass": "Christodoulou mass",
+    "hawking": "Hawking energy",
+    "brown_york": "Brown-York energy",
+    "liu_yau": "Kijowski-Liu-Yau energy",
+    "wang_yau": "Wang-Yau energy",
+}
+
+
+def energy_table(report: dict[str, Any]) -> str:
+    """Energies of a report with their errors, a line each, and its notes."""
+    width = max(map(len, SHOWN.values()))
+    lines = [report["name"], ""]
+    for name, shown in SHOWN.items():
+        if report.get(name) is not None:
+            lines.append(f"{shown:{width}}  {report[name]:<22.15g} +- {report['errors'][name]:.0e}")
+    lines += ["", *(f"note: {note}" for note in report["notes"])]
+    return "\n".join([*lines, CONVENTIONS["units"]])
+
+
+def unembedded_report(data: SurfaceData, error: NotEmbedded) -> dict[str, Any]:
+    """Report of a surface that does not embed: why, and the energies that need no embedding."""
+    return {
+        "status": "not embedded",
+        "message": str(error),
+        "name": data.name,
+        **intrinsic_energies(data).report,
+    }
+
+
+def mesh_report(
+    embedding: Embedding, energies: Energies, lengths: Lengths | None, name: str
+) -> dict[str, Any]:
+    """Report of the energies of triangles, from `mesh_energies` with these lengths."""
+    return {
+        "status": "embedded",
+        "message": embedding.message,
+        "name": name,
+        **energies.report,
+        "lengths": lengths or "not known",
+        "embedding": {
+            "vertices": embedding.triangulation.n_vertices,
+            "residual": embedding.residual,
+            "volume": embedding.volume,
+        },
+        "conventions": CONVENTIONS,
+    }
+
+
+def wang_yau_report(surface: EmbeddedSurface) -> tuple[dict[str, Any], WangYau | None]:
+    """Report of an embedded surface with its least Wang-Yau energy, or why there is none; and that energy."""
+    report = surface.report
+    try:
+        found = wang_yau(surface.data, "optimal", embedding=surface.embedding)
+    except (InvalidParameter, NotEmbedded, NoMinimum) as error:
+        report["wang_yau"] = report["errors"]["wang_yau"] = None
+        report["notes"].append(str(error))
+        return report, None
+    report["wang_yau"], report["errors"]["wang_yau"] = found.energy.value, found.energy.error
+    report["error_estimate"] = max(report["error_estimate"], found.energy.error)
+    report["minimum"] = found.report
+    return report, found
+
+
+@dataclass(frozen=True)
+class EmbeddedHorizon:
+    """A horizon of a sequence with its embedding; as a string, its energies and what the file was like.
+
+    Attributes
+    ----------
+    surface : EmbeddedSurface or None
+        None where there is no embedding: the message of the report says why.
+    report : dict
+        Plain numbers, for JSON.
+    """
+
+    surface: EmbeddedSurface | None
+    report: dict[str, Any]
+
+    def __str__(self) -> str:
+        horizon = self.report["horizon"]
+        if not horizon:
+            return energy_table(self.report)
+        return (
+            f"{energy_table(self.report)}\n{horizon['points']} points, fitted to {horizon['misfit']:.1e} of "
+            f"a mean radius {horizon['mean_coordinate_radius']:.6g} in coordinates; the expansion of "
+            f"outgoing rays, 0 on a horizon, is at most {horizon['largest_expansion']:.1e}"
+            + ("" if horizon["marginal"] else ": in this geometry it is no horizon")
+        )
+
+
+def embed_horizons(horizons: Iterable[Horizon], vertices: int = 1000) -> Iterator[EmbeddedHorizon]:
+    """Embed a sequence of horizons, each from the one before, or, where that leads nowhere, from a mesh.
+
+    Parameters
+    ----------
+    horizons : iterable of Horizon
+    vertices : int
+        Of the mesh.
+
+    Yields
+    ------
+    EmbeddedHorizon
+        One for each; those that do not embed do not end the sequence.
+    """
+    before: EmbeddedSurface | None = None
+    for horizon in horizons:
+        try:
+            before = _embedded(horizon.data, before, vertices)
+        except NotEmbedded as error:
+            report = {**unembedded_report(horizon.data, error), "horizon": horizon.facts}
+            yield EmbeddedHorizon(None, report)
+        else:
+            yield EmbeddedHorizon(before, {**before.report, "horizon": horizon.facts})
+
+
+def _embedded(data: SurfaceData, before: EmbeddedSurface | None, vertices: int) -> EmbeddedSurface:
+    if before is not None:
+        try:
+            return embed_surface(data, start=before)
+        except NotEmbedded:
+            pass
+    return embed_surface(data, vertices=vertices)

@@ -1,0 +1,118 @@
+"""Horizon test: whether the expansion of outgoing light rays vanishes on a surface from a file."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from typing import Any
+
+import numpy as np
+
+from isoembed.errors import InvalidParameter
+from isoembed.meshing.sphere import gauss_rule
+from isoembed.relativity.horizons.coordinate_shape import CoordinateShape
+from isoembed.relativity.spacetimes.star_surface import StarSurface
+from isoembed.relativity.spacetimes.surface_data import SurfaceData
+from isoembed.relativity.spacetimes.three_geometry import ThreeGeometry
+from isoembed.smooth.grid_metric import GridMetric
+from isoembed.thresholds import threshold
+
+
+@dataclass(frozen=True)
+class HorizonThresholds:
+    """Thresholds of the horizon test."""
+
+    nodes: tuple[int, int] = threshold((48, 96), "count", "Heights and angles at which a surface is tested.")
+    marginal: float = threshold(
+        0.1, "over the mean radius", "Expansion below which it is a horizon; a sphere in flat space has 2."
+    )
+
+
+HORIZON = HorizonThresholds()
+
+
+@dataclass(frozen=True)
+class ExpansionTest:
+    """Expansion of outgoing light rays on a surface.
+
+    Attributes
+    ----------
+    mean_coordinate_radius : float
+    largest_expansion : float
+        In absolute value; 0 on a horizon.
+    marginal : bool
+        Whether it is so small that the surface is a horizon: one that was found on a coarse grid is one, what
+        expands like a sphere in flat space is not.
+    """
+
+    mean_coordinate_radius: float
+    largest_expansion: float
+    marginal: bool
+
+
+def expansion_test(surface: StarSurface, geometry: ThreeGeometry) -> ExpansionTest:
+    """Test whether a surface is a horizon of a slice."""
+    u, weights = gauss_rule(*HORIZON.nodes)
+    mean = float(np.average(surface.radius(u), weights=weights))
+    expansion = float(np.abs(surface.expansion(geometry, u)).max())
+    return ExpansionTest(mean, expansion, expansion * mean < HORIZON.marginal)
+
+
+@dataclass(frozen=True)
+class Horizon:
+    """Surface from a file in its slice.
+
+    Attributes
+    ----------
+    data : SurfaceData
+    facts : dict
+        What the file and the expansion say of it as a horizon, for JSON; empty of a metric on a grid.
+    """
+
+    data: SurfaceData
+    facts: dict[str, Any]
+
+    @classmethod
+    def of(
+        cls,
+        found: CoordinateShape | GridMetric,
+        geometry: ThreeGeometry | None = None,
+        *,
+        axis: Sequence[float] = (0.0, 0.0, 1.0),
+        name: str = "",
+    ) -> Horizon:
+        """The surface that a file holds.
+
+        Parameters
+        ----------
+        found : CoordinateShape or GridMetric
+            From `isoembed.relativity.read_horizon`.
+        geometry : ThreeGeometry, optional
+            The slice; a grid has its metric, coordinates need one.
+        axis : sequence of 3 floats
+            Of the angular momentum.
+        name : str
+
+        Raises
+        ------
+        InvalidParameter
+            The geometry is missing, or there is a metric already.
+        """
+        if isinstance(found, GridMetric):
+            if geometry is not None:
+                raise InvalidParameter(f"{name} holds a metric of its own: it needs no geometry")
+            return cls(SurfaceData(found, marginal=True, relative_error=found.truncation, name=name), {})
+        if geometry is None:
+            raise InvalidParameter(f"{found.contents}: name its geometry")
+        surface = StarSurface.from_points(found.points, found.center.tolist())
+        data, test = surface.data(geometry, axis, name=name), expansion_test(surface, geometry)
+        facts = {
+            "time": found.time,
+            "points": len(found.points),
+            "center": list(found.center),
+            "mean_coordinate_radius": test.mean_coordinate_radius,
+            "misfit": surface.misfit,
+            "largest_expansion": test.largest_expansion,
+            "marginal": test.marginal,
+        }
+        return cls(replace(data, marginal=test.marginal), facts)
