@@ -12,6 +12,7 @@ import pytest
 
 import isoembed
 import zoo
+from isoembed.cli import energy as command
 from isoembed.cli import main
 from isoembed.io import read_metric, write_metric
 from isoembed.metric.curvature import area
@@ -450,7 +451,7 @@ HORIZON = ["--spacetime", "kerr", "--spin", ".5", "--surface", "horizon"]
     ],
 )
 def test_refusals(run, triangles, monkeypatch, arguments, sentence):
-    monkeypatch.setattr(isoembed.cli.energies, "embed_surface", lambda *_, **__: pytest.fail("it computed"))
+    monkeypatch.setattr(command, "embed_surface", lambda *_, **__: pytest.fail("it computed"))
     np.save("short.npy", np.ones(7))
     np.save("nan.npy", np.where(np.arange(400) == 3, np.nan, 1.0))
     np.save("words.npy", np.array(["a"]))

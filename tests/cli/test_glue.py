@@ -17,9 +17,10 @@ import isoembed
 import zoo
 from isoembed import Embedding, GluedMetric, NotEmbedded
 from isoembed.cli import main
-from isoembed.cli.netfile import read_net
+from isoembed.gluing import folding
 from isoembed.gluing.classics import CLASSICS
 from isoembed.io import read_metric
+from isoembed.io.net import read_net
 from isoembed.metric.curvature import deficits
 from places import ROOT
 
@@ -349,7 +350,7 @@ def test_nets_that_fail_say_so(run, monkeypatch):
             raise NotEmbedded("lost", Embedding(metric, vertices, method="alexandrov", tolerance=1e-10))
         return solve(net, **options)
 
-    monkeypatch.setattr(isoembed, "embed", attempt, raising=False)
+    monkeypatch.setattr(folding, "embed", attempt)
     status, out, err = run("nets", "platonic", "-o", "solid.npz")
     assert status == 3
     assert err == "isoembed: error: net 4, 12 pentagons: lost\n"

@@ -11,6 +11,7 @@ from isoembed.cli import horizon as command
 from isoembed.cli import main
 from isoembed.io import read_metric
 from isoembed.relativity import KerrNewmanHorizon, KerrSchild
+from isoembed.relativity.energies import report as energy_report
 from isoembed.smooth import GridMetric, solve
 from places import SHARED
 
@@ -222,7 +223,7 @@ REFUSED = [
 
 @pytest.mark.parametrize(("arguments", "sentence"), REFUSED)
 def test_refusals(run, monkeypatch, arguments, sentence):
-    monkeypatch.setattr(command, "embed_surface", lambda *_, **__: pytest.fail("it computed"))
+    monkeypatch.setattr(energy_report, "embed_surface", lambda *_, **__: pytest.fail("it computed"))
     write_kerr("h.gp", (0.0, 0.0, 0.5))
     write_grid("grid.npz", 0.5)
     write_grid("h.npz", 0.5)

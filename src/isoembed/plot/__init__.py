@@ -6,7 +6,15 @@ Still ones and films need matplotlib: ``pip install 'isoembed[plot]'``.
 from isoembed.plot.animation import ANIMATION_ENDINGS, animation_writer, write_animation
 from isoembed.plot.film import Film, Frame
 from isoembed.plot.page import PAGE_ENDINGS, page_writer, write_page
-from isoembed.plot.picture import PICTURE_ENDINGS, Panel, figure, panels, picture_writer, write_picture
+from isoembed.plot.picture import (
+    PICTURE_ENDINGS,
+    Panel,
+    figure,
+    figure_writer,
+    panels,
+    picture_writer,
+    write_picture,
+)
 from isoembed.plot.quantity import QUANTITIES, Quantity, quantities, quantity
 
 __all__ = [
@@ -20,6 +28,7 @@ __all__ = [
     "Quantity",
     "animation_writer",
     "figure",
+    "figure_writer",
     "page_writer",
     "panels",
     "picture_writer",

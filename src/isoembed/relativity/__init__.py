@@ -6,16 +6,26 @@ Units are geometric, G = c = 1.  The mean curvature of relativity is the trace k
 from isoembed.relativity.energies.embedded import EmbeddedSurface, embed_surface
 from isoembed.relativity.energies.energies import Energies, Integrals
 from isoembed.relativity.energies.mesh_energies import mesh_energies
+from isoembed.relativity.energies.report import (
+    EmbeddedHorizon,
+    embed_horizons,
+    energy_table,
+    mesh_report,
+    unembedded_report,
+    wang_yau_report,
+)
 from isoembed.relativity.energies.time_function import TimeFunction
 from isoembed.relativity.energies.wang_yau_energy import WangYau, wang_yau
 from isoembed.relativity.horizons.ahfinderdirect import read_ahfinderdirect
 from isoembed.relativity.horizons.coordinate_shape import CoordinateShape
 from isoembed.relativity.horizons.grid_file import read_metric_grid
+from isoembed.relativity.horizons.horizon import ExpansionTest, Horizon, expansion_test
 from isoembed.relativity.horizons.horizon_file import read_horizon
 from isoembed.relativity.horizons.spectre import read_spectre
 from isoembed.relativity.spacetimes.boosted import BoostedSchwarzschild, Superposed
 from isoembed.relativity.spacetimes.boyer_lindquist import BoyerLindquist
 from isoembed.relativity.spacetimes.cartesian_grid import CartesianGrid, read_cartesian_grid
+from isoembed.relativity.spacetimes.closed_form import kerr_surface
 from isoembed.relativity.spacetimes.conformally_flat import BrillLindquist, IsotropicSchwarzschild
 from isoembed.relativity.spacetimes.kerr import (
     KerrNewmanErgosphere,
@@ -38,8 +48,11 @@ __all__ = [
     "CallableGeometry",
     "CartesianGrid",
     "CoordinateShape",
+    "EmbeddedHorizon",
     "EmbeddedSurface",
     "Energies",
+    "ExpansionTest",
+    "Horizon",
     "Integrals",
     "IsotropicSchwarzschild",
     "KerrNewmanErgosphere",
@@ -53,14 +66,21 @@ __all__ = [
     "ThreeGeometry",
     "TimeFunction",
     "WangYau",
+    "embed_horizons",
     "embed_surface",
     "embeddability",
+    "energy_table",
+    "expansion_test",
+    "kerr_surface",
     "mesh_energies",
+    "mesh_report",
     "read_ahfinderdirect",
     "read_cartesian_grid",
     "read_horizon",
     "read_metric_grid",
     "read_spectre",
     "smarr_limit",
+    "unembedded_report",
     "wang_yau",
+    "wang_yau_report",
 ]
