@@ -10,7 +10,8 @@ from hypothesis import strategies as st
 
 import zoo
 from isoembed.linalg import SingularMatrix, dissect
-from isoembed.linalg.definite import _distance_to_definite, _eliminated, prove_definite
+from isoembed.linalg.definite import _distance_to_definite, prove_definite
+from isoembed.linalg.superlu import down_the_diagonal
 from isoembed.mesh.triangulation import Triangulation
 
 
@@ -54,7 +55,7 @@ def test_the_bound_holds_in_fractions_and_is_half_of_the_eigenvalue(seed, n):
 @given(st.integers(0, 10**6))
 def test_the_factors_are_as_near_as_they_are_said_to_be(seed):
     matrix = random_definite(6, seed, decades=6.0)
-    lu = _eliminated(sp.csc_array(matrix))
+    lu = down_the_diagonal(sp.csc_array(matrix))
     order = np.argsort(lu.perm_c)
     L = [[Fraction(value) for value in row] for row in lu.L.toarray()]
     D = [Fraction(value) for value in lu.U.diagonal()]

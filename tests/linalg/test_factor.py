@@ -12,7 +12,7 @@ from scipy.spatial import ConvexHull
 
 import isoembed.linalg.factor as factor_module
 from isoembed.linalg import SingularMatrix, analyze, available_backends, dissect, factor_general
-from isoembed.linalg.pattern import eliminated, first_asymmetry, first_gap, places
+from isoembed.linalg.elimination import first_asymmetry, first_gap, inverse, permuted
 from isoembed.linalg.symmetric import SymmetricMatrix
 
 BACKENDS = ("superlu", "cholmod", "pardiso")
@@ -419,12 +419,12 @@ def test_patterns_are_brought_into_elimination_order(n, seed, lower):
     matrix = np.triu(np.where(rng.random((n, n)) < 0.4, rng.integers(1, 1000, (n, n)), 0), 1)
     matrix += matrix.T + np.diag(rng.integers(1, 1000, n))
     csc, order = sp.csc_array(matrix), rng.permutation(n)
-    assert np.array_equal(places(order)[order], np.arange(n))
-    indptr, indices, source = eliminated(csc.indptr, csc.indices, order, places(order), lower)
-    permuted = sp.csc_array((csc.data[source], indices, indptr), shape=(n, n))
+    assert np.array_equal(inverse(order)[order], np.arange(n))
+    indptr, indices, source = permuted(csc.indptr, csc.indices, order, lower)
+    ordered = sp.csc_array((csc.data[source], indices, indptr), shape=(n, n))
     expected = matrix[np.ix_(order, order)]
-    assert np.array_equal(permuted.toarray(), np.tril(expected) if lower else expected)
-    assert permuted.has_sorted_indices
+    assert np.array_equal(ordered.toarray(), np.tril(expected) if lower else expected)
+    assert ordered.has_sorted_indices
     assert first_asymmetry(csc.indptr, csc.indices) == (-1, -1)
     assert first_gap(csc.indptr, csc.indices) == -1
     i, j = rng.integers(0, n, 2)

@@ -9,7 +9,7 @@ import pytest
 import isoembed.linalg.memory as memory
 from grids import grid
 from isoembed.linalg import OutOfMemory, analyze, available_backends
-from isoembed.linalg.memory import UNKNOWN, available_memory, make_sure_of, readable
+from isoembed.linalg.memory import UNKNOWN, MemoryThresholds, available_memory, readable, require_memory
 from places import SUPPORT
 
 MB = 1_000_000
@@ -105,7 +105,7 @@ except OutOfMemory as error:
 @pytest.mark.parametrize("backend", available_backends())
 def test_what_does_not_fit_is_refused_when_analyzed_and_when_factored(monkeypatch, backend):
     matrix, order = grid(30)
-    monkeypatch.setattr(memory, "SMALL", 0)
+    monkeypatch.setattr(memory, "MEMORY", MemoryThresholds(unasked=0))
     solver = analyze(matrix, order, backend)
     monkeypatch.setattr(memory, "available_memory", lambda: 39_000)
     sentence = r"^the factors of a matrix of 900 unknowns need about \d+ kB of memory, and 39.0 kB are free$"
@@ -124,7 +124,7 @@ def test_a_loop_that_replaces_its_factors_is_not_refused(monkeypatch, backend):
     solver = analyze(matrix, order, backend)
     needs = solver.needs
     solver.factor(matrix.data)  # let go at once: PARDISO keeps its room, the others give it back
-    monkeypatch.setattr(memory, "SMALL", 0)
+    monkeypatch.setattr(memory, "MEMORY", MemoryThresholds(unasked=0))
     monkeypatch.setattr(memory, "available_memory", lambda: 0 if backend == "pardiso" else needs)
     solver.factor(matrix.data)
 
@@ -134,7 +134,7 @@ def test_small_factors_ask_nobody(monkeypatch):
     monkeypatch.setattr(memory, "available_memory", lambda: 0)
     analyze(matrix, order).factor(matrix.data)
     with pytest.raises(OutOfMemory, match=r"^the rest need about 1\.0 GB of memory, and 0 bytes are free"):
-        make_sure_of(10**9, "the rest")
+        require_memory(10**9, "the rest")
 
 
 @pytest.mark.skipif(not sys.platform.startswith("linux"), reason="reads Linux's record of the peak")

@@ -144,7 +144,7 @@ def test_where_factors_do_not_fit_the_step_is_made_without(monkeypatch, mu):
     problem = Problem(3)
     given = (problem.vertices, problem.lengths, problem.residuals, mu)
     expected = LengthSystem(problem.triangulation).step(*given)
-    monkeypatch.setattr(memory, "SMALL", 0)
+    monkeypatch.setattr(memory, "MEMORY", memory.MemoryThresholds(unasked=0))
     refused = LengthSystem(problem.triangulation)
     needs = LengthSystem(problem.triangulation)._solver.needs
     monkeypatch.setattr(memory, "available_memory", lambda: needs // 2)

@@ -5,6 +5,7 @@
 whatever the backend.
 """
 
+from isoembed.linalg.backend import SingularMatrix
 from isoembed.linalg.dissection import Dissection, dissect
 from isoembed.linalg.factor import (
     Factor,
@@ -16,7 +17,6 @@ from isoembed.linalg.factor import (
     factor_general,
 )
 from isoembed.linalg.memory import OutOfMemory
-from isoembed.linalg.singular import SingularMatrix
 
 __all__ = [
     "Dissection",

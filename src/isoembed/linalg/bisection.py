@@ -8,19 +8,12 @@ from __future__ import annotations
 
 import numpy as np
 from numba import njit
-from numpy.typing import NDArray
 
-from isoembed.linalg.separator import SEPARATOR, Graph, empty_band, separate
+from isoembed.arrays import Floats, Indices
+from isoembed.linalg.separator import DISSECTION, SEPARATOR, Graph, empty_band, separate
+from isoembed.thresholds import compiled
 
-Floats = NDArray[np.float64]
-Indices = NDArray[np.int64]
-
-LEAF = 4  # vertices: smaller cells bring hardly less fill
-WINDOW = 0.25  # of a cell: a cut is at most this far from its median
-PENALTY = 2.0  # per square of that distance, relative to the severed edges
-BINS = 64  # places for a cut that are compared
-WIDTH = 0.05  # of the square root of the size of a cell: layers of the band on either side of a cut
-WIDEST = 6  # layers
+_T = compiled(DISSECTION)
 
 
 def separator_order(graph: Graph, position: Floats) -> Indices:
@@ -67,19 +60,19 @@ def _bisected(graph: Graph, position: Floats, separated: bool) -> tuple[Indices,
     order, members = np.arange(n), np.empty(n, dtype=np.int64)
     cell, path, depth = np.zeros((3, n), dtype=np.int64)
     height, heights = np.empty((2, n))
-    table = np.empty((2, BINS + 1), dtype=np.int64)
+    table = np.empty((2, _T.places + 1), dtype=np.int64)
     band = empty_band(n)
     cells = 1
     waiting = [(0, n)]
     while waiting:
         start, end = waiting.pop()
         size = end - start
-        if size <= LEAF:
+        if size <= _T.leaf:
             continue
         members[:size] = order[start:end]
         _measure(members[:size], position, height)
         _cut(graph, members[:size], cell, height, heights[:size], table)
-        separate(graph, members[:size], cell, min(int(WIDTH * np.sqrt(size)), WIDEST), band)
+        separate(graph, members[:size], cell, min(int(_T.width * np.sqrt(size)), _T.widest), band)
         if not separated:
             _dissolve(graph, members[:size], cell)
         lower = upper = 0
@@ -161,18 +154,18 @@ def _cut(
 ) -> None:
     """Cut a cell at a height near the median that severs little: numbers above it become odd.
 
-    ``heights`` and ``table``, (2, BINS + 1), are room to work in.
+    ``heights`` and ``table``, (2, places + 1), are room to work in.
     """
     size = members.size
     for k in range(size):
         heights[k] = height[members[k]]
-    low = _selected(heights, int((0.5 - WINDOW) * size))
-    high = _selected(heights, int((0.5 + WINDOW) * size))
+    low = _selected(heights, int((0.5 - _T.window) * size))
+    high = _selected(heights, int((0.5 + _T.window) * size))
     if not low < high:
         _halve(members, cell, height, low)
         return
     # Bin 0 is below low, bins 1, 2, .. lie between low and high.
-    bins = min(BINS, max(4, size // 4))
+    bins = min(_T.places, max(4, size // 4))
     scale = bins / (high - low)
     inside, change = table
     inside[:], change[:] = 0, 0  # vertices in a bin, and severed edges above it less those below
@@ -197,7 +190,7 @@ def _cut(
     for b in range(bins):
         below += inside[b]
         severed += change[b]
-        cost = (severed + 1) * (1 + PENALTY * (below / size - 0.5) ** 2)
+        cost = (severed + 1) * (1 + _T.penalty * (below / size - 0.5) ** 2)
         if below > 0 and cost < least:
             least, best = cost, b
     level = low + best / scale

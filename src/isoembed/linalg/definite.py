@@ -23,18 +23,26 @@ from dataclasses import dataclass
 import numpy as np
 import scipy.sparse as sp
 from numba import njit
-from numpy.typing import NDArray
-from scipy.sparse.linalg import SuperLU, splu
+from scipy.sparse.linalg import SuperLU
 
+from isoembed.arrays import Floats, Indices, Indices32
+from isoembed.linalg.backend import SingularMatrix
 from isoembed.linalg.rounding import GUARD, UNDERFLOW, U, gamma
-from isoembed.linalg.singular import SingularMatrix
+from isoembed.linalg.superlu import down_the_diagonal, is_exchanged
+from isoembed.thresholds import compiled, threshold
 
-Floats = NDArray[np.float64]
-Pointers = NDArray[np.int32]
 
-SPARE = 6  # roundings an entry beyond the terms of its sum: the reciprocal pivot, and those of D L^T and of G
-ITERATIONS = 12  # from a random vector they exceed the eigenvalue at most by about n^(1/24): 1.6 for 10^5
-SHARE = 0.5  # of that estimate, to be proven
+@dataclass(frozen=True)
+class DefinitenessThresholds:
+    """Thresholds of the proof that a matrix is positive definite."""
+
+    spare: int = threshold(6, "roundings", "Of an entry beyond the terms of its sum: in 1 / pivot, D L^T, G.")
+    iterations: int = threshold(12, "count", "They exceed the eigenvalue by n^(1/24) or so: 1.6 for 10^5.")
+    share: float = threshold(0.5, "relative", "Of the estimated eigenvalue, to be proven.")
+
+
+DEFINITENESS = DefinitenessThresholds()
+_T = compiled(DEFINITENESS)
 
 
 @dataclass(frozen=True, eq=False)
@@ -49,7 +57,7 @@ class PositiveDefinite:
 
     eigenvalue: float
     _lu: SuperLU
-    _order: NDArray[np.int64]
+    _order: Indices
 
     def solve(self, b: Floats) -> Floats:
         """Solve A x = b, shape (n,), approximately."""
@@ -58,7 +66,7 @@ class PositiveDefinite:
         return x
 
 
-def prove_definite(matrix: sp.csc_array, order: NDArray[np.int64]) -> PositiveDefinite:
+def prove_definite(matrix: sp.csc_array, order: Indices) -> PositiveDefinite:
     """Bound the eigenvalues of a symmetric matrix away from zero.
 
     Two factorizations: one to estimate the least eigenvalue by inverse iteration, one to prove half of it.
@@ -76,33 +84,26 @@ def prove_definite(matrix: sp.csc_array, order: NDArray[np.int64]) -> PositiveDe
         The matrix is not positive definite, or too little so for rounding to leave a proof.
     """
     permuted = sp.csc_array(matrix[order][:, order])
-    lu = _eliminated(permuted)
+    lu = down_the_diagonal(permuted)
     x = np.random.default_rng(0).normal(size=order.size)
-    for _ in range(ITERATIONS):
+    for _ in range(DEFINITENESS.iterations):
         x = lu.solve(x / np.linalg.norm(x))
-    shift = float(SHARE / np.linalg.norm(x))
+    shift = float(DEFINITENESS.share / np.linalg.norm(x))
     shifted = sp.csc_array(permuted - shift * sp.eye_array(order.size, format="csc"))
-    lost = _distance_to_definite(_eliminated(shifted)) + U * float(np.abs(shifted.diagonal()).max())
+    lost = _distance_to_definite(down_the_diagonal(shifted)) + U * float(np.abs(shifted.diagonal()).max())
     if not lost < shift:
         raise SingularMatrix(
             "the matrix cannot be proven positive definite: its least eigenvalue is about "
-            f"{shift / SHARE:.1e}, and rounding takes up to {lost:.1e}"
+            f"{shift / DEFINITENESS.share:.1e}, and rounding takes up to {lost:.1e}"
         )
     return PositiveDefinite((shift - lost) / GUARD, lu, order)
-
-
-def _eliminated(matrix: sp.csc_array) -> SuperLU:
-    try:
-        return splu(matrix, permc_spec="NATURAL", diag_pivot_thresh=0.0, options={"SymmetricMode": True})
-    except RuntimeError as error:
-        raise SingularMatrix("the matrix is singular: elimination met a zero pivot") from error
 
 
 def _distance_to_definite(lu: SuperLU) -> float:
     """Bound the norm of A - L D L^T: so far, if that, are the eigenvalues of A below zero."""
     upper = lu.U
     pivots = upper.diagonal()
-    if (lu.perm_r != lu.perm_c).any() or not (pivots > 0).all():  # an exchange avoids a pivot of zero
+    if is_exchanged(lu) or not (pivots > 0).all():  # an exchange avoids a pivot of zero
         raise SingularMatrix("the matrix is not positive definite")
     lower = lu.L.tocsr()
     largest = _largest_row_sum(
@@ -113,11 +114,11 @@ def _distance_to_definite(lu: SuperLU) -> float:
 
 @njit(cache=True)
 def _largest_row_sum(
-    lower_rows: Pointers,
-    lower_columns: Pointers,
+    lower_rows: Indices32,
+    lower_columns: Indices32,
     lower: Floats,
-    upper_columns: Pointers,
-    upper_rows: Pointers,
+    upper_columns: Indices32,
+    upper_rows: Indices32,
     upper: Floats,
     pivots: Floats,
 ) -> float:
@@ -140,7 +141,7 @@ def _largest_row_sum(
             mirrored[k] = 0.0
     largest = 0.0
     for i in range(n):
-        relative = gamma(lower_rows[i + 1] - lower_rows[i] + SPARE)
+        relative = gamma(lower_rows[i + 1] - lower_rows[i] + _T.spare)
         total = 0.0
         for p in range(lower_rows[i], lower_rows[i + 1]):
             k = lower_columns[p]

@@ -9,11 +9,12 @@ from functools import cached_property
 
 import numpy as np
 import scipy.sparse as sp
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
+from isoembed.arrays import Floats, Indices
 from isoembed.linalg.bisection import bisection_paths, separator_order
+from isoembed.linalg.elimination import permuted
 from isoembed.linalg.graph_coordinates import breadth_first, hop_coordinates
-from isoembed.linalg.pattern import eliminated, places
 from isoembed.linalg.separator import Graph
 
 
@@ -32,10 +33,10 @@ class Dissection:
     """
 
     graph: Graph
-    labels: NDArray[np.int64]
-    position: NDArray[np.float64]
+    labels: Indices
+    position: Floats
 
-    def edge_order(self, edges: ArrayLike) -> NDArray[np.int64]:
+    def edge_order(self, edges: ArrayLike) -> Indices:
         """Elimination order of a matrix on the edges, like J J^T, where edges with a common end are coupled.
 
         Parameters
@@ -54,7 +55,7 @@ class Dissection:
         height = _bit_length(first ^ second)
         return np.lexsort((np.minimum(first, second), height, _last_leaf(first, height)))
 
-    def vertex_order(self) -> NDArray[np.int64]:
+    def vertex_order(self) -> Indices:
         """Elimination order of a matrix on the vertices, like a Laplacian.
 
         Returns
@@ -65,7 +66,7 @@ class Dissection:
         """
         return self._vertex_order
 
-    def block_order(self, k: int) -> NDArray[np.int64]:
+    def block_order(self, k: int) -> Indices:
         """Elimination order of a matrix with k unknowns a vertex, numbered ``k * vertex + component``.
 
         Returns
@@ -76,7 +77,7 @@ class Dissection:
         return (k * self._vertex_order[:, None] + np.arange(k)).ravel()
 
     @cached_property
-    def cells(self) -> NDArray[np.int64]:
+    def cells(self) -> Indices:
         """(V,): the leaf of a balanced binary tree that holds each vertex.
 
         Its binary digits, the highest first, are the parts taken on the way down from the whole graph, so two
@@ -88,7 +89,7 @@ class Dissection:
         return cells
 
     @cached_property
-    def _vertex_order(self) -> NDArray[np.int64]:
+    def _vertex_order(self) -> Indices:
         order = self.labels[separator_order(self.graph, self.position)]
         order.flags.writeable = False
         return order
@@ -124,15 +125,15 @@ def dissect(adjacency: sp.sparray | sp.spmatrix) -> Dissection:
         lost = int(np.argmin(hops))
         raise ValueError(f"the graph is not connected: no path from vertex 0 to vertex {lost}")
     # Neighbors that are near in memory are read faster.
-    indptr, indices, _ = eliminated(graph.indptr, graph.indices, labels, places(labels), False)
+    indptr, indices, _ = permuted(graph.indptr, graph.indices, labels, False)
     near = Graph(indptr, indices)
     return Dissection(near, labels, hop_coordinates(near))
 
 
-def _bit_length(x: NDArray[np.int64]) -> NDArray[np.int64]:
+def _bit_length(x: Indices) -> Indices:
     return np.frexp(x.astype(np.float64))[1].astype(np.int64)
 
 
-def _last_leaf(cells: NDArray[np.int64], height: NDArray[np.int64]) -> NDArray[np.int64]:
+def _last_leaf(cells: Indices, height: Indices) -> Indices:
     """The last leaf under the node `height` levels above each: the place in post-order, but for height."""
     return cells | ((np.int64(1) << height) - 1)

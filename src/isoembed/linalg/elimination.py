@@ -1,4 +1,4 @@
-"""The elimination of a symmetric matrix foreseen: its tree, and the entries of each column of the factor.
+"""Symbolic elimination of a symmetric matrix: its pattern, its tree, and the entries of each column of L.
 
 Row i of the factor L has an entry in column j for every j on the paths of the elimination tree from the
 entries of row i of A up to i (Liu, SIAM J. Matrix Anal. Appl. 11, 1990). To count them, these row subtrees
@@ -13,18 +13,14 @@ from typing import NamedTuple
 
 import numpy as np
 from numba import njit
-from numpy.typing import NDArray
 
-from isoembed.linalg.pattern import places
-
-Indices = NDArray[np.int64]
-Pointers = NDArray[np.int32]
+from isoembed.arrays import Indices, Indices32
 
 NONE = -1  # no parent, no child, no leaf yet
 
 
 class Elimination(NamedTuple):
-    """What eliminating the unknowns of a symmetric pattern in some order leads to.
+    """Elimination of the unknowns of a symmetric pattern.
 
     Attributes
     ----------
@@ -37,12 +33,12 @@ class Elimination(NamedTuple):
     """
 
     order: Indices
-    parent: Pointers
+    parent: Indices32
     counts: Indices
 
 
 @njit(cache=True)
-def symbolic_analysis(indptr: Pointers, indices: Pointers, order: Indices) -> Elimination:
+def symbolic_analysis(indptr: Indices32, indices: Indices32, order: Indices) -> Elimination:
     """Find the elimination tree, bring the order into post-order, and count the entries of L.
 
     Parameters
@@ -52,20 +48,20 @@ def symbolic_analysis(indptr: Pointers, indices: Pointers, order: Indices) -> El
     order : ndarray of int64, shape (n,)
         The k-th unknown to eliminate: a permutation.
     """
-    parent = _tree(indptr, indices, order, places(order))
+    parent = _tree(indptr, indices, order)
     post = _postorder(parent)
-    place = places(post)
+    place = inverse(post)
     above = np.full(order.size, NONE, dtype=np.int32)
     for j in range(order.size):
         if parent[j] != NONE:
             above[place[j]] = place[parent[j]]
     ordered = order[post]
-    return Elimination(ordered, above, _column_counts(indptr, indices, ordered, places(ordered), above))
+    return Elimination(ordered, above, _column_counts(indptr, indices, ordered, above))
 
 
 @njit(cache=True)
-def _tree(indptr: Pointers, indices: Pointers, order: Indices, place: Indices) -> Pointers:
-    n = order.size
+def _tree(indptr: Indices32, indices: Indices32, order: Indices) -> Indices32:
+    n, place = order.size, inverse(order)
     parent = np.full(n, NONE, dtype=np.int32)
     ancestor = np.full(n, NONE, dtype=np.int32)
     for k in range(n):
@@ -81,7 +77,7 @@ def _tree(indptr: Pointers, indices: Pointers, order: Indices, place: Indices) -
 
 
 @njit(cache=True)
-def _postorder(parent: Pointers) -> Indices:
+def _postorder(parent: Indices32) -> Indices:
     """The nodes of a forest, each after its children."""
     n = parent.size
     child, sibling = np.full((2, n), NONE, dtype=np.int32)
@@ -109,10 +105,8 @@ def _postorder(parent: Pointers) -> Indices:
 
 
 @njit(cache=True)
-def _column_counts(
-    indptr: Pointers, indices: Pointers, order: Indices, place: Indices, parent: Pointers
-) -> Indices:
-    n = order.size
+def _column_counts(indptr: Indices32, indices: Indices32, order: Indices, parent: Indices32) -> Indices:
+    n, place = order.size, inverse(order)
     counts = np.zeros(n, dtype=np.int64)
     first = np.full(n, NONE, dtype=np.int32)  # descendant
     for k in range(n):
@@ -144,7 +138,7 @@ def _column_counts(
 
 
 @njit(cache=True)
-def _root(ancestor: Pointers, j: int) -> int:
+def _root(ancestor: Indices32, j: int) -> int:
     """The highest ancestor that was met; the way there is made shorter."""
     root = j
     while root != ancestor[root]:
@@ -154,3 +148,94 @@ def _root(ancestor: Pointers, j: int) -> int:
         ancestor[j] = root
         j = above
     return root
+
+
+@njit(cache=True)
+def first_asymmetry(indptr: Indices32, indices: Indices32) -> tuple[int, int]:
+    """Find an entry (row, column) whose mirror image is missing, and -1, -1 if there is none.
+
+    Parameters
+    ----------
+    indptr, indices : ndarray of int32, shapes (n + 1,) and (nnz,)
+        Compressed columns with sorted rows.
+    """
+    n = indptr.size - 1
+    reached = indptr[:-1].copy()  # rows of each column below it met their mirror images
+    for column in range(n):
+        for p in range(indptr[column], indptr[column + 1]):
+            row = indices[p]
+            q = reached[row]
+            if q == indptr[row + 1] or indices[q] > column:
+                return row, column
+            if indices[q] < column:
+                return indices[q], row
+            reached[row] = q + 1
+    return -1, -1
+
+
+@njit(cache=True)
+def first_gap(indptr: Indices32, indices: Indices32) -> int:
+    """Find an unknown without a diagonal entry, and -1 if there is none."""
+    for column in range(indptr.size - 1):
+        present = False
+        for p in range(indptr[column], indptr[column + 1]):
+            present |= indices[p] == column
+        if not present:
+            return column
+    return -1
+
+
+@njit(cache=True)
+def inverse(order: Indices) -> Indices:
+    """Invert a permutation; an empty array if it is none."""
+    n = order.size
+    place = np.full(n, -1, dtype=np.int64)
+    for k in range(n):
+        i = order[k]
+        if i < 0 or i >= n or place[i] >= 0:
+            return place[:0]
+        place[i] = k
+    return place
+
+
+@njit(cache=True)
+def permuted(
+    indptr: Indices32, indices: Indices32, order: Indices, lower: bool
+) -> tuple[Indices32, Indices32, Indices32]:
+    """Bring a symmetric pattern into elimination order.
+
+    Parameters
+    ----------
+    indptr, indices : ndarray of int32, shapes (n + 1,) and (nnz,)
+        Compressed columns.
+    order : ndarray of int64, shape (n,)
+        The k-th unknown to eliminate.
+    lower : bool
+        Keep only the lower triangle.
+
+    Returns
+    -------
+    indptr, indices : ndarray of int32
+        Compressed columns with sorted rows.
+    source : ndarray of int32
+        The entry of the given pattern, or its mirror image, that each entry comes from.
+    """
+    n, place = order.size, inverse(order)
+    new_indptr = np.zeros(n + 1, dtype=np.int32)
+    for row in range(n):
+        for p in range(indptr[order[row]], indptr[order[row] + 1]):
+            column = place[indices[p]]
+            if column <= row or not lower:
+                new_indptr[column + 1] += 1
+    new_indptr = np.cumsum(new_indptr).astype(np.int32)
+    end = new_indptr[:-1].copy()
+    new_indices = np.empty(new_indptr[n], dtype=np.int32)
+    source = np.empty(new_indptr[n], dtype=np.int32)
+    for row in range(n):  # the entries of a column are met in order of their rows
+        for p in range(indptr[order[row]], indptr[order[row] + 1]):
+            column = place[indices[p]]
+            if column <= row or not lower:
+                new_indices[end[column]] = row
+                source[end[column]] = p
+                end[column] += 1
+    return new_indptr, new_indices, source

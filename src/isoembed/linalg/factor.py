@@ -1,48 +1,26 @@
-"""Analyze a pattern once, factor matrices that have it, solve with refinement: the same for every backend."""
+"""Factorizations for every backend: analyze a pattern once, factor its matrices, solve with refinement."""
+
+from __future__ import annotations
 
 from functools import cached_property
 from importlib import import_module
 from importlib.metadata import version
 from importlib.util import find_spec
-from typing import Protocol
 
 import numpy as np
 import scipy.sparse as sp
-from numpy.typing import ArrayLike, NDArray
-from scipy.sparse.linalg import splu
+from numpy.typing import ArrayLike
 
+from isoembed.arrays import Floats, Indices
 from isoembed.errors import InvalidParameter
-from isoembed.linalg.elimination import symbolic_analysis
-from isoembed.linalg.memory import make_sure_of
-from isoembed.linalg.pattern import eliminated, first_asymmetry, first_gap, places
-from isoembed.linalg.singular import SingularMatrix
-from isoembed.linalg.symmetric import SymmetricMatrix
+from isoembed.linalg.backend import Numeric, SingularMatrix, Solves, Symbolic
+from isoembed.linalg.elimination import first_asymmetry, first_gap, inverse, permuted, symbolic_analysis
+from isoembed.linalg.memory import require_memory
+from isoembed.linalg.superlu import eliminated
+from isoembed.linalg.symmetric import FACTORIZATION, SymmetricMatrix
 
 _BACKENDS = {"pardiso": "mkl", "cholmod": "cholmod", "superlu": ""}
 """The fastest first: each with the extra that installs it."""
-
-_WORST_GROWTH = 1.0 / (64 * np.finfo(np.float64).eps)
-"""A scaled inverse larger than this leaves less than two digits to a solution."""
-
-_WORST_RESIDUAL = 1.0 / 64
-"""Factors that leave more than this of a right-hand side hold less than two digits of the matrix."""
-
-
-class Solves(Protocol):
-    """The factors of one matrix in elimination order."""
-
-    def solve(self, b: NDArray[np.float64]) -> NDArray[np.float64]:
-        """Solve for b (n,) or (n, k)."""
-        ...
-
-
-class Numeric(Solves, Protocol):
-    """What a backend returns: the factors of one symmetric matrix."""
-
-    @property
-    def negative_pivots(self) -> int:
-        """Number of negative entries of D."""
-        ...
 
 
 def available_backends() -> tuple[str, ...]:
@@ -52,7 +30,7 @@ def available_backends() -> tuple[str, ...]:
 
 def analyze(
     pattern: sp.sparray | sp.spmatrix, order: ArrayLike, backend: str | None = None, *, definite: bool = True
-) -> "Solver":
+) -> Solver:
     """Prepare to factor symmetric matrices of one pattern.
 
     Parameters
@@ -124,18 +102,20 @@ class Solver:
         self.pattern = _checked(pattern)
         n = self.pattern.shape[0]
         order = np.array(order, dtype=np.int64)
-        if order.shape != (n,) or places(order).size != n:
+        if order.shape != (n,) or inverse(order).size != n:
             raise ValueError(f"the elimination order is not a permutation of the {n} unknowns")
         elimination = symbolic_analysis(self.pattern.indptr, self.pattern.indices, order)
         self._order = elimination.order
-        self._indptr, self._indices, self._source = eliminated(
-            self.pattern.indptr, self.pattern.indices, self._order, places(self._order), True
+        self._indptr, self._indices, self._source = permuted(
+            self.pattern.indptr, self.pattern.indices, self._order, True
         )
         library = import_module(f"isoembed.linalg.{backend}")
-        self._symbolic = library.Symbolic(self._indptr, self._indices, elimination, definite)
-        self._make_sure_of_memory()
+        self._symbolic: Symbolic = library.Symbolic(
+            self._indptr, self._indices, int(elimination.counts.sum()), definite
+        )
+        self._require_memory()
 
-    def factor(self, data: ArrayLike) -> "SymmetricFactor":
+    def factor(self, data: ArrayLike) -> SymmetricFactor:
         """Factorize one matrix.
 
         Parameters
@@ -166,7 +146,7 @@ class Solver:
         if self.definite:
             diagonal = matrix.diagonal()
             _refuse_diagonal(diagonal, self._order)
-        self._make_sure_of_memory()
+        self._require_memory()
         numeric = self._symbolic.factor(matrix.data)
         scale = np.sqrt(diagonal) if self.definite else matrix.sizes()
         b, x = _refuse_growth(numeric, scale, scale)
@@ -177,22 +157,20 @@ class Solver:
     @property
     def needs(self) -> int:
         """Bytes of memory that the next factors will take, from the pattern alone."""
-        return int(self._symbolic.needs)
+        return self._symbolic.needs
 
-    def _make_sure_of_memory(self) -> None:
-        make_sure_of(self.needs, f"the factors of a matrix of {self._order.size} unknowns")
+    def _require_memory(self) -> None:
+        require_memory(self.needs, f"the factors of a matrix of {self._order.size} unknowns")
 
 
 class Factor:
     """The factors of one matrix: solves, and refines what it solves."""
 
-    def __init__(
-        self, matrix: SymmetricMatrix | sp.csc_matrix, numeric: Solves, order: NDArray[np.int64]
-    ) -> None:
+    def __init__(self, matrix: SymmetricMatrix | sp.csc_matrix, numeric: Solves, order: Indices) -> None:
         """The matrix, its rows and columns, and its factors are in elimination order."""
         self._matrix, self._numeric, self._order = matrix, numeric, order
 
-    def solve(self, b: ArrayLike, sweeps: int = 2) -> NDArray[np.float64]:
+    def solve(self, b: ArrayLike, sweeps: int = 2) -> Floats:
         """Solve A x = b.
 
         Parameters
@@ -215,7 +193,7 @@ class Factor:
         x[self._order] = self._solved(b[self._order], sweeps)
         return x
 
-    def _solved(self, b: NDArray[np.float64], sweeps: int) -> NDArray[np.float64]:
+    def _solved(self, b: Floats, sweeps: int) -> Floats:
         """As `solve`, in elimination order."""
         x = self._numeric.solve(b)
         if sweeps == 0:
@@ -228,7 +206,7 @@ class Factor:
             remaining_size = np.linalg.norm(remaining, axis=0)
             better = remaining_size < size
             x = np.where(better, refined, x)
-            if not (remaining_size < 0.5 * size).any():
+            if not (remaining_size < FACTORIZATION.refined * size).any():
                 break
             residual, size = np.where(better, remaining, residual), np.minimum(remaining_size, size)
         return x
@@ -237,7 +215,7 @@ class Factor:
 class SymmetricFactor(Factor):
     """The factors of one symmetric matrix, L D L^T with diagonal D."""
 
-    def __init__(self, matrix: SymmetricMatrix, numeric: Numeric, order: NDArray[np.int64]) -> None:
+    def __init__(self, matrix: SymmetricMatrix, numeric: Numeric, order: Indices) -> None:
         super().__init__(matrix, numeric, order)
         self._numeric: Numeric = numeric
 
@@ -265,24 +243,21 @@ def factor_general(matrix: sp.sparray | sp.spmatrix) -> Factor:
     """
     csc = sp.csc_matrix(matrix, dtype=np.float64, copy=True)
     _refuse_infinite(csc.data)
-    try:
-        # Row exchanges ruin the minimum degree of A^T + A: up to 30 times the fill of COLAMD on meshes.
-        lu = splu(csc, permc_spec="COLAMD")
-    except RuntimeError as error:
-        raise SingularMatrix("the matrix is singular: elimination met a zero pivot") from error
+    # Row exchanges ruin the minimum degree of A^T + A: up to 30 times the fill of COLAMD on meshes.
+    lu = eliminated(csc, "COLAMD")
     rows = abs(csc).max(axis=1).toarray().ravel()
     columns = (sp.diags_array(1.0 / rows) @ abs(csc)).max(axis=0).toarray().ravel()
     _refuse_growth(lu, rows, columns)
     return Factor(csc, lu, np.arange(csc.shape[0]))
 
 
-def _refuse_infinite(values: NDArray[np.float64]) -> None:
+def _refuse_infinite(values: Floats) -> None:
     if not np.isfinite(values).all():
         k = int(np.argmin(np.isfinite(values)))
         raise SingularMatrix(f"the matrix is not finite: stored entry {k} is {values[k]}")
 
 
-def _refuse_diagonal(diagonal: NDArray[np.float64], order: NDArray[np.int64]) -> None:
+def _refuse_diagonal(diagonal: Floats, order: Indices) -> None:
     if diagonal.min() <= 0:
         k = diagonal.argmin()
         raise SingularMatrix(
@@ -290,9 +265,7 @@ def _refuse_diagonal(diagonal: NDArray[np.float64], order: NDArray[np.int64]) ->
         )
 
 
-def _refuse_growth(
-    numeric: Solves, rows: NDArray[np.float64], columns: NDArray[np.float64]
-) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+def _refuse_growth(numeric: Solves, rows: Floats, columns: Floats) -> tuple[Floats, Floats]:
     """Raise if the inverse of the matrix, its rows and columns scaled to size 1, blows a random probe up.
 
     Returns the right-hand side and the solution.
@@ -300,17 +273,17 @@ def _refuse_growth(
     b = rows * np.random.default_rng(0).uniform(-1.0, 1.0, rows.size)
     x = numeric.solve(b)
     growth = np.abs(columns * x).max()
-    if not growth < _WORST_GROWTH:
+    if not growth < FACTORIZATION.largest_growth:
         raise SingularMatrix(
             f"the matrix is singular to working precision: its scaled inverse grows by {growth:.1e}"
         )
     return b, x
 
 
-def _refuse_residual(residual: NDArray[np.float64]) -> None:
+def _refuse_residual(residual: Floats) -> None:
     """Raise if elimination without exchanges lost the matrix: much of a random probe, scaled, is left."""
     worst = np.abs(residual).max()
-    if not worst < _WORST_RESIDUAL:
+    if not worst < FACTORIZATION.largest_residual:
         raise SingularMatrix(
             "the matrix has no accurate factors L D L^T in this order: "
             f"a solution leaves {worst:.1e} of the right-hand side"

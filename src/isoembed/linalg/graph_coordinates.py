@@ -4,14 +4,9 @@ from __future__ import annotations
 
 import numpy as np
 from numba import njit
-from numpy.typing import NDArray
 
-from isoembed.linalg.separator import Graph
-
-Floats = NDArray[np.float64]
-Indices = NDArray[np.int64]
-
-SMOOTHINGS = 3  # averages over neighbors: hop distances are integers and their level lines ragged
+from isoembed.arrays import Floats, Indices
+from isoembed.linalg.separator import DISSECTION, Graph
 
 
 def hop_coordinates(graph: Graph) -> Floats:
@@ -41,7 +36,7 @@ def hop_coordinates(graph: Graph) -> Floats:
         aside += np.abs(from_start - from_end)
         nearest = np.minimum(from_start, from_end)
         near = nearest if c == 0 else np.minimum(near, nearest)
-    for _ in range(SMOOTHINGS):
+    for _ in range(DISSECTION.smoothings):
         position = _smoothed(graph, position)
     return position
 

@@ -6,11 +6,23 @@ Where memory is promised more often than it exists, a process that takes too muc
 from __future__ import annotations
 
 import os
+from dataclasses import dataclass
 from pathlib import Path
 
+from isoembed.thresholds import threshold
+
 UNKNOWN = 1 << 62  # bytes: no bound is known
-SMALL = 1 << 24  # bytes that are taken without asking: that is as fast as reading the system's files
 UNITS = ("bytes", "kB", "MB", "GB", "TB", "PB")
+
+
+@dataclass(frozen=True)
+class MemoryThresholds:
+    """Thresholds of what is asked of the system before memory is taken."""
+
+    unasked: int = threshold(1 << 24, "bytes", "Less is taken without asking: that is as fast as asking.")
+
+
+MEMORY = MemoryThresholds()
 
 PROC = Path("/proc")
 CGROUPS = Path("/sys/fs/cgroup")
@@ -20,7 +32,7 @@ class OutOfMemory(MemoryError):  # noqa: N818  (named for what it says, as Singu
     """Something would need more memory than this process may take; the message says how much."""
 
 
-def make_sure_of(needed: int, what: str) -> None:
+def require_memory(needed: int, what: str) -> None:
     """Refuse what memory does not suffice for.
 
     Parameters
@@ -34,7 +46,7 @@ def make_sure_of(needed: int, what: str) -> None:
     ------
     OutOfMemory
     """
-    if needed > SMALL:
+    if needed > MEMORY.unasked:
         free = available_memory()
         if needed > free:
             raise OutOfMemory(

@@ -9,25 +9,42 @@ Doklady 11, 1970).
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 from typing import NamedTuple
 
 import numpy as np
 from numba import njit
-from numpy.typing import NDArray
 
-Indices = NDArray[np.int64]
-Pointers = NDArray[np.int32]
+from isoembed.arrays import Indices, Indices32
+from isoembed.thresholds import compiled, threshold
 
 SEPARATOR = -1  # a vertex that parts two cells
 FREE, END = -1, -2  # a vertex on no path, and the neighbor beyond the end of a path
-MOST = 0.8  # of a cell that one side may hold
+
+
+@dataclass(frozen=True)
+class DissectionThresholds:
+    """Thresholds of nested dissection."""
+
+    smoothings: int = threshold(3, "count", "Averages of hop distances, whose level lines are ragged.")
+    leaf: int = threshold(4, "vertices", "Cells that are not cut: smaller ones bring hardly less fill.")
+    window: float = threshold(0.25, "cells", "Distance of a cut from the median of its cell, at most.")
+    penalty: float = threshold(2.0, "relative", "Cost of that distance, squared, over the severed edges.")
+    places: int = threshold(64, "count", "Places for a cut that are compared.")
+    width: float = threshold(0.05, "roots of cells", "Layers of the band on either side of a cut.")
+    widest: int = threshold(6, "layers", "Layers of that band, at most.")
+    largest_side: float = threshold(0.8, "cells", "Where a side would hold more, the band is not widened.")
+
+
+DISSECTION = DissectionThresholds()
+_T = compiled(DISSECTION)
 
 
 class Graph(NamedTuple):
     """Compressed rows, int32, of a symmetric pattern."""
 
-    indptr: Pointers
-    indices: Pointers
+    indptr: Indices32
+    indices: Indices32
 
 
 class Band(NamedTuple):
@@ -82,7 +99,7 @@ def separate(graph: Graph, members: Indices, cell: Indices, width: int, band: Ba
         two numbers for the sides, and `SEPARATOR`.
     width : int
         Layers beyond the ends of the severed edges on either side.  Where a band this wide leaves one side
-        with more than `MOST` of the cell, only the ends themselves are taken.
+        with more than `DissectionThresholds.largest_side` of the cell, only the ends themselves are taken.
     band : Band
 
     Returns
@@ -106,7 +123,7 @@ def separate(graph: Graph, members: Indices, cell: Indices, width: int, band: Ba
             reached, passed = band.level[2 * v] >= 0, band.level[2 * v + 1] >= 0
             size += reached and not passed
             kept += int(passed) - int(cell[v] == source)
-        if width == 0 or max(kept, members.size - size - kept) <= MOST * members.size:
+        if width == 0 or max(kept, members.size - size - kept) <= _T.largest_side * members.size:
             break
         for k in range(ends, count):
             band.layer[band.members[k]] = -1

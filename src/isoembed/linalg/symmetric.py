@@ -6,12 +6,27 @@ from dataclasses import dataclass
 
 import numpy as np
 from numba import njit
-from numpy.typing import NDArray
 
-Floats = NDArray[np.float64]
-Pointers = NDArray[np.int32]
+from isoembed.arrays import Floats, Indices32
+from isoembed.thresholds import compiled, threshold
 
-EQUILIBRATIONS = 5  # passes; 24 decades between neighbors come down to less than one
+
+@dataclass(frozen=True)
+class FactorizationThresholds:
+    """Thresholds of factorizations and of iterative refinement."""
+
+    equilibrations: int = threshold(5, "count", "Passes: 24 decades between neighbors become less than one.")
+    largest_growth: float = threshold(
+        2.0**46, "relative", "A scaled inverse larger than this leaves less than two digits to a solution."
+    )
+    largest_residual: float = threshold(
+        2.0**-6, "relative", "Factors that leave more of a right-hand side have less than two digits."
+    )
+    refined: float = threshold(0.5, "relative", "A sweep of refinement that leaves more is the last.")
+
+
+FACTORIZATION = FactorizationThresholds()
+_T = compiled(FACTORIZATION)
 
 
 @dataclass(frozen=True, eq=False)
@@ -24,8 +39,8 @@ class SymmetricMatrix:
     data : ndarray, shape (nnz,)
     """
 
-    indptr: Pointers
-    indices: Pointers
+    indptr: Indices32
+    indices: Indices32
     data: Floats
 
     def __matmul__(self, x: Floats) -> Floats:
@@ -47,7 +62,7 @@ class SymmetricMatrix:
 
 
 @njit(cache=True)
-def _product(indptr: Pointers, indices: Pointers, data: Floats, x: Floats) -> Floats:
+def _product(indptr: Indices32, indices: Indices32, data: Floats, x: Floats) -> Floats:
     y = np.zeros_like(x)
     for c in range(len(x)):
         for column in range(indptr.size - 1):
@@ -62,10 +77,10 @@ def _product(indptr: Pointers, indices: Pointers, data: Floats, x: Floats) -> Fl
 
 
 @njit(cache=True)
-def _sizes(indptr: Pointers, indices: Pointers, data: Floats) -> Floats:
+def _sizes(indptr: Indices32, indices: Indices32, data: Floats) -> Floats:
     n = indptr.size - 1
     s = np.ones(n)
-    for _ in range(EQUILIBRATIONS):
+    for _ in range(_T.equilibrations):
         largest = np.zeros(n)
         for column in range(n):
             for p in range(indptr[column], indptr[column + 1]):

@@ -10,12 +10,13 @@ from numpy.typing import ArrayLike, NDArray
 from scipy.sparse import coo_array
 from scipy.sparse.csgraph import connected_components
 
+from isoembed.arrays import Indices, Mask
 from isoembed.errors import InvalidMetric
 
 LARGEST = 2**62  # what 64 bits hold; gaps among the indices are refused anyway
 
 
-def index_array(values: ArrayLike, columns: int, what: str, part: str) -> NDArray[np.int64]:
+def index_array(values: ArrayLike, columns: int, what: str, part: str) -> Indices:
     """Read an (n, columns) table of vertex indices.
 
     Parameters
@@ -75,13 +76,13 @@ def _rows(values: ArrayLike, what: str) -> list[Any]:
         raise InvalidMetric(f"the {what}s are {values!r}, not a list") from None
 
 
-def _refuse_first(bad: NDArray[np.bool_], table: NDArray, what: str, why: str) -> None:
+def _refuse_first(bad: Mask, table: NDArray, what: str, why: str) -> None:
     if bad.any():
         row, column = np.argwhere(bad)[0]
         raise InvalidMetric(f"{what} {row} refers to vertex {table[row, column]}: {why}")
 
 
-def check_faces(faces: NDArray[np.int64]) -> None:
+def check_faces(faces: Indices) -> None:
     """Refuse faces that repeat a vertex, repeat one another, or leave gaps among the indices.
 
     Parameters
@@ -114,7 +115,7 @@ def check_faces(faces: NDArray[np.int64]) -> None:
         raise InvalidMetric(f"face {f} {faces[f].tolist()} repeats face {original}")
 
 
-def check_edges(edges: NDArray[np.int64], face_edges: NDArray[np.int64], faces: NDArray[np.int64]) -> None:
+def check_edges(edges: Indices, face_edges: Indices, faces: Indices) -> None:
     """Refuse edges that are not in exactly two faces, and faces that cannot be oriented alike.
 
     Parameters
@@ -162,9 +163,7 @@ def check_edges(edges: NDArray[np.int64], face_edges: NDArray[np.int64], faces: 
     )
 
 
-def check_sphere(
-    faces: NDArray[np.int64], edges: NDArray[np.int64], edge_halfedges: NDArray[np.int64]
-) -> None:
+def check_sphere(faces: Indices, edges: Indices, edge_halfedges: Indices) -> None:
     """Refuse closed oriented surfaces that are not one sphere.
 
     Parameters

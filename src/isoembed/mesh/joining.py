@@ -4,10 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 from numba import njit
-from numpy.typing import NDArray
 
-Indices = NDArray[np.int64]
-Mask = NDArray[np.bool_]
+from isoembed.arrays import Indices, Indices32
 
 MOST = 2**31 - 1  # half-edges whose numbers fit into 32 bits
 
@@ -45,7 +43,7 @@ def _next(h: int) -> int:
 
 
 @njit(cache=True)
-def _sorted_by_ends(corners: Indices, n: int) -> NDArray[np.int32]:
+def _sorted_by_ends(corners: Indices, n: int) -> Indices32:
     """The half-edges by their lower and then by their higher end: two passes of counting."""
     before, after = np.arange(corners.size).astype(np.int32), np.empty(corners.size, dtype=np.int32)
     for lower in (False, True):
@@ -68,11 +66,11 @@ def _sorted_by_ends(corners: Indices, n: int) -> NDArray[np.int32]:
 @njit(cache=True)
 def _pair(
     corners: Indices,
-    order: NDArray[np.int32],
+    order: Indices32,
     edges: Indices,
     face_edges: Indices,
     edge_halfedges: Indices,
-    twins: NDArray[np.int32],
+    twins: Indices32,
 ) -> bool:
     """Fill in the tables; False if half-edges do not come in pairs that run in opposite directions."""
     for e in range(len(edges)):
@@ -101,7 +99,7 @@ def _uses_all(corners: Indices, n: int) -> bool:
 
 
 @njit(cache=True)
-def _is_connected(twins: NDArray[np.int32]) -> bool:
+def _is_connected(twins: Indices32) -> bool:
     """Whether one gets from the first face to all others across edges."""
     n_faces = len(twins) // 3
     reached, stack = np.zeros(n_faces, dtype=np.bool_), np.empty(n_faces, dtype=np.int32)

@@ -11,10 +11,9 @@ from numba import njit
 from numpy.typing import ArrayLike, NDArray
 from scipy.sparse import csr_array
 
+from isoembed.arrays import Indices
 from isoembed.mesh.checks import check_edges, check_faces, check_sphere, index_array
 from isoembed.mesh.joining import join
-
-Indices = NDArray[np.int64]
 
 
 @dataclass(frozen=True, eq=False, init=False, repr=False)

@@ -3,12 +3,10 @@
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
+from isoembed.arrays import Floats
 from isoembed.mesh.triangulation import Triangulation
 from isoembed.surface.shape_operator import normal_curvatures, shape_operators
-
-Floats = NDArray[np.float64]
 
 
 def chord_lengths(

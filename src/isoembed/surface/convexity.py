@@ -3,14 +3,11 @@
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
+from isoembed.arrays import Floats, Indices, Mask
 from isoembed.mesh.triangulation import Triangulation
 from isoembed.surface.curvature import dihedral_angles
 from isoembed.surface.measures import vertex_normals
-
-Floats = NDArray[np.float64]
-Mask = NDArray[np.bool_]
 
 FLAT = 1e-7  # radians: an exterior angle above -FLAT counts as not concave
 PARTIAL = 0.7  # paper: "more than seventy percent of the edges"
@@ -56,5 +53,5 @@ def umbrella_heights(triangulation: Triangulation, vertices: Floats) -> Floats:
     return np.einsum("ij,ij->i", vertices - mean, normals)
 
 
-def _concave_degrees(triangulation: Triangulation, concave: Mask) -> NDArray[np.int64]:
+def _concave_degrees(triangulation: Triangulation, concave: Mask) -> Indices:
     return np.bincount(triangulation.edges[concave].ravel(), minlength=triangulation.n_vertices)

@@ -9,13 +9,10 @@ from typing import cast
 
 import numpy as np
 from numba import njit
-from numpy.typing import NDArray
 
+from isoembed.arrays import Floats, Indices
 from isoembed.mesh.triangulation import Triangulation
 from isoembed.surface.measures import edge_lengths, face_areas, face_normals
-
-Floats = NDArray[np.float64]
-Indices = NDArray[np.int64]
 
 TINY = float(np.finfo(np.float64).tiny)
 SHUT = 1e-9  # radians: a fold nearer to pi than this has no inside

@@ -10,8 +10,8 @@ from functools import cached_property
 from typing import Any, ClassVar
 
 import numpy as np
-from numpy.typing import NDArray
 
+from isoembed.arrays import Floats, Indices, Mask
 from isoembed.mesh.triangulation import Triangulation, frozen
 from isoembed.metric.curvature import negative_deficits
 from isoembed.metric.glued import GluedMetric
@@ -21,8 +21,6 @@ from isoembed.surface import alignment, convexity, curvature, measures, smoothne
 from isoembed.surface.intersection import self_intersections
 from isoembed.surface.rigidity import LengthSystem
 from isoembed.version import __version__
-
-Floats = NDArray[np.float64]
 
 FACTORED = 4_000_000  # entries of J J^T, for 100,000 vertices: more are not factored only for a report
 
@@ -159,7 +157,7 @@ class Embedding:
         return self.metric.triangulation
 
     @property
-    def faces(self) -> NDArray[np.int64]:
+    def faces(self) -> Indices:
         """(F, 3): the triangles."""
         return self.metric.faces
 
@@ -191,22 +189,22 @@ class Embedding:
         return "converged" if self.converged else "not converged"
 
     @cached_property
-    def concave_edges(self) -> NDArray[np.bool_]:
+    def concave_edges(self) -> Mask:
         """Edges with an exterior dihedral angle below -1e-7 radians, shape (E,)."""
         return frozen(convexity.concave_edges(self.triangulation, self._normalized))
 
     @cached_property
-    def inverted_vertices(self) -> NDArray[np.bool_]:
+    def inverted_vertices(self) -> Mask:
         """Vertices whose edges are all concave, shape (V,)."""
         return frozen(convexity.inverted_vertices(self.triangulation, self.concave_edges))
 
     @cached_property
-    def partially_inverted_vertices(self) -> NDArray[np.bool_]:
+    def partially_inverted_vertices(self) -> Mask:
         """Vertices with more than 70 % of their edges concave, but not all, shape (V,)."""
         return frozen(convexity.partially_inverted_vertices(self.triangulation, self.concave_edges))
 
     @cached_property
-    def self_intersections(self) -> NDArray[np.int64]:
+    def self_intersections(self) -> Indices:
         """Pairs of faces that intersect, shape (n, 2): none on an embedded surface."""
         return frozen(self_intersections(self.faces, self._normalized))
 
@@ -239,7 +237,7 @@ class Embedding:
         return smoothness.fine_roughness(self.triangulation, self._normalized)
 
     @cached_property
-    def rough_edges(self) -> NDArray[np.bool_]:
+    def rough_edges(self) -> Mask:
         """Edges whose dihedral angle has another sign than their neighborhood gives them, shape (E,)."""
         return frozen(smoothness.rough_edges(self.triangulation, self._normalized, self._offsets))
 

@@ -5,11 +5,9 @@ from __future__ import annotations
 from collections.abc import Iterator
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
-Floats = NDArray[np.float64]
-Indices = NDArray[np.int64]
-Mask = NDArray[np.bool_]
+from isoembed.arrays import Floats, Indices, Mask
 
 ROUNDING = 32 * np.finfo(np.float64).eps  # of a pair's largest coordinate: closer than this is contact
 BLOCK = 1 << 15  # pairs at a time: bounds the memory, whatever the surface

@@ -11,13 +11,10 @@ from dataclasses import dataclass
 
 import numpy as np
 from numba import njit
-from numpy.typing import NDArray
 from scipy.sparse import csr_array, eye_array
 
+from isoembed.arrays import Floats, Indices
 from isoembed.surface.normal_fits import normal_weights
-
-Floats = NDArray[np.float64]
-Indices = NDArray[np.int64]
 
 ENOUGH = 14  # neighbors: four more than a cubic has coefficients
 NEAR = 0.5  # square of the distance, in edges, within which weights are even

@@ -10,11 +10,8 @@ from __future__ import annotations
 
 import numpy as np
 from numba import njit
-from numpy.typing import NDArray
 
-Floats = NDArray[np.float64]
-Indices = NDArray[np.int64]
-Mask = NDArray[np.bool_]
+from isoembed.arrays import Floats, Indices, Mask
 
 SIDE_BY_SIDE = 128  # fits: enough for long loops, few enough for their moments to stay in a cache
 MANY = 128  # points of one fit: room for more would be room for a hub's

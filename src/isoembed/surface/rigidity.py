@@ -12,10 +12,10 @@ from functools import cached_property, partial
 from typing import cast
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.sparse import csc_array, csr_array, eye_array, kron
 from scipy.sparse.linalg import LinearOperator, eigsh
 
+from isoembed.arrays import Floats, Indices
 from isoembed.linalg import (
     Dissection,
     OutOfMemory,
@@ -28,8 +28,6 @@ from isoembed.linalg import (
 from isoembed.mesh.triangulation import Triangulation
 from isoembed.surface.rigidity_matrix import RigidityMatrix, coupled_edges
 from isoembed.surface.two_level import TwoLevel
-
-Floats = NDArray[np.float64]
 
 MEAN_DIAGONAL = 2.0  # of J J^T, whose rows have unit norm at each end, and, nearly, of J^T J
 HOLD = 1e-10  # relative to J^T J: fixes the rigid motions that neither lengths nor a penalty on bending see
@@ -226,12 +224,12 @@ class VertexSystem:
         self._penalty = cast(Floats, np.bincount(np.concatenate(slots), values, minlength=len(self._keys)))
         self._hold = HOLD * MEAN_DIAGONAL * (pattern.indices == column)
 
-    def _slot(self, row: NDArray[np.int64], column: NDArray[np.int64]) -> NDArray[np.int64]:
+    def _slot(self, row: Indices, column: Indices) -> Indices:
         return np.searchsorted(
             self._keys, column.astype(np.int64) * (3 * self.triangulation.n_vertices) + row
         )
 
-    def _blocks(self, a: NDArray[np.int64], b: NDArray[np.int64]) -> NDArray[np.int64]:
+    def _blocks(self, a: Indices, b: Indices) -> Indices:
         i, j = np.divmod(np.arange(9), 3)
         return self._slot(3 * a[:, None] + i, 3 * b[:, None] + j).ravel()
 

@@ -9,13 +9,9 @@ from dataclasses import dataclass
 
 import numpy as np
 from numba import njit
-from numpy.typing import NDArray
 
-from isoembed.linalg.memory import OutOfMemory, make_sure_of
-
-Floats = NDArray[np.float64]
-Ends = NDArray[np.int32]
-Pointers = NDArray[np.int32]
+from isoembed.arrays import Floats, Indices, Indices32
+from isoembed.linalg.memory import OutOfMemory, require_memory
 
 MOST = 2**31 - 1  # entries that can be numbered in 32 bits
 BYTES = 25  # for an entry of J J^T, its value and its place in elimination order
@@ -35,12 +31,12 @@ class RigidityMatrix:
         V.
     """
 
-    ends: Ends
+    ends: Indices32
     rows: Floats
     vertices: int
 
     @classmethod
-    def of(cls, ends: Ends, positions: Floats, lengths: Floats) -> RigidityMatrix:
+    def of(cls, ends: Indices32, positions: Floats, lengths: Floats) -> RigidityMatrix:
         """J where the vertices are at `positions`, (V, 3), and the edges have these lengths, (E,)."""
         return cls(ends, _rows(ends, positions, lengths), len(positions))
 
@@ -52,12 +48,12 @@ class RigidityMatrix:
         """``J^T y``, (V, 3): the sums of the tensions y, (E,), of the edges at each vertex."""
         return _forces(self.ends, self.rows, tensions, self.vertices)
 
-    def gram(self, indptr: Pointers, indices: Pointers, shift: float) -> Floats:
+    def gram(self, indptr: Indices32, indices: Indices32, shift: float) -> Floats:
         """The entries of ``J J^T + shift I``, with the pattern of `coupled_edges`."""
         return _gram(self.ends, self.rows, indptr, indices, shift)
 
 
-def coupled_edges(ends: Ends, vertices: int) -> tuple[Pointers, Pointers]:
+def coupled_edges(ends: Indices32, vertices: int) -> tuple[Indices32, Indices32]:
     """The pattern of J J^T: two edges are coupled where they share a vertex.
 
     Parameters
@@ -81,12 +77,12 @@ def coupled_edges(ends: Ends, vertices: int) -> tuple[Pointers, Pointers]:
     entries = int((degrees**2).sum()) - len(ends)
     if entries > MOST:
         raise OutOfMemory(f"J J^T would have {entries} entries, more than can be numbered in 32 bits")
-    make_sure_of(BYTES * entries, f"the products of {len(ends)} edges")
+    require_memory(BYTES * entries, f"the products of {len(ends)} edges")
     return _coupled(ends, degrees, entries)
 
 
 @njit(cache=True)
-def _coupled(ends: Ends, degrees: NDArray[np.int64], entries: int) -> tuple[Pointers, Pointers]:
+def _coupled(ends: Indices32, degrees: Indices, entries: int) -> tuple[Indices32, Indices32]:
     count, n = len(ends), degrees.size
     start = np.zeros(n + 1, dtype=np.int64)
     start[1:] = np.cumsum(degrees)
@@ -112,7 +108,7 @@ def _coupled(ends: Ends, degrees: NDArray[np.int64], entries: int) -> tuple[Poin
 
 
 @njit(cache=True)
-def _rows(ends: Ends, positions: Floats, lengths: Floats) -> Floats:
+def _rows(ends: Indices32, positions: Floats, lengths: Floats) -> Floats:
     rows = np.empty((len(ends), 3))
     for e in range(len(ends)):
         a, b = ends[e]
@@ -122,7 +118,7 @@ def _rows(ends: Ends, positions: Floats, lengths: Floats) -> Floats:
 
 
 @njit(cache=True)
-def _rates(ends: Ends, rows: Floats, motion: Floats) -> Floats:
+def _rates(ends: Indices32, rows: Floats, motion: Floats) -> Floats:
     rates = np.empty(len(ends))
     for e in range(len(ends)):
         a, b = ends[e]
@@ -135,7 +131,7 @@ def _rates(ends: Ends, rows: Floats, motion: Floats) -> Floats:
 
 
 @njit(cache=True)
-def _forces(ends: Ends, rows: Floats, tensions: Floats, vertices: int) -> Floats:
+def _forces(ends: Indices32, rows: Floats, tensions: Floats, vertices: int) -> Floats:
     forces = np.zeros((vertices, 3))
     for e in range(len(ends)):
         a, b = ends[e]
@@ -150,7 +146,7 @@ def _forces(ends: Ends, rows: Floats, tensions: Floats, vertices: int) -> Floats
 
 
 @njit(cache=True)
-def _gram(ends: Ends, rows: Floats, indptr: Pointers, indices: Pointers, shift: float) -> Floats:
+def _gram(ends: Indices32, rows: Floats, indptr: Indices32, indices: Indices32, shift: float) -> Floats:
     values = np.empty(indices.size)
     for e in range(len(ends)):
         a, b = ends[e]

@@ -10,14 +10,11 @@ from __future__ import annotations
 
 import numpy as np
 from numba import njit
-from numpy.typing import NDArray
 
+from isoembed.arrays import Floats, Indices
 from isoembed.mesh.triangulation import Triangulation
 from isoembed.surface.local_fit import NEAR, SPARE, neighborhoods
 from isoembed.surface.measures import edge_lengths, vertex_normals
-
-Floats = NDArray[np.float64]
-Indices = NDArray[np.int64]
 
 THREE_RINGS = 60  # neighbors: more than two rings hold, but around vertices of high degree
 AT_ONCE = 10_000  # vertices whose neighborhoods are held together

@@ -18,8 +18,9 @@ from functools import cached_property
 from typing import Literal
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
+from isoembed.arrays import Floats, Indices
 from isoembed.errors import InvalidParameter
 from isoembed.mesh.triangulation import Triangulation
 from isoembed.surface import curvature, measures
@@ -27,7 +28,6 @@ from isoembed.surface.chords import chord_lengths
 from isoembed.surface.estimate import Estimate
 from isoembed.surface.shape_operator import normal_curvatures, second_derivatives, shape_operators
 
-Floats = NDArray[np.float64]
 Lengths = Literal["geodesic", "chord"]
 
 QUARTIC, CUBIC = 4, 3  # degrees of the fits: the second only says how far the first can be trusted
@@ -295,7 +295,7 @@ class _Bulges:
         )
 
 
-def _inward(faces: NDArray[np.int64], points: Floats) -> Floats:
+def _inward(faces: Indices, points: Floats) -> Floats:
     """Unit vectors in each face, (F, 3, 3), across the edge opposite to each corner and toward it."""
     normals = measures.face_normals(faces, points)
     norms = np.linalg.norm(normals, axis=1)[:, None]

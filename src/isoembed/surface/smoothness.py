@@ -15,19 +15,15 @@ from typing import cast
 
 import numpy as np
 from numba import njit
-from numpy.typing import NDArray
 from scipy.sparse import csr_array, vstack
 
+from isoembed.arrays import Floats, Indices, Mask
 from isoembed.mesh.triangulation import Triangulation
 from isoembed.surface.convexity import FLAT
 from isoembed.surface.curvature import dihedral_angles
 from isoembed.surface.local_fit import ENOUGH, FitResiduals, neighborhoods
 from isoembed.surface.measures import edge_lengths, vertex_normals
 from isoembed.surface.spatial_order import reordered, spatial_order
-
-Floats = NDArray[np.float64]
-Indices = NDArray[np.int64]
-Mask = NDArray[np.bool_]
 
 QUINTIC = 5  # degree
 THREE_RINGS = 30  # more neighbors than two rings have

@@ -14,16 +14,12 @@ from dataclasses import dataclass
 
 import numpy as np
 from numba import njit
-from numpy.typing import NDArray
 from scipy.sparse import bsr_array, csr_array, eye_array
 
+from isoembed.arrays import Floats, Indices, Indices32
 from isoembed.linalg import Dissection, SymmetricFactor, analyze, dissect
-from isoembed.linalg.conjugate import Approximation, conjugate_gradients
-from isoembed.surface.rigidity_matrix import Ends, RigidityMatrix
-
-Floats = NDArray[np.float64]
-Indices = NDArray[np.int64]
-Pointers = NDArray[np.int32]
+from isoembed.linalg.krylov import Approximation, conjugate_gradients
+from isoembed.surface.rigidity_matrix import RigidityMatrix
 
 AGGREGATE = 48  # vertices at most
 DEGREE = 4  # of the smoothing polynomial
@@ -127,12 +123,12 @@ class _Bodies:
         The motions of all bodies as one, an orthonormal basis.
     """
 
-    of_vertex: Pointers
+    of_vertex: Indices32
     arms: Floats
     together: Floats
 
     @classmethod
-    def of(cls, positions: Floats, of_vertex: Pointers) -> _Bodies:
+    def of(cls, positions: Floats, of_vertex: Indices32) -> _Bodies:
         sums = np.column_stack([np.bincount(of_vertex, x) for x in positions.T])
         centers = sums / np.bincount(of_vertex)[:, None]
         arms = positions - centers[of_vertex]
@@ -194,7 +190,7 @@ def _take_away_rigid(motion: Floats, arms: Floats, turning: Floats) -> None:
 
 
 @njit(cache=True)
-def _aggregates(cells: Indices) -> Pointers:
+def _aggregates(cells: Indices) -> Indices32:
     """Number the cells of a tree, as in `Dissection.cells`, that are the largest with few vertices."""
     n = cells.size
     order = np.argsort(cells)
@@ -231,7 +227,7 @@ def _inverses(J: RigidityMatrix, damping: float) -> Floats:
 
 
 @njit(cache=True)
-def _diagonal_blocks(ends: Ends, rows: Floats, vertices: int) -> Floats:
+def _diagonal_blocks(ends: Indices32, rows: Floats, vertices: int) -> Floats:
     blocks = np.zeros((vertices, 3, 3))
     for e in range(len(ends)):
         for v in ends[e]:
@@ -261,7 +257,7 @@ def _wrench(arm: Floats, force: Floats, wrench: Floats) -> None:
 
 
 @njit(cache=True)
-def _wrenches(of_vertex: Pointers, arms: Floats, count: int, forces: Floats) -> Floats:
+def _wrenches(of_vertex: Indices32, arms: Floats, count: int, forces: Floats) -> Floats:
     wrenches, wrench = np.zeros((count, 6)), np.empty(6)
     for v in range(len(forces)):
         _wrench(arms[v], forces[v], wrench)
@@ -270,7 +266,7 @@ def _wrenches(of_vertex: Pointers, arms: Floats, count: int, forces: Floats) -> 
 
 
 @njit(cache=True)
-def _motions(of_vertex: Pointers, arms: Floats, moved: Floats) -> Floats:
+def _motions(of_vertex: Indices32, arms: Floats, moved: Floats) -> Floats:
     motions = np.empty((len(of_vertex), 3))
     for v in range(len(of_vertex)):
         tx, ty, tz, wx, wy, wz = moved[of_vertex[v]]
@@ -283,12 +279,12 @@ def _motions(of_vertex: Pointers, arms: Floats, moved: Floats) -> Floats:
 
 @njit(cache=True)
 def _coarse_blocks(
-    ends: Ends,
+    ends: Indices32,
     rows: Floats,
-    of_vertex: Pointers,
+    of_vertex: Indices32,
     arms: Floats,
-    indptr: Pointers,
-    indices: Pointers,
+    indptr: Indices32,
+    indices: Indices32,
     damping: float,
 ) -> Floats:
     """``P^T (J^T J + damping I) P``, (nnz, 6, 6), P being the motions of the bodies."""

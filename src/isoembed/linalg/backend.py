@@ -1,0 +1,79 @@
+"""What the backends have in common: a pattern in elimination order, the memory it takes, how they refuse."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any, Protocol
+
+from isoembed.arrays import Floats, Indices32
+
+
+class SingularMatrix(ArithmeticError):  # noqa: N818  (named for what it says, as InvalidMetric is)
+    """The matrix is singular, not positive definite where it has to be, or not finite."""
+
+
+class Solves(Protocol):
+    """The factors of one matrix in elimination order."""
+
+    def solve(self, b: Floats) -> Floats:
+        """Solve for b (n,) or (n, k)."""
+        ...
+
+
+class Numeric(Solves, Protocol):
+    """The factors L D L^T of one symmetric matrix in elimination order."""
+
+    @property
+    def negative_pivots(self) -> int:
+        """Number of negative entries of D."""
+        ...
+
+
+@dataclass(frozen=True)
+class BytesPer:
+    """Memory that factors take, as measured: bytes for an entry of L, an entry of the matrix, and a row."""
+
+    factor_entry: float
+    entry: float = 0.0
+    row: float = 0.0
+
+
+@dataclass(eq=False)
+class Symbolic:
+    """A symmetric pattern in elimination order, which a backend analyzes once.
+
+    Attributes
+    ----------
+    indptr, indices : ndarray of int32
+        The lower triangle in compressed columns with sorted rows: by symmetry the upper one by rows.
+    count : int
+        Entries of L.
+    definite : bool
+        Whether the matrices must be positive definite.
+    """
+
+    indptr: Indices32
+    indices: Indices32
+    count: int
+    definite: bool
+
+    @property
+    def bytes_per(self) -> BytesPer:
+        """What the next factors take."""
+        raise NotImplementedError
+
+    @property
+    def needs(self) -> int:
+        """Bytes that the next factors will take."""
+        per = self.bytes_per
+        return int(per.factor_entry * self.count + per.entry * self.indices.size + per.row * self.indptr.size)
+
+    def factor(self, data: Floats) -> Any:
+        """Factorize the matrix with these entries, into a `Numeric`; raises SingularMatrix."""
+        raise NotImplementedError
+
+    def refusal(self) -> SingularMatrix:
+        """The error where elimination meets a pivot that it must not."""
+        if self.definite:
+            return SingularMatrix("the matrix is not positive definite")
+        return SingularMatrix("the matrix has no factors L D L^T in this order")

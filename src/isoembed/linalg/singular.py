@@ -1,5 +1,0 @@
-"""The one error of the solvers."""
-
-
-class SingularMatrix(ArithmeticError):  # noqa: N818  (named for what it says, as InvalidMetric is)
-    """The matrix is singular, not positive definite where it has to be, or not finite."""
