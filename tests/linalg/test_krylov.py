@@ -1,4 +1,4 @@
-"""GMRES that counts and conjugate gradients: exact solutions, honest residuals, no more products than needed."""
+"""GMRES that counts, and conjugate gradients: exact solutions, honest residuals, no product too many."""
 
 import numpy as np
 import pytest
