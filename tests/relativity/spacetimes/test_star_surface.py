@@ -192,7 +192,7 @@ class TestDerivatives:
         c[0] = 10.0
         surface = StarSurface(ORIGIN, harmonics, c)
         e = np.stack(angle_frame(u), axis=1)
-        _, slope, hessian = surface._derivatives(u)
+        _, slope, hessian = harmonics.derivatives(u, c)
         values, first = harmonics.along(u, e)
         np.testing.assert_allclose(surface.radius(u), values @ c, rtol=1e-13)
         np.testing.assert_allclose(np.einsum("nai,ni->na", e, slope), first @ c, atol=1e-12)
@@ -377,7 +377,7 @@ class TestFromPoints:
         assert StarSurface.from_points(np.tile(points, (10, 1)), ORIGIN).harmonics.degree == 1
 
     def test_a_crowd_of_points_counts_for_its_solid_angle(self):
-        crowd = np.array([0.0, 0.6, 0.8]) + 0.05 * self.sample(8000, seed=1)[1]
+        crowd = np.array([0.0, 0.6, 0.8]) + 0.05 * self.sample(3000, seed=1)[1]
         crowd /= np.linalg.norm(crowd, axis=1, keepdims=True)
         points = np.concatenate([crowd * bumpy(crowd)[:, None], self.sample(100)[1]])
         surface = StarSurface.from_points(points, ORIGIN)

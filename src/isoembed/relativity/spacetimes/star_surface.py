@@ -1,7 +1,4 @@
-"""Star-shaped surfaces in a 3-geometry: radius by direction in spherical harmonics, and what lies on them.
-
-The derivatives are covariant ones along two tangent vectors at each direction: no point is singular.
-"""
+"""Star-shaped surfaces in a slice: the radius by direction in spherical harmonics."""
 
 from __future__ import annotations
 
@@ -12,25 +9,39 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 from scipy.spatial import ConvexHull, QhullError
 
-from isoembed.errors import InvalidMetric, InvalidParameter
+from isoembed.errors import InvalidParameter
 from isoembed.meshing.sphere import fibonacci_directions, gauss_rule
-from isoembed.relativity.spacetimes.checks import check_slice, numbers, positive_number, vector, written
+from isoembed.relativity.spacetimes.checks import numbers, positive_number, vector, written
 from isoembed.relativity.spacetimes.surface_data import SurfaceData
+from isoembed.relativity.spacetimes.surface_frame import SurfaceFrame, differential
 from isoembed.relativity.spacetimes.three_geometry import ThreeGeometry
 from isoembed.smooth.harmonics import Harmonics
 from isoembed.smooth.transforms import analyzed, fitted, trimmed
-from isoembed.smooth.two_metric import area_density, orthonormal_frame, projected
+from isoembed.smooth.two_metric import area_density
+from isoembed.thresholds import threshold
 
 Floats = NDArray[np.float64]
 
-LARGEST_DEGREE = 128
-"""Up to which degree the harmonics of a function are sought."""
-ROUNDING = 1e-15
-"""What is rounding in the harmonics of a radius, over the radius."""
-MISSED = 1e-6
-"""How far harmonics may miss a radius, over the radius; more is no smooth surface."""
-CHECKED = (24, 48)
-"""Nodes in theta and phi at which a slice tells its errors."""
+
+@dataclass(frozen=True)
+class StarSurfaceThresholds:
+    """Thresholds of surfaces in spherical harmonics."""
+
+    first_degree: int = threshold(16, "count", "Degree in which a radius is sought first; it is doubled.")
+    highest_degree: int = threshold(
+        128, "count", "Degree above which harmonics of a function are not sought."
+    )
+    rounding: float = threshold(1e-15, "relative", "Rounding in the harmonics of a radius.")
+    exact: float = threshold(1e-12, "relative", "Miss of a radius below which it is exact.")
+    missed: float = threshold(1e-6, "relative", "Miss of a radius above which it is not smooth.")
+    directions: int = threshold(200, "count", "Directions at which the miss of a radius is measured.")
+    nodes: tuple[int, int] = threshold(
+        (24, 48), "count", "Heights and angles at which a slice tells its errors."
+    )
+    settled: float = threshold(1e-13, "relative", "Change of an angular momentum by more nodes that is none.")
+
+
+STAR = StarSurfaceThresholds()
 
 
 @dataclass(frozen=True, eq=False)
@@ -72,7 +83,7 @@ class StarSurface:
 
     @classmethod
     def sphere(cls, center: Sequence[float], radius: float) -> StarSurface:
-        """Return the coordinate sphere with this center and radius."""
+        """The coordinate sphere with this center and radius."""
         positive_number("the radius", radius)
         return cls(center, Harmonics(0, 0), np.array([radius * np.sqrt(4.0 * np.pi)]))
 
@@ -80,7 +91,7 @@ class StarSurface:
     def from_radius(
         cls, radius: Callable[[Floats], ArrayLike], center: Sequence[float] = (0.0, 0.0, 0.0)
     ) -> StarSurface:
-        """Project a radius onto harmonics, up to the degree where only rounding or noise is left.
+        """Projection of a radius onto harmonics, up to the degree where only rounding or noise is left.
 
         Parameters
         ----------
@@ -98,39 +109,38 @@ class StarSurface:
         -----
         What is missed, where it is more than rounding, is the ``misfit``.
         """
-        apart = fibonacci_directions(200)
+        apart = fibonacci_directions(STAR.directions)
         expected = _radii(radius, apart)
-        found: list[tuple[float, Harmonics, Floats, float]] = []
-        degree = 16
-        while degree <= LARGEST_DEGREE:
+        found: list[tuple[float, tuple[Harmonics, Floats, float]]] = []
+        degree = STAR.first_degree
+        while degree <= STAR.highest_degree:
             u, weights = gauss_rule(degree + 1, 2 * degree + 2)
             coefficients, harmonics = analyzed(_radii(radius, u), u, weights, degree)
             sizes = np.abs(coefficients) / abs(coefficients[0])
             tail = float(sizes[harmonics.labels[0] > 3 * degree // 4].max())
-            coefficients, harmonics = trimmed(coefficients, harmonics, sizes > ROUNDING / 4.0)
+            coefficients, harmonics = trimmed(coefficients, harmonics, sizes > STAR.rounding / 4.0)
             error = (harmonics.values(apart) @ coefficients - expected) / expected.max()
             missed = float(np.abs(error).max())
-            if missed <= MISSED:
+            if missed <= STAR.missed:
                 misfit = float(np.sqrt(np.mean(error**2)) * expected.max())
-                found.append((missed, harmonics, coefficients, misfit))
-                if tail <= ROUNDING and missed <= 1e3 * ROUNDING:
-                    return cls(center, harmonics, coefficients, misfit)
+                found.append((missed, (harmonics, coefficients, misfit)))
+                if tail <= STAR.rounding and missed <= STAR.exact:
+                    return cls(center, *found[-1][1])
             degree *= 2
         if not found:
             raise InvalidParameter(
-                f"the radius is not smooth enough for harmonics: those of degree {LARGEST_DEGREE} are still "
-                f"{tail:.3g} of the mean, and miss it by {missed:.3g}; fit points instead"
+                f"the radius is not smooth enough for harmonics: those of degree {STAR.highest_degree} are "
+                f"still {tail:.3g} of the mean, and miss it by {missed:.3g}; fit points instead"
             )
         # Harmonics that come no nearer would be noise, and their second derivatives loud noise.
-        enough = 2.0 * min(missed for missed, *_ in found)
-        _, harmonics, coefficients, misfit = next(fit for fit in found if fit[0] <= enough)
-        return cls(center, harmonics, coefficients, misfit)
+        enough = 2.0 * min(missed for missed, _ in found)
+        return cls(center, *next(fit for missed, fit in found if missed <= enough))
 
     @classmethod
     def from_angles(
         cls, radius: Callable[[Floats, Floats], ArrayLike], center: Sequence[float] = (0.0, 0.0, 0.0)
     ) -> StarSurface:
-        """Project a radius that is given by angles onto harmonics; see `from_radius`.
+        """Projection of a radius that is given by angles; see `from_radius`.
 
         Parameters
         ----------
@@ -148,7 +158,7 @@ class StarSurface:
 
     @classmethod
     def from_points(cls, points: ArrayLike, center: Sequence[float]) -> StarSurface:
-        """Fit harmonics to points by least squares, weighted by the solid angles for which the points stand.
+        """Fit of harmonics to points by least squares, weighted by the solid angles that the points stand for.
 
         The degree is the one of least generalized cross-validation, at most 40; see
         `isoembed.smooth.transforms.fitted`.
@@ -184,7 +194,7 @@ class StarSurface:
 
     def radius(self, u: Floats) -> Floats:
         """The radius (n,) in the directions u (n, 3)."""
-        return self._derivatives(_directions(u))[0]
+        return self.harmonics.derivatives(_directions(u), self.coefficients)[0]
 
     def points(self, u: Floats) -> Floats:
         """The points X (n, 3) in the directions u (n, 3)."""
@@ -194,29 +204,35 @@ class StarSurface:
     def differential(self, u: Floats) -> Floats:
         """The differential dX (n, 3, 3): ``dX @ v`` is the derivative of X along a tangent vector v."""
         u = _directions(u)
-        r, slope, _ = self._derivatives(u)
-        return _differential(u, r, slope)
+        r, slope, _ = self.harmonics.derivatives(u, self.coefficients)
+        return differential(u, r, slope)
+
+    def frame(self, geometry: ThreeGeometry, u: Floats) -> SurfaceFrame:
+        """The local geometry of the surface in a slice, in the directions u (n, 3)."""
+        u = _directions(u)
+        r, slope, hessian = self.harmonics.derivatives(u, self.coefficients)
+        return SurfaceFrame(geometry, u, np.array(self.center) + r[:, None] * u, r, slope, hessian)
 
     def metric(self, geometry: ThreeGeometry) -> InducedMetric:
-        """Return the metric that the geometry induces on the surface."""
+        """The metric that the geometry induces on the surface."""
         return InducedMetric(self, geometry)
 
     def mean_curvature(self, geometry: ThreeGeometry, u: Floats) -> Floats:
         """``k = k1 + k2`` (n,) for the outward normal, in the directions u (n, 3); 2 / r on a flat sphere."""
-        return self._frame(geometry, u).mean_curvature(geometry)
+        return self.frame(geometry, u).mean_curvature()
 
     def momentum(self, geometry: ThreeGeometry, u: Floats) -> Floats:
         """``p = K_ij (gamma^ij - n^i n^j)`` (n,) in the directions u (n, 3)."""
-        return self._frame(geometry, u).momentum(geometry)
+        return self.frame(geometry, u).momentum()
 
     def normal_momentum(self, geometry: ThreeGeometry, u: Floats) -> Floats:
         """``K(., n)`` as tangent vectors (n, 3) of the unit sphere at u (n, 3): see `SurfaceData`."""
-        return self._frame(geometry, u).normal_momentum(geometry)
+        return self.frame(geometry, u).normal_momentum()
 
     def expansion(self, geometry: ThreeGeometry, u: Floats) -> Floats:
         """``theta_+ = k - p`` (n,) of the light rays that leave outward; zero on an apparent horizon."""
-        frame = self._frame(geometry, u)
-        return frame.mean_curvature(geometry) - frame.momentum(geometry)
+        frame = self.frame(geometry, u)
+        return frame.mean_curvature() - frame.momentum()
 
     def angular_momentum(self, geometry: ThreeGeometry, axis: Sequence[float]) -> float:
         """``J = 1 / (8 pi) int K_ij phi^i n^j dA``, a length squared, with ``phi = axis x (x - center)``.
@@ -236,12 +252,12 @@ class StarSurface:
         n, before = self.harmonics.degree + 8, np.inf
         while True:
             u, weights = gauss_rule(n, 2 * n)
-            f = self._frame(geometry, u)
-            phi = np.cross(a, f.r[:, None] * u)
-            density = np.einsum("ni,nij,nj->n", phi, _curvature(geometry, f.x), f.upper)
-            density *= weights * area_density(f.q) / (8.0 * np.pi)
-            J = float(density.sum())
-            if abs(J - before) <= 1e-13 * float(np.abs(density).sum()) or n > LARGEST_DEGREE:
+            frame = self.frame(geometry, u)
+            phi = np.cross(a, frame.r[:, None] * u)
+            density = np.einsum("ni,ni->n", phi, frame.curvature_along_normal)
+            density *= weights * area_density(frame.q) / (8.0 * np.pi)
+            J, size = float(density.sum()), float(np.abs(density).sum())
+            if abs(J - before) <= STAR.settled * size or n > STAR.highest_degree:
                 return J
             n, before = 2 * n, J
 
@@ -252,7 +268,7 @@ class StarSurface:
         marginal: bool = False,
         name: str = "",
     ) -> SurfaceData:
-        """Return what quasi-local energies are computed from.
+        """Data of which quasi-local energies are computed.
 
         Their ``relative_error`` is the misfit over the mean radius and what the geometry says of its own.
 
@@ -272,40 +288,22 @@ class StarSurface:
             The slice's metric is not positive definite, or its extrinsic curvature not finite, on the
             surface; the message names a point.
         """
-        frame = self._frame(geometry, gauss_rule(*CHECKED)[0])
-        frame.mean_curvature(geometry)
-        if not geometry.time_symmetric:
-            frame.momentum(geometry)
+        moves = not geometry.time_symmetric
+        frame = self.frame(geometry, gauss_rule(*STAR.nodes)[0])
+        frame.mean_curvature()
+        if moves:
+            frame.momentum()
         mean = self.coefficients[0] / np.sqrt(4.0 * np.pi)
         return SurfaceData(
             metric=self.metric(geometry),
             mean_curvature=lambda u: self.mean_curvature(geometry, u),
-            momentum=None if geometry.time_symmetric else lambda u: self.momentum(geometry, u),
-            normal_momentum=None if geometry.time_symmetric else lambda u: self.normal_momentum(geometry, u),
+            momentum=(lambda u: self.momentum(geometry, u)) if moves else None,
+            normal_momentum=(lambda u: self.normal_momentum(geometry, u)) if moves else None,
             angular_momentum=None if axis is None else self.angular_momentum(geometry, axis),
             marginal=marginal,
             relative_error=float(self.misfit / mean) + geometry.relative_error(frame.x),
             name=name,
         )
-
-    def _derivatives(self, u: Floats) -> tuple[Floats, Floats, Floats]:
-        """The radius (n,), its gradient (n, 3) and its covariant second derivatives (n, 3, 3)."""
-        return self.harmonics.derivatives(u, self.coefficients)
-
-    def _frame(self, geometry: ThreeGeometry, u: Floats) -> _Frame:
-        u = _directions(u)
-        r, slope, hessian = self._derivatives(u)
-        x = np.array(self.center) + r[:, None] * u
-        gamma = _slice_metric(geometry, x)
-        dX = _differential(u, r, slope)
-        q = projected(dX.transpose(0, 2, 1) @ gamma @ dX, u)
-        e = orthonormal_frame(u, q)
-        T = e @ dX.transpose(0, 2, 1)
-        lower = np.cross(T[:, 0], T[:, 1])
-        upper = np.linalg.solve(gamma, lower[:, :, None])[:, :, 0]
-        length = np.sqrt(np.einsum("ni,ni->n", lower, upper))[:, None]
-        tangent = T.transpose(0, 2, 1) @ T
-        return _Frame(u, r, slope, hessian, x, q, e, tangent, lower / length, upper / length)
 
 
 @dataclass(frozen=True)
@@ -323,62 +321,7 @@ class InducedMetric:
 
     def tensor(self, u: Floats) -> Floats:
         """See `isoembed.smooth.TwoMetric`."""
-        u = _directions(u)
-        r, slope, _ = self.surface._derivatives(u)
-        gamma = _slice_metric(self.geometry, np.array(self.surface.center) + r[:, None] * u)
-        dX = _differential(u, r, slope)
-        return projected(dX.transpose(0, 2, 1) @ gamma @ dX, u)
-
-
-@dataclass(frozen=True)
-class _Frame:
-    """The surface to second order, at n directions."""
-
-    u: Floats
-    """The directions (n, 3)."""
-    r: Floats
-    """The radius (n,)."""
-    slope: Floats
-    """Its gradient on the unit sphere (n, 3)."""
-    hessian: Floats
-    """Its covariant second derivatives there (n, 3, 3)."""
-    x: Floats
-    """The points (n, 3)."""
-    q: Floats
-    """The metric (n, 3, 3)."""
-    e: Floats
-    """Two tangent vectors of the unit sphere (n, 2, 3), orthonormal for q."""
-    tangent: Floats
-    """``gamma^ij - n^i n^j`` (n, 3, 3)."""
-    lower: Floats
-    """``n_i`` (n, 3)."""
-    upper: Floats
-    """``n^i`` (n, 3)."""
-
-    def mean_curvature(self, geometry: ThreeGeometry) -> Floats:
-        """See `StarSurface`.
-
-        k is the trace of ``h_AB = -n_i (D_A D_B X^i + Gamma^i_jk X^j_A X^k_B)``, D the derivative of the
-        unit sphere: another one would change the first term by a tangent vector.
-        """
-        inverse = self.e.transpose(0, 2, 1) @ self.e  # of q
-        bent = np.einsum("nij,nij->n", inverse, self.hessian) - self.r * np.einsum("nii->n", inverse)
-        turned = np.einsum("nij,nj->ni", inverse, self.slope)
-        flat = np.einsum("ni,ni->n", self.lower, bent[:, None] * self.u + 2.0 * turned)
-        gradient = _finite("the gradient of the 3-metric", geometry.gradient(self.x), self.x)
-        along = np.einsum("nkj,nkji->ni", self.tangent, gradient)
-        across = np.einsum("nijk,njk->ni", gradient, self.tangent)
-        return -flat - np.einsum("ni,ni->n", self.upper, along - 0.5 * across)
-
-    def momentum(self, geometry: ThreeGeometry) -> Floats:
-        """See `StarSurface`."""
-        return np.einsum("nij,nij->n", self.tangent, _curvature(geometry, self.x))
-
-    def normal_momentum(self, geometry: ThreeGeometry) -> Floats:
-        """See `StarSurface`."""
-        toward = np.einsum("nij,nj->ni", _curvature(geometry, self.x), self.upper)
-        pulled = np.einsum("nki,nk->ni", _differential(self.u, self.r, self.slope), toward)
-        return pulled - np.einsum("ni,ni->n", pulled, self.u)[:, None] * self.u
+        return self.surface.frame(self.geometry, u).q
 
 
 def _directions(u: ArrayLike) -> Floats:
@@ -386,28 +329,6 @@ def _directions(u: ArrayLike) -> Floats:
     if array.ndim != 2 or array.shape[1] != 3:
         raise InvalidParameter(f"directions must be unit vectors (n, 3), not an array {array.shape}")
     return array
-
-
-def _differential(u: Floats, r: Floats, slope: Floats) -> Floats:
-    return u[:, :, None] * slope[:, None, :] + r[:, None, None] * np.eye(3)
-
-
-def _slice_metric(geometry: ThreeGeometry, x: Floats) -> Floats:
-    gamma = geometry.metric(x)
-    check_slice("the 3-metric", x, gamma)
-    return gamma
-
-
-def _finite(what: str, values: Floats, x: Floats) -> Floats:
-    good = np.isfinite(values.reshape(len(x), -1)).all(axis=1)
-    if not good.all():
-        raise InvalidMetric(f"{what} at {written(x[int(np.argmin(good))])} is not finite")
-    return values
-
-
-def _curvature(geometry: ThreeGeometry, x: Floats) -> Floats:
-    """``K_ij`` (n, 3, 3)."""
-    return _finite("the extrinsic curvature", geometry.extrinsic_curvature(x), x)
 
 
 def _check_radius(u: Floats, r: Floats) -> None:
