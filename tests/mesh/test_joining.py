@@ -6,8 +6,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 import zoo
+from isoembed.mesh.checks import checked_tables
 from isoembed.mesh.joining import join
-from isoembed.mesh.triangulation import _checked_tables
 
 
 def bipyramid(n):
@@ -21,7 +21,7 @@ def bipyramid(n):
 def assert_joined(faces):
     found = join(faces)
     assert found is not None
-    for table, expected in zip(found, _checked_tables(faces), strict=True):
+    for table, expected in zip(found, checked_tables(faces), strict=True):
         assert table.dtype == expected.dtype == np.int64
         np.testing.assert_array_equal(table, expected)
 

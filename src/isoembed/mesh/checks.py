@@ -82,30 +82,67 @@ def _refuse_first(bad: Mask, table: NDArray, what: str, why: str) -> None:
         raise InvalidMetric(f"{what} {row} refers to vertex {table[row, column]}: {why}")
 
 
-def check_faces(faces: Indices) -> None:
-    """Refuse faces that repeat a vertex, repeat one another, or leave gaps among the indices.
+def checked_tables(faces: Indices) -> tuple[Indices, Indices, Indices]:
+    """The tables of a triangulation, with a check at every step.
 
     Parameters
     ----------
     faces : ndarray of int, shape (F, 3)
 
+    Returns
+    -------
+    edges, face_edges, edge_halfedges
+        As in `Triangulation`.
+
     Raises
     ------
     InvalidMetric
-        Naming the first such face or vertex.
+        The faces are not a triangulated sphere: naming the first offender.
     """
+    _check_faces(faces)
+    start, end = faces.ravel(), np.roll(faces, -1, axis=1).ravel()
+    n = int(faces.max()) + 1
+    keys, of_halfedge = np.unique(np.minimum(start, end) * n + np.maximum(start, end), return_inverse=True)
+    edges = np.column_stack(np.divmod(keys, n))
+    face_edges = of_halfedge.reshape(-1, 3)
+    _check_edges(edges, face_edges, faces)
+    along = start < end
+    edge_halfedges = np.empty((len(edges), 2), dtype=np.int64)
+    edge_halfedges[face_edges.ravel()[along], 0] = np.flatnonzero(along)
+    edge_halfedges[face_edges.ravel()[~along], 1] = np.flatnonzero(~along)
+    _check_sphere(faces, edges, edge_halfedges)
+    return edges, face_edges, edge_halfedges
+
+
+def check_numbering(faces: Indices) -> None:
+    """Refuse gaps among the vertices that faces, (F, 3), refer to; raises InvalidMetric."""
+    largest = int(faces.max())
+    used = np.zeros(min(largest, faces.size) + 1, dtype=np.bool_)
+    used[faces[faces < used.size]] = True
+    if not used.all():
+        f = int(np.argmax((faces == largest).any(axis=1)))
+        raise InvalidMetric(
+            f"vertex {int(np.argmin(used))} is in no face, while face {f} refers to vertex {largest}: "
+            "vertices must be numbered from 0 without gaps"
+        )
+
+
+def check_euler(n_vertices: int, n_faces: int) -> None:
+    """Refuse closed connected surfaces that are no sphere; raises InvalidMetric."""
+    euler = n_vertices - n_faces // 2
+    if euler != 2:
+        raise InvalidMetric(
+            f"the surface has Euler characteristic {euler} (genus {1 - euler // 2}), not 2: not a sphere"
+        )
+
+
+def _check_faces(faces: Indices) -> None:
+    """Refuse faces that repeat a vertex, repeat one another, or leave gaps among the indices."""
     repeated = (faces == np.roll(faces, 1, axis=1)).any(axis=1)
     if repeated.any():
         f = int(np.argmax(repeated))
         raise InvalidMetric(f"face {f} {faces[f].tolist()} repeats a vertex")
-    used = np.unique(faces)
-    if used[-1] != len(used) - 1:
-        missing = int(np.argmax(used != np.arange(len(used))))
-        f = int(np.argmax((faces == used[-1]).any(axis=1)))
-        raise InvalidMetric(
-            f"vertex {missing} is in no face, while face {f} refers to vertex {used[-1]}: "
-            "vertices must be numbered from 0 without gaps"
-        )
+    check_numbering(faces)
     corners = np.sort(faces, axis=1)
     order = np.lexsort(corners.T)
     same = (corners[order[1:]] == corners[order[:-1]]).all(axis=1)
@@ -115,22 +152,8 @@ def check_faces(faces: Indices) -> None:
         raise InvalidMetric(f"face {f} {faces[f].tolist()} repeats face {original}")
 
 
-def check_edges(edges: Indices, face_edges: Indices, faces: Indices) -> None:
-    """Refuse edges that are not in exactly two faces, and faces that cannot be oriented alike.
-
-    Parameters
-    ----------
-    edges : ndarray of int, shape (E, 2)
-    face_edges : ndarray of int, shape (F, 3)
-        The edge of each half-edge.
-    faces : ndarray of int, shape (F, 3)
-
-    Raises
-    ------
-    InvalidMetric
-        Naming the first boundary edge, non-manifold edge, or face turned against its neighbor; or that the
-        surface has no orientation at all (projective plane).
-    """
+def _check_edges(edges: Indices, face_edges: Indices, faces: Indices) -> None:
+    """Refuse edges that are not in exactly two faces, and faces that cannot be oriented alike."""
     count = np.bincount(face_edges.ravel(), minlength=len(edges))
     if (count > 2).any():
         e = int(np.argmax(count > 2))
@@ -163,20 +186,8 @@ def check_edges(edges: Indices, face_edges: Indices, faces: Indices) -> None:
     )
 
 
-def check_sphere(faces: Indices, edges: Indices, edge_halfedges: Indices) -> None:
-    """Refuse closed oriented surfaces that are not one sphere.
-
-    Parameters
-    ----------
-    faces : ndarray of int, shape (F, 3)
-    edges : ndarray of int, shape (E, 2)
-    edge_halfedges : ndarray of int, shape (E, 2)
-
-    Raises
-    ------
-    InvalidMetric
-        Naming a vertex at which sheets touch, a vertex of a second component, or the genus.
-    """
+def _check_sphere(faces: Indices, edges: Indices, edge_halfedges: Indices) -> None:
+    """Refuse closed oriented surfaces of several components, with pinched vertices, or of another genus."""
     n = int(faces.max()) + 1
     parts, label = connected_components(coo_array((np.ones(len(edges)), edges.T), shape=(n, n)))
     if parts > 1:
@@ -197,8 +208,4 @@ def check_sphere(faces: Indices, edges: Indices, edge_halfedges: Indices) -> Non
         raise InvalidMetric(
             f"the faces around vertex {v} form more than one fan: the surface is not a manifold"
         )
-    euler = n - len(edges) + len(faces)
-    if euler != 2:
-        raise InvalidMetric(
-            f"the surface has Euler characteristic {euler} (genus {1 - euler // 2}), not 2: not a sphere"
-        )
+    check_euler(n, len(faces))

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 from numba import njit
 
-from isoembed.arrays import Indices, Indices32
+from isoembed.arrays import Indices, Indices32, Mask
 
 MOST = 2**31 - 1  # half-edges whose numbers fit into 32 bits
 
@@ -33,7 +33,7 @@ def join(faces: Indices) -> tuple[Indices, Indices, Indices] | None:
         return None
     # A connected surface has V' - E + F <= 2, where V' counts a vertex once for each fan of faces around it.
     # If all n vertices are in faces, n <= V'; as n - E + F = 2, there is one fan around each, and no handle.
-    is_sphere = _uses_all(corners, n) and _is_connected(twins)
+    is_sphere = np.bincount(corners, minlength=n).all() and reached_faces(twins).all()
     return (edges, face_edges, halfedges) if is_sphere else None
 
 
@@ -90,21 +90,11 @@ def _pair(
 
 
 @njit(cache=True)
-def _uses_all(corners: Indices, n: int) -> bool:
-    """Whether every vertex is in a face."""
-    used = np.zeros(n, dtype=np.bool_)
-    for v in corners:
-        used[v] = True
-    return bool(used.all())
-
-
-@njit(cache=True)
-def _is_connected(twins: Indices32) -> bool:
-    """Whether one gets from the first face to all others across edges."""
+def reached_faces(twins: Indices | Indices32) -> Mask:
+    """Whether one gets from the first face to each face across edges, shape (F,), given their half-edges."""
     n_faces = len(twins) // 3
     reached, stack = np.zeros(n_faces, dtype=np.bool_), np.empty(n_faces, dtype=np.int32)
-    reached[0], stack[0] = True, 0
-    waiting, count = 1, 1
+    reached[0], stack[0], waiting = True, 0, 1
     while waiting:
         waiting -= 1
         f = stack[waiting]
@@ -114,5 +104,4 @@ def _is_connected(twins: Indices32) -> bool:
                 reached[g] = True
                 stack[waiting] = g
                 waiting += 1
-                count += 1
-    return count == n_faces
+    return reached

@@ -12,7 +12,7 @@ from numpy.typing import ArrayLike, NDArray
 from scipy.sparse import csr_array
 
 from isoembed.arrays import Indices
-from isoembed.mesh.checks import check_edges, check_faces, check_sphere, index_array
+from isoembed.mesh.checks import checked_tables, index_array
 from isoembed.mesh.joining import join
 
 
@@ -56,7 +56,7 @@ class Triangulation:
 
     def __init__(self, faces: ArrayLike) -> None:
         table = index_array(faces, 3, "face", "corners").copy()
-        edges, face_edges, edge_halfedges = join(table) or _checked_tables(table)
+        edges, face_edges, edge_halfedges = join(table) or checked_tables(table)
         for name, value in zip(
             ("faces", "edges", "face_edges", "edge_halfedges"),
             (table, edges, face_edges, edge_halfedges),
@@ -165,23 +165,6 @@ def _find(edges: Indices, n: int, pairs: Indices) -> Indices:
         if e < starts[low + 1] and edges[e, 1] == high:
             found[k] = e
     return found
-
-
-def _checked_tables(faces: Indices) -> tuple[Indices, Indices, Indices]:
-    """Edges, face_edges and edge_halfedges, with a check and its message at every step."""
-    check_faces(faces)
-    start, end = faces.ravel(), np.roll(faces, -1, axis=1).ravel()
-    n = int(faces.max()) + 1
-    keys, of_halfedge = np.unique(np.minimum(start, end) * n + np.maximum(start, end), return_inverse=True)
-    edges = np.column_stack(np.divmod(keys, n))
-    face_edges = of_halfedge.reshape(-1, 3)
-    check_edges(edges, face_edges, faces)
-    along = start < end
-    edge_halfedges = np.empty((len(edges), 2), dtype=np.int64)
-    edge_halfedges[face_edges.ravel()[along], 0] = np.flatnonzero(along)
-    edge_halfedges[face_edges.ravel()[~along], 1] = np.flatnonzero(~along)
-    check_sphere(faces, edges, edge_halfedges)
-    return edges, face_edges, edge_halfedges
 
 
 Frozen = TypeVar("Frozen", bound=NDArray)

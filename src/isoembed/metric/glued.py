@@ -11,7 +11,8 @@ from numba import njit
 from numpy.typing import ArrayLike, NDArray
 
 from isoembed.errors import InvalidMetric
-from isoembed.mesh.checks import index_array
+from isoembed.mesh.checks import check_euler, check_numbering, index_array
+from isoembed.mesh.joining import reached_faces
 from isoembed.mesh.triangulation import frozen
 from isoembed.metric.curvature import Triangles
 from isoembed.metric.polyhedral import SAME_LENGTH, PolyhedralMetric
@@ -68,7 +69,7 @@ class GluedMetric:
         corners = index_array(faces, 3, "face", "corners").copy()
         sides = _twin_array(twins, corners.size)
         lengths = _length_table(face_lengths, len(corners))
-        _check_vertices(corners)
+        check_numbering(corners)
         _check_ends(corners, sides)
         _check_triangles(corners, lengths)
         lengths = _matched(sides, lengths)
@@ -223,19 +224,6 @@ def _length_table(face_lengths: ArrayLike, faces: int) -> Floats:
     return table
 
 
-def _check_vertices(faces: Indices) -> None:
-    """Refuse gaps among the vertices."""
-    largest = int(faces.max())
-    used = np.zeros(min(largest, faces.size) + 1, dtype=np.bool_)
-    used[faces[faces < used.size]] = True
-    if used.size <= largest or not used.all():
-        f = int(np.argmax((faces == largest).any(axis=1)))
-        raise InvalidMetric(
-            f"vertex {int(np.argmin(used))} is in no face, while face {f} refers to vertex {largest}: "
-            "vertices must be numbered from 0 without gaps"
-        )
-
-
 def _check_ends(faces: Indices, twins: Indices) -> None:
     """Refuse glued sides that do not join the same vertices, each running against the other."""
     start, end = faces.ravel(), np.roll(faces, -1, axis=1).ravel()
@@ -276,7 +264,7 @@ def _matched(twins: Indices, lengths: Floats) -> Floats:
 
 def _check_sphere(faces: Indices, twins: Indices) -> None:
     """Refuse more or other than one sphere."""
-    reached = _reached(twins)
+    reached = reached_faces(twins)
     if not reached.all():
         f = int(np.argmin(reached))
         raise InvalidMetric(f"the surface has several components: face {f} is not connected to face 0")
@@ -286,32 +274,7 @@ def _check_sphere(faces: Indices, twins: Indices) -> None:
         raise InvalidMetric(
             f"the faces around vertex {v} form more than one fan: the surface is not a manifold"
         )
-    euler = n - len(faces) // 2
-    if euler != 2:
-        raise InvalidMetric(
-            f"the surface has Euler characteristic {euler} (genus {1 - euler // 2}), not 2: not a sphere"
-        )
-
-
-@njit(cache=True)
-def _reached(twins: Indices) -> NDArray[np.bool_]:
-    """Which faces can be reached from face 0."""
-    n = twins.size // 3
-    reached = np.zeros(n, dtype=np.bool_)
-    stack = np.empty(n, dtype=np.int64)
-    stack[0] = 0
-    reached[0] = True
-    top = 1
-    while top > 0:
-        top -= 1
-        f = stack[top]
-        for h in range(3 * f, 3 * f + 3):
-            g = twins[h] // 3
-            if not reached[g]:
-                reached[g] = True
-                stack[top] = g
-                top += 1
-    return reached
+    check_euler(n, len(faces))
 
 
 @njit(cache=True)
