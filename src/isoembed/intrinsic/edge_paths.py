@@ -5,18 +5,22 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numba import njit
-from numpy.typing import NDArray
 
-from isoembed.intrinsic.flips import HalfEdges, following, preceding
-from isoembed.intrinsic.local_delaunay import half_edges_leaving
-from isoembed.intrinsic.tracing import LONGEST, crossed, from_corner, reaches, sector, total_angle
+from isoembed.intrinsic.halfedges import (
+    Floats,
+    HalfEdges,
+    Indices,
+    following,
+    leaving_halfedges,
+    preceding,
+    total_angle,
+)
+from isoembed.intrinsic.kernel import kernel
+from isoembed.intrinsic.tracing import TRACING, crossed, from_corner, reaches, sector
 from isoembed.mesh.triangulation import frozen
+from isoembed.thresholds import compiled
 
-Floats = NDArray[np.float64]
-Indices = NDArray[np.int64]
-
-ASTRAY = 1e-6  # of its length: a path that misses its end by more went elsewhere
+_T = compiled(TRACING)
 
 
 @dataclass(frozen=True, eq=False)
@@ -54,13 +58,6 @@ class EdgePaths:
         return np.flatnonzero(np.isnan(self.distances))
 
     @property
-    def mismatch(self) -> float:
-        """Largest difference between length and distance, over the mean length; infinite if one is lost."""
-        if self.lost.size:
-            return np.inf
-        return float(np.abs(self.distances - self.lengths).max() / self.lengths.mean())
-
-    @property
     def point_offsets(self) -> Indices:
         """(n + 1,): where the points of each path begin in `points`."""
         return self.offsets + 2 * np.arange(self.offsets.size)
@@ -83,8 +80,7 @@ class EdgePaths:
         between = np.ones(len(result), dtype=np.bool_)
         between[starts[:-1]] = between[starts[1:] - 1] = False
         result[starts[:-1]], result[starts[1:] - 1] = (vertices[v] for v in self.ends.T)
-        a = self.tables.corners[self.halfedges]
-        b = self.tables.corners[self.tables.twins[self.halfedges]]
+        a, b = (end[self.halfedges] for end in self.tables.ends)
         s = self.parameters[:, None]
         result[between] = (1 - s) * vertices[a] + s * vertices[b]
         return result
@@ -108,19 +104,12 @@ def edge_paths(original: HalfEdges, final: HalfEdges, halfedges: Indices) -> Edg
     EdgePaths
         In the order of `halfedges`.
     """
-    n = halfedges.size
     lengths = original.lengths[halfedges]
-    ends = np.column_stack([original.corners[halfedges], original.corners[original.twins[halfedges]]])
-    first, angles = _set_out(
-        original.corners, original.twins, original.directions, final.corners, final.twins, final.lengths,
-        final.directions, halfedges,
-    )  # fmt: skip
-    counts = np.empty(n, dtype=np.int64)
-    meet = np.empty((n, 2))  # where the paths end, if they set out from the origin along the x axis
-    _follow(first, angles, lengths, ends[:, 1], final.corners, final.twins, final.lengths, counts, meet)
+    ends = np.column_stack([end[halfedges] for end in original.ends])
+    first, angles = _set_out(original, final, halfedges)
+    counts, meet = _follow(first, angles, lengths, ends[:, 1], final)
     offsets = np.concatenate([np.zeros(1, dtype=np.int64), np.cumsum(counts)])
-    crossings, parameters = np.empty(offsets[-1], dtype=np.int64), np.empty(offsets[-1])
-    _cross(first, angles, final.twins, final.lengths, offsets, meet, crossings, parameters)
+    crossings, parameters = _cross(first, angles, offsets, meet, final)
     return EdgePaths(
         final,
         frozen(ends),
@@ -132,100 +121,82 @@ def edge_paths(original: HalfEdges, final: HalfEdges, halfedges: Indices) -> Edg
     )
 
 
-@njit(cache=True)
-def _set_out(
-    corners: Indices,
-    twins: Indices,
-    directions: Floats,
-    final_corners: Indices,
-    final_twins: Indices,
-    final_lengths: Floats,
-    final_directions: Floats,
-    halfedges: Indices,
-) -> tuple[Indices, Floats]:
+@kernel
+def _set_out(original: HalfEdges, final: HalfEdges, halfedges: Indices) -> tuple[Indices, Floats]:
     """The half-edges next clockwise of those given, and the angles between."""
-    number = np.full(corners.size, -1, dtype=np.int64)
+    number = np.full(original.corners.size, -1, dtype=np.int64)
     for e in range(halfedges.size):
         number[halfedges[e]] = e
     first, angles = np.empty(halfedges.size, dtype=np.int64), np.empty(halfedges.size)
-    n = corners.max() + 1
-    old, new = half_edges_leaving(corners, n), half_edges_leaving(final_corners, n)
+    n = original.corners.max() + 1
+    old, new = leaving_halfedges(original.corners, n), leaving_halfedges(final.corners, n)
     for v in range(n):
-        total = total_angle(new[v], final_twins, final_lengths)
+        total = total_angle(new[v], final)
         # Both go counterclockwise, so that the search begins where the last one ended.
         h, g = old[v], new[v]
         while True:
             e = number[h]
             if e >= 0:
-                g, angle = sector(g, directions[h], total, final_twins, final_directions)
+                g, angle = sector(g, original.directions[h], total, final)
                 first[e], angles[e] = g, angle
-            h = twins[preceding(h)]
+            h = original.twins[preceding(h)]
             if h == old[v]:
                 break
     return first, angles
 
 
-@njit(cache=True)
+@kernel
 def _follow(
-    first: Indices,
-    angles: Floats,
-    distances: Floats,
-    goals: Indices,
-    corners: Indices,
-    twins: Indices,
-    lengths: Floats,
-    counts: Indices,
-    meet: Floats,
-) -> None:
-    """Count the edges that the paths cross, and say where they end; not a number if they go astray."""
+    first: Indices, angles: Floats, distances: Floats, goals: Indices, mesh: HalfEdges
+) -> tuple[Indices, Floats]:
+    """Number of edges that each path crosses, and where it ends if it sets out along the x axis, shape (n, 2).
+
+    Not a number if it goes astray.
+    """
+    corners = mesh.corners
+    counts = np.zeros(first.size, dtype=np.int64)
+    meet = np.full((first.size, 2), np.nan)
     for e in range(first.size):
         far = distances[e]
-        near = ASTRAY * far
-        counts[e] = 0
-        state = from_corner(first[e], angles[e], lengths)
+        near = _T.astray * far
+        state = from_corner(first[e], angles[e], mesh.lengths)
         out, lx, ly, ux, uy, _, _ = state
-        after = following(out)
         if corners[out] == goals[e] and np.hypot(lx - far, ly) <= near:
             meet[e, 0], meet[e, 1] = lx, ly
             continue
-        if corners[after] == goals[e] and np.hypot(ux - far, uy) <= near:
+        if corners[following(out)] == goals[e] and np.hypot(ux - far, uy) <= near:
             meet[e, 0], meet[e, 1] = ux, uy
             continue
-        meet[e, 0] = meet[e, 1] = np.nan
-        for k in range(twins.size + LONGEST):
+        for k in range(corners.size + _T.longest):
             if reaches(state, far + near):
                 break
-            g = preceding(twins[state[0]])
-            state = crossed(state, twins, lengths)
+            g = preceding(mesh.twins[state[0]])
+            state = crossed(state, mesh)
             # The corner that is new is one end of the side through which the path leaves.
             x, y = (state[3], state[4]) if following(state[0]) == g else (state[1], state[2])
             if corners[g] == goals[e] and np.hypot(x - far, y) <= near:
                 meet[e, 0], meet[e, 1] = x, y
                 counts[e] = k + 1
                 break
+    return counts, meet
 
 
-@njit(cache=True)
+@kernel
 def _cross(
-    first: Indices,
-    angles: Floats,
-    twins: Indices,
-    lengths: Floats,
-    offsets: Indices,
-    meet: Floats,
-    halfedges: Indices,
-    parameters: Floats,
-) -> None:
-    """Fill in the crossings of paths from the origin straight to where they end."""
+    first: Indices, angles: Floats, offsets: Indices, meet: Floats, mesh: HalfEdges
+) -> tuple[Indices, Floats]:
+    """Half-edges that are crossed, and where, by paths from the origin straight to where they end."""
+    halfedges, parameters = np.empty(offsets[-1], dtype=np.int64), np.empty(offsets[-1])
     for e in range(first.size):
         if offsets[e] == offsets[e + 1]:
             continue
         x, y = meet[e]
-        state = from_corner(first[e], angles[e], lengths)
+        state = from_corner(first[e], angles[e], mesh.lengths)
         for k in range(offsets[e], offsets[e + 1]):
             out, lx, ly, ux, uy, _, _ = state
             below, above = y * lx - x * ly, x * uy - y * ux
             halfedges[k] = out
             along = below + above
             parameters[k] = min(max(below / along, 0.0), 1.0) if along > 0 else 0.5
-            state = crossed(state, twins, lengths)
+            state = crossed(state, mesh)
+    return halfedges, parameters

@@ -10,30 +10,52 @@ of the number of vertices (D. Kirkpatrick, Optimal search in planar subdivisions
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
-from numba import njit
-from numpy.typing import NDArray
 
 from isoembed.errors import InvalidMetric
-from isoembed.intrinsic.flips import HalfEdges, angle_between, following, preceding
-from isoembed.intrinsic.local_delaunay import THIN, flip_tracked, half_edges_leaving, restore_delaunay
+from isoembed.intrinsic.delaunay import DELAUNAY, END, empty_stack, flip_to_delaunay, make_delaunay
+from isoembed.intrinsic.flips import Tracked, flip_tracked, tracked
+from isoembed.intrinsic.halfedges import (
+    Floats,
+    HalfEdges,
+    Indices,
+    Mask,
+    corner_angle,
+    degree,
+    following,
+    preceding,
+)
+from isoembed.intrinsic.kernel import kernel
 from isoembed.intrinsic.retriangulate_star import retriangulate_star
 from isoembed.mesh.triangulation import frozen
+from isoembed.thresholds import compiled, threshold
 
-Floats = NDArray[np.float64]
-Indices = NDArray[np.int64]
-Mask = NDArray[np.bool_]
-
-SIDES = 16  # edges at a vertex that is removed, at most: its time grows with the cube
-FEW, GROWTH = 10, 4  # edges at a vertex that goes in an early round; so many times more in a later one
-WORTHWHILE = 20  # a round that takes fewer than one vertex in so many is not
-PATIENCE = 10  # flips at a vertex for each of its edges
-NONE, TURNED = -1, -2  # no half-edge
+NONE, FLIPPED = -1, -2  # no half-edge
 
 
-@dataclass(frozen=True, eq=False)
-class Removal:
+@dataclass(frozen=True)
+class RemovalThresholds:
+    """Thresholds of the removal of flat vertices."""
+
+    sides: int = threshold(16, "edges", "At a vertex that is removed, at most: its time grows with the cube.")
+    few: int = threshold(10, "edges", "At a vertex that goes in an early round, at most.")
+    growth: int = threshold(4, "relative", "So many times more edges are allowed in a later round.")
+    worthwhile: int = threshold(20, "relative", "A round that takes fewer than one vertex in so many is not.")
+    thinnest: tuple[float, ...] = threshold(
+        (1e-1, 1e-2, 1e-4, 1e-6, DELAUNAY.thin),
+        "height over longest side",
+        "Of what flips leave: one after another.",
+    )
+    patience: int = threshold(10, "flips an edge", "Tried at a vertex until it can be removed.")
+
+
+REMOVAL = RemovalThresholds()
+_T, _D = compiled(REMOVAL), compiled(DELAUNAY)
+
+
+class Removal(NamedTuple):
     """Which vertices were removed, and where they were.
 
     Attributes
@@ -60,12 +82,12 @@ class Removal:
     backs: Floats
 
 
-def remove_flat_vertices(tables: HalfEdges, flat: Mask) -> tuple[HalfEdges, Removal]:
+def remove_flat_vertices(mesh: HalfEdges, flat: Mask) -> tuple[HalfEdges, Removal]:
     """Take flat vertices out of a triangulation.
 
     Parameters
     ----------
-    tables : HalfEdges
+    mesh : HalfEdges
     flat : ndarray of bool, shape (V,)
         Vertices of total angle 2 pi up to rounding.  At least three others remain.
 
@@ -82,118 +104,74 @@ def remove_flat_vertices(tables: HalfEdges, flat: Mask) -> tuple[HalfEdges, Remo
     InvalidMetric
         The triangles at a vertex are so thin that rounding hides how they lie.
     """
-    tables = tables.copy()
-    tables.make_delaunay(np.zeros(flat.size))
+    mesh = mesh.copy()
+    make_delaunay(mesh, np.zeros(flat.size))
     n = int(flat.sum())
-    order, anchors = np.empty(n, dtype=np.int64), np.empty(n, dtype=np.int64)
-    places = np.empty((n, 3))
-    alive, count = _remove(
-        tables.corners, tables.twins, tables.lengths, tables.directions, flat, order, anchors, places
-    )
+    core = np.flatnonzero(~flat)
+    removal = Removal(core, *np.empty((2, n), dtype=np.int64), *np.empty((3, n)))
+    alive, count = _remove(mesh, flat, removal)
     if count < n:
-        v = int(np.flatnonzero(flat & ~np.isin(np.arange(flat.size), order[:count]))[0])
+        v = int(np.setdiff1d(np.flatnonzero(flat), removal.removed[:count])[0])
         raise InvalidMetric(
             f"vertex {v} is flat, but the triangles around it are so thin that rounding hides how they lie"
         )
-    core = np.flatnonzero(~flat)
+    left = mesh.of_faces(np.flatnonzero(alive))
     number = np.cumsum(~flat) - 1
-    kept = np.repeat(alive, 3)
-    slot = np.cumsum(kept) - 1
-    result = HalfEdges(
-        number[tables.corners[kept]],
-        slot[tables.twins[kept]],
-        tables.lengths[kept],
-        tables.directions[kept],
-    )
-    return result, Removal(
-        frozen(core),
-        frozen(order),
-        frozen(anchors),
-        frozen(places[:, 0].copy()),
-        frozen(places[:, 1].copy()),
-        frozen(places[:, 2].copy()),
-    )
+    return left._replace(corners=number[left.corners]), Removal(*(frozen(table) for table in removal))
 
 
-@njit(cache=True)
-def _remove(
-    corners: Indices,
-    twins: Indices,
-    lengths: Floats,
-    directions: Floats,
-    flat: Mask,
-    order: Indices,
-    anchors: Indices,
-    places: Floats,
-) -> tuple[Mask, int]:
+@kernel
+def _remove(mesh: HalfEdges, flat: Mask, removal: Removal) -> tuple[Mask, int]:
     """Remove the flat vertices in place; return which faces are left, and how many vertices went."""
+    corners, twins = mesh.corners, mesh.twins
     n = corners.size
-    leaving = half_edges_leaving(corners, flat.size)
+    carried = tracked(corners, np.zeros(n, dtype=np.bool_), flat.size)
     alive = np.ones(n // 3, dtype=np.bool_)
-    kept = np.zeros(n, dtype=np.bool_)
-    waiting = np.zeros(n, dtype=np.bool_)
-    stack = np.empty(n, dtype=np.int64)
+    stack = empty_stack(n)
     moved = np.full(n, -1, dtype=np.int64)
-    weights = np.zeros(flat.size)
     rounds = np.zeros(flat.size, dtype=np.int64)  # the last in which a neighbor went
     remaining = np.flatnonzero(flat)
-    count, most, number = 0, FEW, 0
+    count, most, number = 0, _T.few, 0
     while remaining.size > 0:
         number += 1
         left = 0
         for k in range(remaining.size):
             v = remaining[k]
-            h = leaving[v]
-            if rounds[v] == number or degree(h, twins, most) > most:
+            gone = False
+            if rounds[v] != number and degree(carried.leaving[v], twins, most) <= most:
+                h = _untie(v, mesh, carried)
+                if h != NONE:
+                    _note(h, mesh, removal, count)
+                    gone = retriangulate_star(h, mesh, carried.leaving, alive, moved, stack)
+            if not gone:
                 remaining[left] = v
                 left += 1
                 continue
-            h = _untie(v, corners, twins, lengths, directions, kept, leaving)
-            height = -1
-            if h != NONE:
-                _note(h, corners, twins, lengths, directions, anchors, places, count)
-                height = retriangulate_star(
-                    h, corners, twins, lengths, directions, leaving, alive, moved, stack, waiting
-                )
-            if height < 0:
-                remaining[left] = v
-                left += 1
-                continue
-            order[count] = v
+            removal.removed[count] = v
             count += 1
-            for side in stack[:height]:  # of the new triangles
+            side = stack[-1]
+            while side != END:  # of the new triangles
                 rounds[corners[side]] = rounds[corners[twins[side]]] = number
-            restore_delaunay(
-                stack, height, waiting, corners, twins, lengths, directions, kept, leaving, weights
-            )
+                side = stack[side]
+            flip_to_delaunay(stack, mesh, carried)
         if left == remaining.size and most > n:
             break
-        if WORTHWHILE * (remaining.size - left) < remaining.size and most <= n:
-            most *= GROWTH
+        if _T.worthwhile * (remaining.size - left) < remaining.size and most <= n:
+            most *= _T.growth
         remaining = remaining[:left]
     return alive, count
 
 
-@njit(cache=True)
-def degree(h: int, twins: Indices, most: int) -> int:
-    """The number of edges at the vertex that a half-edge leaves, counted no farther than one beyond most."""
-    e = h
-    for k in range(most + 1):
-        e = twins[preceding(e)]
-        if e == h:
-            return k + 1
-    return most + 1
-
-
-@njit(cache=True)
-def _removable(h: int, corners: Indices, twins: Indices) -> int:
+@kernel
+def _removable(h: int, mesh: HalfEdges) -> int:
     """A half-edge from the vertex of this one from which `retriangulate_star` can begin, or NONE.
 
     There are few edges, and none is a loop; or one is, and it goes around one vertex that has no other edge.
     """
+    corners, twins = mesh.corners, mesh.twins
     loops = 0
     e = tip = h
-    for _ in range(SIDES):
+    for _ in range(_T.sides):
         if corners[twins[e]] == corners[h]:
             loops += 1
         if e // 3 == twins[e] // 3:
@@ -205,16 +183,8 @@ def _removable(h: int, corners: Indices, twins: Indices) -> int:
     return NONE
 
 
-@njit(cache=True)
-def _untie(
-    v: int,
-    corners: Indices,
-    twins: Indices,
-    lengths: Floats,
-    directions: Floats,
-    kept: Mask,
-    leaving: Indices,
-) -> int:
+@kernel
+def _untie(v: int, mesh: HalfEdges, carried: Tracked) -> int:
     """Flip edges at a vertex until it can be removed.
 
     Returns
@@ -222,102 +192,78 @@ def _untie(
     int
         Where `retriangulate_star` can begin, or NONE.
     """
-    for _ in range(PATIENCE * degree(leaving[v], twins, corners.size)):
-        first = _removable(leaving[v], corners, twins)
+    for _ in range(_T.patience * degree(carried.leaving[v], mesh.twins, mesh.twins.size)):
+        first = _removable(carried.leaving[v], mesh)
         if first >= 0:
             return first
-        loop = _turn_loop(v, corners, twins, lengths, directions, kept, leaving)
-        if loop == TURNED:
+        loop = _flip_loop(v, mesh, carried)
+        if loop == FLIPPED:
             continue
         if loop == NONE:
-            if not _thin_out(v, corners, twins, lengths, directions, kept, leaving):
+            if not _thin_out(v, mesh, carried):
                 break
         else:
-            edge = _in_the_way(loop, twins, lengths)
-            if not flip_tracked(edge, corners, twins, lengths, directions, kept, leaving, THIN):
+            edge = _in_the_way(loop, mesh)
+            if not flip_tracked(edge, mesh, carried, _D.thin):
                 break
     return NONE
 
 
-@njit(cache=True)
-def _turn_loop(
-    v: int,
-    corners: Indices,
-    twins: Indices,
-    lengths: Floats,
-    directions: Floats,
-    kept: Mask,
-    leaving: Indices,
-) -> int:
+@kernel
+def _flip_loop(v: int, mesh: HalfEdges, carried: Tracked) -> int:
     """Flip one of the loops at a vertex.
 
     Returns
     -------
     int
-        TURNED, if one was; or else one that cannot be, or NONE if there is none.
+        FLIPPED, if one was; or else one that cannot be, or NONE if there is none.
     """
     found = NONE
-    h = leaving[v]
-    for _ in range(degree(h, twins, corners.size)):
-        if corners[twins[h]] == v:
-            if flip_tracked(h, corners, twins, lengths, directions, kept, leaving, THIN):
-                return TURNED
+    twins = mesh.twins
+    h = carried.leaving[v]
+    for _ in range(degree(h, twins, twins.size)):
+        if mesh.corners[twins[h]] == v:
+            if flip_tracked(h, mesh, carried, _D.thin):
+                return FLIPPED
             found = h
         h = twins[preceding(h)]
     return found
 
 
-@njit(cache=True)
-def _thin_out(
-    v: int,
-    corners: Indices,
-    twins: Indices,
-    lengths: Floats,
-    directions: Floats,
-    kept: Mask,
-    leaving: Indices,
-) -> bool:
+@kernel
+def _thin_out(v: int, mesh: HalfEdges, carried: Tracked) -> bool:
     """Flip edges at a vertex without loops, those first that leave good triangles; return whether any was."""
-    for thinnest in (1e-1, 1e-2, 1e-4, 1e-6, THIN):
-        h = leaving[v]
-        surplus = edges = degree(h, twins, corners.size)
+    for thinnest in _T.thinnest:
+        h = carried.leaving[v]
+        surplus = edges = degree(h, mesh.twins, mesh.twins.size)
         for _ in range(edges):
-            if surplus > SIDES and flip_tracked(
-                h, corners, twins, lengths, directions, kept, leaving, thinnest
+            if surplus > _T.sides and flip_tracked(
+                h, mesh, carried, thinnest
             ):  # after which h still leaves v
                 surplus -= 1
-            h = twins[preceding(h)]
+            h = mesh.twins[preceding(h)]
         if surplus < edges:
             return True
     return False
 
 
-@njit(cache=True)
-def _in_the_way(h: int, twins: Indices, lengths: Floats) -> int:
+@kernel
+def _in_the_way(h: int, mesh: HalfEdges) -> int:
     """The edge whose flip divides the largest of the angles that keep an edge from being flipped."""
-    t = twins[h]
+    t, lengths = mesh.twins[h], mesh.lengths
     at = np.empty(4)
     for k, e in enumerate((h, t)):
-        l, second, third = lengths[e], lengths[following(e)], lengths[preceding(e)]
-        at[2 * k], at[2 * k + 1] = angle_between(l, third, second), angle_between(l, second, third)
+        at[2 * k], at[2 * k + 1] = corner_angle(e, lengths), corner_angle(following(e), lengths)
     # At the start of h meet its own first angle and the second of the twin.
     if at[0] + at[3] > at[1] + at[2]:
         return following(h) if at[0] > at[3] else preceding(t)
     return preceding(h) if at[1] > at[2] else following(t)
 
 
-@njit(cache=True)
-def _note(
-    h: int,
-    corners: Indices,
-    twins: Indices,
-    lengths: Floats,
-    directions: Floats,
-    anchors: Indices,
-    places: Floats,
-    count: int,
-) -> None:
+@kernel
+def _note(h: int, mesh: HalfEdges, removal: Removal, count: int) -> None:
     """Write down where the vertex that a half-edge leaves is seen from its nearest neighbor."""
+    corners, twins, lengths, directions = mesh
     e = nearest = h
     while True:
         if lengths[e] < lengths[nearest] and corners[twins[e]] != corners[h]:
@@ -326,7 +272,7 @@ def _note(
         if e == h:
             break
     back = twins[nearest]
-    anchors[count] = corners[back]
-    places[count, 0] = directions[back]
-    places[count, 1] = lengths[nearest]
-    places[count, 2] = directions[nearest]
+    removal.anchors[count] = corners[back]
+    removal.directions[count] = directions[back]
+    removal.distances[count] = lengths[nearest]
+    removal.backs[count] = directions[nearest]

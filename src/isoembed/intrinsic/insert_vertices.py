@@ -6,21 +6,27 @@ from dataclasses import dataclass
 from typing import TypeVar
 
 import numpy as np
-from numba import njit
 from numpy.typing import NDArray
 
 from isoembed.errors import InvalidMetric
+from isoembed.intrinsic.delaunay import empty_stack, flip_to_delaunay, push
 from isoembed.intrinsic.flat_vertices import Removal
-from isoembed.intrinsic.flips import HalfEdges, apex, preceding
-from isoembed.intrinsic.local_delaunay import half_edges_leaving, push
+from isoembed.intrinsic.halfedges import (
+    Floats,
+    HalfEdges,
+    Indices,
+    Mask,
+    leaving_halfedges,
+    preceding,
+    total_angle,
+)
+from isoembed.intrinsic.kernel import kernel
 from isoembed.intrinsic.multi_edges import remove_multi_edges
-from isoembed.intrinsic.planar import first_sides, flip_to_delaunay, insert, lay_out
-from isoembed.intrinsic.tracing import from_corner, from_inside, sector, straight, total_angle
+from isoembed.intrinsic.planar import Marks, Polygons, first_sides, insert, lay_out
+from isoembed.intrinsic.tracing import from_corner, from_inside, sector, straight
+from isoembed.intrinsic.trigonometry import apex
 from isoembed.mesh.triangulation import frozen
 
-Floats = NDArray[np.float64]
-Indices = NDArray[np.int64]
-Mask = NDArray[np.bool_]
 Table = TypeVar("Table", bound=NDArray)
 
 
@@ -97,40 +103,35 @@ def insert_vertices(tables: HalfEdges, removal: Removal, kept: Mask) -> Restored
     r, n = removal, removal.removed.size
     number = np.full(r.core.size + n, -1, dtype=np.int64)  # in the core
     number[r.core] = np.arange(r.core.size)
-    faces, barycentric, axis, lost = _locate(
-        tables.corners, tables.twins, tables.lengths, tables.directions,
-        r.removed, r.anchors, r.directions, r.distances, r.backs, number,
-    )  # fmt: skip
+    faces, barycentric, axis, lost = _locate(tables, r, number)
     if lost >= 0:
         raise InvalidMetric(
             f"vertex {lost}, which is flat, is not found again: the triangles around it are too thin"
         )
 
-    cells, x, y, fixed = lay_out(tables.twins, tables.lengths, kept)
-    slopes = np.arctan2(_next(y) - y, _next(x) - x)
+    laid = lay_out(tables, kept)
+    slopes = np.arctan2(_next(laid.y) - laid.y, _next(laid.x) - laid.x)
     at = 3 * faces[:, None] + np.arange(3)
-    px, py = np.einsum("vc,vc->v", barycentric, x[at]), np.einsum("vc,vc->v", barycentric, y[at])
     axis -= slopes[3 * faces]
-    frames = _grown(first_sides(tables.twins, fixed), 6 * n)
+    places = np.column_stack([*(np.einsum("vc,vc->v", barycentric, c[at]) for c in (laid.x, laid.y)), axis])
+    frames = _grown(first_sides(laid.twins, laid.fixed), 6 * n)
     axes, slopes = _grown(tables.directions, 6 * n), _grown(slopes, 6 * n)
-    corners, twins = _grown(r.core[tables.corners], 6 * n), _grown(tables.twins, 6 * n)
-    x, y, kept, fixed = _grown(x, 6 * n), _grown(y, 6 * n), _grown(kept, 6 * n), _grown(fixed, 6 * n)
-    _insert_all(
-        r.removed, r.anchors, px, py, axis, faces, corners, twins, x, y, frames, axes, kept, fixed,
-        _grown(cells, 2 * n), tables.corners.size,
-    )  # fmt: skip
-    dx, dy = _next(x) - x, _next(y) - y
+    halfedges = (_grown(table, 6 * n) for table in laid._replace(corners=r.core[laid.corners])[:-1])
+    polygons = Polygons(*halfedges, _grown(laid.cells, 2 * n))
+    marks = Marks(_grown(kept, 6 * n), frames, axes, leaving_halfedges(r.core[laid.corners], number.size))
+    _insert_all(r, faces, places, polygons, marks)
+    dx, dy = _next(polygons.x) - polygons.x, _next(polygons.y) - polygons.y
     lengths = np.hypot(dx, dy)
-    lengths = np.minimum(lengths, lengths[twins])  # between polygons they differ by rounding
+    lengths = np.minimum(lengths, lengths[polygons.twins])  # between polygons they differ by rounding
     # A frame gives the direction of a side of the polygon, or of the x axis if the vertex was flat; half a
     # radian takes up what rounding puts before that.
     turns = (np.arctan2(dy, dx) - slopes[frames] + 0.5) % (2 * np.pi) - 0.5
-    result = HalfEdges(corners, twins, lengths, axes[frames] + turns)
-    remove_multi_edges(result, kept)
+    result = HalfEdges(polygons.corners, polygons.twins, lengths, axes[frames] + turns)
+    remove_multi_edges(result, marks.kept)
     flat = np.flatnonzero(number < 0)
     return Restored(
         result,
-        frozen(kept),
+        frozen(marks.kept),
         r.core,
         frozen(flat),
         frozen(faces[flat]),
@@ -149,67 +150,36 @@ def _next(values: Floats) -> Floats:
     return np.roll(values.reshape(-1, 3), -1, axis=1).ravel()
 
 
-@njit(cache=True)
-def _insert_all(
-    removed: Indices,
-    anchors: Indices,
-    px: Floats,
-    py: Floats,
-    axis: Floats,
-    faces: Indices,
-    corners: Indices,
-    twins: Indices,
-    x: Floats,
-    y: Floats,
-    frames: Indices,
-    axes: Floats,
-    kept: Mask,
-    fixed: Mask,
-    cells: Indices,
-    new: int,
-) -> None:
-    """Insert the removed vertices into tables of which so much is in use."""
-    waiting = np.zeros(corners.size, dtype=np.bool_)
-    stack = np.empty(corners.size, dtype=np.int64)
-    leaving = half_edges_leaving(corners[:new], px.size)
-    top = 0
+@kernel
+def _insert_all(removal: Removal, faces: Indices, places: Floats, polygons: Polygons, marks: Marks) -> None:
+    """Insert the removed vertices, of which the faces and x, y, axis in these are given, into polygons."""
+    n = removal.removed.size
+    new = polygons.twins.size - 6 * n
+    stack = empty_stack(polygons.twins.size)
     for h in range(new):
-        top = push(h, stack, top, waiting, twins)
-    flip_to_delaunay(stack, top, waiting, corners, twins, x, y, frames, kept, fixed, leaving)
-    for k in range(removed.size - 1, -1, -1):
-        v = removed[k]
-        start = _face_near(leaving[anchors[k]], faces[v], twins, cells)
-        insert(
-            v, px[v], py[v], axis[v], start, new,
-            corners, twins, x, y, frames, axes, kept, fixed, cells, leaving, stack, waiting,
-        )  # fmt: skip
+        push(h, stack, polygons.twins)
+    flip_to_delaunay(stack, polygons, marks)
+    for k in range(n - 1, -1, -1):
+        v = removal.removed[k]
+        px, py, marks.axes[new] = places[v]
+        start = _face_near(marks.leaving[removal.anchors[k]], faces[v], polygons)
+        insert(v, px, py, start, new, polygons, marks, stack)
         new += 6
 
 
-@njit(cache=True)
-def _face_near(h: int, f: int, twins: Indices, cells: Indices) -> int:
+@kernel
+def _face_near(h: int, f: int, polygons: Polygons) -> int:
     """A face at the vertex that a half-edge leaves, in the polygon of face f; or else f."""
     e = h
-    while cells[e // 3] != cells[f]:
-        e = twins[preceding(e)]
+    while polygons.cells[e // 3] != polygons.cells[f]:
+        e = polygons.twins[preceding(e)]
         if e == h:
             return f
     return e // 3
 
 
-@njit(cache=True)
-def _locate(
-    corners: Indices,
-    twins: Indices,
-    lengths: Floats,
-    directions: Floats,
-    removed: Indices,
-    anchors: Indices,
-    ways: Floats,
-    distances: Floats,
-    backs: Floats,
-    number: Indices,
-) -> tuple[Indices, Floats, Floats, int]:
+@kernel
+def _locate(mesh: HalfEdges, removal: Removal, number: Indices) -> tuple[Indices, Floats, Floats, int]:
     """The faces in which the removed vertices lie, and where: barycentric coordinates.
 
     Returns
@@ -221,25 +191,30 @@ def _locate(
     int
         A vertex that is lost, or -1.
     """
-    n = number.size
+    lengths, n = mesh.lengths, number.size
     faces = np.zeros(n, dtype=np.int64)
     barycentric = np.zeros((n, 3))
     axis = np.zeros(n)
     x, y = np.empty(n), np.empty(n)  # in the face, whose first half-edge is the x axis
-    leaving = half_edges_leaving(corners, n - removed.size)
-    for k in range(removed.size - 1, -1, -1):
-        v, u = removed[k], anchors[k]
+    leaving = leaving_halfedges(mesh.corners, n - removal.removed.size)
+    for k in range(removal.removed.size - 1, -1, -1):
+        v, u, way, distance = (
+            removal.removed[k],
+            removal.anchors[k],
+            removal.directions[k],
+            removal.distances[k],
+        )
         if number[u] >= 0:
             h = leaving[number[u]]
-            h, offset = sector(h, ways[k], total_angle(h, twins, lengths), twins, directions)
+            h, offset = sector(h, way, total_angle(h, mesh), mesh)
             state = from_corner(h, offset, lengths)
         else:
-            state = from_inside(faces[u], x[u], y[u], ways[k] - axis[u], lengths)
-        out, px, py, qx, qy, rx, ry = straight(state, distances[k], twins, lengths)
+            state = from_inside(faces[u], x[u], y[u], way - axis[u], lengths)
+        out, px, py, qx, qy, rx, ry = straight(state, distance, mesh)
         if out < 0:
             return faces, barycentric, axis, v
         f, c = out // 3, out % 3
-        px, qx, rx = px - distances[k], qx - distances[k], rx - distances[k]
+        px, qx, rx = px - distance, qx - distance, rx - distance
         at_p, at_q = max(qx * ry - qy * rx, 0.0), max(rx * py - ry * px, 0.0)
         at_r = max(px * qy - py * qx, 0.0)
         total = at_p + at_q + at_r
@@ -256,5 +231,5 @@ def _locate(
             slope = np.arctan2(py - ry, px - rx)
         else:
             slope = np.arctan2(ry - qy, rx - qx)
-        axis[v] = backs[k] - np.pi + slope
+        axis[v] = removal.backs[k] - np.pi + slope
     return faces, barycentric, axis, -1

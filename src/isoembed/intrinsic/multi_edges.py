@@ -3,100 +3,57 @@
 from __future__ import annotations
 
 import numpy as np
-from numba import njit
-from numpy.typing import NDArray
 
-from isoembed.intrinsic.flips import HalfEdges, preceding
-from isoembed.intrinsic.local_delaunay import THIN, flip_tracked, half_edges_leaving
+from isoembed.intrinsic.delaunay import DELAUNAY
+from isoembed.intrinsic.flips import Tracked, flip_tracked, tracked
+from isoembed.intrinsic.halfedges import HalfEdges, Indices, Mask, edges_between, preceding
+from isoembed.intrinsic.kernel import kernel
+from isoembed.thresholds import compiled
 
-Floats = NDArray[np.float64]
-Indices = NDArray[np.int64]
-Mask = NDArray[np.bool_]
+_T = compiled(DELAUNAY)
 
 
-def repeated(tables: HalfEdges) -> Indices:
+def repeated(mesh: HalfEdges) -> Indices:
     """Edges that are loops or have the same two ends as another, as the lower of their half-edges."""
-    h = np.flatnonzero(np.arange(tables.twins.size) < tables.twins)
-    a, b = tables.corners[h], tables.corners[tables.twins[h]]
-    n = int(tables.corners.max()) + 1
+    h = mesh.edges
+    a, b = (end[h] for end in mesh.ends)
+    n = int(mesh.corners.max()) + 1
     _, pair, count = np.unique(
         np.minimum(a, b) * n + np.maximum(a, b), return_inverse=True, return_counts=True
     )
     return h[(a == b) | (count[pair] > 1)]
 
 
-def remove_multi_edges(tables: HalfEdges, kept: Mask) -> None:
+def remove_multi_edges(mesh: HalfEdges, kept: Mask) -> None:
     """Flip edges in place until no two have the same two ends and none is a loop, as far as that succeeds.
 
     Parameters
     ----------
-    tables : HalfEdges
+    mesh : HalfEdges
     kept : ndarray of bool, shape (3F,)
         Half-edges of edges that are not to be flipped; carried along.
     """
-    edges = repeated(tables)
+    edges = repeated(mesh)
     if edges.size == 0:
         return
-    leaving = half_edges_leaving(tables.corners, int(tables.corners.max()) + 1)
+    carried = tracked(mesh.corners, kept, int(mesh.corners.max()) + 1)
     flips = 1
     while edges.size and flips:
-        flips = _separate(
-            edges, tables.corners, tables.twins, tables.lengths, tables.directions, kept, leaving
-        )
-        edges = repeated(tables)
+        flips = _separate(edges, mesh, carried)
+        edges = repeated(mesh)
 
 
-@njit(cache=True)
-def _separate(
-    edges: Indices,
-    corners: Indices,
-    twins: Indices,
-    lengths: Floats,
-    directions: Floats,
-    kept: Mask,
-    leaving: Indices,
-) -> int:
-    """Flip those of the edges that still are repeated."""
+@kernel
+def _separate(edges: Indices, mesh: HalfEdges, carried: Tracked) -> int:
+    """Flip those of the edges that still are repeated, where no other joins the ends of the new edge."""
+    corners, twins = mesh.corners, mesh.twins
     flips = 0
     for h in edges:
-        if kept[h] or not _is_repeated(h, corners, twins):
+        a, b, k, m = corners[h], corners[twins[h]], preceding(h), corners[preceding(twins[h])]
+        if carried.kept[h] or not (a == b or edges_between(h, b, corners, twins) > 1):
             continue
-        if _turn(h, corners, twins, lengths, directions, kept, leaving):
+        if corners[k] == m or edges_between(k, m, corners, twins) > 0:
+            continue
+        if flip_tracked(h, mesh, carried, _T.thin):
             flips += 1
     return flips
-
-
-@njit(cache=True)
-def _turn(
-    h: int,
-    corners: Indices,
-    twins: Indices,
-    lengths: Floats,
-    directions: Floats,
-    kept: Mask,
-    leaving: Indices,
-) -> bool:
-    """Flip an edge, if no other joins the two vertices that it is going to join."""
-    k, m = preceding(h), preceding(twins[h])
-    if corners[k] == corners[m] or _edges_between(k, corners[m], corners, twins) > 0:
-        return False
-    return flip_tracked(h, corners, twins, lengths, directions, kept, leaving, THIN)
-
-
-@njit(cache=True)
-def _is_repeated(h: int, corners: Indices, twins: Indices) -> bool:
-    a, b = corners[h], corners[twins[h]]
-    return a == b or _edges_between(h, b, corners, twins) > 1
-
-
-@njit(cache=True)
-def _edges_between(h: int, v: int, corners: Indices, twins: Indices) -> int:
-    """How many edges lead from the vertex that a half-edge leaves to v."""
-    found = 0
-    e = h
-    while True:
-        if corners[twins[e]] == v:
-            found += 1
-        e = twins[preceding(e)]
-        if e == h:
-            return found

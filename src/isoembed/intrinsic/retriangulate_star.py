@@ -3,65 +3,65 @@
 from __future__ import annotations
 
 import numpy as np
-from numba import njit
-from numpy.typing import NDArray
 
-from isoembed.intrinsic.flips import angle_between, following, preceding
-from isoembed.intrinsic.local_delaunay import THIN, push
-from isoembed.intrinsic.tracing import modulo, total_angle
+from isoembed.intrinsic.delaunay import DELAUNAY, push
+from isoembed.intrinsic.halfedges import (
+    Floats,
+    HalfEdges,
+    Indices,
+    Mask,
+    corner_angle,
+    degree,
+    following,
+    glue,
+    preceding,
+    total_angle,
+)
+from isoembed.intrinsic.kernel import kernel
+from isoembed.intrinsic.tracing import modulo
+from isoembed.intrinsic.trigonometry import angle_between
+from isoembed.thresholds import compiled
 
-Floats = NDArray[np.float64]
-Indices = NDArray[np.int64]
-Mask = NDArray[np.bool_]
+_T = compiled(DELAUNAY)
 
 
-@njit(cache=True)
+@kernel
 def retriangulate_star(
-    h: int,
-    corners: Indices,
-    twins: Indices,
-    lengths: Floats,
-    directions: Floats,
-    leaving: Indices,
-    alive: Mask,
-    moved: Indices,
-    stack: Indices,
-    waiting: Mask,
-) -> int:
+    h: int, mesh: HalfEdges, leaving: Indices, alive: Mask, moved: Indices, stack: Indices
+) -> bool:
     """Replace the triangles around a vertex by two fewer, and put their sides on a stack.
 
     Parameters
     ----------
     h : int
         A half-edge that leaves the vertex.  None is a loop; or one is, and encloses the end of h alone.
-    corners, twins, lengths, directions : ndarray, shape (3F,)
-        Of `HalfEdges`.
+    mesh : HalfEdges
     leaving : ndarray of int, shape (V,)
         Half-edges that leave each vertex.
     alive : ndarray of bool, shape (F,)
         The faces that are left.
     moved : ndarray of int, shape (3F,)
         Scratch, all -1.
-    stack, waiting : ndarray, shape (3F,)
-        As of `isoembed.intrinsic.local_delaunay.restore_delaunay`; nothing waits.
+    stack : ndarray
+        Of `isoembed.intrinsic.delaunay`, empty.
 
     Returns
     -------
-    int
-        The height of the stack; -1, and nothing is changed, if however the polygon is cut, a triangle is too
-        thin.
+    bool
+        False, and nothing is changed, if however the polygon is cut, a triangle is too thin.
     """
+    corners, twins, lengths, directions = mesh
     # The polygon: its corners, where they lie, and the sides from each to the next.
     folded = h // 3 == twins[h] // 3
-    vertices, faces, sides, x, y = _star(h, corners, twins, lengths)
+    vertices, faces, sides, x, y = _star(h, mesh)
     if folded:
         first, x, y = _around_tip(x, y, lengths[h], lengths[preceding(h)])
         vertices, sides = _turned(vertices, first, corners[twins[h]]), _turned(sides, first, -1)
         sides[-1] = -1
     n = x.size
     triangles, worst = _best_cut(x, y)
-    if not worst > THIN:
-        return -1
+    if not worst > _T.thin:
+        return False
 
     # From corner to corner: lengths, and directions at the first.
     size, direction = np.empty((n, n)), np.empty((n, n))
@@ -98,33 +98,28 @@ def retriangulate_star(
     for t in range(n - 2):
         i, _, j = triangles[t]
         if j - i < n - 1:
-            twins[half[i, j]], twins[half[j, i]] = half[j, i], half[i, j]
+            glue(half[i, j], half[j, i], twins)
     if folded:
-        twins[half[0, 1]], twins[half[n - 1, 0]] = half[n - 1, 0], half[0, 1]
+        glue(half[0, 1], half[n - 1, 0], twins)
     # Sides may be glued to each other.
     for k in range(n):
         if sides[k] >= 0:
             moved[sides[k]] = half[k, (k + 1) % n]
     for k in range(n):
         if sides[k] >= 0:
-            g, t = half[k, (k + 1) % n], across[k]
-            if moved[t] >= 0:
-                t = moved[t]
-            twins[g], twins[t] = t, g
+            t = across[k]
+            glue(half[k, (k + 1) % n], moved[t] if moved[t] >= 0 else t, twins)
     for k in range(n):
         if sides[k] >= 0:
             moved[sides[k]] = -1
-    top = 0
     for t in range(n - 2):
         for g in range(3 * faces[t], 3 * faces[t] + 3):
-            top = push(g, stack, top, waiting, twins)
-    return top
+            push(g, stack, twins)
+    return True
 
 
-@njit(cache=True)
-def _star(
-    h: int, corners: Indices, twins: Indices, lengths: Floats
-) -> tuple[Indices, Indices, Indices, Floats, Floats]:
+@kernel
+def _star(h: int, mesh: HalfEdges) -> tuple[Indices, Indices, Indices, Floats, Floats]:
     """The triangles around the vertex that a half-edge leaves.
 
     Returns
@@ -135,31 +130,28 @@ def _star(
     ndarray, ndarray
         Where the vertices lie, as seen from it, if the x axis is along h.
     """
+    corners, twins, lengths = mesh.corners, mesh.twins, mesh.lengths
     folded = h // 3 == twins[h] // 3
-    edges = 0
-    e = h
-    while edges == 0 or e != h:
-        edges += 1
-        e = twins[preceding(e)]
+    e, edges = h, degree(h, twins, corners.size)
     # If so, the edges are h, the loop, those of which the last runs as the first, and the loop.
     n = edges - 4 if folded else edges
     vertices, sides = np.empty(n, dtype=np.int64), np.empty(n, dtype=np.int64)
     faces = np.empty(n + 2 if folded else n, dtype=np.int64)
     x, y = np.empty(n), np.empty(n)
-    stretch = 2 * np.pi / total_angle(h, twins, lengths)
+    stretch = 2 * np.pi / total_angle(h, mesh)
     angle = 0.0
     for k in range(-2 if folded else 0, n):
-        side, into = following(e), preceding(e)
+        side = following(e)
         faces[k] = e // 3
         if k >= 0:
             vertices[k], sides[k] = corners[side], side
             x[k], y[k] = lengths[e] * np.cos(angle), lengths[e] * np.sin(angle)
-        angle += stretch * angle_between(lengths[e], lengths[into], lengths[side])
-        e = twins[into]
+        angle += stretch * corner_angle(e, lengths)
+        e = twins[preceding(e)]
     return vertices, faces, sides, x, y
 
 
-@njit(cache=True)
+@kernel
 def _around_tip(x: Floats, y: Floats, far: float, width: float) -> tuple[int, Floats, Floats]:
     """Unfold a polygon around a vertex of small total angle inside it, cut open from there to a corner.
 
@@ -194,7 +186,7 @@ def _around_tip(x: Floats, y: Floats, far: float, width: float) -> tuple[int, Fl
     return best, best_x, best_y
 
 
-@njit(cache=True)
+@kernel
 def _turned(values: Indices, first: int, before: int) -> Indices:
     """Begin at one, go once around, and add it again; and put another before."""
     n = values.size
@@ -205,7 +197,7 @@ def _turned(values: Indices, first: int, before: int) -> Indices:
     return result
 
 
-@njit(cache=True)
+@kernel
 def _best_cut(x: Floats, y: Floats) -> tuple[Indices, float]:
     """Cut a polygon into triangles of which the thinnest is as thick as can be.
 

@@ -7,17 +7,31 @@ half-edge through which it leaves, from a lower to an upper corner, and by where
 
 from __future__ import annotations
 
+from dataclasses import dataclass
+
 import numpy as np
 from numba import njit
-from numpy.typing import NDArray
 
-from isoembed.intrinsic.flips import angle_between, apex, following, preceding
+from isoembed.intrinsic.halfedges import Floats, HalfEdges, corner_angle, following, preceding, third_corner
+from isoembed.intrinsic.kernel import kernel
+from isoembed.intrinsic.trigonometry import apex
+from isoembed.thresholds import compiled, threshold
 
-Floats = NDArray[np.float64]
-Indices = NDArray[np.int64]
 State = tuple[int, float, float, float, float, float, float]
 
-LONGEST = 10**6  # triangles that a line may cross beyond the number that there are: a needle is wound around
+
+@dataclass(frozen=True)
+class TracingThresholds:
+    """Thresholds of straight lines across triangles."""
+
+    longest: int = threshold(
+        10**6, "triangles", "A line may cross so many more than there are: round a needle."
+    )
+    astray: float = threshold(1e-6, "path lengths", "A path that misses its end by more went elsewhere.")
+
+
+TRACING = TracingThresholds()
+_T = compiled(TRACING)
 
 
 @njit(cache=True, inline="always")
@@ -26,22 +40,9 @@ def modulo(angle: float, total: float) -> float:
     return angle - np.floor(angle / total) * total
 
 
-@njit(cache=True)
-def total_angle(h: int, twins: Indices, lengths: Floats) -> float:
-    """The sum of the angles at the vertex that a half-edge leaves."""
-    start = h
-    total = 0.0
-    while True:
-        into = preceding(h)
-        total += angle_between(lengths[h], lengths[into], lengths[following(h)])
-        h = twins[into]
-        if h == start:
-            return total
-
-
-@njit(cache=True)
-def sector(h: int, direction: float, total: float, twins: Indices, directions: Floats) -> tuple[int, float]:
-    """The triangle into which a direction points.
+@kernel
+def sector(h: int, direction: float, total: float, mesh: HalfEdges) -> tuple[int, float]:
+    """Triangle into which a direction points.
 
     Parameters
     ----------
@@ -50,29 +51,29 @@ def sector(h: int, direction: float, total: float, twins: Indices, directions: F
     direction : float
     total : float
         The angle around the vertex.
-    twins, directions : ndarray, shape (3F,)
+    mesh : HalfEdges
 
     Returns
     -------
     int, float
         The half-edge next clockwise of the direction, and the angle from it to the direction.
     """
-    offset = modulo(direction - directions[h], total)
+    offset = modulo(direction - mesh.directions[h], total)
     while True:
-        ahead = twins[preceding(h)]
-        nearer = modulo(direction - directions[ahead], total)
+        ahead = mesh.twins[preceding(h)]
+        nearer = modulo(direction - mesh.directions[ahead], total)
         if not nearer < offset:
             return h, offset
         h, offset = ahead, nearer
 
 
-@njit(cache=True)
+@kernel
 def from_corner(h: int, offset: float, lengths: Floats) -> State:
     """The line that starts at a vertex, at an angle from a half-edge into its triangle."""
-    out, into = following(h), preceding(h)
-    ahead = angle_between(lengths[h], lengths[into], lengths[out]) - offset
+    into = preceding(h)
+    ahead = corner_angle(h, lengths) - offset
     return (
-        out,
+        following(h),
         lengths[h] * np.cos(offset),
         -lengths[h] * np.sin(offset),
         lengths[into] * np.cos(ahead),
@@ -82,7 +83,7 @@ def from_corner(h: int, offset: float, lengths: Floats) -> State:
     )
 
 
-@njit(cache=True)
+@kernel
 def from_inside(f: int, x: float, y: float, angle: float, lengths: Floats) -> State:
     """The line that starts in a face, at coordinates and at an angle from the first half-edge of the face."""
     l = lengths[3 * f]
@@ -105,39 +106,30 @@ def from_inside(f: int, x: float, y: float, angle: float, lengths: Floats) -> St
     return 3 * f + k, p[k], q[k], p[i], q[i], p[j], q[j]
 
 
-@njit(cache=True)
-def third_corner(h: int, px: float, py: float, qx: float, qy: float, lengths: Floats) -> tuple[float, float]:
-    """Where the third corner of a triangle lies, to the left of half-edge h from p to q."""
-    l = lengths[h]
-    x, y = apex(l, lengths[following(h)], lengths[preceding(h)])
-    x, y = x / l, y / l
-    return px + x * (qx - px) - y * (qy - py), py + x * (qy - py) + y * (qx - px)
-
-
-@njit(cache=True)
-def crossed(state: State, twins: Indices, lengths: Floats) -> State:
+@kernel
+def crossed(state: State, mesh: HalfEdges) -> State:
     """The line one triangle on."""
     out, lx, ly, ux, uy, _, _ = state
-    g = twins[out]
-    x, y = third_corner(g, ux, uy, lx, ly, lengths)
+    g = mesh.twins[out]
+    x, y = third_corner(g, ux, uy, lx, ly, mesh.lengths)
     if y > 0:
         return following(g), lx, ly, x, y, ux, uy
     return preceding(g), x, y, ux, uy, lx, ly
 
 
-@njit(cache=True)
+@kernel
 def reaches(state: State, length: float) -> bool:
     """Whether the line is still in its triangle at this distance from its start."""
     _, lx, ly, ux, uy, _, _ = state
     return (uy - ly) * (lx - length) >= (ux - lx) * ly
 
 
-@njit(cache=True)
-def straight(state: State, length: float, twins: Indices, lengths: Floats) -> State:
+@kernel
+def straight(state: State, length: float, mesh: HalfEdges) -> State:
     """Follow a line over a distance; ``out`` is -1 if that leads across absurdly many triangles."""
-    for _ in range(twins.size + LONGEST):
+    for _ in range(mesh.twins.size + _T.longest):
         if reaches(state, length):
             return state
-        state = crossed(state, twins, lengths)
+        state = crossed(state, mesh)
     _, lx, ly, ux, uy, tx, ty = state
     return -1, lx, ly, ux, uy, tx, ty

@@ -1,0 +1,233 @@
+"""The Delaunay loop, compiled: edges on a stack are flipped, and those around them put on it, until none is left.
+
+What an edge is flipped for, and what else there is to a flip, is a rule: a named tuple of arrays whose type
+chooses, when the loop is compiled, the function that was made its `attempt`.  That costs nothing, and unlike a
+loop that takes a function, or a closure over one, it is found again in numba's cache by the next process.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Any, NamedTuple
+
+import numpy as np
+from numba import types
+from numba.extending import overload
+
+from isoembed.intrinsic.flips import Tracked, flip, flip_tracked
+from isoembed.intrinsic.halfedges import Floats, HalfEdges, Indices, following, preceding
+from isoembed.intrinsic.kernel import kernel
+from isoembed.intrinsic.trigonometry import apex, twice_area
+from isoembed.thresholds import compiled, threshold
+
+
+@dataclass(frozen=True)
+class DelaunayThresholds:
+    """Thresholds of intrinsic Delaunay flips."""
+
+    slack: float = threshold(1e-12, "relative", "An edge that is Delaunay to this is left alone.")
+    rounding: float = threshold(
+        4e-16, "relative to their sum", "Rounding of a difference of squared lengths."
+    )
+    thinnest: float = threshold(1e-15, "height over longest side", "Thinner triangles are lost in rounding.")
+    thin: float = threshold(1e-8, "height over longest side", "Sides of a thinner triangle add up in floats.")
+    flips: int = threshold(
+        100, "flips a half-edge", "Far beyond what terminates: rounding could go in circles."
+    )
+
+
+DELAUNAY = DelaunayThresholds()
+_T = compiled(DELAUNAY)
+
+END, FREE = -1, -2  # on the stack: nothing below, and not on it
+BLOCKED, LEFT, FLIPPED = -1, 0, 1
+
+
+def attempt(h: int, mesh: NamedTuple, rule: NamedTuple) -> int:
+    """Flip the edge of a half-edge if a rule demands it; for compiled functions.
+
+    Returns
+    -------
+    int
+        `FLIPPED`; `LEFT` if it is not to be flipped; `BLOCKED` if it is, but cannot be.
+    """
+    raise NotImplementedError
+
+
+def attempts(kind: type) -> Callable[[Callable], Callable]:
+    """Decorator that makes a function of ``(h, mesh, rule)`` the `attempt` of a kind of rules."""
+
+    def register(function: Callable) -> Callable:
+        @overload(attempt, strict=False)  # it would compare annotations
+        def choose(h: Any, mesh: Any, rule: Any) -> Callable | None:
+            return function if isinstance(rule, types.BaseTuple) and rule.instance_class is kind else None
+
+        return function
+
+    return register
+
+
+@kernel
+def empty_stack(n: int) -> Indices:
+    """A stack for edges of n half-edges: for each the next below it, or `FREE`; last, the top one."""
+    stack = np.full(n + 1, FREE)
+    stack[n] = END
+    return stack
+
+
+@kernel
+def push(h: int, stack: Indices, twins: Indices) -> None:
+    """Put the edge of a half-edge, as the lower one, on a stack, unless it is there."""
+    name = min(h, twins[h])
+    if stack[name] == FREE:
+        stack[name] = stack[-1]
+        stack[-1] = name
+
+
+@kernel
+def flip_to_delaunay(stack: Indices, mesh: Any, rule: Any) -> tuple[int, int]:
+    """Flip the edges on a stack, and around those that are flipped, as a rule demands; the stack is emptied.
+
+    Returns
+    -------
+    int, int
+        Flips made, and edges that were to be flipped when that could not be done.
+    """
+    twins = mesh.twins
+    limit = _T.flips * twins.size + 1000
+    flips = blocked = 0
+    while stack[-1] != END:
+        h = stack[-1]
+        stack[-1] = stack[h]
+        stack[h] = FREE
+        t = twins[h]
+        outcome = attempt(h, mesh, rule) if flips < limit else BLOCKED
+        if outcome == FLIPPED:
+            flips += 1
+            for side in (h, preceding(h), t, preceding(t)):
+                push(side, stack, twins)
+        elif outcome == BLOCKED:
+            blocked += 1
+    return flips, blocked
+
+
+class Weighted(NamedTuple):
+    """The rule of a weighted Delaunay triangulation; with equal weights, of the Delaunay triangulation.
+
+    Attributes
+    ----------
+    weights : ndarray, shape (V,)
+        Squared radii, less any constant.
+    """
+
+    weights: Floats
+
+
+@attempts(Weighted)
+def _attempt_weighted(h: int, mesh: HalfEdges, rule: Weighted) -> int:
+    if is_delaunay(h, mesh, rule.weights):
+        return LEFT
+    return FLIPPED if flip(h, mesh, _T.thinnest) else BLOCKED
+
+
+@attempts(Tracked)
+def _attempt_tracked(h: int, mesh: HalfEdges, rule: Tracked) -> int:
+    if rule.kept[h] or is_delaunay(h, mesh, rule.weights):
+        return LEFT
+    return FLIPPED if flip_tracked(h, mesh, rule, _T.thin) else BLOCKED
+
+
+def make_delaunay(mesh: HalfEdges, weights: Floats, edges: Indices | None = None) -> tuple[int, int]:
+    """Flip to the weighted Delaunay triangulation, in place.
+
+    Parameters
+    ----------
+    mesh : HalfEdges
+    weights : ndarray, shape (V,)
+        Squared radii, less any constant; equal for the Delaunay triangulation.
+    edges : ndarray of int, optional
+        What `non_delaunay_edges` says, where it is known already.
+
+    Returns
+    -------
+    int, int
+        Flips made, and edges that are not Delaunay but cannot be flipped: a vertex is hidden, and the
+        weights have no Delaunay triangulation that uses them all.
+    """
+    edges = non_delaunay_edges(mesh, weights) if edges is None else edges
+    flips, blocked = _flip_edges(edges, mesh, Weighted(weights))
+    # Some that were blocked may have come free by other flips.
+    return flips, non_delaunay_edges(mesh, weights).size if blocked else 0
+
+
+@kernel
+def _flip_edges(edges: Indices, mesh: HalfEdges, rule: Weighted) -> tuple[int, int]:
+    stack = empty_stack(mesh.twins.size)
+    for h in edges:
+        push(h, stack, mesh.twins)
+    return flip_to_delaunay(stack, mesh, rule)
+
+
+@kernel
+def tilt(h: int, mesh: HalfEdges, weights: Floats) -> tuple[float, float]:
+    """Signed distance of the power center of h's triangle from h, positive inside, and its rounding error.
+
+    It is d = ((|ik|^2 + q_i - q_k) / 2 - p x) / y with p = (l^2 + q_i - q_j) / (2 l).
+    """
+    corners, lengths = mesh.corners, mesh.lengths
+    after, before = following(h), preceding(h)
+    l, second, third = lengths[h], lengths[after], lengths[before]
+    x, y = apex(l, second, third)
+    a, b, c = weights[corners[h]], weights[corners[after]], weights[corners[before]]
+    p = (l + (a - b) / l) / 2
+    if y <= 0:
+        return -np.inf, 0.0
+    size = abs(a) + abs(b) + abs(c) + l * l + third * third
+    return ((third * third + a - c) / 2 - p * x) / y, _T.rounding * size / y
+
+
+@kernel
+def tilts(mesh: HalfEdges, weights: Floats) -> tuple[Floats, Floats]:
+    """The tilts of all half-edges and their rounding errors, shape (3F,)."""
+    corners, lengths = mesh.corners, mesh.lengths
+    values, errors = np.empty(corners.size), np.empty(corners.size)
+    for f in range(0, corners.size, 3):
+        i, j, k = weights[corners[f]], weights[corners[f + 1]], weights[corners[f + 2]]
+        a, b, c = lengths[f], lengths[f + 1], lengths[f + 2]  # ij, jk, ki
+        area = twice_area(a, b, c)
+        if area <= 0:
+            values[f : f + 3] = -np.inf
+            errors[f : f + 3] = 0.0
+            continue
+        at_i = (a * a + (c - b) * (c + b)) / 2  # products of the two sides at a corner
+        at_j = (b * b + (a - c) * (a + c)) / 2
+        at_k = (c * c + (b - a) * (b + a)) / 2
+        values[f] = (a * (c * c + i - k) - (a * a + i - j) * at_i / a) / (2 * area)
+        values[f + 1] = (b * (a * a + j - i) - (b * b + j - k) * at_j / b) / (2 * area)
+        values[f + 2] = (c * (b * b + k - j) - (c * c + k - i) * at_k / c) / (2 * area)
+        size = (abs(i) + abs(j) + abs(k) + a * a + b * b + c * c) * _T.rounding / area
+        errors[f], errors[f + 1], errors[f + 2] = a * size, b * size, c * size
+    return values, errors
+
+
+@kernel
+def non_delaunay_edges(mesh: HalfEdges, weights: Floats) -> Indices:
+    """The edges that are not weighted Delaunay, as their lower half-edges."""
+    d, error = tilts(mesh, weights)
+    found = np.empty(d.size // 2, dtype=np.int64)
+    count = 0
+    for h in range(d.size):
+        t = mesh.twins[h]
+        if h < t and d[h] + d[t] < -(_T.slack * (abs(d[h]) + abs(d[t])) + error[h] + error[t]):
+            found[count] = h
+            count += 1
+    return found[:count].copy()
+
+
+@kernel
+def is_delaunay(h: int, mesh: HalfEdges, weights: Floats) -> bool:
+    """Whether the dihedral angle at the edge of h is convex: the centers lie in order, d + d' >= 0."""
+    here, error = tilt(h, mesh, weights)
+    there, other_error = tilt(mesh.twins[h], mesh, weights)
+    return here + there >= -(_T.slack * (abs(here) + abs(there)) + error + other_error)

@@ -1,0 +1,205 @@
+"""The half-edge structure of a triangulated surface without coordinates, which flips change in place.
+
+Half-edge ``h = 3 f + c`` leaves corner c of face f and is followed by the next corner's.  Nothing asks two
+triangles to meet in one edge only: loops, repeated edges and triangles glued to themselves are triangles like
+any others.
+"""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+from numba import njit
+from numpy.typing import NDArray
+from scipy.sparse import coo_array
+from scipy.sparse.csgraph import reverse_cuthill_mckee
+
+from isoembed.intrinsic.kernel import kernel
+from isoembed.intrinsic.trigonometry import angle_between, apex
+
+Floats = NDArray[np.float64]
+Indices = NDArray[np.int64]
+Mask = NDArray[np.bool_]
+
+
+class HalfEdges(NamedTuple):
+    """Triangles as tables over their half-edges; compiled functions take it whole.
+
+    Attributes
+    ----------
+    corners : ndarray of int64, shape (3F,)
+        The vertex that each half-edge leaves.
+    twins : ndarray of int64, shape (3F,)
+        The half-edge that it is glued to.
+    lengths : ndarray, shape (3F,)
+    directions : ndarray, shape (3F,)
+        The angle at which it leaves its vertex, counterclockwise from a direction that flips do not change
+        and modulo the total angle there (a "signpost": Sharp, Soliman and Crane, Navigating intrinsic
+        triangulations, ACM TOG 38, 2019).
+    """
+
+    corners: Indices
+    twins: Indices
+    lengths: Floats
+    directions: Floats
+
+    @classmethod
+    def of(cls, faces: Indices, twins: Indices, face_lengths: Floats) -> HalfEdges:
+        """Copy the triangles of a metric and give every half-edge its direction.
+
+        Parameters
+        ----------
+        faces : ndarray of int, shape (F, 3)
+        twins : ndarray of int, shape (3F,)
+        face_lengths : ndarray, shape (F, 3)
+            Length of each half-edge.
+        """
+        corners = np.array(faces, dtype=np.int64).ravel()
+        mesh = cls(corners, np.array(twins), np.array(face_lengths).ravel(), np.zeros(corners.size))
+        set_directions(mesh)
+        return mesh
+
+    def copy(self) -> HalfEdges:
+        """Copy of all tables."""
+        return HalfEdges(*(table.copy() for table in self))
+
+    def order_in_memory(self) -> Indices:
+        """Order of the vertices in which neighbors have near numbers, shape (V,)."""
+        n = self.corners.size // 6 + 2
+        graph = coo_array((np.ones(self.corners.size), self.ends), shape=(n, n)).tocsr()
+        return reverse_cuthill_mckee(graph, symmetric_mode=True).astype(np.int64)
+
+    def in_order(self, order: Indices) -> HalfEdges:
+        """Copy with other numbers for vertices and faces, so that what is near is near in memory.
+
+        Parameters
+        ----------
+        order : ndarray of int, shape (V,)
+            The vertex that gets each number; the faces follow their lowest one.
+        """
+        number = np.empty_like(order)
+        number[order] = np.arange(order.size)
+        corners = number[self.corners]
+        faces = np.argsort(corners.reshape(-1, 3).min(axis=1), kind="stable")
+        return self._replace(corners=corners).of_faces(faces)
+
+    def of_faces(self, faces: Indices) -> HalfEdges:
+        """Copy of some faces, in this order, which are glued to no others."""
+        place = np.empty(self.corners.size // 3, dtype=np.int64)
+        place[faces] = np.arange(faces.size)
+        h = (3 * faces[:, None] + np.arange(3)).ravel()
+        face, corner = np.divmod(self.twins[h], 3)
+        return HalfEdges(self.corners[h], 3 * place[face] + corner, self.lengths[h], self.directions[h])
+
+    @property
+    def faces(self) -> Indices:
+        """Vertex at each corner, shape (F, 3)."""
+        return self.corners.reshape(-1, 3)
+
+    @property
+    def face_lengths(self) -> Floats:
+        """Length of each half-edge, shape (F, 3)."""
+        return self.lengths.reshape(-1, 3)
+
+    @property
+    def ends(self) -> tuple[Indices, Indices]:
+        """The vertex where each half-edge begins and that where it ends."""
+        return self.corners, self.corners[self.twins]
+
+    @property
+    def edges(self) -> Indices:
+        """The lower half-edge of each edge, ascending, shape (E,)."""
+        return np.flatnonzero(np.arange(self.twins.size) < self.twins)
+
+
+@njit(cache=True, inline="always")
+def following(h: int) -> int:
+    """The next half-edge of the face."""
+    return h - 2 if h % 3 == 2 else h + 1
+
+
+@njit(cache=True, inline="always")
+def preceding(h: int) -> int:
+    """The half-edge of the face before."""
+    return h + 2 if h % 3 == 0 else h - 1
+
+
+@kernel
+def glue(g: int, h: int, twins: Indices) -> None:
+    """Make two half-edges twins."""
+    twins[g], twins[h] = h, g
+
+
+@kernel
+def leaving_halfedges(corners: Indices, n: int) -> Indices:
+    """A half-edge that leaves each of n vertices, shape (n,); -1 where there is none."""
+    leaving = np.full(n, -1, dtype=np.int64)
+    for h in range(corners.size):
+        leaving[corners[h]] = h
+    return leaving
+
+
+@kernel
+def degree(h: int, twins: Indices, most: int) -> int:
+    """Number of edges at the vertex that a half-edge leaves, counted no farther than one beyond most."""
+    e = h
+    for k in range(most + 1):
+        e = twins[preceding(e)]
+        if e == h:
+            return k + 1
+    return most + 1
+
+
+@kernel
+def edges_between(h: int, v: int, corners: Indices, twins: Indices) -> int:
+    """Number of edges from the vertex that a half-edge leaves to v."""
+    found = 0
+    e = h
+    while True:
+        if corners[twins[e]] == v:
+            found += 1
+        e = twins[preceding(e)]
+        if e == h:
+            return found
+
+
+@kernel
+def corner_angle(h: int, lengths: Floats) -> float:
+    """Angle of a face at the corner that a half-edge leaves."""
+    return angle_between(lengths[h], lengths[preceding(h)], lengths[following(h)])
+
+
+@kernel
+def total_angle(h: int, mesh: HalfEdges) -> float:
+    """Sum of the angles at the vertex that a half-edge leaves."""
+    start = h
+    total = 0.0
+    while True:
+        total += corner_angle(h, mesh.lengths)
+        h = mesh.twins[preceding(h)]
+        if h == start:
+            return total
+
+
+@kernel
+def set_directions(mesh: HalfEdges) -> None:
+    """Measure the directions from the lowest half-edge at each vertex."""
+    seen = np.zeros(mesh.corners.size, dtype=np.bool_)
+    for start in range(mesh.corners.size):
+        h = start
+        angle = 0.0
+        while not seen[h]:
+            seen[h] = True
+            mesh.directions[h] = angle
+            angle += corner_angle(h, mesh.lengths)
+            h = mesh.twins[preceding(h)]
+
+
+@kernel
+def third_corner(h: int, px: float, py: float, qx: float, qy: float, lengths: Floats) -> tuple[float, float]:
+    """Third corner of a triangle in the plane, to the left of half-edge h from p to q."""
+    l = lengths[h]
+    x, y = apex(l, lengths[following(h)], lengths[preceding(h)])
+    x, y = x / l, y / l
+    return px + x * (qx - px) - y * (qy - py), py + x * (qy - py) + y * (qx - px)
