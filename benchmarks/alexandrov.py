@@ -62,25 +62,25 @@ def fibonacci(n, axes=(3.0, 2.0, 1.0)):
 
 
 def scrambled(vertices, faces, seed, thinnest):
-    """The metric of a body, on triangles that were flipped at random."""
+    """The metric of a body, on triangles that were flipped at random, none of them thinner than asked."""
     from isoembed import GluedMetric, PolyhedralMetric
-    from isoembed.intrinsic.flips import HalfEdges
+    from isoembed.intrinsic.flips import flip
 
-    metric = PolyhedralMetric.from_mesh(vertices, faces)
-    tables = HalfEdges.of(metric.faces, metric.triangulation.twins, metric.face_lengths)
-    tables.scramble(10 * len(vertices), np.random.default_rng(seed), thinnest)
-    return GluedMetric(tables.faces, tables.twins, tables.face_lengths)
+    mesh = GluedMetric.of(PolyhedralMetric.from_mesh(vertices, faces)).half_edges()
+    for h in np.random.default_rng(seed).integers(0, mesh.corners.size, 10 * len(vertices)):
+        flip(h, mesh, thinnest)
+    return GluedMetric(mesh.faces, mesh.twins, mesh.face_lengths)
 
 
 def one_factorization(polyhedron, backend):
     """Least seconds of three: order, analyze and factor ``d kappa / d r`` at the solution."""
+    from isoembed import GluedMetric
     from isoembed.alexandrov.homotopy import held
     from isoembed.alexandrov.polytope import Polytope
-    from isoembed.intrinsic.flips import HalfEdges
     from isoembed.progress.stages import Log
 
     metric, vertices = polyhedron.metric, polyhedron.vertices
-    tables = HalfEdges.of(metric.faces, metric.triangulation.twins, metric.face_lengths)
+    tables = GluedMetric.of(metric).half_edges()
     p = Polytope.over(tables, np.linalg.norm(vertices - vertices.mean(axis=0), axis=1))
     seconds = []
     with Log().stage("factor") as recorder:

@@ -11,7 +11,6 @@ from isoembed.alexandrov.homotopy import held
 from isoembed.alexandrov.placement import realized
 from isoembed.alexandrov.polytope import Polytope
 from isoembed.gallery import CassiniPeanut, Ellipsoid, KerrHorizon, triangulate
-from isoembed.intrinsic.flips import HalfEdges
 from isoembed.metric.glued import GluedMetric
 from isoembed.metric.polyhedral import PolyhedralMetric
 from isoembed.progress.stages import Log
@@ -116,7 +115,7 @@ def test_a_vertex_that_went_in_comes_out(rank):
     # The realization of an ellipsoid's lengths with one vertex pushed in: from there, back to the ellipsoid.
     vertices, metric = in_units(*smooth_bodies.ellipsoid(800))
     given = GluedMetric.of(metric)
-    tables = HalfEdges.of(given.faces, given.twins, given.face_lengths)
+    tables = given.half_edges()
     v = np.argsort(given.deficits)[rank]  # where the surface is flattest
     ring = np.flatnonzero(metric.triangulation.adjacency[[v]].toarray()[0])
     normal = vertex_normals(metric.faces, vertices)[v]

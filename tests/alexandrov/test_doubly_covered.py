@@ -8,10 +8,11 @@ from hypothesis import strategies as st
 import zoo
 from isoembed.alexandrov.doubly_covered import THIN, doubly_covered, flat_limit
 from isoembed.alexandrov.homotopy import walk
-from isoembed.intrinsic.flips import HalfEdges
+from isoembed.intrinsic.halfedges import HalfEdges
 from isoembed.mesh.triangulation import Triangulation
 from isoembed.metric.curvature import Triangles
 from isoembed.progress.stages import Log
+from scrambling import scramble
 
 
 def polygon(n, seed, stretch=1.0):
@@ -21,7 +22,7 @@ def polygon(n, seed, stretch=1.0):
 
 def found_flat(outline, seed):
     tables = HalfEdges.of(*zoo.doubly_covered(outline))
-    tables.scramble(10 * len(outline), np.random.default_rng(seed))
+    scramble(tables, 10 * len(outline), np.random.default_rng(seed))
     deficits = 2 * np.pi - np.bincount(tables.corners, Triangles.of(tables.face_lengths).angles.ravel())
     with Log().stage("polytope") as recorder:
         for p in walk(tables, deficits, recorder):

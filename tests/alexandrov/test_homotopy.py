@@ -8,15 +8,16 @@ from isoembed import PolyhedralMetric
 from isoembed.alexandrov.homotopy import Solution, independent_directions, newton, walk
 from isoembed.alexandrov.placement import placed, polished
 from isoembed.alexandrov.polytope import Polytope
-from isoembed.intrinsic.flips import HalfEdges
 from isoembed.metric.curvature import deficits
+from isoembed.metric.glued import GluedMetric
 from isoembed.progress.stages import Log
+from scrambling import scramble
 
 
 def problem(vertices, faces, scrambled=None):
     metric = PolyhedralMetric.from_mesh(vertices, faces)
-    tables = HalfEdges.of(metric.faces, metric.triangulation.twins, metric.face_lengths)
-    tables.scramble(10 * len(vertices) if scrambled is None else scrambled, np.random.default_rng(0))
+    tables = GluedMetric.of(metric).half_edges()
+    scramble(tables, 10 * len(vertices) if scrambled is None else scrambled, np.random.default_rng(0))
     return tables, deficits(metric)
 
 

@@ -11,14 +11,14 @@ from hypothesis import strategies as st
 import isoembed
 import zoo
 from isoembed import Alexandrov, ConvexPolyhedron, GluedMetric, PolyhedralMetric, embed
-from isoembed.intrinsic.flips import HalfEdges
+from scrambling import scramble
 
 
 def scrambled(vertices, faces, seed):
     """The metric of a surface on random triangles, which need not be a simplicial complex."""
     metric = PolyhedralMetric.from_mesh(vertices, faces)
-    tables = HalfEdges.of(metric.faces, metric.triangulation.twins, metric.face_lengths)
-    tables.scramble(10 * len(vertices), np.random.default_rng(seed))
+    tables = GluedMetric.of(metric).half_edges()
+    scramble(tables, 10 * len(vertices), np.random.default_rng(seed))
     return GluedMetric(tables.faces, tables.twins, tables.face_lengths)
 
 

@@ -7,9 +7,11 @@ from hypothesis import strategies as st
 
 import zoo
 from isoembed.errors import InvalidMetric
+from isoembed.intrinsic.delaunay import make_delaunay
 from isoembed.intrinsic.flat_vertices import remove_flat_vertices
-from isoembed.intrinsic.flips import HalfEdges
+from isoembed.intrinsic.halfedges import HalfEdges
 from isoembed.intrinsic.insert_vertices import insert_vertices
+from scrambling import scramble
 from sprinkled import box, checked, doubled, sprinkled, tables_of, turning_errors
 
 
@@ -36,11 +38,11 @@ def test_the_metric_of_the_others_stays(n, m, seed, length):
     body = body * [length, 1, 1]
     vertices, faces, flat = sprinkled(body, hull, m, seed)
     tables = tables_of(vertices, faces)
-    tables.scramble(4 * len(vertices), np.random.default_rng(seed), 1e-2)
+    scramble(tables, 4 * len(vertices), np.random.default_rng(seed), 1e-2)
     core, _ = remove_flat_vertices(tables, flat)
-    core.make_delaunay(np.zeros(n))
+    make_delaunay(core, np.zeros(n))
     alone = tables_of(body, hull)
-    alone.make_delaunay(np.zeros(n))
+    make_delaunay(alone, np.zeros(n))
     # Each of some hundred flips rounds the long edges, and needles pass that on to short ones.
     assert np.sort(core.lengths) == pytest.approx(np.sort(alone.lengths), abs=1e-9 * length)
     old = [int(np.flatnonzero((body == v).all(axis=1))[0]) for v in vertices[~flat]]
@@ -82,7 +84,7 @@ def test_polygons_covered_twice(seed):
     core, _ = remove_flat_vertices(tables, flat)
     assert checked(core).n_vertices == len(points)
     assert checked(core).deficits == pytest.approx(checked(tables).deficits[~flat], abs=1e-7)
-    tables.scramble(100, np.random.default_rng(seed), 1e-2)
+    scramble(tables, 100, np.random.default_rng(seed), 1e-2)
     again, _ = remove_flat_vertices(tables, flat)
     assert np.sort(again.lengths) == pytest.approx(np.sort(core.lengths), abs=1e-8)
 
@@ -140,7 +142,7 @@ def test_a_loop_around_the_tip_of_a_fold(place):
     assert checked(with_fourth).deficits == pytest.approx([*checked(tables).deficits, 0], abs=1e-13)
     assert turning_errors(with_fourth).max() < 1e-13
     back, again = remove_flat_vertices(with_fourth, np.array([False, False, False, True]))
-    tables.make_delaunay(np.zeros(3))
+    make_delaunay(tables, np.zeros(3))
     assert np.sort(back.lengths) == pytest.approx(np.sort(tables.lengths), rel=1e-13)
     assert checked(back).deficits == pytest.approx(checked(tables).deficits, abs=1e-13)
     assert turning_errors(back).max() < 1e-13
@@ -153,7 +155,7 @@ def test_nothing_flat():
     vertices, faces = zoo.random_hull(20, 0)
     tables = tables_of(vertices, faces)
     core, removal = remove_flat_vertices(tables, np.zeros(20, dtype=bool))
-    tables.make_delaunay(np.zeros(20))
+    make_delaunay(tables, np.zeros(20))
     assert np.array_equal(core.corners, tables.corners)
     assert removal.removed.size == 0
 

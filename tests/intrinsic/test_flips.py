@@ -8,13 +8,17 @@ from scipy.spatial import ConvexHull
 
 import zoo
 from isoembed import PolyhedralMetric
-from isoembed.intrinsic.flips import HalfEdges, angle_between, apex, twice_area
+from isoembed.intrinsic.delaunay import make_delaunay, non_delaunay_edges
+from isoembed.intrinsic.halfedges import HalfEdges
+from isoembed.intrinsic.trigonometry import angle_between, apex, twice_area
 from isoembed.metric.curvature import Triangles, deficits
 from isoembed.metric.delaunay import delaunay
+from isoembed.metric.glued import GluedMetric
+from scrambling import scramble
 
 
 def tables_of(metric):
-    return HalfEdges.of(metric.faces, metric.triangulation.twins, metric.face_lengths)
+    return GluedMetric.of(metric).half_edges()
 
 
 def assert_consistent(tables):
@@ -38,7 +42,7 @@ def modulo(difference, period):
 def test_flips_keep_the_metric(n, seed):
     metric = PolyhedralMetric.from_mesh(*zoo.random_hull(n, seed))
     tables = tables_of(metric)
-    tables.scramble(20 * n, np.random.default_rng(seed))
+    scramble(tables, 20 * n, np.random.default_rng(seed))
     assert_consistent(tables)
     assert 2 * np.pi - angle_sums(tables) == pytest.approx(deficits(metric), abs=1e-10)
     areas = Triangles.of(tables.face_lengths)
@@ -52,17 +56,17 @@ def test_flips_keep_the_metric(n, seed):
 def test_delaunay_does_not_depend_on_the_triangles(n, seed):
     metric = PolyhedralMetric.from_mesh(*zoo.random_hull(n, seed))
     tables, scrambled = tables_of(metric), tables_of(metric)
-    scrambled.scramble(20 * n, np.random.default_rng(seed))
+    scramble(scrambled, 20 * n, np.random.default_rng(seed))
     for t in (tables, scrambled):
-        _, stuck = t.make_delaunay(np.zeros(n))
-        assert stuck == 0 and t.non_delaunay(np.zeros(n)).size == 0
+        _, stuck = make_delaunay(t, np.zeros(n))
+        assert stuck == 0 and non_delaunay_edges(t, np.zeros(n)).size == 0
     assert np.sort(scrambled.lengths) == pytest.approx(np.sort(tables.lengths), rel=1e-10)
 
 
 def test_delaunay_agrees_with_the_flips_of_triangulations():
     metric = PolyhedralMetric.from_mesh(*zoo.random_hull(60, 3))
     tables = tables_of(metric)
-    tables.make_delaunay(np.zeros(60))
+    make_delaunay(tables, np.zeros(60))
     assert np.sort(tables.lengths)[::2] == pytest.approx(np.sort(delaunay(metric).lengths), rel=1e-12)
 
 
@@ -72,7 +76,7 @@ def test_directions_survive_flips(seed):
     tables = tables_of(metric)
     ends = np.roll(tables.faces, -1, axis=1).ravel()
     before = dict(zip(zip(tables.corners, ends, strict=True), tables.directions, strict=True))
-    tables.scramble(200, np.random.default_rng(seed))
+    scramble(tables, 200, np.random.default_rng(seed))
     total = angle_sums(tables)
     # Around every vertex the next half-edge's direction is larger by the angle between them.
     angles = Triangles.of(tables.face_lengths).angles.ravel()
@@ -80,9 +84,9 @@ def test_directions_survive_flips(seed):
     turned = tables.directions[tables.twins[into]] - tables.directions - angles
     assert modulo(turned, total[tables.corners]).max() < 1e-11
     # And back on the Delaunay triangulation, an edge that was there leaves as it did.
-    tables.make_delaunay(np.zeros(20))
+    make_delaunay(tables, np.zeros(20))
     other = tables_of(metric)
-    other.make_delaunay(np.zeros(20))
+    make_delaunay(other, np.zeros(20))
     lengths = dict(zip(zip(other.corners, np.roll(other.faces, -1, axis=1).ravel(), strict=True),
                        zip(other.lengths, other.directions, strict=True), strict=True))  # fmt: skip
     assert before
@@ -107,7 +111,7 @@ def test_weighted_delaunay_is_the_lower_hull(seed):
     faces, twins, lengths = zoo.doubly_covered(outline)
     weights = rng.uniform(-0.2, 0.2, 8)
     tables = HalfEdges.of(faces, twins, lengths)
-    tables.make_delaunay(weights)
+    make_delaunay(tables, weights)
     lifted = np.column_stack([outline, (outline**2).sum(axis=1) - weights])
     hull = ConvexHull(lifted)
     lower = {tuple(sorted(f)) for f, e in zip(hull.simplices, hull.equations, strict=True) if e[2] < -1e-9}
@@ -119,7 +123,7 @@ def test_a_hidden_vertex_is_reported():
     metric = PolyhedralMetric.from_mesh(*zoo.octahedron())
     weights = np.zeros(6)
     weights[0] = 10.0  # farther from the center than its neighbors and the edges to them allow
-    _, stuck = tables_of(metric).make_delaunay(-weights)
+    _, stuck = make_delaunay(tables_of(metric), -weights)
     assert stuck > 0
 
 
@@ -129,7 +133,7 @@ def test_a_triangle_glued_to_itself_is_not_flipped():
         np.array([[0, 0, 1], [0, 0, 2]]), np.array([3, 2, 1, 0, 5, 4]), np.array([[1.0, 1.0, 1.0]] * 2)
     )
     before = tables.copy()
-    assert tables.scramble(50, np.random.default_rng(0)) > 0  # the loop between them can be
+    assert scramble(tables, 50, np.random.default_rng(0)) > 0  # the loop between them can be
     assert_consistent(tables)
     assert angle_sums(tables) == pytest.approx(angle_sums(before), abs=1e-12)
 
@@ -137,11 +141,11 @@ def test_a_triangle_glued_to_itself_is_not_flipped():
 def test_flips_there_and_back():
     metric = PolyhedralMetric.from_mesh(*zoo.random_hull(12, 5))
     tables = tables_of(metric)
-    h = int(np.flatnonzero([tables.copy().scramble(1, _Always(h)) for h in range(tables.twins.size)])[0])
+    h = int(np.flatnonzero([scramble(tables.copy(), 1, _Always(h)) for h in range(tables.twins.size)])[0])
     flipped = tables.copy()
-    flipped.scramble(1, _Always(h))
+    scramble(flipped, 1, _Always(h))
     new = int(np.flatnonzero(~np.isin(flipped.lengths, tables.lengths))[0])
-    flipped.scramble(1, _Always(new))
+    scramble(flipped, 1, _Always(new))
     assert np.sort(flipped.lengths) == pytest.approx(np.sort(tables.lengths), rel=1e-13)
 
 

@@ -10,13 +10,14 @@ from isoembed.errors import InvalidMetric
 from isoembed.intrinsic.flat_vertices import Removal, remove_flat_vertices
 from isoembed.intrinsic.insert_vertices import insert_vertices
 from isoembed.mesh.triangulation import Triangulation
+from scrambling import scramble
 from sprinkled import box, checked, distances, doubled, polyhedron, sprinkled, tables_of, turning_errors
 
 
 def there_and_back(tables, vertices, flat, seed):
     """Remove the flat vertices, flip to the polyhedron of the others, and put them back."""
     core, removal = remove_flat_vertices(tables, flat)
-    core.scramble(10 * (~flat).sum(), np.random.default_rng(seed), 1e-2)
+    scramble(core, 10 * (~flat).sum(), np.random.default_rng(seed), 1e-2)
     core, bent = polyhedron(core, vertices[~flat])
     return insert_vertices(core, removal, bent), core, bent
 
@@ -35,7 +36,7 @@ def worst_angle_sum(restored):
 def test_grids_on_boxes(n, sides):
     vertices, faces, flat = box(n, sides)
     tables = tables_of(vertices, faces)
-    tables.scramble(4 * len(vertices), np.random.default_rng(n), 1e-2 * min(sides) / max(sides))
+    scramble(tables, 4 * len(vertices), np.random.default_rng(n), 1e-2 * min(sides) / max(sides))
     restored, core, bent = there_and_back(tables, vertices, flat, n)
     size = max(sides)
     found = restored.vertices(vertices[~flat])
@@ -56,7 +57,7 @@ def test_sprinkled_hulls(n, m, seed, length):
     body, hull = zoo.random_hull(n, seed)
     vertices, faces, flat = sprinkled(body * [length, 1, 1], hull, m, seed)
     tables = tables_of(vertices, faces)
-    tables.scramble(4 * len(vertices), np.random.default_rng(seed), 1e-2)
+    scramble(tables, 4 * len(vertices), np.random.default_rng(seed), 1e-2)
     restored, _, bent = there_and_back(tables, vertices, flat, seed)
     assert bent.all()
     assert np.abs(restored.vertices(vertices[~flat]) - vertices).max() < 1e-10 * length
@@ -91,7 +92,7 @@ def test_a_square_covered_twice_has_one_diagonal_on_each_side():
 def test_without_edges_to_keep_the_triangles_are_polygons(seed):
     vertices, faces, flat = box(4)
     core, removal = remove_flat_vertices(tables_of(vertices, faces), flat)
-    core.scramble(50, np.random.default_rng(seed), 1e-2)
+    scramble(core, 50, np.random.default_rng(seed), 1e-2)
     restored = insert_vertices(core, removal, np.zeros(core.twins.size, dtype=bool))
     assert not restored.kept.any()
     assert checked(restored.tables).deficits == pytest.approx(np.where(flat, 0, np.pi / 2), abs=1e-12)

@@ -6,9 +6,10 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 import zoo
-from isoembed.intrinsic.flips import HalfEdges
+from isoembed.intrinsic.halfedges import HalfEdges
 from isoembed.intrinsic.multi_edges import remove_multi_edges, repeated
 from isoembed.mesh.triangulation import Triangulation
+from scrambling import scramble
 from sprinkled import checked, tables_of
 
 
@@ -73,7 +74,7 @@ def test_loops_and_double_edges_of_random_triangles():
     nothing = np.zeros(tables.corners.size, dtype=bool)
     loops = mended = 0
     for _ in range(100):
-        tables.scramble(20, rng, 1e-2)
+        scramble(tables, 20, rng, 1e-2)
         before, t = repeated(tables).size, tables.copy()
         remove_multi_edges(t, nothing)
         assert repeated(t).size <= before

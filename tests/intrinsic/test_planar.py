@@ -7,7 +7,7 @@ from hypothesis import strategies as st
 
 import zoo
 from isoembed.intrinsic.flat_vertices import remove_flat_vertices
-from isoembed.intrinsic.planar import face_at, first_sides, lay_out
+from isoembed.intrinsic.planar import Polygons, face_at, first_sides, lay_out
 from sprinkled import box, polyhedron, tables_of
 
 plane = st.floats(0, 2)
@@ -24,7 +24,7 @@ def test_coordinates_are_those_of_the_triangles(opened):
     tables, bent = cube()
     dropped = np.flatnonzero(bent)[:opened]
     bent[dropped] = bent[tables.twins[dropped]] = False
-    cells, x, y, fixed = lay_out(tables.twins, tables.lengths, bent)
+    _, _, x, y, fixed, cells = lay_out(tables, bent)
     sides = np.hypot(*(np.roll(c.reshape(-1, 3), -1, axis=1).ravel() - c for c in (x, y)))
     assert sides == pytest.approx(tables.lengths, rel=1e-15)
     # Across what is not fixed they are continuous, and the polygon is the same.
@@ -37,16 +37,15 @@ def test_coordinates_are_those_of_the_triangles(opened):
 
 def test_squares_are_polygons_and_what_bends_around_a_corner_is_none():
     tables, bent = cube()
-    cells, _, _, fixed = lay_out(tables.twins, tables.lengths, bent)
-    assert np.bincount(cells).tolist() == [2] * 6
-    assert np.array_equal(fixed, bent)
-    cells, _, _, fixed = lay_out(tables.twins, tables.lengths, np.zeros_like(bent))
-    assert fixed.all() and np.bincount(cells).tolist() == [1] * 12
+    polygons = lay_out(tables, bent)
+    assert np.bincount(polygons.cells).tolist() == [2] * 6
+    assert np.array_equal(polygons.fixed, bent)
+    polygons = lay_out(tables, np.zeros_like(bent))
+    assert polygons.fixed.all() and np.bincount(polygons.cells).tolist() == [1] * 12
     # Two squares beside each other are a rectangle.
     one = int(np.flatnonzero(bent)[0])
     bent[one] = bent[tables.twins[one]] = False
-    cells, _, _, fixed = lay_out(tables.twins, tables.lengths, bent)
-    assert sorted(np.bincount(cells)) == [2, 2, 2, 2, 4]
+    assert sorted(np.bincount(lay_out(tables, bent).cells)) == [2, 2, 2, 2, 4]
 
 
 def test_first_sides():
@@ -74,7 +73,7 @@ def test_a_point_in_an_l_is_found_around_the_corner(px, py):
     cells = np.minimum(np.arange(len(faces)), 6)
     cells[:6] = 0
     x, y = vertices[used][tables.corners, :2].T.copy()
-    found = face_at(px, py, 0, tables.twins, x, y, fixed, cells, len(faces))
+    found = face_at(px, py, 0, Polygons(tables.corners, tables.twins, x, y, fixed, cells), len(faces))
     assert found < 6
     if not (px < 1 and py > 1):
         corners = np.column_stack([x, y])[3 * found : 3 * found + 3]
@@ -84,5 +83,5 @@ def test_a_point_in_an_l_is_found_around_the_corner(px, py):
 
 def test_an_icosahedron_of_single_faces():
     tables = tables_of(*zoo.icosahedron())
-    cells, _, _, _ = lay_out(tables.twins, tables.lengths, np.ones(60, dtype=bool))
-    assert np.array_equal(cells, np.arange(20))
+    polygons = lay_out(tables, np.ones(60, dtype=bool))
+    assert np.array_equal(polygons.cells, np.arange(20))

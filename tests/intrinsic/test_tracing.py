@@ -6,15 +6,13 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 import zoo
-from isoembed.intrinsic.flips import HalfEdges
+from isoembed.intrinsic.halfedges import HalfEdges, third_corner, total_angle
 from isoembed.intrinsic.tracing import (
     from_corner,
     from_inside,
     modulo,
     sector,
     straight,
-    third_corner,
-    total_angle,
 )
 from sprinkled import box, checked, tables_of
 
@@ -29,7 +27,7 @@ def square():
 
 def end_of(state, length, vertices, tables):
     """Where a line ends in space, and in which face."""
-    out, *corners = straight(state, length, tables.twins, tables.lengths)
+    out, *corners = straight(state, length, tables)
     plane = np.array(corners).reshape(3, 2)
     weights = np.linalg.solve(np.vstack([plane.T, np.ones(3)]), [length, 0, 1])
     assert weights.min() > -1e-9
@@ -48,7 +46,7 @@ def folded(x, y):
 def test_from_a_corner_of_a_square_covered_twice(angle, length):
     vertices, tables = square()
     # Half-edge 0 runs along the x axis; the total angle is pi, and half of it is above.
-    h, offset = sector(3, tables.directions[0] + angle, np.pi, tables.twins, tables.directions)
+    h, offset = sector(3, tables.directions[0] + angle, np.pi, tables)
     assert tables.corners[h] == 0 and 0 <= offset < np.pi / 2
     end, face = end_of(from_corner(h, offset, tables.lengths), length, vertices, tables)
     place, below = folded(length * np.cos(angle), length * np.sin(angle))
@@ -100,10 +98,10 @@ def test_every_direction_is_in_one_sector(seed, direction):
     tables = tables_of(*zoo.random_hull(10, seed))
     corner_angles = checked(tables).triangles.angles.ravel()
     for h in range(tables.corners.size):
-        total = total_angle(h, tables.twins, tables.lengths)
+        total = total_angle(h, tables)
         deficit = checked(tables).deficits[tables.corners[h]]
         assert total == pytest.approx(2 * np.pi - deficit, rel=1e-12)
-        g, offset = sector(h, direction, total, tables.twins, tables.directions)
+        g, offset = sector(h, direction, total, tables)
         assert tables.corners[g] == tables.corners[h]
         assert -1e-12 < offset < corner_angles[g] + 1e-12
         turns = (tables.directions[g] + offset - direction) / total
@@ -117,7 +115,7 @@ def test_a_tetrahedron_unfolds_to_the_lattice_of_triangles():
     # No line from a vertex comes back to it: where it meets a vertex, that is one of the other three.
     for m, n in ((1, 0), (1, 1), (2, 1), (3, 1), (3, 2), (5, 3)):
         along, far = np.arctan2(n * 3**0.5 / 2, m + n / 2), l * np.sqrt(m * m + m * n + n * n)
-        h, offset = sector(0, tables.directions[0] + along, np.pi, tables.twins, tables.directions)
+        h, offset = sector(0, tables.directions[0] + along, np.pi, tables)
         end, _ = end_of(from_corner(h, offset, tables.lengths), far * (1 - 1e-13), vertices, tables)
         nearest = int(np.argmin(np.linalg.norm(vertices - end, axis=1)))
         assert np.linalg.norm(vertices[nearest] - end) < 1e-10
@@ -126,7 +124,7 @@ def test_a_tetrahedron_unfolds_to_the_lattice_of_triangles():
 
 def test_absurdly_far():
     _, tables = square()
-    assert straight(from_corner(0, 0.1, tables.lengths), np.inf, tables.twins, tables.lengths)[0] == -1
+    assert straight(from_corner(0, 0.1, tables.lengths), np.inf, tables)[0] == -1
 
 
 def test_modulo():

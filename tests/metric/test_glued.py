@@ -9,10 +9,10 @@ from hypothesis import strategies as st
 
 import zoo
 from isoembed.errors import InvalidMetric
-from isoembed.intrinsic.flips import HalfEdges
 from isoembed.metric import curvature
 from isoembed.metric.glued import GluedMetric
 from isoembed.metric.polyhedral import PolyhedralMetric
+from scrambling import scramble
 
 FOLDED = [[0, 0, 1], [0, 0, 2]], [3, 2, 1, 0, 5, 4], [[1.0, 1.0, 1.0]] * 2
 DOUBLED = [[0, 1, 2], [0, 2, 1]], [5, 4, 3, 2, 1, 0], [[3.0, 4.0, 5.0], [5.0, 4.0, 3.0]]
@@ -21,8 +21,8 @@ DOUBLED = [[0, 1, 2], [0, 2, 1]], [5, 4, 3, 2, 1, 0], [[3.0, 4.0, 5.0], [5.0, 4.
 def scrambled(seed, n):
     """A random convex polyhedron under triangles that know nothing of its edges; and its metric."""
     metric = PolyhedralMetric.from_mesh(*zoo.random_hull(n, seed))
-    tables = HalfEdges.of(metric.faces, metric.triangulation.twins, metric.face_lengths)
-    tables.scramble(30 * n, np.random.default_rng(seed))
+    tables = GluedMetric.of(metric).half_edges()
+    scramble(tables, 30 * n, np.random.default_rng(seed))
     return GluedMetric(tables.faces, tables.twins, tables.face_lengths), metric
 
 

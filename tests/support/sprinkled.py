@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from isoembed.intrinsic.flips import HalfEdges
+from isoembed.intrinsic.delaunay import make_delaunay
 from isoembed.metric.glued import GluedMetric
 from isoembed.metric.polyhedral import PolyhedralMetric
 
@@ -10,7 +10,7 @@ from isoembed.metric.polyhedral import PolyhedralMetric
 def tables_of(vertices, faces):
     """The tables of the triangles of a surface."""
     metric = PolyhedralMetric.from_mesh(vertices, faces)
-    return HalfEdges.of(metric.faces, metric.triangulation.twins, metric.face_lengths)
+    return GluedMetric.of(metric).half_edges()
 
 
 def checked(tables):
@@ -82,7 +82,7 @@ def polyhedron(tables, vertices):
     Squared distances from a point inside are the weights of which these are the weighted Delaunay triangles.
     """
     tables = tables.copy()
-    tables.make_delaunay(((vertices - vertices.mean(axis=0)) ** 2).sum(axis=1))
+    make_delaunay(tables, ((vertices - vertices.mean(axis=0)) ** 2).sum(axis=1))
     a, b, c = vertices[tables.faces.T]
     normals = np.cross(b - a, c - a)
     normals /= np.linalg.norm(normals, axis=1)[:, None]

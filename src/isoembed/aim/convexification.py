@@ -17,7 +17,7 @@ from scipy.sparse import csc_array, csr_array, diags_array
 from scipy.sparse.linalg import cg
 
 from isoembed.errors import InvalidMetric
-from isoembed.intrinsic.flips import HalfEdges
+from isoembed.intrinsic.delaunay import make_delaunay
 from isoembed.linalg import SingularMatrix, Solver, analyze, dissect
 from isoembed.metric.conformal import equivalent
 from isoembed.metric.convexity import deficit_rounding
@@ -134,8 +134,8 @@ class _Delaunay:
 
     @classmethod
     def of(cls, metric: GluedMetric, backend: str | None) -> _Delaunay:
-        tables = HalfEdges.of(metric.faces, metric.twins, metric.face_lengths)
-        tables.make_delaunay(np.zeros(metric.n_vertices))
+        tables = metric.half_edges()
+        make_delaunay(tables, np.zeros(metric.n_vertices))
         metric = GluedMetric(tables.faces, tables.twins, tables.face_lengths)
         pattern = _pattern(metric)
         pairs = csr_array(pattern)

@@ -19,7 +19,7 @@ from isoembed.alexandrov.doubly_covered import THIN
 from isoembed.alexandrov.homotopy import CLOSE, Solution, held, walk
 from isoembed.alexandrov.placement import placed, realized
 from isoembed.alexandrov.polytope import Polytope
-from isoembed.intrinsic.flips import HalfEdges
+from isoembed.intrinsic.halfedges import HalfEdges
 from isoembed.linalg import SingularMatrix
 from isoembed.metric.convexity import deficit_rounding
 from isoembed.metric.glued import GluedMetric
@@ -80,7 +80,7 @@ def approach(
     """
     if (waypoint.deficits <= deficit_rounding(waypoint.faces, waypoint.face_lengths)).any():
         return None
-    tables = HalfEdges.of(waypoint.faces, waypoint.twins, waypoint.face_lengths)
+    tables = waypoint.half_edges()
     order = tables.order_in_memory()
     back, deficits, kept = np.argsort(order), waypoint.deficits[order], log.resumed_at("polytopes")
     close = CLOSE * float(deficits.max()) if waypoint is given else 0.0
@@ -125,7 +125,7 @@ def leap(given: GluedMetric, start: Floats, log: Log, backend: str | None = None
     ``l(t) = l(0)^{1-t} l(1)^t`` in a few steps, l(1) being the distances of the vertices: where a surface is
     nearly flat, one step would be decided by chance.
     """
-    tables = HalfEdges.of(given.faces, given.twins, given.face_lengths)
+    tables = given.half_edges()
     order = tables.order_in_memory()
     with log.stage("leap") as recorder:
         recorder.show(level=f"{given.n_vertices:,} vertices")
@@ -161,7 +161,7 @@ def _flown(
     state: Solution | None = None
     branch_deviation = 0.0
     for t in np.linspace(1, 0, steps + 1)[1:].tolist():
-        p = Polytope.on(replace(tables, lengths=tables.lengths * ratio**t), extrapolated(known[-3:], t))
+        p = Polytope.on(tables._replace(lengths=tables.lengths * ratio**t), extrapolated(known[-3:], t))
         if p is None:
             return None
         state = held(p, recorder, backend) if state is None else state.renewed(p, recorder)

@@ -14,7 +14,8 @@ from scipy.sparse import coo_array
 from scipy.sparse.csgraph import connected_components
 
 from isoembed.alexandrov.polytope import Polytope
-from isoembed.intrinsic.flips import HalfEdges, set_directions, tilts
+from isoembed.intrinsic.delaunay import tilts
+from isoembed.intrinsic.halfedges import HalfEdges, set_directions
 from isoembed.metric.curvature import Triangles
 
 Floats = NDArray[np.float64]
@@ -50,7 +51,7 @@ def flat_limit(p: Polytope) -> DoublyCovered | None:
     p : Polytope
     """
     mean = float(p.radii.mean())
-    feet, _ = tilts(p.tables.corners, p.tables.lengths, (p.radii - mean) * (p.radii + mean))
+    feet, _ = tilts(p.tables, (p.radii - mean) * (p.radii + mean))
     other = feet[p.tables.twins]
     # An apex right above a flat edge has both feet on it, up to rounding and to how flat the body is by now.
     on_edge = (ROUNDING + NOT_YET_FLAT * p.lowest) * p.tables.lengths
@@ -133,7 +134,7 @@ def _fans(tables: HalfEdges, boundary: Indices, points: Floats) -> HalfEdges:
     lengths = np.linalg.norm(points[a] - points[b], axis=1)
     corners = tables.corners[boundary][a]
     fans = HalfEdges(corners, twins, lengths, np.zeros(a.size))
-    set_directions(fans.corners, fans.twins, fans.lengths, fans.directions)
+    set_directions(fans)
     # The boundary's half-edges kept their directions.
     kept = np.flatnonzero((b == (a + 1) % n) & (np.arange(a.size) < front.size))
     offset = np.empty(n)

@@ -19,7 +19,8 @@ from scipy.sparse import coo_array, csc_array
 from scipy.sparse.csgraph import dijkstra
 
 from isoembed.alexandrov.polytope import Polytope
-from isoembed.intrinsic.flips import HalfEdges
+from isoembed.intrinsic.delaunay import make_delaunay
+from isoembed.intrinsic.halfedges import HalfEdges
 from isoembed.linalg import Factor, SingularMatrix, Solver, analyze, dissect
 from isoembed.linalg.krylov import gmres
 from isoembed.metric.curvature import Triangles
@@ -120,7 +121,7 @@ def walk(
         Of a polytope on the path, to go on from.
     """
     tables = tables.copy()
-    tables.make_delaunay(np.zeros(deficits.size))
+    make_delaunay(tables, np.zeros(deficits.size))
     triangles = Triangles.of(tables.face_lengths)
     areas = triangles.areas * triangles.unit**2
     # The polytope of equal radii exists if every circle around a triangle is smaller; and its curvatures sum

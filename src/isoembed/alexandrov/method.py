@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from typing import ClassVar
 
 import numpy as np
@@ -18,9 +18,10 @@ from isoembed.alexandrov.placement import realized, relaxed, relaxed_polytope, w
 from isoembed.alexandrov.polyhedron import ConvexPolyhedron, metric_on
 from isoembed.alexandrov.polytope import Polytope
 from isoembed.errors import InvalidMetric, InvalidParameter, NotEmbedded
+from isoembed.intrinsic.delaunay import make_delaunay
 from isoembed.intrinsic.edge_paths import edge_paths
 from isoembed.intrinsic.flat_vertices import remove_flat_vertices
-from isoembed.intrinsic.flips import HalfEdges
+from isoembed.intrinsic.halfedges import HalfEdges
 from isoembed.intrinsic.insert_vertices import insert_vertices
 from isoembed.linalg import chosen_backend
 from isoembed.metric.convexity import deficit_rounding
@@ -126,7 +127,7 @@ class Alexandrov(Method):
         log: Log,
     ) -> Embedding:
         """The polyhedron, or an attempt, if these vertices are taken for flat."""
-        original = HalfEdges.of(given.faces, given.twins, given.face_lengths)
+        original = given.half_edges()
         with log.stage("flat vertices") as recorder:
             core, removal = remove_flat_vertices(original, flat)
             recorder.iterations = int(flat.sum())
@@ -154,7 +155,7 @@ class Alexandrov(Method):
                 if rescued is None:
                     return self._failure(metric, curved, found, _diagnosis(found, curved), tolerance, log)
                 tables, vertices = rescued
-            tables = replace(tables, corners=order[tables.corners])
+            tables = tables._replace(corners=order[tables.corners])
             vertices = outward(tables.faces, vertices[np.argsort(order)])
         try:
             with log.stage("edge paths"):
@@ -218,7 +219,7 @@ def _polyhedron(
     """Solve, watching for a body that turns flat; failing that, the polytope with the least curvatures."""
     if deficits.size == 3:
         delaunay = core.copy()
-        delaunay.make_delaunay(np.zeros(3))
+        make_delaunay(delaunay, np.zeros(3))
         triangle = doubly_covered(delaunay, np.ones(6, dtype=np.bool_))
         if triangle is not None:
             return triangle

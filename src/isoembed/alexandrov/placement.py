@@ -7,15 +7,13 @@ lose all digits on large ones.
 
 from __future__ import annotations
 
-from dataclasses import replace
-
 import numpy as np
 from numpy.typing import NDArray
 
 from isoembed.alexandrov.homotopy import Solution, held
 from isoembed.alexandrov.polytope import Polytope
 from isoembed.errors import InvalidMetric
-from isoembed.intrinsic.flips import HalfEdges
+from isoembed.intrinsic.halfedges import HalfEdges
 from isoembed.linalg import SingularMatrix
 from isoembed.mesh.triangulation import Triangulation
 from isoembed.progress.stages import StageRecorder
@@ -94,7 +92,7 @@ def polished(solution: Solution, vertices: Floats) -> Floats:
     if error == 0:
         return vertices
     scale = MAGNIFIED * float(tables.lengths.mean()) / error
-    wrong = replace(tables, lengths=actual + scale * missing)
+    wrong = tables._replace(lengths=actual + scale * missing)
     p = Polytope.on(wrong, radii)
     if p is None:
         return vertices

@@ -14,7 +14,7 @@ from scipy.sparse.csgraph import connected_components
 from isoembed.alexandrov.certificate import Certificate, certify
 from isoembed.errors import InvalidMetric
 from isoembed.intrinsic.edge_paths import EdgePaths
-from isoembed.intrinsic.flips import HalfEdges
+from isoembed.intrinsic.halfedges import HalfEdges
 from isoembed.mesh.triangulation import Triangulation, frozen
 from isoembed.metric.glued import GluedMetric
 from isoembed.metric.polyhedral import PolyhedralMetric

@@ -20,7 +20,9 @@ from numba import njit
 from numpy.typing import NDArray
 from scipy.sparse import coo_array, csc_array
 
-from isoembed.intrinsic.flips import HalfEdges, twice_area
+from isoembed.intrinsic.delaunay import make_delaunay, non_delaunay_edges
+from isoembed.intrinsic.halfedges import HalfEdges
+from isoembed.intrinsic.trigonometry import twice_area
 
 Floats = NDArray[np.float64]
 Indices = NDArray[np.int64]
@@ -65,10 +67,10 @@ class Polytope:
             return None
         mean = float(radii.mean())
         weights = (radii - mean) * (radii + mean)
-        non_delaunay = tables.non_delaunay(weights)
+        non_delaunay = non_delaunay_edges(tables, weights)
         if non_delaunay.size:
             tables = tables.copy()
-            _, stuck = tables.make_delaunay(weights, non_delaunay)
+            _, stuck = make_delaunay(tables, weights, non_delaunay)
             if stuck:
                 return None
         return cls.on(tables, radii)

@@ -13,7 +13,7 @@ from scipy.special import ellipeinc
 
 from isoembed.errors import InvalidParameter
 from isoembed.gluing.polygon import side_lengths
-from isoembed.intrinsic.flips import apex
+from isoembed.intrinsic.trigonometry import apex
 
 Floats = NDArray[np.float64]
 

@@ -1,8 +1,8 @@
-"""The Delaunay loop, compiled: edges on a stack are flipped, and those around them put on it, until none is left.
+"""The Delaunay loop, compiled: edges on a stack are flipped, and those around them put on it.
 
 What an edge is flipped for, and what else there is to a flip, is a rule: a named tuple of arrays whose type
-chooses, when the loop is compiled, the function that was made its `attempt`.  That costs nothing, and unlike a
-loop that takes a function, or a closure over one, it is found again in numba's cache by the next process.
+chooses, when the loop is compiled, the function that was made its `attempt`.  That costs nothing, and unlike
+a loop that takes a function, or a closure over one, the next process finds it in numba's cache.
 """
 
 from __future__ import annotations
@@ -12,7 +12,6 @@ from dataclasses import dataclass
 from typing import Any, NamedTuple
 
 import numpy as np
-from numba import types
 from numba.extending import overload
 
 from isoembed.intrinsic.flips import Tracked, flip, flip_tracked
@@ -61,7 +60,7 @@ def attempts(kind: type) -> Callable[[Callable], Callable]:
     def register(function: Callable) -> Callable:
         @overload(attempt, strict=False)  # it would compare annotations
         def choose(h: Any, mesh: Any, rule: Any) -> Callable | None:
-            return function if isinstance(rule, types.BaseTuple) and rule.instance_class is kind else None
+            return function if getattr(rule, "instance_class", None) is kind else None
 
         return function
 
@@ -86,7 +85,7 @@ def push(h: int, stack: Indices, twins: Indices) -> None:
 
 
 @kernel
-def flip_to_delaunay(stack: Indices, mesh: Any, rule: Any) -> tuple[int, int]:
+def restore_delaunay(stack: Indices, mesh: Any, rule: Any) -> tuple[int, int]:
     """Flip the edges on a stack, and around those that are flipped, as a rule demands; the stack is emptied.
 
     Returns
@@ -166,7 +165,7 @@ def _flip_edges(edges: Indices, mesh: HalfEdges, rule: Weighted) -> tuple[int, i
     stack = empty_stack(mesh.twins.size)
     for h in edges:
         push(h, stack, mesh.twins)
-    return flip_to_delaunay(stack, mesh, rule)
+    return restore_delaunay(stack, mesh, rule)
 
 
 @kernel

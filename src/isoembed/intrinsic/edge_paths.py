@@ -149,10 +149,7 @@ def _set_out(original: HalfEdges, final: HalfEdges, halfedges: Indices) -> tuple
 def _follow(
     first: Indices, angles: Floats, distances: Floats, goals: Indices, mesh: HalfEdges
 ) -> tuple[Indices, Floats]:
-    """Number of edges that each path crosses, and where it ends if it sets out along the x axis, shape (n, 2).
-
-    Not a number if it goes astray.
-    """
+    """Crossings of each path, and where it ends, shape (n, 2); not a number if it goes astray."""
     corners = mesh.corners
     counts = np.zeros(first.size, dtype=np.int64)
     meet = np.full((first.size, 2), np.nan)

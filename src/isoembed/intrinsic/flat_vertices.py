@@ -15,7 +15,7 @@ from typing import NamedTuple
 import numpy as np
 
 from isoembed.errors import InvalidMetric
-from isoembed.intrinsic.delaunay import DELAUNAY, END, empty_stack, flip_to_delaunay, make_delaunay
+from isoembed.intrinsic.delaunay import DELAUNAY, END, empty_stack, make_delaunay, restore_delaunay
 from isoembed.intrinsic.flips import Tracked, flip_tracked, tracked
 from isoembed.intrinsic.halfedges import (
     Floats,
@@ -117,7 +117,7 @@ def remove_flat_vertices(mesh: HalfEdges, flat: Mask) -> tuple[HalfEdges, Remova
         )
     left = mesh.of_faces(np.flatnonzero(alive))
     number = np.cumsum(~flat) - 1
-    return left._replace(corners=number[left.corners]), Removal(*(frozen(table) for table in removal))
+    return left._replace(corners=number[left.corners]), Removal._make(frozen(table) for table in removal)
 
 
 @kernel
@@ -153,7 +153,7 @@ def _remove(mesh: HalfEdges, flat: Mask, removal: Removal) -> tuple[Mask, int]:
             while side != END:  # of the new triangles
                 rounds[corners[side]] = rounds[corners[twins[side]]] = number
                 side = stack[side]
-            flip_to_delaunay(stack, mesh, carried)
+            restore_delaunay(stack, mesh, carried)
         if left == remaining.size and most > n:
             break
         if _T.worthwhile * (remaining.size - left) < remaining.size and most <= n:

@@ -49,8 +49,8 @@ def swap_diagonals(h: int, corners: Indices, twins: Indices) -> None:
     """Replace the edge of a half-edge by the other diagonal of its two triangles, which are not one.
 
     Of the faces ijk and jim of half-edge i -> j and its twin remain kim, with the other diagonal in the place
-    that ``following(h)`` had, and mjk, with it in the place of ``following(twin)``.  Half-edge jk moves to the
-    place of the twin, and im to that of h; other tables over half-edges are to be moved by the caller.
+    that ``following(h)`` had, and mjk, with it in the place of ``following(twin)``.  Half-edge jk moves to
+    the place of the twin, and im to that of h; the caller moves what else belongs to them.
     """
     t = twins[h]
     jk, im = following(h), following(t)

@@ -62,7 +62,7 @@ class HalfEdges(NamedTuple):
 
     def copy(self) -> HalfEdges:
         """Copy of all tables."""
-        return HalfEdges(*(table.copy() for table in self))
+        return HalfEdges._make(table.copy() for table in self)
 
     def order_in_memory(self) -> Indices:
         """Order of the vertices in which neighbors have near numbers, shape (V,)."""

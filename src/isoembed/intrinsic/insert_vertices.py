@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from isoembed.errors import InvalidMetric
-from isoembed.intrinsic.delaunay import empty_stack, flip_to_delaunay, push
+from isoembed.intrinsic.delaunay import empty_stack, push, restore_delaunay
 from isoembed.intrinsic.flat_vertices import Removal
 from isoembed.intrinsic.halfedges import (
     Floats,
@@ -116,8 +116,14 @@ def insert_vertices(tables: HalfEdges, removal: Removal, kept: Mask) -> Restored
     places = np.column_stack([*(np.einsum("vc,vc->v", barycentric, c[at]) for c in (laid.x, laid.y)), axis])
     frames = _grown(first_sides(laid.twins, laid.fixed), 6 * n)
     axes, slopes = _grown(tables.directions, 6 * n), _grown(slopes, 6 * n)
-    halfedges = (_grown(table, 6 * n) for table in laid._replace(corners=r.core[laid.corners])[:-1])
-    polygons = Polygons(*halfedges, _grown(laid.cells, 2 * n))
+    polygons = Polygons(
+        _grown(r.core[laid.corners], 6 * n),
+        _grown(laid.twins, 6 * n),
+        _grown(laid.x, 6 * n),
+        _grown(laid.y, 6 * n),
+        _grown(laid.fixed, 6 * n),
+        _grown(laid.cells, 2 * n),
+    )
     marks = Marks(_grown(kept, 6 * n), frames, axes, leaving_halfedges(r.core[laid.corners], number.size))
     _insert_all(r, faces, places, polygons, marks)
     dx, dy = _next(polygons.x) - polygons.x, _next(polygons.y) - polygons.y
@@ -158,7 +164,7 @@ def _insert_all(removal: Removal, faces: Indices, places: Floats, polygons: Poly
     stack = empty_stack(polygons.twins.size)
     for h in range(new):
         push(h, stack, polygons.twins)
-    flip_to_delaunay(stack, polygons, marks)
+    restore_delaunay(stack, polygons, marks)
     for k in range(n - 1, -1, -1):
         v = removal.removed[k]
         px, py, marks.axes[new] = places[v]

@@ -5,7 +5,7 @@ from numba import njit
 kernel = njit(cache=True, error_model="numpy")
 """Decorator of functions that take half-edge structures whole.
 
-A division by zero is infinite.  As an exception it would be another way out of a function, on which numba counts
-the references to every array of a named tuple: flipping 100,000 vertices to Delaunay then takes 40 % longer than
-with loose arrays, and otherwise as long, if named tuples do not hold named tuples.
+A division by zero is infinite.  As an exception it would be another way out of a function, on which numba
+counts the references to every array of a named tuple: to flip 100,000 vertices to Delaunay then takes 40 %
+longer than with loose arrays.  As it is it takes as long, where named tuples do not hold named tuples.
 """

@@ -17,8 +17,8 @@ from isoembed.intrinsic.delaunay import (
     FLIPPED,
     LEFT,
     attempts,
-    flip_to_delaunay,
     push,
+    restore_delaunay,
 )
 from isoembed.intrinsic.flips import swap_diagonals
 from isoembed.intrinsic.halfedges import (
@@ -41,7 +41,7 @@ class PlanarThresholds:
     """Thresholds of triangles laid out in the plane."""
 
     straight: float = threshold(1e-9, "radians", "Excess over pi of a polygon's corner, or of two angles.")
-    # Two sides that are longer than the third by less make no triangle in floats; the vertex is 2e-8 of it off.
+    # Sides that are longer than the third by less make no triangle in floats: the vertex is 2e-8 of it off.
     on_side: float = threshold(
         1e-15, "side lengths", "Detour by way of a vertex that is put on a fixed side."
     )
@@ -225,7 +225,7 @@ def insert(
     start : int
         A face of the polygon from which it is to be searched.
     new : int
-        Six half-edges from here on are unused, but for its direction that is the x axis, in ``marks.axes[new]``.
+        Six half-edges from here on are unused, but ``marks.axes[new]`` is its direction that is the x axis.
     polygons : Polygons
     marks : Marks
     stack : ndarray
@@ -250,7 +250,7 @@ def insert(
         for h in range(first, first + 3):
             marks.leaving[polygons.corners[h]] = h
             push(h, stack, twins)
-    flip_to_delaunay(stack, polygons, marks)
+    restore_delaunay(stack, polygons, marks)
 
 
 @kernel

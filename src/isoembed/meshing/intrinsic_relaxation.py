@@ -1,25 +1,31 @@
 """Triangles on the sphere that are moved and flipped by their lengths alone, compiled.
 
-The tables over half-edges are those of `isoembed.intrinsic.flips`: half-edge ``h = 3 f + c`` leaves corner c
-of face f, ``corners[h]`` is the vertex that it leaves, ``twins[h]`` runs the other way and ``lengths[h]``
-is its length.  Vertices also have directions u (V, 3) on the unit sphere, in which every triangle
-looks outward.
+The tables over half-edges are those of `isoembed.intrinsic.halfedges`.  Vertices also have directions u
+(V, 3) on the unit sphere, in which every triangle looks outward.
 """
 
 from __future__ import annotations
+
+from typing import NamedTuple
 
 import numpy as np
 from numba import njit
 from numpy.typing import NDArray
 
-from isoembed.intrinsic.flips import (
-    angle_between,
-    flip,
-    following,
+from isoembed.intrinsic.delaunay import (
+    BLOCKED,
+    FLIPPED,
+    LEFT,
+    attempts,
+    empty_stack,
     is_delaunay,
     non_delaunay_edges,
-    preceding,
+    push,
+    restore_delaunay,
 )
+from isoembed.intrinsic.flips import flip
+from isoembed.intrinsic.halfedges import HalfEdges, edges_between, following, preceding
+from isoembed.intrinsic.trigonometry import angle_between
 
 Floats = NDArray[np.float64]
 Indices = NDArray[np.int64]
@@ -79,16 +85,42 @@ def looks_outward(u: Floats, a: int, b: int, c: int) -> bool:
     return volume > 0.0
 
 
-@njit(cache=True)
-def joined(corners: Indices, twins: Indices, h: int, vertex: int) -> bool:
-    """Whether an edge leads to a vertex from where half-edge h begins."""
-    g = h
-    while True:
-        if corners[twins[g]] == vertex:
-            return True
-        g = twins[preceding(g)]
-        if g == h:
-            return False
+class Outward(NamedTuple):
+    """The rule of a Delaunay triangulation that looks outward.
+
+    Attributes
+    ----------
+    u : ndarray, shape (V, 3)
+    weights : ndarray, shape (V,)
+        Zeros.
+    flipped : ndarray of int64, shape (k + 1,)
+        One half-edge of each edge that was flipped, and last how many these are.
+    """
+
+    u: Floats
+    weights: Floats
+    flipped: Indices
+
+
+@attempts(Outward)
+def _attempt(h: int, mesh: HalfEdges, rule: Outward) -> int:
+    if is_delaunay(h, mesh, rule.weights):
+        return LEFT
+    corners, u, t = mesh.corners, rule.u, mesh.twins[h]
+    into, other = preceding(h), preceding(t)
+    i, j, k, m = corners[h], corners[t], corners[into], corners[other]
+    if not (looks_outward(u, k, i, m) and looks_outward(u, m, j, k)):
+        return BLOCKED
+    if edges_between(into, m, corners, mesh.twins) > 0:
+        return BLOCKED
+    if u[k, 0] * u[m, 0] + u[k, 1] * u[m, 1] + u[k, 2] * u[m, 2] < WIDEST:
+        return BLOCKED
+    count = rule.flipped[-1]
+    if count + 1 == rule.flipped.size or not flip(h, mesh, THINNEST):
+        return BLOCKED
+    rule.flipped[count] = following(h)
+    rule.flipped[-1] += 1
+    return FLIPPED
 
 
 @njit(cache=True)
@@ -103,39 +135,13 @@ def flip_to_delaunay(u: Floats, corners: Indices, twins: Indices, lengths: Float
         One half-edge of each edge that was flipped, some more than once.
     """
     n = corners.size
-    weights, directions = np.zeros(n // 6 + 2), np.zeros(n)
-    non_delaunay = non_delaunay_edges(corners, twins, lengths, weights)
-    waiting = np.zeros(n, dtype=np.bool_)
-    stack = np.empty(n, dtype=np.int64)
-    top = non_delaunay.size
-    stack[:top] = non_delaunay
-    waiting[non_delaunay] = True
-    flipped = np.empty(4 * n, dtype=np.int64)
-    flips = 0
-    while top > 0 and flips < flipped.size:
-        top -= 1
-        h = stack[top]
-        waiting[h] = False
-        if is_delaunay(h, corners, twins, lengths, weights):
-            continue
-        t = twins[h]
-        into, other = preceding(h), preceding(t)
-        i, j, k, m = corners[h], corners[t], corners[into], corners[other]
-        if not (looks_outward(u, k, i, m) and looks_outward(u, m, j, k)) or joined(corners, twins, into, m):
-            continue
-        if u[k, 0] * u[m, 0] + u[k, 1] * u[m, 1] + u[k, 2] * u[m, 2] < WIDEST:
-            continue
-        if not flip(h, corners, twins, lengths, directions, THINNEST):
-            continue
-        flipped[flips] = following(h)
-        flips += 1
-        for side in (h, into, t, other):
-            name = min(side, twins[side])
-            if not waiting[name]:
-                stack[top] = name
-                top += 1
-                waiting[name] = True
-    return flipped[:flips].copy()
+    mesh = HalfEdges(corners, twins, lengths, np.zeros(n))
+    rule = Outward(u, np.zeros(n // 6 + 2), np.zeros(4 * n + 1, dtype=np.int64))
+    stack = empty_stack(n)
+    for h in non_delaunay_edges(mesh, rule.weights):
+        push(h, stack, twins)
+    restore_delaunay(stack, mesh, rule)
+    return rule.flipped[: rule.flipped[-1]].copy()
 
 
 @njit(cache=True)

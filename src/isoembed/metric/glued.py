@@ -11,6 +11,7 @@ from numba import njit
 from numpy.typing import ArrayLike, NDArray
 
 from isoembed.errors import InvalidMetric
+from isoembed.intrinsic.halfedges import HalfEdges
 from isoembed.mesh.checks import check_euler, check_numbering, index_array
 from isoembed.mesh.joining import reached_faces
 from isoembed.mesh.triangulation import frozen
@@ -156,6 +157,10 @@ class GluedMetric:
         """Angle deficits, 2 pi less the sum of the angles at each vertex, shape (V,); they sum to 4 pi."""
         total = np.bincount(self.faces.ravel(), self.triangles.angles.ravel())
         return frozen(2 * np.pi - cast(Floats, total))
+
+    def half_edges(self) -> HalfEdges:
+        """Copy of the triangles as half-edges, which may be flipped."""
+        return HalfEdges.of(self.faces, self.twins, self.face_lengths)
 
     def simplicial(self) -> PolyhedralMetric:
         """The same metric on a simplicial complex, so that it can be written to a file.

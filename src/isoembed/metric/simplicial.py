@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from isoembed.intrinsic.flips import apex
+from isoembed.intrinsic.trigonometry import apex
 from isoembed.metric.polyhedral import PolyhedralMetric
 
 Floats = NDArray[np.float64]
