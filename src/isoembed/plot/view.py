@@ -8,12 +8,25 @@ import numpy as np
 from numpy.typing import NDArray
 
 from isoembed.surface.measures import face_normals
+from isoembed.thresholds import threshold
 
 Floats = NDArray[np.float64]
 
 AZIMUTH, ELEVATION = np.radians(24.0), np.radians(20.0)
 LIGHT = np.array([-0.5, 0.8, 0.8])  # right, up, toward the viewer
 AMBIENT, DIFFUSE, GLOSS, SHARPNESS = 0.66, 0.42, 0.14, 20
+
+
+@dataclass(frozen=True)
+class PoseThresholds:
+    """Thresholds of the pose of a surface."""
+
+    same: float = threshold(
+        1e-6, "relative", "Difference below which two moments, tails or distances are equal."
+    )
+
+
+POSE = PoseThresholds()
 
 
 @dataclass(frozen=True, eq=False)
@@ -40,16 +53,42 @@ class Pose:
         centered = vertices - center
         largest = float(np.abs(centered).max())
         centered /= largest
-        _, axes = np.linalg.eigh(centered.T @ centered)
-        axes = axes[:, ::-1]
-        # Eigenvectors have no sign: the heavier tail points along the axis, so that pictures can be repeated.
-        axes = axes * np.where((np.asarray(centered @ axes) ** 3).sum(axis=0) < 0, -1.0, 1.0)
-        axes[:, 2] *= np.sign(np.linalg.det(axes))
+        axes = _principal_axes(centered)
         return cls(center, axes, largest * float(np.linalg.norm(centered, axis=1).max()))
 
     def put(self, vertices: Floats) -> Floats:
         """The vertices, (V, 3), along long, middle and short axis."""
         return (vertices - self.center) / self.size @ self.axes
+
+
+def _principal_axes(points: Floats) -> Floats:
+    """Axes of a centered body, longest first, as columns, right-handed.
+
+    Rounding does not turn them, so that pictures can be repeated: among axes of equal moments the first one
+    points to the farthest vertex; an axis points along the heavier tail, or, where the tails are alike, to
+    the side of the farthest vertex.
+    """
+    moments, axes = np.linalg.eigh(points.T @ points)
+    moments, axes = moments[::-1], axes[:, ::-1].copy()
+    for k in range(2):
+        equal = slice(k, 3 - int(np.sum(moments[k] - moments[k:] > POSE.same * moments[k])))
+        across = points @ axes[:, equal]
+        farthest = across[_farthest(np.linalg.norm(across, axis=1))]
+        if across.shape[1] > 1:
+            turned, _ = np.linalg.qr(np.column_stack([farthest, np.eye(across.shape[1])]))
+            axes[:, equal] @= turned
+        along = points @ axes[:, k]
+        skew = (along**3).sum()
+        tails_alike = abs(skew) <= POSE.same * (np.abs(along) ** 3).sum()
+        if (along[_farthest(np.abs(along))] if tails_alike else skew) < 0:
+            axes[:, k] *= -1.0
+    axes[:, 2] *= np.sign(np.linalg.det(axes))
+    return axes
+
+
+def _farthest(distances: Floats) -> int:
+    """The first of the vertices that are the farthest but for rounding."""
+    return int(np.argmax(distances >= (1 - POSE.same) * distances.max()))
 
 
 @dataclass(frozen=True)
