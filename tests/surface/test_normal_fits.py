@@ -3,8 +3,8 @@
 import numpy as np
 import pytest
 
-from isoembed.surface.local_fit import KEPT, NEAR, SPARE, _fit
-from isoembed.surface.normal_fits import MANY, SIDE_BY_SIDE, normal_weights
+from isoembed.surface.local_fit import _fit
+from isoembed.surface.normal_fits import FITS, fewest, normal_weights
 
 
 def weights(charts, degree):
@@ -12,8 +12,7 @@ def weights(charts, degree):
     indptr = np.concatenate([[0], np.cumsum([len(chart) for chart in charts])])
     points = np.concatenate(charts)
     found, expected = np.full(len(points), np.nan), np.empty(len(points))
-    fewest = (degree + 1) * (degree + 2) // 2 + SPARE
-    done = normal_weights(indptr, points, degree, NEAR, fewest, KEPT, found)
+    done = normal_weights(indptr, points, degree, found)
     _fit(np.arange(len(charts)), indptr, points, degree, expected)
     return done, np.repeat(done, np.diff(indptr)), found, expected
 
@@ -27,9 +26,9 @@ def rings(count, seed):
     return spiral + 0.1 * rng.normal(size=spiral.shape)
 
 
-@pytest.mark.parametrize(("degree", "fewest"), [(1, 6), (2, 9), (3, 13), (4, 18), (5, 24)])
-def test_weights_are_those_of_one_fit_after_the_other(degree, fewest):
-    charts = [rings(fewest + 10 + seed % 20, seed) for seed in range(2 * SIDE_BY_SIDE + 5)]
+@pytest.mark.parametrize(("degree", "least"), [(1, 6), (2, 9), (3, 13), (4, 18), (5, 24)])
+def test_weights_are_those_of_one_fit_after_the_other(degree, least):
+    charts = [rings(least + 10 + seed % 20, seed) for seed in range(2 * FITS.side_by_side + 5)]
     done, _, found, expected = weights(charts, degree)
     assert done.all()
     assert found == pytest.approx(expected, abs=1e-12)
@@ -42,9 +41,9 @@ def test_what_the_normal_equations_might_spoil_is_left(degree):
     angle = rng.uniform(0, 2 * np.pi, 40)
     circle = np.column_stack([1 + np.cos(angle), np.sin(angle)])  # through the origin
     bad = {
-        "too few": rings((degree + 1) * (degree + 2) // 2 + SPARE - 1, 1),
+        "too few": rings(fewest(degree) - 1, 1),
         "none": np.empty((0, 2)),
-        "too many": rings(MANY + 1, 2),
+        "too many": rings(FITS.most + 1, 2),
         "on a line": rng.normal(size=(40, 1)) * [[0.6, 0.8]],
         "nearly on a line": rings(40, 3) @ [[0.6, 0.8], [1e-4 * 0.8, -1e-4 * 0.6]],
         "stretched": rings(40, 6) @ [[0.6, 0.8], [-0.12, 0.09]],

@@ -18,12 +18,12 @@ from isoembed.metric.polyhedral import PolyhedralMetric
 from isoembed.surface.curvature import bending_energy
 from isoembed.surface.embedding import Embedding
 from isoembed.surface.measures import vertex_normals
+from isoembed.surface.normal_fits import FitThresholds
 from isoembed.surface.rigidity import LengthSystem, edge_rows
 from isoembed.surface.smoothness import (
     fine_roughness,
     fit_residuals,
     offsets,
-    quintic_residuals,
     rough_edges,
     roughness,
 )
@@ -125,7 +125,7 @@ def test_blocks_of_vertices_are_measured_like_all_at_once(monkeypatch):
     vertices, faces = dumbbell(2)
     t = Triangulation(faces)
     whole = offsets(t, vertices), fine_roughness(t, vertices), fit_residuals(t, vertices).toarray()
-    monkeypatch.setattr("isoembed.surface.smoothness.BLOCK", 37)
+    monkeypatch.setattr("isoembed.surface.smoothness.FITS", FitThresholds(at_once=37))
     parts = offsets(t, vertices), fine_roughness(t, vertices), fit_residuals(t, vertices).toarray()
     assert parts[0] == pytest.approx(whole[0], abs=1e-15)
     assert parts[1] == pytest.approx(whole[1], rel=1e-9)
@@ -133,7 +133,7 @@ def test_blocks_of_vertices_are_measured_like_all_at_once(monkeypatch):
     normals = vertex_normals(faces, vertices)
     heights = np.einsum("ij,ij->i", whole[2] @ vertices, normals)  # the matrix and what goes without it
     assert whole[0] == pytest.approx(heights[:, None] * normals, abs=1e-14)
-    quintics = quintic_residuals(t, vertices)
+    quintics = fit_residuals(t, vertices, 5)
     twice = np.linalg.norm(quintics @ (quintics @ vertices), axis=1)
     lengths = np.linalg.norm(vertices[t.edges[:, 0]] - vertices[t.edges[:, 1]], axis=1)
     about = np.bincount(t.edges.ravel(), np.repeat(lengths, 2)) / t.degrees

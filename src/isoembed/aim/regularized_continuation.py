@@ -29,8 +29,9 @@ from isoembed.metric.glued import GluedMetric
 from isoembed.metric.laplacian import cotangent_laplacian
 from isoembed.metric.polyhedral import PolyhedralMetric
 from isoembed.progress.stages import StageRecorder
+from isoembed.surface.local_fit import edge_lengths_about
 from isoembed.surface.rigidity import VertexSystem, edge_rows, length_residuals
-from isoembed.surface.smoothness import edge_lengths_about, fit_residuals, quintic_residuals
+from isoembed.surface.smoothness import fit_residuals
 
 Floats = NDArray[np.float64]
 
@@ -75,7 +76,7 @@ class Guide:
     def finer(self, vertices: Floats) -> Guide:
         """The same with quintic fits, applied twice, in the charts of these vertices in the place of R."""
         other = copy(self)
-        residuals = quintic_residuals(self.triangulation, vertices)
+        residuals = fit_residuals(self.triangulation, vertices, 5)
         other._guide_by(csr_array(residuals @ residuals))
         return other
 

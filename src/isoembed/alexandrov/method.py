@@ -29,7 +29,7 @@ from isoembed.metric.glued import GluedMetric
 from isoembed.metric.polyhedral import PolyhedralMetric
 from isoembed.metric.repair import Repair, repaired
 from isoembed.progress.stages import Log, StageRecorder
-from isoembed.surface.convexity import FLAT
+from isoembed.surface.curvature import DIHEDRAL
 from isoembed.surface.embedding import Embedding
 from isoembed.surface.measures import face_normals, outward
 
@@ -261,7 +261,7 @@ def _creases(tables: HalfEdges, vertices: Floats) -> NDArray[np.bool_]:
     here = np.repeat(normals, 3, axis=0)
     there = normals[tables.twins // 3]
     sine = np.linalg.norm(np.cross(here, there), axis=1)
-    return np.arctan2(sine, np.einsum("ij,ij->i", here, there)) > FLAT
+    return np.arctan2(sine, np.einsum("ij,ij->i", here, there)) > DIHEDRAL.flat
 
 
 def _one_halfedge_an_edge(metric: PolyhedralMetric | GluedMetric) -> NDArray[np.int64]:

@@ -19,8 +19,7 @@ from isoembed.mesh.triangulation import Triangulation, frozen
 from isoembed.metric.glued import GluedMetric
 from isoembed.metric.polyhedral import PolyhedralMetric
 from isoembed.metric.repair import Repair
-from isoembed.surface.convexity import FLAT
-from isoembed.surface.curvature import dihedral_angles
+from isoembed.surface.curvature import DIHEDRAL, dihedral_angles
 from isoembed.surface.embedding import Embedding
 from isoembed.surface.measures import face_areas
 
@@ -162,7 +161,7 @@ class ConvexPolyhedron(Embedding):
     def _creased(self) -> NDArray[np.bool_]:
         """Half-edges on edges of the polyhedron."""
         t = self.triangulation
-        return (np.abs(dihedral_angles(t, self._normalized)) > FLAT)[t.face_edges.ravel()]
+        return (np.abs(dihedral_angles(t, self._normalized)) > DIHEDRAL.flat)[t.face_edges.ravel()]
 
     @cached_property
     def certificate(self) -> Certificate:

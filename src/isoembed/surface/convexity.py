@@ -2,45 +2,41 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass
+
 import numpy as np
 
 from isoembed.arrays import Floats, Indices, Mask
 from isoembed.mesh.triangulation import Triangulation
-from isoembed.surface.curvature import dihedral_angles
+from isoembed.surface.curvature import DIHEDRAL, dihedral_angles
 from isoembed.surface.measures import vertex_normals
+from isoembed.thresholds import threshold
 
-FLAT = 1e-7  # radians: an exterior angle above -FLAT counts as not concave
-PARTIAL = 0.7  # paper: "more than seventy percent of the edges"
+
+@dataclass(frozen=True)
+class InversionThresholds:
+    """Thresholds of inverted vertices."""
+
+    partial: float = threshold(0.7, "relative", 'Concave edges of a vertex; "more than seventy percent".')
+
+
+INVERSION = InversionThresholds()
 
 
 def concave_edges(triangulation: Triangulation, vertices: Floats) -> Mask:
     """Edges whose exterior dihedral angle is negative, shape (E,)."""
-    return dihedral_angles(triangulation, vertices) < -FLAT
+    return dihedral_angles(triangulation, vertices) < -DIHEDRAL.flat
 
 
 def inverted_vertices(triangulation: Triangulation, concave: Mask) -> Mask:
-    """Vertices whose edges are all concave, shape (V,).
-
-    Parameters
-    ----------
-    triangulation : Triangulation
-    concave : ndarray of bool, shape (E,)
-        From `concave_edges`.
-    """
+    """Vertices whose edges are all concave, (V,), given the `concave_edges`."""
     return _concave_degrees(triangulation, concave) == triangulation.degrees
 
 
 def partially_inverted_vertices(triangulation: Triangulation, concave: Mask) -> Mask:
-    """Vertices with more than seventy percent of their edges concave, but not all, shape (V,).
-
-    Parameters
-    ----------
-    triangulation : Triangulation
-    concave : ndarray of bool, shape (E,)
-        From `concave_edges`.
-    """
+    """Vertices with more than seventy percent of their edges concave, but not all, shape (V,)."""
     count = _concave_degrees(triangulation, concave)
-    return (count > PARTIAL * triangulation.degrees) & (count < triangulation.degrees)
+    return (count > INVERSION.partial * triangulation.degrees) & (count < triangulation.degrees)
 
 
 def umbrella_heights(triangulation: Triangulation, vertices: Floats) -> Floats:

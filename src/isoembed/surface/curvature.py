@@ -5,6 +5,7 @@ Relativity writes k = k1 + k2 = 2 H: its integral is twice `integrated_mean_curv
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 from typing import cast
 
 import numpy as np
@@ -13,9 +14,21 @@ from numba import njit
 from isoembed.arrays import Floats, Indices
 from isoembed.mesh.triangulation import Triangulation
 from isoembed.surface.measures import edge_lengths, face_areas, face_normals
+from isoembed.thresholds import compiled, threshold
 
 TINY = float(np.finfo(np.float64).tiny)
-SHUT = 1e-9  # radians: a fold nearer to pi than this has no inside
+
+
+@dataclass(frozen=True)
+class DihedralThresholds:
+    """Thresholds of exterior dihedral angles."""
+
+    shut: float = threshold(1e-9, "radians", "A fold nearer to pi than this has no inside.")
+    flat: float = threshold(1e-7, "radians", "An edge is not concave down to minus this.")
+
+
+DIHEDRAL = DihedralThresholds()
+_T = compiled(DIHEDRAL)
 
 
 def dihedral_angles(triangulation: Triangulation, vertices: Floats) -> Floats:
@@ -57,7 +70,7 @@ def _folds(
             + (n[0] * m[1] - n[1] * m[0]) * (z / length)
         )
         cosine[e] = n[0] * m[0] + n[1] * m[1] + n[2] * m[2]
-        if cosine[e] < 0 and abs(sine[e]) < SHUT:
+        if cosine[e] < 0 and abs(sine[e]) < _T.shut:
             sine[e] = abs(sine[e])
     return sine, cosine
 

@@ -7,26 +7,26 @@ term are what is left of the constant column of the fit when all other monomials
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from dataclasses import dataclass
+from typing import NamedTuple, cast
 
 import numpy as np
 from numba import njit
 from scipy.sparse import csr_array, eye_array
 
-from isoembed.arrays import Floats, Indices
-from isoembed.surface.normal_fits import normal_weights
+from isoembed.arrays import Floats, Indices, Mask
+from isoembed.mesh.triangulation import Triangulation
+from isoembed.surface.measures import edge_lengths, vertex_normals
+from isoembed.surface.normal_fits import FITS, fewest, normal_weights
+from isoembed.surface.spatial_order import reordered
+from isoembed.thresholds import compiled
 
-ENOUGH = 14  # neighbors: four more than a cubic has coefficients
-NEAR = 0.5  # square of the distance, in edges, within which weights are even
-HUB = 32  # edges: neighbors of a vertex with more of them need not be near each other
-SPARE = 3  # neighbors more than coefficients, without which a fit of that degree follows the noise
-KEPT = 0.02  # of the square of the constant column: less, and the neighbors' errors are blown up too far
-DEPENDENT = 1e-10  # of the square of a column: less is rounding of what the columns before it span
+Graph = tuple[Indices, Indices]  # indptr and indices: vertex i has edges to indices[indptr[i]:indptr[i + 1]]
+_T = compiled(FITS)
 
 
-def neighborhoods(
-    graph: tuple[Indices, Indices], least: int = ENOUGH, vertices: range | None = None
-) -> tuple[Indices, Indices]:
+def neighborhoods(graph: Graph, least: int = FITS.two_rings, vertices: range | None = None) -> Graph:
     """The vertices within two edges of each vertex, or within three where two reach too few.
 
     Paths do not lead through vertices with more than 32 edges: all neighborhoods together stay within a fixed
@@ -50,6 +50,54 @@ def neighborhoods(
     """
     chosen = range(len(graph[0]) - 1) if vertices is None else vertices
     return _rings(*graph, least, chosen.start, chosen.stop)
+
+
+class Surroundings(NamedTuple):
+    """A surface with what charts of it are made of.
+
+    Attributes
+    ----------
+    graph : (indptr, indices)
+        Of the adjacency.
+    vertices, normals : ndarray, shape (V, 3)
+    units : ndarray, shape (V,)
+        The mean edge length about each vertex.
+    """
+
+    graph: Graph
+    vertices: Floats
+    normals: Floats
+    units: Floats
+
+    @classmethod
+    def of(cls, triangulation: Triangulation, vertices: Floats) -> Surroundings:
+        """Of the vertices, (V, 3)."""
+        adjacency = triangulation.adjacency
+        normals = vertex_normals(triangulation.faces, vertices)
+        units = edge_lengths_about(triangulation, edge_lengths(triangulation.edges, vertices))
+        return cls((adjacency.indptr, adjacency.indices), vertices, normals, units)
+
+    def in_order(self, order: Indices) -> Surroundings:
+        """The same surface, its vertices numbered in another order."""
+        graph = reordered(*self.graph, order)
+        return Surroundings(graph, self.vertices[order], self.normals[order], self.units[order])
+
+    def neighborhoods(self, least: int, at_once: int) -> Iterator[tuple[int, Graph]]:
+        """The `neighborhoods` of all vertices, a number of them at once, and which is the first of these."""
+        n = len(self.vertices)
+        for first in range(0, n, at_once):
+            yield first, neighborhoods(self.graph, least, range(first, min(first + at_once, n)))
+
+
+def edge_lengths_about(triangulation: Triangulation, lengths: Floats) -> Floats:
+    """The mean length of the edges at each vertex, (V,); 1 if it is zero, where there is no normal either."""
+    means = sums_at_ends(triangulation, lengths) / triangulation.degrees
+    return np.where(means > 0, means, 1.0)
+
+
+def sums_at_ends(triangulation: Triangulation, values: Floats | Mask) -> Floats:
+    """At each vertex the sum of the values of its edges, (V,)."""
+    return cast(Floats, np.bincount(triangulation.edges.ravel(), np.repeat(values, 2)))
 
 
 @dataclass(frozen=True)
@@ -77,9 +125,7 @@ class FitResiduals:
     weights: Floats
 
     @classmethod
-    def of(
-        cls, first: int, neighborhoods: tuple[Indices, Indices], charts: Floats, degree: int = 3
-    ) -> FitResiduals:
+    def of(cls, first: int, neighborhoods: Graph, charts: Floats, degree: int = 3) -> FitResiduals:
         """Fit polynomials.
 
         Parameters
@@ -96,8 +142,7 @@ class FitResiduals:
         """
         indptr, indices = neighborhoods
         weights = np.empty(len(charts))
-        fewest = (degree + 1) * (degree + 2) // 2 + SPARE
-        done = normal_weights(indptr, charts, degree, NEAR, fewest, KEPT, weights)
+        done = normal_weights(indptr, charts, degree, weights)
         _fit(np.flatnonzero(~done), indptr, charts, degree, weights)
         return cls(first, indptr, indices, weights)
 
@@ -125,7 +170,7 @@ def _residuals(first: int, indptr: Indices, indices: Indices, weights: Floats, v
 
 
 @njit(cache=True)
-def _rings(indptr: Indices, indices: Indices, least: int, first: int, last: int) -> tuple[Indices, Indices]:
+def _rings(indptr: Indices, indices: Indices, least: int, first: int, last: int) -> Graph:
     n, starts = len(indptr) - 1, np.zeros(last - first + 1, dtype=np.int64)
     neighbors = np.empty(3 * least * (last - first), dtype=indices.dtype)
     reached, seen = np.empty(n, dtype=indices.dtype), np.empty(n, dtype=indices.dtype)
@@ -161,7 +206,7 @@ def _reach(indptr: Indices, indices: Indices, v: int, least: int, seen: Indices,
         end = count
         for k in range(begin, end):
             u = reached[k]
-            if indptr[u + 1] - indptr[u] > HUB:
+            if indptr[u + 1] - indptr[u] > _T.hub:
                 continue
             for j in range(indptr[u], indptr[u + 1]):
                 w = indices[j]
@@ -187,30 +232,30 @@ def _constant_term(chart: Floats, weights: Floats, most: int) -> None:
     root = np.empty(m)  # of the weights of least squares
     rest = np.empty(m)  # of the constant column
     for k in range(m):
-        root[k] = 1.0 / np.sqrt(NEAR + chart[k, 0] ** 2 + chart[k, 1] ** 2)
+        root[k] = 1.0 / np.sqrt(_T.near + chart[k, 0] ** 2 + chart[k, 1] ** 2)
         rest[k] = root[k]
-    whole = _dot(rest, rest)
+    whole = dot(rest, rest)
     best, columns = rest.copy(), np.empty((most * (most + 3) // 2, m))
     count = 0
     for degree in range(1, most + 1):
-        if m < (degree + 1) * (degree + 2) // 2 + SPARE:
+        if m < fewest(degree):
             break
         for power in range(degree + 1):
             column = columns[count]
             for k in range(m):
                 column[k] = root[k] * chart[k, 0] ** (degree - power) * chart[k, 1] ** power
-            size = _dot(column, column)
+            size = dot(column, column)
             _project_out(columns[:count], column)
-            left = _dot(column, column)
-            if left <= DEPENDENT * size:
+            left = dot(column, column)
+            if left <= _T.dependent * size:
                 continue
             column /= np.sqrt(left)
             _project_out(columns[count : count + 1], rest)
             count += 1
-        if not _dot(rest, rest) >= KEPT * whole:
+        if not dot(rest, rest) >= _T.kept * whole:
             break
         best[:] = rest
-    weights[:] = root * best / _dot(root, best)
+    weights[:] = root * best / dot(root, best)
 
 
 @njit(cache=True)
@@ -218,13 +263,14 @@ def _project_out(orthonormal: Floats, column: Floats) -> None:
     """Take what lies along orthonormal rows out of a column, twice: once leaves rounding along them."""
     for _ in range(2):
         for row in orthonormal:
-            part = _dot(row, column)
+            part = dot(row, column)
             for k in range(len(column)):
                 column[k] -= part * row[k]
 
 
 @njit(cache=True)
-def _dot(a: Floats, b: Floats) -> float:
+def dot(a: Floats, b: Floats) -> float:
+    """The product of two vectors, summed in order."""
     total = 0.0
     for k in range(len(a)):
         total += a[k] * b[k]

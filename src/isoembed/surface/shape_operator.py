@@ -8,19 +8,32 @@ of second.
 
 from __future__ import annotations
 
+from dataclasses import dataclass
+
 import numpy as np
 from numba import njit
 
-from isoembed.arrays import Floats, Indices
+from isoembed.arrays import Floats
 from isoembed.mesh.triangulation import Triangulation
-from isoembed.surface.local_fit import NEAR, SPARE, neighborhoods
+from isoembed.surface.local_fit import Graph, Surroundings, dot
 from isoembed.surface.measures import edge_lengths, vertex_normals
+from isoembed.surface.normal_fits import FITS, fewest
+from isoembed.thresholds import compiled, threshold
 
-THREE_RINGS = 60  # neighbors: more than two rings hold, but around vertices of high degree
-AT_ONCE = 10_000  # vertices whose neighborhoods are held together
-GRAPH = 0.3  # cosine of the angle between normals: with less, a neighbor is around the bend
-STEEP = 0.5  # square of the cosine: edges that rise more cut through a tip, and are no guide to it
-DEPENDENT = 1e-6  # of a column: with less of it left, the neighbors do not determine the polynomial
+
+@dataclass(frozen=True)
+class ShapeThresholds:
+    """Thresholds of the polynomials that second derivatives are taken from."""
+
+    three_rings: int = threshold(60, "points", "More than two rings hold, but where degrees are high.")
+    at_once: int = threshold(10_000, "vertices", "Whose neighborhoods are held together.")
+    graph: float = threshold(0.3, "cosine", "Of normals; with less, a neighbor is around the bend.")
+    steep: float = threshold(0.5, "squared cosine", "Edges that rise more cut through a tip.")
+    dependent: float = threshold(1e-6, "relative", "Left of a column; with less, the fit is not determined.")
+
+
+SHAPES = ShapeThresholds()
+_T, _FITS = compiled(SHAPES), compiled(FITS)
 
 
 def shape_operators(triangulation: Triangulation, vertices: Floats, degree: int = 4) -> Floats:
@@ -64,17 +77,11 @@ def second_derivatives(
     """
     n = triangulation.n_vertices
     unit = edge_lengths(triangulation.edges, vertices).mean()
-    points = (vertices - vertices.mean(axis=0)) / unit
-    twice = np.repeat(edge_lengths(triangulation.edges, points), 2)
-    spacing: Floats = np.bincount(triangulation.edges.ravel(), twice) / triangulation.degrees
-    normals = vertex_normals(triangulation.faces, points)
-    graph = triangulation.adjacency.indptr, triangulation.adjacency.indices
+    surface = Surroundings.of(triangulation, (vertices - vertices.mean(axis=0)) / unit)
     operators, hessians = np.zeros((n, 3, 3)), np.zeros((n, values.shape[1], 3, 3))
     columns = np.ascontiguousarray(values, dtype=np.float64)
-    for first in range(0, n, AT_ONCE):
-        some = range(first, min(first + AT_ONCE, n))
-        near = neighborhoods(graph, THREE_RINGS, some)
-        _fit(first, *near, points, normals, spacing, columns, degree, operators, hessians)
+    for first, near in surface.neighborhoods(SHAPES.three_rings, SHAPES.at_once):
+        _fit(first, near, surface, columns, degree, operators, hessians)
     return operators / unit, hessians / unit / unit
 
 
@@ -101,24 +108,23 @@ def normal_curvatures(triangulation: Triangulation, vertices: Floats, operators:
         # An edge leaves the tangent plane by half the angle that it spans; along the surface it is shorter.
         rise = np.einsum("ei,ei->e", along, normals[end])
         form = np.einsum("ei,eij,ej->e", along, operators[end], along)
-        curvatures += form / np.maximum(1.0 - rise**2, STEEP) / 2
+        curvatures += form / np.maximum(1.0 - rise**2, SHAPES.steep) / 2
     return curvatures
 
 
 @njit(cache=True)
 def _fit(
     first: int,
-    indptr: Indices,
-    indices: Indices,
-    points: Floats,
-    normals: Floats,
-    spacing: Floats,
+    near: Graph,
+    surface: Surroundings,
     values: Floats,
     degree: int,
     operators: Floats,
     hessians: Floats,
 ) -> None:
     """Fill in the tensors of the vertices from `first` on; they stay zero where not even a quadric fits."""
+    indptr, indices = near
+    points, normals, spacing = surface.vertices, surface.normals, surface.units
     most = 1
     for i in range(len(indptr) - 1):
         most = max(most, indptr[i + 1] - indptr[i] + 1)
@@ -133,16 +139,16 @@ def _fit(
         count = 1
         for k in range(indptr[i], indptr[i + 1]):
             w = indices[k]
-            if _dot(normals[w], normal) < GRAPH:
+            if dot(normals[w], normal) < _T.graph:
                 continue
             d = (points[w] - points[v]) / spacing[v]
-            chart[count, 0], chart[count, 1], chart[count, 2] = _dot(d, x), _dot(d, y), _dot(d, normal)
+            chart[count, 0], chart[count, 1], chart[count, 2] = dot(d, x), dot(d, y), dot(d, normal)
             for j in range(right - 1):
                 known[count, j] = values[w, j] - values[v, j]
             count += 1
         for lower in range(degree, 1, -1):
             needed = (lower + 1) * (lower + 2) // 2
-            if count >= needed + SPARE and _solved(chart[:count], known[:count], lower, system[:, :count]):
+            if count >= fewest(lower) and _solved(chart[:count], known[:count], lower, system[:, :count]):
                 _set_tensors(system[needed : needed + right, :needed], x, y, normal, tensors)
                 operators[v] = -tensors[0] / spacing[v]
                 for j in range(1, right):
@@ -156,7 +162,7 @@ def _tangents(normal: Floats) -> tuple[Floats, Floats]:
     least = np.argmin(np.abs(normal))
     x = -normal[least] * normal
     x[least] += 1.0
-    x /= np.sqrt(_dot(x, x))
+    x /= np.sqrt(dot(x, x))
     y = np.array(
         [
             normal[1] * x[2] - normal[2] * x[1],
@@ -165,14 +171,6 @@ def _tangents(normal: Floats) -> tuple[Floats, Floats]:
         ]
     )
     return x, y
-
-
-@njit(cache=True)
-def _dot(a: Floats, b: Floats) -> float:
-    total = 0.0
-    for k in range(len(a)):
-        total += a[k] * b[k]
-    return total
 
 
 @njit(cache=True)
@@ -186,7 +184,7 @@ def _solved(chart: Floats, known: Floats, degree: int, system: Floats) -> bool:
     rows = size + 1 + known.shape[1]
     for k in range(m):
         p, q = chart[k, 0], chart[k, 1]
-        root = 1.0 / np.sqrt(NEAR + p * p + q * q)
+        root = 1.0 / np.sqrt(_FITS.near + p * p + q * q)
         system[0, k] = root
         at = 1
         for d in range(1, degree + 1):
@@ -199,14 +197,14 @@ def _solved(chart: Floats, known: Floats, degree: int, system: Floats) -> bool:
             system[size + 1 + j, k] = root * known[k, j]
     for c in range(size):
         column = system[c]
-        whole, left = _dot(column, column), _dot(column[c:], column[c:])
-        if left <= DEPENDENT**2 * whole:
+        whole, left = dot(column, column), dot(column[c:], column[c:])
+        if left <= _T.dependent**2 * whole:
             return False
         diagonal = -np.sqrt(left) if column[c] > 0 else np.sqrt(left)
         column[c] -= diagonal
         scale = -1.0 / (diagonal * column[c])
         for r in range(c + 1, rows):
-            part = scale * _dot(column[c:], system[r, c:])
+            part = scale * dot(column[c:], system[r, c:])
             for k in range(c, m):
                 system[r, k] -= part * column[k]
         column[c] = diagonal  # the reflection has done its work

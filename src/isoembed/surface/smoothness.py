@@ -11,25 +11,32 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
-from typing import cast
 
 import numpy as np
 from numba import njit
 from scipy.sparse import csr_array, vstack
 
-from isoembed.arrays import Floats, Indices, Mask
+from isoembed.arrays import Floats, Mask
 from isoembed.mesh.triangulation import Triangulation
-from isoembed.surface.convexity import FLAT
-from isoembed.surface.curvature import dihedral_angles
-from isoembed.surface.local_fit import ENOUGH, FitResiduals, neighborhoods
-from isoembed.surface.measures import edge_lengths, vertex_normals
-from isoembed.surface.spatial_order import reordered, spatial_order
+from isoembed.surface.curvature import DIHEDRAL, dihedral_angles
+from isoembed.surface.local_fit import FitResiduals, Graph, Surroundings, edge_lengths_about, sums_at_ends
+from isoembed.surface.measures import edge_lengths
+from isoembed.surface.normal_fits import FITS
+from isoembed.surface.spatial_order import spatial_order
+from isoembed.thresholds import threshold
 
-QUINTIC = 5  # degree
-THREE_RINGS = 30  # more neighbors than two rings have
-ROBUST = 2 / 3  # exponent of the mean
-BLOCK = 1 << 16  # vertices whose fits are made together
-PLAIN = 0.2  # of the dihedral angles around: below it, the error of the fit may decide the sign
+
+@dataclass(frozen=True)
+class RoughnessThresholds:
+    """Thresholds of what is rough."""
+
+    robust: float = threshold(2 / 3, "exponent", "Of the mean of what quintics leave.")
+    plain: float = threshold(
+        0.2, "relative", "Of the angles around: below it, the error of the fit may decide the sign."
+    )
+
+
+ROUGHNESS = RoughnessThresholds()
 
 
 def offsets(triangulation: Triangulation, vertices: Floats) -> Floats:
@@ -48,16 +55,14 @@ def offsets(triangulation: Triangulation, vertices: Floats) -> Floats:
         In the unit of the vertices, to be subtracted from them for the surface that the neighborhoods expect.
     """
     order = spatial_order(vertices)
-    surface = _Surroundings.of(triangulation, vertices).in_order(order)
-    residuals = _left(surface.residuals(), surface.vertices)
+    surface = Surroundings.of(triangulation, vertices).in_order(order)
+    residuals = _left(_residuals(surface), surface.vertices)
     found = np.empty_like(residuals)
     found[order] = surface.normals * np.einsum("ij,ij->i", residuals, surface.normals)[:, None]
     return found
 
 
-def fit_residuals(
-    triangulation: Triangulation, vertices: Floats, degree: int = 3, least: int = ENOUGH
-) -> csr_array:
+def fit_residuals(triangulation: Triangulation, vertices: Floats, degree: int = 3) -> csr_array:
     """``I - fit`` in the polar charts of a surface: what a function at a vertex adds to its neighborhood.
 
     Parameters
@@ -66,61 +71,22 @@ def fit_residuals(
     vertices : ndarray, shape (V, 3)
         Of the surface whose charts are taken.
     degree : int
-        Of the polynomials.
-    least : int
-        Where two rings have fewer neighbors than this, there are three.
+        Of the polynomials; beyond 3 they are fitted to three rings of neighbors.
 
     Returns
     -------
     csr_array, shape (V, V)
     """
     n = triangulation.n_vertices
-    blocks = _Surroundings.of(triangulation, vertices).residuals(degree, least)
+    blocks = _residuals(Surroundings.of(triangulation, vertices), degree)
     return csr_array(vstack([block.matrix(n) for block in blocks], format="csr"))
 
 
-def quintic_residuals(triangulation: Triangulation, vertices: Floats) -> csr_array:
-    """`fit_residuals` of quintics, over three rings."""
-    return fit_residuals(triangulation, vertices, QUINTIC, THREE_RINGS)
-
-
-@dataclass(frozen=True)
-class _Surroundings:
-    """A surface with what its polar charts are made of.
-
-    Attributes
-    ----------
-    graph : (indptr, indices)
-        Of the adjacency.
-    vertices, normals : ndarray, shape (V, 3)
-    units : ndarray, shape (V,)
-        The mean edge length about each vertex.
-    """
-
-    graph: tuple[Indices, Indices]
-    vertices: Floats
-    normals: Floats
-    units: Floats
-
-    @classmethod
-    def of(cls, triangulation: Triangulation, vertices: Floats) -> _Surroundings:
-        adjacency = triangulation.adjacency
-        normals = vertex_normals(triangulation.faces, vertices)
-        units = edge_lengths_about(triangulation, edge_lengths(triangulation.edges, vertices))
-        return cls((adjacency.indptr, adjacency.indices), vertices, normals, units)
-
-    def in_order(self, order: Indices) -> _Surroundings:
-        """The same surface, its vertices numbered in another order."""
-        graph = reordered(*self.graph, order)
-        return _Surroundings(graph, self.vertices[order], self.normals[order], self.units[order])
-
-    def residuals(self, degree: int = 3, least: int = ENOUGH) -> Iterator[FitResiduals]:
-        """`fit_residuals` of some vertices after the other: the charts of all at once take much memory."""
-        n = len(self.vertices)
-        for first in range(0, n, BLOCK):
-            near = neighborhoods(self.graph, least, range(first, min(first + BLOCK, n)))
-            charts = _polar_charts(first, *near, self.vertices, self.normals, self.units)
-            yield FitResiduals.of(first, near, charts, degree)
+def _residuals(surface: Surroundings, degree: int = 3) -> Iterator[FitResiduals]:
+    """`fit_residuals` of some vertices after the other: the charts of all at once take much memory."""
+    least = FITS.two_rings if degree <= 3 else FITS.three_rings
+    for first, near in surface.neighborhoods(least, FITS.at_once):
+        yield FitResiduals.of(first, near, _polar_charts(first, near, surface), degree)
 
 
 def _left(blocks: Iterable[FitResiduals], values: Floats) -> Floats:
@@ -145,10 +111,10 @@ def fine_roughness(triangulation: Triangulation, vertices: Floats) -> float:
         The mean over the vertices with the exponent 2/3: the few where edges are too long for the shape must
         not outweigh all others.
     """
-    surface = _Surroundings.of(triangulation, vertices).in_order(spatial_order(vertices))
-    blocks = list(surface.residuals(QUINTIC, THREE_RINGS))
+    surface = Surroundings.of(triangulation, vertices).in_order(spatial_order(vertices))
+    blocks = list(_residuals(surface, 5))
     twice = np.linalg.norm(_left(blocks, _left(blocks, surface.vertices)), axis=1)
-    return float(np.mean((twice / surface.units) ** ROBUST) ** (1 / ROBUST))
+    return float(np.mean((twice / surface.units) ** ROUGHNESS.robust) ** (1 / ROUGHNESS.robust))
 
 
 def roughness(triangulation: Triangulation, vertices: Floats, offsets: Floats) -> float:
@@ -173,7 +139,7 @@ def rough_edges(triangulation: Triangulation, vertices: Floats, offsets: Floats)
     """Edges that bend against their neighborhood, shape (E,).
 
     The dihedral angle of such an edge has another sign than the one between the same triangles when their
-    four vertices have moved to where their neighbors expect them, and both angles are plain: beyond FLAT, and
+    four vertices have moved to where their neighbors expect them, and both angles are plain: not flat, and
     beyond a fifth of what is typical, the root mean square of the expected angles around.  The mean is taken
     over the edges at each vertex, then over each end of the edge with its neighbors, then over both ends.
     Nor does an edge bend against its neighborhood if no edge that it meets bends the other way: convex bodies
@@ -189,40 +155,23 @@ def rough_edges(triangulation: Triangulation, vertices: Floats, offsets: Floats)
     found = dihedral_angles(triangulation, vertices)
     expected = dihedral_angles(triangulation, vertices - offsets)
     degrees = triangulation.degrees
-    squares = _sums_at_ends(triangulation, expected**2) / degrees
+    squares = sums_at_ends(triangulation, expected**2) / degrees
     around = (triangulation.adjacency @ squares + squares) / (degrees + 1)
     typical = np.sqrt(around[triangulation.edges].mean(axis=1))
-    plain = np.minimum(np.abs(found), np.abs(expected)) > np.maximum(FLAT, PLAIN * typical)
+    plain = np.minimum(np.abs(found), np.abs(expected)) > np.maximum(DIHEDRAL.flat, ROUGHNESS.plain * typical)
     meets_convex, meets_concave = (
-        (_sums_at_ends(triangulation, bent) > 0)[triangulation.edges].any(axis=1)
-        for bent in (found > FLAT, found < -FLAT)
+        (sums_at_ends(triangulation, bent) > 0)[triangulation.edges].any(axis=1)
+        for bent in (found > DIHEDRAL.flat, found < -DIHEDRAL.flat)
     )
     opposed = np.where(found > 0, meets_concave, meets_convex)
     return plain & opposed & ((found > 0) != (expected > 0))
 
 
-def edge_lengths_about(triangulation: Triangulation, lengths: Floats) -> Floats:
-    """The mean length of the edges at each vertex, (V,); 1 if it is zero, where there is no normal either.
-
-    Parameters
-    ----------
-    triangulation : Triangulation
-    lengths : ndarray, shape (E,)
-    """
-    means = _sums_at_ends(triangulation, lengths) / triangulation.degrees
-    return np.where(means > 0, means, 1.0)
-
-
-def _sums_at_ends(triangulation: Triangulation, values: Floats | Mask) -> Floats:
-    """At each vertex the sum of the values of its edges, (V,)."""
-    return cast(Floats, np.bincount(triangulation.edges.ravel(), np.repeat(values, 2)))
-
-
 @njit(cache=True, error_model="numpy")
-def _polar_charts(
-    begin: int, indptr: Indices, indices: Indices, vertices: Floats, normals: Floats, units: Floats
-) -> Floats:
+def _polar_charts(begin: int, near: Graph, surface: Surroundings) -> Floats:
     """Directions of neighbors in the tangent planes of vertices, times distances in their units, (nnz, 2)."""
+    indptr, indices = near
+    vertices, normals, units = surface.vertices, surface.normals, surface.units
     charts = np.zeros((len(indices), 2))
     first, second = np.empty(3), np.empty(3)  # perpendicular to each other and to the normal, of equal size
     for row in range(len(indptr) - 1):
