@@ -2,17 +2,42 @@
 
 from __future__ import annotations
 
+from typing import NamedTuple
+
 import numpy as np
 from numba import njit
-from numpy.typing import NDArray
 
+from isoembed.arrays import Floats, Indices, Mask
 from isoembed.gluing.plane import turn
+from isoembed.intrinsic.delaunay import (
+    BLOCKED,
+    DELAUNAY,
+    FLIPPED,
+    LEFT,
+    attempts,
+    empty_stack,
+    push,
+    restore_delaunay,
+)
+from isoembed.intrinsic.flips import swap_diagonals
+from isoembed.intrinsic.halfedges import preceding
+from isoembed.intrinsic.kernel import kernel
+from isoembed.thresholds import compiled
 
-Floats = NDArray[np.float64]
-Indices = NDArray[np.int64]
-Flags = NDArray[np.bool_]
+_T = compiled(DELAUNAY)
 
-SLACK = 1e-12  # of a sum of cotangents: four points on a circle up to rounding are left as they are
+
+class Triangles(NamedTuple):
+    """The triangles of a polygon as tables over half-edges; beyond the last are twins of the outline."""
+
+    corners: Indices
+    twins: Indices
+
+
+class Constrained(NamedTuple):
+    """The rule of a Delaunay triangulation of a polygon with these corners (n, 2)."""
+
+    points: Floats
 
 
 def triangulated(points: Floats) -> Indices | None:
@@ -36,7 +61,10 @@ def triangulated(points: Floats) -> Indices | None:
     if not _clip(points, triangles):
         return None
     sides = np.stack([triangles, np.roll(triangles, -1, axis=1)], axis=2).reshape(-1, 2)
-    _make_delaunay(points, triangles.ravel(), twins_inside(sides))
+    twins = twins_inside(sides)
+    outline = np.flatnonzero(twins < 0)
+    twins[outline] = twins.size + np.arange(outline.size)
+    _make_delaunay(Triangles(triangles.ravel(), np.concatenate([twins, outline])), Constrained(points))
     return triangles
 
 
@@ -87,7 +115,7 @@ def _clip(points: Floats, triangles: Indices) -> bool:
 
 
 @njit(cache=True)
-def _empty(a: int, v: int, b: int, points: Floats, suspects: Indices, blunt: Flags) -> bool:
+def _empty(a: int, v: int, b: int, points: Floats, suspects: Indices, blunt: Mask) -> bool:
     """Whether no other corner lies in the triangle or on its rim."""
     p, q, r = points[a], points[v], points[b]
     for w in suspects:
@@ -107,31 +135,25 @@ def _cotangent(points: Floats, i: int, j: int, k: int) -> float:
     return (x * u + y * v) / (x * v - y * u)
 
 
-@njit(cache=True)
-def _make_delaunay(points: Floats, corners: Indices, twins: Indices) -> None:
-    """Flip edges across which the angles sum to more than pi: the sum of their cotangents is negative."""
-    stack = [h for h in range(corners.size) if h < twins[h]]
-    while len(stack) > 0:
-        h = stack.pop()
-        t = twins[h]
-        if t < 0:
-            continue
-        jk, ki = h - h % 3 + (h + 1) % 3, h - h % 3 + (h + 2) % 3
-        im, mj = t - t % 3 + (t + 1) % 3, t - t % 3 + (t + 2) % 3
-        i, j, k, m = corners[h], corners[t], corners[ki], corners[mj]
-        here, there = _cotangent(points, i, j, k), _cotangent(points, j, i, m)
-        if here + there >= -SLACK * (abs(here) + abs(there)):
-            continue
-        if turn(points[m], points[j], points[k]) <= 0 or turn(points[k], points[i], points[m]) <= 0:
-            continue
-        # Triangles kim and mjk take the places of ijk and jim.
-        twin_jk, twin_im = twins[jk], twins[im]
-        corners[h], corners[t] = i, j
-        corners[im], corners[jk] = k, m
-        twins[h], twins[t] = twin_im, twin_jk
-        if twin_im >= 0:
-            twins[twin_im] = h
-        if twin_jk >= 0:
-            twins[twin_jk] = t
-        twins[jk], twins[im] = im, jk
-        stack.extend([h, ki, t, mj])
+@attempts(Constrained)
+def _attempt(h: int, mesh: Triangles, rule: Constrained) -> int:
+    """Flip an edge across which the angles sum to more than pi: the sum of their cotangents is negative."""
+    corners, points, t = mesh.corners, rule.points, mesh.twins[h]
+    if t >= corners.size:
+        return LEFT
+    i, j, k, m = corners[h], corners[t], corners[preceding(h)], corners[preceding(t)]
+    here, there = _cotangent(points, i, j, k), _cotangent(points, j, i, m)
+    if here + there >= -_T.slack * (abs(here) + abs(there)):
+        return LEFT
+    if turn(points[m], points[j], points[k]) <= 0 or turn(points[k], points[i], points[m]) <= 0:
+        return BLOCKED
+    swap_diagonals(h, corners, mesh.twins)
+    return FLIPPED
+
+
+@kernel
+def _make_delaunay(mesh: Triangles, rule: Constrained) -> None:
+    stack = empty_stack(mesh.twins.size)
+    for h in range(mesh.corners.size):
+        push(h, stack, mesh.twins)
+    restore_delaunay(stack, mesh, rule)

@@ -6,15 +6,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from isoembed.intrinsic.halfedges import (
-    Floats,
-    HalfEdges,
-    Indices,
-    following,
-    leaving_halfedges,
-    preceding,
-    total_angle,
-)
+from isoembed.arrays import Floats, Indices
+from isoembed.intrinsic.halfedges import HalfEdges, following, leaving_halfedges, preceding, total_angle
 from isoembed.intrinsic.kernel import kernel
 from isoembed.intrinsic.tracing import TRACING, crossed, from_corner, reaches, sector
 from isoembed.mesh.triangulation import frozen

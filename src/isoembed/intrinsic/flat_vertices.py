@@ -14,19 +14,11 @@ from typing import NamedTuple
 
 import numpy as np
 
+from isoembed.arrays import Floats, Indices, Mask
 from isoembed.errors import InvalidMetric
 from isoembed.intrinsic.delaunay import DELAUNAY, END, empty_stack, make_delaunay, restore_delaunay
 from isoembed.intrinsic.flips import Tracked, flip_tracked, tracked
-from isoembed.intrinsic.halfedges import (
-    Floats,
-    HalfEdges,
-    Indices,
-    Mask,
-    corner_angle,
-    degree,
-    following,
-    preceding,
-)
+from isoembed.intrinsic.halfedges import HalfEdges, corner_angle, degree, following, preceding
 from isoembed.intrinsic.kernel import kernel
 from isoembed.intrinsic.retriangulate_star import retriangulate_star
 from isoembed.mesh.triangulation import frozen

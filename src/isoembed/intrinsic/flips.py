@@ -6,16 +6,8 @@ from typing import NamedTuple
 
 import numpy as np
 
-from isoembed.intrinsic.halfedges import (
-    Floats,
-    HalfEdges,
-    Indices,
-    Mask,
-    following,
-    glue,
-    leaving_halfedges,
-    preceding,
-)
+from isoembed.arrays import Floats, Indices, Mask
+from isoembed.intrinsic.halfedges import HalfEdges, following, glue, leaving_halfedges, preceding
 from isoembed.intrinsic.kernel import kernel
 from isoembed.intrinsic.trigonometry import angle_between, apex
 

@@ -11,16 +11,12 @@ from typing import NamedTuple
 
 import numpy as np
 from numba import njit
-from numpy.typing import NDArray
 from scipy.sparse import coo_array
 from scipy.sparse.csgraph import reverse_cuthill_mckee
 
+from isoembed.arrays import Floats, Indices
 from isoembed.intrinsic.kernel import kernel
 from isoembed.intrinsic.trigonometry import angle_between, apex
-
-Floats = NDArray[np.float64]
-Indices = NDArray[np.int64]
-Mask = NDArray[np.bool_]
 
 
 class HalfEdges(NamedTuple):

@@ -8,18 +8,11 @@ from typing import TypeVar
 import numpy as np
 from numpy.typing import NDArray
 
+from isoembed.arrays import Floats, Indices, Mask
 from isoembed.errors import InvalidMetric
 from isoembed.intrinsic.delaunay import empty_stack, push, restore_delaunay
 from isoembed.intrinsic.flat_vertices import Removal
-from isoembed.intrinsic.halfedges import (
-    Floats,
-    HalfEdges,
-    Indices,
-    Mask,
-    leaving_halfedges,
-    preceding,
-    total_angle,
-)
+from isoembed.intrinsic.halfedges import HalfEdges, leaving_halfedges, preceding, total_angle
 from isoembed.intrinsic.kernel import kernel
 from isoembed.intrinsic.multi_edges import remove_multi_edges
 from isoembed.intrinsic.planar import Marks, Polygons, first_sides, insert, lay_out

@@ -4,9 +4,10 @@ from __future__ import annotations
 
 import numpy as np
 
+from isoembed.arrays import Indices, Mask
 from isoembed.intrinsic.delaunay import DELAUNAY
 from isoembed.intrinsic.flips import Tracked, flip_tracked, tracked
-from isoembed.intrinsic.halfedges import HalfEdges, Indices, Mask, edges_between, preceding
+from isoembed.intrinsic.halfedges import HalfEdges, edges_between, preceding
 from isoembed.intrinsic.kernel import kernel
 from isoembed.thresholds import compiled
 

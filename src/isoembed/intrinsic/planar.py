@@ -11,6 +11,7 @@ from typing import NamedTuple
 
 import numpy as np
 
+from isoembed.arrays import Floats, Indices, Mask
 from isoembed.intrinsic.delaunay import (
     BLOCKED,
     DELAUNAY,
@@ -21,17 +22,7 @@ from isoembed.intrinsic.delaunay import (
     restore_delaunay,
 )
 from isoembed.intrinsic.flips import swap_diagonals
-from isoembed.intrinsic.halfedges import (
-    Floats,
-    HalfEdges,
-    Indices,
-    Mask,
-    corner_angle,
-    following,
-    glue,
-    preceding,
-    third_corner,
-)
+from isoembed.intrinsic.halfedges import HalfEdges, corner_angle, following, glue, preceding, third_corner
 from isoembed.intrinsic.kernel import kernel
 from isoembed.thresholds import compiled, threshold
 

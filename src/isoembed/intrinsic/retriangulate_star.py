@@ -4,12 +4,10 @@ from __future__ import annotations
 
 import numpy as np
 
+from isoembed.arrays import Floats, Indices, Mask
 from isoembed.intrinsic.delaunay import DELAUNAY, push
 from isoembed.intrinsic.halfedges import (
-    Floats,
     HalfEdges,
-    Indices,
-    Mask,
     corner_angle,
     degree,
     following,

@@ -12,7 +12,8 @@ from dataclasses import dataclass
 import numpy as np
 from numba import njit
 
-from isoembed.intrinsic.halfedges import Floats, HalfEdges, corner_angle, following, preceding, third_corner
+from isoembed.arrays import Floats
+from isoembed.intrinsic.halfedges import HalfEdges, corner_angle, following, preceding, third_corner
 from isoembed.intrinsic.kernel import kernel
 from isoembed.intrinsic.trigonometry import apex
 from isoembed.thresholds import compiled, threshold

@@ -10,8 +10,8 @@ from typing import NamedTuple
 
 import numpy as np
 from numba import njit
-from numpy.typing import NDArray
 
+from isoembed.arrays import Floats, Indices, Mask
 from isoembed.intrinsic.delaunay import (
     BLOCKED,
     FLIPPED,
@@ -26,10 +26,6 @@ from isoembed.intrinsic.delaunay import (
 from isoembed.intrinsic.flips import flip
 from isoembed.intrinsic.halfedges import HalfEdges, edges_between, following, preceding
 from isoembed.intrinsic.trigonometry import angle_between
-
-Floats = NDArray[np.float64]
-Indices = NDArray[np.int64]
-Mask = NDArray[np.bool_]
 
 LONGEST_STEP = 0.5
 """Bound of a step over the shortest edge at the vertex."""

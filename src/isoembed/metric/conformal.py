@@ -3,12 +3,10 @@
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
+from isoembed.arrays import Floats
 from isoembed.metric.glued import GluedMetric
 from isoembed.metric.polyhedral import PolyhedralMetric
-
-Floats = NDArray[np.float64]
 
 
 def rescaled(metric: PolyhedralMetric, u: Floats) -> PolyhedralMetric:

@@ -21,15 +21,13 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.sparse import eye_array
 
+from isoembed.arrays import Floats, Indices
 from isoembed.linalg import SingularMatrix, analyze, dissect
 from isoembed.mesh.triangulation import Triangulation
 from isoembed.metric.curvature import Triangles, face_areas
 from isoembed.metric.delaunay import ideal_delaunay
 from isoembed.metric.polyhedral import PolyhedralMetric
 from isoembed.progress.stages import StageRecorder
-
-Floats = NDArray[np.float64]
-Indices = NDArray[np.int64]
 
 MAX_STEPS = 50
 FLAT = 1e-10  # radians: deficits of the flattened surface below this are rounding

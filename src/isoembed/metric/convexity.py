@@ -7,10 +7,9 @@ from typing import cast
 import numpy as np
 from numpy.typing import NDArray
 
+from isoembed.arrays import Floats
 from isoembed.errors import InvalidMetric
 from isoembed.metric.curvature import Triangles
-
-Floats = NDArray[np.float64]
 
 ROUNDINGS = 64  # of the lengths, with the errors of a few steps before they were given
 LEAST, MOST = 1e-12, 1e-6  # radians: flips have rounded more than the triangles show; slivers hide no more

@@ -13,9 +13,8 @@ from typing import cast
 import numpy as np
 from numpy.typing import NDArray
 
+from isoembed.arrays import Floats
 from isoembed.metric.polyhedral import PolyhedralMetric
-
-Floats = NDArray[np.float64]
 
 ROUNDING = 1e-9  # radians: of a sum of angles
 

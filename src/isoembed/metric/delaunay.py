@@ -1,21 +1,39 @@
-"""Intrinsic Delaunay flips: the same metric on better triangles."""
+"""Delaunay flips of metrics and of their conformal classes, which leave simplicial complexes."""
 
 from __future__ import annotations
 
-import math
-from collections.abc import Callable
+from dataclasses import dataclass
+from typing import NamedTuple
 
-import numpy as np
-from numpy.typing import NDArray
-
+from isoembed.arrays import Floats
 from isoembed.errors import InvalidMetric
+from isoembed.intrinsic.delaunay import (
+    BLOCKED,
+    DELAUNAY,
+    FLIPPED,
+    LEFT,
+    attempts,
+    empty_stack,
+    push,
+    restore_delaunay,
+)
+from isoembed.intrinsic.flips import flip, swap_diagonals
+from isoembed.intrinsic.halfedges import HalfEdges, edges_between, following, preceding
+from isoembed.intrinsic.kernel import kernel
 from isoembed.mesh.triangulation import Triangulation
 from isoembed.metric.polyhedral import PolyhedralMetric
+from isoembed.thresholds import compiled, threshold
 
-Floats = NDArray[np.float64]
-Indices = NDArray[np.int64]
 
-SLACK = 1e-9  # of a sum of cosines: four vertices on a circle up to rounding are left as they are
+@dataclass(frozen=True)
+class SimplicialDelaunayThresholds:
+    """Thresholds of Delaunay flips of simplicial complexes."""
+
+    slack: float = threshold(1e-9, "cosines", "Excess over those of four vertices on a circle.")
+
+
+SIMPLICIAL_DELAUNAY = SimplicialDelaunayThresholds()
+_T, _D = compiled(SIMPLICIAL_DELAUNAY), compiled(DELAUNAY)
 
 
 def delaunay(metric: PolyhedralMetric) -> PolyhedralMetric:
@@ -39,7 +57,7 @@ def delaunay(metric: PolyhedralMetric) -> PolyhedralMetric:
     ----------
     Bobenko and Springborn, A discrete Laplace-Beltrami operator for simplicial surfaces, 2007.
     """
-    triangulation, lengths = flipped(metric.triangulation, metric.normalized.lengths, _straight)
+    triangulation, lengths = _flipped(metric.triangulation, metric.normalized.lengths, Straight(-1))
     if triangulation is metric.triangulation:
         return metric
     try:
@@ -70,73 +88,75 @@ def ideal_delaunay(triangulation: Triangulation, lengths: Floats, fixed: int) ->
     ----------
     Gillespie, Springborn and Crane, Discrete conformal equivalence of polyhedral surfaces, ACM TOG 40 (2021).
     """
-    return flipped(triangulation, lengths, _ptolemy, fixed)
+    return _flipped(triangulation, lengths, Ptolemaic(fixed))
 
 
-def flipped(
-    triangulation: Triangulation,
-    lengths: Floats,
-    diagonal: Callable[[float, float, float, float, float], float],
-    fixed: int = -1,
+class Straight(NamedTuple):
+    """The rule by which an edge gives way to the straight line across its two triangles unfolded."""
+
+    fixed: int
+
+
+class Ptolemaic(NamedTuple):
+    """The rule by which an edge gives way to the other diagonal of a quadrilateral inscribed in a circle."""
+
+    fixed: int
+
+
+@attempts(Straight)
+def _attempt_straight(h: int, mesh: HalfEdges, rule: Straight) -> int:
+    if not _is_demanded(h, mesh, rule.fixed):
+        return LEFT
+    return FLIPPED if flip(h, mesh, _D.thinnest) else BLOCKED
+
+
+@attempts(Ptolemaic)
+def _attempt_ptolemaic(h: int, mesh: HalfEdges, rule: Ptolemaic) -> int:
+    if not _is_demanded(h, mesh, rule.fixed):
+        return LEFT
+    t, lengths = mesh.twins[h], mesh.lengths
+    jk, ki, im, mj = following(h), preceding(h), following(t), preceding(t)
+    diagonal = (lengths[ki] * lengths[mj] + lengths[jk] * lengths[im]) / lengths[h]
+    lengths[t], lengths[h] = lengths[jk], lengths[im]
+    lengths[jk] = lengths[im] = diagonal
+    swap_diagonals(h, mesh.corners, mesh.twins)
+    return FLIPPED
+
+
+@kernel
+def _is_demanded(h: int, mesh: HalfEdges, fixed: int) -> bool:
+    """Whether a flip is demanded that leaves the star of a vertex alone and doubles no edge."""
+    corners, t = mesh.corners, mesh.twins[h]
+    if _cosine(h, mesh.lengths) + _cosine(t, mesh.lengths) >= -_T.slack:
+        return False
+    k, m = preceding(h), corners[preceding(t)]
+    if fixed in (corners[h], corners[t], corners[k], m):
+        return False
+    return edges_between(k, m, corners, mesh.twins) == 0
+
+
+@kernel
+def _cosine(h: int, lengths: Floats) -> float:
+    """Twice the cosine across from a half-edge, also of a triangle that breaks the triangle inequality."""
+    l, a, b = lengths[h], lengths[following(h)], lengths[preceding(h)]
+    return b / a + a / b - l * l / (b * a)
+
+
+def _flipped(
+    triangulation: Triangulation, lengths: Floats, rule: Straight | Ptolemaic
 ) -> tuple[Triangulation, Floats]:
     """Flip edges until ``cos(alpha) + cos(alpha') >= 0`` across every edge whose flip is possible."""
-    left, right = triangulation.edge_halfedges.T
-    face_lengths = lengths[triangulation.face_edges].ravel()
-
-    def cosine(h: Indices) -> Floats:
-        """Twice the cosine across from half-edges, also of triangles that break the triangle inequality."""
-        f, c = np.divmod(h, 3)
-        a, b = face_lengths[3 * f + (c + 1) % 3], face_lengths[3 * f + (c + 2) % 3]
-        return a / b + b / a - face_lengths[h] ** 2 / (a * b)
-
-    stack = triangulation.edges[cosine(left) + cosine(right) < -SLACK].tolist()
-    if not stack:
+    mesh = HalfEdges.of(triangulation.faces, triangulation.twins, lengths[triangulation.face_edges])
+    if _flip_all(mesh, rule) == 0:
         return triangulation, lengths
-
-    length: dict[tuple[int, int], float] = {}
-    for (a, b), l in zip(triangulation.edges.tolist(), lengths.tolist(), strict=True):
-        length[a, b] = length[b, a] = l
-    opposite: dict[tuple[int, int], int] = {}  # the third vertex of the face that holds a half-edge
-    for a, b, c in triangulation.faces.tolist():
-        opposite[a, b], opposite[b, c], opposite[c, a] = c, a, b
-
-    flips = 0
-    while stack:
-        i, j = stack.pop()
-        if (i, j) not in opposite:
-            continue  # flipped away meanwhile
-        k, m = opposite[i, j], opposite[j, i]
-        if fixed in (i, j, k, m) or (k, m) in length:
-            continue
-        l, ik, jk, im, jm = length[i, j], length[i, k], length[j, k], length[i, m], length[j, m]
-        if ik / jk + jk / ik - l * l / (ik * jk) + im / jm + jm / im - l * l / (im * jm) >= -SLACK:
-            continue
-        length[k, m] = length[m, k] = diagonal(l, ik, jk, im, jm)
-        del opposite[i, j], opposite[j, i], length[i, j], length[j, i]
-        opposite[k, i], opposite[i, m], opposite[m, k] = m, k, i
-        opposite[m, j], opposite[j, k], opposite[k, m] = k, m, j
-        stack += [(k, i), (i, m), (m, j), (j, k)]
-        flips += 1
-    if flips == 0:
-        return triangulation, lengths
-
-    result = Triangulation([(a, b, c) for (a, b), c in opposite.items() if a < b and a < c])
-    return result, np.array([length[a, b] for a, b in result.edges.tolist()])
+    result = Triangulation(mesh.faces)
+    return result, mesh.lengths[result.edge_halfedges[:, 0]]
 
 
-def _straight(l: float, ik: float, jk: float, im: float, jm: float) -> float:
-    """The other diagonal of two triangles unfolded into the plane."""
-
-    def angle(a: float, b: float, c: float) -> float:
-        """Between a and b, across from c."""
-        return 2 * math.atan2(
-            math.sqrt(max((c - a + b) * (c + a - b), 0.0)), math.sqrt(max((a + b + c) * (a + b - c), 0.0))
-        )
-
-    phi = angle(l, ik, jk) + angle(l, im, jm)
-    return math.sqrt((ik - im) ** 2 + 4 * ik * im * math.sin(phi / 2) ** 2)
-
-
-def _ptolemy(l: float, ik: float, jk: float, im: float, jm: float) -> float:
-    """The other diagonal of a quadrilateral inscribed in a circle."""
-    return (ik * jm + jk * im) / l
+@kernel
+def _flip_all(mesh: HalfEdges, rule: Straight | Ptolemaic) -> int:
+    stack = empty_stack(mesh.twins.size)
+    for h in range(mesh.twins.size):
+        push(h, stack, mesh.twins)
+    flips, _ = restore_delaunay(stack, mesh, rule)
+    return flips

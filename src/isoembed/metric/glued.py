@@ -10,6 +10,7 @@ import numpy as np
 from numba import njit
 from numpy.typing import ArrayLike, NDArray
 
+from isoembed.arrays import Floats, Indices
 from isoembed.errors import InvalidMetric
 from isoembed.intrinsic.halfedges import HalfEdges
 from isoembed.mesh.checks import check_euler, check_numbering, index_array
@@ -18,9 +19,6 @@ from isoembed.mesh.triangulation import frozen
 from isoembed.metric.curvature import Triangles
 from isoembed.metric.polyhedral import SAME_LENGTH, PolyhedralMetric
 from isoembed.metric.simplicial import simplicial
-
-Floats = NDArray[np.float64]
-Indices = NDArray[np.int64]
 
 
 @dataclass(frozen=True, eq=False, init=False, repr=False)

@@ -8,8 +8,8 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from isoembed.arrays import Floats
 from isoembed.metric.curvature import (
     ROUNDING,
     area,
@@ -20,8 +20,6 @@ from isoembed.metric.curvature import (
 )
 from isoembed.metric.polyhedral import PolyhedralMetric
 from isoembed.thresholds import threshold
-
-Floats = NDArray[np.float64]
 
 
 @dataclass(frozen=True)

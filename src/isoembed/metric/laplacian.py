@@ -3,12 +3,9 @@
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.sparse import coo_array, csc_array
 
 from isoembed.metric.glued import GluedMetric
-
-Floats = NDArray[np.float64]
 
 
 def cotangent_laplacian(metric: GluedMetric, least: float = -np.inf) -> csc_array:

@@ -11,11 +11,11 @@ import numpy as np
 from numba import njit
 from numpy.typing import ArrayLike, NDArray
 
+from isoembed.arrays import Floats
 from isoembed.errors import InvalidMetric
 from isoembed.mesh.checks import index_array
 from isoembed.mesh.triangulation import Triangulation, frozen
 
-Floats = NDArray[np.float64]
 SAME_LENGTH = 1e-12  # relative: two values for one edge that differ by more contradict each other
 
 

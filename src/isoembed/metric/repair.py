@@ -21,6 +21,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.sparse import csc_array
 
+from isoembed.arrays import Floats
 from isoembed.errors import InvalidMetric, InvalidParameter
 from isoembed.linalg import SingularMatrix, factor_general
 from isoembed.mesh.triangulation import frozen
@@ -30,7 +31,6 @@ from isoembed.metric.glued import GluedMetric
 from isoembed.metric.laplacian import cotangent_laplacian
 from isoembed.metric.polyhedral import PolyhedralMetric
 
-Floats = NDArray[np.float64]
 Metric = TypeVar("Metric", bound=PolyhedralMetric | GluedMetric)
 
 NEWTON_STEPS = 20  # far beyond what small deficits need: the error is squared in each

@@ -3,13 +3,10 @@
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
+from isoembed.arrays import Floats, Indices
 from isoembed.intrinsic.trigonometry import apex
 from isoembed.metric.polyhedral import PolyhedralMetric
-
-Floats = NDArray[np.float64]
-Indices = NDArray[np.int64]
 
 
 def simplicial(faces: Indices, twins: Indices, face_lengths: Floats) -> PolyhedralMetric:

@@ -5,13 +5,11 @@ from __future__ import annotations
 from typing import cast
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.sparse import csr_array
 
+from isoembed.arrays import Floats
 from isoembed.metric.curvature import Triangles
 from isoembed.metric.polyhedral import PolyhedralMetric
-
-Floats = NDArray[np.float64]
 
 
 def deficit_derivative(metric: PolyhedralMetric) -> csr_array:
