@@ -27,6 +27,7 @@ from isoembed.io import (
     write_report,
     write_surface,
 )
+from isoembed.io.input_file import InputFile
 from isoembed.io.registry import FORMATS
 from places import SHARED
 
@@ -39,6 +40,12 @@ ZOO = {
     "large": (SPHERE[0] * 1e12, SPHERE[1]),
 }
 FILES = SHARED / "cases"
+
+
+def read_by(ending, path):
+    """What the reader of an ending makes of a file."""
+    with InputFile(path) as file:
+        return FORMATS[ending].read(file)
 
 
 def exact(vertices, faces):
@@ -407,7 +414,7 @@ def test_a_surface_comes_back_from_its_file(tmp_path, monkeypatch):
     np.savez(path, vertices=2.0 * given.vertices, faces=m.faces, edges=m.edges, lengths=m.lengths)
     reads = []
     read = FORMATS[".npz"].read
-    counting = replace(FORMATS[".npz"], read=lambda file: reads.append(file) or read(file))
+    counting = replace(FORMATS[".npz"], read=lambda file: reads.append(file.path) or read(file))
     monkeypatch.setitem(FORMATS, ".npz", counting)
     found = read_surface(path)
     assert reads == [path]  # once
@@ -432,7 +439,7 @@ def careful(monkeypatch, ending, path):
     }
     with monkeypatch.context() as patch:
         patch.setattr(*skipped[ending])
-        return FORMATS[ending].read(path)
+        return read_by(ending, path)
 
 
 def fast(monkeypatch, ending, path):
@@ -445,7 +452,7 @@ def fast(monkeypatch, ending, path):
     }
     with monkeypatch.context() as patch:
         patch.delattr(careful_ways[ending])
-        return FORMATS[ending].read(path)
+        return read_by(ending, path)
 
 
 def assert_same(one, other):
@@ -531,7 +538,7 @@ def test_unusual_text_is_read_with_care(ending, text, tmp_path, monkeypatch):
     path = tmp_path / f"a{ending}"
     path.write_bytes(text.encode())
     expected = careful(monkeypatch, ending, path)
-    assert FORMATS[ending].read(path)["faces"] == expected["faces"]
+    assert read_by(ending, path)["faces"] == expected["faces"]
     with pytest.raises(NameError):
         fast(monkeypatch, ending, path)
 
@@ -583,7 +590,7 @@ def test_json_is_what_python_writes(tmp_path):
 def test_tables_of_json_with_numbers_of_any_kind(table, tmp_path, monkeypatch):
     path = tmp_path / "a.json"
     path.write_text(f'{{"faces": {table}, "lengths": [1, 2]}}')
-    read, expected = FORMATS[".json"].read(path), careful(monkeypatch, ".json", path)
+    read, expected = read_by(".json", path), careful(monkeypatch, ".json", path)
     assert [list(row) for row in read["faces"]] == expected["faces"]
     for k, row in enumerate(read["faces"]):
         assert np.array(row).dtype == np.array(expected["faces"][k]).dtype
@@ -624,7 +631,7 @@ def test_faces_of_different_sizes_in_binary_ply(rows, tmp_path, monkeypatch):
     path.write_bytes(binary_ply("little", rows))
     with pytest.raises(NameError):
         fast(monkeypatch, ".ply", path)
-    assert FORMATS[".ply"].read(path)["faces"] == rows
+    assert read_by(".ply", path)["faces"] == rows
     path.write_bytes(path.read_bytes()[:-1])
     assert "is cut short in" in refusal(path)
 

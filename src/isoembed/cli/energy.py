@@ -21,14 +21,16 @@ from isoembed.cli.smooth_options import (
 )
 from isoembed.cli.status import NOT_EMBEDDED, OK
 from isoembed.errors import InvalidMetric, NotEmbedded
-from isoembed.io import MESH_ENDINGS, SURFACE_ENDINGS, mesh_writer, read_metric, surface_writer
+from isoembed.io import MESH_ENDINGS, SURFACE_ENDINGS, mesh_writer, surface_writer
 from isoembed.io.files import ending
+from isoembed.metric.polyhedral import PolyhedralMetric
 from isoembed.relativity.energies.embedded import CONVENTIONS, embed_surface
 from isoembed.relativity.energies.mesh_energies import mesh_energies
 from isoembed.relativity.energies.report import energy_table, mesh_report, unembedded_report, wang_yau_report
-from isoembed.relativity.horizons.grid_file import holds_metric_grid, read_metric_grid
+from isoembed.relativity.horizons.grid_file import read_metric_or_grid
 from isoembed.relativity.spacetimes.surface_data import SurfaceData
 from isoembed.smooth.axisymmetric import AxisymmetricEmbedding
+from isoembed.smooth.grid_metric import GridMetric
 from isoembed.surface.smooth_integrals import Lengths
 
 OF_METRIC = ("mean_curvature", "momentum", "normal_momentum", "lengths")
@@ -105,9 +107,10 @@ def run(options: argparse.Namespace) -> int:
     refuse_given(options, OF_SPACETIME, "needs a --spacetime")
     if options.input is None:
         raise UsageError("which surface? Give a METRIC, or a --spacetime and a --surface")
-    if holds_metric_grid(options.input):
-        return _smooth(options, outputs, _on_grid(options), number)
-    return _triangles(options, outputs)
+    metric = read_metric_or_grid(options.input)
+    if isinstance(metric, GridMetric):
+        return _smooth(options, outputs, _on_grid(options, metric), number)
+    return _triangles(options, outputs, metric)
 
 
 def _smooth(options: argparse.Namespace, outputs: Outputs, data: SurfaceData, number: int) -> int:
@@ -141,13 +144,12 @@ def _write_band(outputs: Outputs, data: SurfaceData) -> None:
     outputs.write(band=lambda path: mesh_writer(path, *max(bands, key=lambda band: band.area).mesh()))
 
 
-def _on_grid(options: argparse.Namespace) -> SurfaceData:
+def _on_grid(options: argparse.Namespace, grid: GridMetric) -> SurfaceData:
     """The surface of a metric on a grid."""
     k, p = (path and read_numbers(path) for path in (options.mean_curvature, options.momentum))
     refuse_given(options, ("lengths",), "is for a METRIC of triangles")
     if p is not None and k is None:
         raise UsageError("the momentum is of use only with the mean curvature: give --mean-curvature, too")
-    grid = read_metric_grid(options.input)
     j = None
     if options.normal_momentum:
         components = read_numbers(options.normal_momentum)
@@ -164,10 +166,9 @@ def _on_grid(options: argparse.Namespace) -> SurfaceData:
     )
 
 
-def _triangles(options: argparse.Namespace, outputs: Outputs) -> int:
+def _triangles(options: argparse.Namespace, outputs: Outputs, metric: PolyhedralMetric) -> int:
     k, p = (path and read_numbers(path) for path in (options.mean_curvature, options.momentum))
     refuse_given(options, ("normal_momentum",), "is for a METRIC on a grid")
-    metric = read_metric(options.input)
     refuse_given(options, ("vertices",), "is for smooth surfaces: this METRIC has its own")
     refuse_given(options, OF_SMOOTH, "is for smooth surfaces")
     lengths: Lengths | None = options.lengths

@@ -9,7 +9,7 @@ from numpy.lib.format import MAGIC_PREFIX
 from numpy.typing import NDArray
 
 from isoembed.io import FileError
-from isoembed.io.files import check_input
+from isoembed.io.files import open_input
 
 
 def read_numbers(path: Path) -> NDArray[np.float64]:
@@ -20,12 +20,13 @@ def read_numbers(path: Path) -> NDArray[np.float64]:
     FileError
         The file cannot be read, or holds something else; the message names what is not finite.
     """
-    check_input(path)
     try:
-        with path.open("rb") as file:
-            is_npy = file.read(len(MAGIC_PREFIX)) == MAGIC_PREFIX
-        # Other files numpy takes for pickles, and says how to load these.
-        array = np.load(path, allow_pickle=False) if is_npy else None
+        with open_input(path) as file:
+            is_npy = file.peek().startswith(MAGIC_PREFIX)  # type: ignore[attr-defined]
+            # Other files numpy takes for pickles, and says how to load these.
+            array = np.load(file, allow_pickle=False) if is_npy else None
+    except FileError:
+        raise
     except (ValueError, OSError, EOFError, SyntaxError, MemoryError) as error:
         raise FileError(f"{path} is not a readable .npy file: {str(error).splitlines()[0]}") from None
     if array is None:

@@ -1,7 +1,6 @@
 """Files: metrics in, surfaces, reports and checkpoints out.
 
-Every file is read, or refused in one clear sentence.  `read_metric` takes arrays or meshes by
-their ending; what is written is written whole or not at all.
+Every file is read, or refused in one clear sentence; what is written is written whole or not at all.
 """
 
 from isoembed.io.checkpoint import (
@@ -11,6 +10,8 @@ from isoembed.io.checkpoint import (
     write_checkpoint,
 )
 from isoembed.io.files import FileError, check_output, write_atomically
+from isoembed.io.format import Format
+from isoembed.io.input_file import InputFile
 from isoembed.io.metric import metric_writer, read_metric, write_metric
 from isoembed.io.registry import MESH_ENDINGS, METRIC_ENDINGS, SURFACE_ENDINGS
 from isoembed.io.report import REPORT_ENDINGS, report_writer, write_report
@@ -23,6 +24,8 @@ __all__ = [
     "REPORT_ENDINGS",
     "SURFACE_ENDINGS",
     "FileError",
+    "Format",
+    "InputFile",
     "check_output",
     "checkpoint_writer",
     "mesh_writer",

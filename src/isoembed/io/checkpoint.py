@@ -14,10 +14,10 @@ from isoembed.io.files import (
     Tables,
     Writer,
     check_ending,
-    check_input,
     check_output,
     write_atomically,
 )
+from isoembed.io.input_file import InputFile
 from isoembed.progress.fingerprint import Fingerprint
 from isoembed.progress.stages import Checkpoint
 
@@ -45,12 +45,11 @@ def read_checkpoint(path: str | os.PathLike[str]) -> Checkpoint:
     FileError
         The file cannot be read or holds no checkpoint.
     """
-    path = Path(path)
     check_ending(path, CHECKPOINT_ENDINGS)
-    check_input(path)
-    tables = npz.read(path)
-    texts = {name: _scalar(tables, name, "U", path) for name in TEXTS}
-    tolerance = _scalar(tables, TOLERANCE, "f", path)
+    with InputFile(path) as file:
+        tables = npz.read(file)
+    texts = {name: _scalar(tables, name, "U", file) for name in TEXTS}
+    tolerance = _scalar(tables, TOLERANCE, "f", file)
     fingerprint = Fingerprint(texts["metric"], texts["method"], tolerance, texts["version"])
     arrays = {name.removeprefix(KEPT): array for name, array in tables.items() if name.startswith(KEPT)}
     return Checkpoint(texts["stage"], arrays, fingerprint)
@@ -94,9 +93,9 @@ def write_checkpoint(path: str | os.PathLike[str], checkpoint: Checkpoint) -> No
     write_atomically({Path(path): checkpoint_writer(checkpoint)})
 
 
-def _scalar(tables: Tables, name: str, kind: str, path: Path) -> Any:
+def _scalar(tables: Tables, name: str, kind: str, file: InputFile) -> Any:
     """A single value of this kind of type."""
     value = tables.get(name)
     if not isinstance(value, np.ndarray) or value.shape != () or value.dtype.kind != kind:
-        raise FileError(f"{path} is not a checkpoint: it has no {name!r}")
+        raise FileError(f"{file} is not a checkpoint: it has no {name!r}")
     return value.item()

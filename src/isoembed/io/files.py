@@ -1,4 +1,4 @@
-"""What any file can do wrong, in one sentence each; and writing that leaves whole files or none."""
+"""Files: their errors, in one sentence each, and writing that leaves whole files or none."""
 
 from __future__ import annotations
 
@@ -7,10 +7,10 @@ import secrets
 import shutil
 from collections.abc import Callable, Collection, Mapping
 from pathlib import Path
-from typing import Any
+from typing import Any, BinaryIO
 
 Tables = Mapping[str, Any]
-"""The named arrays of a file: ``faces``, ``edges``, ``lengths``, ``vertices`` and data at the vertices."""
+"""Named arrays of a file: ``faces``, ``edges``, ``lengths``, ``vertices`` and data at the vertices."""
 
 Writer = Callable[[Path], None]
 """Writes one file under the (temporary) name that it is given."""
@@ -65,8 +65,8 @@ def check_output(path: str | os.PathLike[str], known: Collection[str]) -> None:
         raise FileError(f"cannot write {path}: no permission to write in {target.parent}")
 
 
-def check_input(path: Path) -> None:
-    """Refuse what cannot be opened for reading.
+def open_input(path: Path) -> BinaryIO:
+    """Open a file for reading.
 
     Raises
     ------
@@ -74,8 +74,7 @@ def check_input(path: Path) -> None:
         There is no such file, it is a folder, or we may not read it.
     """
     try:
-        with path.open("rb"):
-            pass
+        return path.open("rb", buffering=1 << 16)
     except FileNotFoundError:
         raise FileError(f"there is no file {path}") from None
     except IsADirectoryError:

@@ -14,15 +14,17 @@ from numpy.typing import NDArray
 
 from isoembed.errors import InvalidMetric
 from isoembed.io.files import FileError, Tables
+from isoembed.io.format import Format
+from isoembed.io.input_file import InputFile
 from isoembed.io.text_scan import LONGEST, lines
 
 ROWS = {"faces": "face", "edges": "edge", "vertices": "vertex"}
 PLAIN = {"lengths": "length"}
 
 
-def read(path: Path) -> Tables:
+def read(file: InputFile) -> Tables:
     """Read a file; see `parse`."""
-    return parse(path.read_bytes(), str(path))
+    return parse(file.data, str(file))
 
 
 def read_standard_input() -> Tables:
@@ -170,3 +172,6 @@ def _points(rows: list[list[float]]) -> np.ndarray:
 def _shown(value: Any) -> str:
     text = json.dumps(value)
     return text if len(text) <= 40 else text[:37] + "..."
+
+
+FORMAT = Format(".json", read, write, holds_metrics=True)

@@ -11,17 +11,9 @@ from numpy.typing import NDArray
 
 from isoembed.errors import InvalidMetric
 from isoembed.io import json
-from isoembed.io.files import (
-    FileError,
-    Tables,
-    Writer,
-    check_ending,
-    check_input,
-    check_output,
-    ending,
-    write_atomically,
-)
-from isoembed.io.registry import ARRAYS, FORMATS, METRIC_ENDINGS
+from isoembed.io.files import FileError, Tables, Writer, check_ending, check_output, write_atomically
+from isoembed.io.input_file import opened
+from isoembed.io.registry import FORMATS, METRIC_ENDINGS, tables_writer
 from isoembed.metric.polyhedral import PolyhedralMetric
 
 
@@ -54,18 +46,17 @@ def read_metric(source: str | os.PathLike[str]) -> PolyhedralMetric:
 
 def read_tables(path: str | os.PathLike[str]) -> Tables:
     """Read the arrays of a file in any of the formats."""
-    path = Path(path)
     check_ending(path, FORMATS)
-    check_input(path)
-    return FORMATS[ending(path)].read(path)
+    with opened(path) as file:
+        return FORMATS[file.ending].read(file)
 
 
 def metric_writer(
     path: str | os.PathLike[str], metric: PolyhedralMetric, **data: NDArray[np.float64]
 ) -> Writer:
-    """Return what writes the metric in the format of this ending; see `write_atomically`."""
+    """Writer of a metric in the format of this ending; see `write_atomically`."""
     tables = {"faces": metric.faces, "edges": metric.edges, "lengths": metric.lengths, **data}
-    return lambda temporary: ARRAYS[ending(path)].write(temporary, tables)
+    return tables_writer(path, tables)
 
 
 def write_metric(path: str | os.PathLike[str], metric: PolyhedralMetric) -> None:
@@ -81,7 +72,7 @@ def write_metric(path: str | os.PathLike[str], metric: PolyhedralMetric) -> None
 
 
 def metric_of(tables: Tables, name: str) -> PolyhedralMetric:
-    """The metric of the arrays of a file of this name."""
+    """Metric of the arrays of a file of this name."""
     if "faces" not in tables or not ("lengths" in tables or "vertices" in tables):
         there = ", ".join(tables) if tables else "nothing"
         raise FileError(

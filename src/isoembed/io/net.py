@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
-from pathlib import Path
 from typing import Any
 
 from isoembed.gluing import (
@@ -20,7 +19,8 @@ from isoembed.gluing import (
     zipped,
 )
 from isoembed.io import json
-from isoembed.io.files import FileError, check_ending, check_input
+from isoembed.io.files import FileError, check_ending
+from isoembed.io.input_file import InputFile
 
 Makers = dict[str, tuple[Callable[..., Any], int, int]]
 """Shapes by name: who makes them, from how many numbers at least and at most."""
@@ -62,10 +62,9 @@ def read_net(source: str) -> Net:
     """
     if source == "-":
         return _net(json.read_standard_input(), "standard input")
-    path = Path(source)
-    check_ending(path, [".json"])
-    check_input(path)
-    return _net(json.read(path), str(path))
+    check_ending(source, [".json"])
+    with InputFile(source) as file:
+        return _net(json.read(file), source)
 
 
 def _net(document: Mapping[str, Any], name: str) -> Net:

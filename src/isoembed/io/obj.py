@@ -10,6 +10,8 @@ import numpy as np
 from numba import njit
 
 from isoembed.io.files import FileError, Tables
+from isoembed.io.format import Format
+from isoembed.io.input_file import InputFile
 from isoembed.io.text_scan import (
     Bytes,
     Indices,
@@ -27,7 +29,7 @@ from isoembed.io.text_scan import (
 VERTEX, FACE, SLASH = (ord(c) for c in "vf/")
 
 
-def read(path: Path) -> Tables:
+def read(file: InputFile) -> Tables:
     """Read vertices and faces; textures, normals, groups and materials are left aside.
 
     Raises
@@ -35,8 +37,7 @@ def read(path: Path) -> Tables:
     FileError
         Naming the line that cannot be understood.
     """
-    data = path.read_bytes()
-    return _read_plain(data) or _read_any(path, data.decode("utf-8", errors="replace"))
+    return _read_plain(file.data) or _read_any(file, file.data.decode("utf-8", errors="replace"))
 
 
 def _read_plain(data: bytes) -> Tables | None:
@@ -78,7 +79,7 @@ def _scan(text: Bytes) -> tuple[Bytes, int, Indices]:
     return coordinates[:end], vertices, faces[:row]
 
 
-def _read_any(path: Path, content: str) -> Tables:
+def _read_any(file: InputFile, content: str) -> Tables:
     vertices: list[list[float]] = []
     faces: list[list[int]] = []
     for number, line in enumerate(content.replace("\\\n", " ").splitlines(), start=1):
@@ -90,7 +91,7 @@ def _read_any(path: Path, content: str) -> Tables:
             elif word == "f":
                 faces.append([_vertex(entry, len(vertices)) for entry in entries])
         except ValueError:
-            raise FileError(f"{path}, line {number}: cannot understand {line.strip()[:60]!r}") from None
+            raise FileError(f"{file}, line {number}: cannot understand {line.strip()[:60]!r}") from None
     return {"vertices": np.array(vertices, dtype=np.float64).reshape(-1, 3), "faces": faces}
 
 
@@ -107,3 +108,6 @@ def write(path: Path, tables: Tables) -> None:
     with path.open("w", encoding="utf-8") as file:
         file.writelines(lines("v %r %r %r\n", np.asarray(tables["vertices"])))
         file.writelines(lines("f %d %d %d\n", np.asarray(tables["faces"]) + 1))
+
+
+FORMAT = Format(".obj", read, write)

@@ -12,6 +12,8 @@ import numpy as np
 from numba import njit
 
 from isoembed.io.files import FileError, Tables
+from isoembed.io.format import Format
+from isoembed.io.input_file import InputFile
 from isoembed.io.text_scan import (
     Bytes,
     Indices,
@@ -29,7 +31,7 @@ HEADERS = ("OFF", "COFF", "NOFF", "CNOFF", "STOFF")
 HEADER = re.compile(rb"(?:C?N?|ST)OFF\s+(\d{1,18})[ \t]+(\d{1,18})(?:[ \t]+\d+)?[ \t]*\r?\n")
 
 
-def read(path: Path) -> Tables:
+def read(file: InputFile) -> Tables:
     """Read vertices and faces; colors, normals and textures are left aside.
 
     Raises
@@ -37,8 +39,7 @@ def read(path: Path) -> Tables:
     FileError
         Naming the line that cannot be understood, or what is missing.
     """
-    data = path.read_bytes()
-    return _read_plain(data) or _read_any(path, data.decode("utf-8", errors="replace"))
+    return _read_plain(file.data) or _read_any(file, file.data.decode("utf-8", errors="replace"))
 
 
 def _read_plain(data: bytes) -> Tables | None:
@@ -85,12 +86,12 @@ def _scan(text: Bytes, n_vertices: int, n_faces: int) -> tuple[Bytes, Indices]:
     return coordinates[:end], faces
 
 
-def _read_any(path: Path, content: str) -> Tables:
+def _read_any(file: InputFile, content: str) -> Tables:
     split = ((k, line.split("#")[0].split()) for k, line in enumerate(content.splitlines(), start=1))
     filled = ((k, words) for k, words in split if words)
     number, words = next(filled, (1, [""]))
     if words[0] not in HEADERS or "BINARY" in words:
-        raise FileError(f"{path} is not an OFF text file: it does not begin with {' or '.join(HEADERS)}")
+        raise FileError(f"{file} is not an OFF text file: it does not begin with {' or '.join(HEADERS)}")
     try:
         number, words = (number, words[1:]) if len(words) > 1 else next(filled, (number, []))
         n_vertices, n_faces = (int(word) for word in words[:2])
@@ -105,10 +106,10 @@ def _read_any(path: Path, content: str) -> Tables:
                 raise ValueError
             faces.append(corners)
     except ValueError:
-        raise FileError(f"{path}, line {number}: cannot understand {' '.join(words)[:60]!r}") from None
+        raise FileError(f"{file}, line {number}: cannot understand {' '.join(words)[:60]!r}") from None
     if len(vertices) < n_vertices or len(faces) < n_faces:
         raise FileError(
-            f"{path} is cut short: it promises {n_vertices} vertices and {n_faces} faces, "
+            f"{file} is cut short: it promises {n_vertices} vertices and {n_faces} faces, "
             f"but has {len(vertices)} and {len(faces)}"
         )
     return {"vertices": np.array(vertices, dtype=np.float64).reshape(-1, 3), "faces": faces}
@@ -121,3 +122,6 @@ def write(path: Path, tables: Tables) -> None:
         file.write(f"OFF\n{len(vertices)} {len(faces)} 0\n")
         file.writelines(lines("%r %r %r\n", vertices))
         file.writelines(lines("3 %d %d %d\n", faces))
+
+
+FORMAT = Format(".off", read, write)

@@ -16,6 +16,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from isoembed.io.files import FileError, Tables
+from isoembed.io.format import Format
+from isoembed.io.input_file import InputFile
 
 Columns = NDArray[Any]
 
@@ -116,7 +118,7 @@ class Binary:
         return {p.name: rows[f"value {k}"] for k, p in enumerate(element.properties)}
 
 
-def read(path: Path) -> Tables:
+def read(file: InputFile) -> Tables:
     """Read vertices and faces; all other elements and properties are left aside.
 
     Raises
@@ -124,19 +126,19 @@ def read(path: Path) -> Tables:
     FileError
         The header cannot be understood, or the file is cut short.
     """
-    data = path.read_bytes()
+    data = file.data
     end = re.search(rb"^end_header[ \t]*\r?\n", data, re.MULTILINE)
     if not data.startswith(b"ply") or end is None:
-        raise FileError(f"{path} is not a PLY file: it has no header from 'ply' to 'end_header'")
+        raise FileError(f"{file} is not a PLY file: it has no header from 'ply' to 'end_header'")
     try:
         order, elements = _header(data[: end.start()].decode("utf-8", errors="replace"))
     except ValueError as error:
-        raise FileError(f"{path}: the header says {str(error)!r}, which cannot be understood") from None
+        raise FileError(f"{file}: the header says {str(error)!r}, which cannot be understood") from None
     source: Source = Binary(data, end.end(), order) if order else Text(data[end.end() :])
     tables: dict[str, list[Any]] = {"vertex": [], "face": []}
     for element in elements:
         together = _rows_together(element, source)
-        rows = _rows(path, element, source) if together is None else together
+        rows = _rows(file, element, source) if together is None else together
         if element.name in tables:
             tables[element.name].append(rows)
     vertices, faces = (parts[0] if len(parts) == 1 else list(chain(*parts)) for parts in tables.values())
@@ -173,7 +175,7 @@ def _rows_together(element: Element, source: Source) -> Columns | None:
     return None
 
 
-def _rows(path: Path, element: Element, source: Source) -> list[list[float]]:
+def _rows(file: InputFile, element: Element, source: Source) -> list[list[float]]:
     """The points of the vertices or the corners of the faces, or nothing of another element, row by row."""
     rows = []
     for row in range(element.size if element.properties else 0):
@@ -184,12 +186,12 @@ def _rows(path: Path, element: Element, source: Source) -> list[list[float]]:
             elif element.name == "face":
                 rows.append(list(next(values[name] for name in CORNERS if name in values)))
         except IndexError:
-            raise FileError(f"{path} is cut short in {element.name} {row} of {element.size}") from None
+            raise FileError(f"{file} is cut short in {element.name} {row} of {element.size}") from None
         except (KeyError, StopIteration):
             wanted = "x, y and z" if element.name == "vertex" else " or ".join(CORNERS)
-            raise FileError(f"{path}: {element.name} {row} has no {wanted}") from None
+            raise FileError(f"{file}: {element.name} {row} has no {wanted}") from None
         except ValueError as error:
-            raise FileError(f"{path}: cannot understand {element.name} {row}: {error}") from None
+            raise FileError(f"{file}: cannot understand {element.name} {row}: {error}") from None
     return rows
 
 
@@ -227,3 +229,6 @@ def _header(text: str) -> tuple[str, list[Element]]:
 def _append(elements: list[Element], column: Property) -> None:
     last = elements[-1]
     elements[-1] = Element(last.name, last.size, (*last.properties, column))
+
+
+FORMAT = Format(".ply", read, write)

@@ -1,40 +1,36 @@
-"""The file formats by their endings."""
+"""The file formats by their endings: our own, and those of other packages.
+
+A package adds one by an entry point of the group ``isoembed.formats``: its name is the ending, and what it
+refers to is a `Format`.
+"""
 
 from __future__ import annotations
 
-from collections.abc import Callable
-from dataclasses import dataclass
-from pathlib import Path
+import os
+from importlib.metadata import EntryPoint, entry_points
 
-from isoembed.io import json, meshes, npz, obj, off, ply
-from isoembed.io.files import Tables
-
-
-@dataclass(frozen=True)
-class Format:
-    """How a format reads a file into named arrays and writes named arrays into a file."""
-
-    read: Callable[[Path], Tables]
-    write: Callable[[Path, Tables], None]
+from isoembed.io import json, npz, obj, off, ply, stl, vtk, vtu
+from isoembed.io.files import Tables, Writer, ending
+from isoembed.io.format import Format
 
 
-ARRAYS: dict[str, Format] = {
-    ".npz": Format(npz.read, npz.write),
-    ".json": Format(json.read, json.write),
-}
-"""Formats that hold any named arrays, so also metrics."""
+def _added(point: EntryPoint) -> Format:
+    """The format of another package, which is imported on first use."""
+    return Format(
+        point.name,
+        lambda file: point.load().read(file),
+        lambda path, tables: point.load().write(path, tables),
+    )
 
-MESHES: dict[str, Format] = {
-    ".ply": Format(ply.read, ply.write),
-    ".obj": Format(obj.read, obj.write),
-    ".stl": Format(meshes.read_stl, meshes.write_stl),
-    ".off": Format(off.read, off.write),
-    ".vtk": Format(meshes.read_vtk, meshes.write_vtk),
-    ".vtu": Format(meshes.read_vtu, meshes.write_vtu),
-}
-"""Formats that hold surfaces."""
 
-FORMATS = ARRAYS | MESHES
-METRIC_ENDINGS = tuple(ARRAYS)
-MESH_ENDINGS = tuple(MESHES)
+FORMATS = {module.FORMAT.ending: module.FORMAT for module in (npz, json, ply, obj, stl, off, vtk, vtu)}
+FORMATS |= {point.name: _added(point) for point in entry_points(group="isoembed.formats")}
+
+METRIC_ENDINGS = tuple(name for name, known in FORMATS.items() if known.holds_metrics)
+MESH_ENDINGS = tuple(name for name in FORMATS if name not in METRIC_ENDINGS)
 SURFACE_ENDINGS = tuple(FORMATS)
+
+
+def tables_writer(path: str | os.PathLike[str], tables: Tables) -> Writer:
+    """Writer of arrays in the format of this ending; see `write_atomically`."""
+    return lambda temporary: FORMATS[ending(path)].write(temporary, tables)

@@ -8,9 +8,9 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from isoembed.io.files import FileError, Tables, Writer, check_output, ending, write_atomically
+from isoembed.io.files import FileError, Writer, check_output, write_atomically
 from isoembed.io.metric import metric_of, read_tables
-from isoembed.io.registry import FORMATS, SURFACE_ENDINGS
+from isoembed.io.registry import SURFACE_ENDINGS, tables_writer
 from isoembed.metric.polyhedral import PolyhedralMetric
 from isoembed.surface.embedding import Embedding
 from isoembed.surface.measures import volume
@@ -62,12 +62,12 @@ def mesh_writer(
     path: str | os.PathLike[str], vertices: ArrayLike, faces: ArrayLike, **data: NDArray[np.float64]
 ) -> Writer:
     """Writer of a mesh with data at its vertices in the format of this ending; see `write_atomically`."""
-    return _writer(path, {"vertices": np.asarray(vertices), "faces": np.asarray(faces), **data})
+    return tables_writer(path, {"vertices": np.asarray(vertices), "faces": np.asarray(faces), **data})
 
 
 def surface_writer(path: str | os.PathLike[str], embedding: Embedding) -> Writer:
-    """Return what writes the surface in the format of this ending; see `write_atomically`."""
-    return _writer(
+    """Writer of a surface in the format of this ending; see `write_atomically`."""
+    return tables_writer(
         path,
         {
             "vertices": embedding.vertices,
@@ -100,7 +100,3 @@ def vertex_residuals(embedding: Embedding) -> NDArray[np.float64]:
     for end in embedding.metric.edges.T:
         np.maximum.at(largest, end, embedding.residuals)
     return largest
-
-
-def _writer(path: str | os.PathLike[str], tables: Tables) -> Writer:
-    return lambda temporary: FORMATS[ending(path)].write(temporary, tables)

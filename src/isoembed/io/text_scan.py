@@ -15,6 +15,7 @@ from numba import njit
 from numpy.typing import NDArray
 
 Bytes = NDArray[np.uint8]
+Floats = NDArray[np.float64]
 Indices = NDArray[np.int64]
 
 PIECE = 1 << 14  # rows of a table that become text together
@@ -76,6 +77,28 @@ def word_begin(text: Bytes, i: int) -> int:
     """Where the next word begins, from here on in this line; or where the line, or what it says, ends."""
     while text[i] <= SPACE and text[i] != FEED:
         i += 1
+    return i
+
+
+@njit(cache=True)
+def word_end(text: Bytes, i: int) -> int:
+    """Where the word ends that is here."""
+    while in_word(text[i]):
+        i += 1
+    return i
+
+
+@njit(cache=True)
+def words_end(text: Bytes, count: int) -> int:
+    """Where so many words end, over all lines; or -1 if there are fewer."""
+    i = 0
+    for _ in range(count):
+        while i < len(text) and text[i] <= SPACE:
+            i += 1
+        if i == len(text):
+            return -1
+        while i < len(text) and text[i] > SPACE:
+            i += 1
     return i
 
 

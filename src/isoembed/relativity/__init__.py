@@ -18,9 +18,10 @@ from isoembed.relativity.energies.time_function import TimeFunction
 from isoembed.relativity.energies.wang_yau_energy import WangYau, wang_yau
 from isoembed.relativity.horizons.ahfinderdirect import read_ahfinderdirect
 from isoembed.relativity.horizons.coordinate_shape import CoordinateShape
-from isoembed.relativity.horizons.grid_file import read_metric_grid
+from isoembed.relativity.horizons.grid_file import read_metric_grid, read_metric_or_grid
 from isoembed.relativity.horizons.horizon import ExpansionTest, Horizon, expansion_test
 from isoembed.relativity.horizons.horizon_file import read_horizon
+from isoembed.relativity.horizons.horizon_format import HorizonFormat
 from isoembed.relativity.horizons.spectre import read_spectre
 from isoembed.relativity.spacetimes.boosted import BoostedSchwarzschild, Superposed
 from isoembed.relativity.spacetimes.boyer_lindquist import BoyerLindquist
@@ -53,6 +54,7 @@ __all__ = [
     "Energies",
     "ExpansionTest",
     "Horizon",
+    "HorizonFormat",
     "Integrals",
     "IsotropicSchwarzschild",
     "KerrNewmanErgosphere",
@@ -78,6 +80,7 @@ __all__ = [
     "read_cartesian_grid",
     "read_horizon",
     "read_metric_grid",
+    "read_metric_or_grid",
     "read_spectre",
     "smarr_limit",
     "unembedded_report",

@@ -12,7 +12,7 @@ from horizon_texts import lopsided, shape_text
 from isoembed.errors import InvalidMetric
 from isoembed.gallery import KerrHorizon, triangulate
 from isoembed.io.files import FileError
-from isoembed.io.meshes import write_vtk
+from isoembed.io.vtk import write as write_vtk
 from isoembed.mesh.triangulation import Triangulation
 from isoembed.relativity.horizons.coordinate_shape import CoordinateShape, middle, triangulate_star_shaped
 from isoembed.relativity.horizons.grid_file import read_metric_grid
@@ -374,7 +374,8 @@ def bad_polydata():
     folded = points.copy()
     folded[20] = 2.0 * np.array([4.0, 0.0, 0.0]) - points[20]
     return {
-        "binary": (text.replace("ASCII", "BINARY"), "is a binary VTK file of polygons"),
+        "binary": (text.replace("ASCII", "BINARY"), "the line before byte .* ends early"),
+        "neither": (text.replace("ASCII", "UTF-8"), "neither ASCII nor BINARY"),
         "cut in the points": (text[:800], r"ends after \d+ of 144 numbers of the points"),
         "cut in a name": (text[: text.index("SCALARS") + 7], "ends early"),
         "a word": (text.replace("E+00", "E+00x", 1), "among the points, could not convert"),

@@ -1,4 +1,4 @@
-"""Horizon shapes that AHFinderDirect of the Einstein Toolkit writes: files h.t<iteration>.ah<number>.gp.
+"""Shape files of AHFinderDirect of the Einstein Toolkit: h.t<iteration>.ah<number>.gp.
 
 They hold the radius of the horizon about an origin on up to six patches of an inflated cube [1]_, and points
 in the coordinates of the slice; no metric.  Runs with symmetries write fewer patches.
@@ -11,61 +11,59 @@ References
 
 from __future__ import annotations
 
-import gzip
 import itertools
 import os
 import re
-import zlib
 from dataclasses import dataclass, field
-from pathlib import Path
 
 import numpy as np
 from numpy.typing import NDArray
 
-from isoembed.io.files import FileError, check_input
+from isoembed.io.files import FileError
+from isoembed.io.input_file import InputFile, opened
 from isoembed.relativity.horizons.coordinate_shape import CoordinateShape, triangulate_star_shaped
+from isoembed.relativity.horizons.horizon_format import HorizonFormat
 from isoembed.smooth.harmonics import Harmonics
+from isoembed.thresholds import threshold
 
 Floats = NDArray[np.float64]
-
-ANGLE = 1e-3
-"""In degrees: what the printed digits may move a point; the steps of a grid are far longer."""
-
-SEAM = 1e-4
-"""In radians: how far apart the printed digits may put a point that is in two patches."""
-
-RADIUS = 1e-5
-"""Relative difference of a printed radius and the distance of the printed point from the origin."""
-
-DEGREE = 8
-"""Of the harmonics that tell a smooth surface from one with a crease along a plane of symmetry."""
-
-CREASED = 1e-3
-"""What harmonics miss, relative to the radius, from which on it is asked whether more of them miss less."""
 
 HEADER = re.compile(r"[#%!;\"]+\s*(N_patches|origin|N_rho|N_sigma)\b\s*[=:]?\s*(.*)", re.IGNORECASE)
 PATCH = re.compile(r"[#%!;\"]+\s*([+-][xyz])[\s_-]*patch", re.IGNORECASE)
 
 
+@dataclass(frozen=True)
+class PatchThresholds:
+    """Thresholds of reading patches of an inflated cube and of completing them by symmetry."""
+
+    angle: float = threshold(1e-3, "degrees", "The printed digits may move a point by this.")
+    seam: float = threshold(
+        1e-4, "radians", "The printed digits may put a point of two patches this far apart."
+    )
+    radius: float = threshold(1e-5, "relative", "A printed radius may differ from that of the printed point.")
+    ghosts: int = threshold(8, "count", "Most ghost zones on each side of a patch.")
+    degree: int = threshold(8, "degree", "Harmonics that tell a smooth surface from one with a crease.")
+    creased: float = threshold(
+        1e-3, "radii", "From here on more harmonics must miss less, or there is a crease."
+    )
+
+
+PATCHES = PatchThresholds()
+
+
 @dataclass
 class _Patch:
-    """The rows of one patch as they are being read: lines, radii and points."""
+    """One patch as it is being read: its last line, its announced sizes, and its rows."""
 
     name: str
     line: int
     sizes: dict[str, int] = field(default_factory=dict)
-    lines: list[int] = field(default_factory=list)
     rows: list[list[float]] = field(default_factory=list)
-
-    @property
-    def axis(self) -> tuple[int, int]:
-        """Which of x, y and z, and its sign."""
-        return "xyz".index(self.name[1]), 1 if self.name[0] == "+" else -1
 
 
 @dataclass(frozen=True)
 class _Symmetry:
-    """How the part that a file holds is completed: the images (3, 3) of it, and what they are called."""
+    """A completion of the part that a file holds: the images (3, 3) of it, and what they are called."""
 
     images: list[Floats]
     name: str
@@ -94,157 +92,136 @@ def read_ahfinderdirect(path: str | os.PathLike[str]) -> CoordinateShape:
         The file cannot be read, is cut short or malformed (the message names the line), patches are missing
         that no symmetry supplies, or none of those that may completes a smooth surface.
     """
-    path = Path(path)
-    origin, patches = _patches(path)
-    widest = max(_overhang(patch, origin) for patch in patches)
-    halves = _halves(patches, origin, widest, path)
-    arrows = [_trimmed(patch, origin, halves) for patch in patches]
-    for patch, arrow in zip(patches, arrows, strict=True):
+    with opened(path) as file:
+        origin, arrows = _patches(file)
+    source = str(file)
+    halves = _halves(arrows, origin, source)
+    trimmed = {name: _trimmed(name, arrow, halves) for name, arrow in arrows.items()}
+    for name, arrow in trimmed.items():
         if len(arrow) == 0:
-            raise FileError(f"{path}: no point of the patch {patch.name} is in the direction {patch.name}")
-    arrow = _completed(np.concatenate(arrows), halves, path)
-    points = origin + arrow
-    kept, faces = triangulate_star_shaped(points, origin, str(path), same=SEAM)
-    name = re.search(r"ah\d+", path.name)
-    return CoordinateShape(points[kept], faces, origin, None, name[0] if name else "", str(path))
+            raise FileError(f"{source}: no point of the patch {name} is in the direction {name}")
+    points = origin + _completed(np.concatenate(list(trimmed.values())), halves, source)
+    kept, faces = triangulate_star_shaped(points, origin, source, same=PATCHES.seam)
+    found = re.search(r"ah\d+", file.path.name)
+    return CoordinateShape(points[kept], faces, origin, None, found[0] if found else "", source)
 
 
-def text_of(path: Path) -> str:
-    """The text of a file, decompressed if it is compressed.
-
-    Raises
-    ------
-    FileError
-        It cannot be read, or is not text.
-    """
-    check_input(path)
-    try:
-        data = path.read_bytes()
-        if data[:2] == b"\x1f\x8b":
-            data = gzip.decompress(data)
-        return data.decode("utf-8")
-    except (OSError, EOFError, zlib.error) as error:
-        raise FileError(f"cannot decompress {path}: {error}") from None
-    except UnicodeDecodeError:
-        raise FileError(f"{path} is not a text file") from None
+def _recognizes(file: InputFile) -> bool:
+    headers = map(HEADER.match, file.head.splitlines()[:200])
+    return any(header and header[1].lower() == "n_patches" for header in headers)
 
 
-def is_shape(text: str) -> bool:
-    """Whether a text begins like a shape file."""
-    return any(
-        match and match[1].lower() == "n_patches" for match in map(HEADER.match, text.splitlines()[:200])
-    )
-
-
-def _patches(path: Path) -> tuple[Floats, list[_Patch]]:
-    text = text_of(path)
-    if not is_shape(text):
+def _patches(file: InputFile) -> tuple[Floats, dict[str, Floats]]:
+    """The origin, and the points of each patch relative to it, by the axis that the patch is around."""
+    text = file.text
+    if not _recognizes(file):
         raise FileError(
-            f"{path} has no line '# N_patches = ...': it is not a shape file of AHFinderDirect (h.t*.ah*.gp)"
+            f"{file} has no line '# N_patches = ...': it is not a shape file of AHFinderDirect (h.t*.ah*.gp)"
         )
-    count, origin, patches = 0, np.full(3, np.nan), list[_Patch]()
+    count, origin, patches = 0, np.full(3, np.nan), dict[str, _Patch]()
+    here = _Patch("", 0)
     number = 0
-    for number, line in enumerate(text.splitlines(), 1):
-        words = line.split()
-        if not words:
+
+    def wrong(what: str) -> FileError:
+        return FileError(f"{file}, line {number}: {what}")
+
+    def floats(words: list[str]) -> list[float]:
+        try:
+            return [float(word) for word in words]
+        except ValueError as error:
+            raise wrong(str(error)) from None
+
+    for number, line in enumerate(map(str.strip, text.splitlines()), 1):
+        if not line:
             continue
-        if header := HEADER.match(line.strip()):
-            key, value = header[1].lower(), header[2].replace(",", " ").split()
-            numbers = _numbers(value, path, number)
+        if header := HEADER.match(line):
+            key, values = header[1].lower(), floats(header[2].replace(",", " ").split())
             wanted = 3 if key == "origin" else 1
-            if len(numbers) != wanted or not np.isfinite(numbers).all():
-                raise FileError(
-                    f"{path}, line {number}: {line.strip()!r} does not give {wanted} finite numbers"
-                )
+            if len(values) != wanted or not np.isfinite(values).all():
+                raise wrong(f"{line!r} does not give {wanted} finite numbers")
             if key == "origin":
-                origin = np.array(numbers)
+                origin = np.array(values)
             elif key == "n_patches":
-                count = int(numbers[0])
-            elif patches:
-                patches[-1].sizes[key] = int(numbers[0])
-        elif title := PATCH.match(line.strip()):
-            patches.append(_Patch(title[1].lower(), number))
-            if patches[-1].name in [other.name for other in patches[:-1]]:
-                raise FileError(f"{path}, line {number}: the patch {patches[-1].name} is there twice")
-        elif words[0][0] not in '#%!;"':
+                count = int(values[0])
+            else:
+                here.sizes[key] = int(values[0])
+        elif title := PATCH.match(line):
+            here = _Patch(title[1].lower(), number)
+            if here.name in patches:
+                raise wrong(f"the patch {here.name} is there twice")
+            patches[here.name] = here
+        elif line[0] not in '#%!;"':
+            words = line.split()
             if len(words) != 6:
-                raise FileError(f"{path}, line {number}: there are {len(words)} columns, not 6")
+                raise wrong(f"there are {len(words)} columns, not 6")
             if not patches or not np.isfinite(origin).all():
-                raise FileError(f"{path}, line {number}: numbers before the origin or the name of a patch")
-            row = _numbers(words, path, number)
+                raise wrong("numbers before the origin or the name of a patch")
+            row = floats(words)
             r, distance = row[2], float(np.linalg.norm(np.array(row[3:]) - origin))
-            room = RADIUS * r + 1e-9 * float(np.max(np.abs(origin)))
+            room = PATCHES.radius * r + 1e-9 * float(np.max(np.abs(origin)))
             if not (np.isfinite(row).all() and r > 0 and abs(r - distance) <= room):
-                raise FileError(
-                    f"{path}, line {number}: the radius is {r:.6g}, but the point is at the distance "
-                    f"{distance:.6g} from the origin"
+                raise wrong(
+                    f"the radius is {r:.6g}, but the point is at the distance {distance:.6g} from the origin"
                 )
-            patches[-1].lines.append(number)
-            patches[-1].rows.append(row)
-    for patch in patches:
-        _check_size(patch, path)
+            here.line = number
+            here.rows.append(row)
+    for patch in patches.values():
+        _check_size(patch, file)
     if len(patches) != count or not patches:
-        raise FileError(f"{path} ends at line {number} after {len(patches)} of {count} patches")
-    return origin, patches
+        raise FileError(f"{file} ends at line {number} after {len(patches)} of {count} patches")
+    return origin, {name: np.array(patch.rows)[:, 3:] - origin for name, patch in patches.items()}
 
 
-def _numbers(words: list[str], path: Path, line: int) -> list[float]:
-    try:
-        return [float(word) for word in words]
-    except ValueError as error:
-        raise FileError(f"{path}, line {line}: {error}") from None
-
-
-def _check_size(patch: _Patch, path: Path) -> None:
+def _check_size(patch: _Patch, file: InputFile) -> None:
     """As many rows as the header says, with or without the ghost zones around them."""
     rho, sigma = patch.sizes.get("n_rho", 0), patch.sizes.get("n_sigma", 0)
-    rows = len(patch.rows)
-    allowed = {(rho + 2 * ghosts) * (sigma + 2 * ghosts) for ghosts in range(9)} if rho and sigma else {rows}
+    rows, zones = len(patch.rows), range(PATCHES.ghosts + 1)
+    allowed = {(rho + 2 * ghosts) * (sigma + 2 * ghosts) for ghosts in zones} if rho and sigma else {rows}
     if rows == 0 or rows not in allowed:
-        end = patch.lines[-1] if patch.lines else patch.line
         raise FileError(
-            f"{path}, line {end}: the patch {patch.name} ends after {rows} rows; "
+            f"{file}, line {patch.line}: the patch {patch.name} ends after {rows} rows; "
             f"{rho} x {sigma} of them are announced"
         )
 
 
-def _overhang(patch: _Patch, origin: Floats) -> float:
+def _axis(name: str) -> tuple[int, int]:
+    """The axis that a patch is around, x, y or z, and its sign."""
+    return "xyz".index(name[1]), 1 if name[0] == "+" else -1
+
+
+def _overhang(name: str, arrow: Floats) -> float:
     """By how much ghost zones reach beyond 45 degrees from the middle of a patch, in degrees."""
-    axis, sign = patch.axis
-    arrow = np.array(patch.rows)[:, 3:] - origin
-    others = [abs(arrow[:, i]) for i in range(3) if i != axis]
-    return max(0.0, float(np.degrees(np.max(np.arctan2(others, sign * arrow[:, axis])))) - 45.0)
+    axis, sign = _axis(name)
+    others = np.abs(np.delete(arrow, axis, axis=1))
+    return max(0.0, float(np.degrees(np.max(np.arctan2(others.T, sign * arrow[:, axis])))) - 45.0)
 
 
-def _halves(patches: list[_Patch], origin: Floats, widest: float, path: Path) -> dict[int, int]:
+def _halves(arrows: dict[str, Floats], origin: Floats, source: str) -> dict[int, int]:
     """The axes of which only one half is there, and the sign of that half."""
-    there = {patch.axis for patch in patches}
+    widest = max(_overhang(name, arrow) for name, arrow in arrows.items())
     halves = {}
-    for axis in range(3):
-        missing = [sign for sign in (1, -1) if (axis, sign) not in there]
+    for axis, letter in enumerate("xyz"):
+        missing = [sign for sign in (1, -1) if f"{'+-'[sign < 0]}{letter}" not in arrows]
         if len(missing) == 2:
-            raise FileError(f"{path} has neither the patch +{'xyz'[axis]} nor the patch -{'xyz'[axis]}")
+            raise FileError(f"{source} has neither the patch +{letter} nor the patch -{letter}")
         for sign in missing:
-            for patch in patches:
-                beyond = sign * (np.array(patch.rows)[:, 3 + axis] - origin[axis])
-                along = np.linalg.norm(np.array(patch.rows)[:, 3:] - origin, axis=1)
-                angle = float(np.degrees(np.max(np.arcsin(np.clip(beyond / along, -1.0, 1.0)))))
-                if patch.axis[0] != axis and angle > min(widest, 44.0) + ANGLE:
-                    letter = "xyz"[axis]
+            for name, arrow in arrows.items():
+                sines = sign * arrow[:, axis] / np.linalg.norm(arrow, axis=1)
+                angle = float(np.degrees(np.max(np.arcsin(np.clip(sines, -1.0, 1.0)))))
+                if name[1] != letter and angle > min(widest, 44.0) + PATCHES.angle:
                     raise FileError(
-                        f"{path}: the patch {'+-'[sign < 0]}{letter} is missing, and no reflection supplies "
-                        f"it, as the patch {patch.name} reaches across {letter} = {origin[axis]:.6g}"
+                        f"{source}: the patch {'+-'[sign < 0]}{letter} is missing, and no reflection "
+                        f"supplies it, as the patch {name} reaches across {letter} = {origin[axis]:.6g}"
                     )
             halves[axis] = -sign
     return halves
 
 
-def _trimmed(patch: _Patch, origin: Floats, halves: dict[int, int]) -> Floats:
-    """The points of a patch relative to the origin, without ghost zones."""
-    arrow = np.array(patch.rows)[:, 3:] - origin
-    axis, sign = patch.axis
+def _trimmed(name: str, arrow: Floats, halves: dict[int, int]) -> Floats:
+    """The points of a patch without ghost zones."""
+    axis, sign = _axis(name)
     near = sign * arrow[:, axis]
-    room = np.radians(ANGLE) * np.linalg.norm(arrow, axis=1)
+    room = np.radians(PATCHES.angle) * np.linalg.norm(arrow, axis=1)
     keep = np.ones(len(arrow), dtype=bool)
     for i in range(3):
         if i != axis:
@@ -254,7 +231,7 @@ def _trimmed(patch: _Patch, origin: Floats, halves: dict[int, int]) -> Floats:
     return arrow[keep]
 
 
-def _completed(arrow: Floats, halves: dict[int, int], path: Path) -> Floats:
+def _completed(arrow: Floats, halves: dict[int, int], source: str) -> Floats:
     """The points and their images under the symmetry that fits them."""
     if 2 in halves:
         arrow = _images(arrow, [np.eye(3), np.diag([1.0, 1.0, -1.0])])
@@ -262,20 +239,23 @@ def _completed(arrow: Floats, halves: dict[int, int], path: Path) -> Floats:
     if len(candidates) == 1:
         return _images(arrow, candidates[0].images)
     completed = [_images(arrow, candidate.images) for candidate in candidates]
-    misses = [_miss(points, DEGREE) for points in completed]
+    misses = [_miss(points, PATCHES.degree) for points in completed]
     best = int(np.argmin(misses))
     # Half as many degrees again: a crease goes with 1 / degree, what is smooth exponentially.
-    if misses[best] > CREASED and _miss(completed[best], 3 * DEGREE // 2) > 0.5 * misses[best]:
+    if (
+        misses[best] > PATCHES.creased
+        and _miss(completed[best], 3 * PATCHES.degree // 2) > 0.5 * misses[best]
+    ):
         names = " nor ".join(candidate.name for candidate in candidates)
         raise FileError(
-            f"{path}: only a part of the surface is there, and neither {names} make it a smooth surface "
+            f"{source}: only a part of the surface is there, and neither {names} make it a smooth surface "
             f"(creases of {misses[best]:.1g} of its radius)"
         )
     return completed[best]
 
 
 def _symmetries(halves: dict[int, int]) -> list[_Symmetry]:
-    """What may complete the surface, once it is complete in z."""
+    """Symmetries that may complete the surface, once it is complete in z."""
     one = np.eye(3)
     horizontal = [axis for axis in (0, 1) if axis in halves]
     if not horizontal:
@@ -296,8 +276,11 @@ def _images(arrow: Floats, images: list[Floats]) -> Floats:
 
 
 def _miss(arrow: Floats, degree: int) -> float:
-    """By how much the best fit of log r in harmonics misses it at most."""
+    """Largest misfit of the best fit of log r in harmonics."""
     r = np.linalg.norm(arrow, axis=1)
     Y = Harmonics(degree, degree).values(arrow / r[:, None])
     log = np.log(r / np.max(r))
     return float(np.max(np.abs(Y @ np.linalg.lstsq(Y, log, rcond=None)[0] - log)))
+
+
+AHFINDERDIRECT = HorizonFormat("AHFinderDirect", _recognizes, read_ahfinderdirect)

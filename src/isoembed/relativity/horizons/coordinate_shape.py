@@ -1,11 +1,11 @@
-"""The coordinate shape of a horizon: points in the coordinates of a slice, and a closed surface through them.
+"""Coordinate shape of a horizon: points in the coordinates of a slice, and a closed surface through them.
 
 Lengths in these coordinates are not lengths on the horizon: for those the 3-metric is needed.
 """
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
 
 import numpy as np
@@ -16,21 +16,27 @@ from scipy.spatial import ConvexHull, cKDTree
 
 from isoembed.io.files import FileError
 from isoembed.mesh.joining import join
+from isoembed.thresholds import threshold
 
 Floats = NDArray[np.float64]
 Indices = NDArray[np.int64]
 
-SAME = 1e-6
-"""Directions nearer to one another than this, in radians, are of one point that is written twice."""
 
-SAME_RADIUS = 1e-4
-"""Relative difference of the distances from the center that such points may have."""
+@dataclass(frozen=True)
+class StarShapeThresholds:
+    """Thresholds of making a closed surface of points that are all seen from its center."""
 
-FLAT = 1e-9
-"""How thick points may be that lie in a plane, relative to their extent."""
+    same: float = threshold(1e-6, "radians", "Directions nearer than this are of one point, written twice.")
+    same_radius: float = threshold(1e-4, "relative", "The distances of such points may differ by this.")
+    center: float = threshold(1e-9, "largest distances", "Points nearer than this are at the center.")
+    flat: float = threshold(1e-9, "extents", "Points that lie in a plane may be this thick.")
+    hole: float = threshold(np.pi / 3, "radians", "Radius of the largest cap that may be without points.")
+    turned: float = threshold(
+        1e-3, "relative", "By more than this a polygon that is turned around is not thin."
+    )
 
-HOLE = np.pi / 3
-"""The radius, seen from the center, of the largest cap without points in a surface that is complete."""
+
+STAR_SHAPE = StarShapeThresholds()
 
 
 @dataclass(frozen=True, eq=False)
@@ -63,13 +69,47 @@ class CoordinateShape:
     source: str = ""
     fields: Mapping[str, Floats] = field(default_factory=dict)
 
+    @classmethod
+    def star_shaped(
+        cls,
+        points: Floats,
+        source: str,
+        center: Floats | None = None,
+        polygons: Iterable[Sequence[int]] = (),
+        fields: Mapping[str, Floats] | None = None,
+    ) -> CoordinateShape:
+        """Shape of points all of which can be seen from its center; see `triangulate_star_shaped`.
+
+        Parameters
+        ----------
+        points : ndarray, shape (n, 3)
+        source : str
+            The file, for messages.
+        center : ndarray, shape (3,), optional
+            By default that of the sphere that fits the points best.
+        polygons : iterable of sequences of int
+            Polygons of the file, closed or not.
+        fields : mapping of str to ndarray, shape (n,) or (n, k)
+            Values at the points.
+
+        Raises
+        ------
+        FileError
+            The points are no surface around the center; the message names the file.
+        """
+        check_solid(points, source)
+        center = middle(points) if center is None else center
+        kept, faces = triangulate_star_shaped(points, center, source, polygons)
+        there = {name: values[kept] for name, values in (fields or {}).items()}
+        return cls(points[kept], faces, center, source=source, fields=there)
+
     def __post_init__(self) -> None:
         for array in (self.points, self.faces, self.center, *self.fields.values()):
             array.flags.writeable = False
 
     @property
     def contents(self) -> str:
-        """What the file has, and what it does not have, in one sentence."""
+        """Sentence that says what the file has, and what it does not have."""
         here = f"the coordinates of {len(self.points)} points of a horizon"
         if self.fields:
             names = ", ".join(list(self.fields)[:4]) + (", ..." if len(self.fields) > 4 else "")
@@ -81,9 +121,13 @@ class CoordinateShape:
 
 
 def triangulate_star_shaped(
-    points: Floats, center: Floats, source: str, polygons: Iterable[Indices] = (), same: float = SAME
+    points: Floats,
+    center: Floats,
+    source: str,
+    polygons: Iterable[Sequence[int]] = (),
+    same: float = STAR_SHAPE.same,
 ) -> tuple[Indices, Indices]:
-    """Make the closed surface of scattered points all of which can be seen from its center.
+    """Closed surface of scattered points all of which can be seen from its center.
 
     Parameters
     ----------
@@ -92,7 +136,7 @@ def triangulate_star_shaped(
     center : ndarray, shape (3,)
     source : str
         The file, for messages.
-    polygons : iterable of ndarray of int
+    polygons : iterable of sequences of int
         Polygons of the file, closed or not: they tell whether the surface folds over.
     same : float
         Directions nearer to one another than this, in radians, are of one point.
@@ -115,7 +159,7 @@ def triangulate_star_shaped(
     arrow = points - center
     scale = np.max(np.abs(arrow), initial=0.0)
     r = scale * np.linalg.norm(arrow / (scale or 1.0), axis=1)
-    inside = ~(r > 1e-9 * scale)
+    inside = ~(r > STAR_SHAPE.center * scale)
     if inside.any():
         raise FileError(
             f"{source}: point {int(np.argmax(inside))} is at the center: "
@@ -123,7 +167,7 @@ def triangulate_star_shaped(
         )
     u = arrow / r[:, None]
     first = _first_alike(u, same)
-    differs = np.abs(r - r[first]) > SAME_RADIUS * r
+    differs = np.abs(r - r[first]) > STAR_SHAPE.same_radius * r
     if differs.any():
         i = int(np.argmax(differs))
         raise FileError(
@@ -140,7 +184,7 @@ def triangulate_star_shaped(
         )
     hull = ConvexHull(v)
     hole = int(np.argmax(hull.equations[:, 3]))
-    if hull.equations[hole, 3] > -np.cos(HOLE):
+    if hull.equations[hole, 3] > -np.cos(STAR_SHAPE.hole):
         raise FileError(
             f"{source}: there are no points around the direction {_triple(hull.equations[hole, :3])} "
             f"from the center {_triple(center)}: the surface is not complete"
@@ -175,7 +219,7 @@ def check_solid(points: Floats, source: str) -> None:
 
 
 def middle(points: Floats) -> Floats:
-    """The center (3,) of the sphere that fits points (n, 3) best: sampling hardly matters to it."""
+    """Center (3,) of the sphere that fits points (n, 3) best: sampling hardly matters to it."""
     mean = points.mean(axis=0)
     arrow = points - mean
     scale = np.max(np.abs(arrow)) or 1.0
@@ -187,15 +231,15 @@ def middle(points: Floats) -> Floats:
 
 
 def _dimension(points: Floats) -> int:
-    """Of the least plane, line or point that finite points (n, 3) are in, up to `FLAT` and rounding."""
+    """Dimension of the least plane, line or point that finite points (n, 3) are in."""
     x = points / (np.max(np.abs(points)) or 1.0)
     arrow = x - x[0]
-    thin = FLAT * np.max(np.abs(arrow)) + 8.0 * np.finfo(np.float64).eps
+    thin = STAR_SHAPE.flat * np.max(np.abs(arrow)) + 8.0 * np.finfo(np.float64).eps
     return int(np.linalg.matrix_rank(arrow, tol=thin * np.sqrt(len(points))))
 
 
 def _first_alike(u: Floats, same: float) -> Indices:
-    """For each direction (n, 3) the first that is the same."""
+    """First direction that is the same, for each of (n, 3)."""
     n = len(u)
     a, b = cKDTree(u).query_pairs(same, output_type="ndarray").T
     count, label = connected_components(coo_array((np.ones(len(a)), (a, b)), shape=(n, n)), directed=False)
@@ -204,7 +248,9 @@ def _first_alike(u: Floats, same: float) -> Indices:
     return first[label]
 
 
-def _check_turns(u: Floats, polygons: Iterable[Indices], points: Floats, center: Floats, source: str) -> None:
+def _check_turns(
+    u: Floats, polygons: Iterable[Sequence[int]], points: Floats, center: Floats, source: str
+) -> None:
     """All triangles into which the polygons fan out must turn the same way as seen from the center."""
     fans = [(p[0], p[k], p[k + 1]) for p in polygons for k in range(1, len(p) - 1)]
     if not fans:
@@ -214,7 +260,7 @@ def _check_turns(u: Floats, polygons: Iterable[Indices], points: Floats, center:
     turn = np.einsum("fi,fi->f", a, np.cross(b, c))
     # What is thin may turn by rounding alone.
     size = np.linalg.norm(np.cross(b - a, c - a), axis=1)
-    wrong = -turn * np.sign(np.sum(turn)) > 1e-3 * size
+    wrong = -turn * np.sign(np.sum(turn)) > STAR_SHAPE.turned * size
     if wrong.any():
         i = int(corners[int(np.argmax(wrong)), 0])
         raise FileError(

@@ -3,17 +3,19 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Mapping
-from pathlib import Path
 
 import numpy as np
 
 from isoembed.errors import InvalidMetric
-from isoembed.io import npz
-from isoembed.io.files import FileError, check_ending, check_input, ending
-from isoembed.io.hdf5 import HDF5_ENDINGS, groups_in, hdf5_file, numbers_in
+from isoembed.io.files import FileError, Tables, check_ending, ending
+from isoembed.io.hdf5 import HDF5_ENDINGS
+from isoembed.io.input_file import InputFile, opened
+from isoembed.io.metric import read_metric
+from isoembed.metric.polyhedral import PolyhedralMetric
+from isoembed.relativity.horizons.horizon_format import HorizonFormat
 from isoembed.smooth.grid_metric import GridMetric
 
+ARRAY_ENDINGS = (".npz", *HDF5_ENDINGS)
 NEEDED = ("theta", "phi", "q_tt", "q_pp")
 
 
@@ -38,53 +40,47 @@ def read_metric_grid(path: str | os.PathLike[str]) -> GridMetric:
     InvalidMetric
         What it holds is not a metric on such a grid.
     """
-    path = Path(path)
-    check_ending(path, (".npz", *HDF5_ENDINGS))
-    check_input(path)
-    return metric_of(npz.read(path) if ending(path) == ".npz" else _hdf5_tables(path), str(path))
-
-
-def holds_metric_grid(path: str | os.PathLike[str]) -> bool:
-    """Whether a file is of a kind that a metric on a grid comes in, and not a metric on triangles.
-
-    Raises
-    ------
-    FileError
-        The file cannot be read.
-    """
-    if ending(path) in HDF5_ENDINGS:
-        return True
-    if ending(path) != ".npz":
-        return False
-    check_input(Path(path))
-    return holds_metric(npz.read(Path(path)))
-
-
-def holds_metric(tables: Mapping[str, np.ndarray]) -> bool:
-    """Whether some of these arrays are components of a metric."""
-    return "q_tt" in tables or "q_pp" in tables
-
-
-def metric_of(tables: Mapping[str, np.ndarray], source: str) -> GridMetric:
-    """The metric of named arrays; see `read_metric_grid`."""
+    check_ending(path, ARRAY_ENDINGS)
+    with opened(path) as file:
+        found = {name: tables for name, tables in file.arrays.items() if _is_metric(tables)}
+        tables = next(iter(found.values())) if found else file.arrays[""]
+    if len(found) > 1:
+        raise FileError(f"{file} holds {len(found)} metrics, in the groups {', '.join(found)}: leave one")
     missing = [name for name in NEEDED if name not in tables]
     if missing:
         there = ", ".join(tables) or "nothing"
-        raise FileError(f"{source} holds {there}: {' and '.join(missing)} missing from a metric on a grid")
+        raise FileError(f"{file} holds {there}: {' and '.join(missing)} missing from a metric on a grid")
     q_tp = tables["q_tp"] if "q_tp" in tables else np.zeros(tables["q_tt"].shape)
     try:
         return GridMetric(tables["theta"], tables["phi"], tables["q_tt"], q_tp, tables["q_pp"])
     except InvalidMetric as error:
-        raise InvalidMetric(f"{source}: {error}") from None
+        raise InvalidMetric(f"{file}: {error}") from None
 
 
-def _hdf5_tables(path: Path) -> Mapping[str, np.ndarray]:
-    with hdf5_file(path) as file:
-        found = {
-            name: tables
-            for name, group in groups_in(file).items()
-            if holds_metric(tables := numbers_in(group))
-        }
-        if len(found) > 1:
-            raise FileError(f"{path} holds {len(found)} metrics, in the groups {', '.join(found)}: leave one")
-        return next(iter(found.values())) if found else numbers_in(file)
+def read_metric_or_grid(path: str | os.PathLike[str]) -> PolyhedralMetric | GridMetric:
+    """Read a metric on triangles or on a grid, whichever a file holds: see `read_metric`, `read_metric_grid`.
+
+    Raises
+    ------
+    FileError
+        The file cannot be read, or its ending is not known.
+    InvalidMetric
+        What it holds is not a metric.
+    """
+    if ending(path) not in ARRAY_ENDINGS:
+        return read_metric(path)
+    with opened(path) as file:
+        is_grid = file.ending != ".npz" or holds_metric_grid(file)
+        return read_metric_grid(file) if is_grid else read_metric(file)
+
+
+def holds_metric_grid(file: InputFile) -> bool:
+    """Whether some of the arrays of a file are components of a metric on a grid."""
+    return file.ending in ARRAY_ENDINGS and any(map(_is_metric, file.arrays.values()))
+
+
+def _is_metric(tables: Tables) -> bool:
+    return "q_tt" in tables or "q_pp" in tables
+
+
+METRIC_GRID = HorizonFormat("metric on a grid", holds_metric_grid, read_metric_grid)

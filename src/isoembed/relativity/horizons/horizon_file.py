@@ -3,30 +3,26 @@
 from __future__ import annotations
 
 import os
-import tempfile
-from collections.abc import Mapping
-from pathlib import Path
+from dataclasses import replace
+from importlib.metadata import entry_points
+from itertools import chain
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from isoembed.errors import InvalidMetric
-from isoembed.io import npz
-from isoembed.io.files import FileError, check_input, ending
-from isoembed.io.hdf5 import HDF5_ENDINGS, groups_in, hdf5_file, numbers_in
-from isoembed.io.polydata import is_polydata, parse_polydata
-from isoembed.io.registry import MESHES
+from isoembed.io import registry
+from isoembed.io.files import FileError, Tables
+from isoembed.io.input_file import InputFile, opened
+from isoembed.io.registry import MESH_ENDINGS
+from isoembed.io.vtk import is_polydata, read_polydata
 from isoembed.mesh.triangulation import Triangulation
-from isoembed.relativity.horizons.ahfinderdirect import is_shape, read_ahfinderdirect, text_of
-from isoembed.relativity.horizons.coordinate_shape import (
-    CoordinateShape,
-    check_solid,
-    middle,
-    triangulate_star_shaped,
-)
-from isoembed.relativity.horizons.grid_file import holds_metric, read_metric_grid
-from isoembed.relativity.horizons.spectre import read_spectre, surfaces_in
+from isoembed.relativity.horizons.ahfinderdirect import AHFINDERDIRECT, read_ahfinderdirect
+from isoembed.relativity.horizons.coordinate_shape import CoordinateShape, check_solid, middle
+from isoembed.relativity.horizons.grid_file import ARRAY_ENDINGS, METRIC_GRID
+from isoembed.relativity.horizons.horizon_format import HorizonFormat
+from isoembed.relativity.horizons.spectre import SPECTRE
 from isoembed.smooth.grid_metric import GridMetric
 from isoembed.surface.measures import volume
 
@@ -34,8 +30,6 @@ Floats = NDArray[np.float64]
 
 POINTS = ("points", "vertices")
 CENTERS = ("center", "origin")
-
-__all__ = ["CoordinateShape", "read_horizon"]
 
 
 def read_horizon(path: str | os.PathLike[str]) -> CoordinateShape | GridMetric:
@@ -63,78 +57,54 @@ def read_horizon(path: str | os.PathLike[str]) -> CoordinateShape | GridMetric:
     InvalidMetric
         What it holds as a metric, or as the triangles of a closed surface, is none.
     """
-    path = Path(path)
-    check_input(path)
-    if ending(path) == ".npz":
-        tables = npz.read(path)
-        return read_metric_grid(path) if holds_metric(tables) else _shape_of(tables, str(path))
-    if ending(path) in HDF5_ENDINGS:
-        return _from_hdf5(path)
-    zipped = ending(path) == ".gz"
-    inner = Path(path.stem) if zipped else path
-    if ending(inner) == ".vtk" or ending(inner) not in MESHES:
-        # Binary files of other kinds are left to their readers.
-        text = _text_or_none(path)
-        if is_shape(text):
-            return read_ahfinderdirect(path)
-        if is_polydata(text):
-            return _from_polydata(text, str(path))
-    if ending(inner) == ".gp":
-        return read_ahfinderdirect(path)
-    if ending(inner) not in MESHES:
-        raise FileError(
-            f"{path} is neither a shape file of AHFinderDirect, nor of a kind that the endings "
-            f".npz {' '.join(HDF5_ENDINGS)} {' '.join(MESHES)} tell"
-        )
-    if not zipped:
-        return _shape_of(MESHES[ending(inner)].read(path), str(path))
-    with tempfile.TemporaryDirectory() as folder:
-        plain = Path(folder) / inner.name
-        plain.write_text(text_of(path), encoding="utf-8")
-        return _shape_of(MESHES[ending(inner)].read(plain), str(path))
+    with opened(path) as file:
+        added = (point.load() for point in entry_points(group="isoembed.horizon_formats"))
+        known = next((known for known in chain(FORMATS, added) if known.recognizes(file)), None)
+        if known is not None:
+            return known.read(file)
+        if file.ending == ".gp":
+            return read_ahfinderdirect(file)  # says what it lacks
+        if file.ending in ARRAY_ENDINGS:
+            there = ", ".join(file.arrays[""]) or "nothing"
+            raise FileError(
+                f"{file} holds {there}: neither a metric (theta, phi, q_tt, q_tp, q_pp) nor points"
+            )
+    raise FileError(
+        f"{file} is neither a shape file of AHFinderDirect, nor of a kind that the endings "
+        f"{' '.join(ARRAY_ENDINGS)} {' '.join(MESH_ENDINGS)} tell"
+    )
 
 
-def _text_or_none(path: Path) -> str:
-    try:
-        return text_of(path)
-    except FileError:
-        return ""
+def _read_polydata(file: InputFile) -> CoordinateShape:
+    data = read_polydata(file)
+    if len(data.polygons) == 0:
+        raise FileError(f"{file} has no polygons: it is no surface")
+    return CoordinateShape.star_shaped(data.points, str(file), polygons=data.polygons, fields=data.fields)
 
 
-def _from_hdf5(path: Path) -> CoordinateShape | GridMetric:
-    with hdf5_file(path) as file:
-        spectre = bool(surfaces_in(file))
-        tables = {name: numbers_in(group) for name, group in groups_in(file).items()}
-    if spectre:
-        return read_spectre(path)
-    if any(map(holds_metric, tables.values())):
-        return read_metric_grid(path)
-    shapes = {name: arrays for name, arrays in tables.items() if _holds_points(arrays)}
+def _read_mesh(file: InputFile) -> CoordinateShape:
+    return _shape_of(registry.FORMATS[file.ending].read(file), str(file))
+
+
+def _read_points(file: InputFile) -> CoordinateShape:
+    shapes = _groups_of_points(file)
     if len(shapes) > 1:
-        raise FileError(f"{path} holds {len(shapes)} surfaces, in the groups {', '.join(shapes)}: leave one")
-    return _shape_of(next(iter(shapes.values()), tables[""]), str(path))
+        raise FileError(f"{file} holds {len(shapes)} surfaces, in the groups {', '.join(shapes)}: leave one")
+    return _shape_of(next(iter(shapes.values())), str(file))
 
 
-def _from_polydata(text: str, source: str) -> CoordinateShape:
-    data = parse_polydata(text, source)
-    if not data.polygons:
-        raise FileError(f"{source} has no polygons: it is no surface")
-    check_solid(data.points, source)
-    center = middle(data.points)
-    kept, faces = triangulate_star_shaped(data.points, center, source, data.polygons)
-    fields = {name: values[kept] for name, values in data.fields.items()}
-    return CoordinateShape(data.points[kept], faces, center, source=source, fields=fields)
+def _groups_of_points(file: InputFile) -> dict[str, Tables]:
+    """The arrays that hold points, by their groups."""
+    groups = file.arrays if file.ending in ARRAY_ENDINGS else {}
+    return {
+        name: tables
+        for name, tables in groups.items()
+        if any(key in tables for key in POINTS) or all(key in tables for key in "xyz")
+    }
 
 
-def _holds_points(tables: Mapping[str, Any]) -> bool:
-    return any(name in tables for name in POINTS) or all(name in tables for name in "xyz")
-
-
-def _shape_of(tables: Mapping[str, Any], source: str) -> CoordinateShape:
+def _shape_of(tables: Tables, source: str) -> CoordinateShape:
     """The surface of named arrays: with its own triangles where it has them."""
-    if not _holds_points(tables):
-        there = ", ".join(tables) or "nothing"
-        raise FileError(f"{source} holds {there}: neither a metric (theta, phi, q_tt, q_tp, q_pp) nor points")
     named = next((name for name in POINTS if name in tables), None)
     coordinates = [tables[name] for name in ([named] if named else "xyz")]
     if any(np.asarray(array).dtype.kind not in "iuf" for array in coordinates):
@@ -150,20 +120,20 @@ def _shape_of(tables: Mapping[str, Any], source: str) -> CoordinateShape:
     given = next((tables[name] for name in CENTERS if name in tables), None)
     if given is not None and np.shape(given) != (3,):
         raise FileError(f"{source}: the center has the shape {np.shape(given)}, not (3,)")
-    check_solid(points, source)
-    center = middle(points) if given is None else np.array(given, dtype=np.float64)
+    center = None if given is None else np.array(given, dtype=np.float64)
     time = float(np.asarray(tables["time"]).reshape(())) if np.size(tables.get("time", ())) == 1 else None
-    if "faces" in tables:
-        kept, faces = np.arange(len(points)), _outward(tables["faces"], points, source)
-    else:
-        kept, faces = triangulate_star_shaped(points, center, source)
     taken = {*POINTS, *CENTERS, "x", "y", "z", "faces", "edges", "lengths", "time"}
     fields = {
-        name: np.asarray(values, dtype=np.float64).ravel()[kept]
+        name: np.asarray(values, dtype=np.float64).ravel()
         for name, values in tables.items()
         if name not in taken and np.asarray(values).dtype.kind in "iuf" and np.size(values) == len(points)
     }
-    return CoordinateShape(points[kept], faces, center, time, source=source, fields=fields)
+    if "faces" not in tables:
+        return replace(CoordinateShape.star_shaped(points, source, center, fields=fields), time=time)
+    check_solid(points, source)
+    center = middle(points) if center is None else center
+    faces = _outward(tables["faces"], points, source)
+    return CoordinateShape(points, faces, center, time, source=source, fields=fields)
 
 
 def _outward(faces: Any, points: Floats, source: str) -> NDArray[np.int64]:
@@ -177,3 +147,14 @@ def _outward(faces: Any, points: Floats, source: str) -> NDArray[np.int64]:
             f"{source}: there are {len(points)} points, but {triangulation.n_vertices} in faces"
         )
     return table[:, ::-1].copy() if volume(table, points / np.max(np.abs(points))) < 0 else table
+
+
+FORMATS = (
+    AHFINDERDIRECT,
+    HorizonFormat("VTK polydata", lambda file: is_polydata(file.head), _read_polydata),
+    SPECTRE,
+    METRIC_GRID,
+    HorizonFormat("points", lambda file: bool(_groups_of_points(file)), _read_points),
+    HorizonFormat("mesh", lambda file: file.ending in MESH_ENDINGS, _read_mesh),
+)
+"""The formats of isoembed, in the order in which they are asked."""

@@ -1,23 +1,20 @@
-"""Horizons that SpECTRE writes: surface data in HDF5, in groups with the ending .vol."""
+"""Horizon files of SpECTRE: surface data in HDF5, in groups with the ending .vol."""
 
 from __future__ import annotations
 
 import numbers
 import os
-from pathlib import Path
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from isoembed.io.files import FileError
-from isoembed.io.hdf5 import groups_in, hdf5_file, numbers_in
-from isoembed.relativity.horizons.coordinate_shape import (
-    CoordinateShape,
-    check_solid,
-    middle,
-    triangulate_star_shaped,
-)
+from isoembed.io.hdf5 import HDF5_ENDINGS, groups_in, numbers_in
+from isoembed.io.input_file import InputFile, opened
+from isoembed.relativity.horizons.coordinate_shape import CoordinateShape
+from isoembed.relativity.horizons.horizon_format import HorizonFormat
 
 Floats = NDArray[np.float64]
 
@@ -51,10 +48,8 @@ def read_spectre(
         The file cannot be read, or there is no such surface or observation, or several and none is chosen;
         the message lists those that are there.
     """
-    path = Path(path)
-    with hdf5_file(path) as file:
-        surfaces = surfaces_in(file)
-        group, name = _chosen_surface(surfaces, surface, path)
+    with opened(path) as given, given.hdf5() as file:
+        group, name = _chosen_surface(_surfaces(file), surface, str(path))
         observed, time = _chosen_observation(group, observation, f"{path}: {name}")
         tables = numbers_in(observed)
         extents = tables.get("total_extents")
@@ -67,20 +62,24 @@ def read_spectre(
         grid = " x ".join(map(str, extents)) if extents is not None else "one"
         raise FileError(f"{source} has {sizes} coordinates x, y and z and not the points of {grid} grid")
     points = np.column_stack([tables[axis].ravel() for axis in COORDINATES]).astype(np.float64)
-    check_solid(points, source)
-    center = middle(points)
-    kept, faces = triangulate_star_shaped(
-        points, center, source, _quads(extents) if extents is not None else ()
-    )
     fields = {
-        key: value.astype(np.float64)[kept]
+        key: value.astype(np.float64)
         for key, value in tables.items()
         if key not in COORDINATES and value.dtype.kind == "f" and value.shape == (len(points),)
     }
-    return CoordinateShape(points[kept], faces, center, time, name, str(path), fields)
+    quads = _quads(extents).tolist() if extents is not None else ()
+    shape = CoordinateShape.star_shaped(points, source, polygons=quads, fields=fields)
+    return replace(shape, time=time, name=name, source=str(path))
 
 
-def surfaces_in(file: Any) -> dict[str, Any]:
+def _recognizes(file: InputFile) -> bool:
+    if file.ending not in HDF5_ENDINGS:
+        return False
+    with file.hdf5() as contents:
+        return bool(_surfaces(contents))
+
+
+def _surfaces(file: Any) -> dict[str, Any]:
     """The groups of surface data in an open file, by their names without ``.vol``."""
     return {name[:-4]: group for name, group in groups_in(file).items() if name.endswith(".vol")}
 
@@ -92,14 +91,14 @@ def _quads(extents: NDArray[np.integer]) -> NDArray[np.int64]:
     return np.stack([here, here + 1, there + 1, there], axis=-1).reshape(-1, 4)
 
 
-def _chosen_surface(surfaces: dict[str, Any], surface: str | None, path: Path) -> tuple[Any, str]:
+def _chosen_surface(surfaces: dict[str, Any], surface: str | None, source: str) -> tuple[Any, str]:
     there = ", ".join(surfaces) or "nothing"
     name = surface.removesuffix(".vol") if surface is not None else next(iter(surfaces), "")
     if surface is None and len(surfaces) > 1:
-        raise FileError(f"{path} holds several surfaces: choose one of {there}")
+        raise FileError(f"{source} holds several surfaces: choose one of {there}")
     if name not in surfaces:
         wanted = f"no surface {name}" if surface is not None else "no groups *.vol"
-        raise FileError(f"{path} holds {wanted}, but {there}")
+        raise FileError(f"{source} holds {wanted}, but {there}")
     return surfaces[name], name
 
 
@@ -128,3 +127,6 @@ def _chosen_observation(group: Any, observation: float | None, source: str) -> t
             raise FileError(f"{source} holds no observation t = {observation:g}, but t = {listed}")
         k = int(near[0])
     return timed[k][1], timed[k][0]
+
+
+SPECTRE = HorizonFormat("SpECTRE", _recognizes, read_spectre)

@@ -12,16 +12,15 @@ import os
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from itertools import pairwise
-from pathlib import Path
 
 import numpy as np
 from numba import njit
 from numpy.typing import ArrayLike, NDArray
 
 from isoembed.errors import InvalidParameter
-from isoembed.io import npz
-from isoembed.io.files import FileError, check_ending, check_input, ending
-from isoembed.io.hdf5 import HDF5_ENDINGS, hdf5_file
+from isoembed.io.files import FileError, check_ending
+from isoembed.io.hdf5 import HDF5_ENDINGS
+from isoembed.io.input_file import InputFile
 from isoembed.relativity.spacetimes.checks import numbers, positive_number, refuse_points, vector, written
 from isoembed.relativity.spacetimes.three_geometry import extent
 from isoembed.thresholds import threshold
@@ -170,10 +169,9 @@ def read_cartesian_grid(path: str | os.PathLike[str]) -> CartesianGrid:
     FileError
         The file cannot be read, or lacks something; the message says what.
     """
-    path = Path(path)
     check_ending(path, (".npz", *HDF5_ENDINGS))
-    check_input(path)
-    tables = npz.read(path) if ending(path) == ".npz" else _hdf5_tables(path)
+    with InputFile(path) as file:
+        tables = file.arrays[""] if file.ending == ".npz" else _hdf5_tables(file)
     time_symmetric = not any(name in tables for name in K)
     wanted = (*PLACE, *GAMMA) if time_symmetric else (*PLACE, *GAMMA, *K)
     for name in wanted:
@@ -196,8 +194,8 @@ def read_cartesian_grid(path: str | os.PathLike[str]) -> CartesianGrid:
         raise FileError(f"{path}: {error}") from None
 
 
-def _hdf5_tables(path: Path) -> dict[str, NDArray]:
-    with hdf5_file(path) as file:
+def _hdf5_tables(given: InputFile) -> dict[str, NDArray]:
+    with given.hdf5() as file:
         tables = {name: np.asarray(file.attrs[name]) for name in PLACE if name in file.attrs}
         sets = {name: file[name][()] for name in (*PLACE, *GAMMA, *K) if hasattr(file.get(name), "dtype")}
         return tables | sets

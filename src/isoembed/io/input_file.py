@@ -1,0 +1,165 @@
+"""Files to read, opened once whatever is asked of them."""
+
+from __future__ import annotations
+
+import contextlib
+import gzip
+import io
+import os
+import zipfile
+import zlib
+from collections.abc import Iterator
+from functools import cached_property
+from pathlib import Path
+from typing import Any, BinaryIO
+
+import numpy as np
+
+from isoembed.io.files import FileError, Tables, ending, open_input
+from isoembed.io.hdf5 import HDF5_ENDINGS, groups_in, numbers_in
+
+GZIP = b"\x1f\x8b"
+
+
+class InputFile(os.PathLike[str]):
+    """A file that is opened once, and decompressed if it is gzipped; a context manager, and a path.
+
+    Parameters
+    ----------
+    path : path
+
+    Attributes
+    ----------
+    path : Path
+    ending : str
+        The ending of its name in lower case, with its dot; that before ``.gz`` where there is one.
+    head : str
+        Its first 65,536 bytes as text, to recognize formats by.
+
+    Raises
+    ------
+    FileError
+        There is no such file, it is a folder, or it cannot be read or decompressed.
+    """
+
+    def __init__(self, path: str | os.PathLike[str]) -> None:
+        self.path = Path(path)
+        self.ending = ending(self.path.with_suffix("")) if ending(self.path) == ".gz" else ending(self.path)
+        with contextlib.ExitStack() as closing:
+            self._stream: BinaryIO = closing.enter_context(open_input(self.path))
+            first = self._stream.peek()  # type: ignore[attr-defined]
+            if first.startswith(GZIP):
+                self._stream = io.BytesIO(_decompressed(self._stream, self.path))
+                first = self._stream.getbuffer()[: io.DEFAULT_BUFFER_SIZE]
+            self.head = bytes(first).decode("utf-8", errors="replace")
+            self._closing = closing.pop_all()
+
+    def __fspath__(self) -> str:
+        return str(self.path)
+
+    __str__ = __fspath__
+
+    def __enter__(self) -> InputFile:
+        return self
+
+    def __exit__(self, *exception: object) -> None:
+        self._closing.close()
+
+    @cached_property
+    def data(self) -> bytes:
+        """All of its bytes."""
+        return self._stream.read()
+
+    @cached_property
+    def text(self) -> str:
+        """All of its text.
+
+        Raises
+        ------
+        FileError
+            It is not UTF-8.
+        """
+        try:
+            return self.data.decode("utf-8")
+        except UnicodeDecodeError:
+            raise FileError(f"{self} is not a text file") from None
+
+    @cached_property
+    def arrays(self) -> dict[str, Tables]:
+        """Arrays of a ``.npz`` archive by their names, or those of numbers in an HDF5 file, by their groups.
+
+        The group at the top, the only one of an archive, is ``""``.
+
+        Raises
+        ------
+        FileError
+            It is damaged, or something else.
+        """
+        if self.ending not in HDF5_ENDINGS:
+            return {"": _archive(self._stream, str(self))}
+        with self.hdf5() as file:
+            return {name: numbers_in(group) for name, group in groups_in(file).items()}
+
+    @contextlib.contextmanager
+    def hdf5(self) -> Iterator[Any]:
+        """Open an HDF5 file with h5py; in the block what h5py raises of damaged data is a `FileError`.
+
+        Raises
+        ------
+        FileError
+            It is damaged or no HDF5 file, or h5py is not installed.
+        """
+        try:
+            import h5py
+        except ImportError:
+            raise FileError(f"reading {self} needs h5py: pip install 'isoembed[hdf5]'") from None
+        try:
+            if not hasattr(self, "_hdf5"):
+                self._hdf5 = self._closing.enter_context(h5py.File(self._stream, "r"))
+            yield self._hdf5
+        except FileError:
+            raise
+        except (OSError, KeyError, RuntimeError) as error:  # h5py's ways to say that data are damaged
+            why = " ".join(str(error).split()).strip("'\"")
+            raise FileError(f"{self} is not a readable HDF5 file: {why}") from None
+
+
+def opened(path: str | os.PathLike[str]) -> contextlib.AbstractContextManager[InputFile]:
+    """Open a file for a block; one that is open already stays open."""
+    return contextlib.nullcontext(path) if isinstance(path, InputFile) else InputFile(path)
+
+
+def _decompressed(stream: BinaryIO, path: Path) -> bytes:
+    try:
+        return gzip.decompress(stream.read())
+    except (OSError, EOFError, zlib.error) as error:
+        raise FileError(f"cannot decompress {path}: {error}") from None
+
+
+def _archive(stream: BinaryIO, name: str) -> Tables:
+    """Arrays of a NumPy archive by their names.  Pickled objects are never loaded: they could run code."""
+    part = "the directory"
+    try:
+        if stream.read(4) not in (b"PK\x03\x04", b"PK\x05\x06") or not zipfile.is_zipfile(stream):
+            raise FileError(f"{name} is not an npz archive, or is cut short")
+        stream.seek(0)
+        tables = {}
+        with np.load(stream, allow_pickle=False) as archive:
+            for part in archive.files:
+                tables[part] = archive[part]
+        return tables
+    except FileError:
+        raise
+    except (
+        ValueError,  # objects, a damaged header
+        OSError,
+        EOFError,
+        MemoryError,  # a header that promises more than there is
+        KeyError,
+        RuntimeError,  # encrypted
+        NotImplementedError,  # unknown compression
+        SyntaxError,  # a header that is no Python literal
+        zipfile.BadZipFile,
+        zlib.error,
+    ) as error:
+        raise FileError(f"cannot read {part} of the archive {name}: {error}".splitlines()[0]) from None

@@ -1,0 +1,32 @@
+"""What a format of horizon files is: what recognizes a file, and what reads it."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+from isoembed.io.input_file import InputFile
+from isoembed.relativity.horizons.coordinate_shape import CoordinateShape
+from isoembed.smooth.grid_metric import GridMetric
+
+
+@dataclass(frozen=True)
+class HorizonFormat:
+    """A format of horizon files.
+
+    A package adds one by an entry point of the group ``isoembed.horizon_formats`` that refers to it.  It is
+    asked after those of isoembed, for files that none of them recognizes.
+
+    Attributes
+    ----------
+    name : str
+    recognizes : callable
+        Takes an `isoembed.io.InputFile` and says whether the file is of this format, by its ``ending``, its
+        ``head``, or the names of its ``arrays``.
+    read : callable
+        Takes such a file and returns a `CoordinateShape`, or a `GridMetric` where the file has the metric.
+    """
+
+    name: str
+    recognizes: Callable[[InputFile], bool]
+    read: Callable[[InputFile], CoordinateShape | GridMetric]
