@@ -374,7 +374,7 @@ def bad_polydata():
     folded = points.copy()
     folded[20] = 2.0 * np.array([4.0, 0.0, 0.0]) - points[20]
     return {
-        "binary": (text.replace("ASCII", "BINARY"), "the line before byte .* ends early"),
+        "binary": (text.replace("ASCII", "BINARY"), "is not known in a VTK file"),
         "neither": (text.replace("ASCII", "UTF-8"), "neither ASCII nor BINARY"),
         "cut in the points": (text[:800], r"ends after \d+ of 144 numbers of the points"),
         "cut in a name": (text[: text.index("SCALARS") + 7], "ends early"),
