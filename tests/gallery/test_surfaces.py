@@ -23,7 +23,6 @@ from isoembed.gallery import (
     Sphere,
     Superellipsoid,
 )
-from isoembed.gallery.quadrature import sphere_rule
 from isoembed.meshing.directions import directions_of
 
 HORIZON_LIMIT = sqrt(3.0) / 2.0
@@ -292,17 +291,6 @@ def test_the_bodies_that_are_not_convex_are_so_by_default(surface):
     u, weight = sphere_quadrature(60)
     K = surface.gaussian_curvature(u)
     assert (weight * surface.area_density(u))[K < 0].sum() > 0.1 * surface.area
-
-
-def test_the_rule_on_the_sphere_is_exact_for_polynomials():
-    u, weight = sphere_rule(5)
-    np.testing.assert_allclose(np.linalg.norm(u, axis=1), 1, rtol=1e-15)
-    for p in product(range(0, 9, 2), repeat=3):
-        if sum(p) < 10:
-            moment = weight @ (u ** np.array(p)).prod(axis=1)
-            beta = np.prod([gamma((k + 1) / 2) for k in p])
-            assert moment == pytest.approx(2 * beta / gamma((sum(p) + 3) / 2), rel=1e-13)
-    assert np.abs(weight @ (u**3)).max() < 1e-14
 
 
 def kerr_newman_2_metric(R, R_theta, theta, M, a, Q):

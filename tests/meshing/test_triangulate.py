@@ -1,6 +1,7 @@
 """The triangulations: shape of the triangles, topology, determinism, rates of convergence."""
 
 import sys
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -25,10 +26,10 @@ from isoembed.gallery import (
 )
 from isoembed.meshing.blue_noise import blue_noise_directions
 from isoembed.meshing.flips import corner_angles, flip_to_delaunay, flip_where_touched, twin_halfedges
-from isoembed.meshing.points import spread_directions, vertex_density
-from isoembed.meshing.relax import lloyd_step
+from isoembed.meshing.lloyd import lloyd_step
 from isoembed.meshing.sphere import fibonacci_lattice
-from isoembed.meshing.touch_up import GOOD, INWARD, OUTSIDE, _judge
+from isoembed.meshing.surface import spread_directions, vertex_density
+from isoembed.meshing.touch_up import GOOD, INWARD, OUTSIDE, TouchUpThresholds, _judge
 from isoembed.surface.intersection import self_intersections
 
 MODULE = sys.modules["isoembed.meshing.triangulate"]  # its name in the package is that of the function
@@ -173,7 +174,7 @@ def directions(surface, x):
     "surface", [Ellipsoid((3, 2, 1)), Drum(), HarmonicSurface(), Bean(), Ergosphere(0.1)], ids=str
 )
 def test_large_meshes_have_the_same_window(surface, monkeypatch):
-    monkeypatch.setattr(MODULE, "LARGE", 1000)
+    monkeypatch.setattr(MODULE, "SURFACE_MESH", replace(MODULE.SURFACE_MESH, large=1000))
     n = 3000
     x, faces = triangulate(surface, n)
     assert x.shape == (n, 3)
@@ -191,7 +192,7 @@ def test_large_meshes_move_where_they_must(monkeypatch):
     first = surface.point(spread_directions(surface, fibonacci_lattice(n)))
     faces = flip_to_delaunay(first, surface.normal(directions(surface, first)), *connected(surface, n))[0]
     bad = faces[((angles(first, faces) < 38) | (angles(first, faces) > 97)).any(axis=0)]
-    monkeypatch.setattr(MODULE, "LARGE", 1000)
+    monkeypatch.setattr(MODULE, "SURFACE_MESH", replace(MODULE.SURFACE_MESH, large=1000))
     x = triangulate(surface, n)[0]
     moved = np.linalg.norm(x - first, axis=1) > 1e-9
     assert 0.2 < moved.mean() < 0.8
@@ -207,10 +208,10 @@ def beyond(x, faces):
 
 
 def test_a_large_mesh_that_is_not_finished_is_the_best_so_far(monkeypatch):
-    monkeypatch.setattr(MODULE, "LARGE", 1000)
+    monkeypatch.setattr(MODULE, "SURFACE_MESH", replace(MODULE.SURFACE_MESH, large=1000))
     surface, n, found = HarmonicSurface(16, 8, 0.5), 1500, []
     for patience in (1, 2, 10):
-        monkeypatch.setattr("isoembed.meshing.touch_up.PATIENCE", patience)
+        monkeypatch.setattr("isoembed.meshing.touch_up.TOUCH_UP", TouchUpThresholds(patience))
         x, faces = triangulate(surface, n)
         assert_closed_oriented_sphere(faces, n)
         found.append(beyond(x, faces))

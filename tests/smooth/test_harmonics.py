@@ -78,17 +78,6 @@ def test_gradients_are_tangent_and_agree_with_derivatives():
     np.testing.assert_allclose(t @ D, first, atol=1e-12)
 
 
-def test_the_rule_is_exact_below_its_degree_and_not_beyond():
-    n, around = 6, 9
-    u, w = gauss_rule(n, around)
-    degrees, orders = Harmonics(2 * n, 2 * n).labels
-    integrals = w @ Harmonics(2 * n, 2 * n).values(u)
-    exact = np.where(degrees == 0, np.sqrt(4.0 * np.pi), 0.0)
-    inside = (degrees < 2 * n) & (np.abs(orders) < around)
-    np.testing.assert_allclose(integrals[inside], exact[inside], atol=1e-13)
-    assert np.abs(integrals - exact)[~inside].max() > 1e-3
-
-
 @pytest.mark.parametrize(("degree", "order"), [(3, 4), (2, -1)])
 def test_an_impossible_order_is_refused(degree, order):
     with pytest.raises(ValueError, match=f"the order {order} is not between 0 and the degree {degree}"):

@@ -9,7 +9,7 @@ from hypothesis import strategies as st
 
 from isoembed.errors import InvalidMetric, InvalidParameter
 from isoembed.meshing.flips import twin_halfedges
-from isoembed.meshing.intrinsic_relaxation import corner_angles, end_lengths, flip_to_delaunay, relaxed
+from isoembed.meshing.intrinsic_relaxation import angles_from_lengths, end_lengths, flip_to_delaunay, relaxed
 from isoembed.meshing.sphere import fibonacci_lattice, gauss_rule
 from isoembed.meshing.spreading import Cells
 from isoembed.metric.curvature import Triangles, deficits
@@ -246,7 +246,7 @@ def test_flips_restore_a_delaunay_triangulation():
     assert len(flip_to_delaunay(mesh.directions, corners, twins, lengths)) == 0
     assert np.array_equal(twins[twins], np.arange(twins.size))
     assert np.array_equal(lengths[twins], lengths)
-    angles = corner_angles(lengths).ravel()
+    angles = angles_from_lengths(lengths).ravel()
     halfedges = np.arange(angles.size)
     across = angles[halfedges - halfedges % 3 + (halfedges + 2) % 3]
     assert (across + across[twins]).max() < np.pi + 1e-9

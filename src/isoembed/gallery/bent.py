@@ -1,7 +1,6 @@
-"""Ellipsoids bent in the plane of x and z: the bean, along a parabola, and the tube, around a circle."""
+"""Ellipsoids whose x-axis is bent towards z: the bean, along a parabola, and the tube, around a circle."""
 
-from dataclasses import dataclass, field
-from functools import cached_property
+from dataclasses import dataclass
 from math import pi
 from typing import ClassVar
 
@@ -9,40 +8,23 @@ import numpy as np
 from numpy.typing import NDArray
 
 from isoembed.gallery.mapped import MappedSurface
-from isoembed.gallery.surface import MAX_ASPECT, Triple, checked_axes, number, positive
+from isoembed.gallery.surface import MAX_ASPECT, SurfaceWithAxes, option, positive, semiaxes
 
 Array = NDArray[np.float64]
 
 
-class BentEllipsoid(MappedSurface):
-    """An ellipsoid with its x-axis bent towards z; the unit of length is its longest axis."""
-
-    axes: Triple
-
-    @property
-    def _unit(self) -> float:
-        return max(self.axes)
-
-    @cached_property
-    def _semiaxes(self) -> Triple:
-        a, b, c = (axis / self._unit for axis in self.axes)
-        return a, b, c
-
-
 @dataclass(frozen=True)
-class Bean(BentEllipsoid):
+class Bean(MappedSurface, SurfaceWithAxes):
     """The ellipsoid bent along a parabola: z rises by h (x/a)^2, and the ends by h.
 
     It keeps the ellipsoid's volume; K < 0 on its inner side once the bend is sharper than the girth.
     """
 
     name: ClassVar[str] = "bean"
-    axes: Triple = field(default=(1.6, 0.7, 0.7), metadata={"help": "semi-axes a b c"})
-    height: float = field(default=0.9, metadata={"help": "height h of the ends over the middle"})
+    axes: tuple[float, float, float] = option((1.6, 0.7, 0.7), "semi-axes a b c", semiaxes)
+    height: float = option(0.9, "height h of the ends over the middle")
 
-    def __post_init__(self) -> None:
-        object.__setattr__(self, "axes", checked_axes(self.name, self.axes))
-        object.__setattr__(self, "height", number(f"{self.name}: height", self.height))
+    def _check(self) -> None:
         most = MAX_ASPECT * min(self.axes)
         if abs(self.height) > most:
             raise ValueError(f"{self.name}: |height| must be at most {most:.6g}, not {self.height}")
@@ -64,7 +46,7 @@ class Bean(BentEllipsoid):
 
 
 @dataclass(frozen=True)
-class BentTube(BentEllipsoid):
+class BentTube(MappedSurface, SurfaceWithAxes):
     """The ellipsoid bent around a circle of radius R, on which its x-axis is wound.
 
     The circle of radius R lies in the plane of x and z and touches the x-axis from below; a point at x goes
@@ -73,14 +55,10 @@ class BentTube(BentEllipsoid):
     """
 
     name: ClassVar[str] = "bent-tube"
-    axes: Triple = field(default=(1.65, 0.45, 0.45), metadata={"help": "semi-axes a b c"})
-    radius: float = field(
-        default=1.5, metadata={"help": "radius R of the circle, more than c and more than a/pi"}
-    )
+    axes: tuple[float, float, float] = option((1.65, 0.45, 0.45), "semi-axes a b c", semiaxes)
+    radius: float = option(1.5, "radius R of the circle, more than c and more than a/pi", positive)
 
-    def __post_init__(self) -> None:
-        object.__setattr__(self, "axes", checked_axes(self.name, self.axes))
-        object.__setattr__(self, "radius", positive(f"{self.name}: radius", self.radius))
+    def _check(self) -> None:
         least = 1.0001 * max(self.axes[2], self.axes[0] / pi)
         if self.radius < least:
             raise ValueError(f"{self.name}: radius must be at least {least:.6g}, not {self.radius}")

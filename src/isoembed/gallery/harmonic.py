@@ -1,8 +1,7 @@
 """The sphere with one spherical harmonic on it: saddles, trefoils, stars with dents between their arms."""
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from functools import cached_property
-from operator import index
 from typing import ClassVar
 
 import numpy as np
@@ -10,7 +9,7 @@ from numpy.polynomial import Legendre, Polynomial
 from numpy.typing import NDArray
 
 from isoembed.gallery.mapped import MappedSurface
-from isoembed.gallery.surface import number, positive
+from isoembed.gallery.surface import integer, option, positive
 
 Array = NDArray[np.float64]
 Complex = NDArray[np.complex128]
@@ -28,24 +27,18 @@ class HarmonicSurface(MappedSurface):
     """
 
     name: ClassVar[str] = "harmonic"
-    degree: int = field(default=3, metadata={"help": f"degree l, from 1 to {MAX_DEGREE}"})
-    order: int = field(default=3, metadata={"help": "order m, from 0 to the degree"})
-    amplitude: float = field(default=0.3, metadata={"help": "amplitude A, between -0.99 and 0.99"})
-    radius: float = field(default=1.0, metadata={"help": "radius R of the sphere"})
+    degree: int = option(3, f"degree l, from 1 to {MAX_DEGREE}", integer)
+    order: int = option(3, "order m, from 0 to the degree", integer)
+    amplitude: float = option(0.3, "amplitude A, between -0.99 and 0.99")
+    radius: float = option(1.0, "radius R of the sphere", positive)
 
-    def __post_init__(self) -> None:
-        for option, least, most in (("degree", 1, MAX_DEGREE), ("order", 0, self.degree)):
-            try:
-                value = index(getattr(self, option))
-            except TypeError:
-                raise ValueError(
-                    f"{self.name}: {option} must be an integer, not {getattr(self, option)!r}"
-                ) from None
+    def _check(self) -> None:
+        for name, value, least, most in (
+            ("degree", self.degree, 1, MAX_DEGREE),
+            ("order", self.order, 0, self.degree),
+        ):
             if not least <= value <= most:
-                raise ValueError(f"{self.name}: {option} must be between {least} and {most}, not {value}")
-            object.__setattr__(self, option, value)
-        object.__setattr__(self, "amplitude", number(f"{self.name}: amplitude", self.amplitude))
-        object.__setattr__(self, "radius", positive(f"{self.name}: radius", self.radius))
+                raise ValueError(f"{self.name}: {name} must be between {least} and {most}, not {value}")
         if abs(self.amplitude) > 0.99:
             raise ValueError(f"{self.name}: amplitude must be between -0.99 and 0.99, not {self.amplitude}")
 

@@ -1,7 +1,6 @@
 """Convex surfaces |x/a|^p + |y/b|^q + |z/c|^r = 1: ellipsoid, sphere, drum, superellipsoid."""
 
-from abc import abstractmethod
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from functools import cached_property
 from math import pi, prod, sqrt
 from typing import ClassVar
@@ -11,41 +10,29 @@ from numpy.typing import NDArray
 from scipy.special import elliprg
 
 from isoembed.gallery.quadrature import integrate, tanh_sinh
-from isoembed.gallery.surface import Surface, Triple, checked_axes, number, positive
+from isoembed.gallery.surface import SurfaceWithAxes, Triple, option, positive, semiaxes
 
 Array = NDArray[np.float64]
 
 
-class ImplicitSurface(Surface):
+class ImplicitSurface(SurfaceWithAxes):
     """The level set g = 1 of g = sum |x_i / s_i|^p_i, with s the semi-axes and every p_i >= 2.
 
     A direction u names the point s t(u) u: the axes stretch the radial projection of the sphere. The
     surface is symmetric in the three coordinate planes, and is integrated over one octant.
     """
 
-    axes: Triple
-
     @property
-    @abstractmethod
     def _powers(self) -> Triple:
-        """The exponents p."""
+        """The exponents p, by default those of an ellipsoid."""
+        return 2.0, 2.0, 2.0
 
-    @abstractmethod
     def _stretch(self, u: Array) -> Array:
-        """The factor t > 0 (n,) with sum |t u_i|^p_i = 1."""
-
-    @property
-    def _unit(self) -> float:
-        return max(self.axes)
-
-    @cached_property
-    def _semiaxes(self) -> Array:
-        s = np.array(self.axes) / max(self.axes)
-        s.setflags(write=False)
-        return s
+        """The factor t > 0 (n,) with sum |t u_i|^p_i = 1, by default that of an ellipsoid."""
+        return np.ones(len(u))
 
     def _gradient(self, u: Array) -> tuple[Array, Array]:
-        """Return t (n,) and the gradient (n, 3) of g with respect to x_i / s_i."""
+        """The factor t (n,) and the gradient (n, 3) of g with respect to x_i / s_i."""
         t, p = self._stretch(u), np.array(self._powers)
         y = t[:, None] * u
         return t, p * np.sign(y) * np.abs(y) ** (p - 1.0)
@@ -79,7 +66,7 @@ class ImplicitSurface(Surface):
         return y / np.linalg.norm(y, axis=1)[:, None]
 
     @cached_property
-    def _integrals(self) -> tuple[float, float, float]:
+    def _integrals(self) -> Array:
         det = self._semiaxes.prod()
 
         def octants(n: int) -> Array:
@@ -91,8 +78,7 @@ class ImplicitSurface(Surface):
             volume = det / 3.0 * weight @ self._stretch(u) ** 3
             return np.array([element.sum(), volume, element @ self._curvatures(u)[1]])
 
-        area, volume, imc = integrate(octants)
-        return float(area), float(volume), float(imc)
+        return integrate(octants)
 
 
 @dataclass(frozen=True)
@@ -100,28 +86,14 @@ class Ellipsoid(ImplicitSurface):
     """The ellipsoid (x/a)^2 + (y/b)^2 + (z/c)^2 = 1, Eq. (ellipse) of the paper."""
 
     name: ClassVar[str] = "ellipsoid"
-    axes: Triple = field(default=(3.0, 2.0, 1.0), metadata={"help": "semi-axes a b c"})
-
-    def __post_init__(self) -> None:
-        object.__setattr__(self, "axes", checked_axes(self.name, self.axes))
-
-    @property
-    def _powers(self) -> Triple:
-        return 2.0, 2.0, 2.0
-
-    def _stretch(self, u: Array) -> Array:
-        return np.ones(len(u))
+    axes: tuple[float, float, float] = option((3.0, 2.0, 1.0), "semi-axes a b c", semiaxes)
 
     @cached_property
-    def _integrals(self) -> tuple[float, float, float]:
+    def _integrals(self) -> Array:
         # Carlson's symmetric integral R_G gives both (DLMF 19.33.2 and Minkowski's duality).
         a2, b2, c2 = self._semiaxes**2
-        area = 4.0 * pi * elliprg(a2 * b2, a2 * c2, b2 * c2)
-        return (
-            float(area),
-            float(4.0 / 3.0 * pi * prod(self._semiaxes)),
-            float(4.0 * pi * elliprg(a2, b2, c2)),
-        )
+        area, imc = 4.0 * pi * elliprg(a2 * b2, a2 * c2, b2 * c2), 4.0 * pi * elliprg(a2, b2, c2)
+        return np.array([area, 4.0 / 3.0 * pi * prod(self._semiaxes), imc])
 
 
 @dataclass(frozen=True)
@@ -129,26 +101,16 @@ class Sphere(ImplicitSurface):
     """The round sphere."""
 
     name: ClassVar[str] = "sphere"
-    radius: float = field(default=1.0, metadata={"help": "radius"})
-
-    def __post_init__(self) -> None:
-        object.__setattr__(self, "radius", positive(f"{self.name}: radius", self.radius))
+    radius: float = option(1.0, "radius", positive)
 
     @property
     def axes(self) -> Triple:  # type: ignore[override]
         """The three semi-axes, all equal to the radius."""
         return self.radius, self.radius, self.radius
 
-    @property
-    def _powers(self) -> Triple:
-        return 2.0, 2.0, 2.0
-
-    def _stretch(self, u: Array) -> Array:
-        return np.ones(len(u))
-
     @cached_property
-    def _integrals(self) -> tuple[float, float, float]:
-        return 4.0 * pi, 4.0 / 3.0 * pi, 4.0 * pi
+    def _integrals(self) -> Array:
+        return np.array([4.0 * pi, 4.0 / 3.0 * pi, 4.0 * pi])
 
 
 @dataclass(frozen=True)
@@ -159,10 +121,7 @@ class Drum(ImplicitSurface):
     """
 
     name: ClassVar[str] = "drum"
-    axes: Triple = field(default=(2.0, 1.0, sqrt(1.5)), metadata={"help": "semi-axes d e f"})
-
-    def __post_init__(self) -> None:
-        object.__setattr__(self, "axes", checked_axes(self.name, self.axes))
+    axes: tuple[float, float, float] = option((2.0, 1.0, sqrt(1.5)), "semi-axes d e f", semiaxes)
 
     @property
     def _powers(self) -> Triple:
@@ -182,12 +141,10 @@ class Superellipsoid(ImplicitSurface):
     """
 
     name: ClassVar[str] = "superellipsoid"
-    axes: Triple = field(default=(1.0, 1.0, 1.0), metadata={"help": "semi-axes a b c"})
-    power: float = field(default=4.0, metadata={"help": "exponent p, from 2 to 20"})
+    axes: tuple[float, float, float] = option((1.0, 1.0, 1.0), "semi-axes a b c", semiaxes)
+    power: float = option(4.0, "exponent p, from 2 to 20")
 
-    def __post_init__(self) -> None:
-        object.__setattr__(self, "axes", checked_axes(self.name, self.axes))
-        object.__setattr__(self, "power", number(f"{self.name}: power", self.power))
+    def _check(self) -> None:
         if not 2.0 <= self.power <= 20.0:
             raise ValueError(f"{self.name}: power must be between 2 and 20, not {self.power}")
 

@@ -5,7 +5,7 @@ Section 3.2 of the paper with s = sin^2(theta) as the variable, in units of the 
 
 # ruff: noqa: N802, N806 (R, Sigma, Delta, P, Q as the paper and the field write them)
 from abc import abstractmethod
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from functools import cached_property
 from math import hypot, sqrt
 from typing import ClassVar, NamedTuple
@@ -15,7 +15,7 @@ from numpy.polynomial import Chebyshev
 from numpy.typing import NDArray
 
 from isoembed.gallery.revolution import Profile, SurfaceOfRevolution
-from isoembed.gallery.surface import number, positive
+from isoembed.gallery.surface import option, positive
 
 Array = NDArray[np.float64]
 
@@ -149,14 +149,11 @@ class KerrHorizon(KerrSurface):
     """
 
     name: ClassVar[str] = "kerr-horizon"
-    mass: float = field(default=1.0, metadata={"help": "mass M"})
-    spin: float = field(default=0.5, metadata={"help": "spin a, at most sqrt(3)/2 M without charge"})
-    charge: float = field(default=0.0, metadata={"help": "charge Q"})
+    mass: float = option(1.0, "mass M", positive)
+    spin: float = option(0.5, "spin a, at most sqrt(3)/2 M without charge")
+    charge: float = option(0.0, "charge Q")
 
-    def __post_init__(self) -> None:
-        object.__setattr__(self, "mass", positive(f"{self.name}: mass", self.mass))
-        object.__setattr__(self, "spin", number(f"{self.name}: spin", self.spin))
-        object.__setattr__(self, "charge", number(f"{self.name}: charge", self.charge))
+    def _check(self) -> None:
         a, Q = abs(self.spin) / self.mass, abs(self.charge) / self.mass
         if Q > 1.0:
             raise ValueError(f"{self.name}: |charge| must be at most the mass {self.mass}, not {self.charge}")
@@ -180,16 +177,11 @@ class Ergosphere(KerrSurface):
     """
 
     name: ClassVar[str] = "ergosphere"
-    epsilon: float = field(
-        default=0.3, metadata={"help": "distance from the ergosphere over M, from 1e-6 to 1e6"}
-    )
-    mass: float = field(default=1.0, metadata={"help": "mass M"})
-    spin: float = field(default=0.975, metadata={"help": "spin a, at most 0.9999 M"})
+    epsilon: float = option(0.3, "distance from the ergosphere over M, from 1e-6 to 1e6", positive)
+    mass: float = option(1.0, "mass M", positive)
+    spin: float = option(0.975, "spin a, at most 0.9999 M")
 
-    def __post_init__(self) -> None:
-        object.__setattr__(self, "epsilon", positive(f"{self.name}: epsilon", self.epsilon))
-        object.__setattr__(self, "mass", positive(f"{self.name}: mass", self.mass))
-        object.__setattr__(self, "spin", number(f"{self.name}: spin", self.spin))
+    def _check(self) -> None:
         if not 1e-6 <= self.epsilon <= 1e6:
             raise ValueError(f"{self.name}: epsilon must be between 1e-6 and 1e6, not {self.epsilon}")
         if abs(self.spin) > 0.9999 * self.mass:

@@ -1,4 +1,4 @@
-"""Quadrature: double-exponential over [0, pi/2] where a surface is symmetric, else over the whole sphere."""
+"""Quadrature: the double-exponential rule, and any rule with more and more nodes."""
 
 from collections.abc import Callable
 
@@ -9,7 +9,7 @@ Array = NDArray[np.float64]
 
 
 def tanh_sinh(n: int) -> tuple[Array, Array]:
-    """Return n nodes and weights on [0, pi/2].
+    """Nodes and weights (n,) on [0, pi/2].
 
     The nodes crowd doubly exponentially at both ends, so that integrands which are not smooth there,
     or nearly singular just beyond (the tips of an ergosphere), converge exponentially all the same.
@@ -24,22 +24,8 @@ def tanh_sinh(n: int) -> tuple[Array, Array]:
     return 0.5 * np.pi * x, 0.5 * np.pi * float(step) * np.pi * np.cosh(t) * x * (rest / (1.0 + rest))
 
 
-def sphere_rule(n: int) -> tuple[Array, Array]:
-    """Return 2 n^2 nodes (unit vectors) and weights on the unit sphere, exact below degree 2 n.
-
-    Gauss-Legendre nodes along x and even angles around it: integrands that are analytic on the sphere
-    converge exponentially. The pole is the x-axis because the bodies that are long are long in x.
-    """
-    x, w = np.polynomial.legendre.leggauss(n)
-    phi = np.pi / n * np.arange(2 * n)
-    sin = np.sqrt((1.0 - x) * (1.0 + x))
-    y, z = np.outer(sin, np.cos(phi)), np.outer(sin, np.sin(phi))
-    u = np.stack([np.repeat(x, 2 * n), y.ravel(), z.ravel()], axis=1)
-    return u, np.repeat(np.pi / n * w, 2 * n)
-
-
 def integrate(integrand: Callable[[int], Array], coarsest: int = 48, finest: int = 768) -> Array:
-    """Double the nodes until the vector of integrals settles to rounding.
+    """Integrals with more and more nodes, until they settle to rounding.
 
     Parameters
     ----------

@@ -5,7 +5,7 @@ p and q are smooth and positive, and no formula divides by zero at the poles.
 """
 
 from abc import abstractmethod
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from functools import cached_property
 from math import pi
 from typing import ClassVar, NamedTuple
@@ -14,7 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from isoembed.gallery.quadrature import integrate, tanh_sinh
-from isoembed.gallery.surface import Surface, positive
+from isoembed.gallery.surface import Surface, option, positive
 
 Array = NDArray[np.float64]
 
@@ -92,7 +92,7 @@ class SurfaceOfRevolution(Surface):
         return moved / np.linalg.norm(moved, axis=1)[:, None]
 
     @cached_property
-    def _integrals(self) -> tuple[float, float, float]:
+    def _integrals(self) -> Array:
         def hemispheres(n: int) -> Array:
             theta, w = tanh_sinh(n)
             sin = np.sin(theta)
@@ -102,8 +102,7 @@ class SurfaceOfRevolution(Surface):
             volume = 2.0 * pi * (w * sin**3 * profile.p**2 * profile.q).sum()
             return np.array([element.sum(), volume, element @ self._curvatures(u)[1]])
 
-        area, volume, imc = integrate(hemispheres)
-        return float(area), float(volume), float(imc)
+        return integrate(hemispheres)
 
 
 @dataclass(frozen=True)
@@ -115,14 +114,10 @@ class CassiniPeanut(SurfaceOfRevolution):
     """
 
     name: ClassVar[str] = "cassini-peanut"
-    a: float = field(
-        default=0.9, metadata={"help": "distance of the foci from the center, less than 0.9999 b"}
-    )
-    b: float = field(default=1.0, metadata={"help": "root of the product of distances to the foci"})
+    a: float = option(0.9, "distance of the foci from the center, less than 0.9999 b", positive)
+    b: float = option(1.0, "root of the product of distances to the foci", positive)
 
-    def __post_init__(self) -> None:
-        object.__setattr__(self, "a", positive(f"{self.name}: a", self.a))
-        object.__setattr__(self, "b", positive(f"{self.name}: b", self.b))
+    def _check(self) -> None:
         if self.a >= 0.9999 * self.b:
             raise ValueError(
                 f"{self.name}: a must be less than 0.9999 b = {0.9999 * self.b:.6g}, not {self.a}"

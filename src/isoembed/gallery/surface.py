@@ -5,9 +5,12 @@ computed in their own unit of length, so that 1e-150 and 1e12 are ordinary sizes
 """
 
 from abc import ABC, abstractmethod
+from collections.abc import Callable
+from dataclasses import field, fields
 from functools import cached_property
 from math import isfinite, pi, sqrt
-from typing import ClassVar, SupportsFloat
+from operator import index
+from typing import Any, ClassVar, SupportsFloat, SupportsIndex
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -20,7 +23,7 @@ MAX_ASPECT = 1e4
 
 
 def number(name: str, value: SupportsFloat | str) -> float:
-    """Return ``value`` as a finite float, or raise a ValueError that names the parameter and the value."""
+    """A finite float, or a ValueError that names the parameter and the value."""
     try:
         x = float(value)
     except (TypeError, ValueError):
@@ -31,28 +34,39 @@ def number(name: str, value: SupportsFloat | str) -> float:
 
 
 def positive(name: str, value: SupportsFloat | str) -> float:
-    """Return ``value`` as a positive finite float, or raise a ValueError that names both."""
+    """A positive finite float, or a ValueError that names the parameter and the value."""
     x = number(name, value)
     if x <= 0.0:
         raise ValueError(f"{name} must be positive, not {x}")
     return x
 
 
-def checked_axes(surface: str, axes: object) -> Triple:
-    """Return three positive semi-axes of moderate aspect, or raise a ValueError that names the surface."""
+def integer(name: str, value: SupportsIndex) -> int:
+    """An integer, or a ValueError that names the parameter and the value."""
+    try:
+        return index(value)
+    except TypeError:
+        raise ValueError(f"{name} must be an integer, not {value!r}") from None
+
+
+def semiaxes(name: str, axes: object) -> Triple:
+    """Three positive numbers of moderate aspect, or a ValueError that names the parameter and the value."""
     values = tuple(axes) if isinstance(axes, tuple | list | np.ndarray) else (axes,)
     if len(values) != 3:
-        raise ValueError(f"{surface}: axes must be three numbers, not {axes!r}")
-    a, b, c = (positive(f"{surface}: axes[{i}]", value) for i, value in enumerate(values))
+        raise ValueError(f"{name} must be three numbers, not {axes!r}")
+    a, b, c = (positive(f"{name}[{i}]", value) for i, value in enumerate(values))
     if max(a, b, c) > MAX_ASPECT * min(a, b, c):
-        raise ValueError(
-            f"{surface}: axes must not differ by more than a factor {MAX_ASPECT:g}, not {(a, b, c)}"
-        )
+        raise ValueError(f"{name} must not differ by more than a factor {MAX_ASPECT:g}, not {(a, b, c)}")
     return a, b, c
 
 
+def option(default: Any, meaning: str, check: Callable[[str, Any], Any] = number) -> Any:
+    """A field of a surface with its default, its meaning, and the function that checks a value."""
+    return field(default=default, metadata={"help": meaning, "check": check})
+
+
 def unit_vectors(directions: ArrayLike) -> Array:
-    """Return directions as an (n, 3) array of unit vectors.
+    """Directions as an (n, 3) array of unit vectors.
 
     Raises
     ------
@@ -72,11 +86,20 @@ def unit_vectors(directions: ArrayLike) -> Array:
 class Surface(ABC):
     """A closed surface of genus zero known in closed form.
 
-    Subclasses are frozen dataclasses: their fields are the surface's parameters. They implement the
-    underscored methods, all in units of ``_unit`` and for unit vectors that were checked.
+    Subclasses are frozen dataclasses: their fields, made by `option`, are the surface's parameters. They
+    implement the underscored methods, all in units of ``_unit`` and for unit vectors that were checked.
     """
 
     name: ClassVar[str]
+
+    def __post_init__(self) -> None:
+        for each in fields(self):  # type: ignore[arg-type]
+            value = each.metadata["check"](f"{self.name}: {each.name}", getattr(self, each.name))
+            object.__setattr__(self, each.name, value)
+        self._check()
+
+    def _check(self) -> None:  # noqa: B027 - most parameters go with all others
+        """Raise a ValueError if the parameters do not go together."""
 
     @property
     @abstractmethod
@@ -105,7 +128,7 @@ class Surface(ABC):
 
     @cached_property
     @abstractmethod
-    def _integrals(self) -> tuple[float, float, float]:
+    def _integrals(self) -> Array:
         """Area, volume and int H dA."""
 
     def point(self, directions: ArrayLike) -> Array:
@@ -131,19 +154,33 @@ class Surface(ABC):
     @property
     def area(self) -> float:
         """Area of the smooth surface, in length^2."""
-        return self._integrals[0] * self._unit * self._unit
+        return float(self._integrals[0]) * self._unit * self._unit
 
     @property
     def volume(self) -> float:
         """Volume that the smooth surface encloses, in length^3."""
-        return self._integrals[1] * self._unit * self._unit * self._unit
+        return float(self._integrals[1]) * self._unit * self._unit * self._unit
 
     @property
     def integrated_mean_curvature(self) -> float:
         """Integral of H dA with H = (k1 + k2)/2, in length: 4 pi for the unit sphere."""
-        return self._integrals[2] * self._unit
+        return float(self._integrals[2]) * self._unit
 
     @property
     def _radius(self) -> float:
         """Radius of the sphere of the same area, in units of ``_unit``."""
         return sqrt(self._integrals[0] / (4.0 * pi))
+
+
+class SurfaceWithAxes(Surface):
+    """A surface with three semi-axes, the longest of which is its unit of length."""
+
+    axes: Triple
+
+    @property
+    def _unit(self) -> float:
+        return max(self.axes)
+
+    @cached_property
+    def _semiaxes(self) -> Array:
+        return np.array(self.axes) / self._unit

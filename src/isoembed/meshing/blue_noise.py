@@ -2,29 +2,32 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
 from scipy.spatial import cKDTree
 
-from isoembed.meshing.points import spread_directions, vertex_density
-
-if TYPE_CHECKING:
-    from isoembed.gallery.surface import Surface
+from isoembed.meshing.surface import Surface, spread_directions, vertex_density
+from isoembed.thresholds import threshold
 
 Array = NDArray[np.float64]
 Index = NDArray[np.int64]
 
-CANDIDATES = 5
-"""Random points drawn for each that stays; more of them cost time and hardly widen the smallest angle."""
 
-SHARPNESS = 8
-"""Exponent of the weight, Yuksel's: the nearest neighbor counts most."""
+@dataclass(frozen=True)
+class BlueNoiseThresholds:
+    """Thresholds of the elimination of crowded points."""
+
+    candidates: int = threshold(5, "count", "Random points for each that stays in the end.")
+    sharpness: int = threshold(8, "count", "Exponent of the weight: the nearest neighbor counts most.")
+
+
+BLUE_NOISE = BlueNoiseThresholds()
 
 
 def _crowded_pairs(x: Array, radii: Array) -> tuple[Index, Index, Array]:
-    """Return the pairs i, j with overlapping balls, each pair once, and the weight of the overlap."""
+    """Pairs i, j with overlapping balls, each pair once, and the weight of the overlap."""
     near = cKDTree(x).query_ball_point(x, 2.0 * radii)
     i = np.repeat(np.arange(len(x)), [len(found) for found in near])
     j = np.concatenate([np.asarray(found, dtype=np.int64) for found in near])
@@ -33,11 +36,11 @@ def _crowded_pairs(x: Array, radii: Array) -> tuple[Index, Index, Array]:
     i, j = i[once], j[once]
     gap = np.linalg.norm(x[i] - x[j], axis=1) / (radii[i] + radii[j])
     overlap = gap < 1.0
-    return i[overlap], j[overlap], (1.0 - gap[overlap]) ** SHARPNESS
+    return i[overlap], j[overlap], (1.0 - gap[overlap]) ** BLUE_NOISE.sharpness
 
 
 def blue_noise_directions(surface: Surface, n: int, seed: int) -> Array:
-    """Return n random directions (n, 3) whose points have :func:`vertex_density` and keep their distance.
+    """Random directions (n, 3) whose points have the `vertex_density` and keep their distance.
 
     Notes
     -----
@@ -50,7 +53,7 @@ def blue_noise_directions(surface: Surface, n: int, seed: int) -> Array:
     ----------
     C. Yuksel, "Sample elimination for generating Poisson disk sample sets" (2015).
     """
-    count = CANDIDATES * n
+    count = BLUE_NOISE.candidates * n
     u = spread_directions(surface, np.random.default_rng(seed).random((count, 2)))
     density = vertex_density(surface, u)
     # Balls of the densest packing of n in the plane; int density dA is the area over the mean of 1/density.

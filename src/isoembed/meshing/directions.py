@@ -1,28 +1,34 @@
-"""From points of a surface back to the directions that name them."""
+"""Directions that name given points of a surface."""
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 from scipy.spatial import cKDTree
 
-from isoembed.meshing.points import spread_directions
 from isoembed.meshing.sphere import fibonacci_lattice
-
-if TYPE_CHECKING:
-    from isoembed.gallery.surface import Surface
+from isoembed.meshing.surface import Surface, spread_directions
+from isoembed.thresholds import threshold
 
 Array = NDArray[np.float64]
 
-SAMPLES = 2000  # points of known direction, to begin at the nearest
-NEWTON = 20  # steps from there
-ON_THE_SURFACE = 1e-12  # of the largest coordinate
+
+@dataclass(frozen=True)
+class DirectionsThresholds:
+    """Thresholds of the search for directions."""
+
+    samples: int = threshold(2000, "count", "Points of known direction: the search begins at the nearest.")
+    steps: int = threshold(20, "count", "Newton steps from there.")
+    missed: float = threshold(1e-12, "largest coordinate", "Distance at which a point is on the surface.")
+
+
+DIRECTIONS = DirectionsThresholds()
 
 
 def directions_of(surface: Surface, points: ArrayLike) -> Array:
-    """The directions (n, 3) that name points (n, 3) of a surface: the inverse of `Surface.point`.
+    """Directions (n, 3) that name points (n, 3) of a surface: the inverse of `Surface.point`.
 
     Raises
     ------
@@ -30,12 +36,12 @@ def directions_of(surface: Surface, points: ArrayLike) -> Array:
         A point is not on the surface.
     """
     x = np.asarray(points, dtype=np.float64) / surface._unit
-    known = spread_directions(surface, fibonacci_lattice(SAMPLES))
+    known = spread_directions(surface, fibonacci_lattice(DIRECTIONS.samples))
     u = known[cKDTree(surface._points(known)).query(x)[1]]
     size = float(np.abs(x).max(initial=0.0))
-    for _ in range(NEWTON):
+    for _ in range(DIRECTIONS.steps):
         missed, normals = x - surface._points(u), surface._normals(u)
-        if np.abs(missed).max(initial=0.0) <= ON_THE_SURFACE * size:
+        if np.abs(missed).max(initial=0.0) <= DIRECTIONS.missed * size:
             return u
         u = surface._moved(u, missed - np.einsum("ij,ij->i", missed, normals)[:, None] * normals)
     k = int(np.abs(missed).max(axis=1).argmax())

@@ -1,22 +1,33 @@
 """Delaunay flips of a closed triangle mesh in R^3, in rounds of flips that do not touch each other."""
 
+from __future__ import annotations
+
+from dataclasses import dataclass
+
 import numpy as np
 from numba import njit
 from numpy.typing import NDArray
+
+from isoembed.thresholds import threshold
 
 Array = NDArray[np.float64]
 Index = NDArray[np.int64]
 Mask = NDArray[np.bool_]
 
-SLACK = 1e-9
-"""Radians by which two opposite angles must exceed pi: a cocircular pair is left alone."""
 
-MAX_ROUNDS = 200
-"""In R^3 the angles of a bent quadrilateral can ask for either diagonal in turn; the rounds end then."""
+@dataclass(frozen=True)
+class FlipThresholds:
+    """Thresholds of the flips in R^3."""
+
+    slack: float = threshold(1e-9, "radians", "Excess of two opposite angles over pi that flips.")
+    rounds: int = threshold(200, "count", "Most rounds: a bent quadrilateral may flip for ever.")
+
+
+FLIPS = FlipThresholds()
 
 
 def twin_halfedges(faces: Index) -> Index:
-    """Return the half-edge (3F,) that runs the other way; 3 f + c runs from faces[f, c] to faces[f, (c+1)%3].
+    """The half-edge (3F,) that runs the other way; 3 f + c runs from faces[f, c] to faces[f, (c+1)%3].
 
     The mesh must be closed, oriented and simple.
     """
@@ -28,13 +39,13 @@ def twin_halfedges(faces: Index) -> Index:
 
 
 def corner_angles(vertices: Array, faces: Index) -> Array:
-    """Return the angles (F, 3) at the corners, in radians."""
+    """Angles (F, 3) at the corners, in radians."""
     return np.asarray(np.arctan2(*_sines_and_cosines(vertices, faces)))
 
 
 @njit(cache=True)
 def _sines_and_cosines(vertices: Array, faces: Index) -> tuple[Array, Array]:
-    """The corners' sines and cosines, each (F, 3), times the lengths of the sides."""
+    """Sines and cosines of the corners, each (F, 3), times the lengths of the sides."""
     sine, cosine = np.empty(faces.shape), np.empty(faces.shape)
     for f in range(len(faces)):
         for c in range(3):
@@ -92,14 +103,14 @@ def flip_where_touched(
         The triangles that have been flipped, some more than once.
     """
     n, flips = len(vertices), [np.empty(0, dtype=np.int64)]
-    for _ in range(MAX_ROUNDS):
+    for _ in range(FLIPS.rounds):
         is_touched = np.zeros(len(faces), dtype=bool)
         is_touched[touched] = True
         h = (3 * np.flatnonzero(is_touched)[:, None] + np.arange(3)).ravel()
         g = twin[h]
         h = np.sort(np.minimum(h, g)[(h < g) | ~is_touched[g // 3]])  # each edge once
         excess = _opposite(angles, h) + _opposite(angles, twin[h]) - np.pi
-        bad, excess = h[excess > SLACK], excess[excess > SLACK]
+        bad, excess = h[excess > FLIPS.slack], excess[excess > FLIPS.slack]
         if bad.size == 0:
             break
         bad = bad[np.argsort(-excess, kind="stable")]
@@ -131,7 +142,7 @@ def flip_where_touched(
 
 
 def _opposite(angles: Array, h: Index) -> Array:
-    """Return the angles across from half-edges."""
+    """Angles across from half-edges."""
     return angles[h // 3, (h + 2) % 3]
 
 

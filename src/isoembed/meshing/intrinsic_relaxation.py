@@ -1,4 +1,4 @@
-"""Triangles on the sphere that are moved and flipped by their lengths alone, compiled.
+"""Compiled parts of the relaxation of a metric: flips and steps of triangles on the sphere, by lengths alone.
 
 The tables over half-edges are those of `isoembed.intrinsic.halfedges`.  Vertices also have directions u
 (V, 3) on the unit sphere, in which every triangle looks outward.
@@ -6,6 +6,7 @@ The tables over half-edges are those of `isoembed.intrinsic.halfedges`.  Vertice
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 from typing import NamedTuple
 
 import numpy as np
@@ -26,20 +27,26 @@ from isoembed.intrinsic.delaunay import (
 from isoembed.intrinsic.flips import flip
 from isoembed.intrinsic.halfedges import HalfEdges, edges_between, following, preceding
 from isoembed.intrinsic.trigonometry import angle_between
+from isoembed.meshing.lloyd import RELAXATION
+from isoembed.thresholds import compiled, threshold
 
-LONGEST_STEP = 0.5
-"""Bound of a step over the shortest edge at the vertex."""
 
-WIDEST = -0.5
-"""Cosine of the angle between the ends of a new edge at least: a coarse mesh might have edges half around."""
+@dataclass(frozen=True)
+class IntrinsicFlipThresholds:
+    """Thresholds of the flips on the sphere of directions."""
 
-THINNEST = 1e-6
-"""Height over longest side of the triangles that a flip may make."""
+    widest: float = threshold(-0.5, "cosine", "Least of the angle between the ends of a new edge.")
+    thinnest: float = threshold(1e-6, "relative", "Least height over longest side after a flip.")
+
+
+INTRINSIC_FLIPS = IntrinsicFlipThresholds()
+_FLIPS = compiled(INTRINSIC_FLIPS)
+_RELAXATION = compiled(RELAXATION)
 
 
 @njit(cache=True)
-def corner_angles(lengths: Floats) -> Floats:
-    """The angles (F, 3), in radians, 0 and pi where the lengths make no triangle."""
+def angles_from_lengths(lengths: Floats) -> Floats:
+    """Angles (F, 3), in radians, 0 and pi where the lengths make no triangle."""
     angles = np.empty((lengths.size // 3, 3))
     for f in range(len(angles)):
         a, b, c = lengths[3 * f], lengths[3 * f + 1], lengths[3 * f + 2]
@@ -109,10 +116,10 @@ def _attempt(h: int, mesh: HalfEdges, rule: Outward) -> int:
         return BLOCKED
     if edges_between(into, m, corners, mesh.twins) > 0:
         return BLOCKED
-    if u[k, 0] * u[m, 0] + u[k, 1] * u[m, 1] + u[k, 2] * u[m, 2] < WIDEST:
+    if u[k, 0] * u[m, 0] + u[k, 1] * u[m, 1] + u[k, 2] * u[m, 2] < _FLIPS.widest:
         return BLOCKED
     count = rule.flipped[-1]
-    if count + 1 == rule.flipped.size or not flip(h, mesh, THINNEST):
+    if count + 1 == rule.flipped.size or not flip(h, mesh, _FLIPS.thinnest):
         return BLOCKED
     rule.flipped[count] = following(h)
     rule.flipped[-1] += 1
@@ -271,7 +278,7 @@ def _step(
     if not (weight > 0.0 and determinant > 0.0):
         return step
     x, y = factor * x / weight, factor * y / weight
-    bound = LONGEST_STEP * shortest
+    bound = _RELAXATION.longest_step * shortest
     cut = bound / max(bound, np.hypot(x, y))
     a, b = cut * (yy * x - xy * y) / determinant, cut * (xx * y - xy * x) / determinant
     for c in range(3):

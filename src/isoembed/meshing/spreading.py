@@ -10,8 +10,14 @@ from numpy.typing import NDArray
 
 Floats = NDArray[np.float64]
 
-CHUNK = 4096
-"""Points at a time whose angles are looked up, which bounds the memory."""
+CHUNK = 4096  # points at a time whose angles are looked up, which bounds the memory
+
+
+def roundest_axis(sizes: Floats) -> int:
+    """The Cartesian axis across which the other two of three sizes differ least in ratio, z when in doubt."""
+    logs = np.log(sizes)
+    spread = [abs(logs[(k + 1) % 3] - logs[(k + 2) % 3]) for k in (2, 1, 0)]
+    return 2 - int(np.argmin(np.round(spread, 9)))
 
 
 @dataclass(frozen=True)

@@ -2,29 +2,32 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from dataclasses import dataclass
 
 import numpy as np
 from numba import njit
 from numpy.typing import NDArray
 
 from isoembed.meshing.flips import corner_angles, flip_where_touched
-from isoembed.meshing.points import vertex_density
-from isoembed.meshing.relax import lloyd_step
-
-if TYPE_CHECKING:
-    from isoembed.gallery.surface import Surface
+from isoembed.meshing.lloyd import RELAXATION, lloyd_step
+from isoembed.meshing.surface import Surface, vertex_density
+from isoembed.thresholds import compiled, threshold
 
 Array = NDArray[np.float64]
 Index = NDArray[np.int64]
 
 GOOD, OUTSIDE, INWARD = 0, 1, 2
 
-PATIENCE = 200
-"""Sweeps in a row after which the number of bad triangles should have become smaller."""
 
-RINGS = 2
-"""How many edges from a bad triangle vertices move. With more, the last bad angles take longer to go."""
+@dataclass(frozen=True)
+class TouchUpThresholds:
+    """Thresholds of the relaxation near bad triangles."""
+
+    patience: int = threshold(200, "count", "Sweeps after which fewer triangles should be bad.")
+
+
+TOUCH_UP = TouchUpThresholds()
+_RELAXATION = compiled(RELAXATION)
 
 
 def touch_up(surface: Surface, u: Array, faces: Index, twin: Index, window: Array) -> tuple[Array, Index]:
@@ -54,7 +57,7 @@ def touch_up(surface: Surface, u: Array, faces: Index, twin: Index, window: Arra
     best, best_score = (u, faces), (len(faces) + 1, np.inf)
     is_near, place = np.zeros(len(u), dtype=bool), np.empty(len(u), dtype=np.int64)
     fewest, stale = len(faces) + 1, 0
-    while stale < PATIENCE:
+    while stale < TOUCH_UP.patience:
         bad = np.flatnonzero(verdicts)
         if len(bad) == 0:
             return u, faces
@@ -115,7 +118,7 @@ def _surroundings(faces: Index, twin: Index, seeds: Index, n: int) -> tuple[Inde
     triangles[: len(seeds)] = seeds
     seen[seeds] = True
     n_vertices, begin, end = 0, 0, len(seeds)
-    for _ in range(RINGS + 1):
+    for _ in range(_RELAXATION.rings + 1):
         last = end
         for row in range(begin, last):
             for first in range(3 * triangles[row], 3 * triangles[row] + 3):

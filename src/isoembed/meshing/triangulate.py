@@ -5,48 +5,62 @@ Regular: spread points, connect them, relax them, keep the best. Irregular: blue
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 from operator import index
-from typing import TYPE_CHECKING, SupportsIndex
+from typing import SupportsIndex
 
 import numpy as np
 from numpy.typing import NDArray
 
+from isoembed.errors import InvalidParameter
 from isoembed.meshing.blue_noise import blue_noise_directions
 from isoembed.meshing.flips import corner_angles, flip_to_delaunay, twin_halfedges
-from isoembed.meshing.points import spread_directions, vertex_density
-from isoembed.meshing.relax import lloyd_step
+from isoembed.meshing.lloyd import lloyd_step
 from isoembed.meshing.sphere import fibonacci_lattice, hull_faces
+from isoembed.meshing.surface import Surface, spread_directions, vertex_density
 from isoembed.meshing.touch_up import touch_up
-
-if TYPE_CHECKING:
-    from isoembed.gallery.surface import Surface
+from isoembed.thresholds import threshold
 
 Array = NDArray[np.float64]
 Index = NDArray[np.int64]
 
-MIN_VERTICES = 12
-MAX_SWEEPS = 100
-LARGE = 20_000
-"""Vertices beyond which only those near angles outside the window are relaxed: a sweep of all takes long."""
 
-ANGLE_WINDOW = np.radians([38.0, 97.0])
-"""Angles at which the relaxation stops."""
+@dataclass(frozen=True)
+class SurfaceMeshThresholds:
+    """Thresholds of the triangulation of surfaces."""
+
+    fewest: int = threshold(12, "vertices", "Least number of vertices.")
+    large: int = threshold(20_000, "vertices", "Beyond them only vertices near bad angles move.")
+    sweeps: int = threshold(100, "count", "Most sweeps of all vertices.")
+    angles: tuple[float, float] = threshold((38.0, 97.0), "degrees", "Angles between which relaxation stops.")
+
+
+SURFACE_MESH = SurfaceMeshThresholds()
 
 
 def _inward_faces(vertices: Array, normals: Array, faces: Index) -> int:
-    """Count the triangles that look against the surface's own normals."""
+    """Number of triangles that look against the surface's own normals."""
     a, b, c = (vertices[faces[:, i]] for i in range(3))
     outward = np.einsum("ij,ij->i", np.cross(b - a, c - a), normals[faces].sum(axis=1))
     return int(np.count_nonzero(outward <= 0.0))
 
 
-def _integer(name: str, value: SupportsIndex, least: int) -> int:
+def checked_count(name: str, value: SupportsIndex, least: int, most: float = np.inf) -> int:
+    """An integer between bounds.
+
+    Raises
+    ------
+    InvalidParameter
+        It is something else; the message says what.
+    """
     try:
         n = index(value)
     except TypeError:
-        raise ValueError(f"{name} must be an integer, not {value!r}") from None
+        raise InvalidParameter(f"{name} must be an integer, not {value!r}") from None
     if n < least:
-        raise ValueError(f"{name} must be at least {least}, not {n}")
+        raise InvalidParameter(f"{name} must be at least {least}, not {n}")
+    if n > most:
+        raise InvalidParameter(f"{name} must be at most {most}, not {n}")
     return n
 
 
@@ -58,7 +72,7 @@ def triangulate(
     Parameters
     ----------
     surface
-        A surface of the gallery.
+        Such as those of `isoembed.gallery`.
     n_vertices
         Exact number of vertices, at least 12.
     irregular
@@ -73,7 +87,7 @@ def triangulate(
 
     Raises
     ------
-    ValueError
+    InvalidParameter
         If ``n_vertices`` is not an integer of at least 12, or ``irregular`` not one of at least 0.
 
     Notes
@@ -85,10 +99,10 @@ def triangulate(
     keep their distance), connected in the same way and left alone; its angles lie in about 15-135 degrees.
     Where the vertices are too few for the surface's sharpest features either window may be missed.
     """
-    n = _integer("the number of vertices", n_vertices, MIN_VERTICES)
+    n = checked_count("the number of vertices", n_vertices, SURFACE_MESH.fewest)
     if irregular is None:
         return _regular(surface, n)
-    u = blue_noise_directions(surface, n, _integer("the seed of an irregular mesh", irregular, 0))
+    u = blue_noise_directions(surface, n, checked_count("the seed of an irregular mesh", irregular, 0))
     faces = hull_faces(u)
     faces, _ = flip_to_delaunay(surface._points(u), surface._normals(u), faces, twin_halfedges(faces))
     return surface.point(u), faces
@@ -98,21 +112,22 @@ def _regular(surface: Surface, n: int) -> tuple[Array, Index]:
     u = spread_directions(surface, fibonacci_lattice(n))
     faces = hull_faces(u)
     twin = twin_halfedges(faces)
-    if n > LARGE:
+    if n > SURFACE_MESH.large:
         faces, twin = flip_to_delaunay(surface._points(u), surface._normals(u), faces, twin)
-        u, faces = touch_up(surface, u, faces, twin, ANGLE_WINDOW)
+        u, faces = touch_up(surface, u, faces, twin, np.radians(SURFACE_MESH.angles))
     else:
         u, faces = _relaxed(surface, u, faces, twin)
     return surface.point(u), faces
 
 
 def _relaxed(surface: Surface, u: Array, faces: Index, twin: Index) -> tuple[Array, Index]:
+    least, largest = np.radians(SURFACE_MESH.angles)
     best, best_score = (u, faces), (len(faces) + 1, np.inf)
-    for _ in range(MAX_SWEEPS + 1):
+    for _ in range(SURFACE_MESH.sweeps + 1):
         x, normals = surface._points(u), surface._normals(u)
         faces, twin = flip_to_delaunay(x, normals, faces, twin)
         angles = corner_angles(x, faces)
-        beyond = max(ANGLE_WINDOW[0] - angles.min(), angles.max() - ANGLE_WINDOW[1])
+        beyond = max(least - angles.min(), angles.max() - largest)
         score = (_inward_faces(x, normals, faces), float(beyond))
         if score < best_score:
             best, best_score = (u, faces), score

@@ -3,67 +3,41 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from functools import cached_property
-from operator import index
+from functools import cached_property, partial
 
 import numpy as np
 from numpy.typing import NDArray
 
 from isoembed.errors import InvalidMetric, InvalidParameter
 from isoembed.mesh.triangulation import Triangulation, frozen
-from isoembed.meshing.flips import twin_halfedges
-from isoembed.meshing.intrinsic_relaxation import corner_angles, end_lengths, flip_to_delaunay, relaxed
-from isoembed.meshing.sphere import fibonacci_lattice, hull_faces
-from isoembed.meshing.spreading import Cells, cell_centers
+from isoembed.meshing.intrinsic_relaxation import angles_from_lengths
+from isoembed.meshing.metric_relaxation import MetricMesh
+from isoembed.meshing.sphere import fibonacci_lattice
+from isoembed.meshing.spreading import Cells, cell_centers, roundest_axis
+from isoembed.meshing.triangulate import SURFACE_MESH, checked_count
 from isoembed.metric.polyhedral import PolyhedralMetric
 from isoembed.smooth.gaussian_curvature import gaussian_curvature
 from isoembed.smooth.geodesics import definite_tensor, geodesic_lengths, in_own_unit
 from isoembed.smooth.grid_metric import sampled_on_grid
 from isoembed.smooth.two_metric import TwoMetric, area_density
+from isoembed.thresholds import threshold
 
 Floats = NDArray[np.float64]
 Indices = NDArray[np.int64]
 Mask = NDArray[np.bool_]
 
-MIN_VERTICES = 12
 
-MAX_VERTICES = 10_000_000
-"""More of them are a mistake in the unit of the size, and fit into no memory."""
+@dataclass(frozen=True)
+class SphereMeshThresholds:
+    """Thresholds of the triangulation of metrics; those of its relaxation are those of `METRIC_MESH`."""
 
-ANGLE_WINDOW = np.radians([35.0, 100.0])
-"""Angles at which the relaxation stops."""
+    most: int = threshold(10_000_000, "vertices", "More of them fit into no memory.")
+    grading: float = threshold(0.1, "relative", "Grading of the meshes that embeddings begin with.")
+    excess: float = threshold(1.02, "relative", "Mean edge length over that of equilateral triangles.")
+    curvature_cells: tuple[int, int] = threshold((256, 64), "count", "Cells that sample the curvature.")
 
-GRADED = 0.1
-"""Vertices that follow the curvature, against one that follows the area, in the meshes for embeddings."""
 
-OPTIMAL_SWEEPS = 10
-"""Sweeps towards optimal Delaunay triangulations, before those to centroidal Voronoi tessellations."""
-
-SWEEPS = 30
-"""Of all vertices."""
-
-TOUCHES = 300
-"""Sweeps of the vertices near angles outside the window."""
-
-PATIENCE = 40
-"""Such sweeps in a row after which there should be fewer bad triangles."""
-
-RINGS = 2
-"""How many edges from a bad triangle vertices are moved then; one more for each `STUCK` sweeps in vain."""
-
-STUCK = 8
-
-EQUILATERAL_EXCESS = 1.02
-"""Mean edge length of the meshes made here, over that of equilateral triangles of their area."""
-
-OVERRELAXATION = 1.5
-"""Of centroidal steps, which creep."""
-
-CURVATURE_CELLS = (256, 64)
-"""In theta and phi, where the curvature is sampled, which costs much more than the metric."""
-
-FLIP_ROUNDS = 5
-"""Flips and new measurements in turn, as a measured edge may ask back what its unfolded length asked for."""
+SPHERE_MESH = SphereMeshThresholds()
 
 
 @dataclass(frozen=True, eq=False)
@@ -89,7 +63,7 @@ class SphereMesh:
     @cached_property
     def angles(self) -> tuple[float, float]:
         """The least and the largest angle of the triangles, in radians."""
-        angles = corner_angles(self.metric.normalized.face_lengths.ravel())
+        angles = angles_from_lengths(self.metric.normalized.face_lengths.ravel())
         return float(angles.min()), float(angles.max())
 
     def measured(self, metric: TwoMetric) -> PolyhedralMetric:
@@ -150,52 +124,51 @@ def triangulate_metric(
         raise InvalidParameter(f"grading must be a number of at least 0, not {grading!r}")
     if size is not None and not (np.isfinite(size) and size > 0.0):
         raise InvalidParameter(f"size must be a positive number, not {size!r}")
-    n = None if vertices is None else _checked(vertices)
+    n = (
+        None
+        if vertices is None
+        else checked_count("the number of vertices", vertices, SURFACE_MESH.fewest, SPHERE_MESH.most)
+    )
     unit, own = in_own_unit(metric)
     area, density = _densities(own, grading, n)
     if size is not None:
         n = _vertices_of_size(area, density, size, unit)
     assert n is not None
-    mesh = _Mesh.of(Cells(area.values * density.values, area.axis).spread(fibonacci_lattice(n)), own)
-    return _relax(mesh, density if grading else None).finished(unit)
+    u = Cells(area.values * density.values, area.axis).spread(fibonacci_lattice(n))
+    start = MetricMesh.hull(u, partial(definite_tensor, own), partial(geodesic_lengths, own))
+    mesh = start.relaxed(density if grading else None)
+    triangulation = Triangulation(mesh.corners.reshape(-1, 3))
+    lengths = unit * mesh.lengths[triangulation.edge_halfedges[:, 0]]
+    try:
+        return SphereMesh(frozen(mesh.u), PolyhedralMetric.on(triangulation, lengths))
+    except InvalidMetric as error:
+        raise InvalidParameter(f"{n} vertices are too few for this metric: {error}") from None
 
 
 def graded_mesh(metric: TwoMetric, vertices: int) -> SphereMesh:
     """The mesh that embeddings begin with: of the metric on a grid, with more vertices where it is curved."""
-    return triangulate_metric(sampled_on_grid(metric), vertices, grading=GRADED)
-
-
-def _checked(vertices: int) -> int:
-    try:
-        n = index(vertices)
-    except TypeError:
-        raise InvalidParameter(f"the number of vertices must be an integer, not {vertices!r}") from None
-    if n < MIN_VERTICES:
-        raise InvalidParameter(f"the number of vertices must be at least {MIN_VERTICES}, not {n}")
-    if n > MAX_VERTICES:
-        raise InvalidParameter(f"the number of vertices must be at most {MAX_VERTICES}, not {n}")
-    return n
+    return triangulate_metric(sampled_on_grid(metric), vertices, grading=SPHERE_MESH.grading)
 
 
 def _densities(metric: TwoMetric, grading: float, n: int | None) -> tuple[Cells, Cells]:
     """The area over that of the unit sphere, and the wanted vertices per area up to a factor, on cells."""
     rows = int(np.clip(4.0 * np.sqrt(n or 10_000), 256, 1024))
-    axis = _roundest_axis(metric)
+    axis = roundest_axis(_great_circles(metric))
     area = Cells.of(lambda u: area_density(definite_tensor(metric, u)), (rows, rows // 2), axis)
     if not grading:
         return area, Cells(np.ones_like(area.values), axis)
     # The curvature costs much more to sample.
-    K = Cells.of(lambda u: gaussian_curvature(metric, u), CURVATURE_CELLS, axis)
+    K = Cells.of(lambda u: gaussian_curvature(metric, u), SPHERE_MESH.curvature_cells, axis)
     density = 1.0 + grading * area.integral() / (4.0 * np.pi) * np.abs(
         K.at(cell_centers(area.values.shape, axis))
     )
     return area, Cells(density.reshape(area.values.shape), axis)
 
 
-def _roundest_axis(metric: TwoMetric) -> int:
-    """The Cartesian axis about which the metric is closest to round, z when in doubt.
+def _great_circles(metric: TwoMetric) -> Floats:
+    """The lengths (3,) of the great circles about the Cartesian axes, up to a factor.
 
-    On a surface of revolution the great circles that meet at the axis are of one length.
+    On a surface of revolution those that meet at the axis are of one length.
     """
     a = 2.0 * np.pi / 64.0 * np.arange(64)
     length = np.empty(3)
@@ -205,9 +178,8 @@ def _roundest_axis(metric: TwoMetric) -> int:
             np.outer(np.cos(a), e) + np.outer(np.sin(a), f),
             np.outer(np.cos(a), f) - np.outer(np.sin(a), e),
         )
-        length[k] = np.log(np.sqrt(np.einsum("ni,nij,nj->n", v, definite_tensor(metric, u), v)).mean())
-    spread = [abs(length[(k + 1) % 3] - length[(k + 2) % 3]) for k in (2, 1, 0)]
-    return 2 - int(np.argmin(np.round(spread, 9)))
+        length[k] = np.sqrt(np.einsum("ni,nij,nj->n", v, definite_tensor(metric, u), v)).mean()
+    return length
 
 
 def _vertices_of_size(area: Cells, density: Cells, size: float, unit: float) -> int:
@@ -216,118 +188,14 @@ def _vertices_of_size(area: Cells, density: Cells, size: float, unit: float) -> 
     N vertices of the density w have N w / int w dA in a unit of area, each with the area 3^(1/2) l^2 / 2 if
     the triangles were equilateral.
     """
+    fewest, most = SURFACE_MESH.fewest, SPHERE_MESH.most
     root = Cells(area.values * np.sqrt(density.values), area.axis).integral()
     whole = Cells(area.values * density.values, area.axis).integral()
     with np.errstate(over="ignore"):
-        n = 2.0 + 2.0 / np.sqrt(3.0) * (EQUILATERAL_EXCESS * root * np.divide(unit, size)) ** 2 / whole
-    if not MIN_VERTICES - 0.5 <= n < MAX_VERTICES + 0.5:
-        bound = f"least {MIN_VERTICES}" if n < MIN_VERTICES else f"most {MAX_VERTICES}"
+        n = 2.0 + 2.0 / np.sqrt(3.0) * (SPHERE_MESH.excess * root * np.divide(unit, size)) ** 2 / whole
+    if not fewest - 0.5 <= n < most + 0.5:
+        bound = f"least {fewest}" if n < fewest else f"most {most}"
         raise InvalidParameter(
             f"edges of the length {size:.6g} make {n:.3g} vertices, but there must be at {bound}"
         )
     return round(n)
-
-
-@dataclass(eq=False)
-class _Mesh:
-    """A triangulation that is being improved, in tables over half-edges as in `unfolding`."""
-
-    metric: TwoMetric
-    u: Floats
-    corners: Indices
-    twins: Indices
-    lengths: Floats
-
-    @classmethod
-    def of(cls, u: Floats, metric: TwoMetric) -> _Mesh:
-        """The convex hull of directions (V, 3)."""
-        faces = hull_faces(u)
-        return cls(metric, u, faces.ravel().copy(), twin_halfedges(faces), np.empty(faces.size))
-
-    def copy(self) -> _Mesh:
-        return _Mesh(self.metric, self.u, self.corners.copy(), self.twins.copy(), self.lengths.copy())
-
-    def flip_roughly(self) -> None:
-        """Flip to Delaunay by lengths from the metric at the vertices alone."""
-        q = definite_tensor(self.metric, self.u)
-        end_lengths(self.u, q, self.corners, self.twins, self.lengths)
-        for _ in range(FLIP_ROUNDS):
-            if len(flip_to_delaunay(self.u, self.corners, self.twins, self.lengths)) == 0:
-                break
-            end_lengths(self.u, q, self.corners, self.twins, self.lengths)
-
-    def measure(self, h: Indices) -> None:
-        """Measure the edges of half-edges."""
-        h = np.unique(np.minimum(h, self.twins[h]))
-        start, end = self.u[self.corners[h]], self.u[self.corners[self.twins[h]]]
-        self.lengths[h] = self.lengths[self.twins[h]] = geodesic_lengths(self.metric, start, end)
-
-    def flip(self, moved: Mask) -> None:
-        """Flip to Delaunay by geodesic lengths, those between vertices that have not moved being known."""
-        h = np.flatnonzero(moved[self.corners])
-        for _ in range(FLIP_ROUNDS):
-            self.measure(h)
-            h = flip_to_delaunay(self.u, self.corners, self.twins, self.lengths)
-            if len(h) == 0:
-                return
-        self.measure(h)
-
-    def beyond(self) -> Floats:
-        """How far each triangle's angles reach beyond the window, (F,)."""
-        angles = corner_angles(self.lengths)
-        return np.maximum(ANGLE_WINDOW[0] - angles.min(axis=1), angles.max(axis=1) - ANGLE_WINDOW[1])
-
-    def about(self, faces: Mask, rings: int) -> Mask:
-        """The vertices within so many edges of triangles."""
-        table = self.corners.reshape(-1, 3)
-        near = np.zeros(len(self.u), dtype=bool)
-        for _ in range(rings):
-            near[table[faces]] = True
-            faces = np.asarray(near[table].any(axis=1))
-        return near
-
-    def move(self, density: Cells | None, moving: Mask, optimal: bool) -> None:
-        """Move vertices towards where the triangles about them are best."""
-        wanted = np.ones(len(self.u)) if density is None else density.at(self.u)
-        factor = 1.0 if optimal else OVERRELAXATION
-        self.u = relaxed(self.u, self.corners, self.twins, self.lengths, wanted, moving, optimal, factor)
-
-    def finished(self, unit: float) -> SphereMesh:
-        """The mesh, once its lengths are geodesic."""
-        triangulation = Triangulation(self.corners.reshape(-1, 3))
-        along = triangulation.edge_halfedges[:, 0]
-        try:
-            metric = PolyhedralMetric.on(triangulation, unit * self.lengths[along])
-        except InvalidMetric as error:
-            raise InvalidParameter(f"{len(self.u)} vertices are too few for this metric: {error}") from None
-        return SphereMesh(frozen(self.u), metric)
-
-
-def _relax(mesh: _Mesh, density: Cells | None) -> _Mesh:
-    """The best of all meshes on the way to angles within the window."""
-    everywhere = np.ones(len(mesh.u), dtype=bool)
-    best, least = mesh, np.inf
-    for sweep in range(SWEEPS + 1):
-        mesh.flip_roughly()
-        beyond = float(mesh.beyond().max())
-        if beyond < least:
-            best, least = mesh.copy(), beyond
-        if least <= 0.0:
-            break
-        mesh.move(density, everywhere, sweep < OPTIMAL_SWEEPS)
-
-    mesh, least, moved = best.copy(), np.inf, everywhere
-    fewest, stale = len(mesh.corners), 0
-    for touch in range(TOUCHES + 1):
-        mesh.flip(moved)
-        beyond_each = mesh.beyond()
-        beyond, bad = float(beyond_each.max()), int(np.count_nonzero(beyond_each > 0.0))
-        fewest, stale = (bad, 0) if bad < fewest else (fewest, stale + 1)
-        if beyond < least:
-            best, least = mesh.copy(), beyond
-        if bad == 0 or stale == PATIENCE:
-            break
-        moved = mesh.about(beyond_each > 0.0, RINGS + stale // STUCK)
-        # Each kind of step frees what the other is stuck in.
-        mesh.move(density, moved, touch % (2 * OPTIMAL_SWEEPS) < OPTIMAL_SWEEPS)
-    return best

@@ -1,20 +1,38 @@
 """One step of Lloyd's relaxation on a surface: every vertex towards the centroid of its Voronoi cell."""
 
+from __future__ import annotations
+
+from dataclasses import dataclass
+
 import numpy as np
 from numpy.typing import NDArray
+
+from isoembed.thresholds import threshold
 
 Array = NDArray[np.float64]
 Index = NDArray[np.int64]
 
-OVERRELAXATION = 1.5
-"""Steps longer than Lloyd's, which creep; from 1.8 on they no longer settle."""
 
-LONGEST_STEP = 0.5
-"""Bound of a step over the shortest edge at the vertex: no triangle turns over."""
+@dataclass(frozen=True)
+class RelaxationThresholds:
+    """Thresholds of the relaxation of vertices, of surfaces and of metrics."""
+
+    overrelaxation: float = threshold(
+        1.5, "relative", "Steps over Lloyd's, which creep; with 1.8 they do not settle."
+    )
+    longest_step: float = threshold(0.5, "relative", "Bound of a step over the shortest edge at the vertex.")
+    rings: int = threshold(
+        2,
+        "edges",
+        "How far from bad triangles vertices move.",
+    )
+
+
+RELAXATION = RelaxationThresholds()
 
 
 def lloyd_step(vertices: Array, normals: Array, faces: Index, density: Array) -> Array:
-    """Return tangent displacements (V, 3) towards the centroids of the Voronoi cells.
+    """Tangent displacements (V, 3) towards the centroids of the Voronoi cells.
 
     Parameters
     ----------
@@ -56,9 +74,9 @@ def lloyd_step(vertices: Array, normals: Array, faces: Index, density: Array) ->
             first = mass * centroid[..., axis]
             moment[:, axis] += np.bincount(faces.ravel(), first.ravel(), len(vertices))
 
-    step = OVERRELAXATION * (moment / weight[:, None] - vertices)
+    step = RELAXATION.overrelaxation * (moment / weight[:, None] - vertices)
     step -= np.einsum("ij,ij->i", step, normals)[:, None] * normals
     shortest = np.full(len(vertices), np.inf)
     np.minimum.at(shortest, faces, np.sqrt(np.minimum(np.roll(l2, -1, axis=1), np.roll(l2, -2, axis=1))))
-    bound = LONGEST_STEP * shortest
+    bound = RELAXATION.longest_step * shortest
     return step * (bound / np.maximum(bound, np.linalg.norm(step, axis=1)))[:, None]

@@ -1,0 +1,153 @@
+"""Relaxation of triangles on the sphere until they are nearly equilateral in a metric, by lengths alone."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from isoembed.meshing.flips import twin_halfedges
+from isoembed.meshing.intrinsic_relaxation import angles_from_lengths, end_lengths, flip_to_delaunay, relaxed
+from isoembed.meshing.lloyd import RELAXATION
+from isoembed.meshing.sphere import hull_faces
+from isoembed.meshing.spreading import Cells
+from isoembed.thresholds import threshold
+
+Floats = NDArray[np.float64]
+Indices = NDArray[np.int64]
+Mask = NDArray[np.bool_]
+
+
+@dataclass(frozen=True)
+class MetricMeshThresholds:
+    """Thresholds of the relaxation of triangles in a metric."""
+
+    angles: tuple[float, float] = threshold((35.0, 100.0), "degrees", "Angles between which it stops.")
+    optimal: int = threshold(10, "count", "Sweeps towards optimal Delaunay meshes, before centroidal ones.")
+    sweeps: int = threshold(30, "count", "Sweeps of all vertices.")
+    touches: int = threshold(300, "count", "Sweeps of the vertices near angles outside the window.")
+    patience: int = threshold(40, "count", "Such sweeps in a row after which fewer triangles should be bad.")
+    stuck: int = threshold(8, "count", "Such sweeps in vain after which vertices move one edge farther away.")
+    flip_rounds: int = threshold(5, "count", "Flips and measurements in turn: these may ask flips back.")
+
+
+METRIC_MESH = MetricMeshThresholds()
+
+
+@dataclass(eq=False)
+class MetricMesh:
+    """A triangulation of the sphere of directions that is being improved.
+
+    Attributes
+    ----------
+    tensor : callable
+        Takes unit vectors (n, 3) and returns the metric (n, 3, 3) there.
+    distances : callable
+        Takes two arrays of unit vectors (n, 3) and returns the lengths (n,) of the geodesics between them.
+    u : ndarray, shape (V, 3)
+        Directions of the vertices.
+    corners, twins, lengths : ndarray, shape (3F,)
+        Tables over half-edges, as in `isoembed.meshing.intrinsic_relaxation`.
+    """
+
+    tensor: Callable[[Floats], Floats]
+    distances: Callable[[Floats, Floats], Floats]
+    u: Floats
+    corners: Indices
+    twins: Indices
+    lengths: Floats
+
+    @classmethod
+    def hull(
+        cls, u: Floats, tensor: Callable[[Floats], Floats], distances: Callable[[Floats, Floats], Floats]
+    ) -> MetricMesh:
+        """The convex hull of directions (V, 3), not yet measured."""
+        faces = hull_faces(u)
+        return cls(tensor, distances, u, faces.ravel().copy(), twin_halfedges(faces), np.empty(faces.size))
+
+    def copy(self) -> MetricMesh:
+        """A copy whose tables may change."""
+        tables = (self.corners.copy(), self.twins.copy(), self.lengths.copy())
+        return MetricMesh(self.tensor, self.distances, self.u, *tables)
+
+    def relaxed(self, density: Cells | None) -> MetricMesh:
+        """The best of all meshes on the way to angles within the window.
+
+        Parameters
+        ----------
+        density : Cells, optional
+            Wanted vertices per area, up to a factor; by default even.
+        """
+        mesh, everywhere = self, np.ones(len(self.u), dtype=bool)
+        best, least = mesh, np.inf
+        for sweep in range(METRIC_MESH.sweeps + 1):
+            mesh._flip_roughly()
+            beyond = float(mesh._beyond().max())
+            if beyond < least:
+                best, least = mesh.copy(), beyond
+            if least <= 0.0:
+                break
+            mesh._move(density, everywhere, sweep < METRIC_MESH.optimal)
+
+        mesh, least, moved = best.copy(), np.inf, everywhere
+        fewest, stale = len(mesh.corners), 0
+        for touch in range(METRIC_MESH.touches + 1):
+            mesh._flip(moved)
+            beyond_each = mesh._beyond()
+            beyond, bad = float(beyond_each.max()), int(np.count_nonzero(beyond_each > 0.0))
+            fewest, stale = (bad, 0) if bad < fewest else (fewest, stale + 1)
+            if beyond < least:
+                best, least = mesh.copy(), beyond
+            if bad == 0 or stale == METRIC_MESH.patience:
+                break
+            moved = mesh._about(beyond_each > 0.0, RELAXATION.rings + stale // METRIC_MESH.stuck)
+            # Each kind of step frees what the other is stuck in.
+            mesh._move(density, moved, touch % (2 * METRIC_MESH.optimal) < METRIC_MESH.optimal)
+        return best
+
+    def _flip_roughly(self) -> None:
+        """Flip to Delaunay by lengths from the metric at the vertices alone."""
+        q = self.tensor(self.u)
+        end_lengths(self.u, q, self.corners, self.twins, self.lengths)
+        for _ in range(METRIC_MESH.flip_rounds):
+            if len(flip_to_delaunay(self.u, self.corners, self.twins, self.lengths)) == 0:
+                break
+            end_lengths(self.u, q, self.corners, self.twins, self.lengths)
+
+    def _measure(self, h: Indices) -> None:
+        """Measure the edges of half-edges."""
+        h = np.unique(np.minimum(h, self.twins[h]))
+        start, end = self.u[self.corners[h]], self.u[self.corners[self.twins[h]]]
+        self.lengths[h] = self.lengths[self.twins[h]] = self.distances(start, end)
+
+    def _flip(self, moved: Mask) -> None:
+        """Flip to Delaunay by geodesic lengths, those between vertices that have not moved being known."""
+        h = np.flatnonzero(moved[self.corners])
+        for _ in range(METRIC_MESH.flip_rounds):
+            self._measure(h)
+            h = flip_to_delaunay(self.u, self.corners, self.twins, self.lengths)
+            if len(h) == 0:
+                return
+        self._measure(h)
+
+    def _beyond(self) -> Floats:
+        """How far each triangle's angles reach beyond the window, (F,)."""
+        angles, (least, largest) = angles_from_lengths(self.lengths), np.radians(METRIC_MESH.angles)
+        return np.maximum(least - angles.min(axis=1), angles.max(axis=1) - largest)
+
+    def _about(self, faces: Mask, rings: int) -> Mask:
+        """The vertices within so many edges of triangles."""
+        table = self.corners.reshape(-1, 3)
+        near = np.zeros(len(self.u), dtype=bool)
+        for _ in range(rings):
+            near[table[faces]] = True
+            faces = np.asarray(near[table].any(axis=1))
+        return near
+
+    def _move(self, density: Cells | None, moving: Mask, optimal: bool) -> None:
+        """Move vertices towards where the triangles about them are best."""
+        wanted = np.ones(len(self.u)) if density is None else density.at(self.u)
+        factor = 1.0 if optimal else RELAXATION.overrelaxation
+        self.u = relaxed(self.u, self.corners, self.twins, self.lengths, wanted, moving, optimal, factor)
