@@ -158,7 +158,7 @@ class StarSurface:
 
     @classmethod
     def from_points(cls, points: ArrayLike, center: Sequence[float]) -> StarSurface:
-        """Fit of harmonics to points by least squares, weighted by the solid angles that the points stand for.
+        """Least squares fit of harmonics to points, weighted by the solid angles that they stand for.
 
         The degree is the one of least generalized cross-validation, at most 40; see
         `isoembed.smooth.transforms.fitted`.
