@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
@@ -12,15 +12,15 @@ from numpy.typing import NDArray
 from isoembed.aim.embedding_tree import EmbeddingTree
 from isoembed.aim.embedding_tree import embedding_tree as grown
 from isoembed.aim.paper import Paper
-from isoembed.gallery import Ellipsoid, triangulate
+from isoembed.gallery import Ellipsoid
 from isoembed.metric.polyhedral import PolyhedralMetric
 from isoembed.progress.stages import Log, StageRecorder
 from isoembed.studies import plots
+from isoembed.studies.bodies import meshed
 from isoembed.studies.section import Comparison, Illustration, Section, Table
 from isoembed.surface.measures import edge_lengths
 
 if TYPE_CHECKING:
-    from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
 Floats = NDArray[np.float64]
@@ -41,9 +41,34 @@ class _Placed:
     used: Mask
     errors: Floats  # relative, (E,)
 
+    @property
+    def later_layers(self) -> Indices:
+        """The layer of the later end of each edge, (E,)."""
+        return self.tree.layers[self.metric.edges].max(axis=1)
+
+    @property
+    def growth(self) -> float:
+        """Factor by which the typical error of a determined edge grows from a layer to the next."""
+        free = ~self.used & (self.errors > 0)
+        return float(np.exp(np.polyfit(self.later_layers[free], np.log(self.errors[free]), 1)[0]))
+
+    @property
+    def numbers(self) -> dict[str, Any]:
+        """Sizes, and the errors of the used and of the determined edges."""
+        determined = self.errors[~self.used]
+        return {
+            "vertices": len(self.tree.layers),
+            "layers": int(self.tree.layers.max()),
+            "determined": len(determined),
+            "used": float(self.errors[self.used].max()),
+            "median": float(np.median(determined)),
+            "mean": float(determined.mean()),
+            "worst": float(determined.max()),
+        }
+
 
 def study(*, shown: int, sizes: Sequence[int]) -> Section:
-    """Draw the tree and measure what it does to the edges that it does not use.
+    """The tree, and what it does to the edges that it does not use.
 
     Parameters
     ----------
@@ -51,21 +76,17 @@ def study(*, shown: int, sizes: Sequence[int]) -> Section:
         Vertices of the sphere that is drawn.
     sizes : sequence of int
         Vertices of the ellipsoids that are measured, rising.
-
-    Returns
-    -------
-    Section
     """
-    first_edge = _first_edge_errors()
-    pictured = _placed(shown)
-    rows = [_measured(_placed(n)) for n in sizes]
-    n = np.array(sizes)
-    falling = {key: _exponent(n, np.array([row[key] for row in rows])) for key in ("median", "mean", "worst")}
+    placed = {n: _placed(n) for n in {shown, *sizes}}
+    rows = [placed[n].numbers for n in sizes]
+    pictured, largest, last = placed[shown], placed[sizes[-1]], rows[-1]
+    falling = {
+        key: float(np.polyfit(np.log(sizes), np.log([row[key] for row in rows]), 1)[0])
+        for key in ("median", "mean", "worst")
+    }
     middle = pictured.tree.layers.max() // 4
-    unfolded = _two_solutions()
-    last = rows[-1]
-    largest = _placed(sizes[-1])
-    growth = _growth(largest)
+    first_edge, points = _first_edge_errors(), _fold()
+    unfolded = _two_solutions(points)
     return Section(
         title="The embedding tree",
         text=(
@@ -79,8 +100,8 @@ def study(*, shown: int, sizes: Sequence[int]) -> Section:
             f"does ({falling['worst']:.1f}). A median over all edges would hide this, since two thirds of "
             "them are used.",
             "The reason is in the right half of the last figure: a vertex inherits the errors of the edge "
-            f"that it is placed from, and they grow from layer to layer, here by a factor of "
-            f"{growth**10:.1f} every ten layers.",
+            "that it is placed from, and they grow from layer to layer, here by a factor of "
+            f"{largest.growth**10:.1f} every ten layers.",
         ),
         figures=(
             Illustration(
@@ -94,13 +115,13 @@ def study(*, shown: int, sizes: Sequence[int]) -> Section:
                 "two-solutions",
                 "The two points k at the given distances from a and b on the sphere. The unfolded one has "
                 f"the larger distance from i: {unfolded['far']:.3f} r against {unfolded['near']:.3f} r.",
-                _choice_figure(),
+                _choice_figure(points),
             ),
             Illustration(
                 "determined-edges",
                 "Left: errors of the determined edges of the ellipsoid against the number of vertices. "
                 "Right: the same at the largest size, against the layer of the later end.",
-                _error_figure(n, rows, largest),
+                _error_figure(sizes, rows, largest),
             ),
         ),
         comparisons=(
@@ -128,20 +149,17 @@ def study(*, shown: int, sizes: Sequence[int]) -> Section:
             ),
         ),
         tables=(
-            Table(
+            Table.of(
                 "Relative errors of the lengths on the sphere, ellipsoid (3, 2, 1)",
-                ("N", "layers", "used, worst", "determined: median", "mean", "worst"),
-                tuple(
-                    (
-                        f"{row['vertices']:,}",
-                        str(row["layers"]),
-                        f"{row['used']:.1e}",
-                        f"{row['median']:.1e}",
-                        f"{row['mean']:.1e}",
-                        f"{row['worst']:.2f}",
-                    )
-                    for row in rows
-                ),
+                {
+                    "N": "{vertices:,}",
+                    "layers": "{layers}",
+                    "used, worst": "{used:.1e}",
+                    "determined: median": "{median:.1e}",
+                    "mean": "{mean:.1e}",
+                    "worst": "{worst:.2f}",
+                },
+                rows,
             ),
         ),
         numbers={
@@ -149,14 +167,14 @@ def study(*, shown: int, sizes: Sequence[int]) -> Section:
             "two_solutions": unfolded,
             "ellipsoid": rows,
             "exponents": falling,
-            "growth_per_layer": growth,
+            "growth_per_layer": largest.growth,
         },
     )
 
 
 def _placed(n: int) -> _Placed:
-    """Uniformize an ellipsoid and grow the tree, as `Paper` does."""
-    metric = PolyhedralMetric.from_mesh(*triangulate(Ellipsoid(), n)).normalized
+    """The tree of a uniformized ellipsoid, as `Paper` makes it."""
+    metric = meshed(Ellipsoid(), n).metric.normalized
     recorder = StageRecorder("embedding tree", Log())
     uniform = Paper().uniformize(metric, recorder)
     tree = grown(uniform.metric, uniform.radius, Paper().root, recorder)
@@ -166,37 +184,8 @@ def _placed(n: int) -> _Placed:
     pairs = [np.column_stack([later, tree.pivots[later, k]]) for k in range(2)]
     used = np.zeros(triangulation.n_edges, dtype=bool)
     used[triangulation.edge_indices(np.vstack([first, *pairs]))] = True
-    lengths = uniform.metric.lengths
-    errors = np.abs(edge_lengths(metric.edges, tree.vertices) / lengths - 1)
+    errors = np.abs(edge_lengths(metric.edges, tree.vertices) / uniform.metric.lengths - 1)
     return _Placed(uniform.metric, uniform.radius, tree, used, errors)
-
-
-def _measured(placed: _Placed) -> dict[str, Any]:
-    determined = placed.errors[~placed.used]
-    return {
-        "vertices": len(placed.tree.layers),
-        "layers": int(placed.tree.layers.max()),
-        "determined": len(determined),
-        "used": float(placed.errors[placed.used].max()),
-        "median": float(np.median(determined)),
-        "mean": float(determined.mean()),
-        "worst": float(determined.max()),
-    }
-
-
-def _later_layer(placed: _Placed) -> Indices:
-    """The layer of each edge's later end, (E,)."""
-    return placed.tree.layers[placed.metric.edges].max(axis=1)
-
-
-def _growth(placed: _Placed) -> float:
-    """Factor by which the typical error of a determined edge grows from a layer to the next."""
-    free = ~placed.used & (placed.errors > 0)
-    return float(np.exp(np.polyfit(_later_layer(placed)[free], np.log(placed.errors[free]), 1)[0]))
-
-
-def _exponent(n: Indices, value: Floats) -> float:
-    return float(np.polyfit(np.log(n), np.log(value), 1)[0])
 
 
 def _first_edge_errors() -> dict[str, float]:
@@ -224,9 +213,7 @@ def _fold() -> dict[str, Floats]:
     return {"a": a, "b": b, "i": i, "k": k, "k'": k - 2 * (k @ normal) * normal}
 
 
-def _two_solutions() -> dict[str, float]:
-    p = _fold()
-
+def _two_solutions(p: Mapping[str, Floats]) -> dict[str, float]:
     def between(x: str, y: str) -> float:
         return float(np.linalg.norm(p[x] - p[y]))
 
@@ -253,38 +240,29 @@ def _tree_figure(placed: _Placed, layer: int) -> Figure:
     old, new = tree.layers <= layer, tree.layers == layer + 1
     solid = triangulation.faces[(old & front)[triangulation.faces].all(axis=1)]
     axes.add_collection(PolyCollection(list(flat[solid]), facecolors=plots.STONE, edgecolors="none"))
-    ends = triangulation.edges
+    ends, used = triangulation.edges, placed.used
     seen = front[ends].all(axis=1)
     both_old, reaching = old[ends].all(axis=1), new[ends].any(axis=1) & (old | new)[ends].all(axis=1)
-    for which, style in (
-        (both_old & placed.used, {"colors": plots.INK, "linewidths": 1.1, "label": "used, placed"}),
-        (
-            reaching & placed.used,
-            {
-                "colors": plots.INK,
-                "linewidths": 1.4,
-                "linestyles": (0, (1, 1.6)),
-                "label": "used for the next",
-            },
-        ),
-        (
-            (both_old | reaching) & ~placed.used,
-            {"colors": plots.BLUE, "linewidths": 3.0, "label": "determined"},
-        ),
+    for which, label, color, width, line in (
+        (both_old & used, "used, placed", plots.INK, 1.1, "solid"),
+        (reaching & used, "used for the next", plots.INK, 1.4, (0, (1, 1.6))),
+        ((both_old | reaching) & ~used, "determined", plots.BLUE, 3.0, "solid"),
     ):
-        lines = LineCollection(list(flat[ends[which & seen]]), capstyle="round", **style)  # type: ignore[arg-type]
-        axes.add_collection(lines)
-    dots = flat[new & front]
-    axes.plot(*dots.T, "o", color=plots.INK, markersize=5, label="next vertices")
+        segments = list(flat[ends[which & seen]])
+        axes.add_collection(
+            LineCollection(
+                segments, colors=color, linewidths=width, linestyles=line, capstyle="round", label=label
+            )
+        )
+    axes.plot(*flat[new & front].T, "o", color=plots.INK, markersize=5, label="next vertices")
     axes.set_xlim(-1.3, 1.3)
     axes.set_ylim(-1.03, 1.03)
     plots.legend(axes, loc="lower center", ncols=4, bbox_to_anchor=(0.5, -0.07))
     return figure
 
 
-def _choice_figure() -> Figure:
-    points = _fold()
-    (c, s) = np.cos(TILT), np.sin(TILT)
+def _choice_figure(points: Mapping[str, Floats]) -> Figure:
+    c, s = np.cos(TILT), np.sin(TILT)
     camera = np.array([[1.0, 0.0, 0.0], [0.0, c, s]])
     at = {name: camera @ p for name, p in points.items()}
 
@@ -297,49 +275,34 @@ def _choice_figure() -> Figure:
             z = 1 / np.sqrt(1 + np.tan(x) ** 2 + np.tan(y) ** 2)
             arc = np.array(np.broadcast_arrays(np.tan(x) * z, np.tan(y) * z, z))
             axes.plot(*(camera @ arc), color=plots.GRID, linewidth=0.7, zorder=0)
-    axes.fill(
-        *np.array([at[name] for name in "iab"]).T, facecolor=plots.STONE, edgecolor=plots.INK, linewidth=1.2
-    )
+    corners = np.array([at[name] for name in "iab"])
+    axes.fill(*corners.T, facecolor=plots.STONE, edgecolor=plots.INK, linewidth=1.2)
     for name, color in (("k", plots.BLUE), ("k'", plots.VERMILION)):
         for end in "ab":
             axes.plot(*np.array([at[end], at[name]]).T, ":", color=color, linewidth=1.8)
         axes.plot(*np.array([at["i"], at[name]]).T, "--", color=color, linewidth=1.0)
         axes.plot(*at[name], "o", color=color, markersize=7)
-    _name(axes, at)
+    for name, words, offset, color in (
+        ("a", "a", (-12, 0), plots.INK),
+        ("b", "b", (12, 0), plots.INK),
+        ("i", "i", (0, -13), plots.INK),
+        ("k", "k, unfolded", (14, 8), plots.BLUE),
+        ("k'", "k, folded", (-40, -12), plots.VERMILION),
+    ):
+        plots.note(axes, words, tuple(at[name]), offset, ha="center", va="center", color=color)
     axes.margins(0.02)
     return figure
 
 
-def _name(axes: Axes, at: dict[str, Floats]) -> None:
-    """Write the names beside the points of figure 3."""
-    words = {
-        "a": ("a", (-12, 0), plots.INK),
-        "b": ("b", (12, 0), plots.INK),
-        "i": ("i", (0, -13), plots.INK),
-        "k": ("k, unfolded", (14, 8), plots.BLUE),
-        "k'": ("k, folded", (-40, -12), plots.VERMILION),
-    }
-    for name, (word, offset, color) in words.items():
-        axes.annotate(
-            word,
-            tuple(at[name]),
-            xytext=offset,
-            textcoords="offset points",
-            ha="center",
-            va="center",
-            color=color,
-        )
-
-
-def _error_figure(n: Indices, rows: list[dict[str, Any]], largest: _Placed) -> Figure:
+def _error_figure(sizes: Sequence[int], rows: Sequence[Mapping[str, Any]], largest: _Placed) -> Figure:
     figure = plots.blank(3.4)
     left, right = figure.subplots(1, 2)
     plots.dress(left, "vertices N", "relative error of a length", "determined edges")
-    for key, color, marker in zip(("worst", "mean", "median"), plots.SERIES, plots.MARKERS, strict=False):
-        left.loglog(n, [row[key] for row in rows], color=color, marker=marker, label=key)
-    left.loglog(n, [row["used"] for row in rows], color=plots.INK, marker="x", label="used edges, worst")
+    for key, style in plots.styled(("worst", "mean", "median")):
+        left.loglog(sizes, [row[key] for row in rows], label=key, **style)
+    left.loglog(sizes, [row["used"] for row in rows], color=plots.INK, marker="x", label="used edges, worst")
     plots.legend(left)
-    plots.dress(right, "layer", "", f"N = {n[-1]:,}")
+    plots.dress(right, "layer", "", f"N = {sizes[-1]:,}")
     free = ~largest.used
-    right.semilogy(_later_layer(largest)[free], largest.errors[free], ".", color=plots.BLUE, markersize=3)
+    right.semilogy(largest.later_layers[free], largest.errors[free], ".", color=plots.BLUE, markersize=3)
     return figure

@@ -18,7 +18,7 @@ from isoembed.gallery.kerr import ergosphere_radius, squares
 from isoembed.metric.curvature import negative_deficits
 from isoembed.metric.polyhedral import PolyhedralMetric
 from isoembed.studies import plots
-from isoembed.studies.attempt import attempted
+from isoembed.studies.bodies import attempted
 from isoembed.studies.mean_curvature import PAPERS
 from isoembed.studies.section import Comparison, Illustration, Section, Table
 from isoembed.surface.embedding import Embedding

@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from typing import TYPE_CHECKING, Any
+from collections.abc import Iterable, Iterator, Sequence
+from typing import TYPE_CHECKING, Any, TypeVar
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -13,19 +13,20 @@ INK, FAINT, PAPER = "#1c2430", "#6b7480", "white"
 GRID, PALE, STONE = "#d8dce2", "#eef0f3", "#c3c9d2"
 
 # Okabe and Ito's colors, which the common forms of color blindness tell apart (jfly.uni-koeln.de/color).
-BLUE, VERMILION, GREEN, PURPLE, SKY, ORANGE = (
-    "#0072b2",
-    "#d55e00",
-    "#009e73",
-    "#cc79a7",
-    "#56b4e9",
-    "#e69f00",
-)
-SERIES = (BLUE, VERMILION, GREEN, PURPLE, ORANGE, SKY)
+BLUE, VERMILION = "#0072b2", "#d55e00"
+SERIES = (BLUE, VERMILION, "#009e73", "#cc79a7", "#e69f00", "#56b4e9")
 MARKERS = ("o", "s", "^", "D", "v", "P")
 
 WIDTH = 8.0  # inches, of a figure across the page
 TEXT, SMALL = 10.0, 9.0  # points
+
+T = TypeVar("T")
+
+
+def styled(series: Iterable[T]) -> Iterator[tuple[T, dict[str, Any]]]:
+    """Each of up to six series with the color and the marker of its line."""
+    for one, color, marker in zip(series, SERIES, MARKERS, strict=False):
+        yield one, {"color": color, "marker": marker}
 
 
 def blank(height: float, width: float = WIDTH) -> Figure:
@@ -68,6 +69,11 @@ def legend_below(figure: Figure, axes: Axes, columns: int = 4) -> None:
     handles, labels = axes.get_legend_handles_labels()
     style: dict[str, Any] = {"frameon": False, "fontsize": SMALL, "labelcolor": INK}
     figure.legend(handles, labels, loc="outside lower center", ncols=columns, **style)
+
+
+def note(axes: Axes, text: str, at: tuple[float, float], offset: tuple[float, float], **style: Any) -> None:
+    """Write beside a point, at an offset in points; style as of `Axes.annotate`."""
+    axes.annotate(text, at, xytext=offset, textcoords="offset points", **{"color": INK, **style})
 
 
 def bare(axes: Axes, title: str = "") -> None:

@@ -22,7 +22,7 @@ from isoembed.metric.curvature import deficits, gaussian_curvature
 from isoembed.metric.polyhedral import PolyhedralMetric
 from isoembed.progress.stages import Log, Progress, StageRecorder
 from isoembed.studies import plots
-from isoembed.studies.attempt import attempted
+from isoembed.studies.bodies import attempted
 from isoembed.studies.section import Comparison, Illustration, Section, Table
 from isoembed.surface.alignment import distance
 from isoembed.surface.convexity import concave_edges

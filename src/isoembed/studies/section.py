@@ -1,8 +1,8 @@
-"""What a study leaves: a section of the report, with its figures, tables and comparisons."""
+"""A section of the report: what a study leaves, with its figures, tables and comparisons."""
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any
 
@@ -12,16 +12,7 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True)
 class Illustration:
-    """A figure with its name and caption.
-
-    Attributes
-    ----------
-    name : str
-        Of its files, without the ending.
-    caption : str
-        One or more sentences; plain text.
-    figure : matplotlib.figure.Figure
-    """
+    """A figure, the name of its files without the ending, and a caption of plain text."""
 
     name: str
     caption: str
@@ -58,22 +49,16 @@ class Table:
     header: tuple[str, ...]
     rows: tuple[tuple[str, ...], ...]
 
+    @classmethod
+    def of(cls, caption: str, columns: Mapping[str, str], rows: Iterable[Mapping[str, Any]]) -> Table:
+        """The table of some records, with a format such as ``"{residual:.1e}"`` for each column."""
+        formats = columns.values()
+        return cls(caption, tuple(columns), tuple(tuple(f.format_map(row) for f in formats) for row in rows))
+
 
 @dataclass(frozen=True)
 class Section:
-    """One study.
-
-    Attributes
-    ----------
-    title : str
-    text : tuple of str
-        Paragraphs, plain text.
-    figures : tuple of Illustration
-    comparisons : tuple of Comparison
-    tables : tuple of Table
-    numbers : mapping of str to JSON values
-        All that was measured, for ``numbers.json``.
-    """
+    """One study: paragraphs of plain text, figures, comparisons, tables, and numbers for ``numbers.json``."""
 
     title: str
     text: tuple[str, ...]

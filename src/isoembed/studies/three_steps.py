@@ -11,7 +11,7 @@ from scipy.sparse.csgraph import breadth_first_order, shortest_path
 
 from isoembed._embed import embed
 from isoembed.aim.paper import Paper
-from isoembed.gallery import Ellipsoid, triangulate
+from isoembed.gallery import Ellipsoid
 from isoembed.mesh.triangulation import Triangulation
 from isoembed.metric.curvature import area, corner_angles, gaussian_curvature
 from isoembed.metric.polyhedral import PolyhedralMetric
@@ -20,6 +20,7 @@ from isoembed.plot.picture import color_scale, draw
 from isoembed.plot.view import View
 from isoembed.progress.stages import Log, StageRecorder
 from isoembed.studies import plots
+from isoembed.studies.bodies import meshed
 from isoembed.studies.section import Comparison, Illustration, Section
 
 if TYPE_CHECKING:
@@ -30,23 +31,18 @@ if TYPE_CHECKING:
 Floats = NDArray[np.float64]
 Indices = NDArray[np.int64]
 
-TALL = 6.4  # inches
 COLORED = (0.1, 10.0)  # K over its average: from 0.11 to 8.8 on the smooth ellipsoid
 
 
 def study(*, vertices: int) -> Section:
-    """Draw what goes into each step and what comes out of it.
+    """What goes into each step and what comes out of it.
 
     Parameters
     ----------
     vertices : int
         Of the ellipsoid; more than about 200 cannot be told apart in the nets.
-
-    Returns
-    -------
-    Section
     """
-    given = PolyhedralMetric.from_mesh(*triangulate(Ellipsoid(), vertices))
+    given = meshed(Ellipsoid(), vertices).metric
     method = Paper()
     uniform = method.uniformize(given.normalized, StageRecorder("uniformize", Log())).metric
     film = Film()
@@ -105,12 +101,9 @@ def _over_average(metric: PolyhedralMetric) -> Floats:
 
 
 def _net(metric: PolyhedralMetric) -> Floats:
-    """Unfold the triangles into the plane along a breadth-first tree from a middle one.
+    """Corners (F, 3, 2) of the triangles, unfolded along a breadth-first tree from a middle one.
 
-    Returns
-    -------
-    ndarray, shape (F, 3, 2)
-        The corners of each triangle, the longest extent of the net lying across.
+    The longest extent of the net lies across.
     """
     t = metric.triangulation
     beside = csr_array((np.ones(3 * t.n_faces), (np.arange(3 * t.n_faces) // 3, t.twins // 3)))
@@ -138,7 +131,7 @@ def _net(metric: PolyhedralMetric) -> Floats:
 def _picture(
     triangulation: Triangulation, nets: list[Floats], shapes: list[View], curvatures: list[Floats]
 ) -> Figure:
-    figure = plots.blank(TALL)
+    figure = plots.blank(6.4)
     figure.set_layout_engine("none")  # every axes has its place
     scale = color_scale(*COLORED, "log")
     curvatures = [np.clip(k, *COLORED) for k in curvatures]
@@ -149,16 +142,13 @@ def _picture(
         "sphere": (0.63, 0.05, 0.32, 0.37),
     }
     axes = {name: figure.add_axes(spot) for name, spot in spots.items()}
-    for name, net, k, title in zip(
-        ("before", "after"), nets, curvatures, (r"$\rho_0$", r"$\rho_{t_f}$"), strict=True
-    ):
+    titles = {"before": r"$\rho_0$", "after": r"$\rho_{t_f}$", "sphere": "$P_{t_f}$", "surface": "$P_0$"}
+    for name, net, k in zip(("before", "after"), nets, curvatures, strict=True):
         _draw_net(axes[name], net, k[triangulation.faces], scale)
-        axes[name].set_title(title, color=plots.INK, fontsize=13)
-    for name, view, k, title in zip(
-        ("sphere", "surface"), shapes, curvatures[::-1], ("$P_{t_f}$", "$P_0$"), strict=True
-    ):
+        axes[name].set_title(titles[name], color=plots.INK, fontsize=13)
+    for name, view, k in zip(("sphere", "surface"), shapes, curvatures[::-1], strict=True):
         left, _, width, _ = spots[name]
-        figure.text(left + width / 2, 0.01, title, ha="center", color=plots.INK, fontsize=13)
+        figure.text(left + width / 2, 0.01, titles[name], ha="center", color=plots.INK, fontsize=13)
         draw(axes[name], view, k[triangulation.faces], scale)
         axes[name].autoscale_view()
     for start, end, words, spot in (

@@ -19,7 +19,7 @@ from isoembed.metric.curvature import negative_deficits
 from isoembed.metric.polyhedral import PolyhedralMetric
 from isoembed.plot import Panel, panels
 from isoembed.progress.stages import Log, StageRecorder
-from isoembed.studies.attempt import attempted
+from isoembed.studies.bodies import attempted
 from isoembed.studies.section import Comparison, Illustration, Section, Table
 from isoembed.surface.alignment import aligned
 from isoembed.surface.embedding import Embedding

@@ -13,12 +13,12 @@ from scipy.spatial.distance import pdist
 from isoembed.errors import InvalidParameter
 from isoembed.smooth.harmonics import Harmonics
 from isoembed.smooth.isometry import gauss_newton
-from isoembed.studies.attempt import attempted
 from isoembed.studies.baselines.embedding_flow import embedding_flow
 from isoembed.studies.baselines.spherical_harmonics import HarmonicMap, fit_harmonics, projected, sphere
 from isoembed.studies.baselines.subjects import Problem, Subject
 from isoembed.studies.baselines.uniformization import uniformized
 from isoembed.studies.baselines.wire_frame import sphere_layout, wire_frame
+from isoembed.studies.bodies import attempted
 from isoembed.surface import alignment
 from isoembed.surface.embedding import Embedding
 

@@ -1,0 +1,93 @@
+"""Meshed surfaces of the gallery and their embeddings, made once for all studies."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cache, cached_property
+
+import numpy as np
+from numpy.typing import NDArray
+
+from isoembed._embed import Method, embed
+from isoembed.errors import NotEmbedded
+from isoembed.gallery import Surface, triangulate
+from isoembed.metric.polyhedral import PolyhedralMetric
+from isoembed.progress.stages import Listener
+from isoembed.surface.embedding import Embedding
+from isoembed.thresholds import threshold
+
+Floats = NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class StudyThresholds:
+    """Thresholds of the studies."""
+
+    tolerance: float = threshold(1e-6, "mean edge lengths", "Tolerance of the residual, the paper's.")
+    same: float = threshold(
+        1e-3,
+        "mean edge lengths",
+        "Surfaces nearer than this are one; other realizations were 70 times farther.",
+    )
+    same_ergosphere: float = threshold(
+        1e-2, "mean edge lengths", "Ergospheres nearer than this are one: the same surface to the eye."
+    )
+    crumpled: float = threshold(
+        0.05, "share of the edges", "A surface is called crumpled from this share of rough edges on."
+    )
+    kick_iterations: int = threshold(
+        150, "count", "Iterations of the damped annealing after the vertices were pushed at random."
+    )
+
+
+STUDY = StudyThresholds()
+
+
+@dataclass(frozen=True, eq=False)
+class Body:
+    """A closed-form surface and a mesh on it.
+
+    Attributes
+    ----------
+    surface : Surface
+    vertices : ndarray, shape (V, 3)
+        On the surface; only comparisons use them.
+    metric : PolyhedralMetric
+        The lengths of the edges between them.
+    """
+
+    surface: Surface
+    vertices: Floats
+    metric: PolyhedralMetric
+
+    @cached_property
+    def exact(self) -> Embedding:
+        """The vertices on the surface, as an embedding of their lengths."""
+        return Embedding(self.metric, self.vertices, method="exact", tolerance=STUDY.tolerance)
+
+    def percent_error(self, integrated_mean_curvature: float) -> float:
+        """Error of int H dA, in percent of the smooth surface's."""
+        return 100 * (integrated_mean_curvature / self.surface.integrated_mean_curvature - 1)
+
+
+@cache
+def meshed(surface: Surface, n: int) -> Body:
+    """The surface with a mesh of n vertices."""
+    vertices, faces = triangulate(surface, n)
+    return Body(surface, vertices, PolyhedralMetric.from_mesh(vertices, faces))
+
+
+@cache
+def embedded(body: Body, method: str | Method, tolerance: float) -> Embedding:
+    """`isoembed.embed` of the lengths of a body."""
+    return embed(body.metric, method=method, tolerance=tolerance)
+
+
+def attempted(
+    metric: PolyhedralMetric, method: str | Method, tolerance: float, progress: Listener | None = None
+) -> Embedding:
+    """`isoembed.embed`, or where it fails its best attempt, which says so itself (`Embedding.converged`)."""
+    try:
+        return embed(metric, method=method, tolerance=tolerance, progress=progress)
+    except NotEmbedded as error:
+        return error.embedding
