@@ -24,6 +24,9 @@ class StudyThresholds:
     """Thresholds of the studies."""
 
     tolerance: float = threshold(1e-6, "mean edge lengths", "Tolerance of the residual, the paper's.")
+    exact: float = threshold(
+        1e-13, "mean edge lengths", "Tolerance of the residual of two surfaces that have the same lengths."
+    )
     same: float = threshold(
         1e-3,
         "mean edge lengths",

@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
+from functools import cached_property
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -11,13 +12,14 @@ from numpy.typing import NDArray
 from isoembed.aim.anneal import Annealed
 from isoembed.aim.convexity import CORRECTED, PRINTED, popped
 from isoembed.aim.paper import Paper
-from isoembed.gallery import Sphere, triangulate
+from isoembed.gallery import Sphere
 from isoembed.metric.curvature import deficits
 from isoembed.metric.polyhedral import PolyhedralMetric
 from isoembed.plot import Panel, panels
 from isoembed.plot.view import Pose, camera
 from isoembed.progress.stages import Log, StageRecorder
 from isoembed.studies import plots
+from isoembed.studies.bodies import STUDY, meshed
 from isoembed.studies.section import Comparison, Illustration, Section, Table
 from isoembed.surface.alignment import aligned, distance
 from isoembed.surface.convexity import concave_edges, inverted_vertices, umbrella_heights
@@ -32,12 +34,13 @@ Floats = NDArray[np.float64]
 Mask = NDArray[np.bool_]
 
 AXES = (1.3, 1.15, 1.0)  # the hull of a sphere's points, stretched: convex, and with a longest axis to view
-EXACT = 1e-13  # mean edge lengths
 SHOWN = np.array([0.15, 0.45, 0.85])  # right, up, toward the viewer: about where the vertex is that is drawn
-PENTAGON = 5
+PENTAGON = 5  # edges at the vertex that is drawn
+STEP = "{moved:+.3f} {moved_concave} {annealed:+.3f} {annealed_concave}"
+ROUTINES = {"printed": PRINTED, "corrected": CORRECTED}
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class _Pair:
     """A convex surface, and one with the same lengths and one vertex turned inside out."""
 
@@ -58,29 +61,32 @@ class _Pair:
         return float(heights[self.vertex] / self.metric.mean_length)
 
     def concave(self, vertices: Floats) -> int:
-        """Concave edges of the surface."""
+        """Number of concave edges."""
         return int(concave_edges(self.metric.triangulation, vertices).sum())
 
-    def is_inverted(self, vertices: Floats) -> bool:
-        """Whether all edges at the vertex are concave."""
+    @cached_property
+    def moved(self) -> dict[str, Floats]:
+        """The inverted surface after each routine, before annealing."""
         t = self.metric.triangulation
-        return bool(inverted_vertices(t, concave_edges(t, vertices))[self.vertex])
+        return {name: popped(t, self.inverted, self.which, sign) for name, sign in ROUTINES.items()}
+
+    @cached_property
+    def annealed(self) -> dict[str, Annealed]:
+        """And after it."""
+        return {name: _annealed(self.metric, self.system, x) for name, x in self.moved.items()}
 
 
 def study(*, vertices: int) -> Section:
-    """Invert one vertex, and apply the convexity routine as printed and as corrected.
+    """One vertex inverted, and the convexity routine as printed and as corrected.
 
     Parameters
     ----------
     vertices : int
         Of the convex surface; each of them is inverted in turn.
-
-    Returns
-    -------
-    Section
     """
-    convex, faces = _convex_body(vertices)
-    metric = PolyhedralMetric.from_mesh(convex, faces)
+    sphere = meshed(Sphere(), vertices)
+    convex = sphere.vertices * AXES
+    metric = PolyhedralMetric.from_mesh(convex, sphere.metric.faces)
     system = LengthSystem(metric.triangulation)
     pairs = [pair for v in range(vertices) if (pair := _inverted(metric, system, convex, v)) is not None]
     toward = Pose.of(convex).put(convex) @ camera().T @ SHOWN
@@ -88,9 +94,10 @@ def study(*, vertices: int) -> Section:
     front = np.where(metric.triangulation.degrees == PENTAGON, toward, -np.inf)
     shown = max(pairs, key=lambda pair: front[pair.vertex])
     facts = _facts(shown)
-    steps = _routine(shown)
-    everywhere = _everywhere(pairs)
+    steps = {name: _step(shown, name) for name in ROUTINES}
     deeper, out = steps["printed"], steps["corrected"]
+    popped_out = {name: sum(_is_popped(pair, name) for pair in pairs) for name in ROUTINES}
+    everywhere = {"vertices": vertices, "inverted": len(pairs), **popped_out}
     return Section(
         title="An inverted vertex",
         text=(
@@ -156,19 +163,8 @@ def study(*, vertices: int) -> Section:
                         "",
                         "",
                     ),
-                    *(
-                        (
-                            name,
-                            f"{step['moved']:+.3f}",
-                            str(step["moved_concave"]),
-                            f"{step['annealed']:+.3f}",
-                            str(step["annealed_concave"]),
-                        )
-                        for name, step in (
-                            ("v + 2 v_diff, printed", deeper),
-                            ("v - 2 v_diff, corrected", out),
-                        )
-                    ),
+                    ("v + 2 v_diff, printed", *STEP.format(**deeper).split()),
+                    ("v - 2 v_diff, corrected", *STEP.format(**out).split()),
                 ),
             ),
         ),
@@ -176,27 +172,23 @@ def study(*, vertices: int) -> Section:
     )
 
 
-def _convex_body(n: int) -> tuple[Floats, NDArray[np.int64]]:
-    vertices, faces = triangulate(Sphere(), n)
-    return vertices * AXES, faces
-
-
 def _annealed(metric: PolyhedralMetric, system: LengthSystem, vertices: Floats) -> Annealed:
     return Paper().anneal(
-        system, vertices, metric.lengths, EXACT * metric.mean_length, StageRecorder("anneal", Log())
+        system, vertices, metric.lengths, STUDY.exact * metric.mean_length, StageRecorder("anneal", Log())
     )
 
 
 def _inverted(metric: PolyhedralMetric, system: LengthSystem, convex: Floats, v: int) -> _Pair | None:
-    """Find the surface with vertex v inverted, if Newton's method leads there."""
+    """The surface with vertex v inverted, if Newton's method leads there."""
     neighbors = metric.triangulation.adjacency[[v]].indices
     middle = convex[neighbors].mean(axis=0)
     normal = np.linalg.svd(convex[neighbors] - middle)[2][2]  # of the plane nearest to the neighbors
     mirrored = convex.copy()
     mirrored[v] -= 2 * ((convex[v] - middle) @ normal) * normal
     found = _annealed(metric, system, mirrored)
-    pair = _Pair(metric, system, convex, v, aligned(found.vertices, convex))
-    return pair if found.converged and pair.is_inverted(pair.inverted) else None
+    inverted, t = aligned(found.vertices, convex), metric.triangulation
+    turned = inverted_vertices(t, concave_edges(t, inverted))[v]
+    return _Pair(metric, system, convex, v, inverted) if found.converged and turned else None
 
 
 def _facts(pair: _Pair) -> dict[str, float]:
@@ -219,42 +211,32 @@ def _facts(pair: _Pair) -> dict[str, float]:
     }
 
 
-def _routine(pair: _Pair) -> dict[str, dict[str, float]]:
-    """Heights and concave edges after both routines, before and after annealing."""
-    steps = {}
-    for name, sign in (("printed", PRINTED), ("corrected", CORRECTED)):
-        moved = popped(pair.metric.triangulation, pair.inverted, pair.which, sign)
-        annealed = _annealed(pair.metric, pair.system, moved)
-        steps[name] = {
-            "moved": pair.height(moved),
-            "moved_concave": pair.concave(moved),
-            "annealed": pair.height(annealed.vertices),
-            "annealed_concave": pair.concave(annealed.vertices),
-            "residual": annealed.residual / pair.metric.mean_length,
-        }
-    return steps
+def _step(pair: _Pair, routine: str) -> dict[str, Any]:
+    """Heights and concave edges after a routine, before and after annealing."""
+    moved, annealed = pair.moved[routine], pair.annealed[routine]
+    return {
+        "moved": pair.height(moved),
+        "moved_concave": pair.concave(moved),
+        "annealed": pair.height(annealed.vertices),
+        "annealed_concave": pair.concave(annealed.vertices),
+        "residual": annealed.residual / pair.metric.mean_length,
+    }
 
 
-def _everywhere(pairs: list[_Pair]) -> dict[str, int]:
-    """How many vertices can be inverted, and how many of them each routine pops out again."""
-    counts = {"vertices": len(pairs[0].convex), "inverted": len(pairs), "printed": 0, "corrected": 0}
-    for pair in pairs:
-        for name, sign in (("printed", PRINTED), ("corrected", CORRECTED)):
-            moved = popped(pair.metric.triangulation, pair.inverted, pair.which, sign)
-            annealed = _annealed(pair.metric, pair.system, moved)
-            counts[name] += int(annealed.converged and pair.concave(annealed.vertices) == 0)
-    return counts
+def _is_popped(pair: _Pair, routine: str) -> bool:
+    annealed = pair.annealed[routine]
+    return annealed.converged and pair.concave(annealed.vertices) == 0
 
 
 def _surfaces(pair: _Pair) -> Figure:
     t = pair.metric.triangulation
-    rows = [
+    row = [
         Panel(x, t.faces, vertex_mean_curvature(t, x), title)
         for x, title in ((pair.inverted, "one vertex inverted"), (pair.convex, "convex"))
     ]
-    shown = np.concatenate([panel.values[t.faces].mean(axis=1) for panel in rows])
+    shown = np.concatenate([panel.values[t.faces].mean(axis=1) for panel in row])
     return panels(
-        rows,
+        row,
         label="mean curvature  $H$",
         bounds=(float(shown.min()), float(shown.max())),
         caption=f"{t.n_vertices} vertices, the same {t.n_edges} lengths",
@@ -274,9 +256,8 @@ def _section_figure(pair: _Pair) -> Figure:
     left, right = neighbors[(flat @ first).argmin()], neighbors[0]
 
     def at(vertex: int, vertices: Floats) -> tuple[float, float]:
-        return float((vertices[vertex] - middle) @ first / unit), float(
-            (vertices[vertex] - middle) @ normal / unit
-        )
+        away = vertices[vertex] - middle
+        return float(away @ first / unit), float(away @ normal / unit)
 
     def beyond(vertex: int) -> int:
         """The neighbor that continues the section, away from v."""
@@ -285,40 +266,28 @@ def _section_figure(pair: _Pair) -> Figure:
         return int(ring[((pair.inverted[ring] - middle) @ away).argmax()])
 
     chain = [beyond(left), left, v, right, beyond(right)]
-    moved = {
-        name: popped(t, pair.inverted, pair.which, sign)
-        for name, sign in (("printed", PRINTED), ("corrected", CORRECTED))
-    }
     figure = plots.blank(4.2)
     axes = figure.add_subplot()
     plots.bare(axes)
     axes.axhline(0, color=plots.GRID, linewidth=1.0)
-    axes.plot(*zip(*(at(w, pair.convex) for w in chain), strict=True), "--", color=plots.INK, linewidth=1.2)
-    axes.plot(*zip(*(at(w, pair.inverted) for w in chain), strict=True), "-", color=plots.INK, linewidth=1.8)
+    for vertices, line, width in ((pair.convex, "--", 1.2), (pair.inverted, "-", 1.8)):
+        axes.plot(
+            *zip(*(at(w, vertices) for w in chain), strict=True), line, color=plots.INK, linewidth=width
+        )
     start = at(v, pair.inverted)
     axes.plot(*start, "o", color=plots.INK, markersize=7)
-    axes.annotate("v, inverted", start, xytext=(12, -10), textcoords="offset points", color=plots.INK)
-    for name, color, word, shift in (
+    plots.note(axes, "v, inverted", start, (12, -10))
+    for name, color, words, shift in (
         ("printed", plots.VERMILION, r"$v + 2\,v_{diff}$, as printed", -6),
         ("corrected", plots.BLUE, r"$v - 2\,v_{diff}$, corrected", 9),
     ):
-        end = at(v, moved[name])
+        end = at(v, pair.moved[name])
         for side in (left, right):
-            ends = zip(at(side, pair.inverted), end, strict=True)
-            axes.plot(*ends, ":", color=color, linewidth=1.4)
-        axes.annotate(
-            "", end, (start[0], start[1]), arrowprops={"arrowstyle": "-|>", "color": color, "linewidth": 1.6}
-        )
+            axes.plot(*zip(at(side, pair.inverted), end, strict=True), ":", color=color, linewidth=1.4)
+        axes.annotate("", end, start, arrowprops={"arrowstyle": "-|>", "color": color, "linewidth": 1.6})
         axes.plot(*end, "o", color=color, markersize=7)
-        axes.annotate(word, end, xytext=(10, shift), textcoords="offset points", color=color, va="center")
-    axes.annotate(
-        "mean of the neighbors",
-        (at(chain[0], pair.inverted)[0], 0),
-        xytext=(-30, 6),
-        textcoords="offset points",
-        ha="left",
-        color=plots.FAINT,
-        fontsize=plots.SMALL,
-    )
+        plots.note(axes, words, end, (10, shift), color=color, va="center")
+    mean = (at(chain[0], pair.inverted)[0], 0.0)
+    plots.note(axes, "mean of the neighbors", mean, (-30, 6), color=plots.FAINT, fontsize=plots.SMALL)
     axes.margins(0.06)
     return figure
