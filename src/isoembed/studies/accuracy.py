@@ -2,68 +2,48 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from isoembed._embed import embed
 from isoembed.aim.paper import Paper
-from isoembed.gallery import SURFACES, triangulate
+from isoembed.gallery import Drum, Ellipsoid, Surface
 from isoembed.metric.curvature import corner_angles, negative_deficits
-from isoembed.metric.polyhedral import PolyhedralMetric
 from isoembed.studies import plots
-from isoembed.studies.section import Comparison, Illustration, Section, Table
-from isoembed.surface.alignment import distance
-from isoembed.surface.embedding import Embedding
+from isoembed.studies.bodies import embedding_of, meshed
+from isoembed.studies.section import Comparison, Illustration, Section, Table, listed
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
-BODIES = ("ellipsoid", "drum")
 ZERO = 1e-17  # where errors of exactly 0 are drawn
 EQUATOR = 360  # directions on z = 0
 LIMITS = ((30.0, 90.0), (30.0, 120.0))  # degrees: what the paper says of its triangulations, and asks for
-
-
-@dataclass(frozen=True)
-class _Setting:
-    """A method with its tolerances, in mean edge lengths."""
-
-    name: str
-    method: Paper | str
-    residual: float
-    step: str
-
-
-SETTINGS = (
-    _Setting("paper, 1e-6", Paper(step_tolerance=1e-8), 1e-6, "1e-8"),
-    _Setting("paper, 1e-9", Paper(step_tolerance=1e-11), 1e-9, "1e-11"),
-    _Setting("aim, the default", "aim", 1e-10, ""),
+SETTINGS: tuple[tuple[str, str | Paper, float, str], ...] = (
+    ("paper, 1e-6", Paper(step_tolerance=1e-8), 1e-6, "1e-8"),
+    ("paper, 1e-9", Paper(step_tolerance=1e-11), 1e-9, "1e-11"),
+    ("aim, the default", "aim", 1e-10, ""),
 )
+"""Methods, their tolerances in mean edge lengths, and the tolerances of their steps."""
 
 
 def study(*, vertices: int) -> Section:
-    """Embed the paper's two bodies with the paper's tolerances and with the default.
+    """The paper's two bodies with the paper's tolerances and with the default.
 
     Parameters
     ----------
     vertices : int
         Of each; the paper's pictures have 3,226 and 3,246.
-
-    Returns
-    -------
-    Section
     """
-    found = {name: _measured(name, vertices) for name in BODIES}
+    made = ellipsoid, drum = [_measured(surface, vertices) for surface in (Ellipsoid(), Drum())]
     equator = _curvature_on_equator()
-    worst = {
-        k: max(found[name]["settings"][k]["mean"] for name in BODIES) / setting.residual
-        for k, setting in enumerate(SETTINGS)
-    }
-    drum = found["drum"]
-    within = all(share < 1 for share in worst.values())
-    angles = {name: found[name]["angles"] for name in BODIES}
+    rows = [
+        {"surface": one["name"], "tolerance": tolerance, "step": step, **row}
+        for one in made
+        for (_, _, tolerance, step), row in zip(SETTINGS, one["settings"], strict=True)
+    ]
+    within = all(row["mean"] < row["tolerance"] for row in rows)
     return Section(
         title="Accuracy of the lengths",
         text=(
@@ -78,26 +58,20 @@ def study(*, vertices: int) -> Section:
                 "length-errors",
                 "Share of the edges whose error is larger than the value on the axis. Dashed: the "
                 "tolerances. Errors of exactly 0 are drawn at 1e-17.",
-                _error_figure(found),
+                _error_figure(made),
             ),
         ),
         comparisons=(
             Comparison(
                 "Mean difference of the lengths (section 3.1)",
                 "within the tolerance, for 1e-6 and 1e-9",
-                "; ".join(
-                    f"{name}: " + ", ".join(f"{row['mean']:.0e}" for row in found[name]["settings"][:2])
-                    for name in BODIES
-                ),
+                listed("{name}: {settings[0][mean]:.0e}, {settings[1][mean]:.0e}", made),
                 "" if within else "Beyond the tolerance: see the table.",
             ),
             Comparison(
                 "Standard deviation of the differences (section 3.1)",
                 "on the order of the tolerance, for 1e-6 and 1e-9",
-                "; ".join(
-                    f"{name}: " + ", ".join(f"{row['std']:.0e}" for row in found[name]["settings"][:2])
-                    for name in BODIES
-                ),
+                listed("{name}: {settings[0][std]:.0e}, {settings[1][std]:.0e}", made),
                 "Smaller here: the last step is quadratic.",
             ),
             Comparison(
@@ -106,67 +80,63 @@ def study(*, vertices: int) -> Section:
                 f"on z = 0 the smooth drum's K is {equator:g}; of {vertices:,} deficits "
                 f"{drum['negative_deficits']} are negative",
                 "K is proportional to z^2 there: the fourth power of z is flat at 0. The ellipsoid has "
-                f"{found['ellipsoid']['negative_deficits']} negative deficits.",
+                f"{ellipsoid['negative_deficits']} negative deficits.",
             ),
             Comparison(
                 "Angles of the triangles (section 2.2)",
                 "its own triangulations: 30 to 90 degrees; enough for the convexity routine: 30 to 120",
-                "; ".join(
-                    f"{name}: {angles[name]['smallest']:.1f} to {angles[name]['largest']:.1f} degrees, "
-                    f"{angles[name]['outside'][0]} of {angles[name]['corners']:,} outside 30 to 90, "
-                    f"{angles[name]['outside'][1]} outside 30 to 120"
-                    for name in BODIES
+                listed(
+                    "{name}: {angles[smallest]:.1f} to {angles[largest]:.1f} degrees, "
+                    "{angles[outside][0]} of {angles[corners]:,} outside 30 to 90, {angles[outside][1]} outside 30 to 120",
+                    made,
                 ),
                 "The triangulations are made here, by another program than the paper's.",
             ),
         ),
         tables=(
-            Table(
+            Table.of(
                 "Length errors, in mean edge lengths",
-                ("surface", "method, tolerance", "step tolerance", "mean", "std", "largest", "vertices off"),
-                tuple(
-                    (
-                        name,
-                        setting.name,
-                        setting.step,
-                        *(f"{row[key]:.1e}" for key in ("mean", "std", "max", "off")),
-                    )
-                    for name in BODIES
-                    for setting, row in zip(SETTINGS, found[name]["settings"], strict=True)
-                ),
+                {
+                    "surface": "{surface}",
+                    "method, tolerance": "{name}",
+                    "step tolerance": "{step}",
+                    "mean": "{mean:.1e}",
+                    "std": "{std:.1e}",
+                    "largest": "{max:.1e}",
+                    "vertices off": "{off:.1e}",
+                },
+                rows,
             ),
         ),
         numbers={
             "vertices": vertices,
             "curvature_on_equator": equator,
             **{
-                name: {key: value for key, value in found[name].items() if key != "residuals"}
-                for name in BODIES
+                one["name"]: {key: one[key] for key in ("settings", "negative_deficits", "angles")}
+                for one in made
             },
         },
     )
 
 
-def _measured(name: str, n: int) -> dict[str, Any]:
-    vertices, faces = triangulate(SURFACES[name](), n)
-    metric = PolyhedralMetric.from_mesh(vertices, faces)
-    degrees = np.degrees(corner_angles(metric))
-    surfaces: list[Embedding] = [
-        embed(metric, method=setting.method, tolerance=setting.residual) for setting in SETTINGS
-    ]
+def _measured(surface: Surface, n: int) -> dict[str, Any]:
+    body = meshed(surface, n)
+    degrees = np.degrees(corner_angles(body.metric))
+    surfaces = [embedding_of(body, method, tolerance) for _, method, tolerance, _ in SETTINGS]
     return {
+        "name": surface.name,
         "settings": [
             {
-                "name": setting.name,
-                "mean": float(surface.residuals.mean()),
-                "std": float(surface.residuals.std()),
-                "max": surface.residual,
-                "off": distance(surface.vertices, vertices) / metric.mean_length,
+                "name": name,
+                "mean": float(one.residuals.mean()),
+                "std": float(one.residuals.std()),
+                "max": one.residual,
+                "off": one.distance(body.exact),
             }
-            for setting, surface in zip(SETTINGS, surfaces, strict=True)
+            for (name, *_), one in zip(SETTINGS, surfaces, strict=True)
         ],
-        "residuals": [surface.residuals for surface in surfaces],
-        "negative_deficits": int(negative_deficits(metric).sum()),
+        "residuals": [one.residuals for one in surfaces],
+        "negative_deficits": int(negative_deficits(body.metric).sum()),
         "angles": {
             "smallest": float(degrees.min()),
             "largest": float(degrees.max()),
@@ -180,17 +150,19 @@ def _curvature_on_equator() -> float:
     """The largest |K| of the smooth drum on z = 0."""
     phi = np.linspace(0, 2 * np.pi, EQUATOR, endpoint=False)
     directions = np.column_stack([np.cos(phi), np.sin(phi), np.zeros(EQUATOR)])
-    return float(np.abs(SURFACES["drum"]().gaussian_curvature(directions)).max())
+    return float(np.abs(Drum().gaussian_curvature(directions)).max())
 
 
-def _error_figure(found: dict[str, dict[str, Any]]) -> Figure:
+def _error_figure(made: Sequence[Mapping[str, Any]]) -> Figure:
     figure = plots.blank(3.3)
-    for axes, name in zip(figure.subplots(1, 2, sharey=True), BODIES, strict=True):
-        plots.dress(axes, "error of a length", "share of the edges" if name == BODIES[0] else "", name)
-        for setting, errors, color in zip(SETTINGS, found[name]["residuals"], plots.SERIES, strict=False):
+    for axes, one in zip(figure.subplots(1, 2, sharey=True), made, strict=True):
+        plots.dress(axes, "error of a length", "share of the edges" if one is made[0] else "", one["name"])
+        for (label, _, tolerance, _), errors, color in zip(
+            SETTINGS, one["residuals"], plots.SERIES, strict=False
+        ):
             falling = np.sort(np.maximum(errors, ZERO))[::-1]
             share = np.arange(1, len(falling) + 1) / len(falling)
-            axes.semilogx(falling, share, color=color, linewidth=1.6, label=setting.name)
-            axes.axvline(setting.residual, color=color, linestyle="--", linewidth=1.0)
+            axes.semilogx(falling, share, color=color, linewidth=1.6, label=label)
+            axes.axvline(tolerance, color=color, linestyle="--", linewidth=1.0)
     plots.legend_below(figure, axes)
     return figure

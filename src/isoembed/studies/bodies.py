@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from isoembed._embed import Method, embed
+from isoembed.aim.paper import Paper
 from isoembed.errors import NotEmbedded
 from isoembed.gallery import Surface, triangulate
 from isoembed.metric.polyhedral import PolyhedralMetric
@@ -24,6 +25,9 @@ class StudyThresholds:
     """Thresholds of the studies."""
 
     tolerance: float = threshold(1e-6, "mean edge lengths", "Tolerance of the residual, the paper's.")
+    fine_tolerance: float = threshold(
+        1e-10, "mean edge lengths", "Tolerance of the residual where the error of int H dA is measured."
+    )
     exact: float = threshold(
         1e-13, "mean edge lengths", "Tolerance of the residual of two surfaces that have the same lengths."
     )
@@ -81,7 +85,7 @@ def meshed(surface: Surface, n: int) -> Body:
 
 
 @cache
-def embedded(body: Body, method: str | Method, tolerance: float) -> Embedding:
+def embedding_of(body: Body, method: str | Paper, tolerance: float) -> Embedding:
     """`isoembed.embed` of the lengths of a body."""
     return embed(body.metric, method=method, tolerance=tolerance)
 

@@ -4,20 +4,18 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from isoembed._embed import Method, embed
 from isoembed.aim.paper import Paper
-from isoembed.gallery import Drum, Ellipsoid, Ergosphere, triangulate
-from isoembed.gallery.surface import Surface
+from isoembed.gallery import Drum, Ellipsoid, Ergosphere, Surface
 from isoembed.metric.curvature import corner_angles
 from isoembed.metric.polyhedral import PolyhedralMetric
 from isoembed.studies import plots
-from isoembed.studies.section import Comparison, Illustration, Section, Table
-from isoembed.surface.embedding import Embedding
+from isoembed.studies.bodies import STUDY, embedding_of, meshed
+from isoembed.studies.section import Comparison, Illustration, Section, Table, listed
 from isoembed.surface.smooth_integrals import SmoothIntegrals
 
 if TYPE_CHECKING:
@@ -25,7 +23,6 @@ if TYPE_CHECKING:
 
 Floats = NDArray[np.float64]
 
-TOLERANCE = 1e-10  # far below the errors of the corrected integrals
 PAPERS = 0.62  # percent, of the ergosphere
 RESOLVED = 4  # sizes, the largest, to which the order of the corrected integral is fitted
 
@@ -67,30 +64,48 @@ class Convergence:
         slope, level = np.polyfit(np.log(self.n), np.log(np.abs(errors)), 1)
         return int(float(f"{np.exp((np.log(percent) - level) / slope):.2g}"))
 
+    @property
+    def rows(self) -> list[dict[str, Any]]:
+        """One record for each size."""
+        columns = {key: value for key, value in vars(self).items() if isinstance(value, np.ndarray)}
+        return [
+            {"name": self.name, **dict(zip(columns, row, strict=True))}
+            for row in zip(*columns.values(), strict=True)
+        ]
+
+    @property
+    def numbers(self) -> dict[str, Any]:
+        """All of it, with the orders."""
+        return {
+            "vertices": self.n.tolist(),
+            "percent_embedded": self.embedded.tolist(),
+            "percent_exact": self.exact.tolist(),
+            "percent_cotangent": self.cotangent.tolist(),
+            "percent_corrected": self.corrected.tolist(),
+            "order_embedded": self.order(self.embedded),
+            "order_corrected": self.order(self.corrected[-RESOLVED:]),
+            "angles": self.angles,
+        }
+
 
 def study(*, sizes: Sequence[int]) -> Section:
-    """Measure the error of int H dA at several numbers of vertices and fit its order.
+    """Errors of int H dA at several numbers of vertices, and their order.
 
     Parameters
     ----------
     sizes : sequence of int
         Numbers of vertices, rising; the last one is also compared with the paper.
-
-    Returns
-    -------
-    Section
     """
-    made = [
+    _, drum, kerr = made = [
         convergence(Ellipsoid(), sizes, Paper()),
         convergence(Drum(), sizes, Paper()),
         convergence(Ergosphere(), sizes, "aim"),
     ]
-    orders = {one.name: one.order(one.embedded) for one in made}
-    fourth = {one.name: one.order(one.corrected[-RESOLVED:]) for one in made}
+    numbers = {one.name: one.numbers for one in made}
+    orders = [{"name": name, **found} for name, found in numbers.items()]
     apart = max(float(np.abs(one.embedded - one.exact).max()) for one in made)
-    _, drum, kerr = made
     ratios, formulas = drum.embedded / kerr.embedded, kerr.cotangent / kerr.embedded
-    angles = min(one.angles[0] for one in made), max(one.angles[1] for one in made)
+    low, high = min(one.angles[0] for one in made), max(one.angles[1] for one in made)
     return Section(
         title="Convergence of the integrated mean curvature",
         text=(
@@ -115,14 +130,14 @@ def study(*, sizes: Sequence[int]) -> Section:
             Comparison(
                 "Order of convergence of int H dA (figure 7)",
                 "first order",
-                "; ".join(f"{name}: N^{order:.2f}" for name, order in orders.items()),
+                listed("{name}: N^{order_embedded:.2f}", orders),
                 "They agree if the order is counted in N, which the paper calls the resolution; in the edge "
                 "length it is the second. The exact coordinates have the same error.",
             ),
             Comparison(
                 "The same with the inscribed polyhedron's defect added",
                 "not in the paper",
-                "; ".join(f"{name}: N^{order:.2f}" for name, order in fourth.items()),
+                listed("{name}: N^{order_corrected:.2f}", orders),
                 "The second order in N, which is the fourth in the edge length, is what it tends to once the "
                 f"meshes resolve where the surface is most curved. Fitted to the {RESOLVED} largest ones.",
             ),
@@ -135,9 +150,9 @@ def study(*, sizes: Sequence[int]) -> Section:
             Comparison(
                 "Convergence for the ergosphere (section 3.2)",
                 "not analyzed, expected to be similar",
-                f"N^{orders[kerr.name]:.2f}",
+                f"N^{kerr.order(kerr.embedded):.2f}",
                 "The paper lacked triangulations of consistent quality; here all angles of all meshes are "
-                f"between {angles[0]:.0f} and {angles[1]:.0f} degrees.",
+                f"between {low:.0f} and {high:.0f} degrees.",
             ),
             Comparison(
                 "Vertices at which the ergosphere's error is 0.62 % (section 3.2)",
@@ -150,91 +165,55 @@ def study(*, sizes: Sequence[int]) -> Section:
             ),
         ),
         tables=(
-            Table(
+            Table.of(
                 "Error of int H dA in percent",
-                ("surface", "N", "embedded", "exact coordinates", "cotangent formula", "corrected"),
-                tuple(
-                    (
-                        one.name,
-                        f"{one.n[k]:,}",
-                        f"{one.embedded[k]:+.4f}",
-                        f"{one.exact[k]:+.4f}",
-                        f"{one.cotangent[k]:+.4f}",
-                        f"{one.corrected[k]:+.1e}",
-                    )
-                    for one in made
-                    for k in range(len(one.n))
-                ),
+                {
+                    "surface": "{name}",
+                    "N": "{n:,}",
+                    "embedded": "{embedded:+.4f}",
+                    "exact coordinates": "{exact:+.4f}",
+                    "cotangent formula": "{cotangent:+.4f}",
+                    "corrected": "{corrected:+.1e}",
+                },
+                [row for one in made for row in one.rows],
             ),
         ),
-        numbers={
-            one.name: {
-                "vertices": one.n.tolist(),
-                "percent_embedded": one.embedded.tolist(),
-                "percent_exact": one.exact.tolist(),
-                "percent_cotangent": one.cotangent.tolist(),
-                "percent_corrected": one.corrected.tolist(),
-                "order_embedded": orders[one.name],
-                "order_corrected": fourth[one.name],
-                "angles": one.angles,
-            }
-            for one in made
-        },
+        numbers=numbers,
     )
 
 
-def convergence(surface: Surface, sizes: Sequence[int], method: str | Method) -> Convergence:
-    """Embed a surface's lengths at several sizes and compare int H dA with the exact one.
+def convergence(surface: Surface, sizes: Sequence[int], method: str | Paper) -> Convergence:
+    """Errors of int H dA of a surface that is embedded from its lengths at several sizes.
 
     Parameters
     ----------
     surface : Surface
     sizes : sequence of int
         Numbers of vertices.
-    method : str or Method
-
-    Returns
-    -------
-    Convergence
+    method : str or Paper
     """
     errors, angles = [], []
     for n in sizes:
-        points, faces = triangulate(surface, n)
-        metric = PolyhedralMetric.from_mesh(points, faces)
-        embedding = embed(metric, method=method, tolerance=TOLERANCE)
-        original = Embedding(metric, points, method="exact", tolerance=TOLERANCE)
-        behind = SmoothIntegrals(metric.triangulation, embedding.vertices, "chord")
-        found = (
-            embedding.integrated_mean_curvature,
-            original.integrated_mean_curvature,
-            cotangent_integral(metric, embedding.vertices),
+        body = meshed(surface, n)
+        found = embedding_of(body, method, STUDY.fine_tolerance)
+        behind = SmoothIntegrals(body.metric.triangulation, found.vertices, "chord")
+        values = (
+            found.integrated_mean_curvature,
+            body.exact.integrated_mean_curvature,
+            cotangent_integral(body.metric, found.vertices),
             behind.integrated_mean_curvature.value,
         )
-        errors.append([100 * (value / surface.integrated_mean_curvature - 1) for value in found])
-        corners = np.degrees(corner_angles(metric))
-        angles.append((corners.min(), corners.max()))
+        errors.append([body.percent_error(value) for value in values])
+        angles.append(np.degrees(corner_angles(body.metric)))
+    extremes = min(float(a.min()) for a in angles), max(float(a.max()) for a in angles)
     embedded, exact, cotangent, corrected = np.array(errors).T
-    low, high = np.array(angles).T
-    return Convergence(
-        surface.name,
-        np.array(sizes),
-        embedded,
-        exact,
-        cotangent,
-        corrected,
-        (float(low.min()), float(high.max())),
-    )
+    return Convergence(surface.name, np.array(sizes), embedded, exact, cotangent, corrected, extremes)
 
 
 def cotangent_integral(metric: PolyhedralMetric, vertices: Floats) -> float:
     """Sum of the lengths of H n A over the vertices, by the cotangent Laplacian of the coordinates.
 
     Pinkall & Polthier, Exp. Math. 2 (1993); Meyer et al., Visualization and Mathematics III (2003).
-
-    Parameters
-    ----------
-    metric : PolyhedralMetric
-    vertices : ndarray, shape (V, 3)
     """
     faces = metric.faces
     cotangents = 1 / np.tan(corner_angles(metric))
@@ -252,32 +231,18 @@ def picture(made: Sequence[Convergence]) -> Figure:
     figure = plots.blank(4.6)
     axes = figure.add_subplot()
     plots.dress(axes, "vertices N", "error of int H dA in percent")
-    for one, color, marker in zip(made, plots.SERIES, plots.MARKERS, strict=False):
-        axes.loglog(one.n, np.abs(one.embedded), color=color, marker=marker, label=one.name)
-        axes.loglog(
-            one.n,
-            np.abs(one.corrected),
-            color=color,
-            marker=marker,
-            markerfacecolor=plots.PAPER,
-            linestyle="--",
-            label=f"{one.name}, corrected",
-        )
+    for one, style in plots.styled(made):
+        axes.loglog(one.n, np.abs(one.embedded), label=one.name, **style)
+        style |= {"markerfacecolor": plots.PAPER, "linestyle": "--", "label": f"{one.name}, corrected"}
+        axes.loglog(one.n, np.abs(one.corrected), **style)
     n = made[0].n
     for power, errors, factor in (
-        (-1, [one.embedded for one in made], 1.7),
-        (-2, [m.corrected for m in made], 0.4),
+        (-1.0, [one.embedded for one in made], 1.7),
+        (-2.0, [one.corrected for one in made], 0.4),
     ):
-        level = factor * np.exp(np.mean([np.log(np.abs(e) * n ** -float(power)).mean() for e in errors]))
-        axes.loglog(n, level * n ** float(power), color=plots.INK, linewidth=0.7)
-        axes.annotate(
-            f"$N^{{{power}}}$",
-            (n[-1], level * n[-1] ** float(power)),
-            xytext=(4, 0),
-            textcoords="offset points",
-            color=plots.INK,
-            va="center",
-        )
+        level = factor * np.exp(np.mean([np.log(np.abs(e) * n**-power).mean() for e in errors]))
+        axes.loglog(n, level * n**power, color=plots.INK, linewidth=0.7)
+        plots.note(axes, f"$N^{{{power:.0f}}}$", (n[-1], level * n[-1] ** power), (4, 0), va="center")
     axes.set_xticks(n, [f"{size:,}" for size in n])
     axes.minorticks_off()
     plots.legend(axes, loc="upper left", bbox_to_anchor=(1.06, 1.0))

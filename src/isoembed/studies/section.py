@@ -56,6 +56,11 @@ class Table:
         return cls(caption, tuple(columns), tuple(tuple(f.format_map(row) for f in formats) for row in rows))
 
 
+def listed(form: str, rows: Iterable[Mapping[str, Any]]) -> str:
+    """One clause for each of some records, by a format such as ``"{name}: {residual:.1e}"``."""
+    return "; ".join(form.format_map(row) for row in rows)
+
+
 @dataclass(frozen=True)
 class Section:
     """One study: paragraphs of plain text, figures, comparisons, tables, and numbers for ``numbers.json``."""
