@@ -87,7 +87,8 @@ def study(*, vertices: int) -> Section:
                 "its own triangulations: 30 to 90 degrees; enough for the convexity routine: 30 to 120",
                 listed(
                     "{name}: {angles[smallest]:.1f} to {angles[largest]:.1f} degrees, "
-                    "{angles[outside][0]} of {angles[corners]:,} outside 30 to 90, {angles[outside][1]} outside 30 to 120",
+                    "{angles[outside][0]} of {angles[corners]:,} outside 30 to 90, "
+                    "{angles[outside][1]} outside 30 to 120",
                     made,
                 ),
                 "The triangulations are made here, by another program than the paper's.",

@@ -2,8 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from dataclasses import dataclass
+from collections.abc import Mapping, Sequence
 from math import pi
 from typing import TYPE_CHECKING, Any
 
@@ -11,80 +10,31 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.optimize import brentq, minimize_scalar
 
-from isoembed._embed import Method
 from isoembed.aim.paper import Paper
-from isoembed.gallery import Ergosphere, triangulate
+from isoembed.gallery import Ergosphere
 from isoembed.gallery.kerr import ergosphere_radius, squares
 from isoembed.metric.curvature import negative_deficits
-from isoembed.metric.polyhedral import PolyhedralMetric
 from isoembed.studies import plots
-from isoembed.studies.bodies import attempted
+from isoembed.studies.bodies import STUDY, Body, attempted, meshed
 from isoembed.studies.mean_curvature import PAPERS
 from isoembed.studies.section import Comparison, Illustration, Section, Table
-from isoembed.surface.embedding import Embedding
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 Floats = NDArray[np.float64]
+Record = Mapping[str, Any]
 
 SPIN = 0.975  # over the mass, the paper's
 THETA = np.linspace(0.0, pi / 2, 2001)
 REAL = np.array([0.0, 1e-3, 0.01, 0.02, 0.05, 0.1, 0.2, 0.3, 0.5, 1.0, 1.5, 2.0, 3.0, 5.0, 10.0])
 MAIN = 0.3  # epsilon
 MORE = (20, 40)  # steps of the pull-back
-TOLERANCE = 1e-6  # the paper's
-SAME = 1e-2  # mean edge lengths from the discarded coordinates: the same surface to the eye
-METHODS: dict[str, str | Method] = {"paper": Paper(), "default": "aim"}
-
-
-@dataclass(frozen=True)
-class Outcome:
-    """What a method made of the lengths of one ergosphere.
-
-    Attributes
-    ----------
-    converged : bool
-        Within 1e-6.
-    residual : float
-    distance : float
-        From the vertices that were thrown away, in mean edge lengths.
-    """
-
-    converged: bool
-    residual: float
-    distance: float
-
-
-@dataclass(frozen=True)
-class Case:
-    """One epsilon.
-
-    Attributes
-    ----------
-    epsilon : float
-    pole : float
-        Gaussian curvature at the poles, in units of M.
-    least : float
-        The least Gaussian curvature.
-    percent : float
-        Error of int H dA of the vertices that the lengths were taken from.
-    negative : int
-        Vertices with negative curvature.
-    outcomes : dict of str to Outcome
-        By method.
-    """
-
-    epsilon: float
-    pole: float
-    least: float
-    percent: float
-    negative: int
-    outcomes: dict[str, Outcome]
+METHODS: dict[str, str | Paper] = {"paper": Paper(), "default": "aim"}
 
 
 def study(*, vertices: int, epsilons: Sequence[float]) -> Section:
-    """Vary epsilon.
+    """Ergospheres of several epsilons.
 
     Parameters
     ----------
@@ -92,18 +42,13 @@ def study(*, vertices: int, epsilons: Sequence[float]) -> Section:
         Of each mesh.
     epsilons : sequence of float
         Rising, each from 1e-6 to 1e6.
-
-    Returns
-    -------
-    Section
     """
     threshold, where = convex_from()
     under_root = least_under_root()
     cases = [_case(epsilon, vertices) for epsilon in epsilons]
-    errors = [case.percent for case in cases]
+    errors = [case["percent_error"] for case in cases]
     sizes = np.abs(errors)
-    main = _exact(MAIN, vertices)
-    more = {steps: _outcome(main, Paper(Tsteps=steps)) for steps in MORE}
+    more = {steps: _outcome(_body(MAIN, vertices), Paper(Tsteps=steps)) for steps in MORE}
     return Section(
         title="The ergosphere and its epsilon",
         text=(
@@ -115,8 +60,8 @@ def study(*, vertices: int, epsilons: Sequence[float]) -> Section:
             f"K is not negative anywhere from epsilon = {threshold:.7f} on; there it vanishes at theta = "
             f"{np.degrees(where):.1f} degrees and its mirror image. Below, two bands have K < 0, as the "
             "paper says its surface does. The smaller epsilon, the sharper the poles: at 0 they are cones.",
-            f"The table embeds meshes of {vertices:,} vertices to {TOLERANCE:.0e}, with the paper's method "
-            "(10 steps, the corrected convexity routine, the start fitted to the sphere) and with the "
+            f"The table embeds meshes of {vertices:,} vertices to {STUDY.tolerance:.0e}, with the paper's "
+            "method (10 steps, the corrected convexity routine, the start fitted to the sphere) and with the "
             "default one. Where K < 0 the lengths may have several realizations close to each other, so the "
             f"distance from the discarded vertices is measured, too. epsilon = {MAIN:g} is the main case of "
             "this report.",
@@ -158,26 +103,32 @@ def study(*, vertices: int, epsilons: Sequence[float]) -> Section:
                 "Where K < 0 the pull-back may lose the surface or lead to a nearby realization. More steps "
                 f"at epsilon = {MAIN:g}: "
                 + "; ".join(
-                    f"{steps} steps {'reach' if outcome.converged else 'miss'} the lengths (residual "
-                    f"{outcome.residual:.0e}), {outcome.distance:.0e} from the surface"
-                    for steps, outcome in more.items()
+                    f"{steps} steps {'reach' if one['converged'] else 'miss'} the lengths (residual "
+                    f"{one['residual']:.0e}), {one['distance']:.0e} from the surface"
+                    for steps, one in more.items()
                 )
                 + ".",
             ),
         ),
         tables=(
-            Table(
+            Table.of(
                 f"Ergospheres at {vertices:,} vertices. Distances from the discarded vertices, in mean edge "
                 "lengths",
-                (
-                    "epsilon",
-                    "K at the poles",
-                    "least K",
-                    "vertices with K < 0",
-                    "error of int H dA",
-                    *(f"{name}: {what}" for name in METHODS for what in ("residual", "distance")),
-                ),
-                tuple(_row(case) for case in cases),
+                {
+                    "epsilon": "{epsilon:g}",
+                    "K at the poles": "{K_pole:.3g}",
+                    "least K": "{K_least:.3f}",
+                    "vertices with K < 0": "{negative_vertices}",
+                    "error of int H dA": "{percent_error:+.3f} %",
+                    "paper: residual": "{paper}",
+                    "paper: distance": "{outcomes[paper][distance]:.0e}",
+                    "default: residual": "{default}",
+                    "default: distance": "{outcomes[default][distance]:.0e}",
+                },
+                [
+                    {**case, **{name: _residual(one) for name, one in case["outcomes"].items()}}
+                    for case in cases
+                ],
             ),
         ),
         numbers={
@@ -185,8 +136,8 @@ def study(*, vertices: int, epsilons: Sequence[float]) -> Section:
             "theta": where,
             "least_q2": dict(zip(map(str, REAL), under_root, strict=True)),
             "vertices": vertices,
-            "cases": [_numbers(case) for case in cases],
-            "more_steps": {str(steps): vars(outcome) for steps, outcome in more.items()},
+            "cases": cases,
+            "more_steps": more,
         },
     )
 
@@ -218,7 +169,7 @@ def least_under_root() -> list[float]:
     ]
 
 
-def picture(cases: Sequence[Case]) -> Figure:
+def picture(cases: Sequence[Record]) -> Figure:
     """Curvature along the meridian, and how far the methods end from the surface."""
     figure = plots.blank(3.8)
     left, right = figure.subplots(1, 2)
@@ -229,14 +180,14 @@ def picture(cases: Sequence[Case]) -> Figure:
     left.set_ylim(-0.4, 0.6)
     plots.legend(left)
     plots.dress(right, "epsilon", "distance in mean edge lengths", "from the surface")
-    epsilons = np.array([case.epsilon for case in cases])
-    for name, color, marker in zip(METHODS, plots.SERIES, plots.MARKERS, strict=False):
-        outcomes = [case.outcomes[name] for case in cases]
-        reached = np.array([outcome.converged for outcome in outcomes])
-        away = np.array([outcome.distance for outcome in outcomes])
-        right.loglog(epsilons, away, color=color, linewidth=0.8)
-        right.loglog(epsilons[reached], away[reached], marker, color=color, label=name)
-        right.loglog(epsilons[~reached], away[~reached], marker, color=color, markerfacecolor=plots.PAPER)
+    epsilons = np.array([case["epsilon"] for case in cases])
+    for name, style in plots.styled(METHODS):
+        reached = np.array([case["outcomes"][name]["converged"] for case in cases])
+        away = np.array([case["outcomes"][name]["distance"] for case in cases])
+        right.loglog(epsilons, away, color=style["color"], linewidth=0.8)
+        right.loglog(epsilons[reached], away[reached], label=name, linestyle="none", **style)
+        style |= {"markerfacecolor": plots.PAPER, "linestyle": "none"}
+        right.loglog(epsilons[~reached], away[~reached], **style)
     plots.legend(right)
     return figure
 
@@ -247,64 +198,42 @@ def _curvatures(epsilon: float, theta: Floats = THETA) -> Floats:
     return Ergosphere(epsilon=epsilon, spin=SPIN).gaussian_curvature(u)
 
 
-def _case(epsilon: float, vertices: int) -> Case:
-    exact, K = _exact(epsilon, vertices), _curvatures(epsilon)
-    integral = Ergosphere(epsilon=epsilon, spin=SPIN).integrated_mean_curvature
-    return Case(
-        epsilon,
-        float(K[0]),
-        float(K.min()),
-        100 * (exact.integrated_mean_curvature / integral - 1),
-        int(negative_deficits(exact.metric).sum()),
-        {name: _outcome(exact, method) for name, method in METHODS.items()},
-    )
+def _body(epsilon: float, vertices: int) -> Body:
+    return meshed(Ergosphere(epsilon=epsilon, spin=SPIN), vertices)
 
 
-def _exact(epsilon: float, vertices: int) -> Embedding:
-    points, faces = triangulate(Ergosphere(epsilon=epsilon, spin=SPIN), vertices)
-    return Embedding(PolyhedralMetric.from_mesh(points, faces), points, method="exact", tolerance=TOLERANCE)
-
-
-def _outcome(exact: Embedding, method: str | Method) -> Outcome:
-    found = attempted(exact.metric, method, TOLERANCE)
-    return Outcome(found.converged, found.residual, found.distance(exact))
-
-
-def _successes(cases: Sequence[Case], name: str) -> str:
-    """How often a method reached the lengths, and the surface."""
-    outcomes = [case.outcomes[name] for case in cases if case.least < 0]
-    reached = sum(outcome.converged for outcome in outcomes)
-    same = sum(outcome.converged and outcome.distance < SAME for outcome in outcomes)
-    return (
-        f"{name}: {reached} of {len(outcomes)} epsilons with K < 0 within {TOLERANCE:.0e}, {same} of them "
-        f"less than {SAME:g} mean edge lengths from the surface"
-    )
-
-
-def _row(case: Case) -> tuple[str, ...]:
-    return (
-        f"{case.epsilon:g}",
-        f"{case.pole:.3g}",
-        f"{case.least:.3f}",
-        str(case.negative),
-        f"{case.percent:+.3f} %",
-        *(
-            text
-            for outcome in case.outcomes.values()
-            for text in (
-                f"{outcome.residual:.0e}" + ("" if outcome.converged else ", missed"),
-                f"{outcome.distance:.0e}",
-            )
-        ),
-    )
-
-
-def _numbers(case: Case) -> dict[str, Any]:
+def _case(epsilon: float, vertices: int) -> dict[str, Any]:
+    """Curvatures in units of M, the error of int H dA of the exact vertices, and what each method made."""
+    body, K = _body(epsilon, vertices), _curvatures(epsilon)
     return {
-        "epsilon": case.epsilon,
-        "K_pole": case.pole,
-        "K_least": case.least,
-        "negative_vertices": case.negative,
-        "percent_error": case.percent,
-        "outcomes": {name: vars(outcome) for name, outcome in case.outcomes.items()},
+        "epsilon": epsilon,
+        "K_pole": float(K[0]),
+        "K_least": float(K.min()),
+        "negative_vertices": int(negative_deficits(body.metric).sum()),
+        "percent_error": body.percent_error(body.exact.integrated_mean_curvature),
+        "outcomes": {name: _outcome(body, method) for name, method in METHODS.items()},
     }
+
+
+def _outcome(body: Body, method: str | Paper) -> dict[str, Any]:
+    found = attempted(body.metric, method, STUDY.tolerance)
+    return {
+        "converged": found.converged,
+        "residual": found.residual,
+        "distance": found.distance(body.exact),
+    }
+
+
+def _residual(outcome: Record) -> str:
+    return f"{outcome['residual']:.0e}" + ("" if outcome["converged"] else ", missed")
+
+
+def _successes(cases: Sequence[Record], name: str) -> str:
+    """How often a method reached the lengths, and the surface."""
+    outcomes = [case["outcomes"][name] for case in cases if case["K_least"] < 0]
+    reached = [outcome for outcome in outcomes if outcome["converged"]]
+    same = sum(outcome["distance"] < STUDY.same_ergosphere for outcome in reached)
+    return (
+        f"{name}: {len(reached)} of {len(outcomes)} epsilons with K < 0 within {STUDY.tolerance:.0e}, {same} "
+        f"of them less than {STUDY.same_ergosphere:g} mean edge lengths from the surface"
+    )
