@@ -9,20 +9,16 @@ import numpy as np
 
 from isoembed._embed import embed
 from isoembed.aim.paper import Flow, Paper
-from isoembed.errors import NotEmbedded
-from isoembed.gallery import SURFACES, triangulate
-from isoembed.metric.polyhedral import PolyhedralMetric
+from isoembed.gallery import SURFACES
 from isoembed.progress.stages import Log
 from isoembed.studies import plots
-from isoembed.studies.regularized_continuation import SAME
+from isoembed.studies.bodies import STUDY, attempted, meshed
 from isoembed.studies.section import Comparison, Illustration, Section, Table
-from isoembed.surface.alignment import distance
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 BODIES = ("ellipsoid", "drum")
-TOLERANCE = 1e-6  # the paper's
 RUNS = 3  # of which the fastest counts, stage by stage: whatever else the machine does only adds to the time
 WARM = 100  # vertices of what is embedded once before anything is timed, to compile
 MOST = 16  # steps that are tried
@@ -30,9 +26,12 @@ TOTAL, DEFAULT = "total", "method aim"
 FLOWS: Mapping[Flow, float] = {"RK45": 0.1, "BDF": 1e-3}  # integrators, and the epsilon that they reach
 CUBIC = 3.0
 
+Costs = dict[str, dict[str, float | None]]  # by kind of cost, then by stage
+Exponents = Mapping[str, Mapping[str, float | None]]  # of N, by body, then by stage
+
 
 def study(*, sizes: Sequence[int], flow_sizes: Sequence[int], step_sizes: Sequence[int]) -> Section:
-    """Time the paper's method and the default one, integrate the Ricci flow, and count steps.
+    """Times of the paper's method and the default one, costs of the Ricci flow, and fewest steps.
 
     Parameters
     ----------
@@ -43,10 +42,6 @@ def study(*, sizes: Sequence[int], flow_sizes: Sequence[int], step_sizes: Sequen
         integrator takes long.
     step_sizes : sequence of int
         Of those of which the steps are counted, rising.
-
-    Returns
-    -------
-    Section
     """
     for name in BODIES:
         _timed(name, WARM)
@@ -58,15 +53,25 @@ def study(*, sizes: Sequence[int], flow_sizes: Sequence[int], step_sizes: Sequen
     factorizations = {name: _exponents(sizes, rows, "factorizations") for name, rows in timed.items()}
     evaluations = {name: _exponents(flow_sizes, rows, "evaluations") for name, rows in flowed.items()}
     flow_seconds = {name: _exponents(flow_sizes, rows, "seconds") for name, rows in flowed.items()}
-    stages = [key for key in timed[BODIES[0]][0]["seconds"] if key not in (TOTAL, DEFAULT)]
-    steepest = {name: _steepest(seconds[name], stages) for name in BODIES}
+    stages = _stages(timed[BODIES[0]][0]["seconds"])
+    steepest = {name: max(stages, key=lambda stage: seconds[name][stage] or 0.0) for name in BODIES}
+
+    def each(exponents: Exponents, key: str, form: str = "N^{} ({})") -> str:
+        """The exponents of a stage, by body."""
+        return ", ".join(form.format(_digits(exponents[name][key]), name) for name in BODIES)
+
+    def cells(key: str, *columns: Exponents) -> tuple[str, ...]:
+        """The exponents of a stage, by body and column, as a row of a table."""
+        return key, *(_digits(column[name].get(key)) for name in BODIES for column in columns)
+
     return Section(
         title="Scaling",
         text=(
-            f"Seconds of each stage of the paper's method, tolerance {TOLERANCE:.0e}, from {sizes[0]:,} to "
-            f"{sizes[-1]:,} vertices. They are the least of three runs on one machine, compiled beforehand; "
-            "exponents are slopes of straight lines through the logarithms. The factorizations of sparse "
-            "matrices, which are most of the work, are counted beside: their number goes like "
+            f"Seconds of each stage of the paper's method, tolerance {STUDY.tolerance:.0e}, from "
+            f"{sizes[0]:,} to {sizes[-1]:,} vertices. They are the least of three runs on one machine, "
+            "compiled beforehand; exponents are slopes of straight lines through the logarithms. The "
+            "factorizations of sparse matrices, which are most of the work, are counted beside: their number "
+            "goes like "
             + " and ".join(f"N^{_digits(factorizations[name][TOTAL])} ({name})" for name in BODIES)
             + ".",
             "Here the uniform metric is found by Newton's method. The Ricci flow as an ordinary differential "
@@ -92,29 +97,20 @@ def study(*, sizes: Sequence[int], flow_sizes: Sequence[int], step_sizes: Sequen
             Comparison(
                 "AIM scales sub-cubically (abstract, figure 8)",
                 "below N^3",
-                ", ".join(f"N^{_digits(seconds[name][TOTAL])} ({name})" for name in BODIES)
-                + "; the default method "
-                + ", ".join(f"N^{_digits(seconds[name][DEFAULT])}" for name in BODIES),
+                f"{each(seconds, TOTAL)}; the default method {each(seconds, DEFAULT, 'N^{}')}",
             ),
             Comparison(
                 "The Ricci flow is the highest-order contribution (section 3.1)",
                 "it is",
-                "by Newton's method "
-                + ", ".join(f"N^{_digits(seconds[name]['uniformize'])} ({name})" for name in BODIES)
-                + ", where the steepest stage is "
+                f"by Newton's method {each(seconds, 'uniformize')}, where the steepest stage is "
                 + ", ".join(
-                    f"{steepest[name]} ({name}, N^{_digits(seconds[name][steepest[name]])})"
-                    for name in BODIES
+                    f"{stage} ({name}, N^{_digits(seconds[name][stage])})" for name, stage in steepest.items()
                 )
-                + "; integrated by RK45 "
-                + ", ".join(f"N^{_digits(flow_seconds[name]['RK45'])} ({name})" for name in BODIES),
+                + f"; integrated by RK45 {each(flow_seconds, 'RK45')}",
                 "As a differential equation with an explicit integrator the flow is stiff: it takes "
-                + ", ".join(f"N^{_digits(evaluations[name]['RK45'])}" for name in BODIES)
-                + " right-hand sides, each of which costs of order N. By BDF it takes "
-                + ", ".join(f"N^{_digits(evaluations[name]['BDF'])}" for name in BODIES)
-                + ", and Newton's method "
-                + ", ".join(f"N^{_digits(factorizations[name]['uniformize'])}" for name in BODIES)
-                + " factorizations.",
+                f"{each(evaluations, 'RK45', 'N^{}')} right-hand sides, each of which costs of order N. By "
+                f"BDF it takes {each(evaluations, 'BDF', 'N^{}')}, and Newton's method "
+                f"{each(factorizations, 'uniformize', 'N^{}')} factorizations.",
             ),
             Comparison(
                 "Steps necessary for adiabaticity against N (figure 8)",
@@ -135,35 +131,12 @@ def study(*, sizes: Sequence[int], flow_sizes: Sequence[int], step_sizes: Sequen
             Table(
                 "Exponents of N: seconds, and number of factorizations",
                 ("stage", *(f"{name}: {what}" for name in BODIES for what in ("seconds", "factorizations"))),
-                tuple(
-                    (
-                        key,
-                        *(
-                            _digits(found[name].get(key))
-                            for name in BODIES
-                            for found in (seconds, factorizations)
-                        ),
-                    )
-                    for key in (*stages, TOTAL, DEFAULT)
-                ),
+                tuple(cells(key, seconds, factorizations) for key in (*stages, TOTAL, DEFAULT)),
             ),
             Table(
                 "The Ricci flow as a differential equation: exponents of N",
-                (
-                    "integrator",
-                    *(f"{name}: {what}" for name in BODIES for what in ("right-hand sides", "seconds")),
-                ),
-                tuple(
-                    (
-                        flow,
-                        *(
-                            _digits(found[name].get(flow))
-                            for name in BODIES
-                            for found in (evaluations, flow_seconds)
-                        ),
-                    )
-                    for flow in FLOWS
-                ),
+                ("integrator", *(f"{n}: {what}" for n in BODIES for what in ("right-hand sides", "seconds"))),
+                tuple(cells(flow, evaluations, flow_seconds) for flow in FLOWS),
             ),
         ),
         numbers={
@@ -179,30 +152,26 @@ def study(*, sizes: Sequence[int], flow_sizes: Sequence[int], step_sizes: Sequen
     )
 
 
-def _metric(name: str, n: int) -> PolyhedralMetric:
-    return PolyhedralMetric.from_mesh(*triangulate(SURFACES[name](), n))
-
-
-def _timed(name: str, n: int) -> dict[str, dict[str, float]]:
+def _timed(name: str, n: int) -> Costs:
     """Seconds and factorizations of the stages of the paper's method, and of both methods in total."""
-    metric = _metric(name, n)
-    papers = [embed(metric, method="paper", tolerance=TOLERANCE).stages for _ in range(RUNS)]
+    metric = meshed(SURFACES[name](), n).metric
+    papers = [embed(metric, method="paper", tolerance=STUDY.tolerance).stages for _ in range(RUNS)]
     defaults = [embed(metric).stages for _ in range(RUNS)]
-    found: dict[str, dict[str, float]] = {}
+    found: Costs = {}
     for what in ("seconds", "factorizations"):
         costs = {
-            stage.name: min(getattr(stages[k], what) for stages in papers)
-            for k, stage in enumerate(papers[0])
+            stages[0].name: min(getattr(stage, what) for stage in stages)
+            for stages in zip(*papers, strict=True)
         }
         least = min(sum(getattr(stage, what) for stage in stages) for stages in defaults)
         found[what] = {**costs, TOTAL: sum(costs.values()), DEFAULT: least}
     return found
 
 
-def _flowed(name: str, n: int) -> dict[str, dict[str, float | None]]:
+def _flowed(name: str, n: int) -> Costs:
     """Right-hand sides and seconds of the Ricci flow; None where it does not get there."""
-    metric = _metric(name, n).normalized
-    found: dict[str, dict[str, float | None]] = {"evaluations": {}, "seconds": {}}
+    metric = meshed(SURFACES[name](), n).metric.normalized
+    found: Costs = {"evaluations": {}, "seconds": {}}
     for flow, epsilon in FLOWS.items():
         method, log = Paper(flow=flow, epsilon=epsilon), Log()
         for _ in range(RUNS):
@@ -216,28 +185,25 @@ def _flowed(name: str, n: int) -> dict[str, dict[str, float | None]]:
 def fewest_steps(name: str, n: int) -> int | None:
     """Least Tsteps with which the paper's method finds the given surface without its convexity routine.
 
+    It is None if `MOST` are not enough.
+
     Parameters
     ----------
     name : str
         Of a surface in `isoembed.gallery.SURFACES`.
     n : int
         Number of vertices.
-
-    Returns
-    -------
-    int or None
-        None if `MOST` are not enough.
     """
-    vertices, faces = triangulate(SURFACES[name](), n)
-    metric = PolyhedralMetric.from_mesh(vertices, faces)
+    body = meshed(SURFACES[name](), n)
     for steps in range(1, MOST + 1):
-        try:
-            surface = embed(metric, method=Paper(Tsteps=steps, convexity="none"), tolerance=TOLERANCE)
-        except NotEmbedded:
-            continue
-        if distance(surface.vertices, vertices) < SAME * metric.mean_length:
+        surface = attempted(body.metric, Paper(Tsteps=steps, convexity="none"), STUDY.tolerance)
+        if surface.converged and surface.distance(body.exact) < STUDY.same:
             return steps
     return None
+
+
+def _stages(costs: Mapping[str, Any]) -> list[str]:
+    return [key for key in costs if key not in (TOTAL, DEFAULT)]
 
 
 def _exponents(sizes: Sequence[int], rows: Sequence[Mapping[str, Any]], what: str) -> dict[str, float | None]:
@@ -252,10 +218,6 @@ def _slope(sizes: Sequence[int], costs: Sequence[float | None]) -> float | None:
     return float(np.polyfit(np.log(sizes), np.log(np.array(costs, dtype=float)), 1)[0])
 
 
-def _steepest(slopes: Mapping[str, float | None], stages: Sequence[str]) -> str:
-    return max(stages, key=lambda stage: slopes[stage] or 0.0)
-
-
 def _digits(slope: float | None) -> str:
     return "-" if slope is None else f"{round(slope, 2) + 0.0:.2f}"  # no minus before zero
 
@@ -265,15 +227,14 @@ def _time_figure(sizes: Sequence[int], timed: Mapping[str, Any]) -> Figure:
     n = np.array(sizes, dtype=float)
     for axes, (name, rows) in zip(figure.subplots(1, 2, sharey=True), timed.items(), strict=True):
         plots.dress(axes, "vertices N", "seconds" if name == BODIES[0] else "", name)
-        keys = [key for key in rows[0]["seconds"] if key not in (TOTAL, DEFAULT)]
         styles = [
-            *zip(keys, plots.SERIES, plots.MARKERS, strict=False),
-            (TOTAL, plots.INK, "*"),
-            (DEFAULT, plots.FAINT, "x"),
+            *plots.styled(_stages(rows[0]["seconds"])),
+            (TOTAL, {"color": plots.INK, "marker": "*"}),
+            (DEFAULT, {"color": plots.FAINT, "marker": "x"}),
         ]
-        for key, color, marker in styles:
+        for key, style in styles:
             seconds = [row["seconds"][key] for row in rows]
-            axes.loglog(n, seconds, color=color, marker=marker, markersize=5, linewidth=1.3, label=key)
+            axes.loglog(n, seconds, markersize=5, linewidth=1.3, label=key, **style)
         top = rows[-1]["seconds"][TOTAL]
         axes.loglog(n, top * (n / n[-1]) ** CUBIC, ":", color=plots.FAINT, linewidth=1.2)
         plots.mark_sizes(axes, sizes)
@@ -291,17 +252,14 @@ def _flow_figure(
     left, right = figure.subplots(1, 2)
     plots.dress(left, "vertices N", "right-hand sides", "Ricci flow")
     for (name, rows), line in zip(flowed.items(), ("-", "--"), strict=True):
-        for flow, color, marker in zip(FLOWS, plots.SERIES, plots.MARKERS, strict=False):
+        for flow, style in plots.styled(FLOWS):
             counts = [row["evaluations"][flow] or np.nan for row in rows]
-            left.loglog(
-                flow_sizes, counts, line, color=color, marker=marker, markersize=5, label=f"{flow}, {name}"
-            )
+            left.loglog(flow_sizes, counts, line, markersize=5, label=f"{flow}, {name}", **style)
     plots.mark_sizes(left, flow_sizes)
     plots.legend(left)
     plots.dress(right, "vertices N", "fewest steps", "adiabatic pull-back")
-    for (name, fewest), color, marker in zip(steps.items(), plots.SERIES, plots.MARKERS, strict=False):
-        found = [count or np.nan for count in fewest]
-        right.semilogx(step_sizes, found, color=color, marker=marker, markersize=5, label=name)
+    for (name, fewest), style in plots.styled(steps.items()):
+        right.semilogx(step_sizes, [count or np.nan for count in fewest], markersize=5, label=name, **style)
     plots.mark_sizes(right, step_sizes)
     right.set_ylim(bottom=0)
     right.yaxis.get_major_locator().set_params(integer=True)
