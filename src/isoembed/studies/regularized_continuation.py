@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
@@ -16,14 +16,14 @@ from isoembed.aim.paths import path_factors, path_times
 from isoembed.aim.pullback import pull_back
 from isoembed.aim.uniformize import Uniformization
 from isoembed.errors import InvalidMetric
-from isoembed.gallery import SURFACES, triangulate
+from isoembed.gallery import SURFACES
 from isoembed.metric.conformal import rescaled
 from isoembed.metric.curvature import deficits, gaussian_curvature
 from isoembed.metric.polyhedral import PolyhedralMetric
 from isoembed.progress.stages import Log, Progress, StageRecorder
 from isoembed.studies import plots
-from isoembed.studies.bodies import attempted
-from isoembed.studies.section import Comparison, Illustration, Section, Table
+from isoembed.studies.bodies import STUDY, attempted, meshed
+from isoembed.studies.section import Comparison, Illustration, Section, Table, listed
 from isoembed.surface.alignment import distance
 from isoembed.surface.convexity import concave_edges
 from isoembed.surface.rigidity import LengthSystem, VertexSystem, length_residuals
@@ -32,11 +32,10 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 Floats = NDArray[np.float64]
+Record = Mapping[str, Any]
 
-TOLERANCE = 1e-6  # the paper's
 ROUTINES: dict[Convexity, str] = {"corrected": "corrected", "printed": "as printed", "none": "no routine"}
 PATHS = (("linear", 0.1), ("exponential", 0.1), ("exponential", 0.3), ("flow", 0.1))  # and alpha
-SAME = 1e-3  # mean edge lengths: surfaces nearer than this are one; other realizations were 70 times farther
 COMPARED = 10  # steps of every path
 TRIED = (1, 2, 3, 4, 5, 6, 8, COMPARED, 12)  # Tsteps
 
@@ -51,6 +50,10 @@ class _Start:
     vertices: Floats
     given: Floats
 
+    def at(self, path: str, t: float) -> PolyhedralMetric:
+        """The metric on a path."""
+        return rescaled(self.metric, path_factors(path, self.uniform, t))
+
 
 @dataclass(frozen=True)
 class _Way:
@@ -62,7 +65,7 @@ class _Way:
 
 
 def study(*, cases: Sequence[tuple[str, int, int]], path_vertices: int) -> Section:
-    """Follow crumpled vertices down to t = 0, and compare the paths.
+    """Crumpled vertices on the way down to t = 0, and a comparison of the paths.
 
     Parameters
     ----------
@@ -70,10 +73,6 @@ def study(*, cases: Sequence[tuple[str, int, int]], path_vertices: int) -> Secti
         Surface (a name of `isoembed.gallery.SURFACES`), vertices and Tsteps.
     path_vertices : int
         Of the ellipsoid and the drum on which the paths are compared.
-
-    Returns
-    -------
-    Section
     """
     followed = [_followed(*case) for case in cases]
     paths = {name: _compared(_start(name, path_vertices)) for name in ("ellipsoid", "drum")}
@@ -81,9 +80,18 @@ def study(*, cases: Sequence[tuple[str, int, int]], path_vertices: int) -> Secti
         {key: sum(case["routines"][key]["crumpled"][place] for case in followed) for key in ROUTINES}
         for place in (0, 1, -1)
     )
-    by_body = {name: found["paths"] for name, found in paths.items()}
-    gains = [found["extrapolation"] for found in paths.values()]
-    by_path = [_sentence([found["paths"][k] for found in paths.values()]) for k in range(len(PATHS))]
+    bodies = [{"name": name, **found, **found["extrapolation"]} for name, found in paths.items()]
+    off = " and ".join(
+        f"{case['routines']['corrected']['off']:.1g} mean edges ({case['surface']}, N = {case['vertices']:,})"
+        for case in followed
+    )
+    by_path = list(zip(*(body["paths"] for body in bodies), strict=True))
+    apart = max(
+        abs(row["iterations"] - linear["iterations"])
+        for linear, *others in (body["paths"] for body in bodies)
+        for row in others
+        if row["name"].startswith("exponential")
+    )
     return Section(
         title="The guided adiabatic pull-back",
         text=(
@@ -95,7 +103,7 @@ def study(*, cases: Sequence[tuple[str, int, int]], path_vertices: int) -> Secti
             f"{ends['none']} without any. The corrected one is kept only where it helps, so it cannot add "
             "any in a step; the next step of the path can. To have no crumpled vertex is not yet to be the "
             "surface that the lengths are from: the ends with the corrected routine are "
-            f"{_distances(followed)} from it.",
+            f"{off} from it.",
             "Concave edges say less. The triangles are given, and even the smooth surface that the lengths "
             "are from is concave at many of their edges; the diamonds mark at how many.",
         ),
@@ -112,7 +120,7 @@ def study(*, cases: Sequence[tuple[str, int, int]], path_vertices: int) -> Secti
                 f"Residual of the guess for the next surface, in mean edge lengths, on the linear path in "
                 f"{COMPARED} steps ({path_vertices} vertices): the surface before, and the polynomial "
                 "through the three before.",
-                _guess_figure(paths),
+                _guess_figure(bodies),
             ),
         ),
         comparisons=(
@@ -128,13 +136,14 @@ def study(*, cases: Sequence[tuple[str, int, int]], path_vertices: int) -> Secti
                 "Neither the exponential path nor the flow's own history improves on the linear one "
                 "(section 2.3)",
                 "no improvement, more work",
-                f"fewest steps, and iterations in {COMPARED} steps (ellipsoid, drum): " + "; ".join(by_path),
+                f"fewest steps, and iterations in {COMPARED} steps (ellipsoid, drum): "
+                + "; ".join(map(_sentence, by_path)),
                 "On the exponential paths the iterations differ by at most "
-                f"{_most_apart(list(by_body.values()))} from those on the linear one. Uneven steps: the "
+                f"{apart} from those on the linear one. Uneven steps: the "
                 "longest changes a length, in mean edges, by "
                 + "; ".join(
                     f"{rows[0]['name']}: " + ", ".join(f"{row['longest']:.2f}" for row in rows)
-                    for rows in zip(*by_body.values(), strict=True)
+                    for rows in by_path
                 )
                 + ".",
             ),
@@ -143,10 +152,7 @@ def study(*, cases: Sequence[tuple[str, int, int]], path_vertices: int) -> Secti
                 "(section 2.3)",
                 "its rate of change is constant",
                 "largest over smallest change in a step: "
-                + "; ".join(
-                    f"{name}: deficits {found['rates']['deficits']:.2f}, K {found['rates']['curvature']:.1f}"
-                    for name, found in paths.items()
-                ),
+                + listed("{name}: deficits {rates[deficits]:.2f}, K {rates[curvature]:.1f}", bodies),
                 "What changes evenly is the deficit, K times the dual area; K itself is divided by areas "
                 "that change, too.",
             ),
@@ -154,89 +160,69 @@ def study(*, cases: Sequence[tuple[str, int, int]], path_vertices: int) -> Secti
                 "Extrapolation from three surfaces brings the guess nearer (section 2.3)",
                 "nearer",
                 "the residual of the guess is smaller by a factor of "
-                + ", ".join(f"{gain['factor']:.0f} ({name})" for name, gain in zip(paths, gains, strict=True))
+                + ", ".join(f"{body['factor']:.0f} ({body['name']})" for body in bodies)
                 + " (median over the steps); Newton iterations "
-                + ", ".join(f"{gain['iterations']} instead of {gain['without']}" for gain in gains),
+                + ", ".join(f"{body['iterations']} instead of {body['without']}" for body in bodies),
             ),
         ),
         tables=(
-            Table(
+            Table.of(
                 f"Pull-backs without the convexity routine, {path_vertices} vertices: numbers of steps that "
                 f"lead to the surface that the lengths are from, of {', '.join(map(str, TRIED))}, and Newton "
                 f"iterations in {COMPARED} steps",
-                ("surface", "path", "leading there", f"iterations in {COMPARED} steps"),
-                tuple(
-                    (
-                        name,
-                        row["name"],
-                        ", ".join(map(str, row["arrived"])) or "none",
-                        str(row["iterations"]),
-                    )
-                    for name, found in paths.items()
-                    for row in found["paths"]
-                ),
+                {
+                    "surface": "{surface}",
+                    "path": "{name}",
+                    "leading there": "{leading}",
+                    f"iterations in {COMPARED} steps": "{iterations}",
+                },
+                [
+                    {"surface": body["name"], "leading": ", ".join(map(str, row["arrived"])) or "none", **row}
+                    for body in bodies
+                    for row in body["paths"]
+                ],
             ),
         ),
         numbers={"pull_backs": followed, "paths": paths},
     )
 
 
-def _distances(followed: list[dict[str, Any]]) -> str:
-    return " and ".join(
-        f"{case['routines']['corrected']['off']:.1g} mean edges ({case['surface']}, N = {case['vertices']:,})"
-        for case in followed
-    )
-
-
-def _sentence(rows: list[dict[str, Any]]) -> str:
+def _sentence(rows: Sequence[Record]) -> str:
     """Fewest steps and iterations of one path, on one surface after another."""
     fewest = ", ".join(str(row["arrived"][0]) if row["arrived"] else f"> {TRIED[-1]}" for row in rows)
     iterations = ", ".join(str(row["iterations"]) for row in rows)
     return f"{rows[0]['name']}: {fewest} steps, {iterations} iterations"
 
 
-def _most_apart(by_body: list[list[dict[str, Any]]]) -> int:
-    """By how many iterations an exponential path differs from the linear one at most."""
-    return max(
-        abs(row["iterations"] - linear["iterations"])
-        for linear, *others in by_body
-        for row in others
-        if row["name"].startswith("exponential")
-    )
-
-
 def _followed(name: str, n: int, steps: int) -> dict[str, Any]:
     """Crumpled vertices and concave edges at every step, for each routine."""
-    vertices, faces = triangulate(SURFACES[name](), n)
-    metric = PolyhedralMetric.from_mesh(vertices, faces)
+    body = meshed(SURFACES[name](), n)
     found: dict[str, Any] = {
         "surface": name,
         "vertices": n,
         "steps": steps,
-        "concave_given": int(concave_edges(metric.triangulation, vertices).sum()),
+        "concave_given": int(body.exact.concave_edges.sum()),
         "routines": {},
     }
     for routine in ROUTINES:
         seen: list[Progress] = []
         method = Paper(sphere=False, convexity=routine, Tsteps=steps)
-        surface = attempted(metric, method, TOLERANCE, seen.append)
-        shown = [p for p in seen if p.vertices is not None and p.inverted is not None]
-        concave = [int(concave_edges(metric.triangulation, p.vertices).sum()) for p in shown]  # type: ignore[arg-type]
+        surface = attempted(body.metric, method, STUDY.tolerance, seen.append)
+        shown = [(p, p.vertices) for p in seen if p.vertices is not None and p.inverted is not None]
         found["routines"][routine] = {
-            "t": [p.t for p in shown],
-            "crumpled": [(p.inverted or 0) + (p.partially_inverted or 0) for p in shown],
-            "concave": concave,
+            "t": [p.t for p, _ in shown],
+            "crumpled": [(p.inverted or 0) + (p.partially_inverted or 0) for p, _ in shown],
+            "concave": [int(concave_edges(body.metric.triangulation, x).sum()) for _, x in shown],
             "residual": surface.residual,
-            "off": distance(surface.vertices, vertices) / metric.mean_length,
+            "off": surface.distance(body.exact),
         }
     return found
 
 
 def _start(name: str, n: int) -> _Start:
-    """Embed the uniform surface of the Ricci flow, spherical fit included."""
-    given, faces = triangulate(SURFACES[name](), n)
-    kept = PolyhedralMetric.from_mesh(given, faces)
-    metric = kept.normalized
+    """The uniform surface of the Ricci flow, spherical fit included."""
+    body = meshed(SURFACES[name](), n)
+    metric = body.metric.normalized
     method, recorder = Paper(flow="BDF"), StageRecorder("start", Log())
     uniform = method.uniformize(metric, recorder)
     lengths = uniform.metric.lengths
@@ -249,8 +235,8 @@ def _start(name: str, n: int) -> _Start:
         max_iterations=method.max_iterations,
     )
     system = LengthSystem(metric.triangulation)
-    annealed = method.anneal(system, vertices, lengths, TOLERANCE, recorder)
-    return _Start(metric, uniform, system, annealed.vertices, given / kept.unit)
+    annealed = method.anneal(system, vertices, lengths, STUDY.tolerance, recorder)
+    return _Start(metric, uniform, system, annealed.vertices, body.vertices / body.metric.unit)
 
 
 def _pulled(start: _Start, path: str, steps: int, alpha: float, extrapolate: bool = True) -> _Way:
@@ -262,64 +248,58 @@ def _pulled(start: _Start, path: str, steps: int, alpha: float, extrapolate: boo
     def relax(guess: Floats, t: float) -> Annealed:
         before = reached[-1].vertices
         try:
-            lengths = rescaled(start.metric, path_factors(path, start.uniform, t)).lengths
+            lengths = start.at(path, t).lengths
         except InvalidMetric:  # between two metrics, but none itself
             return Annealed(guess, np.inf, False)
         first, last = (np.abs(length_residuals(triangulation, x, lengths)).max() for x in (guess, before))
         guesses.append((float(first), float(last)))
-        found = method.anneal(start.system, guess if extrapolate else before, lengths, TOLERANCE, recorder)
+        found = method.anneal(
+            start.system, guess if extrapolate else before, lengths, STUDY.tolerance, recorder
+        )
         reached.append(found)
         return found
 
     *_, end = pull_back(start.vertices, path_times(path, steps, alpha), relax)
     off = distance(end.annealed.vertices, start.given) / start.metric.mean_length
-    return _Way(off < SAME, recorder.iterations, guesses)
+    return _Way(off < STUDY.same, recorder.iterations, guesses)
 
 
 def _compared(start: _Start) -> dict[str, Any]:
     """All paths, and what extrapolation is worth on the linear one."""
-    rows = []
-    for path, alpha in PATHS:
-        ways = {steps: _pulled(start, path, steps, alpha) for steps in TRIED}
-        rows.append(
+    ways = {path: {steps: _pulled(start, path[0], steps, path[1]) for steps in TRIED} for path in PATHS}
+    linear = ways[PATHS[0]][COMPARED]
+    later = np.array(linear.guesses[3:])  # j > 3
+    return {
+        "paths": [
             {
                 "name": f"{path}, alpha = {alpha}" if path == "exponential" else path,
-                "arrived": [steps for steps, way in ways.items() if way.arrived],
-                "iterations": ways[COMPARED].iterations,
-                "longest": max(before for _, before in ways[COMPARED].guesses),
+                "arrived": [steps for steps, way in found.items() if way.arrived],
+                "iterations": found[COMPARED].iterations,
+                "longest": max(before for _, before in found[COMPARED].guesses),
             }
-        )
-    way = _pulled(start, "linear", COMPARED, 0.1)
-    without = _pulled(start, "linear", COMPARED, 0.1, extrapolate=False)
-    later = np.array(way.guesses[3:])  # j > 3
-    return {
-        "paths": rows,
+            for (path, alpha), found in ways.items()
+        ],
         "rates": {
             "deficits": _unevenness(start, deficits),
             "curvature": _unevenness(start, gaussian_curvature),
         },
         "extrapolation": {
-            "guesses": way.guesses,
+            "guesses": linear.guesses,
             "factor": float(np.median(later[:, 1] / later[:, 0])),
-            "iterations": way.iterations,
-            "without": without.iterations,
+            "iterations": linear.iterations,
+            "without": _pulled(start, "linear", COMPARED, 0.1, extrapolate=False).iterations,
         },
     }
 
 
 def _unevenness(start: _Start, quantity: Callable[[PolyhedralMetric], Floats]) -> float:
     """The largest over the smallest change of a quantity, as a vector, in a step of the linear path."""
-    values = np.array(
-        [
-            quantity(rescaled(start.metric, path_factors("linear", start.uniform, t)))
-            for t in path_times("linear", COMPARED, 0.1)
-        ]
-    )
+    values = np.array([quantity(start.at("linear", t)) for t in path_times("linear", COMPARED, 0.1)])
     changes = np.linalg.norm(np.diff(values, axis=0), axis=1)
     return float(changes.max() / changes.min())
 
 
-def _followed_figure(followed: Sequence[dict[str, Any]]) -> Figure:
+def _followed_figure(followed: Sequence[Record]) -> Figure:
     figure = plots.blank(5.0)
     rows = figure.subplots(2, len(followed), squeeze=False, sharex=True)
     for k, case in enumerate(followed):
@@ -327,30 +307,27 @@ def _followed_figure(followed: Sequence[dict[str, Any]]) -> Figure:
         title = f"{case['surface']}, N = {case['vertices']:,}, {case['steps']} steps"
         plots.dress(above, "", "crumpled vertices" if k == 0 else "", title)
         plots.dress(below, "$t / t_f$", "concave edges" if k == 0 else "")
-        for (routine, word), color, marker in zip(
-            ROUTINES.items(), plots.SERIES, plots.MARKERS, strict=False
-        ):
+        for (routine, word), style in plots.styled(ROUTINES.items()):
             way = case["routines"][routine]
-            style = {"color": color, "marker": marker, "linewidth": 1.3, "markersize": 4.0}
+            style |= {"linewidth": 1.3, "markersize": 4.0}
             if routine == "printed":  # under the next curve where it is the same
                 style |= {"markersize": 8.0, "fillstyle": "none"}
             above.plot(way["t"], way["crumpled"], label=word, **style)
             below.plot(way["t"], way["concave"], **style)
-        below.plot(
-            0, case["concave_given"], "D", color=plots.INK, markersize=8, fillstyle="none", clip_on=False
-        )
+        diamond = {"color": plots.INK, "markersize": 8, "fillstyle": "none", "clip_on": False}
+        below.plot(0, case["concave_given"], "D", **diamond)
         above.set_ylim(bottom=-0.5)
         above.set_xlim(1.03, -0.03)
     plots.legend(rows[0, 0])
     return figure
 
 
-def _guess_figure(paths: dict[str, dict[str, Any]]) -> Figure:
+def _guess_figure(bodies: Sequence[Record]) -> Figure:
     figure = plots.blank(3.2)
-    for axes, (name, found) in zip(figure.subplots(1, len(paths), sharey=True), paths.items(), strict=True):
-        guess, before = np.array(found["extrapolation"]["guesses"]).T
+    for axes, body in zip(figure.subplots(1, len(bodies), sharey=True), bodies, strict=True):
+        guess, before = np.array(body["guesses"]).T
         j = np.arange(1, len(guess) + 1)
-        plots.dress(axes, "step j", "residual of the guess" if name == "ellipsoid" else "", name)
+        plots.dress(axes, "step j", "residual of the guess" if body is bodies[0] else "", body["name"])
         axes.semilogy(j, before, "s-", color=plots.VERMILION, label="the surface before", markersize=5)
         axes.semilogy(j, guess, "o-", color=plots.BLUE, label="extrapolated from j = 4 on", markersize=5)
     plots.legend(axes)
