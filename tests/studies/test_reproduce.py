@@ -2,6 +2,7 @@
 
 import inspect
 import json
+from dataclasses import replace
 from html.parser import HTMLParser
 
 import numpy as np
@@ -14,8 +15,9 @@ from isoembed.io.files import FileError
 from isoembed.metric.curvature import negative_deficits
 from isoembed.metric.polyhedral import PolyhedralMetric
 from isoembed.studies import ergosphere, mean_curvature, plots, triptychs
+from isoembed.studies.bodies import STUDY
 from isoembed.studies.report import HEAVY, Made, page, rendered, text
-from isoembed.studies.reproduce import FULL, QUICK, Plan, Study, reproduce
+from isoembed.studies.reproduce import STUDIES, Study, reproduce
 from isoembed.studies.section import Comparison, Illustration, Section, Table
 from isoembed.surface.embedding import Embedding
 from zoo import icosphere
@@ -71,8 +73,8 @@ def a_section(**changes):
     return Section(**(parts | changes))
 
 
-def a_plan(make=a_section, **sizes):
-    return Plan("tiny", (Study("sizes", make, sizes),))
+def studies(make=a_section, **sizes):
+    return (Study("sizes", make, {}, sizes),)
 
 
 @pytest.mark.parametrize(
@@ -80,21 +82,22 @@ def a_plan(make=a_section, **sizes):
 )
 def test_a_triptych_is_smooth_in_the_middle_and_crumpled_on_the_right(surface, method):
     one = triptychs.triptych(surface, 300, method)
-    assert one.smooth.converged
-    assert one.smooth.distance(one.exact) < 1e-4
-    assert not one.smooth.rough_edges.any()
-    metric, x = one.exact.metric, one.crumpled.vertices
+    exact, smooth, crumpled = one.panels.values()
+    assert smooth.converged
+    assert smooth.distance(exact) < 1e-4
+    assert not smooth.rough_edges.any()
+    metric, x = exact.metric, crumpled.vertices
     lengths = np.linalg.norm(x[metric.edges[:, 0]] - x[metric.edges[:, 1]], axis=1)
     assert np.abs(lengths - metric.lengths).max() < 1e-6 * metric.mean_length
-    assert one.crumpled.rough_edges.mean() >= triptychs.CRUMPLED
-    assert (one.crumpled.inverted_vertices | one.crumpled.partially_inverted_vertices).any()
-    assert one.crumpled.distance(one.exact) > 0.1
+    assert crumpled.rough_edges.mean() >= STUDY.crumpled
+    assert (crumpled.inverted_vertices | crumpled.partially_inverted_vertices).any()
+    assert crumpled.distance(exact) > 0.1
     assert one.attempts[-1].succeeded
     assert not any(attempt.succeeded for attempt in one.attempts[:-1])
 
 
 def test_a_push_leaves_what_is_near_negative_curvature(monkeypatch):
-    monkeypatch.setattr(triptychs, "LONGEST", 0)  # do not anneal
+    monkeypatch.setattr(triptychs, "STUDY", replace(STUDY, kick_iterations=0))  # do not anneal
     points, faces = triangulate(Ergosphere(), 400)
     metric = PolyhedralMetric.from_mesh(points, faces)
     smooth = Embedding(metric, points, method="exact", tolerance=1)
@@ -164,7 +167,7 @@ def test_plain_text_becomes_html():
 def test_the_page_is_one_well_formed_file():
     section = a_section()
     images = {each.name: rendered(each.figure) for each in section.figures}
-    html = page([Made("sizes", section, images, 1.25)], "tiny")
+    html = page([Made("sizes", {}, section, images, 1.25)], "tiny")
     parsed = Page(html)
     assert parsed.loaded
     assert all(address.startswith("data:image/") for address in parsed.loaded)
@@ -191,13 +194,13 @@ def test_a_plan_leaves_a_report_figures_and_numbers(tmp_path):
     folder = tmp_path / "a" / "b"
     (folder / "figures").mkdir(parents=True)
     (folder / "figures" / "squares.png").write_text("of an earlier run")
-    outcome = reproduce(a_plan(title="sized"), folder, told.append)
+    outcome = reproduce(studies(title="sized"), folder, told.append, quick=True)
     assert outcome.report == folder / "report.html"
     assert outcome.failures == ()
     written = sorted(path.relative_to(folder).as_posix() for path in folder.rglob("*") if path.is_file())
     assert written == ["figures/squares.svg", "numbers.json", "report.html"]
     numbers = json.loads((folder / "numbers.json").read_text())
-    assert numbers["plan"] == "tiny"
+    assert numbers["plan"] == "quick"
     found = numbers["sections"]["sizes"]
     assert found["numbers"] == {"n": 3, "list": [1.0, None], "none": None}
     assert found["comparisons"][0]["paper"] == "0.62 %"
@@ -210,7 +213,7 @@ def test_a_section_that_fails_is_replaced_by_the_reason(tmp_path):
     def fails():
         raise NotEmbedded("it did not embed", None)
 
-    outcome = reproduce(a_plan(fails), tmp_path, lambda line: None)
+    outcome = reproduce(studies(fails), tmp_path, lambda line: None)
     assert outcome.failures == ("sizes: it did not embed",)
     assert "could not be made: it did not embed" in outcome.report.read_text()
 
@@ -223,7 +226,7 @@ def test_a_folder_that_is_a_file_is_refused_before_anything_is_made(tmp_path):
 
     for folder in (tmp_path / "taken", tmp_path / "taken" / "below"):
         with pytest.raises(FileError, match=r"^cannot (write|make the folder) .*taken"):
-            reproduce(a_plan(never), folder, lambda line: None)
+            reproduce(studies(never), folder, lambda line: None)
 
 
 @pytest.mark.parametrize("name", ["report.html", "numbers.json"])
@@ -234,11 +237,11 @@ def test_a_folder_in_the_place_of_a_file_is_refused_before_anything_is_made(tmp_
         raise AssertionError("made too early")
 
     with pytest.raises(FileError, match=rf"^cannot write .*{name}: it is a folder$"):
-        reproduce(a_plan(never), tmp_path, lambda line: None)
+        reproduce(studies(never), tmp_path, lambda line: None)
 
 
-@pytest.mark.parametrize("plan", [FULL, QUICK], ids=lambda plan: plan.name)
-def test_a_plan_fits_its_studies(plan):
-    assert len({study.name for study in plan.studies}) == len(plan.studies) == len(FULL.studies)
-    for study in plan.studies:
-        inspect.signature(study.make).bind(**study.sizes)
+def test_sizes_fit_their_studies():
+    assert len({study.name for study in STUDIES}) == len(STUDIES) == 10
+    for study in STUDIES:
+        for sizes in (study.full, study.quick):
+            inspect.signature(study.make).bind(**sizes)

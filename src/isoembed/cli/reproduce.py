@@ -34,8 +34,7 @@ def run(options: argparse.Namespace) -> int:
             with suppress(OSError):  # nobody watches
                 print(line, file=sys.stderr, flush=True)
 
-    plan = reproduce.QUICK if options.quick else reproduce.FULL
-    outcome = reproduce.reproduce(plan, options.output, tell)
+    outcome = reproduce.reproduce(reproduce.STUDIES, options.output, tell, quick=options.quick)
     if not options.quiet:
         print_out(str(outcome.report))
     for failure in outcome.failures:

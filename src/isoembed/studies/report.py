@@ -11,7 +11,7 @@ from html import escape
 from importlib.resources import files
 from io import BytesIO
 from string import Template
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -71,6 +71,8 @@ class Made:
     ----------
     name : str
         For links.
+    sizes : mapping
+        What it was made at.
     section : Section
     images : mapping of str to Image
         Its figures, by their names.
@@ -79,6 +81,7 @@ class Made:
     """
 
     name: str
+    sizes: Mapping[str, Any]
     section: Section
     images: Mapping[str, Image]
     seconds: float

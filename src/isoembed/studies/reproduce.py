@@ -1,4 +1,4 @@
-"""All studies, one after the other, into a folder: a report, its figures and its numbers."""
+"""All studies one after the other, and the folder that they go into: a report, figures and numbers."""
 
 from __future__ import annotations
 
@@ -6,7 +6,7 @@ import json
 import math
 import os
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from pathlib import Path
 from time import perf_counter
 from typing import Any
@@ -46,115 +46,92 @@ class Study:
         For links and ``numbers.json``.
     make : callable
         Takes the sizes as keywords and returns a Section.
-    sizes : mapping
+    full, quick : mapping
+        The sizes of the paper, and small ones.
     """
 
     name: str
     make: Callable[..., Section]
-    sizes: Mapping[str, Any]
-
-
-@dataclass(frozen=True)
-class Plan:
-    """What is made.
-
-    Attributes
-    ----------
-    name : str
-    studies : tuple of Study
-        In the order of the report.
-    """
-
-    name: str
-    studies: tuple[Study, ...]
+    full: Mapping[str, Any]
+    quick: Mapping[str, Any]
 
 
 @dataclass(frozen=True)
 class Outcome:
-    """What came of a plan.
-
-    Attributes
-    ----------
-    report : Path
-    failures : tuple of str
-        Sections that could not be made, and why.
-    """
+    """The report, and the sections that could not be made with the reasons."""
 
     report: Path
-    failures: tuple[str, ...] = field(default=())
+    failures: tuple[str, ...] = ()
 
 
-FULL = Plan(
-    "full",
-    (
-        Study("three-steps", three_steps.study, {"vertices": 160}),
-        Study(
-            "embedding-tree",
-            embedding_tree.study,
-            {"shown": 400, "sizes": (100, 200, 400, 800, 1600, 3226, 6400)},
-        ),
-        Study("inverted-vertex", inverted_vertex.study, {"vertices": 60}),
-        Study(
-            "guided-pull-back",
-            regularized_continuation.study,
-            {"cases": (("ellipsoid", 1600, 20), ("drum", 1600, 10)), "path_vertices": 400},
-        ),
-        Study("triptychs", triptychs.study, {"ellipsoid": 3226, "drum": 3246, "ergosphere": 3246}),
-        Study("accuracy", accuracy.study, {"vertices": 3226}),
-        Study("mean-curvature", mean_curvature.study, {"sizes": (400, 800, 1600, 3200, 6400, 12800)}),
-        Study(
-            "scaling",
-            scaling.study,
-            {
-                "sizes": (400, 800, 1600, 3226, 6400, 12800),
-                "flow_sizes": (100, 200, 400),
-                "step_sizes": (400, 800, 1600, 3226, 6400),
-            },
-        ),
-        Study(
-            "ergosphere",
-            ergosphere.study,
-            {"vertices": 1600, "epsilons": (0.02, 0.05, 0.1, 0.2, 0.3, 0.5, 1.0, 1.3, 2.0)},
-        ),
-        Study("baselines", baselines.study, {"vertices": 800, "degree": 16, "steps": 4, "seeds": 5}),
+STUDIES = (
+    Study("three-steps", three_steps.study, {"vertices": 160}, {"vertices": 160}),
+    Study(
+        "embedding-tree",
+        embedding_tree.study,
+        full={"shown": 400, "sizes": (100, 200, 400, 800, 1600, 3226, 6400)},
+        quick={"shown": 400, "sizes": (100, 200, 400)},
+    ),
+    Study("inverted-vertex", inverted_vertex.study, {"vertices": 60}, {"vertices": 60}),
+    Study(
+        "guided-pull-back",
+        regularized_continuation.study,
+        full={"cases": (("ellipsoid", 1600, 20), ("drum", 1600, 10)), "path_vertices": 400},
+        quick={"cases": (("ellipsoid", 400, 5), ("drum", 200, 10)), "path_vertices": 100},
+    ),
+    Study(
+        "triptychs",
+        triptychs.study,
+        full={"ellipsoid": 3226, "drum": 3246, "ergosphere": 3246},
+        quick={"ellipsoid": 600, "drum": 600, "ergosphere": 800},
+    ),
+    Study("accuracy", accuracy.study, {"vertices": 3226}, {"vertices": 400}),
+    Study(
+        "mean-curvature",
+        mean_curvature.study,
+        full={"sizes": (400, 800, 1600, 3200, 6400, 12800)},
+        quick={"sizes": (200, 400, 800, 1600)},
+    ),
+    Study(
+        "scaling",
+        scaling.study,
+        full={
+            "sizes": (400, 800, 1600, 3226, 6400, 12800),
+            "flow_sizes": (100, 200, 400),
+            "step_sizes": (400, 800, 1600, 3226, 6400),
+        },
+        quick={"sizes": (200, 400, 800), "flow_sizes": (100, 200), "step_sizes": (400, 800, 1600)},
+    ),
+    Study(
+        "ergosphere",
+        ergosphere.study,
+        full={"vertices": 1600, "epsilons": (0.02, 0.05, 0.1, 0.2, 0.3, 0.5, 1.0, 1.3, 2.0)},
+        quick={"vertices": 300, "epsilons": (0.1, 0.3, 1.3)},
+    ),
+    Study(
+        "baselines",
+        baselines.study,
+        full={"vertices": 800, "degree": 16, "steps": 4, "seeds": 5},
+        quick={"vertices": 200, "degree": 8, "steps": 4, "seeds": 2},
     ),
 )
-
-QUICK = Plan(
-    "quick",
-    (
-        Study("three-steps", three_steps.study, {"vertices": 160}),
-        Study("embedding-tree", embedding_tree.study, {"shown": 400, "sizes": (100, 200, 400)}),
-        Study("inverted-vertex", inverted_vertex.study, {"vertices": 60}),
-        Study(
-            "guided-pull-back",
-            regularized_continuation.study,
-            {"cases": (("ellipsoid", 400, 5), ("drum", 200, 10)), "path_vertices": 100},
-        ),
-        Study("triptychs", triptychs.study, {"ellipsoid": 600, "drum": 600, "ergosphere": 800}),
-        Study("accuracy", accuracy.study, {"vertices": 400}),
-        Study("mean-curvature", mean_curvature.study, {"sizes": (200, 400, 800, 1600)}),
-        Study(
-            "scaling",
-            scaling.study,
-            {"sizes": (200, 400, 800), "flow_sizes": (100, 200), "step_sizes": (400, 800, 1600)},
-        ),
-        Study("ergosphere", ergosphere.study, {"vertices": 300, "epsilons": (0.1, 0.3, 1.3)}),
-        Study("baselines", baselines.study, {"vertices": 200, "degree": 8, "steps": 4, "seeds": 2}),
-    ),
-)
+"""In the order of the report."""
 
 
-def reproduce(plan: Plan, folder: Path, tell: Callable[[str], None]) -> Outcome:
-    """Make every section of a plan, and write the report, the figures and the numbers.
+def reproduce(
+    studies: Sequence[Study], folder: Path, tell: Callable[[str], None], *, quick: bool = False
+) -> Outcome:
+    """Make every section, and write the report, the figures and the numbers.
 
     Parameters
     ----------
-    plan : Plan
+    studies : sequence of Study
     folder : Path
         Made if it is not there.
     tell : callable
         Receives a line when a section begins and one when it is done.
+    quick : bool
+        Small sizes.
 
     Returns
     -------
@@ -169,31 +146,31 @@ def reproduce(plan: Plan, folder: Path, tell: Callable[[str], None]) -> Outcome:
     check_drawable()
     _prepare(folder)
     made, failures = [], []
-    for k, study in enumerate(plan.studies):
-        tell(f"{k + 1}/{len(plan.studies)} {study.name} ...")
+    for k, study in enumerate(studies):
+        tell(f"{k + 1}/{len(studies)} {study.name} ...")
         began = perf_counter()
+        sizes = study.quick if quick else study.full
         try:
             with threadpool_limits(1):  # for matrices this small, threads spend their time on each other
-                section = study.make(**study.sizes)
+                section = study.make(**sizes)
         except NotEmbedded as error:
             failures.append(f"{study.name}: {error}")
             section = Section(study.name, (f"This section could not be made: {error}",))
         images = {each.name: rendered(each.figure) for each in section.figures}
-        made.append(Made(study.name, section, images, perf_counter() - began))
-        tell(f"{k + 1}/{len(plan.studies)} {study.name}: {made[-1].seconds:.1f} s")
-    writers: dict[Path, Writer] = {
-        folder / FIGURES / f"{name}{image.ending}": _bytes(image.data)
-        for one in made
-        for name, image in one.images.items()
+        made.append(Made(study.name, sizes, section, images, perf_counter() - began))
+        tell(f"{k + 1}/{len(studies)} {study.name}: {made[-1].seconds:.1f} s")
+    plan = "quick" if quick else "full"
+    files = {
+        f"{FIGURES}/{name}{image.ending}": image.data for one in made for name, image in one.images.items()
     }
-    numbers = json.dumps(_numbers(made, plan), indent=2, allow_nan=False) + "\n"
-    writers[folder / NUMBERS] = _bytes(numbers.encode())
-    writers[folder / REPORT] = _bytes(page(made, plan.name).encode())
-    write_atomically(writers)
+    files[NUMBERS] = (json.dumps(_numbers(made, plan), indent=2, allow_nan=False) + "\n").encode()
+    files[REPORT] = page(made, plan).encode()
+    write_atomically({folder / name: _bytes(data) for name, data in files.items()})
     for one in made:
-        for name, image in one.images.items():
-            for ending in TYPES.keys() - {image.ending}:  # what an earlier run may have left
-                (folder / FIGURES / f"{name}{ending}").unlink(missing_ok=True)
+        for name in one.images:
+            for ending in TYPES:
+                if f"{FIGURES}/{name}{ending}" not in files:  # what an earlier run may have left
+                    (folder / FIGURES / f"{name}{ending}").unlink(missing_ok=True)
     return Outcome(folder / REPORT, tuple(failures))
 
 
@@ -220,19 +197,19 @@ def _bytes(data: bytes) -> Writer:
     return write
 
 
-def _numbers(made: Sequence[Made], plan: Plan) -> dict[str, Any]:
+def _numbers(made: Sequence[Made], plan: str) -> dict[str, Any]:
     return {
         "version": __version__,
-        "plan": plan.name,
+        "plan": plan,
         "sections": {
             one.name: {
                 "title": one.section.title,
-                "sizes": _plain(study.sizes),
+                "sizes": _plain(one.sizes),
                 "seconds": round(one.seconds, 3),
                 "comparisons": [vars(comparison) for comparison in one.section.comparisons],
                 "numbers": _plain(one.section.numbers),
             }
-            for one, study in zip(made, plan.studies, strict=True)
+            for one in made
         },
     }
 
