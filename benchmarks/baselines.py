@@ -10,7 +10,7 @@ reflection), inverted and partially inverted vertices, concave edges, seconds an
 import argparse
 
 from isoembed.studies.baselines.subjects import paper_subjects
-from isoembed.studies.baselines.table import HEADER, compare
+from isoembed.studies.baselines.table import COLUMNS, compare, run_table
 
 
 def main() -> None:
@@ -21,11 +21,12 @@ def main() -> None:
     parser.add_argument("--degree", type=int, default=16, help="of the harmonics (default 16)")
     parser.add_argument("--steps", type=int, default=4, help="of the embedding flow (default 4)")
     asked = parser.parse_args()
-    print("| " + " | ".join(HEADER) + " |")
-    print("|" + "---|" * len(HEADER))
+    print("| " + " | ".join(COLUMNS) + " |")
+    print("|" + "---|" * len(COLUMNS))
     for subject in paper_subjects():
-        for run in compare([subject], vertices=asked.vertices, degree=asked.degree, steps=asked.steps):
-            print("| " + " | ".join(run.cells) + " |", flush=True)
+        runs = compare([subject], vertices=asked.vertices, degree=asked.degree, steps=asked.steps)
+        for row in run_table(subject.name, runs).rows:
+            print("| " + " | ".join(row) + " |", flush=True)
 
 
 if __name__ == "__main__":

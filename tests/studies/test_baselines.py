@@ -18,7 +18,7 @@ from isoembed.studies.baselines.embedding_flow import embedding_flow
 from isoembed.studies.baselines.spherical_harmonics import fit_harmonics, projected, sphere
 from isoembed.studies.baselines.study import study
 from isoembed.studies.baselines.subjects import Problem, Subject, paper_subjects, saddled, star_shaped
-from isoembed.studies.baselines.table import HEADER, compare
+from isoembed.studies.baselines.table import COLUMNS, compare, run_table
 from isoembed.studies.baselines.uniformization import uniformized
 from isoembed.studies.baselines.wire_frame import sphere_layout, wire_frame
 from smooth_bodies import misfit
@@ -186,13 +186,13 @@ def test_the_table_measures_all_methods_on_the_same_triangles():
         x = run.surface.vertices
         errors = np.abs(np.linalg.norm(x[i] - x[j], axis=1) - lengths)
         assert run.surface.residual == pytest.approx(errors.max() / lengths.mean(), rel=1e-6, abs=1e-14)
-        assert len(run.cells) == len(HEADER)
+    assert {len(row) for row in run_table("all", runs).rows} == {len(COLUMNS)}
     by_method = {run.method: run for run in runs}
-    assert by_method["(true surface)"].distance < 1e-14
+    assert by_method["(true surface)"].numbers["distance"] < 1e-14
     for method in ("isoembed, aim", "isoembed, paper"):
         assert by_method[method].note == "the true surface"
     for method in ("harmonics, from a sphere", "embedding flow", "isoembed, aim and harmonics"):
-        assert by_method[method].distance < 1e-3
+        assert by_method[method].numbers["distance"] < 1e-3
 
 
 def test_too_few_vertices_for_the_harmonics_are_refused():

@@ -24,12 +24,10 @@ from isoembed.errors import InvalidParameter
 from isoembed.smooth.harmonics import Harmonics
 from isoembed.smooth.isometry import OVERSAMPLED, IsometrySystem, MetricSamples, around, strains
 from isoembed.smooth.two_metric import TwoMetric
+from isoembed.studies.baselines.thresholds import BASELINES
 
 Floats = NDArray[np.float64]
 
-MOST_ITERATIONS = 1500
-MEMORY = 20  # steps that L-BFGS remembers
-FLAT = 1e-15  # of the sum of squares: a decrease below this is none
 DECAY = 2  # bumps of degree l are as high as (l + 1)^-DECAY
 
 
@@ -138,10 +136,10 @@ def fit_harmonics(metric: TwoMetric, harmonics: Harmonics, start: Floats) -> Har
         jac=True,
         method="L-BFGS-B",
         options={
-            "maxiter": MOST_ITERATIONS,
-            "maxfun": 2 * MOST_ITERATIONS,
-            "maxcor": MEMORY,
-            "ftol": FLAT,
+            "maxiter": BASELINES.minimizer_iterations,
+            "maxfun": 2 * BASELINES.minimizer_iterations,
+            "maxcor": BASELINES.minimizer_memory,
+            "ftol": BASELINES.flat,
             "gtol": 0.0,
         },
     )

@@ -10,15 +10,25 @@ import numpy as np
 
 from isoembed.plot import Panel, panels
 from isoembed.smooth.harmonics import Harmonics
+from isoembed.studies import plots
 from isoembed.studies.baselines.embedding_flow import STAGES, embedding_flow
-from isoembed.studies.baselines.spherical_harmonics import fit_harmonics, sphere
+from isoembed.studies.baselines.spherical_harmonics import HarmonicMap
 from isoembed.studies.baselines.subjects import Problem, paper_subjects, saddled
-from isoembed.studies.baselines.table import BUMPS, FOUND, HEADER, ROUGH, WORSE, Run, compare, searches
+from isoembed.studies.baselines.table import (
+    BUMPS,
+    FOUND,
+    ROUGH,
+    TRUTH,
+    Run,
+    compare,
+    fitted,
+    run_table,
+    searches,
+)
+from isoembed.studies.baselines.thresholds import BASELINES
 from isoembed.studies.baselines.uniformization import uniformized
-from isoembed.studies.plots import MARKERS, SERIES, blank, dress, legend
 from isoembed.studies.section import Comparison, Illustration, Section, Table
 from isoembed.surface.alignment import aligned
-from isoembed.surface.embedding import Embedding
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -27,14 +37,13 @@ SEARCHED = 8  # degree of the harmonics that are fitted from many starts
 SIZES = (0.1, 0.3, 0.5)  # of the bumps of these starts, in radii
 FLOWED = Harmonics(24, 1)  # for the horizon, which is symmetric about z
 HALVINGS = 6  # numbers of steps 1, 2, 4, ...
-FLOOR = 1e-9  # residuals below this are no more of the steps alone
-SHOWN = (
-    ("(true surface)", "true surface"),
-    ("wire frame, from a sphere", "wire frame"),
-    ("harmonics, from a bumpy sphere", "harmonics"),
-    ("embedding flow", "embedding flow"),
-    ("isoembed, aim", "isoembed"),
-)
+SHOWN = {
+    TRUTH: "true surface",
+    "wire frame, from a sphere": "wire frame",
+    "harmonics, from a bumpy sphere": "harmonics",
+    "embedding flow": "embedding flow",
+    "isoembed, aim": "isoembed",
+}
 
 
 @dataclass(frozen=True)
@@ -42,19 +51,19 @@ class Curve:
     """Residuals over degrees or numbers of steps."""
 
     label: str
-    x: tuple[int, ...]
-    residuals: tuple[float, ...]
+    x: Sequence[int]
+    residuals: Sequence[float]
 
     @property
     def order(self) -> float:
-        """The order in 1/x between the last two points above `FLOOR`."""
-        above = [i for i, r in enumerate(self.residuals) if r > FLOOR][-2:]
+        """The order in 1/x between the last two points that are due to the steps."""
+        above = [i for i, r in enumerate(self.residuals) if r > BASELINES.floor][-2:]
         (x0, x1), (r0, r1) = np.log([self.x[i] for i in above]), np.log([self.residuals[i] for i in above])
         return float((r0 - r1) / (x1 - x0))
 
 
 def study(*, vertices: int, degree: int, steps: int, seeds: int) -> Section:
-    """Run the cited methods and this library's on the same metrics.
+    """The cited methods and this library's on the same metrics.
 
     Parameters
     ----------
@@ -66,14 +75,10 @@ def study(*, vertices: int, degree: int, steps: int, seeds: int) -> Section:
         Of the embedding flow.
     seeds : int
         Random starts of the harmonics for each metric and size of bumps.
-
-    Returns
-    -------
-    Section
     """
     subjects = paper_subjects()
     runs = compare(subjects, vertices=vertices, degree=degree, steps=steps)
-    problems = [run.problem for run in runs if run.method == SHOWN[0][0]]
+    problems = [run.problem for run in runs if run.method == TRUTH]
     by_degree = degree_curves(problems, range(2, degree + 1, 2))
     by_steps = step_curves(problems[2])
     bent = flow_curves((problems[3], Problem.of(saddled(), vertices)), (degree // 2, degree), steps)
@@ -129,15 +134,14 @@ def study(*, vertices: int, degree: int, steps: int, seeds: int) -> Section:
             runs, by_degree, bent, int(np.sum(stuck)), len(subjects) * len(SIZES) * seeds
         ),
         tables=(
-            Table(
+            run_table(
                 f"The methods on four metrics: harmonics of degree {degree}, {steps} steps of order 4 of the "
                 "embedding flow",
-                HEADER,
-                tuple(run.cells for run in runs),
+                runs,
             ),
             Table(
                 f"Harmonics of degree {SEARCHED} from random starts: how many ended with more than "
-                f"{WORSE:g} times the strain that the round sphere leads to",
+                f"{BASELINES.worse:g} times the strain that the round sphere leads to",
                 ("metric", *(f"bumps of {size:g} radii" for size in SIZES)),
                 tuple(
                     (subject.name, *(f"{count} of {seeds}" for count in counts))
@@ -152,19 +156,7 @@ def study(*, vertices: int, degree: int, steps: int, seeds: int) -> Section:
             ),
         ),
         numbers={
-            "runs": [
-                {
-                    "metric": run.problem.subject.name,
-                    "method": run.method,
-                    "residual": run.surface.residual,
-                    "distance": run.distance,
-                    "inverted": run.inverted,
-                    "concave_edges": int(run.surface.concave_edges.sum()),
-                    "seconds": run.seconds,
-                    "note": run.note,
-                }
-                for run in runs
-            ],
+            "runs": [run.numbers for run in runs],
             "residual_by_degree": {curve.label: list(curve.residuals) for curve in by_degree},
             "flow_residual_where_K_is_negative": {curve.label: list(curve.residuals) for curve in bent},
             "flow_orders": {curve.label: curve.order for curve in by_steps},
@@ -175,87 +167,76 @@ def study(*, vertices: int, degree: int, steps: int, seeds: int) -> Section:
     )
 
 
-def degree_curves(problems: Sequence[Problem], degrees: Sequence[int]) -> tuple[Curve, ...]:
+def degree_curves(problems: Sequence[Problem], degrees: Sequence[int]) -> list[Curve]:
     """The residuals of harmonics that are fitted from the round sphere."""
-    curves = []
-    for problem in problems:
-        residuals = []
-        for degree in degrees:
-            harmonics, metric = Harmonics(degree, degree), problem.subject.metric
-            found = fit_harmonics(metric, harmonics, sphere(metric, harmonics))
-            residuals.append(_residual(problem, found.points(problem.directions)))
-        curves.append(Curve(problem.subject.name, tuple(degrees), tuple(residuals)))
-    return tuple(curves)
+    return [
+        Curve(p.subject.name, degrees, [_residual(p, fitted(p.subject, degree)) for degree in degrees])
+        for p in problems
+    ]
 
 
-def flow_curves(problems: Sequence[Problem], degrees: Sequence[int], steps: int) -> tuple[Curve, ...]:
+def flow_curves(problems: Sequence[Problem], degrees: Sequence[int], steps: int) -> list[Curve]:
     """The residuals of the embedding flow, of order 4, by degree."""
     curves = []
     for problem in problems:
-        residuals = []
-        for degree in degrees:
-            start = uniformized(problem.subject.metric, Harmonics(degree, degree))
-            found = embedding_flow(problem.subject.metric, start, steps)
-            residuals.append(_residual(problem, found.points(problem.directions)))
-        curves.append(Curve(problem.subject.name, tuple(degrees), tuple(residuals)))
-    return tuple(curves)
+        metric = problem.subject.metric
+        starts = [uniformized(metric, Harmonics(degree, degree)) for degree in degrees]
+        residuals = [_residual(problem, embedding_flow(metric, start, steps)) for start in starts]
+        curves.append(Curve(problem.subject.name, degrees, residuals))
+    return curves
 
 
-def step_curves(problem: Problem) -> tuple[Curve, ...]:
+def step_curves(problem: Problem) -> list[Curve]:
     """The residuals of the embedding flow of a surface of revolution, one curve for each order."""
     metric = problem.subject.metric
-    start = uniformized(metric, FLOWED)
-    counts = tuple(2**k for k in range(HALVINGS))
-    return tuple(
+    start, counts = uniformized(metric, FLOWED), [2**k for k in range(HALVINGS)]
+    return [
         Curve(
             f"order {order}",
             counts,
-            tuple(
-                _residual(problem, embedding_flow(metric, start, n, order).points(problem.directions))
-                for n in counts
-            ),
+            [_residual(problem, embedding_flow(metric, start, n, order)) for n in counts],
         )
         for order in STAGES
-    )
+    ]
 
 
-def _residual(problem: Problem, vertices: np.ndarray) -> float:
-    return Embedding(problem.metric, vertices, method="baseline", tolerance=1.0).residual
+def _residual(problem: Problem, found: HarmonicMap) -> float:
+    return problem.realized(found.points(problem.directions)).residual
 
 
 def _convergence(by_degree: Sequence[Curve], by_steps: Sequence[Curve]) -> Figure:
-    figure = blank(3.4)
+    figure = plots.blank(3.4)
     left, right = figure.subplots(1, 2, sharey=True)
-    for curve, color, marker in zip(by_degree, SERIES, MARKERS, strict=False):
-        left.semilogy(curve.x, curve.residuals, color=color, marker=marker, markersize=4, label=curve.label)
-    for curve, color, marker in zip(by_steps, SERIES, MARKERS, strict=False):
+    for curve, style in plots.styled(by_degree):
+        left.semilogy(curve.x, curve.residuals, markersize=4, label=curve.label, **style)
+    for curve, style in plots.styled(by_steps):
         label = f"{curve.label}: measured {curve.order:.2f}"
-        right.loglog(curve.x, curve.residuals, color=color, marker=marker, markersize=4, label=label)
-    dress(left, "degree of the harmonics", "largest length error / mean edge", "Harmonics, from the sphere")
-    dress(right, "steps of the flow", "", "Embedding flow, Kerr horizon")
+        right.loglog(curve.x, curve.residuals, markersize=4, label=label, **style)
+    plots.dress(
+        left, "degree of the harmonics", "largest length error / mean edge", "Harmonics, from the sphere"
+    )
+    plots.dress(right, "steps of the flow", "", "Embedding flow, Kerr horizon")
     left.set_xticks(by_degree[0].x)
     right.set_xticks(by_steps[0].x, [str(n) for n in by_steps[0].x])
     right.minorticks_off()
     for axes in (left, right):
-        legend(axes, loc="lower left")
+        plots.legend(axes, loc="lower left")
     return figure
 
 
 def _row(runs: Sequence[Run]) -> Figure:
     chosen = {run.method: run.surface for run in runs}
-    truth = chosen[SHOWN[0][0]]
-    return panels(
-        [
-            Panel(
-                aligned(chosen[method].vertices, truth.vertices),
-                truth.faces,
-                chosen[method].mean_curvature,
-                title,
-            )
-            for method, title in SHOWN
-        ],
-        label="mean curvature H",
-    )
+    truth = chosen[TRUTH]
+    row = [
+        Panel(
+            aligned(chosen[method].vertices, truth.vertices),
+            truth.faces,
+            chosen[method].mean_curvature,
+            title,
+        )
+        for method, title in SHOWN.items()
+    ]
+    return panels(row, label="mean curvature H")
 
 
 def _comparisons(
@@ -265,7 +246,8 @@ def _comparisons(
     notes = [run.note for run in wire]
     ours = {name: [run for run in runs if run.method == f"isoembed, {name}"] for name in ("paper", "aim")}
     missed = [
-        f"{run.problem.subject.name}: {run.note}, {run.distance:.0e} of the diameter from the true one"
+        f"{run.problem.subject.name}: {run.note}, {run.problem.distance(run.surface):.0e} of the diameter "
+        "from the true one"
         for run in ours["paper"]
         if run.note != FOUND
     ]
@@ -280,8 +262,8 @@ def _comparisons(
         Comparison(
             "Bondarescu et al. get stuck in local minima in the space of coefficients (section 1)",
             "stated",
-            f"{stuck} of {starts} random starts at degree {SEARCHED} ended with more than {WORSE:g} times "
-            "the strain that the round sphere leads to",
+            f"{stuck} of {starts} random starts at degree {SEARCHED} ended with more than "
+            f"{BASELINES.worse:g} times the strain that the round sphere leads to",
             "In star-shaped and Boyer-Lindquist coordinates the round sphere is a good start for these "
             "bodies.",
         ),

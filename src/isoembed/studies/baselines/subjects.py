@@ -7,17 +7,21 @@ from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.spatial.distance import pdist
 
 from isoembed.gallery import Drum, Ellipsoid, Ergosphere, HarmonicSurface, KerrHorizon
 from isoembed.metric.polyhedral import PolyhedralMetric
 from isoembed.relativity import KerrNewmanErgosphere, KerrNewmanHorizon
 from isoembed.smooth.triangulation import triangulate_metric
 from isoembed.smooth.two_metric import PulledBack, TwoMetric
+from isoembed.studies.baselines.thresholds import BASELINES
+from isoembed.surface import alignment
+from isoembed.surface.embedding import Embedding
 
 Floats = NDArray[np.float64]
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Subject:
     """A smooth metric on the sphere of directions and the surface that it was taken from.
 
@@ -60,6 +64,19 @@ class Problem:
         mesh = triangulate_metric(subject.metric, vertices)
         points = subject.point(mesh.directions)
         return cls(subject, mesh.directions, points, PolyhedralMetric.from_mesh(points, mesh.faces))
+
+    def realized(self, vertices: Floats) -> Embedding:
+        """Vertices on the triangles of the problem, measured against its lengths."""
+        return Embedding(self.metric, vertices, method="baseline", tolerance=BASELINES.arrived)
+
+    def distance(self, found: Embedding) -> float:
+        """Largest distance of a vertex from its place on the true surface, over the diameter of that.
+
+        After the best rigid motion or reflection.
+        """
+        both = (found.vertices, found.vertices * [1.0, 1.0, -1.0])
+        apart = min(alignment.distance(x, self.vertices) for x in both)
+        return apart / float(pdist(self.vertices).max())
 
 
 def star_shaped(name: str, surface: Ellipsoid | Drum) -> Subject:

@@ -3,12 +3,10 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Sequence
-from dataclasses import dataclass, replace
-
-import numpy as np
-from numpy.typing import NDArray
-from scipy.spatial.distance import pdist
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from functools import cache
+from typing import Any, TypeVar
 
 from isoembed.errors import InvalidParameter
 from isoembed.smooth.harmonics import Harmonics
@@ -16,22 +14,28 @@ from isoembed.smooth.isometry import gauss_newton
 from isoembed.studies.baselines.embedding_flow import embedding_flow
 from isoembed.studies.baselines.spherical_harmonics import HarmonicMap, fit_harmonics, projected, sphere
 from isoembed.studies.baselines.subjects import Problem, Subject
-from isoembed.studies.baselines.uniformization import uniformized
+from isoembed.studies.baselines.thresholds import BASELINES
+from isoembed.studies.baselines.uniformization import RoundSphere, uniformized
 from isoembed.studies.baselines.wire_frame import sphere_layout, wire_frame
 from isoembed.studies.bodies import attempted
-from isoembed.surface import alignment
+from isoembed.studies.section import Table
 from isoembed.surface.embedding import Embedding
-
-Floats = NDArray[np.float64]
 
 ROUGH = 0.3  # mean edge lengths, of the wire frame's second start
 BUMPS = 0.3  # radii, of the harmonics' second start
-TOLERANCE = 1e-10  # mean edge lengths: as a user of `isoembed.embed` has it
-ARRIVED = 1e-6  # of the diameter: a surface so near to the true one is that
-FOUND = "the true surface"
-WORSE = 2.0  # strains over the least one from which on they are not due to the degree
-RESOLVED = 1e-5  # strains below this have squares that a minimizer cannot tell apart much longer
-DETERMINED = 2  # vertices for a harmonic at least
+TRUTH, FOUND = "(true surface)", "the true surface"
+COLUMNS = {
+    "metric": "{metric}",
+    "method": "{method}",
+    "residual": "{residual:.1e}",
+    "distance": "{distance:.1e}",
+    "inverted": "{inverted}",
+    "concave edges": "{concave_edges}",
+    "seconds": "{clock}",
+    "note": "{note}",
+}
+
+T = TypeVar("T")
 
 
 @dataclass(frozen=True, eq=False)
@@ -56,40 +60,31 @@ class Run:
     note: str
 
     @property
-    def distance(self) -> float:
-        """Largest distance of a vertex from its place on the true surface, over the diameter of that.
-
-        After the best rigid motion or reflection.
-        """
-        truth = self.problem.vertices
-        found = (self.surface.vertices, self.surface.vertices * [1.0, 1.0, -1.0])
-        return min(alignment.distance(x, truth) for x in found) / float(pdist(truth).max())
-
-    @property
-    def inverted(self) -> int:
-        """Inverted and partially inverted vertices."""
-        return int((self.surface.inverted_vertices | self.surface.partially_inverted_vertices).sum())
-
-    @property
-    def cells(self) -> tuple[str, ...]:
-        """As text, under `HEADER`."""
-        return (
-            self.problem.subject.name,
-            self.method,
-            f"{self.surface.residual:.1e}",
-            f"{self.distance:.1e}",
-            str(self.inverted),
-            str(int(self.surface.concave_edges.sum())),
-            f"{self.seconds:.2f}" if self.seconds else "",
-            self.note,
-        )
+    def numbers(self) -> dict[str, Any]:
+        """All that is said about it; inverted vertices include partially inverted ones."""
+        surface = self.surface
+        return {
+            "metric": self.problem.subject.name,
+            "method": self.method,
+            "residual": surface.residual,
+            "distance": self.problem.distance(surface),
+            "inverted": int((surface.inverted_vertices | surface.partially_inverted_vertices).sum()),
+            "concave_edges": int(surface.concave_edges.sum()),
+            "seconds": self.seconds,
+            "note": self.note,
+        }
 
 
-HEADER = ("metric", "method", "residual", "distance", "inverted", "concave edges", "seconds", "note")
+def run_table(caption: str, runs: Sequence[Run]) -> Table:
+    """A row for each run."""
+    clocks = [f"{run.seconds:.2f}" if run.seconds else "" for run in runs]
+    return Table.of(
+        caption, COLUMNS, [{**run.numbers, "clock": clock} for run, clock in zip(runs, clocks, strict=True)]
+    )
 
 
 def compare(subjects: Sequence[Subject], *, vertices: int, degree: int, steps: int) -> tuple[Run, ...]:
-    """Run the three cited methods and this library's on the same triangles.
+    """Runs of the three cited methods and of this library's on the same triangles.
 
     Parameters
     ----------
@@ -112,91 +107,93 @@ def compare(subjects: Sequence[Subject], *, vertices: int, degree: int, steps: i
         The vertices are too few to fit so many harmonics to.
     """
     harmonics = Harmonics(degree, degree)
-    if vertices < DETERMINED * harmonics.size:
+    if vertices < BASELINES.determined * harmonics.size:
         raise InvalidParameter(
             f"{vertices} vertices are too few for the {harmonics.size} harmonics of degree {degree}:"
-            f" {DETERMINED * harmonics.size} are needed"
+            f" {BASELINES.determined * harmonics.size} are needed"
         )
     return tuple(
         run for subject in subjects for run in _runs(Problem.of(subject, vertices), harmonics, steps)
     )
 
 
+def fit(subject: Subject, degree: int, bumps: float = 0.0, seed: int = 0) -> HarmonicMap:
+    """The harmonics that are fitted from the round sphere, or from one with random bumps."""
+    harmonics = Harmonics(degree, degree)
+    return fit_harmonics(subject.metric, harmonics, sphere(subject.metric, harmonics, bumps, seed))
+
+
+fitted = cache(fit)
+
+
 def searches(subject: Subject, degree: int, bumps: float, seeds: int) -> int:
     """Of so many spheres with random bumps, how many lead harmonics to a worse map than the round one does.
 
-    Worse means more than `WORSE` times the strain.
+    Worse means more than `BaselineThresholds.worse` times the strain.
     """
-    harmonics = Harmonics(degree, degree)
-    round_one, *others = (
-        fit_harmonics(subject.metric, harmonics, sphere(subject.metric, harmonics, size, seed)).strain
-        for size, seed in [(0.0, 0), *((bumps, seed) for seed in range(seeds))]
-    )
-    return sum(strain > WORSE * round_one for strain in others)
+    most = BASELINES.worse * fitted(subject, degree).strain
+    return sum(fitted(subject, degree, bumps, seed).strain > most for seed in range(seeds))
 
 
 def _runs(problem: Problem, harmonics: Harmonics, steps: int) -> list[Run]:
-    metric = problem.subject.metric
-    truth = Run(problem, "(true surface)", _on_mesh(problem, problem.vertices), 0.0, "")
-    runs = [truth]
+    subject, u = problem.subject, problem.directions
+    runs = [Run(problem, TRUTH, problem.realized(problem.vertices), 0.0, "")]
     for noise, name in ((0.0, "from a sphere"), (ROUGH, "from a rough sphere")):
-        begin = time.perf_counter()
-        found = wire_frame(problem.metric, sphere_layout(problem.metric, noise))
-        seconds = time.perf_counter() - begin
-        runs.append(_noted(Run(problem, f"wire frame, {name}", found, seconds, "")))
+        found, seconds = _timed(_wire, problem, noise)
+        runs.append(Run(problem, f"wire frame, {name}", found, seconds, _length_note(problem, found)))
 
-    maps = []
-    for bumps, name in ((0.0, "from a sphere"), (BUMPS, "from a bumpy sphere")):
-        begin = time.perf_counter()
-        fitted = fit_harmonics(metric, harmonics, sphere(metric, harmonics, bumps))
-        maps.append((f"harmonics, {name}", fitted, time.perf_counter() - begin))
-    from_truth = fit_harmonics(metric, harmonics, projected(problem.vertices, problem.directions, harmonics))
-    least = min(from_truth.strain, *(fitted.strain for _, fitted, _ in maps))
-    for name, fitted, seconds in maps:
-        surface = _on_mesh(problem, fitted.points(problem.directions))
-        runs.append(Run(problem, name, surface, seconds, _harmonic_note(fitted, least)))
+    starts = {"from a sphere": 0.0, "from a bumpy sphere": BUMPS}
+    maps = {name: _timed(fit, subject, harmonics.degree, bumps) for name, bumps in starts.items()}
+    from_truth = fit_harmonics(subject.metric, harmonics, projected(problem.vertices, u, harmonics))
+    least = min(from_truth.strain, *(one.strain for one, _ in maps.values()))
+    for name, (one, seconds) in maps.items():
+        surface = problem.realized(one.points(u))
+        runs.append(Run(problem, f"harmonics, {name}", surface, seconds, _harmonic_note(one, least)))
 
-    begin = time.perf_counter()
-    start = uniformized(metric, harmonics)
-    flowed = embedding_flow(metric, start, steps)
-    seconds = time.perf_counter() - begin
+    (start, flowed), seconds = _timed(_flow, subject, harmonics, steps)
     notes = ["the curvature did not become uniform"] * (not start.settled)
     notes += ["K < 0 in places, where the published method does not apply"] * (start.least_curvature < 0.0)
-    surface = _on_mesh(problem, flowed.points(problem.directions))
+    surface = problem.realized(flowed.points(u))
     runs.append(Run(problem, "embedding flow", surface, seconds, "; ".join(notes)))
 
     for method in ("paper", "aim"):
-        begin = time.perf_counter()
-        found = attempted(problem.metric, method, TOLERANCE)
-        runs.append(_noted(Run(problem, f"isoembed, {method}", found, time.perf_counter() - begin, "")))
+        found, seconds = _timed(attempted, problem.metric, method, BASELINES.tolerance)
+        runs.append(Run(problem, f"isoembed, {method}", found, seconds, _length_note(problem, found)))
 
     # What `embed_smooth` does at one degree: it fits harmonics to the polyhedron and goes on from there.
-    begin = time.perf_counter()
-    guess = projected(found.vertices, problem.directions, harmonics)
-    C = gauss_newton(metric, harmonics, guess)
-    seconds = runs[-1].seconds + time.perf_counter() - begin
-    surface = _on_mesh(problem, harmonics.values(problem.directions) @ C)
-    runs.append(Run(problem, "isoembed, aim and harmonics", surface, seconds, ""))
+    guess, more = _timed(projected, found.vertices, u, harmonics)
+    C, still_more = _timed(gauss_newton, subject.metric, harmonics, guess)
+    surface = problem.realized(harmonics.values(u) @ C)
+    runs.append(Run(problem, "isoembed, aim and harmonics", surface, seconds + more + still_more, ""))
     return runs
 
 
-def _on_mesh(problem: Problem, vertices: Floats) -> Embedding:
-    return Embedding(problem.metric, vertices, method="baseline", tolerance=ARRIVED)
+def _timed(make: Callable[..., T], *arguments: Any) -> tuple[T, float]:
+    """What a function makes, and the seconds that it takes."""
+    begin = time.perf_counter()
+    return make(*arguments), time.perf_counter() - begin
 
 
-def _noted(run: Run) -> Run:
-    """The run of a method that looks for exact lengths, with what it found."""
-    if not run.surface.converged:
-        note = "stopped short of the lengths"
-    else:
-        note = FOUND if run.distance <= ARRIVED else "exact lengths, another surface"
-    return replace(run, note=note)
+def _wire(problem: Problem, noise: float) -> Embedding:
+    return wire_frame(problem.metric, sphere_layout(problem.metric, noise))
 
 
-def _harmonic_note(fitted: HarmonicMap, least: float) -> str:
-    ratio = fitted.strain / least
-    note = f"{fitted.iterations} iterations"
-    if ratio <= WORSE or fitted.strain <= RESOLVED:
+def _flow(subject: Subject, harmonics: Harmonics, steps: int) -> tuple[RoundSphere, HarmonicMap]:
+    start = uniformized(subject.metric, harmonics)
+    return start, embedding_flow(subject.metric, start, steps)
+
+
+def _length_note(problem: Problem, found: Embedding) -> str:
+    """What a method that looks for exact lengths has found."""
+    if not found.converged:
+        return "stopped short of the lengths"
+    return FOUND if problem.distance(found) <= BASELINES.arrived else "exact lengths, another surface"
+
+
+def _harmonic_note(one: HarmonicMap, least: float) -> str:
+    ratio = one.strain / least
+    note = f"{one.iterations} iterations"
+    if ratio <= BASELINES.worse or one.strain <= BASELINES.resolved:
         return note
-    end = "a local minimum" if fitted.settled else "not settled"
+    end = "a local minimum" if one.settled else "not settled"
     return f"{note}; {end}, {ratio:.3g} times the least strain"

@@ -17,12 +17,10 @@ from isoembed.smooth.gaussian_curvature import gaussian_curvature
 from isoembed.smooth.harmonics import Harmonics
 from isoembed.smooth.isometry import IsometrySystem, MetricSamples, around
 from isoembed.smooth.two_metric import TwoMetric
+from isoembed.studies.baselines.thresholds import BASELINES
 
 Floats = NDArray[np.float64]
 
-DENSE = 4  # heights of nodes over degrees: the curvature varies faster than the metric
-MOST_STEPS = 30
-SETTLED = 1e-9  # change of u
 CONFORMAL = slice(1, 4)  # eigenfunctions that Moebius maps of the sphere change u by
 
 
@@ -51,7 +49,7 @@ class RoundSphere:
 
 
 def uniformized(metric: TwoMetric, harmonics: Harmonics) -> RoundSphere:
-    """Find the conformal factor and the embedding of the round metric.
+    """The conformal factor and the embedding of the round metric.
 
     Parameters
     ----------
@@ -70,7 +68,7 @@ def uniformized(metric: TwoMetric, harmonics: Harmonics) -> RoundSphere:
     InvalidMetric
         The metric is not positive definite somewhere.
     """
-    n = DENSE * (harmonics.degree + 1)
+    n = BASELINES.dense * (harmonics.degree + 1)
     samples = MetricSamples.of(metric, n, around(n, harmonics))
     system = IsometrySystem.of(harmonics, samples)
     K = gaussian_curvature(metric, samples.u) * system.unit**2
@@ -82,7 +80,7 @@ def uniformized(metric: TwoMetric, harmonics: Harmonics) -> RoundSphere:
         stiffness[1:, 1:] += along.T @ (area[:, None] * along)
 
     factors, settled = np.zeros(harmonics.size), False
-    for _ in range(MOST_STEPS):
+    for _ in range(BASELINES.newton_steps):
         u = Y @ factors
         factors[0] -= 0.5 * np.log(area @ np.exp(2.0 * u)) / Y[0, 0]  # the area is kept
         round_area = area * np.exp(2.0 * (Y @ factors))
@@ -95,7 +93,7 @@ def uniformized(metric: TwoMetric, harmonics: Harmonics) -> RoundSphere:
         change = modes @ steps
         size = float(np.abs(Y @ change).max())
         factors = factors + change / max(1.0, size)
-        settled = size < SETTLED
+        settled = size < BASELINES.settled
 
     # Coordinates of the unit sphere have the mean square 1/3.
     C = modes[:, CONFORMAL] / np.sqrt(3.0)

@@ -23,12 +23,11 @@ from isoembed.metric.curvature import area
 from isoembed.metric.delaunay import delaunay
 from isoembed.metric.polyhedral import PolyhedralMetric
 from isoembed.progress.stages import Log
+from isoembed.studies.baselines.thresholds import BASELINES
 from isoembed.surface.embedding import Embedding
 from isoembed.surface.rigidity import LengthSystem
 
 Floats = NDArray[np.float64]
-
-MOST_STEPS = 200
 
 
 def sphere_layout(metric: PolyhedralMetric, noise: float = 0.0, seed: int = 0) -> Floats:
@@ -50,7 +49,9 @@ def sphere_layout(metric: PolyhedralMetric, noise: float = 0.0, seed: int = 0) -
     return np.asarray(metric.unit * (radius * points + shifts))
 
 
-def wire_frame(metric: PolyhedralMetric, start: ArrayLike, tolerance: float = 1e-10) -> Embedding:
+def wire_frame(
+    metric: PolyhedralMetric, start: ArrayLike, tolerance: float = BASELINES.tolerance
+) -> Embedding:
     """Minimize the sum of ``(|x_a - x_b|^2 - l_ab^2)^2 / (2 l_ab)^2`` from a start.
 
     Parameters
@@ -83,7 +84,7 @@ def wire_frame(metric: PolyhedralMetric, start: ArrayLike, tolerance: float = 1e
             given.lengths,
             recorder,
             residual_tolerance=tolerance,
-            max_iterations=MOST_STEPS,
+            max_iterations=BASELINES.wire_steps,
         )
     return Embedding(
         metric, metric.unit * found.vertices, method="wire frame", tolerance=tolerance, stages=log.stages
