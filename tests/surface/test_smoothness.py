@@ -20,6 +20,7 @@ from isoembed.surface.embedding import Embedding
 from isoembed.surface.measures import vertex_normals
 from isoembed.surface.normal_fits import FitThresholds
 from isoembed.surface.rigidity import LengthSystem, edge_rows
+from isoembed.surface.rigidity_matrix import RigidityThresholds
 from isoembed.surface.smoothness import (
     fine_roughness,
     fit_residuals,
@@ -299,7 +300,7 @@ def test_a_doubly_covered_polygon_is_smooth_and_flexible():
 
 def test_reports_of_large_surfaces_do_without_a_factorization(monkeypatch):
     surface = realization(*zoo.icosphere(2))
-    monkeypatch.setattr("isoembed.surface.embedding.FACTORED", 1000)
+    monkeypatch.setattr("isoembed.surface.embedding.RIGIDITY", RigidityThresholds(reported=1000))
     assert surface.report["smoothness"]["smallest_singular_value"] is None
     assert surface.smallest_singular_value > 0
     assert "smallest singular value not computed" in summary(surface)

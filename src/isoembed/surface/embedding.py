@@ -5,7 +5,7 @@ from __future__ import annotations
 import copy
 import math
 from collections.abc import Sequence
-from dataclasses import KW_ONLY, dataclass
+from dataclasses import KW_ONLY, asdict, dataclass
 from functools import cached_property
 from typing import Any, ClassVar
 
@@ -20,9 +20,8 @@ from isoembed.progress.stages import Stage
 from isoembed.surface import alignment, convexity, curvature, measures, smoothness
 from isoembed.surface.intersection import self_intersections
 from isoembed.surface.rigidity import LengthSystem
+from isoembed.surface.rigidity_matrix import RIGIDITY
 from isoembed.version import __version__
-
-FACTORED = 4_000_000  # entries of J J^T, for 100,000 vertices: more are not factored only for a report
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -281,6 +280,7 @@ class Embedding:
         alone costs more than in proportion to the size.
         """
         triangulation = self.triangulation
+        is_small = np.sum(triangulation.degrees**2) <= RIGIDITY.reported
         return {
             "status": self.status,
             "message": self.message,
@@ -308,9 +308,7 @@ class Embedding:
                 "roughness": _finite(self.roughness),
                 "fine_roughness": _finite(self.fine_roughness),
                 "rough_edges": int(self.rough_edges.sum()),
-                "smallest_singular_value": (
-                    self.smallest_singular_value if np.sum(triangulation.degrees**2) <= FACTORED else None
-                ),
+                "smallest_singular_value": self.smallest_singular_value if is_small else None,
             },
             "other_realizations": [
                 {
@@ -323,15 +321,7 @@ class Embedding:
             "area": _finite(self.area),
             "volume": _finite(self.volume),
             "integrated_mean_curvature": _finite(self.integrated_mean_curvature),
-            "stages": [
-                {
-                    "name": stage.name,
-                    "seconds": stage.seconds,
-                    "iterations": stage.iterations,
-                    "factorizations": stage.factorizations,
-                }
-                for stage in self.stages
-            ],
+            "stages": [asdict(stage) for stage in self.stages],
         }
 
 

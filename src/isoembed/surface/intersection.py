@@ -3,14 +3,24 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
+from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import ArrayLike
 
 from isoembed.arrays import Floats, Indices, Mask
+from isoembed.thresholds import threshold
 
-ROUNDING = 32 * np.finfo(np.float64).eps  # of a pair's largest coordinate: closer than this is contact
-BLOCK = 1 << 15  # pairs at a time: bounds the memory, whatever the surface
+
+@dataclass(frozen=True)
+class IntersectionThresholds:
+    """Thresholds of the search for self-intersections."""
+
+    contact: float = threshold(2.0**-47, "largest coordinates of a pair", "What is closer is in contact.")
+    at_once: int = threshold(1 << 15, "pairs", "They bound the memory, whatever the surface.")
+
+
+INTERSECTION = IntersectionThresholds()
 
 
 def self_intersections(faces: ArrayLike, vertices: ArrayLike) -> Indices:
@@ -19,7 +29,7 @@ def self_intersections(faces: ArrayLike, vertices: ArrayLike) -> Indices:
     Two triangles intersect if they have a point in common beyond the corner or the edge that they share:
     triangles without a common corner if they touch or cross, triangles with one common corner if they meet
     anywhere else, triangles with a common edge if they are folded flat on each other.  Contact counts, and
-    what double precision cannot tell from contact is contact: points closer than `ROUNDING` times the largest
+    what double precision cannot tell from contact is contact: points closer than 7e-15 times the largest
     coordinate of the pair.  Coplanar triangles that meet in their common corner or edge alone (a subdivided
     flat face) do not intersect.  A triangle without area may be found to intersect its neighbors.
 
@@ -59,7 +69,7 @@ def _overlapping_boxes(triangles: Floats) -> Iterator[Indices]:
         return
     depth = (count - 1).bit_length()
     # Room for the rounding of coordinates, so that contact is not lost here.
-    room = ROUNDING * np.abs(triangles).max(axis=(1, 2))[:, None]
+    room = INTERSECTION.contact * np.abs(triangles).max(axis=(1, 2))[:, None]
     low, high = triangles.min(axis=1) - room, triangles.max(axis=1) + room
     centers = low + high
     order = np.concatenate([np.arange(count), np.full((1 << depth) - count, -1)])[None]
@@ -83,9 +93,9 @@ def _overlapping_boxes(triangles: Floats) -> Iterator[Indices]:
     stack = [(depth, np.zeros((1, 2), dtype=np.int64))]
     while stack:
         level, nodes = stack.pop()
-        if len(nodes) > BLOCK:
-            stack.append((level, nodes[BLOCK:]))
-            nodes = nodes[:BLOCK]
+        if len(nodes) > INTERSECTION.at_once:
+            stack.append((level, nodes[INTERSECTION.at_once :]))
+            nodes = nodes[: INTERSECTION.at_once]
         a, b = nodes.T
         overlap = (lows[level][a] <= highs[level][b]).all(axis=1) & (lows[level][b] <= highs[level][a]).all(
             axis=1
@@ -122,7 +132,7 @@ def _intersect(faces: Indices, points: Floats, pairs: Indices) -> Mask:
         p, q = p - origin, q - origin
         size = np.maximum(np.abs(p).max(axis=(1, 2)), np.abs(q).max(axis=(1, 2)))
         size[size == 0] = 1.0
-        contact = ROUNDING * coordinate / size
+        contact = INTERSECTION.contact * coordinate / size
         answer[chosen] = ~decide(p / size[:, None, None], q / size[:, None, None], contact)
     return answer
 

@@ -16,26 +16,15 @@ from scipy.sparse import csc_array, csr_array, eye_array, kron
 from scipy.sparse.linalg import LinearOperator, eigsh
 
 from isoembed.arrays import Floats, Indices
-from isoembed.linalg import (
-    Dissection,
-    OutOfMemory,
-    SingularMatrix,
-    Solver,
-    SymmetricFactor,
-    analyze,
-    dissect,
-)
+from isoembed.linalg import Dissection, OutOfMemory, SingularMatrix, Solver, SymmetricFactor, analyze, dissect
 from isoembed.mesh.triangulation import Triangulation
-from isoembed.surface.rigidity_matrix import RigidityMatrix, coupled_edges
+from isoembed.surface.rigidity_matrix import RIGIDITY, RigidityMatrix, coupled_edges
 from isoembed.surface.two_level import TwoLevel
 
 MEAN_DIAGONAL = 2.0  # of J J^T, whose rows have unit norm at each end, and, nearly, of J^T J
-HOLD = 1e-10  # relative to J^T J: fixes the rigid motions that neither lengths nor a penalty on bending see
 
-FINEST, MOST = 1e-10, 500  # residual and iterations of a step without factors: where K < 0 they take hundreds
 
-KRYLOV = 8  # vectors kept between restarts of Lanczos' iteration
-EIGEN = 1e-3  # relative, of the largest eigenvalue of the inverse of J J^T: a measure, not a solution
+MEAN_DIAGONAL = 2.0  # of J J^T, whose rows have unit norm at each end, and, nearly, of J^T J
 
 
 def length_residuals(triangulation: Triangulation, vertices: Floats, lengths: Floats) -> Floats:
@@ -67,10 +56,7 @@ class LengthSystem:
     """
 
     def __init__(
-        self,
-        triangulation: Triangulation,
-        dissection: Dissection | None = None,
-        backend: str | None = None,
+        self, triangulation: Triangulation, dissection: Dissection | None = None, backend: str | None = None
     ) -> None:
         self.triangulation = triangulation
         self._dissection = dissection or dissect(triangulation.adjacency)
@@ -79,23 +65,11 @@ class LengthSystem:
         self._order = self._dissection.edge_order(triangulation.edges)
         self._ends = triangulation.edges[self._order].astype(np.int32)
 
-    def step(
-        self,
-        vertices: Floats,
-        lengths: Floats,
-        residuals: Floats,
-        mu: float = 0.0,
-    ) -> Floats:
+    def step(self, vertices: Floats, lengths: Floats, residuals: Floats, mu: float = 0.0) -> Floats:
         """``d = J^T (J J^T + mu I)^-1 r``, (V, 3): to be subtracted from the vertices.
 
-        Parameters
-        ----------
-        vertices : ndarray, shape (V, 3)
-        lengths : ndarray, shape (E,)
-        residuals : ndarray, shape (E,)
-            From `length_residuals`.
-        mu : float
-            Levenberg-Marquardt damping, relative to the mean diagonal of J J^T; 0 is Newton's step.
+        The residuals r, (E,), are the `length_residuals`; mu is Levenberg-Marquardt damping, relative to the
+        mean diagonal of J J^T: 0 is Newton's step.
 
         Raises
         ------
@@ -109,7 +83,7 @@ class LengthSystem:
             factor = self._factor(J, mu)
         except OutOfMemory:
             two_level = TwoLevel(J, vertices, self._dissection, mu * MEAN_DIAGONAL)
-            return two_level.step(r, FINEST, MOST).x
+            return two_level.step(r, RIGIDITY.residual, RIGIDITY.iterations).x
         d = J.forces(factor.solve(r, sweeps=0))
         if mu > 0:
             return d
@@ -134,14 +108,7 @@ class LengthSystem:
             return 0.0
 
     def softest(self, vertices: Floats, lengths: Floats, count: int) -> tuple[Floats, Floats, Floats]:
-        """The smallest singular values of J and their vectors, as in `smallest_singular_value`.
-
-        Parameters
-        ----------
-        vertices : ndarray, shape (V, 3)
-        lengths : ndarray, shape (E,)
-        count : int
-            How many.
+        """So many of the smallest singular values of J, and their vectors, as in `smallest_singular_value`.
 
         Returns
         -------
@@ -161,8 +128,8 @@ class LengthSystem:
         factor = self._factor(J)
         n = len(lengths)
         inverse = LinearOperator((n, n), matvec=partial(factor.solve, sweeps=0), dtype=np.float64)
-        start = np.random.default_rng(0).standard_normal(n)
-        _, vectors = eigsh(inverse, k=count, which="LA", v0=start, ncv=min(n, KRYLOV * count), tol=EIGEN)
+        start, kept = np.random.default_rng(0).standard_normal(n), min(n, RIGIDITY.vectors * count)
+        _, vectors = eigsh(inverse, k=count, which="LA", v0=start, ncv=kept, tol=RIGIDITY.eigenvalue)
         changes = np.empty((count, n))
         changes[:, self._order] = vectors.T[::-1] / np.linalg.norm(vectors.T[::-1], axis=1, keepdims=True)
         # Rayleigh's quotient, through J: rounding in J J^T would hide values below 1e-8.
@@ -222,7 +189,7 @@ class VertexSystem:
         slots = [self._slot(3 * entries.row + k, 3 * entries.col + k) for k in range(3)]
         values = np.tile(entries.data, 3)
         self._penalty = cast(Floats, np.bincount(np.concatenate(slots), values, minlength=len(self._keys)))
-        self._hold = HOLD * MEAN_DIAGONAL * (pattern.indices == column)
+        self._hold = RIGIDITY.hold * MEAN_DIAGONAL * (pattern.indices == column)
 
     def _slot(self, row: Indices, column: Indices) -> Indices:
         return np.searchsorted(
@@ -234,39 +201,14 @@ class VertexSystem:
         return self._slot(3 * a[:, None] + i, 3 * b[:, None] + j).ravel()
 
     def penalized(self, rows: Floats, weight: float) -> SymmetricFactor:
-        """Factor ``J^T J + weight P``, held against rigid motions.
-
-        Parameters
-        ----------
-        rows : ndarray, shape (E, 3)
-            J, from `edge_rows`.
-        weight : float
-
-        Raises
-        ------
-        SingularMatrix
-            The matrix is not positive definite.
-        """
+        """Factor ``J^T J + weight P``, J given by its `edge_rows`; raises SingularMatrix if not definite."""
         return self._factor(rows, weight * self._penalty)
 
     def spherical_step(self, vertices: Floats, lengths: Floats, residuals: Floats, radius: float) -> Floats:
         """Gauss-Newton's step, (V, 3), for the lengths and ``|x_a| = r`` together, in least squares.
 
         The rows ``x_a^T / r`` with residuals ``(|x_a|^2 - r^2) / (2 r)`` join those of J.  To be subtracted
-        from the vertices.
-
-        Parameters
-        ----------
-        vertices : ndarray, shape (V, 3)
-        lengths : ndarray, shape (E,)
-        residuals : ndarray, shape (E,)
-            From `length_residuals`.
-        radius : float
-
-        Raises
-        ------
-        SingularMatrix
-            The matrix is not positive definite.
+        from the vertices; raises SingularMatrix if the matrix is not definite.
         """
         outward = vertices / radius
         blocks = np.einsum("ai,aj->aij", outward, outward).ravel()

@@ -27,12 +27,22 @@ from isoembed.surface import curvature, measures
 from isoembed.surface.chords import chord_lengths
 from isoembed.surface.estimate import Estimate
 from isoembed.surface.shape_operator import normal_curvatures, second_derivatives, shape_operators
+from isoembed.thresholds import threshold
 
 Lengths = Literal["geodesic", "chord"]
 
 QUARTIC, CUBIC = 4, 3  # degrees of the fits: the second only says how far the first can be trusted
-NEXT = 0.1  # of a correction times (kappa l)^2: the size of the next order
-ALIKE = 36.0  # faces about a vertex in which the errors of the fits are alike, three rings'
+
+
+@dataclass(frozen=True)
+class EstimateThresholds:
+    """Thresholds of the errors that integrals are estimated to have."""
+
+    next_order: float = threshold(0.1, "corrections times (kappa l)^2", "Size of what comes next.")
+    alike: float = threshold(36.0, "faces", "About a vertex, in which the errors of the fits are alike.")
+
+
+ESTIMATES = EstimateThresholds()
 
 
 @dataclass(frozen=True, eq=False)
@@ -238,8 +248,9 @@ class SmoothIntegrals:
 
     def _estimate(self, raw: float, quartic: Floats, cubic: Floats, sizes: Floats) -> Estimate:
         lost = quartic - cubic
-        error = abs(float(lost.sum())) + float(np.sqrt(ALIKE * np.sum(lost**2)))
-        return Estimate(raw + float(quartic.sum()), error + NEXT * float(sizes @ self._bulges.turns))
+        error = abs(float(lost.sum())) + float(np.sqrt(ESTIMATES.alike * np.sum(lost**2)))
+        error += ESTIMATES.next_order * float(sizes @ self._bulges.turns)
+        return Estimate(raw + float(quartic.sum()), error)
 
 
 @dataclass(frozen=True)

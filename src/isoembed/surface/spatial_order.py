@@ -11,7 +11,6 @@ from numba import njit
 
 from isoembed.arrays import Floats, Indices
 
-CELLS = 1 << 10  # along each axis of the cube around the points
 MASKS = ((16, 0x030000FF), (8, 0x0300F00F), (4, 0x030C30C3), (2, 0x09249249))
 
 
@@ -29,9 +28,9 @@ def spatial_order(points: Floats) -> Indices:
         Each point once.
     """
     low, high = points.min(axis=0), points.max(axis=0)
-    scale = (CELLS - 1) / ((high - low).max() or 1.0)
+    scale = 1023 / ((high - low).max() or 1.0)
     keys = np.zeros(len(points), dtype=np.uint32)
-    for axis in range(3):
+    for axis in range(3):  # of the cube around the points, in 1024 cells
         bits = ((points[:, axis] - low[axis]) * scale).astype(np.uint32)
         for shift, mask in MASKS:  # moves the ten bits apart, to every third place
             bits = (bits | (bits << np.uint32(shift))) & np.uint32(mask)

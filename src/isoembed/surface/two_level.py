@@ -19,13 +19,11 @@ from scipy.sparse import bsr_array, csr_array, eye_array
 from isoembed.arrays import Floats, Indices, Indices32
 from isoembed.linalg import Dissection, SymmetricFactor, analyze, dissect
 from isoembed.linalg.krylov import Approximation, conjugate_gradients
-from isoembed.surface.rigidity_matrix import RigidityMatrix
+from isoembed.surface.rigidity_matrix import RIGIDITY, RigidityMatrix
+from isoembed.thresholds import compiled
 
-AGGREGATE = 48  # vertices at most
-DEGREE = 4  # of the smoothing polynomial
 LARGEST = 2.0  # an edge couples two blocks: no eigenvalue of D^-1 J^T J is larger
-SMOOTHED = LARGEST / 30  # and the eigenvalues from here on are smoothed
-HOLD = 1e-10  # relative: fixes what changes no edge
+_T = compiled(RIGIDITY)
 
 
 class TwoLevel:
@@ -56,21 +54,9 @@ class TwoLevel:
         self._coarse = self._bodies.factor(J, damping)
 
     def step(self, residuals: Floats, tolerance: float, most: int) -> Approximation:
-        """Solve ``(J^T J + damping I) d = J^T r``.
+        """Solve ``(J^T J + damping I) d = J^T r`` for d, (V, 3), orthogonal to the rigid motions.
 
-        Parameters
-        ----------
-        residuals : ndarray, shape (E,)
-            r.
-        tolerance : float
-            Of the equation's residual, relative to ``J^T r``.
-        most : int
-            Iterations.
-
-        Returns
-        -------
-        Approximation
-            d, (V, 3), orthogonal to the rigid motions.
+        The tolerance is that of the equation's residual, relative to ``J^T r``; the most, of iterations.
         """
         return conjugate_gradients(
             self._times, self._preconditioned, self._J.forces(residuals), tolerance, most
@@ -91,17 +77,17 @@ class TwoLevel:
         return motion
 
     def _smoothed(self, forces: Floats) -> Floats:
-        """Chebyshev's iteration from zero for the eigenvalues from SMOOTHED to LARGEST.
+        """Chebyshev's iteration from zero for the eigenvalues from `RIGIDITY.smoothed` to LARGEST.
 
         Source: Saad, Iterative methods for sparse linear systems, 2003, algorithm 12.1.
         """
-        theta, delta = (LARGEST + SMOOTHED) / 2, (LARGEST - SMOOTHED) / 2
+        theta, delta = (LARGEST + RIGIDITY.smoothed) / 2, (LARGEST - RIGIDITY.smoothed) / 2
         sigma = theta / delta
         rho = 1 / sigma
         left = forces.copy()
         step = _times_blocks(self._inverses, left) / theta
         motion = step.copy()
-        for _ in range(DEGREE - 1):
+        for _ in range(RIGIDITY.degree - 1):
             left -= self._times(step)
             before, rho = rho, 1 / (2 * sigma - rho)
             step *= rho * before
@@ -155,7 +141,7 @@ class _Bodies:
         indptr, indices = pattern.indptr.astype(np.int32), pattern.indices.astype(np.int32)
         blocks = _coarse_blocks(J.ends, J.rows, self.of_vertex, self.arms, indptr, indices, damping)
         matrix = bsr_array((blocks, indices, indptr), shape=(6 * self.count, 6 * self.count)).tocsr()
-        matrix.setdiag(matrix.diagonal() + HOLD * matrix.diagonal().mean())
+        matrix.setdiag(matrix.diagonal() + RIGIDITY.hold * matrix.diagonal().mean())
         solver = analyze(matrix.T, dissect(graph).block_order(6))  # rows are columns: it is symmetric
         return solver.factor(matrix.data)
 
@@ -202,7 +188,7 @@ def _aggregates(cells: Indices) -> Indices32:
     waiting = [(0, n, depth)]
     while waiting:
         start, end, bit = waiting.pop()
-        if end - start <= AGGREGATE or bit == 0:
+        if end - start <= _T.aggregate or bit == 0:
             for p in range(start, end):
                 of_vertex[order[p]] = count
             count += 1
@@ -221,7 +207,7 @@ def _inverses(J: RigidityMatrix, damping: float) -> Floats:
     """The inverses of the diagonal blocks of ``J^T J + damping I``, (V, 3, 3), held at flat vertices."""
     blocks = _diagonal_blocks(J.ends, J.rows, J.vertices)
     trace = np.einsum("iaa->i", blocks)
-    blocks[:, np.arange(3), np.arange(3)] += (damping + HOLD * trace)[:, None]
+    blocks[:, np.arange(3), np.arange(3)] += (damping + RIGIDITY.hold * trace)[:, None]
     inverses = np.linalg.inv(blocks)
     return (inverses + inverses.transpose(0, 2, 1)) / 2
 
