@@ -23,7 +23,8 @@ from isoembed.relativity import (
 )
 from isoembed.relativity.energies import wang_yau_energy
 from isoembed.relativity.energies.time_function import TimeRaisedMetric
-from isoembed.relativity.energies.wang_yau_functional import Functional
+from isoembed.relativity.energies.wang_yau_energy import WANG_YAU
+from isoembed.relativity.energies.wang_yau_functional import EmbeddedTime, Functional
 from isoembed.relativity.spacetimes.boosted import BoostedSchwarzschild
 from isoembed.smooth import Harmonics, PulledBack, embed_smooth
 from isoembed.smooth.transforms import resized
@@ -221,7 +222,8 @@ def test_second_variation_of_spheres():
     data, embedding = static()
     X, tau, r, f = Harmonics(16, 16), Harmonics(4, 4), 4.0, np.sqrt(0.5)
     functional = Functional.of(data, embedding, TimeFunction.zero(), X, tau)
-    hessian = functional.hessian(np.zeros(24), resized(embedding.coefficients, embedding.harmonics, X))
+    start = resized(embedding.coefficients, embedding.harmonics, X)
+    hessian = EmbeddedTime(functional, np.zeros(24), start).hessian
     l = tau.labels[0][1:]
     expected = l * (l + 1) * (1.0 - 2.0 * f + l * (l + 1) / (2.0 * f)) / (8.0 * np.pi * r)
     np.testing.assert_allclose(hessian, np.diag(expected), atol=1e-12 * expected.max())
@@ -318,15 +320,13 @@ def test_derivatives_are_those_of_differences():
     functional = Functional.of(data, embedding, TimeFunction.zero(), X, tau)
     rng = np.random.default_rng(2)
     t, v, h = 0.05 * rng.normal(size=tau.size - 1), rng.normal(size=tau.size - 1), 1e-4
-    map0 = functional.embedded(t, resized(embedding.coefficients, embedding.harmonics, X))
-    ahead, behind = (t + s * h * v for s in (1, -1))
-    X1, X2 = (functional.embedded(there, map0) for there in (ahead, behind))
-    slope = (functional.value(ahead, X1) - functional.value(behind, X2)) / (2 * h)
-    gradient, hessian = functional.gradient(t, map0), functional.hessian(t, map0)
-    assert slope == pytest.approx(gradient @ v, rel=1e-5)
-    change = (functional.gradient(ahead, X1) - functional.gradient(behind, X2)) / (2 * h)
-    np.testing.assert_allclose(change, hessian @ v, atol=1e-6 * np.abs(hessian @ v).max())
-    np.testing.assert_array_equal(hessian, hessian.T)
+    here = functional.embedded(t, resized(embedding.coefficients, embedding.harmonics, X))
+    ahead, behind = (functional.embedded(t + s * h * v, here.X) for s in (1, -1))
+    assert (ahead.energy - behind.energy) / (2 * h) == pytest.approx(here.gradient @ v, rel=1e-5)
+    change = (ahead.gradient - behind.gradient) / (2 * h)
+    expected = here.hessian @ v
+    np.testing.assert_allclose(change, expected, atol=1e-6 * np.abs(expected).max())
+    np.testing.assert_array_equal(here.hessian, here.hessian.T)
 
 
 @cache
@@ -518,19 +518,18 @@ def test_the_energy_does_not_depend_on_where_the_path_begins():
     one = wang_yau(data, tau)
     raised = embed_smooth(TimeRaisedMetric(data.metric, tau))
     functional = Functional.of(data, raised, tau, raised.harmonics, tau.harmonics)
-    other = functional.value(tau.coefficients[1:], raised.coefficients)
+    other = EmbeddedTime(functional, tau.coefficients[1:], raised.coefficients).energy
     assert other == pytest.approx(one.energy.value, rel=1e-9)
 
 
 def test_a_search_that_ends_too_early_is_no_minimum(monkeypatch):
     _, data, embedding = minkowski()
-    monkeypatch.setattr(wang_yau_energy, "MOST_STEPS", 1)
+    monkeypatch.setattr(wang_yau_energy, "WANG_YAU", replace(WANG_YAU, steps=1))
     with pytest.raises(NoMinimum, match=r"the search ended at E = .* was to gain"):
         wang_yau(data, "optimal", embedding=embedding, degrees=(2,))
 
 
 def test_a_degree_that_does_not_resolve_the_surface(monkeypatch):
-    monkeypatch.setattr(wang_yau_energy, "LEAST", 4)
-    monkeypatch.setattr(wang_yau_energy, "MOST", 4)
+    monkeypatch.setattr(wang_yau_energy, "WANG_YAU", replace(WANG_YAU, least_degree=4, highest_degree=4))
     with pytest.raises(NotEmbedded, match="by harmonics up to degree 4"):
         wang_yau(KerrNewmanSphere(1.7, 1.0, 0.95).data())

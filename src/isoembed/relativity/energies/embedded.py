@@ -15,12 +15,8 @@ from isoembed.relativity.energies.quadrature import smooth_energies
 from isoembed.relativity.spacetimes.surface_data import SurfaceData
 from isoembed.smooth.embedding import SmoothEmbedding
 from isoembed.smooth.solve import embed_smooth
+from isoembed.thresholds import threshold
 
-Floats = NDArray[np.float64]
-
-SETTLED = 1e-12  # of int H dA
-ROUGHER = 100.0  # an error of points, in its derivatives: lengths of short curves are so much worse
-SMALLEST, LARGEST = 1e-200, 1e200  # squared lengths of which squares are still numbers
 CONVENTIONS = {
     "units": "geometric, G = c = 1, in the unit of the lengths",
     "integrated_mean_curvature": "int H dA with H = (k1 + k2)/2 in Euclidean space; int k0 dA is twice that",
@@ -29,6 +25,19 @@ CONVENTIONS = {
     "liu_yau": "int (k0 - sqrt(k^2 - p^2)) dA / 8 pi",
     "wang_yau": "least over tau of int k0 dA0 / 8 pi for q + d tau d tau, less its counterpart in spacetime",
 }
+
+
+@dataclass(frozen=True)
+class SurfaceThresholds:
+    """Thresholds of the embedding of a surface for its energies."""
+
+    settled: float = threshold(1e-12, "relative", "Change of int H dA by more harmonics that is none.")
+    rougher: float = threshold(100.0, "relative", "Error of short lengths over that of points.")
+    smallest: float = threshold(1e-200, "squared length", "Squares of smaller ones are no numbers.")
+    largest: float = threshold(1e200, "squared length", "Squares of larger ones are no numbers.")
+
+
+SURFACE = SurfaceThresholds()
 
 
 @dataclass(frozen=True)
@@ -52,7 +61,7 @@ class EmbeddedSurface:
 
     @property
     def report(self) -> dict[str, Any]:
-        """What was found, as plain numbers for JSON: the energies and how the surface was embedded."""
+        """Plain numbers, for JSON: the energies and how the surface was embedded."""
         found = self.embedding
         return {
             "status": "embedded" if found.converged else "best fit",
@@ -102,7 +111,7 @@ def embed_surface(
     tolerance: float = 1e-4,
     best_fit: bool = False,
 ) -> EmbeddedSurface:
-    """Embed a surface of a slice in Euclidean space, for its energies.
+    """Embedding of a surface of a slice in Euclidean space, for its energies.
 
     Parameters
     ----------
@@ -126,7 +135,7 @@ def embed_surface(
     if not (start is None or isinstance(start, EmbeddedSurface)):
         raise InvalidParameter(f"start is a {type(start).__name__}, not an EmbeddedSurface")
     trace = np.trace(data.metric.tensor(np.eye(3)), axis1=1, axis2=2)
-    if not np.all((trace > SMALLEST) & (trace < LARGEST)):
+    if not np.all((trace > SURFACE.smallest) & (trace < SURFACE.largest)):
         raise InvalidMetric(
             f"squares of lengths of about {trace.max():.3g} leave the range of numbers when they are "
             "multiplied: take another unit"
@@ -135,8 +144,8 @@ def embed_surface(
         data.metric,
         start=None if start is None else start.embedding,
         vertices=vertices,
-        tolerance=max(tolerance, ROUGHER * data.relative_error),
-        accuracy=max(SETTLED, data.relative_error),
+        tolerance=max(tolerance, SURFACE.rougher * data.relative_error),
+        accuracy=max(SURFACE.settled, data.relative_error),
         best_fit=best_fit,
     )
     return EmbeddedSurface(data, embedding)

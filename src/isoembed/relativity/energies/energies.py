@@ -20,17 +20,25 @@ C.-C. M. Liu, S.-T. Yau, Phys. Rev. Lett. 90 (2003) 231102.
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass, fields
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from isoembed.arrays import Floats
 from isoembed.surface.estimate import Estimate
+from isoembed.thresholds import threshold
 
-Floats = NDArray[np.float64]
 
-ROUNDING = 1e-14
+@dataclass(frozen=True)
+class EnergyThresholds:
+    """Thresholds of energies."""
+
+    rounding: float = threshold(1e-14, "relative", "Rounding in an energy.")
+
+
+ENERGY = EnergyThresholds()
 
 
 @dataclass(frozen=True)
@@ -93,7 +101,7 @@ class Energies:
         charge: float = 0.0,
         notes: tuple[str, ...] = (),
     ) -> Energies:
-        """Make the energies of a surface from its integrals.
+        """Energies of a surface from its integrals.
 
         Parameters
         ----------
@@ -115,7 +123,7 @@ class Energies:
             slope = (rest * (1.0 - charge**2 / (4.0 * m**2)) - spin**2 / m) / total
             # Where the slope vanishes, at the extreme, the second order and rounding are left.
             second = irreducible.error / m * irreducible.error
-            christodoulou = Estimate(total, abs(slope) * irreducible.error + second + ROUNDING * total)
+            christodoulou = Estimate(total, abs(slope) * irreducible.error + second + ENERGY.rounding * total)
         hawking = None
         if integrals.squared is not None:
             fraction = integrals.squared.scaled(1.0 / (16.0 * np.pi))
@@ -147,3 +155,30 @@ class Energies:
             "error_estimate": self.error_estimate,
             "notes": list(self.notes),
         }
+
+
+def norm_hindrance(
+    k: Floats, squared: Floats, place: Callable[[int], str], allowed: tuple[float, float] = (0.0, 0.0)
+) -> str:
+    """Why ``sqrt(k^2 - p^2)`` has no integral, as a sentence; none where it has.
+
+    Parameters
+    ----------
+    k, squared : ndarray, shape (n,)
+        k and ``k^2 - p^2`` at places on the surface.
+    place : callable
+        Words for the i-th place.
+    allowed : tuple of float
+        How far below zero k and ``k^2 - p^2`` may be, as rounding.
+    """
+    for name, values, least, what in (
+        ("k^2 - p^2", squared, -allowed[1], "spacelike there"),
+        ("k", k, -allowed[0], "spacelike and outward everywhere"),
+    ):
+        i = int(np.argmin(values))
+        if values[i] < least:
+            return (
+                f"{name} = {values[i]:.3g} < 0 at {place(i)}: the mean curvature vector is not {what}, and "
+                "there is no Kijowski-Liu-Yau energy"
+            )
+    return ""

@@ -1,4 +1,4 @@
-"""The energies of a surface that is given as a polyhedral metric, with data at its vertices."""
+"""Energies of a surface that is given as a polyhedral metric, with data at its vertices."""
 
 from __future__ import annotations
 
@@ -6,7 +6,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from isoembed.errors import InvalidParameter
-from isoembed.relativity.energies.energies import Energies, Integrals
+from isoembed.relativity.energies.energies import Energies, Integrals, norm_hindrance
 from isoembed.surface.embedding import Embedding
 from isoembed.surface.estimate import Estimate
 from isoembed.surface.smooth_integrals import Lengths, SmoothIntegrals
@@ -21,7 +21,7 @@ def mesh_energies(
     angular_momentum: float | None = None,
     charge: float = 0.0,
 ) -> Energies:
-    """The energies of a smooth surface of which a triangulation and its lengths, k and p are known.
+    """Energies of a smooth surface of which a triangulation and its lengths, k and p are known.
 
     Parameters
     ----------
@@ -73,15 +73,7 @@ def _integrals(
     p = np.zeros_like(k) if momentum is None else np.asarray(momentum, dtype=np.float64)
     squared = k**2 - p**2
     parts |= {"k": smooth.integral(k), "squared": smooth.integral(squared)}
-    v = int(np.argmin(squared))
-    if squared[v] < 0.0:
-        return parts, [
-            f"k^2 - p^2 = {squared[v]:.3g} < 0 at vertex {v}: the mean curvature vector is not spacelike "
-            "there, and there is no Kijowski-Liu-Yau energy"
-        ]
-    if k.min() < 0.0:
-        return parts, [
-            f"k = {k.min():.3g} < 0 at vertex {int(np.argmin(k))}: the mean curvature vector is not "
-            "spacelike and outward everywhere, and there is no Kijowski-Liu-Yau energy"
-        ]
+    hindrance = norm_hindrance(k, squared, "vertex {}".format)
+    if hindrance:
+        return parts, [hindrance]
     return {**parts, "norm": smooth.integral(np.sqrt(squared))}, []

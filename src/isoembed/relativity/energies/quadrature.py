@@ -1,4 +1,4 @@
-"""The integrals of a surface's energies by spectral quadrature over the sphere of directions."""
+"""Integrals of a surface's energies by spectral quadrature over the sphere of directions."""
 
 from __future__ import annotations
 
@@ -6,28 +6,37 @@ from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
+from isoembed.arrays import Floats
 from isoembed.errors import InvalidParameter
 from isoembed.meshing.sphere import gauss_rule
-from isoembed.relativity.energies.energies import Energies, Integrals
+from isoembed.relativity.energies.energies import Energies, Integrals, norm_hindrance
 from isoembed.relativity.spacetimes.surface_data import SurfaceData
 from isoembed.smooth.embedding import SmoothEmbedding
 from isoembed.smooth.isometry import FEWEST_AROUND
 from isoembed.smooth.two_metric import area_density, is_axisymmetric
 from isoembed.surface.estimate import Estimate
+from isoembed.thresholds import threshold
 
-Floats = NDArray[np.float64]
 
-ROUNDING = 3e-14  # what sums over many nodes lose
-SETTLED = 3e-13  # of an integral: more nodes are not needed
-DENSER = 1.5  # heights of nodes over those before
-FEWEST, HIGHEST, HIGHEST_SYMMETRIC = 32, 256, 6000  # heights of the nodes
-TRAPPED = 1e-9  # of k^2: a k^2 - p^2 that is more negative is no rounding
+@dataclass(frozen=True)
+class QuadratureThresholds:
+    """Thresholds of the integrals over a surface."""
+
+    rounding: float = threshold(3e-14, "relative", "Rounding in sums over many nodes.")
+    settled: float = threshold(3e-13, "relative", "Change of an integral by more nodes that is none.")
+    density: float = threshold(1.5, "relative", "Heights of nodes over those before.")
+    fewest: int = threshold(32, "count", "Heights of nodes to begin with.")
+    highest: int = threshold(256, "count", "Heights of nodes after which there are no more.")
+    highest_symmetric: int = threshold(6000, "count", "The same for axisymmetric surfaces.")
+    trapped: float = threshold(1e-9, "largest k^2, or k", "How far below zero k^2 - p^2, or k, is rounding.")
+
+
+QUADRATURE = QuadratureThresholds()
 
 
 def smooth_energies(data: SurfaceData, embedding: SmoothEmbedding) -> Energies:
-    """The energies of a surface with a smooth embedding.
+    """Energies of a surface with a smooth embedding.
 
     Parameters
     ----------
@@ -41,9 +50,10 @@ def smooth_energies(data: SurfaceData, embedding: SmoothEmbedding) -> Energies:
     embedding's ``curvature_error``; and every integral is uncertain by what the lengths are.
     """
     symmetric = embedding.harmonics.order < embedding.harmonics.degree
-    values, notes = _integrated(data, max(FEWEST, int(DENSER * embedding.harmonics.degree)), symmetric)
+    n = max(QUADRATURE.fewest, int(QUADRATURE.density * embedding.harmonics.degree))
+    values, notes = _integrated(data, n, symmetric)
     reference = 2.0 * embedding.integrated_mean_curvature
-    error = 2.0 * embedding.curvature_error + (ROUNDING + data.relative_error) * abs(reference)
+    error = 2.0 * embedding.curvature_error + (QUADRATURE.rounding + data.relative_error) * abs(reference)
     if embedding.converged and embedding.least_curvature < 0.0:
         notes.append(
             f"the Gaussian curvature is negative in places, least {embedding.least_curvature:.3g}: other "
@@ -56,8 +66,8 @@ def smooth_energies(data: SurfaceData, embedding: SmoothEmbedding) -> Energies:
 
 
 def intrinsic_energies(data: SurfaceData) -> Energies:
-    """The energies of a surface that no embedding is needed for."""
-    return _energies(data, *_integrated(data, FEWEST, is_axisymmetric(data.metric)))
+    """Energies of a surface that need no embedding."""
+    return _energies(data, *_integrated(data, QUADRATURE.fewest, is_axisymmetric(data.metric)))
 
 
 def _energies(data: SurfaceData, values: dict[str, Estimate], notes: list[str]) -> Energies:
@@ -74,23 +84,23 @@ def _integrated(data: SurfaceData, n: int, symmetric: bool) -> tuple[dict[str, E
 
     The heights of the nodes become more until no integral changes, or they are many.
     """
-    relative = ROUNDING + data.relative_error
-    most = HIGHEST_SYMMETRIC if symmetric else HIGHEST
+    relative = QUADRATURE.rounding + data.relative_error
+    most = QUADRATURE.highest_symmetric if symmetric else QUADRATURE.highest
     settled: dict[str, Estimate] = {}
     before: dict[str, Estimate] = {}
     while True:
         values, notes = _Nodes.of(data, n, FEWEST_AROUND if symmetric else 2 * n).integrals(relative)
-        last = DENSER * n > most
+        last = QUADRATURE.density * n > most
         for name in values.keys() - settled.keys():
             value, error = values[name].value, values[name].error
             change = abs(value - before[name].value) if name in before else np.inf
             if last and name not in before:
                 change = 0.0  # fewer nodes did not see it as spacelike
-            if last or change <= max(SETTLED * abs(value), error):
+            if last or change <= max(QUADRATURE.settled * abs(value), error):
                 settled[name] = Estimate(value, change + error)
         if last or settled.keys() == values.keys():
             return settled, notes
-        n, before = int(DENSER * n), values
+        n, before = int(QUADRATURE.density * n), values
 
 
 @dataclass(frozen=True)
@@ -124,26 +134,19 @@ class _Nodes:
             return values, notes
         squared, uncertain = self.k**2 - self.p**2, 2.0 * relative * (self.k**2 + self.p**2)
         values["squared"] = Estimate(_sum(self.dA, squared), _sum(self.dA, uncertain))
-        if squared.min() < -max(TRAPPED, 2.0 * relative) * (self.k**2).max():
-            notes.append(
-                f"k^2 - p^2 = {squared.min():.3g} < 0 at {self._place(squared)}: the mean curvature vector "
-                "is not spacelike there, and there is no Kijowski-Liu-Yau energy"
-            )
-        elif self.k.min() < -TRAPPED * np.abs(self.k).max():
-            notes.append(
-                f"k = {self.k.min():.3g} < 0 at {self._place(self.k)}: the mean curvature vector is not "
-                "spacelike and outward everywhere, and there is no Kijowski-Liu-Yau energy"
-            )
-        else:
-            low, middle, high = (
-                np.sqrt(np.maximum(squared + shift, 0.0)) for shift in (-uncertain, 0.0, uncertain)
-            )
-            values["norm"] = Estimate(_sum(self.dA, middle), _sum(self.dA, high - low))
+        trapped, largest = QUADRATURE.trapped, float(np.abs(self.k).max())
+        allowed = trapped * largest, max(trapped, 2.0 * relative) * largest**2
+        hindrance = norm_hindrance(self.k, squared, self._place, allowed)
+        if hindrance:
+            return values, [*notes, hindrance]
+        low, middle, high = (
+            np.sqrt(np.maximum(squared + shift, 0.0)) for shift in (-uncertain, 0.0, uncertain)
+        )
+        values["norm"] = Estimate(_sum(self.dA, middle), _sum(self.dA, high - low))
         return values, notes
 
-    def _place(self, values: Floats) -> str:
-        """Where values are least."""
-        x, y, z = self.u[int(np.argmin(values))]
+    def _place(self, i: int) -> str:
+        x, y, z = self.u[i]
         return f"theta = {np.arccos(z):.3f}, phi = {np.arctan2(y, x) % (2.0 * np.pi):.3f}"
 
 

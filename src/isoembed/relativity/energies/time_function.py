@@ -6,17 +6,25 @@ from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
+from isoembed.arrays import Floats
 from isoembed.errors import InvalidParameter
 from isoembed.meshing.sphere import fibonacci_directions, gauss_rule
 from isoembed.smooth.harmonics import Harmonics
 from isoembed.smooth.two_metric import TwoMetric
+from isoembed.thresholds import threshold
 
-Floats = NDArray[np.float64]
 
-SCATTERED = 1000  # directions at which a projection is checked
-MISSED = 1e-7  # of the largest value: more is not the same function
+@dataclass(frozen=True)
+class TimeFunctionThresholds:
+    """Thresholds of the projection of time functions on harmonics."""
+
+    directions: int = threshold(1000, "count", "Directions at which a projection is checked.")
+    missed: float = threshold(1e-7, "largest value", "Miss of harmonics that is too much.")
+
+
+TIME_FUNCTION = TimeFunctionThresholds()
 
 
 @dataclass(frozen=True)
@@ -42,12 +50,12 @@ class TimeFunction:
 
     @classmethod
     def zero(cls) -> TimeFunction:
-        """Return tau = 0."""
+        """The time function tau = 0."""
         return cls.from_array(np.zeros(4))
 
     @classmethod
     def from_array(cls, coefficients: Floats) -> TimeFunction:
-        """Take (L + 1)^2 coefficients in all harmonics up to a degree L, as `Harmonics` sorts them."""
+        """Time function with (L + 1)^2 coefficients in harmonics up to degree L, sorted as in `Harmonics`."""
         degree = int(np.sqrt(np.size(coefficients))) - 1
         if np.ndim(coefficients) != 1 or (degree + 1) ** 2 != np.size(coefficients) or degree < 1:
             raise InvalidParameter(
@@ -57,7 +65,7 @@ class TimeFunction:
 
     @classmethod
     def of(cls, function: Callable[[Floats], ArrayLike], degree: int = 16) -> TimeFunction:
-        """Project a function of the directions u (n, 3), with values (n,), on harmonics up to a degree.
+        """Projection of a function of the directions u (n, 3), with values (n,), on harmonics up to a degree.
 
         Raises
         ------
@@ -67,10 +75,10 @@ class TimeFunction:
         harmonics = Harmonics(degree, degree)
         u, weights = gauss_rule(2 * degree + 2, 4 * degree + 4)
         tau = cls(harmonics, harmonics.values(u).T @ (weights * _values(function, u)))
-        u = fibonacci_directions(SCATTERED)
+        u = fibonacci_directions(TIME_FUNCTION.directions)
         values = _values(function, u)
         missed = float(np.abs(tau.values(u) - values).max())
-        if missed > MISSED * np.abs(values).max():
+        if missed > TIME_FUNCTION.missed * np.abs(values).max():
             raise InvalidParameter(
                 f"tau is missed by {missed:.3g} by harmonics up to degree {degree}: it must be smooth"
             )

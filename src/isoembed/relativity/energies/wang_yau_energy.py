@@ -9,27 +9,44 @@ from typing import Any, Literal
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from isoembed.arrays import Floats
 from isoembed.errors import InvalidParameter, NoMinimum, NotEmbedded
+from isoembed.relativity.energies.energies import ENERGY
 from isoembed.relativity.energies.time_function import TimeFunction, TimeRaisedMetric
-from isoembed.relativity.energies.wang_yau_functional import Functional
+from isoembed.relativity.energies.wang_yau_functional import EmbeddedTime, Functional
 from isoembed.relativity.spacetimes.surface_data import SurfaceData
 from isoembed.smooth.embedding import SmoothEmbedding
 from isoembed.smooth.harmonics import Harmonics
 from isoembed.smooth.solve import embed_smooth
 from isoembed.smooth.transforms import resized
 from isoembed.surface.estimate import Estimate
+from isoembed.thresholds import threshold
 
-Floats = NDArray[np.float64]
 
-LEAST, MOST = 16, 24  # degree of X: what time functions add needs some harmonics, and many cost much
-COARSER = 0.75  # of the degree of X: what tells the error
-STRAINED = 1e-3  # of a length: an X that is worse has lost its surface
-MOST_STEPS = 30
-SUFFICIENT = 1e-4  # of the foretold decrease, for a step to be taken
-SHORTEST = 1e-3  # of Newton's step
-FLAT = 1e-9  # of the largest second derivative: smaller ones are none (boosts, in Minkowski space)
-ROUNDING = 1e-14
-STATIONARY = 1e-9  # of the irreducible mass: what a minimum may still have to fall
+@dataclass(frozen=True)
+class WangYauThresholds:
+    """Thresholds of the Wang-Yau energy."""
+
+    least_degree: int = threshold(
+        16, "count", "Least degree of X: what a time function adds needs some harmonics."
+    )
+    highest_degree: int = threshold(24, "count", "Highest degree of X: many harmonics cost much.")
+    coarser: float = threshold(0.75, "relative", "Degree of the X that tells the error, over that of X.")
+    strained: float = threshold(1e-3, "relative", "Error of a length above which X has lost its surface.")
+    steps: int = threshold(30, "count", "Newton steps after which the search ends.")
+    decrease: float = threshold(
+        1e-4, "foretold decrease", "Decrease of the energy for which a step is taken."
+    )
+    shortest: float = threshold(1e-3, "Newton steps", "Length below which a step is not halved further.")
+    flat: float = threshold(
+        1e-9, "largest second derivative", "Second derivative that is none (boosts, in Minkowski space)."
+    )
+    stationary: float = threshold(
+        1e-9, "irreducible mass", "Decrease that Newton's step may still foretell at a minimum."
+    )
+
+
+WANG_YAU = WangYauThresholds()
 
 
 @dataclass(frozen=True)
@@ -111,7 +128,7 @@ def wang_yau(
     degrees: tuple[int, ...] = (2, 4, 6, 8),
     accuracy: float = 1e-9,
 ) -> WangYau:
-    """Compute the Wang-Yau energy E(tau) of a surface, or the least one.
+    """Wang-Yau energy E(tau) of a surface, or the least one.
 
     Parameters
     ----------
@@ -165,7 +182,7 @@ def wang_yau(
                 raise
             at, embedding = time, embed_smooth(TimeRaisedMetric(data.metric, time))
     search = _Search(data, embedding, at)
-    return search.least(degrees, accuracy) if time is None else search.reached(time)
+    return search.minimum(degrees, accuracy) if time is None else search.given(time)
 
 
 def _time_function(tau: TimeFunction | Floats | Callable[[Floats], ArrayLike] | str | None) -> TimeFunction:
@@ -181,146 +198,127 @@ def _time_function(tau: TimeFunction | Floats | Callable[[Floats], ArrayLike] | 
 
 
 class _Search:
-    """The energies of one surface, counting the embeddings."""
+    """Energies of one surface for time functions, with a count of the embeddings."""
 
     def __init__(self, data: SurfaceData, base: SmoothEmbedding, at: TimeFunction) -> None:
-        degree = int(np.clip(base.harmonics.degree, LEAST, MOST))
+        degree = int(np.clip(base.harmonics.degree, WANG_YAU.least_degree, WANG_YAU.highest_degree))
         self.data, self.base, self.at = data, base, at  # base is the X of this tau
-        self.X = Harmonics(degree, degree)
+        self.harmonics = Harmonics(degree, degree)  # of X
         self.embeddings = 1
         self.scale = float(np.sqrt(base.area / (16.0 * np.pi)))
 
-    def reached(self, tau: TimeFunction) -> WangYau:
-        """E of a given time function, reached from that of the base."""
-        functional = self._functional(self.X, tau.harmonics)
-        X = resized(self.base.coefficients, self.base.harmonics, self.X)
-        if tau is self.at or not np.any(tau.coefficients[1:]):
-            X = functional.embedded(tau.coefficients[1:], X)
-        else:
-            X = self._reached(functional, tau.coefficients[1:], X)
-        return self._answer(functional, tau.harmonics, tau.coefficients[1:], X, 0.0, None)
+    @property
+    def start(self) -> Floats:
+        """Coefficients of the base in the harmonics of X."""
+        return resized(self.base.coefficients, self.base.harmonics, self.harmonics)
 
-    def _functional(self, X: Harmonics, tau: Harmonics) -> Functional:
-        return Functional.of(self.data, self.base, self.at, X, tau)
+    def functional(self, harmonics: Harmonics, time: Harmonics) -> Functional:
+        """The functional for X and tau in these harmonics."""
+        return Functional.of(self.data, self.base, self.at, harmonics, time)
 
-    def least(self, degrees: tuple[int, ...], accuracy: float) -> WangYau:
-        """The least E, in more and more harmonics."""
-        X = resized(self.base.coefficients, self.base.harmonics, self.X)
-        tau, energy, change = self.at, self.reached(self.at).energy.value, np.inf
+    def given(self, tau: TimeFunction) -> WangYau:
+        """The energy of a given time function, reached from that of the base."""
+        functional = self.functional(self.harmonics, tau.harmonics)
+        t = tau.coefficients[1:]
+        near = tau is self.at or not np.any(t)
+        return self._result(functional.embedded(t, self.start) if near else self._continued(functional, t))
+
+    def minimum(self, degrees: tuple[int, ...], accuracy: float) -> WangYau:
+        """The least energy, in more and more harmonics."""
+        X, tau, energy = self.start, self.at, self.given(self.at).energy.value
         for degree in degrees:
-            harmonics = Harmonics(degree, degree)
-            functional = self._functional(self.X, harmonics)
-            t = resized(tau.coefficients[:, None], tau.harmonics, harmonics)[1:, 0]
-            t, X, found, eigenvalues = self._minimized(functional, t, X)
-            tau = TimeFunction(harmonics, np.concatenate([[0.0], t]))
-            change, energy = abs(found - energy), found
+            functional = self.functional(self.harmonics, Harmonics(degree, degree))
+            t = resized(tau.coefficients[:, None], tau.harmonics, functional.time)[1:, 0]
+            found, eigenvalues = self._newton(EmbeddedTime(functional, t, X))
+            X, tau = found.X, found.time_function
+            change, energy = abs(found.energy - energy), found.energy
             if change <= accuracy * self.scale:
                 break
         least = float(eigenvalues.min())
-        if abs(least) <= FLAT * eigenvalues.max():
+        if abs(least) <= WANG_YAU.flat * eigenvalues.max():
             least = 0.0  # a boost, in Minkowski space
-        return self._answer(functional, harmonics, t, X, change, least)
+        return self._result(found, change, least)
 
-    def _minimized(
-        self, functional: Functional, t: Floats, X: Floats
-    ) -> tuple[Floats, Floats, float, Floats]:
-        """Newton's method, downhill also where the second derivatives are negative."""
-        energy = functional.value(t, X)
-        for _ in range(MOST_STEPS):
-            gradient = functional.gradient(t, X)
-            eigenvalues, modes = np.linalg.eigh(functional.hessian(t, X))
-            sizes = np.maximum(np.abs(eigenvalues), FLAT * np.abs(eigenvalues).max())
-            step = -modes @ ((modes.T @ gradient) / sizes)
-            foretold = -float(gradient @ step)
-            if foretold <= ROUNDING * self.scale:
+    def _newton(self, at: EmbeddedTime) -> tuple[EmbeddedTime, Floats]:
+        """Newton's method, downhill also where the second derivatives are negative; and their eigenvalues."""
+        for _ in range(WANG_YAU.steps):
+            eigenvalues, modes = np.linalg.eigh(at.hessian)
+            sizes = np.maximum(np.abs(eigenvalues), WANG_YAU.flat * np.abs(eigenvalues).max())
+            step = -modes @ ((modes.T @ at.gradient) / sizes)
+            foretold = -float(at.gradient @ step)
+            if foretold <= ENERGY.rounding * self.scale:
                 break
-            found = self._lower(functional, t, X, step, energy, foretold)
-            if found is None:
+            lower = self._line_search(at, step, foretold)
+            if lower is None:
                 break
-            t, X, energy = found
-        if foretold > STATIONARY * self.scale:
+            at = lower
+        if foretold > WANG_YAU.stationary * self.scale:
             raise NoMinimum(
-                f"the search ended at E = {energy:.6g}, from where Newton's step was to gain {foretold:.1e}: "
-                "the time functions beyond are not admissible or not embedded, or the steps did not suffice"
+                f"the search ended at E = {at.energy:.6g}, from where Newton's step was to gain "
+                f"{foretold:.1e}: the time functions beyond are not admissible or not embedded, or the steps "
+                "did not suffice"
             )
-        return t, X, energy, eigenvalues
+        return at, eigenvalues
 
-    def _lower(
-        self, functional: Functional, t: Floats, X: Floats, step: Floats, energy: float, foretold: float
-    ) -> tuple[Floats, Floats, float] | None:
-        """Go along a step until E falls by enough: tau, X and E there, or None."""
+    def _line_search(self, at: EmbeddedTime, step: Floats, foretold: float) -> EmbeddedTime | None:
+        """A time function along a step that is admissible, embeds and has so much less energy, if any is."""
         length = 1.0
-        while length >= SHORTEST:
-            there = t + length * step
-            followed = self._embedded(functional, there, X)
-            if followed is not None:
-                attained = functional.value(there, followed)
-                if attained <= energy - SUFFICIENT * length * foretold:
-                    return there, followed, attained
+        while length >= WANG_YAU.shortest:
+            self.embeddings += 1
+            there = at.functional.embedded(at.tau + length * step, at.X)
+            enough = at.energy - WANG_YAU.decrease * length * foretold
+            if there.misfit <= WANG_YAU.strained and there.admissible > 0.0 and there.energy <= enough:
+                return there
             length *= 0.5
         return None
 
-    def _embedded(self, functional: Functional, t: Floats, X: Floats) -> Floats | None:
-        """X for another tau, if it is admissible and X follows."""
-        self.embeddings += 1
-        found = functional.embedded(t, X)
-        kept = functional.misfit(t, found) <= STRAINED and functional.least_admissible(t, found) > 0.0
-        return found if kept else None
-
-    def _reached(self, functional: Functional, t: Floats, X: Floats) -> Floats:
-        """X for a given tau, step by step from 0."""
-        done, step = 0.0, 1.0
+    def _continued(self, functional: Functional, t: Floats) -> EmbeddedTime:
+        """The embedding for a given tau, step by step from 0."""
+        done, step, X = 0.0, 1.0, self.start
         while done < 1.0:
             self.embeddings += 1
-            found = functional.embedded(min(1.0, done + step) * t, X)
-            if functional.misfit(min(1.0, done + step) * t, found) <= STRAINED:
-                X, done = found, min(1.0, done + step)
-            elif step > SHORTEST:
+            there = functional.embedded(min(1.0, done + step) * t, X)
+            if there.misfit <= WANG_YAU.strained:
+                X, done = there.X, min(1.0, done + step)
+            elif step > WANG_YAU.shortest:
                 step *= 0.5
             else:
+                least = EmbeddedTime(functional, done * t, X).admissible
                 raise NotEmbedded(
                     f"the metric q + d tau d tau is not embedded beyond {done:.3g} times the given tau: "
-                    f"there K + det D^2 tau / W^2 is at least {functional.least_admissible(done * t, X):.3g}",
+                    f"there K + det D^2 tau / W^2 is at least {least:.3g}",
                     self.base,
                 )
-        return X
+        return there
 
-    def _answer(
-        self,
-        functional: Functional,
-        harmonics: Harmonics,
-        t: Floats,
-        X: Floats,
-        change: float,
-        least: float | None,
-    ) -> WangYau:
-        tau = TimeFunction(harmonics, np.concatenate([[0.0], t]))
-        misfit = functional.misfit(t, X)
-        if misfit > STRAINED:
+    def _result(self, found: EmbeddedTime, change: float = 0.0, least: float | None = None) -> WangYau:
+        """The energy with its error: `change` is that from the tau of lower degree."""
+        if found.misfit > WANG_YAU.strained:
             raise NotEmbedded(
-                f"q + d tau d tau is missed by {misfit:.1e} by harmonics up to degree {self.X.degree}",
+                f"q + d tau d tau is missed by {found.misfit:.1e} by harmonics up to degree "
+                f"{self.harmonics.degree}",
                 self.base,
             )
-        energy = functional.value(t, X)
-        lower = Harmonics(*(2 * (int(COARSER * self.X.degree),)))
-        coarse = self._functional(lower, harmonics)
+        lower = Harmonics(*(2 * (int(WANG_YAU.coarser * self.harmonics.degree),)))
         self.embeddings += 1
-        there = coarse.embedded(t, resized(X, self.X, lower))
-        error = abs(coarse.value(t, there) - energy) + change
-        error += (ROUNDING + self.data.relative_error) * (abs(energy) + functional.reference(X))
-        admissible = functional.least_admissible(t, X)
+        coarse = self.functional(lower, found.functional.time).embedded(
+            found.tau, resized(found.X, self.harmonics, lower)
+        )
+        error = abs(coarse.energy - found.energy) + change
+        error += (ENERGY.rounding + self.data.relative_error) * (abs(found.energy) + found.reference)
         notes = []
-        if admissible <= 0.0:
-            notes.append(f"tau is not admissible: K + det D^2 tau / W^2 is {admissible:.3g} somewhere")
+        if found.admissible <= 0.0:
+            notes.append(f"tau is not admissible: K + det D^2 tau / W^2 is {found.admissible:.3g} somewhere")
         if least is not None and least < 0.0:
             notes.append("the second derivatives are not all positive: this may be no minimum")
+        tau = found.time_function
         metric = TimeRaisedMetric(self.data.metric, tau)
         return WangYau(
-            energy=Estimate(energy, error),
+            energy=Estimate(found.energy, error),
             tau=tau,
-            embedding=SmoothEmbedding(metric, self.X, X, self.base.tolerance, np.inf),
-            admissible=admissible,
-            gradient=float(np.linalg.norm(functional.gradient(t, X))),
+            embedding=SmoothEmbedding(metric, self.harmonics, found.X, self.base.tolerance, np.inf),
+            admissible=found.admissible,
+            gradient=float(np.linalg.norm(found.gradient)),
             least_second_derivative=least,
             embeddings=self.embeddings,
             notes=tuple(notes),

@@ -17,11 +17,12 @@ M.-T. Wang and S.-T. Yau, Phys. Rev. Lett. 102 (2009) 021101; Commun. Math. Phys
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import cached_property
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
+from isoembed.arrays import Floats
 from isoembed.errors import InvalidParameter
 from isoembed.relativity.energies.time_function import TimeFunction
 from isoembed.relativity.spacetimes.surface_data import SurfaceData
@@ -29,11 +30,20 @@ from isoembed.smooth.embedding import SmoothEmbedding
 from isoembed.smooth.harmonics import Harmonics
 from isoembed.smooth.isometry import IsometrySystem, MetricSamples, strains
 from isoembed.smooth.transforms import resized
+from isoembed.thresholds import threshold
 
-Floats = NDArray[np.float64]
 
-DENSER = 1.6  # heights of nodes over degrees
-NUDGE = 1e-5  # of the surface's size: differences of curvatures to ten digits
+@dataclass(frozen=True)
+class FunctionalThresholds:
+    """Thresholds of the Wang-Yau functional."""
+
+    density: float = threshold(1.6, "relative", "Heights of nodes over the degree of the embedding.")
+    step: float = threshold(
+        1e-5, "radius of the area", "Step of differences of curvatures: ten digits are left."
+    )
+
+
+FUNCTIONAL = FunctionalThresholds()
 
 
 class Shape(NamedTuple):
@@ -51,6 +61,8 @@ class Functional:
 
     Attributes
     ----------
+    harmonics, time : Harmonics
+        Of X, and of the time functions tau.
     system : IsometrySystem
         Of q: the equations for X at the nodes.
     first, second : ndarray, shapes (n, 2, size), (n, 3, size)
@@ -66,6 +78,8 @@ class Functional:
         K(., n) of the slice along the frames.
     """
 
+    harmonics: Harmonics
+    time: Harmonics
     system: IsometrySystem
     first: Floats
     second: Floats
@@ -83,9 +97,9 @@ class Functional:
         embedding: SmoothEmbedding,
         at: TimeFunction,
         harmonics: Harmonics,
-        tau: Harmonics,
+        time: Harmonics,
     ) -> Functional:
-        """Prepare the functional.
+        """The functional of a surface.
 
         Parameters
         ----------
@@ -95,7 +109,7 @@ class Functional:
             Of ``q + d tau d tau`` for one tau.
         at : TimeFunction
             That tau.
-        harmonics, tau : Harmonics
+        harmonics, time : Harmonics
             Of X, and of the time functions.
 
         Raises
@@ -103,15 +117,15 @@ class Functional:
         InvalidParameter
             k is not given, or the mean curvature vector is not spacelike and outward; the message says where.
         """
-        n = int(np.ceil(DENSER * (harmonics.degree + 1)))
+        n = int(np.ceil(FUNCTIONAL.density * (harmonics.degree + 1)))
         samples = MetricSamples.of(data.metric, n, 2 * n)
         u, e = samples.u, samples.frames
         k, p, j = _physical(data, u, e)
         X0 = resized(embedding.coefficients, embedding.harmonics, harmonics)
         first = harmonics.along(u, e)[1]
         second = _pairs(harmonics.second_along(u, e, np.eye(harmonics.size)))
-        gradients = tau.along(u, e)[1][:, :, 1:]
-        flat = _pairs(tau.second_along(u, e, np.eye(tau.size)))[:, :, 1:]
+        gradients = time.along(u, e)[1][:, :, 1:]
+        flat = _pairs(time.second_along(u, e, np.eye(time.size)))[:, :, 1:]
         # (tau, X0) has the metric q in Minkowski space: the tangent part of its second derivatives is how q's
         # derivative differs from that of the sphere.
         drift = np.einsum("npc,nac->npa", second @ X0, first @ X0)
@@ -119,6 +133,8 @@ class Functional:
         bend = _pairs(at.harmonics.second_along(u, e, at.coefficients[:, None])[..., 0])
         drift -= bend[:, :, None] * slope[:, None, :]
         return cls(
+            harmonics=harmonics,
+            time=time,
             system=IsometrySystem.of(harmonics, samples),
             first=first,
             second=second,
@@ -130,53 +146,14 @@ class Functional:
             j=j,
         )
 
-    def embedded(self, tau: Floats, start: Floats) -> Floats:
-        """The coefficients (size, 3) of X for tau (m,), from those of a tau nearby."""
-        return self.system.solved(start, self._stretch(tau))
+    def embedded(self, tau: Floats, start: Floats) -> EmbeddedTime:
+        """The embedding for tau (m,), from the coefficients (size, 3) of X for a tau nearby."""
+        return EmbeddedTime(self, tau, self.system.solved(start, self.stretch(tau)))
 
-    def misfit(self, tau: Floats, X: Floats) -> float:
-        """The largest relative error of a length at the nodes."""
-        off = np.abs(strains(self.first @ X) - self._stretch(tau)).max(axis=1)
-        return 0.5 * float((off / self._fields(tau)[2] ** 2).max())
-
-    def reference(self, X: Floats) -> float:
-        """Int k0 dA0 / 8 pi."""
-        shape = self.shape(X)
-        return float(self.areas @ (shape.stretch * shape.k0)) / (8.0 * np.pi)
-
-    def value(self, tau: Floats, X: Floats) -> float:
-        """E(tau), with the coefficients of X for this tau."""
-        shape = self.shape(X)
-        slope, laplacian, _, S, theta = self._fields(tau)
-        physical = S + (theta - self.psi) * laplacian - np.einsum("na,na->n", self.j, slope)
-        return float(self.areas @ (shape.stretch * shape.k0 - physical)) / (8.0 * np.pi)
-
-    def gradient(self, tau: Floats, X: Floats) -> Floats:
-        """The derivatives (m,) of E; X changes with tau, but int k0 dA0 by its conjugate alone."""
-        slope, _, W, S, theta = self._fields(tau)
-        flow = _applied(self.shape(X).conjugate, slope) - (S / W**2)[:, None] * slope + self.j
-        gradient = np.einsum("n,na,nam->m", self.areas, flow, self.gradients)
-        gradient -= (self.areas * (theta - self.psi)) @ _traces(self.hessians)
-        return np.asarray(gradient / (8.0 * np.pi))
-
-    def hessian(self, tau: Floats, X: Floats) -> Floats:
-        """The second derivatives (m, m) of E; X follows tau by the linearized isometry equations."""
-        slope, laplacian, W, S, _ = self._fields(tau)
-        P, A = self.gradients, self.areas
-        total = np.einsum("n,nam,nal->ml", A, _applied(self.shape(X).conjugate, P), P, optimize=True)
-        if np.any(tau):
-            total += self._following(slope, X)
-        dW = np.einsum("na,nam->nm", slope, P) / W[:, None]
-        turn = _traces(self.hessians) - (laplacian / W)[:, None] * dW  # -S d theta
-        total += (turn.T * (A / S)) @ turn
-        weight = A * S / W**2
-        total -= np.einsum("n,nam,nal->ml", weight, P, P, optimize=True) - (dW.T * weight) @ dW
-        return np.asarray(0.5 * (total + total.T) / (8.0 * np.pi))
-
-    def least_admissible(self, tau: Floats, X: Floats) -> float:
-        """The least ``K + det D^2 tau / W^2`` at the nodes; tau is admissible if it is positive."""
-        W2 = self._fields(tau)[2] ** 2
-        return float((self.shape(X).curvature * W2).min())
+    def stretch(self, tau: Floats) -> Floats:
+        """Strains (n, 3) that d tau d tau adds to the metric."""
+        g1, g2 = (self.gradients @ tau).T
+        return np.stack([g1**2, np.sqrt(2.0) * g1 * g2, g2**2], axis=1)
 
     def shape(self, X: Floats) -> Shape:
         """Curvatures of the map with these coefficients, (size, 3)."""
@@ -191,36 +168,108 @@ class Functional:
         conjugate = np.stack([h22, -h12, h11], axis=1) / stretch[:, None]
         return Shape(k0, stretch, conjugate, (h11 * h22 - h12**2) / det)
 
-    def _stretch(self, tau: Floats) -> Floats:
-        """What d tau d tau adds to the metric, as strains."""
-        g1, g2 = (self.gradients @ tau).T
-        return np.stack([g1**2, np.sqrt(2.0) * g1 * g2, g2**2], axis=1)
 
-    def _following(self, slope: Floats, X: Floats) -> Floats:
+@dataclass(frozen=True)
+class EmbeddedTime:
+    """A time function tau with its embedding X, and E(tau) with its derivatives.
+
+    Attributes
+    ----------
+    functional : Functional
+    tau : ndarray, shape (m,)
+        Coefficients, without that of the constant.
+    X : ndarray, shape (size, 3)
+    """
+
+    functional: Functional
+    tau: Floats
+    X: Floats
+
+    @property
+    def time_function(self) -> TimeFunction:
+        """The time function, its constant harmonic being 0."""
+        return TimeFunction(self.functional.time, np.concatenate([[0.0], self.tau]))
+
+    @property
+    def misfit(self) -> float:
+        """The largest relative error of a length at the nodes."""
+        off = strains(self.functional.first @ self.X) - self.functional.stretch(self.tau)
+        return 0.5 * float((np.abs(off).max(axis=1) / self._fields[2] ** 2).max())
+
+    @property
+    def reference(self) -> float:
+        """Int k0 dA0 / 8 pi."""
+        return float(self.functional.areas @ (self._shape.stretch * self._shape.k0)) / (8.0 * np.pi)
+
+    @cached_property
+    def energy(self) -> float:
+        """E(tau)."""
+        f = self.functional
+        slope, laplacian, _, S, theta = self._fields
+        physical = S + (theta - f.psi) * laplacian - np.einsum("na,na->n", f.j, slope)
+        return float(f.areas @ (self._shape.stretch * self._shape.k0 - physical)) / (8.0 * np.pi)
+
+    @cached_property
+    def gradient(self) -> Floats:
+        """The derivatives (m,) of E; X changes with tau, but int k0 dA0 by its conjugate alone."""
+        f = self.functional
+        slope, _, W, S, theta = self._fields
+        flow = _applied(self._shape.conjugate, slope) - (S / W**2)[:, None] * slope + f.j
+        gradient = np.einsum("n,na,nam->m", f.areas, flow, f.gradients)
+        gradient -= (f.areas * (theta - f.psi)) @ _traces(f.hessians)
+        return np.asarray(gradient / (8.0 * np.pi))
+
+    @cached_property
+    def hessian(self) -> Floats:
+        """The second derivatives (m, m) of E; X follows tau by the linearized isometry equations."""
+        P, A = self.functional.gradients, self.functional.areas
+        slope, laplacian, W, S, _ = self._fields
+        total = np.einsum("n,nam,nal->ml", A, _applied(self._shape.conjugate, P), P, optimize=True)
+        if np.any(self.tau):
+            total += self._response(slope)
+        dW = np.einsum("na,nam->nm", slope, P) / W[:, None]
+        turn = _traces(self.functional.hessians) - (laplacian / W)[:, None] * dW  # -S d theta
+        total += (turn.T * (A / S)) @ turn
+        weight = A * S / W**2
+        total -= np.einsum("n,nam,nal->ml", weight, P, P, optimize=True) - (dW.T * weight) @ dW
+        return np.asarray(0.5 * (total + total.T) / (8.0 * np.pi))
+
+    @property
+    def admissible(self) -> float:
+        """The least ``K + det D^2 tau / W^2`` at the nodes; tau is admissible if it is positive."""
+        return float((self._shape.curvature * self._fields[2] ** 2).min())
+
+    def _response(self, slope: Floats) -> Floats:
         """What the change of X with tau adds to the second derivatives of int k0 dA0."""
+        f = self.functional
         g1, g2 = slope.T[:, :, None]
-        P1, P2 = self.gradients[:, 0], self.gradients[:, 1]
+        P1, P2 = f.gradients[:, 0], f.gradients[:, 1]
         strains = np.stack([2.0 * g1 * P1, np.sqrt(2.0) * (g1 * P2 + g2 * P1), 2.0 * g2 * P2], axis=1)
-        changes = self.system.deformations(X, np.moveaxis(strains, 2, 0))
+        changes = f.system.deformations(self.X, np.moveaxis(strains, 2, 0))
         sizes = np.abs(changes).max(axis=(1, 2))
-        added = np.empty((self.gradients.shape[2],) * 2)
+        added = np.empty((len(self.tau),) * 2)
         for m, (change, size) in enumerate(zip(changes, sizes, strict=True)):
-            step = NUDGE * self.system.unit / size
-            ahead, behind = (self.shape(X + s * change).conjugate for s in (step, -step))
+            step = FUNCTIONAL.step * f.system.unit / size
+            ahead, behind = (f.shape(self.X + s * change).conjugate for s in (step, -step))
             flow = _applied((ahead - behind) / (2.0 * step), slope)
-            added[m] = np.einsum("n,na,nal->l", self.areas, flow, self.gradients)
+            added[m] = np.einsum("n,na,nal->l", f.areas, flow, f.gradients)
         return added
 
-    def _fields(self, tau: Floats) -> tuple[Floats, Floats, Floats, Floats, Floats]:
-        """The gradient (n, 2) and the Laplacian of tau, W, S and theta (n,)."""
-        slope, laplacian = self.gradients @ tau, _traces(self.hessians) @ tau
+    @cached_property
+    def _shape(self) -> Shape:
+        return self.functional.shape(self.X)
+
+    @cached_property
+    def _fields(self) -> tuple[Floats, Floats, Floats, Floats, Floats]:
+        """The gradient (n, 2) along the frames and the Laplacian of tau; W, S and theta (n,)."""
+        f = self.functional
+        slope, laplacian = f.gradients @ self.tau, _traces(f.hessians) @ self.tau
         W = np.sqrt(1.0 + (slope**2).sum(axis=1))
-        theta = -np.arcsinh(laplacian / (self.H * W))
-        return slope, laplacian, W, np.hypot(self.H * W, laplacian), theta
+        return slope, laplacian, W, np.hypot(f.H * W, laplacian), -np.arcsinh(laplacian / (f.H * W))
 
 
 def _physical(data: SurfaceData, u: Floats, frames: Floats) -> tuple[Floats, Floats, Floats]:
-    """What the data say of k, p (n,) and, along the frames (n, 2), of K(., n)."""
+    """The curvature k and momentum p (n,) of the data and, along the frames (n, 2), K(., n)."""
     if data.mean_curvature is None:
         raise InvalidParameter("the Wang-Yau energy needs the mean curvature k of the surface")
     if data.marginal:

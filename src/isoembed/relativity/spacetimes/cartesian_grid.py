@@ -17,6 +17,7 @@ import numpy as np
 from numba import njit
 from numpy.typing import ArrayLike, NDArray
 
+from isoembed.arrays import Floats
 from isoembed.errors import InvalidParameter
 from isoembed.io.files import FileError, check_ending
 from isoembed.io.hdf5 import HDF5_ENDINGS
@@ -24,8 +25,6 @@ from isoembed.io.input_file import InputFile
 from isoembed.relativity.spacetimes.checks import numbers, positive_number, refuse_points, vector, written
 from isoembed.relativity.spacetimes.three_geometry import extent
 from isoembed.thresholds import threshold
-
-Floats = NDArray[np.float64]
 
 PLACE = ("origin", "spacing")
 GAMMA = ("gxx", "gxy", "gxz", "gyy", "gyz", "gzz")

@@ -9,19 +9,12 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from isoembed.arrays import Floats, Mask
 from isoembed.errors import InvalidMetric, InvalidParameter
-
-Floats = NDArray[np.float64]
 
 
 def positive_number(what: str, value: float) -> float:
-    """A number that must be positive and finite.
-
-    Raises
-    ------
-    InvalidParameter
-        It is not.
-    """
+    """The value as a positive finite number; `InvalidParameter` where it is none."""
     number = numbers(value)
     if number.ndim != 0 or not (isfinite(number) and number > 0.0):
         raise InvalidParameter(f"{what} must be positive, not {value}")
@@ -29,13 +22,7 @@ def positive_number(what: str, value: float) -> float:
 
 
 def vector(what: str, value: Sequence[float] | Floats) -> tuple[float, float, float]:
-    """Three numbers that must be finite.
-
-    Raises
-    ------
-    InvalidParameter
-        They are not three, or one is not finite.
-    """
+    """The value as three finite numbers; `InvalidParameter` where it is not that."""
     array = numbers(value)
     if array.shape != (3,) or not np.isfinite(array).all():
         raise InvalidParameter(f"{what} must be three finite numbers, not {value}")
@@ -51,27 +38,15 @@ def numbers(given: ArrayLike) -> Floats:
         return np.array(np.nan)
 
 
-def refuse_points(bad: NDArray[np.bool_], x: NDArray[Any], why: str) -> None:
-    """Raise an error that names the first of the points x (n, 3) that are bad (n,).
-
-    Raises
-    ------
-    InvalidParameter
-        There is one.
-    """
+def refuse_points(bad: Mask, x: NDArray[Any], why: str) -> None:
+    """Raise an `InvalidParameter` that names the first of the points x (n, 3) that are bad (n,)."""
     if bad.any():
         i = int(np.argmax(bad))
         raise InvalidParameter(f"point {i}, {written(x[i].real)}, {why}")
 
 
 def check_slice(what: str, x: Floats, gamma: Floats) -> None:
-    """Raise an error unless gamma (n, 3, 3) at the points x (n, 3) is a Riemannian metric.
-
-    Raises
-    ------
-    InvalidMetric
-        It is not finite or not positive definite; the message names the first such point.
-    """
+    """Raise an `InvalidMetric` where gamma (n, 3, 3), at the points x (n, 3), is not positive definite."""
     minor = gamma[:, 0, 0] * gamma[:, 1, 1] - gamma[:, 0, 1] * gamma[:, 1, 0]
     good = np.isfinite(gamma).all(axis=(1, 2)) & (gamma[:, 0, 0] > 0) & (minor > 0)
     good[good] = np.linalg.det(gamma[good]) > 0
@@ -82,13 +57,7 @@ def check_slice(what: str, x: Floats, gamma: Floats) -> None:
 
 
 def check_finite(what: str, x: Floats, values: Floats) -> Floats:
-    """The values (n, ...) at the points x (n, 3), which must be finite.
-
-    Raises
-    ------
-    InvalidMetric
-        One is not; the message names the first such point.
-    """
+    """The values (n, ...) at the points x (n, 3); `InvalidMetric` where they are not finite."""
     good = np.isfinite(values.reshape(len(x), -1)).all(axis=1)
     if not good.all():
         raise InvalidMetric(f"{what} at {written(x[int(np.argmin(good))])} is not finite")

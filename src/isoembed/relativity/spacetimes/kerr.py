@@ -14,8 +14,8 @@ from math import hypot, isfinite, pi, sqrt
 from typing import ClassVar
 
 import numpy as np
-from numpy.typing import NDArray
 
+from isoembed.arrays import Floats
 from isoembed.errors import InvalidParameter
 from isoembed.gallery import kerr
 from isoembed.gallery.kerr import Radius, Squares
@@ -23,8 +23,6 @@ from isoembed.gallery.quadrature import integrate, tanh_sinh
 from isoembed.relativity.spacetimes.surface_data import SurfaceData
 from isoembed.smooth.axisymmetric import AxisymmetricEmbedding
 from isoembed.smooth.two_metric import from_angles
-
-Floats = NDArray[np.float64]
 
 
 class KerrNewmanSurface(ABC):

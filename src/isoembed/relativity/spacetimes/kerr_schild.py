@@ -8,11 +8,11 @@ from math import sqrt
 
 import numpy as np
 
+from isoembed.arrays import Floats
 from isoembed.errors import InvalidParameter
 from isoembed.relativity.spacetimes.checks import positive_number, refuse_points, vector
 from isoembed.relativity.spacetimes.three_geometry import (
     AnalyticGeometry,
-    Floats,
     Numbers,
     complex_step,
     stationary_curvature,

@@ -6,8 +6,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from isoembed.arrays import Floats
 from isoembed.relativity.spacetimes.checks import positive_number, refuse_points
-from isoembed.relativity.spacetimes.three_geometry import AnalyticGeometry, Floats, Numbers
+from isoembed.relativity.spacetimes.three_geometry import AnalyticGeometry, Numbers
 
 
 @dataclass(frozen=True)

@@ -5,12 +5,8 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import dataclass
 
-import numpy as np
-from numpy.typing import NDArray
-
+from isoembed.arrays import Floats
 from isoembed.smooth.two_metric import TwoMetric
-
-Floats = NDArray[np.float64]
 
 
 @dataclass(frozen=True)

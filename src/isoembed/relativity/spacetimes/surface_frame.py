@@ -9,13 +9,11 @@ from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
-from numpy.typing import NDArray
 
+from isoembed.arrays import Floats
 from isoembed.relativity.spacetimes.checks import check_finite, check_slice
 from isoembed.relativity.spacetimes.three_geometry import ThreeGeometry
 from isoembed.smooth.two_metric import orthonormal_frame, projected
-
-Floats = NDArray[np.float64]
 
 
 @dataclass(frozen=True)

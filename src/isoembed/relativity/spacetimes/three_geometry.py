@@ -15,11 +15,11 @@ from typing import Any, Protocol
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from isoembed.arrays import Floats
 from isoembed.errors import InvalidParameter
 from isoembed.relativity.spacetimes.checks import positive_number
 from isoembed.thresholds import threshold
 
-Floats = NDArray[np.float64]
 Numbers = NDArray[Any]
 """Real, or complex for derivatives by the complex step."""
 
