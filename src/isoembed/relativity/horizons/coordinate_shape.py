@@ -77,6 +77,7 @@ class CoordinateShape:
         center: Floats | None = None,
         polygons: Iterable[Sequence[int]] = (),
         fields: Mapping[str, Floats] | None = None,
+        time: float | None = None,
     ) -> CoordinateShape:
         """Shape of points all of which can be seen from its center; see `triangulate_star_shaped`.
 
@@ -91,6 +92,7 @@ class CoordinateShape:
             Polygons of the file, closed or not.
         fields : mapping of str to ndarray, shape (n,) or (n, k)
             Values at the points.
+        time : float, optional
 
         Raises
         ------
@@ -101,7 +103,7 @@ class CoordinateShape:
         center = middle(points) if center is None else center
         kept, faces = triangulate_star_shaped(points, center, source, polygons)
         there = {name: values[kept] for name, values in (fields or {}).items()}
-        return cls(points[kept], faces, center, source=source, fields=there)
+        return cls(points[kept], faces, center, time, source=source, fields=there)
 
     def __post_init__(self) -> None:
         for array in (self.points, self.faces, self.center, *self.fields.values()):

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import os
-from dataclasses import replace
 from importlib.metadata import entry_points
 from itertools import chain
 from typing import Any
@@ -129,7 +128,7 @@ def _shape_of(tables: Tables, source: str) -> CoordinateShape:
         if name not in taken and np.asarray(values).dtype.kind in "iuf" and np.size(values) == len(points)
     }
     if "faces" not in tables:
-        return replace(CoordinateShape.star_shaped(points, source, center, fields=fields), time=time)
+        return CoordinateShape.star_shaped(points, source, center, fields=fields, time=time)
     check_solid(points, source)
     center = middle(points) if center is None else center
     faces = _outward(tables["faces"], points, source)

@@ -68,8 +68,8 @@ def read_spectre(
         if key not in COORDINATES and value.dtype.kind == "f" and value.shape == (len(points),)
     }
     quads = _quads(extents).tolist() if extents is not None else ()
-    shape = CoordinateShape.star_shaped(points, source, polygons=quads, fields=fields)
-    return replace(shape, time=time, name=name, source=str(path))
+    shape = CoordinateShape.star_shaped(points, source, polygons=quads, fields=fields, time=time)
+    return replace(shape, name=name, source=str(path))
 
 
 def _recognizes(file: InputFile) -> bool:
