@@ -6,11 +6,10 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import ArrayLike
 
-from isoembed.gluing.forms import dform, pita
+from isoembed.gluing.forms import Outline, dform, pita
 from isoembed.gluing.net import Net, glue
-from isoembed.gluing.outlines import Curve, Ellipse, Stadium, circle, rectangle, regular_polygon, triangle
+from isoembed.gluing.outlines import Ellipse, Stadium, circle, rectangle, regular_polygon, triangle
 from isoembed.gluing.search import edge_gluings
 
 SIDES = 64  # of a curve
@@ -27,15 +26,7 @@ LATIN_CROSS = np.array(
 
 @dataclass(frozen=True)
 class Classic:
-    """A family of nets.
-
-    Attributes
-    ----------
-    purpose : str
-        What it is, in a line.
-    make : callable
-        Returns the nets, each with what tells it from the others.
-    """
+    """A family of nets: what it is in a line, and a function that makes them with what tells them apart."""
 
     purpose: str
     make: Callable[[], list[tuple[str, Net]]]
@@ -53,7 +44,7 @@ def latin_cross() -> list[tuple[str, Net]]:
 
 
 def folded_triangle(a: float, b: float, c: float) -> Net:
-    """Fold each side of a triangle at its middle: a tetrahedron with four faces alike, half as large.
+    """Triangle with each side folded at its middle: a tetrahedron with four faces alike, half as large.
 
     Its faces are similar to the triangle if that is acute, and coincide two by two if it is right.
     """
@@ -61,7 +52,7 @@ def folded_triangle(a: float, b: float, c: float) -> Net:
 
 
 def rolled_rectangle(width: float, height: float, twist: float) -> Net:
-    """Roll a rectangle to a cylinder and fold its ends shut, one turned by twist against the other.
+    """Rectangle rolled to a cylinder, its ends folded shut, one turned by twist against the other.
 
     Parameters
     ----------
@@ -86,7 +77,7 @@ def tetramonohedra() -> list[tuple[str, Net]]:
 
 def pitas() -> list[tuple[str, Net]]:
     """Outlines zipped shut from one of their points."""
-    forms: list[tuple[str, Curve | ArrayLike, float]] = [
+    forms: list[tuple[str, Outline, float]] = [
         ("circle", circle(), 0.0),
         ("ellipse 2:1 from its tip", Ellipse(2.0, 1.0), 0.0),
         ("ellipse 2:1 from 1/8", Ellipse(2.0, 1.0), 0.125),
@@ -101,7 +92,7 @@ def pitas() -> list[tuple[str, Net]]:
 def dforms() -> list[tuple[str, Net]]:
     """Pairs of outlines glued all around."""
     oval, square = Ellipse(2.0, 1.0), rectangle(1.0, 1.0)
-    forms: list[tuple[str, Curve | ArrayLike, Curve | ArrayLike, float]] = [
+    forms: list[tuple[str, Outline, Outline, float]] = [
         ("two circles", circle(), circle(), 0.0),
         ("ellipses 2:1, by 1/8", oval, oval, 0.125),
         ("ellipses 2:1, by 1/4", oval, oval, 0.25),
@@ -114,7 +105,7 @@ def dforms() -> list[tuple[str, Net]]:
 
 
 def regular_faces(loops: Sequence[Sequence[int]]) -> Net:
-    """Glue regular polygons of side 1 as the faces of a polyhedron are.
+    """Regular polygons of side 1, glued as the faces of a polyhedron are.
 
     Parameters
     ----------

@@ -11,21 +11,20 @@ algorithms, 2007, part III.
 
 from __future__ import annotations
 
-import numbers
+from numpy.typing import ArrayLike
 
-import numpy as np
-from numpy.typing import ArrayLike, NDArray
-
+from isoembed.arrays import Floats
 from isoembed.errors import InvalidParameter
 from isoembed.gluing.net import Net, glue
 from isoembed.gluing.outlines import Curve, Ellipse, Stadium, check_count, inscribed
-from isoembed.gluing.polygon import Polygon, points_of_the_plane
+from isoembed.gluing.polygon import Polygon, is_number, points_of_the_plane
 
-Floats = NDArray[np.float64]
+Outline = Curve | ArrayLike
+"""A curve, which becomes an inscribed polygon of n equal sides, or a polygon, which stays as it is."""
 
 
 def zipped(polygon: ArrayLike, at: float) -> Net:
-    """Zip a polygon shut: glue its boundary to itself, both ways from one of its points.
+    """Polygon zipped shut: its boundary is glued to itself, both ways from one of its points.
 
     Parameters
     ----------
@@ -33,10 +32,6 @@ def zipped(polygon: ArrayLike, at: float) -> Net:
         Convex, if the metric is to be.
     at : float
         Where the zip begins, counted in corners, from 0 to n: 2.5 is the middle of side 2.
-
-    Returns
-    -------
-    Net
 
     Raises
     ------
@@ -46,13 +41,13 @@ def zipped(polygon: ArrayLike, at: float) -> Net:
         `at` is out of range.
     """
     n = len(points_of_the_plane(polygon, "the polygon"))
-    if not _is_number(at) or not 0 <= at <= n:
+    if not is_number(at) or not 0 <= at <= n:
         raise InvalidParameter(f"at is {at!r}, not a position on the boundary from 0 to {n}")
     return glue([polygon], [((0, at, at), (0, at, at))])
 
 
-def pita(outline: Curve | ArrayLike, at: float = 0.0, n: int = 100) -> Net:
-    """Zip an outline shut.
+def pita(outline: Outline, at: float = 0.0, n: int = 100) -> Net:
+    """Outline zipped shut.
 
     Parameters
     ----------
@@ -64,10 +59,6 @@ def pita(outline: Curve | ArrayLike, at: float = 0.0, n: int = 100) -> Net:
     n : int
         Sides of a curve.
 
-    Returns
-    -------
-    Net
-
     Raises
     ------
     InvalidMetric
@@ -75,27 +66,21 @@ def pita(outline: Curve | ArrayLike, at: float = 0.0, n: int = 100) -> Net:
     InvalidParameter
         `at` or `n` is out of range.
     """
-    polygon, position = _polygon(outline, _part("at", at), n)
-    return zipped(polygon, position)
+    return zipped(*_polygon(outline, "at", at, n))
 
 
-def dform(first: Curve | ArrayLike, second: Curve | ArrayLike, offset: float = 0.0, n: int = 100) -> Net:
-    """Glue two outlines all around, back to back.
+def dform(first: Outline, second: Outline, offset: float = 0.0, n: int = 100) -> Net:
+    """Two outlines glued all around, back to back.
 
     Parameters
     ----------
     first, second : Ellipse, Stadium or array_like, shape (m, 2)
-        A curve becomes an inscribed polygon of n equal sides.  The second is scaled to the perimeter of the
-        first.
+        As of `pita`.  The second is scaled to the perimeter of the first.
     offset : float
         The beginning of the first meets the point of the second at this part of its perimeter, from 0 to
         below 1.
     n : int
         Sides of a curve.
-
-    Returns
-    -------
-    Net
 
     Raises
     ------
@@ -104,28 +89,20 @@ def dform(first: Curve | ArrayLike, second: Curve | ArrayLike, offset: float = 0
     InvalidParameter
         `offset` or `n` is out of range.
     """
-    one, start = _polygon(first, 0.0, n)
-    other, meets = _polygon(second, _part("offset", offset), n)
+    one, start = _polygon(first, "offset", 0.0, n)
+    other, meets = _polygon(second, "offset", offset, n)
     scale = Polygon.of(one, 0).perimeter / Polygon.of(other, 1).perimeter
     return glue([one, scale * other], [((0, start, start), (1, meets, meets))])
 
 
-def _polygon(outline: Curve | ArrayLike, part: float, n: int) -> tuple[Floats, float]:
-    """An outline as a polygon, and where on it this part of the perimeter is behind."""
+def _polygon(outline: Outline, name: str, part: float, n: int) -> tuple[Floats, float]:
+    """An outline as a polygon, and the position on it that this part of the perimeter is behind."""
+    if not is_number(part) or not 0 <= part < 1:
+        raise InvalidParameter(f"{name} is {part!r}, not a part of the perimeter from 0 to below 1")
     if isinstance(outline, Ellipse | Stadium):
         check_count("n", n)
-        return inscribed(outline, int(n), part), 0.0
+        return inscribed(outline, int(n), float(part)), 0.0
     corners = points_of_the_plane(outline, "the outline")
     polygon = Polygon.of(corners, 0)
     position = polygon.position((-part if polygon.turned else part) * polygon.perimeter)
     return corners, -position % polygon.n if polygon.turned else position
-
-
-def _part(name: str, value: float) -> float:
-    if not _is_number(value) or not 0 <= value < 1:
-        raise InvalidParameter(f"{name} is {value!r}, not a part of the perimeter from 0 to below 1")
-    return float(value)
-
-
-def _is_number(value: object) -> bool:
-    return isinstance(value, numbers.Real) and not isinstance(value, bool)

@@ -8,19 +8,17 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 from scipy.sparse import coo_array
 from scipy.sparse.csgraph import connected_components
 
+from isoembed.arrays import Floats, Indices, Mask
 from isoembed.errors import InvalidMetric, InvalidParameter
 from isoembed.gluing.ears import triangulated, twins_inside
 from isoembed.gluing.polygon import Polygon, side_lengths
 from isoembed.gluing.runs import Run, cut, read_sides
 from isoembed.mesh.triangulation import frozen
 from isoembed.metric.glued import GluedMetric
-
-Floats = NDArray[np.float64]
-Indices = NDArray[np.int64]
 
 
 @dataclass(frozen=True, eq=False, init=False, repr=False)
@@ -52,7 +50,7 @@ class Net(GluedMetric):
     corners: tuple[Indices, ...]
     face_polygons: Indices
     places: Floats
-    seams: NDArray[np.bool_]
+    seams: Mask
 
     def __init__(self, sheets: Sequence[Polygon], runs: Sequence[tuple[Run, Run]]) -> None:
         stops, mates = _cut_outlines(sheets, runs)
@@ -201,7 +199,7 @@ def _triangles(polygons: Sequence[Floats], first: Indices) -> tuple[Indices, Ind
     return np.concatenate(triangles), np.repeat(np.arange(len(polygons)), [len(some) for some in triangles])
 
 
-def _sewn(triangles: Indices, mates: Indices) -> tuple[Indices, NDArray[np.bool_]]:
+def _sewn(triangles: Indices, mates: Indices) -> tuple[Indices, Mask]:
     """The half-edge that each is glued to, and which lie on outlines."""
     sides = np.stack([triangles, np.roll(triangles, -1, axis=1)], axis=2).reshape(-1, 2)
     twins = twins_inside(sides)

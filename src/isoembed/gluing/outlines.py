@@ -7,18 +7,14 @@ import numbers
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.optimize import brentq
 from scipy.special import ellipeinc
 
+from isoembed.arrays import Floats
 from isoembed.errors import InvalidParameter
-from isoembed.gluing.polygon import side_lengths
+from isoembed.gluing.polygon import is_number, side_lengths
+from isoembed.gluing.thresholds import GLUING
 from isoembed.intrinsic.trigonometry import apex
-
-Floats = NDArray[np.float64]
-
-EQUAL = 1e-14  # of the perimeter: sides this close to equal are, up to rounding
-ROUNDS = 1000  # of spacing the corners anew; each brings the sides closer to equal, by a factor 10 or more
 
 
 @dataclass(frozen=True)
@@ -49,7 +45,7 @@ class Ellipse:
 
 
 def circle(radius: float = 1.0) -> Ellipse:
-    """Return the circle of this radius."""
+    """The circle of this radius."""
     return Ellipse(radius, radius)
 
 
@@ -89,7 +85,7 @@ Curve = Ellipse | Stadium
 
 
 def rectangle(width: float, height: float) -> Floats:
-    """Return the corners of a rectangle, from (0, 0) along its width.
+    """Corners of a rectangle, from (0, 0) along its width.
 
     Raises
     ------
@@ -101,7 +97,7 @@ def rectangle(width: float, height: float) -> Floats:
 
 
 def triangle(a: float, b: float, c: float) -> Floats:
-    """Return the corners of the triangle with these sides, from (0, 0) along a; b follows.
+    """Corners of the triangle with these sides, from (0, 0) along a; b follows.
 
     Raises
     ------
@@ -115,7 +111,7 @@ def triangle(a: float, b: float, c: float) -> Floats:
 
 
 def regular_polygon(n: int, side: float = 1.0) -> Floats:
-    """Return the corners of the regular n-gon with sides of this length.
+    """Corners of the regular n-gon with sides of this length.
 
     Raises
     ------
@@ -129,7 +125,7 @@ def regular_polygon(n: int, side: float = 1.0) -> Floats:
 
 
 def inscribed(curve: Curve, n: int, part: float) -> Floats:
-    """The corners of the equilateral polygon inscribed in a curve.
+    """Corners of the equilateral polygon inscribed in a curve.
 
     Parameters
     ----------
@@ -151,10 +147,10 @@ def inscribed(curve: Curve, n: int, part: float) -> Floats:
     """
     u = curve.parameter(part) + np.arange(n + 1) / n
     aim = np.arange(n + 1) / n
-    for _ in range(ROUNDS):
+    for _ in range(GLUING.spacings):
         points = curve.points(u[:-1])
         steps = side_lengths(points)
-        if np.ptp(steps) <= EQUAL * steps.sum():
+        if np.ptp(steps) <= GLUING.equal_sides * steps.sum():
             return points
         reached = np.concatenate([[0.0], np.cumsum(steps)])
         u = np.interp(aim, reached / reached[-1], u)
@@ -162,19 +158,12 @@ def inscribed(curve: Curve, n: int, part: float) -> Floats:
 
 
 def check_count(name: str, value: int) -> None:
-    """Refuse what is no number of sides of a polygon.
-
-    Raises
-    ------
-    InvalidParameter
-        It is not a whole number from 3 on.
-    """
+    """Raise `InvalidParameter` unless a value is a number of sides of a polygon."""
     if isinstance(value, bool) or not isinstance(value, numbers.Integral) or value < 3:
         raise InvalidParameter(f"{name} is {value!r}, not a whole number of sides, at least 3")
 
 
 def _check_positive(shape: str, **values: float) -> None:
     for name, value in values.items():
-        number = isinstance(value, numbers.Real) and not isinstance(value, bool)
-        if not number or not 0 < value < math.inf:
+        if not is_number(value) or not 0 < value < math.inf:
             raise InvalidParameter(f"{shape} has {name} = {value!r}, not a positive finite number")

@@ -1,14 +1,14 @@
-"""On which side of a line a point of the plane lies."""
+"""Orientation of three points of the plane."""
 
 from __future__ import annotations
 
-import numpy as np
 from numba import njit
-from numpy.typing import NDArray
 
-Floats = NDArray[np.float64]
+from isoembed.arrays import Floats
+from isoembed.gluing.thresholds import GLUING
+from isoembed.thresholds import compiled
 
-ROUNDING = 2e-15  # of a coordinate, in the unit of the largest: what points put on a line may miss it by
+_T = compiled(GLUING)
 
 
 @njit(cache=True)
@@ -20,4 +20,4 @@ def turn(a: Floats, b: Floats, c: Floats) -> float:
     x, y = b[0] - a[0], b[1] - a[1]
     u, v = c[0] - a[0], c[1] - a[1]
     area = x * v - y * u
-    return area if abs(area) > ROUNDING * (abs(x) + abs(y) + abs(u) + abs(v)) else 0.0
+    return area if abs(area) > _T.turn * (abs(x) + abs(y) + abs(u) + abs(v)) else 0.0

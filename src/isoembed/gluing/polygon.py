@@ -1,19 +1,18 @@
-"""One sheet of paper: a simple polygon, and positions on its boundary counted in corners."""
+"""Simple polygons, the sheets of paper, and positions on their boundaries counted in corners."""
 
 from __future__ import annotations
 
+import numbers
 from dataclasses import dataclass
 
 import numpy as np
 from numba import njit
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
+from isoembed.arrays import Floats, Indices
 from isoembed.errors import InvalidMetric
 from isoembed.gluing.plane import turn
 from isoembed.mesh.triangulation import frozen
-
-Floats = NDArray[np.float64]
-Indices = NDArray[np.int64]
 
 
 @dataclass(frozen=True, eq=False)
@@ -38,7 +37,7 @@ class Polygon:
 
     @classmethod
     def of(cls, given: ArrayLike, index: int) -> Polygon:
-        """Check a polygon, given by its corners in either orientation.
+        """The polygon with these corners in either orientation, checked.
 
         Parameters
         ----------
@@ -89,12 +88,7 @@ class Polygon:
     @property
     def angles(self) -> Floats:
         """The interior angle at each corner, radians, shape (n,)."""
-        ahead, back = (
-            np.roll(self.corners, -1, axis=0) - self.corners,
-            np.roll(self.corners, 1, axis=0) - self.corners,
-        )
-        x, y = ahead.T
-        u, v = back.T
+        (x, y), (u, v) = ((np.roll(self.corners, k, axis=0) - self.corners).T for k in (-1, 1))
         return np.arctan2(x * v - y * u, x * u + y * v) % (2 * np.pi)
 
     def arc(self, position: float) -> float:
@@ -119,7 +113,7 @@ class Polygon:
 
 
 def points_of_the_plane(given: ArrayLike, name: str) -> Floats:
-    """Read points (n, 2), refusing what is none.
+    """Points (n, 2), checked.
 
     Raises
     ------
@@ -138,6 +132,11 @@ def points_of_the_plane(given: ArrayLike, name: str) -> Floats:
         k = int(np.argmin(finite))
         raise InvalidMetric(f"corner {k} of {name} is at {points[k].tolist()}, which is not finite")
     return points
+
+
+def is_number(value: object) -> bool:
+    """Whether a value is a real number, and not a truth value."""
+    return isinstance(value, numbers.Real) and not isinstance(value, bool)
 
 
 def side_lengths(points: Floats) -> Floats:

@@ -1,9 +1,8 @@
-"""Which stretches of the boundaries are glued to which: read, checked, and cut where corners meet sides."""
+"""Stretches of the boundaries that are glued: read, checked, and cut where corners meet sides."""
 
 from __future__ import annotations
 
 import math
-import numbers
 import sys
 from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
@@ -12,9 +11,8 @@ from typing import Any
 import numpy as np
 
 from isoembed.errors import InvalidMetric, InvalidParameter
-from isoembed.gluing.polygon import Polygon
-
-SAME = 1e-9  # of a length: what coordinates typed with ten digits make of the same one
+from isoembed.gluing.polygon import Polygon, is_number
+from isoembed.gluing.thresholds import GLUING
 
 
 @dataclass(frozen=True)
@@ -42,7 +40,7 @@ class Run:
         return first, last if self.stop > self.start else last + polygon.perimeter
 
     def length(self, polygons: Sequence[Polygon]) -> float:
-        """Its length."""
+        """Length."""
         first, last = self.span(polygons)
         return last - first
 
@@ -52,7 +50,7 @@ class Run:
         return polygons[self.polygon].position(first + part * (last - first))
 
     def parts(self, polygons: Sequence[Polygon]) -> tuple[list[float], list[float]]:
-        """The positions of its ends and of the corners between, and how far along it each is, from 0 to 1."""
+        """Positions of its ends and of the corners between, and how far along it each is, from 0 to 1."""
         polygon = polygons[self.polygon]
         first, last = self.span(polygons)
         end = self.stop if self.stop > self.start else self.stop + polygon.n
@@ -65,7 +63,7 @@ class Run:
 
 
 def read_sides(sides: Sequence[Any], polygons: Sequence[Polygon]) -> list[tuple[Run, Run]]:
-    """Read the identifications of `glue` and check that they glue every boundary exactly once.
+    """The identifications of `glue`, checked to glue every boundary exactly once.
 
     Parameters
     ----------
@@ -100,20 +98,14 @@ def read_sides(sides: Sequence[Any], polygons: Sequence[Polygon]) -> list[tuple[
 
 
 def cut(one: Run, other: Run, polygons: Sequence[Polygon]) -> tuple[list[float], list[float]]:
-    """Cut two glued runs at the corners of both.
-
-    Returns
-    -------
-    list of float, list of float
-        Positions along the one, with both ends, and the positions on the other that they are glued to.
-    """
+    """Positions of the corners of both along one run, ends included, and where they meet the other."""
     here, along = one.parts(polygons)
     there, back = (part[::-1] for part in other.parts(polygons))
     ours, theirs = [here[0]], [there[0]]
     i, j = 1, 1
     while i < len(here) - 1 or j < len(there) - 1:
         ahead = along[i] - (1.0 - back[j])
-        if i < len(here) - 1 and j < len(there) - 1 and abs(ahead) <= SAME:
+        if i < len(here) - 1 and j < len(there) - 1 and abs(ahead) <= GLUING.same_length:
             ours.append(here[i])
             theirs.append(there[j])
             i, j = i + 1, j + 1
@@ -135,8 +127,7 @@ def _read(entry: Any, i: int, polygons: Sequence[Polygon]) -> Run:
             "nor a run (polygon, start, end)"
         )
     for value in entry:
-        number = isinstance(value, numbers.Real) and not isinstance(value, bool)
-        if not number or not abs(value) <= sys.float_info.max:
+        if not is_number(value) or not abs(value) <= sys.float_info.max:
             raise InvalidParameter(
                 f"sides[{i}] glues {_shown(entry)}, in which {value!r} is not a finite number"
             )
@@ -163,7 +154,7 @@ def _read(entry: Any, i: int, polygons: Sequence[Polygon]) -> Run:
                 f"sides[{i}] glues {_shown(entry)}, but a run around polygon {int(p)} starts between "
                 f"0 and {n} and is at most {n} long"
             )
-        if abs(b - a) <= SAME and entry[1] != entry[2]:
+        if abs(b - a) <= GLUING.same_length and entry[1] != entry[2]:
             raise InvalidParameter(f"sides[{i}] glues {_shown(entry)}, which has no length")
         name = f"polygon {int(p)} from {entry[1]:.12g} to {entry[2]:.12g}"
     if polygon.turned:
@@ -180,7 +171,7 @@ def _joined(runs: list[tuple[Run, Run]]) -> list[tuple[Run, Run]]:
     for p, positions in ends.items():
         last = -1.0
         for position in sorted(positions):
-            if position - last > SAME:
+            if position - last > GLUING.same_length:
                 last = position
             same[p, position] = last
 
@@ -193,7 +184,7 @@ def _joined(runs: list[tuple[Run, Run]]) -> list[tuple[Run, Run]]:
 def _check_lengths(runs: list[tuple[Run, Run]], polygons: Sequence[Polygon]) -> None:
     for i, (one, other) in enumerate(runs):
         ours, theirs = one.length(polygons), other.length(polygons)
-        if abs(ours - theirs) > SAME * max(ours, theirs):
+        if abs(ours - theirs) > GLUING.same_length * max(ours, theirs):
             raise InvalidMetric(
                 f"sides[{i}] glues {one.name}, of length {ours!r}, to {other.name}, of length {theirs!r}: "
                 "they differ"
@@ -253,4 +244,4 @@ def _snapped(position: float, polygon: Polygon) -> float:
     """A corner, if the position is one up to rounding."""
     side = math.floor(position) % polygon.n
     off = abs(position - round(position)) * (polygon.arcs[side + 1] - polygon.arcs[side])
-    return float(round(position)) if off <= SAME * polygon.perimeter else position
+    return float(round(position)) if off <= GLUING.same_length * polygon.perimeter else position

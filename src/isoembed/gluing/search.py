@@ -1,4 +1,4 @@
-"""All ways to glue the sides of a polygon in pairs, to a sphere."""
+"""Gluings of the sides of a polygon in pairs, to a sphere."""
 
 from __future__ import annotations
 
@@ -6,16 +6,14 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from isoembed.gluing.polygon import Polygon, side_lengths
-from isoembed.gluing.runs import SAME
-
-ROUNDING = 1e-9  # radians: of a sum of angles
+from isoembed.gluing.thresholds import GLUING
 
 Pairs = tuple[tuple[int, int], ...]
 Sides = list[tuple[tuple[int, int], tuple[int, int]]]
 
 
 def edge_gluings(polygon: ArrayLike, *, convex: bool = True) -> list[Sides]:
-    """Find the edge-to-edge gluings of a polygon to a sphere: each side is glued to another of its length.
+    """Edge-to-edge gluings of a polygon to a sphere: each side is glued to another of its length.
 
     The sphere leaves no pairs that cross: with 2 m sides of one length there are Catalan(m) gluings.  Those
     of a boundary stretch are found from those of the two stretches into which the partner of its first side
@@ -52,7 +50,7 @@ def edge_gluings(polygon: ArrayLike, *, convex: bool = True) -> list[Sides]:
     """
     sheet = Polygon.of(polygon, 0)
     n, lengths, angles = sheet.n, side_lengths(sheet.corners), sheet.angles
-    most = 2 * np.pi + ROUNDING if convex else np.inf
+    most = 2 * np.pi + GLUING.full_angle if convex else np.inf
     # By stretch of sides i .. j - 1: its gluings, and the angles that its two ends are glued to in between.
     known: dict[tuple[int, int], list[tuple[Pairs, float]]] = {(i, i): [((), 0.0)] for i in range(n + 1)}
     for size in range(2, n + 1, 2):
@@ -61,7 +59,7 @@ def edge_gluings(polygon: ArrayLike, *, convex: bool = True) -> list[Sides]:
             ends = angles[i] + (angles[j % n] if size < n else 0.0)
             found = known[i, j] = []
             for k in range(i + 1, j, 2):
-                if abs(lengths[i] - lengths[k]) > SAME * max(lengths[i], lengths[k]):
+                if abs(lengths[i] - lengths[k]) > GLUING.same_length * max(lengths[i], lengths[k]):
                     continue
                 for beyond, rest in known[k + 1, j]:
                     between = rest + angles[k + 1] if k + 1 < j else 0.0

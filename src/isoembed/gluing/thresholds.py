@@ -1,0 +1,31 @@
+"""Thresholds of gluing paper."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from isoembed.thresholds import threshold
+
+
+@dataclass(frozen=True)
+class GluingThresholds:
+    """Thresholds of polygons, of what is glued, and of the search for gluings."""
+
+    turn: float = threshold(
+        2e-15, "sum of coordinates", "Twice the area of a triangle with corners in line, up to rounding."
+    )
+    same_length: float = threshold(
+        1e-9, "relative", "Difference of one length in coordinates that were typed with ten digits."
+    )
+    full_angle: float = threshold(
+        1e-9, "radians", "Rounding of the sum of angles at a vertex that is still convex."
+    )
+    equal_sides: float = threshold(
+        1e-14, "perimeters", "Sides of an inscribed polygon this close to equal are, up to rounding."
+    )
+    spacings: int = threshold(
+        1000, "count", "Rounds of spacing the corners of an inscribed polygon; each gains a digit or more."
+    )
+
+
+GLUING = GluingThresholds()
