@@ -5,12 +5,10 @@ from math import pi
 from typing import ClassVar
 
 import numpy as np
-from numpy.typing import NDArray
 
+from isoembed.arrays import Floats
 from isoembed.gallery.mapped import MappedSurface
 from isoembed.gallery.surface import MAX_ASPECT, SurfaceWithAxes, option, positive, semiaxes
-
-Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True)
@@ -29,17 +27,17 @@ class Bean(MappedSurface, SurfaceWithAxes):
         if abs(self.height) > most:
             raise ValueError(f"{self.name}: |height| must be at most {most:.6g}, not {self.height}")
 
-    def _points(self, u: Array) -> Array:
+    def _points(self, u: Floats) -> Floats:
         points = u * self._semiaxes
         points[:, 2] += self.height / self._unit * u[:, 0] ** 2
         return points
 
-    def _differential(self, u: Array) -> Array:
+    def _differential(self, u: Floats) -> Floats:
         J = np.tile(np.diag(self._semiaxes), (len(u), 1, 1))
         J[:, 2, 0] = 2.0 * self.height / self._unit * u[:, 0]
         return J
 
-    def _second_differential(self, u: Array, normals: Array) -> Array:
+    def _second_differential(self, u: Floats, normals: Floats) -> Floats:
         second = np.zeros((len(u), 3, 3))
         second[:, 0, 0] = 2.0 * self.height / self._unit * normals[:, 2]
         return second
@@ -63,19 +61,19 @@ class BentTube(MappedSurface, SurfaceWithAxes):
         if self.radius < least:
             raise ValueError(f"{self.name}: radius must be at least {least:.6g}, not {self.radius}")
 
-    def _polar(self, u: Array) -> tuple[float, Array, Array, Array, Array]:
+    def _polar(self, u: Floats) -> tuple[float, Floats, Floats, Floats, Floats]:
         """The turn a/R, sine and cosine of the angle, the distance from the center and its excess over R."""
         R = self.radius / self._unit
         turn, excess = self._semiaxes[0] / R, self._semiaxes[2] * u[:, 2]
         return turn, np.sin(turn * u[:, 0]), np.cos(turn * u[:, 0]), R + excess, excess
 
-    def _points(self, u: Array) -> Array:
+    def _points(self, u: Floats) -> Floats:
         turn, sin, cos, distance, excess = self._polar(u)
         # R (cos - 1) without cancellation: R may be large.
         sunk = 2.0 * self.radius / self._unit * np.sin(0.5 * turn * u[:, 0]) ** 2
         return np.stack([distance * sin, self._semiaxes[1] * u[:, 1], excess * cos - sunk], axis=1)
 
-    def _differential(self, u: Array) -> Array:
+    def _differential(self, u: Floats) -> Floats:
         turn, sin, cos, distance, _ = self._polar(u)
         J = np.zeros((len(u), 3, 3))
         J[:, 0, 0], J[:, 2, 0] = turn * distance * cos, -turn * distance * sin
@@ -83,7 +81,7 @@ class BentTube(MappedSurface, SurfaceWithAxes):
         J[:, 0, 2], J[:, 2, 2] = self._semiaxes[2] * sin, self._semiaxes[2] * cos
         return J
 
-    def _second_differential(self, u: Array, normals: Array) -> Array:
+    def _second_differential(self, u: Floats, normals: Floats) -> Floats:
         turn, sin, cos, distance, _ = self._polar(u)
         second = np.zeros((len(u), 3, 3))
         second[:, 0, 0] = -(turn**2) * distance * (normals[:, 0] * sin + normals[:, 2] * cos)

@@ -8,10 +8,10 @@ import numpy as np
 from numpy.polynomial import Legendre, Polynomial
 from numpy.typing import NDArray
 
+from isoembed.arrays import Floats
 from isoembed.gallery.mapped import MappedSurface
 from isoembed.gallery.surface import integer, option, positive
 
-Array = NDArray[np.float64]
 Complex = NDArray[np.complex128]
 
 MAX_DEGREE = 16
@@ -58,28 +58,28 @@ class HarmonicSurface(MappedSurface):
         p = p / np.abs(p(z) * (1.0 - z**2) ** (0.5 * m)).max()
         return p, p.deriv(), p.deriv(2)
 
-    def _powers(self, u: Array) -> tuple[Complex, Complex, Complex]:
+    def _powers(self, u: Floats) -> tuple[Complex, Complex, Complex]:
         """(x + i y)^m and its derivatives with respect to x."""
         m, w = self.order, [np.ones(len(u), dtype=np.complex128)]
         for _ in range(m):
             w.append(w[-1] * (u[:, 0] + 1j * u[:, 1]))
         return w[m], m * w[max(m - 1, 0)], m * (m - 1) * w[max(m - 2, 0)]
 
-    def _radii(self, u: Array) -> tuple[Array, Array]:
+    def _radii(self, u: Floats) -> tuple[Floats, Floats]:
         """1 + A Y (n,) and A dY/du (n, 3), Y being a polynomial in u."""
         p, p_z, _ = (series(u[:, 2]) for series in self._zonal)
         w, w_x, _ = self._powers(u)
         gradient = np.stack([p * w_x.real, -p * w_x.imag, p_z * w.real], axis=1)
         return 1.0 + self.amplitude * p * w.real, self.amplitude * gradient
 
-    def _points(self, u: Array) -> Array:
+    def _points(self, u: Floats) -> Floats:
         return self._radii(u)[0][:, None] * u
 
-    def _differential(self, u: Array) -> Array:
+    def _differential(self, u: Floats) -> Floats:
         r, gradient = self._radii(u)
         return r[:, None, None] * np.eye(3) + u[:, :, None] * gradient[:, None, :]
 
-    def _second_differential(self, u: Array, normals: Array) -> Array:
+    def _second_differential(self, u: Floats, normals: Floats) -> Floats:
         p, p_z, p_zz = (series(u[:, 2]) for series in self._zonal)
         w, w_x, w_xx = self._powers(u)
         xx, xy = p * w_xx.real, -p * w_xx.imag

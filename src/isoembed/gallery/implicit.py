@@ -6,13 +6,11 @@ from math import pi, prod, sqrt
 from typing import ClassVar
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.special import elliprg
 
+from isoembed.arrays import Floats
 from isoembed.gallery.quadrature import integrate, tanh_sinh
 from isoembed.gallery.surface import SurfaceWithAxes, Triple, option, positive, semiaxes
-
-Array = NDArray[np.float64]
 
 
 class ImplicitSurface(SurfaceWithAxes):
@@ -27,30 +25,30 @@ class ImplicitSurface(SurfaceWithAxes):
         """The exponents p, by default those of an ellipsoid."""
         return 2.0, 2.0, 2.0
 
-    def _stretch(self, u: Array) -> Array:
+    def _stretch(self, u: Floats) -> Floats:
         """The factor t > 0 (n,) with sum |t u_i|^p_i = 1, by default that of an ellipsoid."""
         return np.ones(len(u))
 
-    def _gradient(self, u: Array) -> tuple[Array, Array]:
+    def _gradient(self, u: Floats) -> tuple[Floats, Floats]:
         """The factor t (n,) and the gradient (n, 3) of g with respect to x_i / s_i."""
         t, p = self._stretch(u), np.array(self._powers)
         y = t[:, None] * u
         return t, p * np.sign(y) * np.abs(y) ** (p - 1.0)
 
-    def _points(self, u: Array) -> Array:
+    def _points(self, u: Floats) -> Floats:
         return self._stretch(u)[:, None] * u * self._semiaxes
 
-    def _normals(self, u: Array) -> Array:
+    def _normals(self, u: Floats) -> Floats:
         n = self._gradient(u)[1] / self._semiaxes
         return n / np.linalg.norm(n, axis=1)[:, None]
 
-    def _area_density(self, u: Array) -> Array:
+    def _area_density(self, u: Floats) -> Floats:
         # n dA = t^2 grad g / (u . grad g) d(omega) for a radial map; the axes act by their cofactors.
         t, g = self._gradient(u)
         stretched = np.linalg.norm(g / self._semiaxes, axis=1) * self._semiaxes.prod()
         return t**2 * stretched / np.einsum("ij,ij->i", g, u)
 
-    def _curvatures(self, u: Array) -> tuple[Array, Array]:
+    def _curvatures(self, u: Floats) -> tuple[Floats, Floats]:
         t, g = self._gradient(u)
         s, p = self._semiaxes, np.array(self._powers)
         d = p * (p - 1.0) * np.abs(t[:, None] * u) ** (p - 2.0) / s**2  # the Hessian of g is diagonal
@@ -61,15 +59,15 @@ class ImplicitSurface(SurfaceWithAxes):
         H = (g2 * (d1 + d2)).sum(axis=1) / (2.0 * norm2**1.5)
         return K, H
 
-    def _moved(self, u: Array, displacement: Array) -> Array:
+    def _moved(self, u: Floats, displacement: Floats) -> Floats:
         y = self._stretch(u)[:, None] * u + displacement / self._semiaxes
         return y / np.linalg.norm(y, axis=1)[:, None]
 
     @cached_property
-    def _integrals(self) -> Array:
+    def _integrals(self) -> Floats:
         det = self._semiaxes.prod()
 
-        def octants(n: int) -> Array:
+        def octants(n: int) -> Floats:
             x, w = tanh_sinh(n)
             theta, phi = (a.ravel() for a in np.meshgrid(x, x, indexing="ij"))
             weight = 8.0 * np.sin(theta) * np.outer(w, w).ravel()
@@ -89,7 +87,7 @@ class Ellipsoid(ImplicitSurface):
     axes: tuple[float, float, float] = option((3.0, 2.0, 1.0), "semi-axes a b c", semiaxes)
 
     @cached_property
-    def _integrals(self) -> Array:
+    def _integrals(self) -> Floats:
         # Carlson's symmetric integral R_G gives both (DLMF 19.33.2 and Minkowski's duality).
         a2, b2, c2 = self._semiaxes**2
         area, imc = 4.0 * pi * elliprg(a2 * b2, a2 * c2, b2 * c2), 4.0 * pi * elliprg(a2, b2, c2)
@@ -109,7 +107,7 @@ class Sphere(ImplicitSurface):
         return self.radius, self.radius, self.radius
 
     @cached_property
-    def _integrals(self) -> Array:
+    def _integrals(self) -> Floats:
         return np.array([4.0 * pi, 4.0 / 3.0 * pi, 4.0 * pi])
 
 
@@ -127,7 +125,7 @@ class Drum(ImplicitSurface):
     def _powers(self) -> Triple:
         return 2.0, 2.0, 4.0
 
-    def _stretch(self, u: Array) -> Array:
+    def _stretch(self, u: Floats) -> Floats:
         # A t^2 + B t^4 = 1, solved for t^2 without cancellation.
         A, B = u[:, 0] ** 2 + u[:, 1] ** 2, u[:, 2] ** 4
         return np.sqrt(2.0 / (A + np.sqrt(A**2 + 4.0 * B)))
@@ -152,6 +150,6 @@ class Superellipsoid(ImplicitSurface):
     def _powers(self) -> Triple:
         return self.power, self.power, self.power
 
-    def _stretch(self, u: Array) -> Array:
+    def _stretch(self, u: Floats) -> Floats:
         largest = np.abs(u).max(axis=1)
         return ((np.abs(u) / largest[:, None]) ** self.power).sum(axis=1) ** (-1.0 / self.power) / largest

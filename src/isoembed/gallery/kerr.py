@@ -12,21 +12,19 @@ from typing import ClassVar, NamedTuple
 
 import numpy as np
 from numpy.polynomial import Chebyshev
-from numpy.typing import NDArray
 
+from isoembed.arrays import Floats
 from isoembed.gallery.revolution import Profile, SurfaceOfRevolution
 from isoembed.gallery.surface import option, positive
-
-Array = NDArray[np.float64]
 
 
 class Radius(NamedTuple):
     """R over M as a function of s, its first two derivatives in s, and Delta over M^2, Eq. (delta)."""
 
-    R: Array
-    R_s: Array
-    R_ss: Array
-    Delta: Array
+    R: Floats
+    R_s: Floats
+    R_ss: Floats
+    Delta: Floats
 
 
 class Squares(NamedTuple):
@@ -35,22 +33,22 @@ class Squares(NamedTuple):
     Derivatives are in s. Where q^2 is negative there is no surface of revolution.
     """
 
-    h_thth: Array
-    P: Array
-    P_s: Array
-    P_ss: Array
-    q2: Array
-    q2_s: Array
+    h_thth: Floats
+    P: Floats
+    P_s: Floats
+    P_ss: Floats
+    q2: Floats
+    q2_s: Floats
 
 
-def horizon_radius(spin: float, charge: float, s: Array) -> Radius:
+def horizon_radius(spin: float, charge: float, s: Floats) -> Radius:
     """The outer horizon r_+ of spin a and charge Q over the mass, a^2 + Q^2 at most 1."""
     r_plus = 1.0 + sqrt(max(0.0, 1.0 - hypot(spin, charge) ** 2))
     zero = np.zeros_like(s)
     return Radius(zero + r_plus, zero, zero, zero)
 
 
-def ergosphere_radius(epsilon: float, spin: float, charge: float, s: Array) -> Radius:
+def ergosphere_radius(epsilon: float, spin: float, charge: float, s: Floats) -> Radius:
     """The distorted ergosphere, Eq. (rtheta), with charge; Delta is free of cancellation."""
     a2 = spin**2
     W = np.sqrt((1.0 - a2 - charge**2) + a2 * s)
@@ -65,7 +63,7 @@ def smarr_limit(charge: float) -> float:
     return (sqrt(3.0) + sqrt(3.0 - 4.0 * Q2)) / 4.0 if Q2 < 2.0 / 3.0 else sqrt(1.0 - Q2)
 
 
-def squares(radius: Radius, spin: float, charge: float, s: Array) -> Squares:
+def squares(radius: Radius, spin: float, charge: float, s: Floats) -> Squares:
     """The 2-metric, Eq. (twosurf), of r = R(theta) at s = sin^2(theta); spin and charge over the mass."""
     a2, Q2 = spin**2, charge**2
     R, R_s, R_ss, Delta = radius
@@ -106,14 +104,14 @@ class KerrSurface(SurfaceOfRevolution):
     charge: float
 
     @abstractmethod
-    def _R(self, s: Array) -> Radius:
+    def _R(self, s: Floats) -> Radius:
         """R and its derivatives, with Delta free of cancellation."""
 
     @property
     def _unit(self) -> float:
         return self.mass
 
-    def _profile(self, s: Array) -> Profile:
+    def _profile(self, s: Floats) -> Profile:
         spin, charge = self.spin / self.mass, self.charge / self.mass
         _, P, P_s, P_ss, q2, q2_s = squares(self._R(s), spin, charge, s)
         p = np.sqrt(P)
@@ -136,7 +134,7 @@ class KerrSurface(SurfaceOfRevolution):
                 return series.integ()
             degree *= 2
 
-    def _height(self, theta: Array) -> Array:
+    def _height(self, theta: Floats) -> Floats:
         return self._height_series(0.5 * np.pi) - self._height_series(theta)
 
 
@@ -164,7 +162,7 @@ class KerrHorizon(KerrSurface):
                 f"{self.name}: |spin| must be at most {limit * self.mass:.12g} {reason}, not {self.spin}"
             )
 
-    def _R(self, s: Array) -> Radius:
+    def _R(self, s: Floats) -> Radius:
         return horizon_radius(self.spin / self.mass, self.charge / self.mass, s)
 
 
@@ -194,5 +192,5 @@ class Ergosphere(KerrSurface):
         """No charge."""
         return 0.0
 
-    def _R(self, s: Array) -> Radius:
+    def _R(self, s: Floats) -> Radius:
         return ergosphere_radius(self.epsilon, self.spin / self.mass, 0.0, s)

@@ -4,20 +4,18 @@ from abc import abstractmethod
 from functools import cached_property
 
 import numpy as np
-from numpy.typing import NDArray
 
+from isoembed.arrays import Floats
 from isoembed.gallery.quadrature import integrate
 from isoembed.gallery.surface import Surface
 from isoembed.meshing.sphere import gauss_rule
 
-Array = NDArray[np.float64]
 
-
-def _dot(a: Array, b: Array) -> Array:
+def _dot(a: Floats, b: Floats) -> Floats:
     return np.asarray(np.einsum("ij,ij->i", a, b))
 
 
-def _frames(u: Array) -> Array:
+def _frames(u: Floats) -> Floats:
     """Right-handed orthonormal frames a, b, u as an array (3, n, 3), given u (n, 3)."""
     # Branchless and free of cancellation: T. Duff et al., "Building an orthonormal basis, revisited" (2017).
     x, y, z = u.T
@@ -35,27 +33,27 @@ class MappedSurface(Surface):
     """
 
     @abstractmethod
-    def _differential(self, u: Array) -> Array:
+    def _differential(self, u: Floats) -> Floats:
         """The matrices dX_i / du_j (n, 3, 3)."""
 
     @abstractmethod
-    def _second_differential(self, u: Array, normals: Array) -> Array:
+    def _second_differential(self, u: Floats, normals: Floats) -> Floats:
         """The component of the second derivatives along given vectors: n . d^2 X / du_j du_k (n, 3, 3)."""
 
-    def _images(self, u: Array) -> tuple[Array, Array, Array]:
+    def _images(self, u: Floats) -> tuple[Floats, Floats, Floats]:
         """Frames a, b, u, their images dX(a), dX(b), dX(u), and the cross product of the first two."""
         frame = _frames(u)
         image = np.einsum("nij,knj->kni", self._differential(u), frame)
         return frame, image, np.cross(image[0], image[1])
 
-    def _normals(self, u: Array) -> Array:
+    def _normals(self, u: Floats) -> Floats:
         cross = self._images(u)[2]
         return cross / np.linalg.norm(cross, axis=1)[:, None]
 
-    def _area_density(self, u: Array) -> Array:
+    def _area_density(self, u: Floats) -> Floats:
         return np.asarray(np.linalg.norm(self._images(u)[2], axis=1))
 
-    def _curvatures(self, u: Array) -> tuple[Array, Array]:
+    def _curvatures(self, u: Floats) -> tuple[Floats, Floats]:
         (a, b, _), (x_a, x_b, x_u), cross = self._images(u)
         density = np.linalg.norm(cross, axis=1)
         normals = cross / density[:, None]
@@ -67,7 +65,7 @@ class MappedSurface(Surface):
         E, F, G = _dot(x_a, x_a), _dot(x_a, x_b), _dot(x_b, x_b)
         return (e * g - f**2) / density**2, (e * G - 2.0 * f * F + g * E) / (2.0 * density**2)
 
-    def _moved(self, u: Array, displacement: Array) -> Array:
+    def _moved(self, u: Floats, displacement: Floats) -> Floats:
         (a, b, _), (x_a, x_b, _), cross = self._images(u)
         along_a, along_b = _dot(displacement, x_a), _dot(displacement, x_b)
         E, F, G = _dot(x_a, x_a), _dot(x_a, x_b), _dot(x_b, x_b)
@@ -76,8 +74,8 @@ class MappedSurface(Surface):
         return moved / np.linalg.norm(moved, axis=1)[:, None]
 
     @cached_property
-    def _integrals(self) -> Array:
-        def sphere(n: int) -> Array:
+    def _integrals(self) -> Floats:
+        def sphere(n: int) -> Floats:
             u, weight = gauss_rule(n, 2 * n)
             u = np.roll(u, 1, axis=1)  # about x: long bodies are long in x
             cross = self._images(u)[2]

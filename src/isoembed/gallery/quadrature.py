@@ -3,12 +3,11 @@
 from collections.abc import Callable
 
 import numpy as np
-from numpy.typing import NDArray
 
-Array = NDArray[np.float64]
+from isoembed.arrays import Floats
 
 
-def tanh_sinh(n: int) -> tuple[Array, Array]:
+def tanh_sinh(n: int) -> tuple[Floats, Floats]:
     """Nodes and weights (n,) on [0, pi/2].
 
     The nodes crowd doubly exponentially at both ends, so that integrands which are not smooth there,
@@ -24,7 +23,7 @@ def tanh_sinh(n: int) -> tuple[Array, Array]:
     return 0.5 * np.pi * x, 0.5 * np.pi * float(step) * np.pi * np.cosh(t) * x * (rest / (1.0 + rest))
 
 
-def integrate(integrand: Callable[[int], Array], coarsest: int = 48, finest: int = 768) -> Array:
+def integrate(integrand: Callable[[int], Floats], coarsest: int = 48, finest: int = 768) -> Floats:
     """Integrals with more and more nodes, until they settle to rounding.
 
     Parameters

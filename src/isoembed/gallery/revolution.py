@@ -11,22 +11,20 @@ from math import pi
 from typing import ClassVar, NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
+from isoembed.arrays import Floats
 from isoembed.gallery.quadrature import integrate, tanh_sinh
 from isoembed.gallery.surface import Surface, option, positive
-
-Array = NDArray[np.float64]
 
 
 class Profile(NamedTuple):
     """The functions p and q of s = sin^2(theta) with their derivatives in s, each (n,)."""
 
-    p: Array
-    p_s: Array
-    p_ss: Array
-    q: Array
-    q_s: Array
+    p: Floats
+    p_s: Floats
+    p_ss: Floats
+    q: Floats
+    q_s: Floats
 
 
 class SurfaceOfRevolution(Surface):
@@ -36,14 +34,14 @@ class SurfaceOfRevolution(Surface):
     """
 
     @abstractmethod
-    def _profile(self, s: Array) -> Profile:
+    def _profile(self, s: Floats) -> Profile:
         """The profile at s = sin^2(theta)."""
 
     @abstractmethod
-    def _height(self, theta: Array) -> Array:
+    def _height(self, theta: Floats) -> Floats:
         """The coordinate z (n,) for theta in [0, pi/2]."""
 
-    def _meridian(self, u: Array) -> tuple[Array, Profile, Array, Array, Array]:
+    def _meridian(self, u: Floats) -> tuple[Floats, Profile, Floats, Floats, Floats]:
         """Return s, the profile at s, c^2 = 1 - s, B = d(rho)/d(theta) / cos(theta) and the speed v."""
         s = u[:, 0] ** 2 + u[:, 1] ** 2
         profile = self._profile(s)
@@ -51,27 +49,27 @@ class SurfaceOfRevolution(Surface):
         B = profile.p + 2.0 * s * profile.p_s
         return s, profile, c2, B, np.sqrt(c2 * B**2 + s * profile.q**2)
 
-    def _points(self, u: Array) -> Array:
+    def _points(self, u: Floats) -> Floats:
         sin = np.hypot(u[:, 0], u[:, 1])
         p = self._profile(sin**2).p
         z = np.sign(u[:, 2]) * self._height(np.arctan2(sin, np.abs(u[:, 2])))
         return np.stack([p * u[:, 0], p * u[:, 1], z], axis=1)
 
-    def _normals(self, u: Array) -> Array:
+    def _normals(self, u: Floats) -> Floats:
         _, profile, _, B, v = self._meridian(u)
         return np.stack([profile.q * u[:, 0] / v, profile.q * u[:, 1] / v, B * u[:, 2] / v], axis=1)
 
-    def _area_density(self, u: Array) -> Array:
+    def _area_density(self, u: Floats) -> Floats:
         _, profile, _, _, v = self._meridian(u)
         return profile.p * v
 
-    def _curvatures(self, u: Array) -> tuple[Array, Array]:
+    def _curvatures(self, u: Floats) -> tuple[Floats, Floats]:
         s, (p, p_s, p_ss, q, q_s), c2, B, v = self._meridian(u)
         along = c2 * B * (q + 2.0 * s * q_s) + s * q * (B - 2.0 * c2 * (3.0 * p_s + 2.0 * s * p_ss))
         k1, k2 = along / v**3, q / (p * v)
         return k1 * k2, 0.5 * (k1 + k2)
 
-    def _moved(self, u: Array, displacement: Array) -> Array:
+    def _moved(self, u: Floats, displacement: Floats) -> Floats:
         _, profile, _, B, v = self._meridian(u)
         sin = np.hypot(u[:, 0], u[:, 1])
         at_pole = sin == 0.0
@@ -92,8 +90,8 @@ class SurfaceOfRevolution(Surface):
         return moved / np.linalg.norm(moved, axis=1)[:, None]
 
     @cached_property
-    def _integrals(self) -> Array:
-        def hemispheres(n: int) -> Array:
+    def _integrals(self) -> Floats:
+        def hemispheres(n: int) -> Floats:
             theta, w = tanh_sinh(n)
             sin = np.sin(theta)
             u = np.stack([sin, np.zeros(n), np.cos(theta)], axis=1)
@@ -127,7 +125,7 @@ class CassiniPeanut(SurfaceOfRevolution):
     def _unit(self) -> float:
         return self.b
 
-    def _radii(self, s: Array) -> tuple[Array, Array, Array]:
+    def _radii(self, s: Floats) -> tuple[Floats, Floats, Floats]:
         """Distance r from the center and its first two derivatives in s."""
         # r^2 = a^2 cos(2 theta) + w, w^2 = 1 - a^4 sin^2(2 theta), with b = 1.
         a2 = (self.a / self.b) ** 2
@@ -138,10 +136,10 @@ class CassiniPeanut(SurfaceOfRevolution):
         r_s = (w_s - 2.0 * a2) / (2.0 * r)
         return r, r_s, (w_ss - 2.0 * r_s**2) / (2.0 * r)
 
-    def _profile(self, s: Array) -> Profile:
+    def _profile(self, s: Floats) -> Profile:
         r, r_s, r_ss = self._radii(s)
         c2 = 1.0 - s
         return Profile(r, r_s, r_ss, r - 2.0 * c2 * r_s, 3.0 * r_s - 2.0 * c2 * r_ss)
 
-    def _height(self, theta: Array) -> Array:
+    def _height(self, theta: Floats) -> Floats:
         return np.cos(theta) * self._radii(np.sin(theta) ** 2)[0]

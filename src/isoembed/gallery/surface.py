@@ -13,9 +13,10 @@ from operator import index
 from typing import Any, ClassVar, SupportsFloat, SupportsIndex
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
-Array = NDArray[np.float64]
+from isoembed.arrays import Floats
+
 Triple = tuple[float, float, float]
 
 MAX_ASPECT = 1e4
@@ -65,7 +66,7 @@ def option(default: Any, meaning: str, check: Callable[[str, Any], Any] = number
     return field(default=default, metadata={"help": meaning, "check": check})
 
 
-def unit_vectors(directions: ArrayLike) -> Array:
+def unit_vectors(directions: ArrayLike) -> Floats:
     """Directions as an (n, 3) array of unit vectors.
 
     Raises
@@ -107,47 +108,47 @@ class Surface(ABC):
         """The surface's own unit of length."""
 
     @abstractmethod
-    def _points(self, u: Array) -> Array:
+    def _points(self, u: Floats) -> Floats:
         """Points (n, 3)."""
 
     @abstractmethod
-    def _normals(self, u: Array) -> Array:
+    def _normals(self, u: Floats) -> Floats:
         """Outward unit normals (n, 3)."""
 
     @abstractmethod
-    def _curvatures(self, u: Array) -> tuple[Array, Array]:
+    def _curvatures(self, u: Floats) -> tuple[Floats, Floats]:
         """Gaussian curvature K and mean curvature H = (k1 + k2)/2, each (n,)."""
 
     @abstractmethod
-    def _area_density(self, u: Array) -> Array:
+    def _area_density(self, u: Floats) -> Floats:
         """Area of the surface over area of the sphere of directions (n,)."""
 
     @abstractmethod
-    def _moved(self, u: Array, displacement: Array) -> Array:
+    def _moved(self, u: Floats, displacement: Floats) -> Floats:
         """Directions of the points displaced by tangent vectors, right to first order."""
 
     @cached_property
     @abstractmethod
-    def _integrals(self) -> Array:
+    def _integrals(self) -> Floats:
         """Area, volume and int H dA."""
 
-    def point(self, directions: ArrayLike) -> Array:
+    def point(self, directions: ArrayLike) -> Floats:
         """Points (n, 3) of the surface named by directions (n, 3)."""
         return self._unit * self._points(unit_vectors(directions))
 
-    def normal(self, directions: ArrayLike) -> Array:
+    def normal(self, directions: ArrayLike) -> Floats:
         """Outward unit normals (n, 3) at the points named by directions (n, 3)."""
         return self._normals(unit_vectors(directions))
 
-    def gaussian_curvature(self, directions: ArrayLike) -> Array:
+    def gaussian_curvature(self, directions: ArrayLike) -> Floats:
         """Gaussian curvature K (n,), in 1/length^2, at the points named by directions (n, 3)."""
         return self._curvatures(unit_vectors(directions))[0] / self._unit / self._unit
 
-    def mean_curvature(self, directions: ArrayLike) -> Array:
+    def mean_curvature(self, directions: ArrayLike) -> Floats:
         """Mean curvature H = (k1 + k2)/2 (n,), in 1/length, positive where convex."""
         return self._curvatures(unit_vectors(directions))[1] / self._unit
 
-    def area_density(self, directions: ArrayLike) -> Array:
+    def area_density(self, directions: ArrayLike) -> Floats:
         """Area element dA/d(omega) (n,), in length^2, over that of the unit sphere of directions."""
         return self._area_density(unit_vectors(directions)) * self._unit * self._unit
 
@@ -182,5 +183,5 @@ class SurfaceWithAxes(Surface):
         return max(self.axes)
 
     @cached_property
-    def _semiaxes(self) -> Array:
+    def _semiaxes(self) -> Floats:
         return np.array(self.axes) / self._unit

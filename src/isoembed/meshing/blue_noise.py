@@ -5,14 +5,11 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.spatial import cKDTree
 
+from isoembed.arrays import Floats, Indices
 from isoembed.meshing.surface import Surface, spread_directions, vertex_density
 from isoembed.thresholds import threshold
-
-Array = NDArray[np.float64]
-Index = NDArray[np.int64]
 
 
 @dataclass(frozen=True)
@@ -26,7 +23,7 @@ class BlueNoiseThresholds:
 BLUE_NOISE = BlueNoiseThresholds()
 
 
-def _crowded_pairs(x: Array, radii: Array) -> tuple[Index, Index, Array]:
+def _crowded_pairs(x: Floats, radii: Floats) -> tuple[Indices, Indices, Floats]:
     """Pairs i, j with overlapping balls, each pair once, and the weight of the overlap."""
     near = cKDTree(x).query_ball_point(x, 2.0 * radii)
     i = np.repeat(np.arange(len(x)), [len(found) for found in near])
@@ -39,7 +36,7 @@ def _crowded_pairs(x: Array, radii: Array) -> tuple[Index, Index, Array]:
     return i[overlap], j[overlap], (1.0 - gap[overlap]) ** BLUE_NOISE.sharpness
 
 
-def blue_noise_directions(surface: Surface, n: int, seed: int) -> Array:
+def blue_noise_directions(surface: Surface, n: int, seed: int) -> Floats:
     """Random directions (n, 3) whose points have the `vertex_density` and keep their distance.
 
     Notes

@@ -5,14 +5,13 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 from scipy.spatial import cKDTree
 
+from isoembed.arrays import Floats
 from isoembed.meshing.sphere import fibonacci_lattice
 from isoembed.meshing.surface import Surface, spread_directions
 from isoembed.thresholds import threshold
-
-Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True)
@@ -27,7 +26,7 @@ class DirectionsThresholds:
 DIRECTIONS = DirectionsThresholds()
 
 
-def directions_of(surface: Surface, points: ArrayLike) -> Array:
+def directions_of(surface: Surface, points: ArrayLike) -> Floats:
     """Directions (n, 3) that name points (n, 3) of a surface: the inverse of `Surface.point`.
 
     Raises

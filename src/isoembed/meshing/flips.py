@@ -6,13 +6,9 @@ from dataclasses import dataclass
 
 import numpy as np
 from numba import njit
-from numpy.typing import NDArray
 
+from isoembed.arrays import Floats, Indices, Mask
 from isoembed.thresholds import threshold
-
-Array = NDArray[np.float64]
-Index = NDArray[np.int64]
-Mask = NDArray[np.bool_]
 
 
 @dataclass(frozen=True)
@@ -26,7 +22,7 @@ class FlipThresholds:
 FLIPS = FlipThresholds()
 
 
-def twin_halfedges(faces: Index) -> Index:
+def twin_halfedges(faces: Indices) -> Indices:
     """The half-edge (3F,) that runs the other way; 3 f + c runs from faces[f, c] to faces[f, (c+1)%3].
 
     The mesh must be closed, oriented and simple.
@@ -38,13 +34,13 @@ def twin_halfedges(faces: Index) -> Index:
     return twin
 
 
-def corner_angles(vertices: Array, faces: Index) -> Array:
+def corner_angles(vertices: Floats, faces: Indices) -> Floats:
     """Angles (F, 3) at the corners, in radians."""
     return np.asarray(np.arctan2(*_sines_and_cosines(vertices, faces)))
 
 
 @njit(cache=True)
-def _sines_and_cosines(vertices: Array, faces: Index) -> tuple[Array, Array]:
+def _sines_and_cosines(vertices: Floats, faces: Indices) -> tuple[Floats, Floats]:
     """Sines and cosines of the corners, each (F, 3), times the lengths of the sides."""
     sine, cosine = np.empty(faces.shape), np.empty(faces.shape)
     for f in range(len(faces)):
@@ -58,7 +54,9 @@ def _sines_and_cosines(vertices: Array, faces: Index) -> tuple[Array, Array]:
     return sine, cosine
 
 
-def flip_to_delaunay(vertices: Array, normals: Array, faces: Index, twin: Index) -> tuple[Index, Index]:
+def flip_to_delaunay(
+    vertices: Floats, normals: Floats, faces: Indices, twin: Indices
+) -> tuple[Indices, Indices]:
     """Flip edges until no pair of opposite angles exceeds pi.
 
     Each round flips the worst edges that share no triangle. An edge is not flipped where the new one
@@ -83,8 +81,8 @@ def flip_to_delaunay(vertices: Array, normals: Array, faces: Index, twin: Index)
 
 
 def flip_where_touched(
-    vertices: Array, normals: Array, faces: Index, twin: Index, angles: Array, touched: Index
-) -> Index:
+    vertices: Floats, normals: Floats, faces: Indices, twin: Indices, angles: Floats, touched: Indices
+) -> Indices:
     """Do what :func:`flip_to_delaunay` does in place, where all edges but some triangles' need no flip.
 
     Parameters
@@ -141,13 +139,13 @@ def flip_where_touched(
     return np.concatenate(flips)
 
 
-def _opposite(angles: Array, h: Index) -> Array:
+def _opposite(angles: Floats, h: Indices) -> Floats:
     """Angles across from half-edges."""
     return angles[h // 3, (h + 2) % 3]
 
 
 @njit(cache=True)
-def _joined(tails: Index, twin: Index, halfedges: Index, vertices: Index) -> Mask:
+def _joined(tails: Indices, twin: Indices, halfedges: Indices, vertices: Indices) -> Mask:
     """Whether an edge leads from where a half-edge begins to a vertex, for each pair of them."""
     found = np.zeros(len(halfedges), dtype=np.bool_)
     for row in range(len(halfedges)):
@@ -163,7 +161,7 @@ def _joined(tails: Index, twin: Index, halfedges: Index, vertices: Index) -> Mas
 
 
 @njit(cache=True)
-def _flip(faces: Index, twin: Index, halfedges: Index) -> None:
+def _flip(faces: Indices, twin: Indices, halfedges: Indices) -> None:
     """Flip half-edges, no two of which share a triangle, in place."""
     for h in halfedges:
         g = twin[h]
@@ -181,5 +179,5 @@ def _flip(faces: Index, twin: Index, halfedges: Index) -> None:
 
 
 @njit(cache=True)
-def _glue(twin: Index, h: int, g: int) -> None:
+def _glue(twin: Indices, h: int, g: int) -> None:
     twin[h], twin[g] = g, h

@@ -5,12 +5,9 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
+from isoembed.arrays import Floats, Indices
 from isoembed.thresholds import threshold
-
-Array = NDArray[np.float64]
-Index = NDArray[np.int64]
 
 
 @dataclass(frozen=True)
@@ -31,7 +28,7 @@ class RelaxationThresholds:
 RELAXATION = RelaxationThresholds()
 
 
-def lloyd_step(vertices: Array, normals: Array, faces: Index, density: Array) -> Array:
+def lloyd_step(vertices: Floats, normals: Floats, faces: Indices, density: Floats) -> Floats:
     """Tangent displacements (V, 3) towards the centroids of the Voronoi cells.
 
     Parameters

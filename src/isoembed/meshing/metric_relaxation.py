@@ -6,18 +6,14 @@ from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
+from isoembed.arrays import Floats, Indices, Mask
 from isoembed.meshing.flips import twin_halfedges
 from isoembed.meshing.intrinsic_relaxation import angles_from_lengths, end_lengths, flip_to_delaunay, relaxed
 from isoembed.meshing.lloyd import RELAXATION
 from isoembed.meshing.sphere import hull_faces
 from isoembed.meshing.spreading import Cells
 from isoembed.thresholds import threshold
-
-Floats = NDArray[np.float64]
-Indices = NDArray[np.int64]
-Mask = NDArray[np.bool_]
 
 
 @dataclass(frozen=True)

@@ -3,12 +3,10 @@
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.spatial import ConvexHull
 from scipy.special import roots_legendre
 
-Floats = NDArray[np.float64]
-Indices = NDArray[np.int64]
+from isoembed.arrays import Floats, Indices
 
 GOLDEN = 0.5 * (np.sqrt(5.0) - 1.0)
 DENSE = 768  # Gauss nodes in z up to which NumPy finds them quickly

@@ -6,9 +6,8 @@ from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
-Floats = NDArray[np.float64]
+from isoembed.arrays import Floats
 
 CHUNK = 4096  # points at a time whose angles are looked up, which bounds the memory
 

@@ -8,13 +8,11 @@ import numpy as np
 from numba import njit
 from numpy.typing import NDArray
 
+from isoembed.arrays import Floats, Indices
 from isoembed.meshing.flips import corner_angles, flip_where_touched
 from isoembed.meshing.lloyd import RELAXATION, lloyd_step
 from isoembed.meshing.surface import Surface, vertex_density
 from isoembed.thresholds import compiled, threshold
-
-Array = NDArray[np.float64]
-Index = NDArray[np.int64]
 
 GOOD, OUTSIDE, INWARD = 0, 1, 2
 
@@ -30,7 +28,9 @@ TOUCH_UP = TouchUpThresholds()
 _RELAXATION = compiled(RELAXATION)
 
 
-def touch_up(surface: Surface, u: Array, faces: Index, twin: Index, window: Array) -> tuple[Array, Index]:
+def touch_up(
+    surface: Surface, u: Floats, faces: Indices, twin: Indices, window: Floats
+) -> tuple[Floats, Indices]:
     """Move the vertices about angles outside a window by Lloyd steps, with flips in between, until none is.
 
     Parameters
@@ -86,12 +86,12 @@ def touch_up(surface: Surface, u: Array, faces: Index, twin: Index, window: Arra
 
 @njit(cache=True)
 def _judge(
-    x: Array,
-    normals: Array,
-    faces: Index,
-    angles: Array,
-    window: Array,
-    which: Index,
+    x: Floats,
+    normals: Floats,
+    faces: Indices,
+    angles: Floats,
+    window: Floats,
+    which: Indices,
     verdicts: NDArray[np.int8],
 ) -> None:
     """Note of some triangles whether they are good, have an angle outside the window, or look inward."""
@@ -111,7 +111,7 @@ def _judge(
 
 
 @njit(cache=True)
-def _surroundings(faces: Index, twin: Index, seeds: Index, n: int) -> tuple[Index, Index]:
+def _surroundings(faces: Indices, twin: Indices, seeds: Indices, n: int) -> tuple[Indices, Indices]:
     """The vertices within two edges of some triangles, and the triangles around them."""
     vertices, triangles = np.empty(n, dtype=np.int64), np.empty(len(faces), dtype=np.int64)
     seen_vertices, seen = np.zeros(n, dtype=np.bool_), np.zeros(len(faces), dtype=np.bool_)

@@ -10,8 +10,8 @@ from operator import index
 from typing import SupportsIndex
 
 import numpy as np
-from numpy.typing import NDArray
 
+from isoembed.arrays import Floats, Indices
 from isoembed.errors import InvalidParameter
 from isoembed.meshing.blue_noise import blue_noise_directions
 from isoembed.meshing.flips import corner_angles, flip_to_delaunay, twin_halfedges
@@ -20,9 +20,6 @@ from isoembed.meshing.sphere import fibonacci_lattice, hull_faces
 from isoembed.meshing.surface import Surface, spread_directions, vertex_density
 from isoembed.meshing.touch_up import touch_up
 from isoembed.thresholds import threshold
-
-Array = NDArray[np.float64]
-Index = NDArray[np.int64]
 
 
 @dataclass(frozen=True)
@@ -38,7 +35,7 @@ class SurfaceMeshThresholds:
 SURFACE_MESH = SurfaceMeshThresholds()
 
 
-def _inward_faces(vertices: Array, normals: Array, faces: Index) -> int:
+def _inward_faces(vertices: Floats, normals: Floats, faces: Indices) -> int:
     """Number of triangles that look against the surface's own normals."""
     a, b, c = (vertices[faces[:, i]] for i in range(3))
     outward = np.einsum("ij,ij->i", np.cross(b - a, c - a), normals[faces].sum(axis=1))
@@ -66,7 +63,7 @@ def checked_count(name: str, value: SupportsIndex, least: int, most: float = np.
 
 def triangulate(
     surface: Surface, n_vertices: SupportsIndex, *, irregular: SupportsIndex | None = None
-) -> tuple[Array, Index]:
+) -> tuple[Floats, Indices]:
     """Triangulate a surface with vertices that lie on it: nearly equilateral triangles, or irregular ones.
 
     Parameters
@@ -108,7 +105,7 @@ def triangulate(
     return surface.point(u), faces
 
 
-def _regular(surface: Surface, n: int) -> tuple[Array, Index]:
+def _regular(surface: Surface, n: int) -> tuple[Floats, Indices]:
     u = spread_directions(surface, fibonacci_lattice(n))
     faces = hull_faces(u)
     twin = twin_halfedges(faces)
@@ -120,7 +117,7 @@ def _regular(surface: Surface, n: int) -> tuple[Array, Index]:
     return surface.point(u), faces
 
 
-def _relaxed(surface: Surface, u: Array, faces: Index, twin: Index) -> tuple[Array, Index]:
+def _relaxed(surface: Surface, u: Floats, faces: Indices, twin: Indices) -> tuple[Floats, Indices]:
     least, largest = np.radians(SURFACE_MESH.angles)
     best, best_score = (u, faces), (len(faces) + 1, np.inf)
     for _ in range(SURFACE_MESH.sweeps + 1):

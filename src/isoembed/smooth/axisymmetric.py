@@ -14,14 +14,13 @@ from functools import cached_property
 
 import numpy as np
 from numpy.polynomial import chebyshev
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 from scipy.optimize import brentq, minimize_scalar
 
+from isoembed.arrays import Floats, Indices
 from isoembed.errors import InvalidMetric, InvalidParameter
 from isoembed.smooth.two_metric import AngleMetric, TwoMetric, angle_frame
 
-Floats = NDArray[np.float64]
-Indices = NDArray[np.int64]
 Interval = tuple[float, float]
 
 DEGREE = 32

@@ -18,9 +18,9 @@ import numpy as np
 from numba import njit
 from numpy.typing import ArrayLike, NDArray
 
+from isoembed.arrays import Floats, Mask
 from isoembed.errors import InvalidMetric
 
-Floats = NDArray[np.float64]
 Complexes = NDArray[np.complex128]
 
 POLE = 1e-6
@@ -133,7 +133,7 @@ class DoubleFourier:
         return _interpolated(self.table, theta * (rows / np.pi), phi * (columns / (2.0 * np.pi)))
 
 
-def inner_nodes(theta: ArrayLike) -> NDArray[np.bool_]:
+def inner_nodes(theta: ArrayLike) -> Mask:
     """Check the angles theta of a grid, and tell which are not poles.
 
     Parameters

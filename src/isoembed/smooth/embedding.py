@@ -6,15 +6,13 @@ from dataclasses import dataclass, field
 from functools import cached_property
 
 import numpy as np
-from numpy.typing import NDArray
 
+from isoembed.arrays import Floats
 from isoembed.meshing.sphere import fibonacci_directions
 from isoembed.smooth.harmonics import Harmonics
 from isoembed.smooth.isometry import MetricSamples, around, strains
 from isoembed.smooth.triangulation import SphereMesh, graded_mesh
 from isoembed.smooth.two_metric import TwoMetric, orthonormal_frame
-
-Floats = NDArray[np.float64]
 
 ROUNDING = 1e-11  # of a length: strains do not get much smaller
 FEWEST = 2  # heights of nodes more than the degree, to begin with

@@ -3,12 +3,11 @@
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
+from isoembed.arrays import Floats
 from isoembed.smooth.geodesics import definite_tensor, in_own_unit
 from isoembed.smooth.two_metric import TwoMetric, angle_frame
-
-Floats = NDArray[np.float64]
 
 STEP = 2e-3
 """Of the differences, in radians: their error, of fourth order, meets that of rounding, of order -2."""

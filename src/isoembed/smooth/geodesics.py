@@ -7,12 +7,11 @@ from functools import cache
 
 import numpy as np
 from numpy.polynomial import legendre
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
+from isoembed.arrays import Floats
 from isoembed.errors import InvalidMetric, InvalidParameter
 from isoembed.smooth.two_metric import TwoMetric, area_density
-
-Floats = NDArray[np.float64]
 
 CHUNK = 8192
 """Geodesics at a time, which bounds the memory."""

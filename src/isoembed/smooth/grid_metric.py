@@ -6,13 +6,12 @@ from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
+from isoembed.arrays import Floats, Mask
 from isoembed.errors import InvalidMetric
 from isoembed.smooth.double_fourier import DoubleFourier, around, inner_nodes
 from isoembed.smooth.two_metric import TwoMetric, angle_components, from_angles, is_axisymmetric
-
-Floats = NDArray[np.float64]
 
 SEAM = 1e-6
 """By how much, relative to the metric, the columns phi = 0 and phi = 2 pi may differ."""
@@ -175,7 +174,7 @@ class GridMetric:
         inner, m = inner_nodes(self.theta), around(self.phi)
         return DoubleFourier(self.theta[inner], self.phi[:m], values[inner, :m])
 
-    def _check_nodes(self, inner: NDArray[np.bool_], m: int) -> None:
+    def _check_nodes(self, inner: Mask, m: int) -> None:
         tt, tp, pp = self.q_tt, self.q_tp, self.q_pp
         with np.errstate(invalid="ignore", over="ignore"):
             finite = np.isfinite(tt) & np.isfinite(tp) & np.isfinite(pp)

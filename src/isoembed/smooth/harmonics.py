@@ -13,8 +13,7 @@ import numpy as np
 from numba import njit
 from numpy.typing import NDArray
 
-Floats = NDArray[np.float64]
-Indices = NDArray[np.int64]
+from isoembed.arrays import Floats, Indices
 
 CHUNK = 2_000_000  # harmonics at directions, evaluated at a time
 

@@ -10,14 +10,12 @@ from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.linalg import cho_factor, cho_solve
 
+from isoembed.arrays import Floats
 from isoembed.meshing.sphere import gauss_rule
 from isoembed.smooth.harmonics import Harmonics
 from isoembed.smooth.two_metric import TwoMetric, area_density, orthonormal_frame
-
-Floats = NDArray[np.float64]
 
 OVERSAMPLED = 1.25  # nodes over coefficients, each way, so that there are three equations to an unknown
 FEWEST_AROUND = 8  # nodes about the axis

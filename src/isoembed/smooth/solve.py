@@ -7,9 +7,9 @@ from dataclasses import dataclass
 from functools import partial
 
 import numpy as np
-from numpy.typing import NDArray
 
 from isoembed._embed import embed
+from isoembed.arrays import Floats
 from isoembed.errors import InvalidMetric, InvalidParameter, NotEmbedded
 from isoembed.meshing.sphere import gauss_rule
 from isoembed.smooth.axisymmetric import AxisymmetricEmbedding
@@ -20,8 +20,6 @@ from isoembed.smooth.isometry import FEWEST_AROUND, gauss_newton
 from isoembed.smooth.transforms import resized
 from isoembed.smooth.triangulation import SphereMesh, graded_mesh
 from isoembed.smooth.two_metric import TwoMetric, is_axisymmetric
-
-Floats = NDArray[np.float64]
 
 DEGREES = (8, 12, 16, 24, 32, 48, 64, 96, 128, 192)
 UNKNOWNS = 3300  # more take minutes: degree 32 of all orders, degree 192 about an axis of symmetry

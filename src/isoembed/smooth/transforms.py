@@ -6,13 +6,11 @@ from bisect import bisect_left
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.linalg import qr, solve_triangular, svdvals
 
+from isoembed.arrays import Floats, Mask
 from isoembed.smooth.harmonics import Harmonics
 from isoembed.thresholds import threshold
-
-Floats = NDArray[np.float64]
 
 
 @dataclass(frozen=True)
@@ -37,9 +35,7 @@ def resized(coefficients: Floats, old: Harmonics, new: Harmonics) -> Floats:
     return result
 
 
-def trimmed(
-    coefficients: Floats, harmonics: Harmonics, needed: NDArray[np.bool_]
-) -> tuple[Floats, Harmonics]:
+def trimmed(coefficients: Floats, harmonics: Harmonics, needed: Mask) -> tuple[Floats, Harmonics]:
     """Coefficients (size,) in the lowest degree and order that hold all of those that are needed."""
     degrees, orders = harmonics.labels
     fewer = Harmonics(int(degrees[needed].max()), int(np.abs(orders[needed]).max()))

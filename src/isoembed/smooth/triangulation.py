@@ -6,8 +6,8 @@ from dataclasses import dataclass
 from functools import cached_property, partial
 
 import numpy as np
-from numpy.typing import NDArray
 
+from isoembed.arrays import Floats, Indices
 from isoembed.errors import InvalidMetric, InvalidParameter
 from isoembed.mesh.triangulation import Triangulation, frozen
 from isoembed.meshing.intrinsic_relaxation import angles_from_lengths
@@ -21,10 +21,6 @@ from isoembed.smooth.geodesics import definite_tensor, geodesic_lengths, in_own_
 from isoembed.smooth.grid_metric import sampled_on_grid
 from isoembed.smooth.two_metric import TwoMetric, area_density
 from isoembed.thresholds import threshold
-
-Floats = NDArray[np.float64]
-Indices = NDArray[np.int64]
-Mask = NDArray[np.bool_]
 
 
 @dataclass(frozen=True)

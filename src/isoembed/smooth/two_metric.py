@@ -11,12 +11,11 @@ from dataclasses import dataclass
 from typing import Protocol
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
+from isoembed.arrays import Floats
 from isoembed.errors import InvalidMetric
 from isoembed.meshing.sphere import fibonacci_directions
-
-Floats = NDArray[np.float64]
 
 POLE = 1e-3
 """sin(theta) below which components in theta and phi are not asked for, but extrapolated over the pole."""
