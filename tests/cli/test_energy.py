@@ -3,6 +3,7 @@
 import json
 import os
 import re
+from dataclasses import replace
 from functools import cache
 from pathlib import Path
 
@@ -210,7 +211,7 @@ def test_the_file_has_the_curvatures(run):
 @pytest.fixture
 def few(monkeypatch):
     """Fewer degrees: more do not help here."""
-    monkeypatch.setattr(solve, "DEGREES", (8, 12, 16))
+    monkeypatch.setattr(solve, "SOLVE", replace(solve.SOLVE, degrees=(8, 12, 16)))
 
 
 def test_beyond_smarrs_limit(run):
@@ -499,7 +500,7 @@ def test_the_band_of_what_is_not_symmetric_is_refused(run, monkeypatch):
             back = np.argsort(order)
             return q[:, back][:, :, back]
 
-    monkeypatch.setattr(solve, "DEGREES", (8,))
+    monkeypatch.setattr(solve, "SOLVE", replace(solve.SOLVE, degrees=(8,)))
     metric = GridMetric.sampled(Turned(), 24, 48)
     np.savez("x.npz", **{n: getattr(metric, n) for n in ("theta", "phi", "q_tt", "q_tp", "q_pp")})
     status, _, err = run("x.npz", "--band", "band.npz", "--vertices", 60)

@@ -2,6 +2,7 @@
 
 import json
 import os
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -175,7 +176,7 @@ def test_a_sequence_in_text(run):
 
 @pytest.mark.parametrize("order", [("bad", "good"), ("good", "bad", "other")])
 def test_where_one_does_not_embed_the_others_are_answered(run, monkeypatch, order):
-    monkeypatch.setattr(solve, "DEGREES", (8, 12, 16))
+    monkeypatch.setattr(solve, "SOLVE", replace(solve.SOLVE, degrees=(8, 12, 16)))
     spins = {"good": 0.5, "bad": 0.9, "other": 0.6}
     for name in order:
         write_grid(f"{name}.npz", spins[name])

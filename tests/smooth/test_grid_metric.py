@@ -1,11 +1,14 @@
 """Metrics on grids in theta and phi: exact to rounding where the grid resolves them, and what is refused."""
 
+import dataclasses
+
 import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
 from isoembed.errors import InvalidMetric
+from isoembed.smooth import double_fourier
 from isoembed.smooth.double_fourier import DoubleFourier
 from isoembed.smooth.grid_metric import GridMetric
 from isoembed.smooth.harmonics import Harmonics
@@ -211,7 +214,8 @@ def test_whatever_the_values_the_nodes_have_them(n, m):
 
 def test_a_table_that_would_be_large_is_half_as_fine(monkeypatch):
     fine = grid(rational, 72, 144)._field
-    monkeypatch.setattr("isoembed.smooth.double_fourier.LARGE", fine.table.size // 2)
+    large = dataclasses.replace(double_fourier.DOUBLE_FOURIER, large=fine.table.size // 2)
+    monkeypatch.setattr(double_fourier, "DOUBLE_FOURIER", large)
     g = grid(rational, 72, 144)
     assert g._field.table.size < 0.3 * fine.table.size
     assert error(g, rational) < 2e-13

@@ -6,6 +6,7 @@ from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
+from numpy.typing import NDArray
 
 from isoembed.arrays import Floats
 
@@ -97,7 +98,7 @@ def _zones(m: int) -> Floats:
     return -np.diff(np.cos(np.linspace(0.0, np.pi, m + 1)))
 
 
-def _about(z: NDArray, phi: NDArray, axis: int) -> Floats:
+def _about(z: NDArray[np.floating], phi: NDArray[np.floating], axis: int) -> Floats:
     """The unit vectors (..., 3) at height z along the axis and the angle phi about it."""
     sin = np.sqrt((1.0 - z) * (1.0 + z))
     u = np.stack(np.broadcast_arrays(sin * np.cos(phi), sin * np.sin(phi), z), axis=-1)

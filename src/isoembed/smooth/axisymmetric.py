@@ -19,18 +19,22 @@ from scipy.optimize import brentq, minimize_scalar
 
 from isoembed.arrays import Floats, Indices
 from isoembed.errors import InvalidMetric, InvalidParameter
-from isoembed.smooth.two_metric import AngleMetric, TwoMetric, angle_frame
+from isoembed.smooth.piecewise import PIECEWISE, Piecewise, fitted
+from isoembed.smooth.two_metric import AngleMetric, TwoMetric, angle_components
+from isoembed.thresholds import threshold
 
 Interval = tuple[float, float]
 
-DEGREE = 32
-"""Of the series on each piece: higher ones lose digits to differentiation."""
 
-MOST_PIECES = 256
-"""Fitted, the bisected ones counted; the tips of an ergosphere with epsilon = 1e-6 take 82."""
+@dataclass(frozen=True)
+class AxisymmetricThresholds:
+    """Thresholds of surfaces of revolution."""
 
-NOISE = 1e-11
-"""G and K are zero to rounding below this times their scale: the derivatives in them cost four digits."""
+    noise: float = threshold(1e-11, "relative", "G and K that are zero: their derivatives cost four digits.")
+    conical: float = threshold(1e-7, "relative", "Difference of q_tt and q_pp at a pole that is a cone.")
+
+
+AXISYMMETRIC = AxisymmetricThresholds()
 
 
 @dataclass(frozen=True, eq=False)
@@ -74,7 +78,7 @@ class AxisymmetricEmbedding:
 
         def components(x: Floats) -> Floats:
             u = np.stack([np.sqrt((1.0 - x) * (1.0 + x)), np.zeros_like(x), x], axis=1)
-            q = _frame_components(metric, u)[[0, 2]]
+            q = np.einsum("naa->an", angle_components(u, metric.tensor(u)))
             bad = np.flatnonzero(~((q > 0.0) & np.isfinite(q)).all(axis=0))
             if bad.size:
                 i = int(bad[0])
@@ -86,12 +90,12 @@ class AxisymmetricEmbedding:
 
         _check_symmetry(metric, tolerance)
         scale = float(components(np.linspace(-1.0, 1.0, 65))[1].max())
-        (T, P), resolution = _fitted(
+        (T, P), resolution = fitted(
             lambda x: components(x) / scale, np.array([-1.0, 0.0, 1.0]), weighted=False
         )
         for name, x in (("south", -1.0), ("north", 1.0)):
             t, p = float(T(np.array([x]))[0]), float(P(np.array([x]))[0])
-            if abs(t - p) > max(1e-7, 10.0 * resolution) * p:
+            if abs(t - p) > max(AXISYMMETRIC.conical, 10.0 * resolution) * p:
                 raise InvalidMetric(
                     f"the metric is conical at the {name} pole:"
                     f" q_tt sin^2(theta) / q_pp = {t / p:.9g} there, not 1"
@@ -214,7 +218,7 @@ class AxisymmetricEmbedding:
 
     @property
     def _noise(self) -> float:
-        return max(NOISE, 1e3 * self.resolution)
+        return max(AXISYMMETRIC.noise, 1e3 * self.resolution)
 
     @cached_property
     def _derivatives(self) -> tuple[Piecewise, Piecewise, Piecewise]:
@@ -256,7 +260,7 @@ class AxisymmetricEmbedding:
     @cached_property
     def _area_beyond(self) -> Piecewise:
         """The area below x, over 2 pi."""
-        (density,), _ = _fitted(
+        (density,), _ = fitted(
             lambda x: np.sqrt(self.T(x) * self.P(x))[None, :], self.T.breaks, weighted=True
         )
         return density.primitive()
@@ -268,7 +272,7 @@ class AxisymmetricEmbedding:
     @cached_property
     def _samples(self) -> Floats:
         """Values of x, falling from 1 to -1, as dense as the pieces have structure."""
-        nodes = 0.5 - 0.5 * np.cos(np.pi * np.arange(2 * DEGREE) / (2 * DEGREE))
+        nodes = 0.5 - 0.5 * np.cos(np.pi * np.arange(2 * PIECEWISE.degree) / (2 * PIECEWISE.degree))
         x = (self.T.breaks[:-1, None] + np.diff(self.T.breaks)[:, None] * nodes).ravel()
         return np.concatenate([[1.0], x[::-1]])
 
@@ -417,110 +421,8 @@ class Band:
             fall = np.sin(theta) * np.sqrt(np.maximum(G, 0.0))
             return np.stack([fall, np.arctan2(fall, rho_theta) * rho_theta]) * (half * np.sin(tau))
 
-        (fall, moment), _ = _fitted(integrands, np.array([0.0, 0.5 * np.pi, np.pi]), weighted=True)
+        (fall, moment), _ = fitted(integrands, np.array([0.0, 0.5 * np.pi, np.pi]), weighted=True)
         return fall.primitive(), moment.primitive()
-
-
-@dataclass(frozen=True, eq=False)
-class Piecewise:
-    """A function on an interval, a Chebyshev series on each of its pieces.
-
-    Attributes
-    ----------
-    breaks : ndarray, shape (k + 1,)
-        Ascending.
-    coefficients : ndarray, shape (degree + 1, k)
-    """
-
-    breaks: Floats
-    coefficients: Floats
-
-    def local(self, x: Floats) -> tuple[Indices, Floats]:
-        """The piece that each x is on, and where between -1 and 1."""
-        i = np.clip(np.searchsorted(self.breaks, x, side="right") - 1, 0, len(self.breaks) - 2)
-        a, b = self.breaks[i], self.breaks[i + 1]
-        return i, ((x - a) - (b - x)) / (b - a)
-
-    def __call__(self, x: Floats) -> Floats:
-        """Its values at x (n,)."""
-        i, t = self.local(x)
-        return np.asarray(chebyshev.chebval(t, self.coefficients[:, i], tensor=False))
-
-    def derivative(self) -> Piecewise:
-        """Its derivative."""
-        return Piecewise(
-            self.breaks, chebyshev.chebder(self.coefficients, axis=0) * (2.0 / np.diff(self.breaks))
-        )
-
-    def primitive(self) -> Piecewise:
-        """Its integral from the beginning."""
-        series = chebyshev.chebint(self.coefficients, lbnd=-1.0, axis=0) * (0.5 * np.diff(self.breaks))
-        series[0, 1:] += np.cumsum(series.sum(axis=0))[:-1]
-        return Piecewise(self.breaks, series)
-
-
-def _fitted(
-    f: Callable[[Floats], Floats], breaks: Floats, weighted: bool
-) -> tuple[tuple[Piecewise, ...], float]:
-    """Series for the m functions f: (n,) -> (m, n) on common pieces, and the relative accuracy reached.
-
-    Pieces are bisected until their series have died away.  `weighted` by width suffices for integrals.  Noise
-    makes pieces without end: then less accuracy is asked for.
-    """
-    for tolerance in (2e-15, 2e-14, 2e-13, 2e-12, 2e-11, 2e-10, 2e-9, 2e-8, 2e-7, 2e-6, 2e-5):
-        result = _bisected(f, breaks, weighted, tolerance)
-        if result is not None:
-            return result, tolerance
-    raise InvalidMetric(
-        "the metric is not a smooth function of theta: polynomials do not settle on it to 2e-5"
-    )
-
-
-def _bisected(
-    f: Callable[[Floats], Floats], breaks: Floats, weighted: bool, tolerance: float
-) -> tuple[Piecewise, ...] | None:
-    n = DEGREE + 1
-    # Whole multiples of one angle, reduced: a recurrence would leave noise in the high coefficients.
-    table = np.cos(np.pi / (2 * n) * (np.outer(np.arange(n), 2 * np.arange(n) + 1) % (4 * n)))
-    nodes = table[1]
-    to_series = table * np.append(1.0, np.full(DEGREE, 2.0))[:, None] / n
-    left, right = breaks[:-1], breaks[1:]
-    total = breaks[-1] - breaks[0]
-    starts: list[Floats] = []
-    kept: list[Floats] = []
-    scale = np.zeros(1)
-    count = 0
-    while left.size:
-        count += left.size
-        if count > MOST_PIECES:
-            return None
-        x = left[:, None] + (right - left)[:, None] * (0.5 + 0.5 * nodes)
-        values = f(x.ravel()).reshape(-1, *x.shape)
-        series = np.einsum("dn,mkn->dmk", to_series, values)
-        scale = np.maximum(scale, np.abs(values).max(axis=(1, 2)))
-        tail = np.abs(series[-4:]).max(axis=0) / scale[:, None]
-        if weighted:
-            tail = tail * (right - left) / total
-        good = (tail <= tolerance).all(axis=0) | (right - left <= 1e-13 * total)
-        # What is rounding in the values would be multiplied by differentiation.
-        end = np.abs(series[::-1]).cumsum(axis=0)[::-1] <= 4e-16 * scale[:, None]
-        starts.append(left[good])
-        kept.append(np.where(end, 0.0, series)[:, :, good])
-        middle = 0.5 * (left[~good] + right[~good])
-        left, right = np.concatenate([left[~good], middle]), np.concatenate([middle, right[~good]])
-    start = np.concatenate(starts)
-    order = np.argsort(start)
-    series = np.concatenate(kept, axis=2)[:, :, order]
-    ends = np.append(start[order], breaks[-1])
-    return tuple(Piecewise(ends, series[:, m]) for m in range(series.shape[1]))
-
-
-def _frame_components(metric: TwoMetric, u: Floats) -> Floats:
-    """q_tt, q_tp / sin(theta) and q_pp / sin^2(theta), (3, n)."""
-    e_theta, e_phi = angle_frame(u)
-    q = metric.tensor(u)
-    pairs = ((e_theta, e_theta), (e_theta, e_phi), (e_phi, e_phi))
-    return np.stack([np.einsum("ni,nij,nj->n", a, q, b) for a, b in pairs])
 
 
 def _check_symmetry(metric: TwoMetric, tolerance: float) -> None:
@@ -530,7 +432,7 @@ def _check_symmetry(metric: TwoMetric, tolerance: float) -> None:
     sin, cos = np.repeat(np.sin(theta), 11), np.repeat(np.cos(theta), 11)
     around = np.tile(phi, 24)
     u = np.stack([sin * np.cos(around), sin * np.sin(around), cos], axis=1)
-    q = _frame_components(metric, u).reshape(3, 24, 11)
+    q = angle_components(u, metric.tensor(u)).reshape(24, 11, 4)[:, :, [0, 1, 3]].transpose(2, 0, 1)
     scale = float(np.abs(q[[0, 2]]).max())
     variation = (q.max(axis=2) - q.min(axis=2)) / scale
     if not variation.max() <= tolerance:

@@ -20,27 +20,25 @@ from numpy.typing import ArrayLike, NDArray
 
 from isoembed.arrays import Floats, Mask
 from isoembed.errors import InvalidMetric
+from isoembed.thresholds import compiled, threshold
 
 Complexes = NDArray[np.complex128]
 
-POLE = 1e-6
-"""From here to a pole a node counts as the pole: single precision does not hit it."""
 
-UNEVEN = 1e-6
-"""What may be missing to uniform angles phi, in steps; and to 2 pi at the end."""
+@dataclass(frozen=True)
+class DoubleFourierThresholds:
+    """Thresholds of series on grids, and of the table from which values between the nodes are made."""
 
-ILL_CONDITIONED = 1e4
-"""The condition of the matrix of the series from which on its coefficients are not worth much."""
+    pole: float = threshold(1e-6, "radians", "Distance from a pole within which a node counts as the pole.")
+    uneven: float = threshold(1e-6, "steps", "Deviation of the angles phi from uniform ones.")
+    condition: float = threshold(1e4, "relative", "Condition of a series that its nodes do not determine.")
+    finer: int = threshold(8, "relative", "Nodes of the table over those of the grid; half for large tables.")
+    large: int = threshold(1 << 24, "count", "Numbers in a large table.")
+    stencil: int = threshold(16, "count", "Nodes of the table, each way, of which a value is made: to 1e-12.")
 
-FINER = 8
-"""How many times finer the table is than the grid; half of that for grids whose table would be large."""
 
-LARGE = 1 << 24
-"""Numbers in a table."""
-
-STENCIL = 16
-"""Nodes of the table, each way, of which a value is made: 1e-12 of the shortest wave of the grid is lost, and
-nothing (1e-16) of those of half its wave number; of half the fineness, 6e-8 and 1e-12."""
+DOUBLE_FOURIER = DoubleFourierThresholds()
+_T = compiled(DOUBLE_FOURIER)
 
 
 @dataclass(frozen=True, eq=False)
@@ -68,7 +66,7 @@ class DoubleFourier:
 
     def __post_init__(self) -> None:
         condition = max(np.linalg.cond(series) for series in self._series(self.theta))
-        if not condition < ILL_CONDITIONED:
+        if not condition < DOUBLE_FOURIER.condition:
             raise InvalidMetric(
                 f"the {len(self.theta)} nodes theta = {self.theta[0]:.6g} ... {self.theta[-1]:.6g} do not "
                 f"determine a Fourier series (condition {condition:.1g}): cell-centered, uniform and "
@@ -107,7 +105,7 @@ class DoubleFourier:
     @cached_property
     def table(self) -> Floats:
         """The values on a finer grid, with a margin of half a stencil around it for `at`."""
-        (rows, columns), margin = self._table_shape, STENCIL // 2
+        (rows, columns), margin = self._table_shape, DOUBLE_FOURIER.stencil // 2
         theta = np.arange(-margin, rows + margin + 1, dtype=np.float64) * (np.pi / rows)
         a = self.coefficients
         spectrum = np.zeros((len(theta), columns // 2 + 1, a.shape[2]), dtype=np.complex128)
@@ -122,8 +120,9 @@ class DoubleFourier:
     @property
     def _table_shape(self) -> tuple[int, int]:
         """Steps from pole to pole, and around."""
-        finer = FINER if self.values.size * FINER**2 <= LARGE else FINER // 2
-        return finer * len(self.theta), finer * max(len(self.phi), 2 * STENCIL // FINER)
+        t = DOUBLE_FOURIER
+        finer = t.finer if self.values.size * t.finer**2 <= t.large else t.finer // 2
+        return finer * len(self.theta), finer * max(len(self.phi), 2 * t.stencil // t.finer)
 
     def at(self, u: Floats) -> Floats:
         """The functions (n, c) in the directions u (n, 3), unit vectors; at the poles as from phi = 0."""
@@ -151,7 +150,7 @@ def inner_nodes(theta: ArrayLike) -> Mask:
         besides the poles; the message names the first such node.
     """
     theta = one_dimensional(theta, "theta")
-    bad = ~((theta >= -POLE) & (theta <= np.pi + POLE))
+    bad = ~((theta >= -DOUBLE_FOURIER.pole) & (theta <= np.pi + DOUBLE_FOURIER.pole))
     if bad.any():
         i = int(np.argmax(bad))
         raise InvalidMetric(f"theta[{i}] = {theta[i]:.6g} is not between 0 and pi")
@@ -159,7 +158,7 @@ def inner_nodes(theta: ArrayLike) -> Mask:
     if falls.any():
         i = int(np.argmax(falls))
         raise InvalidMetric(f"theta[{i + 1}] = {theta[i + 1]:.6g} is not above theta[{i}] = {theta[i]:.6g}")
-    inner = (theta > POLE) & (theta < np.pi - POLE)
+    inner = (theta > DOUBLE_FOURIER.pole) & (theta < np.pi - DOUBLE_FOURIER.pole)
     if inner.sum() < 2:
         raise InvalidMetric(f"there are {inner.sum()} nodes theta besides the poles, fewer than 2")
     return inner
@@ -185,11 +184,11 @@ def around(phi: ArrayLike) -> int:
         They are something else; the message names the first such node.
     """
     phi = one_dimensional(phi, "phi")
-    closed = len(phi) > 1 and abs(phi[-1] - phi[0] - 2.0 * np.pi) < UNEVEN
+    closed = len(phi) > 1 and abs(phi[-1] - phi[0] - 2.0 * np.pi) < DOUBLE_FOURIER.uneven
     m = len(phi) - 1 if closed else len(phi)
     step = 2.0 * np.pi / m
     expected = phi[0] + step * np.arange(m)
-    bad = ~(np.abs(phi[:m] - expected) < UNEVEN * step)
+    bad = ~(np.abs(phi[:m] - expected) < DOUBLE_FOURIER.uneven * step)
     if bad.any():
         j = int(np.argmax(bad))
         raise InvalidMetric(
@@ -225,33 +224,33 @@ def _flat(part: Complexes) -> Complexes:
 
 @njit(cache=True)
 def _weights(t: float, before: Floats, weights: Floats) -> None:
-    """Lagrange's, for t in [0, 1] and the nodes 1 - STENCIL / 2, ..., STENCIL / 2."""
-    first = 1 - STENCIL // 2
+    """Lagrange's, for t in [0, 1] and the nodes 1 - _T.stencil / 2, ..., _T.stencil / 2."""
+    first = 1 - _T.stencil // 2
     before[0] = 1.0
-    for j in range(1, STENCIL):
+    for j in range(1, _T.stencil):
         before[j] = before[j - 1] * (t - (first + j - 1)) / j
     after = 1.0
-    for j in range(STENCIL - 1, -1, -1):
+    for j in range(_T.stencil - 1, -1, -1):
         weights[j] = before[j] * after
-        after *= -(t - (first + j)) / (STENCIL - j)
+        after *= -(t - (first + j)) / (_T.stencil - j)
 
 
 @njit(cache=True)
 def _interpolated(table: Floats, rows: Floats, columns: Floats) -> Floats:
     """Values (n, c) at fractional places in the inside of a table (rows, columns, c)."""
     n_rows, n_columns, count = table.shape
-    margin = STENCIL // 2
+    margin = _T.stencil // 2
     values = np.zeros((len(rows), count))
-    before, w_row, w_column = np.empty(STENCIL), np.empty(STENCIL), np.empty(STENCIL)
+    before, w_row, w_column = np.empty(_T.stencil), np.empty(_T.stencil), np.empty(_T.stencil)
     for k in range(len(rows)):
         i = min(int(rows[k]), n_rows - 2 * margin - 2)
         j = min(int(columns[k]), n_columns - 2 * margin - 2)
         _weights(rows[k] - i, before, w_row)
         _weights(columns[k] - j, before, w_column)
-        for a in range(STENCIL):
+        for a in range(_T.stencil):
             for c in range(count):
                 total = 0.0
-                for b in range(STENCIL):
+                for b in range(_T.stencil):
                     total += w_column[b] * table[i + 1 + a, j + 1 + b, c]
                 values[k, c] += w_row[a] * total
     return values

@@ -13,14 +13,24 @@ from isoembed.smooth.harmonics import Harmonics
 from isoembed.smooth.isometry import MetricSamples, around, strains
 from isoembed.smooth.triangulation import SphereMesh, graded_mesh
 from isoembed.smooth.two_metric import TwoMetric, orthonormal_frame
+from isoembed.thresholds import threshold
 
-ROUNDING = 1e-11  # of a length: strains do not get much smaller
-FEWEST = 2  # heights of nodes more than the degree, to begin with
-DENSER = 1.4  # heights of nodes over those before
-SETTLED = 1e-13  # of int H: more nodes are not needed
-NEGLIGIBLE = 0.01  # of the change from lower degree
-SCATTERED = 1000  # directions beside the nodes, where symmetric nodes may not look
-HIGHEST, MOST = 1000, 15_000_000  # heights, and harmonics at nodes, after which there are no more
+
+@dataclass(frozen=True)
+class MeasureThresholds:
+    """Thresholds of the measures of a smooth embedding."""
+
+    rounding: float = threshold(1e-11, "relative", "Error of a length that is rounding.")
+    more: int = threshold(2, "count", "Heights of nodes more than the degree, to begin with.")
+    denser: float = threshold(1.4, "relative", "Heights of nodes over those before.")
+    settled: float = threshold(1e-13, "relative", "Change of int H with which the nodes suffice.")
+    negligible: float = threshold(0.01, "relative", "The same, of the change from lower degree.")
+    scattered: int = threshold(1000, "count", "Directions beside the nodes at which it is measured.")
+    highest: int = threshold(1000, "count", "Heights of nodes after which there are no more.")
+    most: int = threshold(15_000_000, "count", "Harmonics at nodes after which there are no more.")
+
+
+MEASURE = MeasureThresholds()
 
 
 @dataclass(frozen=True)
@@ -89,7 +99,7 @@ class SmoothEmbedding:
     @cached_property
     def residual(self) -> float:
         """The largest relative error of a length, at directions where the equations were not solved."""
-        u = np.concatenate([self._measured.u, fibonacci_directions(SCATTERED)])
+        u = np.concatenate([self._measured.u, fibonacci_directions(MEASURE.scattered)])
         return 0.5 * float(self.strain(u).max())
 
     @property
@@ -121,7 +131,7 @@ class SmoothEmbedding:
     def curvature_error(self) -> float:
         """Estimated error of `integrated_mean_curvature`, in the same unit: `unsettled` and rounding."""
         rounding = self._rounding
-        if self.residual <= ROUNDING:
+        if self.residual <= MEASURE.rounding:
             rounding = max(rounding, self.residual)
         return self.unsettled + rounding * abs(self.integrated_mean_curvature)
 
@@ -138,7 +148,7 @@ class SmoothEmbedding:
         these are rounding.  The change from fewer nodes adds to it.
         """
         value = self.integrated_mean_curvature
-        if self.residual <= ROUNDING:
+        if self.residual <= MEASURE.rounding:
             return self._measured.change
         strained = max(abs(value - self.coarser), self.residual**2 * abs(value))
         return strained + self._measured.change
@@ -147,19 +157,19 @@ class SmoothEmbedding:
     def _measured(self) -> _Measures:
         """By quadrature with more and more nodes, until the integral of H settles."""
         before = np.inf
-        n = FEWEST + self.harmonics.degree
+        n = MEASURE.more + self.harmonics.degree
         while True:
-            n = int(np.ceil(DENSER * n))
+            n = int(np.ceil(MEASURE.denser * n))
             samples = MetricSamples.of(self.metric, n, around(n, self.harmonics))
             normals, H, K = self._shape(samples.u, samples.frames)
             value = float(samples.areas @ H)
             change = abs(value - before)
-            nodes = DENSER**2 * len(samples.u)
+            nodes = MEASURE.denser**2 * len(samples.u)
             # Where lower degree was far from this one, so is this from what it will be.
-            enough = max(SETTLED, self._rounding) * abs(value)
+            enough = max(MEASURE.settled, self._rounding) * abs(value)
             if np.isfinite(self.coarser):
-                enough = max(enough, NEGLIGIBLE * abs(value - self.coarser))
-            if change <= enough or n > HIGHEST or nodes * self.harmonics.size > MOST:
+                enough = max(enough, MEASURE.negligible * abs(value - self.coarser))
+            if change <= enough or n > MEASURE.highest or nodes * self.harmonics.size > MEASURE.most:
                 heights = np.einsum("ni,ni->n", self.points(samples.u), normals)
                 return _Measures(
                     u=samples.u,

@@ -12,30 +12,24 @@ from numpy.typing import ArrayLike
 from isoembed.arrays import Floats
 from isoembed.errors import InvalidMetric, InvalidParameter
 from isoembed.smooth.two_metric import TwoMetric, area_density
+from isoembed.thresholds import threshold
 
-CHUNK = 8192
-"""Geodesics at a time, which bounds the memory."""
 
-WIDEST = 170.0
-"""Degrees between the ends of a geodesic: the path is bent out of their chord, which must miss the center."""
+@dataclass(frozen=True)
+class GeodesicThresholds:
+    """Thresholds of the lengths of short geodesics."""
 
-SIDEWAYS = 0.1
-"""Half-width, over the chord, of the strip about a path in which the metric is taken to be quadratic."""
+    chunk: int = threshold(8192, "count", "Geodesics at a time, which bounds the memory.")
+    widest: float = threshold(170.0, "degrees", "Largest angle between the ends of a path.")
+    sideways: float = threshold(0.1, "chords", "Half-width of strips about a path.")
+    steps: int = threshold(3, "count", "Newton steps in a strip, where they cost no look at the metric.")
+    strips: int = threshold(8, "count", "Most strips: several where the metric varies along an edge.")
+    resolved: float = threshold(1e-6, "relative", "Change by half of the nodes that doubles them.")
+    steep: float = threshold(1e-3, "relative", "The same, from which on there may be several geodesics.")
+    bends: int = threshold(16, "count", "Most bends of a path; 33 nodes.")
 
-STEPS = 3
-"""Newton steps in a strip, where they cost no look at the metric."""
 
-STRIPS = 8
-"""Strips at most: more than one only where the metric varies much along a single edge."""
-
-RESOLVED = 1e-6
-"""Relative difference of an integral from that with every other node, beyond which the nodes are doubled."""
-
-STEEP = 1e-3
-"""The same, beyond which there may be several geodesics between near ends."""
-
-MOST_BENDS = 16
-"""Of a path; 33 nodes."""
+GEODESIC = GeodesicThresholds()
 
 
 def geodesic_lengths(metric: TwoMetric, start: ArrayLike, end: ArrayLike) -> Floats:
@@ -73,16 +67,16 @@ def geodesic_lengths(metric: TwoMetric, start: ArrayLike, end: ArrayLike) -> Flo
     """
     P, Q = np.asarray(start, dtype=np.float64), np.asarray(end, dtype=np.float64)
     cosine = np.einsum("ni,ni->n", P, Q)
-    if (cosine < np.cos(np.radians(WIDEST))).any():
-        i = int(np.argmax(cosine < np.cos(np.radians(WIDEST))))
+    if (cosine < np.cos(np.radians(GEODESIC.widest))).any():
+        i = int(np.argmax(cosine < np.cos(np.radians(GEODESIC.widest))))
         raise InvalidParameter(
             f"the ends of path {i} are {np.degrees(np.arccos(max(cosine[i], -1.0))):.6g} degrees apart, "
-            f"but at most {WIDEST:g} are allowed"
+            f"but at most {GEODESIC.widest:g} are allowed"
         )
     unit, own = in_own_unit(metric)
     lengths = np.empty(len(P))
-    for begin in range(0, len(P), CHUNK):
-        part = slice(begin, begin + CHUNK)
+    for begin in range(0, len(P), GEODESIC.chunk):
+        part = slice(begin, begin + GEODESIC.chunk)
         lengths[part] = _lengths(own, P[part], Q[part])
     return unit * lengths
 
@@ -145,10 +139,10 @@ def _lengths(metric: TwoMetric, P: Floats, Q: Floats) -> Floats:
     b = normal / np.where(size == 0.0, 1.0, size)
     lengths, doubt = _bent_lengths(metric, P, d, b, 2, 0.0)
     bends = 4
-    while (doubt > RESOLVED).any() and bends <= MOST_BENDS:
-        rough = np.flatnonzero(doubt > RESOLVED)
+    while (doubt > GEODESIC.resolved).any() and bends <= GEODESIC.bends:
+        rough = np.flatnonzero(doubt > GEODESIC.resolved)
         # A path over a sharp tip is stationary, too: those that begin on either side of it may be shorter.
-        steep = np.flatnonzero(doubt > STEEP)
+        steep = np.flatnonzero(doubt > GEODESIC.steep)
         straight = _measured(metric, P[rough], d[rough], b[rough], np.zeros((len(rough), bends)))
         tries = [(rough, straight)]
         for side, which in ((0.0, rough), (1.0, steep), (-1.0, steep)):
@@ -172,10 +166,10 @@ def _bent_lengths(
     c[:, 0] = side * np.linalg.norm(d, axis=1)
     rule = _rule(bends + 1, bends)
     curved = np.arange(len(P))
-    for _ in range(STRIPS):
+    for _ in range(GEODESIC.strips):
         change = _bend(metric, P[curved], d[curved], b[curved], c[curved], rule)
         c[curved] += change
-        beyond = np.abs(change).sum(axis=1) / 4.0 > SIDEWAYS * np.linalg.norm(d[curved], axis=1)
+        beyond = np.abs(change).sum(axis=1) / 4.0 > GEODESIC.sideways * np.linalg.norm(d[curved], axis=1)
         curved = curved[beyond]
         if len(curved) == 0:
             break
@@ -237,14 +231,14 @@ def _forms(
 def _bend(metric: TwoMetric, P: Floats, d: Floats, b: Floats, c: Floats, rule: _Rule) -> Floats:
     """The change of c (n, bends) that makes the length stationary in the strip about the path with this c."""
     s, weight, shape, slope = rule.s, rule.weight, rule.shape, rule.slope
-    width = SIDEWAYS * np.linalg.norm(d, axis=1)[:, None]
+    width = GEODESIC.sideways * np.linalg.norm(d, axis=1)[:, None]
     y_0, y_s0 = c @ shape, c @ slope
     low, middle, high = (np.stack(_forms(metric, P, d, b, s, y_0 + k * width)) for k in (-1.0, 0.0, 1.0))
     safe = np.where(width == 0.0, 1.0, width)
     forms_y, forms_yy = (high - low) / (2.0 * safe), (high - 2.0 * middle + low) / safe**2
 
     change = np.zeros_like(c)
-    for _ in range(STEPS):
+    for _ in range(GEODESIC.steps):
         y, y_s = change @ shape, y_s0 + change @ slope
         first = forms_y + forms_yy * y
         A, B, C = middle + (forms_y + 0.5 * forms_yy * y) * y

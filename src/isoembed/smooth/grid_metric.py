@@ -12,12 +12,19 @@ from isoembed.arrays import Floats, Mask
 from isoembed.errors import InvalidMetric
 from isoembed.smooth.double_fourier import DoubleFourier, around, inner_nodes
 from isoembed.smooth.two_metric import TwoMetric, angle_components, from_angles, is_axisymmetric
+from isoembed.thresholds import threshold
 
-SEAM = 1e-6
-"""By how much, relative to the metric, the columns phi = 0 and phi = 2 pi may differ."""
 
-NODES, SYMMETRIC_NODES = (96, 192), (768, 1)
-"""Nodes in theta and phi of `sampled_on_grid`, the latter for metrics that are symmetric about the z-axis."""
+@dataclass(frozen=True)
+class GridThresholds:
+    """Thresholds of metrics on grids."""
+
+    seam: float = threshold(1e-6, "relative", "Largest difference of the columns phi = 0 and phi = 2 pi.")
+    nodes: tuple[int, int] = threshold((96, 192), "count", "Nodes in theta and phi that sample a metric.")
+    symmetric_nodes: tuple[int, int] = threshold((768, 1), "count", "The same for an axisymmetric metric.")
+
+
+GRID = GridThresholds()
 
 
 @dataclass(frozen=True, eq=False, init=False, repr=False)
@@ -192,8 +199,8 @@ class GridMetric:
             for name, q, power in (("q_tt", tt, 0), ("q_tp", tp, 1), ("q_pp", pp, 2)):
                 jump = np.abs(q[inner, -1] - q[inner, 0]) / sin**power
                 size = max(np.max(tt[inner]), np.max(pp[inner] / sin[:, None] ** 2))
-                if np.max(jump) > SEAM * size:
-                    i = int(np.flatnonzero(inner)[np.argmax(jump > SEAM * size)])
+                if np.max(jump) > GRID.seam * size:
+                    i = int(np.flatnonzero(inner)[np.argmax(jump > GRID.seam * size)])
                     raise InvalidMetric(
                         f"{name}[{i}, {m}] = {q[i, m]:.6g} at phi = {self.phi[m]:.6g} is not "
                         f"{name}[{i}, 0] = {q[i, 0]:.6g} at the same point"
@@ -215,7 +222,7 @@ class GridMetric:
 def sampled_on_grid(metric: TwoMetric) -> TwoMetric:
     """The metric on a fine grid: good enough for meshes, and quick where the metric is slow."""
     try:
-        return GridMetric.sampled(metric, *(SYMMETRIC_NODES if is_axisymmetric(metric) else NODES))
+        return GridMetric.sampled(metric, *(GRID.symmetric_nodes if is_axisymmetric(metric) else GRID.nodes))
     except InvalidMetric:  # too coarse a grid for it
         return metric
 

@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 
 from isoembed.arrays import Floats, Indices
 
-CHUNK = 2_000_000  # harmonics at directions, evaluated at a time
+CHUNK = 2_000_000  # harmonics at directions, evaluated at a time, which bounds the memory
 
 
 @dataclass(frozen=True)

@@ -16,17 +16,26 @@ from isoembed.arrays import Floats
 from isoembed.meshing.sphere import gauss_rule
 from isoembed.smooth.harmonics import Harmonics
 from isoembed.smooth.two_metric import TwoMetric, area_density, orthonormal_frame
+from isoembed.thresholds import threshold
 
-OVERSAMPLED = 1.25  # nodes over coefficients, each way, so that there are three equations to an unknown
-FEWEST_AROUND = 8  # nodes about the axis
-SHORTEST = 1e-3  # of a Newton step that does not help
-RESOLVED = 1e-3  # of a length: with larger errors the least one is no better a place to go on from
-STALLED = 0.9  # of the error before
-LEVEL = 1.0 + 1e-6  # of the error before: at the minimum it does not fall any more
-NEAR = 1e-3  # of a step over the coefficients: shorter ones can do with the equations of the step before
-SHRINKING = 0.3  # of the step before
-EXACT = 1e-13  # of a step over the coefficients
-MOST_STEPS = 30
+
+@dataclass(frozen=True)
+class IsometryThresholds:
+    """Thresholds of the Gauss-Newton method for the isometry equations."""
+
+    oversampled: float = threshold(1.25, "relative", "Nodes over coefficients, each way.")
+    around: int = threshold(8, "count", "Nodes about an axis of symmetry.")
+    shortest: float = threshold(1e-3, "steps", "Least part of a step that is tried.")
+    resolved: float = threshold(1e-3, "relative", "Error of lengths above which slow progress goes on.")
+    stalled: float = threshold(0.9, "relative", "Error over the one before that is slow progress.")
+    level: float = threshold(1.0 + 1e-6, "relative", "The same, allowed: at the minimum it does not fall.")
+    near: float = threshold(1e-3, "relative", "Step over coefficients that needs no new equations.")
+    shrinking: float = threshold(0.3, "relative", "Step over the one before that old equations must attain.")
+    exact: float = threshold(1e-13, "relative", "Step over coefficients that is the last.")
+    steps: int = threshold(30, "count", "Most steps.")
+
+
+ISOMETRY = IsometryThresholds()
 
 
 @dataclass(frozen=True)
@@ -56,7 +65,7 @@ class MetricSamples:
 
 def around(n: int, harmonics: Harmonics) -> int:
     """How many angles about the axis go with n heights: a few about an axis of symmetry."""
-    return FEWEST_AROUND if harmonics.order < harmonics.degree else 2 * n
+    return ISOMETRY.around if harmonics.order < harmonics.degree else 2 * n
 
 
 def strains(tangents: Floats) -> Floats:
@@ -87,7 +96,7 @@ def gauss_newton(metric: TwoMetric, harmonics: Harmonics, coefficients: Floats) 
     ndarray, shape (size, 3)
         The coefficients of the best map; that of the constant harmonic is as given.
     """
-    n = int(np.ceil(OVERSAMPLED * (harmonics.degree + 1)))
+    n = int(np.ceil(ISOMETRY.oversampled * (harmonics.degree + 1)))
     samples = MetricSamples.of(metric, n, around(n, harmonics))
     return IsometrySystem.of(harmonics, samples).solved(coefficients)
 
@@ -132,13 +141,13 @@ class IsometrySystem:
         constant, C = coefficients[:1], coefficients[1:] / self.unit
         error, tangents, residuals = self._strained(C, stretch)
         before, solve, fresh = np.inf, None, True
-        for _ in range(MOST_STEPS):
+        for _ in range(ISOMETRY.steps):
             fresh = solve is None
             if solve is None:
                 solve = self._normal_equations(C, tangents)
             step = solve(-self._gradient(tangents, residuals))
             size = float(np.linalg.norm(step) / np.linalg.norm(C))
-            if size > SHRINKING * before and not (fresh and size > NEAR):
+            if size > ISOMETRY.shrinking * before and not (fresh and size > ISOMETRY.near):
                 # The equations of an earlier step have served their time; if they are new, rounding is left.
                 if fresh:
                     break
@@ -148,17 +157,17 @@ class IsometrySystem:
             while True:
                 trial = C + length * step
                 attained, new_tangents, new_residuals = self._strained(trial, stretch)
-                if attained <= LEVEL * error or length < SHORTEST:
+                if attained <= ISOMETRY.level * error or length < ISOMETRY.shortest:
                     break
                 length *= 0.5
-            if not attained <= LEVEL * error:
+            if not attained <= ISOMETRY.level * error:
                 break
-            stalled = attained > max(STALLED * error, RESOLVED)
+            stalled = attained > max(ISOMETRY.stalled * error, ISOMETRY.resolved)
             C, error, tangents, residuals = trial, attained, new_tangents, new_residuals
-            if size < EXACT or stalled:
+            if size < ISOMETRY.exact or stalled:
                 break
             before = size if length == 1.0 else np.inf
-            if size > NEAR:
+            if size > ISOMETRY.near:
                 solve = None
         return np.concatenate([constant, self.unit * C])
 

@@ -14,20 +14,29 @@ from isoembed.errors import InvalidMetric, InvalidParameter, NotEmbedded
 from isoembed.meshing.sphere import gauss_rule
 from isoembed.smooth.axisymmetric import AxisymmetricEmbedding
 from isoembed.smooth.curvature_sign import by_curvature
-from isoembed.smooth.embedding import ROUNDING, SmoothEmbedding
+from isoembed.smooth.embedding import MEASURE, SmoothEmbedding
 from isoembed.smooth.harmonics import Harmonics
-from isoembed.smooth.isometry import FEWEST_AROUND, gauss_newton
+from isoembed.smooth.isometry import ISOMETRY, gauss_newton
 from isoembed.smooth.transforms import resized
 from isoembed.smooth.triangulation import SphereMesh, graded_mesh
 from isoembed.smooth.two_metric import TwoMetric, is_axisymmetric
+from isoembed.thresholds import threshold
 
-DEGREES = (8, 12, 16, 24, 32, 48, 64, 96, 128, 192)
-UNKNOWNS = 3300  # more take minutes: degree 32 of all orders, degree 192 about an axis of symmetry
-FALLING = 0.6  # of the residual before: less of a decrease is none
-ROUGH = 1e-2  # of an edge of the mesh: enough to be on a branch
-HINDERED = 32  # degree of the best fit to what has no embedding
-DETERMINED = 3  # vertices for a harmonic
-HIGH = 48  # degrees in which a surface of revolution is projected
+
+@dataclass(frozen=True)
+class SolveThresholds:
+    """Thresholds of the embedding in more and more harmonics."""
+
+    degrees: tuple[int, ...] = threshold((8, 12, 16, 24, 32, 48, 64, 96, 128, 192), "count", "In turn.")
+    unknowns: int = threshold(3300, "count", "Most coefficients; more take minutes.")
+    rough: float = threshold(1e-2, "mean edge lengths", "Error of the mesh, with which it is on a branch.")
+    falling: float = threshold(0.6, "relative", "Residual over the one before that is a decrease.")
+    hindered: int = threshold(32, "count", "Highest degree of the best fit to what has no embedding.")
+    determined: int = threshold(3, "count", "Vertices for each harmonic that is fitted to them.")
+    high: int = threshold(48, "count", "Least degree in which a surface of revolution is projected.")
+
+
+SOLVE = SolveThresholds()
 
 
 def embed_smooth(
@@ -84,13 +93,14 @@ def embed_smooth(
         if not 0 < value < np.inf:
             raise InvalidParameter(f"the {name} is {value!r}, not a positive finite number")
     symmetric = is_axisymmetric(metric)
-    ladder = [h for h in (Harmonics(L, 1 if symmetric else L) for L in DEGREES) if 3 * h.size <= UNKNOWNS]
+    ladder = [Harmonics(L, 1 if symmetric else L) for L in SOLVE.degrees]
+    ladder = [h for h in ladder if 3 * h.size <= SOLVE.unknowns]
     profile = _profile(metric) if symmetric else None
     hindrance = "" if profile is None or profile.embeds else profile.explanation
     if hindrance:
-        ladder = [h for h in ladder if h.degree <= HINDERED]
+        ladder = [h for h in ladder if h.degree <= SOLVE.hindered]
     if start is None:
-        mesh = graded_mesh(metric, max(vertices, DETERMINED * ladder[0].size))
+        mesh = graded_mesh(metric, max(vertices, SOLVE.determined * ladder[0].size))
         origin, first = _from_mesh(mesh), 0
     else:
         mesh, origin = None, partial(resized, start.coefficients, start.harmonics)
@@ -98,7 +108,7 @@ def embed_smooth(
     goal = _Goal(metric, tolerance, accuracy, hindrance, mesh)
     best, residuals = goal.approached(ladder[first:], origin)
     if not best.converged and profile is not None and profile.embeds:
-        high = [h for h in ladder if h.degree >= HIGH] or ladder[-1:]
+        high = [h for h in ladder if h.degree >= SOLVE.high] or ladder[-1:]
         best, residuals = goal.approached(high, _from_profile(profile))
     if best.converged or best_fit:
         return best
@@ -125,7 +135,7 @@ class _Goal:
         residuals: list[float] = []
         last, C, old = np.inf, None, ladder[0]
         for harmonics in ladder:
-            anew = origin(harmonics) if C is None or residuals[-1] > ROUGH else None
+            anew = origin(harmonics) if C is None or residuals[-1] > SOLVE.rough else None
             if anew is not None:
                 C, old = anew, harmonics
             assert C is not None
@@ -135,7 +145,7 @@ class _Goal:
             )
             last = surface.integrated_mean_curvature
             residuals.append(surface.residual)
-            settled = surface.unsettled <= self.accuracy * abs(last) or surface.residual <= ROUNDING
+            settled = surface.unsettled <= self.accuracy * abs(last) or surface.residual <= MEASURE.rounding
             if surface.converged and settled:
                 break
         return surface, residuals
@@ -144,12 +154,12 @@ class _Goal:
 def _from_mesh(mesh: SphereMesh) -> Callable[[Harmonics], Floats | None]:
     """What fits harmonics to the embedded vertices of a triangulation, where these are enough."""
     try:
-        embedding = embed(mesh.metric, tolerance=ROUGH)
+        embedding = embed(mesh.metric, tolerance=SOLVE.rough)
     except NotEmbedded as error:
         embedding = error.embedding  # the isometry equations decide
 
     def fitted(harmonics: Harmonics) -> Floats | None:
-        if len(mesh.directions) < DETERMINED * harmonics.size:
+        if len(mesh.directions) < SOLVE.determined * harmonics.size:
             return None
         values = harmonics.values(mesh.directions)
         C = np.asarray(np.linalg.lstsq(values, embedding.vertices, rcond=None)[0])
@@ -163,7 +173,7 @@ def _from_profile(profile: AxisymmetricEmbedding) -> Callable[[Harmonics], Float
     """What projects a surface of revolution on harmonics."""
 
     def projected(harmonics: Harmonics) -> Floats:
-        u, weights = gauss_rule(2 * harmonics.degree, FEWEST_AROUND)
+        u, weights = gauss_rule(2 * harmonics.degree, ISOMETRY.around)
         return harmonics.values(u).T @ (weights[:, None] * profile.points(u))
 
     return projected
@@ -184,7 +194,7 @@ def _diagnosis(best: SmoothEmbedding, residuals: list[float], profile: Axisymmet
     )
     if best.hindrance:
         return f"{best.hindrance}; {missed}"
-    if len(residuals) > 1 and residuals[-1] < FALLING * residuals[-2]:
+    if len(residuals) > 1 and residuals[-1] < SOLVE.falling * residuals[-2]:
         missed += ": the metric has details that are too fine for so few"
     if profile is not None:
         return f"{missed}; the surface of revolution exists, and isoembed.smooth.AxisymmetricEmbedding has it"

@@ -16,18 +16,20 @@ from numpy.typing import ArrayLike
 from isoembed.arrays import Floats
 from isoembed.errors import InvalidMetric
 from isoembed.meshing.sphere import fibonacci_directions
+from isoembed.thresholds import threshold
 
-POLE = 1e-3
-"""sin(theta) below which components in theta and phi are not asked for, but extrapolated over the pole."""
 
-SYMMETRIC = 1e-12
-"""Variation about the z-axis, over the metric, that is none."""
+@dataclass(frozen=True)
+class TwoMetricThresholds:
+    """Thresholds of metrics and of their symmetry."""
 
-SPREAD = 400
-"""Directions at which symmetry is looked for."""
+    pole: float = threshold(1e-3, "sin(theta)", "Below this, components are extrapolated over the pole.")
+    symmetric: float = threshold(1e-12, "relative", "Variation about the z-axis that is none.")
+    spread: int = threshold(400, "count", "Directions at which symmetry is looked for.")
+    turns: tuple[float, ...] = threshold((0.7, 1.9, 4.3), "radians", "Angles by which it is turned.")
 
-TURNS = (0.7, 1.9, 4.3)
-"""Angles about the z-axis by which the metric is turned for that, in radians."""
+
+TWO_METRIC = TwoMetricThresholds()
 
 
 class TwoMetric(Protocol):
@@ -60,7 +62,7 @@ class AngleMetric:
             The function returns what is not finite or not positive; the message names theta and phi.
         """
         u = np.asarray(u, dtype=np.float64)
-        near = np.hypot(u[:, 0], u[:, 1]) < POLE
+        near = np.hypot(u[:, 0], u[:, 1]) < TWO_METRIC.pole
         q = np.empty((len(u), 3, 3))
         q[~near] = self._away(u[~near])
         if near.any():
@@ -73,7 +75,7 @@ class AngleMetric:
         total = np.zeros((len(u), 3, 3))
         for step, weight in ((2.0, 12.0 / 5.0), (3.0, -64.0 / 35.0), (4.0, 3.0 / 7.0)):
             for sign in (-1.0, 1.0):
-                moved = u + np.array([sign * step * POLE, 0.0, 0.0])
+                moved = u + np.array([sign * step * TWO_METRIC.pole, 0.0, 0.0])
                 total += 0.5 * weight * self._away(moved / np.linalg.norm(moved, axis=1, keepdims=True))
         return projected(total, u)
 
@@ -150,13 +152,13 @@ def is_axisymmetric(metric: TwoMetric) -> bool:
 
     It is compared with itself turned by some angles, at directions that are spread without a pattern.
     """
-    x, y, z = fibonacci_directions(SPREAD).T
+    x, y, z = fibonacci_directions(TWO_METRIC.spread).T
     components = []
-    for angle in (0.0, *TURNS):
+    for angle in (0.0, *TWO_METRIC.turns):
         c, s = np.cos(angle), np.sin(angle)
         u = np.stack([c * x - s * y, s * x + c * y, z], axis=1)
         components.append(angle_components(u, metric.tensor(u)))
-    return bool(np.ptp(components, axis=0).max() <= SYMMETRIC * np.max(components))
+    return bool(np.ptp(components, axis=0).max() <= TWO_METRIC.symmetric * np.max(components))
 
 
 def projected(q: Floats, u: Floats) -> Floats:

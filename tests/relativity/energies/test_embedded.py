@@ -203,7 +203,7 @@ def test_a_warm_start_needs_no_mesh(horizon, monkeypatch):
 
 
 def test_what_does_not_embed(monkeypatch):
-    monkeypatch.setattr(solve, "DEGREES", (8, 12, 16))
+    monkeypatch.setattr(solve, "SOLVE", replace(solve.SOLVE, degrees=(8, 12, 16)))
     data = KerrNewmanHorizon(1.0, 0.9).data()
     with pytest.raises(NotEmbedded, match=r"no surface of revolution has this metric for theta < 0\.561403"):
         embed_surface(data, vertices=100)

@@ -13,7 +13,7 @@ from isoembed.meshing.sphere import gauss_rule
 from isoembed.relativity.energies.energies import Energies, Integrals, norm_hindrance
 from isoembed.relativity.spacetimes.surface_data import SurfaceData
 from isoembed.smooth.embedding import SmoothEmbedding
-from isoembed.smooth.isometry import FEWEST_AROUND
+from isoembed.smooth.isometry import ISOMETRY
 from isoembed.smooth.two_metric import area_density, is_axisymmetric
 from isoembed.surface.estimate import Estimate
 from isoembed.thresholds import threshold
@@ -89,7 +89,7 @@ def _integrated(data: SurfaceData, n: int, symmetric: bool) -> tuple[dict[str, E
     settled: dict[str, Estimate] = {}
     before: dict[str, Estimate] = {}
     while True:
-        values, notes = _Nodes.of(data, n, FEWEST_AROUND if symmetric else 2 * n).integrals(relative)
+        values, notes = _Nodes.of(data, n, ISOMETRY.around if symmetric else 2 * n).integrals(relative)
         last = QUADRATURE.density * n > most
         for name in values.keys() - settled.keys():
             value, error = values[name].value, values[name].error

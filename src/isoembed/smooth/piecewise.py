@@ -1,0 +1,118 @@
+"""Functions on an interval as Chebyshev series on pieces, bisected until they resolve the function."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.polynomial import chebyshev
+
+from isoembed.arrays import Floats, Indices
+from isoembed.errors import InvalidMetric
+from isoembed.thresholds import threshold
+
+
+@dataclass(frozen=True)
+class PiecewiseThresholds:
+    """Thresholds of functions in pieces."""
+
+    degree: int = threshold(32, "count", "Degree on each piece: higher ones lose digits to differentiation.")
+    pieces: int = threshold(256, "count", "Most pieces that are fitted, the bisected ones counted.")
+
+
+PIECEWISE = PiecewiseThresholds()
+
+
+@dataclass(frozen=True, eq=False)
+class Piecewise:
+    """A function on an interval, a Chebyshev series on each of its pieces.
+
+    Attributes
+    ----------
+    breaks : ndarray, shape (k + 1,)
+        Ascending.
+    coefficients : ndarray, shape (degree + 1, k)
+    """
+
+    breaks: Floats
+    coefficients: Floats
+
+    def local(self, x: Floats) -> tuple[Indices, Floats]:
+        """The piece that each x is on, and where between -1 and 1."""
+        i = np.clip(np.searchsorted(self.breaks, x, side="right") - 1, 0, len(self.breaks) - 2)
+        a, b = self.breaks[i], self.breaks[i + 1]
+        return i, ((x - a) - (b - x)) / (b - a)
+
+    def __call__(self, x: Floats) -> Floats:
+        """Its values at x (n,)."""
+        i, t = self.local(x)
+        return np.asarray(chebyshev.chebval(t, self.coefficients[:, i], tensor=False))
+
+    def derivative(self) -> Piecewise:
+        """Its derivative."""
+        return Piecewise(
+            self.breaks, chebyshev.chebder(self.coefficients, axis=0) * (2.0 / np.diff(self.breaks))
+        )
+
+    def primitive(self) -> Piecewise:
+        """Its integral from the beginning."""
+        series = chebyshev.chebint(self.coefficients, lbnd=-1.0, axis=0) * (0.5 * np.diff(self.breaks))
+        series[0, 1:] += np.cumsum(series.sum(axis=0))[:-1]
+        return Piecewise(self.breaks, series)
+
+
+def fitted(
+    f: Callable[[Floats], Floats], breaks: Floats, weighted: bool
+) -> tuple[tuple[Piecewise, ...], float]:
+    """Series for the m functions f: (n,) -> (m, n) on common pieces, and the relative accuracy reached.
+
+    Pieces are bisected until their series have died away.  `weighted` by width suffices for integrals.  Noise
+    makes pieces without end: then less accuracy is asked for.
+    """
+    for tolerance in (2e-15, 2e-14, 2e-13, 2e-12, 2e-11, 2e-10, 2e-9, 2e-8, 2e-7, 2e-6, 2e-5):
+        result = _bisected(f, breaks, weighted, tolerance)
+        if result is not None:
+            return result, tolerance
+    raise InvalidMetric(
+        "the metric is not a smooth function of theta: polynomials do not settle on it to 2e-5"
+    )
+
+
+def _bisected(
+    f: Callable[[Floats], Floats], breaks: Floats, weighted: bool, tolerance: float
+) -> tuple[Piecewise, ...] | None:
+    n = PIECEWISE.degree + 1
+    # Whole multiples of one angle, reduced: a recurrence would leave noise in the high coefficients.
+    table = np.cos(np.pi / (2 * n) * (np.outer(np.arange(n), 2 * np.arange(n) + 1) % (4 * n)))
+    nodes = table[1]
+    to_series = table * np.append(1.0, np.full(PIECEWISE.degree, 2.0))[:, None] / n
+    left, right = breaks[:-1], breaks[1:]
+    total = breaks[-1] - breaks[0]
+    starts: list[Floats] = []
+    kept: list[Floats] = []
+    scale = np.zeros(1)
+    count = 0
+    while left.size:
+        count += left.size
+        if count > PIECEWISE.pieces:
+            return None
+        x = left[:, None] + (right - left)[:, None] * (0.5 + 0.5 * nodes)
+        values = f(x.ravel()).reshape(-1, *x.shape)
+        series = np.einsum("dn,mkn->dmk", to_series, values)
+        scale = np.maximum(scale, np.abs(values).max(axis=(1, 2)))
+        tail = np.abs(series[-4:]).max(axis=0) / scale[:, None]
+        if weighted:
+            tail = tail * (right - left) / total
+        good = (tail <= tolerance).all(axis=0) | (right - left <= 1e-13 * total)
+        # What is rounding in the values would be multiplied by differentiation.
+        end = np.abs(series[::-1]).cumsum(axis=0)[::-1] <= 4e-16 * scale[:, None]
+        starts.append(left[good])
+        kept.append(np.where(end, 0.0, series)[:, :, good])
+        middle = 0.5 * (left[~good] + right[~good])
+        left, right = np.concatenate([left[~good], middle]), np.concatenate([middle, right[~good]])
+    start = np.concatenate(starts)
+    order = np.argsort(start)
+    series = np.concatenate(kept, axis=2)[:, :, order]
+    ends = np.append(start[order], breaks[-1])
+    return tuple(Piecewise(ends, series[:, m]) for m in range(series.shape[1]))
