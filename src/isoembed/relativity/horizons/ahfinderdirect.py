@@ -103,7 +103,7 @@ def read_ahfinderdirect(path: str | os.PathLike[str]) -> CoordinateShape:
     points = origin + _completed(np.concatenate(list(trimmed.values())), halves, source)
     kept, faces = triangulate_star_shaped(points, origin, source, same=PATCHES.seam)
     found = re.search(r"ah\d+", file.path.name)
-    return CoordinateShape(points[kept], faces, origin, None, found[0] if found else "", source)
+    return CoordinateShape(points[kept], faces, origin, None, found[0] if found else "", source, is_hull=True)
 
 
 def _recognizes(file: InputFile) -> bool:

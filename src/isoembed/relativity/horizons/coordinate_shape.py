@@ -59,6 +59,8 @@ class CoordinateShape:
         The file.
     fields : mapping of str to ndarray, shape (V,)
         What else the file knows at the points.
+    is_hull : bool
+        Whether the triangles are the convex hull of the directions from the center.
     """
 
     points: Floats
@@ -68,6 +70,7 @@ class CoordinateShape:
     name: str = ""
     source: str = ""
     fields: Mapping[str, Floats] = field(default_factory=dict)
+    is_hull: bool = False
 
     @classmethod
     def star_shaped(
@@ -103,7 +106,7 @@ class CoordinateShape:
         center = middle(points) if center is None else center
         kept, faces = triangulate_star_shaped(points, center, source, polygons)
         there = {name: values[kept] for name, values in (fields or {}).items()}
-        return cls(points[kept], faces, center, time, source=source, fields=there)
+        return cls(points[kept], faces, center, time, source=source, fields=there, is_hull=True)
 
     def __post_init__(self) -> None:
         for array in (self.points, self.faces, self.center, *self.fields.values()):

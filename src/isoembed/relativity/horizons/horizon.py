@@ -104,7 +104,9 @@ class Horizon:
             return cls(SurfaceData(found, marginal=True, relative_error=found.truncation, name=name), {})
         if geometry is None:
             raise InvalidParameter(f"{found.contents}: name its geometry")
-        surface = StarSurface.from_points(found.points, found.center.tolist())
+        surface = StarSurface.from_points(
+            found.points, found.center.tolist(), found.faces if found.is_hull else None
+        )
         data, test = surface.data(geometry, axis, name=name), expansion_test(surface, geometry)
         facts = {
             "time": found.time,

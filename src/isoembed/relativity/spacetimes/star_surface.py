@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 from scipy.spatial import ConvexHull, QhullError
 
-from isoembed.arrays import Floats
+from isoembed.arrays import Floats, Indices
 from isoembed.errors import InvalidParameter
 from isoembed.meshing.sphere import fibonacci_directions, gauss_rule
 from isoembed.relativity.spacetimes.checks import numbers, positive_number, vector, written
@@ -156,7 +156,9 @@ class StarSurface:
         return cls.from_radius(by_direction, center)
 
     @classmethod
-    def from_points(cls, points: ArrayLike, center: Sequence[float]) -> StarSurface:
+    def from_points(
+        cls, points: ArrayLike, center: Sequence[float], faces: Indices | None = None
+    ) -> StarSurface:
         """Least squares fit of harmonics to points, weighted by the solid angles that they stand for.
 
         The degree is the one of least generalized cross-validation, at most 40; see
@@ -167,6 +169,8 @@ class StarSurface:
         points : array_like, shape (m, 3)
             One on each ray from the center; points given twice do no harm.
         center : three floats
+        faces : ndarray of int, shape (F, 3), optional
+            The convex hull of the directions from the center, if it is at hand.
 
         Raises
         ------
@@ -186,7 +190,7 @@ class StarSurface:
         if r.min() == 0.0:
             raise InvalidParameter(f"point {int(np.argmin(r))} is the center {written(np.array(c))} itself")
         u = d / r[:, None]
-        weights = _solid_angles(u)
+        weights = _solid_angles(u, _hull(u) if faces is None else faces)
         used = weights > 0.0
         coefficients, harmonics, misfit = fitted(u[used], r[used], weights[used])
         return cls(c, harmonics, coefficients, misfit)
@@ -347,14 +351,8 @@ def _radii(radius: Callable[[Floats], ArrayLike], u: Floats) -> Floats:
     return r
 
 
-def _solid_angles(u: Floats) -> Floats:
-    """A third of the spherical triangles of the convex hull at each direction; zero for one given twice.
-
-    Raises
-    ------
-    InvalidParameter
-        The directions leave a half-space empty.
-    """
+def _hull(u: Floats) -> Indices:
+    """Triangles of the convex hull of directions; `InvalidParameter` where these leave a half-space empty."""
     apart = "the points do not surround the center: a half-space has none"
     try:
         hull = ConvexHull(u)
@@ -362,9 +360,14 @@ def _solid_angles(u: Floats) -> Floats:
         raise InvalidParameter(apart) from None
     if hull.equations[:, 3].max() >= 0.0:
         raise InvalidParameter(apart)
-    a, b, c = u[hull.simplices].transpose(1, 0, 2)
+    return np.asarray(hull.simplices)
+
+
+def _solid_angles(u: Floats, faces: Indices) -> Floats:
+    """A third of the spherical triangles at each direction; zero for one given twice."""
+    a, b, c = u[faces].transpose(1, 0, 2)
     dot = 1.0 + np.einsum("ni,ni->n", a, b) + np.einsum("ni,ni->n", b, c) + np.einsum("ni,ni->n", c, a)
     solid = 2.0 * np.arctan2(np.abs(np.einsum("ni,ni->n", a, np.cross(b, c))), dot)
     weights = np.zeros(len(u))
-    np.add.at(weights, hull.simplices, solid[:, None] / 3.0)
+    np.add.at(weights, faces, solid[:, None] / 3.0)
     return weights
