@@ -3,9 +3,7 @@
 import numpy as np
 import pytest
 
-import zoo
-from isoembed.mesh.triangulation import Triangulation
-from isoembed.surface.spatial_order import reordered, spatial_order
+from isoembed.surface.spatial_order import spatial_order
 
 
 def mean_step(points):
@@ -34,13 +32,3 @@ def test_each_axis_counts_and_the_longest_sets_the_unit():
 
 def test_a_single_place_keeps_its_order():
     np.testing.assert_array_equal(spatial_order(np.ones((9, 3))), np.arange(9))
-
-
-def test_a_graph_in_another_order_has_the_same_edges():
-    A = Triangulation(zoo.random_hull(40, 0)[1]).adjacency
-    order = np.random.default_rng(0).permutation(40)
-    indptr, indices = reordered(A.indptr, A.indices, order)
-    assert (indptr.dtype, indices.dtype) == (A.indptr.dtype, A.indices.dtype)
-    for i in range(40):
-        expected = np.flatnonzero(A.toarray()[order[i]])
-        assert sorted(order[indices[indptr[i] : indptr[i + 1]]]) == expected.tolist()

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Any, Protocol
+from typing import Protocol
 
 from isoembed.arrays import Floats, Indices32
 
@@ -68,8 +68,8 @@ class Symbolic:
         per = self.bytes_per
         return int(per.factor_entry * self.count + per.entry * self.indices.size + per.row * self.indptr.size)
 
-    def factor(self, data: Floats) -> Any:
-        """Factorize the matrix with these entries, into a `Numeric`; raises SingularMatrix."""
+    def factor(self, data: Floats) -> Numeric:
+        """Factorize the matrix with these entries; raises SingularMatrix."""
         raise NotImplementedError
 
     def refusal(self) -> SingularMatrix:

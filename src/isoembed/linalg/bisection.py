@@ -17,19 +17,9 @@ _T = compiled(DISSECTION)
 
 
 def separator_order(graph: Graph, position: Floats) -> Indices:
-    """Order the vertices of a graph by nested dissection.
+    """Elimination order of the vertices of a graph by nested dissection, (n,).
 
-    Parameters
-    ----------
-    graph : Graph
-        Planar or nearly so, of n vertices.
-    position : ndarray, shape (n, 3)
-        Coordinates in which neighbors are near.
-
-    Returns
-    -------
-    ndarray of int64, shape (n,)
-        The k-th vertex to eliminate is ``order[k]``.
+    The graph is planar or nearly so; in the coordinates, (n, 3), neighbors are near.
     """
     return _bisected(graph, position, True)[0]
 
@@ -38,16 +28,7 @@ def bisection_paths(graph: Graph, position: Floats) -> Indices:
     """Cut a graph in two, where few edges are severed, and the parts in two, down to a few vertices.
 
     A cut runs along the smallest separator, whose vertices go to the side where they have more neighbors.
-
-    Parameters
-    ----------
-    graph, position
-        As for `separator_order`.
-
-    Returns
-    -------
-    ndarray of int64, shape (n,)
-        Binary digits, the highest first and as many for every vertex, tell the parts taken on the way down.
+    Binary digits, the highest first and as many for every vertex, tell the parts taken on the way down, (n,).
     """
     _, paths, depths = _bisected(graph, position, False)
     return paths << (depths.max() - depths)

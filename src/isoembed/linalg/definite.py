@@ -47,13 +47,7 @@ _T = compiled(DEFINITENESS)
 
 @dataclass(frozen=True, eq=False)
 class PositiveDefinite:
-    """A symmetric matrix that was proven positive definite.
-
-    Attributes
-    ----------
-    eigenvalue : float
-        A proven lower bound, positive, on the eigenvalues.
-    """
+    """A symmetric matrix that was proven positive definite: its eigenvalues are at least `eigenvalue` > 0."""
 
     eigenvalue: float
     _lu: SuperLU

@@ -9,13 +9,14 @@ from functools import cached_property
 
 import numpy as np
 import scipy.sparse as sp
+from numba import njit
 from numpy.typing import ArrayLike
 
 from isoembed.arrays import Floats, Indices
 from isoembed.linalg.bisection import bisection_paths, separator_order
 from isoembed.linalg.elimination import permuted
-from isoembed.linalg.graph_coordinates import breadth_first, hop_coordinates
-from isoembed.linalg.separator import Graph
+from isoembed.linalg.separator import DISSECTION, Graph
+from isoembed.mesh.triangulation import frozen
 
 
 @dataclass(frozen=True, eq=False)
@@ -56,24 +57,11 @@ class Dissection:
         return np.lexsort((np.minimum(first, second), height, _last_leaf(first, height)))
 
     def vertex_order(self) -> Indices:
-        """Elimination order of a matrix on the vertices, like a Laplacian.
-
-        Returns
-        -------
-        (V,) int64
-            The k-th vertex to eliminate is ``perm[k]``. Both halves of a cell come before the vertices that
-            separate them.
-        """
+        """Elimination order of a matrix on the vertices, like a Laplacian: the separators come last."""
         return self._vertex_order
 
     def block_order(self, k: int) -> Indices:
-        """Elimination order of a matrix with k unknowns a vertex, numbered ``k * vertex + component``.
-
-        Returns
-        -------
-        (k V,) int64
-            `vertex_order` with the k unknowns of a vertex kept together.
-        """
+        """`vertex_order` for k unknowns a vertex, numbered ``k * vertex + component`` and kept together."""
         return (k * self._vertex_order[:, None] + np.arange(k)).ravel()
 
     @cached_property
@@ -85,14 +73,11 @@ class Dissection:
         """
         cells = np.empty_like(self.labels)
         cells[self.labels] = bisection_paths(self.graph, self.position)
-        cells.flags.writeable = False
-        return cells
+        return frozen(cells)
 
     @cached_property
     def _vertex_order(self) -> Indices:
-        order = self.labels[separator_order(self.graph, self.position)]
-        order.flags.writeable = False
-        return order
+        return frozen(self.labels[separator_order(self.graph, self.position)])
 
 
 def dissect(adjacency: sp.sparray | sp.spmatrix) -> Dissection:
@@ -120,14 +105,74 @@ def dissect(adjacency: sp.sparray | sp.spmatrix) -> Dissection:
     rows = sp.csr_array(adjacency)
     graph = Graph(rows.indptr.astype(np.int32), rows.indices.astype(np.int32))
     n = rows.shape[0]
-    labels, hops = breadth_first(graph, 0)
+    labels, hops = _breadth_first(graph, 0)
     if labels.size < n:
         lost = int(np.argmin(hops))
         raise ValueError(f"the graph is not connected: no path from vertex 0 to vertex {lost}")
     # Neighbors that are near in memory are read faster.
     indptr, indices, _ = permuted(graph.indptr, graph.indices, labels, False)
     near = Graph(indptr, indices)
-    return Dissection(near, labels, hop_coordinates(near))
+    return Dissection(near, labels, _hop_coordinates(near))
+
+
+def _hop_coordinates(graph: Graph) -> Floats:
+    """Coordinates of the vertices of a connected graph, (n, 3).
+
+    Differences of hop distances to three pairs of far vertices, chosen across one another, smoothed.
+    """
+    n = graph.indptr.size - 1
+    position = np.zeros((n, 3))
+    aside = np.zeros(n, dtype=np.int64)  # from the middle of the axes so far
+    near = _breadth_first(graph, 0)[1]  # least distance to the ends chosen so far
+    for c in range(3):
+        # A point far from the earlier ends and midway between them, and the one opposite to it: a step along
+        # an earlier axis changes that coordinate by 2 but a distance by 1 only.
+        start = int(np.argmax(near - aside))
+        from_start = _breadth_first(graph, start)[1]
+        away = np.abs(position[:, :c] - position[start, :c]).sum(axis=1)
+        from_end = _breadth_first(graph, int(np.argmax(from_start - away)))[1]
+        position[:, c] = from_start - from_end
+        aside += np.abs(from_start - from_end)
+        nearest = np.minimum(from_start, from_end)
+        near = nearest if c == 0 else np.minimum(near, nearest)
+    for _ in range(DISSECTION.smoothings):
+        position = _smoothed(graph, position)
+    return position
+
+
+@njit(cache=True)
+def _breadth_first(graph: Graph, start: int) -> tuple[Indices, Indices]:
+    """The vertices that a path leads to, in order of their distance from one, and the distances, (n,).
+
+    They count edges, and are -1 where there is no path.
+    """
+    n = graph.indptr.size - 1
+    order, hops = np.empty(n, dtype=np.int64), np.full(n, -1)
+    order[0], hops[start] = start, 0
+    head, tail = 0, 1
+    while head < tail:
+        v = order[head]
+        head += 1
+        for p in range(graph.indptr[v], graph.indptr[v + 1]):
+            u = graph.indices[p]
+            if hops[u] < 0:
+                hops[u] = hops[v] + 1
+                order[tail] = u
+                tail += 1
+    return order[:tail], hops
+
+
+@njit(cache=True)
+def _smoothed(graph: Graph, position: Floats) -> Floats:
+    """Averages over every vertex and its neighbors."""
+    average = position.copy()
+    for v in range(position.shape[0]):
+        for p in range(graph.indptr[v], graph.indptr[v + 1]):
+            for c in range(3):
+                average[v, c] += position[graph.indices[p], c]
+        for c in range(3):
+            average[v, c] /= 1 + graph.indptr[v + 1] - graph.indptr[v]
+    return average
 
 
 def _bit_length(x: Indices) -> Indices:

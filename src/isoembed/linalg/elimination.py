@@ -41,12 +41,7 @@ class Elimination(NamedTuple):
 def symbolic_analysis(indptr: Indices32, indices: Indices32, order: Indices) -> Elimination:
     """Find the elimination tree, bring the order into post-order, and count the entries of L.
 
-    Parameters
-    ----------
-    indptr, indices : ndarray of int32, shapes (n + 1,) and (nnz,)
-        Compressed columns of a symmetric pattern, both triangles.
-    order : ndarray of int64, shape (n,)
-        The k-th unknown to eliminate: a permutation.
+    The pattern is symmetric, both triangles in compressed columns; the k-th unknown to eliminate is order[k].
     """
     parent = _tree(indptr, indices, order)
     post = _postorder(parent)
@@ -152,12 +147,9 @@ def _root(ancestor: Indices32, j: int) -> int:
 
 @njit(cache=True)
 def first_asymmetry(indptr: Indices32, indices: Indices32) -> tuple[int, int]:
-    """Find an entry (row, column) whose mirror image is missing, and -1, -1 if there is none.
+    """Find an entry (row, column) whose mirror image is missing, in compressed columns with sorted rows.
 
-    Parameters
-    ----------
-    indptr, indices : ndarray of int32, shapes (n + 1,) and (nnz,)
-        Compressed columns with sorted rows.
+    Returned are -1, -1 if there is none.
     """
     n = indptr.size - 1
     reached = indptr[:-1].copy()  # rows of each column below it met their mirror images
@@ -202,16 +194,7 @@ def inverse(order: Indices) -> Indices:
 def permuted(
     indptr: Indices32, indices: Indices32, order: Indices, lower: bool
 ) -> tuple[Indices32, Indices32, Indices32]:
-    """Bring a symmetric pattern into elimination order.
-
-    Parameters
-    ----------
-    indptr, indices : ndarray of int32, shapes (n + 1,) and (nnz,)
-        Compressed columns.
-    order : ndarray of int64, shape (n,)
-        The k-th unknown to eliminate.
-    lower : bool
-        Keep only the lower triangle.
+    """Bring a symmetric pattern into elimination order, all of it or its lower triangle.
 
     Returns
     -------

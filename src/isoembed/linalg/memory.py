@@ -33,19 +33,7 @@ class OutOfMemory(MemoryError):  # noqa: N818  (named for what it says, as Singu
 
 
 def require_memory(needed: int, what: str) -> None:
-    """Refuse what memory does not suffice for.
-
-    Parameters
-    ----------
-    needed : int
-        Bytes.
-    what : str
-        What needs them, in the plural: the subject of the sentence.
-
-    Raises
-    ------
-    OutOfMemory
-    """
+    """Raise OutOfMemory if so many bytes are not free; `what` needs them, in the plural, in its message."""
     if needed > MEMORY.unasked:
         free = available_memory()
         if needed > free:

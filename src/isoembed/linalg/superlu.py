@@ -16,13 +16,7 @@ PIVOTS_SEEN, PIVOTS_UNSEEN = backend.BytesPer(49), backend.BytesPer(32)
 
 
 def down_the_diagonal(matrix: sp.csc_matrix | sp.csc_array) -> SuperLU:
-    """Factors L U of a symmetric matrix in its own order, without exchanges but where a pivot is zero.
-
-    Raises
-    ------
-    SingularMatrix
-        Elimination met a zero pivot that no exchange avoids.
-    """
+    """Factors L U of a symmetric matrix in its own order, without exchanges but where a pivot is zero."""
     return eliminated(matrix, "NATURAL", diag_pivot_thresh=0.0, options={"SymmetricMode": True})
 
 

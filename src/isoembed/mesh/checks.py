@@ -83,16 +83,7 @@ def _refuse_first(bad: Mask, table: NDArray, what: str, why: str) -> None:
 
 
 def checked_tables(faces: Indices) -> tuple[Indices, Indices, Indices]:
-    """The tables of a triangulation, with a check at every step.
-
-    Parameters
-    ----------
-    faces : ndarray of int, shape (F, 3)
-
-    Returns
-    -------
-    edges, face_edges, edge_halfedges
-        As in `Triangulation`.
+    """The tables of a triangulation, as in `Triangulation`, with a check at every step.
 
     Raises
     ------

@@ -13,15 +13,8 @@ MOST = 2**31 - 1  # half-edges whose numbers fit into 32 bits
 def join(faces: Indices) -> tuple[Indices, Indices, Indices] | None:
     """Edges, and which half-edges run along them, if the faces are a triangulated sphere.
 
-    Parameters
-    ----------
-    faces : ndarray of int64, shape (F, 3)
-        Not negative.
-
-    Returns
-    -------
-    edges, face_edges, edge_halfedges : ndarray of int64, shapes (E, 2), (F, 3), (E, 2)
-        As in `Triangulation`; or None if the faces are anything but a triangulated sphere.
+    Returned are edges, face_edges and edge_halfedges, as in `Triangulation`; or None if the faces, whose
+    vertices are not negative, are anything but a triangulated sphere.
     """
     corners = faces.ravel()
     n = int(corners.max()) + 1

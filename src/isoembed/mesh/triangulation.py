@@ -127,18 +127,7 @@ class Triangulation:
         return incidence
 
     def edge_indices(self, pairs: Indices) -> Indices:
-        """Index of each edge that is given by its two ends.
-
-        Parameters
-        ----------
-        pairs : ndarray of int, shape (n, 2)
-            Ends in either order.
-
-        Returns
-        -------
-        ndarray of int, shape (n,)
-            -1 where no face has this edge.
-        """
+        """Index of each edge, (n,), given by its two ends in either order, (n, 2); -1 where it is none."""
         return _find(self.edges, self.n_vertices, pairs)
 
 

@@ -8,17 +8,9 @@ from isoembed.arrays import Floats
 
 
 def aligned(vertices: Floats, onto: Floats) -> Floats:
-    """Rotate and shift vertices onto their other places, as near as least squares bring them.
+    """Rotate and shift vertices, (V, 3), onto their other places, as near as least squares bring them.
 
     Kabsch, Acta Cryst. A32 (1976).
-
-    Parameters
-    ----------
-    vertices, onto : ndarray, shape (V, 3)
-
-    Returns
-    -------
-    ndarray, shape (V, 3)
     """
     center = onto.mean(axis=0)
     x, y = vertices - vertices.mean(axis=0), onto - center
@@ -28,10 +20,5 @@ def aligned(vertices: Floats, onto: Floats) -> Floats:
 
 
 def distance(vertices: Floats, others: Floats) -> float:
-    """The largest distance of a vertex from its other place, after the best rotation and translation.
-
-    Parameters
-    ----------
-    vertices, others : ndarray, shape (V, 3)
-    """
+    """The largest distance of a vertex from its other place, after the best rotation and translation."""
     return float(np.linalg.norm(aligned(vertices, others) - others, axis=1).max())

@@ -12,6 +12,7 @@ from typing import Any, ClassVar
 import numpy as np
 
 from isoembed.arrays import Floats, Indices, Mask
+from isoembed.linalg import SingularMatrix
 from isoembed.mesh.triangulation import Triangulation, frozen
 from isoembed.metric.curvature import negative_deficits
 from isoembed.metric.glued import GluedMetric
@@ -249,10 +250,14 @@ class Embedding:
     def smallest_singular_value(self) -> float:
         """Of the rigidity matrix J, apart from the rigid motions: 0 if the surface can flex.
 
-        It takes one factorization of J J^T, as a step of Newton's method does.
+        To first order, the vertices need not move by more than its inverse times a change of the lengths,
+        both in the Euclidean norm.  It takes one factorization of J J^T, as a step of Newton's method does.
         """
-        system = LengthSystem(self.triangulation)
-        return system.smallest_singular_value(self._normalized, self.metric.normalized.lengths)
+        try:
+            system = LengthSystem(self.triangulation)
+            return float(system.softest(self._normalized, self.metric.normalized.lengths, 1)[0][0])
+        except SingularMatrix:
+            return 0.0
 
     @property
     def area(self) -> float:

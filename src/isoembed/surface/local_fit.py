@@ -9,20 +9,21 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import dataclass
-from typing import NamedTuple, cast
+from typing import Any, NamedTuple, cast
 
 import numpy as np
 from numba import njit
+from numpy.typing import NDArray
 from scipy.sparse import csr_array, eye_array
 
 from isoembed.arrays import Floats, Indices, Mask
+from isoembed.linalg.elimination import permuted
 from isoembed.mesh.triangulation import Triangulation
 from isoembed.surface.measures import edge_lengths, vertex_normals
 from isoembed.surface.normal_fits import FITS, fewest, normal_weights
-from isoembed.surface.spatial_order import reordered
 from isoembed.thresholds import compiled
 
-Graph = tuple[Indices, Indices]  # indptr and indices: vertex i has edges to indices[indptr[i]:indptr[i + 1]]
+Graph = tuple[NDArray[Any], NDArray[Any]]  # of a vertex i: indices[indptr[i]:indptr[i + 1]]
 _T = compiled(FITS)
 
 
@@ -35,7 +36,7 @@ def neighborhoods(graph: Graph, least: int = FITS.two_rings, vertices: range | N
     Parameters
     ----------
     graph : (indptr, indices)
-        Of a triangulation's adjacency: vertex i has edges to ``indices[indptr[i]:indptr[i + 1]]``.
+        Of a triangulation's adjacency.
     least : int
         Fewer neighbors than this are extended by a third ring.
     vertices : range, optional
@@ -43,10 +44,8 @@ def neighborhoods(graph: Graph, least: int = FITS.two_rings, vertices: range | N
 
     Returns
     -------
-    indptr : ndarray of int, shape (n + 1,)
-    indices : ndarray of int, shape (nnz,)
-        The neighbors of the i-th vertex, nearest rings first and itself not among them, are
-        ``indices[indptr[i]:indptr[i + 1]]``.
+    (indptr, indices)
+        The neighbors of the n vertices, nearest rings first and the vertex itself not among them.
     """
     chosen = range(len(graph[0]) - 1) if vertices is None else vertices
     return _rings(*graph, least, chosen.start, chosen.stop)
@@ -79,8 +78,8 @@ class Surroundings(NamedTuple):
 
     def in_order(self, order: Indices) -> Surroundings:
         """The same surface, its vertices numbered in another order."""
-        graph = reordered(*self.graph, order)
-        return Surroundings(graph, self.vertices[order], self.normals[order], self.units[order])
+        indptr, indices, _ = permuted(*self.graph, order, False)
+        return Surroundings((indptr, indices), self.vertices[order], self.normals[order], self.units[order])
 
     def neighborhoods(self, least: int, at_once: int) -> Iterator[tuple[int, Graph]]:
         """The `neighborhoods` of all vertices, a number of them at once, and which is the first of these."""

@@ -52,19 +52,8 @@ def fewest(degree: int) -> int:
 def normal_weights(indptr: Indices, charts: Floats, degree: int, weights: Floats) -> Mask:
     """Fill in the weights of the points in the constant terms of the fits, where that can be done safely.
 
-    Parameters
-    ----------
-    indptr : ndarray of int, shape (n + 1,)
-        The points of fit i are ``charts[indptr[i]:indptr[i + 1]]``.
-    charts : ndarray, shape (nnz, 2)
-    degree : int
-    weights : ndarray, shape (nnz,)
-        Overwritten; to be ignored where a fit is not done.
-
-    Returns
-    -------
-    ndarray of bool, shape (n,)
-        Whether the fit is done.
+    The points of fit i are ``charts[indptr[i]:indptr[i + 1]]``, two coordinates each.  Returned is whether
+    each fit was done; where not, its weights are to be ignored.
     """
     n = len(indptr) - 1
     columns = degree * (degree + 3) // 2

@@ -16,7 +16,7 @@ from scipy.sparse import csc_array, csr_array, eye_array, kron
 from scipy.sparse.linalg import LinearOperator, eigsh
 
 from isoembed.arrays import Floats, Indices
-from isoembed.linalg import Dissection, OutOfMemory, SingularMatrix, Solver, SymmetricFactor, analyze, dissect
+from isoembed.linalg import Dissection, OutOfMemory, Solver, SymmetricFactor, analyze, dissect
 from isoembed.mesh.triangulation import Triangulation
 from isoembed.surface.rigidity_matrix import RIGIDITY, RigidityMatrix, coupled_edges
 from isoembed.surface.two_level import TwoLevel
@@ -90,25 +90,11 @@ class LengthSystem:
         # Refined through J: refining the solution of J J^T alone would not reduce this residual.
         return d + J.forces(factor.solve(r - J.rates(d), sweeps=0))
 
-    def smallest_singular_value(self, vertices: Floats, lengths: Floats) -> float:
-        """The smallest singular value of J, apart from the six of the rigid motions, to about three digits.
-
-        The square root of the smallest eigenvalue of J J^T, by Lanczos' iteration with its inverse: one
-        factorization and some 20 solves.  To first order, the vertices need not move by more than its
-        inverse times a change of the lengths, both in the Euclidean norm.
-
-        Returns
-        -------
-        float
-            0 if J J^T is singular to working precision: the surface is not infinitesimally rigid.
-        """
-        try:
-            return float(self.softest(vertices, lengths, 1)[0][0])
-        except SingularMatrix:
-            return 0.0
-
     def softest(self, vertices: Floats, lengths: Floats, count: int) -> tuple[Floats, Floats, Floats]:
-        """So many of the smallest singular values of J, and their vectors, as in `smallest_singular_value`.
+        """The smallest singular values of J, apart from the six of the rigid motions, and their vectors.
+
+        To about three digits: the roots of the smallest eigenvalues of J J^T, by Lanczos' iteration with its
+        inverse, which takes one factorization and some 20 solves.
 
         Returns
         -------

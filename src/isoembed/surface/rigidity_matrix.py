@@ -83,7 +83,7 @@ def coupled_edges(ends: Indices32, vertices: int) -> tuple[Indices32, Indices32]
 
     Returns
     -------
-    indptr, indices : ndarray of int32, shapes (E + 1,) and (nnz,)
+    indptr, indices : ndarray of int32
         Compressed columns, or rows, ascending.
 
     Raises

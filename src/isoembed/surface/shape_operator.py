@@ -86,18 +86,9 @@ def second_derivatives(
 
 
 def normal_curvatures(triangulation: Triangulation, vertices: Floats, operators: Floats) -> Floats:
-    """Normal curvatures of the surface along the edges: the mean of those at the two ends.
+    """Normal curvatures of the surface along the edges, (E,): the mean of those at the two ends.
 
-    Parameters
-    ----------
-    triangulation : Triangulation
-    vertices : ndarray, shape (V, 3)
-    operators : ndarray, shape (V, 3, 3)
-        From `shape_operators`; with Hessians in their place, these are a function's second derivatives.
-
-    Returns
-    -------
-    ndarray, shape (E,)
+    From the `shape_operators`; with Hessians in their place, these are a function's second derivatives.
     """
     ends = triangulation.edges.T
     along = vertices[ends[1]] - vertices[ends[0]]

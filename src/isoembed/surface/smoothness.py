@@ -43,16 +43,7 @@ def offsets(triangulation: Triangulation, vertices: Floats) -> Floats:
     """How far each vertex stands out of the cubic fitted to its neighbors, along its normal, shape (V, 3).
 
     On smooth surfaces it shrinks with the fourth power of the edge length.  Zero where there is no normal.
-
-    Parameters
-    ----------
-    triangulation : Triangulation
-    vertices : ndarray, shape (V, 3)
-
-    Returns
-    -------
-    ndarray, shape (V, 3)
-        In the unit of the vertices, to be subtracted from them for the surface that the neighborhoods expect.
+    Subtracted from the vertices, it gives the surface that the neighborhoods expect.
     """
     order = spatial_order(vertices)
     surface = Surroundings.of(triangulation, vertices).in_order(order)
@@ -63,19 +54,9 @@ def offsets(triangulation: Triangulation, vertices: Floats) -> Floats:
 
 
 def fit_residuals(triangulation: Triangulation, vertices: Floats, degree: int = 3) -> csr_array:
-    """``I - fit`` in the polar charts of a surface: what a function at a vertex adds to its neighborhood.
+    """``I - fit`` in the polar charts of a surface, (V, V): what a function adds to its neighborhoods.
 
-    Parameters
-    ----------
-    triangulation : Triangulation
-    vertices : ndarray, shape (V, 3)
-        Of the surface whose charts are taken.
-    degree : int
-        Of the polynomials; beyond 3 they are fitted to three rings of neighbors.
-
-    Returns
-    -------
-    csr_array, shape (V, V)
+    The fits are polynomials of the degree; beyond 3 they are fitted to three rings of neighbors.
     """
     n = triangulation.n_vertices
     blocks = _residuals(Surroundings.of(triangulation, vertices), degree)
@@ -98,18 +79,9 @@ def fine_roughness(triangulation: Triangulation, vertices: Floats) -> float:
     """What quintics fitted to three rings leave of what they leave, over the mean edge length there.
 
     Realizations that are less than a thousandth of an edge apart differ in it where their `roughness` does
-    not: there, what a cubic misses of the smooth shape is more than what tells them apart.
-
-    Parameters
-    ----------
-    triangulation : Triangulation
-    vertices : ndarray, shape (V, 3)
-
-    Returns
-    -------
-    float
-        The mean over the vertices with the exponent 2/3: the few where edges are too long for the shape must
-        not outweigh all others.
+    not: there, what a cubic misses of the smooth shape is more than what tells them apart.  It is the mean
+    over the vertices with the exponent 2/3: the few where edges are too long for the shape must not outweigh
+    all others.
     """
     surface = Surroundings.of(triangulation, vertices).in_order(spatial_order(vertices))
     blocks = list(_residuals(surface, 5))
@@ -118,16 +90,9 @@ def fine_roughness(triangulation: Triangulation, vertices: Floats) -> float:
 
 
 def roughness(triangulation: Triangulation, vertices: Floats, offsets: Floats) -> float:
-    """Root mean square, over the vertices, of the offset over the mean length of the vertex's edges.
+    """Root mean square, over the vertices, of the `offsets` over the mean length of the vertex's edges.
 
     Near surfaces with the same lengths are told apart by `fine_roughness`.
-
-    Parameters
-    ----------
-    triangulation : Triangulation
-    vertices : ndarray, shape (V, 3)
-    offsets : ndarray, shape (V, 3)
-        From the function of this name.
     """
     relative = np.linalg.norm(offsets, axis=1) / edge_lengths_about(
         triangulation, edge_lengths(triangulation.edges, vertices)
@@ -136,7 +101,7 @@ def roughness(triangulation: Triangulation, vertices: Floats, offsets: Floats) -
 
 
 def rough_edges(triangulation: Triangulation, vertices: Floats, offsets: Floats) -> Mask:
-    """Edges that bend against their neighborhood, shape (E,).
+    """Edges that bend against their neighborhood, shape (E,), given the `offsets`.
 
     The dihedral angle of such an edge has another sign than the one between the same triangles when their
     four vertices have moved to where their neighbors expect them, and both angles are plain: not flat, and
@@ -144,13 +109,6 @@ def rough_edges(triangulation: Triangulation, vertices: Floats, offsets: Floats)
     over the edges at each vertex, then over each end of the edge with its neighbors, then over both ends.
     Nor does an edge bend against its neighborhood if no edge that it meets bends the other way: convex bodies
     have no rough edges, however coarse.
-
-    Parameters
-    ----------
-    triangulation : Triangulation
-    vertices : ndarray, shape (V, 3)
-    offsets : ndarray, shape (V, 3)
-        From the function of this name.
     """
     found = dihedral_angles(triangulation, vertices)
     expected = dihedral_angles(triangulation, vertices - offsets)

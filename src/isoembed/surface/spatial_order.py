@@ -7,7 +7,6 @@ the vertices are numbered.
 from __future__ import annotations
 
 import numpy as np
-from numba import njit
 
 from isoembed.arrays import Floats, Indices
 
@@ -15,18 +14,7 @@ MASKS = ((16, 0x030000FF), (8, 0x0300F00F), (4, 0x030C30C3), (2, 0x09249249))
 
 
 def spatial_order(points: Floats) -> Indices:
-    """Sort points along Morton's curve.
-
-    Parameters
-    ----------
-    points : ndarray, shape (n, 3)
-        Finite.
-
-    Returns
-    -------
-    ndarray of int, shape (n,)
-        Each point once.
-    """
+    """Sort finite points, (n, 3), along Morton's curve: the order in which they come, (n,)."""
     low, high = points.min(axis=0), points.max(axis=0)
     scale = 1023 / ((high - low).max() or 1.0)
     keys = np.zeros(len(points), dtype=np.uint32)
@@ -36,30 +24,3 @@ def spatial_order(points: Floats) -> Indices:
             bits = (bits | (bits << np.uint32(shift))) & np.uint32(mask)
         keys |= bits << np.uint32(axis)
     return np.argsort(keys, kind="stable")
-
-
-@njit(cache=True)
-def reordered(indptr: Indices, indices: Indices, order: Indices) -> tuple[Indices, Indices]:
-    """Number the vertices of a graph in another order.
-
-    Parameters
-    ----------
-    indptr, indices : ndarray of int, shapes (n + 1,), (m,)
-        The neighbors of vertex i are ``indices[indptr[i]:indptr[i + 1]]``.
-    order : ndarray of int, shape (n,)
-        Each vertex once.
-
-    Returns
-    -------
-    indptr, indices
-        Of the graph in which vertex i is ``order[i]``.
-    """
-    place, starts = np.empty(len(order), dtype=indices.dtype), np.zeros(len(indptr), dtype=indptr.dtype)
-    for i in range(len(order)):
-        place[order[i]] = i
-        starts[i + 1] = starts[i] + indptr[order[i] + 1] - indptr[order[i]]
-    neighbors = np.empty_like(indices)
-    for i in range(len(order)):
-        for k in range(starts[i + 1] - starts[i]):
-            neighbors[starts[i] + k] = place[indices[indptr[order[i]] + k]]
-    return starts, neighbors
