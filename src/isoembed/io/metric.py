@@ -7,8 +7,8 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from isoembed.arrays import Floats
 from isoembed.errors import InvalidMetric
 from isoembed.io import json
 from isoembed.io.files import FileError, Tables, Writer, check_ending, check_output, write_atomically
@@ -51,9 +51,7 @@ def read_tables(path: str | os.PathLike[str]) -> Tables:
         return FORMATS[file.ending].read(file)
 
 
-def metric_writer(
-    path: str | os.PathLike[str], metric: PolyhedralMetric, **data: NDArray[np.float64]
-) -> Writer:
+def metric_writer(path: str | os.PathLike[str], metric: PolyhedralMetric, **data: Floats) -> Writer:
     """Writer of a metric in the format of this ending; see `write_atomically`."""
     tables = {"faces": metric.faces, "edges": metric.edges, "lengths": metric.lengths, **data}
     return tables_writer(path, tables)

@@ -9,12 +9,12 @@ from pathlib import Path
 import numpy as np
 from numba import njit
 
+from isoembed.arrays import Indices
 from isoembed.io.files import FileError, Tables
 from isoembed.io.format import Format
 from isoembed.io.input_file import InputFile
 from isoembed.io.text_scan import (
     Bytes,
-    Indices,
     copy_words,
     ends,
     in_word,

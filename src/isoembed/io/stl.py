@@ -10,10 +10,11 @@ from pathlib import Path
 import numpy as np
 from numba import njit
 
+from isoembed.arrays import Floats
 from isoembed.io.files import FileError, Tables
 from isoembed.io.format import Format
 from isoembed.io.input_file import InputFile
-from isoembed.io.text_scan import Bytes, Floats, copy_words, lines, next_line, numbers, word_begin, word_end
+from isoembed.io.text_scan import Bytes, copy_words, lines, next_line, numbers, word_begin, word_end
 from isoembed.surface.measures import face_normals
 
 CORNER = "  vertex %r %r %r\n"

@@ -6,8 +6,9 @@ import os
 from pathlib import Path
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
+from isoembed.arrays import Floats
 from isoembed.io.files import FileError, Writer, check_output, write_atomically
 from isoembed.io.metric import metric_of, read_tables
 from isoembed.io.registry import SURFACE_ENDINGS, tables_writer
@@ -59,7 +60,7 @@ def read_surface(path: str | os.PathLike[str]) -> Embedding:
 
 
 def mesh_writer(
-    path: str | os.PathLike[str], vertices: ArrayLike, faces: ArrayLike, **data: NDArray[np.float64]
+    path: str | os.PathLike[str], vertices: ArrayLike, faces: ArrayLike, **data: Floats
 ) -> Writer:
     """Writer of a mesh with data at its vertices in the format of this ending; see `write_atomically`."""
     return tables_writer(path, {"vertices": np.asarray(vertices), "faces": np.asarray(faces), **data})
@@ -94,7 +95,7 @@ def write_surface(path: str | os.PathLike[str], embedding: Embedding) -> None:
     write_atomically({Path(path): surface_writer(path, embedding)})
 
 
-def vertex_residuals(embedding: Embedding) -> NDArray[np.float64]:
+def vertex_residuals(embedding: Embedding) -> Floats:
     """Largest residual of the edges at each vertex, shape (V,)."""
     largest = np.zeros(embedding.triangulation.n_vertices)
     for end in embedding.metric.edges.T:

@@ -14,9 +14,9 @@ import numpy as np
 from numba import njit
 from numpy.typing import NDArray
 
+from isoembed.arrays import Floats
+
 Bytes = NDArray[np.uint8]
-Floats = NDArray[np.float64]
-Indices = NDArray[np.int64]
 
 PIECE = 1 << 14  # rows of a table that become text together
 LONGEST = 18  # digits of an integer: every index has fewer, and longer ones do not fit into 64 bits
@@ -31,7 +31,7 @@ def lines(template: str, table: NDArray) -> Iterator[str]:
         yield template * len(rows) % tuple(rows.ravel().tolist())
 
 
-def numbers(text: Bytes) -> NDArray[np.float64] | None:
+def numbers(text: Bytes) -> Floats | None:
     """The numbers of a text with nothing else in it, or None."""
     with warnings.catch_warnings():
         warnings.simplefilter("error", DeprecationWarning)  # there are other words

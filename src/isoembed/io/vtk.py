@@ -12,11 +12,12 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from isoembed.arrays import Floats, Indices
 from isoembed.errors import InvalidMetric
 from isoembed.io.files import FileError, Tables
 from isoembed.io.format import Format
 from isoembed.io.input_file import InputFile
-from isoembed.io.text_scan import Floats, numbers, words_end
+from isoembed.io.text_scan import LONGEST, numbers, words_end
 from isoembed.version import __version__
 
 HEADER = "# vtk DataFile Version"
@@ -42,7 +43,7 @@ DATASETS = ("POLYDATA", "UNSTRUCTURED_GRID")
 COMPONENTS = {"VECTORS": 3, "NORMALS": 3, "TENSORS": 9}
 SECTIONS = ("FIELD", "LOOKUP_TABLE", "COLOR_SCALARS", "SCALARS", *COMPONENTS)
 
-Polygons = NDArray[np.int64] | list[list[int]]
+Polygons = Indices | list[list[int]]
 """Corners of polygons: a table if all of them are triangles."""
 
 
@@ -119,7 +120,7 @@ def check_cells(file: InputFile, types: NDArray, count: int) -> None:
     strange = ~np.isin(types, POLYGONS)
     if strange.any():
         k = int(np.argmax(strange))
-        kind = OTHERS.get(int(types[k]), f"cell of type {int(types[k])}")
+        kind = OTHERS.get(types[k], f"cell of type {types[k]:g}")
         raise InvalidMetric(f"cell {k} is a {kind}, not a triangle")
 
 
@@ -131,7 +132,7 @@ def rows(file: InputFile, corners: NDArray, ends: NDArray, n_points: int, what: 
     FileError
         One is empty, or refers to what is no point.
     """
-    corners, ends = corners.astype(np.int64), ends.astype(np.int64)
+    corners, ends = _integers(corners), _integers(ends)
     sizes = np.diff(ends, prepend=0)
     polygons: Polygons
     if (sizes == 3).all() and len(corners) == 3 * len(ends):
@@ -146,6 +147,11 @@ def rows(file: InputFile, corners: NDArray, ends: NDArray, n_points: int, what: 
             f"{file}: number {np.argmin(good)} of the {what} is not made of the {n_points} points"
         )
     return polygons
+
+
+def _integers(values: NDArray[Any]) -> Indices:
+    with np.errstate(invalid="ignore"):  # what is none becomes the least, which is no index
+        return values.astype(np.int64)
 
 
 class _Source:
@@ -195,14 +201,14 @@ class _Source:
 
     def natural(self, words: list[str], what: str) -> int:
         word = self.word(words)
-        if not word.isdecimal():
-            raise FileError(f"{self.file}: {word!r} is not a number of {what}")
+        if not word.isdecimal() or len(word) > LONGEST:
+            raise FileError(f"{self.file}: {word[:20]!r} is not a number of {what}")
         return int(word)
 
     def numbers(self, count: int, type_name: str, what: str) -> NDArray[Any]:
         """The next numbers, of this type."""
         if type_name.lower() not in NUMBERS:
-            raise FileError(f"{self.file}: the {what} are of the type {type_name!r}, which is not known")
+            raise FileError(f"{self.file}: the {what} are of the type {type_name[:20]!r}, which is not known")
         there, wanted = len(self.data) - self.at, f"{count} numbers of the {what}"
         if self.binary:
             kind = np.dtype(NUMBERS[type_name.lower()])
@@ -235,7 +241,7 @@ class _Source:
             ends = self.numbers(count, kind[0], key)[1:]
             corners = self.numbers(size, self.word(self.skip_line("CONNECTIVITY")), key)
             return rows(self.file, corners, ends, n_points, key)
-        flat = self.numbers(size, "int", key).astype(np.int64)
+        flat = _integers(self.numbers(size, "int", key))
         if size == 4 * count and (flat[::4] == 3).all():
             heads = np.arange(0, size + 1, 4)
         else:
@@ -251,7 +257,7 @@ class _Source:
     def arrays(self, words: list[str], key: str, n: int) -> dict[str, Floats]:
         """The arrays of one section of data at points or cells."""
         if key not in SECTIONS:
-            raise FileError(f"{self.file}: {key[:60]!r} is not known in a VTK file of polygons")
+            raise FileError(f"{self.file}: {key[:20]!r} is not known in a VTK file of polygons")
         name = self.word(words)
         if key == "FIELD":
             return dict(self.field() for _ in range(self.natural(words, "arrays")))
@@ -271,11 +277,8 @@ class _Source:
         if words == ["METADATA"]:
             self.skip_paragraph()
             words = self.line()
-        name, components, n = (
-            self.word(words),
-            self.natural(words, "components"),
-            self.natural(words, "values"),
-        )
+        name, components = self.word(words), self.natural(words, "components")
+        n = self.natural(words, "values")
         return name, self.floats(n, self.word(words), name, components)
 
 

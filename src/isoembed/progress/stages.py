@@ -11,6 +11,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from isoembed.arrays import Floats
 from isoembed.progress.fingerprint import Fingerprint
 from isoembed.progress.time_left import TimeLeft
 
@@ -73,7 +74,7 @@ class Progress:
     seconds: float
     level: str | None = None
     remaining: float | None = None
-    vertices: NDArray[np.float64] | None = None
+    vertices: Floats | None = None
 
 
 @dataclass(frozen=True, eq=False)
@@ -122,7 +123,7 @@ class StageRecorder:
         partially_inverted: int | None = None,
         level: str | None = None,
         done: float | None = None,
-        vertices: NDArray[np.float64] | None = None,
+        vertices: Floats | None = None,
     ) -> None:
         """Send a snapshot to the listener, if there is one.  What is not given stays as it was.
 

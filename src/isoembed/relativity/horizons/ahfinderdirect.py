@@ -17,16 +17,14 @@ import re
 from dataclasses import dataclass, field
 
 import numpy as np
-from numpy.typing import NDArray
 
+from isoembed.arrays import Floats
 from isoembed.io.files import FileError
 from isoembed.io.input_file import InputFile, opened
 from isoembed.relativity.horizons.coordinate_shape import CoordinateShape, triangulate_star_shaped
 from isoembed.relativity.horizons.horizon_format import HorizonFormat
 from isoembed.smooth.harmonics import Harmonics
 from isoembed.thresholds import threshold
-
-Floats = NDArray[np.float64]
 
 HEADER = re.compile(r"[#%!;\"]+\s*(N_patches|origin|N_rho|N_sigma)\b\s*[=:]?\s*(.*)", re.IGNORECASE)
 PATCH = re.compile(r"[#%!;\"]+\s*([+-][xyz])[\s_-]*patch", re.IGNORECASE)

@@ -8,8 +8,8 @@ from itertools import chain
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from isoembed.arrays import Floats, Indices
 from isoembed.errors import InvalidMetric
 from isoembed.io import registry
 from isoembed.io.files import FileError, Tables
@@ -24,8 +24,6 @@ from isoembed.relativity.horizons.horizon_format import HorizonFormat
 from isoembed.relativity.horizons.spectre import SPECTRE
 from isoembed.smooth.grid_metric import GridMetric
 from isoembed.surface.measures import volume
-
-Floats = NDArray[np.float64]
 
 POINTS = ("points", "vertices")
 CENTERS = ("center", "origin")
@@ -135,7 +133,7 @@ def _shape_of(tables: Tables, source: str) -> CoordinateShape:
     return CoordinateShape(points, faces, center, time, source=source, fields=fields)
 
 
-def _outward(faces: Any, points: Floats, source: str) -> NDArray[np.int64]:
+def _outward(faces: Any, points: Floats, source: str) -> Indices:
     try:
         triangulation = Triangulation(faces)
     except InvalidMetric as error:

@@ -10,13 +10,12 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from isoembed.arrays import Indices
 from isoembed.io.files import FileError
 from isoembed.io.hdf5 import HDF5_ENDINGS, groups_in, numbers_in
 from isoembed.io.input_file import InputFile, opened
 from isoembed.relativity.horizons.coordinate_shape import CoordinateShape
 from isoembed.relativity.horizons.horizon_format import HorizonFormat
-
-Floats = NDArray[np.float64]
 
 COORDINATES = tuple(f"InertialCoordinates_{axis}" for axis in "xyz")
 
@@ -84,7 +83,7 @@ def _surfaces(file: Any) -> dict[str, Any]:
     return {name[:-4]: group for name, group in groups_in(file).items() if name.endswith(".vol")}
 
 
-def _quads(extents: NDArray[np.integer]) -> NDArray[np.int64]:
+def _quads(extents: NDArray[np.integer]) -> Indices:
     """The quadrilaterals of the grid, theta running fastest: the file's own are not oriented alike."""
     i, j = np.meshgrid(np.arange(int(extents[0]) - 1), np.arange(int(extents[1])))
     here, there = i + int(extents[0]) * j, i + int(extents[0]) * ((j + 1) % int(extents[1]))
