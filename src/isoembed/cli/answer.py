@@ -9,9 +9,10 @@ from pathlib import Path
 
 import isoembed
 from isoembed.cli.live import live_view
+from isoembed.cli.options import add_output_option, add_quiet_option
 from isoembed.cli.outputs import Outputs
 from isoembed.cli.pictures import PICTURES, add_picture_options, check_pictures, picture_writers
-from isoembed.cli.screen import UsageError, add_quiet_option, print_error, print_out
+from isoembed.cli.screen import UsageError, print_error, print_out
 from isoembed.cli.status import NOT_EMBEDDED, OK
 from isoembed.cli.summary import summary
 from isoembed.errors import NotEmbedded
@@ -23,13 +24,7 @@ from isoembed.progress.stages import Listener, Progress
 
 def add_output_options(parser: argparse.ArgumentParser) -> None:
     """Add the options that say where the answer goes."""
-    parser.add_argument(
-        "-o",
-        "--output",
-        type=Path,
-        metavar="FILE",
-        help=f"where to write the surface, by its ending: {' '.join(SURFACE_ENDINGS)}",
-    )
+    add_output_option(parser, f"where to write the surface, by its ending: {' '.join(SURFACE_ENDINGS)}")
     parser.add_argument("--report", type=Path, metavar="FILE.json", help="where to write the report")
     add_picture_options(parser)
     parser.add_argument(

@@ -8,17 +8,11 @@ from typing import Any
 
 import isoembed
 from isoembed.cli.answer import solved
+from isoembed.cli.closed_form import OF_SPACETIME, add_spacetime_options, closed_form, refuse_given
 from isoembed.cli.numbers import read_numbers
+from isoembed.cli.options import add_json_option, add_output_option, add_vertices_option, vertices
 from isoembed.cli.outputs import Outputs
 from isoembed.cli.screen import UsageError, print_error, print_json, print_out
-from isoembed.cli.smooth_options import (
-    OF_SPACETIME,
-    add_spacetime_options,
-    add_vertices_option,
-    closed_form,
-    refuse_given,
-    vertices,
-)
 from isoembed.cli.status import NOT_EMBEDDED, OK
 from isoembed.errors import InvalidMetric, NotEmbedded
 from isoembed.io import MESH_ENDINGS, SURFACE_ENDINGS, mesh_writer, surface_writer
@@ -70,13 +64,9 @@ def configure(parser: argparse.ArgumentParser) -> None:
     )
     add_spacetime_options(parser)
     add_vertices_option(parser)
-    parser.add_argument("--json", action="store_true", help="print one JSON object instead of text")
-    parser.add_argument(
-        "-o",
-        "--output",
-        type=Path,
-        metavar="FILE",
-        help=f"where to write the embedded surface, by its ending: {' '.join(SURFACE_ENDINGS)}",
+    add_json_option(parser)
+    add_output_option(
+        parser, f"where to write the embedded surface, by its ending: {' '.join(SURFACE_ENDINGS)}"
     )
     parser.add_argument(
         "--wang-yau",

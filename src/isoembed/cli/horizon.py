@@ -6,9 +6,9 @@ import argparse
 from importlib.util import find_spec
 from pathlib import Path
 
+from isoembed.cli.options import add_json_option, add_output_option, add_vertices_option, vertices
 from isoembed.cli.outputs import Outputs
 from isoembed.cli.screen import UsageError, print_error, print_json, print_out
-from isoembed.cli.smooth_options import add_vertices_option, vertices
 from isoembed.cli.status import NOT_EMBEDDED, OK
 from isoembed.io import FileError, mesh_writer, report_writer
 from isoembed.io.files import ending
@@ -63,15 +63,13 @@ def configure(parser: argparse.ArgumentParser) -> None:
     )
     parser.add_argument("--time", type=float, metavar="T", help="which slice of a SpECTRE file with several")
     parser.add_argument("--surface", metavar="NAME", help="which surface of a SpECTRE file with several")
-    parser.add_argument(
-        "-o",
-        "--output",
-        type=Path,
+    add_output_option(
+        parser,
+        "where to write, for each file, NAME.vtk with the surface, NAME.png and NAME.json",
         metavar="FOLDER",
-        help="where to write, for each file, NAME.vtk with the surface, NAME.png and NAME.json",
     )
     add_vertices_option(parser)
-    parser.add_argument("--json", action="store_true", help="print JSON: an object, or a list of them")
+    add_json_option(parser, "print JSON: an object, or a list of them")
 
 
 def run(options: argparse.Namespace) -> int:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import argparse
 
+from isoembed.cli.options import add_json_option
 from isoembed.cli.screen import print_json, print_out
 from isoembed.cli.status import OK
 from isoembed.io import read_metric
@@ -17,7 +18,7 @@ def configure(parser: argparse.ArgumentParser) -> None:
         metavar="INPUT",
         help="a metric (.npz .json), a mesh (.obj .ply .stl .off .vtk .vtu), or - for JSON on standard input",
     )
-    parser.add_argument("--json", action="store_true", help="print one JSON object instead of text")
+    add_json_option(parser)
 
 
 def run(options: argparse.Namespace) -> int:

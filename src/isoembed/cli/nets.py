@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 import argparse
-from pathlib import Path
 
-from isoembed.cli.screen import add_quiet_option, print_error, print_out
+from isoembed.cli.options import add_output_option, add_quiet_option
+from isoembed.cli.screen import print_error, print_out
 from isoembed.cli.status import NOT_EMBEDDED, OK
 from isoembed.gluing.classics import CLASSICS
 from isoembed.gluing.folding import fold
@@ -21,12 +21,9 @@ def configure(parser: argparse.ArgumentParser) -> None:
         choices=CLASSICS,
         help=f"which to solve: {', '.join(CLASSICS)}; without it they are listed",
     )
-    parser.add_argument(
-        "-o",
-        "--output",
-        type=Path,
-        metavar="FILE",
-        help="where to write the solids, by the ending "
+    add_output_option(
+        parser,
+        "where to write the solids, by the ending "
         f"({' '.join(SURFACE_ENDINGS)}): -o solid.obj writes solid-1.obj, solid-2.obj, ...",
     )
     add_quiet_option(parser)

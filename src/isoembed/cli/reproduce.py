@@ -5,21 +5,19 @@ from __future__ import annotations
 import argparse
 import sys
 from contextlib import suppress
-from pathlib import Path
 
-from isoembed.cli.screen import add_quiet_option, print_error, print_out
+from isoembed.cli.options import add_output_option, add_quiet_option
+from isoembed.cli.screen import print_error, print_out
 from isoembed.cli.status import NOT_EMBEDDED, OK
 
 
 def configure(parser: argparse.ArgumentParser) -> None:
     """Add the options of ``isoembed reproduce``."""
-    parser.add_argument(
-        "-o",
-        "--output",
-        type=Path,
+    add_output_option(
+        parser,
+        "the folder for report.html, numbers.json and figures/; made if it is not there",
         metavar="DIR",
         required=True,
-        help="the folder for report.html, numbers.json and figures/; made if it is not there",
     )
     parser.add_argument("--quick", action="store_true", help="small meshes: half a minute instead of six")
     add_quiet_option(parser)

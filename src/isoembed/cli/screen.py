@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import argparse
 import json
 import os
 import sys
@@ -16,11 +15,6 @@ class UsageError(ValueError):
 
 class OutputError(RuntimeError):
     """Standard output does not take the answer."""
-
-
-def add_quiet_option(parser: argparse.ArgumentParser) -> None:
-    """Add the option that silences the command."""
-    parser.add_argument("--quiet", action="store_true", help="print nothing but errors")
 
 
 def print_out(text: str) -> None:

@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import argparse
 from dataclasses import Field, fields
-from pathlib import Path
 from typing import Any, get_args, get_type_hints
 
+from isoembed.cli.options import add_output_option
 from isoembed.cli.screen import UsageError, print_out
 from isoembed.cli.status import OK
 from isoembed.gallery import SURFACES, Surface, triangulate
@@ -43,13 +43,10 @@ def configure(parser: argparse.ArgumentParser) -> None:
             metavar="SEED",
             help="irregular triangles on random points that keep apart (default: nearly equilateral ones)",
         )
-        options.add_argument(
-            "-o",
-            "--output",
-            type=Path,
+        add_output_option(
+            options,
+            f"{' '.join(METRIC_ENDINGS)}: the metric alone; {' '.join(MESH_ENDINGS)}: the mesh",
             required=True,
-            metavar="FILE",
-            help=f"{' '.join(METRIC_ENDINGS)}: the metric alone; {' '.join(MESH_ENDINGS)}: the mesh",
         )
 
 

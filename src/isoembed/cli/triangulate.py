@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 import argparse
-from pathlib import Path
 
 import numpy as np
 
+from isoembed.cli.closed_form import OF_SPACETIME, add_spacetime_options, closed_form, refuse_given
+from isoembed.cli.options import add_output_option
 from isoembed.cli.screen import UsageError, print_out
-from isoembed.cli.smooth_options import OF_SPACETIME, add_spacetime_options, closed_form, refuse_given
 from isoembed.cli.status import OK
 from isoembed.io import METRIC_ENDINGS, check_output, metric_writer, write_atomically
 from isoembed.relativity.horizons.grid_file import read_metric_grid
@@ -35,13 +35,10 @@ def configure(parser: argparse.ArgumentParser) -> None:
         help="vertices that follow the curvature, against one that follows the area: 0.1 suits sharp tips "
         "(default 0: all triangles alike)",
     )
-    parser.add_argument(
-        "-o",
-        "--output",
-        type=Path,
+    add_output_option(
+        parser,
+        f"{' '.join(METRIC_ENDINGS)}: faces, edges, lengths, and the directions (V, 3) of the vertices",
         required=True,
-        metavar="FILE",
-        help=f"{' '.join(METRIC_ENDINGS)}: faces, edges, lengths, and the directions (V, 3) of the vertices",
     )
 
 

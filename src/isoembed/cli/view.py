@@ -7,6 +7,7 @@ import tempfile
 import webbrowser
 from pathlib import Path
 
+from isoembed.cli.options import add_output_option
 from isoembed.cli.pictures import add_color_option
 from isoembed.cli.screen import UsageError, print_out
 from isoembed.cli.status import OK
@@ -28,12 +29,9 @@ def configure(parser: argparse.ArgumentParser) -> None:
         help=f"a surface with vertices ({' '.join(SURFACE_ENDINGS)}); if it holds lengths, too, length "
         "errors are against those",
     )
-    parser.add_argument(
-        "-o",
-        "--output",
-        type=Path,
-        metavar="FILE",
-        help=f"{' '.join(PAGE_ENDINGS)}: a page for the browser, in one file; {' '.join(PICTURE_ENDINGS)}: a "
+    add_output_option(
+        parser,
+        f"{' '.join(PAGE_ENDINGS)}: a page for the browser, in one file; {' '.join(PICTURE_ENDINGS)}: a "
         "picture (default: a page in a new temporary folder, which is opened in the browser)",
     )
     add_color_option(parser)

@@ -7,15 +7,26 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from isoembed.metric.polyhedral import PolyhedralMetric
 from isoembed.progress.stages import Progress
 from isoembed.surface.alignment import aligned
 from isoembed.surface.embedding import Embedding
 from isoembed.surface.measures import outward
+from isoembed.thresholds import threshold
 
 Floats = NDArray[np.float64]
 
 ANSWER = "answer"
-SEEN = 1e-3  # mean edge lengths: surfaces nearer to each other than this look the same
+
+
+@dataclass(frozen=True)
+class FilmThresholds:
+    """Thresholds of a film."""
+
+    seen: float = threshold(1e-3, "mean edge lengths", "Distance below which two surfaces look the same.")
+
+
+FILM = FilmThresholds()
 
 
 @dataclass(frozen=True, eq=False)
@@ -38,6 +49,15 @@ class Frame:
     t: float | None
     residual: float | None
     vertices: Floats
+
+    def surface(self, embedding: Embedding) -> Embedding:
+        """Surface of the frame, of which only the shape is of interest: it may be folded flat."""
+        return shape(embedding.metric, self.vertices, self.stage)
+
+
+def shape(metric: PolyhedralMetric, vertices: Floats, stage: str) -> Embedding:
+    """Surface that was not solved for, on the triangles of a metric."""
+    return Embedding(metric, vertices, method="", tolerance=1.0, message=stage)
 
 
 class Film:
@@ -84,7 +104,7 @@ class Film:
             vertices = aligned(outward(embedding.faces, taken.vertices), after)
             if (
                 np.linalg.norm(vertices - after, axis=1).max()
-                > SEEN * embedding.metric.normalized.mean_length
+                > FILM.seen * embedding.metric.normalized.mean_length
             ):
                 following = Frame(taken.stage, taken.t, taken.residual, unit * vertices)
                 frames.append(following)

@@ -8,6 +8,7 @@ import json
 import os
 import re
 from collections.abc import Callable, Sequence
+from dataclasses import dataclass
 from html import escape
 from importlib.resources import files
 from pathlib import Path
@@ -24,7 +25,7 @@ from isoembed.plot.browser.packing import Packed
 from isoembed.plot.browser.ramp import ramp
 from isoembed.plot.browser.report import number, report_html
 from isoembed.plot.browser.thinning import thinned
-from isoembed.plot.film import ANSWER, Frame
+from isoembed.plot.film import ANSWER, Frame, shape
 from isoembed.plot.quantity import (
     Quantity,
     concavity,
@@ -36,19 +37,29 @@ from isoembed.plot.quantity import (
 from isoembed.plot.view import Pose, camera
 from isoembed.surface.embedding import Embedding
 from isoembed.surface.measures import edge_lengths
+from isoembed.thresholds import threshold
 from isoembed.version import __version__
 
 Floats = NDArray[np.float64]
 
 PAGE_ENDINGS = (".html",)
-FRAMES = 40  # at most: more are not seen
-BYTES = 6_000_000  # of all frames but the last: a page of 8 MB with its text encoding
-ROUNDING = 1e-15  # mean edge lengths: lengths that were taken from vertices are theirs up to this
 LEAPT = (
     "The method leaped to this surface: there is none on the way to it. With --method paper there are some."
 )
 ALONE = "This method has no surface before the answer."
 COLORS = 65  # the browser interpolates between them
+
+
+@dataclass(frozen=True)
+class PageThresholds:
+    """Thresholds of a page."""
+
+    frames: int = threshold(40, "count", "Frames of a film, at most: more are not seen.")
+    size: int = threshold(6_000_000, "bytes", "Size of all frames but the last; as text a third more.")
+    rounding: float = threshold(1e-15, "mean edge lengths", "Residual of lengths taken from the vertices.")
+
+
+PAGE = PageThresholds()
 UNITS = {
     "mean curvature": "1 / length",
     "Gaussian curvature": "1 / length²",
@@ -60,15 +71,10 @@ TEX = {"$": "", r"\varepsilon_a": "ε", "A^*_a": "A*", "k_1": "k₁", "k_2": "k�
 
 
 def page_writer(
-    path: str | os.PathLike[str],
-    embedding: Embedding,
-    *,
-    frames: Sequence[Frame] = (),
-    title: str = "",
-    caption: str = "",
+    path: str | os.PathLike[str], embedding: Embedding, *, title: str = "", **contents: Any
 ) -> Writer:
     """Return what writes the page of a surface; see `write_atomically` and `write_page`."""
-    text = _page(embedding, frames, title or Path(path).stem, caption)
+    text = _page(embedding, title or Path(path).stem, **contents)
     return lambda temporary: _write(temporary, text)
 
 
@@ -107,7 +113,7 @@ def write_page(
     write_atomically({Path(path): page_writer(path, embedding, frames=frames, title=title, caption=caption)})
 
 
-def _page(embedding: Embedding, frames: Sequence[Frame], title: str, caption: str) -> str:
+def _page(embedding: Embedding, title: str, *, frames: Sequence[Frame] = (), caption: str = "") -> str:
     assets = files("isoembed.plot") / "browser"
     style, script, page = ((assets / f"page.{kind}").read_text("utf-8") for kind in ("css", "js", "html"))
     data, arrays = _data(embedding, frames)
@@ -143,7 +149,7 @@ def _caption(embedding: Embedding) -> str:
 
 def _is_its_own(embedding: Embedding) -> bool:
     """Whether nothing was computed and the lengths are those of the vertices: it has no residual to show."""
-    return not embedding.stages and embedding.residual <= ROUNDING
+    return not embedding.stages and embedding.residual <= PAGE.rounding
 
 
 def _data(embedding: Embedding, frames: Sequence[Frame]) -> tuple[dict[str, Any], str]:
@@ -153,32 +159,26 @@ def _data(embedding: Embedding, frames: Sequence[Frame]) -> tuple[dict[str, Any]
     own = not earlier and _is_its_own(embedding)
     shown = [q for q in quantities(embedding) if not (own and q.name == "residual")]
     size = t.n_vertices * (6 + 2 * len(shown)) + t.n_edges / 8
-    chosen = thinned([frame.stage for frame in earlier] + [ANSWER], int(min(FRAMES, 1 + BYTES // size)))
+    limit = int(min(PAGE.frames, 1 + PAGE.size // size))
+    chosen = thinned([frame.stage for frame in earlier] + [ANSWER], limit)
     pose = Pose.of(embedding.vertices)
+
+    def entry(
+        surface: Embedding, add: Callable[[Floats], dict[str, Any]], of: Sequence[Quantity]
+    ) -> dict[str, Any]:
+        return {
+            "concave": packed.add(np.packbits(surface.concave_edges, bitorder="little")),
+            "positions": add(pose.put(surface.vertices).ravel()),
+            "values": {q.name: _shades(q, add) for q in of},
+        }
 
     entries = []
     for frame in (earlier[k] for k in chosen[:-1]):
-        surface = Embedding(embedding.metric, frame.vertices, method="", tolerance=1.0, message=frame.stage)
-        entries.append(
-            {
-                "stage": frame.stage,
-                "t": frame.t,
-                "residual": _known(frame.residual),
-                "concave": packed.add(np.packbits(surface.concave_edges, bitorder="little")),
-                "positions": packed.add_short(pose.put(surface.vertices).ravel()),
-                "values": {q.name: _shades(q, packed.add_short) for q in _on_the_way(surface)},
-            }
-        )
-    entries.append(
-        {
-            "stage": ANSWER,
-            "t": frames[-1].t if frames else None,
-            "residual": embedding.residual,
-            "concave": packed.add(np.packbits(embedding.concave_edges, bitorder="little")),
-            "positions": packed.add_floats(pose.put(embedding.vertices).ravel()),
-            "values": {q.name: _shades(q, packed.add_floats) for q in shown},
-        }
-    )
+        surface = frame.surface(embedding)
+        told = {"stage": frame.stage, "t": frame.t, "residual": _known(frame.residual)}
+        entries.append(told | entry(surface, packed.add_short, _on_the_way(surface)))
+    told = {"stage": ANSWER, "t": frames[-1].t if frames else None, "residual": embedding.residual}
+    entries.append(told | entry(embedding, packed.add_floats, shown))
     return {
         "faces": packed.add(t.faces.ravel()),
         "edges": packed.add(t.edges.ravel()),
@@ -218,12 +218,7 @@ def _on_the_way(surface: Embedding) -> list[Quantity]:
             own = PolyhedralMetric.on(metric.triangulation, lengths)
         except InvalidMetric:  # a triangle without area has no curvature at its corners
             return found
-        return [
-            *found,
-            intrinsic_curvature(
-                Embedding(own, surface.vertices, method="", tolerance=1.0, message=surface.message)
-            ),
-        ]
+        return [*found, intrinsic_curvature(shape(own, surface.vertices, surface.message))]
 
 
 def _shades(quantity: Quantity, add: Callable[[Floats], dict[str, Any]]) -> dict[str, Any]:

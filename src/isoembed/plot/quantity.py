@@ -15,12 +15,22 @@ from isoembed.metric.curvature import area, dual_areas, gaussian_curvature
 from isoembed.metric.delaunay import delaunay
 from isoembed.progress.stages import Log
 from isoembed.surface.embedding import Embedding
+from isoembed.thresholds import threshold
 
 Floats = NDArray[np.float64]
 
-SMALLEST = 1e-17  # mean edge lengths: a residual of zero has a place on a logarithmic scale
-PERCENTILES = (1.0, 99.0)  # between which the colors run
-LARGEST = 1e300  # of a curvature: beyond, sums overflow
+
+@dataclass(frozen=True)
+class QuantityThresholds:
+    """Thresholds of what colors show."""
+
+    smallest: float = threshold(1e-17, "mean edge lengths", "Residual that one of zero is shown as.")
+    percentiles: tuple[float, float] = threshold((1.0, 99.0), "percent", "Values between which colors run.")
+    rounding: float = threshold(0.05, "relative", "Least half width of the colors: rounding is no structure.")
+    largest: float = threshold(1e300, "1 / length^2", "Curvature beyond which sums overflow.")
+
+
+QUANTITY = QuantityThresholds()
 
 
 @dataclass(frozen=True, eq=False)
@@ -51,12 +61,12 @@ class Quantity:
         values = self.values[np.isfinite(self.values)]
         if not values.size:
             return 0.0, 1.0
-        low, high = np.percentile(values, PERCENTILES)
+        low, high = np.percentile(values, QUANTITY.percentiles)
         if self.scale == "log":
             first = np.floor(np.log10(low))
             return float(10**first), float(10 ** max(np.ceil(np.log10(high)), first + 1))
         middle = (low + high) / 2
-        half = max((high - low) / 2, 0.05 * abs(middle))  # a sphere's rounding is no structure
+        half = max((high - low) / 2, QUANTITY.rounding * abs(middle))
         if half == 0:
             return 0.0, 1.0
         return float(middle - half), float(middle + half)
@@ -77,14 +87,14 @@ def intrinsic_curvature(embedding: Embedding) -> Quantity:
     values = np.full(len(known), np.nan)
     with np.errstate(over="ignore", divide="ignore", invalid="ignore"):
         curvature = gaussian_curvature(metric)
-    known &= np.abs(curvature) < LARGEST
+    known &= np.abs(curvature) < QUANTITY.largest
     values[known] = curvature[known]
     return Quantity("Gaussian curvature", r"Gaussian curvature  $K = \varepsilon_a / A^*_a$", values)
 
 
 def residual(embedding: Embedding) -> Quantity:
     """The largest length error of the edges at each vertex, in mean edge lengths."""
-    values = np.maximum(vertex_residuals(embedding), SMALLEST)
+    values = np.maximum(vertex_residuals(embedding), QUANTITY.smallest)
     return Quantity("residual", "largest length error, in mean edge lengths", values, "log")
 
 

@@ -2,15 +2,19 @@
 {
 // ---------------------------------------------------------------------------------------------- the data
 
+/** @type {(id: string) => any} */
 const $ = (id) => document.getElementById(id);
+/** @type {PageData} */
 const data = JSON.parse($("data").textContent);
 const bytes = Uint8Array.from(atob($("arrays").textContent), (c) => c.charCodeAt(0)).buffer;
 const KINDS = { f4: Float32Array, u1: Uint8Array, u2: Uint16Array, u4: Uint32Array };
 const MISSING = 65535; // of 16 bit: no value
 const CONCAVE = "concave edges", CONFORMAL = "conformal factor"; // quantities
 
-const stored = (entry) => new KINDS[entry.type](bytes, entry.at, entry.count);
+/** @type {(entry: Packed) => PackedArray} */
+const stored = (entry) => new /** @type {any} */ (KINDS[entry.type])(bytes, entry.at, entry.count);
 
+/** @param {PackedNumbers} entry */
 function numbers(entry) {
   const from = stored(entry), to = new Float64Array(entry.count);
   for (let i = 0; i < to.length; i++) {
@@ -28,13 +32,21 @@ const n = frames[last].positions.count / 3;
 const still = data.camera; // the first view: rows right, up, toward the viewer
 const view = { turn: still.slice(), zoom: 1, x: 0, y: 0 };
 const shown = { frame: last, quantity: data.quantities[0], mesh: true, creases: false, smooth: false };
-let positions, values, concave, low, high; // of the frame
+/** @type {Float64Array} */
+let positions;
+/** @type {Float64Array} */
+let values;
+/** @type {PackedArray} */
+let concave; // edges, a bit each
+let low = 0, high = 1; // where the colors begin and end; of the frame, like the three above
 let dirty = true, hovered = -1;
 
 // ------------------------------------------------------------------------------------------- words
 
+/** @type {Record<string, string>} */
 const RAISED = { "-": "⁻", 0: "⁰", 1: "¹", 2: "²", 3: "³", 4: "⁴", 5: "⁵", 6: "⁶", 7: "⁷", 8: "⁸", 9: "⁹" };
 
+/** @param {number | null} x */
 function written(x, digits = 4) {
   if (x === null || Number.isNaN(x)) return "no value";
   if (x === 0) return "0";
@@ -48,9 +60,12 @@ const meant = (s) => (shown.quantity.scale === "log" ? 10 ** s : s); // a stored
 
 // ------------------------------------------------------------------------------------------- WebGL
 
+/** @type {HTMLCanvasElement} */
 const canvas = $("canvas");
 const FAR = 6; // the viewer's distance, in half diameters
-let gl, parts;
+const gl = /** @type {WebGL2RenderingContext} */ (canvas.getContext("webgl2", { antialias: true, alpha: true, stencil: true }));
+/** @type {Parts} */
+let parts;
 
 const PROJECTION = `
 uniform mat3 turn; uniform vec4 frame; uniform float reach;
@@ -116,22 +131,24 @@ void main() {
   color = vec4(c.rgb, 1.0) * c.a * outer;
 }`];
 
+/** @param {string[]} sources */
 function program([vertex, fragment]) {
   const made = gl.createProgram();
-  for (const [kind, text] of [[gl.VERTEX_SHADER, vertex], [gl.FRAGMENT_SHADER, fragment]]) {
-    const shader = gl.createShader(kind);
+  for (const [kind, text] of /** @type {[number, string][]} */ ([[gl.VERTEX_SHADER, vertex], [gl.FRAGMENT_SHADER, fragment]])) {
+    const shader = /** @type {WebGLShader} */ (gl.createShader(kind));
     gl.shaderSource(shader, text);
     gl.compileShader(shader);
     gl.attachShader(made, shader);
   }
   gl.linkProgram(made);
   if (!gl.getProgramParameter(made, gl.LINK_STATUS) && !gl.isContextLost()) {
-    throw new Error(gl.getAttachedShaders(made).map((s) => gl.getShaderInfoLog(s)).join("\n"));
+    throw new Error((gl.getAttachedShaders(made) ?? []).map((s) => gl.getShaderInfoLog(s)).join("\n"));
   }
   const count = gl.getProgramParameter(made, gl.ACTIVE_UNIFORMS);
+  /** @type {Program["at"]} */
   const at = {};
   for (let k = 0; k < count; k++) {
-    const { name } = gl.getActiveUniform(made, k);
+    const { name } = /** @type {WebGLActiveInfo} */ (gl.getActiveUniform(made, k));
     at[name] = gl.getUniformLocation(made, name);
   }
   return { made, at };
@@ -143,12 +160,12 @@ function build() {
   gl.enable(gl.STENCIL_TEST);
   gl.stencilOp(gl.KEEP, gl.KEEP, gl.REPLACE);
   gl.blendFunc(gl.ONE, gl.ONE_MINUS_SRC_ALPHA);
-  parts = { surface: program(SURFACE), lines: program(LINES) };
-  const buffer = (location, size, place) => {
+  parts = /** @type {Parts} */ ({ surface: program(SURFACE), lines: program(LINES) });
+  const buffer = (location, size, layOut) => {
     const made = gl.createBuffer();
     gl.bindBuffer(gl.ARRAY_BUFFER, made);
     gl.enableVertexAttribArray(location);
-    place(location, size);
+    layOut(location, size);
     return made;
   };
   const floats = (location, size) => gl.vertexAttribPointer(location, size, gl.FLOAT, false, 0, 0);
@@ -176,10 +193,8 @@ function build() {
   const texture = (unit) => {
     gl.activeTexture(gl.TEXTURE0 + unit);
     gl.bindTexture(gl.TEXTURE_2D, gl.createTexture());
-    for (const [name, value] of [["MIN_FILTER", unit ? gl.NEAREST : gl.LINEAR], ["MAG_FILTER", unit ? gl.NEAREST : gl.LINEAR]]) {
-      gl.texParameteri(gl.TEXTURE_2D, gl[`TEXTURE_${name}`], value);
-    }
-    for (const axis of ["S", "T"]) gl.texParameteri(gl.TEXTURE_2D, gl[`TEXTURE_WRAP_${axis}`], gl.CLAMP_TO_EDGE);
+    for (const name of [gl.TEXTURE_MIN_FILTER, gl.TEXTURE_MAG_FILTER]) gl.texParameteri(gl.TEXTURE_2D, name, unit ? gl.NEAREST : gl.LINEAR);
+    for (const name of [gl.TEXTURE_WRAP_S, gl.TEXTURE_WRAP_T]) gl.texParameteri(gl.TEXTURE_2D, name, gl.CLAMP_TO_EDGE);
   };
   texture(0);
   const colors = Uint8Array.from(data.ramp.flatMap((c) => [1, 3, 5].map((k) => parseInt(c.slice(k, k + 2), 16)).concat(255)));
@@ -226,7 +241,7 @@ function upload() { // the frame and its colors
   for (let e = 0; e < edges.length / 2; e++) {
     if (concave[e >> 3] & (1 << (e & 7))) creased.push(edges[2 * e], edges[2 * e + 1]);
   }
-  fill(parts.creases.ends, edges.constructor.from(creased));
+  fill(parts.creases.ends, new KINDS[data.edges.type](creased));
   parts.creases.count = creased.length / 2;
   gl.activeTexture(gl.TEXTURE1);
   gl.texImage2D(gl.TEXTURE_2D, 0, gl.RGBA32F, 1024, rows, 0, gl.RGBA, gl.FLOAT, texels);
@@ -235,30 +250,30 @@ function upload() { // the frame and its colors
 // ------------------------------------------------------------------------------------------- the picture
 
 function fit() { // the size of the canvas, and of the half diameter in it, in pixels
-  const { clientWidth: w, clientHeight: h } = canvas, [across, down] = seen;
+  const { clientWidth: w, clientHeight: h } = canvas, [halfWidth, halfHeight] = seen;
   const round = 0.9 * Math.min(w, h) / 2; // whichever way it is turned
-  return { w, h, unit: Math.min(0.9 * w / 2 / across, 0.86 * h / 2 / down, 1.3 * round) };
+  return { w, h, unit: Math.min(0.9 * w / 2 / halfWidth, 0.86 * h / 2 / halfHeight, 1.3 * round) };
 }
 
 const seen = [0, 0]; // half of the width and height of the first view, in half diameters of the answer
-let most = 1; // of all frames, from its center
+let outermost = 1; // of all frames, from its center
 
 for (const frame of frames) {
   const p = numbers(frame.positions), rows = [still.slice(0, 3), still.slice(3, 6)];
   for (let v = 0; v < p.length; v += 3) {
-    most = Math.max(most, Math.hypot(p[v], p[v + 1], p[v + 2]));
+    outermost = Math.max(outermost, Math.hypot(p[v], p[v + 1], p[v + 2]));
     rows.forEach(([a, b, c], k) => (seen[k] = Math.max(seen[k], Math.abs(a * p[v] + b * p[v + 1] + c * p[v + 2]))));
   }
 }
-most = Math.min(most, 0.8 * FAR);
-const reach = 1.02 * most, shrink = Math.min(1, 1.4 / Math.max(...seen)); // wild frames may leave the picture
+outermost = Math.min(outermost, 0.8 * FAR);
+const reach = 1.02 * outermost, shrink = Math.min(1, 1.4 / Math.max(...seen)); // wild frames may leave the picture
 seen.forEach((half, k) => (seen[k] = Math.max(shrink * half, 0.2)));
 
 function draw() {
   const ratio = Math.min(window.devicePixelRatio || 1, 3), { w, h, unit } = fit();
-  const [across, down] = [Math.max(1, Math.round(ratio * w)), Math.max(1, Math.round(ratio * h))];
-  if (canvas.width !== across || canvas.height !== down) [canvas.width, canvas.height] = [across, down];
-  gl.viewport(0, 0, across, down);
+  const width = Math.max(1, Math.round(ratio * w)), height = Math.max(1, Math.round(ratio * h));
+  if (canvas.width !== width || canvas.height !== height) [canvas.width, canvas.height] = [width, height];
+  gl.viewport(0, 0, width, height);
   gl.clearColor(0, 0, 0, 0);
   gl.clear(gl.COLOR_BUFFER_BIT | gl.DEPTH_BUFFER_BIT | gl.STENCIL_BUFFER_BIT);
   const t = view.turn, columns = [t[0], t[3], t[6], t[1], t[4], t[7], t[2], t[5], t[8]];
@@ -287,12 +302,12 @@ function draw() {
 
   const at = common(parts.lines);
   gl.uniform1i(at.points, 1);
-  gl.uniform2f(at.size, across / 2, down / 2);
+  gl.uniform2f(at.size, width / 2, height / 2);
   gl.depthMask(false);
   gl.enable(gl.BLEND);
-  const lines = ({ made, count }, width, core, casing, lift) => {
-    gl.uniform1f(at.width, ratio * width[1]);
-    gl.uniform1f(at.coreWidth, ratio * width[0]);
+  const lines = ({ made, count }, widths, core, casing, lift) => {
+    gl.uniform1f(at.width, ratio * widths[1]);
+    gl.uniform1f(at.coreWidth, ratio * widths[0]);
     gl.uniform4fv(at.core, core);
     gl.uniform4fv(at.casing, casing);
     gl.uniform1f(at.lift, lift);
@@ -306,9 +321,9 @@ function draw() {
     lines(parts.mesh, [0.7, 0.7], black, black, 0.001);
   }
   if ((shown.creases || shown.quantity.name === CONCAVE) && parts.creases.count) {
-    const width = Math.min(Math.max(length / 7, 1.1), 2.4);
+    const core = Math.min(Math.max(length / 7, 1.1), 2.4);
     gl.stencilFunc(gl.EQUAL, 1, 1); // nothing of them beside the surface
-    lines(parts.creases, [width, width + 1.6], [0.06, 0.05, 0.08, 1], [1, 1, 1, 0.75], 0.005);
+    lines(parts.creases, [core, core + 1.6], [0.06, 0.05, 0.08, 1], [1, 1, 1, 0.75], 0.005);
   }
   gl.bindVertexArray(null);
   gl.depthMask(true);
@@ -365,11 +380,11 @@ function legend() {
 
 function marks(kind) { // where the numbers stand beside the colors
   if (kind === "log" && high - low < 2) { // 1, 2 and 5 times powers of ten
-    const powers = Array.from({ length: 5 }, (_, k) => Math.floor(low) + k);
+    const powers = [0, 1, 2, 3, 4].map((k) => Math.floor(low) + k);
     return powers.flatMap((k) => [1, 2, 5].map((m) => k + Math.log10(m))).filter((value) => low <= value && value <= high);
   }
   const rough = (high - low) / 4, power = 10 ** Math.floor(Math.log10(rough));
-  const step = kind === "log" ? Math.max(1, Math.round(rough)) : power * [1, 2, 2.5, 5, 10].find((k) => k * power >= rough * 0.95);
+  const step = kind === "log" ? Math.max(1, Math.round(rough)) : power * ([1, 2, 2.5, 5, 10].find((k) => k * power >= rough * 0.95) ?? 10);
   const found = [];
   for (let k = Math.ceil(low / step - 1e-9); k <= high / step + 1e-9; k++) found.push(Number((k * step).toPrecision(12)));
   return found;
@@ -411,6 +426,7 @@ function turn(across, level, twist) { // by angles about the upright axis, the l
   changed();
 }
 
+/** @param {number[]} rows */
 function orthonormal([a, b, c, d, e, f]) { // the rows do not drift
   const first = Math.hypot(a, b, c);
   [a, b, c] = [a / first, b / first, c / first];
@@ -437,7 +453,9 @@ function changed() {
   placed = null;
 }
 
+/** @type {Map<number, [number, number]>} */
 const pointers = new Map();
+/** @type {(event: MouseEvent) => [number, number]} */
 const where = (event) => {
   const box = canvas.getBoundingClientRect();
   return [event.clientX - box.left - box.width / 2, box.top + box.height / 2 - event.clientY];
@@ -463,7 +481,7 @@ function move(event) {
     const { unit } = fit();
     turn(dx / unit, -dy / unit, 0);
   } else {
-    const other = [...pointers].find(([id]) => id !== event.pointerId)[1];
+    const [other] = [...pointers].flatMap(([id, there]) => (id === event.pointerId ? [] : [there]));
     const arm = [before[0] - other[0], before[1] - other[1]], now = [here[0] - other[0], here[1] - other[1]];
     zoom(Math.hypot(...now) / Math.max(Math.hypot(...arm), 1), ...other);
     turn(0, 0, Math.atan2(arm[0] * now[1] - arm[1] * now[0], arm[0] * now[0] + arm[1] * now[1]));
@@ -483,33 +501,37 @@ const KEYS = {
 
 // ------------------------------------------------------------------------------------ the vertex pointed at
 
+/** @type {Float32Array | null} */
 let placed = null; // the vertices on the screen: pixels from the center, and nearness
 
 function place() {
   const { unit } = fit(), grown = view.zoom * unit, t = view.turn;
-  placed = new Float32Array(3 * n);
+  const at = new Float32Array(3 * n);
   for (let v = 0; v < 3 * n; v += 3) {
     const [x, y, z] = [positions[v], positions[v + 1], positions[v + 2]];
     const near = t[6] * x + t[7] * y + t[8] * z, w = 1 - near / FAR;
-    placed[v] = (t[0] * x + t[1] * y + t[2] * z) * grown / w + view.x;
-    placed[v + 1] = (t[3] * x + t[4] * y + t[5] * z) * grown / w + view.y;
-    placed[v + 2] = near;
+    at[v] = (t[0] * x + t[1] * y + t[2] * z) * grown / w + view.x;
+    at[v + 1] = (t[3] * x + t[4] * y + t[5] * z) * grown / w + view.y;
+    at[v + 2] = near;
   }
+  placed = at;
+  return at;
 }
 
+/** @param {number[]} here */
 function hover([x, y]) { // the nearest corner of the front triangle there
-  if (!placed) place();
+  const at = placed ?? place();
   let best = -Infinity, found = -1;
   for (let f = 0; f < faces.length; f += 3) {
     const a = 3 * faces[f], b = 3 * faces[f + 1], c = 3 * faces[f + 2];
-    const u = (placed[b] - x) * (placed[c + 1] - y) - (placed[c] - x) * (placed[b + 1] - y);
-    const v = (placed[c] - x) * (placed[a + 1] - y) - (placed[a] - x) * (placed[c + 1] - y);
-    const w = (placed[a] - x) * (placed[b + 1] - y) - (placed[b] - x) * (placed[a + 1] - y);
+    const u = (at[b] - x) * (at[c + 1] - y) - (at[c] - x) * (at[b + 1] - y);
+    const v = (at[c] - x) * (at[a + 1] - y) - (at[a] - x) * (at[c + 1] - y);
+    const w = (at[a] - x) * (at[b + 1] - y) - (at[b] - x) * (at[a + 1] - y);
     if ((u >= 0 && v >= 0 && w >= 0) || (u <= 0 && v <= 0 && w <= 0)) {
-      const nearness = (u * placed[a + 2] + v * placed[b + 2] + w * placed[c + 2]) / (u + v + w);
+      const nearness = (u * at[a + 2] + v * at[b + 2] + w * at[c + 2]) / (u + v + w);
       if (nearness > best) {
         best = nearness;
-        const apart = [a, b, c].map((p) => Math.hypot(placed[p] - x, placed[p + 1] - y));
+        const apart = [a, b, c].map((p) => Math.hypot(at[p] - x, at[p + 1] - y));
         found = [a, b, c][apart.indexOf(Math.min(...apart))] / 3;
       }
     }
@@ -521,9 +543,9 @@ function hover([x, y]) { // the nearest corner of the front triangle there
 function point() { // mark the vertex, and say what it is
   $("mark").hidden = $("tip").hidden = hovered < 0;
   if (hovered < 0) return;
-  if (!placed) place();
+  const at = placed ?? place();
   const { w, h } = fit();
-  const [x, y] = [w / 2 + placed[3 * hovered], h / 2 - placed[3 * hovered + 1]];
+  const [x, y] = [w / 2 + at[3 * hovered], h / 2 - at[3 * hovered + 1]];
   const name = document.createElement("b");
   name.textContent = `vertex ${hovered}`;
   $("tip").replaceChildren(name, `  ${shown.quantity.name} ${written(meant(values[hovered]))}`);
@@ -541,7 +563,10 @@ const PACE = 140; // milliseconds a frame
 function play(now) {
   if (!playing) return;
   if (now >= playing) {
-    if (shown.frame === last) return pause();
+    if (shown.frame === last) {
+      pause();
+      return;
+    }
     show(shown.frame + 1);
     playing = now + (frames[shown.frame].stage === frames[shown.frame - 1].stage ? PACE : 3 * PACE);
   }
@@ -579,7 +604,6 @@ $("theme").addEventListener("click", () => {
   document.documentElement.dataset.theme = dark() ? "light" : "dark";
 });
 
-gl = canvas.getContext("webgl2", { antialias: true, alpha: true, stencil: true });
 if (gl) {
   build();
   $("controls").hidden = false;

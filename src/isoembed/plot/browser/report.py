@@ -10,7 +10,19 @@ MARKS = {"converged": "yes", "best fit": "near"}  # the class of a status; any o
 NONE, TIMES = "\N{EN DASH}", "\N{NO-BREAK SPACE}\N{MULTIPLICATION SIGN}\N{NO-BREAK SPACE}"
 RAISED = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
 
-Rows = Iterable[tuple[str, str]]
+INPUT = {
+    "vertices": "vertices",
+    "edges": "edges",
+    "triangles": "faces",
+    "vertices with a negative deficit": "negative_deficits",
+}
+MEASURES = {
+    "area": "area",
+    "volume": "volume",
+    "∫ <i>H</i> d<i>A</i>, <i>H</i> = (<i>k</i>₁ + <i>k</i>₂)/2": "integrated_mean_curvature",
+}
+
+Rows = Iterable[tuple[str, str | float | None]]
 
 
 def report_html(report: Mapping[str, Any]) -> str:
@@ -22,57 +34,26 @@ def report_html(report: Mapping[str, Any]) -> str:
         `Embedding.report`.
     """
     given, residual, convexity = report["input"], report["residual"], report["convexity"]
-    smoothness, others = report["smoothness"], report["other_realizations"]
-    paths = [("along the given edges", number(residual["paths"]))] if "paths" in residual else []
+    paths = [("along the given edges", residual["paths"])] if "paths" in residual else []
+    found = [
+        ("method", f'<span class="words">{escape(report["method"])}</span>'),
+        ("tolerance", report["tolerance"]),
+        *((name, given[key]) for name, key in INPUT.items()),
+    ]
+    errors = [("mean", residual["mean"]), ("standard deviation", residual["std"])]
+    measures = [(name, report[key]) for name, key in MEASURES.items()]
+    columns = ("distance", "roughness")
+    others = [tuple(number(other[key]) for key in columns) for other in report["other_realizations"]]
     parts = [
         f'<p class="status {MARKS.get(report["status"], "no")}">{escape(report["status"])}</p>',
         f'<p class="message">{escape(report["message"])}</p>',
-        _table(
-            "How it was found",
-            [
-                ("method", f'<span class="words">{escape(report["method"])}</span>'),
-                ("tolerance", number(report["tolerance"])),
-                ("vertices", number(given["vertices"])),
-                ("edges", number(given["edges"])),
-                ("triangles", number(given["faces"])),
-                ("vertices with a negative deficit", number(given["negative_deficits"])),
-            ],
-        ),
-        _table(
-            "Length errors, in mean edge lengths",
-            [
-                ("largest", number(residual["max"])),
-                *paths,
-                ("mean", number(residual["mean"])),
-                ("standard deviation", number(residual["std"])),
-            ],
-        ),
-        _table(
-            "Convexity",
-            [
-                ("concave edges", number(convexity["concave_edges"])),
-                ("inverted vertices", number(convexity["inverted_vertices"])),
-                ("partially inverted vertices", number(convexity["partially_inverted_vertices"])),
-            ],
-        ),
-        _table(
-            "Measures, in the unit of the lengths",
-            [
-                ("area", number(report["area"])),
-                ("volume", number(report["volume"])),
-                (
-                    "∫ <i>H</i> d<i>A</i>, <i>H</i> = (<i>k</i>₁ + <i>k</i>₂)/2",
-                    number(report["integrated_mean_curvature"]),
-                ),
-            ],
-        ),
-        _table("Smoothness", [(_words(key), number(value)) for key, value in smoothness.items()]),
+        _table("How it was found", found),
+        _table("Length errors, in mean edge lengths", [("largest", residual["max"]), *paths, *errors]),
+        _table("Convexity", [(_words(key), value) for key, value in convexity.items()]),
+        _table("Measures, in the unit of the lengths", measures),
+        _table("Smoothness", [(_words(key), value) for key, value in report["smoothness"].items()]),
         _grid("Stages", ("stage", "seconds", "steps", "factor&shy;izations"), _stages(report["stages"])),
-        _grid(
-            "Other realizations of these lengths",
-            ("distance", "roughness"),
-            [(number(other["distance"]), number(other["roughness"])) for other in others],
-        ),
+        _grid("Other realizations of these lengths", columns, others),
     ]
     parts += [
         _table(_words(key).capitalize(), _flattened(report[key]))
@@ -106,9 +87,9 @@ def _stages(stages: Iterable[Mapping[str, Any]]) -> list[tuple[str, ...]]:
     ]
 
 
-def _flattened(entries: Mapping[str, Any], above: str = "") -> list[tuple[str, str]]:
+def _flattened(entries: Mapping[str, Any], above: str = "") -> list[tuple[str, str | float | None]]:
     """Rows of nested entries; of a list its length."""
-    rows: list[tuple[str, str]] = []
+    rows: list[tuple[str, str | float | None]] = []
     for key, value in entries.items():
         name = f"{above}{_words(key)}"
         if isinstance(value, Mapping):
@@ -118,7 +99,7 @@ def _flattened(entries: Mapping[str, Any], above: str = "") -> list[tuple[str, s
         elif isinstance(value, str):
             rows.append((name, f'<span class="words">{escape(value)}</span>'))
         else:
-            rows.append((name, number(len(value) if isinstance(value, list) else value)))
+            rows.append((name, len(value) if isinstance(value, list) else value))
     return rows
 
 
@@ -127,7 +108,9 @@ def _words(key: str) -> str:
 
 
 def _table(caption: str, rows: Rows) -> str:
-    body = "".join(f'<tr><th scope="row">{name}</th><td>{value}</td></tr>' for name, value in rows)
+    """A table with a row for each entry: text as it is, or a number."""
+    texts = [(name, value if isinstance(value, str) else number(value)) for name, value in rows]
+    body = "".join(f'<tr><th scope="row">{name}</th><td>{text}</td></tr>' for name, text in texts)
     return f"<table><caption>{caption}</caption>{body}</table>"
 
 

@@ -1,4 +1,4 @@
-"""Options of the commands that take smooth surfaces: which closed form, and how many vertices."""
+"""A surface of a closed-form spacetime from the options that name it."""
 
 from __future__ import annotations
 
@@ -11,7 +11,6 @@ from isoembed.relativity.spacetimes.closed_form import SURFACES, Slice, kerr_sur
 from isoembed.relativity.spacetimes.surface_data import SurfaceData
 
 OF_SPACETIME = ("mass", "spin", "charge", "surface", "slice")  # options that need a --spacetime
-DEFAULT, FEWEST = 1000, 12  # vertices
 
 
 def add_spacetime_options(parser: argparse.ArgumentParser) -> None:
@@ -31,29 +30,6 @@ def add_spacetime_options(parser: argparse.ArgumentParser) -> None:
         choices=slices,
         help=f"the slice of spacetime that the surface lies in, for k and p (default {slices[0]})",
     )
-
-
-def add_vertices_option(parser: argparse.ArgumentParser) -> None:
-    """Add the option that says how fine the mesh of a smooth surface is."""
-    parser.add_argument(
-        "--vertices",
-        type=int,
-        metavar="N",
-        help=f"of the mesh that finds a smooth surface, and of the one that is written (default {DEFAULT})",
-    )
-
-
-def vertices(options: argparse.Namespace) -> int:
-    """How many vertices the mesh of a smooth surface has.
-
-    Raises
-    ------
-    UsageError
-        They are too few.
-    """
-    if options.vertices is not None and options.vertices < FEWEST:
-        raise UsageError(f"--vertices must be at least {FEWEST}, not {options.vertices}")
-    return DEFAULT if options.vertices is None else int(options.vertices)
 
 
 def refuse_given(options: argparse.Namespace, names: tuple[str, ...], why: str) -> None:

@@ -1,0 +1,65 @@
+// What plot/page.py puts into a page, as page.js sees it.
+
+type PackedArray = Float32Array | Uint8Array | Uint16Array | Uint32Array;
+
+interface Packed {
+  at: number;
+  type: "f4" | "u1" | "u2" | "u4";
+  count: number;
+}
+
+interface PackedNumbers extends Packed {
+  low: number;
+  step: number;
+}
+
+interface Shades extends PackedNumbers {
+  bounds: [number, number];
+}
+
+interface Frame {
+  stage: string;
+  t: number | null;
+  residual: number | null;
+  concave: Packed;
+  positions: PackedNumbers;
+  values: Record<string, Shades>;
+}
+
+interface Quantity {
+  name: string;
+  label: string;
+  unit: string;
+  scale: "linear" | "log";
+}
+
+interface PageData {
+  faces: Packed;
+  edges: Packed;
+  pose: { center: number[]; axes: number[][]; size: number };
+  alone: string;
+  camera: number[];
+  ramp: string[];
+  quantities: Quantity[];
+  frames: Frame[];
+}
+
+interface Program {
+  made: WebGLProgram;
+  at: Record<string, WebGLUniformLocation | null>;
+}
+
+interface Lines {
+  made: WebGLVertexArrayObject;
+  ends: WebGLBuffer;
+  count: number;
+}
+
+interface Parts {
+  surface: Program;
+  lines: Program;
+  kind: number;
+  mantle: { made: WebGLVertexArrayObject; positions: WebGLBuffer; normals: WebGLBuffer; shades: WebGLBuffer };
+  mesh: Lines;
+  creases: Lines;
+}
