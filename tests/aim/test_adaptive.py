@@ -9,6 +9,7 @@ import isoembed
 import smooth_bodies
 import zoo
 from isoembed.aim.adaptive import Aim
+from isoembed.aim.convexification import Convexification
 from isoembed.errors import NotEmbedded
 from isoembed.gallery import (
     Bean,
@@ -201,13 +202,13 @@ def test_lengths_of_no_surface():
 def test_a_loose_tolerance_does_not_make_the_answer_worse():
     vertices, faces = triangulate(CassiniPeanut(), 300)
     metric = PolyhedralMetric.from_mesh(vertices, faces)
-    surface = isoembed.embed(metric, tolerance=0.5)  # which the waypoint's polyhedron meets
+    surface = isoembed.embed(metric, tolerance=0.5)  # which the convex metric's polyhedron meets
     assert smooth_bodies.misfit(surface.vertices, vertices) < 1e-9
     assert all(other.residual < 1e-9 for other in surface.others)
 
 
-def test_without_a_waypoint_it_begins_on_the_sphere(monkeypatch):
-    monkeypatch.setattr("isoembed.aim.adaptive.convexified", lambda *_: None)
+def test_without_a_convex_metric_it_begins_on_the_sphere(monkeypatch):
+    monkeypatch.setattr(Convexification, "metric", lambda *_: None)
     surface, error = recovered(*triangulate(CassiniPeanut(), 300))
     assert "sphere" in [stage.name for stage in surface.stages]
     assert error < 1e-9

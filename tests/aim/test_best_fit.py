@@ -1,5 +1,7 @@
 """The best fit to noisy lengths: near the surface they came from, with the noise that was put in."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
@@ -9,6 +11,7 @@ import zoo
 from isoembed.aim import best_fit as module
 from isoembed.aim.adaptive import Aim
 from isoembed.aim.best_fit import best_fit
+from isoembed.aim.regularized_energy import RegularizedEnergy
 from isoembed.errors import InvalidParameter, NotEmbedded
 from isoembed.gallery import CassiniPeanut, HarmonicSurface, triangulate
 from isoembed.metric.polyhedral import PolyhedralMetric
@@ -26,6 +29,10 @@ def noisy(vertices, faces, noise, seed=0):
     return metric.normalized, vertices / radii * radii.mean() / metric.unit, vertices / metric.unit
 
 
+def fitted(metric, start, recorder):
+    return best_fit(metric, RegularizedEnergy(metric, start), start, recorder)
+
+
 BODIES = {
     "ellipsoid": smooth_bodies.ellipsoid(400),
     "peanut": triangulate(CassiniPeanut(), 400),
@@ -38,7 +45,7 @@ BODIES = {
 def test_it_is_as_near_as_the_noise_and_tells_it(body, noise):
     metric, sphere, truth = noisy(*body, noise)
     recorder = smooth_bodies.recorder()
-    fit = best_fit(metric, sphere, recorder)
+    fit = fitted(metric, sphere, recorder)
     assert fit.noise == pytest.approx(noise, rel=0.35)
     assert smooth_bodies.misfit(fit.vertices, truth) < 6 * noise  # the farthest vertex, over the size
     assert recorder.factorizations <= 30
@@ -48,26 +55,26 @@ def test_it_is_as_near_as_the_noise_and_tells_it(body, noise):
 def test_the_weight_is_nearly_that_of_one_who_knows_the_lengths(body):
     metric, sphere, truth = noisy(*body, 2e-3)
     exact, x = edge_lengths(metric.edges, truth), sphere
-    fits, risks = module._Fits(metric, sphere, smooth_bodies.recorder(), None), {}
+    fits, risks = module._Fits(metric, RegularizedEnergy(metric, sphere), smooth_bodies.recorder()), {}
     for weight in (100.0, 10.0, 1.0, 0.1, 0.01, 0.001, 1e-4, 1e-5):
         x = fits.fit(x, weight).vertices
         risks[weight] = np.sum((edge_lengths(metric.edges, x) - exact) ** 2)
-    weight = best_fit(metric, sphere, smooth_bodies.recorder()).weight
+    weight = fitted(metric, sphere, smooth_bodies.recorder()).weight
     assert risks[weight] < 1.5 * min(risks.values())
     assert max(risks.values()) > 3 * min(risks.values())
 
 
 def test_degrees_of_freedom_are_a_trace(monkeypatch):
-    monkeypatch.setattr(module, "PROBES", 200)
+    monkeypatch.setattr(module, "BEST_FIT", replace(module.BEST_FIT, probes=200))
     metric, _, x = noisy(*zoo.icosphere(1), 1e-3)
-    fits, mu = module._Fits(metric, x, smooth_bodies.recorder(), None), 5.0
+    fits, mu = module._Fits(metric, RegularizedEnergy(metric, x), smooth_bodies.recorder()), 5.0
     n = x.size
     rows = edge_rows(metric.triangulation, x, metric.lengths)
     a, b = metric.edges.T
     J = np.zeros((len(a), len(x), 3))
     J[np.arange(len(a)), a], J[np.arange(len(a)), b] = rows, -rows
     J = J.reshape(len(a), n)
-    penalty = np.column_stack([fits._guide.roughness(e.reshape(-1, 3), 0.0).ravel() for e in np.eye(n)])
+    penalty = np.column_stack([fits._energy.roughness(e.reshape(-1, 3), 0.0).ravel() for e in np.eye(n)])
     H = J @ np.linalg.solve(J.T @ J + mu * penalty + 1e-9 * np.eye(n), J.T)
     assert fits._degrees_of_freedom(x, mu) == pytest.approx(len(a) - np.trace(H), rel=0.03)
     assert 20 < np.trace(H) < len(a) - 20
@@ -75,7 +82,7 @@ def test_degrees_of_freedom_are_a_trace(monkeypatch):
 
 def test_lengths_without_errors_are_met():
     metric, sphere, truth = noisy(*BODIES["peanut"], 0.0)
-    fit = best_fit(metric, sphere, smooth_bodies.recorder())
+    fit = fitted(metric, sphere, smooth_bodies.recorder())
     assert fit.noise < 1e-5
     assert smooth_bodies.misfit(fit.vertices, truth) < 1e-5
 
@@ -83,8 +90,8 @@ def test_lengths_without_errors_are_met():
 def test_the_unit_does_not_matter():
     metric, sphere, _ = noisy(*BODIES["ellipsoid"], 1e-2)
     scale = 1.9 / metric.mean_length
-    plain = best_fit(metric, sphere, smooth_bodies.recorder())
-    scaled = best_fit(metric.with_lengths(scale * metric.lengths), scale * sphere, smooth_bodies.recorder())
+    plain = fitted(metric, sphere, smooth_bodies.recorder())
+    scaled = fitted(metric.scaled(scale), scale * sphere, smooth_bodies.recorder())
     assert scaled.weight == plain.weight
     assert scaled.noise == pytest.approx(plain.noise, rel=1e-3)
     assert smooth_bodies.misfit(scaled.vertices, scale * plain.vertices) < 1e-3

@@ -5,7 +5,7 @@ import pytest
 
 import zoo
 from isoembed.aim.anneal import Annealed
-from isoembed.aim.convexity import PRINTED, crumpled_vertices, pop_and_anneal, popped
+from isoembed.aim.convexity import PRINTED, crumpled_vertices, reflect_and_anneal, reflected
 from isoembed.mesh.triangulation import Triangulation
 
 
@@ -24,7 +24,7 @@ def test_a_dent_is_inverted_and_popped_to_its_mirror_image(n):
     inverted, partial = crumpled_vertices(triangulation, vertices)
     assert np.flatnonzero(inverted).tolist() == [n]
     assert not partial.any()
-    after = popped(triangulation, vertices, inverted)
+    after = reflected(triangulation, vertices, inverted)
     assert after == pytest.approx(dented(n, 0.3)[1], abs=1e-15)
     assert not crumpled_vertices(triangulation, after)[0].any()
 
@@ -32,7 +32,7 @@ def test_a_dent_is_inverted_and_popped_to_its_mirror_image(n):
 def test_the_printed_sign_pushes_it_further_in():
     triangulation, vertices = dented(6, -0.3)
     inverted, _ = crumpled_vertices(triangulation, vertices)
-    after = popped(triangulation, vertices, inverted, PRINTED)
+    after = reflected(triangulation, vertices, inverted, PRINTED)
     assert after == pytest.approx(dented(6, -0.9)[1], abs=1e-15)
     assert crumpled_vertices(triangulation, after)[0][6]
 
@@ -41,7 +41,7 @@ def test_only_the_chosen_vertices_move_across_the_mean_of_their_neighbors():
     vertices, faces = zoo.random_hull(20, 0)
     triangulation = Triangulation(faces)
     which = np.arange(20) == 7
-    after = popped(triangulation, vertices, which)
+    after = reflected(triangulation, vertices, which)
     assert (after[~which] == vertices[~which]).all()
     neighbors = sorted(set(faces[(faces == 7).any(axis=1)].ravel()) - {7})
     assert (after[7] + vertices[7]) / 2 == pytest.approx(vertices[neighbors].mean(axis=0), abs=1e-15)
@@ -60,8 +60,8 @@ def test_partially_inverted_vertices_are_popped_too():
         guesses.append(guess)
         return Annealed(guess, 0.0, True)
 
-    after = pop_and_anneal(triangulation, Annealed(vertices, 0.0, True), relax)
-    assert (after.vertices == popped(triangulation, vertices, partial)).all()
+    after = reflect_and_anneal(triangulation, Annealed(vertices, 0.0, True), relax)
+    assert (after.vertices == reflected(triangulation, vertices, partial)).all()
     assert (after.vertices[9] != vertices[9]).any()
 
 
@@ -75,7 +75,7 @@ def guarded(height, candidate, residual, converged, before=1e-3):
         seen.append(guess)
         return Annealed(dented(6, candidate)[1], residual, converged)
 
-    return pop_and_anneal(triangulation, start, relax) is not start, seen
+    return reflect_and_anneal(triangulation, start, relax) is not start, seen
 
 
 def test_the_guard():

@@ -10,6 +10,7 @@ import smooth_bodies
 import zoo
 from isoembed.aim.best_fit import best_fit
 from isoembed.aim.diagnosis import diagnosis
+from isoembed.aim.regularized_energy import RegularizedEnergy
 from isoembed.errors import NotEmbedded
 from isoembed.gallery import CassiniPeanut, triangulate
 from isoembed.metric.curvature import deficits, negative_deficits
@@ -23,7 +24,8 @@ def of_body(vertices, faces):
 
 def diagnosed(metric, start):
     """The diagnosis where the best fit itself is the nearest attempt."""
-    fit = best_fit(metric.normalized, start / metric.unit, smooth_bodies.recorder())
+    unit, start = metric.normalized, start / metric.unit
+    fit = best_fit(unit, RegularizedEnergy(unit, start), start, smooth_bodies.recorder())
     surface = FittedSurface(
         metric,
         metric.unit * fit.vertices,

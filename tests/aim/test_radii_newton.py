@@ -1,13 +1,19 @@
-"""The leap in the radii: convex and nearly convex metrics in two or three factorizations, or None."""
+"""Newton's method on the radii: convex and nearly convex metrics in two or three factorizations, or None."""
 
 import numpy as np
 import pytest
 
 import smooth_bodies
 import zoo
-from isoembed.aim.convexification import NEAR, convexified, is_convex
-from isoembed.aim.radii_newton import _popped, _without_curvature, approach, inverted_vertices, leap
-from isoembed.alexandrov.homotopy import held
+from isoembed.aim.convexification import CONVEXIFICATION, Convexification
+from isoembed.aim.radii_newton import (
+    _reflected,
+    _without_curvature,
+    inverted_vertices,
+    newton_on_radii,
+    radii_start,
+)
+from isoembed.alexandrov.homotopy import pinned
 from isoembed.alexandrov.placement import realized
 from isoembed.alexandrov.polytope import Polytope
 from isoembed.gallery import CassiniPeanut, Ellipsoid, KerrHorizon, triangulate
@@ -25,13 +31,13 @@ def in_units(vertices, faces):
     return vertices / metric.unit, metric.normalized
 
 
-def leapt(metric):
-    """The start, the landing, and the log."""
+def solved(metric):
+    """The start, the solution, and the log."""
     given, log = GluedMetric.of(metric), Log()
     with log.stage("waypoint") as recorder:
-        waypoint = convexified(given, recorder, margin=NEAR)
-    start = approach(given, waypoint, log)
-    return start, leap(given, start, log), log
+        convex = Convexification(given).metric(CONVEXIFICATION.near, recorder)
+    start = radii_start(given, convex, log)
+    return start, newton_on_radii(given, start, log), log
 
 
 CONVEX = {
@@ -46,17 +52,17 @@ CONVEX = {
 @pytest.mark.parametrize("name", CONVEX)
 def test_convex_metrics_in_three_factorizations(name):
     vertices, metric = in_units(*CONVEX[name])
-    start, landing, log = leapt(metric)
+    start, solution, log = solved(metric)
     assert start.shape == (len(vertices),)
-    assert smooth_bodies.misfit(landing.vertices, vertices) < 1e-12
-    assert np.abs(length_residuals(metric.triangulation, landing.vertices, metric.lengths)).max() < 1e-12
+    assert smooth_bodies.misfit(solution.vertices, vertices) < 1e-12
+    assert np.abs(length_residuals(metric.triangulation, solution.vertices, metric.lengths)).max() < 1e-12
     assert sum(stage.factorizations for stage in log.stages) <= 3
 
 
 def test_many_edges_of_what_is_found_may_be_concave():
     _, metric = in_units(*CONVEX["irregular"])
-    assert is_convex(GluedMetric.of(metric))
-    x = leapt(metric)[1].vertices
+    assert Convexification(GluedMetric.of(metric)).is_convex
+    x = solved(metric)[1].vertices
     t = metric.triangulation
     opposite = t.faces.sum(axis=1)[t.edge_faces] - t.edges.sum(axis=1)[:, None]
     sides = x[np.column_stack([t.edges, opposite])]
@@ -64,16 +70,16 @@ def test_many_edges_of_what_is_found_may_be_concave():
     assert min((volumes > 0).sum(), (volumes < 0).sum()) > len(volumes) / 20
 
 
-def test_nearly_convex_metrics_by_way_of_their_waypoint():
+def test_nearly_convex_metrics_by_way_of_a_convex_one():
     vertices, metric = in_units(*smooth_bodies.drum())
-    assert not is_convex(GluedMetric.of(metric))
-    start, landing, _ = leapt(metric)
+    assert not Convexification(GluedMetric.of(metric)).is_convex
+    start, solution, _ = solved(metric)
     assert 1e-4 < smooth_bodies.misfit(start, vertices) < 0.1
-    assert smooth_bodies.misfit(landing.vertices, vertices) < 1e-12
+    assert smooth_bodies.misfit(solution.vertices, vertices) < 1e-12
 
 
-def test_it_strays_to_third_order():
-    # Two waypoints, one twice as far from the metric; three surfaces foresee the next.
+def test_it_deviates_to_third_order():
+    # Two convex metrics, one twice as far from the given one; three surfaces predict the next.
     vertices, faces = CONVEX["Kerr"]
     x = vertices / vertices.std()
     bend = x * (1 + 0.05 * np.cos(2 * x[:, :1]))
@@ -81,33 +87,33 @@ def test_it_strays_to_third_order():
     for share in (1.0, 0.5):
         start = PolyhedralMetric.from_mesh(x + share * (bend - x), faces)
         metric = PolyhedralMetric.from_mesh(x, faces)
-        waypoint = GluedMetric.of(metric.with_lengths(start.lengths))
+        convex = GluedMetric.of(metric.with_lengths(start.lengths))
         given = GluedMetric.of(metric)
         log = Log()
-        landing = leap(given, approach(given, waypoint, log), log)
-        missed.append(landing.branch_deviation)
+        solution = newton_on_radii(given, radii_start(given, convex, log), log)
+        missed.append(solution.branch_deviation)
     assert missed[0] / missed[1] > 6
 
 
 def test_it_agrees_with_newtons_method_on_the_lengths():
     _, metric = in_units(*CONVEX["irregular"])
-    x = leapt(metric)[1].vertices
+    x = solved(metric)[1].vertices
     r = length_residuals(metric.triangulation, x, metric.lengths)
     step = LengthSystem(metric.triangulation).step(x, metric.lengths, r)
     assert np.abs(step).max() < 1e-10  # nothing is left to do
 
 
 def test_where_the_curvature_is_negative_it_says_that_it_does_not_converge():
-    start, landing, _ = leapt(in_units(*triangulate(CassiniPeanut(), 600))[1])
+    start, solution, _ = solved(in_units(*triangulate(CassiniPeanut(), 600))[1])
     assert start.shape == (600, 3)
-    assert landing is None
+    assert solution is None
 
 
 def test_flat_vertices_have_no_radii():
     vertices, faces, flat = box(3)
     assert flat.any()
     metric = GluedMetric.of(in_units(vertices, faces)[1])
-    assert approach(metric, metric, Log()) is None
+    assert radii_start(metric, metric, Log()) is None
 
 
 @pytest.mark.parametrize("rank", [0, 10, 20, 40])
@@ -122,10 +128,10 @@ def test_a_vertex_that_went_in_comes_out(rank):
     pushed = vertices.copy()
     pushed[v] -= 2 * ((vertices[v] - vertices[ring].mean(axis=0)) @ normal) * normal
     recorder = smooth_bodies.recorder()
-    start = held(Polytope.on(tables, np.linalg.norm(pushed, axis=1)), recorder)
+    start = pinned(Polytope.on(tables, np.linalg.norm(pushed, axis=1)), recorder)
     inside, _ = _without_curvature(start, 1e-12, recorder)
     assert np.flatnonzero(inverted_vertices(inside.polytope)).tolist() == [v]
-    outside = _popped(inside, recorder)
+    outside = _reflected(inside, recorder)
     assert not inverted_vertices(outside.polytope).any()
     assert (
         smooth_bodies.misfit(realized(outside, recorder), vertices)

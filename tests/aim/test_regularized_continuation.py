@@ -1,14 +1,14 @@
-"""The guided pull-back: what guides, that steps are Gauss and Newton's, and where it leads."""
+"""The regularized continuation: where it leads from the sphere, and that it gives up soon."""
 
 import numpy as np
 import pytest
 
 import smooth_bodies
-import zoo
-from isoembed.aim.regularized_continuation import Guide, regularized_continuation
+from isoembed.aim.regularized_continuation import log_linear, regularized_continuation
+from isoembed.aim.regularized_energy import RegularizedEnergy
 from isoembed.gallery import CassiniPeanut, HarmonicSurface, triangulate
 from isoembed.metric.polyhedral import PolyhedralMetric
-from isoembed.surface.rigidity import edge_rows, length_residuals
+from isoembed.surface.rigidity import length_residuals
 
 
 def normalized(vertices, faces):
@@ -16,75 +16,16 @@ def normalized(vertices, faces):
     return metric.normalized, vertices / metric.unit
 
 
-def test_the_roughness_is_a_positive_form_that_knows_no_translation():
-    metric, x = normalized(*zoo.icosphere(2))
-    guide = Guide(metric, x)
-    rng = np.random.default_rng(0)
-    y, z = rng.normal(size=x.shape), rng.normal(size=x.shape)
-    assert np.sum(y * guide.roughness(z, 0.7)) == pytest.approx(
-        np.sum(z * guide.roughness(y, 0.7)), rel=1e-10
-    )
-    assert np.sum(y * guide.roughness(y, 0.0)) > 0
-    assert np.abs(guide.roughness(np.ones_like(x), 3.0)).max() < 1e-10
-
-
-def test_spheres_and_smooth_bodies_are_hardly_rough():
-    for n, most in ((300, 3e-2), (1200, 2e-3)):
-        metric, x = normalized(*triangulate(CassiniPeanut(), n))
-        guide = Guide(metric, x)
-        assert np.sum(x * guide.roughness(x, 0.0)) < most  # falls with the seventh power of the edge length
-        assert np.sum(x * guide.roughness(x, 1.0)) > 10 * most  # bending does not
-
-
-@pytest.mark.parametrize("w", [0.0, 3.0])
-def test_the_solver_solves_the_normal_equations(w):
-    metric, x = normalized(*zoo.icosphere(2))
-    guide, n = Guide(metric, x), x.size
-    x = x + 0.05 * np.random.default_rng(1).normal(size=x.shape)
-    rows = edge_rows(metric.triangulation, x, metric.lengths)
-    mu = 0.1
-    J = np.zeros((metric.triangulation.n_edges, len(x), 3))
-    a, b = metric.edges.T
-    J[np.arange(len(a)), a], J[np.arange(len(a)), b] = rows, -rows
-    J = J.reshape(len(a), n)
-    penalty = np.column_stack([guide.roughness(e.reshape(-1, 3), w).ravel() for e in np.eye(n)])
-    wanted = np.random.default_rng(2).normal(size=x.shape)
-    wanted -= wanted.mean(axis=0)
-    gradient = (J.T @ J + mu * penalty) @ wanted.ravel()
-    solved = guide.solver(x, metric.lengths, mu, w)(gradient.reshape(-1, 3))
-    left = (J.T @ J + mu * penalty) @ solved.ravel() - gradient
-    assert np.linalg.norm(left) < 2e-3 * np.linalg.norm(gradient)
-
-
-def test_no_step_goes_uphill_and_at_the_minimum_none_is_made():
-    metric, x = normalized(*smooth_bodies.ellipsoid())
-    guide, recorder, mu = Guide(metric, x), smooth_bodies.recorder(), 0.05
-    y = x + 0.1 * np.random.default_rng(0).normal(size=x.shape)
-
-    def energy(y):
-        r = length_residuals(metric.triangulation, y, metric.lengths)
-        return r @ r + mu * np.sum(y * guide.roughness(y, 1.0))
-
-    energies = [energy(y)]
-    for _ in range(12):
-        y = guide.relaxed(y, metric.lengths, mu, 1.0, recorder)
-        energies.append(energy(y))
-    assert (np.diff(energies) <= 0).all()
-    assert energies[-2] - energies[-1] < 1e-6 * energies[-1] < 1e-4 * energies[0]
-
-
 @pytest.mark.parametrize("irregular", [None, 5])
 @pytest.mark.parametrize("surface", [CassiniPeanut(), HarmonicSurface(2, 2, 0.2)], ids=["peanut", "saddle"])
 def test_it_leads_from_the_sphere_to_smooth_bodies(surface, irregular):
-    # Not from the waypoint: from the sphere of directions, whose lengths have little to do with the body's.
+    # From the sphere of directions, whose lengths have little to do with the body's.
     vertices, faces = triangulate(surface, 500, irregular=irregular)
     metric, x = normalized(vertices, faces)
     start = x / np.linalg.norm(x, axis=1)[:, None] * np.linalg.norm(x, axis=1).mean()
-    a, b = metric.edges.T
-    ratio = np.linalg.norm(start[a] - start[b], axis=1) / metric.lengths
     recorder = smooth_bodies.recorder()
     found = regularized_continuation(
-        Guide(metric, start), start, lambda t: metric.lengths * ratio**t, recorder
+        RegularizedEnergy(metric, start), start, log_linear(metric, start), recorder
     )
     assert np.abs(length_residuals(metric.triangulation, found, metric.lengths)).max() < 1e-6
     assert smooth_bodies.misfit(found, x) < 1e-3
@@ -97,7 +38,7 @@ def test_lengths_without_a_surface_are_given_up_soon():
     lengths = metric.lengths * (1 + noise)
     recorder = smooth_bodies.recorder()
     found = regularized_continuation(
-        Guide(metric, x), x, lambda t: metric.lengths**t * lengths ** (1 - t), recorder
+        RegularizedEnergy(metric, x), x, lambda t: metric.lengths**t * lengths ** (1 - t), recorder
     )
     assert np.abs(length_residuals(metric.triangulation, found, lengths)).max() > 1e-6
     assert recorder.factorizations <= 50

@@ -13,7 +13,7 @@ from hypothesis import strategies as st
 import zoo
 from isoembed import PolyhedralMetric
 from isoembed.alexandrov import certificate as certificate_module
-from isoembed.alexandrov.certificate import FARTHEST, certify
+from isoembed.alexandrov.certificate import CERTIFICATE, certify
 from isoembed.alexandrov.nearby_hulls import prove_nearby_hulls
 from isoembed.metric.curvature import deficits
 from isoembed.surface.rigidity import edge_rows
@@ -310,7 +310,8 @@ def test_a_flat_vertex():
 
 
 def test_too_many_vertices(monkeypatch):
-    monkeypatch.setattr(certificate_module, "MOST_VERTICES", 11)
+    few = replace(CERTIFICATE, most_vertices=11)
+    monkeypatch.setattr(certificate_module, "CERTIFICATE", few)
     vertices, faces = zoo.icosahedron()
     found = refused(PolyhedralMetric.from_mesh(vertices, faces), vertices)
     assert found.reason == "not certified, because there are more than 11 vertices"
@@ -318,7 +319,7 @@ def test_too_many_vertices(monkeypatch):
 
 
 def test_the_limit_is_as_stated():
-    assert certificate_module.MOST_VERTICES == 30_000
+    assert CERTIFICATE.most_vertices == 30_000
 
 
 @pytest.mark.parametrize("scale", [1e-150, 1e-12, 1e150])
@@ -360,7 +361,7 @@ def test_reports():
     within, angle = (float(number) for number in re.findall(r"\d\.\de[+-]\d+", found["reason"]))
     assert found["distance"] < within < 1.2 * found["distance"]
     assert 0.8 * found["smallest_dihedral"] < angle < found["smallest_dihedral"]
-    assert 0 < found["distance"] < FARTHEST
+    assert 0 < found["distance"] < CERTIFICATE.farthest
     assert 0 < found["kantorovich"] < 1e-20
     moved = vertices.copy()
     moved[3, 0] += 1e-3

@@ -6,8 +6,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 import zoo
-from isoembed.alexandrov.doubly_covered import THIN, doubly_covered, flat_limit
-from isoembed.alexandrov.homotopy import walk
+from isoembed.alexandrov.doubly_covered import FLAT_LIMIT, doubly_covered, flat_limit
+from isoembed.alexandrov.homotopy import follow_path
 from isoembed.intrinsic.halfedges import HalfEdges
 from isoembed.mesh.triangulation import Triangulation
 from isoembed.metric.curvature import Triangles
@@ -25,8 +25,8 @@ def found_flat(outline, seed):
     scramble(tables, 10 * len(outline), np.random.default_rng(seed))
     deficits = 2 * np.pi - np.bincount(tables.corners, Triangles.of(tables.face_lengths).angles.ravel())
     with Log().stage("polytope") as recorder:
-        for p in walk(tables, deficits, recorder):
-            found = flat_limit(p) if p.lowest < THIN else None
+        for p in follow_path(tables, deficits, recorder):
+            found = flat_limit(p) if p.lowest < FLAT_LIMIT.thin else None
             if found is not None:
                 return found
     return None

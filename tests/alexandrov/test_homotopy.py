@@ -5,7 +5,7 @@ import pytest
 
 import zoo
 from isoembed import PolyhedralMetric
-from isoembed.alexandrov.homotopy import Solution, independent_directions, newton, walk
+from isoembed.alexandrov.homotopy import Solution, follow_path, independent_directions, newton
 from isoembed.alexandrov.placement import placed, polished
 from isoembed.alexandrov.polytope import Polytope
 from isoembed.metric.curvature import deficits
@@ -23,7 +23,7 @@ def problem(vertices, faces, scrambled=None):
 
 def solved(tables, deficits):
     with Log().stage("polytope") as recorder:
-        *path, last = walk(tables, deficits, recorder)
+        *path, last = follow_path(tables, deficits, recorder)
     return path, last, recorder
 
 

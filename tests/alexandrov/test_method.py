@@ -1,6 +1,7 @@
 """``method="alexandrov"``: the polyhedron of a metric, whatever its triangles."""
 
 import json
+from dataclasses import replace
 from itertools import pairwise
 
 import numpy as np
@@ -11,6 +12,7 @@ from hypothesis import strategies as st
 import isoembed
 import zoo
 from isoembed import Alexandrov, ConvexPolyhedron, GluedMetric, PolyhedralMetric, embed
+from isoembed.alexandrov import homotopy, placement
 from scrambling import scramble
 
 
@@ -180,8 +182,8 @@ def test_a_glued_metric_needs_this_method():
 
 
 def test_failure_is_reported_with_what_there_is(monkeypatch):
-    monkeypatch.setattr("isoembed.alexandrov.homotopy.NEWTON_STEPS", 0)
-    monkeypatch.setattr("isoembed.alexandrov.placement.RELAXATIONS", 0)
+    monkeypatch.setattr(homotopy, "HOMOTOPY", replace(homotopy.HOMOTOPY, newton_steps=0))
+    monkeypatch.setattr(placement, "PLACEMENT", replace(placement.PLACEMENT, relaxations=0))
     vertices, faces = grid_cube(2)
     metric = PolyhedralMetric.from_mesh(vertices, faces)
     with pytest.raises(isoembed.NotEmbedded, match="no polytope without curvature") as failure:
@@ -205,8 +207,8 @@ def test_low_pyramids_are_finished_by_their_lengths(n, apex, height):
 
 
 def test_what_failed_is_no_success_however_near_its_lengths(monkeypatch):
-    monkeypatch.setattr("isoembed.alexandrov.homotopy.NEWTON_STEPS", 0)
-    monkeypatch.setattr("isoembed.alexandrov.placement.RELAXATIONS", 0)
+    monkeypatch.setattr(homotopy, "HOMOTOPY", replace(homotopy.HOMOTOPY, newton_steps=0))
+    monkeypatch.setattr(placement, "PLACEMENT", replace(placement.PLACEMENT, relaxations=0))
     with pytest.raises(isoembed.NotEmbedded, match="no polytope without curvature"):
         embed(PolyhedralMetric.from_mesh(*zoo.icosahedron()), method="alexandrov", tolerance=1.0)
 

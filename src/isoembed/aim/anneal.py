@@ -10,12 +10,30 @@ from numpy.typing import NDArray
 from isoembed.linalg import SingularMatrix
 from isoembed.progress.stages import StageRecorder
 from isoembed.surface.rigidity import LengthSystem, VertexSystem, length_residuals
+from isoembed.thresholds import threshold
 
 Floats = NDArray[np.float64]
 
-DIVERGED = 10.0  # mean edge lengths: no Newton iteration comes back from so large a residual
-SETTLED = 1e-3  # mean edge lengths: a fit that only starts the next stage need not be finer
-ROUNDING = 1e-9  # below this Newton's method is quadratic: a residual that grows is rounding
+
+@dataclass(frozen=True)
+class AnnealingThresholds:
+    """Thresholds of annealing."""
+
+    diverged: float = threshold(
+        10.0, "mean edge lengths", "From a larger residual no Newton iteration returns."
+    )
+    rounding: float = threshold(1e-9, "mean edge lengths", "Below this, a residual that grows is rounding.")
+    polished: float = threshold(
+        1e-13, "mean edge lengths", "Residual asked of last steps: they are quadratic."
+    )
+    polish: int = threshold(10, "count", "Last Newton steps at most.")
+    settled: float = threshold(1e-3, "mean edge lengths", "A shorter step ends the fit to the sphere.")
+    damping: float = threshold(1e-2, "relative", "Levenberg-Marquardt damping at first.")
+    stiffer: float = threshold(5.0, "relative", "Factor of the damping after a step uphill.")
+    softer: float = threshold(0.3, "relative", "Factor of the damping after a step that halves the energy.")
+
+
+ANNEALING = AnnealingThresholds()
 
 
 @dataclass(frozen=True)
@@ -42,11 +60,11 @@ def anneal(
     lengths: Floats,
     recorder: StageRecorder,
     *,
-    residual_tolerance: float,
+    residual_tolerance: float = ANNEALING.polished,
     step_tolerance: float = 0.0,
-    max_iterations: int = 50,
+    max_iterations: int = ANNEALING.polish,
 ) -> Annealed:
-    """Bring the edges of a surface to given lengths by Newton's method.
+    """Bring the edges of a surface to given lengths by Newton's method; by default to the rounding floor.
 
     Parameters
     ----------
@@ -74,11 +92,11 @@ def anneal(
         recorder.show(residual=residual)
         if residual < best.residual:
             best = Annealed(x, residual, False)
-        elif best.residual < ROUNDING and iteration:
+        elif best.residual < ANNEALING.rounding and iteration:
             return best
         if residual <= residual_tolerance:
             return Annealed(x, residual, True)
-        if not residual < DIVERGED or iteration == max_iterations:
+        if not residual < ANNEALING.diverged or iteration == max_iterations:
             return best
         try:
             step = system.step(x, lengths, r)
@@ -132,7 +150,7 @@ def anneal_on_sphere(
         recorder.iterations += 1
         recorder.factorizations += 1
         x = x - step
-        if np.abs(step).max() < SETTLED:
+        if np.abs(step).max() < ANNEALING.settled:
             break
     return x
 
@@ -148,14 +166,10 @@ def anneal_damped(
 ) -> Annealed:
     """Bring the edges to given lengths by Levenberg-Marquardt: slower than Newton's method, never uphill.
 
-    It finds some surface nearby, be it crumpled.  Parameters as `anneal`.
-
-    Returns
-    -------
-    Annealed
+    It finds some surface nearby, be it crumpled.  Parameters and result as of `anneal`.
     """
     triangulation = system.triangulation
-    x, mu = vertices, 1e-2
+    x, mu = vertices, ANNEALING.damping
     r = length_residuals(triangulation, x, lengths)
     energy = r @ r
     for _ in range(max_iterations):
@@ -164,17 +178,17 @@ def anneal_damped(
         try:
             trial = x - system.step(x, lengths, r, mu)
         except SingularMatrix:
-            mu *= 5.0
+            mu *= ANNEALING.stiffer
             continue
         recorder.iterations += 1
         recorder.factorizations += 1
         r_trial = length_residuals(triangulation, trial, lengths)
         energy_trial = r_trial @ r_trial
         if energy_trial < energy:
-            mu *= 0.3 if energy_trial < energy / 2 else 1.0
+            mu *= ANNEALING.softer if energy_trial < energy / 2 else 1.0
             x, r, energy = trial, r_trial, energy_trial
             recorder.show(residual=float(np.abs(r).max()))
         else:
-            mu *= 5.0
+            mu *= ANNEALING.stiffer
     residual = float(np.abs(r).max())
     return Annealed(x, residual, residual <= residual_tolerance)

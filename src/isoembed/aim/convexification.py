@@ -9,6 +9,7 @@ to scale: there are no Moebius maps to pin.
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import cached_property
 from typing import cast
 
 import numpy as np
@@ -24,49 +25,42 @@ from isoembed.metric.convexity import deficit_rounding
 from isoembed.metric.glued import GluedMetric
 from isoembed.metric.laplacian import cotangent_laplacian
 from isoembed.progress.stages import StageRecorder
+from isoembed.thresholds import threshold
 
 Floats = NDArray[np.float64]
 
-ROUND, NEAR = 0.05, 0.005  # margins: of the deficit that a vertex's area would have on a sphere
-ENOUGH = 0.5  # of the margin: closer, the conformal change need not come
-PINNED = 1e-9  # added to the Laplacian, of order 1: a common factor changes no deficit
-DIFFUSED, MOST = 1e-7, 150  # residual of conjugate gradients, and their iterations
-STEPS = 100
-DOUBLINGS = 50  # of the time: beyond, the curvature is as even as rounding leaves it
-SHORTEST = 1e-3  # of a Newton step
+SHARE = "deficit of a vertex's area on a sphere"
 
 
-def is_convex(metric: GluedMetric) -> bool:
-    """Whether no deficit is negative beyond rounding."""
-    return bool((metric.deficits >= -deficit_rounding(metric.faces, metric.face_lengths)).all())
+@dataclass(frozen=True)
+class ConvexificationThresholds:
+    """Thresholds of the convexification."""
+
+    far: float = threshold(0.05, SHARE, "Margin of the metric from which a continuation starts.")
+    near: float = threshold(0.005, SHARE, "Margin of the metric from which Newton's method starts.")
+    enough: float = threshold(0.5, "margins", "Deficit at which the conformal change may end.")
+    pinned: float = threshold(
+        1e-9, "Laplacian entries", "Added to the diagonal: equal factors change nothing."
+    )
+    diffused: float = threshold(1e-7, "relative", "Residual of the conjugate gradients of the diffusion.")
+    most: int = threshold(150, "count", "Their iterations at most; beyond, the matrix is factored.")
+    doublings: int = threshold(50, "count", "Of the time: beyond, only rounding keeps curvature uneven.")
+    steps: int = threshold(100, "count", "Newton steps at most.")
+    shortest: float = threshold(1e-3, "Newton steps", "A shorter step means that there is no such metric.")
 
 
-def negative_curvature(metric: GluedMetric) -> float:
-    """The sum of the negative deficits, made positive, over 4 pi, which is the sum of all."""
-    return float(-np.minimum(metric.deficits, 0.0).sum() / (4 * np.pi))
+CONVEXIFICATION = ConvexificationThresholds()
 
 
-def convexified(
-    metric: GluedMetric, recorder: StageRecorder, backend: str | None = None, margin: float = ROUND
-) -> GluedMetric | None:
-    """A convex metric to begin the pull-back from; the given one, if it is convex.
+class Convexification:
+    """Convex metrics to begin a pull-back from, the farther from the given one the larger their margin.
 
     Parameters
     ----------
-    metric : GluedMetric
+    given : GluedMetric
         Of mean edge length 1 or so.
-    recorder : StageRecorder
-        Counts Newton steps and factorizations.
     backend : str, optional
         As in `isoembed.linalg.analyze`.
-    margin : float
-        What the diffusion leaves to the deficit of a vertex, at least, of what its area would have on a
-        sphere: the less, the nearer is the waypoint and the flatter in places.
-
-    Returns
-    -------
-    GluedMetric or None
-        On the given vertices, but on triangles of its own.  None if it was not reached.
 
     Notes
     -----
@@ -77,52 +71,90 @@ def convexified(
     break a triangle, the metric reached becomes Delaunay again by flips, and goes on from there: not in the
     same conformal class, but nothing asks for that.
     """
-    if is_convex(metric):
-        return metric
-    try:
-        return _changed(_Delaunay.of(metric, backend), margin, recorder, backend)
-    except SingularMatrix:  # triangles too thin for floats
+
+    def __init__(self, given: GluedMetric, backend: str | None = None) -> None:
+        self.given, self._backend = given, backend
+
+    @cached_property
+    def is_convex(self) -> bool:
+        """Whether no deficit of the given metric is negative beyond rounding."""
+        rounding = deficit_rounding(self.given.faces, self.given.face_lengths)
+        return bool((self.given.deficits >= -rounding).all())
+
+    @property
+    def negative_curvature(self) -> float:
+        """The sum of the negative deficits, made positive, over 4 pi, which is the sum of all."""
+        return float(-np.minimum(self.given.deficits, 0.0).sum() / (4 * np.pi))
+
+    def metric(self, margin: float, recorder: StageRecorder) -> GluedMetric | None:
+        """A convex metric on the given vertices, but on triangles of its own; the given one, if it is convex.
+
+        Parameters
+        ----------
+        margin : float
+            What the diffusion leaves to the deficit of a vertex, at least, of what its area would have on a
+            sphere: the less, the nearer is the metric, and the flatter in places.  Ask for small ones first:
+            the diffusion goes on from where it came to before.
+        recorder : StageRecorder
+            Counts Newton steps and factorizations.
+
+        Returns
+        -------
+        GluedMetric or None
+            None if it was not reached.
+        """
+        if self.is_convex:
+            return self.given
+        try:
+            return self._changed(margin, recorder)
+        except SingularMatrix:  # triangles too thin for floats
+            return None
+
+    @cached_property
+    def _delaunay(self) -> _Delaunay:
+        return _Delaunay.of(self.given, self._backend)
+
+    @cached_property
+    def _tau(self) -> float:
+        """The time of the diffusion: before it, no margin was reached that was asked for."""
+        return self._delaunay.metric.mean_length**2
+
+    def _changed(self, margin: float, recorder: StageRecorder) -> GluedMetric | None:
+        """Follow the conformal change; None where it stops short."""
+        reached, goal = self._delaunay, self._diffused(margin, recorder)
+        if goal is None:
+            return None
+        least = CONVEXIFICATION.enough * margin * reached.shares
+        for _ in range(CONVEXIFICATION.steps):
+            missing = goal - reached.metric.deficits
+            recorder.show(residual=float(np.abs(missing).max()))
+            if (reached.metric.deficits >= least).all():
+                return reached.metric
+            step = reached.solved(missing)
+            recorder.iterations += 1
+            recorder.factorizations += 1
+            s = 1.0
+            while (trial := reached.changed(s * step)) is None or (
+                np.linalg.norm(goal - trial.metric.deficits) > (1 - s / 10) * np.linalg.norm(missing)
+            ):
+                s /= 2
+                if s < CONVEXIFICATION.shortest:
+                    return None
+            reached = trial if s == 1.0 else _Delaunay.of(trial.metric, self._backend)
         return None
 
-
-def _changed(
-    reached: _Delaunay, margin: float, recorder: StageRecorder, backend: str | None
-) -> GluedMetric | None:
-    """Follow the conformal change; None where it stops short."""
-    goal = _diffused(reached, margin, recorder)
-    if goal is None:
+    def _diffused(self, margin: float, recorder: StageRecorder) -> Floats | None:
+        """The deficits after the first time at which they all have the margin, if rounding allows."""
+        triangles = self._delaunay
+        mass = triangles.shares / (4 * np.pi) * triangles.metric.triangles.areas.sum()
+        for _ in range(CONVEXIFICATION.doublings):
+            recorder.iterations += 1
+            sources = triangles.metric.deficits / self._tau
+            diffused = mass * triangles.steady(mass / self._tau, sources, recorder)
+            if (diffused >= margin * triangles.shares).all():
+                return diffused
+            self._tau *= 2
         return None
-    least = ENOUGH * margin * reached.shares
-    for _ in range(STEPS):
-        missing = goal - reached.metric.deficits
-        recorder.show(residual=float(np.abs(missing).max()))
-        if (reached.metric.deficits >= least).all():
-            return reached.metric
-        step = reached.solved(missing)
-        recorder.iterations += 1
-        recorder.factorizations += 1
-        s = 1.0
-        while (trial := reached.changed(s * step)) is None or (
-            np.linalg.norm(goal - trial.metric.deficits) > (1 - s / 10) * np.linalg.norm(missing)
-        ):
-            s /= 2
-            if s < SHORTEST:
-                return None
-        reached = trial if s == 1.0 else _Delaunay.of(trial.metric, backend)
-    return None
-
-
-def _diffused(triangles: _Delaunay, margin: float, recorder: StageRecorder) -> Floats | None:
-    """The deficits after the first time at which they are all positive with a margin, if rounding allows."""
-    mass = triangles.shares / (4 * np.pi) * triangles.metric.triangles.areas.sum()
-    deficits, tau = triangles.metric.deficits, triangles.metric.mean_length**2
-    for _ in range(DOUBLINGS):
-        recorder.iterations += 1
-        diffused = mass * triangles.steady(mass / tau, deficits / tau, recorder)
-        if (diffused >= margin * triangles.shares).all():
-            return diffused
-        tau *= 2
-    return None
 
 
 @dataclass(frozen=True)
@@ -160,8 +192,9 @@ class _Delaunay:
 
     def steady(self, diagonal: Floats, sources: Floats, recorder: StageRecorder) -> Floats:
         """Solve with the Laplacian and this on its diagonal: without factoring, as long as it is large."""
-        matrix = self.shifted(diagonal)
-        found, failed = cg(matrix, sources, rtol=DIFFUSED, maxiter=MOST, M=diags_array(1 / matrix.diagonal()))
+        matrix, t = self.shifted(diagonal), CONVEXIFICATION
+        jacobi = diags_array(1 / matrix.diagonal())
+        found, failed = cg(matrix, sources, rtol=t.diffused, maxiter=t.most, M=jacobi)
         if failed:
             recorder.factorizations += 1
             return self.solver.factor(matrix.data).solve(sources)
@@ -169,7 +202,7 @@ class _Delaunay:
 
     def solved(self, missing: Floats) -> Floats:
         """The conformal factors that add this to the deficits, to first order."""
-        matrix = self.shifted(np.full(len(missing), PINNED))
+        matrix = self.shifted(np.full(len(missing), CONVEXIFICATION.pinned))
         step: Floats = self.solver.factor(matrix.data).solve(missing)
         step -= step.mean()
         return step

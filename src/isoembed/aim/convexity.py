@@ -1,4 +1,4 @@
-"""The convexity routine (paper, section 2.2): pop inverted and partially inverted vertices out."""
+"""The convexity routine (paper, section 2.2): reflect inverted and partially inverted vertices."""
 
 from __future__ import annotations
 
@@ -23,11 +23,11 @@ def crumpled_vertices(triangulation: Triangulation, vertices: Floats) -> tuple[M
     return inverted_vertices(triangulation, concave), partially_inverted_vertices(triangulation, concave)
 
 
-def popped(triangulation: Triangulation, vertices: Floats, which: Mask, sign: float = CORRECTED) -> Floats:
-    """Move vertices across the mean of their neighbors.
+def reflected(triangulation: Triangulation, vertices: Floats, which: Mask, sign: float = CORRECTED) -> Floats:
+    """Reflect vertices in the mean of their neighbors.
 
     With ``v_diff = v - v_avg`` the paper prints ``v + 2 v_diff``, which pushes an inverted vertex further
-    in; ``v - 2 v_diff`` is its mirror image and pops it out.
+    in; ``v - 2 v_diff`` is its mirror image and turns it out.
 
     Parameters
     ----------
@@ -45,12 +45,12 @@ def popped(triangulation: Triangulation, vertices: Floats, which: Mask, sign: fl
     return np.where(which[:, None], vertices + sign * 2 * (vertices - mean), vertices)
 
 
-def pop_and_anneal(
+def reflect_and_anneal(
     triangulation: Triangulation,
     annealed: Annealed,
     relax: Callable[[Floats], Annealed],
 ) -> Annealed:
-    """Pop the crumpled vertices, anneal, and keep the result only if it is better.
+    """Reflect the crumpled vertices, anneal, and keep the result only if it is better.
 
     Parameters
     ----------
@@ -68,7 +68,7 @@ def pop_and_anneal(
     inverted, partial = crumpled_vertices(triangulation, annealed.vertices)
     if not (inverted | partial).any():
         return annealed
-    candidate = relax(popped(triangulation, annealed.vertices, inverted | partial))
+    candidate = relax(reflected(triangulation, annealed.vertices, inverted | partial))
     inverted_after, partial_after = crumpled_vertices(triangulation, candidate.vertices)
     fewer = (inverted_after | partial_after).sum() < (inverted | partial).sum()
     sound = candidate.converged or candidate.residual <= annealed.residual

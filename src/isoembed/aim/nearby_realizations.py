@@ -1,18 +1,19 @@
-"""Neighboring realizations: other surfaces with the same lengths, near where a surface is soft.
+"""Nearby realizations: other surfaces with the same lengths, near where a surface is soft.
 
 Along motions v_j that hardly change the lengths, ``J v_j = sigma_j u_j``, the errors of the lengths are, as
 far as the u_i go,
 
     ``<u_i, r> + sigma_i s_i + 1/2 sum_jk s_j s_k <u_i, q_jk>``,  ``q_jk = (dv_j . dv_k) / l``,
 
-a few quadratic equations.  Their roots foresee realizations; Newton's method finds these from there.
+a few quadratic equations.  Their roots predict realizations; Newton's method finds these from there.
 
-Pulled back, a surface may come to any of such neighbors.  The smoothest is the one that is meant.
+Pulled back, a surface may come to any of them.  The smoothest is the one that is meant.
 """
 
 from __future__ import annotations
 
 import itertools
+from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
@@ -22,17 +23,27 @@ from isoembed.linalg import SingularMatrix
 from isoembed.progress.stages import StageRecorder
 from isoembed.surface.rigidity import LengthSystem, length_residuals
 from isoembed.surface.smoothness import fine_roughness
+from isoembed.thresholds import threshold
 
 Floats = NDArray[np.float64]
 
-MOTIONS = 4  # the softest: beyond them, neighbors are far
-NEAR = 0.03  # mean edge lengths: beyond, quadratic equations are a poor guide
-APART = 0.1  # of the distance foreseen: nearer, Newton's method fell back
-FEW = 4  # Newton steps
-POLISHED = 1e-13  # residual that they aim for
-MOVES = 4  # from neighbor to neighbor
-LEAST = 1e-9  # mean edge lengths: nearer, it is the surface itself
-ROOT_STEPS, ROOT = 30, 1e-3  # Newton steps toward a root, and how near to each other they are the same
+
+@dataclass(frozen=True)
+class NearbyThresholds:
+    """Thresholds of the search for nearby realizations."""
+
+    motions: int = threshold(4, "count", "The softest motions: beyond them, realizations are far.")
+    near: float = threshold(0.03, "mean edge lengths", "Farther, quadratic equations are a poor guide.")
+    apart: float = threshold(0.1, "relative", "Nearer, of the distance expected, Newton's method fell back.")
+    few: int = threshold(4, "count", "Newton steps to a realization at most.")
+    moves: int = threshold(4, "count", "Moves from realization to realization at most.")
+    least: float = threshold(1e-9, "mean edge lengths", "Nearer, it is the surface itself.")
+    root_steps: int = threshold(30, "count", "Newton steps toward a root at most.")
+    root: float = threshold(1e-12, "relative", "A step this short has found a root.")
+    same_root: float = threshold(1e-3, "relative", "Roots as near to each other as this are one.")
+
+
+NEARBY = NearbyThresholds()
 
 
 def nearby_realizations(
@@ -66,13 +77,13 @@ def nearby_realizations(
     best, met, roughness = vertices, [], np.inf
     if np.abs(length_residuals(triangulation, vertices, lengths)).max() <= residual_tolerance:
         met, roughness = [vertices], fine_roughness(triangulation, vertices)
-    for _ in range(MOVES):
+    for _ in range(NEARBY.moves):
         recorder.factorizations += 1
-        foreseen = _foreseen(system, best, lengths)
-        if not foreseen:
+        predicted = _predicted(system, best, lengths)
+        if not predicted:
             return met
-        expected = [fine_roughness(triangulation, best + motion) for motion in foreseen]
-        motion = foreseen[int(np.argmin(expected)) if min(expected) < roughness else 0]
+        expected = [fine_roughness(triangulation, best + motion) for motion in predicted]
+        motion = predicted[int(np.argmin(expected)) if min(expected) < roughness else 0]
         neighbor = _realized(system, best, motion, lengths, recorder, residual_tolerance)
         if neighbor is None:
             return met
@@ -83,10 +94,10 @@ def nearby_realizations(
     return met
 
 
-def _foreseen(system: LengthSystem, vertices: Floats, lengths: Floats) -> list[Floats]:
+def _predicted(system: LengthSystem, vertices: Floats, lengths: Floats) -> list[Floats]:
     """The motions to where the lengths are the given ones, as far as the softest go, the shortest first."""
     try:
-        sigmas, motions, changes = system.softest(vertices, lengths, min(MOTIONS, len(lengths) - 1))
+        sigmas, motions, changes = system.softest(vertices, lengths, min(NEARBY.motions, len(lengths) - 1))
     except SingularMatrix:
         return []
     r = length_residuals(system.triangulation, vertices, lengths)
@@ -96,8 +107,8 @@ def _foreseen(system: LengthSystem, vertices: Floats, lengths: Floats) -> list[F
     roots = quadratic_roots(changes @ r, sigmas, Q)
     found = [np.tensordot(root, motions, axes=1) for root in roots]
     reach = [float(np.linalg.norm(motion, axis=1).max()) for motion in found]
-    least = APART * max(float(np.abs(r).max()), LEAST)
-    return [found[k] for k in np.argsort(reach) if least < reach[k] < NEAR]
+    least = NEARBY.apart * max(float(np.abs(r).max()), NEARBY.least)
+    return [found[k] for k in np.argsort(reach) if least < reach[k] < NEARBY.near]
 
 
 def quadratic_roots(constant: Floats, slope: Floats, Q: Floats) -> list[Floats]:
@@ -119,18 +130,18 @@ def quadratic_roots(constant: Floats, slope: Floats, Q: Floats) -> list[Floats]:
     roots: list[Floats] = []
     for corner in itertools.product((0.0, 1.0), repeat=k):
         s = np.array(corner) * alone
-        for _ in range(ROOT_STEPS):
+        for _ in range(NEARBY.root_steps):
             f = constant + slope * s + np.einsum("ijk,j,k->i", Q, s, s) / 2
             try:
                 step = np.linalg.solve(np.diag(slope) + Q @ s, f)
             except np.linalg.LinAlgError:
                 break
             s = s - step
-            if np.linalg.norm(step) <= 1e-12 * np.linalg.norm(s):
+            if np.linalg.norm(step) <= NEARBY.root * np.linalg.norm(s):
                 break
         else:
             continue
-        if all(np.linalg.norm(s - root) > ROOT * np.linalg.norm(root) for root in roots):
+        if all(np.linalg.norm(s - root) > NEARBY.same_root * np.linalg.norm(root) for root in roots):
             roots.append(s)
     return roots
 
@@ -144,14 +155,7 @@ def _realized(
     residual_tolerance: float,
 ) -> Floats | None:
     """Where Newton's method leads from the end of a motion, if to another realization."""
-    found = anneal(
-        system,
-        vertices + motion,
-        lengths,
-        recorder,
-        residual_tolerance=POLISHED,
-        max_iterations=FEW,
-    )
+    found = anneal(system, vertices + motion, lengths, recorder, max_iterations=NEARBY.few)
     moved = np.abs(found.vertices - vertices).max()
-    apart = moved > APART * np.abs(motion).max()
+    apart = moved > NEARBY.apart * np.abs(motion).max()
     return found.vertices if apart and found.residual <= residual_tolerance else None

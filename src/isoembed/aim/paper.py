@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from isoembed._embed import Method
 from isoembed.aim.anneal import Annealed, anneal, anneal_damped, anneal_on_sphere
-from isoembed.aim.convexity import PRINTED, crumpled_vertices, pop_and_anneal, popped
+from isoembed.aim.convexity import PRINTED, crumpled_vertices, reflect_and_anneal, reflected
 from isoembed.aim.embedding_tree import embedding_tree
 from isoembed.aim.paths import path_factors, path_times
 from isoembed.aim.pullback import pull_back
@@ -236,11 +236,11 @@ class Paper(Method):
         if self.convexity == "none":
             return annealed
         if self.convexity == "corrected":
-            return pop_and_anneal(system.triangulation, annealed, relax)
+            return reflect_and_anneal(system.triangulation, annealed, relax)
         inverted, partial = crumpled_vertices(system.triangulation, annealed.vertices)
         if not (inverted | partial).any():
             return annealed
-        return relax(popped(system.triangulation, annealed.vertices, inverted | partial, PRINTED))
+        return relax(reflected(system.triangulation, annealed.vertices, inverted | partial, PRINTED))
 
     def _show(self, system: LengthSystem, annealed: Annealed, t: float, recorder: StageRecorder) -> None:
         inverted, partial = crumpled_vertices(system.triangulation, annealed.vertices)

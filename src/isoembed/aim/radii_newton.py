@@ -1,4 +1,4 @@
-"""The leap: Newton's method on the radii of a generalized polytope, from the waypoint to the given triangles.
+"""Newton's method on the radii of a generalized polytope, from a convex metric to the given triangles.
 
 The pyramids over the *given* triangles, of the given lengths, with a common apex, fit together in space when
 their curvatures vanish, whether the edges be convex or not (Bobenko and Izmestiev, Annales de l'Institut
@@ -15,8 +15,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from isoembed.aim.pullback import extrapolated
-from isoembed.alexandrov.doubly_covered import THIN
-from isoembed.alexandrov.homotopy import CLOSE, Solution, held, walk
+from isoembed.alexandrov.doubly_covered import FLAT_LIMIT
+from isoembed.alexandrov.homotopy import HOMOTOPY, Solution, follow_path, forcing_term, pinned
 from isoembed.alexandrov.placement import placed, realized
 from isoembed.alexandrov.polytope import Polytope
 from isoembed.intrinsic.halfedges import HalfEdges
@@ -25,30 +25,44 @@ from isoembed.metric.convexity import deficit_rounding
 from isoembed.metric.glued import GluedMetric
 from isoembed.progress.stages import Log, StageRecorder
 from isoembed.surface.measures import outward
+from isoembed.thresholds import threshold
 
 Floats = NDArray[np.float64]
-Indices = NDArray[np.int64]
 
-NUDGE = 1e-3  # mean edge lengths: to see how the curvature of an inverted vertex bends
-PARTS = 4  # of the way from the waypoint to a metric that is not convex
-CONVERGING = 0.5  # of the curvatures is left, or less, after each step
-NEARLY, CLOSELY, SETTLED = 1e-6, 1e-9, 1e-12  # radians: on the way; what may be rounding; left to the polish
-STEPS = 20
-STALE = 10  # GMRES iterations beyond which a fresh factorization is cheaper
-LOOSEST, TIGHTEST = 1e-3, 1e-6  # residual of Newton's linear equations
-FLOWN = 0.4  # share of all work that is done when the vertices can be placed
+
+@dataclass(frozen=True)
+class RadiiNewtonThresholds:
+    """Thresholds of Newton's method on the radii."""
+
+    parts: int = threshold(4, "count", "Steps of the way to a metric that is not convex.")
+    converging: float = threshold(0.5, "relative", "Share of the curvatures that each step leaves at most.")
+    nearly: float = threshold(1e-6, "radians", "Curvatures that end a step on the way.")
+    closely: float = threshold(1e-9, "radians", "Curvatures that do not fall any more, but may be rounding.")
+    settled: float = threshold(1e-12, "radians", "Curvatures that are left to the polish.")
+    steps: int = threshold(20, "count", "Newton steps at most, for each step of the way.")
+    loosest: float = threshold(1e-3, "relative", "Largest residual of Newton's linear equations.")
+    nudge: float = threshold(
+        1e-3, "mean edge lengths", "Change of height that shows how the curvature bends."
+    )
+    trusted: float = threshold(0.25, "heights on a sphere", "Largest branch deviation that is trusted.")
+    solved: float = threshold(
+        0.4, "relative", "Share of all work that is done when the vertices can be placed."
+    )
+
+
+RADII_NEWTON = RadiiNewtonThresholds()
 
 
 @dataclass(frozen=True, eq=False)
 class RadiiSolution:
-    """Where a leap ends.
+    """Where Newton's method on the radii ends.
 
     Attributes
     ----------
     vertices : ndarray, shape (V, 3)
-    strayed : float
+    branch_deviation : float
         The most that the height of a vertex above its neighbors, measured in radii, differed from what was
-        foreseen, over what such heights are on a sphere.  Newton's method can cross over to a neighboring
+        expected, over what such heights are on a sphere.  Newton's method can cross over to a neighboring
         realization, with some vertices turned inside out, that has the same lengths.
     """
 
@@ -56,16 +70,16 @@ class RadiiSolution:
     branch_deviation: float
 
 
-def approach(
-    given: GluedMetric, waypoint: GluedMetric, log: Log, backend: str | None = None
+def radii_start(
+    given: GluedMetric, convex: GluedMetric, log: Log, backend: str | None = None
 ) -> Floats | None:
-    """Lead a polytope over the waypoint to where the leap may begin.
+    """Lead a polytope over a convex metric to where Newton's method may begin.
 
     Parameters
     ----------
     given : GluedMetric
         Of mean edge length 1 or so.
-    waypoint : GluedMetric
+    convex : GluedMetric
         A convex metric near it, on the same vertices; it may be the given one.
     log : Log
     backend : str, optional
@@ -74,34 +88,34 @@ def approach(
     Returns
     -------
     ndarray or None
-        Radii, shape (V,), if the waypoint is the given metric: the leap changes triangles only, and need not
-        begin at the polyhedron.  Otherwise its vertices, shape (V, 3).  None where the waypoint is flat at a
-        vertex, whose radius nothing determines, or all of it is.
+        Radii, shape (V,), if the convex metric is the given one: triangles change only, and the polyhedron
+        need not be reached.  Otherwise its vertices, shape (V, 3).  None where the convex metric is flat at
+        a vertex, whose radius nothing determines, or all of it is.
     """
-    if (waypoint.deficits <= deficit_rounding(waypoint.faces, waypoint.face_lengths)).any():
+    if (convex.deficits <= deficit_rounding(convex.faces, convex.face_lengths)).any():
         return None
-    tables = waypoint.half_edges()
+    tables = convex.half_edges()
     order = tables.order_in_memory()
-    back, deficits, kept = np.argsort(order), waypoint.deficits[order], log.resumed_at("polytopes")
-    close = CLOSE * float(deficits.max()) if waypoint is given else 0.0
+    back, deficits, kept = np.argsort(order), convex.deficits[order], log.resumed_at("polytopes")
+    close = HOMOTOPY.close * float(deficits.max()) if convex is given else 0.0
     with log.stage("polytopes") as recorder:
         recorder.show(level=f"{given.n_vertices:,} vertices")
         radii = None if kept is None else kept["radii"][order]
-        for found in walk(tables.in_order(order), deficits, recorder, backend, radii):
+        for found in follow_path(tables.in_order(order), deficits, recorder, backend, radii):
             if isinstance(found, Solution):
-                if waypoint is given:
-                    return found.polytope.radii[back]
                 vertices = placed(found)
                 return (vertices - vertices.mean(axis=0))[back]
             if np.abs(found.curvatures).max() <= close:
                 return found.radii[back]
-            if found.lowest < THIN:
+            if found.lowest < FLAT_LIMIT.thin:
                 return None
             recorder.keep(radii=found.radii[back])
     return None
 
 
-def leap(given: GluedMetric, start: Floats, log: Log, backend: str | None = None) -> RadiiSolution | None:
+def newton_on_radii(
+    given: GluedMetric, start: Floats, log: Log, backend: str | None = None
+) -> RadiiSolution | None:
     """Realize a metric that is convex or nearly so.
 
     Parameters
@@ -109,14 +123,14 @@ def leap(given: GluedMetric, start: Floats, log: Log, backend: str | None = None
     given : GluedMetric
         Of mean edge length 1 or so.
     start : ndarray, shape (V,) or (V, 3)
-        Radii or vertices, from `approach`.
+        Radii or vertices, from `radii_start`.
     log : Log
     backend : str, optional
         As in `isoembed.linalg.analyze`.
 
     Returns
     -------
-    Landing or None
+    RadiiSolution or None
         None where Newton's method does not converge at once.
 
     Notes
@@ -131,26 +145,27 @@ def leap(given: GluedMetric, start: Floats, log: Log, backend: str | None = None
         recorder.show(level=f"{given.n_vertices:,} vertices")
         recorder.keep(start=start)
         try:
-            landed = _flown(tables.in_order(order), start[order], recorder, backend)
+            found = _followed(tables.in_order(order), start[order], recorder, backend)
         except SingularMatrix:
             return None
-        if landed is None:
+        if found is None:
             return None
-        solution, branch_deviation = landed
+        solution, branch_deviation = found
         vertices = outward(given.faces, realized(solution, recorder)[np.argsort(order)])
         recorder.show(vertices=vertices)
     return RadiiSolution(vertices, branch_deviation)
 
 
-def _flown(
+def _followed(
     tables: HalfEdges, start: Floats, recorder: StageRecorder, backend: str | None
 ) -> tuple[Solution, float] | None:
-    """From radii, in one step, or from vertices, in several; and by how much it strayed."""
+    """From radii in one step, or from vertices in several; and the branch deviation."""
     ends = tables.corners, tables.corners[tables.twins]
     if start.ndim == 1:
         steps, ratio = 1, np.ones(tables.lengths.size)
     else:
-        steps, ratio = PARTS, np.linalg.norm(start[ends[0]] - start[ends[1]], axis=1) / tables.lengths
+        steps = RADII_NEWTON.parts
+        ratio = np.linalg.norm(start[ends[0]] - start[ends[1]], axis=1) / tables.lengths
         start = np.linalg.norm(start, axis=1)
     degrees, round_height = np.bincount(ends[0]), np.mean(tables.lengths**2) / (2 * start.mean())
 
@@ -164,21 +179,21 @@ def _flown(
         p = Polytope.on(tables._replace(lengths=tables.lengths * ratio**t), extrapolated(known[-3:], t))
         if p is None:
             return None
-        state = held(p, recorder, backend) if state is None else state.renewed(p, recorder)
-        found = _without_curvature(state, SETTLED if t == 0 else NEARLY, recorder)
+        state = pinned(p, recorder, backend) if state is None else state.refactorized(p, recorder)
+        found = _without_curvature(state, RADII_NEWTON.settled if t == 0 else RADII_NEWTON.nearly, recorder)
         if found is None:
             return None
-        state, foreseen = found
+        state, expected = found
         if len(known) > 1:
-            foreseen = p.radii
-        change = np.abs(heights(state.polytope.radii - foreseen)).max() / round_height
+            expected = p.radii
+        change = np.abs(heights(state.polytope.radii - expected)).max() / round_height
         branch_deviation = max(branch_deviation, float(change))
         known.append((t, state.polytope.radii))
-        recorder.show(t=t, done=FLOWN * (1 - t))
-    return None if state is None else (_popped(state, recorder), branch_deviation)
+        recorder.show(t=t, done=RADII_NEWTON.solved * (1 - t))
+    return None if state is None else (_reflected(state, recorder), branch_deviation)
 
 
-def _popped(state: Solution, recorder: StageRecorder) -> Solution:
+def _reflected(state: Solution, recorder: StageRecorder) -> Solution:
     """Turn out the vertices all of whose edges are concave, where that gives another realization.
 
     Where the metric is nearly flat, Newton's method may find either.  Of the height of one vertex alone, the
@@ -188,14 +203,16 @@ def _popped(state: Solution, recorder: StageRecorder) -> Solution:
     inverted = inverted_vertices(p)
     if not inverted.any():
         return state
-    nudge = NUDGE * float(p.tables.lengths.mean())
+    nudge = RADII_NEWTON.nudge * float(p.tables.lengths.mean())
     nudged = Polytope.on(p.tables, p.radii + nudge * inverted)
     if nudged is None:
         return state
     with np.errstate(all="ignore"):
         across = np.where(inverted, -2 * nudge * p.diagonal / (nudged.diagonal - p.diagonal), 0.0)
     q = Polytope.on(p.tables, p.radii + across) if np.isfinite(across).all() else None
-    found = None if q is None else _without_curvature(state.renewed(q, recorder), SETTLED, recorder)
+    if q is None:
+        return state
+    found = _without_curvature(state.refactorized(q, recorder), RADII_NEWTON.settled, recorder)
     if found is None or inverted_vertices(found[0].polytope).sum() >= inverted.sum():
         return state
     return found[0]
@@ -212,9 +229,9 @@ def _without_curvature(
     state: Solution, settled: float, recorder: StageRecorder
 ) -> tuple[Solution, Floats] | None:
     """Newton's method while it converges; and the radii after its first step."""
-    p, forcing = state.polytope, LOOSEST
+    p, forcing = state.polytope, RADII_NEWTON.loosest
     first = p.radii
-    for step in range(STEPS):
+    for step in range(RADII_NEWTON.steps):
         if np.abs(p.curvatures).max() <= settled:
             break
         dr, iterations = state.solve(p.curvatures, forcing)
@@ -222,14 +239,14 @@ def _without_curvature(
         if q is None:
             return None
         ratio = float(np.linalg.norm(q.curvatures) / np.linalg.norm(p.curvatures))
-        if not ratio < CONVERGING:
-            if np.abs(p.curvatures).max() > CLOSELY:
+        if not ratio < RADII_NEWTON.converging:
+            if np.abs(p.curvatures).max() > RADII_NEWTON.closely:
                 return None
             break
         first = first if step else q.radii
         recorder.iterations += 1
         recorder.show(residual=float(np.abs(q.curvatures).max()))
-        # As Newton's method converges, so do its linear equations (Eisenstat and Walker).
-        p, forcing = q, float(np.clip(ratio**2, TIGHTEST, LOOSEST))
-        state = state.renewed(p, recorder) if iterations > STALE else replace(state, polytope=p)
+        p, forcing = q, forcing_term(ratio, RADII_NEWTON.loosest)
+        stale = iterations > HOMOTOPY.stale
+        state = state.refactorized(p, recorder) if stale else replace(state, polytope=p)
     return state, first

@@ -7,7 +7,7 @@ from numpy.typing import NDArray
 from scipy.sparse import diags_array
 from scipy.sparse.linalg import spsolve
 
-from isoembed.alexandrov.homotopy import held
+from isoembed.alexandrov.homotopy import pinned
 from isoembed.alexandrov.placement import placed
 from isoembed.alexandrov.polytope import Polytope
 from isoembed.linalg import SingularMatrix
@@ -46,7 +46,7 @@ def attempted(
 
 def _placed(nearest: Polytope, recorder: StageRecorder) -> Floats:
     try:
-        return placed(held(nearest, recorder))
+        return placed(pinned(nearest, recorder))
     except SingularMatrix:
         return float(nearest.radii.mean()) * _spread(nearest.radii.size)
 

@@ -55,12 +55,25 @@ from isoembed.mesh.triangulation import Triangulation
 from isoembed.metric.curvature import deficits
 from isoembed.metric.polyhedral import PolyhedralMetric
 from isoembed.surface.rigidity import edge_rows
+from isoembed.thresholds import threshold
 
 Floats = NDArray[np.float64]
 
-MOST_VERTICES = 30_000  # beyond, the factors of J J^T outgrow the solve that they would certify
-LARGEST_H = 0.5  # the theorem allows 1; at half of it, rounding does not matter
-FARTHEST = 1e-8  # mean edge lengths: vertices that are farther off than this are not the polyhedron's
+
+@dataclass(frozen=True)
+class CertificateThresholds:
+    """Thresholds of the certificate."""
+
+    most_vertices: int = threshold(30_000, "vertices", "For more, the factors of J J^T outgrow the solve.")
+    largest_h: float = threshold(
+        0.5, "relative", "Largest h: the theorem allows 1, half of it leaves rounding room."
+    )
+    farthest: float = threshold(
+        1e-8, "mean edge lengths", "Vertices that are farther off are not the polyhedron's."
+    )
+
+
+CERTIFICATE = CertificateThresholds()
 
 
 @dataclass(frozen=True)
@@ -144,8 +157,8 @@ def _prove(metric: PolyhedralMetric, x: Floats, length_errors: Floats, found: di
     NotProven
     """
     t, lengths = metric.triangulation, metric.lengths
-    if t.n_vertices > MOST_VERTICES:
-        raise NotProven(f"there are more than {MOST_VERTICES:,} vertices")
+    if t.n_vertices > CERTIFICATE.most_vertices:
+        raise NotProven(f"there are more than {CERTIFICATE.most_vertices:,} vertices")
     _check_near(metric, x, length_errors)
     values, errors = enclosed_residuals(t.edges, x, np.zeros_like(x), lengths)
     a, b = t.edges.T
@@ -170,7 +183,7 @@ def _prove(metric: PolyhedralMetric, x: Floats, length_errors: Floats, found: di
     found["smallest_dihedral"], found["flat_edges"] = hulls.dihedral, int(hulls.flat.sum())
     rho += _norm(_detours(t, x, lengths, reach, hulls))
     found["kantorovich"], radius = _newton_kantorovich(rho, K, sigma)
-    distance, farthest = GUARD * (step + radius), min(reach, FARTHEST * metric.mean_length)
+    distance, farthest = GUARD * (step + radius), min(reach, CERTIFICATE.farthest * metric.mean_length)
     if not distance <= farthest:
         raise NotProven(
             f"the exact vertices may be {distance / metric.mean_length:.1e} mean edge lengths away, "
@@ -183,7 +196,7 @@ def _check_near(metric: PolyhedralMetric, x: Floats, length_errors: Floats) -> N
     """Vertices that are near enough to exact ones have almost their lengths."""
     a, b = metric.edges.T
     missed = np.abs(np.linalg.norm(x[a] - x[b], axis=1) - metric.lengths)
-    wrong = ~(missed <= 2 * FARTHEST * metric.mean_length + length_errors)
+    wrong = ~(missed <= 2 * CERTIFICATE.farthest * metric.mean_length + length_errors)
     if wrong.any():
         e = int(np.argmax(wrong))
         raise NotProven(
@@ -221,9 +234,10 @@ def _factored(metric: PolyhedralMetric, J: csr_array) -> tuple[PositiveDefinite,
 def _newton_kantorovich(rho: float, K: float, sigma: float) -> tuple[float, float]:
     """The numbers h and r of the theorem, rounded up."""
     h = GUARD * 2 * K * rho / sigma**2 if sigma > 0 else np.inf
-    if not h <= LARGEST_H:
+    if not h <= CERTIFICATE.largest_h:
         raise NotProven(
-            f"the residuals are too large: h = 2 K rho / sigma^2 is {h:.1e}, more than {LARGEST_H}"
+            f"the residuals are too large: h = 2 K rho / sigma^2 is {h:.1e}, "
+            f"more than {CERTIFICATE.largest_h}"
         )
     return h, GUARD * 2 * rho / (sigma * (1 + float(np.sqrt(1 - h))))
 

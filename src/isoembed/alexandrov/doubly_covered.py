@@ -17,14 +17,30 @@ from isoembed.alexandrov.polytope import Polytope
 from isoembed.intrinsic.delaunay import tilts
 from isoembed.intrinsic.halfedges import HalfEdges, set_directions
 from isoembed.metric.curvature import Triangles
+from isoembed.thresholds import threshold
 
 Floats = NDArray[np.float64]
 Indices = NDArray[np.int64]
 
-THIN = 1e-4  # squared height of the apex over its squared distance below which a polytope may be turning flat
-FOLD = 0.5  # the apex' feet lie on one side of a fold and on both sides of a flat edge: the ratio is 1 or 0
-ROUNDING, NOT_YET_FLAT = 1e-8, 30.0  # of the length of an edge, the second with the squared height
-EVEN = 1e-7  # radians: the two sheets' angles at a vertex agree, and the polygon closes
+
+@dataclass(frozen=True)
+class FlatLimitThresholds:
+    """Thresholds for polytopes that are turning flat."""
+
+    thin: float = threshold(
+        1e-4, "squared radii", "Squared height of the apex below which a polytope may be turning flat."
+    )
+    fold: float = threshold(
+        0.5, "relative", "Feet of the apex on one side of an edge: 1 at a fold, 0 at a flat edge."
+    )
+    rounding: float = threshold(1e-8, "edge lengths", "Error of the feet by rounding.")
+    not_yet_flat: float = threshold(30.0, "edge lengths", "Error of the feet, over the squared height.")
+    even: float = threshold(
+        1e-7, "radians", "Angles of the two sheets at a vertex agree, and the polygon closes."
+    )
+
+
+FLAT_LIMIT = FlatLimitThresholds()
 
 
 @dataclass(frozen=True, eq=False)
@@ -54,8 +70,8 @@ def flat_limit(p: Polytope) -> DoublyCovered | None:
     feet, _ = tilts(p.tables, (p.radii - mean) * (p.radii + mean))
     other = feet[p.tables.twins]
     # An apex right above a flat edge has both feet on it, up to rounding and to how flat the body is by now.
-    on_edge = (ROUNDING + NOT_YET_FLAT * p.lowest) * p.tables.lengths
-    least = FOLD * (np.abs(feet) + np.abs(other)) + on_edge
+    on_edge = (FLAT_LIMIT.rounding + FLAT_LIMIT.not_yet_flat * p.lowest) * p.tables.lengths
+    least = FLAT_LIMIT.fold * (np.abs(feet) + np.abs(other)) + on_edge
     return doubly_covered(p.tables, feet + other > least)
 
 
@@ -79,13 +95,16 @@ def doubly_covered(tables: HalfEdges, folds: NDArray[np.bool_]) -> DoublyCovered
     of_front, of_back = (
         np.bincount(corner[sheet], every[sheet], minlength=n)[start] for sheet in (front, ~front)
     )
-    if np.abs(of_front - of_back).max() > EVEN:
+    if np.abs(of_front - of_back).max() > FLAT_LIMIT.even:
         return None
     exterior = np.pi - (of_front + of_back) / 2
     heading = np.cumsum(exterior) - exterior[0]
     sides = tables.lengths[boundary]
     steps = sides[:, None] * np.stack([np.cos(heading), np.sin(heading)], axis=1)
-    if abs(exterior.sum() - 2 * np.pi) > EVEN or np.abs(steps.sum(axis=0)).max() > EVEN * sides.sum():
+    if (
+        abs(exterior.sum() - 2 * np.pi) > FLAT_LIMIT.even
+        or np.abs(steps.sum(axis=0)).max() > FLAT_LIMIT.even * sides.sum()
+    ):
         return None
     steps -= sides[:, None] * steps.sum(axis=0) / sides.sum()  # what rounding left open
     points = np.concatenate([[[0.0, 0.0]], np.cumsum(steps, axis=0)[:-1]])

@@ -25,28 +25,52 @@ from isoembed.linalg import Factor, SingularMatrix, Solver, analyze, dissect
 from isoembed.linalg.krylov import gmres
 from isoembed.metric.curvature import Triangles
 from isoembed.progress.stages import StageRecorder
+from isoembed.thresholds import threshold
 
 Floats = NDArray[np.float64]
 Indices = NDArray[np.int64]
 
-# All numbers are ratios.  They were chosen on random bodies up to 300 : 1; none is delicate.
-LADDER = (2.0, 4.0, 16.0, 64.0, 256.0)  # start radii over the least that may do, until one arrives
-FORCING = 0.03  # residual of the linear equations on the way
-STALE = 10  # GMRES iterations beyond which a fresh factorization is cheaper
-MOST_ITERATIONS = 30
-DECREASE = 0.25  # least decrease, over what the linear model promises
-FIRST_STEP, LONGEST_STEP, SHORTEST_STEP = 0.5, 0.9, 1e-4
-HALVINGS, HALVINGS_IF_STALE = 30, 3
-CLOSE, CLOSEST = 3e-3, 1e-9  # largest curvature over largest deficit at which Newton's method is tried
-MOST_STEPS, NEWTON_STEPS = 1000, 40
-CREEP, LEAST_PROGRESS = 50, 0.999  # so many steps have to bring the curvatures down by this factor
-ARRIVED = 0.7  # share of all work that is done where Newton's method begins
-LOOSEST, TIGHTEST = 1e-2, 1e-6  # residual of Newton's linear equations
-EXACT, FLOOR, ROUNDING = (
-    1e-9,
-    1e-4,
-    1e-13,
-)  # curvatures of a solution: radians, of the smallest deficit, of zero
+
+@dataclass(frozen=True)
+class HomotopyThresholds:
+    """Thresholds of the homotopy, chosen on random bodies up to 300 : 1; none is delicate."""
+
+    ladder: tuple[float, ...] = threshold(
+        (2.0, 4.0, 16.0, 64.0, 256.0), "least radii", "Radii of the starts, until one arrives."
+    )
+    forcing: float = threshold(0.03, "relative", "Residual of the linear equations on the way.")
+    stale: int = threshold(10, "GMRES iterations", "More of them cost more than a fresh factorization.")
+    most_iterations: int = threshold(30, "GMRES iterations", "At most.")
+    decrease: float = threshold(
+        0.25, "relative", "Least decrease of a step, of what the linear model promises."
+    )
+    first_step: float = threshold(
+        0.5, "relative", "Share of the curvatures that the first step is to remove."
+    )
+    longest_step: float = threshold(0.9, "relative", "Largest such share.")
+    shortest_step: float = threshold(1e-4, "relative", "Smallest: a path that needs less is given up.")
+    halvings: int = threshold(30, "count", "Of a step with a fresh factorization.")
+    halvings_if_stale: int = threshold(3, "count", "Of a step with an older one.")
+    newton_halvings: int = threshold(8, "count", "Of a step of Newton's method that has not arrived.")
+    close: float = threshold(3e-3, "largest deficits", "Largest curvature at which Newton's method is tried.")
+    closest: float = threshold(
+        1e-9, "largest deficits", "After failures, it is tried with less, down to this."
+    )
+    most_steps: int = threshold(1000, "count", "Steps of a path at most.")
+    newton_steps: int = threshold(40, "count", "Steps of Newton's method at most.")
+    creep: int = threshold(
+        50, "count", "So many steps have to bring the curvatures down by `least_progress`."
+    )
+    least_progress: float = threshold(0.999, "relative", "What they leave at most.")
+    arrived: float = threshold(0.7, "relative", "Share of all work done where Newton's method begins.")
+    loosest: float = threshold(1e-2, "relative", "Largest residual of Newton's linear equations.")
+    tightest: float = threshold(1e-6, "relative", "Smallest residual of Newton's linear equations.")
+    exact: float = threshold(1e-9, "radians", "Largest curvature of a solution.")
+    floor: float = threshold(1e-4, "smallest deficits", "Largest curvature of a solution, too.")
+    rounding: float = threshold(1e-13, "radians", "Smaller curvatures are rounding.")
+
+
+HOMOTOPY = HomotopyThresholds()
 
 
 @dataclass(frozen=True, eq=False)
@@ -74,10 +98,12 @@ class Solution:
         """1 where a radius may change, 0 at the pins, shape (V,)."""
         return _free(self.polytope, self.pins)
 
-    def renewed(self, p: Polytope, recorder: StageRecorder) -> Solution:
+    def refactorized(self, p: Polytope, recorder: StageRecorder) -> Solution:
         """Factor another polytope of the same triangles, lengths and radii being others."""
         recorder.factorizations += 1
-        return replace(self, polytope=p, factor=self.solver.factor(_pinned(p, _free(p, self.pins)).data))
+        return replace(
+            self, polytope=p, factor=self.solver.factor(_pinned_matrix(p, _free(p, self.pins)).data)
+        )
 
     def solve(self, b: Floats, tolerance: float) -> tuple[Floats, int]:
         """``(-d kappa / d r)^-1 b`` with the pins left at zero; and the iterations that it took.
@@ -94,11 +120,11 @@ class Solution:
             lambda v: self.factor.solve(v, sweeps=0),
             free * b,
             tolerance,
-            MOST_ITERATIONS,
+            HOMOTOPY.most_iterations,
         )
 
 
-def walk(
+def follow_path(
     tables: HalfEdges,
     deficits: Floats,
     recorder: StageRecorder,
@@ -128,7 +154,7 @@ def walk(
     # to about 4 pi - A / R^2.
     circumradius = float((tables.face_lengths.prod(axis=1) / (4 * areas)).max())
     least = max(circumradius, float(np.sqrt(areas.sum() / (4 * np.pi))))
-    starts = [np.full(deficits.size, factor * least) for factor in LADDER]
+    starts = [np.full(deficits.size, factor * least) for factor in HOMOTOPY.ladder]
     for start in starts if radii is None else (radii, *starts):
         polytope = Polytope.over(tables, start)
         if polytope is None:
@@ -145,8 +171,8 @@ def _attempt(
     p: Polytope, deficits: Floats, recorder: StageRecorder, backend: str | None
 ) -> Generator[Polytope | Solution, None, bool]:
     """Go from one start to the solution, trying Newton's method whenever it may work; return if it did."""
-    close = CLOSE
-    while close >= CLOSEST:
+    close = HOMOTOPY.close
+    while close >= HOMOTOPY.closest:
         path = _path(p, deficits, recorder, backend)
         for p in path:
             yield p
@@ -163,18 +189,18 @@ def _attempt(
     return False
 
 
-def held(p: Polytope, recorder: StageRecorder, backend: str | None = None) -> Solution:
-    """Hold three radii of a polytope and factor what is left, whatever its curvatures.
+def pinned(p: Polytope, recorder: StageRecorder, backend: str | None = None) -> Solution:
+    """Pin three radii of a polytope and factor what is left, whatever its curvatures.
 
     Raises
     ------
     SingularMatrix
     """
-    return _held_at(p, independent_directions(p), recorder, backend)
+    return _pinned_at(p, independent_directions(p), recorder, backend)
 
 
-def _held_at(p: Polytope, pins: Indices, recorder: StageRecorder, backend: str | None) -> Solution:
-    matrix = _pinned(p, _free(p, pins))
+def _pinned_at(p: Polytope, pins: Indices, recorder: StageRecorder, backend: str | None) -> Solution:
+    matrix = _pinned_matrix(p, _free(p, pins))
     recorder.factorizations += 1
     solver = _analyzed(matrix, backend)
     return Solution(p, pins, solver, solver.factor(matrix.data))
@@ -192,38 +218,41 @@ def _path(
     """Lead the curvatures toward zero along ``epsilon delta``."""
     inverse, fresh = _factor(-p.jacobian(), recorder, backend), True
     epsilon = _share(p.curvatures, deficits)
-    step, before = FIRST_STEP, np.inf
+    step, before = HOMOTOPY.first_step, np.inf
     yield p
-    for count in range(MOST_STEPS):
-        if count % CREEP == 0:
-            if np.linalg.norm(p.curvatures) > LEAST_PROGRESS * before:
+    for count in range(HOMOTOPY.most_steps):
+        if count % HOMOTOPY.creep == 0:
+            if np.linalg.norm(p.curvatures) > HOMOTOPY.least_progress * before:
                 return
             before = float(np.linalg.norm(p.curvatures))
         aim = max(epsilon, 0.0) * (1 - step) * deficits
         missing = p.curvatures - aim
         dr, iterations = _solved(p, inverse, missing)
-        if iterations > STALE and not fresh:
+        if iterations > HOMOTOPY.stale and not fresh:
             inverse, fresh = _factor(-p.jacobian(), recorder, backend), True
             continue
         size = np.linalg.norm(missing)
-        for halving in range(HALVINGS if fresh else HALVINGS_IF_STALE):
+        for halving in range(HOMOTOPY.halvings if fresh else HOMOTOPY.halvings_if_stale):
             fraction = 0.5**halving
             q = Polytope.over(p.tables, p.radii + fraction * dr)
-            if q is not None and np.linalg.norm(q.curvatures - aim) <= (1 - DECREASE * fraction) * size:
+            if (
+                q is not None
+                and np.linalg.norm(q.curvatures - aim) <= (1 - HOMOTOPY.decrease * fraction) * size
+            ):
                 break
         else:
             if not fresh:
                 inverse, fresh = _factor(-p.jacobian(), recorder, backend), True
                 continue
             step /= 4
-            if step < SHORTEST_STEP:
+            if step < HOMOTOPY.shortest_step:
                 return
             continue
         p, fresh = q, False
         epsilon = _share(p.curvatures, deficits)
-        step = min(step + 0.1, LONGEST_STEP) if halving == 0 else max(2 * step * fraction, 0.01)
+        step = min(step + 0.1, HOMOTOPY.longest_step) if halving == 0 else max(2 * step * fraction, 0.01)
         recorder.iterations += 1
-        done = np.log(max(epsilon, CLOSE)) / np.log(CLOSE) * ARRIVED
+        done = np.log(max(epsilon, HOMOTOPY.close)) / np.log(HOMOTOPY.close) * HOMOTOPY.arrived
         recorder.show(t=epsilon, residual=float(np.abs(p.curvatures).max()), done=float(done))
         yield p
 
@@ -231,7 +260,7 @@ def _path(
 def newton(
     p: Polytope, deficits: Floats, recorder: StageRecorder, backend: str | None = None
 ) -> Solution | None:
-    """Newton's method with three radii held, which fixes the apex; None if it does not converge.
+    """Newton's method with three radii pinned, which fixes the apex; None if it does not converge.
 
     Parameters
     ----------
@@ -241,22 +270,23 @@ def newton(
     recorder : StageRecorder
     backend : str, optional
     """
-    state, fresh = held(p, recorder, backend), True
-    forcing, done = LOOSEST, False
-    for _ in range(NEWTON_STEPS):
+    state, fresh = pinned(p, recorder, backend), True
+    forcing, done = HOMOTOPY.loosest, False
+    for _ in range(HOMOTOPY.newton_steps):
         largest = float(np.abs(p.curvatures).max())
-        done = largest <= min(EXACT, max(FLOOR * float(deficits.min()), ROUNDING))
+        done = largest <= min(HOMOTOPY.exact, max(HOMOTOPY.floor * float(deficits.min()), HOMOTOPY.rounding))
         size = np.linalg.norm(p.curvatures)
         if size == 0:
             break
         dr, iterations = state.solve(p.curvatures, forcing)
-        renew = iterations > STALE
-        for halving in range(0 if renew and not fresh else 1 if done else 8):
+        renew = iterations > HOMOTOPY.stale
+        for halving in range(0 if renew and not fresh else 1 if done else HOMOTOPY.newton_halvings):
             q = Polytope.over(p.tables, p.radii + 0.5**halving * dr)
-            if q is not None and np.linalg.norm(q.curvatures) <= (1 - DECREASE * 0.5**halving) * size:
-                # As Newton's method converges, so do its linear equations (Eisenstat and Walker).
-                ratio = float(np.linalg.norm(q.curvatures) / size)
-                forcing = float(np.clip(ratio**2, TIGHTEST, LOOSEST))
+            if (
+                q is not None
+                and np.linalg.norm(q.curvatures) <= (1 - HOMOTOPY.decrease * 0.5**halving) * size
+            ):
+                forcing = forcing_term(float(np.linalg.norm(q.curvatures) / size), HOMOTOPY.loosest)
                 p, fresh = q, False
                 state = replace(state, polytope=p)
                 break
@@ -265,11 +295,23 @@ def newton(
                 break
             if fresh:
                 return None
-            state, fresh = _held_at(p, state.pins, recorder, backend), True
+            state, fresh = _pinned_at(p, state.pins, recorder, backend), True
             continue
         recorder.iterations += 1
         recorder.show(t=0.0, residual=float(np.abs(p.curvatures).max()))
     return state if done else None
+
+
+def forcing_term(ratio: float, loosest: float) -> float:
+    """Residual asked of Newton's linear equations: they converge as it does (Eisenstat and Walker).
+
+    Parameters
+    ----------
+    ratio : float
+        Of the curvatures after a step and before it.
+    loosest : float
+    """
+    return float(np.clip(ratio**2, HOMOTOPY.tightest, loosest))
 
 
 def independent_directions(p: Polytope) -> Indices:
@@ -291,7 +333,7 @@ def independent_directions(p: Polytope) -> Indices:
     return np.array(pins)
 
 
-def _pinned(p: Polytope, free: Floats) -> csc_array:
+def _pinned_matrix(p: Polytope, free: Floats) -> csc_array:
     """``-d kappa / d r`` with the rows and columns of unfree vertices replaced by those of the identity."""
     matrix = -p.jacobian()
     column = np.repeat(np.arange(free.size), np.diff(matrix.indptr))
@@ -313,7 +355,11 @@ def _analyzed(matrix: csc_array, backend: str | None) -> Solver:
 def _solved(p: Polytope, inverse: Factor, b: Floats) -> tuple[Floats, int]:
     """``(-d kappa / d r)^-1 b``, roughly, preconditioned by the factor of a polytope nearby."""
     return gmres(
-        lambda v: -p.times_jacobian(v), lambda v: inverse.solve(v, sweeps=0), b, FORCING, MOST_ITERATIONS
+        lambda v: -p.times_jacobian(v),
+        lambda v: inverse.solve(v, sweeps=0),
+        b,
+        HOMOTOPY.forcing,
+        HOMOTOPY.most_iterations,
     )
 
 

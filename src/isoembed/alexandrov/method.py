@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from typing import ClassVar
 
@@ -12,8 +12,8 @@ from numpy.typing import NDArray
 
 from isoembed._embed import Method
 from isoembed.alexandrov.attempt import attempted
-from isoembed.alexandrov.doubly_covered import THIN, DoublyCovered, doubly_covered, flat_limit
-from isoembed.alexandrov.homotopy import Solution, walk
+from isoembed.alexandrov.doubly_covered import FLAT_LIMIT, DoublyCovered, doubly_covered, flat_limit
+from isoembed.alexandrov.homotopy import Solution, follow_path
 from isoembed.alexandrov.placement import realized, relaxed, relaxed_polytope, worst_length
 from isoembed.alexandrov.polyhedron import ConvexPolyhedron, metric_on
 from isoembed.alexandrov.polytope import Polytope
@@ -32,11 +32,25 @@ from isoembed.progress.stages import Log, StageRecorder
 from isoembed.surface.curvature import DIHEDRAL
 from isoembed.surface.embedding import Embedding
 from isoembed.surface.measures import face_normals, outward
+from isoembed.thresholds import threshold
 
 Floats = NDArray[np.float64]
+Indices = NDArray[np.int64]
 
-ACCEPTED = 1e-11  # mean lengths: if it is more, Newton's method goes on with the lengths themselves
-DENTED = 1e-6  # mean lengths: where faces are nearly flat, lengths in floats fix heights to 1e-8 only
+
+@dataclass(frozen=True)
+class SolutionThresholds:
+    """Thresholds of what counts as the polyhedron."""
+
+    accepted: float = threshold(
+        1e-11, "mean edge lengths", "For larger errors, Newton goes on with the lengths."
+    )
+    dented: float = threshold(
+        1e-6, "mean edge lengths", "Depth of a dent: on nearly flat faces, floats fix 1e-8."
+    )
+
+
+SOLUTION = SolutionThresholds()
 
 
 @dataclass(frozen=True)
@@ -76,19 +90,7 @@ class Alexandrov(Method):
             raise InvalidParameter(f"repair is {self.repair}, not a number of radians from 0 on")
 
     def run(self, metric: PolyhedralMetric | GluedMetric, tolerance: float, log: Log) -> Embedding:
-        """Find the polyhedron; the answer may miss the tolerance, and says so.
-
-        Parameters
-        ----------
-        metric : PolyhedralMetric or GluedMetric
-        tolerance : float
-            Largest residual to count as converged.
-        log : Log
-            Records the stages.
-
-        Returns
-        -------
-        ConvexPolyhedron
+        """Find the polyhedron, a `ConvexPolyhedron`; the answer may miss the tolerance, and says so.
 
         Raises
         ------
@@ -101,50 +103,57 @@ class Alexandrov(Method):
         given = GluedMetric.of(metric)
         rounding = deficit_rounding(given.faces, given.face_lengths)
         # A deficit within the tolerance can be told from none only by trying.
+        flat = None
         for least in (rounding, np.maximum(rounding, tolerance)):
-            flat = given.deficits <= least
+            before, flat = flat, given.deficits <= least
+            if before is not None and (flat == before).all():
+                break
             if (~flat).sum() < 3:
                 raise InvalidMetric(
                     f"only {(~flat).sum()} vertices have a deficit that rounding does not hide, and a convex "
                     f"polyhedron has at least 3: face {int(np.argmin(given.triangles.areas))} is too thin"
                 )
-            answer = self._solved(
-                metric, given, flat, repair if repair.vertices.size else None, tolerance, log
-            )
+            search = _Search(metric, flat, repair if repair.vertices.size else None, tolerance, log)
+            answer = search.answer(self.backend)
             if isinstance(answer, ConvexPolyhedron) and answer.converged:
                 break
         if isinstance(answer, ConvexPolyhedron):
             return answer
         raise NotEmbedded(answer.message, answer)
 
-    def _solved(
-        self,
-        metric: PolyhedralMetric | GluedMetric,
-        given: GluedMetric,
-        flat: NDArray[np.bool_],
-        repair: Repair | None,
-        tolerance: float,
-        log: Log,
-    ) -> Embedding:
-        """The polyhedron, or an attempt, if these vertices are taken for flat."""
+
+@dataclass(frozen=True, eq=False)
+class _Search:
+    """The search for the polyhedron of a metric, some of whose vertices are taken for flat, shape (V,)."""
+
+    metric: PolyhedralMetric | GluedMetric
+    flat: NDArray[np.bool_]
+    repair: Repair | None
+    tolerance: float
+    log: Log
+
+    def answer(self, backend: str | None) -> Embedding:
+        """The polyhedron, or an attempt."""
+        given, log = GluedMetric.of(self.metric), self.log
         original = given.half_edges()
         with log.stage("flat vertices") as recorder:
-            core, removal = remove_flat_vertices(original, flat)
-            recorder.iterations = int(flat.sum())
+            core, removal = remove_flat_vertices(original, self.flat)
+            recorder.iterations = int(self.flat.sum())
         with log.stage("polytope") as recorder:
             order = core.order_in_memory()
-            curved = np.flatnonzero(~flat)[order]
+            curved = np.flatnonzero(~self.flat)[order]
             kept = log.resumed_at("polytope")
-            radii = kept["radii"][curved] if kept is not None and (kept["flat"] == flat).all() else None
+            radii = kept["radii"][curved] if kept is not None and (kept["flat"] == self.flat).all() else None
 
             def keep(p: Polytope) -> None:
-                everywhere = np.zeros(flat.size)
+                everywhere = np.zeros(self.flat.size)
                 everywhere[curved] = p.radii
-                recorder.keep(radii=everywhere, flat=flat)
+                recorder.keep(radii=everywhere, flat=self.flat)
 
-            found = _polyhedron(
-                core.in_order(order), given.deficits[curved], radii, keep, recorder, self.backend
-            )
+            tables = core.in_order(order)
+            path = follow_path(tables, given.deficits[curved], recorder, backend, radii)
+            found = _polyhedron(tables, path, keep)
+        nearest = found.polytope if isinstance(found, Solution) else found
         with log.stage("placement") as recorder:
             if isinstance(found, DoublyCovered):
                 tables, vertices = found.tables, found.vertices
@@ -153,78 +162,64 @@ class Alexandrov(Method):
             else:
                 rescued = None if found is None else relaxed_polytope(found, recorder)
                 if rescued is None:
-                    return self._failure(metric, curved, found, _diagnosis(found, curved), tolerance, log)
+                    return self._failure(curved, found, _diagnosis(found, curved))
                 tables, vertices = rescued
             tables = tables._replace(corners=order[tables.corners])
             vertices = outward(tables.faces, vertices[np.argsort(order)])
+        nearest = found.polytope if isinstance(found, Solution) else None
         try:
             with log.stage("edge paths"):
                 restored = insert_vertices(tables, removal, _creases(tables, vertices))
-                paths = edge_paths(original, restored.tables, _one_halfedge_an_edge(metric))
+                paths = edge_paths(original, restored.tables, _one_halfedge_an_edge(self.metric))
             result = metric_on(restored.tables)
         except InvalidMetric as error:  # not the given metric's fault: these are triangles of our own
-            nearest = found.polytope if isinstance(found, Solution) else None
             message = f"the polyhedron was found, but no triangles on it with all vertices: {error}"
-            return self._failure(metric, curved, nearest, message, tolerance, log)
+            return self._failure(curved, nearest, message)
         polyhedron = ConvexPolyhedron(
             result,
             restored.vertices(vertices),
             given=given,
             edge_paths=paths,
             core=None if isinstance(found, DoublyCovered) else (tables, vertices),
-            flat_vertices=np.flatnonzero(flat),
-            repair=repair,
-            tolerance=tolerance,
+            flat_vertices=np.flatnonzero(self.flat),
+            repair=self.repair,
+            tolerance=self.tolerance,
             stages=log.stages,
         )
         depths = polyhedron.dents
-        if polyhedron.converged and depths.max() > DENTED:
+        if polyhedron.converged and depths.max() > SOLUTION.dented:
             e = int(np.argmax(depths))
             message = f"the surface found is not convex at edge {e} {result.edges[e].tolist()}"
-            nearest = found.polytope if isinstance(found, Solution) else None
-            return self._failure(metric, curved, nearest, message, tolerance, log)
+            return self._failure(curved, nearest, message)
         return polyhedron
 
-    def _failure(
-        self,
-        metric: PolyhedralMetric | GluedMetric,
-        core: NDArray[np.int64],
-        nearest: Polytope | None,
-        message: str,
-        tolerance: float,
-        log: Log,
-    ) -> Embedding:
+    def _failure(self, core: Indices, nearest: Polytope | None, message: str) -> Embedding:
         """The given triangles on the nearest polytope that there is."""
-        given = metric.simplicial() if isinstance(metric, GluedMetric) else metric
-        with log.stage("attempt") as recorder:
+        given = self.metric.simplicial() if isinstance(self.metric, GluedMetric) else self.metric
+        with self.log.stage("attempt") as recorder:
             vertices = attempted(given, core, nearest, recorder)
         return Embedding(
             given,
             vertices,
-            method=self.name,
-            tolerance=tolerance,
-            stages=log.stages,
+            method=Alexandrov.name,
+            tolerance=self.tolerance,
+            stages=self.log.stages,
             message=message,
         )
 
 
 def _polyhedron(
-    core: HalfEdges,
-    deficits: Floats,
-    radii: Floats | None,
-    keep: Callable[[Polytope], None],
-    recorder: StageRecorder,
-    backend: str | None,
+    core: HalfEdges, path: Iterator[Polytope | Solution], keep: Callable[[Polytope], None]
 ) -> Solution | DoublyCovered | Polytope | None:
     """Solve, watching for a body that turns flat; failing that, the polytope with the least curvatures."""
-    if deficits.size == 3:
+    if core.corners.size == 6:
         delaunay = core.copy()
         make_delaunay(delaunay, np.zeros(3))
         triangle = doubly_covered(delaunay, np.ones(6, dtype=np.bool_))
         if triangle is not None:
             return triangle
-    thin, nearest = THIN, None
-    for found in walk(core, deficits, recorder, backend, radii):
+    thin, nearest = FLAT_LIMIT.thin, None
+    for found in path:
         if isinstance(found, Solution):
             return found
         keep(found)
@@ -238,7 +233,7 @@ def _polyhedron(
     return nearest
 
 
-def _diagnosis(nearest: Polytope | None, curved: NDArray[np.int64]) -> str:
+def _diagnosis(nearest: Polytope | None, curved: Indices) -> str:
     if nearest is None:
         return "no generalized polytope over this metric was found: its triangles are too thin for floats"
     v = int(np.argmax(np.abs(nearest.curvatures)))
@@ -250,7 +245,7 @@ def _diagnosis(nearest: Polytope | None, curved: NDArray[np.int64]) -> str:
 
 def _placed(solution: Solution, recorder: StageRecorder) -> Floats:
     vertices = realized(solution, recorder)
-    if worst_length(solution, vertices) > ACCEPTED:
+    if worst_length(solution, vertices) > SOLUTION.accepted:
         vertices = relaxed(solution, vertices, recorder)
     return vertices
 
@@ -264,7 +259,7 @@ def _creases(tables: HalfEdges, vertices: Floats) -> NDArray[np.bool_]:
     return np.arctan2(sine, np.einsum("ij,ij->i", here, there)) > DIHEDRAL.flat
 
 
-def _one_halfedge_an_edge(metric: PolyhedralMetric | GluedMetric) -> NDArray[np.int64]:
+def _one_halfedge_an_edge(metric: PolyhedralMetric | GluedMetric) -> Indices:
     """In the order of the metric's edges, if it has one; else the lower of the two, ascending."""
     if isinstance(metric, PolyhedralMetric):
         return metric.triangulation.edge_halfedges[:, 0]

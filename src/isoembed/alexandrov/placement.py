@@ -7,10 +7,12 @@ lose all digits on large ones.
 
 from __future__ import annotations
 
+from dataclasses import dataclass
+
 import numpy as np
 from numpy.typing import NDArray
 
-from isoembed.alexandrov.homotopy import Solution, held
+from isoembed.alexandrov.homotopy import Solution, pinned
 from isoembed.alexandrov.polytope import Polytope
 from isoembed.errors import InvalidMetric
 from isoembed.intrinsic.halfedges import HalfEdges
@@ -18,14 +20,26 @@ from isoembed.linalg import SingularMatrix
 from isoembed.mesh.triangulation import Triangulation
 from isoembed.progress.stages import StageRecorder
 from isoembed.surface.rigidity import LengthSystem, length_residuals
+from isoembed.thresholds import threshold
 
 Floats = NDArray[np.float64]
 
-PRECISE, ROUGH = 1e-12, 1e-4  # residuals of linear equations: of a kernel, of a correction
-SAMPLE = 100_000  # edges that determine six numbers
-RELAXATIONS, EXACT = 8, 1e-13  # Newton steps at most, and when they may end, in mean lengths
-POLISHES, POLISHED = 3, 16 * np.finfo(float).eps  # rounds, until lengths are right to this, over the radius
-MAGNIFIED = 1e-6  # length errors, over the mean length, are made this large to lift them above rounding
+
+@dataclass(frozen=True)
+class PlacementThresholds:
+    """Thresholds of the placement of a polytope's vertices."""
+
+    precise: float = threshold(1e-12, "relative", "Residual of linear equations for a kernel.")
+    rough: float = threshold(1e-4, "relative", "Residual of linear equations for a correction.")
+    sample: int = threshold(100_000, "edges", "Edges that determine the six numbers of a linear map.")
+    relaxations: int = threshold(8, "count", "Newton steps on the lengths at most.")
+    exact: float = threshold(1e-13, "mean edge lengths", "Error of the lengths at which they may end.")
+    polishes: int = threshold(3, "count", "Rounds of the polish at most.")
+    polished: float = threshold(16 * 2.0**-52, "radii", "Error of the lengths at which they may end.")
+    magnified: float = threshold(1e-6, "mean edge lengths", "Size to which errors are lifted above rounding.")
+
+
+PLACEMENT = PlacementThresholds()
 
 
 def realized(solution: Solution, recorder: StageRecorder) -> Floats:
@@ -38,8 +52,8 @@ def realized(solution: Solution, recorder: StageRecorder) -> Floats:
         Counts the rounds of the polish.
     """
     vertices = placed(solution)
-    for _ in range(POLISHES):
-        if worst_length(solution, vertices) <= POLISHED * float(np.abs(vertices).max()):
+    for _ in range(PLACEMENT.polishes):
+        if worst_length(solution, vertices) <= PLACEMENT.polished * float(np.abs(vertices).max()):
             break
         vertices = polished(solution, vertices)
         recorder.iterations += 1
@@ -56,7 +70,7 @@ def placed(solution: Solution) -> Floats:
     p = solution.polytope
     directions = np.zeros((p.radii.size, 3))
     directions[solution.pins] = np.eye(3)
-    directions += solution.solve(p.times_jacobian(directions), PRECISE)[0]
+    directions += solution.solve(p.times_jacobian(directions), PLACEMENT.precise)[0]
     # They are so up to a linear map B: fit G = B B^T to |x_i| = r_i and |x_i - x_j| = l_ij.
     i, j, lengths = _edges(p)
     raw = directions * p.radii[:, None]
@@ -91,17 +105,17 @@ def polished(solution: Solution, vertices: Floats) -> Floats:
     error = float(np.abs(missing).max())
     if error == 0:
         return vertices
-    scale = MAGNIFIED * float(tables.lengths.mean()) / error
+    scale = PLACEMENT.magnified * float(tables.lengths.mean()) / error
     wrong = tables._replace(lengths=actual + scale * missing)
     p = Polytope.on(wrong, radii)
     if p is None:
         return vertices
-    dr, _ = solution.solve(p.curvatures, ROUGH)
+    dr, _ = solution.solve(p.curvatures, PLACEMENT.rough)
     q = Polytope.on(wrong, radii + dr)
     if q is None:
         return vertices
     directions = vertices / radii[:, None]
-    turned = directions + solution.solve(q.times_jacobian(directions), ROUGH)[0] / scale
+    turned = directions + solution.solve(q.times_jacobian(directions), PLACEMENT.rough)[0] / scale
     moved = turned * (radii + dr / scale)[:, None]
     # Up to a linear map again, which now is near the identity.
     i, j, lengths = _edges(solution.polytope)
@@ -136,7 +150,7 @@ def relaxed(solution: Solution, vertices: Floats, recorder: StageRecorder) -> Fl
     lengths[triangulation.face_edges.ravel()] = tables.lengths
     system = LengthSystem(triangulation)
     best = vertices
-    for _ in range(RELAXATIONS):
+    for _ in range(PLACEMENT.relaxations):
         recorder.factorizations += 1
         try:
             step = system.step(vertices, lengths, length_residuals(triangulation, vertices, lengths))
@@ -145,7 +159,7 @@ def relaxed(solution: Solution, vertices: Floats, recorder: StageRecorder) -> Fl
         vertices = vertices - step
         if worst_length(solution, vertices) < worst_length(solution, best):
             best = vertices
-        if worst_length(solution, best) <= EXACT:
+        if worst_length(solution, best) <= PLACEMENT.exact:
             break
     return best
 
@@ -165,13 +179,13 @@ def relaxed_polytope(nearest: Polytope, recorder: StageRecorder) -> tuple[HalfEd
         Triangles and vertices that have the lengths of the metric and no reflex edge; None if none are found.
     """
     p = nearest
-    for _ in range(RELAXATIONS):
+    for _ in range(PLACEMENT.relaxations):
         try:
-            solution = held(p, recorder)
+            solution = pinned(p, recorder)
         except SingularMatrix:
             return None
         vertices = relaxed(solution, placed(solution), recorder)
-        if not worst_length(solution, vertices) <= 10 * EXACT:
+        if not worst_length(solution, vertices) <= 10 * PLACEMENT.exact:
             return None
         # Seen from inside, the body is a polytope; if it has the same triangles, it is convex.
         inside = vertices - vertices.mean(axis=0)
@@ -210,5 +224,5 @@ def _edges(p: Polytope) -> tuple[NDArray[np.int64], NDArray[np.int64], Floats]:
     """Ends and lengths of the edges, or of an even sample of them."""
     tables = p.tables
     h = np.flatnonzero(np.arange(tables.twins.size) < tables.twins)
-    h = h[:: -(-h.size // SAMPLE)]
+    h = h[:: -(-h.size // PLACEMENT.sample)]
     return tables.corners[h], tables.corners[tables.twins[h]], tables.lengths[h]

@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from isoembed.aim.anneal import Annealed
-from isoembed.aim.convexity import CORRECTED, PRINTED, popped
+from isoembed.aim.convexity import CORRECTED, PRINTED, reflected
 from isoembed.aim.paper import Paper
 from isoembed.gallery import Sphere
 from isoembed.metric.curvature import deficits
@@ -68,7 +68,7 @@ class _Pair:
     def moved(self) -> dict[str, Floats]:
         """The inverted surface after each routine, before annealing."""
         t = self.metric.triangulation
-        return {name: popped(t, self.inverted, self.which, sign) for name, sign in ROUTINES.items()}
+        return {name: reflected(t, self.inverted, self.which, sign) for name, sign in ROUTINES.items()}
 
     @cached_property
     def annealed(self) -> dict[str, Annealed]:

@@ -5,7 +5,7 @@ import pytest
 
 import smooth_bodies
 import zoo
-from isoembed.aim.convexification import ROUND, convexified, is_convex
+from isoembed.aim.convexification import CONVEXIFICATION, Convexification
 from isoembed.gallery import CassiniPeanut, Ergosphere, triangulate
 from isoembed.linalg import SingularMatrix
 from isoembed.metric.curvature import deficits
@@ -13,11 +13,19 @@ from isoembed.metric.glued import GluedMetric
 from isoembed.metric.polyhedral import PolyhedralMetric
 
 
+def convexified(metric, recorder):
+    return Convexification(metric).metric(CONVEXIFICATION.far, recorder)
+
+
+def is_convex(metric):
+    return Convexification(metric).is_convex
+
+
 def glued(vertices, faces):
     return GluedMetric.of(PolyhedralMetric.from_mesh(vertices, faces).normalized)
 
 
-def test_a_convex_metric_is_its_own_waypoint():
+def test_a_convex_metric_is_its_own_convexification():
     for mesh in (zoo.random_hull(20, 0), zoo.cube(), smooth_bodies.ellipsoid()):
         metric, recorder = glued(*mesh), smooth_bodies.recorder()
         assert convexified(metric, recorder) is metric
@@ -25,18 +33,18 @@ def test_a_convex_metric_is_its_own_waypoint():
 
 
 @pytest.mark.parametrize("surface", [CassiniPeanut(), Ergosphere(epsilon=0.1)], ids=str)
-def test_the_waypoint_is_convex_with_a_margin_and_near(surface):
+def test_it_is_convex_with_a_margin_and_near(surface):
     metric, recorder = glued(*triangulate(surface, 400)), smooth_bodies.recorder()
     assert not is_convex(metric)
-    waypoint = convexified(metric, recorder)
-    assert is_convex(waypoint)
+    convex = convexified(metric, recorder)
+    assert is_convex(convex)
     assert recorder.factorizations <= 10
-    areas = waypoint.triangles.areas
-    share = 4 * np.pi / 3 * np.bincount(waypoint.faces.ravel(), np.repeat(areas / areas.sum(), 3))
-    assert (waypoint.deficits > ROUND / 4 * share).all()
+    areas = convex.triangles.areas
+    share = 4 * np.pi / 3 * np.bincount(convex.faces.ravel(), np.repeat(areas / areas.sum(), 3))
+    assert (convex.deficits > CONVEXIFICATION.far / 4 * share).all()
     # Large shapes stay: the curvature of each half of the body has hardly changed.
-    assert waypoint.deficits.sum() == pytest.approx(4 * np.pi, abs=1e-9)
-    assert np.abs(waypoint.deficits - metric.deficits).max() < np.abs(metric.deficits).max()
+    assert convex.deficits.sum() == pytest.approx(4 * np.pi, abs=1e-9)
+    assert np.abs(convex.deficits - metric.deficits).max() < np.abs(metric.deficits).max()
 
 
 def test_a_small_dent_needs_a_small_change_only():
@@ -45,14 +53,14 @@ def test_a_small_dent_needs_a_small_change_only():
     dent = vertices * (1 - 0.1 * np.exp(-np.sum((vertices - vertices[0]) ** 2, axis=1) / 0.02))[:, None]
     metric = glued(dent, faces)
     assert not is_convex(metric)
-    waypoint = convexified(metric, smooth_bodies.recorder())
-    assert is_convex(waypoint)
+    convex = convexified(metric, smooth_bodies.recorder())
+    assert is_convex(convex)
     far = vertices @ vertices[0] < -0.5
-    near = np.abs(waypoint.deficits - metric.deficits).max()
-    assert np.abs(waypoint.deficits - metric.deficits)[far].max() < 1e-2 * near
+    near = np.abs(convex.deficits - metric.deficits).max()
+    assert np.abs(convex.deficits - metric.deficits)[far].max() < 1e-2 * near
 
 
-def test_lengths_far_from_any_surface_have_a_waypoint_too():
+def test_lengths_far_from_any_surface_have_one_too():
     vertices, faces = zoo.random_hull(60, 3)
     metric = PolyhedralMetric.from_mesh(vertices, faces)
     ones = metric.with_lengths(np.ones(len(metric.lengths)))
@@ -67,3 +75,15 @@ def test_where_the_laplacian_is_singular_there_is_none(monkeypatch):
     metric = glued(*triangulate(CassiniPeanut(), 100))
     monkeypatch.setattr("isoembed.linalg.factor.Solver.factor", refused)
     assert convexified(metric, smooth_bodies.recorder()) is None
+
+
+def test_a_larger_margin_goes_on_from_a_smaller_one():
+    metric = glued(*triangulate(CassiniPeanut(), 300))
+    both, recorders = Convexification(metric), [smooth_bodies.recorder() for _ in range(3)]
+    near = both.metric(CONVEXIFICATION.near, recorders[0])
+    far = both.metric(CONVEXIFICATION.far, recorders[1])
+    alone = Convexification(metric).metric(CONVEXIFICATION.far, recorders[2])
+    assert (far.face_lengths == alone.face_lengths).all()
+    assert (far.faces == alone.faces).all()
+    assert recorders[1].iterations < recorders[2].iterations
+    assert 0 < near.deficits.min() <= far.deficits.min()

@@ -1,0 +1,98 @@
+"""Newton's method on the lengths, from a surface nearby at once to the given ones, while it converges."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from isoembed.aim.anneal import anneal
+from isoembed.linalg import SingularMatrix
+from isoembed.progress.stages import StageRecorder
+from isoembed.surface.convexity import umbrella_heights
+from isoembed.surface.rigidity import LengthSystem, length_residuals
+from isoembed.thresholds import threshold
+
+Floats = NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class LengthsNewtonThresholds:
+    """Thresholds of Newton's method on the lengths."""
+
+    exact: float = threshold(
+        1e-11, "mean edge lengths", "A start this good stays: flat faces make steps harmful."
+    )
+    decided: float = threshold(1e-4, "mean edge lengths", "Residual below which it is decided where it goes.")
+    converging: float = threshold(0.5, "relative", "Share of the residual that each step leaves at most.")
+    lost: float = threshold(0.5, "mean edge lengths", "From a larger residual it is taken for lost.")
+    trusted: float = threshold(0.6, "heights, root mean square", "Largest branch deviation that is trusted.")
+
+
+LENGTHS_NEWTON = LengthsNewtonThresholds()
+
+
+@dataclass(frozen=True, eq=False)
+class LengthsSolution:
+    """Where Newton's method on the lengths ends.
+
+    Attributes
+    ----------
+    vertices : ndarray, shape (V, 3)
+    branch_deviation : float
+        The most that the height of a vertex above its neighbors differs from where the first step pointed,
+        over the root mean square of such heights.  Newton's method can cross over to a neighboring
+        realization, with some vertices turned inside out, that has the same lengths; then a height changes
+        by more than the first step's error explains.
+    """
+
+    vertices: Floats
+    branch_deviation: float
+
+
+def newton_on_lengths(
+    system: LengthSystem, start: Floats, lengths: Floats, good: float, recorder: StageRecorder
+) -> LengthsSolution | None:
+    """Realize lengths that are near those of a surface.
+
+    Parameters
+    ----------
+    system : LengthSystem
+    start : ndarray, shape (V, 3)
+    lengths : ndarray, shape (E,)
+        Of mean 1 or so.
+    good : float
+        Residual at which the start itself is taken.
+    recorder : StageRecorder
+
+    Returns
+    -------
+    LengthsSolution or None
+        None where Newton's method does not converge at once.
+    """
+    triangulation = system.triangulation
+    r = length_residuals(triangulation, start, lengths)
+    residual = float(np.abs(r).max())
+    if residual <= good:
+        return LengthsSolution(start, 0.0)
+    x, pointed, before = start, start, np.inf
+    while residual > LENGTHS_NEWTON.decided or x is start:
+        recorder.iterations += 1
+        recorder.factorizations += 1
+        try:
+            x = x - system.step(x, lengths, r)
+        except SingularMatrix:
+            return None
+        if not np.isfinite(x).all():
+            return None
+        pointed = x if pointed is start else pointed
+        r = length_residuals(triangulation, x, lengths)
+        residual = float(np.abs(r).max())
+        recorder.show(residual=residual)
+        if not residual < LENGTHS_NEWTON.converging * before or residual > LENGTHS_NEWTON.lost:
+            return None
+        before = residual
+    expected, heights = (umbrella_heights(triangulation, y) for y in (pointed, x))
+    deviation = float(np.abs(heights - expected).max() / np.sqrt(np.mean(heights**2)))
+    return LengthsSolution(anneal(system, x, lengths, recorder).vertices, deviation)

@@ -1,0 +1,180 @@
+"""The energy of the regularized continuation: errors of the lengths, and distance from smooth surfaces.
+
+Where the curvature is negative, surfaces flex: many have nearly the same lengths, and plain Newton steps
+wander among them.  Those are sought that minimize
+
+    ``|r|^2 + mu (|R x|^2 + w |K x|^2)``,
+
+r the errors of the lengths.  R takes every vertex to its difference from a cubic fitted to its neighbors: it
+knows smooth surfaces of any shape, to fourth order in the edge length.  K, the cotangent Laplacian, takes x
+to its mean curvature; it is stiffer at middle wavelengths but would flatten the surface.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from copy import copy
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.sparse import csr_array, diags_array
+from scipy.sparse.linalg import LinearOperator, cg
+
+from isoembed.linalg import SingularMatrix
+from isoembed.metric.glued import GluedMetric
+from isoembed.metric.laplacian import cotangent_laplacian
+from isoembed.metric.polyhedral import PolyhedralMetric
+from isoembed.progress.stages import StageRecorder
+from isoembed.surface.local_fit import edge_lengths_about
+from isoembed.surface.rigidity import VertexSystem, edge_rows, length_residuals
+from isoembed.surface.smoothness import fit_residuals
+from isoembed.thresholds import threshold
+
+Floats = NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class EnergyThresholds:
+    """Thresholds of the regularized energy."""
+
+    rho: float = threshold(
+        3.5, "mean edge lengths^-2", "Largest eigenvalue, or so, of the Laplacian; that of R is 1."
+    )
+    smallest_cotangent: float = threshold(0.01, "relative", "Smaller weights of K would reward bending.")
+    share: float = threshold(
+        0.5, "relative", "Share of |K x|^2 that stands in for |R x|^2 in the preconditioner."
+    )
+    solved: float = threshold(1e-3, "relative", "Residual of a step's linear equations, over the gradient.")
+    most: int = threshold(100, "count", "Conjugate gradients' iterations at most.")
+    stiffnesses: tuple[float, ...] = threshold(
+        (1.0, 2.0, 11.0, 101.0), "relative", "Factors of mu, tried until a step goes downhill."
+    )
+
+
+ENERGY = EnergyThresholds()
+
+
+class RegularizedEnergy:
+    """The energy ``|r|^2 + mu (|R x|^2 + w |K x|^2)`` of surfaces with the triangles of a metric.
+
+    Parameters
+    ----------
+    metric : PolyhedralMetric
+        Gives K.
+    vertices : ndarray, shape (V, 3)
+        Of a surface near enough for its charts to be smooth on those sought; gives R.
+    backend : str, optional
+        As in `isoembed.linalg.analyze`.
+    """
+
+    def __init__(self, metric: PolyhedralMetric, vertices: Floats, backend: str | None = None) -> None:
+        self.triangulation = metric.triangulation
+        self._lengths = edge_lengths_about(self.triangulation, metric.lengths)
+        K = csr_array(
+            cotangent_laplacian(GluedMetric.of(metric), least=ENERGY.smallest_cotangent) / ENERGY.rho
+        )
+        self._KK = csr_array(K.T @ K)
+        self._system = VertexSystem(self.triangulation, self._KK, backend)
+        self._regularize_by(fit_residuals(self.triangulation, vertices))
+
+    def finer(self, vertices: Floats) -> RegularizedEnergy:
+        """The same with quintic fits, applied twice, in the charts of these vertices in the place of R."""
+        other = copy(self)
+        residuals = fit_residuals(self.triangulation, vertices, 5)
+        other._regularize_by(csr_array(residuals @ residuals))
+        return other
+
+    def _regularize_by(self, residuals: csr_array) -> None:
+        """Take R from these residuals of fits, each row of unit norm over the edge length there."""
+        size = self._lengths * np.sqrt(residuals.multiply(residuals).sum(axis=1))
+        self._R = csr_array(diags_array(1 / size) @ residuals)
+        self._RT = csr_array(self._R.T)
+
+    def roughness(self, vertices: Floats, w: float) -> Floats:
+        """``(R^T R + w K^T K) x``, shape (V, 3): half the gradient of the penalty."""
+        return self._RT @ (self._R @ vertices) + w * (self._KK @ vertices)
+
+    def solver(self, vertices: Floats, lengths: Floats, mu: float, w: float) -> Callable[[Floats], Floats]:
+        """Prepare to solve ``(J^T J + mu (R^T R + w K^T K)) d = g`` for d, (V, 3), by conjugate gradients.
+
+        The matrix with K in the place of R, sparser by far, is factored, and preconditions: a handful of
+        iterations is enough.
+
+        Raises
+        ------
+        SingularMatrix
+            It is not positive definite to working precision.
+        """
+        triangulation = self.triangulation
+        rows = edge_rows(triangulation, vertices, lengths)
+        factor = self._system.penalized(rows, mu * (w + ENERGY.share))
+        a, b = triangulation.edges.T
+
+        def product(d: Floats) -> Floats:
+            x = d.reshape(-1, 3)
+            stretch = np.einsum("ij,ij->i", rows, x[a] - x[b])
+            return (triangulation.incidence @ (rows * stretch[:, None]) + mu * self.roughness(x, w)).ravel()
+
+        n = 3 * triangulation.n_vertices
+        matrix = LinearOperator((n, n), matvec=product, dtype=np.float64)
+        inverse = LinearOperator((n, n), matvec=lambda g: factor.solve(g, sweeps=0), dtype=np.float64)
+
+        def solve(gradient: Floats) -> Floats:
+            with np.errstate(all="ignore"):  # of a matrix too ill-conditioned for it, it makes no numbers
+                d = cg(matrix, gradient.ravel(), rtol=ENERGY.solved, M=inverse, maxiter=ENERGY.most)[
+                    0
+                ].reshape(-1, 3)
+            if not np.isfinite(d).all():
+                raise SingularMatrix("conjugate gradients broke down")
+            return d
+
+        return solve
+
+    def step(
+        self,
+        vertices: Floats,
+        lengths: Floats,
+        mu: float,
+        w: float,
+        recorder: StageRecorder,
+        stiffness: float = 1.0,
+    ) -> tuple[Floats, bool]:
+        """One Gauss-Newton step, and whether it goes downhill.
+
+        Parameters
+        ----------
+        vertices : ndarray, shape (V, 3)
+        lengths : ndarray, shape (E,)
+        mu, w : float
+        recorder : StageRecorder
+        stiffness : float
+            Shortens the step where surfaces are soft: the matrix is that of mu times this.
+        """
+
+        def measured(x: Floats) -> tuple[Floats, Floats, float]:
+            r, pull = length_residuals(self.triangulation, x, lengths), self.roughness(x, w)
+            return r, pull, float(r @ r + mu * np.sum(x * pull))
+
+        r, pull, energy = measured(vertices)
+        rows = edge_rows(self.triangulation, vertices, lengths)
+        gradient = self.triangulation.incidence @ (rows * r[:, None]) + mu * pull
+        recorder.iterations += 1
+        recorder.factorizations += 1
+        try:
+            trial = vertices - self.solver(vertices, lengths, stiffness * mu, w)(gradient)
+        except SingularMatrix:
+            return vertices, False
+        r, _, reached = measured(trial)
+        recorder.show(residual=float(np.abs(r).max()))
+        return trial, bool(reached <= energy)
+
+    def relaxed(
+        self, vertices: Floats, lengths: Floats, mu: float, w: float, recorder: StageRecorder
+    ) -> Floats:
+        """A step that does not go uphill, however short; the vertices themselves if there is none."""
+        for stiffness in ENERGY.stiffnesses:
+            trial, downhill = self.step(vertices, lengths, mu, w, recorder, stiffness)
+            if downhill:
+                return trial
+        return vertices

@@ -1,0 +1,73 @@
+"""The regularized energy: what it prefers, and that its steps are those of Gauss and Newton."""
+
+import numpy as np
+import pytest
+
+import smooth_bodies
+import zoo
+from isoembed.aim.regularized_energy import RegularizedEnergy
+from isoembed.gallery import CassiniPeanut, triangulate
+from isoembed.metric.polyhedral import PolyhedralMetric
+from isoembed.surface.rigidity import edge_rows, length_residuals
+
+
+def normalized(vertices, faces):
+    metric = PolyhedralMetric.from_mesh(vertices, faces)
+    return metric.normalized, vertices / metric.unit
+
+
+def test_the_roughness_is_a_positive_form_that_knows_no_translation():
+    metric, x = normalized(*zoo.icosphere(2))
+    energy = RegularizedEnergy(metric, x)
+    rng = np.random.default_rng(0)
+    y, z = rng.normal(size=x.shape), rng.normal(size=x.shape)
+    assert np.sum(y * energy.roughness(z, 0.7)) == pytest.approx(
+        np.sum(z * energy.roughness(y, 0.7)), rel=1e-10
+    )
+    assert np.sum(y * energy.roughness(y, 0.0)) > 0
+    assert np.abs(energy.roughness(np.ones_like(x), 3.0)).max() < 1e-10
+
+
+def test_spheres_and_smooth_bodies_are_hardly_rough():
+    for n, most in ((300, 3e-2), (1200, 2e-3)):
+        metric, x = normalized(*triangulate(CassiniPeanut(), n))
+        energy = RegularizedEnergy(metric, x)
+        assert np.sum(x * energy.roughness(x, 0.0)) < most  # falls with the seventh power of the edge length
+        assert np.sum(x * energy.roughness(x, 1.0)) > 10 * most  # bending does not
+
+
+@pytest.mark.parametrize("w", [0.0, 3.0])
+def test_the_solver_solves_the_normal_equations(w):
+    metric, x = normalized(*zoo.icosphere(2))
+    energy, n = RegularizedEnergy(metric, x), x.size
+    x = x + 0.05 * np.random.default_rng(1).normal(size=x.shape)
+    rows = edge_rows(metric.triangulation, x, metric.lengths)
+    mu = 0.1
+    J = np.zeros((metric.triangulation.n_edges, len(x), 3))
+    a, b = metric.edges.T
+    J[np.arange(len(a)), a], J[np.arange(len(a)), b] = rows, -rows
+    J = J.reshape(len(a), n)
+    penalty = np.column_stack([energy.roughness(e.reshape(-1, 3), w).ravel() for e in np.eye(n)])
+    wanted = np.random.default_rng(2).normal(size=x.shape)
+    wanted -= wanted.mean(axis=0)
+    gradient = (J.T @ J + mu * penalty) @ wanted.ravel()
+    solved = energy.solver(x, metric.lengths, mu, w)(gradient.reshape(-1, 3))
+    left = (J.T @ J + mu * penalty) @ solved.ravel() - gradient
+    assert np.linalg.norm(left) < 2e-3 * np.linalg.norm(gradient)
+
+
+def test_no_step_goes_uphill_and_at_the_minimum_none_is_made():
+    metric, x = normalized(*smooth_bodies.ellipsoid())
+    penalized, recorder, mu = RegularizedEnergy(metric, x), smooth_bodies.recorder(), 0.05
+    y = x + 0.1 * np.random.default_rng(0).normal(size=x.shape)
+
+    def energy(y):
+        r = length_residuals(metric.triangulation, y, metric.lengths)
+        return r @ r + mu * np.sum(y * penalized.roughness(y, 1.0))
+
+    energies = [energy(y)]
+    for _ in range(12):
+        y = penalized.relaxed(y, metric.lengths, mu, 1.0, recorder)
+        energies.append(energy(y))
+    assert (np.diff(energies) <= 0).all()
+    assert energies[-2] - energies[-1] < 1e-6 * energies[-1] < 1e-4 * energies[0]
