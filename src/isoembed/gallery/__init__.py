@@ -10,7 +10,7 @@ from isoembed.gallery.implicit import Drum, Ellipsoid, Sphere, Superellipsoid
 from isoembed.gallery.kerr import Ergosphere, KerrHorizon
 from isoembed.gallery.revolution import CassiniPeanut
 from isoembed.gallery.surface import Surface
-from isoembed.meshing.triangulate import triangulate
+from isoembed.meshing.surface_mesh import triangulate
 
 SURFACES: dict[str, type[Surface]] = {
     cls.name: cls

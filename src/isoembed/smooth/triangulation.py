@@ -14,7 +14,7 @@ from isoembed.meshing.intrinsic_relaxation import angles_from_lengths
 from isoembed.meshing.metric_relaxation import MetricMesh
 from isoembed.meshing.sphere import fibonacci_lattice
 from isoembed.meshing.spreading import Cells, cell_centers, roundest_axis
-from isoembed.meshing.triangulate import SURFACE_MESH, checked_count
+from isoembed.meshing.surface_mesh import SURFACE_MESH, checked_count
 from isoembed.metric.polyhedral import PolyhedralMetric
 from isoembed.smooth.gaussian_curvature import gaussian_curvature
 from isoembed.smooth.geodesics import definite_tensor, geodesic_lengths, in_own_unit
