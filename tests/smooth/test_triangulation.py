@@ -8,6 +8,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from isoembed.errors import InvalidMetric, InvalidParameter
+from isoembed.intrinsic.halfedges import HalfEdges
 from isoembed.meshing.flips import twin_halfedges
 from isoembed.meshing.intrinsic_relaxation import angles_from_lengths, end_lengths, flip_to_delaunay, relaxed
 from isoembed.meshing.sphere import fibonacci_lattice, gauss_rule
@@ -220,30 +221,30 @@ def test_cells_are_linear_between_their_middles():
 
 
 def tables(mesh):
-    return mesh.faces.ravel().copy(), twin_halfedges(mesh.faces), mesh.metric.face_lengths.ravel().copy()
+    return HalfEdges.of(mesh.faces, twin_halfedges(mesh.faces), mesh.metric.face_lengths)
 
 
 def test_lengths_from_the_ends_are_of_second_order_and_exact_on_the_round_sphere():
     errors = []
     for n in (400, 1600):
         mesh = triangulate_metric(ROUND, n)
-        corners, twins, exact = tables(mesh)
-        lengths = np.empty_like(exact)
-        end_lengths(mesh.directions, ROUND.tensor(mesh.directions), corners, twins, lengths)
-        errors.append(np.sqrt(np.mean((lengths / exact - 1) ** 2)))
+        edges, exact = tables(mesh), mesh.metric.face_lengths.ravel()
+        end_lengths(mesh.directions, ROUND.tensor(mesh.directions), edges)
+        errors.append(np.sqrt(np.mean((edges.lengths / exact - 1) ** 2)))
     assert 1.7 < np.log2(errors[0] / errors[1]) < 2.3
     plain = stretched(1, 1, 1)
-    end_lengths(mesh.directions, plain.tensor(mesh.directions), corners, twins, lengths)
-    arcs = np.arccos(np.einsum("ni,ni->n", mesh.directions[corners], mesh.directions[corners[twins]]))
-    assert np.abs(lengths / arcs - 1).max() < 1e-12
+    end_lengths(mesh.directions, plain.tensor(mesh.directions), edges)
+    ends = mesh.directions[edges.corners], mesh.directions[edges.corners[edges.twins]]
+    assert np.abs(edges.lengths / np.arccos(np.einsum("ni,ni->n", *ends)) - 1).max() < 1e-12
 
 
 def test_flips_restore_a_delaunay_triangulation():
     mesh = triangulate_metric(stretched(1, 1, 1), 300)
-    corners, twins, _ = tables(mesh)
-    lengths = mesh.measured(ellipsoid(3, 1, 1)).face_lengths.ravel().copy()
-    assert len(flip_to_delaunay(mesh.directions, corners, twins, lengths)) > 100
-    assert len(flip_to_delaunay(mesh.directions, corners, twins, lengths)) == 0
+    edges = tables(mesh)
+    corners, twins, lengths, _ = edges
+    lengths[:] = mesh.measured(ellipsoid(3, 1, 1)).face_lengths.ravel()
+    assert len(flip_to_delaunay(mesh.directions, edges)) > 100
+    assert len(flip_to_delaunay(mesh.directions, edges)) == 0
     assert np.array_equal(twins[twins], np.arange(twins.size))
     assert np.array_equal(lengths[twins], lengths)
     angles = angles_from_lengths(lengths).ravel()
@@ -264,12 +265,10 @@ def test_vertices_between_equal_triangles_stay(optimal):
     faces = faces[[f[0] in near[f[2]] and f[0] < min(f[1:]) for f in faces]]
     faces = faces[looks_outward(u, faces)]
     assert faces.shape == mesh.faces.shape
-    corners, twins, ones = faces.ravel(), twin_halfedges(faces), np.ones(12)
-    everywhere = np.ones(12, dtype=bool)
-    lengths = np.ones(60)
-    moved = relaxed(u, corners, twins, lengths, ones, everywhere, optimal, 1.0)
+    edges = HalfEdges.of(faces, twin_halfedges(faces), np.ones(faces.shape))
+    moved = relaxed(u, edges, np.ones(12), np.ones(12, dtype=bool), optimal, 1.0)
     assert np.abs(moved - u).max() < 1e-14
     denser = np.where(np.arange(12) == near[0, 0], 3.0, 1.0)
-    moved = relaxed(u, corners, twins, lengths, denser, np.arange(12) == 0, optimal, 1.0)
+    moved = relaxed(u, edges, denser, np.arange(12) == 0, optimal, 1.0)
     assert np.array_equal(moved[1:], u[1:])
     assert (moved[0] - u[0]) @ (u[near[0, 0]] - u[0]) > 0.01

@@ -8,6 +8,7 @@ import numpy as np
 from numba import njit
 
 from isoembed.arrays import Floats, Indices, Mask
+from isoembed.intrinsic.halfedges import edges_between, glue
 from isoembed.thresholds import threshold
 
 
@@ -149,14 +150,7 @@ def _joined(tails: Indices, twin: Indices, halfedges: Indices, vertices: Indices
     """Whether an edge leads from where a half-edge begins to a vertex, for each pair of them."""
     found = np.zeros(len(halfedges), dtype=np.bool_)
     for row in range(len(halfedges)):
-        h = halfedges[row]
-        while True:
-            if tails[twin[h]] == vertices[row]:
-                found[row] = True
-                break
-            h = twin[h - h % 3 + (h + 2) % 3]
-            if h == halfedges[row]:
-                break
+        found[row] = edges_between(halfedges[row], vertices[row], tails, twin) > 0
     return found
 
 
@@ -171,13 +165,8 @@ def _flip(faces: Indices, twin: Indices, halfedges: Indices) -> None:
         mj, jk = twin[3 * e + (d + 2) % 3], twin[3 * f + (c + 1) % 3]
         faces[f, 0], faces[f, 1], faces[f, 2] = k, i, m
         faces[e, 0], faces[e, 1], faces[e, 2] = m, j, k
-        _glue(twin, 3 * f, ki)
-        _glue(twin, 3 * f + 1, im)
-        _glue(twin, 3 * f + 2, 3 * e + 2)
-        _glue(twin, 3 * e, mj)
-        _glue(twin, 3 * e + 1, jk)
-
-
-@njit(cache=True)
-def _glue(twin: Indices, h: int, g: int) -> None:
-    twin[h], twin[g] = g, h
+        glue(3 * f, ki, twin)
+        glue(3 * f + 1, im, twin)
+        glue(3 * f + 2, 3 * e + 2, twin)
+        glue(3 * e, mj, twin)
+        glue(3 * e + 1, jk, twin)

@@ -25,8 +25,7 @@ from isoembed.intrinsic.delaunay import (
     restore_delaunay,
 )
 from isoembed.intrinsic.flips import flip
-from isoembed.intrinsic.halfedges import HalfEdges, edges_between, following, preceding
-from isoembed.intrinsic.trigonometry import angle_between
+from isoembed.intrinsic.halfedges import HalfEdges, corner_angle, edges_between, following, preceding
 from isoembed.meshing.lloyd import RELAXATION
 from isoembed.thresholds import compiled, threshold
 
@@ -47,21 +46,19 @@ _RELAXATION = compiled(RELAXATION)
 @njit(cache=True)
 def angles_from_lengths(lengths: Floats) -> Floats:
     """Angles (F, 3), in radians, 0 and pi where the lengths make no triangle."""
-    angles = np.empty((lengths.size // 3, 3))
-    for f in range(len(angles)):
-        a, b, c = lengths[3 * f], lengths[3 * f + 1], lengths[3 * f + 2]
-        angles[f, 0] = angle_between(a, c, b)
-        angles[f, 1] = angle_between(b, a, c)
-        angles[f, 2] = angle_between(c, b, a)
-    return angles
+    angles = np.empty(lengths.size)
+    for h in range(lengths.size):
+        angles[h] = corner_angle(h, lengths)
+    return angles.reshape(-1, 3)
 
 
 @njit(cache=True)
-def end_lengths(u: Floats, q: Floats, corners: Indices, twins: Indices, lengths: Floats) -> None:
+def end_lengths(u: Floats, q: Floats, mesh: HalfEdges) -> None:
     """Measure all half-edges by the mean of the metric's tensors q (V, 3, 3) at their ends, in place.
 
     That is of second order in the length, and exact on round spheres.
     """
+    corners, twins, lengths = mesh.corners, mesh.twins, mesh.lengths
     for h in range(corners.size):
         t = twins[h]
         if t < h:
@@ -127,7 +124,7 @@ def _attempt(h: int, mesh: HalfEdges, rule: Outward) -> int:
 
 
 @njit(cache=True)
-def flip_to_delaunay(u: Floats, corners: Indices, twins: Indices, lengths: Floats) -> Indices:
+def flip_to_delaunay(u: Floats, mesh: HalfEdges) -> Indices:
     """Flip edges until all are Delaunay whose flip leaves a triangulation that looks outward, in place.
 
     A new edge gets its length in the plane of its two triangles unfolded.
@@ -137,34 +134,26 @@ def flip_to_delaunay(u: Floats, corners: Indices, twins: Indices, lengths: Float
     ndarray of int, shape (k,)
         One half-edge of each edge that was flipped, some more than once.
     """
-    n = corners.size
-    mesh = HalfEdges(corners, twins, lengths, np.zeros(n))
+    n = mesh.corners.size
     rule = Outward(u, np.zeros(n // 6 + 2), np.zeros(4 * n + 1, dtype=np.int64))
     stack = empty_stack(n)
     for h in non_delaunay_edges(mesh, rule.weights):
-        push(h, stack, twins)
+        push(h, stack, mesh.twins)
     restore_delaunay(stack, mesh, rule)
     return rule.flipped[: rule.flipped[-1]].copy()
 
 
 @njit(cache=True)
 def relaxed(
-    u: Floats,
-    corners: Indices,
-    twins: Indices,
-    lengths: Floats,
-    density: Floats,
-    moving: Mask,
-    optimal: bool,
-    factor: float,
+    u: Floats, mesh: HalfEdges, density: Floats, moving: Mask, optimal: bool, factor: float
 ) -> Floats:
     """Directions (V, 3) after some vertices have moved within their stars, unfolded into the plane.
 
     Parameters
     ----------
     u : ndarray, shape (V, 3)
-    corners, twins, lengths : ndarray, shape (3F,)
-        Of a Delaunay triangulation.
+    mesh : HalfEdges
+        A Delaunay triangulation.
     density : ndarray, shape (V,)
         Wanted vertices per area, up to a factor.
     moving : ndarray of bool, shape (V,)
@@ -181,13 +170,14 @@ def relaxed(
     that best takes the neighbors' unfolded positions to their directions.  Steps that would turn a triangle
     over are shortened.
     """
+    corners = mesh.corners
     moved = u.copy()
     done = ~moving
     for first in range(corners.size):
         v = corners[first]
         if not done[v]:
             done[v] = True
-            moved[v] += _step(first, u, corners, twins, lengths, density, optimal, factor)
+            moved[v] += _step(first, u, mesh, density, optimal, factor)
             moved[v] /= np.sqrt(moved[v, 0] ** 2 + moved[v, 1] ** 2 + moved[v, 2] ** 2)
     keep = 0.5
     for attempt in range(9):
@@ -206,25 +196,16 @@ def relaxed(
 
 
 @njit(cache=True)
-def _step(
-    first: int,
-    u: Floats,
-    corners: Indices,
-    twins: Indices,
-    lengths: Floats,
-    density: Floats,
-    optimal: bool,
-    factor: float,
-) -> Floats:
+def _step(first: int, u: Floats, mesh: HalfEdges, density: Floats, optimal: bool, factor: float) -> Floats:
     """The tangent displacement (3,) of the vertex that half-edge `first` leaves."""
+    corners, twins, lengths = mesh.corners, mesh.twins, mesh.lengths
     v = corners[first]
     total, shortest = 0.0, np.inf
     h = first
     while True:
-        into = preceding(h)
-        total += angle_between(lengths[h], lengths[into], lengths[following(h)])
+        total += corner_angle(h, lengths)
         shortest = min(shortest, lengths[h])
-        h = twins[into]
+        h = twins[preceding(h)]
         if h == first:
             break
 
@@ -240,7 +221,7 @@ def _step(
     while True:
         into = preceding(h)
         j, k = corners[following(h)], corners[into]
-        direction += scale * angle_between(lengths[h], lengths[into], lengths[following(h)])
+        direction += scale * corner_angle(h, lengths)
         qx, qy = lengths[into] * np.cos(direction), lengths[into] * np.sin(direction)
         xx += px * px
         xy += px * py

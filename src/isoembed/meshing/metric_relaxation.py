@@ -8,6 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from isoembed.arrays import Floats, Indices, Mask
+from isoembed.intrinsic.halfedges import HalfEdges
 from isoembed.meshing.flips import twin_halfedges
 from isoembed.meshing.intrinsic_relaxation import angles_from_lengths, end_lengths, flip_to_delaunay, relaxed
 from isoembed.meshing.lloyd import RELAXATION
@@ -44,16 +45,14 @@ class MetricMesh:
         Takes two arrays of unit vectors (n, 3) and returns the lengths (n,) of the geodesics between them.
     u : ndarray, shape (V, 3)
         Directions of the vertices.
-    corners, twins, lengths : ndarray, shape (3F,)
-        Tables over half-edges, as in `isoembed.meshing.intrinsic_relaxation`.
+    tables : HalfEdges
+        The triangles with their lengths.
     """
 
     tensor: Callable[[Floats], Floats]
     distances: Callable[[Floats, Floats], Floats]
     u: Floats
-    corners: Indices
-    twins: Indices
-    lengths: Floats
+    tables: HalfEdges
 
     @classmethod
     def hull(
@@ -61,12 +60,11 @@ class MetricMesh:
     ) -> MetricMesh:
         """The convex hull of directions (V, 3), not yet measured."""
         faces = hull_faces(u)
-        return cls(tensor, distances, u, faces.ravel().copy(), twin_halfedges(faces), np.empty(faces.size))
+        return cls(tensor, distances, u, HalfEdges.of(faces, twin_halfedges(faces), np.ones(faces.shape)))
 
     def copy(self) -> MetricMesh:
         """A copy whose tables may change."""
-        tables = (self.corners.copy(), self.twins.copy(), self.lengths.copy())
-        return MetricMesh(self.tensor, self.distances, self.u, *tables)
+        return MetricMesh(self.tensor, self.distances, self.u, self.tables.copy())
 
     def relaxed(self, density: Cells | None) -> MetricMesh:
         """The best of all meshes on the way to angles within the window.
@@ -88,7 +86,7 @@ class MetricMesh:
             mesh._move(density, everywhere, sweep < METRIC_MESH.optimal)
 
         mesh, least, moved = best.copy(), np.inf, everywhere
-        fewest, stale = len(mesh.corners), 0
+        fewest, stale = len(mesh.tables.corners), 0
         for touch in range(METRIC_MESH.touches + 1):
             mesh._flip(moved)
             beyond_each = mesh._beyond()
@@ -106,36 +104,36 @@ class MetricMesh:
     def _flip_roughly(self) -> None:
         """Flip to Delaunay by lengths from the metric at the vertices alone."""
         q = self.tensor(self.u)
-        end_lengths(self.u, q, self.corners, self.twins, self.lengths)
+        end_lengths(self.u, q, self.tables)
         for _ in range(METRIC_MESH.flip_rounds):
-            if len(flip_to_delaunay(self.u, self.corners, self.twins, self.lengths)) == 0:
+            if len(flip_to_delaunay(self.u, self.tables)) == 0:
                 break
-            end_lengths(self.u, q, self.corners, self.twins, self.lengths)
+            end_lengths(self.u, q, self.tables)
 
     def _measure(self, h: Indices) -> None:
         """Measure the edges of half-edges."""
-        h = np.unique(np.minimum(h, self.twins[h]))
-        start, end = self.u[self.corners[h]], self.u[self.corners[self.twins[h]]]
-        self.lengths[h] = self.lengths[self.twins[h]] = self.distances(start, end)
+        corners, twins, lengths, _ = self.tables
+        h = np.unique(np.minimum(h, twins[h]))
+        lengths[h] = lengths[twins[h]] = self.distances(self.u[corners[h]], self.u[corners[twins[h]]])
 
     def _flip(self, moved: Mask) -> None:
         """Flip to Delaunay by geodesic lengths, those between vertices that have not moved being known."""
-        h = np.flatnonzero(moved[self.corners])
+        h = np.flatnonzero(moved[self.tables.corners])
         for _ in range(METRIC_MESH.flip_rounds):
             self._measure(h)
-            h = flip_to_delaunay(self.u, self.corners, self.twins, self.lengths)
+            h = flip_to_delaunay(self.u, self.tables)
             if len(h) == 0:
                 return
         self._measure(h)
 
     def _beyond(self) -> Floats:
         """How far each triangle's angles reach beyond the window, (F,)."""
-        angles, (least, largest) = angles_from_lengths(self.lengths), np.radians(METRIC_MESH.angles)
+        angles, (least, largest) = angles_from_lengths(self.tables.lengths), np.radians(METRIC_MESH.angles)
         return np.maximum(least - angles.min(axis=1), angles.max(axis=1) - largest)
 
     def _about(self, faces: Mask, rings: int) -> Mask:
         """The vertices within so many edges of triangles."""
-        table = self.corners.reshape(-1, 3)
+        table = self.tables.corners.reshape(-1, 3)
         near = np.zeros(len(self.u), dtype=bool)
         for _ in range(rings):
             near[table[faces]] = True
@@ -146,4 +144,4 @@ class MetricMesh:
         """Move vertices towards where the triangles about them are best."""
         wanted = np.ones(len(self.u)) if density is None else density.at(self.u)
         factor = 1.0 if optimal else RELAXATION.overrelaxation
-        self.u = relaxed(self.u, self.corners, self.twins, self.lengths, wanted, moving, optimal, factor)
+        self.u = relaxed(self.u, self.tables, wanted, moving, optimal, factor)

@@ -133,8 +133,8 @@ def triangulate_metric(
     u = Cells(area.values * density.values, area.axis).spread(fibonacci_lattice(n))
     start = MetricMesh.hull(u, partial(definite_tensor, own), partial(geodesic_lengths, own))
     mesh = start.relaxed(density if grading else None)
-    triangulation = Triangulation(mesh.corners.reshape(-1, 3))
-    lengths = unit * mesh.lengths[triangulation.edge_halfedges[:, 0]]
+    triangulation = Triangulation(mesh.tables.corners.reshape(-1, 3))
+    lengths = unit * mesh.tables.lengths[triangulation.edge_halfedges[:, 0]]
     try:
         return SphereMesh(frozen(mesh.u), PolyhedralMetric.on(triangulation, lengths))
     except InvalidMetric as error:
