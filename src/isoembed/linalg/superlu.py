@@ -43,21 +43,20 @@ class Symbolic(backend.Symbolic):
 
     @cached_property
     def _both(self) -> sp.csc_matrix:
-        """Both triangles, as SuperLU wants them; numbers from 1 on, because scipy drops zeros from sums."""
+        """Both triangles, as SuperLU wants them; its data number the entries of the lower one."""
         n, numbers = self.indptr.size - 1, np.arange(1, self.indices.size + 1)
         lower = sp.csc_matrix((numbers, self.indices, self.indptr), shape=(n, n))
         both = (lower + sp.tril(lower, -1).T).tocsc()
         both.sort_indices()
+        both.data -= 1  # from 0 on only now: scipy drops zeros from sums
         return both
 
     def factor(self, data: Floats) -> Numeric:
         """Factorize the matrix with these entries; raises SingularMatrix."""
         both = self._both
-        lu = down_the_diagonal(
-            sp.csc_matrix((data[both.data - 1], both.indices, both.indptr), shape=both.shape)
-        )
-        # Down the diagonal this is L D L^T, and D has as many negative entries as the matrix has negative
-        # eigenvalues.
+        matrix = sp.csc_matrix((data[both.data], both.indices, both.indptr), shape=both.shape)
+        lu = down_the_diagonal(matrix)
+        # This is L D L^T, and D has as many negative entries as the matrix has negative eigenvalues.
         if is_exchanged(lu) or (self.definite and not (lu.U.diagonal() > 0).all()):
             raise self.refusal()
         return Numeric(lu)
