@@ -38,7 +38,6 @@ SURFACES = (
     KERR,
     Ergosphere(epsilon=0.5),
     CassiniPeanut(),
-    HarmonicSurface(),
 )
 
 
@@ -170,7 +169,12 @@ def test_too_few_neighbors_for_any_fit():
 
 @pytest.mark.parametrize(
     ("surface", "irregular"),
-    [(surface, None) for surface in SURFACES] + [(ELLIPSOID, 1), (Ergosphere(epsilon=0.5), 1)],
+    [
+        *((surface, None) for surface in SURFACES),
+        (ELLIPSOID, 1),
+        (Ergosphere(epsilon=0.5), 1),
+        pytest.param(HarmonicSurface(), None, marks=pytest.mark.slow),
+    ],
     ids=lambda given: getattr(given, "name", str(given)),
 )
 def test_inscribed_polyhedra(surface, irregular):

@@ -145,7 +145,11 @@ class Solver:
         del data, values  # if nobody else holds them, their memory is free for the factors
         if self.definite:
             diagonal = matrix.diagonal()
-            _refuse_diagonal(diagonal, self._order)
+            if diagonal.min() <= 0:
+                k, least = self._order[diagonal.argmin()], diagonal.min()
+                raise SingularMatrix(
+                    f"the matrix is not positive definite: diagonal entry {k} is {least:.3g}"
+                )
         self._require_memory()
         numeric = self._symbolic.factor(matrix.data)
         scale = np.sqrt(diagonal) if self.definite else matrix.sizes()
@@ -255,14 +259,6 @@ def _refuse_infinite(values: Floats) -> None:
     if not np.isfinite(values).all():
         k = int(np.argmin(np.isfinite(values)))
         raise SingularMatrix(f"the matrix is not finite: stored entry {k} is {values[k]}")
-
-
-def _refuse_diagonal(diagonal: Floats, order: Indices) -> None:
-    if diagonal.min() <= 0:
-        k = diagonal.argmin()
-        raise SingularMatrix(
-            f"the matrix is not positive definite: diagonal entry {order[k]} is {diagonal[k]:.3g}"
-        )
 
 
 def _refuse_growth(numeric: Solves, rows: Floats, columns: Floats) -> tuple[Floats, Floats]:

@@ -100,23 +100,10 @@ class Approximation:
 def conjugate_gradients(
     apply: Operator, precondition: Operator, b: Floats, tolerance: float, most: int
 ) -> Approximation:
-    """Solve A x = b for A symmetric and positive semidefinite, b in its range.
+    """Solve A x = b for A symmetric and positive semidefinite, b of any shape and in its range.
 
-    Parameters
-    ----------
-    apply, precondition : callable
-        ``A v`` and an approximation of ``A^-1 v``, symmetric and positive definite, for v of the shape of b.
-    b : ndarray
-        Of any shape.
-    tolerance : float
-        Of the residual's norm, relative to that of b.
-    most : int
-        Iterations.
-
-    Returns
-    -------
-    Approximation
-        It ends before the tolerance is reached where rounding spoils a direction.
+    The parameters are those of `gmres`; the preconditioner must be symmetric and positive definite, and must
+    not change.  It ends before the tolerance is reached where rounding spoils a direction.
 
     References
     ----------

@@ -119,10 +119,11 @@ class SmoothIntegrals:
         t, points, unit = self.triangulation, self._points, self._unit
         theta = curvature.dihedral_angles(t, points)
         quartic, cubic = (
-            bulges.integrated_mean_curvature - (theta * self._excess(B) / 4)[t.face_edges].sum(axis=1)
-            for bulges, B in ((self._bulges, self._operators), (self._cubic_bulges, self._cubic_operators))
+            bulges.integrated_mean_curvature
+            - (theta * self._excess(bulges.operators) / 4)[t.face_edges].sum(axis=1)
+            for bulges in (self._quartic, self._cubic)
         )
-        sizes = self._bulges.integrated_mean_curvature_size
+        sizes = self._quartic.integrated_mean_curvature_size
         raw = curvature.integrated_mean_curvature(t, points)
         return _scaled(self._estimate(raw, quartic, cubic, sizes), unit)
 
@@ -150,9 +151,9 @@ class SmoothIntegrals:
         """
         if self.lengths != "chord":
             raise InvalidParameter("the volume is known from vertices on the surface only: lengths = 'chord'")
-        heights = self._bulges.heights
+        heights = self._quartic.heights
         raw = measures.volume(self.triangulation.faces, self._points)
-        estimate = self._estimate(raw, heights, self._cubic_bulges.heights, np.abs(heights))
+        estimate = self._estimate(raw, heights, self._cubic.heights, np.abs(heights))
         return _scaled(estimate, self._unit, self._unit, self._unit)
 
     def integral(self, values: ArrayLike) -> Estimate:
@@ -207,28 +208,20 @@ class SmoothIntegrals:
         return self.vertices / self._unit
 
     @cached_property
-    def _operators(self) -> Floats:
-        return shape_operators(self.triangulation, self._points, QUARTIC)
+    def _quartic(self) -> _Bulges:
+        return _Bulges.of(self.triangulation, self._points, QUARTIC)
 
     @cached_property
-    def _cubic_operators(self) -> Floats:
-        return shape_operators(self.triangulation, self._points, CUBIC)
-
-    @cached_property
-    def _bulges(self) -> _Bulges:
-        return _Bulges.of(self.triangulation, self._points, self._operators)
-
-    @cached_property
-    def _cubic_bulges(self) -> _Bulges:
-        return _Bulges.of(self.triangulation, self._points, self._cubic_operators)
+    def _cubic(self) -> _Bulges:
+        """The same to lower accuracy: it only says how far the other can be trusted."""
+        return _Bulges.of(self.triangulation, self._points, CUBIC)
 
     @cached_property
     def _face_areas(self) -> tuple[Floats, Floats, Floats]:
         """What the surface has more area than the triangles, the same to lower accuracy, and its size."""
         t, points = self.triangulation, self._points
         if self.lengths == "chord":
-            sizes = self._bulges.area_size
-            return self._bulges.area, self._cubic_bulges.area, sizes
+            return self._quartic.area, self._cubic.area, self._quartic.area_size
         flat = measures.face_areas(t.faces, points)
         squares = measures.edge_lengths(t.edges, points) ** 2
         moments = flat / 24 * squares[t.face_edges].sum(axis=1)
@@ -249,14 +242,15 @@ class SmoothIntegrals:
     def _estimate(self, raw: float, quartic: Floats, cubic: Floats, sizes: Floats) -> Estimate:
         lost = quartic - cubic
         error = abs(float(lost.sum())) + float(np.sqrt(ESTIMATES.alike * np.sum(lost**2)))
-        error += ESTIMATES.next_order * float(sizes @ self._bulges.turns)
+        error += ESTIMATES.next_order * float(sizes @ self._quartic.turns)
         return Estimate(raw + float(quartic.sum()), error)
 
 
 @dataclass(frozen=True)
 class _Bulges:
-    """What the surface has more than the triangles of an inscribed polyhedron, each of shape (F,)."""
+    """What the surface has more than the triangles of an inscribed polyhedron, each but the first (F,)."""
 
+    operators: Floats  # at the vertices
     heights: Floats  # int f
     area: Floats
     area_size: Floats  # the absolute values of its terms
@@ -265,9 +259,10 @@ class _Bulges:
     turns: Floats  # (kappa l)^2, both curvatures' squares times the mean square of the edges
 
     @classmethod
-    def of(cls, triangulation: Triangulation, points: Floats, operators: Floats) -> _Bulges:
+    def of(cls, triangulation: Triangulation, points: Floats, degree: int) -> _Bulges:
         """Integrate f, its gradient and the slopes at the edges, in closed form."""
         faces, face_edges = triangulation.faces, triangulation.face_edges
+        operators = shape_operators(triangulation, points, degree)
         lengths = measures.edge_lengths(triangulation.edges, points)
         kappa = normal_curvatures(triangulation, points, operators)
         f = (kappa * lengths**2 / 2)[face_edges]  # f[:, h] is the coefficient of lambda_h lambda_(h + 1)
@@ -297,6 +292,7 @@ class _Bulges:
             [(trace**2 - square) / 2 * heights, -(trace * steep - bent) / 2, trace * steep / 4, kinks / 4]
         )
         return cls(
+            operators=operators,
             heights=heights,
             area=trace * heights - steep / 2,
             area_size=np.abs(trace * heights) + steep / 2,
