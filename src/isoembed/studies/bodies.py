@@ -5,19 +5,15 @@ from __future__ import annotations
 from dataclasses import dataclass
 from functools import cache, cached_property
 
-import numpy as np
-from numpy.typing import NDArray
-
 from isoembed._embed import Method, embed
 from isoembed.aim.paper import Paper
+from isoembed.arrays import Floats
 from isoembed.errors import NotEmbedded
 from isoembed.gallery import Surface, triangulate
 from isoembed.metric.polyhedral import PolyhedralMetric
 from isoembed.progress.stages import Listener
 from isoembed.surface.embedding import Embedding
 from isoembed.thresholds import threshold
-
-Floats = NDArray[np.float64]
 
 
 @dataclass(frozen=True)

@@ -7,11 +7,11 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from isoembed.aim.embedding_tree import EmbeddingTree
 from isoembed.aim.embedding_tree import embedding_tree as grown
 from isoembed.aim.paper import Paper
+from isoembed.arrays import Floats, Indices, Mask
 from isoembed.gallery import Ellipsoid
 from isoembed.metric.polyhedral import PolyhedralMetric
 from isoembed.progress.stages import Log, StageRecorder
@@ -23,9 +23,6 @@ from isoembed.surface.measures import edge_lengths
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
-Floats = NDArray[np.float64]
-Indices = NDArray[np.int64]
-Mask = NDArray[np.bool_]
 
 SIDE = 0.62  # of the triangles in figure 3, in radii
 TILT = 0.35  # radians, of figure 3 toward the viewer

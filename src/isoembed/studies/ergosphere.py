@@ -7,10 +7,10 @@ from math import pi
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.optimize import brentq, minimize_scalar
 
 from isoembed.aim.paper import Paper
+from isoembed.arrays import Floats
 from isoembed.gallery import Ergosphere
 from isoembed.gallery.kerr import ergosphere_radius, squares
 from isoembed.metric.curvature import negative_deficits
@@ -22,7 +22,6 @@ from isoembed.studies.section import Comparison, Illustration, Section, Table
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
-Floats = NDArray[np.float64]
 Record = Mapping[str, Any]
 
 SPIN = 0.975  # over the mass, the paper's

@@ -7,11 +7,11 @@ from functools import cached_property
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from isoembed.aim.anneal import Annealed
 from isoembed.aim.convexity import CORRECTED, PRINTED, reflected
 from isoembed.aim.paper import Paper
+from isoembed.arrays import Floats, Mask
 from isoembed.gallery import Sphere
 from isoembed.metric.curvature import deficits
 from isoembed.metric.polyhedral import PolyhedralMetric
@@ -30,8 +30,6 @@ from isoembed.surface.rigidity import LengthSystem
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
-Floats = NDArray[np.float64]
-Mask = NDArray[np.bool_]
 
 AXES = (1.3, 1.15, 1.0)  # the hull of a sphere's points, stretched: convex, and with a longest axis to view
 SHOWN = np.array([0.15, 0.45, 0.85])  # right, up, toward the viewer: about where the vertex is that is drawn

@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from isoembed.aim.paper import Paper
+from isoembed.arrays import Floats
 from isoembed.gallery import Drum, Ellipsoid, Ergosphere, Surface
 from isoembed.metric.curvature import corner_angles
 from isoembed.metric.polyhedral import PolyhedralMetric
@@ -21,7 +22,6 @@ from isoembed.surface.smooth_integrals import SmoothIntegrals
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
-Floats = NDArray[np.float64]
 
 PAPERS = 0.62  # percent, of the ergosphere
 RESOLVED = 4  # sizes, the largest, to which the order of the corrected integral is fitted

@@ -7,7 +7,6 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from isoembed.aim.anneal import Annealed, anneal_on_sphere
 from isoembed.aim.embedding_tree import embedding_tree
@@ -15,6 +14,7 @@ from isoembed.aim.paper import Convexity, Paper
 from isoembed.aim.paths import path_factors, path_times
 from isoembed.aim.pullback import pull_back
 from isoembed.aim.uniformize import Uniformization
+from isoembed.arrays import Floats
 from isoembed.errors import InvalidMetric
 from isoembed.gallery import SURFACES
 from isoembed.metric.conformal import rescaled
@@ -31,7 +31,6 @@ from isoembed.surface.rigidity import LengthSystem, VertexSystem, length_residua
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
-Floats = NDArray[np.float64]
 Record = Mapping[str, Any]
 
 ROUTINES: dict[Convexity, str] = {"corrected": "corrected", "printed": "as printed", "none": "no routine"}

@@ -5,12 +5,12 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.sparse import csr_array
 from scipy.sparse.csgraph import breadth_first_order, shortest_path
 
 from isoembed._embed import embed
 from isoembed.aim.paper import Paper
+from isoembed.arrays import Floats
 from isoembed.gallery import Ellipsoid
 from isoembed.mesh.triangulation import Triangulation
 from isoembed.metric.curvature import area, corner_angles, gaussian_curvature
@@ -28,8 +28,6 @@ if TYPE_CHECKING:
     from matplotlib.cm import ScalarMappable
     from matplotlib.figure import Figure
 
-Floats = NDArray[np.float64]
-Indices = NDArray[np.int64]
 
 COLORED = (0.1, 10.0)  # K over its average: from 0.11 to 8.8 on the smooth ellipsoid
 

@@ -7,10 +7,10 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from isoembed.aim.anneal import anneal_damped
 from isoembed.aim.paper import Paper
+from isoembed.arrays import Floats
 from isoembed.gallery import Drum, Ellipsoid, Ergosphere, Surface
 from isoembed.meshing.directions import directions_of
 from isoembed.metric.curvature import negative_deficits
@@ -26,7 +26,6 @@ from isoembed.surface.rigidity import LengthSystem
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
-Floats = NDArray[np.float64]
 
 FEW = (1, 2)  # steps of the pull-back
 KICKS = (0.3, 0.2, 0.1)  # mean edge lengths

@@ -22,15 +22,13 @@ from __future__ import annotations
 from dataclasses import replace
 
 import numpy as np
-from numpy.typing import NDArray
 
+from isoembed.arrays import Floats
 from isoembed.errors import InvalidParameter
 from isoembed.smooth.isometry import strains
 from isoembed.smooth.two_metric import TwoMetric
 from isoembed.studies.baselines.spherical_harmonics import HarmonicMap, isometry_system
 from isoembed.studies.baselines.uniformization import RoundSphere
-
-Floats = NDArray[np.float64]
 
 STAGES = {
     1: ((0.0, 1.0),),

@@ -17,16 +17,14 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.optimize import minimize
 
+from isoembed.arrays import Floats
 from isoembed.errors import InvalidParameter
 from isoembed.smooth.harmonics import Harmonics
 from isoembed.smooth.isometry import ISOMETRY, IsometrySystem, MetricSamples, around, strains
 from isoembed.smooth.two_metric import TwoMetric
 from isoembed.studies.baselines.thresholds import BASELINES
-
-Floats = NDArray[np.float64]
 
 DECAY = 2  # bumps of degree l are as high as (l + 1)^-DECAY
 

@@ -6,9 +6,9 @@ from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.spatial.distance import pdist
 
+from isoembed.arrays import Floats
 from isoembed.gallery import Drum, Ellipsoid, Ergosphere, HarmonicSurface, KerrHorizon
 from isoembed.metric.polyhedral import PolyhedralMetric
 from isoembed.relativity import KerrNewmanErgosphere, KerrNewmanHorizon
@@ -17,8 +17,6 @@ from isoembed.smooth.two_metric import PulledBack, TwoMetric
 from isoembed.studies.baselines.thresholds import BASELINES
 from isoembed.surface import alignment
 from isoembed.surface.embedding import Embedding
-
-Floats = NDArray[np.float64]
 
 
 @dataclass(frozen=True, eq=False)

@@ -10,16 +10,14 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.linalg import eigh
 
+from isoembed.arrays import Floats
 from isoembed.smooth.gaussian_curvature import gaussian_curvature
 from isoembed.smooth.harmonics import Harmonics
 from isoembed.smooth.isometry import IsometrySystem, MetricSamples, around
 from isoembed.smooth.two_metric import TwoMetric
 from isoembed.studies.baselines.thresholds import BASELINES
-
-Floats = NDArray[np.float64]
 
 CONFORMAL = slice(1, 4)  # eigenfunctions that Moebius maps of the sphere change u by
 

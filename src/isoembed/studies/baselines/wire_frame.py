@@ -14,9 +14,10 @@ in Relativity and Scientific Computing, Springer 1996.
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from isoembed.aim.anneal import anneal_damped
+from isoembed.arrays import Floats
 from isoembed.errors import InvalidParameter
 from isoembed.metric.conformal_sphere import conformal_sphere
 from isoembed.metric.curvature import area
@@ -26,8 +27,6 @@ from isoembed.progress.stages import Log
 from isoembed.studies.baselines.thresholds import BASELINES
 from isoembed.surface.embedding import Embedding
 from isoembed.surface.rigidity import LengthSystem
-
-Floats = NDArray[np.float64]
 
 
 def sphere_layout(metric: PolyhedralMetric, noise: float = 0.0, seed: int = 0) -> Floats:
