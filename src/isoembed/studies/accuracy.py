@@ -12,7 +12,7 @@ from isoembed.gallery import Drum, Ellipsoid, Surface
 from isoembed.metric.curvature import corner_angles, negative_deficits
 from isoembed.studies import plots
 from isoembed.studies.bodies import embedding_of, meshed
-from isoembed.studies.section import Comparison, Illustration, Section, Table, listed
+from isoembed.studies.section import Section
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -44,71 +44,10 @@ def study(*, vertices: int) -> Section:
         for (_, _, tolerance, step), row in zip(SETTINGS, one["settings"], strict=True)
     ]
     within = all(row["mean"] < row["tolerance"] for row in rows)
-    return Section(
-        title="Accuracy of the lengths",
-        text=(
-            f"The ellipsoid and the drum with {vertices:,} vertices, from their lengths. Errors are "
-            "absolute differences of lengths, measured on the vertices that are returned, in mean edge "
-            "lengths. "
-            "Newton's method stops below its tolerance, and its last step, which is quadratic, usually leads "
-            "well below it.",
-        ),
-        figures=(
-            Illustration(
-                "length-errors",
-                "Share of the edges whose error is larger than the value on the axis. Dashed: the "
-                "tolerances. Errors of exactly 0 are drawn at 1e-17.",
-                _error_figure(made),
-            ),
-        ),
-        comparisons=(
-            Comparison(
-                "Mean difference of the lengths (section 3.1)",
-                "within the tolerance, for 1e-6 and 1e-9",
-                listed("{name}: {settings[0][mean]:.0e}, {settings[1][mean]:.0e}", made),
-                "" if within else "Beyond the tolerance: see the table.",
-            ),
-            Comparison(
-                "Standard deviation of the differences (section 3.1)",
-                "on the order of the tolerance, for 1e-6 and 1e-9",
-                listed("{name}: {settings[0][std]:.0e}, {settings[1][std]:.0e}", made),
-                "Smaller here: the last step is quadratic.",
-            ),
-            Comparison(
-                "The drum has strictly positive Gaussian curvature (section 3.1)",
-                "strictly positive",
-                f"on z = 0 the smooth drum's K is {equator:g}; of {vertices:,} deficits "
-                f"{drum['negative_deficits']} are negative",
-                "K is proportional to z^2 there: the fourth power of z is flat at 0. The ellipsoid has "
-                f"{ellipsoid['negative_deficits']} negative deficits.",
-            ),
-            Comparison(
-                "Angles of the triangles (section 2.2)",
-                "its own triangulations: 30 to 90 degrees; enough for the convexity routine: 30 to 120",
-                listed(
-                    "{name}: {angles[smallest]:.1f} to {angles[largest]:.1f} degrees, "
-                    "{angles[outside][0]} of {angles[corners]:,} outside 30 to 90, "
-                    "{angles[outside][1]} outside 30 to 120",
-                    made,
-                ),
-                "The triangulations are made here, by another program than the paper's.",
-            ),
-        ),
-        tables=(
-            Table.of(
-                "Length errors, in mean edge lengths",
-                {
-                    "surface": "{surface}",
-                    "method, tolerance": "{name}",
-                    "step tolerance": "{step}",
-                    "mean": "{mean:.1e}",
-                    "std": "{std:.1e}",
-                    "largest": "{max:.1e}",
-                    "vertices off": "{off:.1e}",
-                },
-                rows,
-            ),
-        ),
+    return Section.of(
+        "accuracy",
+        figures={"length-errors": _error_figure(made)},
+        rows=rows,
         numbers={
             "vertices": vertices,
             "curvature_on_equator": equator,
@@ -117,6 +56,12 @@ def study(*, vertices: int) -> Section:
                 for one in made
             },
         },
+        vertices=vertices,
+        made=made,
+        beyond="" if within else "Beyond the tolerance: see the table.",
+        equator=equator,
+        drum=drum,
+        ellipsoid=ellipsoid,
     )
 
 

@@ -17,7 +17,7 @@ from isoembed.metric.polyhedral import PolyhedralMetric
 from isoembed.progress.stages import Log, StageRecorder
 from isoembed.studies import plots
 from isoembed.studies.bodies import meshed
-from isoembed.studies.section import Comparison, Illustration, Section, Table
+from isoembed.studies.section import Section
 from isoembed.surface.measures import edge_lengths
 
 if TYPE_CHECKING:
@@ -84,81 +84,14 @@ def study(*, shown: int, sizes: Sequence[int]) -> Section:
     middle = pictured.tree.layers.max() // 4
     first_edge, points = _first_edge_errors(), _fold()
     unfolded = _two_solutions(points)
-    return Section(
-        title="The embedding tree",
-        text=(
-            "The uniform metric is put on the sphere of radius r = 1 / sqrt(kbar) vertex after vertex: two "
-            "lengths and the radius decide each. Of the 3 N - 6 edges that uses 2 N - 3; the other N - 3, "
-            "the determined edges, get whatever distance their ends happen to have.",
-            f"On the ellipsoid with {last['vertices']:,} vertices the lengths of the edges that are used "
-            f"come out right to {last['used']:.0e}. Of the determined ones half are wrong by more than "
-            f"{last['median']:.1e} of their length and the worst by {last['worst']:.0%}. With more vertices "
-            f"the typical error falls, like N to the power {falling['median']:.1f}; the worst one hardly "
-            f"does ({falling['worst']:.1f}). A median over all edges would hide this, since two thirds of "
-            "them are used.",
-            "The reason is in the right half of the last figure: a vertex inherits the errors of the edge "
-            "that it is placed from, and they grow from layer to layer, here by a factor of "
-            f"{largest.growth**10:.1f} every ten layers.",
-        ),
-        figures=(
-            Illustration(
-                "embedding-tree",
-                f"The tree on the front side of the sphere ({shown} vertices) after {middle} layers. Gray: "
-                "triangles that are placed. Dotted: the edges that place the next vertices (dots). Blue: "
-                "determined edges.",
-                _tree_figure(pictured, middle),
-            ),
-            Illustration(
-                "two-solutions",
-                "The two points k at the given distances from a and b on the sphere. The unfolded one has "
-                f"the larger distance from i: {unfolded['far']:.3f} r against {unfolded['near']:.3f} r.",
-                _choice_figure(points),
-            ),
-            Illustration(
-                "determined-edges",
-                "Left: errors of the determined edges of the ellipsoid against the number of vertices. "
-                "Right: the same at the largest size, against the layer of the later end.",
-                _error_figure(sizes, rows, largest),
-            ),
-        ),
-        comparisons=(
-            Comparison(
-                "Eqs. (10)-(12) put the second end of the first edge on the sphere at the distance l",
-                "as printed",
-                f"off by at most {first_edge['radius']:.0e} r and {first_edge['length']:.0e} l, for l from "
-                "0.01 r to sqrt(2) r",
-                "They reach up to l = sqrt(2) r, the diameter of the circle of latitude on which both ends "
-                "lie and the edge of the regular octahedron.",
-            ),
-            Comparison(
-                "Inconsistencies are on the determined edges (section 2.2)",
-                "ordinarily, unless N is sufficiently large",
-                f"used edges: at most {last['used']:.0e}; determined edges: median {last['median']:.0e}, "
-                f"mean {last['mean']:.0e}, worst {last['worst']:.2f} (relative, N = {last['vertices']:,})",
-                "The worst ones hardly fade with N: errors grow from layer to layer, and more vertices bring "
-                "more layers.",
-            ),
-            Comparison(
-                "Of the two solutions the one with the largest distance ik is right (figure 3)",
-                "maximal",
-                f"unfolded {unfolded['far']:.3f} r, folded {unfolded['near']:.3f} r; their "
-                f"distances from a and b differ by {unfolded['apart']:.1g} r",
-            ),
-        ),
-        tables=(
-            Table.of(
-                "Relative errors of the lengths on the sphere, ellipsoid (3, 2, 1)",
-                {
-                    "N": "{vertices:,}",
-                    "layers": "{layers}",
-                    "used, worst": "{used:.1e}",
-                    "determined: median": "{median:.1e}",
-                    "mean": "{mean:.1e}",
-                    "worst": "{worst:.2f}",
-                },
-                rows,
-            ),
-        ),
+    return Section.of(
+        "embedding-tree",
+        figures={
+            "embedding-tree": _tree_figure(pictured, middle),
+            "two-solutions": _choice_figure(points),
+            "determined-edges": _error_figure(sizes, rows, largest),
+        },
+        rows=rows,
         numbers={
             "first_edge": first_edge,
             "two_solutions": unfolded,
@@ -166,6 +99,13 @@ def study(*, shown: int, sizes: Sequence[int]) -> Section:
             "exponents": falling,
             "growth_per_layer": largest.growth,
         },
+        last=last,
+        falling=falling,
+        growth=largest.growth**10,
+        shown=shown,
+        middle=middle,
+        unfolded=unfolded,
+        first_edge=first_edge,
     )
 
 

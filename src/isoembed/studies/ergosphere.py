@@ -17,7 +17,7 @@ from isoembed.metric.curvature import negative_deficits
 from isoembed.studies import plots
 from isoembed.studies.bodies import STUDY, Body, attempted, meshed
 from isoembed.studies.mean_curvature import PAPERS
-from isoembed.studies.section import Comparison, Illustration, Section, Table
+from isoembed.studies.section import Section
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -48,88 +48,10 @@ def study(*, vertices: int, epsilons: Sequence[float]) -> Section:
     errors = [case["percent_error"] for case in cases]
     sizes = np.abs(errors)
     more = {steps: _outcome(_body(MAIN, vertices), Paper(Tsteps=steps)) for steps in MORE}
-    return Section(
-        title="The ergosphere and its epsilon",
-        text=(
-            "The surface r = r_ergo(theta) + epsilon M of the paper depends on epsilon, which is not given, "
-            f"and which no condition in the text fixes. With a = {SPIN} M the functions rho and f of the "
-            "embedding are real for every epsilon tried, 0 included: under the root of f stands h_thth - "
-            f"h_phph,th^2 / (4 h_phph) = sin^2(theta) q^2, and the least q^2 is {min(under_root):.2f} M^2 "
-            f"(at epsilon = {REAL[int(np.argmin(under_root))]:g}).",
-            f"K is not negative anywhere from epsilon = {threshold:.7f} on; there it vanishes at theta = "
-            f"{np.degrees(where):.1f} degrees and its mirror image. Below, two bands have K < 0, as the "
-            "paper says its surface does. The smaller epsilon, the sharper the poles: at 0 they are cones.",
-            f"The table embeds meshes of {vertices:,} vertices to {STUDY.tolerance:.0e}, with the paper's "
-            "method (10 steps, the corrected convexity routine, the start fitted to the sphere) and with the "
-            "default one. Where K < 0 the lengths may have several realizations close to each other, so the "
-            f"distance from the discarded vertices is measured, too. epsilon = {MAIN:g} is the main case of "
-            "this report.",
-        ),
-        figures=(
-            Illustration(
-                "ergosphere-epsilon",
-                "Left: Gaussian curvature from pole to equator, in units of the mass. Right: distance of the "
-                "embedded vertices from the discarded ones; open: the lengths were missed.",
-                picture(cases),
-            ),
-        ),
-        comparisons=(
-            Comparison(
-                "epsilon of the ergosphere, Eq. (28)",
-                "a small parameter, not given",
-                f"K >= 0 everywhere iff epsilon >= {threshold:.4f}; {MAIN:g} is used here",
-                "The paper's surface has regions of negative curvature, so its epsilon is below that. "
-                "Nothing else in the text fixes it.",
-            ),
-            Comparison(
-                "f(theta) is real on [0, pi], Eq. (34)",
-                "stated for its epsilon",
-                f"q^2 >= {min(under_root):.2f} M^2 > 0 for {len(REAL)} values of epsilon from 0 to "
-                f"{REAL[-1]:g}",
-            ),
-            Comparison(
-                "Error of int H dA of the ergosphere (section 3.2) against epsilon",
-                "0.62 % for its epsilon and resolution",
-                f"{min(errors):+.2f} % to {max(errors):+.2f} % at {vertices:,} vertices, epsilon from "
-                f"{epsilons[0]:g} to {epsilons[-1]:g}",
-                f"{'Some' if sizes.min() <= PAPERS <= sizes.max() else 'No'} epsilon of these accounts for "
-                "it at this resolution; the paper's resolution is not given either.",
-            ),
-            Comparison(
-                "AIM embeds surfaces with regions of K < 0 (abstract, section 3.2)",
-                "one case, residuals within 1e-6",
-                "; ".join(_successes(cases, name) for name in METHODS),
-                "Where K < 0 the pull-back may lose the surface or lead to a nearby realization. More steps "
-                f"at epsilon = {MAIN:g}: "
-                + "; ".join(
-                    f"{steps} steps {'reach' if one['converged'] else 'miss'} the lengths (residual "
-                    f"{one['residual']:.0e}), {one['distance']:.0e} from the surface"
-                    for steps, one in more.items()
-                )
-                + ".",
-            ),
-        ),
-        tables=(
-            Table.of(
-                f"Ergospheres at {vertices:,} vertices. Distances from the discarded vertices, in mean edge "
-                "lengths",
-                {
-                    "epsilon": "{epsilon:g}",
-                    "K at the poles": "{K_pole:.3g}",
-                    "least K": "{K_least:.3f}",
-                    "vertices with K < 0": "{negative_vertices}",
-                    "error of int H dA": "{percent_error:+.3f} %",
-                    "paper: residual": "{paper}",
-                    "paper: distance": "{outcomes[paper][distance]:.0e}",
-                    "default: residual": "{default}",
-                    "default: distance": "{outcomes[default][distance]:.0e}",
-                },
-                [
-                    {**case, **{name: _residual(one) for name, one in case["outcomes"].items()}}
-                    for case in cases
-                ],
-            ),
-        ),
+    return Section.of(
+        "ergosphere",
+        figures={"ergosphere-epsilon": picture(cases)},
+        rows=[{**case, **{name: _residual(one) for name, one in case["outcomes"].items()}} for case in cases],
         numbers={
             "convex_from": threshold,
             "theta": where,
@@ -138,6 +60,27 @@ def study(*, vertices: int, epsilons: Sequence[float]) -> Section:
             "cases": cases,
             "more_steps": more,
         },
+        spin=SPIN,
+        least_q2=min(under_root),
+        least_at=REAL[int(np.argmin(under_root))],
+        threshold=threshold,
+        degrees=np.degrees(where),
+        vertices=vertices,
+        tolerance=STUDY.tolerance,
+        main=MAIN,
+        tried=len(REAL),
+        largest_tried=REAL[-1],
+        least_error=min(errors),
+        largest_error=max(errors),
+        first=epsilons[0],
+        last=epsilons[-1],
+        some="Some" if sizes.min() <= PAPERS <= sizes.max() else "No",
+        successes="; ".join(_successes(cases, name) for name in METHODS),
+        further="; ".join(
+            f"{steps} steps {'reach' if one['converged'] else 'miss'} the lengths (residual "
+            f"{one['residual']:.0e}), {one['distance']:.0e} from the surface"
+            for steps, one in more.items()
+        ),
     )
 
 

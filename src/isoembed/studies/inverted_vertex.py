@@ -20,7 +20,7 @@ from isoembed.plot.view import Pose, camera
 from isoembed.progress.stages import Log, StageRecorder
 from isoembed.studies import plots
 from isoembed.studies.bodies import STUDY, meshed
-from isoembed.studies.section import Comparison, Illustration, Section, Table
+from isoembed.studies.section import Section, Table
 from isoembed.surface.alignment import aligned, distance
 from isoembed.surface.convexity import concave_edges, inverted_vertices, umbrella_heights
 from isoembed.surface.curvature import dihedral_angles, vertex_mean_curvature
@@ -96,57 +96,9 @@ def study(*, vertices: int) -> Section:
     deeper, out = steps["printed"], steps["corrected"]
     popped_out = {name: sum(_is_popped(pair, name) for pair in pairs) for name in ROUTINES}
     everywhere = {"vertices": vertices, "inverted": len(pairs), **popped_out}
-    return Section(
-        title="An inverted vertex",
-        text=(
-            f"Lengths do not decide a polyhedron. On a convex one with {vertices} vertices, one vertex is "
-            "mirrored in the plane of its neighbors, and Newton's method brings the lengths back. That "
-            f"leaves two surfaces whose lengths agree to {facts['lengths']:.0e} of the mean edge and whose "
-            f"deficits agree to {facts['deficits']:.0e} radians, while dihedral angles differ by up to "
-            f"{np.degrees(facts['dihedral']):.0f} degrees.",
-            "The convexity routine is to pop the vertex out. With v_diff = v - v_avg, the difference from "
-            "the mean of its neighbors, the paper prints v_new = v + 2 v_diff. From an inverted vertex that "
-            f"leads further in: its height goes from {facts['height_inverted']:+.3f} to "
-            f"{deeper['moved']:+.3f} mean edges, three times as deep. v - 2 v_diff leads to "
-            f"{out['moved']:+.3f}, and annealing from there to {out['annealed']:+.3f}, the height on the "
-            "convex surface.",
-        ),
-        figures=(
-            Illustration(
-                "inverted-vertex",
-                "Two surfaces with the same lengths and the same deficits. Left: one vertex is inverted. "
-                "Right: convex.",
-                _surfaces(shown),
-            ),
-            Illustration(
-                "convexity-routine",
-                "A section through the inverted vertex along two of its edges. The arrows are the paper's "
-                "v + 2 v_diff and the corrected v - 2 v_diff; the dashed line is the convex surface.",
-                _section_figure(shown),
-            ),
-        ),
-        comparisons=(
-            Comparison(
-                "Two polyhedra with identical lengths and Gaussian curvatures (figure 4)",
-                "identical",
-                f"lengths to {facts['lengths']:.0e} of the mean edge, deficits to {facts['deficits']:.0e}; "
-                f"int H dA = {facts['integral_convex']:.4f} and {facts['integral_inverted']:.4f}",
-            ),
-            Comparison(
-                "The convexity routine, v + 2 v_diff (section 2.2)",
-                'close to the "popped out" solution',
-                f"{everywhere['inverted']} of the {vertices} vertices can be inverted so; as printed, "
-                f"{everywhere['printed']} of them are popped, with v - 2 v_diff {everywhere['corrected']}",
-                "The sign is wrong: v_diff points inward where the vertex is inverted.",
-            ),
-            Comparison(
-                "Popping is local: all other vertices keep their coordinates (section 2.2)",
-                "they do",
-                f"on this surface the others move by up to {facts['others_moved']:.3f} mean edges, the "
-                f"vertex by {facts['vertex_moved']:.3f}",
-                "It would be local if the neighbors lay in a plane.",
-            ),
-        ),
+    return Section.of(
+        "inverted-vertex",
+        figures={"inverted-vertex": _surfaces(shown), "convexity-routine": _section_figure(shown)},
         tables=(
             Table(
                 "Height of the vertex above the mean of its neighbors, in mean edge lengths, and concave "
@@ -167,6 +119,12 @@ def study(*, vertices: int) -> Section:
             ),
         ),
         numbers={"pair": facts, "routine": steps, "every_vertex": everywhere},
+        vertices=vertices,
+        facts=facts,
+        degrees=np.degrees(facts["dihedral"]),
+        deeper=deeper,
+        out=out,
+        everywhere=everywhere,
     )
 
 

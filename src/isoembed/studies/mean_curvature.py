@@ -16,7 +16,7 @@ from isoembed.metric.curvature import corner_angles
 from isoembed.metric.polyhedral import PolyhedralMetric
 from isoembed.studies import plots
 from isoembed.studies.bodies import STUDY, embedding_of, meshed
-from isoembed.studies.section import Comparison, Illustration, Section, Table, listed
+from isoembed.studies.section import Section
 from isoembed.surface.smooth_integrals import SmoothIntegrals
 
 if TYPE_CHECKING:
@@ -106,79 +106,26 @@ def study(*, sizes: Sequence[int]) -> Section:
     apart = max(float(np.abs(one.embedded - one.exact).max()) for one in made)
     ratios, formulas = drum.embedded / kerr.embedded, kerr.cotangent / kerr.embedded
     low, high = min(one.angles[0] for one in made), max(one.angles[1] for one in made)
-    return Section(
-        title="Convergence of the integrated mean curvature",
-        text=(
-            "The error of int H dA = 1/2 sum l theta against the number of vertices, from lengths alone; H = "
-            "(k1 + k2) / 2. It is the error of a polyhedron inscribed in the surface: the vertices that the "
-            f"lengths were taken from have the same one, to {apart:.0e} percentage points.",
-            "First order in N is second order in the edge length, since N is inversely proportional to its "
-            "square. What a polyhedron lacks is known from the curvatures along its edges; with it added, "
-            "the integral over the smooth surface has an error of fourth order in the edge length, second in "
-            "N (isoembed.surface.smooth_integrals). The ergosphere, which the paper leaves out here, is like "
-            "the others where the mesh resolves its tips.",
-        ),
-        figures=(
-            Illustration(
-                "mean-curvature",
-                "Error of int H dA in percent. Filled: of the embedded polyhedra. Open: with what they lack "
-                "added. Thin lines: N^-1 and N^-2.",
-                picture(made),
-            ),
-        ),
-        comparisons=(
-            Comparison(
-                "Order of convergence of int H dA (figure 7)",
-                "first order",
-                listed("{name}: N^{order_embedded:.2f}", orders),
-                "They agree if the order is counted in N, which the paper calls the resolution; in the edge "
-                "length it is the second. The exact coordinates have the same error.",
-            ),
-            Comparison(
-                "The same with the inscribed polyhedron's defect added",
-                "not in the paper",
-                listed("{name}: N^{order_corrected:.2f}", orders),
-                "The second order in N, which is the fourth in the edge length, is what it tends to once the "
-                f"meshes resolve where the surface is most curved. Fitted to the {RESOLVED} largest ones.",
-            ),
-            Comparison(
-                "The drum's error is comparable to the ergosphere's at the same resolution (section 3.2)",
-                "comparable, no number",
-                f"{drum.embedded[-1]:+.3g} % and {kerr.embedded[-1]:+.3g} % at {kerr.n[-1]:,} vertices; "
-                f"{ratios.min():.2f} to {ratios.max():.2f} times as large at all sizes",
-            ),
-            Comparison(
-                "Convergence for the ergosphere (section 3.2)",
-                "not analyzed, expected to be similar",
-                f"N^{kerr.order(kerr.embedded):.2f}",
-                "The paper lacked triangulations of consistent quality; here all angles of all meshes are "
-                f"between {low:.0f} and {high:.0f} degrees.",
-            ),
-            Comparison(
-                "Vertices at which the ergosphere's error is 0.62 % (section 3.2)",
-                "resolution not stated",
-                f"about {kerr.vertices_for(kerr.embedded, PAPERS):,} with 1/2 sum l theta; about "
-                f"{kerr.vertices_for(kerr.cotangent, PAPERS):,} with the cotangent formula",
-                "The paper does not print its formula for H, but cites it. The cotangent formula has "
-                f"{formulas.min():.1f} to {formulas.max():.1f} times the error of the other one on the same "
-                "vertices.",
-            ),
-        ),
-        tables=(
-            Table.of(
-                "Error of int H dA in percent",
-                {
-                    "surface": "{name}",
-                    "N": "{n:,}",
-                    "embedded": "{embedded:+.4f}",
-                    "exact coordinates": "{exact:+.4f}",
-                    "cotangent formula": "{cotangent:+.4f}",
-                    "corrected": "{corrected:+.1e}",
-                },
-                [row for one in made for row in one.rows],
-            ),
-        ),
+    return Section.of(
+        "mean-curvature",
+        figures={"mean-curvature": picture(made)},
+        rows=[row for one in made for row in one.rows],
         numbers=numbers,
+        apart=apart,
+        orders=orders,
+        resolved=RESOLVED,
+        drum_error=drum.embedded[-1],
+        kerr_error=kerr.embedded[-1],
+        most=kerr.n[-1],
+        least_ratio=ratios.min(),
+        largest_ratio=ratios.max(),
+        kerr_order=kerr.order(kerr.embedded),
+        low=low,
+        high=high,
+        for_dihedral=kerr.vertices_for(kerr.embedded, PAPERS),
+        for_cotangent=kerr.vertices_for(kerr.cotangent, PAPERS),
+        least_factor=formulas.min(),
+        largest_factor=formulas.max(),
     )
 
 

@@ -23,7 +23,7 @@ from isoembed.metric.polyhedral import PolyhedralMetric
 from isoembed.progress.stages import Log, Progress, StageRecorder
 from isoembed.studies import plots
 from isoembed.studies.bodies import STUDY, attempted, meshed
-from isoembed.studies.section import Comparison, Illustration, Section, Table, listed
+from isoembed.studies.section import Section, listed
 from isoembed.surface.alignment import distance
 from isoembed.surface.convexity import concave_edges
 from isoembed.surface.rigidity import LengthSystem, VertexSystem, length_residuals
@@ -91,98 +91,30 @@ def study(*, cases: Sequence[tuple[str, int, int]], path_vertices: int) -> Secti
         for row in others
         if row["name"].startswith("exponential")
     )
-    return Section(
-        title="The guided adiabatic pull-back",
-        text=(
-            "Annealed straight from the embedding tree, with Paper(sphere=False), the uniform surface has "
-            "inverted and partially inverted vertices. The figure follows their number from t = t_f to t = 0 "
-            "with the convexity routine corrected, as printed, and left out.",
-            f"Together {starts['none']} vertices are crumpled at the start. In the end there are "
-            f"{ends['corrected']} with the corrected routine, {ends['printed']} with the printed one and "
-            f"{ends['none']} without any. The corrected one is kept only where it helps, so it cannot add "
-            "any in a step; the next step of the path can. To have no crumpled vertex is not yet to be the "
-            "surface that the lengths are from: the ends with the corrected routine are "
-            f"{off} from it.",
-            "Concave edges say less. The triangles are given, and even the smooth surface that the lengths "
-            "are from is concave at many of their edges; the diamonds mark at how many.",
-        ),
-        figures=(
-            Illustration(
-                "guided-pull-back",
-                "Inverted and partially inverted vertices (above) and concave edges (below) along the "
-                "pull-back, from the uniform surface on the left to the given metric on the right. Diamonds: "
-                "the surface that the lengths are from.",
-                _followed_figure(followed),
-            ),
-            Illustration(
-                "paths",
-                f"Residual of the guess for the next surface, in mean edge lengths, on the linear path in "
-                f"{COMPARED} steps ({path_vertices} vertices): the surface before, and the polynomial "
-                "through the three before.",
-                _guess_figure(bodies),
-            ),
-        ),
-        comparisons=(
-            Comparison(
-                "The convexity routine reduces partially inverted vertices step by step until none is left "
-                "(section 2.3)",
-                "gradually, to 0",
-                "after anneal A, after anneal B, at t = 0: "
-                + "; ".join(f"{word} {starts[k]}, {annealed[k]}, {ends[k]}" for k, word in ROUTINES.items()),
-                "The printed sign pushes inverted vertices further in.",
-            ),
-            Comparison(
-                "Neither the exponential path nor the flow's own history improves on the linear one "
-                "(section 2.3)",
-                "no improvement, more work",
-                f"fewest steps, and iterations in {COMPARED} steps (ellipsoid, drum): "
-                + "; ".join(map(_sentence, by_path)),
-                "On the exponential paths the iterations differ by at most "
-                f"{apart} from those on the linear one. Uneven steps: the "
-                "longest changes a length, in mean edges, by "
-                + "; ".join(
-                    f"{rows[0]['name']}: " + ", ".join(f"{row['longest']:.2f}" for row in rows)
-                    for rows in by_path
-                )
-                + ".",
-            ),
-            Comparison(
-                "On the linear path the Gaussian curvature changes by the same amount in every step "
-                "(section 2.3)",
-                "its rate of change is constant",
-                "largest over smallest change in a step: "
-                + listed("{name}: deficits {rates[deficits]:.2f}, K {rates[curvature]:.1f}", bodies),
-                "What changes evenly is the deficit, K times the dual area; K itself is divided by areas "
-                "that change, too.",
-            ),
-            Comparison(
-                "Extrapolation from three surfaces brings the guess nearer (section 2.3)",
-                "nearer",
-                "the residual of the guess is smaller by a factor of "
-                + ", ".join(f"{body['factor']:.0f} ({body['name']})" for body in bodies)
-                + " (median over the steps); Newton iterations "
-                + ", ".join(f"{body['iterations']} instead of {body['without']}" for body in bodies),
-            ),
-        ),
-        tables=(
-            Table.of(
-                f"Pull-backs without the convexity routine, {path_vertices} vertices: numbers of steps that "
-                f"lead to the surface that the lengths are from, of {', '.join(map(str, TRIED))}, and Newton "
-                f"iterations in {COMPARED} steps",
-                {
-                    "surface": "{surface}",
-                    "path": "{name}",
-                    "leading there": "{leading}",
-                    f"iterations in {COMPARED} steps": "{iterations}",
-                },
-                [
-                    {"surface": body["name"], "leading": ", ".join(map(str, row["arrived"])) or "none", **row}
-                    for body in bodies
-                    for row in body["paths"]
-                ],
-            ),
-        ),
+    return Section.of(
+        "guided-pull-back",
+        figures={"guided-pull-back": _followed_figure(followed), "paths": _guess_figure(bodies)},
+        tried=", ".join(map(str, TRIED)),
+        rows=[
+            {"surface": body["name"], "leading": ", ".join(map(str, row["arrived"])) or "none", **row}
+            for body in bodies
+            for row in body["paths"]
+        ],
         numbers={"pull_backs": followed, "paths": paths},
+        starts=starts,
+        ends=ends,
+        off=off,
+        compared=COMPARED,
+        path_vertices=path_vertices,
+        counts="; ".join(f"{word} {starts[k]}, {annealed[k]}, {ends[k]}" for k, word in ROUTINES.items()),
+        costs="; ".join(map(_sentence, by_path)),
+        apart=apart,
+        longest="; ".join(
+            f"{rows[0]['name']}: " + ", ".join(f"{row['longest']:.2f}" for row in rows) for rows in by_path
+        ),
+        rates=listed("{name}: deficits {rates[deficits]:.2f}, K {rates[curvature]:.1f}", bodies),
+        factors=", ".join(f"{body['factor']:.0f} ({body['name']})" for body in bodies),
+        savings=", ".join(f"{body['iterations']} instead of {body['without']}" for body in bodies),
     )
 
 

@@ -13,7 +13,7 @@ from isoembed.gallery import SURFACES
 from isoembed.progress.stages import Log
 from isoembed.studies import plots
 from isoembed.studies.bodies import STUDY, attempted, meshed
-from isoembed.studies.section import Comparison, Illustration, Section, Table
+from isoembed.studies.section import Section, Table
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -64,69 +64,12 @@ def study(*, sizes: Sequence[int], flow_sizes: Sequence[int], step_sizes: Sequen
         """The exponents of a stage, by body and column, as a row of a table."""
         return key, *(_digits(column[name].get(key)) for name in BODIES for column in columns)
 
-    return Section(
-        title="Scaling",
-        text=(
-            f"Seconds of each stage of the paper's method, tolerance {STUDY.tolerance:.0e}, from "
-            f"{sizes[0]:,} to {sizes[-1]:,} vertices. They are the least of three runs on one machine, "
-            "compiled beforehand; exponents are slopes of straight lines through the logarithms. The "
-            "factorizations of sparse matrices, which are most of the work, are counted beside: their number "
-            "goes like "
-            + " and ".join(f"N^{_digits(factorizations[name][TOTAL])} ({name})" for name in BODIES)
-            + ".",
-            "Here the uniform metric is found by Newton's method. The Ricci flow as an ordinary differential "
-            "equation, as in the paper, is timed apart: with an explicit integrator (RK45), until the root "
-            f"mean square of K / kbar - 1 is below {FLOWS['RK45']:g}, and with an implicit one (BDF), to "
-            f"{FLOWS['BDF']:g}.",
-        ),
-        figures=(
-            Illustration(
-                "scaling",
-                "Seconds of the stages against the number of vertices. Dotted: N cubed.",
-                _time_figure(sizes, timed),
-            ),
-            Illustration(
-                "flow-and-steps",
-                "Left: right-hand sides of the Ricci flow as an ordinary differential equation. Right: the "
-                "fewest steps of the pull-back that lead to the surface that the lengths are from, without "
-                "the convexity routine.",
-                _flow_figure(flow_sizes, flowed, step_sizes, steps),
-            ),
-        ),
-        comparisons=(
-            Comparison(
-                "AIM scales sub-cubically (abstract, figure 8)",
-                "below N^3",
-                f"{each(seconds, TOTAL)}; the default method {each(seconds, DEFAULT, 'N^{}')}",
-            ),
-            Comparison(
-                "The Ricci flow is the highest-order contribution (section 3.1)",
-                "it is",
-                f"by Newton's method {each(seconds, 'uniformize')}, where the steepest stage is "
-                + ", ".join(
-                    f"{stage} ({name}, N^{_digits(seconds[name][stage])})" for name, stage in steepest.items()
-                )
-                + f"; integrated by RK45 {each(flow_seconds, 'RK45')}",
-                "As a differential equation with an explicit integrator the flow is stiff: it takes "
-                f"{each(evaluations, 'RK45', 'N^{}')} right-hand sides, each of which costs of order N. By "
-                f"BDF it takes {each(evaluations, 'BDF', 'N^{}')}, and Newton's method "
-                f"{each(factorizations, 'uniformize', 'N^{}')} factorizations.",
-            ),
-            Comparison(
-                "Steps necessary for adiabaticity against N (figure 8)",
-                "plotted in figure 8, no number in the text",
-                "; ".join(
-                    f"{name}: "
-                    + ", ".join(f"{n or f'> {MOST}'}" for n in steps[name])
-                    + f" (N^{_digits(_slope(step_sizes, steps[name]))})"
-                    for name in BODIES
-                )
-                + " at N = "
-                + ", ".join(f"{n:,}" for n in step_sizes),
-                "Counted here as adiabatic: the end is the surface that the lengths are from. Without the "
-                "convexity routine, with extrapolation, from a start without crumpled vertices.",
-            ),
-        ),
+    return Section.of(
+        "scaling",
+        figures={
+            "scaling": _time_figure(sizes, timed),
+            "flow-and-steps": _flow_figure(flow_sizes, flowed, step_sizes, steps),
+        },
         tables=(
             Table(
                 "Exponents of N: seconds, and number of factorizations",
@@ -149,6 +92,31 @@ def study(*, sizes: Sequence[int], flow_sizes: Sequence[int], step_sizes: Sequen
             "step_sizes": list(step_sizes),
             "fewest_steps": steps,
         },
+        tolerance=STUDY.tolerance,
+        least=sizes[0],
+        most=sizes[-1],
+        total_factorizations=" and ".join(
+            f"N^{_digits(factorizations[name][TOTAL])} ({name})" for name in BODIES
+        ),
+        rk45=FLOWS["RK45"],
+        bdf=FLOWS["BDF"],
+        total=each(seconds, TOTAL),
+        default=each(seconds, DEFAULT, "N^{}"),
+        uniformize=each(seconds, "uniformize"),
+        steepest=", ".join(
+            f"{stage} ({name}, N^{_digits(seconds[name][stage])})" for name, stage in steepest.items()
+        ),
+        rk45_seconds=each(flow_seconds, "RK45"),
+        rk45_evaluations=each(evaluations, "RK45", "N^{}"),
+        bdf_evaluations=each(evaluations, "BDF", "N^{}"),
+        newton=each(factorizations, "uniformize", "N^{}"),
+        fewest="; ".join(
+            f"{name}: "
+            + ", ".join(f"{n or f'> {MOST}'}" for n in steps[name])
+            + f" (N^{_digits(_slope(step_sizes, steps[name]))})"
+            for name in BODIES
+        ),
+        counted=", ".join(f"{n:,}" for n in step_sizes),
     )
 
 

@@ -2,12 +2,16 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping
+import tomllib
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
+from importlib.resources import files
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
+
+CHAPTERS = files("isoembed.studies").joinpath("chapters")
 
 
 @dataclass(frozen=True)
@@ -50,10 +54,10 @@ class Table:
     rows: tuple[tuple[str, ...], ...]
 
     @classmethod
-    def of(cls, caption: str, columns: Mapping[str, str], rows: Iterable[Mapping[str, Any]]) -> Table:
-        """The table of some records, with a format such as ``"{residual:.1e}"`` for each column."""
-        formats = columns.values()
-        return cls(caption, tuple(columns), tuple(tuple(f.format_map(row) for f in formats) for row in rows))
+    def of(cls, caption: str, columns: Iterable[Sequence[str]], rows: Iterable[Mapping[str, Any]]) -> Table:
+        """The table of some records; each column has a heading and a format such as ``"{residual:.1e}"``."""
+        header, formats = zip(*columns, strict=True)
+        return cls(caption, header, tuple(tuple(form.format_map(row) for form in formats) for row in rows))
 
 
 def listed(form: str, rows: Iterable[Mapping[str, Any]]) -> str:
@@ -71,3 +75,48 @@ class Section:
     comparisons: tuple[Comparison, ...] = ()
     tables: tuple[Table, ...] = ()
     numbers: Mapping[str, Any] = field(default_factory=dict)
+
+    @classmethod
+    def of(
+        cls,
+        chapter: str,
+        *,
+        figures: Mapping[str, Figure],
+        numbers: Mapping[str, Any],
+        tables: Sequence[Table] = (),
+        **values: Any,
+    ) -> Section:
+        """The section with the words of ``chapters/<chapter>.toml``.
+
+        Parameters
+        ----------
+        chapter : str
+        figures : mapping of str to matplotlib.figure.Figure
+            By the names under which the chapter has their captions.
+        numbers : mapping
+        tables : sequence of Table
+            In place of those that the chapter defines.
+        **values
+            What the words name in braces, as `str.format` does.  Where a comparison or a table has ``each``,
+            that names some records: `here` is said for each of them, and each is a row.
+        """
+        words = tomllib.loads(CHAPTERS.joinpath(f"{chapter}.toml").read_text(encoding="utf-8"))
+
+        def said(form: str) -> str:
+            return " ".join(form.split()).format_map(values)
+
+        def compared(what: str, paper: str, here: str, why: str = "", each: str = "") -> Comparison:
+            found = listed(" ".join(here.split()), values[each]) if each else said(here)
+            return Comparison(said(what), said(paper), found, said(why))
+
+        def tabulated(caption: str, each: str, columns: Sequence[Sequence[str]]) -> Table:
+            return Table.of(said(caption), [(said(name), form) for name, form in columns], values[each])
+
+        return cls(
+            said(words["title"]),
+            tuple(map(said, words["text"].split("\n\n"))),
+            tuple(Illustration(name, said(words["figures"][name]), each) for name, each in figures.items()),
+            tuple(compared(**comparison) for comparison in words["comparisons"]),
+            tuple(tables) or tuple(tabulated(**table) for table in words.get("tables", ())),
+            numbers,
+        )

@@ -21,7 +21,7 @@ from isoembed.plot.view import View
 from isoembed.progress.stages import Log, StageRecorder
 from isoembed.studies import plots
 from isoembed.studies.bodies import meshed
-from isoembed.studies.section import Comparison, Illustration, Section
+from isoembed.studies.section import Section
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -52,37 +52,9 @@ def study(*, vertices: int) -> Section:
     roundness = float(np.ptp(radii) / radii.mean())
     nets = [_net(metric) for metric in (given, uniform)]
     shapes = [View.of(x, given.faces) for x in (on_sphere, surface.vertices)]
-    return Section(
-        title="The three steps",
-        text=(
-            f"An ellipsoid (3, 2, 1) with {vertices} vertices, from its edge lengths alone. A metric has no "
-            "shape, so the two metrics are drawn as nets: their triangles, unfolded into the plane one after "
-            "another from a middle one outward. Where the net gapes, the metric is curved.",
-            "Colors show the Gaussian curvature over its average. It is a function of lengths alone, so the "
-            "surfaces have the colors of their metrics. The uniform metric is the fixed point of the flow, "
-            "found by Newton's method.",
-        ),
-        figures=(
-            Illustration(
-                "three-steps",
-                "From the lengths to the uniform metric (2.1), from there to a surface near the sphere "
-                "(2.2), and back to the given lengths (2.3). Colors: Gaussian curvature over its average.",
-                _picture(given.triangulation, nets, shapes, curvatures),
-            ),
-        ),
-        comparisons=(
-            Comparison(
-                "The curvature is constant at t_f (section 2.1)",
-                "close to kbar",
-                f"K / kbar from {spread[0][0]:.2f} to {spread[0][1]:.2f} before, "
-                f"within {max(abs(k - 1) for k in spread[1]):.0e} of 1 after",
-            ),
-            Comparison(
-                "P_tf is near the sphere (section 2.2)",
-                "not quite on it, unless N is large",
-                f"the distances of its vertices from their center differ by {roundness:.1%}",
-            ),
-        ),
+    return Section.of(
+        "three-steps",
+        figures={"three-steps": _picture(given.triangulation, nets, shapes, curvatures)},
         numbers={
             "vertices": vertices,
             "curvature_before": spread[0],
@@ -90,6 +62,10 @@ def study(*, vertices: int) -> Section:
             "roundness": roundness,
             "residual": surface.residual,
         },
+        vertices=vertices,
+        spread=spread,
+        off=max(abs(k - 1) for k in spread[1]),
+        roundness=roundness,
     )
 
 

@@ -17,7 +17,7 @@ from isoembed.metric.curvature import negative_deficits
 from isoembed.plot import Panel, panels
 from isoembed.progress.stages import Log, StageRecorder
 from isoembed.studies.bodies import STUDY, Body, attempted, embedding_of, meshed
-from isoembed.studies.section import Comparison, Illustration, Section, Table, listed
+from isoembed.studies.section import Section
 from isoembed.surface.alignment import aligned
 from isoembed.surface.embedding import Embedding
 from isoembed.surface.measures import vertex_normals
@@ -132,111 +132,27 @@ def study(*, ellipsoid: int, drum: int, ergosphere: int) -> Section:
     ]
     numbers = {one.name: one.numbers for one in made}
     records = [{"name": one.name, "rough": one.attempts[-1].share, **numbers[one.name]} for one in made]
-    kerr = records[-1]
-    return Section(
-        title="Smooth and crumpled embeddings",
-        text=(
-            "Left: the surface that the lengths were taken from, colored by its exact mean curvature. "
-            "Middle: what is found from the lengths alone (ellipsoid and drum: the paper's method, 10 steps, "
-            "tolerance 1e-6, with the corrected convexity routine and the start fitted to the sphere; "
-            "ergosphere: the default method). Right: another surface with the same lengths, crumpled. One "
-            "scale of colors for the three; H = (k1 + k2) / 2.",
-            f"The paper does not give the epsilon of its ergosphere; here it is {hole.epsilon:g}, with a = "
-            f"{hole.spin:g} and M = {hole.mass:g}.",
-            "A crumpled surface must be a realization of the lengths to 1e-6, or it shows nothing. Ways to "
-            f"one were tried in this order until one had the lengths and at least {STUDY.crumpled:.0%} of "
-            "its edges rough (bent against their neighborhood): the pull-back in 1 step "
-            "and in 2 steps without the convexity routine, as the paper says; then the smooth surface with "
-            "each vertex pushed at random along its normal (Gaussian, with the root mean square given) and "
-            "annealed, damped, without the convexity routine. Where K < 0 somewhere, only vertices far from "
-            "there are moved: with the others moved, too, the annealing gets stuck.",
-        ),
-        figures=tuple(
-            Illustration(
-                f"triptych-{one.name}",
-                f"{one.name.capitalize()}, {len(one.mean_curvature):,} vertices. Left: exact. Middle: from "
-                f"the lengths alone, {one.smooth.distance(one.body.exact):.0e} mean edge lengths from the "
-                f"vertices that were thrown away. Right: {_right(one.attempts[-1])}.",
-                picture(one),
-            )
+    return Section.of(
+        "triptychs",
+        figures={f"triptych-{one.name}": picture(one) for one in made},
+        tolerance=STUDY.tolerance,
+        attempts=[
+            {"name": one.name, "verdict": attempt.verdict, **attempt.numbers}
             for one in made
-        ),
-        comparisons=(
-            Comparison(
-                "Smooth embeddings look like the continuum (figures 6 and 9): distance of a vertex from the "
-                "discarded one",
-                "compared by eye",
-                listed("{name}: {smooth[distance]:.0e} mean edge lengths (method {smooth[method]})", records),
-            ),
-            Comparison(
-                "Realizations that the method can produce do not vary significantly (section 4)",
-                "observed, especially at higher resolutions",
-                listed(
-                    "{name}: the crumpled one is {crumpled[distance]:.2g} mean edge lengths away, "
-                    "{crumpled[percent_error]:+.2f} % in int H dA against {smooth[percent_error]:+.3f} %",
-                    records,
-                ),
-                "With its guidance the method ends on the smooth one. Without it surfaces with the same "
-                "lengths can be this far apart.",
-            ),
-            Comparison(
-                "Without adiabaticity and the convexity routine the embedding is not smooth (figures 6 and "
-                "9)",
-                "crumpled surfaces, residuals not stated",
-                listed(
-                    "{name}: {crumpled[how]}, residual {crumpled[residual]:.0e}, {rough:.0%} of the edges "
-                    "rough, {crumpled[percent_error]:+.2f} % in int H dA",
-                    records,
-                ),
-                _why_crumpled([one.name for one in made if "pull-back" not in one.attempts[-1].how]),
-            ),
-            Comparison(
-                "Error of int H dA of the ergosphere (section 3.2)",
-                "0.62 %",
-                f"{kerr['smooth']['percent_error']:+.3f} % at {kerr['vertices']:,} vertices; "
-                f"{kerr['exact']['percent_error']:+.3f} % for the exact coordinates",
-                "The paper gives neither the resolution nor epsilon. The error is that of a polyhedron "
-                "inscribed in the surface, not of the embedding, and falls like 1 / N.",
-            ),
-        ),
-        tables=(
-            Table.of(
-                f"Ways to a crumpled surface, tried until one had the lengths to {STUDY.tolerance:.0e}",
-                {
-                    "surface": "{name}",
-                    "way": "{how}",
-                    "residual": "{residual:.0e}",
-                    "rough edges": "{rough:.1%}",
-                    "outcome": "{verdict}",
-                },
-                [
-                    {"name": one.name, "verdict": attempt.verdict, **attempt.numbers}
-                    for one in made
-                    for attempt in one.attempts
-                ],
-            ),
-            Table.of(
-                "The panels. Distances are the largest of a vertex, after the best rigid motion, in mean "
-                "edge lengths",
-                {
-                    "surface": "{name}",
-                    "panel": "{panel}",
-                    "residual": "{residual:.1e}",
-                    "error of int H dA": "{percent_error:+.3f} %",
-                    "concave edges": "{concave_edges:,}",
-                    "rough edges": "{rough_edges:,}",
-                    "inverted": "{inverted_vertices}",
-                    "partially": "{partially_inverted_vertices}",
-                    "distance": "{distance:.1e}",
-                },
-                [
-                    {"name": record["name"], "panel": panel, **record[panel]}
-                    for record in records
-                    for panel in ("exact", "smooth", "crumpled")
-                ],
-            ),
-        ),
+            for attempt in one.attempts
+        ],
+        panels=[
+            {"name": record["name"], "panel": panel, **record[panel]}
+            for record in records
+            for panel in ("exact", "smooth", "crumpled")
+        ],
         numbers=numbers,
+        hole=hole,
+        share=STUDY.crumpled,
+        records=records,
+        pushed=_why_crumpled([one.name for one in made if "pull-back" not in one.attempts[-1].how]),
+        kerr=records[-1],
+        captions={one.name: _caption(one) for one in made},
     )
 
 
@@ -311,12 +227,17 @@ def kicked(smooth: Embedding, kick: float) -> Embedding:
     )
 
 
-def _right(last: Attempt) -> str:
-    """What the right panel shows."""
+def _caption(one: Triptych) -> str:
+    last = one.attempts[-1]
     residual = f"{last.surface.residual:.0e}"
+    right = f"the last attempt at a crumpled surface, which has the residual {residual}"
     if last.succeeded:
-        return f"a crumpled surface with the same lengths to {residual}, made by: {last.how}"
-    return f"the last attempt at a crumpled surface, which has the residual {residual}"
+        right = f"a crumpled surface with the same lengths to {residual}, made by: {last.how}"
+    return (
+        f"{one.name.capitalize()}, {len(one.mean_curvature):,} vertices. Left: exact. Middle: from the "
+        f"lengths alone, {one.smooth.distance(one.body.exact):.0e} mean edge lengths from the vertices that "
+        f"were thrown away. Right: {right}."
+    )
 
 
 def _why_crumpled(pushed: list[str]) -> str:

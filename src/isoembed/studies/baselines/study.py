@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -17,7 +17,9 @@ from isoembed.studies.baselines.subjects import Problem, paper_subjects, saddled
 from isoembed.studies.baselines.table import (
     BUMPS,
     FOUND,
+    OTHER,
     ROUGH,
+    SHORT,
     TRUTH,
     Run,
     compare,
@@ -27,7 +29,7 @@ from isoembed.studies.baselines.table import (
 )
 from isoembed.studies.baselines.thresholds import BASELINES
 from isoembed.studies.baselines.uniformization import uniformized
-from isoembed.studies.section import Comparison, Illustration, Section, Table
+from isoembed.studies.section import Section, Table
 from isoembed.surface.alignment import aligned
 
 if TYPE_CHECKING:
@@ -83,56 +85,12 @@ def study(*, vertices: int, degree: int, steps: int, seeds: int) -> Section:
     by_steps = step_curves(problems[2])
     bent = flow_curves((problems[3], Problem.of(saddled(), vertices)), (degree // 2, degree), steps)
     stuck = [[searches(subject, SEARCHED, bumps, seeds) for bumps in SIZES] for subject in subjects]
-    return Section(
-        title="The methods that the paper cites",
-        text=(
-            "Three methods that the paper builds on or competes with, made again in their simplest form "
-            f"and run on the paper's surfaces and a Kerr horizon, each on one mesh of {vertices} vertices. "
-            "The residual is the largest error of a length over the mean edge length, the distance the "
-            "largest of a vertex from its place on the true surface over the diameter, after the best "
-            "rigid motion or reflection; inverted vertices include partially inverted ones. Smooth maps "
-            "are evaluated at the vertices of the mesh. True meshes have concave edges, too: triangles "
-            "that are good in the metric are not those of the convex hull.",
-            "Wire frame (H.-P. Nollert and H. Herold, in Relativity and Scientific Computing, Springer "
-            "1996): the vertices minimize the squared errors of the lengths. Theirs come from the metric's "
-            "components by a Taylor expansion between the points of a grid; here they are given, and the "
-            "minimizer is Levenberg and Marquardt's. It starts from a conformal layout of the lengths on a "
-            f"sphere, as it is and with every coordinate moved at random by {ROUGH:g} mean edge lengths.",
-            "Harmonics (M. Bondarescu, M. Alcubierre and E. Seidel, Class. Quantum Grav. 19 (2002) 375): "
-            f"three functions in real spherical harmonics, here to degree {degree}, minimize the squared "
-            "differences of the metric's components, here by L-BFGS with exact derivatives, from the round "
-            f"sphere of the same area and from the same with random bumps of {BUMPS:g} radii (rms). The "
-            "ellipsoid and the drum are in star-shaped coordinates, the other two in Boyer-Lindquist "
-            "angles.",
-            "Embedding flow (M. Jasiulek and M. Korzynski, Class. Quantum Grav. 29 (2012) 155010): from "
-            "the embedded round sphere along a conformal path of metrics, with the velocity that solves "
-            "the linearized embedding equation; nothing corrects what the steps miss. Here the conformal "
-            "factor is found by Newton's method instead of Ricci flow, and the linear equation is solved "
-            "in least squares for the harmonics' coefficients instead of as an elliptic one. That step of "
-            "theirs divides by the extrinsic curvature and needs K > 0; least squares do not, and what they "
-            "do where K < 0 is in the last table.",
-            "The last row of each metric has the same harmonics begun from the embedded polyhedron, as "
-            "isoembed.smooth.embed_smooth does at each degree: what harmonics cannot resolve is the same "
-            "as for the baselines, and only the start differs.",
-        ),
-        figures=(
-            Illustration(
-                "baselines-convergence",
-                f"Left: harmonics fitted from the round sphere, by degree; mesh of {vertices} vertices. "
-                "Right: the embedding flow of the Kerr horizon by the number of its steps, degree "
-                f"{FLOWED.degree}, with measured orders.",
-                _convergence(by_degree, by_steps),
-            ),
-            Illustration(
-                "baselines-surfaces",
-                f"{subjects[0].name}, {vertices} vertices: the true surface and what the methods find, "
-                "colored by mean curvature. Wire frame: from the sphere; harmonics: from the bumpy sphere.",
-                _row([run for run in runs if run.problem is problems[0]]),
-            ),
-        ),
-        comparisons=_comparisons(
-            runs, by_degree, bent, int(np.sum(stuck)), len(subjects) * len(SIZES) * seeds
-        ),
+    return Section.of(
+        "baselines",
+        figures={
+            "baselines-convergence": _convergence(by_degree, by_steps),
+            "baselines-surfaces": _row([run for run in runs if run.problem is problems[0]]),
+        },
         tables=(
             run_table(
                 f"The methods on four metrics: harmonics of degree {degree}, {steps} steps of order 4 of the "
@@ -164,6 +122,16 @@ def study(*, vertices: int, degree: int, steps: int, seeds: int) -> Section:
                 subject.name: counts for subject, counts in zip(subjects, stuck, strict=True)
             },
         },
+        vertices=vertices,
+        rough=ROUGH,
+        degree=degree,
+        bumps=BUMPS,
+        flow_degree=FLOWED.degree,
+        subjects=subjects,
+        starts=len(subjects) * len(SIZES) * seeds,
+        searched=SEARCHED,
+        worse=BASELINES.worse,
+        **_said(runs, by_degree, bent, int(np.sum(stuck))),
     )
 
 
@@ -239,11 +207,11 @@ def _row(runs: Sequence[Run]) -> Figure:
     return panels(row, label="mean curvature H")
 
 
-def _comparisons(
-    runs: Sequence[Run], by_degree: Sequence[Curve], bent: Sequence[Curve], stuck: int, starts: int
-) -> tuple[Comparison, ...]:
-    wire = [run for run in runs if run.method.startswith("wire frame")]
-    notes = [run.note for run in wire]
+def _said(
+    runs: Sequence[Run], by_degree: Sequence[Curve], bent: Sequence[Curve], stuck: int
+) -> dict[str, Any]:
+    """What the comparisons with the paper say."""
+    notes = [run.note for run in runs if run.method.startswith("wire frame")]
     ours = {name: [run for run in runs if run.method == f"isoembed, {name}"] for name in ("paper", "aim")}
     missed = [
         f"{run.problem.subject.name}: {run.note}, {run.problem.distance(run.surface):.0e} of the diameter "
@@ -251,51 +219,26 @@ def _comparisons(
         for run in ours["paper"]
         if run.note != FOUND
     ]
-    return (
-        Comparison(
-            "Nollert and Herold's wire frame has no means of choosing smooth solutions (section 1)",
-            "stated",
-            f"of {len(wire)} runs {notes.count(FOUND)} found the true surface, "
-            f"{notes.count('exact lengths, another surface')} exact lengths on another one, "
-            f"{notes.count('stopped short of the lengths')} not the lengths",
+    return {
+        "wire_runs": len(notes),
+        "wire_found": notes.count(FOUND),
+        "wire_others": notes.count(OTHER),
+        "wire_missed": notes.count(SHORT),
+        "stuck": stuck,
+        "by_degree": "; ".join(
+            f"{curve.label}: {curve.residuals[0]:.0e} at degree {curve.x[0]}, {curve.residuals[-1]:.0e} at "
+            f"{curve.x[-1]}"
+            for curve in by_degree
         ),
-        Comparison(
-            "Bondarescu et al. get stuck in local minima in the space of coefficients (section 1)",
-            "stated",
-            f"{stuck} of {starts} random starts at degree {SEARCHED} ended with more than "
-            f"{BASELINES.worse:g} times the strain that the round sphere leads to",
-            "In star-shaped and Boyer-Lindquist coordinates the round sphere is a good start for these "
-            "bodies.",
+        "bent": "; ".join(
+            f"{curve.label}: residual "
+            + ", ".join(f"{r:.1e} at degree {n}" for n, r in zip(curve.x, curve.residuals, strict=True))
+            for curve in bent
         ),
-        Comparison(
-            "They raise the number of coefficients to reduce the residuals (section 1)",
-            "stated",
-            "; ".join(
-                f"{curve.label}: {curve.residuals[0]:.0e} at degree {curve.x[0]}, "
-                f"{curve.residuals[-1]:.0e} at {curve.x[-1]}"
-                for curve in by_degree
-            ),
+        "ours": "; ".join(
+            f"{name}: {sum(run.note == FOUND for run in found)} of {len(found)} true surfaces, residuals "
+            f"up to {max(run.surface.residual for run in found):.0e}"
+            for name, found in ours.items()
         ),
-        Comparison(
-            "Jasiulek and Korzynski's flow needs strictly positive curvature (section 1)",
-            "stated, for the inverse of the extrinsic curvature",
-            "without that inverse, in least squares: "
-            + "; ".join(
-                f"{curve.label}: residual "
-                + ", ".join(f"{r:.1e} at degree {n}" for n, r in zip(curve.x, curve.residuals, strict=True))
-                for curve in bent
-            ),
-            "Where K < 0 the linear equation is not elliptic: nothing is singular in least squares, but more "
-            "harmonics need not help.",
-        ),
-        Comparison(
-            "AIM is not trapped in local minima and tells smooth from non-smooth polyhedra (section 4)",
-            "stated",
-            "; ".join(
-                f"{name}: {sum(run.note == FOUND for run in found)} of {len(found)} true surfaces, residuals "
-                f"up to {max(run.surface.residual for run in found):.0e}"
-                for name, found in ours.items()
-            ),
-            f"{'; '.join(missed)}." if missed else "",
-        ),
-    )
+        "missed": f"{'; '.join(missed)}." if missed else "",
+    }

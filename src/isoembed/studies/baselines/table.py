@@ -23,7 +23,8 @@ from isoembed.surface.embedding import Embedding
 
 ROUGH = 0.3  # mean edge lengths, of the wire frame's second start
 BUMPS = 0.3  # radii, of the harmonics' second start
-TRUTH, FOUND = "(true surface)", "the true surface"
+TRUTH = "(true surface)"
+FOUND, OTHER, SHORT = "the true surface", "exact lengths, another surface", "stopped short of the lengths"
 COLUMNS = {
     "metric": "{metric}",
     "method": "{method}",
@@ -79,7 +80,9 @@ def run_table(caption: str, runs: Sequence[Run]) -> Table:
     """A row for each run."""
     clocks = [f"{run.seconds:.2f}" if run.seconds else "" for run in runs]
     return Table.of(
-        caption, COLUMNS, [{**run.numbers, "clock": clock} for run, clock in zip(runs, clocks, strict=True)]
+        caption,
+        COLUMNS.items(),
+        [{**run.numbers, "clock": clock} for run, clock in zip(runs, clocks, strict=True)],
     )
 
 
@@ -186,8 +189,8 @@ def _flow(subject: Subject, harmonics: Harmonics, steps: int) -> tuple[RoundSphe
 def _length_note(problem: Problem, found: Embedding) -> str:
     """What a method that looks for exact lengths has found."""
     if not found.converged:
-        return "stopped short of the lengths"
-    return FOUND if problem.distance(found) <= BASELINES.arrived else "exact lengths, another surface"
+        return SHORT
+    return FOUND if problem.distance(found) <= BASELINES.arrived else OTHER
 
 
 def _harmonic_note(one: HarmonicMap, least: float) -> str:
