@@ -47,7 +47,6 @@ def study(*, vertices: int) -> Section:
     return Section.of(
         "accuracy",
         figures={"length-errors": _error_figure(made)},
-        rows=rows,
         numbers={
             "vertices": vertices,
             "curvature_on_equator": equator,
@@ -56,6 +55,7 @@ def study(*, vertices: int) -> Section:
                 for one in made
             },
         },
+        rows=rows,
         vertices=vertices,
         made=made,
         beyond="" if within else "Beyond the tolerance: see the table.",

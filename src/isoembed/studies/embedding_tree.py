@@ -91,7 +91,6 @@ def study(*, shown: int, sizes: Sequence[int]) -> Section:
             "two-solutions": _choice_figure(points),
             "determined-edges": _error_figure(sizes, rows, largest),
         },
-        rows=rows,
         numbers={
             "first_edge": first_edge,
             "two_solutions": unfolded,
@@ -99,6 +98,7 @@ def study(*, shown: int, sizes: Sequence[int]) -> Section:
             "exponents": falling,
             "growth_per_layer": largest.growth,
         },
+        rows=rows,
         last=last,
         falling=falling,
         growth=largest.growth**10,

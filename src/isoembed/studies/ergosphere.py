@@ -51,7 +51,6 @@ def study(*, vertices: int, epsilons: Sequence[float]) -> Section:
     return Section.of(
         "ergosphere",
         figures={"ergosphere-epsilon": picture(cases)},
-        rows=[{**case, **{name: _residual(one) for name, one in case["outcomes"].items()}} for case in cases],
         numbers={
             "convex_from": threshold,
             "theta": where,
@@ -60,6 +59,7 @@ def study(*, vertices: int, epsilons: Sequence[float]) -> Section:
             "cases": cases,
             "more_steps": more,
         },
+        rows=[{**case, **{name: _residual(one) for name, one in case["outcomes"].items()}} for case in cases],
         spin=SPIN,
         least_q2=min(under_root),
         least_at=REAL[int(np.argmin(under_root))],

@@ -109,8 +109,8 @@ def study(*, sizes: Sequence[int]) -> Section:
     return Section.of(
         "mean-curvature",
         figures={"mean-curvature": picture(made)},
-        rows=[row for one in made for row in one.rows],
         numbers=numbers,
+        rows=[row for one in made for row in one.rows],
         apart=apart,
         orders=orders,
         resolved=RESOLVED,

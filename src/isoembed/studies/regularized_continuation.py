@@ -94,13 +94,13 @@ def study(*, cases: Sequence[tuple[str, int, int]], path_vertices: int) -> Secti
     return Section.of(
         "guided-pull-back",
         figures={"guided-pull-back": _followed_figure(followed), "paths": _guess_figure(bodies)},
+        numbers={"pull_backs": followed, "paths": paths},
         tried=", ".join(map(str, TRIED)),
         rows=[
             {"surface": body["name"], "leading": ", ".join(map(str, row["arrived"])) or "none", **row}
             for body in bodies
             for row in body["paths"]
         ],
-        numbers={"pull_backs": followed, "paths": paths},
         starts=starts,
         ends=ends,
         off=off,

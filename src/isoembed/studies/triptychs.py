@@ -135,6 +135,7 @@ def study(*, ellipsoid: int, drum: int, ergosphere: int) -> Section:
     return Section.of(
         "triptychs",
         figures={f"triptych-{one.name}": picture(one) for one in made},
+        numbers=numbers,
         tolerance=STUDY.tolerance,
         attempts=[
             {"name": one.name, "verdict": attempt.verdict, **attempt.numbers}
@@ -146,7 +147,6 @@ def study(*, ellipsoid: int, drum: int, ergosphere: int) -> Section:
             for record in records
             for panel in ("exact", "smooth", "crumpled")
         ],
-        numbers=numbers,
         hole=hole,
         share=STUDY.crumpled,
         records=records,
