@@ -81,7 +81,7 @@ def test_binary_polydata_with_all_kinds_of_data(tmp_path):
         ),
         (("CELLS 20 80", "CELLS 20 90"), FileError, "among the CELLS, could not convert"),
         (("CELLS 20 80", "CELLS 21 80"), FileError, "80 numbers are not enough for 21 CELLS"),
-        (("CELL_TYPES 20", "CELL_TYPES 19"), FileError, "has 20 cells, but the types of 19"),
+        (("CELL_TYPES 20\n5\n", "CELL_TYPES 19\n"), FileError, "has 20 cells, but the types of 19"),
         (("CELL_TYPES 20\n5", "CELL_TYPES 20\n22"), InvalidMetric, "cell 0 is a cell of type 22, not a tri"),
         (("CELL_TYPES 20\n5", "CELL_TYPES 20\nnan"), InvalidMetric, "cell 0 is a cell of type nan"),
         (("\n3 ", "\n5 "), FileError, "80 numbers are not enough for 20 CELLS|not made of the 12 points"),

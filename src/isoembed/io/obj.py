@@ -1,6 +1,4 @@
-"""Wavefront OBJ: ``v`` and ``f`` lines.  Read here, because negative indices, colored vertices and faces
-with more corners need better answers than a general library gives.
-"""
+"""Wavefront OBJ: ``v`` and ``f`` lines."""
 
 from __future__ import annotations
 
@@ -21,8 +19,8 @@ from isoembed.io.text_scan import (
     lines,
     natural,
     next_line,
-    numbers,
     plain,
+    triangles,
     word_begin,
 )
 
@@ -45,11 +43,7 @@ def _read_plain(data: bytes) -> Tables | None:
     text = plain(data)
     if text is None:
         return None
-    coordinates, n_vertices, faces = _scan(text)
-    vertices = numbers(coordinates)
-    if vertices is None or vertices.size != 3 * n_vertices or len(faces) == 0:
-        return None
-    return {"vertices": vertices.reshape(-1, 3), "faces": faces}
+    return triangles(*_scan(text))
 
 
 @njit(cache=True)

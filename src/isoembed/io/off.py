@@ -1,6 +1,4 @@
-"""Object File Format.  Read here, because headers, comments, colors and faces with more corners vary more
-than a general library accepts.
-"""
+"""Object File Format, as text."""
 
 from __future__ import annotations
 
@@ -22,8 +20,8 @@ from isoembed.io.text_scan import (
     lines,
     natural,
     next_line,
-    numbers,
     plain,
+    triangles,
     word_begin,
 )
 
@@ -52,10 +50,7 @@ def _read_plain(data: bytes) -> Tables | None:
     if n_vertices + n_faces > len(data):
         return None
     coordinates, faces = _scan(text[header.end() :], n_vertices, n_faces)
-    vertices = numbers(coordinates)
-    if vertices is None or vertices.size != 3 * n_vertices or len(faces) == 0:
-        return None
-    return {"vertices": vertices.reshape(-1, 3), "faces": faces}
+    return triangles(coordinates, n_vertices, faces)
 
 
 @njit(cache=True)

@@ -1,5 +1,6 @@
-"""PLY, text and binary.  Read here, because properties and elements around the vertices and faces vary more
-than a general library accepts; written in binary double precision with the data at the vertices.
+"""PLY, text and binary, with any properties and elements around the vertices and faces.
+
+It is written in binary double precision with the data at the vertices.
 """
 
 from __future__ import annotations
@@ -10,7 +11,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from itertools import chain
 from pathlib import Path
-from typing import Any, Protocol
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -48,55 +49,39 @@ class Element:
     properties: tuple[Property, ...]
 
 
-class Source(Protocol):
-    """Where the numbers of the body come from."""
+class Body:
+    """The numbers after the header: words, or binary in one of the byte orders."""
+
+    def __init__(self, data: bytes, begin: int, order: str) -> None:
+        self.order, self._data, self._next = order, data, begin
+        self._words = [] if order else data[begin:].split()[::-1]
 
     def take(self, codes: str) -> Sequence[float]:
         """The next numbers, of these types; IndexError where there are none."""
+        if not self.order:
+            words = [self._words.pop() for _ in codes]
+            return [float(w) if code in "fd" else int(w) for w, code in zip(words, codes, strict=True)]
+        begin, self._next = self._next, self._next + struct.calcsize(self.order + codes)
+        if self._next > len(self._data):
+            raise IndexError
+        return struct.unpack_from(self.order + codes, self._data, begin)
+
+    def value(self, column: Property) -> Sequence[float]:
+        """The next number, or list of numbers, of a property."""
+        if not column.count_code:
+            return self.take(column.code)
+        count = int(self.take(column.count_code)[0])
+        if count < 0:
+            raise ValueError(f"a list of {count} numbers")
+        if count > len(self._data):
+            raise IndexError
+        return self.take(column.code * count)
 
     def take_all(self, element: Element) -> dict[str, Columns] | None:
-        """The next rows by the names of their properties, if they can be taken together, or None."""
-
-
-class Text:
-    """The numbers of a text body."""
-
-    def __init__(self, body: bytes) -> None:
-        self._words, self._next = body.split(), 0
-
-    def take(self, codes: str) -> Sequence[float]:
-        """The next numbers."""
-        words = self._words[self._next : self._next + len(codes)]
-        if len(words) < len(codes):
-            raise IndexError
-        self._next += len(codes)
-        return [float(w) if code in "fd" else int(w) for w, code in zip(words, codes, strict=True)]
-
-    def take_all(self, element: Element) -> None:
-        """Words are taken one by one."""
-
-
-class Binary:
-    """The numbers of a binary body."""
-
-    def __init__(self, data: bytes, begin: int, order: str) -> None:
-        self._data, self._next, self._order = data, begin, order
-
-    def take(self, codes: str) -> Sequence[float]:
-        """The next numbers."""
-        layout = self._order + codes
-        end = self._next + struct.calcsize(layout)
-        if end > len(self._data):
-            raise IndexError
-        numbers = struct.unpack_from(layout, self._data, self._next)
-        self._next = end
-        return numbers
-
-    def take_all(self, element: Element) -> dict[str, Columns] | None:
-        """The next rows, if all their lists are as long as in the first, so that one type describes them."""
+        """The rows by the names of their properties, or None unless all lists are as long as in the first."""
         begin = self._next
         try:
-            first = [_value(p, self) for p in element.properties]
+            first = [self.value(p) for p in element.properties]
         except (IndexError, ValueError):
             return None
         finally:
@@ -106,8 +91,8 @@ class Binary:
         for k, p in enumerate(element.properties):
             if p.count_code:
                 counts[f"count {k}"] = len(first[k])
-                fields.append((f"count {k}", self._order + p.count_code))
-            fields.append((f"value {k}", self._order + p.code, (len(first[k]),) if p.count_code else ()))
+                fields.append((f"count {k}", self.order + p.count_code))
+            fields.append((f"value {k}", self.order + p.code, (len(first[k]),) if p.count_code else ()))
         layout = np.dtype(fields)
         if element.size * layout.itemsize > len(self._data) - begin:
             return None
@@ -134,11 +119,11 @@ def read(file: InputFile) -> Tables:
         order, elements = _header(data[: end.start()].decode("utf-8", errors="replace"))
     except ValueError as error:
         raise FileError(f"{file}: the header says {str(error)!r}, which cannot be understood") from None
-    source: Source = Binary(data, end.end(), order) if order else Text(data[end.end() :])
+    body = Body(data, end.end(), order)
     tables: dict[str, list[Any]] = {"vertex": [], "face": []}
     for element in elements:
-        together = _rows_together(element, source)
-        rows = _rows(file, element, source) if together is None else together
+        together = _rows_together(element, body)
+        rows = _rows(file, element, body) if together is None else together
         if element.name in tables:
             tables[element.name].append(rows)
     vertices, faces = (parts[0] if len(parts) == 1 else list(chain(*parts)) for parts in tables.values())
@@ -162,25 +147,25 @@ def write(path: Path, tables: Tables) -> None:
         file.write(rows.tobytes())
 
 
-def _rows_together(element: Element, source: Source) -> Columns | None:
+def _rows_together(element: Element, body: Body) -> Columns | None:
     """The points of all vertices or the corners of all faces, if they can be taken together."""
     lists = {p.name: bool(p.count_code) for p in element.properties}
     corners = next((name for name in CORNERS if name in lists), "")
-    if element.name == "vertex" and [lists.get(axis) for axis in "xyz"] == [False] * 3:
-        columns = source.take_all(element)
-        return None if columns is None else np.column_stack([columns[axis] for axis in "xyz"])
-    if element.name == "face" and lists.get(corners):
-        columns = source.take_all(element)
-        return None if columns is None else columns[corners]
-    return None
+    points = element.name == "vertex" and [lists.get(axis) for axis in "xyz"] == [False] * 3
+    if not body.order or not (points or (element.name == "face" and lists.get(corners))):
+        return None
+    columns = body.take_all(element)
+    if columns is None:
+        return None
+    return np.column_stack([columns[axis] for axis in "xyz"]) if points else columns[corners]
 
 
-def _rows(file: InputFile, element: Element, source: Source) -> list[list[float]]:
+def _rows(file: InputFile, element: Element, body: Body) -> list[list[float]]:
     """The points of the vertices or the corners of the faces, or nothing of another element, row by row."""
     rows = []
     for row in range(element.size if element.properties else 0):
         try:
-            values = {p.name: _value(p, source) for p in element.properties}
+            values = {p.name: body.value(p) for p in element.properties}
             if element.name == "vertex":
                 rows.append([values[axis][0] for axis in "xyz"])
             elif element.name == "face":
@@ -193,15 +178,6 @@ def _rows(file: InputFile, element: Element, source: Source) -> list[list[float]
         except ValueError as error:
             raise FileError(f"{file}: cannot understand {element.name} {row}: {error}") from None
     return rows
-
-
-def _value(column: Property, source: Source) -> Sequence[float]:
-    if not column.count_code:
-        return source.take(column.code)
-    count = int(source.take(column.count_code)[0])
-    if count < 0:
-        raise ValueError(f"a list of {count} numbers")
-    return source.take(column.code * count)
 
 
 def _header(text: str) -> tuple[str, list[Element]]:

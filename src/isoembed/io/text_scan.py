@@ -1,7 +1,7 @@
-"""Plain text tables at the speed of a compiled loop: what a file of millions of lines needs.
+"""Compiled scanning of tables in plain text.
 
-Here text is plain if it is ASCII with words between blanks, and lines that end with a line feed.  Whatever is
-not plain, or not what a format usually looks like, is left to the format's own reader, which is slow and says
+Text is plain if it is ASCII with words between blanks, and lines that end with a line feed.  Whatever is not
+plain, or not what a format usually looks like, is left to the format's own reader, which is slow and names
 what is wrong.
 """
 
@@ -14,7 +14,8 @@ import numpy as np
 from numba import njit
 from numpy.typing import NDArray
 
-from isoembed.arrays import Floats
+from isoembed.arrays import Floats, Indices
+from isoembed.io.files import Tables
 
 Bytes = NDArray[np.uint8]
 
@@ -39,6 +40,14 @@ def numbers(text: Bytes) -> Floats | None:
             return np.fromstring(text.tobytes(), sep=" ")
         except (DeprecationWarning, ValueError):
             return None
+
+
+def triangles(coordinates: Bytes, n_vertices: int, faces: Indices) -> Tables | None:
+    """Tables of a mesh with this text of coordinates; None if there are other words in it, or no faces."""
+    vertices = numbers(coordinates)
+    if vertices is None or vertices.size != 3 * n_vertices or len(faces) == 0:
+        return None
+    return {"vertices": vertices.reshape(-1, 3), "faces": faces}
 
 
 def plain(data: bytes) -> Bytes | None:

@@ -78,7 +78,8 @@ def read_polydata(file: InputFile) -> PolyData:
         A cell of a grid is no polygon.
     """
     source, data = _Source(file), PolyData()
-    cells: Polygons = []
+    cells = dict[str, tuple[Indices, Indices]]()
+    types: NDArray | None = None
     at_points, n = True, 0
     while words := source.line():
         key = words.pop(0).upper()
@@ -91,62 +92,60 @@ def read_polydata(file: InputFile) -> PolyData:
             n = source.natural(words, "points")
             data.points = source.floats(3 * n, source.word(words), "points").reshape(n, 3)
         elif key in ("CELLS", "POLYGONS", "VERTICES", "LINES"):
-            cells = source.cells(words, key, len(data.points))
-            data.polygons = cells if key == "POLYGONS" else data.polygons
+            cells[key] = source.cells(words, key)
         elif key == "CELL_TYPES":
             types = source.numbers(source.natural(words, "cells"), "int", "types of cells")
-            check_cells(file, types, len(cells))
-            data.polygons = cells
         elif key in ("POINT_DATA", "CELL_DATA"):
             at_points, n = key == "POINT_DATA", source.natural(words, "values")
         else:
             arrays = source.arrays(words, key, n)
             data.fields |= arrays if at_points and n == len(data.points) else {}
+    for key in ("CELLS", "POLYGONS"):
+        if key in cells:
+            data.polygons = polygons(file, *cells[key], len(data.points), key, types)
     return data
 
 
-def check_cells(file: InputFile, types: NDArray, count: int) -> None:
-    """Refuse cells that are not polygons, and types of other cells than there are.
+def polygons(
+    file: InputFile,
+    corners: NDArray,
+    ends: NDArray,
+    n_points: int,
+    what: str = "cells",
+    types: NDArray | None = None,
+) -> Polygons:
+    """Polygons of a list of corners, the k-th of which ends before ``ends[k]``.
 
     Raises
     ------
     FileError
-        There are types of more or fewer cells.
+        One is empty, or refers to what is no point, or there are types of more or fewer cells.
     InvalidMetric
-        A cell is no polygon.
-    """
-    if len(types) != count:
-        raise FileError(f"{file} has {count} cells, but the types of {len(types)}")
-    strange = ~np.isin(types, POLYGONS)
-    if strange.any():
-        k = int(np.argmax(strange))
-        kind = OTHERS.get(types[k], f"cell of type {types[k]:g}")
-        raise InvalidMetric(f"cell {k} is a {kind}, not a triangle")
-
-
-def rows(file: InputFile, corners: NDArray, ends: NDArray, n_points: int, what: str) -> Polygons:
-    """Rows of a list of corners, the k-th of which ends before ``ends[k]``.
-
-    Raises
-    ------
-    FileError
-        One is empty, or refers to what is no point.
+        By its type a cell is no polygon.
     """
     corners, ends = _integers(corners), _integers(ends)
     sizes = np.diff(ends, prepend=0)
-    polygons: Polygons
+    rows: Polygons
     if (sizes == 3).all() and len(corners) == 3 * len(ends):
-        polygons = corners.reshape(-1, 3)
-        good = ((polygons >= 0) & (polygons < n_points)).all(axis=1)
+        rows = corners.reshape(-1, 3)
+        good = ((rows >= 0) & (rows < n_points)).all(axis=1)
     else:
-        polygons = [part.tolist() for part in np.split(corners, ends[:-1])][: len(ends)]
-        there = (len(p) > 0 and min(p) >= 0 and max(p) < n_points for p in polygons)
-        good = np.fromiter(there, bool, len(ends)) & (sizes == [len(p) for p in polygons])
+        rows = [part.tolist() for part in np.split(corners, ends[:-1])][: len(ends)]
+        there = (len(row) > 0 and min(row) >= 0 and max(row) < n_points for row in rows)
+        good = np.fromiter(there, bool, len(ends)) & (sizes == [len(row) for row in rows])
     if not good.all():
         raise FileError(
             f"{file}: number {np.argmin(good)} of the {what} is not made of the {n_points} points"
         )
-    return polygons
+    if types is not None:
+        if len(types) != len(rows):
+            raise FileError(f"{file} has {len(rows)} cells, but the types of {len(types)}")
+        strange = ~np.isin(types, POLYGONS)
+        if strange.any():
+            k = int(np.argmax(strange))
+            kind = OTHERS.get(types[k], f"cell of type {types[k]:g}")
+            raise InvalidMetric(f"cell {k} is a {kind}, not a triangle")
+    return rows
 
 
 def _integers(values: NDArray[Any]) -> Indices:
@@ -234,13 +233,13 @@ class _Source:
         values = self.numbers(components * count, type_name, what).astype(np.float64)
         return values if components == 1 else values.reshape(count, components)
 
-    def cells(self, words: list[str], key: str, n_points: int) -> Polygons:
-        """The corners of the cells, after a line with their number and that of all entries."""
+    def cells(self, words: list[str], key: str) -> tuple[Indices, Indices]:
+        """The corners of the cells, one after the other, and where those of each end."""
         count, size = self.natural(words, key), self.natural(words, key)
         if kind := self.skip_line("OFFSETS"):  # since version 5
             ends = self.numbers(count, kind[0], key)[1:]
             corners = self.numbers(size, self.word(self.skip_line("CONNECTIVITY")), key)
-            return rows(self.file, corners, ends, n_points, key)
+            return corners, ends
         flat = _integers(self.numbers(size, "int", key))
         if size == 4 * count and (flat[::4] == 3).all():
             heads = np.arange(0, size + 1, 4)
@@ -251,8 +250,7 @@ class _Source:
             heads = np.array(begins)
         if len(heads) <= count:
             raise FileError(f"{self.file}: {size} numbers are not enough for {count} {key}")
-        ends = heads[1:] - np.arange(1, len(heads))
-        return rows(self.file, np.delete(flat, heads[:-1]), ends, n_points, key)
+        return np.delete(flat, heads[:-1]), heads[1:] - np.arange(1, len(heads))
 
     def arrays(self, words: list[str], key: str, n: int) -> dict[str, Floats]:
         """The arrays of one section of data at points or cells."""

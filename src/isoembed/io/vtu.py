@@ -23,7 +23,7 @@ from isoembed.io.files import FileError, Tables
 from isoembed.io.format import Format
 from isoembed.io.input_file import InputFile
 from isoembed.io.text_scan import numbers
-from isoembed.io.vtk import TRIANGLE, check_cells, rows
+from isoembed.io.vtk import TRIANGLE, polygons
 
 CODES = {
     **{"Int8": "i1", "Int16": "i2", "Int32": "i4", "Int64": "i8", "Float32": "f4", "Float64": "f8"},
@@ -54,12 +54,9 @@ def read(file: InputFile) -> Tables:
         for piece in source.root.iterfind("UnstructuredGrid/Piece"):
             points = source.array(piece, "Points/DataArray").astype(np.float64).reshape(-1, 3)
             corners, ends, types = (source.array(piece, f"Cells/DataArray[@Name='{name}']") for name in CELLS)
-            polygons = rows(file, corners, ends, len(points), "cells")
-            check_cells(file, types, len(polygons))
+            rows = polygons(file, corners, ends, len(points), types=types)
             vertices.append(points)
-            faces += (
-                [polygons + n] if isinstance(polygons, np.ndarray) else [[c + n for c in p] for p in polygons]
-            )
+            faces += [rows + n] if isinstance(rows, np.ndarray) else [[c + n for c in row] for row in rows]
             n += len(points)
         if not vertices:
             raise ValueError("there is no Piece of an UnstructuredGrid")

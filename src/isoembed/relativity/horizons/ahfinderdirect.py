@@ -35,15 +35,14 @@ class PatchThresholds:
     """Thresholds of reading patches of an inflated cube and of completing them by symmetry."""
 
     angle: float = threshold(1e-3, "degrees", "The printed digits may move a point by this.")
-    seam: float = threshold(
-        1e-4, "radians", "The printed digits may put a point of two patches this far apart."
-    )
+    seam: float = threshold(1e-4, "radians", "A point that is in two patches may be printed this far apart.")
     radius: float = threshold(1e-5, "relative", "A printed radius may differ from that of the printed point.")
+    origin: float = threshold(1e-9, "largest coordinates", "Rounding of a distance from a far origin.")
+    widest: float = threshold(44.0, "degrees", "A patch that ends here does not reach across its axis.")
     ghosts: int = threshold(8, "count", "Most ghost zones on each side of a patch.")
     degree: int = threshold(8, "degree", "Harmonics that tell a smooth surface from one with a crease.")
-    creased: float = threshold(
-        1e-3, "radii", "From here on more harmonics must miss less, or there is a crease."
-    )
+    creased: float = threshold(1e-3, "radii", "What is missed from here on may be missed for a crease.")
+    kept: float = threshold(0.5, "relative", "A crease is left if more harmonics still miss this much of it.")
 
 
 PATCHES = PatchThresholds()
@@ -156,7 +155,7 @@ def _patches(file: InputFile) -> tuple[Floats, dict[str, Floats]]:
                 raise wrong("numbers before the origin or the name of a patch")
             row = floats(words)
             r, distance = row[2], float(np.linalg.norm(np.array(row[3:]) - origin))
-            room = PATCHES.radius * r + 1e-9 * float(np.max(np.abs(origin)))
+            room = PATCHES.radius * r + PATCHES.origin * float(np.max(np.abs(origin)))
             if not (np.isfinite(row).all() and r > 0 and abs(r - distance) <= room):
                 raise wrong(
                     f"the radius is {r:.6g}, but the point is at the distance {distance:.6g} from the origin"
@@ -206,7 +205,7 @@ def _halves(arrows: dict[str, Floats], origin: Floats, source: str) -> dict[int,
             for name, arrow in arrows.items():
                 sines = sign * arrow[:, axis] / np.linalg.norm(arrow, axis=1)
                 angle = float(np.degrees(np.max(np.arcsin(np.clip(sines, -1.0, 1.0)))))
-                if name[1] != letter and angle > min(widest, 44.0) + PATCHES.angle:
+                if name[1] != letter and angle > min(widest, PATCHES.widest) + PATCHES.angle:
                     raise FileError(
                         f"{source}: the patch {'+-'[sign < 0]}{letter} is missing, and no reflection "
                         f"supplies it, as the patch {name} reaches across {letter} = {origin[axis]:.6g}"
@@ -242,7 +241,7 @@ def _completed(arrow: Floats, halves: dict[int, int], source: str) -> Floats:
     # Half as many degrees again: a crease goes with 1 / degree, what is smooth exponentially.
     if (
         misses[best] > PATCHES.creased
-        and _miss(completed[best], 3 * PATCHES.degree // 2) > 0.5 * misses[best]
+        and _miss(completed[best], 3 * PATCHES.degree // 2) > PATCHES.kept * misses[best]
     ):
         names = " nor ".join(candidate.name for candidate in candidates)
         raise FileError(

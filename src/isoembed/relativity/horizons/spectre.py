@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numbers
 import os
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
@@ -16,7 +16,17 @@ from isoembed.io.hdf5 import HDF5_ENDINGS, groups_in, numbers_in
 from isoembed.io.input_file import InputFile, opened
 from isoembed.relativity.horizons.coordinate_shape import CoordinateShape
 from isoembed.relativity.horizons.horizon_format import HorizonFormat
+from isoembed.thresholds import threshold
 
+
+@dataclass(frozen=True)
+class ObservationThresholds:
+    """Thresholds of choosing one of several observations."""
+
+    time: float = threshold(1e-9, "relative", "Times that differ by at most this are the same.")
+
+
+OBSERVATIONS = ObservationThresholds()
 COORDINATES = tuple(f"InertialCoordinates_{axis}" for axis in "xyz")
 
 
@@ -121,7 +131,7 @@ def _chosen_observation(group: Any, observation: float | None, source: str) -> t
             raise FileError(f"{source} holds no observation {observation}, but {len(timed)}, t = {listed}")
         k = int(observation)
     else:
-        near = np.flatnonzero(np.abs(times - observation) <= 1e-9 * np.abs(times))
+        near = np.flatnonzero(np.abs(times - observation) <= OBSERVATIONS.time * np.abs(times))
         if len(near) == 0:
             raise FileError(f"{source} holds no observation t = {observation:g}, but t = {listed}")
         k = int(near[0])
