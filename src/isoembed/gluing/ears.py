@@ -15,13 +15,10 @@ from isoembed.intrinsic.delaunay import (
     FLIPPED,
     LEFT,
     attempts,
-    empty_stack,
-    push,
-    restore_delaunay,
+    flip_edges,
 )
 from isoembed.intrinsic.flips import swap_diagonals
 from isoembed.intrinsic.halfedges import preceding
-from isoembed.intrinsic.kernel import kernel
 from isoembed.thresholds import compiled
 
 _T = compiled(DELAUNAY)
@@ -64,7 +61,8 @@ def triangulated(points: Floats) -> Indices | None:
     twins = twins_inside(sides)
     outline = np.flatnonzero(twins < 0)
     twins[outline] = twins.size + np.arange(outline.size)
-    _make_delaunay(Triangles(triangles.ravel(), np.concatenate([twins, outline])), Constrained(points))
+    mesh = Triangles(triangles.ravel(), np.concatenate([twins, outline]))
+    flip_edges(np.arange(mesh.corners.size), mesh, Constrained(points))
     return triangles
 
 
@@ -149,11 +147,3 @@ def _attempt(h: int, mesh: Triangles, rule: Constrained) -> int:
         return BLOCKED
     swap_diagonals(h, corners, mesh.twins)
     return FLIPPED
-
-
-@kernel
-def _make_delaunay(mesh: Triangles, rule: Constrained) -> None:
-    stack = empty_stack(mesh.twins.size)
-    for h in range(mesh.corners.size):
-        push(h, stack, mesh.twins)
-    restore_delaunay(stack, mesh, rule)

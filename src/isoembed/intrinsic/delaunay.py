@@ -112,6 +112,15 @@ def restore_delaunay(stack: Indices, mesh: Any, rule: Any) -> tuple[int, int]:
     return flips, blocked
 
 
+@kernel
+def flip_edges(edges: Indices, mesh: Any, rule: Any) -> tuple[int, int]:
+    """Do what `restore_delaunay` does, beginning with the edges of these half-edges."""
+    stack = empty_stack(mesh.twins.size)
+    for h in edges:
+        push(h, stack, mesh.twins)
+    return restore_delaunay(stack, mesh, rule)
+
+
 class Weighted(NamedTuple):
     """The rule of a weighted Delaunay triangulation; with equal weights, of the Delaunay triangulation.
 
@@ -156,17 +165,9 @@ def make_delaunay(mesh: HalfEdges, weights: Floats, edges: Indices | None = None
         weights have no Delaunay triangulation that uses them all.
     """
     edges = non_delaunay_edges(mesh, weights) if edges is None else edges
-    flips, blocked = _flip_edges(edges, mesh, Weighted(weights))
+    flips, blocked = flip_edges(edges, mesh, Weighted(weights))
     # Some that were blocked may have come free by other flips.
     return flips, non_delaunay_edges(mesh, weights).size if blocked else 0
-
-
-@kernel
-def _flip_edges(edges: Indices, mesh: HalfEdges, rule: Weighted) -> tuple[int, int]:
-    stack = empty_stack(mesh.twins.size)
-    for h in edges:
-        push(h, stack, mesh.twins)
-    return restore_delaunay(stack, mesh, rule)
 
 
 @kernel

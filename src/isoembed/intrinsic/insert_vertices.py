@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from isoembed.arrays import Floats, Indices, Mask
 from isoembed.errors import InvalidMetric
-from isoembed.intrinsic.delaunay import empty_stack, push, restore_delaunay
+from isoembed.intrinsic.delaunay import empty_stack, flip_edges
 from isoembed.intrinsic.flat_vertices import Removal
 from isoembed.intrinsic.halfedges import HalfEdges, leaving_halfedges, preceding, total_angle
 from isoembed.intrinsic.kernel import kernel
@@ -154,10 +154,8 @@ def _insert_all(removal: Removal, faces: Indices, places: Floats, polygons: Poly
     """Insert the removed vertices, of which the faces and x, y, axis in these are given, into polygons."""
     n = removal.removed.size
     new = polygons.twins.size - 6 * n
+    flip_edges(np.arange(new), polygons, marks)
     stack = empty_stack(polygons.twins.size)
-    for h in range(new):
-        push(h, stack, polygons.twins)
-    restore_delaunay(stack, polygons, marks)
     for k in range(n - 1, -1, -1):
         v = removal.removed[k]
         px, py, marks.axes[new] = places[v]

@@ -18,11 +18,9 @@ from isoembed.intrinsic.delaunay import (
     FLIPPED,
     LEFT,
     attempts,
-    empty_stack,
+    flip_edges,
     is_delaunay,
     non_delaunay_edges,
-    push,
-    restore_delaunay,
 )
 from isoembed.intrinsic.flips import flip
 from isoembed.intrinsic.halfedges import HalfEdges, corner_angle, edges_between, following, preceding
@@ -136,10 +134,7 @@ def flip_to_delaunay(u: Floats, mesh: HalfEdges) -> Indices:
     """
     n = mesh.corners.size
     rule = Outward(u, np.zeros(n // 6 + 2), np.zeros(4 * n + 1, dtype=np.int64))
-    stack = empty_stack(n)
-    for h in non_delaunay_edges(mesh, rule.weights):
-        push(h, stack, mesh.twins)
-    restore_delaunay(stack, mesh, rule)
+    flip_edges(non_delaunay_edges(mesh, rule.weights), mesh, rule)
     return rule.flipped[: rule.flipped[-1]].copy()
 
 

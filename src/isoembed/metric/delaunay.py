@@ -5,6 +5,8 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import NamedTuple
 
+import numpy as np
+
 from isoembed.arrays import Floats
 from isoembed.errors import InvalidMetric
 from isoembed.intrinsic.delaunay import (
@@ -13,9 +15,7 @@ from isoembed.intrinsic.delaunay import (
     FLIPPED,
     LEFT,
     attempts,
-    empty_stack,
-    push,
-    restore_delaunay,
+    flip_edges,
 )
 from isoembed.intrinsic.flips import flip, swap_diagonals
 from isoembed.intrinsic.halfedges import HalfEdges, edges_between, following, preceding
@@ -146,17 +146,14 @@ def _flipped(
     triangulation: Triangulation, lengths: Floats, rule: Straight | Ptolemaic
 ) -> tuple[Triangulation, Floats]:
     """Flip edges until ``cos(alpha) + cos(alpha') >= 0`` across every edge whose flip is possible."""
-    mesh = HalfEdges.of(triangulation.faces, triangulation.twins, lengths[triangulation.face_edges])
-    if _flip_all(mesh, rule) == 0:
+    l = lengths[triangulation.face_edges]
+    a, b = np.roll(l, -1, axis=1), np.roll(l, -2, axis=1)
+    cosines = (b / a + a / b - l * l / (b * a)).ravel()
+    wrong = np.flatnonzero(cosines + cosines[triangulation.twins] < -SIMPLICIAL_DELAUNAY.slack)
+    if wrong.size == 0:  # as often: nothing needs to be compiled
+        return triangulation, lengths
+    mesh = HalfEdges.of(triangulation.faces, triangulation.twins, l)
+    if flip_edges(wrong, mesh, rule)[0] == 0:
         return triangulation, lengths
     result = Triangulation(mesh.faces)
     return result, mesh.lengths[result.edge_halfedges[:, 0]]
-
-
-@kernel
-def _flip_all(mesh: HalfEdges, rule: Straight | Ptolemaic) -> int:
-    stack = empty_stack(mesh.twins.size)
-    for h in range(mesh.twins.size):
-        push(h, stack, mesh.twins)
-    flips, _ = restore_delaunay(stack, mesh, rule)
-    return flips
