@@ -7,3 +7,4 @@ Floats = NDArray[np.float64]
 Indices = NDArray[np.int64]
 Indices32 = NDArray[np.int32]
 Mask = NDArray[np.bool_]
+Points = NDArray[np.complex128]  # of the plane

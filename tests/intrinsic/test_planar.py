@@ -24,13 +24,13 @@ def test_coordinates_are_those_of_the_triangles(opened):
     tables, bent = cube()
     dropped = np.flatnonzero(bent)[:opened]
     bent[dropped] = bent[tables.twins[dropped]] = False
-    _, _, x, y, fixed, cells = lay_out(tables, bent)
-    sides = np.hypot(*(np.roll(c.reshape(-1, 3), -1, axis=1).ravel() - c for c in (x, y)))
+    _, _, z, fixed, cells = lay_out(tables, bent)
+    sides = np.abs(np.roll(z.reshape(-1, 3), -1, axis=1).ravel() - z)
     assert sides == pytest.approx(tables.lengths, rel=1e-15)
     # Across what is not fixed they are continuous, and the polygon is the same.
     inside = np.flatnonzero(~fixed)
     after = np.where(tables.twins[inside] % 3 == 2, -2, 1) + tables.twins[inside]
-    assert np.array_equal(x[inside], x[after]) and np.array_equal(y[inside], y[after])
+    assert np.array_equal(z[inside], z[after])
     assert np.array_equal(cells[inside // 3], cells[tables.twins[inside] // 3])
     assert (fixed | ~bent).all()
 
@@ -72,8 +72,9 @@ def test_a_point_in_an_l_is_found_around_the_corner(px, py):
     fixed |= fixed[tables.twins]
     cells = np.minimum(np.arange(len(faces)), 6)
     cells[:6] = 0
-    x, y = vertices[used][tables.corners, :2].T.copy()
-    found = face_at(px, py, 0, Polygons(tables.corners, tables.twins, x, y, fixed, cells), len(faces))
+    x, y = vertices[used][tables.corners, :2].T
+    polygons = Polygons(tables.corners, tables.twins, x + 1j * y, fixed, cells)
+    found = face_at(complex(px, py), 0, polygons, len(faces))
     assert found < 6
     if not (px < 1 and py > 1):
         corners = np.column_stack([x, y])[3 * found : 3 * found + 3]

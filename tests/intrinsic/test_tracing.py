@@ -28,8 +28,8 @@ def square():
 def end_of(state, length, vertices, tables):
     """Where a line ends in space, and in which face."""
     out, *corners = straight(state, length, tables)
-    plane = np.array(corners).reshape(3, 2)
-    weights = np.linalg.solve(np.vstack([plane.T, np.ones(3)]), [length, 0, 1])
+    plane = np.array(corners)
+    weights = np.linalg.solve(np.vstack([plane.real, plane.imag, np.ones(3)]), [length, 0, 1])
     assert weights.min() > -1e-9
     halfedges = 3 * (out // 3) + (out + np.arange(3)) % 3
     return weights @ vertices[tables.corners[halfedges]], out // 3
@@ -60,7 +60,7 @@ def test_from_inside_a_square_covered_twice(x, y, angle, length):
     vertices, tables = square()
     if y > x:
         x, y = y, x  # in face 0, whose first half-edge is the x axis
-    end, face = end_of(from_inside(0, x, y, angle, tables.lengths), length, vertices, tables)
+    end, face = end_of(from_inside(0, complex(x, y), angle, tables.lengths), length, vertices, tables)
     place, below = folded(x + length * np.cos(angle), y + length * np.sin(angle))
     assert end[:2] == pytest.approx(place, abs=1e-10)
     if np.abs(place - np.round(place)).min() > 1e-9:
@@ -72,7 +72,7 @@ def test_from_inside_a_square_covered_twice(x, y, angle, length):
 def test_along_and_across_the_sides_of_a_face(x, turns):
     vertices, tables = square()
     angle = turns * np.pi / 2
-    end, _ = end_of(from_inside(0, x, 0.0, angle, tables.lengths), 0.125, vertices, tables)
+    end, _ = end_of(from_inside(0, complex(x, 0.0), angle, tables.lengths), 0.125, vertices, tables)
     place, _ = folded(x + 0.125 * np.cos(angle), 0.125 * np.sin(angle))
     assert end[:2] == pytest.approx(place, abs=1e-15)
 
@@ -88,7 +88,7 @@ def test_once_around_a_box():
     x, y = (start - a) @ along, (start - a) @ across
     for way, around in ((0.0, 2 * (2 + 3)), (np.pi / 2, 2 * (1 + 3))):
         angle = way if abs(along[1]) == 1 else way + np.pi / 2
-        end, face = end_of(from_inside(f, x, y, angle, tables.lengths), around, vertices, tables)
+        end, face = end_of(from_inside(f, complex(x, y), angle, tables.lengths), around, vertices, tables)
         assert face == f
         assert end == pytest.approx(start, abs=1e-13)
 
@@ -137,6 +137,6 @@ def test_third_corner_is_to_the_left(base, height, foot, angle):
     lengths = np.linalg.norm(np.roll(corners, -1, axis=0) - corners, axis=1)
     tables = HalfEdges(np.arange(3), np.arange(3), lengths, np.zeros(3))
     c, s = np.cos(angle), np.sin(angle)
-    p, q, r = corners @ [[c, s], [-s, c]] + [1.0, -2.0]
-    assert third_corner(0, *p, *q, tables.lengths) == pytest.approx(r, abs=1e-9)
-    assert third_corner(1, *q, *r, tables.lengths) == pytest.approx(p, abs=1e-9)
+    p, q, r = corners @ [1, 1j] * (c + 1j * s) + (1.0 - 2.0j)
+    assert third_corner(0, p, q, tables.lengths) == pytest.approx(r, abs=1e-9)
+    assert third_corner(1, q, r, tables.lengths) == pytest.approx(p, abs=1e-9)

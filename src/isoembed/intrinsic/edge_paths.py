@@ -6,10 +6,11 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from isoembed.arrays import Floats, Indices
+from isoembed.arrays import Floats, Indices, Points
 from isoembed.intrinsic.halfedges import HalfEdges, following, leaving_halfedges, preceding, total_angle
 from isoembed.intrinsic.kernel import kernel
 from isoembed.intrinsic.tracing import TRACING, crossed, from_corner, reaches, sector
+from isoembed.intrinsic.trigonometry import cross, norm
 from isoembed.mesh.triangulation import frozen
 from isoembed.thresholds import compiled
 
@@ -103,15 +104,10 @@ def edge_paths(original: HalfEdges, final: HalfEdges, halfedges: Indices) -> Edg
     counts, meet = _follow(first, angles, lengths, ends[:, 1], final)
     offsets = np.concatenate([np.zeros(1, dtype=np.int64), np.cumsum(counts)])
     crossings, parameters = _cross(first, angles, offsets, meet, final)
-    return EdgePaths(
-        final,
-        frozen(ends),
-        frozen(offsets),
-        frozen(crossings),
-        frozen(parameters),
-        frozen(lengths),
-        frozen(np.hypot(meet[:, 0], meet[:, 1])),
-    )
+    distances = np.hypot(meet.real, meet.imag)
+    for table in (ends, offsets, crossings, parameters, lengths, distances):
+        frozen(table)
+    return EdgePaths(final, ends, offsets, crossings, parameters, lengths, distances)
 
 
 @kernel
@@ -141,21 +137,20 @@ def _set_out(original: HalfEdges, final: HalfEdges, halfedges: Indices) -> tuple
 @kernel
 def _follow(
     first: Indices, angles: Floats, distances: Floats, goals: Indices, mesh: HalfEdges
-) -> tuple[Indices, Floats]:
-    """Crossings of each path, and where it ends, shape (n, 2); not a number if it goes astray."""
+) -> tuple[Indices, Points]:
+    """Crossings of each path, and where it ends if it sets out along the x axis; not a number if astray."""
     corners = mesh.corners
-    counts = np.zeros(first.size, dtype=np.int64)
-    meet = np.full((first.size, 2), np.nan)
+    counts, meet = np.zeros(first.size, dtype=np.int64), np.full(first.size, complex(np.nan, np.nan))
     for e in range(first.size):
         far = distances[e]
         near = _T.astray * far
         state = from_corner(first[e], angles[e], mesh.lengths)
-        out, lx, ly, ux, uy, _, _ = state
-        if corners[out] == goals[e] and np.hypot(lx - far, ly) <= near:
-            meet[e, 0], meet[e, 1] = lx, ly
+        out, lower, upper, _ = state
+        if corners[out] == goals[e] and norm(lower - far) <= near:
+            meet[e] = lower
             continue
-        if corners[following(out)] == goals[e] and np.hypot(ux - far, uy) <= near:
-            meet[e, 0], meet[e, 1] = ux, uy
+        if corners[following(out)] == goals[e] and norm(upper - far) <= near:
+            meet[e] = upper
             continue
         for k in range(corners.size + _T.longest):
             if reaches(state, far + near):
@@ -163,29 +158,26 @@ def _follow(
             g = preceding(mesh.twins[state[0]])
             state = crossed(state, mesh)
             # The corner that is new is one end of the side through which the path leaves.
-            x, y = (state[3], state[4]) if following(state[0]) == g else (state[1], state[2])
-            if corners[g] == goals[e] and np.hypot(x - far, y) <= near:
-                meet[e, 0], meet[e, 1] = x, y
-                counts[e] = k + 1
+            end = state[2] if following(state[0]) == g else state[1]
+            if corners[g] == goals[e] and norm(end - far) <= near:
+                meet[e], counts[e] = end, k + 1
                 break
     return counts, meet
 
 
 @kernel
 def _cross(
-    first: Indices, angles: Floats, offsets: Indices, meet: Floats, mesh: HalfEdges
+    first: Indices, angles: Floats, offsets: Indices, meet: Points, mesh: HalfEdges
 ) -> tuple[Indices, Floats]:
     """Half-edges that are crossed, and where, by paths from the origin straight to where they end."""
     halfedges, parameters = np.empty(offsets[-1], dtype=np.int64), np.empty(offsets[-1])
     for e in range(first.size):
         if offsets[e] == offsets[e + 1]:
             continue
-        x, y = meet[e]
         state = from_corner(first[e], angles[e], mesh.lengths)
         for k in range(offsets[e], offsets[e + 1]):
-            out, lx, ly, ux, uy, _, _ = state
-            below, above = y * lx - x * ly, x * uy - y * ux
-            halfedges[k] = out
+            halfedges[k], lower, upper, _ = state
+            below, above = cross(lower, meet[e]), cross(meet[e], upper)
             along = below + above
             parameters[k] = min(max(below / along, 0.0), 1.0) if along > 0 else 0.5
             state = crossed(state, mesh)

@@ -16,7 +16,7 @@ from scipy.sparse.csgraph import reverse_cuthill_mckee
 
 from isoembed.arrays import Floats, Indices
 from isoembed.intrinsic.kernel import kernel
-from isoembed.intrinsic.trigonometry import angle_between, apex
+from isoembed.intrinsic.trigonometry import angle_between, apex, from_frame
 
 
 class HalfEdges(NamedTuple):
@@ -193,9 +193,8 @@ def set_directions(mesh: HalfEdges) -> None:
 
 
 @kernel
-def third_corner(h: int, px: float, py: float, qx: float, qy: float, lengths: Floats) -> tuple[float, float]:
+def third_corner(h: int, p: complex, q: complex, lengths: Floats) -> complex:
     """Third corner of a triangle in the plane, to the left of half-edge h from p to q."""
     l = lengths[h]
     x, y = apex(l, lengths[following(h)], lengths[preceding(h)])
-    x, y = x / l, y / l
-    return px + x * (qx - px) - y * (qy - py), py + x * (qy - py) + y * (qx - px)
+    return from_frame(p, q - p, x / l, y / l)

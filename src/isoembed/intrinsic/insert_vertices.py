@@ -8,7 +8,7 @@ from typing import TypeVar
 import numpy as np
 from numpy.typing import NDArray
 
-from isoembed.arrays import Floats, Indices, Mask
+from isoembed.arrays import Floats, Indices, Mask, Points
 from isoembed.errors import InvalidMetric
 from isoembed.intrinsic.delaunay import empty_stack, flip_edges
 from isoembed.intrinsic.flat_vertices import Removal
@@ -17,7 +17,7 @@ from isoembed.intrinsic.kernel import kernel
 from isoembed.intrinsic.multi_edges import remove_multi_edges
 from isoembed.intrinsic.planar import Marks, Polygons, first_sides, insert, lay_out
 from isoembed.intrinsic.tracing import from_corner, from_inside, sector, straight
-from isoembed.intrinsic.trigonometry import apex
+from isoembed.intrinsic.trigonometry import apex, cross
 from isoembed.mesh.triangulation import frozen
 
 Table = TypeVar("Table", bound=NDArray)
@@ -103,28 +103,27 @@ def insert_vertices(tables: HalfEdges, removal: Removal, kept: Mask) -> Restored
         )
 
     laid = lay_out(tables, kept)
-    slopes = np.arctan2(_next(laid.y) - laid.y, _next(laid.x) - laid.x)
+    slopes = np.angle(_next(laid.z) - laid.z)
     at = 3 * faces[:, None] + np.arange(3)
+    x, y = (np.einsum("vc,vc->v", barycentric, c[at]) for c in (laid.z.real, laid.z.imag))
     axis -= slopes[3 * faces]
-    places = np.column_stack([*(np.einsum("vc,vc->v", barycentric, c[at]) for c in (laid.x, laid.y)), axis])
     frames = _grown(first_sides(laid.twins, laid.fixed), 6 * n)
     axes, slopes = _grown(tables.directions, 6 * n), _grown(slopes, 6 * n)
     polygons = Polygons(
         _grown(r.core[laid.corners], 6 * n),
         _grown(laid.twins, 6 * n),
-        _grown(laid.x, 6 * n),
-        _grown(laid.y, 6 * n),
+        _grown(laid.z, 6 * n),
         _grown(laid.fixed, 6 * n),
         _grown(laid.cells, 2 * n),
     )
     marks = Marks(_grown(kept, 6 * n), frames, axes, leaving_halfedges(r.core[laid.corners], number.size))
-    _insert_all(r, faces, places, polygons, marks)
-    dx, dy = _next(polygons.x) - polygons.x, _next(polygons.y) - polygons.y
-    lengths = np.hypot(dx, dy)
+    _insert_all(r, faces, x + 1j * y, axis, polygons, marks)
+    sides = _next(polygons.z) - polygons.z
+    lengths = np.hypot(sides.real, sides.imag)
     lengths = np.minimum(lengths, lengths[polygons.twins])  # between polygons they differ by rounding
     # A frame gives the direction of a side of the polygon, or of the x axis if the vertex was flat; half a
     # radian takes up what rounding puts before that.
-    turns = (np.arctan2(dy, dx) - slopes[frames] + 0.5) % (2 * np.pi) - 0.5
+    turns = (np.angle(sides) - slopes[frames] + 0.5) % (2 * np.pi) - 0.5
     result = HalfEdges(polygons.corners, polygons.twins, lengths, axes[frames] + turns)
     remove_multi_edges(result, marks.kept)
     flat = np.flatnonzero(number < 0)
@@ -144,23 +143,25 @@ def _grown(table: Table, by: int) -> Table:
     return np.concatenate([table, np.zeros(by, dtype=table.dtype)])  # type: ignore[return-value]
 
 
-def _next(values: Floats) -> Floats:
+def _next(values: Points) -> Points:
     """What the next half-edge of each face has."""
     return np.roll(values.reshape(-1, 3), -1, axis=1).ravel()
 
 
 @kernel
-def _insert_all(removal: Removal, faces: Indices, places: Floats, polygons: Polygons, marks: Marks) -> None:
-    """Insert the removed vertices, of which the faces and x, y, axis in these are given, into polygons."""
+def _insert_all(
+    removal: Removal, faces: Indices, places: Points, axis: Floats, polygons: Polygons, marks: Marks
+) -> None:
+    """Insert the removed vertices, of which the faces, and places and axes in these, are given."""
     n = removal.removed.size
     new = polygons.twins.size - 6 * n
     flip_edges(np.arange(new), polygons, marks)
     stack = empty_stack(polygons.twins.size)
     for k in range(n - 1, -1, -1):
         v = removal.removed[k]
-        px, py, marks.axes[new] = places[v]
+        marks.axes[new] = axis[v]
         start = _face_near(marks.leaving[removal.anchors[k]], faces[v], polygons)
-        insert(v, px, py, start, new, polygons, marks, stack)
+        insert(v, places[v], start, new, polygons, marks, stack)
         new += 6
 
 
@@ -189,44 +190,30 @@ def _locate(mesh: HalfEdges, removal: Removal, number: Indices) -> tuple[Indices
         A vertex that is lost, or -1.
     """
     lengths, n = mesh.lengths, number.size
-    faces = np.zeros(n, dtype=np.int64)
-    barycentric = np.zeros((n, 3))
-    axis = np.zeros(n)
-    x, y = np.empty(n), np.empty(n)  # in the face, whose first half-edge is the x axis
+    faces, barycentric, axis = np.zeros(n, dtype=np.int64), np.zeros((n, 3)), np.zeros(n)
+    places = np.empty(n, dtype=np.complex128)  # in the face, whose first half-edge is the x axis
     leaving = leaving_halfedges(mesh.corners, n - removal.removed.size)
+    z, areas = np.empty(3, dtype=np.complex128), np.empty(3)
     for k in range(removal.removed.size - 1, -1, -1):
-        v, u, way, distance = (
-            removal.removed[k],
-            removal.anchors[k],
-            removal.directions[k],
-            removal.distances[k],
-        )
+        v, u = removal.removed[k], removal.anchors[k]
+        way, distance = removal.directions[k], removal.distances[k]
         if number[u] >= 0:
             h = leaving[number[u]]
             h, offset = sector(h, way, total_angle(h, mesh), mesh)
             state = from_corner(h, offset, lengths)
         else:
-            state = from_inside(faces[u], x[u], y[u], way - axis[u], lengths)
-        out, px, py, qx, qy, rx, ry = straight(state, distance, mesh)
+            state = from_inside(faces[u], places[u], way - axis[u], lengths)
+        out, p, q, r = straight(state, distance, mesh)
         if out < 0:
             return faces, barycentric, axis, v
-        f, c = out // 3, out % 3
-        px, qx, rx = px - distance, qx - distance, rx - distance
-        at_p, at_q = max(qx * ry - qy * rx, 0.0), max(rx * py - ry * px, 0.0)
-        at_r = max(px * qy - py * qx, 0.0)
-        total = at_p + at_q + at_r
-        barycentric[v, c] = at_p / total
-        barycentric[v, (c + 1) % 3] = at_q / total
-        barycentric[v, (c + 2) % 3] = at_r / total
+        f, c, d, e = out // 3, out % 3, (out + 1) % 3, (out + 2) % 3
+        z[c], z[d], z[e] = p - distance, q - distance, r - distance
+        for i in range(3):
+            areas[i] = max(cross(z[(i + 1) % 3], z[(i + 2) % 3]), 0.0)
+        barycentric[v] = areas / (areas[c] + areas[d] + areas[e])
         l = lengths[3 * f]
         ax, ay = apex(l, lengths[3 * f + 1], lengths[3 * f + 2])
         faces[v] = f
-        x[v], y[v] = barycentric[v, 1] * l + barycentric[v, 2] * ax, barycentric[v, 2] * ay
-        if c == 0:
-            slope = np.arctan2(qy - py, qx - px)
-        elif c == 1:
-            slope = np.arctan2(py - ry, px - rx)
-        else:
-            slope = np.arctan2(ry - qy, rx - qx)
-        axis[v] = removal.backs[k] - np.pi + slope
+        places[v] = complex(barycentric[v, 1] * l + barycentric[v, 2] * ax, barycentric[v, 2] * ay)
+        axis[v] = removal.backs[k] - np.pi + np.angle(z[1] - z[0])
     return faces, barycentric, axis, -1

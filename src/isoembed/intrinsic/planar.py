@@ -11,7 +11,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from isoembed.arrays import Floats, Indices, Mask
+from isoembed.arrays import Floats, Indices, Mask, Points
 from isoembed.intrinsic.delaunay import (
     BLOCKED,
     DELAUNAY,
@@ -24,6 +24,7 @@ from isoembed.intrinsic.delaunay import (
 from isoembed.intrinsic.flips import swap_diagonals
 from isoembed.intrinsic.halfedges import HalfEdges, corner_angle, following, glue, preceding, third_corner
 from isoembed.intrinsic.kernel import kernel
+from isoembed.intrinsic.trigonometry import cross, dot, from_frame, norm
 from isoembed.thresholds import compiled, threshold
 
 
@@ -53,8 +54,8 @@ class Polygons(NamedTuple):
     ----------
     corners, twins : ndarray of int64, shape (3F,)
         As of `HalfEdges`.
-    x, y : ndarray, shape (3F,)
-        Coordinates of the corners, continuous in each polygon.
+    z : ndarray of complex128, shape (3F,)
+        Where the corners lie, continuous in each polygon.
     fixed : ndarray of bool, shape (3F,)
         The half-edges between polygons.
     cells : ndarray of int64, shape (F,)
@@ -63,8 +64,7 @@ class Polygons(NamedTuple):
 
     corners: Indices
     twins: Indices
-    x: Floats
-    y: Floats
+    z: Points
     fixed: Mask
     cells: Indices
 
@@ -102,15 +102,15 @@ def lay_out(mesh: HalfEdges, kept: Mask) -> Polygons:
             fixed[h] = True
     cells = _cells(twins, fixed)
 
-    x, y = np.zeros(3 * n), np.zeros(3 * n)
+    z = np.zeros(3 * n, dtype=np.complex128)
     placed = np.zeros(n, dtype=np.bool_)
     stack = np.empty(n, dtype=np.int64)
     for first in range(n):
         if placed[first]:
             continue
         h = 3 * first
-        x[h + 1] = lengths[h]
-        x[h + 2], y[h + 2] = third_corner(h, 0.0, 0.0, lengths[h], 0.0, lengths)
+        z[h + 1] = lengths[h]
+        z[h + 2] = third_corner(h, z[h], z[h + 1], lengths)
         placed[first] = True
         stack[0], top = first, 1
         while top > 0:
@@ -120,14 +120,12 @@ def lay_out(mesh: HalfEdges, kept: Mask) -> Polygons:
                 t = twins[h]
                 if fixed[h] or placed[t // 3]:
                     continue
-                a, b = following(t), preceding(t)
-                x[a], y[a] = x[h], y[h]
-                x[t], y[t] = x[following(h)], y[following(h)]
-                x[b], y[b] = third_corner(t, x[t], y[t], x[a], y[a], lengths)
+                z[following(t)], z[t] = z[h], z[following(h)]
+                z[preceding(t)] = third_corner(t, z[t], z[h], lengths)
                 placed[t // 3] = True
                 stack[top] = t // 3
                 top += 1
-    return Polygons(mesh.corners, twins, x, y, fixed, cells)
+    return Polygons(mesh.corners, twins, z, fixed, cells)
 
 
 @kernel
@@ -204,15 +202,15 @@ def first_sides(twins: Indices, fixed: Mask) -> Indices:
 
 @kernel
 def insert(
-    v: int, px: float, py: float, start: int, new: int, polygons: Polygons, marks: Marks, stack: Indices
+    v: int, p: complex, start: int, new: int, polygons: Polygons, marks: Marks, stack: Indices
 ) -> None:
     """Insert a vertex into a polygon.
 
     Parameters
     ----------
     v : int
-    px, py : float
-        Its coordinates.
+    p : complex
+        Where it lies.
     start : int
         A face of the polygon from which it is to be searched.
     new : int
@@ -223,18 +221,18 @@ def insert(
         Of `isoembed.intrinsic.delaunay`, empty.
     """
     twins = polygons.twins
-    f = face_at(px, py, start, polygons, new // 3)
-    s = _side_at(px, py, f, polygons)
+    f = face_at(p, start, polygons, new // 3)
+    s = _side_at(p, f, polygons)
     if s < 0:
         g = f
-        _split_face(v, px, py, 3 * f, new, polygons, marks)
+        _split_face(v, p, 3 * f, new, polygons, marks)
     else:
-        qx, qy, turn = _across(px, py, s, twins[s], polygons)
+        q, turn = _across(p, s, twins[s], polygons)
         marks.axes[new + 3] = marks.axes[new] + turn
-        _split_side(v, px, py, s, new, polygons, marks)
-        t = twins[s]
+        _split_side(v, p, s, new, polygons, marks)
+        t = twins[s]  # which may have been moved: both can be sides of one face
         g = t // 3
-        _split_side(v, qx, qy, t, new + 3, polygons, marks)
+        _split_side(v, q, t, new + 3, polygons, marks)
         glue(twins[t], new + 3, twins)
         glue(t, new, twins)
     for first in (3 * f, 3 * g, new, new + 3):
@@ -245,56 +243,51 @@ def insert(
 
 
 @kernel
-def face_at(px: float, py: float, start: int, polygons: Polygons, n: int) -> int:
+def face_at(p: complex, start: int, polygons: Polygons, n: int) -> int:
     """Face of a polygon in which a point lies, or nearly so, of n faces; the search begins at another."""
     f, came = start, -1
     for _ in range(n):
         go, least = -1, 0.0
         for h in range(3 * f, 3 * f + 3):
-            distance = _distance(px, py, h, polygons)
+            distance = _distance(p, h, polygons.z)
             if h != came and not polygons.fixed[h] and distance < least:
                 go, least = h, distance
         if go < 0:
             break
         came = polygons.twins[go]
         f = came // 3
-    best = _depth(px, py, f, polygons)
+    best = _depth(p, f, polygons.z)
     if best < -_T.straight:  # led astray: try all
         for g in range(n):
             if polygons.cells[g] == polygons.cells[start]:
-                depth = _depth(px, py, g, polygons)
+                depth = _depth(p, g, polygons.z)
                 if depth > best:
                     f, best = g, depth
     return f
 
 
 @kernel
-def _distance(px: float, py: float, h: int, polygons: Polygons) -> float:
+def _distance(p: complex, h: int, z: Points) -> float:
     """Signed distance of a point from the line of a half-edge, positive inside, over the length of that."""
-    x, y, e = polygons.x, polygons.y, following(h)
-    u, v = x[e] - x[h], y[e] - y[h]
-    return (u * (py - y[h]) - v * (px - x[h])) / (u * u + v * v)
+    side = z[following(h)] - z[h]
+    return cross(side, p - z[h]) / dot(side, side)
 
 
 @kernel
-def _depth(px: float, py: float, f: int, polygons: Polygons) -> float:
-    return min(
-        _distance(px, py, 3 * f, polygons),
-        _distance(px, py, 3 * f + 1, polygons),
-        _distance(px, py, 3 * f + 2, polygons),
-    )
+def _depth(p: complex, f: int, z: Points) -> float:
+    return min(_distance(p, 3 * f, z), _distance(p, 3 * f + 1, z), _distance(p, 3 * f + 2, z))
 
 
 @kernel
-def _side_at(px: float, py: float, f: int, polygons: Polygons) -> int:
+def _side_at(p: complex, f: int, polygons: Polygons) -> int:
     """The half-edge of a face that is to be split by a point in it; -1 if the point is well inside."""
-    x, y, fixed = polygons.x, polygons.y, polygons.fixed
+    z, fixed = polygons.z, polygons.fixed
     least, s = 1.0, -1
     for h in range(3 * f, 3 * f + 3):
-        e = following(h)
-        l = np.hypot(x[e] - x[h], y[e] - y[h])
-        height = _distance(px, py, h, polygons)
-        foot = ((px - x[h]) * (x[e] - x[h]) + (py - y[h]) * (y[e] - y[h])) / (l * l)
+        side = z[following(h)] - z[h]
+        l = norm(side)
+        height = _distance(p, h, z)
+        foot = dot(p - z[h], side) / (l * l)
         detour = 0.0
         if height > 0:
             for along in (foot, 1 - foot):
@@ -306,38 +299,31 @@ def _side_at(px: float, py: float, f: int, polygons: Polygons) -> int:
             least, s = share, h
     if s >= 0:
         t = polygons.twins[s]
-        qx, qy, _ = _across(px, py, s, t, polygons)
-        if not (_cuts(px, py, s, polygons) and _cuts(qx, qy, t, polygons)):
+        q, _ = _across(p, s, t, polygons)
+        if not (_cuts(p, s, z) and _cuts(q, t, z)):
             return -1
     return s
 
 
 @kernel
-def _across(px: float, py: float, s: int, t: int, polygons: Polygons) -> tuple[float, float, float]:
+def _across(p: complex, s: int, t: int, polygons: Polygons) -> tuple[complex, float]:
     """A point near a side in the coordinates of the face across, and by what angle to these the axes turn."""
-    x, y, a, b = polygons.x, polygons.y, following(s), following(t)
-    u, v = x[a] - x[s], y[a] - y[s]
-    p, q = x[t] - x[b], y[t] - y[b]
-    size = u * u + v * v
-    c, d = (p * u + q * v) / size, (q * u - p * v) / size
-    return (
-        x[b] + c * (px - x[s]) - d * (py - y[s]),
-        y[b] + c * (py - y[s]) + d * (px - x[s]),
-        -np.arctan2(d, c),
-    )
+    z, start = polygons.z, polygons.z[following(t)]
+    here, there = z[following(s)] - z[s], z[t] - start
+    size = dot(here, here)
+    c, d = dot(there, here) / size, cross(here, there) / size
+    return from_frame(start, p - z[s], c, d), -np.arctan2(d, c)
 
 
 @kernel
-def _cuts(px: float, py: float, s: int, polygons: Polygons) -> bool:
+def _cuts(p: complex, s: int, z: Points) -> bool:
     """Whether a point on a side and the corner across make two triangles of which neither is turned over."""
-    x, y, a, b = polygons.x, polygons.y, following(s), preceding(s)
-    return (x[s] - x[b]) * (py - y[b]) > (y[s] - y[b]) * (px - x[b]) and (px - x[b]) * (y[a] - y[b]) > (
-        py - y[b]
-    ) * (x[a] - x[b])
+    tip = z[preceding(s)]
+    return cross(z[s] - tip, p - tip) > 0 and cross(p - tip, z[following(s)] - tip) > 0
 
 
 @kernel
-def _split_face(v: int, px: float, py: float, a: int, new: int, polygons: Polygons, marks: Marks) -> None:
+def _split_face(v: int, p: complex, a: int, new: int, polygons: Polygons, marks: Marks) -> None:
     """Join a vertex to the corners of the face of half-edge a."""
     b, c = following(a), preceding(a)
     m, n = new, new + 3
@@ -347,34 +333,37 @@ def _split_face(v: int, px: float, py: float, a: int, new: int, polygons: Polygo
         glue(to, polygons.twins[h], polygons.twins)
     for away, back, start in ((c, n + 1, a), (m + 2, b, m), (n + 2, m + 1, n)):
         _copy(start, back, polygons, marks)
-        _set_corner(away, v, px, py, new, polygons, marks)
+        _set_corner(away, v, p, new, polygons, marks)
         _join(away, back, polygons, marks)
 
 
 @kernel
-def _split_side(v: int, px: float, py: float, s: int, m: int, polygons: Polygons, marks: Marks) -> None:
+def _split_side(v: int, p: complex, s: int, m: int, polygons: Polygons, marks: Marks) -> None:
     """Put a vertex on half-edge s and join it to the corner across; its second part m is not glued."""
     a, b = following(s), preceding(s)
     polygons.cells[m // 3] = polygons.cells[s // 3]
-    _copy(a, m + 1, polygons, marks)
+    for h, to in ((a, m + 1), (b, m + 2), (s, m)):
+        _copy(h, to, polygons, marks)
     glue(m + 1, polygons.twins[a], polygons.twins)
-    _copy(b, m + 2, polygons, marks)
-    _copy(s, m, polygons, marks)
     for away in (a, m):
-        _set_corner(away, v, px, py, m, polygons, marks)
+        _set_corner(away, v, p, m, polygons, marks)
     _join(a, m + 2, polygons, marks)
 
 
 @kernel
 def _copy(h: int, to: int, polygons: Polygons, marks: Marks) -> None:
     """Copy all that is known of a half-edge but its twin."""
-    polygons.corners[to], polygons.x[to], polygons.y[to] = polygons.corners[h], polygons.x[h], polygons.y[h]
-    polygons.fixed[to], marks.kept[to], marks.frames[to] = polygons.fixed[h], marks.kept[h], marks.frames[h]
+    polygons.corners[to], polygons.z[to], polygons.fixed[to] = (
+        polygons.corners[h],
+        polygons.z[h],
+        polygons.fixed[h],
+    )
+    marks.kept[to], marks.frames[to] = marks.kept[h], marks.frames[h]
 
 
 @kernel
-def _set_corner(h: int, v: int, px: float, py: float, frame: int, polygons: Polygons, marks: Marks) -> None:
-    polygons.corners[h], polygons.x[h], polygons.y[h], marks.frames[h] = v, px, py, frame
+def _set_corner(h: int, v: int, p: complex, frame: int, polygons: Polygons, marks: Marks) -> None:
+    polygons.corners[h], polygons.z[h], marks.frames[h] = v, p, frame
 
 
 @kernel
@@ -389,17 +378,14 @@ def _attempt(h: int, mesh: Polygons, rule: Marks) -> int:
     """The rule of a Delaunay triangulation of the polygons."""
     if mesh.fixed[h]:
         return LEFT
-    x, y, t = mesh.x, mesh.y, mesh.twins[h]
+    z, t = mesh.z, mesh.twins[h]
     jk, ki, im, mj = following(h), preceding(h), following(t), preceding(t)
-    # The sine of the sum of the angles at k and m, and the areas of the triangles kim and mjk.
-    ax, ay, bx, by = x[h] - x[ki], y[h] - y[ki], x[t] - x[ki], y[t] - y[ki]
-    cx, cy, dx, dy = x[t] - x[mj], y[t] - y[mj], x[h] - x[mj], y[h] - y[mj]
-    ex, ey = x[mj] - x[ki], y[mj] - y[ki]
-    aa, bb, cc, dd, ee = ax**2 + ay**2, bx**2 + by**2, cx**2 + cy**2, dx**2 + dy**2, ex**2 + ey**2
-    sine = (ax * by - ay * bx) * (cx * dx + cy * dy) + (ax * bx + ay * by) * (cx * dy - cy * dx)
+    a, b, c, d, e = z[h] - z[ki], z[t] - z[ki], z[t] - z[mj], z[h] - z[mj], z[mj] - z[ki]
+    aa, bb, cc, dd, ee = dot(a, a), dot(b, b), dot(c, c), dot(d, d), dot(e, e)
+    sine = cross(a, b) * dot(c, d) + dot(a, b) * cross(c, d)  # of the sum of the angles at k and m
     if sine >= -_T.straight * np.sqrt(aa * bb * cc * dd):
         return LEFT
-    if not (ax * ey - ay * ex > _D.thin * max(aa, dd, ee) and ex * by - ey * bx > _D.thin * max(bb, cc, ee)):
+    if not (cross(a, e) > _D.thin * max(aa, dd, ee) and cross(e, b) > _D.thin * max(bb, cc, ee)):
         return BLOCKED
     for start, to in ((jk, t), (im, h), (mj, jk), (ki, im)):
         _copy(start, to, mesh, rule)

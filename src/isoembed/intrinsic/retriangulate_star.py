@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from isoembed.arrays import Floats, Indices, Mask
+from isoembed.arrays import Indices, Mask, Points
 from isoembed.intrinsic.delaunay import DELAUNAY, push
 from isoembed.intrinsic.halfedges import (
     HalfEdges,
@@ -17,7 +17,7 @@ from isoembed.intrinsic.halfedges import (
 )
 from isoembed.intrinsic.kernel import kernel
 from isoembed.intrinsic.tracing import modulo
-from isoembed.intrinsic.trigonometry import angle_between
+from isoembed.intrinsic.trigonometry import angle_between, cross, dot, norm, polar
 from isoembed.thresholds import compiled
 
 _T = compiled(DELAUNAY)
@@ -51,13 +51,13 @@ def retriangulate_star(
     corners, twins, lengths, directions = mesh
     # The polygon: its corners, where they lie, and the sides from each to the next.
     folded = h // 3 == twins[h] // 3
-    vertices, faces, sides, x, y = _star(h, mesh)
+    vertices, faces, sides, z = _star(h, mesh)
     if folded:
-        first, x, y = _around_tip(x, y, lengths[h], lengths[preceding(h)])
+        first, z = _around_tip(z, lengths[h], lengths[preceding(h)])
         vertices, sides = _turned(vertices, first, corners[twins[h]]), _turned(sides, first, -1)
         sides[-1] = -1
-    n = x.size
-    triangles, worst = _best_cut(x, y)
+    n = z.size
+    triangles, worst = _best_cut(z)
     if not worst > _T.thin:
         return False
 
@@ -70,14 +70,14 @@ def retriangulate_star(
             size[i, j] = size[j, i] = lengths[g]
             direction[i, j], direction[j, i] = directions[g], directions[twins[g]]
     if folded:
-        size[0, 1] = size[1, 0] = size[0, n - 1] = size[n - 1, 0] = np.hypot(x[1], y[1])
-        direction[0, 1] = direction[0, n - 1] = directions[twins[h]] + np.arctan2(y[1], x[1])
-        turn = np.arctan2(-y[1], -x[1]) - np.arctan2(y[2] - y[1], x[2] - x[1])
+        size[0, 1] = size[1, 0] = size[0, n - 1] = size[n - 1, 0] = norm(z[1])
+        direction[0, 1] = direction[0, n - 1] = directions[twins[h]] + np.angle(z[1])
+        turn = np.angle(-z[1]) - np.angle(z[2] - z[1])
         direction[1, 0] = direction[n - 1, 0] = direction[1, 2] + modulo(turn, 2 * np.pi)
     for t in range(n - 2):  # parts before wholes: i -> k and k -> j are known
         i, k, j = triangles[t]
         if j - i < n - 1:
-            size[i, j] = size[j, i] = np.hypot(x[j] - x[i], y[j] - y[i])
+            size[i, j] = size[j, i] = norm(z[j] - z[i])
             direction[i, j] = direction[i, k] + angle_between(size[i, k], size[i, j], size[k, j])
             direction[j, i] = direction[j, k] - angle_between(size[k, j], size[i, j], size[i, k])
 
@@ -117,7 +117,7 @@ def retriangulate_star(
 
 
 @kernel
-def _star(h: int, mesh: HalfEdges) -> tuple[Indices, Indices, Indices, Floats, Floats]:
+def _star(h: int, mesh: HalfEdges) -> tuple[Indices, Indices, Indices, Points]:
     """The triangles around the vertex that a half-edge leaves.
 
     Returns
@@ -125,7 +125,7 @@ def _star(h: int, mesh: HalfEdges) -> tuple[Indices, Indices, Indices, Floats, F
     ndarray of int, ndarray of int, ndarray of int
         The vertices around it, the faces, and the sides between those vertices; if h runs to a vertex that a
         loop encloses, only those beyond the loop, and the face within last.
-    ndarray, ndarray
+    ndarray of complex
         Where the vertices lie, as seen from it, if the x axis is along h.
     """
     corners, twins, lengths = mesh.corners, mesh.twins, mesh.lengths
@@ -135,7 +135,7 @@ def _star(h: int, mesh: HalfEdges) -> tuple[Indices, Indices, Indices, Floats, F
     n = edges - 4 if folded else edges
     vertices, sides = np.empty(n, dtype=np.int64), np.empty(n, dtype=np.int64)
     faces = np.empty(n + 2 if folded else n, dtype=np.int64)
-    x, y = np.empty(n), np.empty(n)
+    z = np.empty(n, dtype=np.complex128)
     stretch = 2 * np.pi / total_angle(h, mesh)
     angle = 0.0
     for k in range(-2 if folded else 0, n):
@@ -143,19 +143,19 @@ def _star(h: int, mesh: HalfEdges) -> tuple[Indices, Indices, Indices, Floats, F
         faces[k] = e // 3
         if k >= 0:
             vertices[k], sides[k] = corners[side], side
-            x[k], y[k] = lengths[e] * np.cos(angle), lengths[e] * np.sin(angle)
+            z[k] = polar(lengths[e], angle)
         angle += stretch * corner_angle(e, lengths)
         e = twins[preceding(e)]
-    return vertices, faces, sides, x, y
+    return vertices, faces, sides, z
 
 
 @kernel
-def _around_tip(x: Floats, y: Floats, far: float, width: float) -> tuple[int, Floats, Floats]:
+def _around_tip(z: Points, far: float, width: float) -> tuple[int, Points]:
     """Unfold a polygon around a vertex of small total angle inside it, cut open from there to a corner.
 
     Parameters
     ----------
-    x, y : ndarray, shape (n,)
+    z : ndarray of complex, shape (n,)
         The corners, as seen from a vertex inside, if the x axis runs to the other one.
     far, width : float
         How far that is, and the length of the loop around it.
@@ -164,24 +164,21 @@ def _around_tip(x: Floats, y: Floats, far: float, width: float) -> tuple[int, Fl
     -------
     int
         The corner to which it is cut: that which admits the best triangles.
-    ndarray, ndarray, shape (n + 2,)
+    ndarray of complex, shape (n + 2,)
         The corners, as seen from the tip: itself, those from the cut once around, that of the cut again.
     """
-    n = x.size
-    turn = angle_between(far, far, width)
-    best, most = 0, -np.inf
-    best_x, best_y = np.zeros(n + 2), np.zeros(n + 2)
+    n = z.size
+    turn = polar(1.0, angle_between(far, far, width))
+    best, most, best_points = 0, -np.inf, np.zeros(n + 2, dtype=np.complex128)
     for first in range(n):
-        px, py = np.zeros(n + 2), np.zeros(n + 2)
+        points = np.zeros(n + 2, dtype=np.complex128)
         for k in range(n + 1):
-            i = (first + k) % n
-            angle = turn * ((first + k) // n)
-            c, s = np.cos(angle), np.sin(angle)
-            px[k + 1], py[k + 1] = c * (far - x[i]) + s * y[i], s * (far - x[i]) - c * y[i]
-        worst = _best_cut(px, py)[1]
+            i = first + k
+            points[k + 1] = turn * (far - z[i - n]) if i >= n else far - z[i]
+        worst = _best_cut(points)[1]
         if worst > most:
-            best, most, best_x, best_y = first, worst, px, py
-    return best, best_x, best_y
+            best, most, best_points = first, worst, points
+    return best, best_points
 
 
 @kernel
@@ -196,7 +193,7 @@ def _turned(values: Indices, first: int, before: int) -> Indices:
 
 
 @kernel
-def _best_cut(x: Floats, y: Floats) -> tuple[Indices, float]:
+def _best_cut(z: Points) -> tuple[Indices, float]:
     """Cut a polygon into triangles of which the thinnest is as thick as can be.
 
     If none of them is turned over, they do not overlap; so nothing else needs to be checked.
@@ -208,18 +205,18 @@ def _best_cut(x: Floats, y: Floats) -> tuple[Indices, float]:
     float
         Least height over longest side.
     """
-    n = x.size
+    n = z.size
     worst = np.full((n, n), np.inf)
     middle = np.empty((n, n), dtype=np.int64)
     for span in range(2, n):
         for i in range(n - span):
             j = i + span
-            ax, ay = x[j] - x[i], y[j] - y[i]
+            a = z[j] - z[i]
             worst[i, j] = -np.inf
             for k in range(i + 1, j):
-                bx, by = x[k] - x[i], y[k] - y[i]
-                longest = max(ax * ax + ay * ay, bx * bx + by * by, (ax - bx) ** 2 + (ay - by) ** 2)
-                here = min((bx * ay - by * ax) / longest, worst[i, k], worst[k, j])
+                b = z[k] - z[i]
+                longest = max(dot(a, a), dot(b, b), dot(a - b, a - b))
+                here = min(cross(b, a) / longest, worst[i, k], worst[k, j])
                 if here > worst[i, j] or k == i + 1:
                     worst[i, j], middle[i, j] = here, k
     triangles = np.empty((n - 2, 3), dtype=np.int64)

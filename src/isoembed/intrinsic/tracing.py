@@ -2,7 +2,7 @@
 
 The line starts at the origin and runs along the positive x axis.  The triangle that it is in is known by the
 half-edge through which it leaves, from a lower to an upper corner, and by where its three corners lie:
-``(out, lower x, y, upper x, y, third x, y)``.
+``(out, lower, upper, third)``, complex numbers.
 """
 
 from __future__ import annotations
@@ -15,10 +15,10 @@ from numba import njit
 from isoembed.arrays import Floats
 from isoembed.intrinsic.halfedges import HalfEdges, corner_angle, following, preceding, third_corner
 from isoembed.intrinsic.kernel import kernel
-from isoembed.intrinsic.trigonometry import apex
+from isoembed.intrinsic.trigonometry import apex, norm, polar
 from isoembed.thresholds import compiled, threshold
 
-State = tuple[int, float, float, float, float, float, float]
+State = tuple[int, complex, complex, complex]
 
 
 @dataclass(frozen=True)
@@ -73,56 +73,44 @@ def from_corner(h: int, offset: float, lengths: Floats) -> State:
     """The line that starts at a vertex, at an angle from a half-edge into its triangle."""
     into = preceding(h)
     ahead = corner_angle(h, lengths) - offset
-    return (
-        following(h),
-        lengths[h] * np.cos(offset),
-        -lengths[h] * np.sin(offset),
-        lengths[into] * np.cos(ahead),
-        lengths[into] * np.sin(ahead),
-        0.0,
-        0.0,
-    )
+    return following(h), polar(lengths[h], -offset), polar(lengths[into], ahead), 0j
 
 
 @kernel
-def from_inside(f: int, x: float, y: float, angle: float, lengths: Floats) -> State:
-    """The line that starts in a face, at coordinates and at an angle from the first half-edge of the face."""
-    l = lengths[3 * f]
-    u, v = apex(l, lengths[3 * f + 1], lengths[3 * f + 2])
-    c, s = np.cos(angle), np.sin(angle)
-    p, q = np.empty(3), np.empty(3)
-    for k, (a, b) in enumerate(((-x, -y), (l - x, -y), (u - x, v - y))):
-        p[k], q[k] = c * a + s * b, c * b - s * a
+def from_inside(f: int, start: complex, angle: float, lengths: Floats) -> State:
+    """The line that starts in a face, at an angle from the first half-edge of the face, its x axis."""
+    x, y = apex(lengths[3 * f], lengths[3 * f + 1], lengths[3 * f + 2])
+    turn = polar(1.0, -angle)
+    z = [(corner - start) * turn for corner in (0j, complex(lengths[3 * f], 0.0), complex(x, y))]
     k = -1
     for c in range(3):
-        if q[c] < 0 <= q[(c + 1) % 3]:
+        if z[c].imag < 0 <= z[(c + 1) % 3].imag:
             k = c
     if k < 0:  # along a side, and rounding puts all corners above or all below: it leaves at the corner ahead
         for c in range(3):
-            if k < 0 or p[c] * np.hypot(p[k], q[k]) > p[k] * np.hypot(p[c], q[c]):
+            if k < 0 or z[c].real * norm(z[k]) > z[k].real * norm(z[c]):
                 k = c
-        if q.max() <= 0:
+        if max(z[0].imag, z[1].imag, z[2].imag) <= 0:
             k = (k + 2) % 3
-    i, j = (k + 1) % 3, (k + 2) % 3
-    return 3 * f + k, p[k], q[k], p[i], q[i], p[j], q[j]
+    return 3 * f + k, z[k], z[(k + 1) % 3], z[(k + 2) % 3]
 
 
 @kernel
 def crossed(state: State, mesh: HalfEdges) -> State:
     """The line one triangle on."""
-    out, lx, ly, ux, uy, _, _ = state
+    out, lower, upper, _ = state
     g = mesh.twins[out]
-    x, y = third_corner(g, ux, uy, lx, ly, mesh.lengths)
-    if y > 0:
-        return following(g), lx, ly, x, y, ux, uy
-    return preceding(g), x, y, ux, uy, lx, ly
+    corner = third_corner(g, upper, lower, mesh.lengths)
+    if corner.imag > 0:
+        return following(g), lower, corner, upper
+    return preceding(g), corner, upper, lower
 
 
 @kernel
 def reaches(state: State, length: float) -> bool:
     """Whether the line is still in its triangle at this distance from its start."""
-    _, lx, ly, ux, uy, _, _ = state
-    return (uy - ly) * (lx - length) >= (ux - lx) * ly
+    _, lower, upper, _ = state
+    return (upper.imag - lower.imag) * (lower.real - length) >= (upper.real - lower.real) * lower.imag
 
 
 @kernel
@@ -132,5 +120,5 @@ def straight(state: State, length: float, mesh: HalfEdges) -> State:
         if reaches(state, length):
             return state
         state = crossed(state, mesh)
-    _, lx, ly, ux, uy, tx, ty = state
-    return -1, lx, ly, ux, uy, tx, ty
+    _, lower, upper, third = state
+    return -1, lower, upper, third

@@ -1,4 +1,4 @@
-"""Areas, angles and corners of triangles from their sides, accurate for needles and caps."""
+"""Triangles from their sides, accurate for needles and caps, and products of vectors in the plane."""
 
 from __future__ import annotations
 
@@ -36,3 +36,33 @@ def angle_between(a: float, b: float, across: float) -> float:
 def apex(l: float, second: float, third: float) -> tuple[float, float]:
     """Third corner of a triangle whose side l runs from (0, 0) to (l, 0); second follows l, third closes."""
     return (l + (third - second) * (third + second) / l) / 2, twice_area(l, second, third) / l
+
+
+@kernel
+def dot(a: complex, b: complex) -> float:
+    """Scalar product of two vectors of the plane."""
+    return a.real * b.real + a.imag * b.imag
+
+
+@kernel
+def cross(a: complex, b: complex) -> float:
+    """Vector product of two vectors of the plane: positive if b is to the left of a."""
+    return a.real * b.imag - a.imag * b.real
+
+
+@kernel
+def norm(a: complex) -> float:
+    """Length of a vector of the plane; `abs` takes the root of squares, which is not as exact."""
+    return np.hypot(a.real, a.imag)
+
+
+@kernel
+def from_frame(origin: complex, axis: complex, x: float, y: float) -> complex:
+    """Point with coordinates along an axis, and to the left of it, in its length."""
+    return complex(origin.real + x * axis.real - y * axis.imag, origin.imag + x * axis.imag + y * axis.real)
+
+
+@kernel
+def polar(r: float, angle: float) -> complex:
+    """Vector of the plane of this length and direction."""
+    return complex(r * np.cos(angle), r * np.sin(angle))
