@@ -1,4 +1,4 @@
-"""Elimination foreseen: against elimination of dense matrices."""
+"""Symbolic elimination, against elimination of dense matrices."""
 
 import numpy as np
 import scipy.sparse as sp
@@ -23,17 +23,17 @@ def eliminated_pattern(pattern):
     return np.tril(filled)
 
 
-def foreseen(pattern, order):
+def analyzed(pattern, order):
     """The elimination of a pattern in this order."""
     csc = sp.csc_matrix(pattern.astype(float))
     return symbolic_analysis(csc.indptr, csc.indices, order.astype(np.int64))
 
 
 @given(st.integers(1, 40), st.floats(0.0, 0.5), st.integers(0, 10**6))
-def test_what_is_foreseen_comes_to_pass(n, density, seed):
+def test_parents_and_counts_are_those_of_dense_elimination(n, density, seed):
     rng = np.random.default_rng(seed)
     pattern, order = random_pattern(n, density, rng), rng.permutation(n)
-    elimination = foreseen(pattern, order)
+    elimination = analyzed(pattern, order)
     L = eliminated_pattern(pattern[np.ix_(elimination.order, elimination.order)])
     assert np.array_equal(elimination.counts, L.sum(axis=0))
     below = [np.flatnonzero(L[j + 1 :, j]) for j in range(n)]

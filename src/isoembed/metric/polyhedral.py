@@ -91,7 +91,7 @@ class PolyhedralMetric:
             raise InvalidMetric(f"vertex {v} has the coordinates {points[v].tolist()}, which are not finite")
         size = np.abs(points).max() or 1.0  # keeps the squares from under- and overflowing
         with np.errstate(over="ignore"):  # a length beyond the floats is refused as infinite
-            lengths = size * _distances(triangulation.edges, points / size)
+            lengths = size * edge_lengths(triangulation.edges, points / size)
         return cls.on(triangulation, lengths)
 
     @classmethod
@@ -263,12 +263,12 @@ def _first_broken(face_edges: NDArray[np.int64], lengths: Floats) -> int:
 
 
 @njit(cache=True)
-def _distances(edges: NDArray[np.int64], points: Floats) -> Floats:
-    """Between the ends of each edge, (E,)."""
-    distances = np.empty(len(edges))
+def edge_lengths(edges: NDArray[np.int64], points: Floats) -> Floats:
+    """Lengths of the edges between points, (E,)."""
+    lengths = np.empty(len(edges))
     for e in range(len(edges)):
         square = 0.0
         for k in range(points.shape[1]):
             square += (points[edges[e, 0], k] - points[edges[e, 1], k]) ** 2
-        distances[e] = np.sqrt(square)
-    return distances
+        lengths[e] = np.sqrt(square)
+    return lengths

@@ -2,25 +2,12 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-
 import numpy as np
 
 from isoembed.arrays import Floats, Indices, Mask
 from isoembed.mesh.triangulation import Triangulation
 from isoembed.surface.curvature import DIHEDRAL, dihedral_angles
 from isoembed.surface.measures import vertex_normals
-from isoembed.thresholds import threshold
-
-
-@dataclass(frozen=True)
-class InversionThresholds:
-    """Thresholds of inverted vertices."""
-
-    partial: float = threshold(0.7, "relative", 'Concave edges of a vertex; "more than seventy percent".')
-
-
-INVERSION = InversionThresholds()
 
 
 def concave_edges(triangulation: Triangulation, vertices: Floats) -> Mask:
@@ -36,7 +23,7 @@ def inverted_vertices(triangulation: Triangulation, concave: Mask) -> Mask:
 def partially_inverted_vertices(triangulation: Triangulation, concave: Mask) -> Mask:
     """Vertices with more than seventy percent of their edges concave, but not all, shape (V,)."""
     count = _concave_degrees(triangulation, concave)
-    return (count > INVERSION.partial * triangulation.degrees) & (count < triangulation.degrees)
+    return (count > DIHEDRAL.partial * triangulation.degrees) & (count < triangulation.degrees)
 
 
 def umbrella_heights(triangulation: Triangulation, vertices: Floats) -> Floats:

@@ -21,10 +21,11 @@ TINY = float(np.finfo(np.float64).tiny)
 
 @dataclass(frozen=True)
 class DihedralThresholds:
-    """Thresholds of exterior dihedral angles."""
+    """Thresholds of exterior dihedral angles, and of the vertices that they invert."""
 
     shut: float = threshold(1e-9, "radians", "A fold nearer to pi than this has no inside.")
     flat: float = threshold(1e-7, "radians", "An edge is not concave down to minus this.")
+    partial: float = threshold(0.7, "relative", "More edges of a partially inverted vertex are concave.")
 
 
 DIHEDRAL = DihedralThresholds()

@@ -6,18 +6,7 @@ import numpy as np
 from numba import njit
 
 from isoembed.arrays import Floats, Indices
-
-
-@njit(cache=True)
-def edge_lengths(edges: Indices, vertices: Floats) -> Floats:
-    """Lengths of the edges, (E,)."""
-    lengths = np.empty(len(edges))
-    for e in range(len(edges)):
-        square = 0.0
-        for k in range(vertices.shape[1]):
-            square += (vertices[edges[e, 0], k] - vertices[edges[e, 1], k]) ** 2
-        lengths[e] = np.sqrt(square)
-    return lengths
+from isoembed.metric.polyhedral import edge_lengths as edge_lengths
 
 
 @njit(cache=True)

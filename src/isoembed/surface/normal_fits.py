@@ -36,6 +36,8 @@ class FitThresholds:
     three_rings: int = threshold(30, "points", "More than two rings have: a quintic gets a third.")
     hub: int = threshold(32, "edges", "Neighbors of a vertex with more need not be near each other.")
     at_once: int = threshold(1 << 16, "vertices", "Whose fits are made together: their charts take memory.")
+    robust: float = threshold(2 / 3, "exponent", "Of the mean of what quintics leave.")
+    plain: float = threshold(0.2, "relative", "Of the angles around; less, and an error may decide the sign.")
 
 
 FITS = FitThresholds()

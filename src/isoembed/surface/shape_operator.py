@@ -23,13 +23,15 @@ from isoembed.thresholds import compiled, threshold
 
 @dataclass(frozen=True)
 class ShapeThresholds:
-    """Thresholds of the polynomials that second derivatives are taken from."""
+    """Thresholds of second derivatives, and of the integrals that are corrected by them."""
 
     three_rings: int = threshold(60, "points", "More than two rings hold, but where degrees are high.")
     at_once: int = threshold(10_000, "vertices", "Whose neighborhoods are held together.")
     graph: float = threshold(0.3, "cosine", "Of normals; with less, a neighbor is around the bend.")
     steep: float = threshold(0.5, "squared cosine", "Edges that rise more cut through a tip.")
     dependent: float = threshold(1e-6, "relative", "Left of a column; with less, the fit is not determined.")
+    next_order: float = threshold(0.1, "(kappa l)^2", "Of a correction: what comes next.")
+    alike: float = threshold(36.0, "faces", "About a vertex: in them the errors of the fits are alike.")
 
 
 SHAPES = ShapeThresholds()

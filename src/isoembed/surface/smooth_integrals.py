@@ -26,23 +26,11 @@ from isoembed.mesh.triangulation import Triangulation
 from isoembed.surface import curvature, measures
 from isoembed.surface.chords import chord_lengths
 from isoembed.surface.estimate import Estimate
-from isoembed.surface.shape_operator import normal_curvatures, second_derivatives, shape_operators
-from isoembed.thresholds import threshold
+from isoembed.surface.shape_operator import SHAPES, normal_curvatures, second_derivatives, shape_operators
 
 Lengths = Literal["geodesic", "chord"]
 
 QUARTIC, CUBIC = 4, 3  # degrees of the fits: the second only says how far the first can be trusted
-
-
-@dataclass(frozen=True)
-class EstimateThresholds:
-    """Thresholds of the errors that integrals are estimated to have."""
-
-    next_order: float = threshold(0.1, "corrections times (kappa l)^2", "Size of what comes next.")
-    alike: float = threshold(36.0, "faces", "About a vertex, in which the errors of the fits are alike.")
-
-
-ESTIMATES = EstimateThresholds()
 
 
 @dataclass(frozen=True, eq=False)
@@ -241,8 +229,8 @@ class SmoothIntegrals:
 
     def _estimate(self, raw: float, quartic: Floats, cubic: Floats, sizes: Floats) -> Estimate:
         lost = quartic - cubic
-        error = abs(float(lost.sum())) + float(np.sqrt(ESTIMATES.alike * np.sum(lost**2)))
-        error += ESTIMATES.next_order * float(sizes @ self._quartic.turns)
+        error = abs(float(lost.sum())) + float(np.sqrt(SHAPES.alike * np.sum(lost**2)))
+        error += SHAPES.next_order * float(sizes @ self._quartic.turns)
         return Estimate(raw + float(quartic.sum()), error)
 
 

@@ -10,7 +10,6 @@ bends by more than a right angle does not fold over.
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator
-from dataclasses import dataclass
 
 import numpy as np
 from numba import njit
@@ -23,20 +22,6 @@ from isoembed.surface.local_fit import FitResiduals, Graph, Surroundings, edge_l
 from isoembed.surface.measures import edge_lengths
 from isoembed.surface.normal_fits import FITS
 from isoembed.surface.spatial_order import spatial_order
-from isoembed.thresholds import threshold
-
-
-@dataclass(frozen=True)
-class RoughnessThresholds:
-    """Thresholds of what is rough."""
-
-    robust: float = threshold(2 / 3, "exponent", "Of the mean of what quintics leave.")
-    plain: float = threshold(
-        0.2, "relative", "Of the angles around: below it, the error of the fit may decide the sign."
-    )
-
-
-ROUGHNESS = RoughnessThresholds()
 
 
 def offsets(triangulation: Triangulation, vertices: Floats) -> Floats:
@@ -86,7 +71,7 @@ def fine_roughness(triangulation: Triangulation, vertices: Floats) -> float:
     surface = Surroundings.of(triangulation, vertices).in_order(spatial_order(vertices))
     blocks = list(_residuals(surface, 5))
     twice = np.linalg.norm(_left(blocks, _left(blocks, surface.vertices)), axis=1)
-    return float(np.mean((twice / surface.units) ** ROUGHNESS.robust) ** (1 / ROUGHNESS.robust))
+    return float(np.mean((twice / surface.units) ** FITS.robust) ** (1 / FITS.robust))
 
 
 def roughness(triangulation: Triangulation, vertices: Floats, offsets: Floats) -> float:
@@ -116,7 +101,7 @@ def rough_edges(triangulation: Triangulation, vertices: Floats, offsets: Floats)
     squares = sums_at_ends(triangulation, expected**2) / degrees
     around = (triangulation.adjacency @ squares + squares) / (degrees + 1)
     typical = np.sqrt(around[triangulation.edges].mean(axis=1))
-    plain = np.minimum(np.abs(found), np.abs(expected)) > np.maximum(DIHEDRAL.flat, ROUGHNESS.plain * typical)
+    plain = np.minimum(np.abs(found), np.abs(expected)) > np.maximum(DIHEDRAL.flat, FITS.plain * typical)
     meets_convex, meets_concave = (
         (sums_at_ends(triangulation, bent) > 0)[triangulation.edges].any(axis=1)
         for bent in (found > DIHEDRAL.flat, found < -DIHEDRAL.flat)
