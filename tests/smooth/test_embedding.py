@@ -109,6 +109,7 @@ def check(found, area, volume, imc):
 # closed forms
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     "A", [np.diag([5.0, 4.0, 3.0]), TILTED, np.diag([3.0, 2.0, 1.0]), np.diag([2.0, 2.0, 1.0])]
 )
@@ -136,12 +137,14 @@ def test_a_horizon_about_another_axis():
     check(found, *KERR[0.5])
 
 
+@pytest.mark.slow
 def test_the_last_horizon_that_embeds_is_flat_at_its_poles():
     found = embed_smooth(KerrNewmanHorizon(1.0, np.sqrt(3.0) / 2.0), vertices=200)
     check(found, 37.699111843077518, 19.908411553932757, 22.188336555767362)
     np.testing.assert_allclose(found.gaussian_curvature(POLES), 0.0, atol=2e-4)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("amplitude", [0.12, -0.15])
 def test_a_trefoil(amplitude):
     surface = HarmonicSurface(3, 3, amplitude, radius=2.0)
@@ -151,6 +154,7 @@ def test_a_trefoil(amplitude):
     check(found, surface.area, surface.volume, surface.integrated_mean_curvature)
 
 
+@pytest.mark.slow
 def test_a_peanut():
     surface = CassiniPeanut(0.8, 1.0)
     found = embed_smooth(cassini(surface), vertices=300)
@@ -158,12 +162,14 @@ def test_a_peanut():
     check(found, surface.area, surface.volume, surface.integrated_mean_curvature)
 
 
+@pytest.mark.slow
 def test_an_ergosphere():
     found = embed_smooth(KerrNewmanErgosphere(0.5), vertices=300)
     assert found.least_curvature == pytest.approx(-0.133078, rel=1e-2)  # at the nodes
     check(found, 84.498458825124000, 70.631449995250541, 33.021720529589184)
 
 
+@pytest.mark.slow
 def test_a_metric_on_a_grid():
     grid = GridMetric.sampled(Turned(KerrNewmanHorizon(1.0, 0.5), OBLIQUE), 32, 64)
     check(embed_smooth(grid, vertices=200), *KERR[0.5])
@@ -181,6 +187,7 @@ def sphere_of(harmonics, r):
     return C
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("Q", [np.eye(3), OBLIQUE], ids=["z", "oblique"])
 def test_the_error_falls_exponentially_with_the_degree(Q):
     metric = Turned(KerrNewmanHorizon(1.0, 0.8), Q)
@@ -223,6 +230,7 @@ def test_gauss_newton_finds_the_way_from_far():
 # invariances
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("unit", [1e-60, 1e-9, 1e60])
 def test_the_unit_of_length_does_not_count(unit):
     found, scaled = (embed_smooth(m, vertices=150) for m in (LOPSIDED, Scaled(LOPSIDED, unit)))
@@ -238,6 +246,7 @@ def lopsided_embedding():
     return embed_smooth(LOPSIDED, vertices=150)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     "Q", [OBLIQUE, rotation(-2.0, 0.1, 1.4), -np.eye(3), np.diag([1.0, -1.0, 1.0]) @ OBLIQUE]
 )
@@ -268,6 +277,7 @@ def no_mesh(*arguments, **options):
     pytest.fail("a mesh was made")
 
 
+@pytest.mark.slow
 def test_a_start_gives_the_same_without_a_mesh(monkeypatch):
     first, cold = (embed_smooth(KerrNewmanHorizon(1.0, a), vertices=100) for a in (0.45, 0.5))
     monkeypatch.setattr(solve, "graded_mesh", no_mesh)
@@ -278,6 +288,7 @@ def test_a_start_gives_the_same_without_a_mesh(monkeypatch):
     close(warm.integrated_mean_curvature, cold.integrated_mean_curvature)
 
 
+@pytest.mark.slow
 def test_a_start_of_another_symmetry(monkeypatch):
     sphere = embed_smooth(linear(1.4 * np.eye(3)), vertices=60)
     assert sphere.harmonics.order == 1
@@ -309,6 +320,7 @@ def everywhere():
     return np.concatenate([u / np.linalg.norm(u, axis=1)[:, None], POLES])
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     "metric", [Turned(KerrNewmanHorizon(1.0, 0.5), OBLIQUE), LOPSIDED], ids=["Kerr", "lopsided"]
 )
@@ -319,6 +331,7 @@ def test_gauss_bonnet(metric):
     close(total, 4.0 * np.pi, 1e-9)
 
 
+@pytest.mark.slow
 def test_curvatures_and_normals_are_those_of_the_ellipsoid_also_at_the_poles():
     u, found = everywhere(), embed_smooth(linear(TILTED), vertices=150)
     # x . M x = 1
@@ -337,6 +350,7 @@ def test_curvatures_and_normals_are_those_of_the_ellipsoid_also_at_the_poles():
     assert found.strain(u).max() < 1e-12
 
 
+@pytest.mark.slow
 def test_curvature_is_that_of_the_metric():
     surface = KerrNewmanHorizon(1.0, 0.8)
     u, found = everywhere(), embed_smooth(surface, vertices=150, accuracy=1e-16)
@@ -354,6 +368,7 @@ def few(monkeypatch):
     monkeypatch.setattr(solve, "SOLVE", replace(solve.SOLVE, degrees=(8, 12, 16)))
 
 
+@pytest.mark.slow
 def test_beyond_smarrs_limit_the_reason_names_the_band(few):
     with pytest.raises(NotEmbedded) as refusal:
         embed_smooth(KerrNewmanHorizon(1.0, 0.9), vertices=200)
@@ -367,6 +382,7 @@ def test_beyond_smarrs_limit_the_reason_names_the_band(few):
     assert 1e-3 < fit.residual < 5e-3
 
 
+@pytest.mark.slow
 def test_of_a_metric_without_symmetry_the_sign_of_the_curvature_is_told(few):
     with pytest.raises(NotEmbedded, match=r"curvature is negative in places, least -0\.04.* is not known$"):
         embed_smooth(Turned(KerrNewmanHorizon(1.0, 0.9), OBLIQUE), vertices=200)
@@ -378,12 +394,14 @@ def test_details_that_are_too_fine(monkeypatch):
         embed_smooth(Turned(KerrNewmanHorizon(1.0, 0.8), OBLIQUE), vertices=100)
 
 
+@pytest.mark.slow
 def test_a_surface_of_revolution_that_is_too_fine(monkeypatch):
     monkeypatch.setattr(solve, "SOLVE", replace(solve.SOLVE, degrees=(4, 6)))
     with pytest.raises(NotEmbedded, match=r"the surface of revolution exists, and .*AxisymmetricEmbedding"):
         embed_smooth(KerrNewmanHorizon(1.0, 0.8), vertices=100)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("c", [0.2, 4.0])
 def test_a_surface_of_revolution_in_directions_that_do_not_suit_it(c):
     """An ellipsoid by its normals: a mesh leads low degrees astray, its profile does not."""
@@ -409,6 +427,7 @@ def test_a_pattern_that_even_nodes_do_not_see():
     assert not is_axisymmetric(Wavy())
 
 
+@pytest.mark.slow
 def test_the_tolerance_decides():
     metric = KerrNewmanHorizon(1.0, 0.8)
     loose = embed_smooth(metric, vertices=100, tolerance=1e-2, accuracy=1.0)

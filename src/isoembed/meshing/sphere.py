@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import numpy as np
+from numpy.typing import ArrayLike
 from scipy.spatial import ConvexHull
 from scipy.special import roots_legendre
 
@@ -10,6 +11,18 @@ from isoembed.arrays import Floats, Indices
 
 GOLDEN = 0.5 * (np.sqrt(5.0) - 1.0)
 DENSE = 768  # Gauss nodes in z up to which NumPy finds them quickly
+
+
+def directions_at(z: Floats, phi: ArrayLike) -> Floats:
+    """Unit vectors (..., 3) at heights z and angles phi about the z-axis, which are broadcast."""
+    sin = np.sqrt((1.0 - z) * (1.0 + z))
+    return np.stack(np.broadcast_arrays(sin * np.cos(phi), sin * np.sin(phi), z), axis=-1)
+
+
+def angles_of(u: Floats) -> tuple[Floats, Floats]:
+    """The angles theta in [0, pi] and phi in [0, 2 pi), each (n,), of unit vectors (n, 3)."""
+    theta = np.arctan2(np.hypot(u[:, 0], u[:, 1]), u[:, 2])
+    return theta, np.arctan2(u[:, 1], u[:, 0]) % (2.0 * np.pi)
 
 
 def fibonacci_lattice(n: int) -> Floats:
@@ -21,9 +34,7 @@ def fibonacci_lattice(n: int) -> Floats:
 def fibonacci_directions(n: int) -> Floats:
     """Directions (n, 3) spread evenly and without a pattern, none of them at a pole or at phi = 0."""
     height, turn = fibonacci_lattice(n).T
-    z, phi = 1.0 - 2.0 * height, 2.0 * np.pi * (turn + 0.5 * (1.0 + GOLDEN))
-    sin = np.sqrt((1.0 - z) * (1.0 + z))
-    return np.stack([sin * np.cos(phi), sin * np.sin(phi), z], axis=1)
+    return directions_at(1.0 - 2.0 * height, 2.0 * np.pi * (turn + 0.5 * (1.0 + GOLDEN)))
 
 
 def gauss_rule(n: int, around: int) -> tuple[Floats, Floats]:
@@ -35,10 +46,7 @@ def gauss_rule(n: int, around: int) -> tuple[Floats, Floats]:
     # NumPy's nodes are twice as good, but take a time of third order.
     z, weight = np.polynomial.legendre.leggauss(n) if n <= DENSE else roots_legendre(n)
     phi = 2.0 * np.pi / around * np.arange(around)
-    sin = np.sqrt((1.0 - z) * (1.0 + z))
-    x, y = np.outer(sin, np.cos(phi)), np.outer(sin, np.sin(phi))
-    u = np.stack([x, y, np.broadcast_to(z[:, None], x.shape)], axis=-1).reshape(-1, 3)
-    return u, np.repeat(2.0 * np.pi / around * weight, around)
+    return directions_at(z[:, None], phi).reshape(-1, 3), np.repeat(2.0 * np.pi / around * weight, around)
 
 
 def hull_faces(u: Floats) -> Indices:

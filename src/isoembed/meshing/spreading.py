@@ -6,9 +6,9 @@ from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
 from isoembed.arrays import Floats
+from isoembed.meshing.sphere import directions_at
 
 CHUNK = 4096  # points at a time whose angles are looked up, which bounds the memory
 
@@ -83,23 +83,16 @@ class Cells:
             at = np.arange(len(F))
             rise = F[at, cell + 1] - F[at, cell]
             phi[part] = (cell + (turns[part] - F[at, cell]) / rise) * (2.0 * np.pi / n)
-        return _about(np.cos(theta), phi, self.axis)
+        return np.roll(directions_at(np.cos(theta), phi), self.axis - 2, axis=-1)
 
 
 def cell_centers(shape: tuple[int, int], axis: int) -> Floats:
     """The directions (m n, 3) in the middle of the cells, by theta, then phi."""
     theta = (np.arange(shape[0]) + 0.5) * (np.pi / shape[0])
     phi = (np.arange(shape[1]) + 0.5) * (2.0 * np.pi / shape[1])
-    return _about(np.cos(theta)[:, None], phi[None, :], axis).reshape(-1, 3)
+    return np.roll(directions_at(np.cos(theta)[:, None], phi), axis - 2, axis=-1).reshape(-1, 3)
 
 
 def _zones(m: int) -> Floats:
     """The heights (m,) of the zones of the unit sphere between even steps in theta."""
     return -np.diff(np.cos(np.linspace(0.0, np.pi, m + 1)))
-
-
-def _about(z: NDArray[np.floating], phi: NDArray[np.floating], axis: int) -> Floats:
-    """The unit vectors (..., 3) at height z along the axis and the angle phi about it."""
-    sin = np.sqrt((1.0 - z) * (1.0 + z))
-    u = np.stack(np.broadcast_arrays(sin * np.cos(phi), sin * np.sin(phi), z), axis=-1)
-    return np.roll(u, axis - 2, axis=-1)

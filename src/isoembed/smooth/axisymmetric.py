@@ -19,6 +19,7 @@ from scipy.optimize import brentq, minimize_scalar
 
 from isoembed.arrays import Floats, Indices
 from isoembed.errors import InvalidMetric, InvalidParameter
+from isoembed.meshing.sphere import angles_of, directions_at
 from isoembed.smooth.piecewise import PIECEWISE, Piecewise, fitted
 from isoembed.smooth.two_metric import AngleMetric, TwoMetric, angle_components
 from isoembed.thresholds import threshold
@@ -42,7 +43,8 @@ class AxisymmetricEmbedding:
     """The surface of revolution about z that has a given metric, its height z falling with theta.
 
     Made by `of` or `from_components`.  Where the height of a surface turns back (dimples at the poles), this
-    is the one that is reflected to fall everywhere.
+    is the one that is reflected to fall everywhere.  What is asked of the whole surface, where it does not
+    embed, raises `InvalidMetric`, whose message is the `explanation`.
 
     Attributes
     ----------
@@ -77,7 +79,7 @@ class AxisymmetricEmbedding:
         """
 
         def components(x: Floats) -> Floats:
-            u = np.stack([np.sqrt((1.0 - x) * (1.0 + x)), np.zeros_like(x), x], axis=1)
+            u = directions_at(x, 0.0)
             q = np.einsum("naa->an", angle_components(u, metric.tensor(u)))
             bad = np.flatnonzero(~((q > 0.0) & np.isfinite(q)).all(axis=0))
             if bad.size:
@@ -122,13 +124,7 @@ class AxisymmetricEmbedding:
 
     @property
     def integrated_mean_curvature(self) -> float:
-        """Integral of H dA with H = (k1 + k2)/2 of the whole surface.
-
-        Raises
-        ------
-        InvalidMetric
-            It does not embed; the message is `explanation`.
-        """
+        """Integral of H dA with H = (k1 + k2)/2 of the whole surface."""
         return self._whole.integrated_mean_curvature
 
     @property
@@ -174,24 +170,12 @@ class AxisymmetricEmbedding:
         return self.unit * np.sin(theta) * np.sqrt(self.P(np.cos(theta)))
 
     def z(self, theta: ArrayLike) -> Floats:
-        """The height (n,) of the whole surface at theta (n,), zero half way up.
-
-        Raises
-        ------
-        InvalidMetric
-            It does not embed; the message is `explanation`.
-        """
+        """The height (n,) of the whole surface at theta (n,), zero half way up."""
         return self._whole.z(theta)
 
     def points(self, u: Floats) -> Floats:
-        """The points (n, 3) of the whole surface named by unit vectors u (n, 3).
-
-        Raises
-        ------
-        InvalidMetric
-            It does not embed; the message is `explanation`.
-        """
-        z = self.z(np.arctan2(np.hypot(u[:, 0], u[:, 1]), u[:, 2]))
+        """The points (n, 3) of the whole surface named by unit vectors u (n, 3)."""
+        z = self.z(angles_of(u)[0])
         p = self.unit * np.sqrt(self.P(u[:, 2]))
         return np.stack([p * u[:, 0], p * u[:, 1], z], axis=1)
 
@@ -429,9 +413,7 @@ def _check_symmetry(metric: TwoMetric, tolerance: float) -> None:
     names = ("q_tt", "q_tp / sin(theta)", "q_pp / sin^2(theta)")
     theta = np.pi * (np.arange(24) + 0.5) / 24
     phi = 2.0 * np.pi * (np.arange(11) + 0.31) / 11  # of 11 angles no low harmonic is constant
-    sin, cos = np.repeat(np.sin(theta), 11), np.repeat(np.cos(theta), 11)
-    around = np.tile(phi, 24)
-    u = np.stack([sin * np.cos(around), sin * np.sin(around), cos], axis=1)
+    u = directions_at(np.cos(theta)[:, None], phi).reshape(-1, 3)
     q = angle_components(u, metric.tensor(u)).reshape(24, 11, 4)[:, :, [0, 1, 3]].transpose(2, 0, 1)
     scale = float(np.abs(q[[0, 2]]).max())
     variation = (q.max(axis=2) - q.min(axis=2)) / scale

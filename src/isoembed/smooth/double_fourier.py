@@ -20,6 +20,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from isoembed.arrays import Floats, Mask
 from isoembed.errors import InvalidMetric
+from isoembed.meshing.sphere import angles_of
 from isoembed.thresholds import compiled, threshold
 
 Complexes = NDArray[np.complex128]
@@ -126,8 +127,8 @@ class DoubleFourier:
 
     def at(self, u: Floats) -> Floats:
         """The functions (n, c) in the directions u (n, 3), unit vectors; at the poles as from phi = 0."""
-        theta = np.arctan2(np.hypot(u[:, 0], u[:, 1]), u[:, 2])
-        phi = (np.arctan2(u[:, 1], u[:, 0]) - self.phi[0]) % (2.0 * np.pi)
+        theta, phi = angles_of(u)
+        phi = (phi - self.phi[0]) % (2.0 * np.pi)
         rows, columns = self._table_shape
         return _interpolated(self.table, theta * (rows / np.pi), phi * (columns / (2.0 * np.pi)))
 

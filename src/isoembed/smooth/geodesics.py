@@ -11,6 +11,7 @@ from numpy.typing import ArrayLike
 
 from isoembed.arrays import Floats
 from isoembed.errors import InvalidMetric, InvalidParameter
+from isoembed.meshing.sphere import angles_of
 from isoembed.smooth.two_metric import TwoMetric, area_density
 from isoembed.thresholds import threshold
 
@@ -121,8 +122,7 @@ def definite_tensor(metric: TwoMetric, u: Floats) -> Floats:
         good = area_density(q / trace[:, None, None]) > 0.0  # 0 for negative determinants
     if not good.all():
         i = int(np.argmin(good))
-        x, y, z = u[i]
-        theta, phi = np.arctan2(np.hypot(x, y), z), np.arctan2(y, x) % (2.0 * np.pi)
+        theta, phi = (float(angle) for (angle,) in angles_of(u[i : i + 1]))
         value = "is not finite"
         if np.isfinite(q[i]).all():
             difference = np.sqrt(max(2.0 * np.einsum("ij,ij->", q[i], q[i]) - trace[i] ** 2, 0.0))

@@ -11,7 +11,7 @@ from numpy.typing import ArrayLike
 from isoembed.arrays import Floats, Mask
 from isoembed.errors import InvalidMetric
 from isoembed.smooth.double_fourier import DoubleFourier, around, inner_nodes
-from isoembed.smooth.two_metric import TwoMetric, angle_components, from_angles, is_axisymmetric
+from isoembed.smooth.two_metric import TwoMetric, angle_components, are_definite, from_angles, is_axisymmetric
 from isoembed.thresholds import threshold
 
 
@@ -183,16 +183,14 @@ class GridMetric:
 
     def _check_nodes(self, inner: Mask, m: int) -> None:
         tt, tp, pp = self.q_tt, self.q_tp, self.q_pp
-        with np.errstate(invalid="ignore", over="ignore"):
-            finite = np.isfinite(tt) & np.isfinite(tp) & np.isfinite(pp)
-            positive = (tt > 0) & (pp > 0) & (np.abs(tp) / np.sqrt(tt) < np.sqrt(pp))
-        bad = ~(finite & positive) & inner[:, None]
+        bad = ~are_definite(tt, tp, pp) & inner[:, None]
         if bad.any():
             i, j = np.argwhere(bad)[0]
+            finite = np.isfinite([tt[i, j], tp[i, j], pp[i, j]]).all()
             raise InvalidMetric(
                 f"q_tt, q_tp, q_pp = {tt[i, j]:.6g}, {tp[i, j]:.6g}, {pp[i, j]:.6g} at node [{i}, {j}], "
                 f"theta = {self.theta[i]:.6g}, phi = {self.phi[j]:.6g}: that is not "
-                + ("a positive definite metric" if finite[i, j] else "finite")
+                + ("a positive definite metric" if finite else "finite")
             )
         if m < len(self.phi):
             sin = np.sin(self.theta[inner])

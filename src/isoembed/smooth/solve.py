@@ -11,10 +11,10 @@ import numpy as np
 from isoembed._embed import embed
 from isoembed.arrays import Floats
 from isoembed.errors import InvalidMetric, InvalidParameter, NotEmbedded
-from isoembed.meshing.sphere import gauss_rule
+from isoembed.meshing.sphere import angles_of, gauss_rule
 from isoembed.smooth.axisymmetric import AxisymmetricEmbedding
-from isoembed.smooth.curvature_sign import by_curvature
 from isoembed.smooth.embedding import MEASURE, SmoothEmbedding
+from isoembed.smooth.gaussian_curvature import gaussian_curvature
 from isoembed.smooth.harmonics import Harmonics
 from isoembed.smooth.isometry import ISOMETRY, gauss_newton
 from isoembed.smooth.transforms import resized
@@ -34,6 +34,7 @@ class SolveThresholds:
     hindered: int = threshold(32, "count", "Highest degree of the best fit to what has no embedding.")
     determined: int = threshold(3, "count", "Vertices for each harmonic that is fitted to them.")
     high: int = threshold(48, "count", "Least degree in which a surface of revolution is projected.")
+    sampled: tuple[int, int] = threshold((48, 96), "count", "Nodes at which the curvature is looked at.")
 
 
 SOLVE = SolveThresholds()
@@ -198,4 +199,18 @@ def _diagnosis(best: SmoothEmbedding, residuals: list[float], profile: Axisymmet
         missed += ": the metric has details that are too fine for so few"
     if profile is not None:
         return f"{missed}; the surface of revolution exists, and isoembed.smooth.AxisymmetricEmbedding has it"
-    return f"{missed}; {by_curvature(best.metric)}"
+    return f"{missed}; {_sign_of_curvature(best.metric)}"
+
+
+def _sign_of_curvature(metric: TwoMetric) -> str:
+    """What the sign of the Gaussian curvature means for the embedding of a metric, in one clause."""
+    u, _ = gauss_rule(*SOLVE.sampled)
+    K = gaussian_curvature(metric, u)
+    k = int(np.argmin(K))
+    if K[k] > 0.0:
+        return "where it was looked at the Gaussian curvature is positive, so that an embedding should exist"
+    theta, phi = angles_of(u)
+    return (
+        f"the Gaussian curvature is negative in places, least {K[k]:.4g} at theta = {theta[k]:.3f}, "
+        f"phi = {phi[k]:.3f}: whether the metric embeds is not known"
+    )

@@ -9,6 +9,7 @@ import numpy as np
 from scipy.linalg import qr, solve_triangular, svdvals
 
 from isoembed.arrays import Floats, Mask
+from isoembed.meshing.sphere import directions_at
 from isoembed.smooth.harmonics import Harmonics
 from isoembed.thresholds import threshold
 
@@ -62,8 +63,7 @@ def analyzed(values: Floats, u: Floats, weights: Floats, degree: int) -> tuple[F
     harmonics = Harmonics(degree, degree)
     around = len(values) // (degree + 1)
     z, w = u[::around, 2], weights[::around, None] * (0.5 * around)
-    meridian = np.stack([np.sqrt((1.0 - z) * (1.0 + z)), np.zeros_like(z), z], axis=1)
-    Y = harmonics.values(meridian)
+    Y = harmonics.values(directions_at(z, 0.0))
     fourier = np.fft.rfft(values.reshape(-1, around), axis=1) * (2.0 / around)
     fourier[:, 0] *= 0.5
     coefficients = np.empty(harmonics.size)

@@ -13,9 +13,9 @@ from typing import Protocol
 import numpy as np
 from numpy.typing import ArrayLike
 
-from isoembed.arrays import Floats
+from isoembed.arrays import Floats, Mask
 from isoembed.errors import InvalidMetric
-from isoembed.meshing.sphere import fibonacci_directions
+from isoembed.meshing.sphere import angles_of, fibonacci_directions
 from isoembed.thresholds import threshold
 
 
@@ -80,18 +80,17 @@ class AngleMetric:
         return projected(total, u)
 
     def _away(self, u: Floats) -> Floats:
-        sin = np.hypot(u[:, 0], u[:, 1])
-        theta, phi = np.arctan2(sin, u[:, 2]), np.arctan2(u[:, 1], u[:, 0]) % (2.0 * np.pi)
+        theta, phi = angles_of(u)
         given = np.stack(np.broadcast_arrays(*self.components(theta, phi), np.zeros(len(u)))[:3])
         tt, tp, pp = given.astype(np.float64)
-        good = (tt > 0) & (pp > 0) & np.isfinite(given).all(axis=0)
-        good[good] = np.abs(tp[good]) < np.sqrt(tt[good]) * np.sqrt(pp[good])
+        good = are_definite(tt, tp, pp)
         if not good.all():
             i = int(np.argmin(good))
             raise InvalidMetric(
                 f"q_tt, q_tp, q_pp = {tt[i]:.6g}, {tp[i]:.6g}, {pp[i]:.6g} at theta = {theta[i]:.6g}, "
                 f"phi = {phi[i]:.6g}: that is not a positive definite metric"
             )
+        sin = np.hypot(u[:, 0], u[:, 1])
         return from_angles(u, tt, tp / sin, pp / sin**2)
 
 
@@ -147,6 +146,13 @@ def angle_components(u: Floats, q: Floats) -> Floats:
     return np.asarray(np.einsum("nai,nij,nbj->nab", e, q, e))
 
 
+def are_definite(tt: Floats, tp: Floats, pp: Floats) -> Mask:
+    """Which components in an orthogonal frame, of one shape, are finite and those of a positive metric."""
+    with np.errstate(invalid="ignore", over="ignore", divide="ignore"):
+        finite = np.isfinite(tt) & np.isfinite(tp) & np.isfinite(pp)
+        return finite & (tt > 0) & (pp > 0) & (np.abs(tp) / np.sqrt(tt) < np.sqrt(pp))
+
+
 def is_axisymmetric(metric: TwoMetric) -> bool:
     """Whether the metric is symmetric about the z-axis, as far as it can be seen.
 
@@ -185,15 +191,13 @@ def orthonormal_frame(u: Floats, q: Floats) -> Floats:
     """
     e_theta, e_phi = angle_frame(u)
     components = angle_components(u, q)
-    good = np.isfinite(components).all(axis=(1, 2)) & (components[:, 0, 0] > 0) & (components[:, 1, 1] > 0)
-    tt, pp = np.where(good, components[:, 0, 0], 1.0), np.where(good, components[:, 1, 1], 1.0)
-    good &= np.abs(components[:, 0, 1]) < np.sqrt(tt) * np.sqrt(pp)
+    good = are_definite(components[:, 0, 0], components[:, 0, 1], components[:, 1, 1])
     if not good.all():
         i = int(np.argmin(good))
-        theta, phi = np.arccos(u[i, 2]), np.arctan2(u[i, 1], u[i, 0]) % (2.0 * np.pi)
+        theta, phi = angles_of(u)
         raise InvalidMetric(
-            f"the metric is not positive definite at theta = {theta:.6g}, phi = {phi:.6g}: along and across "
-            f"the meridian it is {components[i].tolist()}"
+            f"the metric is not positive definite at theta = {theta[i]:.6g}, phi = {phi[i]:.6g}: "
+            f"along and across the meridian it is {components[i].tolist()}"
         )
     first = np.einsum("ni,nij->nj", e_theta, q)
     first_length = np.sqrt(np.einsum("ni,ni->n", first, e_theta))[:, None]
