@@ -52,15 +52,9 @@ Floats = NDArray[np.float64]
 class AdaptiveThresholds:
     """Thresholds of the adaptive method."""
 
-    little: float = threshold(
-        0.03, "4 pi", "Negative curvature of metrics that may be nearly convex, at most."
-    )
-    placed: float = threshold(
-        1e-10, "mean edge lengths", "Residual asked of the polyhedron of the convex metric."
-    )
-    nearly: float = threshold(
-        1e-6, "mean edge lengths", "Residual of what lies between realizations, at most."
-    )
+    little: float = threshold(0.03, "4 pi", "Most negative curvature of a metric that may be nearly convex.")
+    placed: float = threshold(1e-10, "mean edge lengths", "Residual asked of the convex polyhedron.")
+    nearly: float = threshold(1e-6, "mean edge lengths", "Most residual between two realizations.")
     same: float = threshold(1e-7, "mean edge lengths", "Surfaces as near as this are one.")
 
 

@@ -19,13 +19,9 @@ Floats = NDArray[np.float64]
 class AnnealingThresholds:
     """Thresholds of annealing."""
 
-    diverged: float = threshold(
-        10.0, "mean edge lengths", "From a larger residual no Newton iteration returns."
-    )
+    diverged: float = threshold(10.0, "mean edge lengths", "No Newton iteration returns from more.")
     rounding: float = threshold(1e-9, "mean edge lengths", "Below this, a residual that grows is rounding.")
-    polished: float = threshold(
-        1e-13, "mean edge lengths", "Residual asked of last steps: they are quadratic."
-    )
+    polished: float = threshold(1e-13, "mean edge lengths", "Residual asked of the last steps.")
     polish: int = threshold(10, "count", "Last Newton steps at most.")
     settled: float = threshold(1e-3, "mean edge lengths", "A shorter step ends the fit to the sphere.")
     damping: float = threshold(1e-2, "relative", "Levenberg-Marquardt damping at first.")

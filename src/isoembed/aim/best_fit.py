@@ -39,18 +39,14 @@ Floats = NDArray[np.float64]
 class BestFitThresholds:
     """Thresholds of the best fit."""
 
-    weight: float = threshold(
-        10.0, "mean edge lengths^2", "mu at first: smooth, so that no dimple catches it."
-    )
+    weight: float = threshold(10.0, "mean edge lengths^2", "mu at first: no dimple catches it.")
     factor: float = threshold(10.0, "relative", "From one mu to the next: the score has a broad minimum.")
     levels: int = threshold(8, "count", "Such steps at most, down or up.")
     better: float = threshold(0.995, "relative", "Share of the best score so far that is worth another mu.")
     settled: float = threshold(0.99, "relative", "Share of the energy that a step leaves at the minimum.")
     steps: int = threshold(8, "count", "Gauss-Newton steps at most, for each mu.")
     collapsed: float = threshold(0.3, "mean edge lengths", "Mean miss of a surface that has lost its shape.")
-    probes: int = threshold(
-        4, "count", "Random vectors that estimate degrees of freedom, to a percent or so."
-    )
+    probes: int = threshold(4, "count", "Random vectors that estimate degrees of freedom, to a percent.")
 
 
 BEST_FIT = BestFitThresholds()

@@ -39,9 +39,7 @@ class ConvexificationThresholds:
     far: float = threshold(0.05, SHARE, "Margin of the metric from which a continuation starts.")
     near: float = threshold(0.005, SHARE, "Margin of the metric from which Newton's method starts.")
     enough: float = threshold(0.5, "margins", "Deficit at which the conformal change may end.")
-    pinned: float = threshold(
-        1e-9, "Laplacian entries", "Added to the diagonal: equal factors change nothing."
-    )
+    pinned: float = threshold(1e-9, "Laplacian entries", "Added to the diagonal, which pins the mean.")
     diffused: float = threshold(1e-7, "relative", "Residual of the conjugate gradients of the diffusion.")
     most: int = threshold(150, "count", "Their iterations at most; beyond, the matrix is factored.")
     doublings: int = threshold(50, "count", "Of the time: beyond, only rounding keeps curvature uneven.")

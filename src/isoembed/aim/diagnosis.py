@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
@@ -12,13 +13,22 @@ from isoembed.metric.curvature import deficits, negative_deficits
 from isoembed.metric.polyhedral import PolyhedralMetric
 from isoembed.surface.embedding import Embedding
 from isoembed.surface.fitted import FittedSurface
+from isoembed.thresholds import threshold
 
 Floats = NDArray[np.float64]
 
-UNLIKE = 0.05  # mean edge lengths: lengths that err by more are not those of a surface, measured badly
-STANDS_OUT = 20.0  # times the mean squared residual, at one vertex: of even noise, none has as much
-REGION = 5  # vertices, on average: noise makes fewer deficits negative side by side
-ALMOST_CONVEX = 0.05  # of 4 pi: negative deficits that add up to less may be noise on a convex body
+
+@dataclass(frozen=True)
+class DiagnosisThresholds:
+    """Thresholds of the diagnosis."""
+
+    unlike: float = threshold(0.05, "mean edge lengths", "Larger errors are not those of a measured surface.")
+    stands_out: float = threshold(20.0, "mean squared residuals", "Even noise has less at any vertex.")
+    region: int = threshold(5, "vertices", "Noise makes fewer deficits negative side by side, on average.")
+    almost_convex: float = threshold(0.05, "4 pi", "Less negative curvature may be noise on a convex body.")
+
+
+DIAGNOSIS = DiagnosisThresholds()
 
 
 def diagnosis(attempt: Embedding, fit: FittedSurface | None) -> str:
@@ -40,7 +50,9 @@ def diagnosis(attempt: Embedding, fit: FittedSurface | None) -> str:
         f"no surface with these lengths was found: the nearest misses {_worst_edge(attempt)} "
         f"by {attempt.residual:.1e} of the mean edge length"
     )
-    return ". ".join([found, *_curvature(attempt.metric, fit is None or fit.noise > UNLIKE), _errors(fit)])
+    return ". ".join(
+        [found, *_curvature(attempt.metric, fit is None or fit.noise > DIAGNOSIS.unlike), _errors(fit)]
+    )
 
 
 def _curvature(metric: PolyhedralMetric, unlike: bool) -> list[str]:
@@ -52,14 +64,14 @@ def _curvature(metric: PolyhedralMetric, unlike: bool) -> list[str]:
     found = _negative(metric, negative, regions)
     if unlike:
         return [found]
-    if regions * REGION <= negative.sum():
+    if regions * DIAGNOSIS.region <= negative.sum():
         return [
             found,
             "Negative curvature over whole regions is not noise, and not every metric with it has a smooth "
             "surface",
         ]
     lowest, total = deficits(metric).min(), deficits(metric)[negative].sum()
-    if -total > ALMOST_CONVEX * 4 * np.pi:
+    if -total > DIAGNOSIS.almost_convex * 4 * np.pi:
         return [found]
     return [
         found,
@@ -84,7 +96,7 @@ def _errors(fit: FittedSurface | None) -> str:
     """What the best fit tells of the lengths."""
     if fit is None:
         return "No smooth surface comes near to them: check that each length is with its edge"
-    if fit.noise > UNLIKE:
+    if fit.noise > DIAGNOSIS.unlike:
         return (
             f"No smooth surface comes near to them: the best fit misses {fit.residual_rms:.0%} of the mean "
             f"edge length (root mean square), most at {_worst_edge(fit)}: check that each length is with its "
@@ -93,7 +105,7 @@ def _errors(fit: FittedSurface | None) -> str:
     squares = fit.residuals**2
     at_vertices = np.bincount(fit.metric.edges.ravel(), np.repeat(squares, 2)) / fit.triangulation.degrees
     v = int(np.argmax(at_vertices))
-    if at_vertices[v] > STANDS_OUT * squares.mean():
+    if at_vertices[v] > DIAGNOSIS.stands_out * squares.mean():
         return (
             f"Smooth surfaces miss them most at the edges of vertex {v}, with "
             f"{at_vertices[v] / squares.mean():.0f} times the mean squared residual: check the lengths "

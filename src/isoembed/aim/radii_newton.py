@@ -41,13 +41,9 @@ class RadiiNewtonThresholds:
     settled: float = threshold(1e-12, "radians", "Curvatures that are left to the polish.")
     steps: int = threshold(20, "count", "Newton steps at most, for each step of the way.")
     loosest: float = threshold(1e-3, "relative", "Largest residual of Newton's linear equations.")
-    nudge: float = threshold(
-        1e-3, "mean edge lengths", "Change of height that shows how the curvature bends."
-    )
+    nudge: float = threshold(1e-3, "mean edge lengths", "Change of height to see curvature bend.")
     trusted: float = threshold(0.25, "heights on a sphere", "Largest branch deviation that is trusted.")
-    solved: float = threshold(
-        0.4, "relative", "Share of all work that is done when the vertices can be placed."
-    )
+    solved: float = threshold(0.4, "relative", "Share of all work done when vertices can be placed.")
 
 
 RADII_NEWTON = RadiiNewtonThresholds()

@@ -30,29 +30,17 @@ class ContinuationThresholds:
     """Thresholds of the regularized continuation."""
 
     steps: int = threshold(6, "count", "Steps from t = 1 to t = 0.")
-    weight: float = threshold(
-        0.01, "mean edge lengths^2", "mu at first: more would smooth unresolved edges away."
-    )
-    stiffer: float = threshold(
-        3.0, "relative", "Factor of mu where a step goes uphill: the surface is too soft."
-    )
+    weight: float = threshold(0.01, "mean edge lengths^2", "mu at first; more would smooth edges away.")
+    stiffer: float = threshold(3.0, "relative", "Factor of mu where a step goes uphill.")
     stiffest: float = threshold(10.0, "mean edge lengths^2", "mu at most.")
     bending: float = threshold(3.0, "relative", "w on the way.")
-    letting_go: tuple[float, ...] = threshold(
-        (0.3, 0.03, 0.0), "relative", "w at t = 0, one after the other."
-    )
+    letting_go: tuple[float, ...] = threshold((0.3, 0.03, 0.0), "relative", "w at t = 0, in turn.")
     fade: float = threshold(0.1, "relative", "Factor of mu from step to step, after that.")
     faded: int = threshold(15, "count", "Such steps at most.")
     usual_fade: int = threshold(4, "count", "Such steps as a rule, for the time left.")
-    close: float = threshold(
-        1e-6, "mean edge lengths", "From this residual on, Newton's method does not get lost."
-    )
-    stalled: float = threshold(
-        0.9, "relative", "Share of the residual that two steps on end leave if it is lost."
-    )
-    shortest: float = threshold(
-        1e-9, "lengths", "Least length at t = 1, of that at t = 0: vertices may coincide."
-    )
+    close: float = threshold(1e-6, "mean edge lengths", "Newton's method does not get lost from here.")
+    stalled: float = threshold(0.9, "relative", "Share of the residual that two steps leave if it is lost.")
+    shortest: float = threshold(1e-9, "lengths", "Least length at t = 1, where vertices may coincide.")
 
 
 CONTINUATION = ContinuationThresholds()

@@ -38,13 +38,9 @@ Floats = NDArray[np.float64]
 class EnergyThresholds:
     """Thresholds of the regularized energy."""
 
-    rho: float = threshold(
-        3.5, "mean edge lengths^-2", "Largest eigenvalue, or so, of the Laplacian; that of R is 1."
-    )
+    rho: float = threshold(3.5, "mean edge lengths^-2", "Largest eigenvalue of K, or so, before scaling.")
     smallest_cotangent: float = threshold(0.01, "relative", "Smaller weights of K would reward bending.")
-    share: float = threshold(
-        0.5, "relative", "Share of |K x|^2 that stands in for |R x|^2 in the preconditioner."
-    )
+    share: float = threshold(0.5, "relative", "Share of |K x|^2 that stands in for |R x|^2 in the factors.")
     solved: float = threshold(1e-3, "relative", "Residual of a step's linear equations, over the gradient.")
     most: int = threshold(100, "count", "Conjugate gradients' iterations at most.")
     stiffnesses: tuple[float, ...] = threshold(

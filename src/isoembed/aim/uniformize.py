@@ -24,12 +24,24 @@ from isoembed.metric.variation import (
     length_derivative,
 )
 from isoembed.progress.stages import StageRecorder
+from isoembed.thresholds import threshold
 
 Floats = NDArray[np.float64]
 
 
-LARGEST_FACTOR = 300.0  # |u|: its exponential, and the square of that, are floats
-MOST_EVALUATIONS = 20_000
+@dataclass(frozen=True)
+class UniformizationThresholds:
+    """Thresholds of the uniformization."""
+
+    largest_factor: float = threshold(300.0, "conformal factors", "Exponentials of more, squared, overflow.")
+    most_evaluations: int = threshold(20_000, "count", "Right-hand sides of the flow at most.")
+    rtol: float = threshold(1e-4, "relative", "Error of a step of the flow.")
+    atol: float = threshold(1e-6, "conformal factors", "Error of a step of the flow.")
+    steps: int = threshold(30, "count", "Newton steps at most.")
+    shortest: float = threshold(1e-3, "Newton steps", "A shorter step ends Newton's method.")
+
+
+UNIFORMIZATION = UniformizationThresholds()
 
 
 @dataclass(frozen=True)
@@ -95,7 +107,7 @@ def ricci_flow(
 
     def trial(u: Floats) -> PolyhedralMetric | None:
         """The metric at a state that the integrator tries, if there is one."""
-        if not np.abs(u).max() < LARGEST_FACTOR:
+        if not np.abs(u).max() < UNIFORMIZATION.largest_factor:
             return None
         try:
             return rescaled(metric, u)
@@ -114,7 +126,7 @@ def ricci_flow(
 
     def velocity(_time: float, u: Floats) -> Floats:
         recorder.iterations += 1
-        if recorder.iterations > MOST_EVALUATIONS:
+        if recorder.iterations > UNIFORMIZATION.most_evaluations:
             raise _Exhausted
         excess = curvature_excess(u)[0]
         recorder.show(residual=float(np.abs(excess).max() * time_unit))
@@ -143,8 +155,8 @@ def ricci_flow(
             np.zeros(n),
             method=integrator,
             events=uniform,
-            rtol=1e-4,
-            atol=1e-6,
+            rtol=UNIFORMIZATION.rtol,
+            atol=UNIFORMIZATION.atol,
             **implicit,
         )
     except _Exhausted:
@@ -169,7 +181,7 @@ def newton_uniformization(
     recorder: StageRecorder,
     *,
     epsilon: float,
-    max_iterations: int = 30,
+    max_iterations: int = UNIFORMIZATION.steps,
     backend: str | None = None,
 ) -> Uniformization:
     """Solve ``epsilon_a - kbar A*_a = 0``, the flow's fixed point, by Newton's method.
@@ -215,7 +227,7 @@ def newton_uniformization(
                 state = trial
                 break
             s /= 2
-            if s < 1e-3:
+            if s < UNIFORMIZATION.shortest:
                 return _finished(metric, state, False)
     return _finished(metric, state, state.deviation < epsilon)
 

@@ -65,12 +65,8 @@ class CertificateThresholds:
     """Thresholds of the certificate."""
 
     most_vertices: int = threshold(30_000, "vertices", "For more, the factors of J J^T outgrow the solve.")
-    largest_h: float = threshold(
-        0.5, "relative", "Largest h: the theorem allows 1, half of it leaves rounding room."
-    )
-    farthest: float = threshold(
-        1e-8, "mean edge lengths", "Vertices that are farther off are not the polyhedron's."
-    )
+    largest_h: float = threshold(0.5, "relative", "Largest h; the theorem allows 1.")
+    farthest: float = threshold(1e-8, "mean edge lengths", "Farthest that vertices may be off.")
 
 
 CERTIFICATE = CertificateThresholds()

@@ -27,17 +27,11 @@ Indices = NDArray[np.int64]
 class FlatLimitThresholds:
     """Thresholds for polytopes that are turning flat."""
 
-    thin: float = threshold(
-        1e-4, "squared radii", "Squared height of the apex below which a polytope may be turning flat."
-    )
-    fold: float = threshold(
-        0.5, "relative", "Feet of the apex on one side of an edge: 1 at a fold, 0 at a flat edge."
-    )
+    thin: float = threshold(1e-4, "squared radii", "Squared height of the apex of a body that may turn flat.")
+    fold: float = threshold(0.5, "relative", "Apex' feet beside an edge: 1 at a fold, 0 if it is flat.")
     rounding: float = threshold(1e-8, "edge lengths", "Error of the feet by rounding.")
     not_yet_flat: float = threshold(30.0, "edge lengths", "Error of the feet, over the squared height.")
-    even: float = threshold(
-        1e-7, "radians", "Angles of the two sheets at a vertex agree, and the polygon closes."
-    )
+    even: float = threshold(1e-7, "radians", "The two sheets' angles agree, and the polygon closes.")
 
 
 FLAT_LIMIT = FlatLimitThresholds()
@@ -60,12 +54,7 @@ class DoublyCovered:
 
 
 def flat_limit(p: Polytope) -> DoublyCovered | None:
-    """Read the polygon off a polytope that is turning flat; None if it is not one.
-
-    Parameters
-    ----------
-    p : Polytope
-    """
+    """Read the polygon off a polytope that is turning flat; None if it is not one."""
     mean = float(p.radii.mean())
     feet, _ = tilts(p.tables, (p.radii - mean) * (p.radii + mean))
     other = feet[p.tables.twins]

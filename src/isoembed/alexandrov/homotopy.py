@@ -41,26 +41,18 @@ class HomotopyThresholds:
     forcing: float = threshold(0.03, "relative", "Residual of the linear equations on the way.")
     stale: int = threshold(10, "GMRES iterations", "More of them cost more than a fresh factorization.")
     most_iterations: int = threshold(30, "GMRES iterations", "At most.")
-    decrease: float = threshold(
-        0.25, "relative", "Least decrease of a step, of what the linear model promises."
-    )
-    first_step: float = threshold(
-        0.5, "relative", "Share of the curvatures that the first step is to remove."
-    )
+    decrease: float = threshold(0.25, "relative", "Least decrease, of what the linear model promises.")
+    first_step: float = threshold(0.5, "relative", "Share of the curvatures that a first step removes.")
     longest_step: float = threshold(0.9, "relative", "Largest such share.")
     shortest_step: float = threshold(1e-4, "relative", "Smallest: a path that needs less is given up.")
     halvings: int = threshold(30, "count", "Of a step with a fresh factorization.")
     halvings_if_stale: int = threshold(3, "count", "Of a step with an older one.")
     newton_halvings: int = threshold(8, "count", "Of a step of Newton's method that has not arrived.")
     close: float = threshold(3e-3, "largest deficits", "Largest curvature at which Newton's method is tried.")
-    closest: float = threshold(
-        1e-9, "largest deficits", "After failures, it is tried with less, down to this."
-    )
+    closest: float = threshold(1e-9, "largest deficits", "After failures, down to this.")
     most_steps: int = threshold(1000, "count", "Steps of a path at most.")
     newton_steps: int = threshold(40, "count", "Steps of Newton's method at most.")
-    creep: int = threshold(
-        50, "count", "So many steps have to bring the curvatures down by `least_progress`."
-    )
+    creep: int = threshold(50, "count", "Steps that have to leave at most `least_progress`.")
     least_progress: float = threshold(0.999, "relative", "What they leave at most.")
     arrived: float = threshold(0.7, "relative", "Share of all work done where Newton's method begins.")
     loosest: float = threshold(1e-2, "relative", "Largest residual of Newton's linear equations.")

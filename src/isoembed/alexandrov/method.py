@@ -42,12 +42,8 @@ Indices = NDArray[np.int64]
 class SolutionThresholds:
     """Thresholds of what counts as the polyhedron."""
 
-    accepted: float = threshold(
-        1e-11, "mean edge lengths", "For larger errors, Newton goes on with the lengths."
-    )
-    dented: float = threshold(
-        1e-6, "mean edge lengths", "Depth of a dent: on nearly flat faces, floats fix 1e-8."
-    )
+    accepted: float = threshold(1e-11, "mean edge lengths", "Error of lengths that needs no Newton step.")
+    dented: float = threshold(1e-6, "mean edge lengths", "Depth of a dent; rounding makes 1e-8.")
 
 
 SOLUTION = SolutionThresholds()

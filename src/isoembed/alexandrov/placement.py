@@ -61,12 +61,7 @@ def realized(solution: Solution, recorder: StageRecorder) -> Floats:
 
 
 def placed(solution: Solution) -> Floats:
-    """Vertices around the apex, which is the origin, shape (V, 3).
-
-    Parameters
-    ----------
-    solution : Solution
-    """
+    """Vertices around the apex, which is the origin, shape (V, 3)."""
     p = solution.polytope
     directions = np.zeros((p.radii.size, 3))
     directions[solution.pins] = np.eye(3)
@@ -86,11 +81,6 @@ def polished(solution: Solution, vertices: Floats) -> Floats:
     The vertices are an exact polytope of nearly right lengths, without curvature and with its directions for
     a kernel.  What changes when the lengths are put right is linear in their errors, so these may be
     magnified before the curvatures, which are differences of nearly equal numbers, are evaluated.
-
-    Parameters
-    ----------
-    solution : Solution
-    vertices : ndarray, shape (V, 3)
 
     Returns
     -------
@@ -129,12 +119,6 @@ def polished(solution: Solution, vertices: Floats) -> Floats:
 
 def relaxed(solution: Solution, vertices: Floats, recorder: StageRecorder) -> Floats:
     """Newton's method on the lengths, where nearly flat vertices leave ``d kappa / d r`` nearly singular.
-
-    Parameters
-    ----------
-    solution : Solution
-    vertices : ndarray, shape (V, 3)
-    recorder : StageRecorder
 
     Returns
     -------
@@ -199,13 +183,7 @@ def relaxed_polytope(nearest: Polytope, recorder: StageRecorder) -> tuple[HalfEd
 
 
 def worst_length(solution: Solution, vertices: Floats) -> float:
-    """The largest error of a length, over the mean length.
-
-    Parameters
-    ----------
-    solution : Solution
-    vertices : ndarray, shape (V, 3)
-    """
+    """The largest error of a length, over the mean length."""
     tables = solution.polytope.tables
     actual = np.linalg.norm(vertices[tables.corners] - vertices[tables.corners[tables.twins]], axis=1)
     return float(np.abs(actual - tables.lengths).max() / tables.lengths.mean())

@@ -56,13 +56,7 @@ class Polytope:
 
     @classmethod
     def over(cls, tables: HalfEdges, radii: Floats) -> Polytope | None:
-        """Flip a copy of the triangles until no edge is reflex; None if no polytope has these radii.
-
-        Parameters
-        ----------
-        tables : HalfEdges
-        radii : ndarray, shape (V,)
-        """
+        """Flip a copy of the triangles until no edge is reflex; None if no polytope has these radii."""
         if not radii.min() > 0:  # not a number is no radius either
             return None
         mean = float(radii.mean())
@@ -77,13 +71,7 @@ class Polytope:
 
     @classmethod
     def on(cls, tables: HalfEdges, radii: Floats) -> Polytope | None:
-        """Put pyramids over the triangles as they are; None if one of them does not exist.
-
-        Parameters
-        ----------
-        tables : HalfEdges
-        radii : ndarray, shape (V,)
-        """
+        """Put pyramids over the triangles as they are; None if one of them does not exist."""
         kappa, coupling, diagonal, lowest = _evaluate(tables.corners, tables.twins, tables.lengths, radii)
         if not (lowest > 0 and np.isfinite(kappa).all() and np.isfinite(coupling).all()):
             return None

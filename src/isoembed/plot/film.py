@@ -38,7 +38,7 @@ class Frame:
     stage : str
         The stage of the method that reached it; `ANSWER` for the last one.
     t : float or None
-        Position on the path of metrics: 1 is the uniform metric or the convex waypoint, 0 the given one.
+        Position on the path of metrics: 1 is the uniform or the convex metric, 0 the given one.
     residual : float or None
         Largest length error in mean edge lengths, against the metric at this t.
     vertices : ndarray, shape (V, 3)
@@ -84,7 +84,7 @@ class Film:
         """The surfaces met on the way to this answer, with it as the last.
 
         Surfaces that can hardly be told from the next are left out.  A method that changes the triangles, or
-        leaps to its answer, leaves the answer alone.
+        goes to its answer at once, leaves the answer alone.
 
         Parameters
         ----------
