@@ -37,7 +37,9 @@ def configured(method: str, assignments: Sequence[str]) -> _embed.Method:
         if not equals:
             raise UsageError(f"--parameter {assignment} is not of the form NAME=VALUE")
         if name not in known:
-            raise UsageError(f"the method {method!r} has no parameter {name!r}; it has {', '.join(known)}")
+            raise UsageError(
+                f"the method {method!r} has no parameter {name!r}; it has {', '.join(known) or 'none'}"
+            )
         try:
             values[name] = parsed(text, types_[name])
         except ValueError as error:
