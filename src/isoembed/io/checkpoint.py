@@ -9,14 +9,7 @@ from typing import Any
 import numpy as np
 
 from isoembed.io import npz
-from isoembed.io.files import (
-    FileError,
-    Tables,
-    Writer,
-    check_ending,
-    check_output,
-    write_atomically,
-)
+from isoembed.io.files import FileError, Tables, Writer, check_ending, check_output, write_atomically
 from isoembed.io.input_file import InputFile
 from isoembed.progress.fingerprint import Fingerprint
 from isoembed.progress.stages import Checkpoint

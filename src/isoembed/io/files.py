@@ -12,16 +12,16 @@ from typing import Any, BinaryIO
 Tables = Mapping[str, Any]
 """Named arrays of a file: ``faces``, ``edges``, ``lengths``, ``vertices`` and data at the vertices."""
 
-Writer = Callable[[Path], None]
+Writer = Callable[[Path], object]
 """Writes one file under the (temporary) name that it is given."""
 
 
 class FileError(ValueError):
-    """A file cannot be read or written, or is not what its ending says."""
+    """A file that cannot be read or written, or is not what its ending says."""
 
 
 def ending(path: str | os.PathLike[str]) -> str:
-    """Return the ending of a file name in lower case, with its dot."""
+    """Ending of a file name in lower case, with its dot."""
     return Path(path).suffix.lower()
 
 
@@ -119,7 +119,7 @@ def write_atomically(writers: Mapping[Path, Writer]) -> None:
 
 
 def _target(path: str | os.PathLike[str]) -> Path:
-    """The file behind symbolic links: the link stays, its file is replaced.
+    """File behind symbolic links: the link stays, its file is replaced.
 
     Raises
     ------

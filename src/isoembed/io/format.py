@@ -1,13 +1,17 @@
-"""What a file format is: an ending, a reader and a writer."""
+"""File format: an ending, a reader and a writer."""
 
 from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
+from importlib.metadata import EntryPoint
 from pathlib import Path
+from typing import TypeVar
 
-from isoembed.io.files import Tables
+from isoembed.io.files import FileError, Tables
 from isoembed.io.input_file import InputFile
+
+Kind = TypeVar("Kind")
 
 
 @dataclass(frozen=True)
@@ -31,3 +35,21 @@ class Format:
     read: Callable[[InputFile], Tables]
     write: Callable[[Path, Tables], None]
     holds_metrics: bool = False
+
+
+def loaded(point: EntryPoint, kind: type[Kind]) -> Kind:
+    """What the entry point of another package refers to.
+
+    Raises
+    ------
+    FileError
+        It cannot be loaded, or is not of this type.
+    """
+    try:
+        found = point.load()
+    except Exception as error:  # whatever a module of others raises
+        why = f"{type(error).__name__}: {error}"
+        raise FileError(f"the format {point.name!r} cannot be loaded from {point.value}: {why}") from error
+    if not isinstance(found, kind):
+        raise FileError(f"the format {point.name!r} is {point.value}, which is no {kind.__name__}")
+    return found

@@ -11,15 +11,15 @@ from importlib.metadata import EntryPoint, entry_points
 
 from isoembed.io import json, npz, obj, off, ply, stl, vtk, vtu
 from isoembed.io.files import Tables, Writer, ending
-from isoembed.io.format import Format
+from isoembed.io.format import Format, loaded
 
 
 def _added(point: EntryPoint) -> Format:
     """The format of another package, which is imported on first use."""
     return Format(
         point.name,
-        lambda file: point.load().read(file),
-        lambda path, tables: point.load().write(path, tables),
+        lambda file: loaded(point, Format).read(file),
+        lambda path, tables: loaded(point, Format).write(path, tables),
     )
 
 

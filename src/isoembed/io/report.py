@@ -14,7 +14,7 @@ REPORT_ENDINGS = (".json",)
 
 
 def report_writer(report: Mapping[str, Any]) -> Writer:
-    """Return what writes the report; see `write_atomically`.
+    """Writer of a report; see `write_atomically`.
 
     Raises
     ------
@@ -22,7 +22,7 @@ def report_writer(report: Mapping[str, Any]) -> Writer:
         A number is not finite.
     """
     text = json.dumps(report, indent=2, allow_nan=False) + "\n"
-    return lambda temporary: _write(temporary, text)
+    return lambda temporary: temporary.write_text(text, encoding="utf-8")
 
 
 def write_report(path: str | os.PathLike[str], report: Mapping[str, Any]) -> None:
@@ -37,7 +37,3 @@ def write_report(path: str | os.PathLike[str], report: Mapping[str, Any]) -> Non
     """
     check_output(path, REPORT_ENDINGS)
     write_atomically({Path(path): report_writer(report)})
-
-
-def _write(path: Path, text: str) -> None:
-    path.write_text(text, encoding="utf-8")

@@ -1,6 +1,7 @@
 """Files of horizons and of metrics on grids, by content and ending; closed surfaces of scattered points."""
 
 import gzip
+from importlib.metadata import EntryPoint
 
 import numpy as np
 import pytest
@@ -431,6 +432,21 @@ def test_other_files(tmp_path):
         read_horizon(path)
     with pytest.raises(FileError, match="there is no file"):
         read_horizon(tmp_path / "none.npz")
+
+
+@pytest.mark.parametrize(
+    ("value", "sentence"),
+    [
+        ("no_such_module:FORMAT", "cannot be loaded from no_such_module:FORMAT: ModuleNotFoundError: "),
+        ("math:pi", "is math:pi, which is no HorizonFormat"),
+    ],
+)
+def test_broken_formats_of_others(value, sentence, tmp_path, monkeypatch):
+    points = [EntryPoint("theirs", value, "isoembed.horizon_formats")]
+    monkeypatch.setattr("isoembed.relativity.horizons.horizon_file.entry_points", lambda group: points)
+    (tmp_path / "a.theirs").write_text("nothing that anybody knows")
+    with pytest.raises(FileError, match=f"the format 'theirs' {sentence}"):
+        read_horizon(tmp_path / "a.theirs")
 
 
 @pytest.mark.shared

@@ -1,4 +1,4 @@
-"""Files of horizons, whichever code wrote them."""
+"""Horizon files of any format."""
 
 from __future__ import annotations
 
@@ -13,6 +13,7 @@ from isoembed.arrays import Floats, Indices
 from isoembed.errors import InvalidMetric
 from isoembed.io import registry
 from isoembed.io.files import FileError, Tables
+from isoembed.io.format import loaded
 from isoembed.io.input_file import InputFile, opened
 from isoembed.io.registry import MESH_ENDINGS
 from isoembed.io.vtk import is_polydata, read_polydata
@@ -30,7 +31,7 @@ CENTERS = ("center", "origin")
 
 
 def read_horizon(path: str | os.PathLike[str]) -> CoordinateShape | GridMetric:
-    """Read a horizon from whatever file holds one.
+    """Read a horizon from a file of any format.
 
     Parameters
     ----------
@@ -38,8 +39,8 @@ def read_horizon(path: str | os.PathLike[str]) -> CoordinateShape | GridMetric:
         By its content and ending: a shape file of AHFinderDirect; ``.npz``, ``.h5`` or ``.hdf5`` with a
         metric on a grid (see `read_metric_grid`), with SpECTRE's surface data (see `read_spectre`), or with
         ``points`` (V, 3) or ``x``, ``y``, ``z``, and maybe ``faces`` (F, 3), ``center`` (3,) and ``time``;
-        polygons in a legacy VTK file as QuasiLocalMeasures writes them; or a closed mesh of triangles.
-        What is text may be compressed (``.gz``).
+        polygons in a legacy VTK file as QuasiLocalMeasures writes them; or a closed mesh of triangles; or a
+        `HorizonFormat` of another package.  It may be compressed (``.gz``).
 
     Returns
     -------
@@ -55,7 +56,7 @@ def read_horizon(path: str | os.PathLike[str]) -> CoordinateShape | GridMetric:
         What it holds as a metric, or as the triangles of a closed surface, is none.
     """
     with opened(path) as file:
-        added = (point.load() for point in entry_points(group="isoembed.horizon_formats"))
+        added = (loaded(point, HorizonFormat) for point in entry_points(group="isoembed.horizon_formats"))
         known = next((known for known in chain(FORMATS, added) if known.recognizes(file)), None)
         if known is not None:
             return known.read(file)
@@ -101,7 +102,7 @@ def _groups_of_points(file: InputFile) -> dict[str, Tables]:
 
 
 def _shape_of(tables: Tables, source: str) -> CoordinateShape:
-    """The surface of named arrays: with its own triangles where it has them."""
+    """Surface of named arrays, with its own triangles where it has them."""
     named = next((name for name in POINTS if name in tables), None)
     coordinates = [tables[name] for name in ([named] if named else "xyz")]
     if any(np.asarray(array).dtype.kind not in "iuf" for array in coordinates):

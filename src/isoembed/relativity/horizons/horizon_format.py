@@ -1,4 +1,4 @@
-"""What a format of horizon files is: what recognizes a file, and what reads it."""
+"""Format of horizon files: what recognizes a file, and what reads it."""
 
 from __future__ import annotations
 
