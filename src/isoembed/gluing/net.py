@@ -140,7 +140,7 @@ def _cut_outlines(sheets: Sequence[Polygon], runs: Sequence[tuple[Run, Run]]) ->
         For each step between two of them, all outlines in a row, the one that it is glued to, which runs
         the other way.
     """
-    cuts = [(one.polygon, other.polygon, *cut(one, other, sheets)) for one, other in runs]
+    cuts = [(one.polygon, other.polygon, *cut(one, other)) for one, other in runs]
     positions = [{float(k) for k in range(sheet.n)} for sheet in sheets]
     for p, q, ours, theirs in cuts:
         positions[p].update(ours)

@@ -22,6 +22,8 @@ class Run:
     Attributes
     ----------
     polygon : int
+    sheet : Polygon
+        The polygon of this number.
     start, stop : float
         Positions, from 0 to below n; all around if they are the same.
     name : str
@@ -29,36 +31,36 @@ class Run:
     """
 
     polygon: int
+    sheet: Polygon = field(compare=False, repr=False)
     start: float
     stop: float
     name: str = field(compare=False)
 
-    def span(self, polygons: Sequence[Polygon]) -> tuple[float, float]:
+    @property
+    def span(self) -> tuple[float, float]:
         """How far along the boundary it starts and stops; beyond a whole lap if it passes corner 0."""
-        polygon = polygons[self.polygon]
-        first, last = polygon.arc(self.start), polygon.arc(self.stop)
-        return first, last if self.stop > self.start else last + polygon.perimeter
+        first, last = self.sheet.arc(self.start), self.sheet.arc(self.stop)
+        return first, last if self.stop > self.start else last + self.sheet.perimeter
 
-    def length(self, polygons: Sequence[Polygon]) -> float:
+    @property
+    def length(self) -> float:
         """Length."""
-        first, last = self.span(polygons)
+        first, last = self.span
         return last - first
 
-    def at(self, part: float, polygons: Sequence[Polygon]) -> float:
+    def at(self, part: float) -> float:
         """The position this part of the way along."""
-        first, last = self.span(polygons)
-        return polygons[self.polygon].position(first + part * (last - first))
+        return self.sheet.position(self.span[0] + part * self.length)
 
-    def parts(self, polygons: Sequence[Polygon]) -> tuple[list[float], list[float]]:
+    def parts(self) -> tuple[list[float], list[float]]:
         """Positions of its ends and of the corners between, and how far along it each is, from 0 to 1."""
-        polygon = polygons[self.polygon]
-        first, last = self.span(polygons)
-        end = self.stop if self.stop > self.start else self.stop + polygon.n
+        n, (first, _) = self.sheet.n, self.span
+        end = self.stop if self.stop > self.start else self.stop + n
         positions, along = [self.start], [0.0]
         for k in range(math.floor(self.start) + 1, math.ceil(end)):
-            lap, corner = divmod(k, polygon.n)
+            lap, corner = divmod(k, n)
             positions.append(float(corner))
-            along.append((float(polygon.arcs[corner]) + lap * polygon.perimeter - first) / (last - first))
+            along.append((float(self.sheet.arcs[corner]) + lap * self.sheet.perimeter - first) / self.length)
         return [*positions, self.stop], [*along, 1.0]
 
 
@@ -92,15 +94,15 @@ def read_sides(sides: Sequence[Any], polygons: Sequence[Polygon]) -> list[tuple[
             raise InvalidParameter(f"sides[{i}] is {_shown(pair)}, not a pair of sides or runs")
         runs.append((_read(pair[0], i, polygons), _read(pair[1], i, polygons)))
     runs = _joined(runs)
-    _check_lengths(runs, polygons)
+    _check_lengths(runs)
     _check_cover(runs, polygons)
-    return [_folded(one, polygons) if one == other else (one, other) for one, other in runs]
+    return [_folded(one) if one == other else (one, other) for one, other in runs]
 
 
-def cut(one: Run, other: Run, polygons: Sequence[Polygon]) -> tuple[list[float], list[float]]:
+def cut(one: Run, other: Run) -> tuple[list[float], list[float]]:
     """Positions of the corners of both along one run, ends included, and where they meet the other."""
-    here, along = one.parts(polygons)
-    there, back = (part[::-1] for part in other.parts(polygons))
+    here, along = one.parts()
+    there, back = (part[::-1] for part in other.parts())
     ours, theirs = [here[0]], [there[0]]
     i, j = 1, 1
     while i < len(here) - 1 or j < len(there) - 1:
@@ -111,10 +113,10 @@ def cut(one: Run, other: Run, polygons: Sequence[Polygon]) -> tuple[list[float],
             i, j = i + 1, j + 1
         elif j == len(there) - 1 or (i < len(here) - 1 and ahead < 0):
             ours.append(here[i])
-            theirs.append(other.at(1.0 - along[i], polygons))
+            theirs.append(other.at(1.0 - along[i]))
             i += 1
         else:
-            ours.append(one.at(1.0 - back[j], polygons))
+            ours.append(one.at(1.0 - back[j]))
             theirs.append(there[j])
             j += 1
     return [*ours, here[-1]], [*theirs, there[-1]]
@@ -159,7 +161,7 @@ def _read(entry: Any, i: int, polygons: Sequence[Polygon]) -> Run:
         name = f"polygon {int(p)} from {entry[1]:.12g} to {entry[2]:.12g}"
     if polygon.turned:
         a, b = -b, -a
-    return Run(int(p), a % polygon.n, b % polygon.n, name)
+    return Run(int(p), polygon, a % polygon.n, b % polygon.n, name)
 
 
 def _joined(runs: list[tuple[Run, Run]]) -> list[tuple[Run, Run]]:
@@ -181,9 +183,9 @@ def _joined(runs: list[tuple[Run, Run]]) -> list[tuple[Run, Run]]:
     return [(joined(one), joined(other)) for one, other in runs]
 
 
-def _check_lengths(runs: list[tuple[Run, Run]], polygons: Sequence[Polygon]) -> None:
+def _check_lengths(runs: list[tuple[Run, Run]]) -> None:
     for i, (one, other) in enumerate(runs):
-        ours, theirs = one.length(polygons), other.length(polygons)
+        ours, theirs = one.length, other.length
         if abs(ours - theirs) > GLUING.same_length * max(ours, theirs):
             raise InvalidMetric(
                 f"sides[{i}] glues {one.name}, of length {ours!r}, to {other.name}, of length {theirs!r}: "
@@ -224,10 +226,9 @@ def _stretch(p: int, polygon: Polygon, stops: list[float], k: int) -> str:
     return f"the boundary of polygon {p} from {a:.12g} to {b:.12g}"
 
 
-def _folded(run: Run, polygons: Sequence[Polygon]) -> tuple[Run, Run]:
+def _folded(run: Run) -> tuple[Run, Run]:
     """The two halves of a run."""
-    polygon = polygons[run.polygon]
-    middle = _snapped(run.at(0.5, polygons), polygon) % polygon.n
+    middle = _snapped(run.at(0.5), run.sheet) % run.sheet.n
     return replace(run, stop=middle), replace(run, start=middle)
 
 

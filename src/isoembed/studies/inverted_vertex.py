@@ -20,7 +20,7 @@ from isoembed.plot.view import Pose, camera
 from isoembed.progress.stages import Log, StageRecorder
 from isoembed.studies import plots
 from isoembed.studies.bodies import STUDY, meshed
-from isoembed.studies.section import Section, Table
+from isoembed.studies.section import Section
 from isoembed.surface.alignment import aligned, distance
 from isoembed.surface.convexity import concave_edges, inverted_vertices, umbrella_heights
 from isoembed.surface.curvature import dihedral_angles, vertex_mean_curvature
@@ -34,7 +34,6 @@ if TYPE_CHECKING:
 AXES = (1.3, 1.15, 1.0)  # the hull of a sphere's points, stretched: convex, and with a longest axis to view
 SHOWN = np.array([0.15, 0.45, 0.85])  # right, up, toward the viewer: about where the vertex is that is drawn
 PENTAGON = 5  # edges at the vertex that is drawn
-STEP = "{moved:+.3f} {moved_concave} {annealed:+.3f} {annealed_concave}"
 ROUTINES = {"printed": PRINTED, "corrected": CORRECTED}
 
 
@@ -96,28 +95,24 @@ def study(*, vertices: int) -> Section:
     deeper, out = steps["printed"], steps["corrected"]
     popped_out = {name: sum(_is_popped(pair, name) for pair in pairs) for name in ROUTINES}
     everywhere = {"vertices": vertices, "inverted": len(pairs), **popped_out}
+    rows = [
+        {"name": name, "height": shown.height(x), "concave": shown.concave(x)}
+        | {"annealed": "", "annealed_concave": ""}
+        for name, x in (("convex", shown.convex), ("inverted", shown.inverted))
+    ]
+    rows += [
+        {
+            "name": f"v {sign} 2 v_diff, {name}",
+            "height": step["moved"],
+            "concave": step["moved_concave"],
+            "annealed": f"{step['annealed']:+.3f}",
+            "annealed_concave": step["annealed_concave"],
+        }
+        for sign, (name, step) in zip("+-", steps.items(), strict=True)
+    ]
     return Section.of(
         "inverted-vertex",
         figures={"inverted-vertex": _surfaces(shown), "convexity-routine": _section_figure(shown)},
-        tables=(
-            Table(
-                "Height of the vertex above the mean of its neighbors, in mean edge lengths, and concave "
-                "edges of the surface",
-                ("", "height", "concave edges", "annealed: height", "concave edges"),
-                (
-                    ("convex", f"{facts['height_convex']:+.3f}", str(shown.concave(shown.convex)), "", ""),
-                    (
-                        "inverted",
-                        f"{facts['height_inverted']:+.3f}",
-                        str(shown.concave(shown.inverted)),
-                        "",
-                        "",
-                    ),
-                    ("v + 2 v_diff, printed", *STEP.format(**deeper).split()),
-                    ("v - 2 v_diff, corrected", *STEP.format(**out).split()),
-                ),
-            ),
-        ),
         numbers={"pair": facts, "routine": steps, "every_vertex": everywhere},
         vertices=vertices,
         facts=facts,
@@ -125,6 +120,7 @@ def study(*, vertices: int) -> Section:
         deeper=deeper,
         out=out,
         everywhere=everywhere,
+        rows=rows,
     )
 
 
