@@ -7,8 +7,8 @@ import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
-from scipy.spatial import Delaunay
 
+from gluing_polygons import shoelace, star
 from isoembed.errors import InvalidMetric, InvalidParameter
 from isoembed.gluing import Net, glue, rectangle, regular_polygon, zipped
 from isoembed.gluing.classics import regular_faces
@@ -22,24 +22,6 @@ FOLDED = [((0, k), (0, k)) for k in range(4)]
 def sixty_fourths(most):
     """Numbers from 0 to most that are not so near to one another that triangles between them are lost."""
     return st.integers(0, 64 * most).map(lambda k: k / 64)
-
-
-def shoelace(polygon):
-    x, y = np.asarray(polygon, dtype=float).T
-    return abs((x * np.roll(y, -1) - y * np.roll(x, -1)).sum()) / 2
-
-
-def star(n, seed):
-    """A star-shaped polygon with random radii, some of them small."""
-    rng = np.random.default_rng(seed)
-    angles = 2 * np.pi * (np.arange(n) + rng.uniform(0.3, 0.7, n)) / n
-    radii = rng.uniform(0.2, 1.0, n)
-    return radii[:, None] * np.column_stack([np.cos(angles), np.sin(angles)])
-
-
-def twice_areas(points, triangles):
-    (x, y), (u, v) = ((points[triangles[:, k]] - points[triangles[:, 0]]).T for k in (1, 2))
-    return x * v - y * u
 
 
 def areas(net):
@@ -173,36 +155,6 @@ def test_lengths_that_differ_by_rounding_become_their_mean():
 def test_arrays_and_whole_floats_are_fine():
     net = glue(np.array([SQUARE]), np.array([((0, k), (0, k)) for k in range(4)], dtype=float))
     assert net.n_vertices == 5
-
-
-# Triangles
-
-
-@given(seed=st.integers(0, 10**6), n=st.integers(3, 40))
-def test_triangles_of_a_polygon_fill_it(seed, n):
-    polygon = star(n, seed)
-    triangles = triangulated(polygon)
-    assert triangles.shape == (n - 2, 3)
-    twice = twice_areas(polygon, triangles)
-    assert (twice > 0).all()
-    assert twice.sum() / 2 == pytest.approx(shoelace(polygon), rel=1e-12)
-
-
-@given(seed=st.integers(0, 10**6), n=st.integers(3, 40))
-def test_triangles_of_a_convex_polygon_are_those_of_delaunay(seed, n):
-    angles = np.sort(np.random.default_rng(seed).uniform(0, 2 * np.pi, n)) + np.linspace(0, 1e-2, n)
-    polygon = np.column_stack([np.cos(angles), 0.7 * np.sin(angles)])
-    expected = {tuple(sorted(face)) for face in Delaunay(polygon).simplices.tolist()}
-    assert {tuple(sorted(face)) for face in triangulated(polygon).tolist()} == expected
-
-
-def test_corners_in_line_are_no_ears():
-    along = np.linspace(0, 1, 20, endpoint=False)
-    zero = np.zeros(20)
-    sides = [(along, zero), (zero + 1, along), (1 - along, zero + 1), (zero, 1 - along)]
-    outline = np.concatenate([np.column_stack(side) for side in sides]) @ [[0.8, 0.6], [-0.6, 0.8]]
-    triangles = triangulated(outline - outline.min(axis=0))
-    assert twice_areas(outline, triangles).min() > 1e-3
 
 
 def test_a_comb_with_many_teeth():

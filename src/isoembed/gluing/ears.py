@@ -38,7 +38,7 @@ class Constrained(NamedTuple):
 
 
 def triangulated(points: Floats) -> Indices | None:
-    """Cut a polygon into the triangles of its constrained Delaunay triangulation.
+    """Triangles of the constrained Delaunay triangulation of a polygon.
 
     Parameters
     ----------
@@ -57,8 +57,7 @@ def triangulated(points: Floats) -> Indices | None:
     triangles = np.empty((len(points) - 2, 3), dtype=np.int64)
     if not _clip(points, triangles):
         return None
-    sides = np.stack([triangles, np.roll(triangles, -1, axis=1)], axis=2).reshape(-1, 2)
-    twins = twins_inside(sides)
+    twins = twins_inside(triangles)
     outline = np.flatnonzero(twins < 0)
     twins[outline] = twins.size + np.arange(outline.size)
     mesh = Triangles(triangles.ravel(), np.concatenate([twins, outline]))
@@ -66,19 +65,14 @@ def triangulated(points: Floats) -> Indices | None:
     return triangles
 
 
-def twins_inside(sides: Indices) -> Indices:
-    """Which sides of the triangles are one edge, shape (n,): the index of the other, -1 on the outline.
-
-    Parameters
-    ----------
-    sides : ndarray of int, shape (n, 2)
-        The two ends of each; an edge inside has two sides, which run in opposite directions.
-    """
-    low, high = sides.min(axis=1), sides.max(axis=1)
+def twins_inside(triangles: Indices) -> Indices:
+    """The half-edge on the other side of each, (3F,) for triangles (F, 3); -1 on the outline."""
+    ends = np.stack([triangles, np.roll(triangles, -1, axis=1)], axis=2).reshape(-1, 2)
+    low, high = ends.min(axis=1), ends.max(axis=1)
     order = np.lexsort([high, low])
     first, second = order[:-1], order[1:]
     same = (low[first] == low[second]) & (high[first] == high[second])
-    twins = np.full(len(sides), -1)
+    twins = np.full(len(ends), -1)
     twins[first[same]], twins[second[same]] = second[same], first[same]
     return twins
 

@@ -201,10 +201,9 @@ def _triangles(polygons: Sequence[Floats], first: Indices) -> tuple[Indices, Ind
 
 def _sewn(triangles: Indices, mates: Indices) -> tuple[Indices, Mask]:
     """The half-edge that each is glued to, and which lie on outlines."""
-    sides = np.stack([triangles, np.roll(triangles, -1, axis=1)], axis=2).reshape(-1, 2)
-    twins = twins_inside(sides)
+    twins, start = twins_inside(triangles), triangles.ravel()
     seams = twins < 0
     halfedges = np.empty(len(mates), dtype=np.int64)
-    halfedges[sides[seams, 0]] = np.flatnonzero(seams)
-    twins[seams] = halfedges[mates[sides[seams, 0]]]
+    halfedges[start[seams]] = np.flatnonzero(seams)
+    twins[seams] = halfedges[mates[start[seams]]]
     return twins, seams
