@@ -31,6 +31,7 @@ from isoembed.aim.radii_newton import RADII_NEWTON, newton_on_radii, radii_start
 from isoembed.aim.regularized_continuation import log_linear, regularized_continuation
 from isoembed.aim.regularized_energy import RegularizedEnergy
 from isoembed.alexandrov.method import Alexandrov
+from isoembed.arrays import Floats
 from isoembed.errors import InvalidMetric, InvalidParameter, NotEmbedded
 from isoembed.linalg import chosen_backend
 from isoembed.metric.conformal_sphere import conformal_sphere
@@ -44,8 +45,6 @@ from isoembed.surface.fitted import FittedSurface
 from isoembed.surface.measures import outward
 from isoembed.surface.rigidity import LengthSystem
 from isoembed.thresholds import threshold
-
-Floats = NDArray[np.float64]
 
 
 @dataclass(frozen=True)

@@ -23,16 +23,14 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
 from isoembed.aim.regularized_energy import RegularizedEnergy
+from isoembed.arrays import Floats
 from isoembed.linalg import SingularMatrix
 from isoembed.metric.polyhedral import PolyhedralMetric
 from isoembed.progress.stages import StageRecorder
 from isoembed.surface.rigidity import edge_rows, length_residuals
 from isoembed.thresholds import threshold
-
-Floats = NDArray[np.float64]
 
 
 @dataclass(frozen=True)

@@ -13,10 +13,10 @@ from functools import cached_property
 from typing import cast
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.sparse import csc_array, csr_array, diags_array
 from scipy.sparse.linalg import cg
 
+from isoembed.arrays import Floats
 from isoembed.errors import InvalidMetric
 from isoembed.intrinsic.delaunay import make_delaunay
 from isoembed.linalg import SingularMatrix, Solver, analyze, dissect
@@ -26,8 +26,6 @@ from isoembed.metric.glued import GluedMetric
 from isoembed.metric.laplacian import cotangent_laplacian
 from isoembed.progress.stages import StageRecorder
 from isoembed.thresholds import threshold
-
-Floats = NDArray[np.float64]
 
 SHARE = "deficit of a vertex's area on a sphere"
 

@@ -5,14 +5,11 @@ from __future__ import annotations
 from collections.abc import Callable
 
 import numpy as np
-from numpy.typing import NDArray
 
 from isoembed.aim.anneal import Annealed
+from isoembed.arrays import Floats, Mask
 from isoembed.mesh.triangulation import Triangulation
 from isoembed.surface.convexity import concave_edges, inverted_vertices, partially_inverted_vertices
-
-Floats = NDArray[np.float64]
-Mask = NDArray[np.bool_]
 
 CORRECTED, PRINTED = -1.0, 1.0
 

@@ -6,16 +6,14 @@ import math
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.sparse.csgraph import connected_components
 
+from isoembed.arrays import Mask
 from isoembed.metric.curvature import deficits, negative_deficits
 from isoembed.metric.polyhedral import PolyhedralMetric
 from isoembed.surface.embedding import Embedding
 from isoembed.surface.fitted import FittedSurface
 from isoembed.thresholds import threshold
-
-Floats = NDArray[np.float64]
 
 
 @dataclass(frozen=True)
@@ -80,7 +78,7 @@ def _curvature(metric: PolyhedralMetric, unlike: bool) -> list[str]:
     ]
 
 
-def _negative(metric: PolyhedralMetric, negative: NDArray[np.bool_], regions: int) -> str:
+def _negative(metric: PolyhedralMetric, negative: Mask, regions: int) -> str:
     epsilon, count = deficits(metric), int(negative.sum())
     v = int(np.argmin(epsilon))
     around = epsilon[metric.triangulation.adjacency[[v]].indices].mean()

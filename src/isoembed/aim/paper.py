@@ -6,7 +6,6 @@ from dataclasses import dataclass
 from typing import ClassVar, Literal, get_args
 
 import numpy as np
-from numpy.typing import NDArray
 
 from isoembed._embed import Method
 from isoembed.aim.anneal import Annealed, anneal, anneal_damped, anneal_on_sphere
@@ -15,6 +14,7 @@ from isoembed.aim.embedding_tree import embedding_tree
 from isoembed.aim.paths import path_factors, path_times
 from isoembed.aim.pullback import pull_back
 from isoembed.aim.uniformize import Uniformization, newton_uniformization, ricci_flow
+from isoembed.arrays import Floats
 from isoembed.errors import InvalidMetric, InvalidParameter
 from isoembed.linalg import chosen_backend
 from isoembed.metric.conformal import rescaled
@@ -22,8 +22,6 @@ from isoembed.metric.polyhedral import PolyhedralMetric
 from isoembed.progress.stages import Log, StageRecorder
 from isoembed.surface.embedding import Embedding
 from isoembed.surface.rigidity import LengthSystem, VertexSystem
-
-Floats = NDArray[np.float64]
 
 MOST_STEPS = 100_000
 

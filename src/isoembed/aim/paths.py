@@ -3,12 +3,10 @@
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
 from isoembed.aim.uniformize import Uniformization
+from isoembed.arrays import Floats
 from isoembed.errors import InvalidParameter
-
-Floats = NDArray[np.float64]
 
 
 def path_times(path: str, steps: int, alpha: float) -> Floats:

@@ -6,11 +6,9 @@ from collections.abc import Callable, Iterable, Iterator
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
 from isoembed.aim.anneal import Annealed
-
-Floats = NDArray[np.float64]
+from isoembed.arrays import Floats
 
 
 @dataclass(frozen=True)

@@ -12,13 +12,13 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 
 import numpy as np
-from numpy.typing import NDArray
 
 from isoembed.aim.pullback import extrapolated
 from isoembed.alexandrov.doubly_covered import FLAT_LIMIT
 from isoembed.alexandrov.homotopy import HOMOTOPY, Solution, follow_path, forcing_term, pinned
 from isoembed.alexandrov.placement import placed, realized
 from isoembed.alexandrov.polytope import Polytope
+from isoembed.arrays import Floats, Mask
 from isoembed.intrinsic.halfedges import HalfEdges
 from isoembed.linalg import SingularMatrix
 from isoembed.metric.convexity import deficit_rounding
@@ -26,8 +26,6 @@ from isoembed.metric.glued import GluedMetric
 from isoembed.progress.stages import Log, StageRecorder
 from isoembed.surface.measures import outward
 from isoembed.thresholds import threshold
-
-Floats = NDArray[np.float64]
 
 
 @dataclass(frozen=True)
@@ -214,7 +212,7 @@ def _reflected(state: Solution, recorder: StageRecorder) -> Solution:
     return found[0]
 
 
-def inverted_vertices(p: Polytope) -> NDArray[np.bool_]:
+def inverted_vertices(p: Polytope) -> Mask:
     """The vertices of which all edges are concave, shape (V,)."""
     largest = np.full(p.radii.size, -np.inf)
     np.maximum.at(largest, p.tables.corners, p.coupling)

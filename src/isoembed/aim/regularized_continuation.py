@@ -16,13 +16,12 @@ from numpy.typing import NDArray
 
 from isoembed.aim.pullback import extrapolated
 from isoembed.aim.regularized_energy import RegularizedEnergy
+from isoembed.arrays import Floats
 from isoembed.metric.polyhedral import PolyhedralMetric
 from isoembed.progress.stages import StageRecorder
 from isoembed.surface.measures import edge_lengths
 from isoembed.surface.rigidity import length_residuals
 from isoembed.thresholds import threshold
-
-Floats = NDArray[np.float64]
 
 
 @dataclass(frozen=True)

@@ -17,10 +17,10 @@ from copy import copy
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.sparse import csr_array, diags_array
 from scipy.sparse.linalg import LinearOperator, cg
 
+from isoembed.arrays import Floats
 from isoembed.linalg import SingularMatrix
 from isoembed.metric.glued import GluedMetric
 from isoembed.metric.laplacian import cotangent_laplacian
@@ -30,8 +30,6 @@ from isoembed.surface.local_fit import edge_lengths_about
 from isoembed.surface.rigidity import VertexSystem, edge_rows, length_residuals
 from isoembed.surface.smoothness import fit_residuals
 from isoembed.thresholds import threshold
-
-Floats = NDArray[np.float64]
 
 
 @dataclass(frozen=True)

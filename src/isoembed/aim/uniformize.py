@@ -6,10 +6,10 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.integrate import solve_ivp
 from scipy.sparse import csr_array, diags_array
 
+from isoembed.arrays import Floats
 from isoembed.errors import InvalidMetric
 from isoembed.linalg import SingularMatrix, factor_general
 from isoembed.metric.conformal import rescaled
@@ -25,8 +25,6 @@ from isoembed.metric.variation import (
 )
 from isoembed.progress.stages import StageRecorder
 from isoembed.thresholds import threshold
-
-Floats = NDArray[np.float64]
 
 
 @dataclass(frozen=True)

@@ -3,22 +3,20 @@
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.sparse import diags_array
 from scipy.sparse.linalg import spsolve
 
 from isoembed.alexandrov.homotopy import pinned
 from isoembed.alexandrov.placement import placed
 from isoembed.alexandrov.polytope import Polytope
+from isoembed.arrays import Floats, Indices
 from isoembed.linalg import SingularMatrix
 from isoembed.metric.polyhedral import PolyhedralMetric
 from isoembed.progress.stages import StageRecorder
 
-Floats = NDArray[np.float64]
-
 
 def attempted(
-    metric: PolyhedralMetric, core: NDArray[np.int64], nearest: Polytope | None, recorder: StageRecorder
+    metric: PolyhedralMetric, core: Indices, nearest: Polytope | None, recorder: StageRecorder
 ) -> Floats:
     """Vertices on the given triangles, shape (V, 3), which are no solution.
 

@@ -43,11 +43,11 @@ from dataclasses import asdict, dataclass
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.sparse import csc_array, csr_array
 
 from isoembed.alexandrov.enclosed_residuals import enclosed_residuals
 from isoembed.alexandrov.nearby_hulls import NearbyHulls, NotProven, prove_nearby_hulls
+from isoembed.arrays import Floats
 from isoembed.linalg import SingularMatrix, dissect
 from isoembed.linalg.definite import PositiveDefinite, prove_definite
 from isoembed.linalg.rounding import GUARD, U, gamma
@@ -56,8 +56,6 @@ from isoembed.metric.curvature import deficits
 from isoembed.metric.polyhedral import PolyhedralMetric
 from isoembed.surface.rigidity import edge_rows
 from isoembed.thresholds import threshold
-
-Floats = NDArray[np.float64]
 
 
 @dataclass(frozen=True)

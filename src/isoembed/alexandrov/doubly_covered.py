@@ -9,18 +9,15 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.sparse import coo_array
 from scipy.sparse.csgraph import connected_components
 
 from isoembed.alexandrov.polytope import Polytope
+from isoembed.arrays import Floats, Indices, Mask
 from isoembed.intrinsic.delaunay import tilts
 from isoembed.intrinsic.halfedges import HalfEdges, set_directions
 from isoembed.metric.curvature import Triangles
 from isoembed.thresholds import threshold
-
-Floats = NDArray[np.float64]
-Indices = NDArray[np.int64]
 
 
 @dataclass(frozen=True)
@@ -64,7 +61,7 @@ def flat_limit(p: Polytope) -> DoublyCovered | None:
     return doubly_covered(p.tables, feet + other > least)
 
 
-def doubly_covered(tables: HalfEdges, folds: NDArray[np.bool_]) -> DoublyCovered | None:
+def doubly_covered(tables: HalfEdges, folds: Mask) -> DoublyCovered | None:
     """Lay out the polygon whose boundary is given; None if these edges bound no doubly covered polygon.
 
     Parameters
@@ -100,7 +97,7 @@ def doubly_covered(tables: HalfEdges, folds: NDArray[np.bool_]) -> DoublyCovered
     return DoublyCovered(_fans(tables, boundary, points), _in_order(points, start))
 
 
-def _sheet(tables: HalfEdges, folds: NDArray[np.bool_]) -> Indices:
+def _sheet(tables: HalfEdges, folds: Mask) -> Indices:
     """Which side of the folds each face is on, shape (F,)."""
     inside = np.flatnonzero(~folds)
     faces = tables.corners.size // 3
@@ -108,7 +105,7 @@ def _sheet(tables: HalfEdges, folds: NDArray[np.bool_]) -> Indices:
     return connected_components(graph)[1].astype(np.int64)
 
 
-def _boundary(tables: HalfEdges, folds: NDArray[np.bool_]) -> Indices | None:
+def _boundary(tables: HalfEdges, folds: Mask) -> Indices | None:
     """The folds' half-edges on sheet 0 in order around it, if they are one cycle through all vertices."""
     n = tables.corners.size // 6 + 2
     sheet = _sheet(tables, folds)

@@ -8,12 +8,9 @@ for extending the available precision, Numer. Math. 18, 1971).
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
+from isoembed.arrays import Floats, Indices
 from isoembed.linalg.rounding import GUARD, UNDERFLOW, U
-
-Floats = NDArray[np.float64]
-Indices = NDArray[np.int64]
 
 
 def enclosed_residuals(

@@ -14,11 +14,11 @@ from collections.abc import Generator, Iterator
 from dataclasses import dataclass, replace
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.sparse import coo_array, csc_array
 from scipy.sparse.csgraph import dijkstra
 
 from isoembed.alexandrov.polytope import Polytope
+from isoembed.arrays import Floats, Indices
 from isoembed.intrinsic.delaunay import make_delaunay
 from isoembed.intrinsic.halfedges import HalfEdges
 from isoembed.linalg import Factor, SingularMatrix, Solver, analyze, dissect
@@ -26,9 +26,6 @@ from isoembed.linalg.krylov import gmres
 from isoembed.metric.curvature import Triangles
 from isoembed.progress.stages import StageRecorder
 from isoembed.thresholds import threshold
-
-Floats = NDArray[np.float64]
-Indices = NDArray[np.int64]
 
 
 @dataclass(frozen=True)

@@ -8,7 +8,6 @@ from dataclasses import dataclass
 from typing import ClassVar
 
 import numpy as np
-from numpy.typing import NDArray
 
 from isoembed._embed import Method
 from isoembed.alexandrov.attempt import attempted
@@ -17,6 +16,7 @@ from isoembed.alexandrov.homotopy import Solution, follow_path
 from isoembed.alexandrov.placement import realized, relaxed, relaxed_polytope, worst_length
 from isoembed.alexandrov.polyhedron import ConvexPolyhedron, metric_on
 from isoembed.alexandrov.polytope import Polytope
+from isoembed.arrays import Floats, Indices, Mask
 from isoembed.errors import InvalidMetric, InvalidParameter, NotEmbedded
 from isoembed.intrinsic.delaunay import make_delaunay
 from isoembed.intrinsic.edge_paths import edge_paths
@@ -33,9 +33,6 @@ from isoembed.surface.curvature import DIHEDRAL
 from isoembed.surface.embedding import Embedding
 from isoembed.surface.measures import face_normals, outward
 from isoembed.thresholds import threshold
-
-Floats = NDArray[np.float64]
-Indices = NDArray[np.int64]
 
 
 @dataclass(frozen=True)
@@ -123,7 +120,7 @@ class _Search:
     """The search for the polyhedron of a metric, some of whose vertices are taken for flat, shape (V,)."""
 
     metric: PolyhedralMetric | GluedMetric
-    flat: NDArray[np.bool_]
+    flat: Mask
     repair: Repair | None
     tolerance: float
     log: Log
@@ -246,7 +243,7 @@ def _placed(solution: Solution, recorder: StageRecorder) -> Floats:
     return vertices
 
 
-def _creases(tables: HalfEdges, vertices: Floats) -> NDArray[np.bool_]:
+def _creases(tables: HalfEdges, vertices: Floats) -> Mask:
     """Half-edges at which the surface is bent, shape (3F,)."""
     normals = face_normals(tables.faces, vertices)
     here = np.repeat(normals, 3, axis=0)

@@ -36,15 +36,12 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
 from isoembed.alexandrov.cells import Cells
+from isoembed.arrays import Floats, Mask
 from isoembed.linalg.rounding import GUARD, UNDERFLOW, U
 from isoembed.mesh.triangulation import Triangulation
 from isoembed.surface.measures import face_normals
-
-Floats = NDArray[np.float64]
-Mask = NDArray[np.bool_]
 
 # Rounding of a triple product of differences, relative to the product of their norms: a term takes some
 # twenty roundings, and the sizes of all six add up to at most twice that product.

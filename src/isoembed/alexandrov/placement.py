@@ -10,10 +10,10 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
 from isoembed.alexandrov.homotopy import Solution, pinned
 from isoembed.alexandrov.polytope import Polytope
+from isoembed.arrays import Floats, Indices
 from isoembed.errors import InvalidMetric
 from isoembed.intrinsic.halfedges import HalfEdges
 from isoembed.linalg import SingularMatrix
@@ -21,8 +21,6 @@ from isoembed.mesh.triangulation import Triangulation
 from isoembed.progress.stages import StageRecorder
 from isoembed.surface.rigidity import LengthSystem, length_residuals
 from isoembed.thresholds import threshold
-
-Floats = NDArray[np.float64]
 
 
 @dataclass(frozen=True)
@@ -198,7 +196,7 @@ def _products(v: Floats) -> Floats:
     return np.stack([x * x, y * y, z * z, 2 * x * y, 2 * x * z, 2 * y * z], axis=1)
 
 
-def _edges(p: Polytope) -> tuple[NDArray[np.int64], NDArray[np.int64], Floats]:
+def _edges(p: Polytope) -> tuple[Indices, Indices, Floats]:
     """Ends and lengths of the edges, or of an even sample of them."""
     tables = p.tables
     h = np.flatnonzero(np.arange(tables.twins.size) < tables.twins)

@@ -7,11 +7,11 @@ from functools import cached_property
 from typing import Any, ClassVar
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.sparse import coo_array
 from scipy.sparse.csgraph import connected_components
 
 from isoembed.alexandrov.certificate import Certificate, certify
+from isoembed.arrays import Floats, Indices, Mask
 from isoembed.errors import InvalidMetric
 from isoembed.intrinsic.edge_paths import EdgePaths
 from isoembed.intrinsic.halfedges import HalfEdges
@@ -22,9 +22,6 @@ from isoembed.metric.repair import Repair
 from isoembed.surface.curvature import DIHEDRAL, dihedral_angles
 from isoembed.surface.embedding import Embedding
 from isoembed.surface.measures import face_areas
-
-Floats = NDArray[np.float64]
-Indices = NDArray[np.int64]
 
 
 def metric_on(tables: HalfEdges) -> PolyhedralMetric:
@@ -158,7 +155,7 @@ class ConvexPolyhedron(Embedding):
         return tuple(outlines)
 
     @cached_property
-    def _creased(self) -> NDArray[np.bool_]:
+    def _creased(self) -> Mask:
         """Half-edges on edges of the polyhedron."""
         t = self.triangulation
         return (np.abs(dihedral_angles(t, self._normalized)) > DIHEDRAL.flat)[t.face_edges.ravel()]

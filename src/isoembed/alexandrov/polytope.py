@@ -17,15 +17,12 @@ from dataclasses import dataclass
 
 import numpy as np
 from numba import njit
-from numpy.typing import NDArray
 from scipy.sparse import coo_array, csc_array
 
+from isoembed.arrays import Floats, Indices
 from isoembed.intrinsic.delaunay import make_delaunay, non_delaunay_edges
 from isoembed.intrinsic.halfedges import HalfEdges
 from isoembed.intrinsic.trigonometry import twice_area
-
-Floats = NDArray[np.float64]
-Indices = NDArray[np.int64]
 
 
 @dataclass(frozen=True, eq=False)

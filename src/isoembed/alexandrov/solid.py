@@ -5,10 +5,10 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.spatial.distance import pdist
 
 from isoembed.alexandrov.polyhedron import ConvexPolyhedron
+from isoembed.arrays import Floats
 from isoembed.thresholds import threshold
 
 FACES = {
@@ -21,8 +21,6 @@ FACES = {
     20: "icosahedron",
 }
 SIDES = {3: "triangle", 4: "quadrilateral", 5: "pentagon", 6: "hexagon"}
-
-Floats = NDArray[np.float64]
 
 
 @dataclass(frozen=True)
