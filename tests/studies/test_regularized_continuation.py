@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from isoembed.studies import regularized_continuation
-from isoembed.studies.bodies import STUDY
+from isoembed.studies.thresholds import STUDY
 from sections import check_section
 
 

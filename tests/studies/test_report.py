@@ -2,7 +2,8 @@
 
 from html.parser import HTMLParser
 
-from isoembed.studies.report import HEAVY, Made, page, rendered, text
+from isoembed.studies.report import Made, page, rendered, text
+from isoembed.studies.thresholds import STUDY
 from sections import a_section, squares
 
 VOID = {"meta", "img", "col", "br"}
@@ -70,6 +71,6 @@ def test_the_page_is_one_well_formed_file():
 def test_figures_are_drawn_the_same_twice():
     assert rendered(squares(3)) == rendered(squares(3))
     assert rendered(squares(3)).ending == ".svg"
-    heavy = rendered(squares(HEAVY))
+    heavy = rendered(squares(STUDY.heavy))
     assert heavy.ending == ".png"
     assert heavy.data.startswith(b"\x89PNG")

@@ -10,7 +10,7 @@ from isoembed.gallery import Drum, Ellipsoid, Ergosphere, triangulate
 from isoembed.metric.curvature import negative_deficits
 from isoembed.metric.polyhedral import PolyhedralMetric
 from isoembed.studies import triptychs
-from isoembed.studies.bodies import STUDY
+from isoembed.studies.thresholds import STUDY
 from isoembed.surface.embedding import Embedding
 
 

@@ -15,9 +15,10 @@ from isoembed.gallery import Ergosphere
 from isoembed.gallery.kerr import ergosphere_radius, squares
 from isoembed.metric.curvature import negative_deficits
 from isoembed.studies import plots
-from isoembed.studies.bodies import STUDY, Body, attempted, meshed
+from isoembed.studies.bodies import Body, attempted, meshed
 from isoembed.studies.mean_curvature import PAPERS
 from isoembed.studies.section import Section
+from isoembed.studies.thresholds import STUDY
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure

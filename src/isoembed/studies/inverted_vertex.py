@@ -19,8 +19,9 @@ from isoembed.plot import Panel, panels
 from isoembed.plot.view import Pose, camera
 from isoembed.progress.stages import Log, StageRecorder
 from isoembed.studies import plots
-from isoembed.studies.bodies import STUDY, meshed
+from isoembed.studies.bodies import meshed
 from isoembed.studies.section import Section
+from isoembed.studies.thresholds import STUDY
 from isoembed.surface.alignment import aligned, distance
 from isoembed.surface.convexity import concave_edges, inverted_vertices, umbrella_heights
 from isoembed.surface.curvature import dihedral_angles, vertex_mean_curvature

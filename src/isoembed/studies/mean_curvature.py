@@ -15,8 +15,9 @@ from isoembed.gallery import Drum, Ellipsoid, Ergosphere, Surface
 from isoembed.metric.curvature import corner_angles
 from isoembed.metric.polyhedral import PolyhedralMetric
 from isoembed.studies import plots
-from isoembed.studies.bodies import STUDY, embedding_of, meshed
+from isoembed.studies.bodies import embedding_of, meshed
 from isoembed.studies.section import Section
+from isoembed.studies.thresholds import STUDY
 from isoembed.surface.smooth_integrals import SmoothIntegrals
 
 if TYPE_CHECKING:

@@ -22,8 +22,9 @@ from isoembed.metric.curvature import deficits, gaussian_curvature
 from isoembed.metric.polyhedral import PolyhedralMetric
 from isoembed.progress.stages import Log, Progress, StageRecorder
 from isoembed.studies import plots
-from isoembed.studies.bodies import STUDY, attempted, meshed
+from isoembed.studies.bodies import attempted, meshed
 from isoembed.studies.section import Section, listed
+from isoembed.studies.thresholds import STUDY
 from isoembed.surface.alignment import distance
 from isoembed.surface.convexity import concave_edges
 from isoembed.surface.rigidity import LengthSystem, VertexSystem, length_residuals

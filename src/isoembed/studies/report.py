@@ -16,6 +16,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from isoembed.studies.section import Comparison, Section, Table
+from isoembed.studies.thresholds import STUDY
 from isoembed.version import __version__
 
 if TYPE_CHECKING:
@@ -30,7 +31,6 @@ CITED = (
     "The paper: S. Ray, W. A. Miller, P. M. Alsing and S.-T. Yau, Adiabatic isometric mapping algorithm for "
     "embedding 2-surfaces in Euclidean 3-space, Class. Quantum Grav. 32 (2015) 235012, arXiv:1503.07556."
 )
-HEAVY = 3000  # polygons and markers from which on a vector file is larger than its pixels
 DPI = 200
 TYPES = {".svg": "image/svg+xml", ".png": "image/png"}
 PART = re.compile(r"; (?![^()]*\))")  # a semicolon that is not in parentheses
@@ -91,7 +91,7 @@ def rendered(figure: Figure) -> Image:
     """Draw a figure, the same bytes every time: as vectors, or as pixels if it has many parts."""
     from matplotlib import rc_context
 
-    ending = ".svg" if _marks(figure) < HEAVY else ".png"
+    ending = ".svg" if _marks(figure) < STUDY.heavy else ".png"
     metadata = {"Date": None, "Creator": None} if ending == ".svg" else {}
     buffer = BytesIO()
     with rc_context({"svg.hashsalt": "isoembed"}):

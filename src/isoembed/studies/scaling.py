@@ -12,8 +12,9 @@ from isoembed.aim.paper import Flow, Paper
 from isoembed.gallery import SURFACES
 from isoembed.progress.stages import Log
 from isoembed.studies import plots
-from isoembed.studies.bodies import STUDY, attempted, meshed
+from isoembed.studies.bodies import attempted, meshed
 from isoembed.studies.section import Section, Table
+from isoembed.studies.thresholds import STUDY
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure

@@ -16,8 +16,9 @@ from isoembed.meshing.directions import directions_of
 from isoembed.metric.curvature import negative_deficits
 from isoembed.plot import Panel, panels
 from isoembed.progress.stages import Log, StageRecorder
-from isoembed.studies.bodies import STUDY, Body, attempted, embedding_of, meshed
+from isoembed.studies.bodies import Body, attempted, embedding_of, meshed
 from isoembed.studies.section import Section
+from isoembed.studies.thresholds import STUDY
 from isoembed.surface.alignment import aligned
 from isoembed.surface.embedding import Embedding
 from isoembed.surface.measures import vertex_normals
