@@ -124,7 +124,7 @@ def _usual_tables(document: dict[str, Any]) -> Tables | None:
 
 
 def _any_tables(document: dict[str, Any]) -> Tables:
-    """Tables in which every entry has been looked at."""
+    """Tables with every entry checked."""
     tables: dict[str, Any] = {key: value for key, value in document.items() if value is not None}
     for key, row in ROWS.items():
         if key in tables:

@@ -23,22 +23,14 @@ from isoembed.version import __version__
 HEADER = "# vtk DataFile Version"
 TRIANGLE = 5
 POLYGONS = (TRIANGLE, 7, 9)
-"""The types of cells that are triangles, polygons and quadrilaterals."""
-OTHERS = {
-    1: "vertex",
-    3: "line",
-    4: "poly line",
-    6: "triangle strip",
-    8: "pixel",
-    10: "tetra",
-    12: "hexahedron",
-}
+"""Types of cells that are triangles, polygons and quadrilaterals."""
+OTHERS = {1: "vertex", 3: "line", 6: "triangle strip", 10: "tetra", 12: "hexahedron"}
 NUMBERS = {
     **{"char": ">i1", "short": ">i2", "int": ">i4", "long": ">i8", "float": ">f4", "double": ">f8"},
     **{"unsigned_char": ">u1", "unsigned_short": ">u2", "unsigned_int": ">u4", "unsigned_long": ">u8"},
     **{"vtktypeint32": ">i4", "vtktypeint64": ">i8", "vtkidtype": ">i4"},
 }
-"""The codes of the types of numbers, in the byte order of binary files."""
+"""Codes of the types of numbers, in the byte order of binary files."""
 DATASETS = ("POLYDATA", "UNSTRUCTURED_GRID")
 COMPONENTS = {"VECTORS": 3, "NORMALS": 3, "TENSORS": 9}
 SECTIONS = ("FIELD", "LOOKUP_TABLE", "COLOR_SCALARS", "SCALARS", *COMPONENTS)

@@ -103,7 +103,7 @@ def read_ahfinderdirect(path: str | os.PathLike[str]) -> CoordinateShape:
     return CoordinateShape(points[kept], faces, origin, None, found[0] if found else "", source, is_hull=True)
 
 
-def _recognizes(file: InputFile) -> bool:
+def _has_header(file: InputFile) -> bool:
     headers = map(HEADER.match, file.head.splitlines()[:200])
     return any(header and header[1].lower() == "n_patches" for header in headers)
 
@@ -111,7 +111,7 @@ def _recognizes(file: InputFile) -> bool:
 def _patches(file: InputFile) -> tuple[Floats, dict[str, Floats]]:
     """The origin, and the points of each patch relative to it, by the axis that the patch is around."""
     text = file.text
-    if not _recognizes(file):
+    if not _has_header(file):
         raise FileError(
             f"{file} has no line '# N_patches = ...': it is not a shape file of AHFinderDirect (h.t*.ah*.gp)"
         )
@@ -280,4 +280,6 @@ def _miss(arrow: Floats, degree: int) -> float:
     return float(np.max(np.abs(Y @ np.linalg.lstsq(Y, log, rcond=None)[0] - log)))
 
 
-AHFINDERDIRECT = HorizonFormat("AHFinderDirect", _recognizes, read_ahfinderdirect)
+AHFINDERDIRECT = HorizonFormat(
+    "AHFinderDirect", lambda file: file.ending == ".gp" or _has_header(file), read_ahfinderdirect
+)

@@ -18,7 +18,7 @@ from isoembed.io.input_file import InputFile, opened
 from isoembed.io.registry import MESH_ENDINGS
 from isoembed.io.vtk import is_polydata, read_polydata
 from isoembed.mesh.triangulation import Triangulation
-from isoembed.relativity.horizons.ahfinderdirect import AHFINDERDIRECT, read_ahfinderdirect
+from isoembed.relativity.horizons.ahfinderdirect import AHFINDERDIRECT
 from isoembed.relativity.horizons.coordinate_shape import CoordinateShape, check_solid, middle
 from isoembed.relativity.horizons.grid_file import ARRAY_ENDINGS, METRIC_GRID
 from isoembed.relativity.horizons.horizon_format import HorizonFormat
@@ -57,11 +57,9 @@ def read_horizon(path: str | os.PathLike[str]) -> CoordinateShape | GridMetric:
     """
     with opened(path) as file:
         added = (loaded(point, HorizonFormat) for point in entry_points(group="isoembed.horizon_formats"))
-        known = next((known for known in chain(FORMATS, added) if known.recognizes(file)), None)
-        if known is not None:
-            return known.read(file)
-        if file.ending == ".gp":
-            return read_ahfinderdirect(file)  # says what it lacks
+        for known in chain(FORMATS, added):
+            if known.recognizes(file):
+                return known.read(file)
         if file.ending in ARRAY_ENDINGS:
             there = ", ".join(file.arrays[""]) or "nothing"
             raise FileError(
