@@ -1,212 +1,23 @@
-"""Files of horizons and of metrics on grids, by content and ending; closed surfaces of scattered points."""
+"""Files of horizons, by content and ending."""
 
 import gzip
 from importlib.metadata import EntryPoint
 
 import numpy as np
 import pytest
-from hypothesis import given
-from hypothesis import strategies as st
-from scipy.spatial.transform import Rotation
 
 from horizon_texts import lopsided, shape_text
 from isoembed.errors import InvalidMetric
 from isoembed.gallery import KerrHorizon, triangulate
 from isoembed.io.files import FileError
 from isoembed.io.vtk import write as write_vtk
-from isoembed.mesh.triangulation import Triangulation
-from isoembed.relativity.horizons.coordinate_shape import CoordinateShape, middle, triangulate_star_shaped
-from isoembed.relativity.horizons.grid_file import read_metric_grid
+from isoembed.relativity.horizons.coordinate_shape import CoordinateShape, triangulate_star_shaped
 from isoembed.relativity.horizons.horizon_file import read_horizon
-from isoembed.smooth.grid_metric import GridMetric
 from isoembed.surface.measures import volume
 from places import SHARED
+from scattered import bumpy, is_closed_and_outward, lattice, write_hdf5
 
 h5py = pytest.importorskip("h5py")
-
-
-def lattice(n, seed=0):
-    """Directions all over the sphere, in no order."""
-    k = np.random.default_rng(seed).permutation(n)
-    z, phi = 1.0 - (2.0 * k + 1.0) / n, k * np.pi * (3.0 - np.sqrt(5.0))
-    s = np.sqrt(1.0 - z**2)
-    return np.stack([s * np.cos(phi), s * np.sin(phi), z], axis=1)
-
-
-def bumpy(u):
-    return u * (1.0 + 0.3 * u[:, :1] * u[:, 1:2] + 0.2 * u[:, 2:])
-
-
-def is_closed_and_outward(points, faces, center):
-    assert Triangulation(faces).n_vertices == len(points)
-    a, b, c = (points - center)[faces.T]
-    return bool(np.all(np.einsum("fi,fi->f", a, np.cross(b, c)) > 0))
-
-
-# Surfaces of points.
-
-
-@given(seed=st.integers(0, 1000), exponent=st.integers(-100, 100))
-def test_scattered_points_become_a_closed_surface(seed, exponent):
-    rng = np.random.default_rng(seed)
-    turn = Rotation.random(random_state=seed).as_matrix()
-    center = rng.normal(size=3)
-    unit = bumpy(lattice(60, seed)) @ turn.T
-    points = (unit + center) * 10.0**exponent
-    twice = np.concatenate([points, points[::3]])
-    kept, faces = triangulate_star_shaped(twice, center * 10.0**exponent, "x")
-    np.testing.assert_array_equal(kept, np.arange(60))
-    assert is_closed_and_outward(unit, faces, np.zeros(3))
-
-
-def test_rings_around_open_poles_and_poles_written_many_times():
-    theta, phi = np.linspace(0.0, np.pi, 21), 2.0 * np.pi / 40 * np.arange(41)
-    for rows, count in ((theta, 19 * 40 + 2), (theta[1:-1], 19 * 40)):
-        t, p = (a.ravel() for a in np.meshgrid(rows, phi, indexing="ij"))
-        u = np.stack([np.sin(t) * np.cos(p), np.sin(t) * np.sin(p), np.cos(t)], axis=1)
-        kept, faces = triangulate_star_shaped(u, np.zeros(3), "x")
-        assert len(kept) == count
-        assert is_closed_and_outward(u[kept], faces, np.zeros(3))
-
-
-@given(seed=st.integers(0, 1000))
-def test_the_middle_does_not_depend_on_the_sampling(seed):
-    rng = np.random.default_rng(seed)
-    u = lattice(200, seed)
-    u = u[u[:, 2] > -0.9 + rng.uniform(0.0, 1.0)]  # many on one side
-    np.testing.assert_allclose(middle(3e8 + 1e3 * u), 3e8, atol=1e-3)
-
-
-def test_points_that_are_no_surface_around_a_center():
-    u = lattice(100)
-    cases = [
-        (np.vstack([u, 2.0 * u[7]]), (), r"x: the points 7 and 100, .* are in one direction .* star-shaped"),
-        (np.vstack([u[:4], [[0.0, 0.0, 0.0]], u[4:]]), (), "point 4 is at the center"),
-        (u[:3], (), "3 points: that is no surface"),
-        (np.where(np.arange(100)[:, None] == 5, np.inf, u), (), "point 5 is not finite"),
-        (
-            u[u[:, 2] < 0.3],
-            (),
-            r"no points around the direction \(.*, 0.99\d*\) from the center .* not complete",
-        ),
-    ]
-    for points, polygons, message in cases:
-        with pytest.raises(FileError, match=message):
-            triangulate_star_shaped(points, np.zeros(3), "x", polygons)
-
-
-@given(seed=st.integers(0, 1000), exponent=st.integers(-100, 100), far=st.sampled_from([0.0, 1.0, 1e6]))
-def test_points_in_a_plane(seed, exponent, far):
-    turn = Rotation.random(random_state=seed).as_matrix()
-    u = lattice(50, seed)
-    for flat, where in (
-        ([1, 1, 0], "lie in a plane"),
-        ([1, 0, 0], "lie on a line"),
-        ([0, 0, 0], "are one point"),
-    ):
-        with pytest.raises(FileError, match=f"x: the 50 points {where}"):
-            triangulate_star_shaped(10.0**exponent * (u * flat @ turn.T + far), np.zeros(3), "x")
-    for thickness, refusal in ((0.5, None), (1e-6, "no points around the direction")):
-        thin = 10.0**exponent * (u * [1.0, 1.0, thickness] @ turn.T + far)
-        center = np.full(3, 10.0**exponent * far)
-        if refusal is None:
-            assert len(triangulate_star_shaped(thin, center, "x")[0]) == 50
-        else:
-            with pytest.raises(FileError, match=refusal):
-                triangulate_star_shaped(thin, center, "x")
-
-
-def test_points_on_a_cone_about_the_center():
-    phi = 2.0 * np.pi / 40 * np.arange(40)
-    r = 1.0 + 0.5 * np.cos(3.0 * phi)
-    points = r[:, None] * np.stack([np.cos(phi), np.sin(phi), 0.0 * phi + 0.3], axis=1)
-    with pytest.raises(FileError, match=r"the directions of the points .* lie in a plane: .* not complete"):
-        triangulate_star_shaped(points, np.zeros(3), "x")
-
-
-def test_polygons_tell_where_a_surface_folds_over():
-    points = bumpy(lattice(100))
-    _, faces = triangulate_star_shaped(points, np.zeros(3), "x")
-    assert (
-        len(triangulate_star_shaped(points, np.zeros(3), "x", list(faces[:, ::-1]))[0]) == 100
-    )  # either way round
-    turned = points.copy()
-    turned[13] = -0.5 * points[13]
-    with pytest.raises(FileError, match=r"the surface folds over at point \d+"):
-        triangulate_star_shaped(turned, np.zeros(3), "x", list(faces))
-
-
-# Files with arrays.
-
-
-def metric_arrays(spin=0.5, n=24, m=30):
-    r = 1.0 + np.sqrt(1.0 - spin**2)
-    theta, phi = (np.arange(n) + 0.5) * np.pi / n, 2.0 * np.pi / m * np.arange(m)
-    Sigma = (r**2 + (spin * np.cos(theta)) ** 2)[:, None] + np.zeros(m)
-    q_pp = (r**2 + spin**2) ** 2 * np.sin(theta)[:, None] ** 2 / Sigma
-    return {"theta": theta, "phi": phi, "q_tt": Sigma, "q_pp": q_pp}
-
-
-def write_hdf5(path, arrays, group="/"):
-    with h5py.File(path, "a") as file:
-        place = file.require_group(group)
-        for name, values in arrays.items():
-            place[name] = values
-    return path
-
-
-@pytest.mark.parametrize("kind", ["npz", "h5", "hdf5", "group"])
-def test_metrics_on_grids(kind, tmp_path):
-    arrays = metric_arrays()
-    path = tmp_path / f"q.{'h5' if kind == 'group' else kind}"
-    if kind == "npz":
-        np.savez(path, **arrays)
-    else:
-        write_hdf5(path, arrays, "horizon/t0" if kind == "group" else "/")
-    u = lattice(50)
-    with_tp = GridMetric(**arrays, q_tp=np.zeros_like(arrays["q_tt"]))
-    for metric in (read_metric_grid(path), read_horizon(path)):
-        assert isinstance(metric, GridMetric)
-        np.testing.assert_array_equal(metric.tensor(u), with_tp.tensor(u))
-
-
-def test_q_tp_is_the_coordinate_component(tmp_path):
-    theta, phi = (np.arange(16) + 0.5) * np.pi / 16, 2.0 * np.pi / 20 * np.arange(20)
-    t, p = np.meshgrid(theta, phi, indexing="ij")
-    A = np.array([1.0, 0.7, 0.4])  # ds^2 = |dX|^2 of the map u -> A u
-    d_t = A[:, None, None] * [np.cos(t) * np.cos(p), np.cos(t) * np.sin(p), -np.sin(t)]
-    d_p = A[:, None, None] * [-np.sin(t) * np.sin(p), np.sin(t) * np.cos(p), 0.0 * t]
-    q = {"q_tt": (d_t**2).sum(0), "q_tp": (d_t * d_p).sum(0), "q_pp": (d_p**2).sum(0)}
-    np.savez(tmp_path / "q.npz", theta=theta, phi=phi, **q)
-    u = lattice(50)
-    P = np.eye(3) - u[:, :, None] * u[:, None, :]
-    np.testing.assert_allclose(
-        read_metric_grid(tmp_path / "q.npz").tensor(u), P @ np.diag(A**2) @ P, rtol=0, atol=1e-14
-    )
-
-
-def test_metrics_that_are_none(tmp_path):
-    path = tmp_path / "q.npz"
-    arrays = metric_arrays()
-    np.savez(path, **{name: values for name, values in arrays.items() if name != "phi"})
-    with pytest.raises(FileError, match=r"q.npz holds theta, q_tt, q_pp: phi missing"):
-        read_metric_grid(path)
-    arrays["q_pp"][3, 5] = np.nan
-    np.savez(path, **arrays)
-    with pytest.raises(InvalidMetric, match=r"q.npz: .*nan at node \[3, 5\]"):
-        read_horizon(path)
-    np.savez(path, **(arrays | {"q_pp": arrays["q_pp"][:, :4]}))
-    with pytest.raises(InvalidMetric, match=r"q.npz: q_pp has the shape \(24, 4\)"):
-        read_metric_grid(path)
-    two = tmp_path / "q.h5"
-    write_hdf5(two, metric_arrays(), "a")
-    write_hdf5(two, metric_arrays(), "b")
-    with pytest.raises(FileError, match="holds 2 metrics, in the groups a, b"):
-        read_metric_grid(two)
-    with pytest.raises(FileError, match=r"has the ending '.json', not one of .npz .h5"):
-        read_metric_grid(tmp_path / "q.json")
-    with pytest.raises(FileError, match="there is no file"):
-        read_metric_grid(tmp_path / "none.npz")
 
 
 @pytest.mark.parametrize("kind", ["npz", "h5"])
@@ -447,18 +258,6 @@ def test_broken_formats_of_others(value, sentence, tmp_path, monkeypatch):
     (tmp_path / "a.theirs").write_text("nothing that anybody knows")
     with pytest.raises(FileError, match=f"the format 'theirs' {sentence}"):
         read_horizon(tmp_path / "a.theirs")
-
-
-@pytest.mark.shared
-@pytest.mark.parametrize("spin", [0.5, 0.8])
-def test_metrics_of_others(spin):
-    metric = read_horizon(SHARED / "cases" / f"kerr_horizon_a{spin}_metric_grid.npz")
-    r = 1.0 + np.sqrt(1.0 - spin**2)
-    u = lattice(400)
-    e_phi = np.stack([-u[:, 1], u[:, 0], 0.0 * u[:, 2]], axis=1) / np.hypot(u[:, 0], u[:, 1])[:, None]
-    Sigma = r**2 + (spin * u[:, 2]) ** 2
-    around = np.einsum("ni,nij,nj->n", e_phi, metric.tensor(u), e_phi)
-    np.testing.assert_allclose(around, (r**2 + spin**2) ** 2 / Sigma, rtol=1e-14)
 
 
 @pytest.mark.shared
