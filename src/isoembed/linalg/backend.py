@@ -1,4 +1,4 @@
-"""What the backends have in common: a pattern in elimination order, the memory it takes, how they refuse."""
+"""Common part of the backends: a pattern in elimination order, the memory it takes, the errors."""
 
 from __future__ import annotations
 
@@ -59,7 +59,7 @@ class Symbolic:
 
     @property
     def bytes_per(self) -> BytesPer:
-        """What the next factors take."""
+        """Memory of the next factors."""
         raise NotImplementedError
 
     @property

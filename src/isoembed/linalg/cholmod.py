@@ -20,7 +20,7 @@ class Symbolic(backend.Symbolic):
 
     @property
     def bytes_per(self) -> backend.BytesPer:
-        """What the next factors take."""
+        """Memory of the next factors."""
         return SUPERNODAL if self.definite else SIMPLICIAL
 
     @cached_property

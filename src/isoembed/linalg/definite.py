@@ -28,7 +28,7 @@ from scipy.sparse.linalg import SuperLU
 from isoembed.arrays import Floats, Indices, Indices32
 from isoembed.linalg.backend import SingularMatrix
 from isoembed.linalg.rounding import GUARD, UNDERFLOW, U, gamma
-from isoembed.linalg.superlu import down_the_diagonal, is_exchanged
+from isoembed.linalg.superlu import has_row_exchanges, symmetric_lu
 from isoembed.thresholds import compiled, threshold
 
 
@@ -78,13 +78,13 @@ def prove_definite(matrix: sp.csc_array, order: Indices) -> PositiveDefinite:
         The matrix is not positive definite, or too little so for rounding to leave a proof.
     """
     permuted = sp.csc_array(matrix[order][:, order])
-    lu = down_the_diagonal(permuted)
+    lu = symmetric_lu(permuted)
     x = np.random.default_rng(0).normal(size=order.size)
     for _ in range(DEFINITENESS.iterations):
         x = lu.solve(x / np.linalg.norm(x))
     shift = float(DEFINITENESS.share / np.linalg.norm(x))
     shifted = sp.csc_array(permuted - shift * sp.eye_array(order.size, format="csc"))
-    lost = _distance_to_definite(down_the_diagonal(shifted)) + U * float(np.abs(shifted.diagonal()).max())
+    lost = _distance_to_definite(symmetric_lu(shifted)) + U * float(np.abs(shifted.diagonal()).max())
     if not lost < shift:
         raise SingularMatrix(
             "the matrix cannot be proven positive definite: its least eigenvalue is about "
@@ -97,7 +97,7 @@ def _distance_to_definite(lu: SuperLU) -> float:
     """Bound the norm of A - L D L^T: so far, if that, are the eigenvalues of A below zero."""
     upper = lu.U
     pivots = upper.diagonal()
-    if is_exchanged(lu) or not (pivots > 0).all():  # an exchange avoids a pivot of zero
+    if has_row_exchanges(lu) or not (pivots > 0).all():  # an exchange avoids a pivot of zero
         raise SingularMatrix("the matrix is not positive definite")
     lower = lu.L.tocsr()
     largest = _largest_row_sum(

@@ -21,7 +21,7 @@ from isoembed.mesh.triangulation import frozen
 
 @dataclass(frozen=True, eq=False)
 class Dissection:
-    """Ways to take a graph apart, made by `dissect`.
+    """Nested dissection of a graph, made by `dissect`.
 
     Attributes
     ----------

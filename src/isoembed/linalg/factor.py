@@ -16,7 +16,7 @@ from isoembed.errors import InvalidParameter
 from isoembed.linalg.backend import Numeric, SingularMatrix, Solves, Symbolic
 from isoembed.linalg.elimination import first_asymmetry, first_gap, inverse, permuted, symbolic_analysis
 from isoembed.linalg.memory import require_memory
-from isoembed.linalg.superlu import eliminated
+from isoembed.linalg.superlu import checked_lu
 from isoembed.linalg.symmetric import FACTORIZATION, SymmetricMatrix
 
 _BACKENDS = {"pardiso": "mkl", "cholmod": "cholmod", "superlu": ""}
@@ -248,7 +248,7 @@ def factor_general(matrix: sp.sparray | sp.spmatrix) -> Factor:
     csc = sp.csc_matrix(matrix, dtype=np.float64, copy=True)
     _refuse_infinite(csc.data)
     # Row exchanges ruin the minimum degree of A^T + A: up to 30 times the fill of COLAMD on meshes.
-    lu = eliminated(csc, "COLAMD")
+    lu = checked_lu(csc, "COLAMD")
     rows = abs(csc).max(axis=1).toarray().ravel()
     columns = (sp.diags_array(1.0 / rows) @ abs(csc)).max(axis=0).toarray().ravel()
     _refuse_growth(lu, rows, columns)

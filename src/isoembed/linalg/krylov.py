@@ -1,4 +1,4 @@
-"""Krylov methods that do not waste a product: flexible GMRES, and preconditioned conjugate gradients."""
+"""Krylov methods: flexible GMRES, and preconditioned conjugate gradients."""
 
 from __future__ import annotations
 

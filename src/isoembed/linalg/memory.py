@@ -1,4 +1,4 @@
-"""The memory that this process may still take, asked for before much of it is needed.
+"""Memory that this process may still take, looked up before much of it is needed.
 
 Where memory is promised more often than it exists, a process that takes too much is killed without a word.
 """

@@ -39,7 +39,7 @@ class Symbolic(backend.Symbolic):
 
     @property
     def bytes_per(self) -> backend.BytesPer:
-        """What the next factors take."""
+        """Memory of the next factors."""
         return ANALYZED if self._idle else TO_ANALYZE
 
     def factor(self, data: Floats) -> Numeric:

@@ -1,4 +1,4 @@
-"""How far rounding takes floats off, and how bounds that are computed in floats stay bounds."""
+"""Rounding errors of floats, and factors that keep bounds valid which are computed in floats."""
 
 from numba import njit
 

@@ -15,20 +15,20 @@ from isoembed.linalg import backend
 PIVOTS_SEEN, PIVOTS_UNSEEN = backend.BytesPer(49), backend.BytesPer(32)
 
 
-def down_the_diagonal(matrix: sp.csc_matrix | sp.csc_array) -> SuperLU:
+def symmetric_lu(matrix: sp.csc_matrix | sp.csc_array) -> SuperLU:
     """Factors L U of a symmetric matrix in its own order, without exchanges but where a pivot is zero."""
-    return eliminated(matrix, "NATURAL", diag_pivot_thresh=0.0, options={"SymmetricMode": True})
+    return checked_lu(matrix, "NATURAL", diag_pivot_thresh=0.0, options={"SymmetricMode": True})
 
 
-def eliminated(matrix: sp.csc_matrix | sp.csc_array, order: str, **options: object) -> SuperLU:
-    """Factors L U; raises SingularMatrix where there is no pivot left."""
+def checked_lu(matrix: sp.csc_matrix | sp.csc_array, order: str, **options: object) -> SuperLU:
+    """Factors L U in an order of scipy's; raises SingularMatrix where there is no pivot left."""
     try:
         return splu(matrix, permc_spec=order, **options)
     except RuntimeError as error:
         raise backend.SingularMatrix("the matrix is singular: elimination met a zero pivot") from error
 
 
-def is_exchanged(lu: SuperLU) -> bool:
+def has_row_exchanges(lu: SuperLU) -> bool:
     """Whether a pivot was zero, so that rows were exchanged."""
     return bool((lu.perm_r != lu.perm_c).any())
 
@@ -38,7 +38,7 @@ class Symbolic(backend.Symbolic):
 
     @property
     def bytes_per(self) -> backend.BytesPer:
-        """What the next factors take."""
+        """Memory of the next factors."""
         return PIVOTS_SEEN if self.definite else PIVOTS_UNSEEN
 
     @cached_property
@@ -55,9 +55,9 @@ class Symbolic(backend.Symbolic):
         """Factorize the matrix with these entries; raises SingularMatrix."""
         both = self._both
         matrix = sp.csc_matrix((data[both.data], both.indices, both.indptr), shape=both.shape)
-        lu = down_the_diagonal(matrix)
+        lu = symmetric_lu(matrix)
         # This is L D L^T, and D has as many negative entries as the matrix has negative eigenvalues.
-        if is_exchanged(lu) or (self.definite and not (lu.U.diagonal() > 0).all()):
+        if has_row_exchanges(lu) or (self.definite and not (lu.U.diagonal() > 0).all()):
             raise self.refusal()
         return Numeric(lu)
 

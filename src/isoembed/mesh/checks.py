@@ -1,4 +1,4 @@
-"""What makes a list of triangles a triangulated sphere: each check names the first offender."""
+"""Checks that a list of triangles is a triangulated sphere: each names the first offender."""
 
 from __future__ import annotations
 

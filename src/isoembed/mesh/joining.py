@@ -1,4 +1,4 @@
-"""From triangles to edges in linear time, for what is a sphere; `checks` says what is wrong with the rest."""
+"""Edges of a triangulated sphere in linear time; `checks` says what is wrong with other triangles."""
 
 from __future__ import annotations
 

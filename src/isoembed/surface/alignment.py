@@ -1,4 +1,4 @@
-"""Two placements of the same vertices, rigid motions aside."""
+"""Alignment of two placements of the same vertices by a rigid motion."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""From the geodesics of a surface to the chords under them, which are an inscribed polyhedron's edges."""
+"""Chords of the geodesics of a surface, which are the edges of an inscribed polyhedron."""
 
 from __future__ import annotations
 

@@ -27,7 +27,7 @@ def partially_inverted_vertices(triangulation: Triangulation, concave: Mask) -> 
 
 
 def umbrella_heights(triangulation: Triangulation, vertices: Floats) -> Floats:
-    """How far each vertex stands out above the mean of its neighbors, along its normal, shape (V,).
+    """Height of each vertex above the mean of its neighbors, along its normal, shape (V,).
 
     Positive where the surface bulges outward; a vertex that is turned inside out changes its sign.
     """

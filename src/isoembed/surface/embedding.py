@@ -1,4 +1,4 @@
-"""The answer: vertices in R^3, the metric that they realize, and how they were found."""
+"""Embeddings: vertices in R^3, the metric that they realize, and how they were found."""
 
 from __future__ import annotations
 
@@ -27,7 +27,7 @@ from isoembed.version import __version__
 
 @dataclass(frozen=True, eq=False, repr=False)
 class Embedding:
-    """A realization of a polyhedral metric in R^3, exact or attempted: it measures itself.
+    """Realization of a polyhedral metric in R^3, exact or attempted.
 
     Parameters
     ----------
@@ -217,7 +217,7 @@ class Embedding:
 
     @cached_property
     def _offsets(self) -> Floats:
-        """How far the vertices stand out of what their neighbors expect, (V, 3), in the normalized unit."""
+        """Distances of the vertices from fits to their neighbors, (V, 3), in the normalized unit."""
         return frozen(smoothness.offsets(self.triangulation, self._normalized))
 
     @cached_property
@@ -230,7 +230,7 @@ class Embedding:
 
     @cached_property
     def fine_roughness(self) -> float:
-        """What quintics fitted to the neighbors leave of what they leave, in edge lengths: a robust mean.
+        """Robust mean of the residuals of quintics fitted to the neighbors, taken twice, in edge lengths.
 
         Of two realizations of the same lengths that are near each other, the one with less is the smoother.
         """
@@ -248,14 +248,14 @@ class Embedding:
 
     @cached_property
     def smallest_singular_value(self) -> float:
-        """Of the rigidity matrix J, apart from the rigid motions: 0 if the surface can flex.
+        """Smallest singular value of the rigidity matrix J, rigid motions apart: 0 if the surface can flex.
 
         To first order, the vertices need not move by more than its inverse times a change of the lengths,
         both in the Euclidean norm.  It takes one factorization of J J^T, as a step of Newton's method does.
         """
+        system, lengths = LengthSystem(self.triangulation), self.metric.normalized.lengths
         try:
-            system = LengthSystem(self.triangulation)
-            return float(system.softest(self._normalized, self.metric.normalized.lengths, 1)[0][0])
+            return float(system.smallest_singular_values(self._normalized, lengths, 1)[0][0])
         except SingularMatrix:
             return 0.0
 
@@ -278,7 +278,7 @@ class Embedding:
 
     @property
     def report(self) -> dict[str, Any]:
-        """What was asked, done and reached: the JSON object that the command writes.
+        """Report of what was asked, done and reached: the JSON object that the command writes.
 
         A number beyond the range of floats (the volume of a body 1e150 across) is None.  So is the smallest
         singular value where J J^T is large, beyond 100,000 vertices or some 2,000 edges at one of them: it

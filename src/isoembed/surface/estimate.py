@@ -1,4 +1,4 @@
-"""A number that knows how far it may be off."""
+"""Numbers with an estimate of their error."""
 
 from __future__ import annotations
 
@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 @dataclass(frozen=True)
 class Estimate:
-    """A number, and what it is uncertain by, in the same unit."""
+    """Number with its uncertainty, in the same unit."""
 
     value: float
     error: float

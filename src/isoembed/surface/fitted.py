@@ -1,4 +1,4 @@
-"""A least-squares surface: what there is where lengths have no surface."""
+"""Least-squares surfaces, for lengths that no surface has."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from isoembed.surface.embedding import Embedding
 
 @dataclass(frozen=True, eq=False, repr=False)
 class FittedSurface(Embedding):
-    """A smooth surface that comes near to the lengths of a metric, but does not have them.
+    """Smooth surface whose edges come near to the lengths of a metric, but do not have them.
 
     Its `residuals` are the map of where it misses them.
 

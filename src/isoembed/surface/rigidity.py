@@ -24,9 +24,6 @@ from isoembed.surface.two_level import TwoLevel
 MEAN_DIAGONAL = 2.0  # of J J^T, whose rows have unit norm at each end, and, nearly, of J^T J
 
 
-MEAN_DIAGONAL = 2.0  # of J J^T, whose rows have unit norm at each end, and, nearly, of J^T J
-
-
 def length_residuals(triangulation: Triangulation, vertices: Floats, lengths: Floats) -> Floats:
     """``(|x_a - x_b|^2 - l_ab^2) / (2 l_ab)``, shape (E,): to first order, the error of each length."""
     a, b = triangulation.edges.T
@@ -90,7 +87,9 @@ class LengthSystem:
         # Refined through J: refining the solution of J J^T alone would not reduce this residual.
         return d + J.forces(factor.solve(r - J.rates(d), sweeps=0))
 
-    def softest(self, vertices: Floats, lengths: Floats, count: int) -> tuple[Floats, Floats, Floats]:
+    def smallest_singular_values(
+        self, vertices: Floats, lengths: Floats, count: int
+    ) -> tuple[Floats, Floats, Floats]:
         """The smallest singular values of J, apart from the six of the rigid motions, and their vectors.
 
         To about three digits: the roots of the smallest eigenvalues of J J^T, by Lanczos' iteration with its

@@ -206,7 +206,7 @@ class SmoothIntegrals:
 
     @cached_property
     def _face_areas(self) -> tuple[Floats, Floats, Floats]:
-        """What the surface has more area than the triangles, the same to lower accuracy, and its size."""
+        """Area of the surface less that of the triangles, the same to lower accuracy, and its size."""
         t, points = self.triangulation, self._points
         if self.lengths == "chord":
             return self._quartic.area, self._cubic.area, self._quartic.area_size
@@ -236,7 +236,7 @@ class SmoothIntegrals:
 
 @dataclass(frozen=True)
 class _Bulges:
-    """What the surface has more than the triangles of an inscribed polyhedron, each but the first (F,)."""
+    """Integrals over the surface less those over inscribed triangles, each but the operators (F,)."""
 
     operators: Floats  # at the vertices
     heights: Floats  # int f

@@ -1,4 +1,4 @@
-"""Whether a surface is as smooth as its neighborhoods say: what tells it from others with the same lengths.
+"""Smoothness of a surface, which tells it from others with the same lengths.
 
 Near a smooth surface there are others with its lengths, to rounding, in which a few vertices stand on the
 other side of their neighbors.  Here each vertex is compared with a cubic fitted to its neighbors alone, in a
@@ -25,14 +25,14 @@ from isoembed.surface.spatial_order import spatial_order
 
 
 def offsets(triangulation: Triangulation, vertices: Floats) -> Floats:
-    """How far each vertex stands out of the cubic fitted to its neighbors, along its normal, shape (V, 3).
+    """Offset of each vertex from the cubic fitted to its neighbors, along its normal, shape (V, 3).
 
     On smooth surfaces it shrinks with the fourth power of the edge length.  Zero where there is no normal.
     Subtracted from the vertices, it gives the surface that the neighborhoods expect.
     """
     order = spatial_order(vertices)
     surface = Surroundings.of(triangulation, vertices).in_order(order)
-    residuals = _left(_residuals(surface), surface.vertices)
+    residuals = _fit_errors(_residuals(surface), surface.vertices)
     found = np.empty_like(residuals)
     found[order] = surface.normals * np.einsum("ij,ij->i", residuals, surface.normals)[:, None]
     return found
@@ -55,13 +55,13 @@ def _residuals(surface: Surroundings, degree: int = 3) -> Iterator[FitResiduals]
         yield FitResiduals.of(first, near, _polar_charts(first, near, surface), degree)
 
 
-def _left(blocks: Iterable[FitResiduals], values: Floats) -> Floats:
-    """What the fits of all vertices leave of values, (V, 3)."""
+def _fit_errors(blocks: Iterable[FitResiduals], values: Floats) -> Floats:
+    """Residuals of values, (V, 3), in the fits of all vertices."""
     return np.concatenate([block @ values for block in blocks])
 
 
 def fine_roughness(triangulation: Triangulation, vertices: Floats) -> float:
-    """What quintics fitted to three rings leave of what they leave, over the mean edge length there.
+    """Residual of the residuals of quintics fitted to three rings, over the mean edge length there.
 
     Realizations that are less than a thousandth of an edge apart differ in it where their `roughness` does
     not: there, what a cubic misses of the smooth shape is more than what tells them apart.  It is the mean
@@ -70,7 +70,7 @@ def fine_roughness(triangulation: Triangulation, vertices: Floats) -> float:
     """
     surface = Surroundings.of(triangulation, vertices).in_order(spatial_order(vertices))
     blocks = list(_residuals(surface, 5))
-    twice = np.linalg.norm(_left(blocks, _left(blocks, surface.vertices)), axis=1)
+    twice = np.linalg.norm(_fit_errors(blocks, _fit_errors(blocks, surface.vertices)), axis=1)
     return float(np.mean((twice / surface.units) ** FITS.robust) ** (1 / FITS.robust))
 
 
