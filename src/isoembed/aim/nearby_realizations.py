@@ -95,7 +95,9 @@ def nearby_realizations(
 def _predicted(system: LengthSystem, vertices: Floats, lengths: Floats) -> list[Floats]:
     """The motions to where the lengths are the given ones, as far as the softest go, the shortest first."""
     try:
-        sigmas, motions, changes = system.smallest_singular_values(vertices, lengths, min(NEARBY.motions, len(lengths) - 1))
+        sigmas, motions, changes = system.smallest_singular_values(
+            vertices, lengths, min(NEARBY.motions, len(lengths) - 1)
+        )
     except SingularMatrix:
         return []
     r = length_residuals(system.triangulation, vertices, lengths)
