@@ -1,6 +1,7 @@
 """Repair of deficits that noise made negative: what it must leave, and that less would not do."""
 
 import itertools
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -185,7 +186,7 @@ def test_what_is_far_from_convex_cannot_be_repaired():
 def test_vertices_are_exchanged_one_by_one_where_blocks_do_not_help(monkeypatch):
     metric = noisy(grid_cube(3), 1e-6)
     expected = repaired(metric, 1e-3)[1].factors
-    monkeypatch.setattr(repair_module, "BLOCKS", 0)
+    monkeypatch.setattr(repair_module, "REPAIR", replace(repair_module.REPAIR, blocks=0))
     np.testing.assert_allclose(repaired(metric, 1e-3)[1].factors, expected, rtol=1e-9, atol=1e-18)
 
 

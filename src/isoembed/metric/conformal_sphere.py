@@ -28,15 +28,24 @@ from isoembed.metric.curvature import Triangles, face_areas
 from isoembed.metric.delaunay import ideal_delaunay
 from isoembed.metric.polyhedral import PolyhedralMetric
 from isoembed.progress.stages import StageRecorder
+from isoembed.thresholds import threshold
 
-MAX_STEPS = 50
-FLAT = 1e-10  # radians: deficits of the flattened surface below this are rounding
-MODERATE = 40.0  # a conformal factor e^u beyond e^40 means that the metric has no place on the sphere
-LONGEST = 2.0  # change of a conformal factor in one Newton step
-STIFFNESS = 1e-3  # cotangents: of straight triangles
-POLES = 5  # tries
-DISTINCT = 1e-12  # radii
-CENTERED = 1e-12
+
+@dataclass(frozen=True)
+class ConformalSphereThresholds:
+    """Thresholds of layouts on the sphere."""
+
+    max_steps: int = threshold(50, "Newton steps", "At most, to flatten the surface.")
+    flat: float = threshold(1e-10, "radians", "Deficits of the flattened surface below this are rounding.")
+    moderate: float = threshold(40.0, "log factor", "A metric of larger factors has no place on the sphere.")
+    longest: float = threshold(2.0, "log factor", "Change of a factor in one Newton step, at most.")
+    stiffness: float = threshold(1e-3, "cotangents", "Of straight triangles.")
+    poles: int = threshold(5, "tries", "Vertices that are taken to infinity, one after another.")
+    distinct: float = threshold(1e-12, "radii", "Distance of neighbors on the sphere, at least.")
+    centered: float = threshold(1e-12, "radii", "Distance of the mean from the center, at most.")
+
+
+SPHERE = ConformalSphereThresholds()
 
 
 @dataclass(frozen=True)
@@ -76,7 +85,7 @@ def conformal_sphere(
     """
     triangulation, lengths = metric.triangulation, metric.normalized.lengths
     # The star of the pole is never flipped; where that keeps triangles broken, another pole may do.
-    for pole in np.argsort(-triangulation.degrees, kind="stable")[:POLES]:
+    for pole in np.argsort(-triangulation.degrees, kind="stable")[: SPHERE.poles]:
         plane = _Plane(triangulation, lengths, int(pole), backend)
         plane, u, exact = _flattened(plane, plane.start(recorder), recorder)
         if exact:
@@ -86,7 +95,7 @@ def conformal_sphere(
         x = _centered(_projected(plane.lay_out(u, recorder), plane.pole), weights)
         a, b = metric.edges.T
         # A metric so long and thin that neighbors meet on the sphere within rounding has no layout either.
-        if (np.linalg.norm(x[a] - x[b], axis=1) > DISTINCT).all():
+        if (np.linalg.norm(x[a] - x[b], axis=1) > SPHERE.distinct).all():
             return ConformalSphere(x, True)
     return ConformalSphere(_centered(_projected(plane.tutte(recorder), plane.pole), weights), False)
 
@@ -203,7 +212,7 @@ class _Plane:
             u = self.solve(weights, (sums - 2 * np.pi)[:, None], self.rim_u[:, None], recorder)[:, 0]
         except SingularMatrix:  # needles
             return self.rim_u
-        return u if np.abs(u).max() < MODERATE and not self.measure(u)[3] else self.rim_u
+        return u if np.abs(u).max() < SPHERE.moderate and not self.measure(u)[3] else self.rim_u
 
     def whole(self, u: Floats) -> tuple[_Plane, tuple[Floats, Floats, Floats, bool]]:
         """The same conformal class on triangles that u does not break, and its measures.
@@ -255,20 +264,20 @@ def _flattened(plane: _Plane, u: Floats, recorder: StageRecorder) -> tuple[_Plan
     """
     inner, zero = plane.inner, np.zeros((len(u), 1))
     plane, (sums, weights, _, broken) = plane.whole(u)
-    for _ in range(MAX_STEPS):
+    for _ in range(SPHERE.max_steps):
         g = np.zeros(len(u))
         g[inner] = 2 * np.pi - sums[inner]
         recorder.show(residual=float(np.abs(g).max()))
-        if np.abs(g).max() < FLAT:
+        if np.abs(g).max() < SPHERE.flat:
             return plane, u, not broken
         if broken:  # straight triangles have no second derivative: keep the matrix definite
-            weights = weights + STIFFNESS
+            weights = weights + SPHERE.stiffness
         try:
             step = plane.solve(weights, -g[:, None], zero, recorder)[:, 0]
         except SingularMatrix:  # needles
             return plane, u, False
         recorder.iterations += 1
-        slope, s = step @ g, min(1.0, LONGEST / np.abs(step).max())
+        slope, s = step @ g, min(1.0, SPHERE.longest / np.abs(step).max())
         while True:  # a convex function has decreased where its slope has not turned around
             trial, (sums, weights, _, broken) = plane.whole(u + s * step)
             if step[inner] @ (2 * np.pi - sums[inner]) <= 0.9 * abs(slope):
@@ -305,7 +314,7 @@ def _centered(x: Floats, weights: Floats) -> Floats:
     """
     for _ in range(100):
         mean = weights @ x
-        if np.linalg.norm(mean) < CENTERED:
+        if np.linalg.norm(mean) < SPHERE.centered:
             break
         rapidity = -np.linalg.solve(np.eye(3) - (weights[:, None] * x).T @ x, mean)
         size = float(np.linalg.norm(rapidity))

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 from typing import cast
 
 import numpy as np
@@ -10,9 +11,19 @@ from numpy.typing import NDArray
 from isoembed.arrays import Floats
 from isoembed.errors import InvalidMetric
 from isoembed.metric.curvature import Triangles
+from isoembed.thresholds import threshold
 
-ROUNDINGS = 64  # of the lengths, with the errors of a few steps before they were given
-LEAST, MOST = 1e-12, 1e-6  # radians: flips have rounded more than the triangles show; slivers hide no more
+
+@dataclass(frozen=True)
+class ConvexityThresholds:
+    """Thresholds of what counts as a negative deficit."""
+
+    roundings: int = threshold(64, "machine epsilons", "Of the lengths: errors of a few steps before them.")
+    least: float = threshold(1e-12, "radians", "Of a deficit: flips round more than triangles show.")
+    most: float = threshold(1e-6, "radians", "Of a deficit: slivers hide no more.")
+
+
+CONVEXITY = ConvexityThresholds()
 
 
 def deficit_rounding(faces: NDArray[np.int64], face_lengths: Floats) -> Floats:
@@ -28,8 +39,8 @@ def deficit_rounding(faces: NDArray[np.int64], face_lengths: Floats) -> Floats:
     """
     triangles = Triangles.of(face_lengths)
     slenderness = triangles.opposite.max(axis=1) ** 2 / (2 * triangles.areas)
-    at_corners = np.repeat(ROUNDINGS * np.finfo(np.float64).eps * slenderness, 3)
-    return np.clip(cast(Floats, np.bincount(faces.ravel(), at_corners)), LEAST, MOST)
+    at_corners = np.repeat(CONVEXITY.roundings * np.finfo(np.float64).eps * slenderness, 3)
+    return np.clip(cast(Floats, np.bincount(faces.ravel(), at_corners)), CONVEXITY.least, CONVEXITY.most)
 
 
 def check_convex(deficits: Floats, rounding: Floats | float) -> None:

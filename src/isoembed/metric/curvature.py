@@ -14,9 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from isoembed.arrays import Floats
-from isoembed.metric.polyhedral import PolyhedralMetric
-
-ROUNDING = 1e-9  # radians: of a sum of angles
+from isoembed.metric.polyhedral import METRIC, PolyhedralMetric
 
 
 @dataclass(frozen=True)
@@ -114,7 +112,7 @@ def deficits(metric: PolyhedralMetric) -> Floats:
 
 def negative_deficits(metric: PolyhedralMetric) -> NDArray[np.bool_]:
     """Vertices whose deficit is below -1e-9 radians, shape (V,): there the metric is not convex."""
-    return deficits(metric) < -ROUNDING
+    return deficits(metric) < -METRIC.angles
 
 
 def dual_areas(metric: PolyhedralMetric) -> Floats:

@@ -11,14 +11,13 @@ import numpy as np
 
 from isoembed.arrays import Floats
 from isoembed.metric.curvature import (
-    ROUNDING,
     area,
     corner_angles,
     deficits,
     dual_areas,
     gaussian_curvature,
 )
-from isoembed.metric.polyhedral import PolyhedralMetric
+from isoembed.metric.polyhedral import METRIC, PolyhedralMetric
 from isoembed.thresholds import threshold
 
 
@@ -136,7 +135,7 @@ def _measures(
     yield Measure("lengths", text, {**_range(lengths), "mean": mean})
     low, high = np.degrees([angles.min(), angles.max()])
     yield Measure("angles", f"{low:.4g} to {high:.4g} degrees", {"min_degrees": low, "max_degrees": high})
-    negative, gauss_bonnet = int((epsilon < -ROUNDING).sum()), float(epsilon.sum() - 4 * np.pi)
+    negative, gauss_bonnet = int((epsilon < -METRIC.angles).sum()), float(epsilon.sum() - 4 * np.pi)
     text = (
         f"{epsilon.min():.4g} to {epsilon.max():.4g} radians, {negative} negative, "
         f"sum - 4 pi = {gauss_bonnet:.1e}"
@@ -148,7 +147,7 @@ def _measures(
     yield Measure("dual areas", text, {**dual, "not_positive": undefined})
     k = _range(curvature)
     yield Measure("gaussian curvature", f"{k['min']:.4g} to {k['max']:.4g}", k)
-    violations = int((excess > ROUNDING).sum())
+    violations = int((excess > METRIC.angles).sum())
     text = f"{violations} edges with opposite angles of more than 180 degrees together"
     yield Measure("delaunay", text, {"violations": violations})
     yield Measure("area", f"{surface:.12g}", {"total": surface})
@@ -167,7 +166,7 @@ def _warnings(
     beyond = (least < np.radians(INSPECTION.narrow)) | (largest > np.radians(INSPECTION.wide))
     found = (
         (
-            *("negative_deficits", epsilon < -ROUNDING, "negative deficits"),
+            *("negative_deficits", epsilon < -METRIC.angles, "negative deficits"),
             lambda v: (
                 f"vertex {v} has {epsilon[v]:.4g} rad: the metric is not convex there, Alexandrov's "
                 "theorem does not apply, and an embedding, if there is one, need not be the only one"
@@ -210,7 +209,7 @@ def _warnings(
             ),
         ),
         (
-            *("not_delaunay", excess > ROUNDING, "edges that are not Delaunay"),
+            *("not_delaunay", excess > METRIC.angles, "edges that are not Delaunay"),
             lambda e: (
                 f"edge {t.edges[e].tolist()}: cotangent weights are negative there, and a convex "
                 "surface has a concave edge in such triangles more often than in Delaunay ones"

@@ -11,12 +11,22 @@ import numpy as np
 from numba import njit
 from numpy.typing import ArrayLike, NDArray
 
-from isoembed.arrays import Floats
+from isoembed.arrays import Floats, Indices
 from isoembed.errors import InvalidMetric
 from isoembed.mesh.checks import index_array
 from isoembed.mesh.triangulation import Triangulation, frozen
+from isoembed.thresholds import threshold
 
-SAME_LENGTH = 1e-12  # relative: two values for one edge that differ by more contradict each other
+
+@dataclass(frozen=True)
+class MetricThresholds:
+    """Thresholds of what metrics are, and are said to be."""
+
+    same_length: float = threshold(1e-12, "relative", "Two values for an edge differ by no more.")
+    angles: float = threshold(1e-9, "radians", "Rounding of a sum of angles: of deficits, and across edges.")
+
+
+METRIC = MetricThresholds()
 
 
 @dataclass(frozen=True, eq=False, init=False, repr=False)
@@ -141,12 +151,12 @@ class PolyhedralMetric:
         )
 
     @property
-    def faces(self) -> NDArray[np.int64]:
+    def faces(self) -> Indices:
         """(F, 3): the triangles."""
         return self.triangulation.faces
 
     @property
-    def edges(self) -> NDArray[np.int64]:
+    def edges(self) -> Indices:
         """(E, 2): the ends of each edge."""
         return self.triangulation.edges
 
@@ -217,7 +227,7 @@ def _matched(triangulation: Triangulation, lengths: Floats, edges: ArrayLike) ->
         f = triangulation.edge_faces[e, 0]
         raise InvalidMetric(f"edge {triangulation.edges[e].tolist()} of face {f} has no length")
     matched = lengths[order[start]]
-    differs = np.abs(lengths - matched[index]) > SAME_LENGTH * np.abs(matched[index])
+    differs = np.abs(lengths - matched[index]) > METRIC.same_length * np.abs(matched[index])
     if differs.any():
         k = int(np.argmax(differs))
         first = int(order[start[index[k]]])
@@ -228,7 +238,7 @@ def _matched(triangulation: Triangulation, lengths: Floats, edges: ArrayLike) ->
     return matched
 
 
-def _check_positive(edges: NDArray[np.int64], lengths: Floats) -> None:
+def _check_positive(edges: Indices, lengths: Floats) -> None:
     good = np.isfinite(lengths) & (lengths > 0)
     if not good.all():
         e = int(np.argmin(good))
@@ -251,7 +261,7 @@ def _check_lengths(triangulation: Triangulation, lengths: Floats) -> None:
 
 
 @njit(cache=True)
-def _first_broken(face_edges: NDArray[np.int64], lengths: Floats) -> int:
+def _first_broken(face_edges: Indices, lengths: Floats) -> int:
     """The first face that breaks the triangle inequality, or -1."""
     for f in range(len(face_edges)):
         a, b, c = lengths[face_edges[f, 0]], lengths[face_edges[f, 1]], lengths[face_edges[f, 2]]
@@ -263,12 +273,12 @@ def _first_broken(face_edges: NDArray[np.int64], lengths: Floats) -> int:
 
 
 @njit(cache=True)
-def edge_lengths(edges: NDArray[np.int64], points: Floats) -> Floats:
-    """Lengths of the edges between points, (E,)."""
+def edge_lengths(edges: Indices, vertices: Floats) -> Floats:
+    """Distances between the ends of the edges, (E,)."""
     lengths = np.empty(len(edges))
     for e in range(len(edges)):
         square = 0.0
-        for k in range(points.shape[1]):
-            square += (points[edges[e, 0], k] - points[edges[e, 1], k]) ** 2
+        for k in range(vertices.shape[1]):
+            square += (vertices[edges[e, 0], k] - vertices[edges[e, 1], k]) ** 2
         lengths[e] = np.sqrt(square)
     return lengths

@@ -30,12 +30,21 @@ from isoembed.metric.convexity import check_convex, deficit_rounding
 from isoembed.metric.glued import GluedMetric
 from isoembed.metric.laplacian import cotangent_laplacian
 from isoembed.metric.polyhedral import PolyhedralMetric
+from isoembed.thresholds import threshold
 
 Metric = TypeVar("Metric", bound=PolyhedralMetric | GluedMetric)
 
-NEWTON_STEPS = 20  # far beyond what small deficits need: the error is squared in each
-BLOCKS = 10  # exchanges of many vertices that may fail to help before one is exchanged at a time
-EXCHANGES = 200  # far beyond what a Delaunay triangulation needs
+
+@dataclass(frozen=True)
+class RepairThresholds:
+    """Thresholds of the repair of deficits."""
+
+    newton_steps: int = threshold(20, "steps", "Far beyond what small deficits need: each squares the error.")
+    blocks: int = threshold(10, "exchanges", "Of many vertices that may fail to help before single ones.")
+    exchanges: int = threshold(200, "exchanges", "Far beyond what a Delaunay triangulation needs.")
+
+
+REPAIR = RepairThresholds()
 
 
 @dataclass(frozen=True, eq=False)
@@ -105,7 +114,7 @@ def repaired(metric: Metric, noise: float) -> tuple[Metric, Repair]:
     negative = np.flatnonzero(before < -rounding)
     u = np.zeros(given.n_vertices)
     result = metric
-    for _ in range(NEWTON_STEPS):
+    for _ in range(REPAIR.newton_steps):
         current = GluedMetric.of(result)
         delta = current.deficits
         if (delta >= -deficit_rounding(current.faces, current.face_lengths)).all():
@@ -132,8 +141,8 @@ def _least_factors(H: csc_array, delta: Floats, slack: Floats) -> Floats:
     large-scale strictly monotone linear complementarity problems, Computers Ops. Res. 21, 1994).
     """
     lifted = delta < -slack
-    fewest, left = lifted.size + 1, BLOCKS
-    for _ in range(EXCHANGES):
+    fewest, left = lifted.size + 1, REPAIR.blocks
+    for _ in range(REPAIR.exchanges):
         u = np.zeros(delta.size)
         u[lifted] = factor_general(H[lifted][:, lifted]).solve(-delta[lifted])
         wrong = np.where(lifted, u < 0, H @ u + delta < -slack)
@@ -141,7 +150,7 @@ def _least_factors(H: csc_array, delta: Floats, slack: Floats) -> Floats:
         if count == 0:
             break
         if count < fewest:
-            fewest, left = count, BLOCKS
+            fewest, left = count, REPAIR.blocks
         elif left > 0:
             left -= 1
         else:
