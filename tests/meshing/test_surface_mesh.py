@@ -168,6 +168,7 @@ def directions(surface, x):
     return u(0.5 * (low + high))
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     "surface", [Ellipsoid((3, 2, 1)), Drum(), HarmonicSurface(), Bean(), Ergosphere(0.1)], ids=str
 )
@@ -205,6 +206,7 @@ def beyond(x, faces):
     return max(38 - angles(x, faces).min(), angles(x, faces).max() - 97)
 
 
+@pytest.mark.slow
 def test_a_large_mesh_that_is_not_finished_is_the_best_so_far(monkeypatch):
     monkeypatch.setattr(surface_mesh, "SURFACE_MESH", replace(surface_mesh.SURFACE_MESH, large=1000))
     surface, n, found = HarmonicSurface(16, 8, 0.5), 1500, []
@@ -252,6 +254,7 @@ def test_vertices_lie_on_the_surface(surface, irregular):
     np.testing.assert_allclose(surface.point(directions(surface, x)), x, atol=1e-11 * np.abs(x).max())
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", SURFACES)
 def test_the_same_input_gives_the_same_mesh(name):
     for seed in (None, 3):
@@ -260,6 +263,7 @@ def test_the_same_input_gives_the_same_mesh(name):
         np.testing.assert_array_equal(one[1], two[1])
 
 
+@pytest.mark.slow
 @settings(max_examples=20, deadline=None, derandomize=True)
 @given(
     n=st.integers(12, 90),
@@ -285,6 +289,7 @@ def test_any_number_of_vertices_gives_a_valid_mesh(n, surface, seed):
         assert angles(x, faces).min() > least
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("surface", "irregular"),
     [
@@ -324,6 +329,7 @@ NOT_CONVEX = [
 ]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("seed", [0, 1])
 @pytest.mark.parametrize("surface", NOT_CONVEX, ids=str)
 def test_irregular_meshes_are_valid(surface, seed):
@@ -352,6 +358,7 @@ def test_irregular_meshes_differ_from_seed_to_seed_and_are_irregular():
         assert 0.4 < np.mean(degrees(faces) == 6) < 0.65
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("surface", [Sphere(), Drum(), Ergosphere(0.3), BentTube()], ids=str)
 def test_blue_noise_keeps_its_distance_and_leaves_no_hole(surface):
     n = 3000
@@ -399,6 +406,7 @@ def test_a_sphere_is_not_graded_and_the_density_integrates_to_the_share():
     assert 4 * np.pi * mean / surface.area == pytest.approx(1.1, rel=1e-4)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     "surface", [Drum(), Ellipsoid((10, 1, 1)), Ergosphere(0.1), CassiniPeanut()], ids=str
 )

@@ -110,6 +110,7 @@ def test_area_is_that_of_the_metric_after_its_correction(name):
     assert abs((triangles * (1 + K * (l**2).sum(axis=1) / 24)).sum() / area - 1) < 5e-6
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("grading", [0.0, 0.3])
 @pytest.mark.parametrize("name", ["horizon 0.8", "ergosphere 0.1", "ellipsoid", "warped"])
 def test_the_mean_length_is_the_size(name, grading):
@@ -130,6 +131,7 @@ def test_grading_gives_the_curvature_its_share():
         assert found == pytest.approx(share, rel=0.1)
 
 
+@pytest.mark.slow
 @settings(max_examples=3, deadline=None)
 @given(st.integers(-480, 480))
 def test_the_unit_of_length_does_not_matter(exponent):

@@ -1,4 +1,4 @@
-"""Closed-form surfaces and good triangulations of them.
+"""Closed-form surfaces.
 
 ``SURFACES`` offers them by name; the fields of each dataclass are its options. A surface knows its points
 and curvatures exactly, and its area, volume and int H dA to rounding, for meshes to be compared with.

@@ -1,4 +1,4 @@
-"""What every closed-form surface of the gallery can say about itself.
+"""Closed-form surfaces: points, curvatures and integrals.
 
 A surface is a map from the unit sphere: a unit vector, its *direction*, names a point. Surfaces are
 computed in their own unit of length, so that 1e-150 and 1e12 are ordinary sizes.

@@ -58,23 +58,10 @@ def _sines_and_cosines(vertices: Floats, faces: Indices) -> tuple[Floats, Floats
 def flip_to_delaunay(
     vertices: Floats, normals: Floats, faces: Indices, twin: Indices
 ) -> tuple[Indices, Indices]:
-    """Flip edges until no pair of opposite angles exceeds pi.
+    """Triangles (F, 3) and twins (3F,) after flips until no pair of opposite angles exceeds pi.
 
     Each round flips the worst edges that share no triangle. An edge is not flipped where the new one
-    exists already, or where a new triangle would look inward.
-
-    Parameters
-    ----------
-    vertices, normals : (V, 3)
-        The points of the mesh and the outward normals of the surface there.
-    faces : (F, 3)
-    twin : (3F,)
-        From :func:`twin_halfedges`.
-
-    Returns
-    -------
-    faces, twin
-        New arrays.
+    exists already, or where a new triangle would look inward, by the outward normals at the vertices.
     """
     faces, twin = faces.copy(), twin.copy()
     flip_where_touched(vertices, normals, faces, twin, corner_angles(vertices, faces), np.arange(len(faces)))
@@ -84,15 +71,14 @@ def flip_to_delaunay(
 def flip_where_touched(
     vertices: Floats, normals: Floats, faces: Indices, twin: Indices, angles: Floats, touched: Indices
 ) -> Indices:
-    """Do what :func:`flip_to_delaunay` does in place, where all edges but some triangles' need no flip.
+    """Flip as `flip_to_delaunay` does, but in place, where only touched triangles may need it.
 
     Parameters
     ----------
-    vertices, normals : (V, 3)
-    faces : (F, 3)
-    twin : (3F,)
+    vertices, normals, faces, twin
+        As there.
     angles : (F, 3)
-        From :func:`corner_angles`, and changed with the faces.
+        The `corner_angles`, changed with the faces.
     touched : (k,)
         The triangles that have changed since the mesh was last Delaunay.
 

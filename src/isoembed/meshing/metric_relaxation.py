@@ -127,7 +127,7 @@ class MetricMesh:
         self._measure(h)
 
     def _beyond(self) -> Floats:
-        """How far each triangle's angles reach beyond the window, (F,)."""
+        """Excess (F,) of each triangle's angles beyond the window."""
         angles, (least, largest) = angles_from_lengths(self.tables.lengths), np.radians(METRIC_MESH.angles)
         return np.maximum(least - angles.min(axis=1), angles.max(axis=1) - largest)
 

@@ -41,7 +41,7 @@ class Cells:
         return cls(function(cell_centers(shape, axis)).reshape(shape), axis)
 
     def integral(self) -> float:
-        """Over the unit sphere."""
+        """Integral over the unit sphere."""
         return float(2.0 * np.pi * np.mean(self.values, axis=1) @ _zones(len(self.values)))
 
     def at(self, u: Floats) -> Floats:

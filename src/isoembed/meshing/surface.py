@@ -1,4 +1,4 @@
-"""What the triangulation of a surface asks of it, and where it wants vertices."""
+"""The contract of surfaces that are triangulated, and the density of vertices on them."""
 
 from __future__ import annotations
 

@@ -31,24 +31,10 @@ _RELAXATION = compiled(RELAXATION)
 def touch_up(
     surface: Surface, u: Floats, faces: Indices, twin: Indices, window: Floats
 ) -> tuple[Floats, Indices]:
-    """Move the vertices about angles outside a window by Lloyd steps, with flips in between, until none is.
+    """Directions (V, 3) and triangles (F, 3) after Lloyd steps and flips near angles outside a window.
 
-    Parameters
-    ----------
-    surface
-    u : (V, 3)
-        Directions of the vertices.
-    faces : (F, 3)
-        Their Delaunay triangulation.
-    twin : (3F,)
-        From :func:`twin_halfedges`.
-    window : (2,)
-        Least and largest angle wanted, in radians.
-
-    Returns
-    -------
-    u, faces
-        Those with the best angles of all sweeps.
+    The steps begin with a Delaunay triangulation of the directions u and end when all angles are between
+    those of the window (2,), in radians, or patience does; the mesh with the best angles is returned.
     """
     u, faces, twin = u.copy(), faces.copy(), twin.copy()
     x, normals = surface._points(u), surface._normals(u)
@@ -94,7 +80,7 @@ def _judge(
     which: Indices,
     verdicts: NDArray[np.int8],
 ) -> None:
-    """Note of some triangles whether they are good, have an angle outside the window, or look inward."""
+    """Verdicts on some triangles, in place: good, an angle outside the window, or inward."""
     for f in which:
         a, b, c = faces[f]
         outward = 0.0

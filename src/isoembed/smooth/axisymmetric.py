@@ -304,12 +304,12 @@ class Band:
 
     @property
     def area(self) -> float:
-        """Its area."""
+        """Area of the band."""
         return self.metric._area(self.start, self.stop)
 
     @property
     def height(self) -> float:
-        """How far it reaches along the axis."""
+        """Extent along the axis."""
         return float(self._primitives[0](np.array([np.pi]))[0]) * self.metric.unit
 
     @property
@@ -393,7 +393,7 @@ class Band:
 
     @cached_property
     def _primitives(self) -> tuple[Piecewise, Piecewise]:
-        """Of -dz/d theta and of beta d rho/d theta, tan(beta) = -dz/d rho, as functions of tau.
+        """Primitives of -dz/d theta and of beta d rho/d theta, tan(beta) = -dz/d rho, as functions of tau.
 
         theta = (start + stop)/2 - (stop - start)/2 cos(tau): what is like a square root at an edge is smooth.
         """

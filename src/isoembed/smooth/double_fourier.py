@@ -134,15 +134,7 @@ class DoubleFourier:
 
 
 def inner_nodes(theta: ArrayLike) -> Mask:
-    """Check the angles theta of a grid, and tell which are not poles.
-
-    Parameters
-    ----------
-    theta : array_like, shape (n,)
-
-    Returns
-    -------
-    ndarray of bool, shape (n,)
+    """Which of the angles theta (n,) of a grid are not poles.
 
     Raises
     ------
@@ -166,18 +158,9 @@ def inner_nodes(theta: ArrayLike) -> Mask:
 
 
 def around(phi: ArrayLike) -> int:
-    """Check the angles phi of a grid, and tell how many make up the full circle.
+    """Number of the angles phi (m,) of a grid that make up the full circle, all or all but the end point.
 
-    Parameters
-    ----------
-    phi : array_like, shape (m,)
-        Uniform, beginning anywhere, once around, with or without the end point; one alone for what is
-        symmetric about the z-axis.
-
-    Returns
-    -------
-    int
-        m, or m - 1 if the end point is there.
+    They are uniform, begin anywhere, and go once around; one alone is for what is symmetric about the z-axis.
 
     Raises
     ------

@@ -109,7 +109,7 @@ class SmoothEmbedding:
 
     @property
     def area(self) -> float:
-        """Of the metric."""
+        """Area of the metric."""
         return self._measured.area
 
     @property
@@ -137,12 +137,12 @@ class SmoothEmbedding:
 
     @property
     def _rounding(self) -> float:
-        """What second derivatives of the harmonics lose."""
+        """Rounding of second derivatives of the harmonics, relative."""
         return 2.0 * float(np.finfo(np.float64).eps) * self.harmonics.degree**2
 
     @property
     def unsettled(self) -> float:
-        """What more harmonics or nodes may change in `integrated_mean_curvature`.
+        """Change of `integrated_mean_curvature` that more harmonics or nodes may make.
 
         It is the change from lower degree and at least what the strains make, their square; nothing where
         these are rounding.  The change from fewer nodes adds to it.
@@ -155,7 +155,7 @@ class SmoothEmbedding:
 
     @cached_property
     def _measured(self) -> _Measures:
-        """By quadrature with more and more nodes, until the integral of H settles."""
+        """Measures by quadrature with more and more nodes, until the integral of H settles."""
         before = np.inf
         n = MEASURE.more + self.harmonics.degree
         while True:
@@ -198,7 +198,7 @@ class SmoothEmbedding:
 
 @dataclass(frozen=True)
 class _Measures:
-    """What a surface measures by quadrature, at the nodes u (n, 3)."""
+    """Measures of a surface by quadrature at the nodes u (n, 3)."""
 
     u: Floats
     area: float

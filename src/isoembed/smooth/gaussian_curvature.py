@@ -94,6 +94,6 @@ def _brioschi(samples: Floats) -> Floats:
 
 
 def _determinant(*entries: Floats) -> Floats:
-    """Of 3x3 matrices, whose entries come row by row, each (n,)."""
+    """Determinants (n,) of 3x3 matrices, whose entries come row by row, each (n,)."""
     a, b, c, d, e, f, g, h, i = entries
     return a * (e * i - f * h) - b * (d * i - f * g) + c * (d * h - e * g)

@@ -112,42 +112,21 @@ class GridMetric:
         return from_angles(u, *self._field.at(u).T)
 
     def function(self, values: ArrayLike, name: str) -> Callable[[Floats], Floats]:
-        """Interpolate a function on the sphere that is given on the same grid.
-
-        Parameters
-        ----------
-        values : array_like, shape (n, m)
-        name : str
-            For the message if they do not fit.
-
-        Returns
-        -------
-        callable
-            Takes unit vectors u (n, 3) and returns the values there (n,).
+        """Interpolation of values (n, m) on the same grid, as a function of unit vectors (k, 3).
 
         Raises
         ------
         InvalidMetric
-            The values have another shape, or one of them is not finite.
+            They have another shape, or one of them is not finite; the message calls them by the name.
         """
         series = self._series(self._given(values, name)[..., None])
         return lambda u: series.at(np.asarray(u, dtype=np.float64))[:, 0]
 
     def one_form(self, meridional: ArrayLike, azimuthal: ArrayLike, name: str) -> Callable[[Floats], Floats]:
-        """Interpolate a one-form on the sphere that is given on the same grid.
+        """Interpolation of a one-form by its components (n, m) for theta and phi on the same grid.
 
-        Parameters
-        ----------
-        meridional, azimuthal : array_like, shape (n, m)
-            Its coordinate components, for theta and phi.  What they are at the poles is not looked at.
-        name : str
-            For the message if they do not fit.
-
-        Returns
-        -------
-        callable
-            Takes unit vectors u (n, 3) and returns tangent vectors (n, 3) whose products with velocities of u
-            are the values of the form.
+        It is a function of unit vectors u (k, 3), with tangent vectors (k, 3) whose products with velocities
+        of u are the values of the form.  What the components are at the poles is not looked at.
 
         Raises
         ------

@@ -53,7 +53,7 @@ class Harmonics:
 
     @property
     def size(self) -> int:
-        """How many they are."""
+        """Number of the harmonics."""
         return len(self.labels[0])
 
     def values(self, u: Floats) -> Floats:
@@ -68,19 +68,7 @@ class Harmonics:
         return np.ascontiguousarray(Y.T), np.ascontiguousarray(D.transpose(2, 0, 1))
 
     def along(self, u: Floats, tangents: Floats) -> tuple[Floats, Floats]:
-        """The harmonics and their derivatives along k tangent vectors at each of n directions.
-
-        Parameters
-        ----------
-        u : ndarray, shape (n, 3)
-        tangents : ndarray, shape (n, k, 3)
-            Orthogonal to u; of any length.
-
-        Returns
-        -------
-        values : ndarray, shape (n, size)
-        first : ndarray, shape (n, k, size)
-        """
+        """The harmonics (n, size) at u (n, 3) and their derivatives (n, k, size) along tangents (n, k, 3)."""
         Y, *gradient = self._evaluated(u, 1)
         first = np.empty((*tangents.shape[:2], self.size))
         for k in range(tangents.shape[1]):
@@ -88,20 +76,9 @@ class Harmonics:
         return np.ascontiguousarray(Y.T), first
 
     def derivatives(self, u: Floats, coefficients: Floats) -> tuple[Floats, Floats, Floats]:
-        """A function given by its coefficients, with its covariant derivatives on the unit sphere.
+        """Values (n,), gradients (n, 3) and Hessians (n, 3, 3) of a function on the sphere at u (n, 3).
 
-        Parameters
-        ----------
-        u : ndarray, shape (n, 3)
-        coefficients : ndarray, shape (size,)
-
-        Returns
-        -------
-        values : ndarray, shape (n,)
-        gradient : ndarray, shape (n, 3)
-            Tangent to the sphere.
-        hessian : ndarray, shape (n, 3, 3)
-            Symmetric, zero along u.
+        The function is given by its coefficients (size,); the derivatives are covariant and tangent.
         """
         degrees, orders = self.labels
         table = np.zeros((self.order + 1, self.degree + 1), dtype=np.complex128)
@@ -115,18 +92,9 @@ class Harmonics:
         return values, gradient - radial[:, None] * u, P @ hessian @ P - radial[:, None, None] * P
 
     def second_along(self, u: Floats, tangents: Floats, coefficients: Floats) -> Floats:
-        """Covariant second derivatives on the unit sphere of functions given by their coefficients.
+        """Hessians (n, k, k, c) on the unit sphere, in pairs of tangents (n, k, 3) at u (n, 3).
 
-        Parameters
-        ----------
-        u : ndarray, shape (n, 3)
-        tangents : ndarray, shape (n, k, 3)
-        coefficients : ndarray, shape (size, c)
-
-        Returns
-        -------
-        ndarray, shape (n, k, k, c)
-            The Hessian of each function in each pair of tangent vectors.
+        They are covariant, of c functions given by their coefficients (size, c).
         """
         n, k = tangents.shape[:2]
         out = np.empty((n, k, k, coefficients.shape[1]))

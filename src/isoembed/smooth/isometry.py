@@ -64,7 +64,7 @@ class MetricSamples:
 
 
 def around(n: int, harmonics: Harmonics) -> int:
-    """How many angles about the axis go with n heights: a few about an axis of symmetry."""
+    """Number of nodes about the axis that goes with n heights: few about an axis of symmetry."""
     return ISOMETRY.around if harmonics.order < harmonics.degree else 2 * n
 
 
@@ -82,19 +82,9 @@ def strains(tangents: Floats) -> Floats:
 
 
 def gauss_newton(metric: TwoMetric, harmonics: Harmonics, coefficients: Floats) -> Floats:
-    """Improve a map X until the squares of its strains, integrated over the area, are least.
+    """Coefficients (size, 3) of the map whose squared strains, integrated over the area, are least.
 
-    Parameters
-    ----------
-    metric : TwoMetric
-    harmonics : Harmonics
-    coefficients : ndarray, shape (size, 3)
-        Of a map that is roughly right.
-
-    Returns
-    -------
-    ndarray, shape (size, 3)
-        The coefficients of the best map; that of the constant harmonic is as given.
+    The search begins at coefficients of a map that is roughly right; that of the constant harmonic is kept.
     """
     n = int(np.ceil(ISOMETRY.oversampled * (harmonics.degree + 1)))
     samples = MetricSamples.of(metric, n, around(n, harmonics))
@@ -130,13 +120,9 @@ class IsometrySystem:
         return cls(unit, Y[:, 1:], unit * B[:, :, 1:], np.sqrt(samples.areas / samples.areas.sum()))
 
     def solved(self, coefficients: Floats, stretch: Floats | float = 0.0) -> Floats:
-        """Improve coefficients (size, 3) of X until the mean square of the strains less the stretch is least.
+        """Coefficients (size, 3) of X near given ones for which the strains come nearest to a stretch.
 
-        Parameters
-        ----------
-        coefficients : ndarray, shape (size, 3)
-        stretch : ndarray, shape (n, 3), or 0
-            What the strains are to be, in the form that `strains` gives them.
+        The stretch (n, 3), or 0, is in the form that `strains` has.
         """
         constant, C = coefficients[:1], coefficients[1:] / self.unit
         error, tangents, residuals = self._strained(C, stretch)
@@ -172,18 +158,9 @@ class IsometrySystem:
         return np.concatenate([constant, self.unit * C])
 
     def deformations(self, coefficients: Floats, strains: Floats) -> Floats:
-        """The changes of X, to first order, that make given changes of the strains.
+        """Changes (k, size, 3) of the coefficients (size, 3) of X that make changes (k, n, 3) of the strains.
 
-        Parameters
-        ----------
-        coefficients : ndarray, shape (size, 3)
-            Of X.
-        strains : ndarray, shape (k, n, 3)
-
-        Returns
-        -------
-        ndarray, shape (k, size, 3)
-            Without a translation or rotation.
+        They are of first order, without a translation or rotation.
         """
         C = coefficients[1:] / self.unit
         tangents = self.B @ C
@@ -208,7 +185,7 @@ class IsometrySystem:
         return np.asarray(self.B[:, 0].T @ first + self.B[:, 1].T @ second)
 
     def _normal_equations(self, C: Floats, tangents: Floats) -> Callable[[Floats], Floats]:
-        """What solves the normal equations, for right sides and solutions (m, 3).
+        """A solver of the normal equations, for right sides and solutions (m, 3).
 
         They lose half of the digits, but further steps make up for that.
         """

@@ -45,18 +45,18 @@ class Piecewise:
         return i, ((x - a) - (b - x)) / (b - a)
 
     def __call__(self, x: Floats) -> Floats:
-        """Its values at x (n,)."""
+        """Values at x (n,)."""
         i, t = self.local(x)
         return np.asarray(chebyshev.chebval(t, self.coefficients[:, i], tensor=False))
 
     def derivative(self) -> Piecewise:
-        """Its derivative."""
+        """Derivative, in the same pieces."""
         return Piecewise(
             self.breaks, chebyshev.chebder(self.coefficients, axis=0) * (2.0 / np.diff(self.breaks))
         )
 
     def primitive(self) -> Piecewise:
-        """Its integral from the beginning."""
+        """Integral from the beginning."""
         series = chebyshev.chebint(self.coefficients, lbnd=-1.0, axis=0) * (0.5 * np.diff(self.breaks))
         series[0, 1:] += np.cumsum(series.sum(axis=0))[:-1]
         return Piecewise(self.breaks, series)

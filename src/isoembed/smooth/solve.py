@@ -1,4 +1,4 @@
-"""From a smooth metric to its smooth embedding: a mesh finds the branch, spherical harmonics the digits."""
+"""Smooth embeddings of smooth metrics: a mesh finds the branch, spherical harmonics the digits."""
 
 from __future__ import annotations
 
@@ -118,7 +118,7 @@ def embed_smooth(
 
 @dataclass(frozen=True)
 class _Goal:
-    """What is to be embedded, and how well."""
+    """Goal of an embedding: the metric, and how well it is to be met."""
 
     metric: TwoMetric
     tolerance: float
@@ -153,7 +153,7 @@ class _Goal:
 
 
 def _from_mesh(mesh: SphereMesh) -> Callable[[Harmonics], Floats | None]:
-    """What fits harmonics to the embedded vertices of a triangulation, where these are enough."""
+    """A fit of any harmonics to the embedded vertices of a triangulation; None where these are too few."""
     try:
         embedding = embed(mesh.metric, tolerance=SOLVE.rough)
     except NotEmbedded as error:
@@ -171,7 +171,7 @@ def _from_mesh(mesh: SphereMesh) -> Callable[[Harmonics], Floats | None]:
 
 
 def _from_profile(profile: AxisymmetricEmbedding) -> Callable[[Harmonics], Floats]:
-    """What projects a surface of revolution on harmonics."""
+    """A projection of a surface of revolution on any harmonics."""
 
     def projected(harmonics: Harmonics) -> Floats:
         u, weights = gauss_rule(2 * harmonics.degree, ISOMETRY.around)
@@ -203,7 +203,7 @@ def _diagnosis(best: SmoothEmbedding, residuals: list[float], profile: Axisymmet
 
 
 def _sign_of_curvature(metric: TwoMetric) -> str:
-    """What the sign of the Gaussian curvature means for the embedding of a metric, in one clause."""
+    """Meaning of the sign of the Gaussian curvature for the embedding, in one clause."""
     u, _ = gauss_rule(*SOLVE.sampled)
     K = gaussian_curvature(metric, u)
     k = int(np.argmin(K))

@@ -179,7 +179,7 @@ def _great_circles(metric: TwoMetric) -> Floats:
 
 
 def _vertices_of_size(area: Cells, density: Cells, size: float, unit: float) -> int:
-    """How many vertices have the mean distance `size`, the cells being those of the metric in `unit`.
+    """Number of vertices with the mean distance `size`, the cells being those of the metric in `unit`.
 
     N vertices of the density w have N w / int w dA in a unit of area, each with the area 3^(1/2) l^2 / 2 if
     the triangles were equilateral.
