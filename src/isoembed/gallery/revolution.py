@@ -42,7 +42,7 @@ class SurfaceOfRevolution(Surface):
         """The coordinate z (n,) for theta in [0, pi/2]."""
 
     def _meridian(self, u: Floats) -> tuple[Floats, Profile, Floats, Floats, Floats]:
-        """S = sin^2(theta), the profile at s, c^2 = 1 - s, B = d(rho)/d(theta) / cos(theta) and the speed v."""
+        """The terms s, profile at s, c^2 = 1 - s, B = d(rho)/d(theta) / cos(theta) and the speed v."""
         s = u[:, 0] ** 2 + u[:, 1] ** 2
         profile = self._profile(s)
         c2 = u[:, 2] ** 2
