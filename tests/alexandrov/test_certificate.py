@@ -289,8 +289,8 @@ def test_a_realization_that_is_not_convex():
 def test_the_wrong_diagonals():
     vertices, faces = zoo.random_hull(20, 5)
     t = PolyhedralMetric.from_mesh(vertices, faces).triangulation
-    e = next(e for e in range(t.n_edges) if t.edge_indices(t.edge_opposites[e][None])[0] < 0)
-    (a, b), (c, d) = t.edges[e], t.edge_opposites[e]
+    e = next(e for e in range(t.n_edges) if t.edge_indices(zoo.edge_opposites(t)[e][None])[0] < 0)
+    (a, b), (c, d) = t.edges[e], zoo.edge_opposites(t)[e]
     flipped = np.vstack([np.delete(faces, t.edge_faces[e], axis=0), [[c, d, b], [d, c, a]]])
     metric = PolyhedralMetric.from_mesh(vertices, flipped)
     reason = refused(metric, vertices).reason

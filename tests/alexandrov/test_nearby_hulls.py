@@ -90,8 +90,10 @@ def test_the_paths_that_replace_diagonals_are_hardly_longer(reach, seed):
         for k in range(3)
     }
     for e in np.flatnonzero(hulls.flat):
-        ends, (c, d) = near[triangulation.edges[e]], near[triangulation.edge_opposites[e]]
-        if frozenset(triangulation.edge_opposites[e].tolist()) in on_hull:  # a fold along the other diagonal
+        ends, (c, d) = near[triangulation.edges[e]], near[zoo.edge_opposites(triangulation)[e]]
+        if (
+            frozenset(zoo.edge_opposites(triangulation)[e].tolist()) in on_hull
+        ):  # a fold along the other diagonal
             axis = (d - c) / np.linalg.norm(d - c)
             along = (ends - c) @ axis
             aside = np.linalg.norm(ends - c - along[:, None] * axis, axis=1)
@@ -152,7 +154,7 @@ def test_a_vertex_in_the_middle_of_an_edge():
     vertices, faces = zoo.tetrahedron()
     triangulation = Triangulation(faces)
     (a, b), (left, right) = triangulation.edges[0], triangulation.edge_faces[0]
-    p, q = triangulation.edge_opposites[0]
+    p, q = zoo.edge_opposites(triangulation)[0]
     middle = len(vertices)
     vertices = np.vstack([vertices, vertices[[a, b]].mean(axis=0)])
     faces = np.vstack([np.delete(faces, [left, right], axis=0),

@@ -22,7 +22,7 @@ def layout(vertices, faces):
 def length_cross_ratios(metric, lengths):
     """l_ik l_jm / (l_im l_jk) of the edges ij with k to the left and m to the right."""
     t = metric.triangulation
-    (i, j), (k, m) = t.edges.T, t.edge_opposites.T
+    (i, j), (k, m) = t.edges.T, zoo.edge_opposites(t).T
 
     def length(a, b):
         return lengths[t.edge_indices(np.column_stack([a, b]))]
@@ -34,7 +34,7 @@ def cross_ratios(metric, x):
     """The complex cross ratios of the same four points of the sphere: all that Moebius maps preserve."""
     turned = x @ zoo.rotation(3)  # no vertex at the pole
     z = (turned[:, 0] + 1j * turned[:, 1]) / (1 - turned[:, 2])
-    (i, j), (k, m) = metric.triangulation.edges.T, metric.triangulation.edge_opposites.T
+    (i, j), (k, m) = metric.triangulation.edges.T, zoo.edge_opposites(metric.triangulation).T
     return (z[i] - z[k]) * (z[j] - z[m]) / ((z[i] - z[m]) * (z[j] - z[k]))
 
 

@@ -21,7 +21,7 @@ def angle_sums(metric):
 
 def flippable(triangulation):
     """Edges whose flip would join two vertices that are not joined yet."""
-    left, right = triangulation.edge_opposites.T
+    left, right = zoo.edge_opposites(triangulation).T
     return triangulation.adjacency.toarray()[left, right] == 0
 
 

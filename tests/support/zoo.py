@@ -80,6 +80,12 @@ def relabeled(vertices, faces, seed):
     return moved, turned[rng.permutation(len(faces))], new
 
 
+def edge_opposites(triangulation):
+    """The vertex across each edge in its left and in its right face, (E, 2)."""
+    face, corner = np.divmod(triangulation.edge_halfedges, 3)
+    return triangulation.faces[face, (corner + 2) % 3]
+
+
 def torus(m=4, n=5):
     """Faces of an m x n grid with opposite sides identified: genus 1."""
     i, j = (index.ravel() for index in np.meshgrid(np.arange(m), np.arange(n), indexing="ij"))

@@ -109,7 +109,7 @@ def test_two_formulas_for_the_angle(seed):
     vertices, faces = zoo.random_hull(20, seed)
     t = Triangulation(faces)
     a, b = (vertices[end] for end in t.edges.T)
-    p, q = (vertices[tip] for tip in t.edge_opposites.T)
+    p, q = (vertices[tip] for tip in zoo.edge_opposites(t).T)
     d = (b - a) / np.linalg.norm(b - a, axis=1)[:, None]
     u, v = (x - a - ((x - a) * d).sum(axis=1)[:, None] * d for x in (p, q))
     cosine = (u * v).sum(axis=1) / np.linalg.norm(u, axis=1) / np.linalg.norm(v, axis=1)

@@ -97,12 +97,6 @@ class Triangulation:
         return frozen(self.edge_halfedges // 3)
 
     @cached_property
-    def edge_opposites(self) -> Indices:
-        """(E, 2): the vertex across each edge in its left and in its right face."""
-        face, corner = np.divmod(self.edge_halfedges, 3)
-        return frozen(self.faces[face, (corner + 2) % 3])
-
-    @cached_property
     def degrees(self) -> Indices:
         """(V,): edges at each vertex."""
         return frozen(np.bincount(self.edges.ravel(), minlength=self.n_vertices))

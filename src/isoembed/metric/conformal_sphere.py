@@ -18,10 +18,9 @@ from dataclasses import dataclass
 from typing import cast
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.sparse import eye_array
 
-from isoembed.arrays import Floats, Indices
+from isoembed.arrays import Floats, Indices, Points
 from isoembed.linalg import SingularMatrix, analyze, dissect
 from isoembed.mesh.triangulation import Triangulation
 from isoembed.metric.curvature import Triangles, face_areas
@@ -100,7 +99,7 @@ def conformal_sphere(
     return ConformalSphere(_centered(_projected(plane.tutte(recorder), plane.pole), weights), False)
 
 
-def _projected(z: NDArray[np.complex128], pole: int) -> Floats:
+def _projected(z: Points, pole: int) -> Floats:
     """Points of the plane on the unit sphere, the pole at infinity: stereographic projection."""
     others = np.delete(z, pole)
     z = z - np.median(others.real) - 1j * np.median(others.imag)
@@ -233,7 +232,7 @@ class _Plane:
         plane = _Plane(triangulation, lengths, self.pole, self.backend, flipped=True)
         return plane, plane.measure(u)
 
-    def lay_out(self, u: Floats, recorder: StageRecorder) -> NDArray[np.complex128]:
+    def lay_out(self, u: Floats, recorder: StageRecorder) -> Points:
         """Place the ring by its lengths and angles, the rest by harmonic functions, as coordinates are."""
         sums, weights, lengths, _ = self.measure(u)
         sides = self.triangulation.edge_indices(np.column_stack([self.ring, np.roll(self.ring, -1)]))
@@ -241,14 +240,12 @@ class _Plane:
         steps = lengths[sides] * np.exp(1j * direction)
         return self._extended(np.concatenate([[0], np.cumsum(steps)[:-1]]), weights, recorder)
 
-    def tutte(self, recorder: StageRecorder) -> NDArray[np.complex128]:
+    def tutte(self, recorder: StageRecorder) -> Points:
         """Place every vertex at the mean of its neighbors within a regular polygon: valid for any lengths."""
         corners = np.exp(2j * np.pi * np.arange(len(self.ring)) / len(self.ring))
         return self._extended(corners, np.ones(self.triangulation.n_edges), recorder)
 
-    def _extended(
-        self, corners: NDArray[np.complex128], weights: Floats, recorder: StageRecorder
-    ) -> NDArray[np.complex128]:
+    def _extended(self, corners: Points, weights: Floats, recorder: StageRecorder) -> Points:
         z = np.zeros((self.triangulation.n_vertices, 2))
         z[self.ring] = np.column_stack([corners.real, corners.imag])
         if len(self.inner):
