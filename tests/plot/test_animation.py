@@ -12,12 +12,13 @@ from isoembed import Embedding, Paper, PolyhedralMetric
 from isoembed.gallery import Bean, Sphere, triangulate
 from isoembed.io import FileError
 from isoembed.plot import Film, Frame, write_animation
-from isoembed.plot.animation import DPI, FOOT, HEAD, PACE, WIDTH
+from isoembed.plot.animation import DPI, FOOT, HEAD, WIDTH
+from isoembed.plot.film import FILM
 
 pytest.importorskip("matplotlib")
 Image = pytest.importorskip("PIL.Image")
 
-AROUND = round(PACE.turn * PACE.images)
+AROUND = round(FILM.turn * FILM.images)
 
 
 def images_of(path):
@@ -120,7 +121,7 @@ def test_mp4(film, tmp_path):
     about = next(described)
     described.close()
     assert about["size"][0] == round(WIDTH * DPI)
-    assert about["duration"] == pytest.approx(PACE.turn, abs=0.2)
+    assert about["duration"] == pytest.approx(FILM.turn, abs=0.2)
 
 
 def test_what_cannot_be_filmed(film, tmp_path, monkeypatch):

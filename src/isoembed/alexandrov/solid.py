@@ -11,15 +11,7 @@ from isoembed.alexandrov.polyhedron import ConvexPolyhedron
 from isoembed.arrays import Floats
 from isoembed.thresholds import threshold
 
-FACES = {
-    4: "tetrahedron",
-    5: "pentahedron",
-    6: "hexahedron",
-    7: "heptahedron",
-    8: "octahedron",
-    12: "dodecahedron",
-    20: "icosahedron",
-}
+PREFIXES = {4: "tetra", 5: "penta", 6: "hexa", 7: "hepta", 8: "octa", 12: "dodeca", 20: "icosa"}
 SIDES = {3: "triangle", 4: "quadrilateral", 5: "pentagon", 6: "hexagon"}
 
 
@@ -84,7 +76,7 @@ def _name(loops: list[list[int]], vertices: Floats, deficits: Floats) -> str:
     lengths = np.concatenate(
         [np.linalg.norm(vertices[loop] - vertices[np.roll(loop, 1)], axis=1) for loop in loops]
     )
-    name = FACES.get(len(loops), f"{len(loops)}-hedron")
+    name = f"{PREFIXES.get(len(loops), f'{len(loops)}-')}hedron"
     alike = np.ptp(lengths) < SOLID.same * lengths.max() and np.ptp(deficits) < SOLID.same
     if alike and len({len(loop) for loop in loops}) == 1:
         return "cube" if len(loops) == 6 else f"regular {name}"

@@ -12,12 +12,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from isoembed.io.files import FileError, Writer, check_output, ending, write_atomically
-from isoembed.plot.film import ANSWER, Frame, shape
+from isoembed.plot.film import ANSWER, FILM, Frame, shape
 from isoembed.plot.picture import INK, PAPER, check_drawable, color_scale, draw
 from isoembed.plot.quantity import mean_curvature
 from isoembed.plot.view import Pose, View, camera
 from isoembed.surface.embedding import Embedding
-from isoembed.thresholds import threshold
 
 Floats = NDArray[np.float64]
 Pixels = NDArray[np.uint8]
@@ -25,19 +24,6 @@ Pixels = NDArray[np.uint8]
 ANIMATION_ENDINGS = (".gif", ".mp4")
 WIDTH, DPI = 5.6, 100  # inches, dots an inch
 FOOT, HEAD = 0.5, 0.6  # inches, below and above the surface
-
-
-@dataclass(frozen=True)
-class Pace:
-    """Pace of a film."""
-
-    images: int = threshold(10, "1 / second", "Images a second.")
-    step: float = threshold(0.5, "seconds", "Time from one surface to the next.")
-    longest: float = threshold(6.0, "seconds", "Time from the first surface to the answer, at most.")
-    turn: float = threshold(3.0, "seconds", "Time once around the answer.")
-
-
-PACE = Pace()
 
 
 @dataclass(frozen=True, eq=False)
@@ -98,14 +84,14 @@ def _images(embedding: Embedding, frames: Sequence[Frame]) -> Iterator[_Image]:
     """All images, first to last."""
     shown = frames if frames else (Frame(ANSWER, 0.0, embedding.residual, embedding.vertices),)
     between = len(shown) - 1
-    steps = max(1, round(min(PACE.step, PACE.longest / max(between, 1)) * PACE.images))
+    steps = max(1, round(min(FILM.step, FILM.longest / max(between, 1)) * FILM.images))
     texts = [_texts(embedding, frame) for frame in shown]
     for k in range(between):
         for s in np.arange(steps) / steps:
             vertices = (1 - s) * shown[k].vertices + s * shown[k + 1].vertices
             yield _Image(vertices, _values(embedding, vertices), 0.0, *texts[k])
     last, values = shown[-1].vertices, _values(embedding, shown[-1].vertices)
-    for turn in np.linspace(0, 2 * np.pi, round(PACE.turn * PACE.images), endpoint=False):
+    for turn in np.linspace(0, 2 * np.pi, round(FILM.turn * FILM.images), endpoint=False):
         yield _Image(last, values, float(turn), *texts[-1])
 
 
@@ -165,7 +151,7 @@ def _write_gif(pixels: Iterator[Pixels]) -> Writer:
         # An octree keeps colors that are rare, as the lightest ones of a tip are; a median cut does not.
         octree = Image.Quantize.FASTOCTREE
         first, *others = (Image.fromarray(image).quantize(256, method=octree) for image in pixels)
-        first.save(temporary, save_all=True, append_images=others, duration=1000 // PACE.images, loop=0)
+        first.save(temporary, save_all=True, append_images=others, duration=1000 // FILM.images, loop=0)
 
     return write
 
@@ -176,7 +162,7 @@ def _write_mp4(pixels: Iterator[Pixels]) -> Writer:
 
         first = next(pixels)
         size = first.shape[1], first.shape[0]
-        film = write_frames(str(temporary), size, fps=PACE.images, macro_block_size=2, quality=6)
+        film = write_frames(str(temporary), size, fps=FILM.images, macro_block_size=2, quality=6)
         film.send(None)
         film.send(first)
         for image in pixels:

@@ -21,9 +21,17 @@ ANSWER = "answer"
 
 @dataclass(frozen=True)
 class FilmThresholds:
-    """Thresholds of a film."""
+    """Thresholds of films, as files and in pages."""
 
     seen: float = threshold(1e-3, "mean edge lengths", "Distance below which two surfaces look the same.")
+    frames: int = threshold(40, "count", "Frames of a film in a page, at most: more are not seen.")
+    size: int = threshold(
+        6_000_000, "bytes", "Size of all frames of a page but the last; as text a third more."
+    )
+    images: int = threshold(10, "1 / second", "Images a second of a file.")
+    step: float = threshold(0.5, "seconds", "Time from one surface to the next.")
+    longest: float = threshold(6.0, "seconds", "Time from the first surface to the answer, at most.")
+    turn: float = threshold(3.0, "seconds", "Time once around the answer.")
 
 
 FILM = FilmThresholds()

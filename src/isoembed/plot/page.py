@@ -8,7 +8,6 @@ import json
 import os
 import re
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
 from html import escape
 from importlib.resources import files
 from pathlib import Path
@@ -25,8 +24,9 @@ from isoembed.plot.browser.packing import Packed
 from isoembed.plot.browser.ramp import ramp
 from isoembed.plot.browser.report import number, report_html
 from isoembed.plot.browser.thinning import thinned
-from isoembed.plot.film import ANSWER, Frame, shape
+from isoembed.plot.film import ANSWER, FILM, Frame, shape
 from isoembed.plot.quantity import (
+    QUANTITY,
     Quantity,
     concavity,
     intrinsic_curvature,
@@ -37,7 +37,6 @@ from isoembed.plot.quantity import (
 from isoembed.plot.view import Pose, camera
 from isoembed.surface.embedding import Embedding
 from isoembed.surface.measures import edge_lengths
-from isoembed.thresholds import threshold
 from isoembed.version import __version__
 
 Floats = NDArray[np.float64]
@@ -48,18 +47,6 @@ LEAPT = (
 )
 ALONE = "This method has no surface before the answer."
 COLORS = 65  # the browser interpolates between them
-
-
-@dataclass(frozen=True)
-class PageThresholds:
-    """Thresholds of a page."""
-
-    frames: int = threshold(40, "count", "Frames of a film, at most: more are not seen.")
-    size: int = threshold(6_000_000, "bytes", "Size of all frames but the last; as text a third more.")
-    rounding: float = threshold(1e-15, "mean edge lengths", "Residual of lengths taken from the vertices.")
-
-
-PAGE = PageThresholds()
 UNITS = {
     "mean curvature": "1 / length",
     "Gaussian curvature": "1 / length²",
@@ -149,7 +136,7 @@ def _caption(embedding: Embedding) -> str:
 
 def _is_its_own(embedding: Embedding) -> bool:
     """Whether nothing was computed and the lengths are those of the vertices: it has no residual to show."""
-    return not embedding.stages and embedding.residual <= PAGE.rounding
+    return not embedding.stages and embedding.residual <= QUANTITY.exact
 
 
 def _data(embedding: Embedding, frames: Sequence[Frame]) -> tuple[dict[str, Any], str]:
@@ -159,7 +146,7 @@ def _data(embedding: Embedding, frames: Sequence[Frame]) -> tuple[dict[str, Any]
     own = not earlier and _is_its_own(embedding)
     shown = [q for q in quantities(embedding) if not (own and q.name == "residual")]
     size = t.n_vertices * (6 + 2 * len(shown)) + t.n_edges / 8
-    limit = int(min(PAGE.frames, 1 + PAGE.size // size))
+    limit = int(min(FILM.frames, 1 + FILM.size // size))
     chosen = thinned([frame.stage for frame in earlier] + [ANSWER], limit)
     pose = Pose.of(embedding.vertices)
 

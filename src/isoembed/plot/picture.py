@@ -12,10 +12,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from isoembed.io.files import FileError, Writer, check_output, ending, write_atomically
-from isoembed.plot.quantity import MEAN_CURVATURE, Quantity, quantity
+from isoembed.plot.quantity import MEAN_CURVATURE, QUANTITY, Quantity, quantity
 from isoembed.plot.view import View
 from isoembed.surface.embedding import Embedding
-from isoembed.thresholds import threshold
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -33,16 +32,6 @@ SHARE = 0.82  # of the width; the rest is for the color bar
 TITLE = 0.35  # inches, above panels
 GAP = 0.04  # of a panel's width, on both sides
 INK, PAPER = "#1c2430", "white"
-
-
-@dataclass(frozen=True)
-class PictureThresholds:
-    """Thresholds of a picture."""
-
-    rasterized: int = threshold(20_000, "triangles", "Number beyond which a vector file has their image.")
-
-
-PICTURE = PictureThresholds()
 
 
 @dataclass(frozen=True, eq=False)
@@ -243,7 +232,7 @@ def draw(axes: Axes, view: View, values: Floats, scale: ScalarMappable) -> None:
     triangles = PolyCollection(
         list(view.polygons), facecolors=shaded, edgecolors=lines, linewidths=width, joinstyle="round"
     )
-    triangles.set_rasterized(len(view.faces) > PICTURE.rasterized)
+    triangles.set_rasterized(len(view.faces) > QUANTITY.rasterized)
     axes.add_collection(triangles)
     axes.set_aspect("equal")
     axes.axis("off")

@@ -22,11 +22,15 @@ Floats = NDArray[np.float64]
 
 @dataclass(frozen=True)
 class QuantityThresholds:
-    """Thresholds of what colors show."""
+    """Thresholds of pictures and of what their colors show."""
 
+    exact: float = threshold(1e-15, "mean edge lengths", "Residual of lengths that were taken from vertices.")
     smallest: float = threshold(1e-17, "mean edge lengths", "Residual that one of zero is shown as.")
     percentiles: tuple[float, float] = threshold((1.0, 99.0), "percent", "Values between which colors run.")
     rounding: float = threshold(0.05, "relative", "Least half width of the colors: rounding is no structure.")
+    rasterized: int = threshold(
+        20_000, "triangles", "Number beyond which a vector file has an image of them."
+    )
     largest: float = threshold(1e300, "1 / length^2", "Curvature beyond which sums overflow.")
 
 

@@ -19,7 +19,7 @@ from isoembed.relativity.energies.wang_yau_energy import WangYau, wang_yau
 from isoembed.relativity.horizons.ahfinderdirect import read_ahfinderdirect
 from isoembed.relativity.horizons.coordinate_shape import CoordinateShape
 from isoembed.relativity.horizons.grid_file import read_metric_grid, read_metric_or_grid
-from isoembed.relativity.horizons.horizon import ExpansionTest, Horizon, expansion_test
+from isoembed.relativity.horizons.horizon import Horizon, expansion_test
 from isoembed.relativity.horizons.horizon_file import read_horizon
 from isoembed.relativity.horizons.horizon_format import HorizonFormat
 from isoembed.relativity.horizons.spectre import read_spectre
@@ -52,7 +52,6 @@ __all__ = [
     "EmbeddedHorizon",
     "EmbeddedSurface",
     "Energies",
-    "ExpansionTest",
     "Horizon",
     "HorizonFormat",
     "Integrals",

@@ -31,31 +31,24 @@ class HorizonThresholds:
 HORIZON = HorizonThresholds()
 
 
-@dataclass(frozen=True)
-class ExpansionTest:
-    """Expansion of outgoing light rays on a surface.
+def expansion_test(surface: StarSurface, geometry: ThreeGeometry) -> dict[str, Any]:
+    """Test whether a surface is a horizon of a slice.
 
-    Attributes
-    ----------
-    mean_coordinate_radius : float
-    largest_expansion : float
-        In absolute value; 0 on a horizon.
-    marginal : bool
-        Whether it is so small that the surface is a horizon: one that was found on a coarse grid is one, what
-        expands like a sphere in flat space is not.
+    Returns
+    -------
+    dict
+        The ``mean_coordinate_radius``; the ``largest_expansion`` of outgoing light rays in absolute value, 0
+        on a horizon; and ``marginal``, whether that is so small that the surface is one: a horizon that was
+        found on a coarse grid is, what expands like a sphere in flat space is not.
     """
-
-    mean_coordinate_radius: float
-    largest_expansion: float
-    marginal: bool
-
-
-def expansion_test(surface: StarSurface, geometry: ThreeGeometry) -> ExpansionTest:
-    """Test whether a surface is a horizon of a slice."""
     u, weights = gauss_rule(*HORIZON.nodes)
     mean = float(np.average(surface.radius(u), weights=weights))
     expansion = float(np.abs(surface.expansion(geometry, u)).max())
-    return ExpansionTest(mean, expansion, expansion * mean < HORIZON.marginal)
+    return {
+        "mean_coordinate_radius": mean,
+        "largest_expansion": expansion,
+        "marginal": expansion * mean < HORIZON.marginal,
+    }
 
 
 @dataclass(frozen=True)
@@ -109,12 +102,8 @@ class Horizon:
         )
         data, test = surface.data(geometry, axis, name=name), expansion_test(surface, geometry)
         facts = {
-            "time": found.time,
-            "points": len(found.points),
-            "center": list(found.center),
-            "mean_coordinate_radius": test.mean_coordinate_radius,
-            "misfit": surface.misfit,
-            "largest_expansion": test.largest_expansion,
-            "marginal": test.marginal,
+            **{"time": found.time, "points": len(found.points), "center": list(found.center)},
+            "mean_coordinate_radius": test["mean_coordinate_radius"],
+            **{"misfit": surface.misfit, **test},
         }
-        return cls(replace(data, marginal=test.marginal), facts)
+        return cls(replace(data, marginal=test["marginal"]), facts)
