@@ -1,6 +1,7 @@
 """Films as files: their images show the surfaces on the way, and then the answer from all sides."""
 
 import sys
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -11,14 +12,23 @@ import zoo
 from isoembed import Embedding, Paper, PolyhedralMetric
 from isoembed.gallery import Bean, Sphere, triangulate
 from isoembed.io import FileError
-from isoembed.plot import Film, Frame, write_animation
+from isoembed.plot import Film, Frame, animation, write_animation
 from isoembed.plot.animation import DPI, FOOT, HEAD, WIDTH
 from isoembed.plot.film import FILM
 
 pytest.importorskip("matplotlib")
 Image = pytest.importorskip("PIL.Image")
 
-AROUND = round(FILM.turn * FILM.images)
+SHORT = replace(FILM, turn=1.2, longest=1.0)
+AROUND = round(SHORT.turn * SHORT.images)
+
+
+@pytest.fixture(scope="module", autouse=True)
+def short():
+    """Films of this module are shorter than others."""
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(animation, "FILM", SHORT)
+        yield
 
 
 def images_of(path):
@@ -121,7 +131,7 @@ def test_mp4(film, tmp_path):
     about = next(described)
     described.close()
     assert about["size"][0] == round(WIDTH * DPI)
-    assert about["duration"] == pytest.approx(FILM.turn, abs=0.2)
+    assert about["duration"] == pytest.approx(SHORT.turn, abs=0.2)
 
 
 def test_what_cannot_be_filmed(film, tmp_path, monkeypatch):
