@@ -9,9 +9,10 @@ import numpy as np
 
 from isoembed.arrays import Floats
 from isoembed.meshing.sphere import fibonacci_directions
+from isoembed.smooth.grid_metric import sampled_on_grid
 from isoembed.smooth.harmonics import Harmonics
 from isoembed.smooth.isometry import MetricSamples, around, strains
-from isoembed.smooth.triangulation import SphereMesh, graded_mesh
+from isoembed.smooth.triangulation import SphereMesh, triangulate_metric
 from isoembed.smooth.two_metric import TwoMetric, orthonormal_frame
 from isoembed.thresholds import threshold
 
@@ -71,7 +72,7 @@ class SmoothEmbedding:
         """
         if self.mesh is not None and len(self.mesh.directions) == vertices:
             return self.mesh
-        return graded_mesh(self.metric, vertices)
+        return triangulate_metric(sampled_on_grid(self.metric), vertices)
 
     def points(self, u: Floats) -> Floats:
         """The points X(u) (n, 3) in the directions u (n, 3)."""

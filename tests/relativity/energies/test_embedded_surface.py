@@ -1,6 +1,7 @@
 """Embedded surfaces of slices: reports, meshes, warm starts, and what does not embed."""
 
 import json
+from dataclasses import replace
 
 import numpy as np
 import pytest
