@@ -258,6 +258,7 @@ def test_rotations_and_reflections_do_not_count(Q):
         close(getattr(found, name), getattr(lopsided_embedding(), name), 1e-11)
 
 
+@pytest.mark.slow
 @settings(max_examples=8, phases=(Phase.generate,))  # they are too slow to be shrunk
 @given(st.floats(-60.0, 60.0), st.integers(0, 2**32 - 1))
 def test_units_and_positions_do_not_count_from_a_start(power, seed):
