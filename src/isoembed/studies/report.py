@@ -22,15 +22,6 @@ from isoembed.version import __version__
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
-TITLE = "Adiabatic isometric mapping, reproduced"
-LEAD = (
-    "The figures and numbers of the paper, made again from edge lengths alone, and set beside what the paper "
-    "says. Where they differ, it says why."
-)
-CITED = (
-    "The paper: S. Ray, W. A. Miller, P. M. Alsing and S.-T. Yau, Adiabatic isometric mapping algorithm for "
-    "embedding 2-surfaces in Euclidean 3-space, Class. Quantum Grav. 32 (2015) 235012, arXiv:1503.07556."
-)
 DPI = 200
 TYPES = {".svg": "image/svg+xml", ".png": "image/png"}
 PART = re.compile(r"; (?![^()]*\))")  # a semicolon that is not in parentheses
@@ -126,9 +117,7 @@ def page(made: Sequence[Made], plan: str) -> str:
     here = files("isoembed.studies")
     total = sum(one.seconds for one in made)
     return Template(here.joinpath("report.html").read_text(encoding="utf-8")).substitute(
-        title=escape(TITLE),
         style=here.joinpath("report.css").read_text(encoding="utf-8"),
-        lead=escape(LEAD),
         facts=f"isoembed {escape(__version__)}, {escape(plan)} plan, {total:.0f} s. H = (k<sub>1</sub> + "
         "k<sub>2</sub>)/2 everywhere. Seconds are of the machine that made this page; everything else should "
         "come out the same on any.",
@@ -140,7 +129,6 @@ def page(made: Sequence[Made], plan: str) -> str:
         ),
         summary=_summary(made),
         sections="\n".join(map(_section, made)),
-        cited=escape(CITED),
     )
 
 
