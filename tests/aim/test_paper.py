@@ -85,10 +85,10 @@ def test_every_stage_by_itself_returns_what_the_next_one_takes():
             system, method.anneal(system, guess, lengths, 1e-10, recorder), lengths, 1e-10, recorder
         )
 
-    *_, last = pull_back(convex.vertices, path_times("linear", 6, 1.0), relax)
-    assert last.t == 0
-    assert last.annealed.converged
-    assert smooth_bodies.misfit(last.annealed.vertices * given.unit, vertices) < 1e-7
+    *_, (t, last) = pull_back(convex.vertices, path_times("linear", 6, 1.0), relax)
+    assert t == 0
+    assert last.converged
+    assert smooth_bodies.misfit(last.vertices * given.unit, vertices) < 1e-7
 
 
 @pytest.mark.parametrize("body", BODIES)

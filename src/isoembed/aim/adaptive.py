@@ -117,10 +117,9 @@ class Aim(Method):
         if embedding.residual > search.good:
             fitted = search.best_fit()
             embedding = search.smoothest()
-            if self.best_fit and fitted is not None and not embedding.converged:
-                embedding = fitted
-            elif not embedding.converged:
-                embedding = embedding.with_message(diagnosis(embedding, fitted))
+            if not embedding.converged:
+                told = embedding.with_message(diagnosis(embedding, fitted))
+                embedding = fitted if self.best_fit and fitted is not None else told
         return embedding.with_stages(log.stages)
 
 

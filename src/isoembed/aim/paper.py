@@ -117,20 +117,7 @@ class Paper(Method):
         chosen_backend(self.backend)
 
     def run(self, metric: PolyhedralMetric, tolerance: float, log: Log) -> Embedding:
-        """Embed the metric; the answer may miss the tolerance, and says where the method lost it.
-
-        Parameters
-        ----------
-        metric : PolyhedralMetric
-        tolerance : float
-            Largest residual to count as converged.
-        log : Log
-            Records the stages.
-
-        Returns
-        -------
-        Embedding
-        """
+        """Embed the metric; the answer may miss the tolerance, and says where the method lost it."""
         lost = ""
         with log.stage("uniformize") as recorder:  # 2.1
             uniform = self.uniformize(metric, recorder)
@@ -167,17 +154,13 @@ class Paper(Method):
                 reached = self.anneal(system, guess, lengths, tolerance, recorder)
                 return self.make_convex(system, reached, lengths, tolerance, recorder)
 
-            for step in pull_back(annealed.vertices, path_times(self.path, self.Tsteps, self.alpha), relax):
-                annealed = step.annealed
-                self._show(system, annealed, step.t, recorder)
+            way = pull_back(annealed.vertices, path_times(self.path, self.Tsteps, self.alpha), relax)
+            for t, annealed in way:
+                self._show(system, annealed, t, recorder)
                 if not annealed.converged:
-                    lost = lost or f"the pull-back lost the surface at t = {step.t:.3g} t_f"
+                    lost = lost or f"the pull-back lost the surface at t = {t:.3g} t_f"
         embedding = Embedding(
-            metric,
-            annealed.vertices,
-            method=self.name,
-            tolerance=tolerance,
-            stages=log.stages,
+            metric, annealed.vertices, method=self.name, tolerance=tolerance, stages=log.stages
         )
         if embedding.converged or not lost:
             return embedding

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Iterator
-from dataclasses import dataclass
 
 import numpy as np
 
@@ -11,25 +10,9 @@ from isoembed.aim.anneal import Annealed
 from isoembed.arrays import Floats
 
 
-@dataclass(frozen=True)
-class Pulled:
-    """The surface at one time of the pull-back.
-
-    Attributes
-    ----------
-    t : float
-        t / t_f.
-    annealed : Annealed
-        P_t.
-    """
-
-    t: float
-    annealed: Annealed
-
-
 def pull_back(
     start: Floats, times: Iterable[float], relax: Callable[[Floats, float], Annealed]
-) -> Iterator[Pulled]:
+) -> Iterator[tuple[float, Annealed]]:
     """Follow the metrics rho_t from P_{t_f}, one surface after another.
 
     The guess is the surface before for the steps j = 1, 2, 3 and the polynomial through the three surfaces
@@ -46,8 +29,8 @@ def pull_back(
 
     Yields
     ------
-    Pulled
-        For every time after the first.
+    float, Annealed
+        Every time after the first, over t_f, and the surface P_t.
     """
     moments = iter(times)
     known = [(next(moments), start)]
@@ -55,7 +38,7 @@ def pull_back(
         guess = extrapolated(known[-3:], t) if len(known) > 3 else known[-1][1]
         annealed = relax(guess, t)
         known = [*known[-3:], (t, annealed.vertices)]
-        yield Pulled(t, annealed)
+        yield t, annealed
 
 
 def extrapolated(known: list[tuple[float, Floats]], t: float) -> Floats:

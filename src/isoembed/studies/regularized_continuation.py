@@ -191,8 +191,8 @@ def _pulled(start: _Start, path: str, steps: int, alpha: float, extrapolate: boo
         reached.append(found)
         return found
 
-    *_, end = pull_back(start.vertices, path_times(path, steps, alpha), relax)
-    off = distance(end.annealed.vertices, start.given) / start.metric.mean_length
+    *_, (_, end) = pull_back(start.vertices, path_times(path, steps, alpha), relax)
+    off = distance(end.vertices, start.given) / start.metric.mean_length
     return _Way(off < STUDY.same, recorder.iterations, guesses)
 
 
