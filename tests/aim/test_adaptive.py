@@ -65,6 +65,7 @@ NON_CONVEX = {
 }
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("surface", "n"), NON_CONVEX.values(), ids=NON_CONVEX)
 @pytest.mark.parametrize("irregular", [None, 1], ids=["regular", "irregular"])
 def test_smooth_bodies_with_negative_curvature_come_back_too(surface, n, irregular):

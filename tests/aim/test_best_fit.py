@@ -51,6 +51,7 @@ def test_it_is_as_near_as_the_noise_and_tells_it(body, noise):
     assert recorder.factorizations <= 30
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("body", BODIES.values(), ids=BODIES)
 def test_the_weight_is_nearly_that_of_one_who_knows_the_lengths(body):
     metric, sphere, truth = noisy(*body, 2e-3)

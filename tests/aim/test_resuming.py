@@ -50,6 +50,7 @@ def kept_checkpoints(metric, method, monkeypatch):
             return found, surface
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("body", [Ellipsoid((3, 2, 1)), Ergosphere(epsilon=0.3)], ids=["convex", "K < 0"])
 def test_from_every_checkpoint_the_same_surface_comes(body, monkeypatch, tmp_path):
     mesh = triangulate(body, 400)
