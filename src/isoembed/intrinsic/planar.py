@@ -92,65 +92,47 @@ class Marks(NamedTuple):
 @kernel
 def lay_out(mesh: HalfEdges, kept: Mask) -> Polygons:
     """Unfold the triangles between kept edges; where these bound no convex polygons, each triangle is one."""
-    twins, lengths = mesh.twins, mesh.lengths
-    n = twins.size // 3
     fixed = kept.copy()
-    cells = _cells(twins, fixed)
-    plane = _are_convex(cells, mesh, fixed)
-    for h in range(3 * n):
-        if not plane[cells[h // 3]]:
-            fixed[h] = True
-    cells = _cells(twins, fixed)
-
-    z = np.zeros(3 * n, dtype=np.complex128)
-    placed = np.zeros(n, dtype=np.bool_)
-    stack = np.empty(n, dtype=np.int64)
-    for first in range(n):
-        if placed[first]:
-            continue
-        h = 3 * first
-        z[h + 1] = lengths[h]
-        z[h + 2] = third_corner(h, z[h], z[h + 1], lengths)
-        placed[first] = True
-        stack[0], top = first, 1
-        while top > 0:
-            top -= 1
-            f = stack[top]
-            for h in range(3 * f, 3 * f + 3):
-                t = twins[h]
-                if fixed[h] or placed[t // 3]:
-                    continue
-                z[following(t)], z[t] = z[h], z[following(h)]
-                z[preceding(t)] = third_corner(t, z[t], z[h], lengths)
-                placed[t // 3] = True
-                stack[top] = t // 3
-                top += 1
-    return Polygons(mesh.corners, twins, z, fixed, cells)
+    z, cells = _unfolded(mesh, fixed)
+    convex = _are_convex(cells, mesh, fixed)
+    if not convex.all():
+        for h in range(fixed.size):
+            if not convex[cells[h // 3]]:
+                fixed[h] = True
+        z, cells = _unfolded(mesh, fixed)
+    return Polygons(mesh.corners, mesh.twins, z, fixed, cells)
 
 
 @kernel
-def _cells(twins: Indices, fixed: Mask) -> Indices:
-    """Number the connected sets of faces between fixed edges, shape (F,)."""
+def _unfolded(mesh: HalfEdges, fixed: Mask) -> tuple[Points, Indices]:
+    """Place the corners (3F,), from face to face but for fixed edges, and number the parts (F,)."""
+    twins, lengths = mesh.twins, mesh.lengths
     n = twins.size // 3
-    cells = np.full(n, -1, dtype=np.int64)
+    z, cells = np.zeros(3 * n, dtype=np.complex128), np.full(n, -1)
     stack = np.empty(n, dtype=np.int64)
     number = 0
     for first in range(n):
         if cells[first] >= 0:
             continue
+        h = 3 * first
+        z[h + 1] = lengths[h]
+        z[h + 2] = third_corner(h, z[h], z[h + 1], lengths)
         cells[first] = number
         stack[0], top = first, 1
         while top > 0:
             top -= 1
             f = stack[top]
             for h in range(3 * f, 3 * f + 3):
-                g = twins[h] // 3
-                if not fixed[h] and cells[g] < 0:
-                    cells[g] = number
-                    stack[top] = g
-                    top += 1
+                t = twins[h]
+                if fixed[h] or cells[t // 3] >= 0:
+                    continue
+                z[following(t)], z[t] = z[h], z[following(h)]
+                z[preceding(t)] = third_corner(t, z[t], z[h], lengths)
+                cells[t // 3] = number
+                stack[top] = t // 3
+                top += 1
         number += 1
-    return cells
+    return z, cells
 
 
 @kernel
