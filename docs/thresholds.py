@@ -7,7 +7,6 @@ A table stands between ``<!-- thresholds: MODULE:NAME -->`` and ``<!-- end -->``
 written, and the exit status is 1 if a page is out of date.
 """
 
-import pkgutil
 import re
 import sys
 from collections.abc import Iterator
@@ -21,16 +20,20 @@ from isoembed.thresholds import rows
 
 PAGES = sorted(Path(__file__).parent.glob("*.md"))
 BLOCK = re.compile(r"(<!-- thresholds(?:: (\S+):(\S+))? -->\n).*?(<!-- end -->)", re.DOTALL)
+BAR = r"\|"  # inside of a cell
 
 
 def everywhere() -> Iterator[tuple[str, str, Any]]:
     """The module, name and value of all thresholds of the package, each at its home."""
-    for info in pkgutil.walk_packages(isoembed.__path__, "isoembed."):
-        module = import_module(info.name)
-        for name, value in vars(module).items():
-            mine = is_dataclass(value) and type(value).__module__ == info.name and not isinstance(value, type)
-            if mine and fields(value) and all("meaning" in each.metadata for each in fields(value)):
-                yield info.name, name, value
+    root = Path(isoembed.__file__).parent
+    for file in sorted(root.rglob("*.py")):
+        if "= threshold(" not in file.read_text(encoding="utf-8"):
+            continue
+        home = ".".join(("isoembed", *file.relative_to(root).with_suffix("").parts))
+        for name, value in vars(import_module(home)).items():
+            mine = type(value).__module__ == home and is_dataclass(value) and not isinstance(value, type)
+            if mine and all("meaning" in each.metadata for each in fields(value)):
+                yield home, name, value
 
 
 def shown(value: Any) -> str:
@@ -42,11 +45,11 @@ def shown(value: Any) -> str:
 
 def table(thresholds: Any) -> str:
     """The table of one algorithm."""
-    lines = [
-        f"| `{name}` | {shown(value)} | {unit} | {meaning} |"
-        for name, value, unit, meaning in rows(thresholds)
-    ]
-    return "\n".join(["| | value | unit | |", "|---|---|---|---|", *lines, ""])
+    lines = ["| | value | unit | |", "|---|---|---|---|"]
+    for name, value, unit, meaning in rows(thresholds):
+        cells = (f"`{name}`", shown(value), unit, meaning)
+        lines.append(f"| {' | '.join(cell.replace('|', BAR) for cell in cells)} |")
+    return "\n".join([*lines, ""])
 
 
 def whole() -> str:

@@ -2,6 +2,7 @@
 
 import argparse
 import importlib
+import importlib.util
 import re
 from itertools import pairwise
 
@@ -133,3 +134,14 @@ def test_the_citation_is_that_of_the_repository():
         assert found in page.replace("{Euclidean}", "Euclidean")
     for family in re.findall(r"family-names: (\w+)", citation):
         assert f"{family}, " in page
+
+
+def test_the_tables_of_thresholds_are_those_of_the_code():
+    spec = importlib.util.spec_from_file_location("thresholds_of_the_docs", DOCS / "thresholds.py")
+    module = importlib.util.module_from_spec(spec)
+    spec.loader.exec_module(module)
+    for page in module.PAGES:
+        text = page.read_text(encoding="utf-8")
+        assert module.current(text) == text, f"{page.name}: run python docs/thresholds.py"
+    names = [name for _, name, _ in module.everywhere()]
+    assert len(names) > 20 and len(set(names)) == len(names)
