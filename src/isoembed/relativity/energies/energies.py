@@ -160,7 +160,7 @@ class Energies:
 def norm_hindrance(
     k: Floats, squared: Floats, place: Callable[[int], str], allowed: tuple[float, float] = (0.0, 0.0)
 ) -> str:
-    """Why ``sqrt(k^2 - p^2)`` has no integral, as a sentence; none where it has.
+    """Sentence on why ``sqrt(k^2 - p^2)`` has no integral; empty where it has one.
 
     Parameters
     ----------

@@ -111,7 +111,7 @@ class EmbeddedHorizon:
 
 
 def embed_horizons(horizons: Iterable[Horizon], vertices: int = 1000) -> Iterator[EmbeddedHorizon]:
-    """Embed a sequence of horizons, each from the one before, or, where that leads nowhere, from a mesh.
+    """Embeddings of a sequence of horizons, each from the one before or, where that fails, from a mesh.
 
     Parameters
     ----------

@@ -47,7 +47,7 @@ FUNCTIONAL = FunctionalThresholds()
 
 
 class Shape(NamedTuple):
-    """What a map X makes of the surface, in frames that are orthonormal in q; pairs are 11, 12, 22."""
+    """Geometry of a map X of the surface, in frames that are orthonormal in q; pairs are 11, 12, 22."""
 
     k0: Floats  # (n,)
     stretch: Floats  # (n,) dA0 / dA
@@ -240,7 +240,7 @@ class EmbeddedTime:
         return float((self._shape.curvature * self._fields[2] ** 2).min())
 
     def _response(self, slope: Floats) -> Floats:
-        """What the change of X with tau adds to the second derivatives of int k0 dA0."""
+        """Part (m, m) of the second derivatives of int k0 dA0 that is due to the change of X with tau."""
         f = self.functional
         g1, g2 = slope.T[:, :, None]
         P1, P2 = f.gradients[:, 0], f.gradients[:, 1]

@@ -161,7 +161,7 @@ class CartesianGrid:
 
 
 def read_cartesian_grid(path: str | os.PathLike[str]) -> CartesianGrid:
-    """Read a slice from an .npz or HDF5 file; the module's description says how it is laid out.
+    """Slice from an .npz or HDF5 file; the module's description says how it is laid out.
 
     Raises
     ------

@@ -1,4 +1,4 @@
-"""What a quasi-local energy is computed from: a surface's metric, and how it lies in its 3-geometry."""
+"""Data of quasi-local energies: the metric of a surface, and how it lies in its slice."""
 
 from __future__ import annotations
 
