@@ -12,7 +12,7 @@ SPHINX := $(VENV)/.installed-docs
 export OMP_NUM_THREADS ?= 1
 export OPENBLAS_NUM_THREADS ?= 1
 
-.PHONY: help demo reproduce test test-slow lint bench docs clean
+.PHONY: help demo reproduce test test-slow lint lint-page bench docs clean
 .DELETE_ON_ERROR:
 
 help:
@@ -20,7 +20,7 @@ help:
 	@echo 'make reproduce  make the figures and numbers of the paper again, in reproduction/'
 	@echo 'make test       run the tests, but for the slow ones'
 	@echo 'make test-slow  run the slow ones: pages of the documentation, whole studies'
-	@echo 'make lint       check style and types'
+	@echo 'make lint       check style, types and the order of the rooms; make lint-page the script of a page, with npm'
 	@echo 'make bench      measure cost against size'
 	@echo 'make docs       build the documentation in site/, the tutorials executed'
 	@echo 'make clean      remove .venv, demo/, reproduction/, site/ and caches'
@@ -43,6 +43,9 @@ lint: $(LINTERS)
 	$(BIN)/mypy
 	$(BIN)/lint-imports --no-cache
 
+lint-page:
+	@cd page-lint && npm install --silent --no-audit --no-fund --no-package-lock && npm run --silent lint
+
 bench: $(INSTALLED)
 	@for script in benchmarks/*.py; do echo "$$script"; $(BIN)/python "$$script" || exit 1; done
 
@@ -54,7 +57,7 @@ docs: $(SPHINX)
 	@echo 'the documentation is in site/index.html'
 
 clean:
-	rm -rf $(VENV) demo reproduction site build dist .pytest_cache .mypy_cache .ruff_cache .hypothesis
+	rm -rf $(VENV) page-lint/node_modules demo reproduction site build dist .pytest_cache .mypy_cache .ruff_cache .hypothesis
 	find src tests benchmarks -name __pycache__ -prune -exec rm -rf {} +
 
 $(INSTALLED): pyproject.toml | $(BIN)/python
