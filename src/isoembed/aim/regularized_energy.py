@@ -33,7 +33,7 @@ from isoembed.thresholds import threshold
 
 
 @dataclass(frozen=True)
-class EnergyThresholds:
+class RegularizedEnergyThresholds:
     """Thresholds of the regularized energy."""
 
     rho: float = threshold(3.5, "mean edge lengths^-2", "Largest eigenvalue of K, or so, before scaling.")
@@ -46,7 +46,7 @@ class EnergyThresholds:
     )
 
 
-ENERGY = EnergyThresholds()
+REGULARIZED_ENERGY = RegularizedEnergyThresholds()
 
 
 class RegularizedEnergy:
@@ -66,7 +66,8 @@ class RegularizedEnergy:
         self.triangulation = metric.triangulation
         self._lengths = edge_lengths_about(self.triangulation, metric.lengths)
         K = csr_array(
-            cotangent_laplacian(GluedMetric.of(metric), least=ENERGY.smallest_cotangent) / ENERGY.rho
+            cotangent_laplacian(GluedMetric.of(metric), least=REGULARIZED_ENERGY.smallest_cotangent)
+            / REGULARIZED_ENERGY.rho
         )
         self._KK = csr_array(K.T @ K)
         self._system = VertexSystem(self.triangulation, self._KK, backend)
@@ -102,7 +103,7 @@ class RegularizedEnergy:
         """
         triangulation = self.triangulation
         rows = edge_rows(triangulation, vertices, lengths)
-        factor = self._system.penalized(rows, mu * (w + ENERGY.share))
+        factor = self._system.penalized(rows, mu * (w + REGULARIZED_ENERGY.share))
         a, b = triangulation.edges.T
 
         def product(d: Floats) -> Floats:
@@ -116,9 +117,13 @@ class RegularizedEnergy:
 
         def solve(gradient: Floats) -> Floats:
             with np.errstate(all="ignore"):  # of a matrix too ill-conditioned for it, it makes no numbers
-                d = cg(matrix, gradient.ravel(), rtol=ENERGY.solved, M=inverse, maxiter=ENERGY.most)[
-                    0
-                ].reshape(-1, 3)
+                d = cg(
+                    matrix,
+                    gradient.ravel(),
+                    rtol=REGULARIZED_ENERGY.solved,
+                    M=inverse,
+                    maxiter=REGULARIZED_ENERGY.most,
+                )[0].reshape(-1, 3)
             if not np.isfinite(d).all():
                 raise SingularMatrix("conjugate gradients broke down")
             return d
@@ -167,7 +172,7 @@ class RegularizedEnergy:
         self, vertices: Floats, lengths: Floats, mu: float, w: float, recorder: StageRecorder
     ) -> Floats:
         """A step that does not go uphill, however short; the vertices themselves if there is none."""
-        for stiffness in ENERGY.stiffnesses:
+        for stiffness in REGULARIZED_ENERGY.stiffnesses:
             trial, downhill = self.step(vertices, lengths, mu, w, recorder, stiffness)
             if downhill:
                 return trial
