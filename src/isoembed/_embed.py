@@ -5,8 +5,6 @@ package there are those of installed packages, under the entry points ``isoembed
 passed as they are.
 """
 
-from __future__ import annotations
-
 import math
 import numbers
 from abc import ABC, abstractmethod

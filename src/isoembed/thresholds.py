@@ -4,8 +4,6 @@ An algorithm's thresholds are the fields of one frozen dataclass, made with `thr
 ``docs/theory.md`` are made from them.  Compiled code takes the values from `compiled`.
 """
 
-from __future__ import annotations
-
 from collections import namedtuple
 from collections.abc import Iterator
 from dataclasses import asdict, field, fields

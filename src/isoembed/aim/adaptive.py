@@ -10,8 +10,6 @@ The paper's three steps, each of them replaced by one that does not fail:
    step, as smooth as can be (`isoembed.aim.regularized_continuation`).
 """
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import cached_property

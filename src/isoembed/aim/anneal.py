@@ -1,7 +1,5 @@
 """Annealing (paper, section 2.2): Newton's method on the lengths, Eq. (fmin), from given vertices."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 
 import numpy as np

@@ -18,8 +18,6 @@ Girard, A fast 'Monte-Carlo cross-validation' procedure for large least squares 
 Numer. Math. 56 (1989).
 """
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 
 import numpy as np

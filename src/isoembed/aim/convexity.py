@@ -1,7 +1,5 @@
 """The convexity routine (paper, section 2.2): reflect inverted and partially inverted vertices."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 
 import numpy as np

@@ -1,7 +1,5 @@
 """What to say of lengths that no surface was found for: where it goes wrong, and what can be done."""
 
-from __future__ import annotations
-
 import math
 from dataclasses import dataclass
 

@@ -1,7 +1,5 @@
 """Embedding on a sphere (paper, section 2.2): the embedding tree."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 
 import numpy as np

@@ -1,7 +1,5 @@
 """Newton's method on the lengths, from a surface nearby at once to the given ones, while it converges."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 
 import numpy as np

@@ -10,8 +10,6 @@ a few quadratic equations.  Their roots predict realizations; Newton's method fi
 Pulled back, a surface may come to any of them.  The smoothest is the one that is meant.
 """
 
-from __future__ import annotations
-
 import itertools
 from dataclasses import dataclass
 

@@ -1,7 +1,5 @@
 """AIM as the paper prints it: uniformization, uniform surface embedding, guided adiabatic pull-back."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from typing import ClassVar, Literal, get_args
 

@@ -1,7 +1,5 @@
 """Families of metrics between the given and the uniform one (paper, sections 2.1 and 2.3)."""
 
-from __future__ import annotations
-
 import numpy as np
 
 from isoembed.aim.uniformize import Uniformization

@@ -1,7 +1,5 @@
 """Guided adiabatic pull-back, GAP (paper, section 2.3), in a fixed number of steps."""
 
-from __future__ import annotations
-
 from collections.abc import Callable, Iterable, Iterator
 
 import numpy as np

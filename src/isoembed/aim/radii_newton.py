@@ -7,8 +7,6 @@ has to be put right: one unknown a vertex, and a matrix with the pattern of the 
 three unknowns and the edges.  The positions follow at the end, all at once.
 """
 
-from __future__ import annotations
-
 from dataclasses import dataclass, replace
 
 import numpy as np

@@ -5,8 +5,6 @@ It follows the metrics from an embedded one to the given one by Gauss-Newton ste
 its place was taken by quintics fitted twice, which know smooth surfaces better still.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from typing import Any

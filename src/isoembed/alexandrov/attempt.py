@@ -1,7 +1,5 @@
 """What to show where no polyhedron was found: the nearest polytope, its vertices placed as they may be."""
 
-from __future__ import annotations
-
 import numpy as np
 from scipy.sparse import diags_array
 from scipy.sparse.linalg import spsolve

@@ -37,8 +37,6 @@ of its own evaluation. Errors of the lengths enter rho with their norm; the proo
 metric within them.
 """
 
-from __future__ import annotations
-
 from dataclasses import asdict, dataclass
 from typing import Any
 

@@ -4,8 +4,6 @@ On the way to one the pyramids shrink to nothing and Newton's method never takes
 already lie on the two sheets, and the polygon can be read off.
 """
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 
 import numpy as np

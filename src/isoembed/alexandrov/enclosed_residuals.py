@@ -5,8 +5,6 @@ rounded values and what rounding took from them, which are floats, too (Dekker, 
 for extending the available precision, Numer. Math. 18, 1971).
 """
 
-from __future__ import annotations
-
 import numpy as np
 
 from isoembed.arrays import Floats, Indices

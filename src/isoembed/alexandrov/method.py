@@ -1,7 +1,5 @@
 """The exact convex polyhedron of a convex metric, by the theorem of Alexandrov (1941)."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass

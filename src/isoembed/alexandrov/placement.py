@@ -5,8 +5,6 @@ columns that one factor gives for all vertices alike.  Building the body up pyra
 lose all digits on large ones.
 """
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 
 import numpy as np

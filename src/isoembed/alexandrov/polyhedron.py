@@ -1,7 +1,5 @@
 """The convex polyhedron of a metric: an embedding whose triangles need not be those of the input."""
 
-from __future__ import annotations
-
 from dataclasses import KW_ONLY, dataclass, field, replace
 from functools import cached_property
 from typing import Any, ClassVar

@@ -4,8 +4,6 @@ Exit status: 0 done, 2 the input or the command line is wrong, 3 no embedding wi
 130 interrupted by Ctrl-C, 143 by SIGTERM.
 """
 
-from __future__ import annotations
-
 import argparse
 import sys
 from collections.abc import Sequence

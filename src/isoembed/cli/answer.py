@@ -1,7 +1,5 @@
 """What every command that embeds does with its answer: show it, write it, report it, and its exit status."""
 
-from __future__ import annotations
-
 import argparse
 import sys
 from collections.abc import Callable, Collection

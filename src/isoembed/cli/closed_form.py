@@ -1,7 +1,5 @@
 """A surface of a closed-form spacetime from the options that name it."""
 
-from __future__ import annotations
-
 import argparse
 from typing import get_args
 

@@ -1,7 +1,5 @@
 """``isoembed embed``: from a file of lengths to a file with the surface."""
 
-from __future__ import annotations
-
 import argparse
 import math
 

@@ -1,7 +1,5 @@
 """``isoembed energy``: quasi-local energies of a closed-form surface, or of one from a file."""
 
-from __future__ import annotations
-
 import argparse
 from pathlib import Path
 from typing import Any

@@ -1,7 +1,5 @@
 """``isoembed glue``: from a paper net to the solid that it folds to."""
 
-from __future__ import annotations
-
 import argparse
 from pathlib import Path
 

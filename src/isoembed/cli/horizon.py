@@ -1,7 +1,5 @@
 """``isoembed horizon``: from horizon files to embeddings, energies, pictures and files for ParaView."""
 
-from __future__ import annotations
-
 import argparse
 from importlib.util import find_spec
 from pathlib import Path

@@ -1,7 +1,5 @@
 """``isoembed inspect``: what kind of metric a file holds, and what that means for its embedding."""
 
-from __future__ import annotations
-
 import argparse
 
 from isoembed.cli.options import add_json_option

@@ -1,7 +1,5 @@
 """An interrupted run leaves a checkpoint, and another one goes on from it."""
 
-from __future__ import annotations
-
 import argparse
 import shlex
 import signal

@@ -1,7 +1,5 @@
 """``isoembed nets``: classic nets and the solids that they fold to."""
 
-from __future__ import annotations
-
 import argparse
 
 from isoembed.cli.options import add_output_option, add_quiet_option

@@ -1,18 +1,16 @@
 """Arrays of numbers from ``.npy`` files."""
 
-from __future__ import annotations
-
 from pathlib import Path
 
 import numpy as np
 from numpy.lib.format import MAGIC_PREFIX
-from numpy.typing import NDArray
 
+from isoembed.arrays import Floats
 from isoembed.io import FileError
 from isoembed.io.files import open_input
 
 
-def read_numbers(path: Path) -> NDArray[np.float64]:
+def read_numbers(path: Path) -> Floats:
     """Read one array of real numbers.
 
     Raises

@@ -1,7 +1,5 @@
 """Fields of a frozen dataclass from the command line: ``NAME=VALUE``, read by the field's type."""
 
-from __future__ import annotations
-
 import types
 from collections.abc import Sequence
 from contextlib import suppress

@@ -1,7 +1,5 @@
 """The pictures, pages and films that a command makes of its answer."""
 
-from __future__ import annotations
-
 import argparse
 from collections.abc import Callable
 from pathlib import Path

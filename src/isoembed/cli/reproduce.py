@@ -1,7 +1,5 @@
 """``isoembed reproduce``: the paper's figures and numbers, made again, in one report."""
 
-from __future__ import annotations
-
 import argparse
 import sys
 from contextlib import suppress

@@ -1,7 +1,5 @@
 """Words to the user: answers on standard output, complaints as one line on standard error."""
 
-from __future__ import annotations
-
 import json
 import os
 import sys

@@ -1,7 +1,5 @@
 """Ctrl-C, and SIGTERM, by which batch systems end a job: both interrupt the command, once."""
 
-from __future__ import annotations
-
 import math
 import signal
 import threading

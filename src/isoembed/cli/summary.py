@@ -1,7 +1,5 @@
 """An embedding in a few lines for the eye."""
 
-from __future__ import annotations
-
 from isoembed.surface.embedding import Embedding
 
 

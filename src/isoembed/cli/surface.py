@@ -1,7 +1,5 @@
 """``isoembed surface``: the metric of a closed-form surface, well triangulated."""
 
-from __future__ import annotations
-
 import argparse
 from dataclasses import Field, fields
 from typing import Any, get_args, get_type_hints

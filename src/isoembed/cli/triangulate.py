@@ -1,7 +1,5 @@
 """``isoembed triangulate``: from a smooth 2-metric to triangles with geodesic lengths."""
 
-from __future__ import annotations
-
 import argparse
 
 import numpy as np

@@ -1,7 +1,5 @@
 """``isoembed view``: look at a surface, in the browser or as a picture."""
 
-from __future__ import annotations
-
 import argparse
 import tempfile
 import webbrowser

@@ -1,7 +1,5 @@
 """Classic nets by name: the Latin cross, tetramonohedra, pita forms, D-forms, the Platonic solids."""
 
-from __future__ import annotations
-
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 

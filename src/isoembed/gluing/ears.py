@@ -1,7 +1,5 @@
 """A simple polygon cut into triangles: ears are clipped, then edges are flipped until they are Delaunay."""
 
-from __future__ import annotations
-
 from typing import NamedTuple
 
 import numpy as np

@@ -1,7 +1,5 @@
 """Solids that a family of nets folds to, in classes of congruent ones."""
 
-from __future__ import annotations
-
 from collections.abc import Iterable
 from dataclasses import dataclass
 from typing import cast

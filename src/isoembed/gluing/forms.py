@@ -9,8 +9,6 @@ Wills, D-forms: 3D forms from two 2D sheets, Bridges 2006.  Demaine and O'Rourke
 algorithms, 2007, part III.
 """
 
-from __future__ import annotations
-
 from numpy.typing import ArrayLike
 
 from isoembed.arrays import Floats

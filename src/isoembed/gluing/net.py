@@ -1,7 +1,5 @@
 """Polygons with identified sides, and the metric that they make."""
 
-from __future__ import annotations
-
 import itertools
 from collections.abc import Sequence
 from dataclasses import dataclass

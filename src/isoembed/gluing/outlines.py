@@ -1,7 +1,5 @@
 """Curved outlines, and the equilateral polygons inscribed in them."""
 
-from __future__ import annotations
-
 import math
 import numbers
 from dataclasses import dataclass

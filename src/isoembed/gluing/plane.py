@@ -1,7 +1,5 @@
 """Orientation of three points of the plane."""
 
-from __future__ import annotations
-
 from numba import njit
 
 from isoembed.arrays import Floats

@@ -1,7 +1,5 @@
 """Stretches of the boundaries that are glued: read, checked, and cut where corners meet sides."""
 
-from __future__ import annotations
-
 import math
 import sys
 from collections.abc import Sequence

@@ -1,7 +1,5 @@
 """Gluings of the sides of a polygon in pairs, to a sphere."""
 
-from __future__ import annotations
-
 import numpy as np
 from numpy.typing import ArrayLike
 

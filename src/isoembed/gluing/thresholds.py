@@ -1,7 +1,5 @@
 """Thresholds of gluing paper."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 
 from isoembed.thresholds import threshold

@@ -5,8 +5,6 @@ chooses, when the loop is compiled, the function that was made its `attempt`.  T
 a loop that takes a function, or a closure over one, the next process finds it in numba's cache.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any, NamedTuple

@@ -1,7 +1,5 @@
 """The edges of one triangulation as straight paths across the triangles of another of the same metric."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 
 import numpy as np

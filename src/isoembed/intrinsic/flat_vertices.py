@@ -7,8 +7,6 @@ from a neighbor that goes in a later round or stays: after a number of steps tha
 of the number of vertices (D. Kirkpatrick, Optimal search in planar subdivisions, SIAM J. Comput. 12, 1983).
 """
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from typing import NamedTuple
 

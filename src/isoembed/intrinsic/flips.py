@@ -1,7 +1,5 @@
 """The intrinsic edge flip, compiled: one diagonal of two triangles in the place of the other."""
 
-from __future__ import annotations
-
 from typing import NamedTuple
 
 import numpy as np

@@ -1,7 +1,5 @@
 """Flat vertices put back into a triangulation that was flipped while they were away."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from typing import TypeVar
 

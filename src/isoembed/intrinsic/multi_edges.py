@@ -1,7 +1,5 @@
 """Flips that leave no two edges with the same two ends, so that triangles become a simplicial complex."""
 
-from __future__ import annotations
-
 import numpy as np
 
 from isoembed.arrays import Indices, Mask

@@ -4,8 +4,6 @@ Lengths alone would not do: to flip a triangle a thousand times longer than high
 flip it again three more.  Here every corner of a triangle has coordinates, which no flip changes.
 """
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from typing import NamedTuple
 

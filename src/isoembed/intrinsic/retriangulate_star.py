@@ -1,7 +1,5 @@
 """The triangles around a flat vertex, unfolded into the plane and cut anew without it."""
 
-from __future__ import annotations
-
 import numpy as np
 
 from isoembed.arrays import Indices, Mask, Points

@@ -5,8 +5,6 @@ half-edge through which it leaves, from a lower to an upper corner, and by where
 ``(out, lower, upper, third)``, complex numbers.
 """
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 
 import numpy as np

@@ -1,7 +1,5 @@
 """Triangles from their sides, accurate for needles and caps, and products of vectors in the plane."""
 
-from __future__ import annotations
-
 import numpy as np
 
 from isoembed.intrinsic.kernel import kernel

@@ -1,7 +1,5 @@
 """Checkpoints in files: NumPy archives that carry a fingerprint."""
 
-from __future__ import annotations
-
 import os
 from pathlib import Path
 from typing import Any

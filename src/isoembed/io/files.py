@@ -1,7 +1,5 @@
 """Files: their errors, in one sentence each, and writing that leaves whole files or none."""
 
-from __future__ import annotations
-
 import os
 import secrets
 import shutil

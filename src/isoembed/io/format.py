@@ -1,7 +1,5 @@
 """File format: an ending, a reader and a writer."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from dataclasses import dataclass
 from importlib.metadata import EntryPoint

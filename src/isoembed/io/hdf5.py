@@ -1,7 +1,5 @@
 """Groups of HDF5 files and their arrays."""
 
-from __future__ import annotations
-
 from typing import Any
 
 import numpy as np

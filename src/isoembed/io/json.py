@@ -1,7 +1,5 @@
 """JSON: one object of named tables, each a list of numbers or a list of lists of numbers."""
 
-from __future__ import annotations
-
 import json
 import sys
 from collections.abc import Callable, Iterator

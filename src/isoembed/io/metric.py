@@ -1,7 +1,5 @@
 """Metrics from files and into files."""
 
-from __future__ import annotations
-
 import os
 from pathlib import Path
 from typing import Any

@@ -1,7 +1,5 @@
 """Paper nets from JSON: polygons and the pairs of sides that are glued, or a form by its name."""
 
-from __future__ import annotations
-
 from collections.abc import Callable, Mapping
 from typing import Any
 

@@ -1,7 +1,5 @@
 """NumPy archives."""
 
-from __future__ import annotations
-
 from pathlib import Path
 
 import numpy as np

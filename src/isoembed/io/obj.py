@@ -1,7 +1,5 @@
 """Wavefront OBJ: ``v`` and ``f`` lines."""
 
-from __future__ import annotations
-
 from pathlib import Path
 
 import numpy as np

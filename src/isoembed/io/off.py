@@ -1,7 +1,5 @@
 """Object File Format, as text."""
 
-from __future__ import annotations
-
 import re
 from itertools import islice
 from pathlib import Path

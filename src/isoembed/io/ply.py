@@ -3,8 +3,6 @@
 It is written in binary double precision with the data at the vertices.
 """
 
-from __future__ import annotations
-
 import re
 import struct
 from collections.abc import Sequence

@@ -4,8 +4,6 @@ A package adds one by an entry point of the group ``isoembed.formats``: its name
 refers to is a `Format`.
 """
 
-from __future__ import annotations
-
 import os
 from importlib.metadata import EntryPoint, entry_points
 

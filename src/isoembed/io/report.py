@@ -1,7 +1,5 @@
 """Reports into files: strict JSON, in which NaN and infinity do not exist."""
 
-from __future__ import annotations
-
 import json
 import os
 from collections.abc import Mapping

@@ -3,8 +3,6 @@
 100,000 triangles are read in 0.5 s from text and in 0.09 s from binary; meshio takes 1.1 and 0.56 s.
 """
 
-from __future__ import annotations
-
 from pathlib import Path
 
 import numpy as np

@@ -5,8 +5,6 @@ plain, or not what a format usually looks like, is left to the format's own read
 what is wrong.
 """
 
-from __future__ import annotations
-
 import warnings
 from collections.abc import Iterator
 

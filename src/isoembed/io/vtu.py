@@ -3,8 +3,6 @@
 100,000 triangles are written in 0.17 s and read in 0.04 s: as by meshio.
 """
 
-from __future__ import annotations
-
 import base64
 import lzma
 import re

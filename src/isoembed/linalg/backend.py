@@ -1,7 +1,5 @@
 """Common part of the backends: a pattern in elimination order, the memory it takes, the errors."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from typing import Protocol
 

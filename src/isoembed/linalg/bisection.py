@@ -4,8 +4,6 @@ A cell of the graph is cut across its longest axis in coordinates of the vertice
 edges; then the smallest separator near the cut is found.
 """
 
-from __future__ import annotations
-
 import numpy as np
 from numba import njit
 

@@ -16,8 +16,6 @@ definiteness, BIT 46, 2006), who takes a bound a priori on the error of Cholesky
 some thousand times as large here.
 """
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 
 import numpy as np

@@ -7,8 +7,6 @@ the paths from them (Gilbert, Ng, Peyton, SIAM J. Matrix Anal. Appl. 15, 1994; D
 sparse linear systems, 2006, chapter 4).
 """
 
-from __future__ import annotations
-
 from typing import NamedTuple
 
 import numpy as np

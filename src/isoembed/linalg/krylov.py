@@ -1,7 +1,5 @@
 """Krylov methods: flexible GMRES, and preconditioned conjugate gradients."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from dataclasses import dataclass
 

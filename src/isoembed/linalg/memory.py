@@ -3,8 +3,6 @@
 Where memory is promised more often than it exists, a process that takes too much is killed without a word.
 """
 
-from __future__ import annotations
-
 import os
 from dataclasses import dataclass
 from pathlib import Path

@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 from pypardiso.scipy_aliases import pypardiso_solver
 
-from isoembed.arrays import Floats, Indices32
+from isoembed.arrays import Floats, Indices, Indices32
 from isoembed.linalg import backend
 from isoembed.linalg.memory import OutOfMemory
 
@@ -90,7 +90,7 @@ class _Problem(NamedTuple):
     """What MKL works with: its memory, and the matrix by rows of the upper triangle."""
 
     kind: int
-    memory: NDArray[np.int64]
+    memory: Indices
     parameters: Indices32
     indptr: Indices32
     indices: Indices32

@@ -7,8 +7,6 @@ of paths across that share no vertex.  The paths are found in phases of shortest
 Doklady 11, 1970).
 """
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from typing import NamedTuple
 

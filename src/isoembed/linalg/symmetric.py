@@ -1,7 +1,5 @@
 """A sparse symmetric matrix, of which the lower triangle is kept: products, and the sizes of the unknowns."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 
 import numpy as np

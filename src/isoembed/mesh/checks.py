@@ -1,7 +1,5 @@
 """Checks that a list of triangles is a triangulated sphere: each names the first offender."""
 
-from __future__ import annotations
-
 import numbers
 from typing import Any
 

@@ -1,7 +1,5 @@
 """Edges of a triangulated sphere in linear time; `checks` says what is wrong with other triangles."""
 
-from __future__ import annotations
-
 import numpy as np
 from numba import njit
 

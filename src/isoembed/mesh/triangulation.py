@@ -1,7 +1,5 @@
 """The triangulation of a sphere: faces, edges and who touches whom."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from functools import cached_property
 from typing import TypeVar

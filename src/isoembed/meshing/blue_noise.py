@@ -1,7 +1,5 @@
 """Blue noise on a surface: irregular points that keep their distance, from too many random ones."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 
 import numpy as np

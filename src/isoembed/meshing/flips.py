@@ -1,7 +1,5 @@
 """Delaunay flips of a closed triangle mesh in R^3, in rounds of flips that do not touch each other."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 
 import numpy as np

@@ -4,8 +4,6 @@ The tables over half-edges are those of `isoembed.intrinsic.halfedges`.  Vertice
 (V, 3) on the unit sphere, in which every triangle looks outward.
 """
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from typing import NamedTuple
 

@@ -1,7 +1,5 @@
 """One step of Lloyd's relaxation on a surface: every vertex towards the centroid of its Voronoi cell."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 
 import numpy as np

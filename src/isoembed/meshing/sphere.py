@@ -1,7 +1,5 @@
 """Points on the unit sphere: spread evenly, at the nodes of a rule, connected by their convex hull."""
 
-from __future__ import annotations
-
 import numpy as np
 from numpy.typing import ArrayLike
 from scipy.spatial import ConvexHull

@@ -1,7 +1,5 @@
 """The contract of surfaces that are triangulated, and the density of vertices on them."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from typing import Protocol
 

@@ -3,8 +3,6 @@
 Regular: spread points, connect them, relax them, keep the best. Irregular: blue noise, connected.
 """
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from operator import index
 from typing import SupportsIndex

@@ -1,7 +1,5 @@
 """Relaxation of a large mesh where it needs it: what the regular mesh of a large surface is made with."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 
 import numpy as np

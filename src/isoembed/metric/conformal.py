@@ -1,7 +1,5 @@
 """Conformal change of a metric: one factor u_a a vertex scales the edges at it."""
 
-from __future__ import annotations
-
 import numpy as np
 
 from isoembed.arrays import Floats

@@ -1,14 +1,11 @@
 """Whether a metric is convex: whether its deficits are negative nowhere, up to rounding."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from typing import cast
 
 import numpy as np
-from numpy.typing import NDArray
 
-from isoembed.arrays import Floats
+from isoembed.arrays import Floats, Indices
 from isoembed.errors import InvalidMetric
 from isoembed.metric.curvature import Triangles
 from isoembed.thresholds import threshold
@@ -26,7 +23,7 @@ class ConvexityThresholds:
 CONVEXITY = ConvexityThresholds()
 
 
-def deficit_rounding(faces: NDArray[np.int64], face_lengths: Floats) -> Floats:
+def deficit_rounding(faces: Indices, face_lengths: Floats) -> Floats:
     """How far rounded lengths may put the deficits off, shape (V,), radians.
 
     An angle moves by ``l dl / (2 A)`` or less when a side of its triangle, l or shorter, moves by dl.

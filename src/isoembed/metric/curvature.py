@@ -11,9 +11,8 @@ from dataclasses import dataclass
 from typing import cast
 
 import numpy as np
-from numpy.typing import NDArray
 
-from isoembed.arrays import Floats
+from isoembed.arrays import Floats, Mask
 from isoembed.metric.polyhedral import METRIC, PolyhedralMetric
 
 
@@ -110,7 +109,7 @@ def deficits(metric: PolyhedralMetric) -> Floats:
     return 2 * np.pi - cast(Floats, np.bincount(metric.faces.ravel(), angles.ravel()))
 
 
-def negative_deficits(metric: PolyhedralMetric) -> NDArray[np.bool_]:
+def negative_deficits(metric: PolyhedralMetric) -> Mask:
     """Vertices whose deficit is below -1e-9 radians, shape (V,): there the metric is not convex."""
     return deficits(metric) < -METRIC.angles
 

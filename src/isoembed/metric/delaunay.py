@@ -1,7 +1,5 @@
 """Delaunay flips of metrics and of their conformal classes, which leave simplicial complexes."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from typing import NamedTuple
 

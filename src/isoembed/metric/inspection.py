@@ -1,7 +1,5 @@
 """Inspection of a metric: measures that matter to its embedding, and warnings that follow from them."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass

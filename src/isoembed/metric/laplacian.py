@@ -1,7 +1,5 @@
 """The cotangent Laplacian: of linear finite elements, and the derivative of the deficits."""
 
-from __future__ import annotations
-
 import numpy as np
 from scipy.sparse import coo_array, csc_array
 

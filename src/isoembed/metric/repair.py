@@ -11,17 +11,14 @@ Stone, The Linear Complementarity Problem, 1992, section 3.11).  As equal factor
 other conformal change without negative deficits has factors that differ less, ``max u - min u``.
 """
 
-from __future__ import annotations
-
 import math
 from dataclasses import dataclass
 from typing import TypeVar, cast
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.sparse import csc_array
 
-from isoembed.arrays import Floats
+from isoembed.arrays import Floats, Indices
 from isoembed.errors import InvalidMetric, InvalidParameter
 from isoembed.linalg import SingularMatrix, factor_general
 from isoembed.mesh.triangulation import frozen
@@ -63,7 +60,7 @@ class Repair:
         Of a length, relative.
     """
 
-    vertices: NDArray[np.int64]
+    vertices: Indices
     deficits: Floats
     factors: Floats
     largest_change: float

@@ -1,7 +1,5 @@
 """From any gluing of triangles to a simplicial complex with the same metric."""
 
-from __future__ import annotations
-
 import numpy as np
 
 from isoembed.arrays import Floats, Indices

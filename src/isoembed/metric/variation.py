@@ -1,7 +1,5 @@
 """First variation of intrinsic quantities: deficits and areas by lengths, lengths by conformal factors."""
 
-from __future__ import annotations
-
 from typing import cast
 
 import numpy as np

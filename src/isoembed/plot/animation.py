@@ -1,7 +1,5 @@
 """Films: the pull-back as a GIF or an MP4, surface after surface, and once around the answer."""
 
-from __future__ import annotations
-
 import os
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
@@ -11,6 +9,7 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
+from isoembed.arrays import Floats
 from isoembed.io.files import FileError, Writer, check_output, ending, write_atomically
 from isoembed.plot.film import ANSWER, FILM, Frame, shape
 from isoembed.plot.picture import INK, PAPER, check_drawable, color_scale, draw
@@ -18,7 +17,6 @@ from isoembed.plot.quantity import mean_curvature
 from isoembed.plot.view import Pose, View, camera
 from isoembed.surface.embedding import Embedding
 
-Floats = NDArray[np.float64]
 Pixels = NDArray[np.uint8]
 
 ANIMATION_ENDINGS = (".gif", ".mp4")

@@ -1,20 +1,16 @@
 """The surfaces on the way to an answer."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
+from isoembed.arrays import Floats
 from isoembed.metric.polyhedral import PolyhedralMetric
 from isoembed.progress.stages import Progress
 from isoembed.surface.alignment import aligned
 from isoembed.surface.embedding import Embedding
 from isoembed.surface.measures import outward
 from isoembed.thresholds import threshold
-
-Floats = NDArray[np.float64]
 
 ANSWER = "answer"
 

@@ -1,7 +1,5 @@
 """A page for the browser: one file with a surface to turn around, its colors, its film and its report."""
 
-from __future__ import annotations
-
 import base64
 import hashlib
 import json
@@ -14,9 +12,9 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from isoembed._embed import configuration
+from isoembed.arrays import Floats
 from isoembed.errors import InvalidMetric, InvalidParameter
 from isoembed.io.files import Writer, check_output, write_atomically
 from isoembed.metric.polyhedral import PolyhedralMetric
@@ -38,8 +36,6 @@ from isoembed.plot.view import Pose, camera
 from isoembed.surface.embedding import Embedding
 from isoembed.surface.measures import edge_lengths
 from isoembed.version import __version__
-
-Floats = NDArray[np.float64]
 
 PAGE_ENDINGS = (".html",)
 LEAPT = (

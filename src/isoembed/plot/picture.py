@@ -9,8 +9,8 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from isoembed.arrays import Floats, Indices
 from isoembed.io.files import FileError, Writer, check_output, ending, write_atomically
 from isoembed.plot.quantity import MEAN_CURVATURE, QUANTITY, Quantity, quantity
 from isoembed.plot.view import View
@@ -21,7 +21,6 @@ if TYPE_CHECKING:
     from matplotlib.cm import ScalarMappable
     from matplotlib.figure import Figure
 
-Floats = NDArray[np.float64]
 
 PICTURE_ENDINGS = (".png", ".svg", ".pdf")
 WIDTH, DPI = 8.0, 220  # inches, dots an inch
@@ -49,7 +48,7 @@ class Panel:
     """
 
     vertices: Floats
-    faces: NDArray[np.int64]
+    faces: Indices
     values: Floats
     title: str = ""
 

@@ -1,13 +1,11 @@
 """What the colors of a picture show: quantities at the vertices of a surface."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from typing import Literal
 
 import numpy as np
-from numpy.typing import NDArray
 
+from isoembed.arrays import Floats
 from isoembed.errors import InvalidParameter
 from isoembed.io.surface import vertex_residuals
 from isoembed.metric.conformal_sphere import conformal_factors, conformal_sphere
@@ -16,8 +14,6 @@ from isoembed.metric.delaunay import delaunay
 from isoembed.progress.stages import Log
 from isoembed.surface.embedding import Embedding
 from isoembed.thresholds import threshold
-
-Floats = NDArray[np.float64]
 
 
 @dataclass(frozen=True)

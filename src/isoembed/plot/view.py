@@ -5,12 +5,10 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
+from isoembed.arrays import Floats, Indices
 from isoembed.surface.measures import face_normals
 from isoembed.thresholds import threshold
-
-Floats = NDArray[np.float64]
 
 AZIMUTH, ELEVATION = np.radians(24.0), np.radians(20.0)
 LIGHT = np.array([-0.5, 0.8, 0.8])  # right, up, toward the viewer
@@ -108,14 +106,12 @@ class View:
     """
 
     polygons: Floats
-    faces: NDArray[np.int64]
+    faces: Indices
     light: Floats
     gloss: Floats
 
     @classmethod
-    def of(
-        cls, vertices: Floats, faces: NDArray[np.int64], pose: Pose | None = None, turn: float = 0.0
-    ) -> View:
+    def of(cls, vertices: Floats, faces: Indices, pose: Pose | None = None, turn: float = 0.0) -> View:
         """Look at a surface: its longest axis lies across the picture, its shortest one points up.
 
         Parameters

@@ -1,7 +1,5 @@
 """Time left of a computation: what its stages cost as a rule, at the pace that they have here."""
 
-from __future__ import annotations
-
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 

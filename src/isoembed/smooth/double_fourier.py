@@ -9,8 +9,6 @@ References
 .. [1] S. A. Orszag, "Fourier series on spheres", Monthly Weather Review 102 (1974), 56-75.
 """
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from functools import cached_property
 

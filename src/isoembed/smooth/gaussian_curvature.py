@@ -1,7 +1,5 @@
 """The Gaussian curvature of a smooth metric on the sphere, by differences of the metric alone."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 
 import numpy as np

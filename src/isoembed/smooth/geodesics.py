@@ -1,7 +1,5 @@
 """Lengths of short geodesics of a smooth metric on the sphere: what the edges of triangulations measure."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from functools import cache
 

@@ -4,8 +4,6 @@
 sin(theta) anywhere, and the poles are points like any others.
 """
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from functools import cached_property
 

@@ -1,7 +1,5 @@
 """Smooth embeddings of smooth metrics: a mesh finds the branch, spherical harmonics the digits."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from dataclasses import dataclass
 from functools import partial

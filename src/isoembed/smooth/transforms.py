@@ -1,7 +1,5 @@
 """Coefficients of functions in spherical harmonics: from a Gauss rule, from scattered values, resized."""
 
-from __future__ import annotations
-
 from bisect import bisect_left
 from dataclasses import dataclass
 

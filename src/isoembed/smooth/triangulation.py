@@ -1,7 +1,5 @@
 """Triangulations of the sphere that are nearly equilateral in a given smooth metric."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from functools import cached_property, partial
 

@@ -4,8 +4,6 @@ It is kept as a symmetric 3x3 matrix q with q u = 0, so that the length of the v
 vectors is sqrt(v . q v).  No coordinate is singular anywhere; theta and phi appear only where data have them.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Protocol

@@ -1,7 +1,5 @@
 """Meshed surfaces of the gallery and their embeddings, made once for all studies."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from functools import cache, cached_property
 

@@ -7,10 +7,9 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from isoembed.aim.paper import Paper
-from isoembed.arrays import Floats
+from isoembed.arrays import Floats, Indices
 from isoembed.gallery import Drum, Ellipsoid, Ergosphere, Surface
 from isoembed.metric.curvature import corner_angles
 from isoembed.metric.polyhedral import PolyhedralMetric
@@ -49,7 +48,7 @@ class Convergence:
     """
 
     name: str
-    n: NDArray[np.int64]
+    n: Indices
     embedded: Floats
     exact: Floats
     cotangent: Floats

@@ -1,7 +1,5 @@
 """All studies one after the other, and the folder that they go into: a report, figures and numbers."""
 
-from __future__ import annotations
-
 import json
 import math
 import os

@@ -1,7 +1,5 @@
 """Alignment of two placements of the same vertices by a rigid motion."""
 
-from __future__ import annotations
-
 import numpy as np
 
 from isoembed.arrays import Floats

@@ -1,7 +1,5 @@
 """Chords of the geodesics of a surface, which are the edges of an inscribed polyhedron."""
 
-from __future__ import annotations
-
 import numpy as np
 
 from isoembed.arrays import Floats

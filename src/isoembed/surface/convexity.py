@@ -1,7 +1,5 @@
 """Concave edges, and the vertices that the paper calls inverted and partially inverted (section 2.2)."""
 
-from __future__ import annotations
-
 import numpy as np
 
 from isoembed.arrays import Floats, Indices, Mask

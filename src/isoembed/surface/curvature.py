@@ -3,8 +3,6 @@
 Relativity writes k = k1 + k2 = 2 H: its integral is twice `integrated_mean_curvature`.
 """
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from typing import cast
 

@@ -1,7 +1,5 @@
 """Least-squares surfaces, for lengths that no surface has."""
 
-from __future__ import annotations
-
 from dataclasses import KW_ONLY, dataclass
 from typing import Any
 

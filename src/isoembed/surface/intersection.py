@@ -1,7 +1,5 @@
 """Self-intersection of a triangulated surface: a tree of boxes proposes pairs, separating axes decide."""
 
-from __future__ import annotations
-
 from collections.abc import Iterator
 from dataclasses import dataclass
 

@@ -1,7 +1,5 @@
 """Lengths, normals, area and volume of a triangulated surface in R^3."""
 
-from __future__ import annotations
-
 import numpy as np
 from numba import njit
 

@@ -6,8 +6,6 @@ moments of their weighted points, Cholesky's factors of the normal equations, an
 equations square the condition of a fit; a fit that they might spoil is left to the other way.
 """
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 
 import numpy as np

@@ -6,8 +6,6 @@ The step of least norm, ``d = J^T (J J^T + mu I)^-1 r``, needs no triangle pinne
 matrix that is definite whenever the surface is infinitesimally rigid.
 """
 
-from __future__ import annotations
-
 from functools import cached_property, partial
 from typing import cast
 

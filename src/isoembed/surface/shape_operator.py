@@ -6,8 +6,6 @@ Quartics leave errors of third order in the edge length, and of fourth where the
 of second.
 """
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 
 import numpy as np

@@ -7,8 +7,6 @@ chart, unlike in a projection to the plane, the height of a sphere is a polynomi
 bends by more than a right angle does not fold over.
 """
 
-from __future__ import annotations
-
 from collections.abc import Iterable, Iterator
 
 import numpy as np

@@ -4,8 +4,6 @@ What walks through a large surface in this order finds most of what it needs in 
 the vertices are numbered.
 """
 
-from __future__ import annotations
-
 import numpy as np
 
 from isoembed.arrays import Floats, Indices

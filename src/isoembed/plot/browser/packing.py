@@ -1,12 +1,12 @@
 """Arrays as text within a page."""
 
-from __future__ import annotations
-
 import base64
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
+
+from isoembed.arrays import Floats
 
 MISSING, LAST = 65535, 65534  # of 16 bit: no value; the largest one
 
@@ -30,13 +30,13 @@ class Packed:
         self._bytes += np.ascontiguousarray(array, dtype=f"<{kind}").tobytes()
         return entry
 
-    def add_floats(self, values: NDArray[np.float64]) -> dict[str, Any]:
+    def add_floats(self, values: Floats) -> dict[str, Any]:
         """Append floats of any size in single precision: a value is ``step`` times its entry."""
         finite = np.isfinite(values)
         step = float(np.abs(values[finite]).max(initial=0.0)) or 1.0
         return {**self.add(np.where(finite, values, np.nan) / step), "low": 0.0, "step": step}
 
-    def add_short(self, values: NDArray[np.float64]) -> dict[str, Any]:
+    def add_short(self, values: Floats) -> dict[str, Any]:
         """Append floats in 16 bit, between the least and the largest: a value is ``low + step * entry``."""
         finite = np.isfinite(values)
         low = float(values[finite].min(initial=np.inf)) if finite.any() else 0.0

@@ -4,8 +4,6 @@ The ramp is a line in OKLCh, the polar form of the space of Ottosson, "A percept
 processing" (2020), from dark violet over teal to light yellow.
 """
 
-from __future__ import annotations
-
 import numpy as np
 
 LIGHTNESS = (0.36, 0.93)

@@ -1,7 +1,5 @@
 """The report of an embedding as tables of HTML."""
 
-from __future__ import annotations
-
 from collections.abc import Iterable, Mapping
 from html import escape
 from typing import Any

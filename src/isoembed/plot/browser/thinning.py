@@ -1,7 +1,5 @@
 """Which frames of a film a page shows."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 
 import numpy as np

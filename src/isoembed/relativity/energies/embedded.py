@@ -1,7 +1,5 @@
 """A surface of a slice, its smooth embedding in Euclidean space, and the energies that follow."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from functools import cached_property
 from typing import Any

@@ -1,7 +1,5 @@
 """Energies of a surface that is given as a polyhedral metric, with data at its vertices."""
 
-from __future__ import annotations
-
 import numpy as np
 from numpy.typing import ArrayLike
 

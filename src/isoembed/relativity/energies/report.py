@@ -1,7 +1,5 @@
 """Reports of energies: of embedded surfaces, of those that do not embed, of triangles and of horizons."""
 
-from __future__ import annotations
-
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
 from typing import Any

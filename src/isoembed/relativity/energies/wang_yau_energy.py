@@ -1,7 +1,5 @@
 """The Wang-Yau quasi-local energy: for a time function, or for the one that makes it least."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any, Literal

@@ -9,8 +9,6 @@ References
    relativity", Classical and Quantum Gravity 21 (2004), 743-766.
 """
 
-from __future__ import annotations
-
 import itertools
 import os
 import re

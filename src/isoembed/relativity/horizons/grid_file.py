@@ -1,7 +1,5 @@
 """Metrics on theta-phi grids from files."""
 
-from __future__ import annotations
-
 import os
 
 import numpy as np

@@ -1,7 +1,5 @@
 """Horizon files of any format."""
 
-from __future__ import annotations
-
 import os
 from importlib.metadata import entry_points
 from itertools import chain

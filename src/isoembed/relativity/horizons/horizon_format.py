@@ -1,7 +1,5 @@
 """Format of horizon files: what recognizes a file, and what reads it."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from dataclasses import dataclass
 

@@ -1,7 +1,5 @@
 """Horizon files of SpECTRE: surface data in HDF5, in groups with the ending .vol."""
 
-from __future__ import annotations
-
 import numbers
 import os
 from dataclasses import dataclass, replace

@@ -1,7 +1,5 @@
 """Black holes in motion: Schwarzschild's in a slice of an observer whom it passes, and several superposed."""
 
-from __future__ import annotations
-
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 

@@ -1,7 +1,5 @@
 """Kerr's black hole outside its horizon, in the Boyer-Lindquist slicing."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 
 import numpy as np

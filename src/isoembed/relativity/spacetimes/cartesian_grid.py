@@ -6,8 +6,6 @@ A file, .npz or HDF5, holds arrays of one shape (nx, ny, nz), [i, j, k] being th
 are data sets of the root group, and origin and spacing may be attributes of it.
 """
 
-from __future__ import annotations
-
 import os
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
@@ -17,7 +15,7 @@ import numpy as np
 from numba import njit
 from numpy.typing import ArrayLike, NDArray
 
-from isoembed.arrays import Floats
+from isoembed.arrays import Floats, Indices
 from isoembed.errors import InvalidParameter
 from isoembed.io.files import FileError, check_ending
 from isoembed.io.hdf5 import HDF5_ENDINGS
@@ -148,7 +146,7 @@ class CartesianGrid:
             out[:, k] = _contracted(self.gamma, start, along)[:, ENTRY]
         return out
 
-    def _located(self, x: Floats, nodes: int) -> tuple[NDArray[np.int64], Floats]:
+    def _located(self, x: Floats, nodes: int) -> tuple[Indices, Floats]:
         """The first of some points along each axis (n, 3), and the distance from it in spacings."""
         origin, spacing, shape = np.array(self.origin), np.array(self.spacing), np.array(self.gamma.shape[1:])
         t = (x - origin) / spacing

@@ -1,7 +1,5 @@
 """Checks of what users give: numbers, vectors, points, and metrics at points."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from math import isfinite
 from typing import Any

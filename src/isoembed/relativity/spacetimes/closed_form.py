@@ -1,7 +1,5 @@
 """Surfaces of Kerr-Newman spacetimes by name, in one of three slices."""
 
-from __future__ import annotations
-
 from typing import Literal
 
 from isoembed.errors import InvalidParameter

@@ -1,7 +1,5 @@
 """Time-symmetric slices with ``gamma_ij = psi^4 delta_ij``: one black hole, or several at rest."""
 
-from __future__ import annotations
-
 from abc import abstractmethod
 from collections.abc import Sequence
 from dataclasses import dataclass

@@ -5,8 +5,6 @@ share; Schwarzschild is spin 0.
 """
 
 # ruff: noqa: N802, N806 (R, Sigma, Delta, P, Q as the paper and the field write them)
-from __future__ import annotations
-
 from abc import ABC, abstractmethod
 from dataclasses import dataclass, fields
 from functools import cached_property

@@ -1,7 +1,5 @@
 """Kerr's black hole in Kerr-Schild coordinates, regular through the horizon."""
 
-from __future__ import annotations
-
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from math import sqrt

@@ -1,7 +1,5 @@
 """Schwarzschild's black hole in slices that are flat."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 
 import numpy as np

@@ -1,7 +1,5 @@
 """Data of quasi-local energies: the metric of a surface, and how it lies in its slice."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from dataclasses import dataclass
 

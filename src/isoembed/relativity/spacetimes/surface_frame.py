@@ -3,8 +3,6 @@
 Derivatives are covariant ones of the unit sphere, along tangent vectors: no direction is singular.
 """
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from functools import cached_property
 

@@ -5,8 +5,6 @@ Signs are those of Alcubierre and of Baumgarte and Shapiro:
 ``theta_+ = k - K_ij (gamma^ij - n^i n^j)``.
 """
 
-from __future__ import annotations
-
 from abc import ABC, abstractmethod
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass

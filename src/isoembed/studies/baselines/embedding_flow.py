@@ -17,8 +17,6 @@ M. Jasiulek and M. Korzynski, Isometric embeddings of 2-spheres by embedding flo
 numerical relativity, Class. Quantum Grav. 29 (2012) 155010, arXiv:1111.6523.
 """
 
-from __future__ import annotations
-
 from dataclasses import replace
 
 import numpy as np

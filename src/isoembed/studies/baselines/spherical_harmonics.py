@@ -12,8 +12,6 @@ M. Bondarescu, M. Alcubierre and E. Seidel, Isometric embeddings of black hole h
 flat space, Class. Quantum Grav. 19 (2002) 375, arXiv:gr-qc/0109093.
 """
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 
 import numpy as np

@@ -1,7 +1,5 @@
 """The cited methods and this library on the same metrics: what each finds, and what it costs."""
 
-from __future__ import annotations
-
 import time
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass

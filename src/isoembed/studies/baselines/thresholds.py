@@ -1,7 +1,5 @@
 """Thresholds of the cited methods and of their comparison."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 
 from isoembed.thresholds import threshold

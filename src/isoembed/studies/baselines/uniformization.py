@@ -5,8 +5,6 @@ method, and Newton's.  The round metric's embedding are the three eigenfunctions
 eigenvalue -2 kbar.
 """
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 
 import numpy as np

@@ -11,8 +11,6 @@ H.-P. Nollert and H. Herold, Visualization in curved spacetimes II: Visualizatio
 in Relativity and Scientific Computing, Springer 1996.
 """
 
-from __future__ import annotations
-
 import numpy as np
 from numpy.typing import ArrayLike
 
