@@ -6,11 +6,11 @@ import pytest
 import isoembed
 import smooth_bodies
 import zoo
+from isoembed.aim.adiabatic_pullback import pull_back
 from isoembed.aim.anneal import anneal_on_sphere
 from isoembed.aim.embedding_tree import embedding_tree
 from isoembed.aim.paper import Paper
 from isoembed.aim.paths import path_factors, path_times
-from isoembed.aim.pullback import pull_back
 from isoembed.errors import NotEmbedded
 from isoembed.linalg import available_backends
 from isoembed.metric.conformal import rescaled

@@ -10,7 +10,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from scipy.spatial import ConvexHull
 
-import isoembed.linalg.factor as factor_module
+import isoembed.linalg.backend as backend_module
 from isoembed.linalg import SingularMatrix, analyze, available_backends, dissect, factor_general
 from isoembed.linalg.elimination import first_asymmetry, first_gap, inverse, permuted
 from isoembed.linalg.symmetric import SymmetricMatrix
@@ -371,17 +371,19 @@ def test_unknown_backends_are_named():
 
 @pytest.mark.parametrize(("name", "extra"), [("cholmod", "cholmod"), ("pardiso", "mkl")])
 def test_missing_backends_say_what_to_install(monkeypatch, name, extra):
-    monkeypatch.setattr(factor_module, "find_spec", lambda module: None)
+    monkeypatch.setattr(backend_module, "find_spec", lambda module: None)
     assert available_backends() == ("superlu",)
     with pytest.raises(ValueError, match=rf"'{name}' is missing: pip install 'isoembed\[{extra}\]'"):
         Mesh(10).solver(name)
 
 
 def test_another_scikit_sparse_counts_as_missing(monkeypatch):
-    monkeypatch.setattr(factor_module, "find_spec", lambda module: object() if module == "sksparse" else None)
-    monkeypatch.setattr(factor_module, "version", lambda distribution: "0.5.0")
+    monkeypatch.setattr(
+        backend_module, "find_spec", lambda module: object() if module == "sksparse" else None
+    )
+    monkeypatch.setattr(backend_module, "version", lambda distribution: "0.5.0")
     assert available_backends() == ("superlu",)
-    monkeypatch.setattr(factor_module, "version", lambda distribution: "0.4.16")
+    monkeypatch.setattr(backend_module, "version", lambda distribution: "0.4.16")
     assert available_backends() == ("cholmod", "superlu")
 
 

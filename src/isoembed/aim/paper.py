@@ -6,11 +6,11 @@ from typing import ClassVar, Literal, get_args
 import numpy as np
 
 from isoembed._embed import Method
+from isoembed.aim.adiabatic_pullback import pull_back
 from isoembed.aim.anneal import Annealed, anneal, anneal_damped, anneal_on_sphere
 from isoembed.aim.convexity import PRINTED, crumpled_vertices, reflect_and_anneal, reflected
 from isoembed.aim.embedding_tree import embedding_tree
 from isoembed.aim.paths import path_factors, path_times
-from isoembed.aim.pullback import pull_back
 from isoembed.aim.uniformize import Uniformization, newton_uniformization, ricci_flow
 from isoembed.arrays import Floats
 from isoembed.errors import InvalidMetric, InvalidParameter

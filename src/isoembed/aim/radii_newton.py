@@ -11,7 +11,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from isoembed.aim.pullback import extrapolated
+from isoembed.aim.adiabatic_pullback import extrapolated
 from isoembed.alexandrov.doubly_covered import FLAT_LIMIT
 from isoembed.alexandrov.homotopy import HOMOTOPY, Solution, follow_path, forcing_term, pinned
 from isoembed.alexandrov.placement import placed, realized

@@ -5,15 +5,13 @@
 whatever the backend.
 """
 
-from isoembed.linalg.backend import SingularMatrix
+from isoembed.linalg.backend import SingularMatrix, available_backends, chosen_backend
 from isoembed.linalg.dissection import Dissection, dissect
 from isoembed.linalg.factor import (
     Factor,
     Solver,
     SymmetricFactor,
     analyze,
-    available_backends,
-    chosen_backend,
     factor_general,
 )
 from isoembed.linalg.memory import OutOfMemory

@@ -1,9 +1,48 @@
-"""Common part of the backends: a pattern in elimination order, the memory it takes, the errors."""
+"""Backends: which are installed and which is chosen; what they have in common, their errors."""
 
 from dataclasses import dataclass
+from importlib.metadata import version
+from importlib.util import find_spec
 from typing import Protocol
 
 from isoembed.arrays import Floats, Indices32
+from isoembed.errors import InvalidParameter
+
+_BACKENDS = {"pardiso": "mkl", "cholmod": "cholmod", "superlu": ""}
+"""The fastest first: each with the extra that installs it."""
+
+
+def available_backends() -> tuple[str, ...]:
+    """Names of the backends that are installed, the fastest first. Imports none of them."""
+    return tuple(name for name in _BACKENDS if _installed(name))
+
+
+def chosen_backend(backend: str | None) -> str:
+    """The named backend, or the fastest that is installed.
+
+    Raises
+    ------
+    InvalidParameter
+        If the backend is unknown or not installed.
+    """
+    if backend is None:
+        return available_backends()[0]
+    if backend not in _BACKENDS:
+        raise InvalidParameter(f"unknown backend {backend!r}: choose one of {', '.join(_BACKENDS)}")
+    if not _installed(backend):
+        raise InvalidParameter(
+            f"backend {backend!r} is missing: pip install 'isoembed[{_BACKENDS[backend]}]'"
+        )
+    return backend
+
+
+def _installed(backend: str) -> bool:
+    if backend == "superlu":
+        return True
+    if backend == "pardiso":
+        return find_spec("pypardiso") is not None
+    # scikit-sparse 0.5 has another interface.
+    return find_spec("sksparse") is not None and version("scikit-sparse").startswith("0.4.")
 
 
 class SingularMatrix(ArithmeticError):  # noqa: N818  (named for what it says, as InvalidMetric is)

@@ -4,28 +4,17 @@ from __future__ import annotations
 
 from functools import cached_property
 from importlib import import_module
-from importlib.metadata import version
-from importlib.util import find_spec
 
 import numpy as np
 import scipy.sparse as sp
 from numpy.typing import ArrayLike
 
 from isoembed.arrays import Floats, Indices
-from isoembed.errors import InvalidParameter
-from isoembed.linalg.backend import Numeric, SingularMatrix, Solves, Symbolic
+from isoembed.linalg.backend import Numeric, SingularMatrix, Solves, Symbolic, chosen_backend
 from isoembed.linalg.elimination import first_asymmetry, first_gap, inverse, permuted, symbolic_analysis
 from isoembed.linalg.memory import require_memory
 from isoembed.linalg.superlu import checked_lu
 from isoembed.linalg.symmetric import FACTORIZATION, SymmetricMatrix
-
-_BACKENDS = {"pardiso": "mkl", "cholmod": "cholmod", "superlu": ""}
-"""The fastest first: each with the extra that installs it."""
-
-
-def available_backends() -> tuple[str, ...]:
-    """Names of the backends that are installed, the fastest first. Imports none of them."""
-    return tuple(name for name in _BACKENDS if _installed(name))
 
 
 def analyze(
@@ -60,25 +49,6 @@ def analyze(
         If the factors would need more memory than is free.
     """
     return Solver(pattern, order, chosen_backend(backend), definite)
-
-
-def chosen_backend(backend: str | None) -> str:
-    """The named backend, or the fastest that is installed.
-
-    Raises
-    ------
-    InvalidParameter
-        If the backend is unknown or not installed.
-    """
-    if backend is None:
-        return available_backends()[0]
-    if backend not in _BACKENDS:
-        raise InvalidParameter(f"unknown backend {backend!r}: choose one of {', '.join(_BACKENDS)}")
-    if not _installed(backend):
-        raise InvalidParameter(
-            f"backend {backend!r} is missing: pip install 'isoembed[{_BACKENDS[backend]}]'"
-        )
-    return backend
 
 
 class Solver:
@@ -301,12 +271,3 @@ def _checked(pattern: sp.sparray | sp.spmatrix) -> sp.csc_matrix:
     if k >= 0:
         raise ValueError(f"the pattern lacks diagonal entry {k}")
     return checked
-
-
-def _installed(backend: str) -> bool:
-    if backend == "superlu":
-        return True
-    if backend == "pardiso":
-        return find_spec("pypardiso") is not None
-    # scikit-sparse 0.5 has another interface.
-    return find_spec("sksparse") is not None and version("scikit-sparse").startswith("0.4.")

@@ -8,11 +8,11 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from isoembed.aim.adiabatic_pullback import pull_back
 from isoembed.aim.anneal import Annealed, anneal_on_sphere
 from isoembed.aim.embedding_tree import embedding_tree
 from isoembed.aim.paper import Convexity, Paper
 from isoembed.aim.paths import path_factors, path_times
-from isoembed.aim.pullback import pull_back
 from isoembed.aim.uniformize import Uniformization
 from isoembed.arrays import Floats
 from isoembed.errors import InvalidMetric

@@ -5,8 +5,8 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from isoembed.aim.adiabatic_pullback import extrapolated, pull_back
 from isoembed.aim.anneal import Annealed
-from isoembed.aim.pullback import extrapolated, pull_back
 
 A, B, C = np.random.default_rng(0).normal(size=(3, 5, 3))
 
