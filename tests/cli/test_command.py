@@ -220,13 +220,11 @@ def test_embed_without_memory(run, monkeypatch, error, sentence):
 
 
 def test_nothing_is_written_when_the_second_file_fails(run, here, monkeypatch):
-    import isoembed.io.report
-
-    def full(path, text):
+    def full(path, text, **_):
         raise OSError(28, "No space left on device")
 
     (here / "a.npz").write_text("old")
-    monkeypatch.setattr(isoembed.io.report, "_write", full)
+    monkeypatch.setattr(Path, "write_text", full)
     status, _, err = run("embed", "metric.json", "-o", "a.npz", "--report", "r.json")
     assert status == 2
     assert "cannot write r.json: No space left on device" in err
