@@ -290,3 +290,23 @@ def test_what_a_method_takes_is_asked_of_it():
 def test_what_is_not_derived_from_method_is_refused():
     with pytest.raises(isoembed.InvalidParameter, match=r"is a Recorder: derive it from isoembed\.Method"):
         isoembed.embed(metric(), method=type("Recorder", (), {})())
+
+
+@pytest.mark.parametrize("method", ["aim", "alexandrov"])
+def test_lengths_that_floats_hardly_hold_are_measured_where_they_end(method):
+    vertices, faces = zoo.random_hull(12, seed=1)
+    with pytest.raises(NotEmbedded, match="miss the tolerance") as caught:
+        isoembed.embed(PolyhedralMetric.from_mesh(1e-319 * vertices, faces), method=method)
+    assert caught.value.embedding.residual > 1e-6
+
+
+@pytest.mark.parametrize("mean", [1.999, 2 - 1e-12, 2.0, 2.001])
+def test_a_certificate_does_not_depend_on_the_unit(mean):
+    vertices, faces = zoo.random_hull(12, seed=1)
+    metric = PolyhedralMetric.from_mesh(vertices, faces)
+    surface = isoembed.embed(metric.scaled(mean / metric.mean_length), method="alexandrov")
+    tables, core = surface.core
+    off = np.linalg.norm(core[tables.faces] - np.roll(core[tables.faces], -1, axis=1), axis=2)
+    assert np.abs(off - tables.face_lengths).max() < 1e-13
+    assert np.allclose(core, surface.vertices, atol=1e-13)
+    assert surface.certificate.certified and surface.certificate.distance < 3e-14

@@ -10,6 +10,7 @@ import numbers
 from abc import ABC, abstractmethod
 from dataclasses import replace
 from importlib.metadata import EntryPoint, entry_points
+from inspect import isabstract
 from typing import Any, ClassVar
 
 from isoembed.errors import Interrupted, InvalidParameter, NotEmbedded
@@ -181,7 +182,11 @@ def configured(method: str | Method) -> Method:
         There is no such method.
     """
     if isinstance(method, str):
-        return configuration(method)()
+        kind = configuration(method)
+        try:
+            return kind()
+        except TypeError as error:  # a parameter without a default
+            raise InvalidParameter(f"the method {method!r} needs parameters: {error}") from None
     if isinstance(method, type):
         raise InvalidParameter(f"the method is the class {method.__name__}: make one, {method.__name__}()")
     if not isinstance(method, Method):
@@ -214,6 +219,8 @@ def configuration(name: str) -> type[Method]:
         raise InvalidParameter(
             f"the method {name!r} is {found.value}, which is not derived from isoembed.Method"
         )
+    if isabstract(kind) or not isinstance(getattr(kind, "name", None), str):
+        raise InvalidParameter(f"the method {name!r} is {found.value}, which lacks a name or the method run")
     return kind
 
 

@@ -143,7 +143,8 @@ class Convexification:
         """The deficits after the first time at which they all have the margin, if rounding allows."""
         triangles = self._delaunay
         mass = triangles.shares / (4 * np.pi) * triangles.metric.triangles.areas.sum()
-        for _ in range(CONVEXIFICATION.doublings):
+        last = triangles.metric.mean_length**2 * 2.0**CONVEXIFICATION.doublings
+        while self._tau < last:
             recorder.iterations += 1
             sources = triangles.metric.deficits / self._tau
             diffused = mass * triangles.steady(mass / self._tau, sources, recorder)

@@ -2,7 +2,7 @@
 
 from dataclasses import KW_ONLY, dataclass, field, replace
 from functools import cached_property
-from typing import Any, ClassVar
+from typing import Any, ClassVar, Self
 
 import numpy as np
 from scipy.sparse import coo_array
@@ -55,7 +55,7 @@ class ConvexPolyhedron(Embedding):
         half-edges of a `GluedMetric`; their lengths are in the unit of the normalized metric.
     core : tuple of HalfEdges and ndarray, or None
         Triangles that use only the vertices with a deficit, in order, and the positions of these, both in the
-        unit of the normalized metric; None if the body is flat.
+        unit of the metric's lengths; None if the body is flat.
     flat_vertices : ndarray of int
         The vertices without a deficit.
     repair : Repair or None
@@ -78,10 +78,14 @@ class ConvexPolyhedron(Embedding):
         frozen(self.flat_vertices)
         super().__post_init__()
 
-    def in_unit_of(self, given: PolyhedralMetric | GluedMetric) -> Embedding:
+    def in_unit_of(self, given: PolyhedralMetric | GluedMetric) -> Self:
         """Return the same polyhedron, found for the `normalized` of a metric, in the unit of that metric."""
         own = GluedMetric.of(given) if self.repair is None else self.given.scaled(given.unit)
-        return super().in_unit_of(given)._with(given=own)
+        core = self.core and (
+            self.core[0]._replace(lengths=given.unit * self.core[0].lengths),
+            frozen(given.unit * self.core[1]),
+        )
+        return super().in_unit_of(given)._with(given=own, core=core)
 
     @property
     def residual(self) -> float:
@@ -170,9 +174,8 @@ class ConvexPolyhedron(Embedding):
         if self.core is None:
             return Certificate(False, "not certified, because the body is a doubly covered polygon")
         tables, vertices = self.core
-        unit = self.given.unit
         try:
-            certificate = certify(metric_on(tables).scaled(unit), unit * vertices)
+            certificate = certify(metric_on(tables), vertices)
         except InvalidMetric as error:
             return Certificate(False, f"not certified, because {error}")
         return replace(

@@ -1,13 +1,11 @@
 """Embeddings: vertices in R^3, the metric that they realize, and how they were found."""
 
-from __future__ import annotations
-
 import copy
 import math
 from collections.abc import Sequence
-from dataclasses import KW_ONLY, asdict, dataclass
+from dataclasses import KW_ONLY, asdict, dataclass, replace
 from functools import cached_property
-from typing import Any, ClassVar
+from typing import Any, ClassVar, Self
 
 import numpy as np
 
@@ -64,7 +62,7 @@ class Embedding:
     tolerance: float
     stages: Sequence[Stage] = ()
     message: str = ""
-    others: Sequence[Embedding] = ()
+    others: "Sequence[Embedding]" = ()
 
     _DIMENSIONAL: ClassVar[tuple[str, ...]] = ("mean_curvature",)  # cached properties that have a unit
 
@@ -105,42 +103,46 @@ class Embedding:
             )
         return sentence
 
-    def distance(self, other: Embedding) -> float:
+    def distance(self, other: "Embedding") -> float:
         """How far the vertices are from another realization's, rigid motions aside, in mean edge lengths."""
         apart = alignment.distance(self._normalized, other.vertices / self.metric.unit)
         return apart / self.metric.normalized.mean_length
 
-    def with_message(self, message: str) -> Embedding:
+    def with_message(self, message: str) -> Self:
         """Return the same embedding with another message."""
         return self._with(message=message)
 
-    def with_stages(self, stages: Sequence[Stage]) -> Embedding:
+    def with_stages(self, stages: Sequence[Stage]) -> Self:
         """Return the same embedding with other stages."""
         return self._with(stages=tuple(stages))
 
-    def with_others(self, others: Sequence[Embedding]) -> Embedding:
+    def with_others(self, others: "Sequence[Embedding]") -> Self:
         """Return the same embedding with other realizations beside it, which the message then names."""
         both = self._with(others=tuple(others))
         return both._with(message=both._sentence())
 
-    def in_unit_of(self, given: PolyhedralMetric | GluedMetric) -> Embedding:
+    def in_unit_of(self, given: PolyhedralMetric | GluedMetric) -> Self:
         """Return the same surface, found for the `normalized` of a metric, in the unit of that metric.
 
-        What was measured is not measured again: but for `_DIMENSIONAL`, what is cached has no unit.
+        What was measured is not measured again: but for `_DIMENSIONAL`, what is cached has no unit.  Where
+        floats cannot hold so small a surface, the unit moves its vertices, and all is measured anew.
         """
         own = isinstance(given, PolyhedralMetric) and self.metric is given.normalized
         vertices = given.unit * self.vertices
         _check_finite(vertices)
-        changed = self._with(
-            metric=given if own else self.metric.scaled(given.unit),
-            vertices=frozen(vertices),
-            others=tuple(other.in_unit_of(given) for other in self.others),
-        )
+        changes: dict[str, Any] = {
+            "metric": given if own else self.metric.scaled(given.unit),
+            "vertices": frozen(vertices),
+            "others": tuple(other.in_unit_of(given) for other in self.others),
+        }
+        if (vertices / given.unit != self.vertices).any():
+            return replace(self, **changes, message="")
+        changed = self._with(**changes)
         for name in self._DIMENSIONAL:
             changed.__dict__.pop(name, None)
         return changed
 
-    def _with(self, **changes: Any) -> Embedding:
+    def _with(self, **changes: Any) -> Self:
         changed = copy.copy(self)
         changed._set(**changes)
         return changed
