@@ -9,7 +9,15 @@ import numpy as np
 import pytest
 
 import zoo
-from isoembed.io import METRIC_ENDINGS, SURFACE_ENDINGS, FileError, InputFile, read_metric, read_surface
+from isoembed.io import (
+    METRIC_ENDINGS,
+    SURFACE_ENDINGS,
+    FileError,
+    InputFile,
+    check_output,
+    read_metric,
+    read_surface,
+)
 from isoembed.io.input_file import opened
 from isoembed.io.registry import FORMATS
 from isoembed.relativity import read_horizon, read_metric_or_grid
@@ -99,6 +107,21 @@ def test_archives_and_hdf5_may_be_zipped(tmp_path):
     for name in ("a.npz.gz", "a.h5.gz"):
         with InputFile(tmp_path / name) as file:
             np.testing.assert_array_equal(file.arrays[""]["points"], VERTICES)
+
+
+@pytest.mark.parametrize("ending", SURFACE_ENDINGS)
+def test_surfaces_may_be_zipped(ending, tmp_path):
+    path = written(tmp_path / f"a{ending}")
+    zipped = tmp_path / f"a{ending}.gz"
+    zipped.write_bytes(gzip.compress(path.read_bytes()))
+    for read in (read_metric, read_metric_or_grid):
+        np.testing.assert_array_equal(read(zipped).lengths, read(path).lengths)
+    np.testing.assert_array_equal(read_surface(zipped).vertices, read_surface(path).vertices)
+    (tmp_path / "a.gz").write_bytes(zipped.read_bytes())
+    with pytest.raises(FileError, match=r"a\.gz has no ending, not one of \.npz"):
+        read_metric(tmp_path / "a.gz")
+    with pytest.raises(FileError, match=r"has the ending '\.gz', not one of \.npz"):
+        check_output(zipped, SURFACE_ENDINGS)
 
 
 def test_what_cannot_be_decompressed(tmp_path):

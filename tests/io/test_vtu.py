@@ -95,6 +95,9 @@ QUADS = np.arange(12).reshape(3, 4)
         (document("ascii", cells=QUADS, kind=10), InvalidMetric, "cell 0 is a tetra, not a triangle"),
         (document("ascii", cells=FACES + 1), FileError, "of the cells is not made of the 12 points"),
         (document("raw").replace(b"UInt64", b"UInt65"), FileError, "its header_type 'UInt65' is not known"),
+        (document("raw").replace(b"UInt64", b"Float64"), FileError, "its header_type 'Float64' is not known"),
+        (document("raw").replace(b"UInt64", b"Int64"), FileError, "its header_type 'Int64' is not known"),
+        (b'<?xml version="1.0" encoding="foo"?>' + document("ascii"), FileError, "unknown encoding: foo"),
         (
             document("raw", "vtkZLibDataCompressor").replace(b"ZLib", b"LZ4"),
             FileError,

@@ -14,7 +14,7 @@ from isoembed.cli.screen import UsageError, print_error, print_json, print_out
 from isoembed.cli.status import NOT_EMBEDDED, OK
 from isoembed.errors import InvalidMetric, NotEmbedded
 from isoembed.io import MESH_ENDINGS, SURFACE_ENDINGS, mesh_writer, surface_writer
-from isoembed.io.files import ending
+from isoembed.io.files import input_ending
 from isoembed.metric.polyhedral import PolyhedralMetric
 from isoembed.relativity.energies.embedded import CONVENTIONS, embed_surface
 from isoembed.relativity.energies.mesh_energies import mesh_energies
@@ -160,7 +160,7 @@ def _triangles(options: argparse.Namespace, outputs: Outputs, metric: Polyhedral
     refuse_given(options, ("vertices",), "is for smooth surfaces: this METRIC has its own")
     refuse_given(options, OF_SMOOTH, "is for smooth surfaces")
     lengths: Lengths | None = options.lengths
-    if lengths is None and ending(options.input) in MESH_ENDINGS:
+    if lengths is None and input_ending(options.input) in MESH_ENDINGS:
         lengths = "chord"
     embedding, failure = solved(lambda progress: isoembed.embed(metric, progress=progress))
     if failure is not None:

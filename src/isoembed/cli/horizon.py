@@ -9,7 +9,7 @@ from isoembed.cli.outputs import Outputs
 from isoembed.cli.screen import UsageError, print_error, print_json, print_out
 from isoembed.cli.status import NOT_EMBEDDED, OK
 from isoembed.io import FileError, mesh_writer, report_writer
-from isoembed.io.files import ending
+from isoembed.io.files import input_ending
 from isoembed.io.hdf5 import HDF5_ENDINGS
 from isoembed.plot.picture import Panel, figure_writer, panels
 from isoembed.relativity.energies.embedded import EmbeddedSurface
@@ -155,7 +155,7 @@ def _stems(files: list[str]) -> list[str]:
 def _read(name: str, options: argparse.Namespace) -> CoordinateShape | GridMetric:
     if options.time is None and options.surface is None:
         return read_horizon(name)
-    if ending(name) not in HDF5_ENDINGS:
+    if input_ending(name) not in HDF5_ENDINGS:
         raise UsageError(f"--time and --surface are for SpECTRE's HDF5 files, and {name} is none")
     return read_spectre(name, options.surface, options.time)
 

@@ -9,11 +9,11 @@ from isoembed.io.checkpoint import (
     read_checkpoint,
     write_checkpoint,
 )
-from isoembed.io.files import FileError, check_output, write_atomically
+from isoembed.io.files import FileError, write_atomically
 from isoembed.io.format import Format
 from isoembed.io.input_file import InputFile
 from isoembed.io.metric import metric_writer, read_metric, write_metric
-from isoembed.io.registry import MESH_ENDINGS, METRIC_ENDINGS, SURFACE_ENDINGS
+from isoembed.io.registry import MESH_ENDINGS, METRIC_ENDINGS, SURFACE_ENDINGS, check_output
 from isoembed.io.report import REPORT_ENDINGS, report_writer, write_report
 from isoembed.io.surface import mesh_writer, read_surface, surface_writer, write_surface
 

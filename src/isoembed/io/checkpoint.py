@@ -7,8 +7,9 @@ from typing import Any
 import numpy as np
 
 from isoembed.io import npz
-from isoembed.io.files import FileError, Tables, Writer, check_ending, check_output, write_atomically
+from isoembed.io.files import FileError, Tables, Writer, check_ending, write_atomically
 from isoembed.io.input_file import InputFile
+from isoembed.io.registry import check_output
 from isoembed.progress.fingerprint import Fingerprint
 from isoembed.progress.stages import Checkpoint
 

@@ -23,7 +23,16 @@ def ending(path: str | os.PathLike[str]) -> str:
     return Path(path).suffix.lower()
 
 
-def check_ending(path: str | os.PathLike[str], known: Collection[str]) -> None:
+def input_ending(path: str | os.PathLike[str]) -> str:
+    """Ending of the name of a file to read: that before ``.gz`` where there is one."""
+    return ending(Path(path).with_suffix("") if ending(path) == ".gz" else path)
+
+
+def check_ending(
+    path: str | os.PathLike[str],
+    known: Collection[str],
+    of: Callable[[str | os.PathLike[str]], str] = input_ending,
+) -> None:
     """Refuse a file name whose ending is not among the known ones.
 
     Raises
@@ -31,27 +40,20 @@ def check_ending(path: str | os.PathLike[str], known: Collection[str]) -> None:
     FileError
         Naming the endings that are known.
     """
-    if ending(path) not in known:
-        what = f"the ending {ending(path)!r}" if ending(path) else "no ending"
+    if (found := of(path)) not in known:
+        what = f"the ending {found!r}" if found else "no ending"
         raise FileError(f"{path} has {what}, not one of {' '.join(known)}")
 
 
-def check_output(path: str | os.PathLike[str], known: Collection[str]) -> None:
-    """Find out before a computation whether its result can be written here.
-
-    Parameters
-    ----------
-    path : path
-    known : collection of str
-        The endings that say how to write it.
+def check_target(path: str | os.PathLike[str]) -> None:
+    """Refuse a file name under which nothing can be written.
 
     Raises
     ------
     FileError
-        The ending is not known, the folder does not exist or is closed to us, or the name belongs to
-        something that is not an ordinary file.
+        The folder does not exist or is closed to us, or the name belongs to something that is not an
+        ordinary file.
     """
-    check_ending(path, known)
     target = _target(path)
     if target.exists() and not target.is_file():
         raise FileError(

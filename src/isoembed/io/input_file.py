@@ -15,7 +15,7 @@ from typing import Any, BinaryIO
 
 import numpy as np
 
-from isoembed.io.files import FileError, Tables, ending, open_input
+from isoembed.io.files import FileError, Tables, input_ending, open_input
 from isoembed.io.hdf5 import HDF5_ENDINGS, groups_in, numbers_in
 
 GZIP = b"\x1f\x8b"
@@ -44,7 +44,7 @@ class InputFile(os.PathLike[str]):
 
     def __init__(self, path: str | os.PathLike[str]) -> None:
         self.path = Path(path)
-        self.ending = ending(self.path.with_suffix("")) if ending(self.path) == ".gz" else ending(self.path)
+        self.ending = input_ending(self.path)
         with contextlib.ExitStack() as closing:
             self._stream: BinaryIO = closing.enter_context(open_input(self.path))
             first = self._stream.peek()  # type: ignore[attr-defined]

@@ -9,9 +9,9 @@ import numpy as np
 from isoembed.arrays import Floats
 from isoembed.errors import InvalidMetric
 from isoembed.io import json
-from isoembed.io.files import FileError, Tables, Writer, check_ending, check_output, write_atomically
+from isoembed.io.files import FileError, Tables, Writer, check_ending, write_atomically
 from isoembed.io.input_file import opened
-from isoembed.io.registry import FORMATS, METRIC_ENDINGS, tables_writer
+from isoembed.io.registry import FORMATS, METRIC_ENDINGS, check_output, tables_writer
 from isoembed.metric.polyhedral import PolyhedralMetric
 
 

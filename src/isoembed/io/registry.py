@@ -1,14 +1,15 @@
 """The file formats by their endings: our own, and those of other packages.
 
 A package adds one by an entry point of the group ``isoembed.formats``: its name is the ending, and what it
-refers to is a `Format`.
+refers to is a `Format`.  Our own endings stay ours, and names without a dot are left aside.
 """
 
 import os
+from collections.abc import Collection
 from importlib.metadata import EntryPoint, entry_points
 
 from isoembed.io import json, npz, obj, off, ply, stl, vtk, vtu
-from isoembed.io.files import Tables, Writer, ending
+from isoembed.io.files import Tables, Writer, check_ending, check_target, ending
 from isoembed.io.format import Format, loaded
 
 
@@ -22,11 +23,37 @@ def _added(point: EntryPoint) -> Format:
 
 
 FORMATS = {module.FORMAT.ending: module.FORMAT for module in (npz, json, ply, obj, stl, off, vtk, vtu)}
-FORMATS |= {point.name: _added(point) for point in entry_points(group="isoembed.formats")}
+ADDED = {
+    point.name: point
+    for point in entry_points(group="isoembed.formats")
+    if point.name.startswith(".") and point.name not in FORMATS
+}
+FORMATS |= {name: _added(point) for name, point in ADDED.items()}
 
 METRIC_ENDINGS = tuple(name for name, known in FORMATS.items() if known.holds_metrics)
 MESH_ENDINGS = tuple(name for name in FORMATS if name not in METRIC_ENDINGS)
 SURFACE_ENDINGS = tuple(FORMATS)
+
+
+def check_output(path: str | os.PathLike[str], known: Collection[str]) -> None:
+    """Find out before a computation whether its result can be written here.
+
+    Parameters
+    ----------
+    path : path
+    known : collection of str
+        The endings that say how to write it.
+
+    Raises
+    ------
+    FileError
+        The ending is not known, the folder does not exist or is closed to us, the name belongs to something
+        that is not an ordinary file, or the format of another package cannot be loaded.
+    """
+    check_ending(path, known, of=ending)
+    check_target(path)
+    if known == SURFACE_ENDINGS and ending(path) in ADDED:
+        loaded(ADDED[ending(path)], Format)
 
 
 def tables_writer(path: str | os.PathLike[str], tables: Tables) -> Writer:

@@ -6,7 +6,8 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
-from isoembed.io.files import Writer, check_output, write_atomically
+from isoembed.io.files import Writer, write_atomically
+from isoembed.io.registry import check_output
 
 REPORT_ENDINGS = (".json",)
 

@@ -7,9 +7,9 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from isoembed.arrays import Floats
-from isoembed.io.files import FileError, Writer, check_output, write_atomically
+from isoembed.io.files import FileError, Writer, write_atomically
 from isoembed.io.metric import metric_of, read_tables
-from isoembed.io.registry import SURFACE_ENDINGS, tables_writer
+from isoembed.io.registry import SURFACE_ENDINGS, check_output, tables_writer
 from isoembed.metric.polyhedral import PolyhedralMetric
 from isoembed.surface.embedding import Embedding
 from isoembed.surface.measures import volume

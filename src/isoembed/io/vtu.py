@@ -27,6 +27,7 @@ CODES = {
     **{"Int8": "i1", "Int16": "i2", "Int32": "i4", "Int64": "i8", "Float32": "f4", "Float64": "f8"},
     **{"UInt8": "u1", "UInt16": "u2", "UInt32": "u4", "UInt64": "u8"},
 }
+HEADERS = {"UInt32": "u4", "UInt64": "u8"}
 ORDERS = {"LittleEndian": "<", "BigEndian": ">"}
 DECOMPRESS = {"": None, "vtkZLibDataCompressor": zlib.decompress, "vtkLZMADataCompressor": lzma.decompress}
 APPENDED = re.compile(rb"(<AppendedData[^>]*>)\s*_(.*)(</AppendedData>)", re.DOTALL)
@@ -58,7 +59,14 @@ def read(file: InputFile) -> Tables:
             n += len(points)
         if not vertices:
             raise ValueError("there is no Piece of an UnstructuredGrid")
-    except (ValueError, ElementTree.ParseError, zlib.error, lzma.LZMAError, EOFError) as error:
+    except (
+        ValueError,
+        LookupError,  # an encoding that Python does not know
+        ElementTree.ParseError,
+        zlib.error,
+        lzma.LZMAError,
+        EOFError,
+    ) as error:
         if isinstance(error, FileError | InvalidMetric):
             raise
         raise FileError(f"{file} is not a readable VTU file: {error}".splitlines()[0]) from None
@@ -79,7 +87,7 @@ class _Source:
         if self.root.tag != "VTKFile":
             raise ValueError(f"its root is {self.root.tag}, not VTKFile")
         self.order = self.choice("byte_order", "LittleEndian", ORDERS)
-        self.header = np.dtype(self.order + self.choice("header_type", "UInt32", CODES))
+        self.header = np.dtype(self.order + self.choice("header_type", "UInt32", HEADERS))
         self.decompress = self.choice("compressor", "", DECOMPRESS)
 
     def choice(self, name: str, default: str, known: dict[str, Any]) -> Any:

@@ -10,7 +10,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from isoembed.arrays import Floats
-from isoembed.io.files import FileError, Writer, check_output, ending, write_atomically
+from isoembed.io.files import FileError, Writer, ending, write_atomically
+from isoembed.io.registry import check_output
 from isoembed.plot.film import ANSWER, FILM, Frame, shape
 from isoembed.plot.picture import INK, PAPER, check_drawable, color_scale, draw
 from isoembed.plot.quantity import mean_curvature

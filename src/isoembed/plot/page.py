@@ -16,7 +16,8 @@ import numpy as np
 from isoembed._embed import configuration
 from isoembed.arrays import Floats
 from isoembed.errors import InvalidMetric, InvalidParameter
-from isoembed.io.files import Writer, check_output, write_atomically
+from isoembed.io.files import Writer, write_atomically
+from isoembed.io.registry import check_output
 from isoembed.metric.polyhedral import PolyhedralMetric
 from isoembed.plot.browser.packing import Packed
 from isoembed.plot.browser.ramp import ramp

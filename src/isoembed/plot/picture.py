@@ -11,7 +11,8 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from isoembed.arrays import Floats, Indices
-from isoembed.io.files import FileError, Writer, check_output, ending, write_atomically
+from isoembed.io.files import FileError, Writer, ending, write_atomically
+from isoembed.io.registry import check_output
 from isoembed.plot.quantity import MEAN_CURVATURE, QUANTITY, Quantity, quantity
 from isoembed.plot.view import View
 from isoembed.surface.embedding import Embedding

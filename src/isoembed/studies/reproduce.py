@@ -13,7 +13,8 @@ import numpy as np
 from threadpoolctl import threadpool_limits
 
 from isoembed.errors import NotEmbedded
-from isoembed.io.files import FileError, Writer, check_output, write_atomically
+from isoembed.io.files import FileError, Writer, write_atomically
+from isoembed.io.registry import check_output
 from isoembed.plot.picture import check_drawable
 from isoembed.studies import (
     accuracy,

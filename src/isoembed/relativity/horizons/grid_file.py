@@ -5,7 +5,7 @@ import os
 import numpy as np
 
 from isoembed.errors import InvalidMetric
-from isoembed.io.files import FileError, Tables, check_ending, ending
+from isoembed.io.files import FileError, Tables, check_ending, input_ending
 from isoembed.io.hdf5 import HDF5_ENDINGS
 from isoembed.io.input_file import InputFile, opened
 from isoembed.io.metric import read_metric
@@ -65,7 +65,7 @@ def read_metric_or_grid(path: str | os.PathLike[str]) -> PolyhedralMetric | Grid
     InvalidMetric
         What it holds is not a metric.
     """
-    if ending(path) not in ARRAY_ENDINGS:
+    if input_ending(path) not in ARRAY_ENDINGS:
         return read_metric(path)
     with opened(path) as file:
         is_grid = file.ending != ".npz" or holds_metric_grid(file)
