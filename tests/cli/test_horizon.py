@@ -63,6 +63,7 @@ def test_what_is_written(run):
         assert words in out
 
 
+@pytest.mark.slow
 def test_a_grid_needs_no_geometry_and_without_matplotlib_there_is_no_picture(run, monkeypatch):
     write_grid("grid.npz", 0.5)
     status, out, err = run("grid.npz", "--vertices", 60, "--json")
@@ -140,6 +141,7 @@ def test_units(run, scale):
 
 
 @pytest.mark.shared
+@pytest.mark.slow
 def test_the_horizon_that_the_einstein_toolkit_found(run):
     """Of a Kerr black hole, a = 0.6, tilted; the file's own error is 0.3 % of the area."""
     spin = (0.0, -0.6 * np.sin(0.4), 0.6 * np.cos(0.4))

@@ -37,6 +37,7 @@ def test_a_sequence_begins_each_from_the_one_before(run, monkeypatch):
 @pytest.mark.parametrize(
     ("order", "form"), [(("bad", "good"), ["--json"]), (("good", "bad", "other"), [])], ids=("json", "text")
 )
+@pytest.mark.slow
 def test_where_one_does_not_embed_the_others_are_answered(run, monkeypatch, order, form):
     monkeypatch.setattr(solve, "SOLVE", replace(solve.SOLVE, degrees=(8, 12, 16)))
     spins = {"good": 0.5, "bad": 0.9, "other": 0.6}

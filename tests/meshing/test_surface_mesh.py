@@ -186,6 +186,7 @@ def test_large_meshes_have_the_same_window(surface, monkeypatch):
     np.testing.assert_array_equal(again[1], faces)
 
 
+@pytest.mark.slow
 def test_large_meshes_move_where_they_must(monkeypatch):
     surface, n = Ellipsoid((3, 2, 1)), 4000
     first = surface.point(spread_directions(surface, fibonacci_lattice(n)))
@@ -341,6 +342,7 @@ def test_irregular_meshes_are_valid(surface, seed):
     assert angles(x, faces).max() < 142
 
 
+@pytest.mark.slow
 def test_a_large_irregular_mesh_has_the_same_angles():
     x, faces = triangulate(Ergosphere(0.1), 10_000, irregular=0)
     assert_looks_outward(Ergosphere(0.1), x, faces)

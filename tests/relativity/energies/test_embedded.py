@@ -62,6 +62,7 @@ def test_kerr_at_a_constant_radius(a, r):
     assert found.liu_yau.value == pytest.approx(found.brown_york.value, abs=1e-13)  # p = 0
 
 
+@pytest.mark.slow
 def test_energies_of_the_mean_curvature_vector_do_not_depend_on_the_slice():
     """The surfaces r = const of both slices are the same surfaces of spacetime."""
     geometry = KerrSchild(1.0, (0.0, 0.0, 0.8))
@@ -81,6 +82,7 @@ def test_a_falling_slice(falling):
     within(falling.energies.hawking, 1.0)
 
 
+@pytest.mark.slow
 def test_an_ergosphere_whose_mean_curvature_changes_its_sign():
     found = embed_surface(KerrNewmanErgosphere(0.5).data(), vertices=200).energies
     within(found.integrated_mean_curvature, 33.021720529589184, 1e-9)

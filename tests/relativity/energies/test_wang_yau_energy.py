@@ -66,6 +66,7 @@ def test_a_constant_has_no_consequences():
 
 
 @pytest.mark.usefixtures("few_harmonics")
+@pytest.mark.slow
 def test_inadmissible_time_functions(monkeypatch):
     data, embedding = static()
 
@@ -154,6 +155,7 @@ def test_one_degree_has_an_error_too():
 
 
 @pytest.mark.usefixtures("few_harmonics")
+@pytest.mark.slow
 def test_a_search_that_ends_too_early_is_no_minimum(monkeypatch):
     _, data, embedding = minkowski()
     monkeypatch.setattr(wang_yau_energy, "WANG_YAU", replace(WANG_YAU, steps=1))

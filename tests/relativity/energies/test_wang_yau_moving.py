@@ -48,6 +48,7 @@ def tilted(unit):
 
 
 @pytest.mark.parametrize("unit", [1e-6, 1e6])
+@pytest.mark.slow
 def test_units_are_free(unit):
     one, other = tilted(1.0), tilted(unit)
     assert other.energy.value == pytest.approx(unit * one.energy.value, rel=1e-12)

@@ -73,6 +73,7 @@ def test_kerr(a):
 
 
 @pytest.mark.usefixtures("few_harmonics")
+@pytest.mark.slow
 def test_kerr_in_two_slices():
     # r = const is one surface in both, turned about the axis; p and the connection differ.
     hole, r, a = KerrSchild(1.0, (0, 0, 0.5)), 4.0, 0.5
