@@ -1,12 +1,12 @@
 """What to say of lengths that no surface was found for: where it goes wrong, and what can be done."""
 
-import math
 from dataclasses import dataclass
 
 import numpy as np
 from scipy.sparse.csgraph import connected_components
 
 from isoembed.arrays import Mask
+from isoembed.metric.convexity import rounded_up
 from isoembed.metric.curvature import deficits, negative_deficits
 from isoembed.metric.polyhedral import PolyhedralMetric
 from isoembed.surface.embedding import Embedding
@@ -71,7 +71,7 @@ def _curvature(metric: PolyhedralMetric, unlike: bool) -> list[str]:
         return [found]
     return [
         found,
-        f"If the body is convex, --method alexandrov --repair {_rounded_up(-lowest)} finds it, on triangles "
+        f"If the body is convex, --method alexandrov --repair {rounded_up(-lowest)} finds it, on triangles "
         "of its own",
     ]
 
@@ -116,9 +116,3 @@ def _errors(fit: FittedSurface | None) -> str:
 def _worst_edge(embedding: Embedding) -> str:
     e = int(np.argmax(embedding.residuals))
     return f"edge {e} {embedding.metric.edges[e].tolist()}"
-
-
-def _rounded_up(value: float) -> str:
-    """To two significant digits."""
-    digit = 10.0 ** (math.floor(math.log10(value)) - 1)
-    return f"{math.ceil(value / digit) * digit:.1e}"

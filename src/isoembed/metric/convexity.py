@@ -1,5 +1,6 @@
-"""Whether a metric is convex: whether its deficits are negative nowhere, up to rounding."""
+"""Whether a metric is convex: whether its deficits are negative nowhere, up to rounding or noise."""
 
+import math
 from dataclasses import dataclass
 from typing import cast
 
@@ -13,11 +14,13 @@ from isoembed.thresholds import threshold
 
 @dataclass(frozen=True)
 class ConvexityThresholds:
-    """Thresholds of what counts as a negative deficit."""
+    """Thresholds of what counts as a negative deficit, and as noise."""
 
     roundings: int = threshold(64, "machine epsilons", "Of the lengths: errors of a few steps before them.")
     least: float = threshold(1e-12, "radians", "Of a deficit: flips round more than triangles show.")
     most: float = threshold(1e-6, "radians", "Of a deficit: slivers hide no more.")
+    noise: float = threshold(0.1, "radians", "A deficit farther below zero is hardly noise.")
+    gap: float = threshold(30.0, "relative", "Deficits of this many times the noise are no noise.")
 
 
 CONVEXITY = ConvexityThresholds()
@@ -65,5 +68,40 @@ def check_convex(deficits: Floats, rounding: Floats | float) -> None:
                 if others
                 else ""
             )
-            + ": the metric is not convex, and no convex polyhedron has it"
+            + f": the metric is not convex, and no convex polyhedron has it{_advice(noise_level(deficits))}"
         )
+
+
+def noise_level(deficits: Floats) -> float:
+    """What the deficits of vertices that should be flat stay below in size, judged by the deficits alone.
+
+    Parameters
+    ----------
+    deficits : ndarray, shape (V,)
+
+    Returns
+    -------
+    float
+        Radians.  The size below the widest gap, relative, between those of deficits; where that is none, or
+        leaves a negative deficit above it, that of the most negative deficit, or 0 if none is negative.
+    """
+    lowest = max(-float(deficits.min()), 0.0)
+    sizes = np.sort(np.abs(deficits[np.abs(deficits) > CONVEXITY.least]))
+    below = sizes[:-1]
+    gaps = np.where((below >= lowest) & (below <= CONVEXITY.noise), sizes[1:] / below, 0.0)
+    if gaps.max(initial=0.0) < CONVEXITY.gap:
+        return lowest
+    return float(below[np.argmax(gaps)])
+
+
+def rounded_up(value: float) -> str:
+    """Two significant digits of a positive number, not less than it."""
+    digit = 10.0 ** (math.floor(math.log10(value)) - 1)
+    return f"{math.ceil(value / digit) * digit:.1e}"
+
+
+def _advice(noise: float) -> str:
+    if not CONVEXITY.least < noise <= CONVEXITY.noise:
+        return ""
+    level = rounded_up(noise)
+    return f"; if that is noise, --repair {level} (Alexandrov(repair={level})) flattens what is below"

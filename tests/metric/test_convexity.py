@@ -1,0 +1,46 @@
+"""What is refused as not convex, and what of it may be noise."""
+
+import numpy as np
+import pytest
+
+from isoembed.errors import InvalidMetric
+from isoembed.metric.convexity import check_convex, noise_level, rounded_up
+
+
+def refusal(deficits):
+    with pytest.raises(InvalidMetric) as refused:
+        check_convex(np.array(deficits), 1e-12)
+    return str(refused.value)
+
+
+def test_the_refusal_names_the_worst_vertex_and_the_repair():
+    corners = [1.5] * 8
+    assert refusal([*corners, -1.04e-7, 2.31e-7, -3e-9]) == (
+        "vertex 8 has total angle 6.283185411 > 2 pi (deficit -1.04e-07), and 1 other vertex has more than "
+        "2 pi: the metric is not convex, and no convex polyhedron has it; if that is noise, --repair 2.4e-07 "
+        "(Alexandrov(repair=2.4e-07)) flattens what is below"
+    )
+
+
+def test_what_is_no_noise_is_not_to_be_repaired():
+    assert refusal([1.0, 2.0, -0.5]).endswith("no convex polyhedron has it")
+
+
+@pytest.mark.parametrize(
+    ("deficits", "level"),
+    [
+        ([2.0, 1.0, 3e-6, -1e-6], 3e-6),
+        ([2.0, 1.0, 3e-6, 1e-6], 3e-6),  # none is negative
+        ([2.0, 1.0, 3e-6, -1e-3], 1e-3),  # not below a negative one
+        ([0.05, 0.04, 0.01, 0.02, -0.003], 0.003),  # no gap: a smooth body
+        ([0.05, 0.04, 0.01, 0.02, 0.003], 0.0),
+        ([2.0, 1.0, 0.0, 1e-15], 0.0),
+    ],
+)
+def test_noise_ends_at_a_gap(deficits, level):
+    assert noise_level(np.array(deficits)) == level
+
+
+@pytest.mark.parametrize("value", [1.0, 2.3e-7, 9.99e-5, 0.0401])
+def test_numbers_are_rounded_up(value):
+    assert value <= float(rounded_up(value)) < 1.11 * value
