@@ -16,13 +16,13 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numba import njit
 from scipy.sparse import coo_array, csc_array
 
 from isoembed.arrays import Floats, Indices
 from isoembed.intrinsic.delaunay import make_delaunay, non_delaunay_edges
 from isoembed.intrinsic.halfedges import HalfEdges
 from isoembed.intrinsic.trigonometry import twice_area
+from isoembed.kernel import kernel
 
 
 @dataclass(frozen=True, eq=False)
@@ -90,7 +90,7 @@ class Polytope:
         return coo_array((values, (rows, columns)), shape=(n, n)).tocsc()
 
 
-@njit(cache=True, error_model="numpy")  # a division by zero is no polytope, not an exception
+@kernel
 def _evaluate(
     corners: Indices, twins: Indices, lengths: Floats, r: Floats
 ) -> tuple[Floats, Floats, Floats, float]:
@@ -148,7 +148,7 @@ def _evaluate(
     return kappa, slope, diagonal, lowest
 
 
-@njit(cache=True)
+@kernel
 def _product(corners: Indices, twins: Indices, coupling: Floats, diagonal: Floats, v: Floats) -> Floats:
     result = np.empty_like(v)
     for i in range(v.shape[0]):

@@ -3,7 +3,6 @@
 from typing import NamedTuple
 
 import numpy as np
-from numba import njit
 
 from isoembed.arrays import Floats, Indices, Mask
 from isoembed.gluing.plane import turn
@@ -17,6 +16,7 @@ from isoembed.intrinsic.delaunay import (
 )
 from isoembed.intrinsic.flips import swap_diagonals
 from isoembed.intrinsic.halfedges import preceding
+from isoembed.kernel import kernel
 from isoembed.thresholds import compiled
 
 _T = compiled(DELAUNAY)
@@ -75,7 +75,7 @@ def twins_inside(triangles: Indices) -> Indices:
     return twins
 
 
-@njit(cache=True)
+@kernel
 def _clip(points: Floats, triangles: Indices) -> bool:
     n = len(points)
     after, before = np.arange(1, n + 1) % n, np.arange(-1, n - 1) % n
@@ -104,7 +104,7 @@ def _clip(points: Floats, triangles: Indices) -> bool:
     return turn(points[a], points[v], points[b]) > 0
 
 
-@njit(cache=True)
+@kernel
 def _empty(a: int, v: int, b: int, points: Floats, suspects: Indices, blunt: Mask) -> bool:
     """Whether no other corner lies in the triangle or on its rim."""
     p, q, r = points[a], points[v], points[b]
@@ -117,7 +117,7 @@ def _empty(a: int, v: int, b: int, points: Floats, suspects: Indices, blunt: Mas
     return True
 
 
-@njit(cache=True)
+@kernel
 def _cotangent(points: Floats, i: int, j: int, k: int) -> float:
     """Of the angle at k."""
     x, y = points[i, 0] - points[k, 0], points[i, 1] - points[k, 1]

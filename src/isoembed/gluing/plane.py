@@ -1,15 +1,14 @@
 """Orientation of three points of the plane."""
 
-from numba import njit
-
 from isoembed.arrays import Floats
 from isoembed.gluing.thresholds import GLUING
+from isoembed.kernel import kernel
 from isoembed.thresholds import compiled
 
 _T = compiled(GLUING)
 
 
-@njit(cache=True)
+@kernel
 def turn(a: Floats, b: Floats, c: Floats) -> float:
     """Twice the area of triangle abc, positive if it turns left; 0 if that is lost in rounding.
 

@@ -6,12 +6,12 @@ import numbers
 from dataclasses import dataclass
 
 import numpy as np
-from numba import njit
 from numpy.typing import ArrayLike
 
 from isoembed.arrays import Floats, Indices
 from isoembed.errors import InvalidMetric
 from isoembed.gluing.plane import turn
+from isoembed.kernel import kernel
 from isoembed.mesh.triangulation import frozen
 
 
@@ -148,7 +148,7 @@ def _left_ends(points: Floats) -> Floats:
     return np.minimum(points[:, 0], np.roll(points[:, 0], -1))
 
 
-@njit(cache=True)
+@kernel
 def _meeting(points: Floats, order: Indices) -> tuple[int, int]:
     """Two sides that meet elsewhere than in a common corner, or fold back there; (-1, -1) if none do.
 
@@ -178,7 +178,7 @@ def _meeting(points: Floats, order: Indices) -> tuple[int, int]:
     return -1, -1
 
 
-@njit(cache=True)
+@kernel
 def _folds(a: Floats, b: Floats, c: Floats) -> bool:
     """Whether the way from a to b is gone back to c."""
     back = (b[0] - a[0]) * (c[0] - b[0]) + (b[1] - a[1]) * (c[1] - b[1]) < 0

@@ -15,8 +15,8 @@ from numba.extending import overload
 from isoembed.arrays import Floats, Indices
 from isoembed.intrinsic.flips import Tracked, flip, flip_tracked
 from isoembed.intrinsic.halfedges import HalfEdges, following, preceding
-from isoembed.intrinsic.kernel import kernel
 from isoembed.intrinsic.trigonometry import apex, twice_area
+from isoembed.kernel import kernel
 from isoembed.thresholds import compiled, threshold
 
 

@@ -6,9 +6,9 @@ import numpy as np
 
 from isoembed.arrays import Floats, Indices, Points
 from isoembed.intrinsic.halfedges import HalfEdges, following, leaving_halfedges, preceding, total_angle
-from isoembed.intrinsic.kernel import kernel
 from isoembed.intrinsic.tracing import TRACING, crossed, from_corner, reaches, sector
 from isoembed.intrinsic.trigonometry import cross, norm
+from isoembed.kernel import kernel
 from isoembed.mesh.triangulation import frozen
 from isoembed.thresholds import compiled
 

@@ -17,8 +17,8 @@ from isoembed.errors import InvalidMetric
 from isoembed.intrinsic.delaunay import DELAUNAY, END, empty_stack, make_delaunay, restore_delaunay
 from isoembed.intrinsic.flips import Tracked, flip_tracked, tracked
 from isoembed.intrinsic.halfedges import HalfEdges, corner_angle, degree, following, preceding
-from isoembed.intrinsic.kernel import kernel
 from isoembed.intrinsic.retriangulate_star import retriangulate_star
+from isoembed.kernel import kernel
 from isoembed.mesh.triangulation import frozen
 from isoembed.thresholds import compiled, threshold
 

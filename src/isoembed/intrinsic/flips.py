@@ -6,8 +6,8 @@ import numpy as np
 
 from isoembed.arrays import Floats, Indices, Mask
 from isoembed.intrinsic.halfedges import HalfEdges, following, glue, leaving_halfedges, preceding
-from isoembed.intrinsic.kernel import kernel
 from isoembed.intrinsic.trigonometry import angle_between, apex
+from isoembed.kernel import kernel
 
 
 class Tracked(NamedTuple):

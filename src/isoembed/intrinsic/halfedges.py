@@ -10,13 +10,12 @@ from __future__ import annotations
 from typing import NamedTuple
 
 import numpy as np
-from numba import njit
 from scipy.sparse import coo_array
 from scipy.sparse.csgraph import reverse_cuthill_mckee
 
 from isoembed.arrays import Floats, Indices
-from isoembed.intrinsic.kernel import kernel
 from isoembed.intrinsic.trigonometry import angle_between, apex, from_frame
+from isoembed.kernel import kernel
 
 
 class HalfEdges(NamedTuple):
@@ -109,13 +108,13 @@ class HalfEdges(NamedTuple):
         return np.flatnonzero(np.arange(self.twins.size) < self.twins)
 
 
-@njit(cache=True, inline="always")
+@kernel(inline="always")
 def following(h: int) -> int:
     """The next half-edge of the face."""
     return h - 2 if h % 3 == 2 else h + 1
 
 
-@njit(cache=True, inline="always")
+@kernel(inline="always")
 def preceding(h: int) -> int:
     """The half-edge of the face before."""
     return h + 2 if h % 3 == 0 else h - 1

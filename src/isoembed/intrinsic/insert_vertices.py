@@ -11,11 +11,11 @@ from isoembed.errors import InvalidMetric
 from isoembed.intrinsic.delaunay import empty_stack, flip_edges
 from isoembed.intrinsic.flat_vertices import Removal
 from isoembed.intrinsic.halfedges import HalfEdges, leaving_halfedges, preceding, total_angle
-from isoembed.intrinsic.kernel import kernel
 from isoembed.intrinsic.multi_edges import remove_multi_edges
 from isoembed.intrinsic.planar import Marks, Polygons, first_sides, insert, lay_out
 from isoembed.intrinsic.tracing import from_corner, from_inside, sector, straight
 from isoembed.intrinsic.trigonometry import apex, cross
+from isoembed.kernel import kernel
 from isoembed.mesh.triangulation import frozen
 
 Table = TypeVar("Table", bound=NDArray)

@@ -6,7 +6,7 @@ from isoembed.arrays import Indices, Mask
 from isoembed.intrinsic.delaunay import DELAUNAY
 from isoembed.intrinsic.flips import Tracked, flip_tracked, tracked
 from isoembed.intrinsic.halfedges import HalfEdges, edges_between, preceding
-from isoembed.intrinsic.kernel import kernel
+from isoembed.kernel import kernel
 from isoembed.thresholds import compiled
 
 _T = compiled(DELAUNAY)

@@ -21,8 +21,8 @@ from isoembed.intrinsic.delaunay import (
 )
 from isoembed.intrinsic.flips import swap_diagonals
 from isoembed.intrinsic.halfedges import HalfEdges, corner_angle, following, glue, preceding, third_corner
-from isoembed.intrinsic.kernel import kernel
 from isoembed.intrinsic.trigonometry import cross, dot, from_frame, norm
+from isoembed.kernel import kernel
 from isoembed.thresholds import compiled, threshold
 
 

@@ -13,9 +13,9 @@ from isoembed.intrinsic.halfedges import (
     preceding,
     total_angle,
 )
-from isoembed.intrinsic.kernel import kernel
 from isoembed.intrinsic.tracing import modulo
 from isoembed.intrinsic.trigonometry import angle_between, cross, dot, norm, polar
+from isoembed.kernel import kernel
 from isoembed.thresholds import compiled
 
 _T = compiled(DELAUNAY)

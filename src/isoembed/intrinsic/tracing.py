@@ -8,12 +8,11 @@ half-edge through which it leaves, from a lower to an upper corner, and by where
 from dataclasses import dataclass
 
 import numpy as np
-from numba import njit
 
 from isoembed.arrays import Floats
 from isoembed.intrinsic.halfedges import HalfEdges, corner_angle, following, preceding, third_corner
-from isoembed.intrinsic.kernel import kernel
 from isoembed.intrinsic.trigonometry import apex, norm, polar
+from isoembed.kernel import kernel
 from isoembed.thresholds import compiled, threshold
 
 State = tuple[int, complex, complex, complex]
@@ -33,7 +32,7 @@ TRACING = TracingThresholds()
 _T = compiled(TRACING)
 
 
-@njit(cache=True, inline="always")
+@kernel(inline="always")
 def modulo(angle: float, total: float) -> float:
     """The angle less whole turns, from 0 to the total angle."""
     return angle - np.floor(angle / total) * total

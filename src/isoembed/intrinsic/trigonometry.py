@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from isoembed.intrinsic.kernel import kernel
+from isoembed.kernel import kernel
 
 
 @kernel

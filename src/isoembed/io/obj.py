@@ -3,7 +3,6 @@
 from pathlib import Path
 
 import numpy as np
-from numba import njit
 
 from isoembed.arrays import Indices
 from isoembed.io.files import FileError, Tables
@@ -21,6 +20,7 @@ from isoembed.io.text_scan import (
     triangles,
     word_begin,
 )
+from isoembed.kernel import kernel
 
 VERTEX, FACE, SLASH = (ord(c) for c in "vf/")
 
@@ -44,7 +44,7 @@ def _read_plain(data: bytes) -> Tables | None:
     return triangles(*_scan(text))
 
 
-@njit(cache=True)
+@kernel
 def _scan(text: Bytes) -> tuple[Bytes, int, Indices]:
     """The text of the coordinates, the number of vertices, and the triangles; none if a line is unusual."""
     coordinates, faces = np.empty(len(text) + 3, dtype=np.uint8), np.empty((len(text) // 7 + 1, 3), np.int64)

@@ -5,7 +5,6 @@ from itertools import islice
 from pathlib import Path
 
 import numpy as np
-from numba import njit
 
 from isoembed.arrays import Indices
 from isoembed.io.files import FileError, Tables
@@ -22,6 +21,7 @@ from isoembed.io.text_scan import (
     triangles,
     word_begin,
 )
+from isoembed.kernel import kernel
 
 HEADERS = ("OFF", "COFF", "NOFF", "CNOFF", "STOFF")
 HEADER = re.compile(rb"(?:C?N?|ST)OFF\s+(\d{1,18})[ \t]+(\d{1,18})(?:[ \t]+\d+)?[ \t]*\r?\n")
@@ -51,7 +51,7 @@ def _read_plain(data: bytes) -> Tables | None:
     return triangles(coordinates, n_vertices, faces)
 
 
-@njit(cache=True)
+@kernel
 def _scan(text: Bytes, n_vertices: int, n_faces: int) -> tuple[Bytes, Indices]:
     """The text of the coordinates, and the triangles; none if a line is unusual."""
     coordinates, faces = np.empty(len(text) + 4, dtype=np.uint8), np.empty((n_faces, 3), dtype=np.int64)

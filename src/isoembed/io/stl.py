@@ -6,13 +6,13 @@
 from pathlib import Path
 
 import numpy as np
-from numba import njit
 
 from isoembed.arrays import Floats
 from isoembed.io.files import FileError, Tables
 from isoembed.io.format import Format
 from isoembed.io.input_file import InputFile
 from isoembed.io.text_scan import Bytes, copy_words, lines, next_line, numbers, word_begin, word_end
+from isoembed.kernel import kernel
 from isoembed.surface.measures import face_normals
 
 CORNER = "  vertex %r %r %r\n"
@@ -56,7 +56,7 @@ def write(path: Path, tables: Tables) -> None:
         file.write("endsolid\n")
 
 
-@njit(cache=True)
+@kernel
 def _scan(text: Bytes) -> tuple[Bytes, int, int]:
     """The text of the corners, their number, and that of the facets; without text if a line is unusual."""
     coordinates = np.empty(len(text) + 3, dtype=np.uint8)

@@ -9,11 +9,11 @@ import warnings
 from collections.abc import Iterator
 
 import numpy as np
-from numba import njit
 from numpy.typing import NDArray
 
 from isoembed.arrays import Floats, Indices
 from isoembed.io.files import Tables
+from isoembed.kernel import kernel
 
 Bytes = NDArray[np.uint8]
 
@@ -54,7 +54,7 @@ def plain(data: bytes) -> Bytes | None:
     return text if _is_plain(text) else None
 
 
-@njit(cache=True)
+@kernel
 def _is_plain(text: Bytes) -> bool:
     """Whether there are but printable ASCII, blanks and line feeds, and no line goes on in the next."""
     for i in range(len(text)):
@@ -67,19 +67,19 @@ def _is_plain(text: Bytes) -> bool:
     return True
 
 
-@njit(cache=True)
+@kernel
 def in_word(c: int) -> bool:
     """Whether a character of plain text belongs to a word: comments do not."""
     return c > SPACE and c != HASH
 
 
-@njit(cache=True)
+@kernel
 def ends(c: int) -> bool:
     """Whether a line, or what it says, ends with this character."""
     return c in (FEED, HASH)
 
 
-@njit(cache=True)
+@kernel
 def word_begin(text: Bytes, i: int) -> int:
     """Where the next word begins, from here on in this line; or where the line, or what it says, ends."""
     while text[i] <= SPACE and text[i] != FEED:
@@ -87,7 +87,7 @@ def word_begin(text: Bytes, i: int) -> int:
     return i
 
 
-@njit(cache=True)
+@kernel
 def word_end(text: Bytes, i: int) -> int:
     """Where the word ends that is here."""
     while in_word(text[i]):
@@ -95,7 +95,7 @@ def word_end(text: Bytes, i: int) -> int:
     return i
 
 
-@njit(cache=True)
+@kernel
 def words_end(text: Bytes, count: int) -> int:
     """Where so many words end, over all lines; or -1 if there are fewer."""
     i = 0
@@ -109,7 +109,7 @@ def words_end(text: Bytes, count: int) -> int:
     return i
 
 
-@njit(cache=True)
+@kernel
 def next_line(text: Bytes, i: int) -> int:
     """Where the next line begins."""
     while text[i] != FEED:
@@ -117,7 +117,7 @@ def next_line(text: Bytes, i: int) -> int:
     return i + 1
 
 
-@njit(cache=True)
+@kernel
 def copy_words(text: Bytes, i: int, count: int, copy: Bytes, end: int) -> tuple[int, int]:
     """Append so many words and blanks to a copy; where both end now, or -1 if there are fewer words."""
     for _ in range(count):
@@ -132,7 +132,7 @@ def copy_words(text: Bytes, i: int, count: int, copy: Bytes, end: int) -> tuple[
     return i, end
 
 
-@njit(cache=True)
+@kernel
 def natural(text: Bytes, i: int, separator: int = SPACE) -> tuple[int, int]:
     """The natural number that the next word is, up to a separator, and its end; -1 if it is none."""
     i = word_begin(text, i)

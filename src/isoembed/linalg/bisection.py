@@ -5,9 +5,9 @@ edges; then the smallest separator near the cut is found.
 """
 
 import numpy as np
-from numba import njit
 
 from isoembed.arrays import Floats, Indices
+from isoembed.kernel import kernel
 from isoembed.linalg.separator import DISSECTION, SEPARATOR, Graph, empty_band, separate
 from isoembed.thresholds import compiled
 
@@ -32,7 +32,7 @@ def bisection_paths(graph: Graph, position: Floats) -> Indices:
     return paths << (depths.max() - depths)
 
 
-@njit(cache=True)
+@kernel
 def _bisected(graph: Graph, position: Floats, separated: bool) -> tuple[Indices, Indices, Indices]:
     """Return the vertices, both parts of a cell before the separator, if any, and their paths and depths."""
     n = graph.indptr.size - 1
@@ -83,7 +83,7 @@ def _bisected(graph: Graph, position: Floats, separated: bool) -> tuple[Indices,
     return order, path, depth
 
 
-@njit(cache=True)
+@kernel
 def _measure(members: Indices, position: Floats, height: Floats) -> None:
     """Set `height` of the vertices of a cell: their coordinate along its longest axis."""
     x = y = z = 0.0
@@ -127,7 +127,7 @@ def _measure(members: Indices, position: Floats, height: Floats) -> None:
         height[v] = a * position[v, 0] + b * position[v, 1] + c * position[v, 2]
 
 
-@njit(cache=True)
+@kernel
 def _cut(
     graph: Graph, members: Indices, cell: Indices, height: Floats, heights: Floats, table: Indices
 ) -> None:
@@ -177,7 +177,7 @@ def _cut(
         cell[v] += height[v] >= level
 
 
-@njit(cache=True)
+@kernel
 def _halve(members: Indices, cell: Indices, height: Floats, level: float) -> None:
     """Cut a cell at a height that many vertices have: these one by one, until the halves are equal."""
     left = members.size // 2
@@ -190,7 +190,7 @@ def _halve(members: Indices, cell: Indices, height: Floats, level: float) -> Non
             cell[v] += 1
 
 
-@njit(cache=True)
+@kernel
 def _dissolve(graph: Graph, members: Indices, cell: Indices) -> None:
     """Put every vertex of a separator on the side where it has more neighbors."""
     odd = 1
@@ -206,7 +206,7 @@ def _dissolve(graph: Graph, members: Indices, cell: Indices) -> None:
             cell[v] = odd - int(excess < 0)
 
 
-@njit(cache=True)
+@kernel
 def _selected(values: Floats, k: int) -> float:
     """The k-th smallest value, from 0; the values are moved about (Hoare, Find, Comm. ACM 4, 1961)."""
     first, last = 0, values.size - 1

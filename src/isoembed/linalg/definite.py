@@ -20,10 +20,10 @@ from dataclasses import dataclass
 
 import numpy as np
 import scipy.sparse as sp
-from numba import njit
 from scipy.sparse.linalg import SuperLU
 
 from isoembed.arrays import Floats, Indices, Indices32
+from isoembed.kernel import kernel
 from isoembed.linalg.backend import SingularMatrix
 from isoembed.linalg.rounding import GUARD, UNDERFLOW, U, gamma
 from isoembed.linalg.superlu import has_row_exchanges, symmetric_lu
@@ -104,7 +104,7 @@ def _distance_to_definite(lu: SuperLU) -> float:
     return float(largest) * GUARD + UNDERFLOW
 
 
-@njit(cache=True)
+@kernel
 def _largest_row_sum(
     lower_rows: Indices32,
     lower_columns: Indices32,

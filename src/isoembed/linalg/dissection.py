@@ -9,10 +9,10 @@ from functools import cached_property
 
 import numpy as np
 import scipy.sparse as sp
-from numba import njit
 from numpy.typing import ArrayLike
 
 from isoembed.arrays import Floats, Indices
+from isoembed.kernel import kernel
 from isoembed.linalg.bisection import bisection_paths, separator_order
 from isoembed.linalg.elimination import permuted
 from isoembed.linalg.separator import DISSECTION, Graph
@@ -140,7 +140,7 @@ def _hop_coordinates(graph: Graph) -> Floats:
     return position
 
 
-@njit(cache=True)
+@kernel
 def _breadth_first(graph: Graph, start: int) -> tuple[Indices, Indices]:
     """The vertices that a path leads to, in order of their distance from one, and the distances, (n,).
 
@@ -162,7 +162,7 @@ def _breadth_first(graph: Graph, start: int) -> tuple[Indices, Indices]:
     return order[:tail], hops
 
 
-@njit(cache=True)
+@kernel
 def _smoothed(graph: Graph, position: Floats) -> Floats:
     """Averages over every vertex and its neighbors."""
     average = position.copy()

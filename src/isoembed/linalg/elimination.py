@@ -10,9 +10,9 @@ sparse linear systems, 2006, chapter 4).
 from typing import NamedTuple
 
 import numpy as np
-from numba import njit
 
 from isoembed.arrays import Indices, Indices32
+from isoembed.kernel import kernel
 
 NONE = -1  # no parent, no child, no leaf yet
 
@@ -35,7 +35,7 @@ class Elimination(NamedTuple):
     counts: Indices
 
 
-@njit(cache=True)
+@kernel
 def symbolic_analysis(indptr: Indices32, indices: Indices32, order: Indices) -> Elimination:
     """Find the elimination tree, bring the order into post-order, and count the entries of L.
 
@@ -52,7 +52,7 @@ def symbolic_analysis(indptr: Indices32, indices: Indices32, order: Indices) -> 
     return Elimination(ordered, above, _column_counts(indptr, indices, ordered, above))
 
 
-@njit(cache=True)
+@kernel
 def _tree(indptr: Indices32, indices: Indices32, order: Indices) -> Indices32:
     n, place = order.size, inverse(order)
     parent = np.full(n, NONE, dtype=np.int32)
@@ -69,7 +69,7 @@ def _tree(indptr: Indices32, indices: Indices32, order: Indices) -> Indices32:
     return parent
 
 
-@njit(cache=True)
+@kernel
 def _postorder(parent: Indices32) -> Indices:
     """The nodes of a forest, each after its children."""
     n = parent.size
@@ -97,7 +97,7 @@ def _postorder(parent: Indices32) -> Indices:
     return post
 
 
-@njit(cache=True)
+@kernel
 def _column_counts(indptr: Indices32, indices: Indices32, order: Indices, parent: Indices32) -> Indices:
     n, place = order.size, inverse(order)
     counts = np.zeros(n, dtype=np.int64)
@@ -130,7 +130,7 @@ def _column_counts(indptr: Indices32, indices: Indices32, order: Indices, parent
     return counts
 
 
-@njit(cache=True)
+@kernel
 def _root(ancestor: Indices32, j: int) -> int:
     """The highest ancestor that was met; the way there is made shorter."""
     root = j
@@ -143,7 +143,7 @@ def _root(ancestor: Indices32, j: int) -> int:
     return root
 
 
-@njit(cache=True)
+@kernel
 def first_asymmetry(indptr: Indices32, indices: Indices32) -> tuple[int, int]:
     """Find an entry (row, column) whose mirror image is missing, in compressed columns with sorted rows.
 
@@ -163,7 +163,7 @@ def first_asymmetry(indptr: Indices32, indices: Indices32) -> tuple[int, int]:
     return -1, -1
 
 
-@njit(cache=True)
+@kernel
 def first_gap(indptr: Indices32, indices: Indices32) -> int:
     """Find an unknown without a diagonal entry, and -1 if there is none."""
     for column in range(indptr.size - 1):
@@ -175,7 +175,7 @@ def first_gap(indptr: Indices32, indices: Indices32) -> int:
     return -1
 
 
-@njit(cache=True)
+@kernel
 def inverse(order: Indices) -> Indices:
     """Invert a permutation; an empty array if it is none."""
     n = order.size
@@ -188,7 +188,7 @@ def inverse(order: Indices) -> Indices:
     return place
 
 
-@njit(cache=True)
+@kernel
 def permuted(
     indptr: Indices32, indices: Indices32, order: Indices, lower: bool
 ) -> tuple[Indices32, Indices32, Indices32]:

@@ -11,9 +11,9 @@ from dataclasses import dataclass
 from typing import NamedTuple
 
 import numpy as np
-from numba import njit
 
 from isoembed.arrays import Indices, Indices32
+from isoembed.kernel import kernel
 from isoembed.thresholds import compiled, threshold
 
 SEPARATOR = -1  # a vertex that parts two cells
@@ -75,7 +75,7 @@ class Band(NamedTuple):
     tried: Indices
 
 
-@njit(cache=True)
+@kernel
 def empty_band(n: int) -> Band:
     """Working arrays for cells of a graph of n vertices."""
     one, two = np.zeros((5, n), dtype=np.int64), np.zeros((2, 2 * n), dtype=np.int64)
@@ -83,7 +83,7 @@ def empty_band(n: int) -> Band:
     return Band(one[0], one[1], one[2], one[3], two[0], two[1], one[4])
 
 
-@njit(cache=True)
+@kernel
 def separate(graph: Graph, members: Indices, cell: Indices, width: int, band: Band) -> int:
     """Replace a cut of a cell by a separator.
 
@@ -138,7 +138,7 @@ def separate(graph: Graph, members: Indices, cell: Indices, width: int, band: Ba
     return size
 
 
-@njit(cache=True)
+@kernel
 def _gather(graph: Graph, members: Indices, cell: Indices, band: Band) -> int:
     """Begin the band with the ends of the severed edges; return their number."""
     count = 0
@@ -153,7 +153,7 @@ def _gather(graph: Graph, members: Indices, cell: Indices, band: Band) -> int:
     return count
 
 
-@njit(cache=True)
+@kernel
 def _widen(graph: Graph, cell: Indices, ends: int, width: int, band: Band) -> int:
     """Widen the band to so many layers, and forget all paths; return its number of vertices."""
     count = ends
@@ -173,7 +173,7 @@ def _widen(graph: Graph, cell: Indices, ends: int, width: int, band: Band) -> in
     return count
 
 
-@njit(cache=True)
+@kernel
 def _saturate(graph: Graph, cell: Indices, source: int, count: int, width: int, band: Band) -> None:
     """Find paths from the outermost layer on the source's side to that on the other until there are no more.
 
@@ -188,7 +188,7 @@ def _saturate(graph: Graph, cell: Indices, source: int, count: int, width: int, 
                 _advance(graph, cell, source, v, width, band)
 
 
-@njit(cache=True)
+@kernel
 def _rank(graph: Graph, cell: Indices, source: int, count: int, width: int, band: Band) -> bool:
     """Number the states by steps from the source, as far as the first across; return whether there is one."""
     for k in range(count):
@@ -236,7 +236,7 @@ def _rank(graph: Graph, cell: Indices, source: int, count: int, width: int, band
     return across >= 0
 
 
-@njit(cache=True, inline="always")
+@kernel(inline="always")
 def _onward(v: int, band: Band) -> int:
     """The state after entering v: leaving it, or leaving the vertex before it on the path it is on."""
     if band.following[v] == FREE:
@@ -244,7 +244,7 @@ def _onward(v: int, band: Band) -> int:
     return 2 * band.preceding[v] + 1 if band.preceding[v] >= 0 else -1
 
 
-@njit(cache=True)
+@kernel
 def _advance(graph: Graph, cell: Indices, source: int, start: int, width: int, band: Band) -> bool:
     """Add a path that begins at a vertex, if one runs along rising levels; states tried are crossed out."""
     trail, level = band.trail, band.level

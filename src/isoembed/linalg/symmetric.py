@@ -3,9 +3,9 @@
 from dataclasses import dataclass
 
 import numpy as np
-from numba import njit
 
 from isoembed.arrays import Floats, Indices32
+from isoembed.kernel import kernel
 from isoembed.thresholds import compiled, threshold
 
 
@@ -59,7 +59,7 @@ class SymmetricMatrix:
         return _sizes(self.indptr, self.indices, self.data)
 
 
-@njit(cache=True)
+@kernel
 def _product(indptr: Indices32, indices: Indices32, data: Floats, x: Floats) -> Floats:
     y = np.zeros_like(x)
     for c in range(len(x)):
@@ -74,7 +74,7 @@ def _product(indptr: Indices32, indices: Indices32, data: Floats, x: Floats) -> 
     return y
 
 
-@njit(cache=True)
+@kernel
 def _sizes(indptr: Indices32, indices: Indices32, data: Floats) -> Floats:
     n = indptr.size - 1
     s = np.ones(n)

@@ -1,9 +1,9 @@
 """Edges of a triangulated sphere in linear time; `checks` says what is wrong with other triangles."""
 
 import numpy as np
-from numba import njit
 
 from isoembed.arrays import Indices, Indices32, Mask
+from isoembed.kernel import kernel
 
 MOST = 2**31 - 1  # half-edges whose numbers fit into 32 bits
 
@@ -28,12 +28,12 @@ def join(faces: Indices) -> tuple[Indices, Indices, Indices] | None:
     return (edges, face_edges, halfedges) if is_sphere else None
 
 
-@njit(cache=True)
+@kernel
 def _next(h: int) -> int:
     return h - 2 if h % 3 == 2 else h + 1
 
 
-@njit(cache=True)
+@kernel
 def _sorted_by_ends(corners: Indices, n: int) -> Indices32:
     """The half-edges by their lower and then by their higher end: two passes of counting."""
     before, after = np.arange(corners.size).astype(np.int32), np.empty(corners.size, dtype=np.int32)
@@ -54,7 +54,7 @@ def _sorted_by_ends(corners: Indices, n: int) -> Indices32:
     return before
 
 
-@njit(cache=True)
+@kernel
 def _pair(
     corners: Indices,
     order: Indices32,
@@ -80,7 +80,7 @@ def _pair(
     return True
 
 
-@njit(cache=True)
+@kernel
 def reached_faces(twins: Indices | Indices32) -> Mask:
     """Whether one gets from the first face to each face across edges, shape (F,), given their half-edges."""
     n_faces = len(twins) // 3

@@ -5,11 +5,11 @@ from functools import cached_property
 from typing import TypeVar
 
 import numpy as np
-from numba import njit
 from numpy.typing import ArrayLike, NDArray
 from scipy.sparse import csr_array
 
 from isoembed.arrays import Indices
+from isoembed.kernel import kernel
 from isoembed.mesh.checks import checked_tables, index_array
 from isoembed.mesh.joining import join
 
@@ -123,7 +123,7 @@ class Triangulation:
         return _find(self.edges, self.n_vertices, pairs)
 
 
-@njit(cache=True)
+@kernel
 def _find(edges: Indices, n: int, pairs: Indices) -> Indices:
     """The rows of the table of edges that have these ends, or -1."""
     starts = np.zeros(n + 1, dtype=np.int64)  # of the edges by their lower end

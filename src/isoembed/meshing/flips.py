@@ -3,10 +3,10 @@
 from dataclasses import dataclass
 
 import numpy as np
-from numba import njit
 
 from isoembed.arrays import Floats, Indices, Mask
 from isoembed.intrinsic.halfedges import edges_between, glue
+from isoembed.kernel import kernel
 from isoembed.thresholds import threshold
 
 
@@ -38,7 +38,7 @@ def corner_angles(vertices: Floats, faces: Indices) -> Floats:
     return np.asarray(np.arctan2(*_sines_and_cosines(vertices, faces)))
 
 
-@njit(cache=True)
+@kernel
 def _sines_and_cosines(vertices: Floats, faces: Indices) -> tuple[Floats, Floats]:
     """Sines and cosines of the corners, each (F, 3), times the lengths of the sides."""
     sine, cosine = np.empty(faces.shape), np.empty(faces.shape)
@@ -129,7 +129,7 @@ def _opposite(angles: Floats, h: Indices) -> Floats:
     return angles[h // 3, (h + 2) % 3]
 
 
-@njit(cache=True)
+@kernel
 def _joined(tails: Indices, twin: Indices, halfedges: Indices, vertices: Indices) -> Mask:
     """Whether an edge leads from where a half-edge begins to a vertex, for each pair of them."""
     found = np.zeros(len(halfedges), dtype=np.bool_)
@@ -138,7 +138,7 @@ def _joined(tails: Indices, twin: Indices, halfedges: Indices, vertices: Indices
     return found
 
 
-@njit(cache=True)
+@kernel
 def _flip(faces: Indices, twin: Indices, halfedges: Indices) -> None:
     """Flip half-edges, no two of which share a triangle, in place."""
     for h in halfedges:

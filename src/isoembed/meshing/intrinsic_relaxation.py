@@ -8,7 +8,6 @@ from dataclasses import dataclass
 from typing import NamedTuple
 
 import numpy as np
-from numba import njit
 
 from isoembed.arrays import Floats, Indices, Mask
 from isoembed.intrinsic.delaunay import (
@@ -22,6 +21,7 @@ from isoembed.intrinsic.delaunay import (
 )
 from isoembed.intrinsic.flips import flip
 from isoembed.intrinsic.halfedges import HalfEdges, corner_angle, edges_between, following, preceding
+from isoembed.kernel import kernel
 from isoembed.meshing.lloyd import RELAXATION
 from isoembed.thresholds import compiled, threshold
 
@@ -39,7 +39,7 @@ _FLIPS = compiled(INTRINSIC_FLIPS)
 _RELAXATION = compiled(RELAXATION)
 
 
-@njit(cache=True)
+@kernel
 def angles_from_lengths(lengths: Floats) -> Floats:
     """Angles (F, 3), in radians, 0 and pi where the lengths make no triangle."""
     angles = np.empty(lengths.size)
@@ -48,7 +48,7 @@ def angles_from_lengths(lengths: Floats) -> Floats:
     return angles.reshape(-1, 3)
 
 
-@njit(cache=True)
+@kernel
 def end_lengths(u: Floats, q: Floats, mesh: HalfEdges) -> None:
     """Measure all half-edges by the mean of the metric's tensors q (V, 3, 3) at their ends, in place.
 
@@ -71,7 +71,7 @@ def end_lengths(u: Floats, q: Floats, mesh: HalfEdges) -> None:
         lengths[h] = np.sqrt(square) * np.arcsin(half) / (half * np.sqrt(1.0 - half**2))
 
 
-@njit(cache=True)
+@kernel
 def looks_outward(u: Floats, a: int, b: int, c: int) -> bool:
     """Whether three directions come counterclockwise, seen from outside."""
     volume = 0.0
@@ -119,7 +119,7 @@ def _attempt(h: int, mesh: HalfEdges, rule: Outward) -> int:
     return FLIPPED
 
 
-@njit(cache=True)
+@kernel
 def flip_to_delaunay(u: Floats, mesh: HalfEdges) -> Indices:
     """Flip edges until all are Delaunay whose flip leaves a triangulation that looks outward, in place.
 
@@ -136,7 +136,7 @@ def flip_to_delaunay(u: Floats, mesh: HalfEdges) -> Indices:
     return rule.flipped[: rule.flipped[-1]].copy()
 
 
-@njit(cache=True)
+@kernel
 def relaxed(
     u: Floats, mesh: HalfEdges, density: Floats, moving: Mask, optimal: bool, factor: float
 ) -> Floats:
@@ -188,7 +188,7 @@ def relaxed(
     return u.copy()
 
 
-@njit(cache=True)
+@kernel
 def _step(first: int, u: Floats, mesh: HalfEdges, density: Floats, optimal: bool, factor: float) -> Floats:
     """The tangent displacement (3,) of the vertex that half-edge `first` leaves."""
     corners, twins, lengths = mesh.corners, mesh.twins, mesh.lengths

@@ -3,10 +3,10 @@
 from dataclasses import dataclass
 
 import numpy as np
-from numba import njit
 from numpy.typing import NDArray
 
 from isoembed.arrays import Floats, Indices
+from isoembed.kernel import kernel
 from isoembed.meshing.flips import corner_angles, flip_where_touched
 from isoembed.meshing.lloyd import RELAXATION, lloyd_step
 from isoembed.meshing.surface import Surface, vertex_density
@@ -68,7 +68,7 @@ def touch_up(
     return best
 
 
-@njit(cache=True)
+@kernel
 def _judge(
     x: Floats,
     normals: Floats,
@@ -94,7 +94,7 @@ def _judge(
             verdicts[f] = INWARD
 
 
-@njit(cache=True)
+@kernel
 def _surroundings(faces: Indices, twin: Indices, seeds: Indices, n: int) -> tuple[Indices, Indices]:
     """The vertices within two edges of some triangles, and the triangles around them."""
     vertices, triangles = np.empty(n, dtype=np.int64), np.empty(len(faces), dtype=np.int64)

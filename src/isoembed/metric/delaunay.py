@@ -17,7 +17,7 @@ from isoembed.intrinsic.delaunay import (
 )
 from isoembed.intrinsic.flips import flip, swap_diagonals
 from isoembed.intrinsic.halfedges import HalfEdges, edges_between, following, preceding
-from isoembed.intrinsic.kernel import kernel
+from isoembed.kernel import kernel
 from isoembed.mesh.triangulation import Triangulation
 from isoembed.metric.polyhedral import PolyhedralMetric
 from isoembed.thresholds import compiled, threshold

@@ -7,12 +7,12 @@ from functools import cached_property
 from typing import cast
 
 import numpy as np
-from numba import njit
 from numpy.typing import ArrayLike, NDArray
 
 from isoembed.arrays import Floats, Indices
 from isoembed.errors import InvalidMetric
 from isoembed.intrinsic.halfedges import HalfEdges
+from isoembed.kernel import kernel
 from isoembed.mesh.checks import check_euler, check_numbering, index_array
 from isoembed.mesh.joining import reached_faces
 from isoembed.mesh.triangulation import frozen
@@ -280,7 +280,7 @@ def _check_sphere(faces: Indices, twins: Indices) -> None:
     check_euler(n, len(faces))
 
 
-@njit(cache=True)
+@kernel
 def _pinched(corners: Indices, twins: Indices, n: int) -> int:
     """The first vertex whose corners are not one fan, -1 if there is none."""
     degrees = np.zeros(n, dtype=np.int64)

@@ -8,11 +8,11 @@ from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
-from numba import njit
 from numpy.typing import ArrayLike, NDArray
 
 from isoembed.arrays import Floats, Indices
 from isoembed.errors import InvalidMetric
+from isoembed.kernel import kernel
 from isoembed.mesh.checks import index_array
 from isoembed.mesh.triangulation import Triangulation, frozen
 from isoembed.thresholds import threshold
@@ -260,7 +260,7 @@ def _check_lengths(triangulation: Triangulation, lengths: Floats) -> None:
         )
 
 
-@njit(cache=True)
+@kernel
 def _first_broken(face_edges: Indices, lengths: Floats) -> int:
     """The first face that breaks the triangle inequality, or -1."""
     for f in range(len(face_edges)):
@@ -272,7 +272,7 @@ def _first_broken(face_edges: Indices, lengths: Floats) -> int:
     return -1
 
 
-@njit(cache=True)
+@kernel
 def edge_lengths(edges: Indices, vertices: Floats) -> Floats:
     """Distances between the ends of the edges, (E,)."""
     lengths = np.empty(len(edges))

@@ -13,11 +13,11 @@ from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
-from numba import njit
 from numpy.typing import ArrayLike, NDArray
 
 from isoembed.arrays import Floats, Mask
 from isoembed.errors import InvalidMetric
+from isoembed.kernel import kernel
 from isoembed.meshing.sphere import angles_of
 from isoembed.thresholds import compiled, threshold
 
@@ -204,7 +204,7 @@ def _flat(part: Complexes) -> Complexes:
     return part.reshape(len(part), part.shape[1] * part.shape[2])
 
 
-@njit(cache=True)
+@kernel
 def _weights(t: float, before: Floats, weights: Floats) -> None:
     """Lagrange's, for t in [0, 1] and the nodes 1 - _T.stencil / 2, ..., _T.stencil / 2."""
     first = 1 - _T.stencil // 2
@@ -217,7 +217,7 @@ def _weights(t: float, before: Floats, weights: Floats) -> None:
         after *= -(t - (first + j)) / (_T.stencil - j)
 
 
-@njit(cache=True)
+@kernel
 def _interpolated(table: Floats, rows: Floats, columns: Floats) -> Floats:
     """Values (n, c) at fractional places in the inside of a table (rows, columns, c)."""
     n_rows, n_columns, count = table.shape

@@ -8,10 +8,10 @@ from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
-from numba import njit
 from numpy.typing import NDArray
 
 from isoembed.arrays import Floats, Indices
+from isoembed.kernel import kernel
 
 CHUNK = 2_000_000  # harmonics at directions, evaluated at a time, which bounds the memory
 
@@ -170,7 +170,7 @@ def _recurrence(degree: int, order: int) -> tuple[Floats, Floats, Floats]:
     return a, b, np.cumprod(np.concatenate([[np.sqrt(0.25 / np.pi)], steps]))
 
 
-@njit(cache=True)
+@kernel
 def _summed(u, table, a, b, sectoral):  # type: ignore[no-untyped-def]
     """Sums of harmonics at u (n, 3), with the derivatives of their extension to R^3: (n,), (n, 3), (n, 3, 3).
 

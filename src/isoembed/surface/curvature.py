@@ -7,9 +7,9 @@ from dataclasses import dataclass
 from typing import cast
 
 import numpy as np
-from numba import njit
 
 from isoembed.arrays import Floats, Indices
+from isoembed.kernel import kernel
 from isoembed.mesh.triangulation import Triangulation
 from isoembed.surface.measures import edge_lengths, face_areas, face_normals
 from isoembed.thresholds import compiled, threshold
@@ -52,7 +52,7 @@ def dihedral_angles(triangulation: Triangulation, vertices: Floats) -> Floats:
     return np.arctan2(sine, cosine)
 
 
-@njit(cache=True)
+@kernel
 def _folds(
     edges: Indices, edge_halfedges: Indices, normals: Floats, vertices: Floats
 ) -> tuple[Floats, Floats]:

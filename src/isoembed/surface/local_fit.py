@@ -12,11 +12,11 @@ from dataclasses import dataclass
 from typing import Any, NamedTuple, cast
 
 import numpy as np
-from numba import njit
 from numpy.typing import NDArray
 from scipy.sparse import csr_array, eye_array
 
 from isoembed.arrays import Floats, Indices, Mask
+from isoembed.kernel import kernel
 from isoembed.linalg.elimination import permuted
 from isoembed.mesh.triangulation import Triangulation
 from isoembed.surface.measures import edge_lengths, vertex_normals
@@ -156,7 +156,7 @@ class FitResiduals:
         return csr_array(own - csr_array((self.weights, self.indices, self.indptr), shape=(n, size)))
 
 
-@njit(cache=True)
+@kernel
 def _residuals(first: int, indptr: Indices, indices: Indices, weights: Floats, values: Floats) -> Floats:
     residuals = np.empty((len(indptr) - 1, 3))
     for row in range(len(indptr) - 1):
@@ -168,7 +168,7 @@ def _residuals(first: int, indptr: Indices, indices: Indices, weights: Floats, v
     return residuals
 
 
-@njit(cache=True)
+@kernel
 def _rings(indptr: Indices, indices: Indices, least: int, first: int, last: int) -> Graph:
     n, starts = len(indptr) - 1, np.zeros(last - first + 1, dtype=np.int64)
     neighbors = np.empty(3 * least * (last - first), dtype=indices.dtype)
@@ -189,7 +189,7 @@ def _rings(indptr: Indices, indices: Indices, least: int, first: int, last: int)
     return starts, neighbors[: starts[-1]].copy()
 
 
-@njit(cache=True)
+@kernel
 def _reach(indptr: Indices, indices: Indices, v: int, least: int, seen: Indices, reached: Indices) -> int:
     """Fill `reached` with the neighbors of v, and count them; `seen` marks them with v."""
     seen[v] = v
@@ -216,7 +216,7 @@ def _reach(indptr: Indices, indices: Indices, v: int, least: int, seen: Indices,
     return count
 
 
-@njit(cache=True)
+@kernel
 def _fit(vertices: Indices, indptr: Indices, charts: Floats, most: int, weights: Floats) -> None:
     """Fill in the weights of the neighbors of some vertices, one after the other."""
     for i in vertices:
@@ -224,7 +224,7 @@ def _fit(vertices: Indices, indptr: Indices, charts: Floats, most: int, weights:
         _constant_term(charts[begin:end], weights[begin:end], most)
 
 
-@njit(cache=True)
+@kernel
 def _constant_term(chart: Floats, weights: Floats, most: int) -> None:
     """Fill in the weights by which the constant term of the fit depends on the values at the points."""
     m = len(chart)
@@ -257,7 +257,7 @@ def _constant_term(chart: Floats, weights: Floats, most: int) -> None:
     weights[:] = root * best / dot(root, best)
 
 
-@njit(cache=True)
+@kernel
 def _project_out(orthonormal: Floats, column: Floats) -> None:
     """Take what lies along orthonormal rows out of a column, twice: once leaves rounding along them."""
     for _ in range(2):
@@ -267,7 +267,7 @@ def _project_out(orthonormal: Floats, column: Floats) -> None:
                 column[k] -= part * row[k]
 
 
-@njit(cache=True)
+@kernel
 def dot(a: Floats, b: Floats) -> float:
     """The product of two vectors, summed in order."""
     total = 0.0

@@ -1,13 +1,13 @@
 """Lengths, normals, area and volume of a triangulated surface in R^3."""
 
 import numpy as np
-from numba import njit
 
 from isoembed.arrays import Floats, Indices
+from isoembed.kernel import kernel
 from isoembed.metric.polyhedral import edge_lengths as edge_lengths
 
 
-@njit(cache=True)
+@kernel
 def face_normals(faces: Indices, vertices: Floats) -> Floats:
     """Normals of the triangles with twice their areas as norms, (F, 3), by the right-hand rule."""
     normals = np.empty((len(faces), 3))
@@ -21,7 +21,7 @@ def face_normals(faces: Indices, vertices: Floats) -> Floats:
     return normals
 
 
-@njit(cache=True)
+@kernel
 def face_areas(faces: Indices, vertices: Floats) -> Floats:
     """Areas of the triangles, (F,)."""
     normals = face_normals(faces, vertices)
@@ -31,7 +31,7 @@ def face_areas(faces: Indices, vertices: Floats) -> Floats:
     return areas
 
 
-@njit(cache=True)
+@kernel
 def vertex_normals(faces: Indices, vertices: Floats) -> Floats:
     """Unit normals at the vertices, (V, 3): of the triangles, weighted by area; zero where they cancel."""
     sums = np.zeros((len(vertices), 3))
@@ -65,7 +65,7 @@ def outward(faces: Indices, vertices: Floats) -> Floats:
     return vertices if volume(faces, vertices) >= 0 else vertices * np.array([1.0, 1.0, -1.0])
 
 
-@njit(cache=True)
+@kernel
 def _boxes(faces: Indices, vertices: Floats) -> Floats:
     """Signed volumes of the parallelepipeds over the triangles from the origin, (F,)."""
     normals = face_normals(faces, vertices)

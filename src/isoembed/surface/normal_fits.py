@@ -9,9 +9,9 @@ equations square the condition of a fit; a fit that they might spoil is left to 
 from dataclasses import dataclass
 
 import numpy as np
-from numba import njit
 
 from isoembed.arrays import Floats, Indices, Mask
+from isoembed.kernel import kernel
 from isoembed.thresholds import compiled, threshold
 
 
@@ -42,13 +42,13 @@ FITS = FitThresholds()
 _T = compiled(FITS)
 
 
-@njit(cache=True)
+@kernel
 def fewest(degree: int) -> int:
     """Points without which a fit of this degree is not wanted."""
     return (degree + 1) * (degree + 2) // 2 + _T.spare
 
 
-@njit(cache=True)
+@kernel
 def normal_weights(indptr: Indices, charts: Floats, degree: int, weights: Floats) -> Mask:
     """Fill in the weights of the points in the constant terms of the fits, where that can be done safely.
 
@@ -83,7 +83,7 @@ def normal_weights(indptr: Indices, charts: Floats, degree: int, weights: Floats
     return done
 
 
-@njit(cache=True, error_model="numpy")
+@kernel
 def _spread(
     indptr: Indices, charts: Floats, first: int, last: int, fewest: int, x: Floats, y: Floats, w: Floats
 ) -> int:
@@ -105,7 +105,7 @@ def _spread(
     return rows
 
 
-@njit(cache=True)
+@kernel
 def _set_moments(x: Floats, y: Floats, w: Floats, degree: int, powers: Floats, moments: Floats) -> None:
     """Sum w x^(d - p) y^p over the points, at d (d + 1) / 2 + p for d up to twice the degree."""
     for at in range(len(moments)):
@@ -120,13 +120,13 @@ def _set_moments(x: Floats, y: Floats, w: Floats, degree: int, powers: Floats, m
                 moment[lane] += power[lane]
 
 
-@njit(cache=True)
+@kernel
 def _copy(source: Floats, target: Floats) -> None:
     for lane in range(_T.side_by_side):
         target[lane] = source[lane]
 
 
-@njit(cache=True)
+@kernel
 def _multiply(first: Floats, x: Floats, y: Floats, degree: int, powers: Floats) -> None:
     """Fill in x^(d - p) y^p times the first of them."""
     _copy(first, powers[0])
@@ -139,7 +139,7 @@ def _multiply(first: Floats, x: Floats, y: Floats, degree: int, powers: Floats) 
             at += 1
 
 
-@njit(cache=True, error_model="numpy")
+@kernel
 def _factorize(
     moments: Floats, degree: int, factor: Floats, inverses: Floats, rest: Floats, sound: Mask
 ) -> None:
@@ -176,7 +176,7 @@ def _factorize(
             rest[lane] -= last[lane] * last[lane]
 
 
-@njit(cache=True)
+@kernel
 def _solve(factor: Floats, inverses: Floats, terms: Floats) -> None:
     """The coefficients of the monomials in the constant's own fit."""
     columns = len(inverses)
@@ -191,7 +191,7 @@ def _solve(factor: Floats, inverses: Floats, terms: Floats) -> None:
             term[lane] *= inverse[lane]
 
 
-@njit(cache=True)
+@kernel
 def _evaluate(x: Floats, y: Floats, w: Floats, degree: int, terms: Floats, powers: Floats) -> None:
     """Multiply the points' weights by what their fit leaves of the constant."""
     ones = np.ones(_T.side_by_side)

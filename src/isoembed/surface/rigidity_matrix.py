@@ -8,9 +8,9 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numba import njit
 
 from isoembed.arrays import Floats, Indices, Indices32
+from isoembed.kernel import kernel
 from isoembed.linalg.memory import OutOfMemory, require_memory
 from isoembed.thresholds import threshold
 
@@ -100,7 +100,7 @@ def coupled_edges(ends: Indices32, vertices: int) -> tuple[Indices32, Indices32]
     return _coupled(ends, degrees, entries)
 
 
-@njit(cache=True)
+@kernel
 def _coupled(ends: Indices32, degrees: Indices, entries: int) -> tuple[Indices32, Indices32]:
     count, n = len(ends), degrees.size
     start = np.zeros(n + 1, dtype=np.int64)
@@ -126,7 +126,7 @@ def _coupled(ends: Indices32, degrees: Indices, entries: int) -> tuple[Indices32
     return indptr, indices
 
 
-@njit(cache=True)
+@kernel
 def _rows(ends: Indices32, positions: Floats, lengths: Floats) -> Floats:
     rows = np.empty((len(ends), 3))
     for e in range(len(ends)):
@@ -136,7 +136,7 @@ def _rows(ends: Indices32, positions: Floats, lengths: Floats) -> Floats:
     return rows
 
 
-@njit(cache=True)
+@kernel
 def _rates(ends: Indices32, rows: Floats, motion: Floats) -> Floats:
     rates = np.empty(len(ends))
     for e in range(len(ends)):
@@ -149,7 +149,7 @@ def _rates(ends: Indices32, rows: Floats, motion: Floats) -> Floats:
     return rates
 
 
-@njit(cache=True)
+@kernel
 def _forces(ends: Indices32, rows: Floats, tensions: Floats, vertices: int) -> Floats:
     forces = np.zeros((vertices, 3))
     for e in range(len(ends)):
@@ -164,7 +164,7 @@ def _forces(ends: Indices32, rows: Floats, tensions: Floats, vertices: int) -> F
     return forces
 
 
-@njit(cache=True)
+@kernel
 def _gram(ends: Indices32, rows: Floats, indptr: Indices32, indices: Indices32, shift: float) -> Floats:
     values = np.empty(indices.size)
     for e in range(len(ends)):

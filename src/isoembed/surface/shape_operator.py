@@ -9,9 +9,9 @@ of second.
 from dataclasses import dataclass
 
 import numpy as np
-from numba import njit
 
 from isoembed.arrays import Floats
+from isoembed.kernel import kernel
 from isoembed.mesh.triangulation import Triangulation
 from isoembed.surface.local_fit import Graph, Surroundings, dot
 from isoembed.surface.measures import edge_lengths, vertex_normals
@@ -103,7 +103,7 @@ def normal_curvatures(triangulation: Triangulation, vertices: Floats, operators:
     return curvatures
 
 
-@njit(cache=True)
+@kernel
 def _fit(
     first: int,
     near: Graph,
@@ -147,7 +147,7 @@ def _fit(
                 break
 
 
-@njit(cache=True)
+@kernel
 def _tangents(normal: Floats) -> tuple[Floats, Floats]:
     """Two unit vectors that complete a unit vector to a right-handed frame."""
     least = np.argmin(np.abs(normal))
@@ -164,7 +164,7 @@ def _tangents(normal: Floats) -> tuple[Floats, Floats]:
     return x, y
 
 
-@njit(cache=True)
+@kernel
 def _solved(chart: Floats, known: Floats, degree: int, system: Floats) -> bool:
     """Fit heights and values, by Householder's reflections; the coefficients replace the right-hand sides.
 
@@ -208,7 +208,7 @@ def _solved(chart: Floats, known: Floats, degree: int, system: Floats) -> bool:
     return True
 
 
-@njit(cache=True)
+@kernel
 def _set_tensors(coefficients: Floats, x: Floats, y: Floats, normal: Floats, tensors: Floats) -> None:
     """Fill in the surface's second derivatives along its normal, then the Hessians of the functions.
 

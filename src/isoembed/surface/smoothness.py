@@ -10,10 +10,10 @@ bends by more than a right angle does not fold over.
 from collections.abc import Iterable, Iterator
 
 import numpy as np
-from numba import njit
 from scipy.sparse import csr_array, vstack
 
 from isoembed.arrays import Floats, Mask
+from isoembed.kernel import kernel
 from isoembed.mesh.triangulation import Triangulation
 from isoembed.surface.curvature import DIHEDRAL, dihedral_angles
 from isoembed.surface.local_fit import FitResiduals, Graph, Surroundings, edge_lengths_about, sums_at_ends
@@ -108,7 +108,7 @@ def rough_edges(triangulation: Triangulation, vertices: Floats, offsets: Floats)
     return plain & opposed & ((found > 0) != (expected > 0))
 
 
-@njit(cache=True, error_model="numpy")
+@kernel
 def _polar_charts(begin: int, near: Graph, surface: Surroundings) -> Floats:
     """Directions of neighbors in the tangent planes of vertices, times distances in their units, (nnz, 2)."""
     indptr, indices = near

@@ -13,10 +13,10 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numba import njit
 from scipy.sparse import bsr_array, csr_array, eye_array
 
 from isoembed.arrays import Floats, Indices, Indices32
+from isoembed.kernel import kernel
 from isoembed.linalg import Dissection, SymmetricFactor, analyze, dissect
 from isoembed.linalg.krylov import Approximation, conjugate_gradients
 from isoembed.surface.rigidity_matrix import RIGIDITY, RigidityMatrix
@@ -156,7 +156,7 @@ class _Bodies:
         return vector - self.together @ (self.together.T @ vector)
 
 
-@njit(cache=True)
+@kernel
 def _take_away_rigid(motion: Floats, arms: Floats, turning: Floats) -> None:
     """Take from a motion, (V, 3), the translation and the rotation in it.
 
@@ -175,7 +175,7 @@ def _take_away_rigid(motion: Floats, arms: Floats, turning: Floats) -> None:
         motion[v, 2] -= shift[2] + x * arms[v, 1] - y * arms[v, 0]
 
 
-@njit(cache=True)
+@kernel
 def _aggregates(cells: Indices) -> Indices32:
     """Number the cells of a tree, as in `Dissection.cells`, that are the largest with few vertices."""
     n = cells.size
@@ -212,7 +212,7 @@ def _inverses(J: RigidityMatrix, damping: float) -> Floats:
     return (inverses + inverses.transpose(0, 2, 1)) / 2
 
 
-@njit(cache=True)
+@kernel
 def _diagonal_blocks(ends: Indices32, rows: Floats, vertices: int) -> Floats:
     blocks = np.zeros((vertices, 3, 3))
     for e in range(len(ends)):
@@ -223,7 +223,7 @@ def _diagonal_blocks(ends: Indices32, rows: Floats, vertices: int) -> Floats:
     return blocks
 
 
-@njit(cache=True)
+@kernel
 def _times_blocks(blocks: Floats, vectors: Floats) -> Floats:
     products = np.zeros_like(vectors)
     for v in range(len(vectors)):
@@ -233,7 +233,7 @@ def _times_blocks(blocks: Floats, vectors: Floats) -> Floats:
     return products
 
 
-@njit(cache=True)
+@kernel
 def _wrench(arm: Floats, force: Floats, wrench: Floats) -> None:
     """Set a force and its moment about the center of the body."""
     wrench[0], wrench[1], wrench[2] = force
@@ -242,7 +242,7 @@ def _wrench(arm: Floats, force: Floats, wrench: Floats) -> None:
     wrench[5] = arm[0] * force[1] - arm[1] * force[0]
 
 
-@njit(cache=True)
+@kernel
 def _wrenches(of_vertex: Indices32, arms: Floats, count: int, forces: Floats) -> Floats:
     wrenches, wrench = np.zeros((count, 6)), np.empty(6)
     for v in range(len(forces)):
@@ -251,7 +251,7 @@ def _wrenches(of_vertex: Indices32, arms: Floats, count: int, forces: Floats) ->
     return wrenches
 
 
-@njit(cache=True)
+@kernel
 def _motions(of_vertex: Indices32, arms: Floats, moved: Floats) -> Floats:
     motions = np.empty((len(of_vertex), 3))
     for v in range(len(of_vertex)):
@@ -263,7 +263,7 @@ def _motions(of_vertex: Indices32, arms: Floats, moved: Floats) -> Floats:
     return motions
 
 
-@njit(cache=True)
+@kernel
 def _coarse_blocks(
     ends: Indices32,
     rows: Floats,

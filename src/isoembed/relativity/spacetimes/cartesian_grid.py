@@ -12,7 +12,6 @@ from dataclasses import dataclass
 from itertools import pairwise
 
 import numpy as np
-from numba import njit
 from numpy.typing import ArrayLike, NDArray
 
 from isoembed.arrays import Floats, Indices
@@ -20,6 +19,7 @@ from isoembed.errors import InvalidParameter
 from isoembed.io.files import FileError, check_ending
 from isoembed.io.hdf5 import HDF5_ENDINGS
 from isoembed.io.input_file import InputFile
+from isoembed.kernel import kernel
 from isoembed.relativity.spacetimes.checks import numbers, positive_number, refuse_points, vector, written
 from isoembed.relativity.spacetimes.three_geometry import extent
 from isoembed.thresholds import threshold
@@ -241,7 +241,7 @@ def _lagrange(s: Floats, nodes: int) -> tuple[Floats, Floats]:
     return weights, slopes
 
 
-@njit(cache=True)
+@kernel
 def _contracted(fields, start, weights):  # type: ignore[no-untyped-def]
     """Fields (m, nx, ny, nz) summed (n, m) with weights (n, 3, nodes), from the points `start` (n, 3) on."""
     n, m, nodes = len(start), len(fields), weights.shape[2]

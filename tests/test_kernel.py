@@ -1,0 +1,89 @@
+"""Compiled functions and where their code is kept, whatever the place is like."""
+
+import os
+import stat
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+import isoembed
+
+SCRIPT = """
+import sys
+sys.path.insert(0, sys.argv[1])
+from halved import halved
+print(halved(3), halved.stats.cache_path, sum(halved.stats.cache_hits.values()))
+"""
+MODULE = """
+from isoembed.kernel import kernel
+
+@kernel
+def halved(a):
+    return a / 2
+"""
+
+
+@pytest.fixture
+def place(tmp_path):
+    """A folder with a module that has a kernel; nothing can be written beside it, nor in a home."""
+    source = tmp_path / "source"
+    source.mkdir()
+    (source / "halved.py").write_text(MODULE)
+    (source / "__pycache__").write_text("no folder")
+    (tmp_path / "home").write_text("no folder")
+    (tmp_path / "temporary").mkdir()
+    return tmp_path
+
+
+def call(place, **environment):
+    """Call the kernel in a process; return where its code is kept, and whether it was there before."""
+    usual = {key: value for key, value in os.environ.items() if not key.startswith(("NUMBA", "XDG"))}
+    places = {"HOME": place / "home", "TMPDIR": place / "temporary", "PYTHONDONTWRITEBYTECODE": "1"}
+    paths = {"PYTHONPATH": Path(isoembed.__file__).parents[1], "OMP_NUM_THREADS": "1"}
+    done = subprocess.run(
+        [sys.executable, "-c", SCRIPT, place / "source"],
+        env=usual | {key: str(value) for key, value in (places | paths | environment).items()},
+        capture_output=True,
+        text=True,
+    )
+    assert (done.returncode, done.stderr) == (0, "")
+    value, path, hits = done.stdout.split()
+    assert value == "1.5"
+    return Path(path), bool(int(hits))
+
+
+def test_a_temporary_folder_takes_the_place_of_the_others(place):
+    path, _ = call(place)
+    assert path.parent == place / "temporary" / f"isoembed-{os.getuid()}"
+    assert stat.S_IMODE(path.parent.stat().st_mode) == 0o700
+    assert call(place) == (path, True)
+
+
+def test_the_folder_of_the_environment(place):
+    path, _ = call(place, NUMBA_CACHE_DIR=place / "kept")
+    assert path.parent == place / "kept"
+    assert not os.listdir(place / "temporary")
+
+
+@pytest.mark.parametrize("kind", ["open to others", "a link"])
+def test_nothing_is_run_from_a_folder_that_is_not_ours_alone(place, kind):
+    theirs = place / "temporary" / f"isoembed-{os.getuid()}"
+    if kind == "a link":
+        (place / "elsewhere").mkdir(mode=0o700)
+        theirs.symlink_to(place / "elsewhere")
+    else:
+        theirs.mkdir()
+        theirs.chmod(0o770)
+    assert call(place) == (Path("None"), False)
+
+
+@pytest.mark.parametrize("what", ["index", "code"])
+def test_damaged_files_are_written_again(place, what):
+    (place / "source" / "__pycache__").unlink()
+    path, _ = call(place)
+    (damaged,) = path.glob("*.nbi" if what == "index" else "*.nbc")
+    damaged.write_bytes(b"")
+    assert call(place) == (path, False)
+    assert call(place) == (path, True)
