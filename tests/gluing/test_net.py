@@ -12,7 +12,7 @@ from gluing_polygons import shoelace, star
 from isoembed.errors import InvalidMetric, InvalidParameter
 from isoembed.gluing import Net, glue, rectangle, regular_polygon, zipped
 from isoembed.gluing.classics import regular_faces
-from isoembed.gluing.ears import triangulated
+from isoembed.intrinsic.ears import triangulated
 from isoembed.metric import curvature
 
 SQUARE = [[0, 0], [1, 0], [1, 1], [0, 1]]

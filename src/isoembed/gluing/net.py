@@ -12,9 +12,9 @@ from scipy.sparse.csgraph import connected_components
 
 from isoembed.arrays import Floats, Indices, Mask
 from isoembed.errors import InvalidMetric, InvalidParameter
-from isoembed.gluing.ears import triangulated, twins_inside
 from isoembed.gluing.polygon import Polygon, side_lengths
 from isoembed.gluing.runs import Run, cut, read_sides
+from isoembed.intrinsic.ears import triangulated, twins_inside
 from isoembed.mesh.triangulation import frozen
 from isoembed.metric.glued import GluedMetric
 

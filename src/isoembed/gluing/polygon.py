@@ -10,7 +10,7 @@ from numpy.typing import ArrayLike
 
 from isoembed.arrays import Floats, Indices
 from isoembed.errors import InvalidMetric
-from isoembed.gluing.plane import turn
+from isoembed.intrinsic.plane import turn
 from isoembed.kernel import kernel
 from isoembed.mesh.triangulation import frozen
 

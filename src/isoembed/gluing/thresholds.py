@@ -7,11 +7,8 @@ from isoembed.thresholds import threshold
 
 @dataclass(frozen=True)
 class GluingThresholds:
-    """Thresholds of polygons, of what is glued, and of the search for gluings."""
+    """Thresholds of what is glued, and of the search for gluings."""
 
-    turn: float = threshold(
-        2e-15, "sum of coordinates", "Twice the area of a triangle with corners in line, up to rounding."
-    )
     same_length: float = threshold(
         1e-9, "relative", "Difference of one length in coordinates that were typed with ten digits."
     )

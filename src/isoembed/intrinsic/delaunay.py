@@ -2,7 +2,8 @@
 
 What an edge is flipped for, and what else there is to a flip, is a rule: a named tuple of arrays whose type
 chooses, when the loop is compiled, the function that was made its `attempt`.  That costs nothing, and unlike
-a loop that takes a function, or a closure over one, the next process finds it in numba's cache.
+a loop that takes a function, or a closure over one, the next process finds it in numba's cache, where rules
+are known by their modules.
 """
 
 from collections.abc import Callable

@@ -7,7 +7,7 @@ from hypothesis import strategies as st
 from scipy.spatial import Delaunay
 
 from gluing_polygons import shoelace, star, twice_areas
-from isoembed.gluing.ears import triangulated
+from isoembed.intrinsic.ears import triangulated
 
 
 @given(seed=st.integers(0, 10**6), n=st.integers(3, 40))

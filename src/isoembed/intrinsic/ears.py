@@ -5,7 +5,6 @@ from typing import NamedTuple
 import numpy as np
 
 from isoembed.arrays import Floats, Indices, Mask
-from isoembed.gluing.plane import turn
 from isoembed.intrinsic.delaunay import (
     BLOCKED,
     DELAUNAY,
@@ -16,6 +15,7 @@ from isoembed.intrinsic.delaunay import (
 )
 from isoembed.intrinsic.flips import swap_diagonals
 from isoembed.intrinsic.halfedges import preceding
+from isoembed.intrinsic.plane import turn
 from isoembed.kernel import kernel
 from isoembed.thresholds import compiled
 

@@ -1,11 +1,23 @@
 """Orientation of three points of the plane."""
 
-from isoembed.arrays import Floats
-from isoembed.gluing.thresholds import GLUING
-from isoembed.kernel import kernel
-from isoembed.thresholds import compiled
+from dataclasses import dataclass
 
-_T = compiled(GLUING)
+from isoembed.arrays import Floats
+from isoembed.kernel import kernel
+from isoembed.thresholds import compiled, threshold
+
+
+@dataclass(frozen=True)
+class PlaneThresholds:
+    """Thresholds of points of the plane."""
+
+    turn: float = threshold(
+        2e-15, "sum of coordinates", "Twice the area of a triangle with corners in line, up to rounding."
+    )
+
+
+PLANE = PlaneThresholds()
+_T = compiled(PLANE)
 
 
 @kernel
