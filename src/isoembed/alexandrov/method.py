@@ -55,8 +55,10 @@ class Alexandrov(Method):
     Parameters
     ----------
     repair : float
-        Deficits that are negative by no more than this, radians, are lifted to zero by the smallest conformal
-        change of the lengths; the report says what changed.  By default only rounding is forgiven.
+        Deficits of no more than this, radians, are noise: vertices with them are made flat by the smallest
+        conformal change of the lengths, and the report says what changed.  Where deficits only little above
+        the noise show that so small ones belong to the body, only negative ones are lifted to zero.  By
+        default only rounding is forgiven.
     backend : {"superlu", "cholmod", "pardiso"}, optional
         Who factors the matrices; by default the fastest that is installed.
 

@@ -207,7 +207,7 @@ class ConvexPolyhedron(Embedding):
             "vertices": self.given.n_vertices,
             "edges": self.given.n_edges,
             "faces": self.given.n_faces,
-            "negative_deficits": 0 if self.repair is None else len(self.repair.vertices),
+            "negative_deficits": 0 if self.repair is None else int((self.repair.deficits < 0).sum()),
         }
         report["residual"]["paths"] = float(self.path_residuals.max())
         return report | {

@@ -41,7 +41,7 @@ def configure(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--repair",
         metavar="NOISE",
-        help="with --method alexandrov: lift deficits that are negative by at most so many radians to zero, "
+        help="with --method alexandrov: deficits of at most so many radians are noise, and are made zero "
         "by the smallest conformal change of the lengths",
     )
     parser.add_argument(

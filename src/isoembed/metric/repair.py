@@ -1,14 +1,26 @@
-"""Deficits that noise made negative, repaired by the smallest conformal change of the lengths.
+"""Deficits within the noise, repaired by the smallest conformal change of the lengths.
 
-The edge from i to j becomes ``l_ij exp((u_i + u_j) / 2)``.  To first order in the factors u the deficits
-become ``delta + H u``, where H is the Laplacian with cotangent weights.  Wanted are factors ``u >= 0`` for
-which no deficit is negative, and which vanish where a deficit is left positive: the negative curvature is
-filled up from the nearest positive curvature, and lengths farther away stay as they are.
+A vertex inside a face or an edge of a polyhedron has no deficit; errors of the lengths leave it one of either
+sign.  The edge from i to j becomes ``l_ij exp((u_i + u_j) / 2)``.  To first order in the factors u the
+deficits become ``delta + H u``, where H is the Laplacian with cotangent weights.  With F the vertices that
+are to be flat, wanted are factors with
 
-This is a linear complementarity problem.  On a Delaunay triangulation H is an M-matrix, and of all factors
-``u >= 0`` without negative deficits the solution is the smallest at every vertex at once (Cottle, Pang and
-Stone, The Linear Complementarity Problem, 1992, section 3.11).  As equal factors only change the unit, no
-other conformal change without negative deficits has factors that differ less, ``max u - min u``.
+    (delta + H u)_i = 0                                                      at i in F,
+    u_i >= 0,  (delta + H u)_i >= 0,  and one of the two is zero             at all others.
+
+Curvature that is missing, or too much, is exchanged with the nearest vertices that keep a deficit; lengths
+farther away stay as they are.  Which vertices are to be flat the deficits tell: if those above the noise are
+all larger by far than those within, then F is the vertices within.  If not, deficits of that size belong to
+the body, F is empty, and only negative deficits are lifted.
+
+This is a mixed linear complementarity problem.  Once it is known where the deficits become zero, it is
+Poisson's equation there, with u = 0 elsewhere.  Of all factors that make just these deficits zero, the
+solution has the least Dirichlet energy ``u^T H u`` (Pinkall and Polthier, Computing discrete minimal surfaces
+and their conjugates, Experimental Mathematics 2, 1993): at the least, ``H u = H w`` with multipliers w that
+vanish elsewhere, so u is w up to a constant, which only changes the unit.  On a Delaunay triangulation H is
+an M-matrix, and of all factors that make the deficits in F zero and none negative, and are not negative
+elsewhere, the solution is the smallest at every vertex at once (Cottle, Pang and Stone, The Linear
+Complementarity Problem, 1992, section 3.11).
 """
 
 import math
@@ -18,7 +30,7 @@ from typing import TypeVar, cast
 import numpy as np
 from scipy.sparse import csc_array
 
-from isoembed.arrays import Floats, Indices
+from isoembed.arrays import Floats, Indices, Mask
 from isoembed.errors import InvalidMetric, InvalidParameter
 from isoembed.linalg import SingularMatrix, factor_general
 from isoembed.mesh.triangulation import frozen
@@ -39,6 +51,8 @@ class RepairThresholds:
     newton_steps: int = threshold(20, "steps", "Far beyond what small deficits need: each squares the error.")
     blocks: int = threshold(10, "exchanges", "Of many vertices that may fail to help before single ones.")
     exchanges: int = threshold(200, "exchanges", "Far beyond what a Delaunay triangulation needs.")
+    gap: float = threshold(30.0, "relative", "Deficits of this many times those within the noise are none.")
+    gain: float = threshold(0.5, "relative", "A step that leaves more of the errors ends at rounding.")
 
 
 REPAIR = RepairThresholds()
@@ -51,11 +65,11 @@ class Repair:
     Attributes
     ----------
     vertices : ndarray of int64, shape (k,)
-        Those whose deficits were negative beyond rounding.
+        Those whose deficits, beyond rounding, were to be zero or were negative.
     deficits : ndarray, shape (k,)
         What they were, radians.
     factors : ndarray, shape (V,)
-        The conformal factors u; not negative.
+        The conformal factors u.
     largest_change : float
         Of a length, relative.
     """
@@ -67,8 +81,8 @@ class Repair:
 
     @property
     def largest_factor(self) -> float:
-        """The largest of `factors`."""
-        return float(self.factors.max())
+        """The largest of `factors` in size."""
+        return float(np.abs(self.factors).max())
 
     def as_json(self) -> dict[str, object]:
         """What changed, for a report."""
@@ -81,7 +95,7 @@ class Repair:
 
 
 def repaired(metric: Metric, noise: float) -> tuple[Metric, Repair]:
-    """Lift the deficits that are negative, but not below the noise, to zero.
+    """Flatten vertices whose deficits are within the noise, or at least lift negative deficits to zero.
 
     Parameters
     ----------
@@ -92,7 +106,8 @@ def repaired(metric: Metric, noise: float) -> tuple[Metric, Repair]:
     Returns
     -------
     metric : as given
-        The same triangles, with deficits that are negative by rounding only; the metric itself if it was so.
+        The same triangles, with deficits that are negative by rounding only, and as small as that where they
+        were within the noise, if all others are larger by far; the metric itself if it was so.
     repair : Repair
 
     Raises
@@ -108,41 +123,55 @@ def repaired(metric: Metric, noise: float) -> tuple[Metric, Repair]:
     before = given.deficits
     rounding = deficit_rounding(given.faces, given.face_lengths)
     check_convex(before, np.maximum(rounding, noise))
-    negative = np.flatnonzero(before < -rounding)
+    flat = _to_be_flat(before, noise)
+    changed = np.where(flat, np.abs(before), -before) > rounding
     u = np.zeros(given.n_vertices)
-    result = metric
+    result, left = metric, math.inf
     for _ in range(REPAIR.newton_steps):
         current = GluedMetric.of(result)
         delta = current.deficits
-        if (delta >= -deficit_rounding(current.faces, current.face_lengths)).all():
+        errors = np.where(flat, np.abs(delta), -delta)
+        before_step, left = left, max(float(errors.max()), 0.0)
+        allowed = deficit_rounding(current.faces, current.face_lengths)
+        if (errors <= allowed).all() and (not changed.any() or left >= REPAIR.gain * before_step):
             change = float(np.abs(current.face_lengths / given.face_lengths - 1).max())
-            return result, Repair(frozen(negative), frozen(before[negative]), frozen(u), change)
+            vertices = np.flatnonzero(changed)
+            return result, Repair(frozen(vertices), frozen(before[vertices]), frozen(u), change)
         H = cotangent_laplacian(current)
         try:
-            u = _least_factors(H, delta - H @ u, rounding / 2)
+            u = _least_factors(H, delta - H @ u, rounding / 2, flat)
             result = _rescaled(metric, u)
         except (SingularMatrix, InvalidMetric):
             break
-    v = int(np.argmin(before))
+    v = int(np.argmax(np.where(changed, np.abs(before), 0.0)))
     raise InvalidMetric(
-        f"vertex {v} has total angle {2 * np.pi - before[v]:.10g} > 2 pi (deficit {before[v]:.3g}): "
+        f"vertex {v} has total angle {2 * np.pi - before[v]:.10g} (deficit {before[v]:.3g}): "
         "that is too much to be repaired by a conformal change"
     )
 
 
-def _least_factors(H: csc_array, delta: Floats, slack: Floats) -> Floats:
+def _to_be_flat(deficits: Floats, noise: float) -> Mask:
+    """All vertices within the noise, if the deficits of the others are larger by far; otherwise none."""
+    within = np.abs(deficits) <= noise
+    if within.all() or deficits[~within].min() < REPAIR.gap * np.abs(deficits[within]).max(initial=0.0):
+        return np.zeros_like(within)
+    return within
+
+
+def _least_factors(H: csc_array, delta: Floats, slack: Floats, flat: Mask) -> Floats:
     """Find ``u >= 0`` with ``H u + delta >= -slack``, where u is not zero equal to zero; shape (V,).
 
-    By exchanging many vertices at a time, which on a Delaunay triangulation only adds to those with positive
-    factors; one by one where that does not help (Judice and Pires, A block principal pivoting algorithm for
-    large-scale strictly monotone linear complementarity problems, Computers Ops. Res. 21, 1994).
+    Where a vertex is to be flat, u may have either sign, and ``H u + delta`` is zero.  By exchanging many
+    vertices at a time, which on a Delaunay triangulation only adds to those with positive factors; one by one
+    where that does not help (Judice and Pires, A block principal pivoting algorithm for large-scale strictly
+    monotone linear complementarity problems, Computers Ops. Res. 21, 1994).
     """
-    lifted = delta < -slack
+    lifted = flat | (delta < -slack)
     fewest, left = lifted.size + 1, REPAIR.blocks
     for _ in range(REPAIR.exchanges):
         u = np.zeros(delta.size)
         u[lifted] = factor_general(H[lifted][:, lifted]).solve(-delta[lifted])
-        wrong = np.where(lifted, u < 0, H @ u + delta < -slack)
+        wrong = ~flat & np.where(lifted, u < 0, H @ u + delta < -slack)
         count = int(wrong.sum())
         if count == 0:
             break
