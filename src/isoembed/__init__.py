@@ -26,6 +26,7 @@ _HOME = {
     "PolyhedralMetric": "isoembed.metric.polyhedral",
     "GluedMetric": "isoembed.metric.glued",
     "glue": "isoembed.gluing.net",
+    "unfold": "isoembed.gluing.unfolding",
     "Embedding": "isoembed.surface.embedding",
     "FittedSurface": "isoembed.surface.fitted",
     "embed": "isoembed._embed",
@@ -52,6 +53,7 @@ if TYPE_CHECKING:
     from isoembed.errors import NoMinimum as NoMinimum
     from isoembed.errors import NotEmbedded as NotEmbedded
     from isoembed.gluing.net import glue as glue
+    from isoembed.gluing.unfolding import unfold as unfold
     from isoembed.mesh.triangulation import Triangulation as Triangulation
     from isoembed.metric.glued import GluedMetric as GluedMetric
     from isoembed.metric.polyhedral import PolyhedralMetric as PolyhedralMetric

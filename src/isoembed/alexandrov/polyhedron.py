@@ -5,8 +5,6 @@ from functools import cached_property
 from typing import Any, ClassVar, Self
 
 import numpy as np
-from scipy.sparse import coo_array
-from scipy.sparse.csgraph import connected_components
 
 from isoembed.alexandrov.certificate import Certificate, certify
 from isoembed.arrays import Floats, Indices, Mask
@@ -19,6 +17,7 @@ from isoembed.metric.polyhedral import PolyhedralMetric
 from isoembed.metric.repair import Repair
 from isoembed.surface.curvature import DIHEDRAL, dihedral_angles
 from isoembed.surface.embedding import Embedding
+from isoembed.surface.flat_faces import flat_faces, outlines
 from isoembed.surface.measures import face_areas
 
 
@@ -123,11 +122,7 @@ class ConvexPolyhedron(Embedding):
 
         Triangles are in one face where the dihedral angle between them is below 1e-7 radians.
         """
-        t = self.triangulation
-        inside = np.flatnonzero(~self._creased)
-        pairs = (inside // 3, t.twins[inside] // 3)
-        graph = coo_array((np.ones(inside.size), pairs), shape=(t.n_faces, t.n_faces))
-        return frozen(connected_components(graph)[1].astype(np.int64))
+        return frozen(flat_faces(self.triangulation, self._creased))
 
     @cached_property
     def polygons(self) -> tuple[Indices, ...]:
@@ -135,26 +130,11 @@ class ConvexPolyhedron(Embedding):
 
         Flat vertices on an edge of the polyhedron are in the outlines, those inside a face are not.
         """
-        t = self.triangulation
-        start, creased = t.faces.ravel(), self._creased
-        halfedge = np.arange(start.size)
-        following = halfedge + np.where(halfedge % 3 == 2, -2, 1)
-        # At the end of a half-edge of the outline, turn around to the next: past all edges that are flat.
-        outline_edges = np.flatnonzero(creased)
-        successor = following.copy()
-        while (inside := outline_edges[~creased[successor[outline_edges]]]).size:
-            successor[inside] = following[t.twins[successor[inside]]]
-        outlines: list[Indices] = [np.zeros(0, dtype=np.int64)] * (int(self.face_polygons.max()) + 1)
-        seen = ~creased
-        for h in outline_edges.tolist():
-            outline = []
-            while not seen[h]:
-                seen[h] = True
-                outline.append(start[h])
-                h = int(successor[h])
-            if outline:
-                outlines[self.face_polygons[h // 3]] = frozen(np.array(outline))
-        return tuple(outlines)
+        start, faces = self.faces.ravel(), self.face_polygons
+        polygons: list[Indices] = [np.zeros(0, dtype=np.int64)] * (int(faces.max()) + 1)
+        for way in outlines(self.triangulation, self._creased):
+            polygons[faces[way[0] // 3]] = frozen(start[way])
+        return tuple(polygons)
 
     @cached_property
     def _creased(self) -> Mask:

@@ -1,18 +1,20 @@
 """Paper to metric: planar polygons whose sides are identified make a polyhedral metric on the sphere.
 
-`glue` is the room's verb and `Net` its noun; zipped polygons, pita forms, D-forms and the search for all
-edge-to-edge gluings of a polygon stand on them.
+`glue` is the room's verb and `Net` its noun; `unfold` leads back, from a solid to paper.  Zipped polygons,
+pita forms, D-forms and the search for all edge-to-edge gluings of a polygon stand on them.
 """
 
 from isoembed.gluing.forms import dform, pita, zipped
 from isoembed.gluing.net import Net, glue
 from isoembed.gluing.outlines import Ellipse, Stadium, circle, rectangle, regular_polygon, triangle
 from isoembed.gluing.search import edge_gluings
+from isoembed.gluing.unfolding import Unfolding, unfold
 
 __all__ = [
     "Ellipse",
     "Net",
     "Stadium",
+    "Unfolding",
     "circle",
     "dform",
     "edge_gluings",
@@ -21,5 +23,6 @@ __all__ = [
     "rectangle",
     "regular_polygon",
     "triangle",
+    "unfold",
     "zipped",
 ]

@@ -10,7 +10,7 @@ from numpy.typing import ArrayLike
 
 from isoembed.arrays import Floats, Indices
 from isoembed.errors import InvalidMetric
-from isoembed.intrinsic.plane import turn
+from isoembed.intrinsic.plane import folds, meet
 from isoembed.kernel import kernel
 from isoembed.mesh.triangulation import frozen
 
@@ -61,9 +61,8 @@ class Polygon:
             raise InvalidMetric(
                 f"side {k} of polygon {index} has no length: its ends are both at {corners[k].tolist()}"
             )
-        unit = float(np.ptp(corners, axis=0).max())
-        shape = (corners - corners.min(axis=0)) / unit
-        first, second = _meeting(shape, np.argsort(_left_ends(shape), kind="stable"))
+        shape = (corners - corners.min(axis=0)) / float(np.ptp(corners, axis=0).max())
+        first, second = meeting_sides(shape)
         if first >= 0:
             raise InvalidMetric(
                 f"polygon {index} is not simple: sides {min(first, second)} and {max(first, second)} meet"
@@ -144,13 +143,18 @@ def side_lengths(points: Floats) -> Floats:
     return np.asarray(np.hypot(*(np.roll(points, -1, axis=0) - points).T))
 
 
-def _left_ends(points: Floats) -> Floats:
-    return np.minimum(points[:, 0], np.roll(points[:, 0], -1))
+def meeting_sides(points: Floats) -> tuple[int, int]:
+    """Two sides of a closed polygon, of the size of 1 at most, that meet elsewhere than in a common corner.
+
+    Those that fold back there meet, too; (-1, -1) if none do, and the polygon is simple.
+    """
+    left_ends = np.minimum(points[:, 0], np.roll(points[:, 0], -1))
+    return _meeting(points, np.argsort(left_ends, kind="stable"))
 
 
 @kernel
 def _meeting(points: Floats, order: Indices) -> tuple[int, int]:
-    """Two sides that meet elsewhere than in a common corner, or fold back there; (-1, -1) if none do.
+    """As `meeting_sides`.
 
     The sides come in the order of their left ends, and each is compared with those that begin before it ends.
     """
@@ -159,27 +163,17 @@ def _meeting(points: Floats, order: Indices) -> tuple[int, int]:
         i = order[k]
         a, b = points[i], points[(i + 1) % n]
         right = max(a[0], b[0])
-        low, high = min(a[1], b[1]), max(a[1], b[1])
         for m in range(k + 1, n):
             j = order[m]
             c, d = points[j], points[(j + 1) % n]
             if min(c[0], d[0]) > right:
                 break
-            if min(c[1], d[1]) > high or max(c[1], d[1]) < low:
-                continue
             if j == (i + 1) % n:
-                if _folds(a, b, d):
+                if folds(a, b, d):
                     return i, j
             elif i == (j + 1) % n:
-                if _folds(c, d, b):
+                if folds(c, d, b):
                     return i, j
-            elif turn(a, b, c) * turn(a, b, d) <= 0 and turn(c, d, a) * turn(c, d, b) <= 0:
+            elif meet(a, b, c, d):
                 return i, j
     return -1, -1
-
-
-@kernel
-def _folds(a: Floats, b: Floats, c: Floats) -> bool:
-    """Whether the way from a to b is gone back to c."""
-    back = (b[0] - a[0]) * (c[0] - b[0]) + (b[1] - a[1]) * (c[1] - b[1]) < 0
-    return back and turn(a, b, c) == 0

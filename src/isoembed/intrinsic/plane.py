@@ -1,4 +1,4 @@
-"""Orientation of three points of the plane."""
+"""Points of the plane: on which side one lies, and whether segments meet."""
 
 from dataclasses import dataclass
 
@@ -30,3 +30,20 @@ def turn(a: Floats, b: Floats, c: Floats) -> float:
     u, v = c[0] - a[0], c[1] - a[1]
     area = x * v - y * u
     return area if abs(area) > _T.turn * (abs(x) + abs(y) + abs(u) + abs(v)) else 0.0
+
+
+@kernel
+def meet(a: Floats, b: Floats, c: Floats, d: Floats) -> bool:
+    """Whether the segments from a to b and from c to d touch or cross, up to rounding."""
+    if max(a[0], b[0]) < min(c[0], d[0]) or max(c[0], d[0]) < min(a[0], b[0]):
+        return False
+    if max(a[1], b[1]) < min(c[1], d[1]) or max(c[1], d[1]) < min(a[1], b[1]):
+        return False
+    return turn(a, b, c) * turn(a, b, d) <= 0 and turn(c, d, a) * turn(c, d, b) <= 0
+
+
+@kernel
+def folds(a: Floats, b: Floats, c: Floats) -> bool:
+    """Whether the way from a to b is gone back to c."""
+    back = (b[0] - a[0]) * (c[0] - b[0]) + (b[1] - a[1]) * (c[1] - b[1]) < 0
+    return back and turn(a, b, c) == 0

@@ -1,0 +1,111 @@
+"""The true faces of a surface as polygons of the plane, and which of their sides are glued."""
+
+from typing import NamedTuple
+
+import numpy as np
+
+from isoembed.arrays import Floats, Indices, Mask
+from isoembed.gluing.polygon import meeting_sides
+from isoembed.mesh.triangulation import Triangulation
+from isoembed.surface.curvature import DIHEDRAL, dihedral_angles
+from isoembed.surface.flat_faces import flat_faces, outlines
+from isoembed.surface.measures import face_normals
+
+
+class Faces(NamedTuple):
+    """Simple polygons, counterclockwise seen from outside, as tables over the sides of all in a row.
+
+    Attributes
+    ----------
+    first : ndarray of int, shape (n + 1,)
+        The first side of each face, and the number of sides.
+    corners : ndarray of int, shape (S,)
+        The vertex at which each side begins.
+    points : ndarray, shape (S, 2)
+        Where that lies, in the plane of the face.
+    twins : ndarray of int, shape (S,)
+        The side that each is glued to, which runs the other way.
+    angles : ndarray, shape (S,)
+        The exterior dihedral angle there: positive where the surface is convex, 0 where it is flat.
+    """
+
+    first: Indices
+    corners: Indices
+    points: Floats
+    twins: Indices
+    angles: Floats
+
+
+def true_faces(triangulation: Triangulation, vertices: Floats) -> Faces:
+    """The faces of a surface: triangles joined where it is flat, sides where two of them end in line.
+
+    A face that has holes, or whose outline meets itself, stays in triangles.
+
+    Parameters
+    ----------
+    triangulation : Triangulation
+    vertices : ndarray, shape (V, 3)
+        So scaled that nothing under- or overflows.
+    """
+    t = triangulation
+    bend = dihedral_angles(t, vertices)[t.face_edges.ravel()]
+    creased = np.abs(bend) > DIHEDRAL.flat
+    faces = flat_faces(t, creased)
+    creased |= np.repeat(_no_polygons(t, vertices, creased, faces)[faces], 3)
+    straight = _straight(t, vertices, creased)
+    start, normals = t.faces.ravel(), face_normals(t.faces, vertices)
+    faces = flat_faces(t, creased)
+    upward = np.column_stack([np.bincount(faces, normals[:, k]) for k in range(3)])
+    sides: list[int] = []
+    first, last, points = [0], [], []
+    for way in outlines(t, creased):
+        kept = [k for k, h in enumerate(way) if not straight[start[h]]]
+        sides += [way[k] for k in kept]
+        last += [way[k - 1] for k in (*kept[1:], kept[0])]
+        first.append(len(sides))
+        points.append(_flattened(vertices[start[sides[first[-2] :]]], upward[faces[way[0] // 3]]))
+    number = np.full(start.size, -1)
+    number[sides] = np.arange(len(sides))
+    return Faces(
+        np.array(first), start[sides], np.concatenate(points), number[t.twins[last]], bend[sides].copy()
+    )
+
+
+def _no_polygons(t: Triangulation, vertices: Floats, creased: Mask, faces: Indices) -> Mask:
+    """Which faces have holes or an outline that meets itself."""
+    start, normals = t.faces.ravel(), face_normals(t.faces, vertices)
+    upward = np.column_stack([np.bincount(faces, normals[:, k]) for k in range(3)])
+    ways = outlines(t, creased)
+    owners = np.array([faces[way[0] // 3] for way in ways])
+    wrong = np.bincount(owners, minlength=len(upward)) != 1
+    for way, face in zip(ways, owners.tolist(), strict=True):
+        if len(way) > 3:
+            flat = _flattened(vertices[start[way]], upward[face])
+            size = np.ptp(flat, axis=0).max()
+            wrong[face] |= meeting_sides((flat - flat.min(axis=0)) / size)[0] >= 0
+    return wrong
+
+
+def _straight(t: Triangulation, vertices: Floats, creased: Mask) -> Mask:
+    """Vertices at which two creases end that are in line, shape (V,)."""
+    start, end = t.faces.ravel(), np.roll(t.faces, -1, axis=1).ravel()
+    rim = np.flatnonzero(creased)
+    rim = rim[np.argsort(start[rim], kind="stable")]
+    passed = np.bincount(start[rim], minlength=t.n_vertices) == 2
+    pairs = end[rim[passed[start[rim]]]].reshape(-1, 2)
+    here = np.flatnonzero(passed)
+    to, onward = vertices[here] - vertices[pairs[:, 0]], vertices[pairs[:, 1]] - vertices[here]
+    turned = np.arctan2(np.linalg.norm(np.cross(to, onward), axis=1), (to * onward).sum(axis=1))
+    straight = np.zeros(t.n_vertices, dtype=np.bool_)
+    straight[here[turned <= DIHEDRAL.flat]] = True
+    return straight
+
+
+def _flattened(points: Floats, normal: Floats) -> Floats:
+    """Points of a plane with this normal in coordinates of their own, seen from its end, shape (n, 2)."""
+    normal = normal / np.linalg.norm(normal)
+    along = np.zeros(3)
+    along[np.argmin(np.abs(normal))] = 1.0
+    along -= (along @ normal) * normal
+    along /= np.linalg.norm(along)
+    return (points - points[0]) @ np.column_stack([along, np.cross(normal, along)])

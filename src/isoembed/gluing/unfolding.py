@@ -1,0 +1,155 @@
+"""Solid to paper: a surface cut along edges and unfolded into sheets that do not overlap."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+
+from isoembed.arrays import Floats, Indices
+from isoembed.gluing.faces import Faces, true_faces
+from isoembed.gluing.net import Net, glue
+from isoembed.gluing.sheets import joined
+from isoembed.mesh.triangulation import frozen
+from isoembed.surface.embedding import Embedding
+from isoembed.thresholds import threshold
+
+
+@dataclass(frozen=True)
+class UnfoldingThresholds:
+    """Thresholds of the search for a net without overlaps."""
+
+    tries: int = threshold(300, "count", "Directions that are tried to unfold a surface into one sheet.")
+    seed: int = threshold(0, "seed", "Of the directions.")
+
+
+UNFOLDING = UnfoldingThresholds()
+
+
+@dataclass(frozen=True, eq=False)
+class Unfolding:
+    """The surface of a solid cut into sheets of paper: `unfold` makes it.
+
+    Attributes
+    ----------
+    sheets : tuple of ndarray, shape (n, 2)
+        The outline of each, counterclockwise, as one sees it from outside, in the unit of the solid.
+    corners : tuple of ndarray of int64, shape (n,)
+        The vertex of the surface that each corner is.
+    sides : tuple of pairs
+        Which sides ``((p, k), (q, m))`` were cut apart, as `isoembed.glue` takes them.
+    folds : tuple of ndarray, shape (m, 2, 2)
+        The ends of the folds of each sheet.
+    angles : tuple of ndarray, shape (m,)
+        By how much to fold, radians: positive where the solid is convex.
+    """
+
+    sheets: tuple[Floats, ...]
+    corners: tuple[Indices, ...]
+    sides: tuple[tuple[tuple[int, int], tuple[int, int]], ...]
+    folds: tuple[Floats, ...]
+    angles: tuple[Floats, ...]
+
+    def __repr__(self) -> str:
+        sheets = "1 sheet" if len(self.sheets) == 1 else f"{len(self.sheets)} sheets"
+        folds = sum(map(len, self.folds))
+        return f"Unfolding({sheets}, {len(self.sides)} pairs of sides, {folds} folds)"
+
+    @cached_property
+    def net(self) -> Net:
+        """The sheets glued: the metric of the solid, from paper."""
+        return glue(self.sheets, self.sides)
+
+
+def unfold(surface: Embedding) -> Unfolding:
+    """Cut a surface along edges and unfold it into the plane, in one sheet if such a net is found.
+
+    The cuts lead from every vertex along its steepest edge upward, for one direction after the other, until
+    a sheet does not overlap; almost all directions do for a convex body of a few faces.  Where none does, the
+    sheets of the best one are kept, each as large as it gets.  The same surface has the same net every time.
+
+    Parameters
+    ----------
+    surface : Embedding
+        Its vertices count, not its metric.  Triangles in one plane are one face.
+
+    Returns
+    -------
+    Unfolding
+
+    References
+    ----------
+    Schlickenrieder, Nets of polyhedra, Technische Universitaet Berlin, 1997.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> from isoembed import PolyhedralMetric, embed
+    >>> tetrahedron = embed(PolyhedralMetric([[0, 1, 2], [0, 2, 3], [0, 3, 1], [1, 3, 2]], np.ones(6)))
+    >>> unfold(tetrahedron)
+    Unfolding(1 sheet, 3 pairs of sides, 3 folds)
+    """
+    unit = surface.metric.unit
+    vertices = surface.vertices / unit
+    faces = true_faces(surface.triangulation, vertices)
+    steps = vertices[faces.corners[faces.twins]] - vertices[faces.corners]
+    lengths = np.linalg.norm(steps, axis=1)
+    size = float(np.ldexp(1.0, int(np.frexp(lengths.sum())[1])))
+    small = faces._replace(points=faces.points / size)
+    rng = np.random.default_rng(UNFOLDING.seed)
+    fewest, best = len(steps), None
+    for _ in range(UNFOLDING.tries):
+        points, after, sheets = joined(small, _order(faces, steps / lengths[:, None], rng.normal(size=3)))
+        count = len(np.unique(sheets))
+        if count < fewest:
+            fewest, best = count, (points * size * unit, after, sheets)
+        if count == 1:
+            break
+    assert best is not None  # there are more sides than faces
+    return _cut_out(faces, *best)
+
+
+def _order(faces: Faces, directions: Floats, up: Floats) -> Indices:
+    """Sides, those first across which the faces should stay together."""
+    slopes = directions @ (up / np.linalg.norm(up))
+    along = np.abs(slopes)
+    # Of the sides that begin at a vertex, the steepest is cut.
+    by_slope = np.lexsort([slopes, faces.corners])
+    last = np.append(np.diff(faces.corners[by_slope]) != 0, True)
+    cut = by_slope[last]
+    cut = cut[slopes[cut] > 0]
+    along[cut] += 1.0
+    along[faces.twins[cut]] += 1.0
+    along[faces.angles == 0] = -1.0
+    order = np.argsort(along, kind="stable")
+    return order[order < faces.twins[order]]
+
+
+def _cut_out(faces: Faces, points: Floats, after: Indices, sheets: Indices) -> Unfolding:
+    """What is left: outlines, identified sides and folds."""
+    outlines = []
+    place: dict[int, tuple[int, int]] = {}
+    every = np.unique(sheets).tolist()
+    for p, sheet in enumerate(every):
+        s = start = int(np.flatnonzero((sheets == sheet) & (after >= 0))[0])
+        outline: list[int] = []
+        while not outline or s != start:
+            place[s] = p, len(outline)
+            outline.append(s)
+            s = int(after[s])
+        outlines.append(outline)
+    twins = faces.twins.tolist()
+    sides = tuple((place[s], place[twins[s]]) for s in place if place[s] < place[twins[s]])
+    number = np.arange(len(after))
+    ends = np.roll(number, -1)
+    ends[faces.first[1:] - 1] = faces.first[:-1]
+    inside = (after < 0) & (number < faces.twins) & (faces.angles != 0)
+    folds = [np.flatnonzero(inside & (sheets == sheet)) for sheet in every]
+    return Unfolding(
+        tuple(frozen(points[outline]) for outline in outlines),
+        tuple(frozen(faces.corners[outline]) for outline in outlines),
+        sides,
+        tuple(frozen(np.stack([points[some], points[ends[some]]], axis=1)) for some in folds),
+        tuple(frozen(faces.angles[some]) for some in folds),
+    )

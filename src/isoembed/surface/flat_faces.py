@@ -1,0 +1,53 @@
+"""Flat faces of a triangulated surface: triangles joined where no crease is between them."""
+
+import numpy as np
+from scipy.sparse import coo_array
+from scipy.sparse.csgraph import connected_components
+
+from isoembed.arrays import Indices, Mask
+from isoembed.mesh.triangulation import Triangulation
+
+
+def outlines(triangulation: Triangulation, creased: Mask) -> list[list[int]]:
+    """Closed ways around the faces that creases bound.
+
+    Parameters
+    ----------
+    triangulation : Triangulation
+    creased : ndarray of bool, shape (3F,)
+        The half-edges on creases; with each its twin.
+
+    Returns
+    -------
+    list of list of int
+        The half-edges of each way, one after the other, with the face to their left.  A face with holes has
+        several.
+    """
+    t = triangulation
+    halfedge = np.arange(t.faces.size)
+    following = halfedge + np.where(halfedge % 3 == 2, -2, 1)
+    # At the end of a half-edge of an outline, turn around to the next: past all edges that are flat.
+    rim = np.flatnonzero(creased)
+    successor = following.copy()
+    while (inside := rim[~creased[successor[rim]]]).size:
+        successor[inside] = following[t.twins[successor[inside]]]
+    after, seen = successor.tolist(), ~creased
+    ways = []
+    for h in rim.tolist():
+        way = []
+        while not seen[h]:
+            seen[h] = True
+            way.append(h)
+            h = after[h]
+        if way:
+            ways.append(way)
+    return ways
+
+
+def flat_faces(triangulation: Triangulation, creased: Mask) -> Indices:
+    """The face that each triangle is part of, shape (F,), numbered in the order of their first triangles."""
+    t = triangulation
+    inside = np.flatnonzero(~creased)
+    pairs = (inside // 3, t.twins[inside] // 3)
+    graph = coo_array((np.ones(inside.size), pairs), shape=(t.n_faces, t.n_faces))
+    return np.asarray(connected_components(graph)[1], dtype=np.int64)
