@@ -1,0 +1,133 @@
+"""Solids unfolded: sheets without overlaps that, glued again, are the solid."""
+
+import numpy as np
+import pytest
+from scipy.spatial.distance import pdist
+
+import isoembed
+import zoo
+from exact import is_simple
+from gluing_polygons import shoelace
+from isoembed import Embedding, PolyhedralMetric
+from isoembed.gallery import BentTube, triangulate
+from isoembed.gluing import unfold
+from isoembed.metric.curvature import deficits
+
+
+def solid(vertices, faces):
+    metric = PolyhedralMetric.from_mesh(vertices, faces)
+    return Embedding(metric, vertices, method="given", tolerance=1e-10)
+
+
+def check_sheets(unfolding, surface):
+    """The sheets are simple, exactly, and counterclockwise; together they have the area of the surface."""
+    assert all(map(is_simple, unfolding.sheets))
+    areas = [shoelace(sheet) for sheet in unfolding.sheets]
+    assert min(areas) > 0
+    assert sum(areas) == pytest.approx(surface.area, rel=1e-12)
+
+
+def check_deficits(unfolding, surface):
+    """The net glued from the sheets has the deficits of the surface at the vertices that are there."""
+    given = np.zeros(surface.triangulation.n_vertices)
+    given[np.concatenate(unfolding.corners)] = unfolding.net.deficits[np.concatenate(unfolding.net.corners)]
+    assert given == pytest.approx(deficits(surface.metric), abs=1e-9)
+
+
+def check_again(unfolding, surface):
+    """Glued again and embedded, the sheets give the coordinates back, up to a motion."""
+    net = unfolding.net
+    again = isoembed.embed(net, method="alexandrov").vertices
+    of = dict(zip(np.concatenate(unfolding.corners), np.concatenate(net.corners), strict=True))
+    there = sorted(of)
+    apart = pdist(again[[of[v] for v in there]]) - pdist(surface.vertices[there])
+    assert np.abs(apart).max() < 1e-9 * pdist(surface.vertices).max()
+
+
+@pytest.mark.parametrize(
+    ("name", "faces"), [("tetrahedron", 4), ("cube", 6), ("octahedron", 8), ("icosahedron", 20)]
+)
+def test_platonic_solids(name, faces):
+    surface = solid(*getattr(zoo, name)())
+    unfolding = unfold(surface)
+    pairs = surface.triangulation.n_vertices - 1
+    assert repr(unfolding) == f"Unfolding(1 sheet, {pairs} pairs of sides, {faces - 1} folds)"
+    check_sheets(unfolding, surface)
+    check_again(unfolding, surface)
+    angle = {4: np.pi - np.arccos(1 / 3), 6: np.pi / 2, 8: np.arccos(1 / 3), 20: np.arccos(5**0.5 / 3)}[faces]
+    assert unfolding.angles[0] == pytest.approx(np.full(faces - 1, angle), rel=1e-12)
+
+
+@pytest.mark.parametrize("n", [8, 20, 60])
+def test_random_hulls(n):
+    surface = solid(*zoo.random_hull(n, n))
+    unfolding = unfold(surface)
+    assert len(unfolding.sheets) == 1
+    check_sheets(unfolding, surface)
+    check_again(unfolding, surface)
+
+
+def test_flat_vertices_make_no_difference():
+    surface = solid(*zoo.subdivided(*zoo.cube()))
+    unfolding = unfold(surface)
+    assert repr(unfolding) == "Unfolding(1 sheet, 7 pairs of sides, 5 folds)"
+    check_sheets(unfolding, surface)
+    check_again(unfolding, surface)
+
+
+def test_a_polyhedron_found_from_a_net():
+    square, rest = [[0, 0], [1, 0], [1, 1], [0, 1]], [[2, 0], [3, 0], [3, 1], [2, 1]]
+    flat = isoembed.embed(
+        isoembed.glue([square, rest], [((0, k), (1, 3 - k)) for k in range(4)]), method="alexandrov"
+    )
+    unfolding = unfold(flat)
+    assert repr(unfolding) == "Unfolding(1 sheet, 3 pairs of sides, 1 folds)"
+    assert unfolding.angles[0] == pytest.approx([np.pi])
+    check_sheets(unfolding, flat)
+
+
+@pytest.mark.parametrize("unit", [1e-150, 1e12])
+def test_any_unit(unit):
+    vertices, faces = zoo.random_hull(12, 1)
+    small, given = unfold(solid(vertices * unit, faces)), unfold(solid(vertices, faces))
+    assert small.sides == given.sides
+    assert small.sheets[0] / unit == pytest.approx(given.sheets[0], rel=1e-9, abs=1e-12)
+    assert small.net.deficits == pytest.approx(given.net.deficits, abs=1e-9)
+
+
+def test_the_same_every_time():
+    surface = solid(*zoo.random_hull(30, 2))
+    one, other = unfold(surface), unfold(surface)
+    assert all((a == b).all() for a, b in zip(one.sheets, other.sheets, strict=True))
+
+
+def test_a_surface_that_is_not_convex():
+    surface = solid(*triangulate(BentTube(), 150))
+    unfolding = unfold(surface)
+    assert min(map(np.min, unfolding.angles)) < 0
+    check_sheets(unfolding, surface)
+    check_deficits(unfolding, surface)
+
+
+def spiked(flat, spike):
+    """A unit cube with these triangles on top, over its corners 0 to 3, and with a spike."""
+    points = [[0, 0, 1], [1, 0, 1], [1, 1, 1], [0, 1, 1], [0, 0, 0], [1, 0, 0], [1, 1, 0], [0, 1, 0]]
+    points += [[0.5, 0.4, 1.5], [0.7, 0.3, 1], [0.5, 0.6, 1], [0.3, 0.3, 1]]
+    walls = [(k, 4 + k, 4 + (k + 1) % 4) for k in range(4)]
+    walls += [(k, 4 + (k + 1) % 4, (k + 1) % 4) for k in range(4)]
+    faces = np.array([*walls, (4, 7, 6), (4, 6, 5), *flat, *spike])
+    return solid(np.array(points, dtype=float)[: faces.max() + 1], faces)
+
+
+HOLE = [(0, 1, 9), (0, 9, 11), (1, 2, 9), (2, 10, 9), (2, 3, 10), (3, 0, 11), (3, 11, 10)]
+PINCH = [(0, 1, 9), (1, 2, 9), (2, 10, 9), (2, 3, 10), (3, 0, 10)]
+
+
+@pytest.mark.parametrize(("flat", "base"), [(HOLE, 11), (PINCH, 0)])
+def test_faces_with_a_hole_and_with_a_pinch_are_cut(flat, base):
+    surface = spiked(flat, [(base, 9, 8), (9, 10, 8), (10, base, 8)])
+    unfolding = unfold(surface)
+    check_sheets(unfolding, surface)
+    check_deficits(unfolding, surface)
+    assert sum(map(len, unfolding.folds)) <= 9 + 6 - 1  # no fold where it is flat
+    assert np.abs(np.concatenate(unfolding.angles)).min() > 0.1
