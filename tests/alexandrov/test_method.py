@@ -13,6 +13,7 @@ import isoembed
 import zoo
 from isoembed import Alexandrov, ConvexPolyhedron, GluedMetric, PolyhedralMetric, embed
 from isoembed.alexandrov import homotopy, placement
+from lost_edges import octahedron_with_a_lost_edge
 from scrambling import scramble
 
 
@@ -251,6 +252,17 @@ def test_the_report():
     assert report["residual"]["max"] >= report["residual"]["paths"]
     names = [stage["name"] for stage in report["stages"]]
     assert names == ["flat vertices", "polytope", "placement", "edge paths"]
+
+
+def test_an_edge_that_is_not_found():
+    lost = octahedron_with_a_lost_edge()
+    a, b = lost.edge_paths.ends[5]
+    assert lost.residual == np.inf and not lost.converged
+    assert lost.message.startswith(f"the given edge from vertex {a} to {b} was not found")
+    residual = lost.report["residual"]
+    assert residual["max"] is residual["paths"] is None
+    assert residual["mean"] < 1e-14
+    json.dumps(lost.report, allow_nan=False)
 
 
 def test_two_factorizations():

@@ -19,6 +19,8 @@ from isoembed.plot.browser.report import number
 from isoembed.plot.browser.thinning import thinned
 from isoembed.plot.film import FILM
 from isoembed.plot.page import write_page
+from lost_edges import octahedron_with_a_lost_edge
+from strict_json import strict
 
 
 class Elements(HTMLParser):
@@ -240,6 +242,16 @@ def test_a_convex_polyhedron(tmp_path):
     assert data["quantities"]
     assert "<caption>Polyhedron</caption>" in text
     assert "<caption>Certificate</caption>" in text
+
+
+def test_a_polyhedron_with_an_edge_that_is_not_found(tmp_path):
+    lost = octahedron_with_a_lost_edge()
+    write_page(tmp_path / "a.html", lost, frames=[Frame("answer", None, None, lost.vertices)])
+    text, elements, data, _ = read(tmp_path / "a.html")
+    assert data["frames"][-1]["residual"] is None
+    assert 'scope="row">along the given edges</th><td>\N{EN DASH}</td>' in text
+    link = next(attributes["href"] for _, attributes in elements.tags if attributes.get("id") == "json")
+    assert strict(base64.b64decode(link.partition(",")[2]))["residual"]["max"] is None
 
 
 def test_another_ending_is_refused(ellipsoid, tmp_path):

@@ -157,6 +157,15 @@ def test_scaling(scale):
     assert volume(faces, scale * vertices) / scale**3 == pytest.approx(volume(faces, vertices), rel=1e-12)
 
 
+def test_a_vertex_without_area_has_no_mean_curvature():
+    vertices, faces = (np.array(part) for part in zoo.icosphere(1))
+    around = np.unique(faces[(faces == 5).any(axis=1)])
+    vertices[around] = vertices[5]
+    found = vertex_mean_curvature(Triangulation(faces), vertices)
+    assert np.isnan(found[5])
+    assert np.isfinite(np.delete(found, around)).all()
+
+
 def test_the_parts_of_the_mean_curvature_add_up():
     vertices, faces = zoo.random_hull(40, 1)
     t = Triangulation(faces)

@@ -15,6 +15,7 @@ from isoembed.mesh.triangulation import Triangulation, frozen
 from isoembed.metric.glued import GluedMetric
 from isoembed.metric.polyhedral import PolyhedralMetric
 from isoembed.metric.repair import Repair
+from isoembed.strict_json import plain
 from isoembed.surface.curvature import DIHEDRAL, dihedral_angles
 from isoembed.surface.embedding import Embedding
 from isoembed.surface.flat_faces import flat_faces, outlines
@@ -189,7 +190,7 @@ class ConvexPolyhedron(Embedding):
             "faces": self.given.n_faces,
             "negative_deficits": 0 if self.repair is None else int((self.repair.deficits < 0).sum()),
         }
-        report["residual"]["paths"] = float(self.path_residuals.max())
+        report["residual"]["paths"] = plain(float(self.path_residuals.max()))
         return report | {
             "polyhedron": {
                 "vertices": self.triangulation.n_vertices - len(self.flat_vertices),

@@ -1,6 +1,5 @@
 """Words to the user: answers on standard output, complaints as one line on standard error."""
 
-import json
 import os
 import sys
 from contextlib import suppress
@@ -34,7 +33,9 @@ def print_out(text: str) -> None:
 
 def print_json(document: Any) -> None:
     """Print an answer as strict JSON."""
-    print_out(json.dumps(document, indent=2, allow_nan=False))
+    from isoembed.strict_json import strict_json  # loads numpy
+
+    print_out(strict_json(document, indent=2))
 
 
 def print_error(message: str) -> None:

@@ -14,7 +14,7 @@ def summary(embedding: Embedding) -> str:
         f"method      {report['method']}, tolerance {report['tolerance']:.0e}",
         f"input       {size['vertices']} vertices, {size['edges']} edges, {size['faces']} faces, "
         f"{size['negative_deficits']} negative deficits",
-        f"residual    {residual['max']:.2e} max, {residual['mean']:.2e} mean, {residual['std']:.2e} std "
+        f"residual    {_error(residual['max'])} max, {residual['mean']:.2e} mean, {residual['std']:.2e} std "
         "(in mean edge lengths)",
         f"convexity   {convexity['concave_edges']} concave edges, {convexity['inverted_vertices']} inverted "
         f"and {convexity['partially_inverted_vertices']} partially inverted vertices",
@@ -35,6 +35,10 @@ def summary(embedding: Embedding) -> str:
             for name, seconds, iterations, factorizations in rows
         ]
     return "\n".join(lines)
+
+
+def _error(value: float | None) -> str:
+    return "infinite" if value is None else f"{value:.2e}"
 
 
 def _number(value: float | None) -> str:

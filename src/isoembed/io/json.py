@@ -15,6 +15,7 @@ from isoembed.io.files import FileError, Tables
 from isoembed.io.format import Format
 from isoembed.io.input_file import InputFile
 from isoembed.io.text_scan import LONGEST, lines
+from isoembed.strict_json import strict_json
 
 ROWS = {"faces": "face", "edges": "edge", "vertices": "vertex"}
 PLAIN = {"lengths": "length"}
@@ -63,13 +64,12 @@ def parse(data: bytes, name: str) -> Tables:
 
 
 def write(path: Path, tables: Tables) -> None:
-    """Write named arrays."""
-    if not all(np.isfinite(table).all() for table in tables.values()):
-        raise ValueError("Out of range float values are not JSON compliant")
+    """Write named arrays; a number that is not finite is null."""
     with path.open("w", encoding="utf-8") as file:
         for k, (key, table) in enumerate(tables.items()):
             file.write(("{" if k == 0 else ", ") + json.dumps(key) + ": ")
-            file.writelines(_written(np.asarray(table)))
+            array = np.asarray(table)
+            file.writelines(_written(array) if np.isfinite(array).all() else [strict_json(array)])
         file.write("}\n")
 
 

@@ -1,6 +1,5 @@
 """Inspection of a metric: measures that matter to its embedding, and warnings that follow from them."""
 
-import math
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from typing import Any
@@ -16,6 +15,7 @@ from isoembed.metric.curvature import (
     gaussian_curvature,
 )
 from isoembed.metric.polyhedral import METRIC, PolyhedralMetric
+from isoembed.strict_json import plain
 from isoembed.thresholds import threshold
 
 
@@ -72,10 +72,7 @@ class Inspection:
     def report(self) -> dict[str, Any]:
         """Plain numbers for JSON: an entry a measure, and the warnings; what is not finite is None."""
         document: dict[str, Any] = {
-            measure.name.replace(" ", "_"): {
-                key: x if math.isfinite(x) else None for key, x in measure.values.items()
-            }
-            for measure in self.measures
+            measure.name.replace(" ", "_"): plain(measure.values) for measure in self.measures
         }
         document["warnings"] = [
             {"kind": warning.kind, "count": warning.count, "message": warning.text}

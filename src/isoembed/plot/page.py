@@ -2,7 +2,6 @@
 
 import base64
 import hashlib
-import json
 import os
 import re
 from collections.abc import Callable, Sequence
@@ -34,6 +33,7 @@ from isoembed.plot.quantity import (
     residual,
 )
 from isoembed.plot.view import Pose, camera
+from isoembed.strict_json import plain, strict_json
 from isoembed.surface.embedding import Embedding
 from isoembed.surface.measures import edge_lengths
 from isoembed.version import __version__
@@ -111,8 +111,8 @@ def _page(embedding: Embedding, title: str, *, frames: Sequence[Frame] = (), cap
         "script": script,
         "script hash": _hash(script),
         "report": report_html(report),
-        "json": base64.b64encode(json.dumps(report, indent=2).encode()).decode("ascii"),
-        "data": json.dumps(data, allow_nan=False).replace("<", r"\u003c"),  # nothing may end the element
+        "json": base64.b64encode(strict_json(report, indent=2).encode()).decode("ascii"),
+        "data": strict_json(data).replace("<", r"\u003c"),  # nothing may end the element
         "arrays": arrays,
     }
     return re.sub(r"\{\{([a-z ]+)\}\}", lambda match: parts[match[1]], page)
@@ -127,7 +127,7 @@ def _caption(embedding: Embedding) -> str:
     t, total = embedding.triangulation, embedding.integrated_mean_curvature
     words = [f"{t.n_vertices:,} vertices, {t.n_faces:,} triangles", f"∫ H dA = {number(total)}"]
     if not _is_its_own(embedding):
-        words.append(f"largest length error {number(embedding.residual)} of the mean edge")
+        words.append(f"largest length error {number(plain(embedding.residual))} of the mean edge")
     return " · ".join(words)
 
 
@@ -159,7 +159,7 @@ def _data(embedding: Embedding, frames: Sequence[Frame]) -> tuple[dict[str, Any]
     entries = []
     for frame in (earlier[k] for k in chosen[:-1]):
         surface = frame.surface(embedding)
-        told = {"stage": frame.stage, "t": frame.t, "residual": _known(frame.residual)}
+        told = {"stage": frame.stage, "t": frame.t, "residual": frame.residual}
         entries.append(told | entry(surface, packed.add_short, _on_the_way(surface)))
     told = {"stage": ANSWER, "t": frames[-1].t if frames else None, "residual": embedding.residual}
     entries.append(told | entry(embedding, packed.add_floats, shown))
@@ -185,11 +185,6 @@ def _why_alone(method: str) -> str:
     except InvalidParameter:  # it was passed as it is
         return ALONE
     return LEAPT if found.keeps_triangles and not found.shows_path else ALONE
-
-
-def _known(residual: float | None) -> float | None:
-    """None, too, where it is infinite: a path may lead through lengths that make no triangles."""
-    return residual if residual is not None and np.isfinite(residual) else None
 
 
 def _on_the_way(surface: Embedding) -> list[Quantity]:

@@ -49,10 +49,10 @@ class Pose:
         """The pose of a surface by its own axes."""
         center = vertices.mean(axis=0)
         centered = vertices - center
-        largest = float(np.abs(centered).max())
+        largest = float(np.abs(centered).max()) or 1.0  # all may be one point
         centered /= largest
         axes = _principal_axes(centered)
-        return cls(center, axes, largest * float(np.linalg.norm(centered, axis=1).max()))
+        return cls(center, axes, largest * float(np.linalg.norm(centered, axis=1).max()) or 1.0)
 
     def put(self, vertices: Floats) -> Floats:
         """The vertices, (V, 3), along long, middle and short axis."""
@@ -140,8 +140,8 @@ class View:
 
     @property
     def extent(self) -> tuple[Floats, Floats]:
-        """The lower left and the upper right corner of what is seen."""
-        points = self.polygons.reshape(-1, 2)
+        """The lower left and the upper right corner of what is seen, or might be if there were any."""
+        points = self.polygons.reshape(-1, 2) if self.polygons.size else np.array([[-1.0, -1.0], [1.0, 1.0]])
         return points.min(axis=0), points.max(axis=0)
 
     def shade(self, colors: Floats) -> Floats:

@@ -1,7 +1,5 @@
 """All studies one after the other, and the folder that they go into: a report, figures and numbers."""
 
-import json
-import math
 import os
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
@@ -9,13 +7,13 @@ from pathlib import Path
 from time import perf_counter
 from typing import Any
 
-import numpy as np
 from threadpoolctl import threadpool_limits
 
 from isoembed.errors import NotEmbedded
 from isoembed.io.files import FileError, Writer, write_atomically
 from isoembed.io.registry import check_output
 from isoembed.plot.picture import check_drawable
+from isoembed.strict_json import strict_json
 from isoembed.studies import (
     accuracy,
     embedding_tree,
@@ -162,7 +160,7 @@ def reproduce(
     files = {
         f"{FIGURES}/{name}{image.ending}": image.data for one in made for name, image in one.images.items()
     }
-    files[NUMBERS] = (json.dumps(_numbers(made, plan), indent=2, allow_nan=False) + "\n").encode()
+    files[NUMBERS] = (strict_json(_numbers(made, plan), indent=2) + "\n").encode()
     files[REPORT] = page(made, plan).encode()
     write_atomically({folder / name: _bytes(data) for name, data in files.items()})
     for one in made:
@@ -203,22 +201,11 @@ def _numbers(made: Sequence[Made], plan: str) -> dict[str, Any]:
         "sections": {
             one.name: {
                 "title": one.section.title,
-                "sizes": _plain(one.sizes),
+                "sizes": one.sizes,
                 "seconds": round(one.seconds, 3),
                 "comparisons": [vars(comparison) for comparison in one.section.comparisons],
-                "numbers": _plain(one.section.numbers),
+                "numbers": one.section.numbers,
             }
             for one in made
         },
     }
-
-
-def _plain(value: Any) -> Any:
-    """What JSON can hold: a number that is not finite is null."""
-    if isinstance(value, Mapping):
-        return {str(key): _plain(each) for key, each in value.items()}
-    if isinstance(value, np.ndarray | np.generic):
-        return _plain(value.tolist())
-    if isinstance(value, list | tuple):
-        return [_plain(each) for each in value]
-    return None if isinstance(value, float) and not math.isfinite(value) else value

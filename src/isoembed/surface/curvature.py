@@ -92,10 +92,10 @@ def vertex_mean_curvature(triangulation: Triangulation, vertices: Floats) -> Flo
     Returns
     -------
     ndarray, shape (V,)
-        In the unit of length to the power -1.
+        In the unit of length to the power -1; NaN where the triangles around have no area.
     """
     integrals, areas = _at_vertices(triangulation, vertices)
-    return integrals / areas
+    return integrals / np.where(areas == 0, np.nan, areas)
 
 
 def bending_energy(triangulation: Triangulation, vertices: Floats) -> float:

@@ -1,7 +1,6 @@
 """Embeddings: vertices in R^3, the metric that they realize, and how they were found."""
 
 import copy
-import math
 from collections.abc import Sequence
 from dataclasses import KW_ONLY, asdict, dataclass, replace
 from functools import cached_property
@@ -16,6 +15,7 @@ from isoembed.metric.curvature import negative_deficits
 from isoembed.metric.glued import GluedMetric
 from isoembed.metric.polyhedral import PolyhedralMetric
 from isoembed.progress.stages import Stage
+from isoembed.strict_json import plain
 from isoembed.surface import alignment, convexity, curvature, measures, smoothness
 from isoembed.surface.intersection import self_intersections
 from isoembed.surface.rigidity import LengthSystem
@@ -282,13 +282,13 @@ class Embedding:
     def report(self) -> dict[str, Any]:
         """Report of what was asked, done and reached: the JSON object that the command writes.
 
-        A number beyond the range of floats (the volume of a body 1e150 across) is None.  So is the smallest
-        singular value where J J^T is large, beyond 100,000 vertices or some 2,000 edges at one of them: it
-        alone costs more than in proportion to the size.
+        A number that is infinite (the volume of a body 1e150 across) is None.  So is the smallest singular
+        value where J J^T is large, beyond 100,000 vertices or some 2,000 edges at one of them: it alone
+        costs more than in proportion to the size.
         """
         triangulation = self.triangulation
         is_small = np.sum(triangulation.degrees**2) <= RIGIDITY.reported
-        return {
+        found = {
             "status": self.status,
             "message": self.message,
             "method": self.method,
@@ -311,25 +311,26 @@ class Embedding:
                 "partially_inverted_vertices": int(self.partially_inverted_vertices.sum()),
             },
             "smoothness": {
-                "bending_energy": _finite(self.bending_energy),
-                "roughness": _finite(self.roughness),
-                "fine_roughness": _finite(self.fine_roughness),
+                "bending_energy": self.bending_energy,
+                "roughness": self.roughness,
+                "fine_roughness": self.fine_roughness,
                 "rough_edges": int(self.rough_edges.sum()),
                 "smallest_singular_value": self.smallest_singular_value if is_small else None,
             },
             "other_realizations": [
                 {
                     "distance": self.distance(other),
-                    "roughness": _finite(other.roughness),
-                    "fine_roughness": _finite(other.fine_roughness),
+                    "roughness": other.roughness,
+                    "fine_roughness": other.fine_roughness,
                 }
                 for other in self.others
             ],
-            "area": _finite(self.area),
-            "volume": _finite(self.volume),
-            "integrated_mean_curvature": _finite(self.integrated_mean_curvature),
+            "area": self.area,
+            "volume": self.volume,
+            "integrated_mean_curvature": self.integrated_mean_curvature,
             "stages": [asdict(stage) for stage in self.stages],
         }
+        return dict(plain(found))
 
 
 def _check_finite(points: Floats) -> None:
@@ -337,7 +338,3 @@ def _check_finite(points: Floats) -> None:
     if not finite.all():
         v = int(np.argmin(finite))
         raise ValueError(f"vertex {v} has the coordinates {points[v].tolist()}, which are not finite")
-
-
-def _finite(value: float) -> float | None:
-    return value if math.isfinite(value) else None
