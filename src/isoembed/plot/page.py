@@ -211,8 +211,8 @@ def _shades(quantity: Quantity, add: Callable[[Floats], dict[str, Any]]) -> dict
 
 def _plain(label: str) -> str:
     """A label without TeX."""
-    for tex, plain in TEX.items():
-        label = label.replace(tex, plain)
+    for tex, text in TEX.items():
+        label = label.replace(tex, text)
     return label
 
 
