@@ -13,7 +13,7 @@ import numpy as np
 
 from isoembed.aim.adiabatic_pullback import extrapolated
 from isoembed.alexandrov.doubly_covered import FLAT_LIMIT
-from isoembed.alexandrov.homotopy import HOMOTOPY, Solution, follow_path, forcing_term, pinned
+from isoembed.alexandrov.homotopy import HOMOTOPY, Solution, Waypoint, follow_path, forcing_term, pinned
 from isoembed.alexandrov.placement import placed, realized
 from isoembed.alexandrov.polytope import Polytope
 from isoembed.arrays import Floats, Mask
@@ -92,8 +92,15 @@ def radii_start(
     close = HOMOTOPY.close * float(deficits.max()) if convex is given else 0.0
     with log.stage("polytopes") as recorder:
         recorder.show(level=f"{given.n_vertices:,} vertices")
-        radii = None if kept is None else kept["radii"][order]
-        for found in follow_path(tables.in_order(order), deficits, recorder, backend, radii):
+        path = follow_path(
+            tables.in_order(order),
+            deficits,
+            recorder,
+            backend,
+            lambda here: recorder.keep(**here.arrays()),
+            None if kept is None else Waypoint.of_arrays(kept),
+        )
+        for found in path:
             if isinstance(found, Solution):
                 vertices = placed(found)
                 return (vertices - vertices.mean(axis=0))[back]
@@ -101,7 +108,6 @@ def radii_start(
                 return found.radii[back]
             if found.lowest < FLAT_LIMIT.thin:
                 return None
-            recorder.keep(radii=found.radii[back])
     return None
 
 

@@ -10,10 +10,12 @@ the placement.
 
 from __future__ import annotations
 
-from collections.abc import Generator, Iterator
+from collections.abc import Callable, Generator, Iterator, Mapping
 from dataclasses import dataclass, replace
+from typing import Any
 
 import numpy as np
+from numpy.typing import ArrayLike, NDArray
 from scipy.sparse import coo_array, csc_array
 from scipy.sparse.csgraph import dijkstra
 
@@ -113,12 +115,54 @@ class Solution:
         )
 
 
+@dataclass(frozen=True, eq=False)
+class Waypoint:
+    """Where the path goes on with a fresh factorization, and nothing depends on what was before.
+
+    Attributes
+    ----------
+    polytope : Polytope
+    start : int
+        The number of the start on the ladder.
+    close : float
+        Largest curvature at which Newton's method is tried, over the largest deficit.
+    step : float
+        Share of the curvatures that the next step is to remove.
+    count : int
+        Steps since the path began.
+    norm : float
+        Of the curvatures where creeping was last looked for.
+    """
+
+    polytope: Polytope
+    start: int
+    close: float
+    step: float = HOMOTOPY.first_step
+    count: int = 0
+    norm: float = np.inf
+
+    @classmethod
+    def of_arrays(cls, arrays: Mapping[str, NDArray[Any]]) -> Waypoint | None:
+        """The waypoint of what `arrays` gave."""
+        polytope = Polytope.of_arrays(arrays)
+        if polytope is None:
+            return None
+        close, step, norm = (float(arrays[name]) for name in ("close", "step", "norm"))
+        return cls(polytope, int(arrays["start"]), close, step, int(arrays["count"]), norm)
+
+    def arrays(self) -> dict[str, ArrayLike]:
+        """What defines it, for a checkpoint."""
+        numbers = {name: getattr(self, name) for name in ("start", "close", "step", "count", "norm")}
+        return {**self.polytope.arrays(), **numbers}
+
+
 def follow_path(
     tables: HalfEdges,
     deficits: Floats,
     recorder: StageRecorder,
     backend: str | None = None,
-    radii: Floats | None = None,
+    keep: Callable[[Waypoint], None] = lambda _: None,
+    resumed: Waypoint | None = None,
 ) -> Iterator[Polytope | Solution]:
     """Yield the polytopes of the path, and at last, if one start arrives, the solution.
 
@@ -132,8 +176,10 @@ def follow_path(
         Counts steps and factorizations.
     backend : str, optional
         As in `isoembed.linalg.analyze`.
-    radii : ndarray, shape (V,), optional
-        Of a polytope on the path, to go on from.
+    keep : callable, optional
+        Takes every waypoint, before the work that follows it.
+    resumed : Waypoint, optional
+        To go on from, exactly as the path that kept it.
     """
     tables = tables.copy()
     make_delaunay(tables, np.zeros(deficits.size))
@@ -144,12 +190,16 @@ def follow_path(
     circumradius = float((tables.face_lengths.prod(axis=1) / (4 * areas)).max())
     least = max(circumradius, float(np.sqrt(areas.sum() / (4 * np.pi))))
     starts = [np.full(deficits.size, factor * least) for factor in HOMOTOPY.ladder]
-    for start in starts if radii is None else (radii, *starts):
-        polytope = Polytope.over(tables, start)
-        if polytope is None:
+    for number, start in enumerate(starts):
+        if resumed is not None and number <= resumed.start:
+            here = resumed if number == resumed.start else None
+        else:
+            polytope = Polytope.over(tables, start)
+            here = None if polytope is None else Waypoint(polytope, number, HOMOTOPY.close)
+        if here is None:
             continue
         try:
-            arrived = yield from _attempt(polytope, deficits, recorder, backend)
+            arrived = yield from _attempt(here, deficits, recorder, backend, keep)
         except SingularMatrix:
             continue
         if arrived:
@@ -157,24 +207,28 @@ def follow_path(
 
 
 def _attempt(
-    p: Polytope, deficits: Floats, recorder: StageRecorder, backend: str | None
+    here: Waypoint,
+    deficits: Floats,
+    recorder: StageRecorder,
+    backend: str | None,
+    keep: Callable[[Waypoint], None],
 ) -> Generator[Polytope | Solution, None, bool]:
-    """Go from one start to the solution, trying Newton's method whenever it may work; return if it did."""
-    close = HOMOTOPY.close
-    while close >= HOMOTOPY.closest:
-        path = _path(p, deficits, recorder, backend)
+    """Go on to the solution, trying Newton's method whenever it may work; return if it did."""
+    while here.close >= HOMOTOPY.closest:
+        path = _path(here, deficits, recorder, backend, keep)
         for p in path:
             yield p
-            if np.abs(p.curvatures).max() <= close * deficits.max():
+            if np.abs(p.curvatures).max() <= here.close * deficits.max():
                 break
         else:
             return False
         path.close()  # lets its factor go, which is as large as the next one
+        keep(Waypoint(p, here.start, here.close))
         solution = newton(p, deficits, recorder, backend)
         if solution is not None:
             yield solution
             return True
-        close /= 10
+        here = Waypoint(p, here.start, here.close / 10)
     return False
 
 
@@ -202,14 +256,22 @@ def _free(p: Polytope, pins: Indices) -> Floats:
 
 
 def _path(
-    p: Polytope, deficits: Floats, recorder: StageRecorder, backend: str | None
+    here: Waypoint,
+    deficits: Floats,
+    recorder: StageRecorder,
+    backend: str | None,
+    keep: Callable[[Waypoint], None],
 ) -> Generator[Polytope, None, None]:
     """Lead the curvatures toward zero along ``epsilon delta``."""
-    inverse, fresh = _factor(-p.jacobian(), recorder, backend), True
+    p, step, before = here.polytope, here.step, here.norm
     epsilon = _share(p.curvatures, deficits)
-    step, before = HOMOTOPY.first_step, np.inf
+    inverse: Factor | None = None
+    fresh = True
     yield p
-    for count in range(HOMOTOPY.most_steps):
+    for count in range(here.count, HOMOTOPY.most_steps):
+        if inverse is None:
+            keep(replace(here, polytope=p, step=step, count=count, norm=before))
+            inverse, fresh = _factor(-p.jacobian(), recorder, backend), True
         if count % HOMOTOPY.creep == 0:
             if np.linalg.norm(p.curvatures) > HOMOTOPY.least_progress * before:
                 return
@@ -218,7 +280,7 @@ def _path(
         missing = p.curvatures - aim
         dr, iterations = _solved(p, inverse, missing)
         if iterations > HOMOTOPY.stale and not fresh:
-            inverse, fresh = _factor(-p.jacobian(), recorder, backend), True
+            inverse = None
             continue
         size = np.linalg.norm(missing)
         for halving in range(HOMOTOPY.halvings if fresh else HOMOTOPY.halvings_if_stale):
@@ -231,7 +293,7 @@ def _path(
                 break
         else:
             if not fresh:
-                inverse, fresh = _factor(-p.jacobian(), recorder, backend), True
+                inverse = None
                 continue
             step /= 4
             if step < HOMOTOPY.shortest_step:

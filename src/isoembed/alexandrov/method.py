@@ -1,16 +1,19 @@
 """The exact convex polyhedron of a convex metric, by the theorem of Alexandrov (1941)."""
 
+from __future__ import annotations
+
 import math
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
-from typing import ClassVar
+from typing import Any, ClassVar
 
 import numpy as np
+from numpy.typing import ArrayLike, NDArray
 
 from isoembed._embed import Method
 from isoembed.alexandrov.attempt import attempted
 from isoembed.alexandrov.doubly_covered import FLAT_LIMIT, DoublyCovered, doubly_covered, flat_limit
-from isoembed.alexandrov.homotopy import Solution, follow_path
+from isoembed.alexandrov.homotopy import Solution, Waypoint, follow_path
 from isoembed.alexandrov.placement import realized, relaxed, relaxed_polytope, worst_length
 from isoembed.alexandrov.polyhedron import ConvexPolyhedron, metric_on
 from isoembed.alexandrov.polytope import Polytope
@@ -26,6 +29,7 @@ from isoembed.metric.convexity import deficit_rounding
 from isoembed.metric.glued import GluedMetric
 from isoembed.metric.polyhedral import PolyhedralMetric
 from isoembed.metric.repair import Repair, repaired
+from isoembed.progress.fingerprint import digest
 from isoembed.progress.stages import Log, StageRecorder
 from isoembed.surface.curvature import DIHEDRAL
 from isoembed.surface.embedding import Embedding
@@ -42,6 +46,8 @@ class SolutionThresholds:
 
 
 SOLUTION = SolutionThresholds()
+
+NEAREST = "nearest "  # before the names of its arrays
 
 
 @dataclass(frozen=True)
@@ -135,17 +141,21 @@ class _Search:
         with log.stage("polytope") as recorder:
             order = core.order_in_memory()
             curved = np.flatnonzero(~self.flat)[order]
-            kept = log.resumed_at("polytope")
-            radii = kept["radii"][curved] if kept is not None and (kept["flat"] == self.flat).all() else None
-
-            def keep(p: Polytope) -> None:
-                everywhere = np.zeros(self.flat.size)
-                everywhere[curved] = p.radii
-                recorder.keep(radii=everywhere, flat=self.flat)
-
             tables = core.in_order(order)
-            path = follow_path(tables, given.deficits[curved], recorder, backend, radii)
-            found = _polyhedron(tables, path, keep)
+            belongs = {"metric": np.array(digest(given.tables)), "flat": self.flat}
+            kept = log.resumed_at("polytope")
+            if kept is not None and not all(np.array_equal(kept[name], belongs[name]) for name in belongs):
+                kept = None
+            watch = _Watch.resumed(kept)
+            path = follow_path(
+                tables,
+                given.deficits[curved],
+                recorder,
+                backend,
+                lambda here: recorder.keep(**here.arrays(), **watch.arrays(here.polytope), **belongs),
+                None if kept is None else Waypoint.of_arrays(kept),
+            )
+            found = _polyhedron(tables, path, watch)
         nearest = found.polytope if isinstance(found, Solution) else found
         with log.stage("placement") as recorder:
             if isinstance(found, DoublyCovered):
@@ -201,8 +211,29 @@ class _Search:
         )
 
 
+@dataclass(eq=False)
+class _Watch:
+    """What is remembered of a path: how thin its polytopes became, and the one with the least curvatures."""
+
+    thin: float = FLAT_LIMIT.thin
+    nearest: Polytope | None = None
+
+    @classmethod
+    def resumed(cls, kept: Mapping[str, NDArray[Any]] | None) -> _Watch:
+        """What `arrays` gave, if anything."""
+        if kept is None:
+            return cls()
+        nearest = Polytope.of_arrays(kept, NEAREST) if f"{NEAREST}radii" in kept else None
+        return cls(float(kept["thin"]), nearest)
+
+    def arrays(self, here: Polytope) -> dict[str, ArrayLike]:
+        """For a checkpoint beside this polytope."""
+        nearest = {} if self.nearest is None or self.nearest is here else self.nearest.arrays(NEAREST)
+        return {**nearest, "thin": self.thin}
+
+
 def _polyhedron(
-    core: HalfEdges, path: Iterator[Polytope | Solution], keep: Callable[[Polytope], None]
+    core: HalfEdges, path: Iterator[Polytope | Solution], watch: _Watch
 ) -> Solution | DoublyCovered | Polytope | None:
     """Solve, watching for a body that turns flat; failing that, the polytope with the least curvatures."""
     if core.corners.size == 6:
@@ -211,19 +242,18 @@ def _polyhedron(
         triangle = doubly_covered(delaunay, np.ones(6, dtype=np.bool_))
         if triangle is not None:
             return triangle
-    thin, nearest = FLAT_LIMIT.thin, None
     for found in path:
         if isinstance(found, Solution):
             return found
-        keep(found)
-        if found.lowest < thin:
-            thin = found.lowest / 10
+        if found.lowest < watch.thin:
+            watch.thin = found.lowest / 10
             polygon = flat_limit(found)
             if polygon is not None:
                 return polygon
+        nearest = watch.nearest
         if nearest is None or np.abs(found.curvatures).max() < np.abs(nearest.curvatures).max():
-            nearest = found
-    return nearest
+            watch.nearest = found
+    return watch.nearest
 
 
 def _diagnosis(nearest: Polytope | None, curved: Indices) -> str:

@@ -13,9 +13,12 @@ plane.
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 from scipy.sparse import coo_array, csc_array
 
 from isoembed.arrays import Floats, Indices
@@ -73,6 +76,18 @@ class Polytope:
         if not (lowest > 0 and np.isfinite(kappa).all() and np.isfinite(coupling).all()):
             return None
         return cls(tables, radii, kappa, coupling, diagonal, float(lowest))
+
+    @classmethod
+    def of_arrays(cls, arrays: Mapping[str, NDArray[Any]], prefix: str = "") -> Polytope | None:
+        """The polytope of what `arrays` gave."""
+        tables = HalfEdges._make(arrays[prefix + name] for name in HalfEdges._fields)
+        return cls.on(tables, arrays[f"{prefix}radii"])
+
+    def arrays(self, prefix: str = "") -> dict[str, NDArray[Any]]:
+        """What defines it, for a checkpoint: the triangles as they were flipped, and the radii."""
+        return {
+            prefix + name: table for name, table in {**self.tables._asdict(), "radii": self.radii}.items()
+        }
 
     def times_jacobian(self, v: Floats) -> Floats:
         """``(d kappa / d r) v`` for v of shape (V,) or (V, n)."""

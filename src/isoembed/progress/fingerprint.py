@@ -45,7 +45,7 @@ class Fingerprint:
             Its backend is left out: every backend goes on from what another one left.
         tolerance : float
         """
-        return cls(_digest(tables), _described(method), float(tolerance), __version__)
+        return cls(digest(tables), _described(method), float(tolerance), __version__)
 
     def check(self, found: Fingerprint | None) -> None:
         """Refuse the fingerprint of another computation.
@@ -72,8 +72,8 @@ class Fingerprint:
                 raise InvalidParameter(sentence)
 
 
-def _digest(tables: Iterable[NDArray]) -> str:
-    """SHA-256 of arrays of integers and floats, the same on any machine."""
+def digest(tables: Iterable[NDArray]) -> str:
+    """SHA-256 of arrays of integers and floats, hexadecimal; the same on any machine."""
     digest = hashlib.sha256()
     for table in tables:
         kind = "<f8" if table.dtype.kind == "f" else "<i8"
