@@ -15,6 +15,7 @@ from typing import Any, BinaryIO
 
 import numpy as np
 
+from isoembed.io.expansion import check_expansion, largest_expansion
 from isoembed.io.files import FileError, Tables, input_ending, open_input
 from isoembed.io.hdf5 import HDF5_ENDINGS, groups_in, numbers_in
 
@@ -98,7 +99,7 @@ class InputFile(os.PathLike[str]):
         if self.ending not in HDF5_ENDINGS:
             return {"": _archive(self._stream, str(self))}
         with self.hdf5() as file:
-            return {name: numbers_in(group) for name, group in groups_in(file).items()}
+            return {name: numbers_in(group, self) for name, group in groups_in(file).items()}
 
     @contextlib.contextmanager
     def hdf5(self) -> Iterator[Any]:
@@ -130,10 +131,13 @@ def opened(path: str | os.PathLike[str]) -> contextlib.AbstractContextManager[In
 
 
 def _decompressed(stream: BinaryIO, path: Path) -> bytes:
+    packed = stream.read()
     try:
-        return gzip.decompress(stream.read())
+        data = gzip.GzipFile(fileobj=io.BytesIO(packed)).read(largest_expansion(len(packed)) + 1)
     except (OSError, EOFError, zlib.error) as error:
         raise FileError(f"cannot decompress {path}: {error}") from None
+    check_expansion(str(path), len(data), len(packed))
+    return data
 
 
 def _archive(stream: BinaryIO, name: str) -> Tables:
@@ -142,9 +146,11 @@ def _archive(stream: BinaryIO, name: str) -> Tables:
     try:
         if stream.read(4) not in (b"PK\x03\x04", b"PK\x05\x06") or not zipfile.is_zipfile(stream):
             raise FileError(f"{name} is not an npz archive, or is cut short")
+        stored = stream.seek(0, os.SEEK_END)
         stream.seek(0)
         tables = {}
         with np.load(stream, allow_pickle=False) as archive:
+            check_expansion(name, sum(member.file_size for member in archive.zip.infolist()), stored)
             for part in archive.files:
                 tables[part] = archive[part]
         return tables

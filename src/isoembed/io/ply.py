@@ -17,6 +17,7 @@ from numpy.typing import NDArray
 from isoembed.io.files import FileError, Tables
 from isoembed.io.format import Format
 from isoembed.io.input_file import InputFile
+from isoembed.io.text_scan import LONGEST
 
 Columns = NDArray[Any]
 
@@ -187,7 +188,7 @@ def _header(text: str) -> tuple[str, list[Element]]:
                 pass
             case ["format", name, _] if name in ORDERS:
                 order = ORDERS[name]
-            case ["element", name, size] if size.isdecimal():
+            case ["element", name, size] if size.isdecimal() and len(size) <= LONGEST:
                 elements.append(Element(name, int(size), ()))
             case ["property", "list", count, code, name] if elements and count in CODES and code in CODES:
                 _append(elements, Property(name, CODES[code], CODES[count]))

@@ -76,7 +76,8 @@ def _scan(text: Bytes) -> tuple[Bytes, int, int]:
 
 def _joined(corners: Floats) -> Tables:
     """Triangles (F, 3) of distinct vertices, these in the order in which they come first."""
-    points = corners.astype(np.float64)
+    with np.errstate(invalid="ignore"):  # some bytes are no numbers
+        points = corners.astype(np.float64)
     order = np.lexsort(points.T)  # stable: of equal ones the first stays the first
     new = np.ones(len(points), dtype=bool)
     new[1:] = (points[order[1:]] != points[order[:-1]]).any(axis=1)

@@ -17,6 +17,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from isoembed.errors import InvalidMetric
+from isoembed.io.expansion import check_expansion
 from isoembed.io.files import FileError, Tables
 from isoembed.io.format import Format
 from isoembed.io.input_file import InputFile
@@ -29,7 +30,10 @@ CODES = {
 }
 HEADERS = {"UInt32": "u4", "UInt64": "u8"}
 ORDERS = {"LittleEndian": "<", "BigEndian": ">"}
-DECOMPRESS = {"": None, "vtkZLibDataCompressor": zlib.decompress, "vtkLZMADataCompressor": lzma.decompress}
+DECOMPRESSORS = {
+    **{"": None, "vtkZLibDataCompressor": zlib.decompressobj},
+    "vtkLZMADataCompressor": lzma.LZMADecompressor,
+}
 APPENDED = re.compile(rb"(<AppendedData[^>]*>)\s*_(.*)(</AppendedData>)", re.DOTALL)
 BLOCK = 1 << 15  # bytes that are compressed together
 
@@ -49,7 +53,7 @@ def read(file: InputFile) -> Tables:
     """
     vertices, faces, n = [], list[Any](), 0
     try:
-        source = _Source(file.data)
+        source = _Source(file)
         for piece in source.root.iterfind("UnstructuredGrid/Piece"):
             points = source.array(piece, "Points/DataArray").astype(np.float64).reshape(-1, 3)
             corners, ends, types = (source.array(piece, f"Cells/DataArray[@Name='{name}']") for name in CELLS)
@@ -77,7 +81,8 @@ def read(file: InputFile) -> Tables:
 class _Source:
     """The arrays of a document."""
 
-    def __init__(self, data: bytes) -> None:
+    def __init__(self, file: InputFile) -> None:
+        self.file, data = file, file.data
         self.appended, raw = b"", False
         if found := APPENDED.search(data):  # raw bytes are no XML
             self.appended, raw = found[2], b"base64" not in found[1]
@@ -88,7 +93,7 @@ class _Source:
             raise ValueError(f"its root is {self.root.tag}, not VTKFile")
         self.order = self.choice("byte_order", "LittleEndian", ORDERS)
         self.header = np.dtype(self.order + self.choice("header_type", "UInt32", HEADERS))
-        self.decompress = self.choice("compressor", "", DECOMPRESS)
+        self.decompressor = self.choice("compressor", "", DECOMPRESSORS)
 
     def choice(self, name: str, default: str, known: dict[str, Any]) -> Any:
         value = self.root.get(name, default)
@@ -129,12 +134,16 @@ class _Source:
 
         (first,) = np.frombuffer(take(size), self.header).tolist()
         at = 0
-        if self.decompress is None:
+        if self.decompressor is None:
             content = take(size + first)[size:]
         else:
-            sizes = np.frombuffer(take(size * (3 + first)), self.header)[3:].tolist()
+            block, last, *sizes = np.frombuffer(take(size * (3 + first)), self.header)[1:].tolist()
             packed, ends = take(sum(sizes)), np.cumsum([0, *sizes]).tolist()
-            content = b"".join(self.decompress(packed[a:b]) for a, b in pairwise(ends))
+            expanded = block * first - (block - last if first and last else 0)
+            check_expansion(f"an array of {self.file}", expanded, len(packed))
+            content = b"".join(self.decompressor().decompress(packed[a:b], block) for a, b in pairwise(ends))
+            if len(content) != expanded:
+                raise ValueError(f"an array of {expanded} bytes has {len(content)}")
         return np.frombuffer(content, self.order + CODES[kind])
 
 

@@ -58,7 +58,7 @@ def read_spectre(
     with opened(path) as given, given.hdf5() as file:
         group, name = _chosen_surface(_surfaces(file), surface, str(path))
         observed, time = _chosen_observation(group, observation, f"{path}: {name}")
-        tables = numbers_in(observed)
+        tables = numbers_in(observed, path)
         extents = tables.get("total_extents")
     source = f"{path} ({name} at t = {time:g})"
     absent = [axis for axis in COORDINATES if axis not in tables]

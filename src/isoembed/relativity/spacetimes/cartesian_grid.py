@@ -17,7 +17,7 @@ from numpy.typing import ArrayLike, NDArray
 from isoembed.arrays import Floats, Indices
 from isoembed.errors import InvalidParameter
 from isoembed.io.files import FileError, check_ending
-from isoembed.io.hdf5 import HDF5_ENDINGS
+from isoembed.io.hdf5 import HDF5_ENDINGS, array_of
 from isoembed.io.input_file import InputFile
 from isoembed.kernel import kernel
 from isoembed.relativity.spacetimes.checks import numbers, positive_number, refuse_points, vector, written
@@ -194,7 +194,11 @@ def read_cartesian_grid(path: str | os.PathLike[str]) -> CartesianGrid:
 def _hdf5_tables(given: InputFile) -> dict[str, NDArray]:
     with given.hdf5() as file:
         tables = {name: np.asarray(file.attrs[name]) for name in PLACE if name in file.attrs}
-        sets = {name: file[name][()] for name in (*PLACE, *GAMMA, *K) if hasattr(file.get(name), "dtype")}
+        sets = {
+            name: array_of(file[name], given)
+            for name in (*PLACE, *GAMMA, *K)
+            if hasattr(file.get(name), "dtype")
+        }
         return tables | sets
 
 
