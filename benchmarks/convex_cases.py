@@ -29,6 +29,8 @@ class Case:
         Machine epsilons by which the lengths may be off.
     repair : float
         Radians of negative deficits to repair, if noise was added to the lengths.
+    name : str
+        Of the solid, if it has one.
     size : float
         What the family is about: aspect, distance, deficit.
     """
@@ -40,6 +42,7 @@ class Case:
     core: tuple | None = None
     roundings: float = 4.0
     repair: float = 0.0
+    name: str = ""
     size: float = 1.0
 
 
@@ -53,7 +56,7 @@ def rounded_lengths(points, faces):
     return np.sqrt(((p[np.roll(faces, -1, axis=1)] - p[faces]) ** 2).sum(axis=2)).astype(float)
 
 
-def case(rng, points, faces, core=None, shuffled=0.5, size=1.0, flat=False):
+def case(rng, points, faces, core=None, shuffled=0.5, size=1.0, name="", flat=False):
     """A body on its own triangles, or with this probability on others."""
     check_sphere(faces, len(points))
     if above(points, faces) > 1e-14:
@@ -62,8 +65,8 @@ def case(rng, points, faces, core=None, shuffled=0.5, size=1.0, flat=False):
     if rng.random() < shuffled:
         metric = scrambled(points, faces, int(rng.integers(2**31)), THINNEST)
         tables = metric.faces, metric.twins, metric.face_lengths
-        return Case(*tables, points, core, roundings=256.0, size=size)
-    return Case(faces, None, rounded_lengths(points, faces), points, core, size=size)
+        return Case(*tables, points, core, roundings=256.0, size=size, name=name)
+    return Case(faces, None, rounded_lengths(points, faces), points, core, size=size, name=name)
 
 
 def check_sphere(faces, n):

@@ -16,10 +16,13 @@ from convex_bodies import fan, log_uniform, prism_like, round_body, sphere, with
 from convex_cases import Redo, above, case, exact_hull
 from convex_check import deficits
 from convex_gluings import nets, polygons, polygons_with_flat_vertices
+from convex_regular import COUNTS, regular
 
 
 def make(family, seed):
-    """The metric of this name and number."""
+    """The metric of this family and number."""
+    if family in COUNTS:
+        return regular(family, seed)
     for attempt in range(100):
         rng = np.random.default_rng([seed, attempt, *family.encode()])
         try:

@@ -1,7 +1,7 @@
 """The convex sweep: is every convex metric's polyhedron found, and is what is found right?
 
     python benchmarks/convex_sweep.py [--seeds N] [--first SEED] [--families NAME ...] [--jobs N]
-                                      [--json FILE] [--failures FILE]
+                                      [--regular] [--json FILE] [--failures FILE]
 
 Twenty families (`convex_families`) of random metrics that have a polyhedron: they come from coordinates, or
 are doubly covered polygons, or convex polygons glued with no total angle above 2 pi (Alexandrov's theorem).
@@ -12,6 +12,8 @@ discarded ones.  They do where errors of a few machine epsilons of the lengths (
 no vertex by 1e-9, by the singular values of the rigidity matrix at the discarded coordinates.  Flat bodies,
 which may swell by the root of the rounding, nets, whose polyhedra nobody knows, and the worst of the nearly
 flat are judged on the lengths alone.
+
+With ``--regular`` it is the solids of the classics (`convex_regular`) instead, 4,644 of them.
 
 A case is *found* if it passes, *refused* if the solver says that it found nothing, *off* if lengths and
 convexity are right but determined vertices are elsewhere, and *wrong* if what is returned fails a check, or
@@ -33,15 +35,18 @@ import numpy as np
 
 import convex_check
 import convex_families
+import convex_regular
 
 REQUIRED = {
     "needles and slabs to 1,000 : 1": (("needles", "slabs"), 0.99),
     "needles and slabs to 10,000 : 1": (("longer needles", "thinner slabs"), 0.90),
     "noise, repaired": (("noise",), 0.999),
+    "solids of the classics": (tuple(convex_regular.COUNTS), 1.0),
 }
 """Families that have a requirement of their own, and the share that is to be found."""
 
 ALL_OTHERS = 0.999
+SEEDS = 1000
 
 
 def run(family, seed):
@@ -49,7 +54,13 @@ def run(family, seed):
     import isoembed
 
     case = convex_families.make(family, seed)
-    row = {"family": family, "seed": seed, "vertices": int(case.faces.max()) + 1, "size": case.size}
+    row = {
+        "family": family,
+        "seed": seed,
+        "vertices": int(case.faces.max()) + 1,
+        "size": case.size,
+        "name": case.name,
+    }
     start = time.process_time()
     try:
         if case.twins is None:
@@ -136,24 +147,32 @@ def main():
     parser = argparse.ArgumentParser(
         description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
     )
-    names = list(convex_families.FAMILIES)
-    parser.add_argument("--seeds", type=int, default=1000, metavar="N", help="cases of every family")
+    counts = convex_regular.COUNTS
+    names = [*convex_families.FAMILIES, *counts]
+    parser.add_argument("--seeds", type=int, metavar="N", help="cases of every family: 1,000, or all")
+    parser.add_argument("--regular", action="store_true", help="the solids of the classics")
     parser.add_argument("--first", type=int, default=0, metavar="SEED")
-    parser.add_argument("--families", nargs="*", default=names, choices=names, metavar="NAME")
+    parser.add_argument("--families", nargs="*", choices=names, metavar="NAME")
     parser.add_argument("--jobs", type=int, default=1, metavar="N", help="processes")
     parser.add_argument("--json", type=Path, metavar="FILE", help="write all rows")
-    parser.add_argument(
-        "--failures", type=Path, metavar="FILE", help="write family, seed and message of what was not found"
-    )
+    parser.add_argument("--failures", type=Path, metavar="FILE", help="write what was not found, and why")
     options = parser.parse_args()
-    seeds = range(options.first, options.first + options.seeds)
-    rows = list(rows_of([(family, seed) for family in options.families for seed in seeds], options.jobs))
+    families = options.families or (counts if options.regular else convex_families.FAMILIES)
+    tasks = [
+        (family, number)
+        for family in families
+        for number in range(counts.get(family, options.first + SEEDS))[options.first :][: options.seeds]
+    ]
+    rows = list(rows_of(tasks, options.jobs))
     print_table(rows)
     if options.json:
         options.json.write_text(json.dumps(rows, indent=0))
     if options.failures:
         failed = [row for row in rows if row["status"] != "found"]
-        lines = [f"{row['family']}\t{row['seed']}\t{row['status']}\t{row['message']}\n" for row in failed]
+        lines = [
+            f"{row['family']}\t{row['seed']}\t{row['name']}\t{row['status']}\t{row['message']}\n"
+            for row in failed
+        ]
         options.failures.write_text("".join(lines))
 
 
