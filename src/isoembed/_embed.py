@@ -8,7 +8,6 @@ passed as they are.
 import math
 import numbers
 from abc import ABC, abstractmethod
-from dataclasses import replace
 from importlib.metadata import EntryPoint, entry_points
 from inspect import isabstract
 from typing import Any, ClassVar
@@ -105,8 +104,9 @@ def embed(
     tolerance : float
         Largest ``| |x_a - x_b| - l_ab |`` over the mean edge length.
     progress : callable, optional
-        Receives an `isoembed.progress.stages.Progress` as the computation goes.  If it raises an
-        exception, that ends the computation; a `KeyboardInterrupt` does as Ctrl-C does.
+        Receives an `isoembed.progress.stages.Progress` as the computation goes, which holds the checkpoint
+        by then.  If it raises an exception, that ends the computation; a `KeyboardInterrupt` does as Ctrl-C
+        does.
     resume : Checkpoint, optional
         Where an interrupted run with the same metric, method and tolerance is to go on.
 
@@ -153,21 +153,20 @@ def embed(
     if not isinstance(tolerance, numbers.Real) or not 0 < tolerance < math.inf:
         raise InvalidParameter(f"the tolerance is {tolerance!r}, not a positive finite number")
     unit = metric.normalized
+    fingerprint = Fingerprint.of(unit.tables, chosen, tolerance)
     if resume is not None:
         if not isinstance(resume, Checkpoint):
             raise InvalidParameter(
                 f"resume is a {type(resume).__name__}, not a Checkpoint: isoembed.io.read_checkpoint has one"
             )
-        Fingerprint.of(unit.tables, chosen, tolerance).check(resume.fingerprint)
-    log = Log(progress, resume)
+        fingerprint.check(resume.fingerprint)
+    log = Log(progress, resume, fingerprint)
     try:
         embedding = chosen.run(unit, tolerance, log).in_unit_of(metric)
     except NotEmbedded as failure:
         raise NotEmbedded(str(failure), failure.embedding.in_unit_of(metric)) from None
     except KeyboardInterrupt as interruption:
-        here = Fingerprint.of(unit.tables, chosen, tolerance)
-        kept = log.checkpoint and replace(log.checkpoint, fingerprint=here)
-        raise Interrupted(kept, log.stages) from interruption
+        raise Interrupted(log.checkpoint, log.stages) from interruption
     if embedding.status == "not converged":
         raise NotEmbedded(embedding.message, embedding)
     return embedding

@@ -77,13 +77,20 @@ def regularized_continuation(
     ndarray, shape (V, 3)
         Where it did not get lost, near enough to the metric at t = 0 for Newton's method.
     """
-    mu, given = CONTINUATION.weight, lengths(0.0)
+    mu, given, released = CONTINUATION.weight, lengths(0.0), 0
     known: list[tuple[float, Floats]] = []
     steps = np.linspace(1, 0, CONTINUATION.steps + 1).tolist()
     usual = len(steps) + len(CONTINUATION.letting_go) + 2 + CONTINUATION.usual_fade
     if kept is not None:
         mu, known = float(kept["mu"]), list(zip(kept["t"].tolist(), kept["x"], strict=True))
+        released = int(kept["released"])
         steps = [t for t in steps if t < known[-1][0]]
+
+    def keep() -> None:
+        recorder.keep(
+            start=start, mu=mu, t=[t for t, _ in known], x=[x for _, x in known], released=released
+        )
+
     for t in steps:
         recorder.show(t=t)
         guess = extrapolated(known[-3:], t) if known else start
@@ -92,11 +99,13 @@ def regularized_continuation(
             mu *= CONTINUATION.stiffer
             x, downhill = energy.step(guess, lengths(t), mu, CONTINUATION.bending, recorder)
         known = [*known[-2:], (t, x if downhill else guess)]
-        recorder.keep(start=start, mu=mu, t=[t for t, _ in known], x=[x for _, x in known])
+        keep()
         recorder.show(done=min(recorder.iterations / usual, 1.0), vertices=known[-1][1])
     x = known[-1][1]
-    for w in (CONTINUATION.bending, *CONTINUATION.letting_go):
+    for w in (CONTINUATION.bending, *CONTINUATION.letting_go)[released:]:
         x = energy.relaxed(x, given, mu, w, recorder)
+        known, released = [(0.0, x)], released + 1
+        keep()
         recorder.show(done=min(recorder.iterations / usual, 1.0), vertices=x)
     mu *= CONTINUATION.fade
     x = energy.relaxed(x, given, mu, 0.0, recorder)

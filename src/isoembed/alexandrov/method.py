@@ -29,7 +29,6 @@ from isoembed.metric.convexity import deficit_rounding
 from isoembed.metric.glued import GluedMetric
 from isoembed.metric.polyhedral import PolyhedralMetric
 from isoembed.metric.repair import Repair, repaired
-from isoembed.progress.fingerprint import digest
 from isoembed.progress.stages import Log, StageRecorder
 from isoembed.surface.curvature import DIHEDRAL
 from isoembed.surface.embedding import Embedding
@@ -142,7 +141,7 @@ class _Search:
             order = core.order_in_memory()
             curved = np.flatnonzero(~self.flat)[order]
             tables = core.in_order(order)
-            belongs = {"metric": np.array(digest(given.tables)), "flat": self.flat}
+            belongs = {"deficits": given.deficits, "flat": self.flat}
             kept = log.resumed_at("polytope")
             if kept is not None and not all(np.array_equal(kept[name], belongs[name]) for name in belongs):
                 kept = None

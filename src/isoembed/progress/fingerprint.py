@@ -45,7 +45,7 @@ class Fingerprint:
             Its backend is left out: every backend goes on from what another one left.
         tolerance : float
         """
-        return cls(digest(tables), _described(method), float(tolerance), __version__)
+        return cls(_digest(tables), _described(method), float(tolerance), __version__)
 
     def check(self, found: Fingerprint | None) -> None:
         """Refuse the fingerprint of another computation.
@@ -72,7 +72,7 @@ class Fingerprint:
                 raise InvalidParameter(sentence)
 
 
-def digest(tables: Iterable[NDArray]) -> str:
+def _digest(tables: Iterable[NDArray]) -> str:
     """SHA-256 of arrays of integers and floats, hexadecimal; the same on any machine."""
     digest = hashlib.sha256()
     for table in tables:

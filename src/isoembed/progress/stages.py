@@ -63,6 +63,9 @@ class Progress:
     vertices : ndarray, shape (V, 3), or None
         The surface that the stage has reached, in the unit of ``metric.normalized``, in any position; None in
         snapshots of what is not decided yet, which are most.
+    checkpoint : Checkpoint or None
+        What another run could go on from: it can be kept in memory, or in a file by
+        `isoembed.io.write_checkpoint`.  None as long as there is nothing.
     """
 
     stage: str
@@ -75,6 +78,7 @@ class Progress:
     level: str | None = None
     remaining: float | None = None
     vertices: Floats | None = None
+    checkpoint: Checkpoint | None = None
 
 
 @dataclass(frozen=True, eq=False)
@@ -88,7 +92,7 @@ class Checkpoint:
     arrays : mapping of str to ndarray
         What that stage needs to go on.
     fingerprint : Fingerprint or None
-        What was being computed; `isoembed.embed` fills it in.
+        What was being computed.
     """
 
     stage: str
@@ -144,7 +148,7 @@ class StageRecorder:
         if log.listener is not None:
             seconds, remaining = log.clock() - log.start, log.time_left.remaining
             now = {**self._last, "seconds": seconds, "remaining": remaining, "vertices": vertices}
-            log.listener(Progress(self.name, self.iterations, **now))
+            log.listener(Progress(self.name, self.iterations, **now, checkpoint=log.checkpoint))
 
     def keep(self, **arrays: ArrayLike) -> None:
         """Replace the checkpoint by what this stage could go on from.
@@ -152,7 +156,8 @@ class StageRecorder:
         It costs nothing: arrays are not copied, so they must not change any more.  What is kept has to hold
         in the unit of ``metric.normalized``, and for the given vertices in the given order.
         """
-        self.log.checkpoint = Checkpoint(self.name, {key: np.asarray(value) for key, value in arrays.items()})
+        kept = {key: np.asarray(value) for key, value in arrays.items()}
+        self.log.checkpoint = Checkpoint(self.name, kept, self.log.fingerprint)
 
 
 @dataclass
@@ -165,6 +170,8 @@ class Log:
         Receives a `Progress` at every iteration.
     resumed : Checkpoint, optional
         What to go on from.
+    fingerprint : Fingerprint, optional
+        What is being computed.
     clock : callable
         The time in seconds.
 
@@ -180,6 +187,7 @@ class Log:
 
     listener: Listener | None = None
     resumed: Checkpoint | None = None
+    fingerprint: Fingerprint | None = None
     clock: Callable[[], float] = time.perf_counter
     checkpoint: Checkpoint | None = field(init=False)
     start: float = field(init=False)
