@@ -4,6 +4,7 @@ import os
 import signal
 import subprocess
 import sys
+import tempfile
 import threading
 
 import numpy as np
@@ -12,7 +13,7 @@ import pytest
 import counting
 import zoo
 from isoembed import PolyhedralMetric, _embed
-from isoembed.cli import main
+from isoembed.cli import interruption, main
 from isoembed.cli.signals import Interruption, handled
 from isoembed.io import read_checkpoint, read_metric, write_metric
 from isoembed.progress.stages import StageRecorder
@@ -124,13 +125,99 @@ def test_where_nothing_was_kept_it_says_so(run):
     assert files() == []
 
 
-def test_a_checkpoint_that_cannot_be_written_is_said(run, here):
+@pytest.fixture
+def temporary(tmp_path_factory, monkeypatch):
+    """The folder for temporary files."""
+    folder = tmp_path_factory.mktemp("temporary")
+    monkeypatch.setattr(tempfile, "tempdir", str(folder))
+    return folder
+
+
+def test_a_checkpoint_that_cannot_be_written_goes_to_a_second_place(run, here, temporary):
     (here / LEFT).mkdir()
     status, err = run(*STOP, "-o", "a.ply")
     assert status == 130
-    assert "; there is no checkpoint: cannot write a.ply.checkpoint.npz: Is a directory" in err
-    assert files() == [LEFT]
+    (folder,) = temporary.iterdir()
+    second = folder / LEFT
+    assert "; cannot write a.ply.checkpoint.npz: Is a directory; the checkpoint is in " in err
+    assert f"is in {second}: the same command with --resume {second} goes on" in err
     assert os.listdir(LEFT) == []
+    assert run(*STOP, "-o", "a.ply", "--resume", second) == (0, "")
+    is_the_answer("a.ply")
+
+
+def test_without_a_second_place_it_is_lost_and_said(run, here, monkeypatch):
+    def refused(prefix):
+        raise FileNotFoundError("no usable temporary directory")
+
+    (here / LEFT).mkdir()
+    monkeypatch.setattr(tempfile, "mkdtemp", refused)
+    status, err = run(*STOP, "-o", "a.ply")
+    assert status == 130
+    assert err.endswith("cannot write a.ply.checkpoint.npz: Is a directory; there is no checkpoint\n")
+
+
+# Every few minutes
+
+
+@pytest.fixture
+def always(monkeypatch):
+    """Every new checkpoint is written; the paths of those that were, in order."""
+    monkeypatch.setattr(interruption, "PERIOD", 0.0)
+    written, write = [], interruption.write_atomically
+
+    def seen(writers):
+        write(writers)
+        written.extend(str(path) for path in writers)
+
+    monkeypatch.setattr(interruption, "write_atomically", seen)
+    return written
+
+
+def test_a_long_run_leaves_checkpoints_and_removes_them_in_the_end(run, always):
+    assert run("--method", "counting", "-o", "a.ply") == (0, "")
+    assert always == [LEFT] * 5
+    assert files() == ["a.ply"]
+
+
+def test_a_short_one_leaves_none(run, monkeypatch):
+    monkeypatch.setattr(interruption, "write_atomically", None)
+    assert run("--method", "counting", "-o", "a.ply") == (0, "")
+
+
+def test_without_a_place_nothing_is_written(run, always, capfd):
+    assert main(["embed", "metric.npz", "--method", "counting"]) == 0
+    assert (always, files()) == ([], [])
+
+
+def test_what_is_resumed_is_not_written_again_and_removed_if_it_was_replaced(run, always):
+    run(*STOP, "--checkpoint", "c.npz")
+    assert always == ["c.npz"] * 4  # of 4, 3 and 2 left; and the interruption's
+    always.clear()
+    assert run(*STOP, "--resume", "c.npz", "--quiet") == (0, "")
+    assert (always, files()) == (["c.npz"] * 2, [])
+
+
+def test_the_second_place_is_said_once_and_cleared(run, always, here, temporary):
+    (here / LEFT).mkdir()
+    status, err = run("--method", "counting", "-o", "a.ply")
+    assert status == 0
+    assert err.startswith(
+        "isoembed: error: cannot write a.ply.checkpoint.npz: Is a directory; the checkpoint is in"
+    )
+    assert len(always) == 5
+    assert list(temporary.iterdir()) == []
+
+
+def test_if_the_answer_cannot_be_written_the_checkpoint_stays(run, always, monkeypatch):
+    def full(path):
+        raise OSError(28, "No space left on device")
+
+    monkeypatch.setattr("isoembed.cli.answer.surface_writer", lambda path, surface: full)
+    status, err = run("--method", "counting", "-o", "a.ply")
+    assert status == 2
+    assert "cannot write a.ply: No space left on device; the checkpoint is in a.ply.checkpoint.npz: " in err
+    assert files() == [LEFT]
 
 
 # What is refused

@@ -87,9 +87,7 @@ def regularized_continuation(
         steps = [t for t in steps if t < known[-1][0]]
 
     def keep() -> None:
-        recorder.keep(
-            start=start, mu=mu, t=[t for t, _ in known], x=[x for _, x in known], released=released
-        )
+        recorder.keep(start=start, mu=mu, t=[t for t, _ in known], x=[x for _, x in known], released=released)
 
     for t in steps:
         recorder.show(t=t)

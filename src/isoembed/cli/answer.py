@@ -104,12 +104,12 @@ def solved(
     """Solve under a live view; return the surface, or the best attempt and why it is no answer."""
     try:
         with live_view(not quiet and sys.stderr is not None and sys.stderr.isatty()) as view:
-            return solve(_heard_by(view, film)), None
+            return solve(heard_by(view, film)), None
     except NotEmbedded as error:
         return error.embedding, str(error)
 
 
-def _heard_by(*listeners: Listener | None) -> Listener | None:
+def heard_by(*listeners: Listener | None) -> Listener | None:
     """One listener for those that there are."""
     there = [listener for listener in listeners if listener is not None]
 

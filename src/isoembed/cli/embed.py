@@ -5,12 +5,12 @@ import math
 
 import isoembed
 from isoembed._embed import configuration, method_names
-from isoembed.cli.answer import add_output_options, answer, asked_for
-from isoembed.cli.interruption import add_checkpoint_options, checkpoint_file, save_checkpoint
+from isoembed.cli.answer import add_output_options, answer, asked_for, heard_by
+from isoembed.cli.interruption import Checkpoints, add_checkpoint_options, checkpoint_file
 from isoembed.cli.parameters import configured, parameters
 from isoembed.cli.screen import UsageError
 from isoembed.errors import Interrupted
-from isoembed.io import read_checkpoint, read_metric
+from isoembed.io import FileError, read_checkpoint, read_metric
 from isoembed.progress.stages import Listener
 
 
@@ -69,17 +69,26 @@ def run(options: argparse.Namespace) -> int:
     best_fit = ["best_fit=true"] if options.best_fit else []
     method = configured(options.method, options.parameter + repair + best_fit)
     kept = read_checkpoint(options.resume) if options.resume else None
+    checkpoints = Checkpoints(left, kept)
     metric = read_metric(options.input)
 
     def solve(progress: Listener | None) -> isoembed.Embedding:
         return isoembed.embed(
-            metric, method=method, tolerance=options.tolerance, progress=progress, resume=kept
+            metric,
+            method=method,
+            tolerance=options.tolerance,
+            progress=heard_by(progress, checkpoints.listen),
+            resume=kept,
         )
 
     try:
-        return answer(options, outputs, solve)
+        status = answer(options, outputs, solve)
     except Interrupted as interrupted:
-        raise KeyboardInterrupt(save_checkpoint(interrupted, left, method.name)) from None
+        raise KeyboardInterrupt(checkpoints.leave(interrupted, method.name)) from None
+    except FileError as error:
+        raise FileError(f"{error}{checkpoints.left()}") from None
+    checkpoints.remove()
+    return status
 
 
 def _tolerance(text: str) -> float:

@@ -1,17 +1,24 @@
-"""An interrupted run leaves a checkpoint, and another one goes on from it."""
+"""Checkpoints: what a run leaves every few minutes and when interrupted, for another one to go on from."""
 
 import argparse
 import shlex
 import signal
+import tempfile
+import time
+from collections.abc import Callable
+from contextlib import suppress
 from pathlib import Path
 
 from isoembed.cli.outputs import Outputs
-from isoembed.cli.screen import UsageError
+from isoembed.cli.screen import UsageError, print_error
 from isoembed.cli.signals import handled
 from isoembed.errors import Interrupted
 from isoembed.io import CHECKPOINT_ENDINGS, FileError, check_output, checkpoint_writer, write_atomically
+from isoembed.progress.stages import Checkpoint, Progress
 
 ENDING = ".checkpoint.npz"  # after the name of the output
+FOLDER = "isoembed-checkpoint-"  # before the name of a temporary folder
+PERIOD = 120.0  # seconds between two checkpoints
 
 
 def add_checkpoint_options(parser: argparse.ArgumentParser) -> None:
@@ -20,8 +27,8 @@ def add_checkpoint_options(parser: argparse.ArgumentParser) -> None:
         "--checkpoint",
         type=Path,
         metavar="FILE.npz",
-        help="where an interruption leaves what was reached (default: the name of the output and "
-        f"{ENDING}; without an output, the file of --resume, if any)",
+        help="where what was reached is left, every two minutes and by an interruption (default: the name of "
+        f"the output and {ENDING}; without an output, the file of --resume, if any)",
     )
     parser.add_argument(
         "--resume",
@@ -53,26 +60,100 @@ def checkpoint_file(options: argparse.Namespace, outputs: Outputs) -> Path | Non
     return path
 
 
-def save_checkpoint(interrupted: Interrupted, path: Path | None, method: str) -> str:
-    """Leave the checkpoint, and say so in a sentence.
+class Checkpoints:
+    """The checkpoints of one run: one every few minutes, and one when it is interrupted.
+
+    Where one cannot be written, a new folder below the temporary one takes it.
 
     Parameters
     ----------
-    interrupted : Interrupted
     path : path or None
-        Where the checkpoint goes.
-    method : str
-        The name of the method.
+        Where they go, each in the place of the one before.
+    resumed : Checkpoint, optional
+        What the run goes on from, which need not be written again.
+    clock : callable
+        The time in seconds.
     """
-    checkpoint = interrupted.checkpoint
-    if checkpoint is None:
-        return f"{interrupted}; there is no checkpoint, as the method {method!r} kept nothing to go on from"
-    if path is None:
-        return f"{interrupted}; there is no checkpoint, as neither --output nor --checkpoint says where"
-    try:
+
+    def __init__(
+        self,
+        path: Path | None,
+        resumed: Checkpoint | None = None,
+        clock: Callable[[], float] = time.monotonic,
+    ) -> None:
+        self._path, self._clock = path, clock
+        self._last, self._begun = resumed, clock()
+        self._written: list[Path] = []
+
+    def listen(self, progress: Progress) -> None:
+        """Write the checkpoint of a snapshot, if it is a new one and time for it."""
+        checkpoint, last = progress.checkpoint, self._last
+        if checkpoint is None or checkpoint is last or self._clock() < self._begun + PERIOD:
+            return
+        if self._path is not None:
+            complaint, written = self._write(checkpoint)
+            if complaint:
+                print_error(f"{complaint}; {_place(self._path if written else None)}")
+        self._last, self._begun = checkpoint, self._clock()
+
+    def leave(self, interrupted: Interrupted, method: str) -> str:
+        """Leave the checkpoint of an interrupted run, and say so in a sentence.
+
+        Parameters
+        ----------
+        interrupted : Interrupted
+        method : str
+            The name of the method.
+        """
+        checkpoint = interrupted.checkpoint
+        if checkpoint is None:
+            why = f"there is no checkpoint, as the method {method!r} kept nothing to go on from"
+            return f"{interrupted}; {why}"
+        if self._path is None:
+            return f"{interrupted}; there is no checkpoint, as neither --output nor --checkpoint says where"
         with handled(signal.SIG_IGN):  # this takes a moment, and the wish is known
-            write_atomically({path: checkpoint_writer(checkpoint)})
-    except FileError as error:
-        return f"{interrupted}; there is no checkpoint: {error}"
+            complaint, written = self._write(checkpoint)
+        where = _place(self._path if written else None)
+        return "; ".join(part for part in (str(interrupted), complaint, where) if part)
+
+    def left(self) -> str:
+        """Where the last one is, if any, in words that go on with a sentence."""
+        return f"; {_place(self._written[-1])}" if self._written else ""
+
+    def remove(self) -> None:
+        """Remove those of this run, which is done."""
+        for path in self._written:
+            with suppress(OSError):
+                path.unlink(missing_ok=True)
+                if path.parent.name.startswith(FOLDER):
+                    path.parent.rmdir()
+
+    def _write(self, checkpoint: Checkpoint) -> tuple[str, bool]:
+        """Write it in its place, or else in another one; return what was wrong, and whether it is there."""
+        assert self._path is not None
+        writer, complaint = checkpoint_writer(checkpoint), ""
+        try:
+            write_atomically({self._path: writer})
+        except FileError as error:
+            complaint = str(error)
+            try:
+                folder = Path(tempfile.mkdtemp(prefix=FOLDER))
+            except OSError:
+                return complaint, False
+            try:
+                write_atomically({folder / self._path.name: writer})
+            except FileError:
+                folder.rmdir()
+                return complaint, False
+            self._path = folder / self._path.name
+        if self._path not in self._written:
+            self._written.append(self._path)
+        return complaint, True
+
+
+def _place(path: Path | None) -> str:
+    """Where a checkpoint is, and what it is for."""
+    if path is None:
+        return "there is no checkpoint"
     again = f"the same command with --resume {shlex.quote(str(path))} goes on from it"
-    return f"{interrupted}; the checkpoint is in {path}: {again}"
+    return f"the checkpoint is in {path}: {again}"
