@@ -14,6 +14,7 @@ import zoo
 from isoembed import Alexandrov, ConvexPolyhedron, GluedMetric, PolyhedralMetric, embed
 from isoembed.alexandrov import homotopy, placement
 from lost_edges import octahedron_with_a_lost_edge
+from isoembed.metric.convexity import noise_level
 from scrambling import scramble
 
 
@@ -167,14 +168,19 @@ def test_the_noise_is_a_number_of_radians():
         Alexandrov(repair=-1)
 
 
-def test_triangles_too_thin_for_floats_are_a_failure():
-    # Noise at vertices on the edges of a body makes faces that are 1e-7 wide.
-    vertices, faces = zoo.subdivided(*zoo.tetrahedron())
-    metric = PolyhedralMetric.from_mesh(vertices, faces)
-    rng = np.random.default_rng(0)
-    noisy = metric.with_lengths(metric.lengths * (1 + 1e-7 * rng.normal(size=len(metric.lengths))))
-    with pytest.raises(isoembed.NotEmbedded, match=r"too thin for floats|no polytope|miss the tolerance"):
-        embed(noisy, method=Alexandrov(repair=1e-3))
+@pytest.mark.parametrize("digits", [5, 7, 9, 11])
+@pytest.mark.parametrize("body", [zoo.tetrahedron, zoo.cube, zoo.icosahedron, lambda: zoo.random_hull(12, 1)])
+def test_rounded_coordinates_with_flat_vertices_on_edges(body, digits):
+    # Vertices that should be on an edge of the body are beside it by as much.
+    vertices, faces = zoo.subdivided(*zoo.subdivided(*body()))
+    turned = vertices @ zoo.rotation(7).T
+    written = np.array([float(f"{x:.{digits - 1}e}") for x in turned.ravel()]).reshape(-1, 3)
+    metric = PolyhedralMetric.from_mesh(written, faces)
+    level = noise_level(GluedMetric.of(metric).deficits)
+    found = embed(metric, method=Alexandrov(repair=1.1 * level))
+    assert zoo.aligned(found.vertices, vertices) < 5 * np.abs(written - turned).max()
+    assert found.residual < 1e-10
+    assert len(found.flat_vertices) == len(vertices) - len(body()[0])
 
 
 def test_a_glued_metric_needs_this_method():

@@ -12,12 +12,18 @@ from isoembed.intrinsic.edge_paths import edge_paths
 from isoembed.intrinsic.flat_vertices import remove_flat_vertices
 from isoembed.intrinsic.halfedges import HalfEdges
 from isoembed.intrinsic.insert_vertices import insert_vertices
+from isoembed.intrinsic.polygons import lay_out
 from scrambling import scramble
 from sprinkled import box, checked, distances, polyhedron, sprinkled, tables_of
 
 
 def all_edges(tables):
     return np.flatnonzero(np.arange(tables.twins.size) < tables.twins)
+
+
+def drawn(original, final, halfedges):
+    """Edges of one triangulation on another, of which every triangle is a polygon."""
+    return edge_paths(original, final, lay_out(final, np.ones(final.twins.size, dtype=bool)), halfedges)
 
 
 def along(paths, vertices):
@@ -37,7 +43,7 @@ def test_on_its_own_triangles_an_edge_crosses_nothing():
     vertices, faces = zoo.random_hull(30, 2)
     tables = tables_of(vertices, faces)
     edges = all_edges(tables)
-    paths = edge_paths(tables, tables, edges)
+    paths = drawn(tables, tables, edges)
     assert paths.halfedges.size == 0 and paths.lost.size == 0
     assert np.array_equal(paths.lengths, tables.lengths[edges])
     assert mismatch(paths) < 1e-15
@@ -54,7 +60,7 @@ def test_one_flip_in_a_square():
     flipped = tables.copy()
     diagonal = 2  # 2 -> 0
     scramble(flipped, 1, _One(diagonal))
-    paths = edge_paths(tables, flipped, np.array([diagonal, 0, 3]))
+    paths = drawn(tables, flipped, np.array([diagonal, 0, 3]))
     assert paths.offsets.tolist() == [0, 1, 1, 2]
     assert paths.ends.tolist() == [[2, 0], [0, 1], [0, 2]]
     crossed = flipped.corners[paths.halfedges], flipped.corners[flipped.twins[paths.halfedges]]
@@ -89,7 +95,7 @@ def test_over_the_edges_of_a_cube():
         other = tables.copy()
         scramble(other, 10, rng, 1e-2)
         edges = all_edges(other)
-        paths = edge_paths(other, tables, edges)
+        paths = drawn(other, tables, edges)
         assert paths.lost.size == 0 and mismatch(paths) < 1e-13
         assert along(paths, vertices) == pytest.approx(paths.lengths, rel=1e-12)
         for e in np.flatnonzero(np.abs(paths.lengths - 5**0.5) < 1e-9):
@@ -113,8 +119,8 @@ def test_edges_of_the_input_on_the_polyhedron(n, m, seed, length):
     tables = tables_of(vertices, faces)
     core, removal = remove_flat_vertices(tables, flat)
     core, bent = polyhedron(core, vertices[~flat])
-    final = insert_vertices(core, removal, bent).tables
-    paths = edge_paths(tables, final, all_edges(tables))
+    restored = insert_vertices(core, removal, bent)
+    paths = edge_paths(tables, restored.tables, restored.polygons, all_edges(tables))
     assert mismatch(paths) < 1e-9
     # All of them are chords of the body: the original triangles lie in its faces.
     starts = paths.point_offsets
@@ -134,8 +140,8 @@ def test_there_and_back_again(seed, length):
     one = tables_of(body * [length, 1, 1], faces)
     other = one.copy()
     scramble(other, 40, np.random.default_rng(seed), 1e-2)
-    on_other = edge_paths(one, other, all_edges(one))
-    on_one = edge_paths(other, one, all_edges(other))
+    on_other = drawn(one, other, all_edges(one))
+    on_one = drawn(other, one, all_edges(other))
     assert mismatch(on_other) < 1e-10 and mismatch(on_one) < 1e-10
     assert on_one.halfedges.size == on_other.halfedges.size
     assert along(on_one, body * [length, 1, 1]) == pytest.approx(on_one.lengths, abs=1e-10 * length)
@@ -148,9 +154,10 @@ def test_grids_of_many_points_in_line():
     scramble(shuffled, 10 * len(vertices), np.random.default_rng(0))
     core, removal = remove_flat_vertices(shuffled, flat)
     core, bent = polyhedron(core, vertices[~flat])
-    final = insert_vertices(core, removal, bent).tables
+    restored = insert_vertices(core, removal, bent)
+    final = restored.tables
     for original in (tables, shuffled):
-        paths = edge_paths(original, final, all_edges(original))
+        paths = edge_paths(original, final, restored.polygons, all_edges(original))
         assert mismatch(paths) < 1e-10
         assert along(paths, vertices) == pytest.approx(paths.lengths, abs=1e-11)
         assert ((paths.parameters >= 0) & (paths.parameters <= 1)).all()
@@ -168,7 +175,7 @@ def test_a_path_that_goes_astray_is_lost():
     turned = tables.directions + np.where(tables.corners == v, 0.1, 0.0)
     elsewhere = HalfEdges(tables.corners, tables.twins, tables.lengths, turned)
     edges = all_edges(tables)
-    paths = edge_paths(elsewhere, tables, edges)
+    paths = drawn(elsewhere, tables, edges)
     assert np.array_equal(paths.lost, np.flatnonzero(tables.corners[edges] == v))
     assert paths.lost.size > 0
     assert np.isnan(paths.distances).sum() == paths.lost.size
@@ -183,5 +190,5 @@ def test_distances_are_those_of_the_final_metric():
     tables = tables_of(vertices, faces)
     metric = checked(tables)
     longer = HalfEdges(tables.corners, tables.twins, tables.lengths * (1 + 1e-8), tables.directions)
-    paths = edge_paths(tables, longer, all_edges(tables))
+    paths = drawn(tables, longer, all_edges(tables))
     assert mismatch(paths) == pytest.approx(1e-8 * tables.lengths.max() / metric.mean_length, rel=1e-6)

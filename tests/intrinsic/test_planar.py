@@ -7,7 +7,8 @@ from hypothesis import strategies as st
 
 import zoo
 from isoembed.intrinsic.flat_vertices import remove_flat_vertices
-from isoembed.intrinsic.planar import Polygons, face_at, first_sides, lay_out
+from isoembed.intrinsic.planar import face_at
+from isoembed.intrinsic.polygons import Polygons, first_sides, lay_out
 from sprinkled import box, polyhedron, tables_of
 
 plane = st.floats(0, 2)

@@ -7,10 +7,12 @@ from hypothesis import strategies as st
 
 import zoo
 from isoembed.intrinsic.halfedges import HalfEdges, third_corner, total_angle
+from isoembed.intrinsic.polygons import lay_out
 from isoembed.intrinsic.tracing import (
     from_corner,
     from_inside,
     modulo,
+    place,
     sector,
     straight,
 )
@@ -25,13 +27,19 @@ def square():
     return vertices, tables_of(vertices, np.array([[0, 1, 2], [0, 2, 3], [1, 0, 3], [1, 3, 2]]))
 
 
+def laid_out(tables):
+    """Every triangle in a frame of its own, with its first half-edge along the x axis."""
+    return lay_out(tables, np.ones(tables.twins.size, dtype=bool))
+
+
 def end_of(state, length, vertices, tables):
     """Where a line ends in space, and in which face."""
-    out, *corners = straight(state, length, tables)
-    plane = np.array(corners)
+    state = straight(state, length, laid_out(tables))
+    out = state[0]
+    halfedges = 3 * (out // 3) + np.arange(3)
+    plane = np.array([place(h, state, laid_out(tables)) for h in halfedges])
     weights = np.linalg.solve(np.vstack([plane.real, plane.imag, np.ones(3)]), [length, 0, 1])
     assert weights.min() > -1e-9
-    halfedges = 3 * (out // 3) + (out + np.arange(3)) % 3
     return weights @ vertices[tables.corners[halfedges]], out // 3
 
 
@@ -48,7 +56,7 @@ def test_from_a_corner_of_a_square_covered_twice(angle, length):
     # Half-edge 0 runs along the x axis; the total angle is pi, and half of it is above.
     h, offset = sector(3, tables.directions[0] + angle, np.pi, tables)
     assert tables.corners[h] == 0 and 0 <= offset < np.pi / 2
-    end, face = end_of(from_corner(h, offset, tables.lengths), length, vertices, tables)
+    end, face = end_of(from_corner(h, offset, laid_out(tables)), length, vertices, tables)
     place, below = folded(length * np.cos(angle), length * np.sin(angle))
     assert end[:2] == pytest.approx(place, abs=1e-10)
     if np.abs(place - np.round(place)).min() > 1e-9:
@@ -60,7 +68,7 @@ def test_from_inside_a_square_covered_twice(x, y, angle, length):
     vertices, tables = square()
     if y > x:
         x, y = y, x  # in face 0, whose first half-edge is the x axis
-    end, face = end_of(from_inside(0, complex(x, y), angle, tables.lengths), length, vertices, tables)
+    end, face = end_of(from_inside(0, complex(x, y), angle, laid_out(tables)), length, vertices, tables)
     place, below = folded(x + length * np.cos(angle), y + length * np.sin(angle))
     assert end[:2] == pytest.approx(place, abs=1e-10)
     if np.abs(place - np.round(place)).min() > 1e-9:
@@ -72,7 +80,7 @@ def test_from_inside_a_square_covered_twice(x, y, angle, length):
 def test_along_and_across_the_sides_of_a_face(x, turns):
     vertices, tables = square()
     angle = turns * np.pi / 2
-    end, _ = end_of(from_inside(0, complex(x, 0.0), angle, tables.lengths), 0.125, vertices, tables)
+    end, _ = end_of(from_inside(0, complex(x, 0.0), angle, laid_out(tables)), 0.125, vertices, tables)
     place, _ = folded(x + 0.125 * np.cos(angle), 0.125 * np.sin(angle))
     assert end[:2] == pytest.approx(place, abs=1e-15)
 
@@ -88,7 +96,7 @@ def test_once_around_a_box():
     x, y = (start - a) @ along, (start - a) @ across
     for way, around in ((0.0, 2 * (2 + 3)), (np.pi / 2, 2 * (1 + 3))):
         angle = way if abs(along[1]) == 1 else way + np.pi / 2
-        end, face = end_of(from_inside(f, complex(x, y), angle, tables.lengths), around, vertices, tables)
+        end, face = end_of(from_inside(f, complex(x, y), angle, laid_out(tables)), around, vertices, tables)
         assert face == f
         assert end == pytest.approx(start, abs=1e-13)
 
@@ -116,7 +124,7 @@ def test_a_tetrahedron_unfolds_to_the_lattice_of_triangles():
     for m, n in ((1, 0), (1, 1), (2, 1), (3, 1), (3, 2), (5, 3)):
         along, far = np.arctan2(n * 3**0.5 / 2, m + n / 2), l * np.sqrt(m * m + m * n + n * n)
         h, offset = sector(0, tables.directions[0] + along, np.pi, tables)
-        end, _ = end_of(from_corner(h, offset, tables.lengths), far * (1 - 1e-13), vertices, tables)
+        end, _ = end_of(from_corner(h, offset, laid_out(tables)), far * (1 - 1e-13), vertices, tables)
         nearest = int(np.argmin(np.linalg.norm(vertices - end, axis=1)))
         assert np.linalg.norm(vertices[nearest] - end) < 1e-10
         assert nearest != tables.corners[0]
@@ -124,7 +132,7 @@ def test_a_tetrahedron_unfolds_to_the_lattice_of_triangles():
 
 def test_absurdly_far():
     _, tables = square()
-    assert straight(from_corner(0, 0.1, tables.lengths), np.inf, tables)[0] == -1
+    assert straight(from_corner(0, 0.1, laid_out(tables)), np.inf, laid_out(tables))[0] == -1
 
 
 def test_modulo():

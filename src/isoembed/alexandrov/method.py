@@ -172,7 +172,8 @@ class _Search:
         try:
             with log.stage("edge paths"):
                 restored = insert_vertices(tables, removal, _creases(tables, vertices))
-                paths = edge_paths(original, restored.tables, _one_halfedge_an_edge(self.metric))
+                wanted = _one_halfedge_an_edge(self.metric)
+                paths = edge_paths(original, restored.tables, restored.polygons, wanted)
             result = metric_on(restored.tables)
         except InvalidMetric as error:  # not the given metric's fault: these are triangles of our own
             message = f"the polyhedron was found, but no triangles on it with all vertices: {error}"

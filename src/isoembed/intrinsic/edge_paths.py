@@ -5,8 +5,9 @@ from dataclasses import dataclass
 import numpy as np
 
 from isoembed.arrays import Floats, Indices, Points
-from isoembed.intrinsic.halfedges import HalfEdges, following, leaving_halfedges, preceding, total_angle
-from isoembed.intrinsic.tracing import TRACING, crossed, from_corner, reaches, sector
+from isoembed.intrinsic.halfedges import HalfEdges, following, leaving_halfedges, preceding
+from isoembed.intrinsic.polygons import Polygons, angle_around
+from isoembed.intrinsic.tracing import TRACING, crossed, from_corner, place, reaches, sector
 from isoembed.intrinsic.trigonometry import cross, norm
 from isoembed.kernel import kernel
 from isoembed.mesh.triangulation import frozen
@@ -78,7 +79,7 @@ class EdgePaths:
         return result
 
 
-def edge_paths(original: HalfEdges, final: HalfEdges, halfedges: Indices) -> EdgePaths:
+def edge_paths(original: HalfEdges, final: HalfEdges, polygons: Polygons, halfedges: Indices) -> EdgePaths:
     """Draw edges of one triangulation on another.
 
     An edge sets out in its direction; the triangles that it meets are unfolded into the plane, and there the
@@ -87,7 +88,9 @@ def edge_paths(original: HalfEdges, final: HalfEdges, halfedges: Indices) -> Edg
     Parameters
     ----------
     original, final : HalfEdges
-        Triangulations of one metric, with the same vertices and directions.
+        Triangulations of one metric, with the same vertices and directions; the final one may have more.
+    polygons : Polygons
+        The final one, laid out.
     halfedges : ndarray of int, shape (n,)
         Of the original: one for each path that is wanted, from the vertex that it leaves.
 
@@ -98,10 +101,10 @@ def edge_paths(original: HalfEdges, final: HalfEdges, halfedges: Indices) -> Edg
     """
     lengths = original.lengths[halfedges]
     ends = np.column_stack([end[halfedges] for end in original.ends])
-    first, angles = _set_out(original, final, halfedges)
-    counts, meet = _follow(first, angles, lengths, ends[:, 1], final)
+    first, angles = _set_out(original, final, polygons, halfedges)
+    counts, meet = _follow(first, angles, lengths, ends[:, 1], polygons)
     offsets = np.concatenate([np.zeros(1, dtype=np.int64), np.cumsum(counts)])
-    crossings, parameters = _cross(first, angles, offsets, meet, final)
+    crossings, parameters = _cross(first, angles, offsets, meet, polygons)
     distances = np.hypot(meet.real, meet.imag)
     for table in (ends, offsets, crossings, parameters, lengths, distances):
         frozen(table)
@@ -109,7 +112,9 @@ def edge_paths(original: HalfEdges, final: HalfEdges, halfedges: Indices) -> Edg
 
 
 @kernel
-def _set_out(original: HalfEdges, final: HalfEdges, halfedges: Indices) -> tuple[Indices, Floats]:
+def _set_out(
+    original: HalfEdges, final: HalfEdges, polygons: Polygons, halfedges: Indices
+) -> tuple[Indices, Floats]:
     """The half-edges next clockwise of those given, and the angles between."""
     number = np.full(original.corners.size, -1, dtype=np.int64)
     for e in range(halfedges.size):
@@ -118,7 +123,7 @@ def _set_out(original: HalfEdges, final: HalfEdges, halfedges: Indices) -> tuple
     n = original.corners.max() + 1
     old, new = leaving_halfedges(original.corners, n), leaving_halfedges(final.corners, n)
     for v in range(n):
-        total = total_angle(new[v], final)
+        total = angle_around(new[v], polygons)
         # Both go counterclockwise, so that the search begins where the last one ended.
         h, g = old[v], new[v]
         while True:
@@ -134,29 +139,28 @@ def _set_out(original: HalfEdges, final: HalfEdges, halfedges: Indices) -> tuple
 
 @kernel
 def _follow(
-    first: Indices, angles: Floats, distances: Floats, goals: Indices, mesh: HalfEdges
+    first: Indices, angles: Floats, distances: Floats, goals: Indices, polygons: Polygons
 ) -> tuple[Indices, Points]:
     """Crossings of each path, and where it ends if it sets out along the x axis; not a number if astray."""
-    corners = mesh.corners
+    corners = polygons.corners
     counts, meet = np.zeros(first.size, dtype=np.int64), np.full(first.size, complex(np.nan, np.nan))
     for e in range(first.size):
         far = distances[e]
         near = _T.astray * far
-        state = from_corner(first[e], angles[e], mesh.lengths)
-        out, lower, upper, _ = state
-        if corners[out] == goals[e] and norm(lower - far) <= near:
-            meet[e] = lower
-            continue
-        if corners[following(out)] == goals[e] and norm(upper - far) <= near:
-            meet[e] = upper
+        state = from_corner(first[e], angles[e], polygons)
+        found = False
+        for g in (state[0], following(state[0])):
+            end = place(g, state, polygons)
+            if not found and corners[g] == goals[e] and norm(end - far) <= near:
+                meet[e], found = end, True
+        if found:
             continue
         for k in range(corners.size + _T.longest):
-            if reaches(state, far + near):
+            if reaches(state, far + near, polygons):
                 break
-            g = preceding(mesh.twins[state[0]])
-            state = crossed(state, mesh)
-            # The corner that is new is one end of the side through which the path leaves.
-            end = state[2] if following(state[0]) == g else state[1]
+            g = preceding(polygons.twins[state[0]])
+            state = crossed(state, polygons)
+            end = place(g, state, polygons)
             if corners[g] == goals[e] and norm(end - far) <= near:
                 meet[e], counts[e] = end, k + 1
                 break
@@ -165,18 +169,20 @@ def _follow(
 
 @kernel
 def _cross(
-    first: Indices, angles: Floats, offsets: Indices, meet: Points, mesh: HalfEdges
+    first: Indices, angles: Floats, offsets: Indices, meet: Points, polygons: Polygons
 ) -> tuple[Indices, Floats]:
     """Half-edges that are crossed, and where, by paths from the origin straight to where they end."""
     halfedges, parameters = np.empty(offsets[-1], dtype=np.int64), np.empty(offsets[-1])
     for e in range(first.size):
         if offsets[e] == offsets[e + 1]:
             continue
-        state = from_corner(first[e], angles[e], mesh.lengths)
+        state = from_corner(first[e], angles[e], polygons)
         for k in range(offsets[e], offsets[e + 1]):
-            halfedges[k], lower, upper, _ = state
+            halfedges[k] = state[0]
+            lower = place(state[0], state, polygons)
+            upper = place(following(state[0]), state, polygons)
             below, above = cross(lower, meet[e]), cross(meet[e], upper)
             along = below + above
             parameters[k] = min(max(below / along, 0.0), 1.0) if along > 0 else 0.5
-            state = crossed(state, mesh)
+            state = crossed(state, polygons)
     return halfedges, parameters

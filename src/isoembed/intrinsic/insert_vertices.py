@@ -11,10 +11,11 @@ from isoembed.errors import InvalidMetric
 from isoembed.intrinsic.delaunay import empty_stack, flip_edges
 from isoembed.intrinsic.flat_vertices import Removal
 from isoembed.intrinsic.halfedges import HalfEdges, leaving_halfedges, preceding, total_angle
-from isoembed.intrinsic.multi_edges import remove_multi_edges
-from isoembed.intrinsic.planar import Marks, Polygons, first_sides, insert, lay_out
-from isoembed.intrinsic.tracing import from_corner, from_inside, sector, straight
-from isoembed.intrinsic.trigonometry import apex, cross
+from isoembed.intrinsic.multi_edges import separated
+from isoembed.intrinsic.planar import Marks, insert
+from isoembed.intrinsic.polygons import Polygons, first_sides, lay_out, loosened
+from isoembed.intrinsic.tracing import from_corner, from_inside, place, sector, straight
+from isoembed.intrinsic.trigonometry import cross
 from isoembed.kernel import kernel
 from isoembed.mesh.triangulation import frozen
 
@@ -29,6 +30,8 @@ class Restored:
     ----------
     tables : HalfEdges
         Vertices numbered, and directions measured, as before the removal.
+    polygons : Polygons
+        The same, laid out.
     kept : ndarray of bool, shape (3F,)
         The half-edges of ``tables`` that are parts of the edges that were to be kept.
     core, flat : ndarray of int
@@ -42,6 +45,7 @@ class Restored:
     """
 
     tables: HalfEdges
+    polygons: Polygons
     kept: Mask
     core: Indices
     flat: Indices
@@ -94,17 +98,14 @@ def insert_vertices(tables: HalfEdges, removal: Removal, kept: Mask) -> Restored
     r, n = removal, removal.removed.size
     number = np.full(r.core.size + n, -1, dtype=np.int64)  # in the core
     number[r.core] = np.arange(r.core.size)
-    faces, barycentric, axis, lost = _locate(tables, r, number)
+    laid = lay_out(tables, kept)
+    faces, barycentric, axis, lost = _locate(tables, laid, r, number)
     if lost >= 0:
         raise InvalidMetric(
             f"vertex {lost}, which is flat, is not found again: the triangles around it are too thin"
         )
-
-    laid = lay_out(tables, kept)
+    places = np.einsum("vc,vc->v", barycentric, laid.z[3 * faces[:, None] + np.arange(3)])
     slopes = np.angle(_next(laid.z) - laid.z)
-    at = 3 * faces[:, None] + np.arange(3)
-    x, y = (np.einsum("vc,vc->v", barycentric, c[at]) for c in (laid.z.real, laid.z.imag))
-    axis -= slopes[3 * faces]
     frames = _grown(first_sides(laid.twins, laid.fixed), 6 * n)
     axes, slopes = _grown(tables.directions, 6 * n), _grown(slopes, 6 * n)
     polygons = Polygons(
@@ -114,19 +115,23 @@ def insert_vertices(tables: HalfEdges, removal: Removal, kept: Mask) -> Restored
         _grown(laid.fixed, 6 * n),
         _grown(laid.cells, 2 * n),
     )
-    marks = Marks(_grown(kept, 6 * n), frames, axes, leaving_halfedges(r.core[laid.corners], number.size))
-    _insert_all(r, faces, x + 1j * y, axis, polygons, marks)
+    leaving = leaving_halfedges(r.core[laid.corners], number.size)
+    sizes = np.zeros(laid.cells.max() + 1)
+    np.maximum.at(sizes, laid.cells, tables.face_lengths.max(axis=1))
+    # The two sheets of a polygon have the same corners.
+    marks = Marks(_grown(kept, 6 * n), frames, axes, leaving, sizes, sizes.size == 2)
+    _insert_all(r, faces, places, axis, polygons, marks)
     sides = _next(polygons.z) - polygons.z
-    lengths = np.hypot(sides.real, sides.imag)
-    lengths = np.minimum(lengths, lengths[polygons.twins])  # between polygons they differ by rounding
+    lengths = loosened(np.hypot(sides.real, sides.imag), polygons.twins)
     # A frame gives the direction of a side of the polygon, or of the x axis if the vertex was flat; half a
     # radian takes up what rounding puts before that.
     turns = (np.angle(sides) - slopes[frames] + 0.5) % (2 * np.pi) - 0.5
     result = HalfEdges(polygons.corners, polygons.twins, lengths, axes[frames] + turns)
-    remove_multi_edges(result, marks.kept)
+    polygons = separated(result, marks.kept, polygons)
     flat = np.flatnonzero(number < 0)
     return Restored(
         result,
+        polygons,
         frozen(marks.kept),
         r.core,
         frozen(flat),
@@ -175,7 +180,9 @@ def _face_near(h: int, f: int, polygons: Polygons) -> int:
 
 
 @kernel
-def _locate(mesh: HalfEdges, removal: Removal, number: Indices) -> tuple[Indices, Floats, Floats, int]:
+def _locate(
+    mesh: HalfEdges, laid: Polygons, removal: Removal, number: Indices
+) -> tuple[Indices, Floats, Floats, int]:
     """The faces in which the removed vertices lie, and where: barycentric coordinates.
 
     Returns
@@ -183,13 +190,13 @@ def _locate(mesh: HalfEdges, removal: Removal, number: Indices) -> tuple[Indices
     ndarray of int, shape (V,)
     ndarray, shape (V, 3)
     ndarray, shape (V,)
-        The direction at the vertex that is that of the first half-edge of the face.
+        The direction at the vertex that is that of the x axis of the polygon.
     int
         A vertex that is lost, or -1.
     """
-    lengths, n = mesh.lengths, number.size
+    n = number.size
     faces, barycentric, axis = np.zeros(n, dtype=np.int64), np.zeros((n, 3)), np.zeros(n)
-    places = np.empty(n, dtype=np.complex128)  # in the face, whose first half-edge is the x axis
+    places = np.empty(n, dtype=np.complex128)  # in the polygon
     leaving = leaving_halfedges(mesh.corners, n - removal.removed.size)
     z, areas = np.empty(3, dtype=np.complex128), np.empty(3)
     for k in range(removal.removed.size - 1, -1, -1):
@@ -198,20 +205,20 @@ def _locate(mesh: HalfEdges, removal: Removal, number: Indices) -> tuple[Indices
         if number[u] >= 0:
             h = leaving[number[u]]
             h, offset = sector(h, way, total_angle(h, mesh), mesh)
-            state = from_corner(h, offset, lengths)
+            state = from_corner(h, offset, laid)
         else:
-            state = from_inside(faces[u], places[u], way - axis[u], lengths)
-        out, p, q, r = straight(state, distance, mesh)
-        if out < 0:
+            state = from_inside(faces[u], places[u], way - axis[u], laid)
+        state = straight(state, distance, laid)
+        if state[0] < 0:
             return faces, barycentric, axis, v
-        f, c, d, e = out // 3, out % 3, (out + 1) % 3, (out + 2) % 3
-        z[c], z[d], z[e] = p - distance, q - distance, r - distance
+        f = state[0] // 3
+        for i in range(3):
+            z[i] = place(3 * f + i, state, laid) - distance
         for i in range(3):
             areas[i] = max(cross(z[(i + 1) % 3], z[(i + 2) % 3]), 0.0)
-        barycentric[v] = areas / (areas[c] + areas[d] + areas[e])
-        l = lengths[3 * f]
-        ax, ay = apex(l, lengths[3 * f + 1], lengths[3 * f + 2])
-        faces[v] = f
-        places[v] = complex(barycentric[v, 1] * l + barycentric[v, 2] * ax, barycentric[v, 2] * ay)
-        axis[v] = removal.backs[k] - np.pi + np.angle(z[1] - z[0])
+        barycentric[v] = areas / areas.sum()
+        faces[v], places[v] = f, 0j
+        for i in range(3):
+            places[v] += barycentric[v, i] * laid.z[3 * f + i]
+        axis[v] = removal.backs[k] - np.pi + np.angle(state[1])
     return faces, barycentric, axis, -1

@@ -6,6 +6,7 @@ from isoembed.arrays import Indices, Mask
 from isoembed.intrinsic.delaunay import DELAUNAY
 from isoembed.intrinsic.flips import Tracked, flip_tracked, tracked
 from isoembed.intrinsic.halfedges import HalfEdges, edges_between, preceding
+from isoembed.intrinsic.polygons import Polygons, lay_out
 from isoembed.kernel import kernel
 from isoembed.thresholds import compiled
 
@@ -40,6 +41,23 @@ def remove_multi_edges(mesh: HalfEdges, kept: Mask) -> None:
     while edges.size and flips:
         flips = _separate(edges, mesh, carried)
         edges = repeated(mesh)
+
+
+def separated(mesh: HalfEdges, kept: Mask, polygons: Polygons) -> Polygons:
+    """Do as `remove_multi_edges`, and lay the triangles that are changed out anew, each for itself."""
+    before = mesh.corners.copy()
+    remove_multi_edges(mesh, kept)
+    changed = np.repeat((mesh.corners != before).reshape(-1, 3).any(axis=1), 3)
+    if not changed.any():
+        return polygons
+    single = lay_out(mesh, np.ones_like(kept))
+    return Polygons(
+        mesh.corners,
+        mesh.twins,
+        np.where(changed, single.z, polygons.z),
+        polygons.fixed | changed | changed[mesh.twins],
+        np.where(changed[::3], polygons.cells.max() + 1 + single.cells, polygons.cells),
+    )
 
 
 @kernel

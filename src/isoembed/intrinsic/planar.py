@@ -1,8 +1,4 @@
-"""New vertices in the plane polygons that triangles form between edges that are kept, triangulated well.
-
-Lengths alone would not do: to flip a triangle a thousand times longer than high loses three digits, and to
-flip it again three more.  Here every corner of a triangle has coordinates, which no flip changes.
-"""
+"""New vertices in plane polygons, triangulated well."""
 
 from dataclasses import dataclass
 from typing import NamedTuple
@@ -12,7 +8,6 @@ import numpy as np
 from isoembed.arrays import Floats, Indices, Mask, Points
 from isoembed.intrinsic.delaunay import (
     BLOCKED,
-    DELAUNAY,
     FLIPPED,
     LEFT,
     attempts,
@@ -20,7 +15,8 @@ from isoembed.intrinsic.delaunay import (
     restore_delaunay,
 )
 from isoembed.intrinsic.flips import swap_diagonals
-from isoembed.intrinsic.halfedges import HalfEdges, corner_angle, following, glue, preceding, third_corner
+from isoembed.intrinsic.halfedges import edges_between, following, glue, preceding
+from isoembed.intrinsic.polygons import Polygons
 from isoembed.intrinsic.trigonometry import cross, dot, from_frame, norm
 from isoembed.kernel import kernel
 from isoembed.thresholds import compiled, threshold
@@ -30,10 +26,13 @@ from isoembed.thresholds import compiled, threshold
 class PlanarThresholds:
     """Thresholds of triangles laid out in the plane."""
 
-    straight: float = threshold(1e-9, "radians", "Excess over pi of a polygon's corner, or of two angles.")
-    # Sides that are longer than the third by less make no triangle in floats: the vertex is 2e-8 of it off.
+    delaunay: float = threshold(1e-9, "radians", "Excess over pi of two angles that is left.")
+    thin: float = threshold(1e-14, "height over longest side", "Coordinates do not hold thinner triangles.")
+    outside: float = threshold(1e-9, "side lengths", "A point farther outside of a face is searched in all.")
     on_side: float = threshold(
-        1e-15, "side lengths", "Detour by way of a vertex that is put on a fixed side."
+        1e-11,
+        "longest side of the polygon",
+        "Height at which a vertex is put on a side that is not to be flipped.",
     )
     # A side that may be flipped anyway is split early, which spares two thin triangles.
     near_side: float = threshold(
@@ -42,29 +41,7 @@ class PlanarThresholds:
 
 
 PLANAR = PlanarThresholds()
-_T, _D = compiled(PLANAR), compiled(DELAUNAY)
-
-
-class Polygons(NamedTuple):
-    """Triangles laid out in polygons of the plane.
-
-    Attributes
-    ----------
-    corners, twins : ndarray of int64, shape (3F,)
-        As of `HalfEdges`.
-    z : ndarray of complex128, shape (3F,)
-        Where the corners lie, continuous in each polygon.
-    fixed : ndarray of bool, shape (3F,)
-        The half-edges between polygons.
-    cells : ndarray of int64, shape (F,)
-        To which polygon a face belongs.
-    """
-
-    corners: Indices
-    twins: Indices
-    z: Points
-    fixed: Mask
-    cells: Indices
+_T = compiled(PLANAR)
 
 
 class Marks(NamedTuple):
@@ -79,105 +56,18 @@ class Marks(NamedTuple):
     axes : ndarray, shape (3F,)
     leaving : ndarray of int64, shape (V,)
         A half-edge that leaves each vertex.
+    sizes : ndarray, shape (number of polygons,)
+        The longest side of each polygon, or of a triangle in it.
+    simple : bool
+        Whether flips are to join no two vertices that are joined already.
     """
 
     kept: Mask
     frames: Indices
     axes: Floats
     leaving: Indices
-
-
-@kernel
-def lay_out(mesh: HalfEdges, kept: Mask) -> Polygons:
-    """Unfold the triangles between kept edges; where these bound no convex polygons, each triangle is one."""
-    fixed = kept.copy()
-    z, cells = _unfolded(mesh, fixed)
-    convex = _are_convex(cells, mesh, fixed)
-    if not convex.all():
-        for h in range(fixed.size):
-            if not convex[cells[h // 3]]:
-                fixed[h] = True
-        z, cells = _unfolded(mesh, fixed)
-    return Polygons(mesh.corners, mesh.twins, z, fixed, cells)
-
-
-@kernel
-def _unfolded(mesh: HalfEdges, fixed: Mask) -> tuple[Points, Indices]:
-    """Place the corners (3F,), from face to face but for fixed edges, and number the parts (F,)."""
-    twins, lengths = mesh.twins, mesh.lengths
-    n = twins.size // 3
-    z, cells = np.zeros(3 * n, dtype=np.complex128), np.full(n, -1)
-    stack = np.empty(n, dtype=np.int64)
-    number = 0
-    for first in range(n):
-        if cells[first] >= 0:
-            continue
-        h = 3 * first
-        z[h + 1] = lengths[h]
-        z[h + 2] = third_corner(h, z[h], z[h + 1], lengths)
-        cells[first] = number
-        stack[0], top = first, 1
-        while top > 0:
-            top -= 1
-            f = stack[top]
-            for h in range(3 * f, 3 * f + 3):
-                t = twins[h]
-                if fixed[h] or cells[t // 3] >= 0:
-                    continue
-                z[following(t)], z[t] = z[h], z[following(h)]
-                z[preceding(t)] = third_corner(t, z[t], z[h], lengths)
-                cells[t // 3] = number
-                stack[top] = t // 3
-                top += 1
-        number += 1
-    return z, cells
-
-
-@kernel
-def _are_convex(cells: Indices, mesh: HalfEdges, fixed: Mask) -> Mask:
-    """Which cells are convex polygons, by number.
-
-    A cell of n faces that hang together at n - 1 edges has no vertex inside and no hole; and if it has no
-    reflex corner either, it does not overlap itself.
-    """
-    n = int(cells.max()) + 1
-    inner = np.zeros(n, dtype=np.int64)
-    size = np.zeros(n, dtype=np.int64)
-    convex = np.ones(n, dtype=np.bool_)
-    for h in range(fixed.size):
-        c = cells[h // 3]
-        if h % 3 == 0:
-            size[c] += 1
-        if not fixed[h]:
-            inner[c] += 1
-        else:
-            # The corner from this side counterclockwise to the one before it.
-            angle = 0.0
-            e = h
-            for _ in range(fixed.size):
-                angle += corner_angle(e, mesh.lengths)
-                if fixed[preceding(e)]:
-                    break
-                e = mesh.twins[preceding(e)]
-            if angle > np.pi + _T.straight:
-                convex[c] = False
-    return convex & (inner == 2 * (size - 1))
-
-
-@kernel
-def first_sides(twins: Indices, fixed: Mask) -> Indices:
-    """The side of the polygon that comes first counterclockwise at each corner of each face, shape (3F,)."""
-    first = np.empty(twins.size, dtype=np.int64)
-    for h in range(twins.size):
-        if fixed[h]:
-            e = h
-            while True:
-                first[e] = h
-                into = preceding(e)
-                if fixed[into]:
-                    break
-                e = twins[into]
-    return first
+    sizes: Floats
+    simple: bool
 
 
 @kernel
@@ -202,7 +92,7 @@ def insert(
     """
     twins = polygons.twins
     f = face_at(p, start, polygons, new // 3)
-    s = _side_at(p, f, polygons)
+    s = _side_at(p, f, polygons, marks.sizes[polygons.cells[f]])
     if s < 0:
         g = f
         _split_face(v, p, 3 * f, new, polygons, marks)
@@ -237,7 +127,7 @@ def face_at(p: complex, start: int, polygons: Polygons, n: int) -> int:
         came = polygons.twins[go]
         f = came // 3
     best = _depth(p, f, polygons.z)
-    if best < -_T.straight:  # led astray: try all
+    if best < -_T.outside:  # led astray: try all
         for g in range(n):
             if polygons.cells[g] == polygons.cells[start]:
                 depth = _depth(p, g, polygons.z)
@@ -259,23 +149,27 @@ def _depth(p: complex, f: int, z: Points) -> float:
 
 
 @kernel
-def _side_at(p: complex, f: int, polygons: Polygons) -> int:
+def _side_at(p: complex, f: int, polygons: Polygons, size: float) -> int:
     """The half-edge of a face that is to be split by a point in it; -1 if the point is well inside."""
     z, fixed = polygons.z, polygons.fixed
     least, s = 1.0, -1
     for h in range(3 * f, 3 * f + 3):
         side = z[following(h)] - z[h]
-        l = norm(side)
         height = _distance(p, h, z)
-        foot = dot(p - z[h], side) / (l * l)
-        detour = 0.0
-        if height > 0:
-            for along in (foot, 1 - foot):
-                way = np.hypot(along, height)
-                detour += height**2 / (way + along) if along > 0 else way - along
-        # A side that may not be flipped comes first: a point on it that is put on another is never put on it.
-        share = detour / _T.on_side - 1 if fixed[h] else detour / _T.near_side
-        if share < least and not (fixed[h] and share >= 0):
+        if fixed[h]:
+            # It comes first: a point on it that is put on another is never put on it.
+            share = height * norm(side) / (_T.on_side * size) - 1
+            if share >= 0:
+                continue
+        else:
+            foot = dot(p - z[h], side) / dot(side, side)
+            detour = 0.0
+            if height > 0:
+                for along in (foot, 1 - foot):
+                    way = np.hypot(along, height)
+                    detour += height**2 / (way + along) if along > 0 else way - along
+            share = detour / _T.near_side
+        if share < least:
             least, s = share, h
     if s >= 0:
         t = polygons.twins[s]
@@ -363,9 +257,11 @@ def _attempt(h: int, mesh: Polygons, rule: Marks) -> int:
     a, b, c, d, e = z[h] - z[ki], z[t] - z[ki], z[t] - z[mj], z[h] - z[mj], z[mj] - z[ki]
     aa, bb, cc, dd, ee = dot(a, a), dot(b, b), dot(c, c), dot(d, d), dot(e, e)
     sine = cross(a, b) * dot(c, d) + dot(a, b) * cross(c, d)  # of the sum of the angles at k and m
-    if sine >= -_T.straight * np.sqrt(aa * bb * cc * dd):
+    if sine >= -_T.delaunay * np.sqrt(aa * bb * cc * dd):
         return LEFT
-    if not (cross(a, e) > _D.thin * max(aa, dd, ee) and cross(e, b) > _D.thin * max(bb, cc, ee)):
+    if not (cross(a, e) > _T.thin * max(aa, dd, ee) and cross(e, b) > _T.thin * max(bb, cc, ee)):
+        return BLOCKED
+    if rule.simple and edges_between(ki, mesh.corners[mj], mesh.corners, mesh.twins) > 0:
         return BLOCKED
     for start, to in ((jk, t), (im, h), (mj, jk), (ki, im)):
         _copy(start, to, mesh, rule)

@@ -1,21 +1,21 @@
 """Straight lines across triangles, which are unfolded one after another into the plane.
 
 The line starts at the origin and runs along the positive x axis.  The triangle that it is in is known by the
-half-edge through which it leaves, from a lower to an upper corner, and by where its three corners lie:
-``(out, lower, upper, third)``, complex numbers.
+half-edge through which it leaves, from a lower to an upper corner, and by the motion that takes the frame of
+its polygon to that of the line: ``(out, turn, shift)``, so that corner h lies at ``turn z[h] + shift``.
 """
 
 from dataclasses import dataclass
 
 import numpy as np
 
-from isoembed.arrays import Floats
-from isoembed.intrinsic.halfedges import HalfEdges, corner_angle, following, preceding, third_corner
-from isoembed.intrinsic.trigonometry import apex, norm, polar
+from isoembed.intrinsic.halfedges import HalfEdges, following, preceding
+from isoembed.intrinsic.polygons import Polygons
+from isoembed.intrinsic.trigonometry import norm, polar
 from isoembed.kernel import kernel
 from isoembed.thresholds import compiled, threshold
 
-State = tuple[int, complex, complex, complex]
+State = tuple[int, complex, complex]
 
 
 @dataclass(frozen=True)
@@ -66,19 +66,26 @@ def sector(h: int, direction: float, total: float, mesh: HalfEdges) -> tuple[int
 
 
 @kernel
-def from_corner(h: int, offset: float, lengths: Floats) -> State:
-    """The line that starts at a vertex, at an angle from a half-edge into its triangle."""
-    into = preceding(h)
-    ahead = corner_angle(h, lengths) - offset
-    return following(h), polar(lengths[h], -offset), polar(lengths[into], ahead), 0j
+def place(h: int, state: State, polygons: Polygons) -> complex:
+    """Where a corner of the triangle lies."""
+    _, turn, shift = state
+    return turn * polygons.z[h] + shift
 
 
 @kernel
-def from_inside(f: int, start: complex, angle: float, lengths: Floats) -> State:
-    """The line that starts in a face, at an angle from the first half-edge of the face, its x axis."""
-    x, y = apex(lengths[3 * f], lengths[3 * f + 1], lengths[3 * f + 2])
+def from_corner(h: int, offset: float, polygons: Polygons) -> State:
+    """The line that starts at a vertex, at an angle from a half-edge into its triangle."""
+    side = polygons.z[following(h)] - polygons.z[h]
+    turn = side.conjugate() / norm(side) * polar(1.0, -offset)
+    return following(h), turn, -turn * polygons.z[h]
+
+
+@kernel
+def from_inside(f: int, start: complex, angle: float, polygons: Polygons) -> State:
+    """The line that starts in a face, at an angle from the x axis of its polygon."""
     turn = polar(1.0, -angle)
-    z = [(corner - start) * turn for corner in (0j, complex(lengths[3 * f], 0.0), complex(x, y))]
+    shift = -turn * start
+    z = [turn * polygons.z[3 * f + c] + shift for c in range(3)]
     k = -1
     for c in range(3):
         if z[c].imag < 0 <= z[(c + 1) % 3].imag:
@@ -89,33 +96,37 @@ def from_inside(f: int, start: complex, angle: float, lengths: Floats) -> State:
                 k = c
         if max(z[0].imag, z[1].imag, z[2].imag) <= 0:
             k = (k + 2) % 3
-    return 3 * f + k, z[k], z[(k + 1) % 3], z[(k + 2) % 3]
+    return 3 * f + k, turn, shift
 
 
 @kernel
-def crossed(state: State, mesh: HalfEdges) -> State:
+def crossed(state: State, polygons: Polygons) -> State:
     """The line one triangle on."""
-    out, lower, upper, _ = state
-    g = mesh.twins[out]
-    corner = third_corner(g, upper, lower, mesh.lengths)
-    if corner.imag > 0:
-        return following(g), lower, corner, upper
-    return preceding(g), corner, upper, lower
+    out, turn, shift = state
+    z, g = polygons.z, polygons.twins[out]
+    if polygons.fixed[out]:
+        a, b, c, d = z[out], z[following(out)], z[following(g)], z[g]  # in two frames
+        there = turn * (b - a) * (d - c).conjugate()
+        shift += (turn * (a + b) - there / norm(there) * (c + d)) / 2
+        turn = there / norm(there)
+    ahead = turn * z[preceding(g)] + shift
+    return following(g) if ahead.imag > 0 else preceding(g), turn, shift
 
 
 @kernel
-def reaches(state: State, length: float) -> bool:
+def reaches(state: State, length: float, polygons: Polygons) -> bool:
     """Whether the line is still in its triangle at this distance from its start."""
-    _, lower, upper, _ = state
+    lower = place(state[0], state, polygons)
+    upper = place(following(state[0]), state, polygons)
     return (upper.imag - lower.imag) * (lower.real - length) >= (upper.real - lower.real) * lower.imag
 
 
 @kernel
-def straight(state: State, length: float, mesh: HalfEdges) -> State:
+def straight(state: State, length: float, polygons: Polygons) -> State:
     """Follow a line over a distance; ``out`` is -1 if that leads across absurdly many triangles."""
-    for _ in range(mesh.twins.size + _T.longest):
-        if reaches(state, length):
+    for _ in range(polygons.twins.size + _T.longest):
+        if reaches(state, length, polygons):
             return state
-        state = crossed(state, mesh)
-    _, lower, upper, third = state
-    return -1, lower, upper, third
+        state = crossed(state, polygons)
+    _, turn, shift = state
+    return -1, turn, shift
