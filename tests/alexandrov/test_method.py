@@ -13,8 +13,8 @@ import isoembed
 import zoo
 from isoembed import Alexandrov, ConvexPolyhedron, GluedMetric, PolyhedralMetric, embed
 from isoembed.alexandrov import homotopy, placement
-from lost_edges import octahedron_with_a_lost_edge
 from isoembed.metric.convexity import noise_level
+from lost_edges import octahedron_with_a_lost_edge
 from scrambling import scramble
 
 
