@@ -176,6 +176,10 @@ class _Search:
             start = None if convex is None else radii_start(given, convex, log, self.backend)
         if start is None:
             return None
+        if convexification.is_convex and start.ndim == 2:  # the polyhedron itself
+            found = self.surface(start)
+            if found.residual <= self.good:
+                return found
         solution = newton_on_radii(given, start, log, self.backend)
         if solution is None or not solution.branch_deviation < RADII_NEWTON.trusted:
             return None

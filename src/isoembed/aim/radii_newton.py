@@ -39,6 +39,7 @@ class RadiiNewtonThresholds:
     loosest: float = threshold(1e-3, "relative", "Largest residual of Newton's linear equations.")
     nudge: float = threshold(1e-3, "mean edge lengths", "Change of height to see curvature bend.")
     trusted: float = threshold(0.25, "heights on a sphere", "Largest branch deviation that is trusted.")
+    resolved: float = threshold(0.1, "deficits", "Curvature of a vertex at which its height is decided.")
     solved: float = threshold(0.4, "relative", "Share of all work done when vertices can be placed.")
 
 
@@ -81,15 +82,16 @@ def radii_start(
     -------
     ndarray or None
         Radii, shape (V,), if the convex metric is the given one: triangles change only, and the polyhedron
-        need not be reached.  Otherwise its vertices, shape (V, 3).  None where the convex metric is flat at
-        a vertex, whose radius nothing determines, or all of it is.
+        need not be reached, as long as every vertex has come near to where it will be, by its own deficit.
+        Otherwise the vertices of the polyhedron, shape (V, 3).  None where the convex metric is flat at a
+        vertex, whose radius nothing determines, or all of it is.
     """
     if (convex.deficits <= deficit_rounding(convex.faces, convex.face_lengths)).any():
         return None
     tables = convex.half_edges()
     order = tables.order_in_memory()
     back, deficits, kept = np.argsort(order), convex.deficits[order], log.resumed_at("polytopes")
-    close = HOMOTOPY.close * float(deficits.max()) if convex is given else 0.0
+    close = np.minimum(HOMOTOPY.close * deficits.max(), RADII_NEWTON.resolved * deficits)
     with log.stage("polytopes") as recorder:
         recorder.show(level=f"{given.n_vertices:,} vertices")
         path = follow_path(
@@ -102,9 +104,9 @@ def radii_start(
         )
         for found in path:
             if isinstance(found, Solution):
-                vertices = placed(found)
+                vertices = realized(found, recorder) if convex is given else placed(found)
                 return (vertices - vertices.mean(axis=0))[back]
-            if np.abs(found.curvatures).max() <= close:
+            if convex is given and (np.abs(found.curvatures) <= close).all():
                 return found.radii[back]
             if found.lowest < FLAT_LIMIT.thin:
                 return None
