@@ -8,7 +8,7 @@ from hypothesis import strategies as st
 import isoembed
 import smooth_bodies
 import zoo
-from isoembed.aim.adaptive import Aim
+from isoembed.aim.adaptive import Aim, _Search
 from isoembed.aim.convexification import Convexification
 from isoembed.errors import NotEmbedded
 from isoembed.gallery import (
@@ -23,6 +23,7 @@ from isoembed.gallery import (
 )
 from isoembed.linalg import available_backends
 from isoembed.metric.polyhedral import PolyhedralMetric
+from isoembed.progress.stages import Log
 from sprinkled import box
 
 
@@ -98,6 +99,33 @@ def test_convex_hulls_of_random_points(n, seed):
     surface, error = recovered(*zoo.random_hull(n, 100 * n + seed))
     assert error < 1e-7
     assert not surface.concave_edges.any()
+
+
+@pytest.mark.parametrize(("height", "seed"), [(1e-3, 30), (1e-4, 2), (1e-4, 10), (1e-5, 6)])
+def test_of_shallow_caps_no_vertex_is_pushed_in(height, seed):
+    vertices, faces = zoo.shallow_cap(10 + seed, height, seed)
+    metric = PolyhedralMetric.from_mesh(vertices, faces)
+    surface = isoembed.embed(metric)
+    assert not surface.concave_edges.any()
+    polyhedron = isoembed.embed(metric, method="alexandrov")
+    for known in (vertices, polyhedron.vertices):
+        assert smooth_bodies.misfit(surface.vertices, known) < 1e-8
+    assert sorted(map(sorted, polyhedron.faces)) == sorted(map(sorted, faces))
+
+
+def test_of_a_convex_metric_the_convex_realization_goes_before_a_smoother_one():
+    ring = np.array([[np.cos(t), np.sin(t), 0] for t in np.arange(5) * 2 * np.pi / 5])
+    vertices = np.vstack([ring, [[0, 0, 0.3], [0, 0, -0.8]]])
+    faces = [[i, (i + 1) % 5, 5] for i in range(5)] + [[(i + 1) % 5, i, 6] for i in range(5)]
+    metric = PolyhedralMetric.from_mesh(vertices, faces)
+    search = _Search(metric, 1e-10, Log(), None)
+    tip_in = vertices * np.where(np.arange(7) == 5, -1, 1)[:, None]  # it has the same lengths
+    search.surfaces = [search.surface(tip_in), search.surface(vertices)]
+    found = search.smoothest()
+    assert not found.concave_edges.any()
+    (other,) = found.others
+    assert other.concave_edges.sum() == 5
+    assert "from this one and not convex" in found.message
 
 
 @settings(max_examples=15)

@@ -62,6 +62,14 @@ def random_hull(n, seed):
     return outward_hull(points / np.linalg.norm(points, axis=1)[:, None] * [1.0, 0.8, 0.6])
 
 
+def shallow_cap(n, height, seed):
+    """Convex hull of n random points on a paraboloid of this height over the unit disk, and of one below it."""
+    rng = np.random.default_rng(seed)
+    r, angle = np.sqrt(rng.uniform(size=n)), rng.uniform(0, 2 * np.pi, n)
+    top = np.stack([r * np.cos(angle), r * np.sin(angle), height * (1 - r * r)], axis=1)
+    return outward_hull(np.vstack([top, [[0.0, 0.0, -1.0]]]))
+
+
 def rotation(seed):
     """Return a random rotation matrix."""
     q, _ = np.linalg.qr(np.random.default_rng(seed).normal(size=(3, 3)))

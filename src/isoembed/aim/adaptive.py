@@ -176,15 +176,28 @@ class _Search:
             start = None if convex is None else radii_start(given, convex, log, self.backend)
         if start is None:
             return None
-        if convexification.is_convex and start.ndim == 2:  # the polyhedron itself
-            found = self.surface(start)
-            if found.residual <= self.good:
-                return found
+        polyhedron = self.polyhedron(start) if convexification.is_convex and start.ndim == 2 else None
+        if polyhedron is not None:
+            return polyhedron
         solution = newton_on_radii(given, start, log, self.backend)
         if solution is None or not solution.branch_deviation < RADII_NEWTON.trusted:
             return None
         found = self.surface(solution.vertices)
         return found if found.residual <= self.good else None
+
+    def polyhedron(self, vertices: Floats) -> Embedding | None:
+        """The polyhedron of a convex metric, if it has the given triangles, or others of its faces."""
+        found = self.surface(vertices)
+        if LENGTHS_NEWTON.exact < found.residual < ADAPTIVE.nearly:
+            with self.log.stage("polish") as recorder:
+                polished = self.surface(anneal(self.system, vertices, self.metric.lengths, recorder).vertices)
+            if not polished.concave_edges.any():
+                found = polished
+        return found if self.is_exact(found) else None
+
+    def is_exact(self, surface: Embedding) -> bool:
+        """Whether a surface is a realization, whatever the tolerance, as far as rounding allows."""
+        return surface.residual <= min(self.good, ADAPTIVE.placed)
 
     def convex_start(self) -> Floats:
         """The vertices of the polyhedron of a convex metric, or what comes nearest."""
@@ -220,12 +233,15 @@ class _Search:
                 min(self.tolerance, LENGTHS_NEWTON.exact),
                 recorder,
             )
-            if solution is None:
-                return False
-            recorder.show(t=0.0, vertices=solution.vertices)
-        self.surfaces.append(self.surface(solution.vertices))
-        trusted = solution.branch_deviation < LENGTHS_NEWTON.trusted or self.convexification.is_convex
-        return self.surfaces[-1].converged and trusted
+            if solution is not None:
+                recorder.show(t=0.0, vertices=solution.vertices)
+                self.surfaces.append(self.surface(solution.vertices))
+        convex = self.convexification.is_convex
+        if convex and self.is_exact(polyhedron := self.surface(self.start)):
+            self.surfaces.append(polyhedron)
+            return True
+        trusted = solution is not None and (convex or solution.branch_deviation < LENGTHS_NEWTON.trusted)
+        return trusted and self.surfaces[-1].converged
 
     def continue_regularized(self) -> None:
         """Go from the start to the lengths step by step, then to smoother realizations nearby."""
@@ -271,7 +287,10 @@ class _Search:
         )
 
     def smoothest(self) -> Embedding:
-        """The smoothest of the realizations, with the others beside it; if none, the nearest attempt."""
+        """The smoothest of the realizations, with the others beside it; if none, the nearest attempt.
+
+        Of a convex metric the convex one goes before all others.
+        """
         different: list[Embedding] = []
         for surface in self.surfaces:
             realized = surface.converged and surface.residual < ADAPTIVE.nearly  # whatever the tolerance
@@ -280,5 +299,6 @@ class _Search:
         if not different:
             return min(self.surfaces, key=lambda surface: surface.residual)
         if len(different) > 1:
-            different.sort(key=lambda surface: surface.fine_roughness)
+            convex = self.convexification.is_convex
+            different.sort(key=lambda s: (convex and s.concave_edges.any(), s.fine_roughness))
         return different[0].with_others(different[1:])

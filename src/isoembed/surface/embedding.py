@@ -97,9 +97,10 @@ class Embedding:
                 "the surface may be crumpled"
             )
         for other in self.others:
+            dented = other.concave_edges.any() and not self.concave_edges.any()
             sentence += (
                 f"; these lengths have another realization too, {self.distance(other):.1g} mean edge lengths "
-                "from this one and rougher"
+                f"from this one and {'not convex' if dented else 'rougher'}"
             )
         return sentence
 
