@@ -63,7 +63,7 @@ def random_hull(n, seed):
 
 
 def shallow_cap(n, height, seed):
-    """Convex hull of n random points on a paraboloid of this height over the unit disk, and of one below it."""
+    """Convex hull of n random points on a paraboloid over the unit disk, and of a point below it."""
     rng = np.random.default_rng(seed)
     r, angle = np.sqrt(rng.uniform(size=n)), rng.uniform(0, 2 * np.pi, n)
     top = np.stack([r * np.cos(angle), r * np.sin(angle), height * (1 - r * r)], axis=1)
