@@ -20,6 +20,7 @@ from isoembed.cli import main
 from isoembed.cli.parameters import parsed
 from isoembed.io import read_metric, write_metric
 from isoembed.linalg import OutOfMemory
+from strict_json import strict
 
 COMMAND = [sys.executable, "-c", "import sys; from isoembed.cli import main; sys.exit(main())"]
 
@@ -179,6 +180,23 @@ def test_embed_that_fails_says_why_and_keeps_on_request(run, here, monkeypatch):
     assert run("embed", "metric.json", "-o", "a.npz", "--keep")[0] == 3
     with np.load("a.npz") as archive:
         assert np.abs(np.linalg.norm(archive["vertices"], axis=1) - 2).max() < 1e-12
+
+
+@pytest.mark.parametrize("beside", [(), ("-o", "a.npz"), ("--quiet",)])
+def test_embed_prints_the_report_as_json(run, here, beside):
+    status, out, err = run("embed", "metric.json", "--json", "--report", "r.json", *beside)
+    assert (status, err) == (0, "")
+    assert out == (here / "r.json").read_text()
+    assert strict(out)["status"] == "converged"
+
+
+def test_embed_that_fails_says_so_in_json(run, here, monkeypatch):
+    monkeypatch.setattr(isoembed, "embed", attempt, raising=False)
+    status, out, err = run("embed", "metric.json", "--json", "-o", "a.npz")
+    assert (status, err) == (3, "isoembed: error: the path ended at t = 0.3\n")
+    report = strict(out)
+    assert (report["status"], report["message"]) == ("not converged", "the path ended\nat t = 0.3")
+    assert os.listdir() == ["metric.json"]
 
 
 def test_status_and_file_agree_with_the_residual(run, here):

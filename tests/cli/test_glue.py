@@ -23,6 +23,7 @@ from isoembed.io import read_metric
 from isoembed.io.net import read_net
 from isoembed.metric.curvature import deficits
 from places import ROOT
+from strict_json import strict
 
 SQUARE = {"rectangle": [1, 1]}
 CUBE = {
@@ -146,6 +147,15 @@ def test_glue_writes_the_metric_beside_the_solid(run):
     assert run("glue", typed(CUBE), "--metric", "metric.npz", "-o", "cube.ply") == (0, "", "")
     assert read_metric("metric.npz").triangulation.n_vertices == 8
     assert Path("cube.ply").exists()
+
+
+def test_glue_prints_the_report_as_json_and_solves_for_it(run):
+    status, out, err = run("glue", typed(CUBE), "--json", "--metric", "m.json")
+    assert (status, err) == (0, "")
+    report = strict(out)
+    assert report["volume"] == pytest.approx(1)
+    assert report["polyhedron"] == {"vertices": 8, "faces": 6, "flat_vertices": 0}
+    assert os.path.exists("m.json")
 
 
 def test_glue_that_fails_says_so(run, monkeypatch):
@@ -284,6 +294,18 @@ def test_the_latin_cross_folds_to_five_solids(run):
     assert {area for *_, area, _ in table} == {6.0}
 
 
+def test_nets_are_solved_in_json(run):
+    status, out, err = run("nets", "platonic", "--json", "--quiet")
+    assert (status, err) == (0, "")
+    report = strict(out)
+    assert report["failures"] == []
+    names = [solid["solid"] for solid in report["solids"]]
+    assert len(set(names)) == 5
+    cube = report["solids"][names.index("cube")]
+    assert (cube["vertices"], cube["edges"], cube["faces"]) == (8, 12, 6)
+    assert (cube["area"], cube["volume"]) == pytest.approx((6, 1))
+
+
 def test_tetramonohedra_have_the_volume_of_their_faces(run):
     # Lattice reduction: the faces of the tetrahedron are the acute triangle with the same lattice.
     status, out, _ = run("nets", "tetramonohedra")
@@ -364,6 +386,7 @@ def test_nets_that_fail_say_so(run, monkeypatch):
         (["greek-cross"], "invalid choice: 'greek-cross'"),
         (["platonic", "-o", "solid.xyz"], "solid-1.xyz has the ending '.xyz'"),
         (["platonic", "-o", "nowhere/solid.obj"], "there is no folder"),
+        (["--json"], "--json needs the NAME of a net: latin-cross"),
     ],
 )
 def test_every_mistake_about_nets_is_one_line(run, arguments, sentence):

@@ -7,10 +7,10 @@ from pathlib import Path
 
 import isoembed
 from isoembed.cli.live import live_view
-from isoembed.cli.options import add_output_option, add_quiet_option
+from isoembed.cli.options import add_json_option, add_output_option, add_quiet_option
 from isoembed.cli.outputs import Outputs
 from isoembed.cli.pictures import PICTURES, add_picture_options, check_pictures, picture_writers
-from isoembed.cli.screen import UsageError, print_error, print_out
+from isoembed.cli.screen import UsageError, print_error, print_json, print_out
 from isoembed.cli.status import NOT_EMBEDDED, OK
 from isoembed.cli.summary import summary
 from isoembed.errors import NotEmbedded
@@ -28,6 +28,7 @@ def add_output_options(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--keep", action="store_true", help="write the best attempt even if it is not an answer"
     )
+    add_json_option(parser, "print the report, as one JSON object, instead of text")
     add_quiet_option(parser)
 
 
@@ -84,13 +85,15 @@ def answer(
     embedding, failure = solved(solve, film, quiet=options.quiet)
     if failure is None or options.keep:
         beside["output"] = lambda path: surface_writer(path, embedding)
-    message = {} if failure is None else {"message": failure}
-    outputs.write(report=lambda _: report_writer({**embedding.report, **message}), **beside)
+    report = embedding.report if failure is None else {**embedding.report, "message": failure}
+    outputs.write(report=lambda _: report_writer(report), **beside)
     if failure is None or options.keep:  # when nothing can be lost any more
         outputs.write(**picture_writers(options, embedding, film))
     if failure is not None:
         print_error(failure)
-    if not options.quiet:
+    if options.json:
+        print_json(report)
+    elif not options.quiet:
         if not options.output:
             print_out(describe(embedding))
         elif failure is None and not embedding.converged:

@@ -41,7 +41,7 @@ def run(options: argparse.Namespace) -> int:
     def metric(path: Path) -> Writer:
         return metric_writer(path, net.simplicial())
 
-    if outputs.keys() == {"metric"}:
+    if outputs.keys() == {"metric"} and not options.json:
         outputs.write(metric=metric)
         if not options.quiet:
             print_out(f"{options.metric}: {net!r}")

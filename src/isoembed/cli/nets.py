@@ -2,8 +2,8 @@
 
 import argparse
 
-from isoembed.cli.options import add_output_option, add_quiet_option
-from isoembed.cli.screen import print_error, print_out
+from isoembed.cli.options import add_json_option, add_output_option, add_quiet_option
+from isoembed.cli.screen import UsageError, print_error, print_json, print_out
 from isoembed.cli.status import NOT_EMBEDDED, OK
 from isoembed.gluing.classics import CLASSICS
 from isoembed.gluing.folding import fold
@@ -24,12 +24,15 @@ def configure(parser: argparse.ArgumentParser) -> None:
         "where to write the solids, by the ending "
         f"({' '.join(SURFACE_ENDINGS)}): -o solid.obj writes solid-1.obj, solid-2.obj, ...",
     )
+    add_json_option(parser, "print one JSON object, with a list of the solids, instead of text")
     add_quiet_option(parser)
 
 
 def run(options: argparse.Namespace) -> int:
     """List the nets or solve those of a name; return the exit status."""
     if options.name is None:
+        if options.json:
+            raise UsageError(f"--json needs the NAME of a net: {', '.join(CLASSICS)}")
         width = max(map(len, CLASSICS))
         print_out("\n".join(f"{name:{width}}  {classic.purpose}" for name, classic in CLASSICS.items()))
         return OK
@@ -40,7 +43,9 @@ def run(options: argparse.Namespace) -> int:
     found = fold(nets)
     written = {paths[one.number - 1]: one.polyhedron for one in found.folded if output}
     write_atomically({path: surface_writer(path, solid) for path, solid in written.items()})
-    if not options.quiet:
+    if options.json:
+        print_json(found.report)
+    elif not options.quiet:
         print_out(str(found))
     for failure in found.failures:
         print_error(failure)

@@ -2,7 +2,7 @@
 
 from collections.abc import Iterable
 from dataclasses import dataclass
-from typing import cast
+from typing import Any, cast
 
 from isoembed._embed import embed
 from isoembed.alexandrov.polyhedron import ConvexPolyhedron
@@ -46,6 +46,25 @@ class Folding:
 
     folded: tuple[Folded, ...]
     failures: tuple[str, ...]
+
+    @property
+    def report(self) -> dict[str, Any]:
+        """What the table says, for JSON: ``solids``, a list, and ``failures``, sentences."""
+        solids = [
+            {
+                "net": one.number,
+                "label": one.label,
+                "kind": one.kind,
+                "solid": one.solid.name,
+                "vertices": one.solid.vertices,
+                "edges": one.solid.edges,
+                "faces": one.solid.faces,
+                "area": one.polyhedron.area,
+                "volume": one.polyhedron.volume,
+            }
+            for one in self.folded
+        ]
+        return {"solids": solids, "failures": list(self.failures)}
 
     def __str__(self) -> str:
         table: list[tuple[str, ...]] = [HEADINGS]
