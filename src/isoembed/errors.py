@@ -1,4 +1,7 @@
-"""How a request can end badly: no metric, a parameter that makes no sense, no embedding, an interruption."""
+"""How a request can end badly: no metric, a parameter that makes no sense, no embedding, an interruption.
+
+And what is said about a mesh that is taken all the same.
+"""
 
 from __future__ import annotations
 
@@ -13,6 +16,10 @@ class InvalidMetric(ValueError):  # noqa: N818 - the contract's name
 
     The message is one sentence that names the first offending vertex, edge or face by its index and value.
     """
+
+
+class MeshNote(UserWarning):
+    """Something about a mesh, or a change of it, that one should know; a sentence."""
 
 
 class InvalidParameter(ValueError):  # noqa: N818 - as the others

@@ -1,6 +1,8 @@
 """Checks that a list of triangles is a triangulated sphere: each names the first offender."""
 
 import numbers
+import sys
+from collections.abc import Callable
 from typing import Any
 
 import numpy as np
@@ -8,7 +10,7 @@ from numpy.typing import ArrayLike, NDArray
 from scipy.sparse import coo_array
 from scipy.sparse.csgraph import connected_components
 
-from isoembed.arrays import Indices, Mask
+from isoembed.arrays import Floats, Indices
 from isoembed.errors import InvalidMetric
 
 LARGEST = 2**62  # what 64 bits hold; gaps among the indices are refused anyway
@@ -42,13 +44,7 @@ def index_array(values: ArrayLike, columns: int, what: str, part: str) -> Indice
         for k, row in enumerate(rows):
             if np.ndim(row) != 1 or len(row) != columns:
                 raise InvalidMetric(f"{what} {k} has {np.size(row)} {part} {row!r}, not {columns}")
-            for index in row:
-                if isinstance(index, bool) or not isinstance(index, numbers.Real):
-                    raise InvalidMetric(
-                        f"{what} {k} refers to vertex {index!r}: vertex indices must be whole numbers"
-                    )
-                if isinstance(index, int) and abs(index) > LARGEST:
-                    raise InvalidMetric(f"{what} {k} refers to vertex {index}: the index is too large")
+            _check_entries(row, what, k)
     table = np.asarray(rows)
     if table.ndim != 2 or table.shape[1] != columns:
         if table.ndim == 2:
@@ -58,13 +54,57 @@ def index_array(values: ArrayLike, columns: int, what: str, part: str) -> Indice
         raise InvalidMetric(
             f"{what} 0 refers to vertex {table[0, 0].item()!r}: vertex indices must be whole numbers"
         )
-    if table.dtype.kind == "f":
-        with np.errstate(invalid="ignore"):
-            whole = table == np.floor(table)
-        _refuse_first(~whole | ~np.isfinite(table), table, what, "vertex indices must be whole numbers")
-    _refuse_first(table < 0, table, what, "vertex indices must not be negative")
-    _refuse_first(table > LARGEST, table, what, "the index is too large")
-    return np.ascontiguousarray(table, dtype=np.int64)
+    return _natural(table.ravel(), what, lambda k: k // columns).reshape(-1, columns)
+
+
+def polygon_corners(faces: ArrayLike) -> tuple[Indices, Indices]:
+    """Read polygons of any sizes.
+
+    Parameters
+    ----------
+    faces : array_like of int, shape (F, n), or sequence of sequences of int
+        The vertices around each.
+
+    Returns
+    -------
+    corners : ndarray of int64
+        Those of all polygons, one polygon after the other.
+    sizes : ndarray of int64, shape (F,)
+        How many each has.
+
+    Raises
+    ------
+    InvalidMetric
+        There are none, one has fewer than three corners, or an entry is not a non-negative whole number.
+    """
+    if isinstance(faces, np.ndarray):
+        columns = faces.shape[1] if faces.ndim == 2 else 3
+        if columns < 3 and len(faces):
+            raise InvalidMetric(f"face 0 has {columns} corners {faces[0].tolist()}, not 3 or more")
+        table = index_array(faces, columns, "face", "corners")
+        return table.ravel(), np.full(len(table), columns)
+    rows = _rows(faces, "face")
+    if not rows:
+        raise InvalidMetric("there are no faces")
+    for k, row in enumerate(rows):
+        if np.ndim(row) != 1 or len(row) < 3:
+            raise InvalidMetric(f"face {k} has {np.size(row)} corners {row!r}, not 3 or more")
+        _check_entries(row, "face", k)
+    sizes = np.array([len(row) for row in rows])
+    ends = np.cumsum(sizes)
+    corners = np.concatenate([np.asarray(row) for row in rows])
+    return _natural(corners, "face", lambda k: int(np.searchsorted(ends, k, side="right"))), sizes
+
+
+def _check_entries(row: Any, what: str, k: int) -> None:
+    """Refuse entries of a row that are no numbers, or too large."""
+    for index in row:
+        if isinstance(index, bool) or not isinstance(index, numbers.Real):
+            raise InvalidMetric(
+                f"{what} {k} refers to vertex {index!r}: vertex indices must be whole numbers"
+            )
+        if isinstance(index, int) and abs(index) > LARGEST:
+            raise InvalidMetric(f"{what} {k} refers to vertex {index}: the index is too large")
 
 
 def _rows(values: ArrayLike, what: str) -> list[Any]:
@@ -74,10 +114,38 @@ def _rows(values: ArrayLike, what: str) -> list[Any]:
         raise InvalidMetric(f"the {what}s are {values!r}, not a list") from None
 
 
-def _refuse_first(bad: Mask, table: NDArray, what: str, why: str) -> None:
-    if bad.any():
-        row, column = np.argwhere(bad)[0]
-        raise InvalidMetric(f"{what} {row} refers to vertex {table[row, column]}: {why}")
+def _natural(indices: NDArray, what: str, row: Callable[[int], int]) -> Indices:
+    """Indices as integers, refused at the first that is none; `row` says in which row an entry is."""
+    checks = [
+        (indices < 0, "vertex indices must not be negative"),
+        (indices > LARGEST, "the index is too large"),
+    ]
+    if indices.dtype.kind == "f":
+        with np.errstate(invalid="ignore"):
+            broken = (indices != np.floor(indices)) | ~np.isfinite(indices)
+        checks.insert(0, (broken, "vertex indices must be whole numbers"))
+    for bad, why in checks:
+        if bad.any():
+            k = int(np.argmax(bad))
+            raise InvalidMetric(f"{what} {row(k)} refers to vertex {indices[k]}: {why}")
+    return np.ascontiguousarray(indices, dtype=np.int64)
+
+
+def real_array(given: ArrayLike, what: str, quantity: str) -> Floats:
+    """A float copy of an array of real numbers, refused at the first entry that is none."""
+    try:
+        values = np.asarray(given)
+    except ValueError:  # rows of different sizes
+        sizes = [np.size(row) for row in given]  # type: ignore[union-attr]
+        k = next(k for k, size in enumerate(sizes) if size != sizes[0])
+        raise InvalidMetric(f"{what} {k} has {sizes[k]} {quantity}s, {what} 0 has {sizes[0]}") from None
+    if values.dtype.kind not in "iuf":
+        for k, row in enumerate(given if np.ndim(given) else [given]):  # type: ignore[arg-type]
+            for value in np.ravel(np.array(row, dtype=object)):
+                number = isinstance(value, numbers.Real) and not isinstance(value, bool | np.bool_)
+                if not number or abs(value) > sys.float_info.max:
+                    raise InvalidMetric(f"{what} {k} has {quantity} {value!r}, not a finite number")
+    return values.astype(np.float64)
 
 
 def checked_tables(faces: Indices) -> tuple[Indices, Indices, Indices]:

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import numbers
-import sys
 from dataclasses import dataclass
 from functools import cached_property
 
@@ -13,8 +11,9 @@ from numpy.typing import ArrayLike, NDArray
 from isoembed.arrays import Floats, Indices
 from isoembed.errors import InvalidMetric
 from isoembed.kernel import kernel
-from isoembed.mesh.checks import index_array
+from isoembed.mesh.checks import index_array, real_array
 from isoembed.mesh.triangulation import Triangulation, frozen
+from isoembed.metric.given_mesh import merging_advice, triangle_mesh
 from isoembed.thresholds import threshold
 
 
@@ -73,36 +72,51 @@ class PolyhedralMetric:
         self._set(triangulation, values)
 
     @classmethod
-    def from_mesh(cls, vertices: ArrayLike, faces: ArrayLike) -> PolyhedralMetric:
+    def from_mesh(
+        cls, vertices: ArrayLike, faces: ArrayLike, *, merge: float | None = None
+    ) -> PolyhedralMetric:
         """Take the edge lengths of a surface in R^3 (or R^n) and forget its coordinates.
 
         Parameters
         ----------
         vertices : array_like of float, shape (V, n)
-        faces : array_like of int, shape (F, 3)
+        faces : array_like of int, shape (F, 3), or sequence of polygons in R^3
+            The vertices around each face.  Polygons are cut into triangles.
+        merge : float, optional
+            Vertices that are as near to one another, in mean edge lengths, become the first of them; at 0
+            those that are equal.  Faces that then are edges or points, and vertices in no face, are left
+            out; the vertices that are left are numbered in their order.
 
         Raises
         ------
         InvalidMetric
-            As the constructor, and where a coordinate is not finite or a vertex is in no face.
+            As the constructor, and where a coordinate is not finite, a vertex is in no face, or a polygon
+            has no area.
+
+        Warns
+        -----
+        MeshNote
+            Vertices are merged, polygons are not planar, or something is left out.
+
+        Examples
+        --------
+        A cube of six squares:
+
+        >>> corners = [[x, y, z] for x in (0, 1) for y in (0, 1) for z in (0, 1)]
+        >>> squares = [[0, 1, 3, 2], [4, 6, 7, 5], [0, 4, 5, 1], [2, 3, 7, 6], [0, 2, 6, 4], [1, 5, 7, 3]]
+        >>> PolyhedralMetric.from_mesh(corners, squares)
+        PolyhedralMetric(8 vertices, 18 edges, 12 faces, mean edge length 1.13807)
         """
-        points = _reals(vertices, "vertex", "coordinate")
-        if points.ndim != 2:
-            raise InvalidMetric(f"the vertices have shape {points.shape}, not (V, 3)")
-        triangulation = Triangulation(faces)
-        if len(points) < triangulation.n_vertices:
-            v = triangulation.n_vertices - 1
-            raise InvalidMetric(f"a face refers to vertex {v}, but there are only {len(points)} vertices")
-        if len(points) > triangulation.n_vertices:
-            raise InvalidMetric(f"vertex {triangulation.n_vertices} is in no face")
-        finite = np.isfinite(points).all(axis=1)
-        if not finite.all():
-            v = int(np.argmin(finite))
-            raise InvalidMetric(f"vertex {v} has the coordinates {points[v].tolist()}, which are not finite")
-        size = np.abs(points).max() or 1.0  # keeps the squares from under- and overflowing
-        with np.errstate(over="ignore"):  # a length beyond the floats is refused as infinite
-            lengths = size * edge_lengths(triangulation.edges, points / size)
-        return cls.on(triangulation, lengths)
+        points, triangles = triangle_mesh(vertices, faces, merge)
+        try:
+            triangulation = Triangulation(triangles)
+            if len(points) > triangulation.n_vertices:
+                raise InvalidMetric(f"vertex {triangulation.n_vertices} is in no face")
+            size = np.abs(points).max() or 1.0  # keeps the squares from under- and overflowing
+            with np.errstate(over="ignore"):  # a length beyond the floats is refused as infinite
+                return cls.on(triangulation, size * edge_lengths(triangulation.edges, points / size))
+        except InvalidMetric as error:
+            raise InvalidMetric(f"{error}{merging_advice(points, triangles)}") from None
 
     @classmethod
     def on(cls, triangulation: Triangulation, lengths: ArrayLike) -> PolyhedralMetric:
@@ -183,27 +197,10 @@ class PolyhedralMetric:
 
 
 def _length_array(lengths: ArrayLike) -> Floats:
-    values = _reals(lengths, "edge", "length")
+    values = real_array(lengths, "edge", "length")
     if values.ndim != 1:
         raise InvalidMetric(f"the lengths have shape {values.shape}, not (E,)")
     return values
-
-
-def _reals(given: ArrayLike, what: str, quantity: str) -> Floats:
-    """A float copy of an array of real numbers, refused at the first entry that is none."""
-    try:
-        values = np.asarray(given)
-    except ValueError:  # rows of different sizes
-        sizes = [np.size(row) for row in given]  # type: ignore[union-attr]
-        k = next(k for k, size in enumerate(sizes) if size != sizes[0])
-        raise InvalidMetric(f"{what} {k} has {sizes[k]} {quantity}s, {what} 0 has {sizes[0]}") from None
-    if values.dtype.kind not in "iuf":
-        for k, row in enumerate(given if np.ndim(given) else [given]):  # type: ignore[arg-type]
-            for value in np.ravel(np.array(row, dtype=object)):
-                number = isinstance(value, numbers.Real) and not isinstance(value, bool | np.bool_)
-                if not number or abs(value) > sys.float_info.max:
-                    raise InvalidMetric(f"{what} {k} has {quantity} {value!r}, not a finite number")
-    return values.astype(np.float64)
 
 
 def _matched(triangulation: Triangulation, lengths: Floats, edges: ArrayLike) -> Floats:

@@ -1,0 +1,68 @@
+"""Vertices that coincide: which are one, and what is left of the faces once they are."""
+
+import numpy as np
+from scipy.sparse import coo_array
+from scipy.sparse.csgraph import connected_components
+
+from isoembed.arrays import Floats, Indices, Mask
+
+
+def representatives(points: Floats, distance: float) -> Indices:
+    """The first of the vertices that each is one with, shape (V,).
+
+    Parameters
+    ----------
+    points : ndarray, shape (V, n)
+        Finite, and of the size of 1.
+    distance : float
+        Vertices that are as near, or are connected by a chain of such, are one.  At 0 they are equal.
+    """
+    if distance == 0:
+        return _of_equals(points)
+    from scipy.spatial import cKDTree  # slow to import, and seldom needed
+
+    n = len(points)
+    a, b = cKDTree(points).query_pairs(distance, output_type="ndarray").T
+    count, label = connected_components(coo_array((np.ones(len(a)), (a, b)), shape=(n, n)), directed=False)
+    first = np.full(count, n)
+    np.minimum.at(first, label, np.arange(n))
+    return first[label]
+
+
+def _of_equals(points: Floats) -> Indices:
+    order = np.lexsort(points.T)  # stable: of equal ones the first stays the first
+    new = np.ones(len(points), dtype=bool)
+    new[1:] = (points[order[1:]] != points[order[:-1]]).any(axis=1)
+    first = np.empty(len(points), dtype=np.int64)
+    first[order] = order[new][np.cumsum(new) - 1]
+    return first
+
+
+def without_repetitions(corners: Indices, sizes: Indices) -> tuple[Indices, Indices, Mask]:
+    """Faces whose corners are no longer repeated one after the other, without those that are none any more.
+
+    Parameters
+    ----------
+    corners : ndarray of int, shape (n,)
+        Vertices of the faces, one face after the other.
+    sizes : ndarray of int, shape (F,)
+        How many corners each face has: at least 1.
+
+    Returns
+    -------
+    corners, sizes
+        Of the faces that are left.
+    left : ndarray of bool, shape (F,)
+        Which these are: the others have fewer than three vertices, so they are edges or points.
+    """
+    ends = np.cumsum(sizes)
+    before = np.arange(-1, len(corners) - 1)
+    before[ends - sizes] = ends - 1
+    differs = corners != corners[before]
+    if differs.all() and (sizes == 3).all():
+        return corners, sizes, np.ones(len(sizes), dtype=bool)
+    face = np.repeat(np.arange(len(sizes)), sizes)
+    n = int(corners.max()) + 1
+    left = np.bincount(np.unique(face * n + corners) // n, minlength=len(sizes)) >= 3
+    kept = differs & left[face]
+    return corners[kept], np.bincount(face[kept], minlength=len(sizes))[left], left

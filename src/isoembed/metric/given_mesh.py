@@ -1,0 +1,190 @@
+"""Meshes as they come: vertices that coincide, polygons, vertices in no face."""
+
+import math
+import warnings
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from isoembed.arrays import Floats, Indices
+from isoembed.errors import InvalidMetric, InvalidParameter, MeshNote
+from isoembed.mesh.checks import polygon_corners, real_array
+from isoembed.mesh.merging import representatives, without_repetitions
+from isoembed.metric.polygon_faces import POLYGONS, PolygonFaces
+from isoembed.thresholds import threshold
+
+
+@dataclass(frozen=True)
+class MergingThresholds:
+    """Thresholds of vertices that coincide."""
+
+    usual: float = threshold(
+        1e-5, "mean edge lengths", "What `--merge` merges: rounding in single precision."
+    )
+    near: float = threshold(1e-2, "mean edge lengths", "Vertices on boundaries that may be meant to be one.")
+
+
+MERGING = MergingThresholds()
+
+
+def triangle_mesh(
+    vertices: ArrayLike,
+    faces: ArrayLike,
+    merge: float | None = None,
+    *,
+    leave_out: bool = False,
+    repeated: bool = False,
+) -> tuple[Floats, Indices]:
+    """Points and triangles of a mesh; what is done to it is said by a `MeshNote`.
+
+    Parameters
+    ----------
+    vertices : array_like of float, shape (V, n)
+    faces : array_like of int, shape (F, 3), or polygons of any sizes in space
+        Polygons are cut into triangles; those that are not planar are said.
+    merge : float, optional
+        Vertices as near as this, in mean edge lengths, become the first of them; at 0 those that are equal.
+        Faces that then are edges or points are left out.
+    leave_out : bool
+        Leave out vertices that are in no face, so that others may be renumbered; so does `merge`.
+    repeated : bool
+        Every face has vertices of its own, and that they are merged is not worth a note.
+
+    Returns
+    -------
+    vertices : ndarray, shape (V', n)
+    faces : ndarray of int64, shape (F', 3)
+        As given, if there is nothing to do.
+
+    Raises
+    ------
+    InvalidMetric
+        A coordinate or an index makes no sense, or a polygon cannot be cut.
+    InvalidParameter
+        `merge` is not a number from 0 to below 1.
+    """
+    points = real_array(vertices, "vertex", "coordinate")
+    if points.ndim != 2:
+        raise InvalidMetric(f"the vertices have shape {points.shape}, not (V, 3)")
+    finite = np.isfinite(points).all(axis=1)
+    if not finite.all():
+        v = int(np.argmin(finite))
+        raise InvalidMetric(f"vertex {v} has the coordinates {points[v].tolist()}, which are not finite")
+    corners, sizes = given, _ = polygon_corners(faces)
+    if corners.max() >= len(points):
+        raise InvalidMetric(
+            f"a face refers to vertex {corners.max()}, but there are only {len(points)} vertices"
+        )
+    if merge is None and not leave_out and (sizes == 3).all():
+        return points, corners.reshape(-1, 3)
+    scaled = points / (2.0 ** math.frexp(np.abs(points).max(initial=0.0))[1])
+    if merge is not None:
+        if not 0 <= merge < 1:
+            raise InvalidParameter(f"merge is {merge}, not a number of mean edge lengths from 0 to below 1")
+        corners, sizes = _merged(scaled, corners, sizes, merge, repeated)
+    triangles = corners.reshape(-1, 3) if (sizes == 3).all() else _cut(scaled, corners, sizes)
+    return (points, triangles) if merge is None and not leave_out else _renumbered(points, triangles, given)
+
+
+def merging_advice(points: Floats, faces: Indices) -> str:
+    """The end of a sentence about triangles that are no closed surface, if merged vertices would close it."""
+    scaled = points / (2.0 ** math.frexp(np.abs(points).max(initial=0.0))[1])
+    ends = np.sort(np.stack([faces, np.roll(faces, -1, axis=1)], axis=2).reshape(-1, 2), axis=1)
+    edges, count = np.unique(ends, axis=0, return_counts=True)
+    lengths = np.linalg.norm(scaled[edges[:, 0]] - scaled[edges[:, 1]], axis=1)
+    suspects = np.unique(edges[(count == 1) | (lengths == 0)])
+    if suspects.size < 2 or not (lengths > 0).any():
+        return ""
+    from scipy.spatial import cKDTree  # slow to import, and seldom needed
+
+    distances, near = cKDTree(scaled[suspects]).query(scaled[suspects], k=2)
+    mean = lengths[lengths > 0].mean()
+    distances = distances[:, 1] / mean
+    close = distances <= MERGING.near
+    if not close.any():
+        return ""
+    first = int(np.argmax(close))
+    pair = sorted({int(suspects[first]), *suspects[near[first]].tolist()})[:2]
+    farthest = float(distances[close].max())
+    needed = "" if farthest <= MERGING.usual else _rounded_up(farthest)
+    return (
+        f"; {close.sum()} vertices {'nearly ' if needed else ''}coincide with others (vertex {pair[0]} and "
+        f"{pair[1]}): merge them with {' '.join(['--merge', needed]).strip()} "
+        f"(merge={needed or MERGING.usual})"
+    )
+
+
+def _merged(
+    points: Floats, corners: Indices, sizes: Indices, merge: float, quiet: bool
+) -> tuple[Indices, Indices]:
+    used, corner = np.unique(corners, return_inverse=True)
+    after = np.arange(1, len(corners) + 1)
+    ends = np.cumsum(sizes)
+    after[ends - 1] = ends - sizes
+    sides = np.linalg.norm(points[corners] - points[corners[after]], axis=1)
+    mean = sides[sides > 0].mean() if (sides > 0).any() else 0.0
+    first = representatives(points[used], merge * mean)
+    moved = first != np.arange(len(used))
+    if moved.any() and not quiet:
+        v = int(np.argmax(moved))
+        _say(
+            f"{_count(moved.sum(), 'vertex is', 'vertices are')} merged with others; the first is "
+            f"vertex {used[v]} with vertex {used[first[v]]}"
+        )
+    new_corners, new_sizes, left = without_repetitions(used[first[corner]], sizes)
+    if not left.all():
+        f = int(np.argmin(left))
+        _say(
+            f"{_count((~left).sum(), 'face is', 'faces are')} an edge or a point when merged, and left out; "
+            f"the first is face {f} {corners[ends[f] - sizes[f] : ends[f]].tolist()}"
+        )
+    if not left.any():
+        raise InvalidMetric("there are no faces: all have merged into edges and points")
+    return new_corners, new_sizes
+
+
+def _cut(points: Floats, corners: Indices, sizes: Indices) -> Indices:
+    if points.shape[1] != 3:
+        raise InvalidMetric(
+            f"face {np.argmax(sizes != 3)} has {sizes[np.argmax(sizes != 3)]} corners, and the vertices have "
+            f"{points.shape[1]} coordinates: polygons are cut in space"
+        )
+    polygons = PolygonFaces(points, corners, sizes)
+    triangles = polygons.triangles()
+    warps = polygons.warps
+    warped = warps > POLYGONS.planar
+    if warped.any():
+        f = int(np.argmax(warped))
+        _say(
+            f"{warped.sum()} of {len(sizes)} faces are not planar, and the triangles into which they are cut "
+            f"are taken; the first is face {f}, with corners {warps[f]:.1g} of its size off a plane"
+        )
+    return triangles
+
+
+def _renumbered(points: Floats, triangles: Indices, given: Indices) -> tuple[Floats, Indices]:
+    """The vertices that are in triangles; said are those that are not among the given corners either."""
+    kept = np.bincount(triangles.ravel(), minlength=len(points)) > 0
+    if kept.all():
+        return points, triangles
+    unused = np.bincount(given, minlength=len(points)) == 0
+    if unused.any():
+        _say(
+            f"{_count(unused.sum(), 'vertex is', 'vertices are')} in no face, and left out; the first is "
+            f"vertex {np.argmax(unused)}"
+        )
+    return points[kept], (np.cumsum(kept) - 1)[triangles]
+
+
+def _count(number: int, one: str, more: str) -> str:
+    return f"{number} {one if number == 1 else more}"
+
+
+def _rounded_up(value: float) -> str:
+    digit = 10.0 ** math.floor(math.log10(value))
+    return f"{math.ceil(value / digit) * digit:.0e}"
+
+
+def _say(note: str) -> None:
+    warnings.warn(note, MeshNote, stacklevel=5)

@@ -1,0 +1,184 @@
+"""Polygons in space, cut into triangles: quadrilaterals all together, others ear by ear."""
+
+from collections import Counter
+from dataclasses import dataclass
+from functools import cached_property
+from typing import cast
+
+import numpy as np
+
+from isoembed.arrays import Floats, Indices
+from isoembed.errors import InvalidMetric
+from isoembed.intrinsic.ears import triangulated
+from isoembed.thresholds import threshold
+
+
+@dataclass(frozen=True)
+class PolygonThresholds:
+    """Thresholds of polygons in space."""
+
+    planar: float = threshold(
+        1e-5, "size of the polygon", "Corners as near to its plane change no diagonal by more than 1e-10."
+    )
+    area: float = threshold(1e-12, "area of the polygon", "Smaller triangles of it are lost in rounding.")
+    tie: float = threshold(1e-9, "radians", "Rounding of angles that make two diagonals equally good.")
+
+
+POLYGONS = PolygonThresholds()
+
+
+@dataclass(frozen=True, eq=False)
+class PolygonFaces:
+    """Polygons in space.
+
+    Parameters
+    ----------
+    points : ndarray, shape (V, 3)
+        Of the size of 1 at most.
+    corners : ndarray of int, shape (n,)
+        The vertices around the polygons, one polygon after the other.
+    sizes : ndarray of int, shape (F,)
+        How many each polygon has: at least 3.
+    """
+
+    points: Floats
+    corners: Indices
+    sizes: Indices
+
+    @cached_property
+    def starts(self) -> Indices:
+        """Where the corners of each polygon begin, shape (F,)."""
+        return cast(Indices, np.cumsum(self.sizes) - self.sizes)
+
+    @cached_property
+    def arms(self) -> Floats:
+        """From the center of a polygon to its corners, shape (n, 3)."""
+        p = self.points[self.corners]
+        centers = np.add.reduceat(p, self.starts) / self.sizes[:, None]
+        return p - np.repeat(centers, self.sizes, axis=0)
+
+    @cached_property
+    def normals(self) -> Floats:
+        """As long as the area of the polygon's projection, shape (F, 3)."""
+        after = np.arange(1, len(self.corners) + 1)
+        after[self.starts + self.sizes - 1] = self.starts
+        return np.add.reduceat(np.cross(self.arms, self.arms[after]), self.starts) / 2
+
+    @property
+    def warps(self) -> Floats:
+        """How far corners are from the plane of their polygon, in sizes of it, shape (F,)."""
+        areas = np.linalg.norm(self.normals, axis=1, keepdims=True)
+        units = np.divide(self.normals, areas, out=np.zeros_like(self.normals), where=areas > 0)
+        heights = np.abs((self.arms * np.repeat(units, self.sizes, axis=0)).sum(axis=1))
+        sizes = np.maximum.reduceat(np.linalg.norm(self.arms, axis=1), self.starts)
+        off = np.maximum.reduceat(heights, self.starts)
+        return np.divide(off, sizes, out=np.zeros_like(off), where=sizes > 0)
+
+    def triangles(self) -> Indices:
+        """Triangles of all polygons, in their order, Delaunay in each, shape (sum of sizes - 2, 3).
+
+        Raises
+        ------
+        InvalidMetric
+            A polygon repeats a vertex, has no area or crosses itself; the message names the first.
+        """
+        self._check_repetitions()
+        counts = self.sizes - 2
+        places = np.cumsum(counts) - counts
+        triangles = np.empty((int(counts.sum()), 3), dtype=np.int64)
+        for n in np.unique(self.sizes).tolist():
+            (which,) = np.nonzero(self.sizes == n)
+            rows = self.starts[which, None] + np.arange(n)
+            if n == 3:
+                cut = np.broadcast_to(np.arange(3), (len(which), 1, 3))
+            else:
+                cut = self._quads(which, rows) if n == 4 else self._ears(which, rows)
+            corners = np.take_along_axis(rows[:, None, :], cut, axis=2)
+            triangles[places[which, None] + np.arange(n - 2)] = self.corners[corners]
+        self._part(triangles, np.repeat(np.arange(len(counts)), counts))
+        return triangles
+
+    def _check_repetitions(self) -> None:
+        face = np.repeat(np.arange(len(self.sizes)), self.sizes)
+        order = np.lexsort([self.corners, face])
+        same = (np.diff(face[order]) == 0) & (np.diff(self.corners[order]) == 0)
+        if same.any():
+            f = int(face[order][:-1][same].min())
+            raise InvalidMetric(f"{self._name(f)} repeats a vertex")
+
+    def _name(self, f: int) -> str:
+        return f"face {f} {self.corners[self.starts[f] :][: self.sizes[f]].tolist()}"
+
+    def _refuse(self, f: int) -> None:
+        raise InvalidMetric(
+            f"{self._name(f)} cannot be cut into triangles: it has no area, or crosses itself"
+        )
+
+    def _quads(self, which: Indices, rows: Indices) -> Indices:
+        """Corners of two triangles for each quadrilateral, on the diagonal across its smaller angles."""
+        p, normals = self.arms[rows], self.normals[which]
+        areas = (normals**2).sum(axis=1)
+
+        def turns(i: int, j: int, k: int) -> Floats:
+            return (np.cross(p[:, j] - p[:, i], p[:, k] - p[:, i]) * normals).sum(axis=1) / 2
+
+        least = POLYGONS.area * areas
+        first = np.minimum(turns(0, 1, 2), turns(0, 2, 3)) > least
+        second = np.minimum(turns(0, 1, 3), turns(1, 2, 3)) > least
+        if not (first | second).all():
+            self._refuse(int(which[np.argmin(first | second)]))
+        sides = np.roll(p, -1, axis=1) - p
+        back = -np.roll(sides, 1, axis=1)
+        across = np.linalg.norm(np.cross(sides, back), axis=2)
+        angles = np.arctan2(across, (sides * back).sum(axis=2))
+        better = angles[:, [1, 3]].sum(axis=1) <= angles[:, [0, 2]].sum(axis=1) + POLYGONS.tie
+        use = first & (better | ~second)
+        return np.where(use[:, None, None], [[0, 1, 2], [0, 2, 3]], [[0, 1, 3], [1, 2, 3]])
+
+    def _ears(self, which: Indices, rows: Indices) -> Indices:
+        """Corners of the triangles of polygons that all have as many corners."""
+        found = []
+        for f, row in zip(which.tolist(), rows, strict=True):
+            arms, normal = self.arms[row], self.normals[f]
+            size = np.abs(arms).max()
+            area = np.linalg.norm(normal)
+            triangles = None
+            if area > POLYGONS.area * size**2:
+                along = np.cross(np.eye(3)[np.argmin(np.abs(normal))], normal / area)
+                along /= np.linalg.norm(along)
+                plane = np.stack([along, np.cross(normal / area, along)], axis=1)
+                triangles = triangulated(arms @ plane / (2 * size))
+            if triangles is None:
+                self._refuse(f)
+            found.append(triangles)
+        return np.array(found)
+
+    def _part(self, triangles: Indices, owners: Indices) -> None:
+        """Flip diagonals that are edges elsewhere, too: polygons may share more than a side."""
+        ends = np.sort(np.stack([triangles, np.roll(triangles, -1, axis=1)], axis=2), axis=2).reshape(-1, 2)
+        edges, count = np.unique(ends, axis=0, return_counts=True)
+        uses = Counter({(a, b): n for (a, b), n in zip(edges.tolist(), count.tolist(), strict=True) if n > 2})
+        if not uses:
+            return
+        there = set(map(tuple, edges.tolist()))
+        for a, b in tuple(uses):
+            for f in np.unique(owners[(triangles == a).any(axis=1) & (triangles == b).any(axis=1)]).tolist():
+                first, last = np.searchsorted(owners, [f, f + 1])
+                both = [t for t in range(first, last) if {a, b} <= set(triangles[t].tolist())]
+                if uses[a, b] <= 2 or len(both) < 2:
+                    continue
+                # The triangles are a, b, c and b, a, d.
+                c, d = (({*triangles[t].tolist()} - {a, b}).pop() for t in both)
+                if triangles[both[0]].tolist() not in ([a, b, c], [b, c, a], [c, a, b]):
+                    c, d = d, c
+                flipped = np.array([[a, d, c], [d, b, c]])
+                if (min(c, d), max(c, d)) not in there and self._turns_left(flipped, f):
+                    triangles[both] = flipped
+                    there.add((min(c, d), max(c, d)))
+                    uses[a, b] -= 2
+
+    def _turns_left(self, triangles: Indices, f: int) -> bool:
+        """Whether triangles are turned like a polygon."""
+        a, b, c = np.moveaxis(self.points[triangles], 1, 0)
+        turns = np.cross(b - a, c - a) @ self.normals[f] / 2
+        return bool((turns > POLYGONS.area * (self.normals[f] ** 2).sum()).all())
