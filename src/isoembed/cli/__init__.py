@@ -6,8 +6,11 @@ Exit status: 0 done, 2 the input or the command line is wrong, 3 no embedding wi
 
 import argparse
 import sys
-from collections.abc import Sequence
+import warnings
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
 from importlib import import_module
+from typing import Any
 
 from isoembed import __version__
 from isoembed.cli.screen import OutputError, UsageError, print_error
@@ -96,7 +99,25 @@ def _run(options: argparse.Namespace) -> int:
     from isoembed.io import FileError
 
     try:
-        return int(options.run(options))
+        with _notes_printed(getattr(options, "quiet", False)):
+            return int(options.run(options))
     except (UsageError, OutputError, FileError, InvalidMetric, InvalidParameter) as error:
         print_error(str(error))
         return WRONG
+
+
+@contextmanager
+def _notes_printed(quiet: bool) -> Iterator[None]:
+    """In the block, notes on meshes are lines on standard error, or nothing."""
+    from isoembed.errors import MeshNote
+
+    def show(message: Warning | str, category: type[Warning], *where: Any) -> None:
+        if not issubclass(category, MeshNote):
+            print_other(message, category, *where)
+        elif not quiet:
+            print_error(str(message), "note")
+
+    with warnings.catch_warnings():
+        warnings.simplefilter("always", MeshNote)
+        print_other, warnings.showwarning = warnings.showwarning, show  # type: ignore[assignment]
+        yield

@@ -7,6 +7,7 @@ import isoembed
 from isoembed._embed import configuration, method_names
 from isoembed.cli.answer import add_output_options, answer, asked_for, heard_by
 from isoembed.cli.interruption import Checkpoints, add_checkpoint_options, checkpoint_file
+from isoembed.cli.options import add_merge_option
 from isoembed.cli.parameters import configured, parameters
 from isoembed.cli.screen import UsageError
 from isoembed.errors import Interrupted
@@ -36,6 +37,7 @@ def configure(parser: argparse.ArgumentParser) -> None:
         metavar="T",
         help="largest length error allowed, relative to the mean edge length (default 1e-10)",
     )
+    add_merge_option(parser)
     add_output_options(parser)
     add_checkpoint_options(parser)
     parser.add_argument(
@@ -70,7 +72,7 @@ def run(options: argparse.Namespace) -> int:
     method = configured(options.method, options.parameter + repair + best_fit)
     kept = read_checkpoint(options.resume) if options.resume else None
     checkpoints = Checkpoints(left, kept)
-    metric = read_metric(options.input)
+    metric = read_metric(options.input, merge=options.merge)
 
     def solve(progress: Listener | None) -> isoembed.Embedding:
         return isoembed.embed(

@@ -8,7 +8,13 @@ import isoembed
 from isoembed.cli.answer import solved
 from isoembed.cli.closed_form import OF_SPACETIME, add_spacetime_options, closed_form, refuse_given
 from isoembed.cli.numbers import read_numbers
-from isoembed.cli.options import add_json_option, add_output_option, add_vertices_option, vertices
+from isoembed.cli.options import (
+    add_json_option,
+    add_merge_option,
+    add_output_option,
+    add_vertices_option,
+    vertices,
+)
 from isoembed.cli.outputs import Outputs
 from isoembed.cli.screen import UsageError, print_error, print_json, print_out
 from isoembed.cli.status import NOT_EMBEDDED, OK
@@ -25,7 +31,7 @@ from isoembed.smooth.axisymmetric import AxisymmetricEmbedding
 from isoembed.smooth.grid_metric import GridMetric
 from isoembed.surface.smooth_integrals import Lengths
 
-OF_METRIC = ("mean_curvature", "momentum", "normal_momentum", "lengths")
+OF_METRIC = ("merge", "mean_curvature", "momentum", "normal_momentum", "lengths")
 OF_SMOOTH = ("best_fit", "band", "wang_yau")
 
 
@@ -38,6 +44,7 @@ def configure(parser: argparse.ArgumentParser) -> None:
         help="a surface of your own: a metric on triangles (.npz or .json with faces, edges, lengths, or a "
         "mesh), or on a grid (.npz .h5 .hdf5 with theta, phi, q_tt, q_tp, q_pp)",
     )
+    add_merge_option(parser)
     parser.add_argument(
         "--mean-curvature",
         type=Path,
@@ -95,7 +102,7 @@ def run(options: argparse.Namespace) -> int:
     refuse_given(options, OF_SPACETIME, "needs a --spacetime")
     if options.input is None:
         raise UsageError("which surface? Give a METRIC, or a --spacetime and a --surface")
-    metric = read_metric_or_grid(options.input)
+    metric = read_metric_or_grid(options.input, merge=options.merge)
     if isinstance(metric, GridMetric):
         return _smooth(options, outputs, _on_grid(options, metric), number)
     return _triangles(options, outputs, metric)
@@ -135,7 +142,7 @@ def _write_band(outputs: Outputs, data: SurfaceData) -> None:
 def _on_grid(options: argparse.Namespace, grid: GridMetric) -> SurfaceData:
     """The surface of a metric on a grid."""
     k, p = (path and read_numbers(path) for path in (options.mean_curvature, options.momentum))
-    refuse_given(options, ("lengths",), "is for a METRIC of triangles")
+    refuse_given(options, ("lengths", "merge"), "is for a METRIC of triangles")
     if p is not None and k is None:
         raise UsageError("the momentum is of use only with the mean curvature: give --mean-curvature, too")
     j = None

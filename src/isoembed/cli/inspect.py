@@ -2,7 +2,7 @@
 
 import argparse
 
-from isoembed.cli.options import add_json_option
+from isoembed.cli.options import add_json_option, add_merge_option
 from isoembed.cli.screen import print_json, print_out
 from isoembed.cli.status import OK
 from isoembed.io import read_metric
@@ -16,12 +16,13 @@ def configure(parser: argparse.ArgumentParser) -> None:
         metavar="INPUT",
         help="a metric (.npz .json), a mesh (.obj .ply .stl .off .vtk .vtu), or - for JSON on standard input",
     )
+    add_merge_option(parser)
     add_json_option(parser)
 
 
 def run(options: argparse.Namespace) -> int:
     """Inspect the input; return the exit status."""
-    found = inspect(read_metric(options.input))
+    found = inspect(read_metric(options.input, merge=options.merge))
     if options.json:
         print_json(found.report)
     else:

@@ -4,6 +4,7 @@ import argparse
 from pathlib import Path
 
 from isoembed.cli.screen import UsageError
+from isoembed.metric.given_mesh import MERGING
 
 DEFAULT, FEWEST = 1000, 12  # vertices
 
@@ -20,6 +21,31 @@ def add_json_option(
 ) -> None:
     """Add the option that asks for JSON."""
     parser.add_argument("--json", action="store_true", help=purpose)
+
+
+def add_merge_option(parser: argparse.ArgumentParser) -> None:
+    """Add the option that merges vertices of a mesh."""
+    parser.add_argument(
+        "--merge",
+        type=_merge,
+        nargs="?",
+        const=MERGING.usual,
+        metavar="TOLERANCE",
+        help="make vertices of a mesh one that are as near, in mean edge lengths; 0 for those that are equal "
+        f"(default {MERGING.usual:g}, the rounding of single precision)",
+    )
+
+
+def _merge(text: str) -> float:
+    try:
+        value = float(text)
+    except ValueError:
+        raise argparse.ArgumentTypeError(
+            f"{text!r} is not a number (write a file before --merge, not behind it)"
+        ) from None
+    if not 0 <= value < 1:
+        raise argparse.ArgumentTypeError(f"{text} is not a number of mean edge lengths from 0 to below 1")
+    return value
 
 
 def add_quiet_option(parser: argparse.ArgumentParser) -> None:

@@ -38,10 +38,10 @@ def print_json(document: Any) -> None:
     print_out(strict_json(document, indent=2))
 
 
-def print_error(message: str) -> None:
-    """Print ``isoembed: error: message`` in one line."""
+def print_error(message: str, kind: str = "error") -> None:
+    """Print ``isoembed: error: message``, or of another kind, in one line."""
     if sys.stderr is not None:
-        line = " ".join(f"isoembed: error: {message}".split())
+        line = " ".join(f"isoembed: {kind}: {message}".split())
         with suppress(OSError):  # there is nobody left to tell
             print(_encodable(line, sys.stderr), file=sys.stderr, flush=True)
 

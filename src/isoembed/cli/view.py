@@ -5,7 +5,7 @@ import tempfile
 import webbrowser
 from pathlib import Path
 
-from isoembed.cli.options import add_output_option
+from isoembed.cli.options import add_merge_option, add_output_option
 from isoembed.cli.pictures import add_color_option
 from isoembed.cli.screen import UsageError, print_out
 from isoembed.cli.status import OK
@@ -33,6 +33,7 @@ def configure(parser: argparse.ArgumentParser) -> None:
         "picture (default: a page in a new temporary folder, which is opened in the browser)",
     )
     add_color_option(parser)
+    add_merge_option(parser)
 
 
 def run(options: argparse.Namespace) -> int:
@@ -46,7 +47,7 @@ def run(options: argparse.Namespace) -> int:
         raise UsageError(
             f"--color is for pictures ({' '.join(PICTURE_ENDINGS)}): a page shows all quantities"
         )
-    surface = read_surface(options.file)
+    surface = read_surface(options.file, merge=options.merge)
     if not output:
         return _browse(surface, options.file)
     if ending(output) in PAGE_ENDINGS:

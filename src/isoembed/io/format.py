@@ -27,12 +27,15 @@ class Format:
         Takes a path and such arrays, to which those of data at the vertices (V,) may be added.
     holds_metrics : bool
         It has a place for arrays of any name, so for metrics without vertices.
+    repeats_vertices : bool
+        The vertices of a face are its own; equal ones are merged when a file is read.
     """
 
     ending: str
     read: Callable[[InputFile], Tables]
     write: Callable[[Path, Tables], None]
     holds_metrics: bool = False
+    repeats_vertices: bool = False
 
 
 def loaded(point: EntryPoint, kind: type[Kind]) -> Kind:

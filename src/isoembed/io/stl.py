@@ -6,8 +6,8 @@
 from pathlib import Path
 
 import numpy as np
+from numpy.typing import NDArray
 
-from isoembed.arrays import Floats
 from isoembed.io.files import FileError, Tables
 from isoembed.io.format import Format
 from isoembed.io.input_file import InputFile
@@ -23,7 +23,7 @@ F, V = (ord(c) for c in "fv")
 
 
 def read(file: InputFile) -> Tables:
-    """Read triangles; corners with exactly the same coordinates are one vertex.
+    """Read triangles, each with vertices of its own.
 
     Raises
     ------
@@ -33,14 +33,14 @@ def read(file: InputFile) -> Tables:
     data = file.data
     count = int.from_bytes(data[HEADER - 4 : HEADER], "little")
     if len(data) == HEADER + count * TRIANGLE.itemsize:
-        return _joined(np.frombuffer(data, TRIANGLE, count, HEADER)["corners"].reshape(-1, 3))
+        return _apart(np.frombuffer(data, TRIANGLE, count, HEADER)["corners"].reshape(-1, 3))
     coordinates, corners, facets = _scan(np.frombuffer(data + b"\n", dtype=np.uint8))
     values = numbers(coordinates)
     if not data.lstrip().startswith(b"solid") or values is None or values.size != 3 * corners:
         raise FileError(f"{file} is not a readable STL file")
     if corners != 3 * facets:
         raise FileError(f"{file} is not a readable STL file: it has {facets} facets, but {corners} corners")
-    return _joined(values.reshape(-1, 3))
+    return _apart(values.reshape(-1, 3))
 
 
 def write(path: Path, tables: Tables) -> None:
@@ -74,19 +74,11 @@ def _scan(text: Bytes) -> tuple[Bytes, int, int]:
     return coordinates[:end], corners, facets
 
 
-def _joined(corners: Floats) -> Tables:
-    """Triangles (F, 3) of distinct vertices, these in the order in which they come first."""
+def _apart(corners: NDArray) -> Tables:
+    """Triangles with vertices of their own."""
     with np.errstate(invalid="ignore"):  # some bytes are no numbers
         points = corners.astype(np.float64)
-    order = np.lexsort(points.T)  # stable: of equal ones the first stays the first
-    new = np.ones(len(points), dtype=bool)
-    new[1:] = (points[order[1:]] != points[order[:-1]]).any(axis=1)
-    first = order[new]  # of each distinct vertex
-    rank = np.empty(len(first), dtype=np.int64)
-    rank[np.argsort(first)] = np.arange(len(first))
-    faces = np.empty(len(points), dtype=np.int64)
-    faces[order] = rank[np.cumsum(new) - 1]
-    return {"vertices": points[np.sort(first)], "faces": faces.reshape(-1, 3)}
+    return {"vertices": points, "faces": np.arange(len(points)).reshape(-1, 3)}
 
 
-FORMAT = Format(".stl", read, write)
+FORMAT = Format(".stl", read, write, repeats_vertices=True)

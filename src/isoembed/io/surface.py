@@ -17,7 +17,7 @@ from isoembed.surface.measures import volume
 TOLERANCE = 1e-10  # as of `isoembed.embed`, for files that hold lengths beside the vertices
 
 
-def read_surface(path: str | os.PathLike[str]) -> Embedding:
+def read_surface(path: str | os.PathLike[str], *, merge: float | None = None) -> Embedding:
     """Read a surface.
 
     Parameters
@@ -26,6 +26,8 @@ def read_surface(path: str | os.PathLike[str]) -> Embedding:
         ``.npz`` or ``.json`` with ``faces`` (F, 3) and ``vertices`` (V, 3), or a mesh.  If it holds
         ``lengths`` (E,), too, with ``edges`` (E, 2), they are the metric; otherwise the lengths between the
         vertices are.  Faces whose normals point inward are turned over.
+    merge : float, optional
+        As of `read_metric`.
 
     Returns
     -------
@@ -39,8 +41,8 @@ def read_surface(path: str | os.PathLike[str]) -> Embedding:
     InvalidMetric
         What it holds is not a triangulated sphere.
     """
-    tables = read_tables(path)
-    metric = metric_of(tables, str(path))
+    tables = read_tables(path, merge)
+    metric = metric_of(tables)
     if "vertices" not in tables:
         raise FileError(
             f"{path} is a metric without vertices: embed it first, with "

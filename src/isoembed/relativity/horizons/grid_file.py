@@ -55,8 +55,16 @@ def read_metric_grid(path: str | os.PathLike[str]) -> GridMetric:
         raise InvalidMetric(f"{file}: {error}") from None
 
 
-def read_metric_or_grid(path: str | os.PathLike[str]) -> PolyhedralMetric | GridMetric:
+def read_metric_or_grid(
+    path: str | os.PathLike[str], *, merge: float | None = None
+) -> PolyhedralMetric | GridMetric:
     """Read a metric on triangles or on a grid, whichever a file holds: see `read_metric`, `read_metric_grid`.
+
+    Parameters
+    ----------
+    path : path
+    merge : float, optional
+        Of a mesh, as of `read_metric`.
 
     Raises
     ------
@@ -66,10 +74,10 @@ def read_metric_or_grid(path: str | os.PathLike[str]) -> PolyhedralMetric | Grid
         What it holds is not a metric.
     """
     if input_ending(path) not in ARRAY_ENDINGS:
-        return read_metric(path)
+        return read_metric(path, merge=merge)
     with opened(path) as file:
         is_grid = file.ending != ".npz" or holds_metric_grid(file)
-        return read_metric_grid(file) if is_grid else read_metric(file)
+        return read_metric_grid(file) if is_grid else read_metric(file, merge=merge)
 
 
 def holds_metric_grid(file: InputFile) -> bool:
