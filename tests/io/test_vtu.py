@@ -91,7 +91,11 @@ QUADS = np.arange(12).reshape(3, 4)
 @pytest.mark.parametrize(
     ("data", "error", "sentence"),
     [
-        (document("ascii", cells=QUADS, kind=9), InvalidMetric, r"face 0 has 4 corners \[0, 1, 2, 3\]"),
+        (
+            document("ascii", cells=QUADS, kind=9),
+            InvalidMetric,
+            r"face 0 \[0, 1, 2, 3\] cannot be cut into triangles",
+        ),
         (document("ascii", cells=QUADS, kind=10), InvalidMetric, "cell 0 is a tetra, not a triangle"),
         (document("ascii", cells=FACES + 1), FileError, "of the cells is not made of the 12 points"),
         (document("raw").replace(b"UInt64", b"UInt65"), FileError, "its header_type 'UInt65' is not known"),

@@ -98,26 +98,30 @@ def _run(options: argparse.Namespace) -> int:
     from isoembed.errors import InvalidMetric, InvalidParameter
     from isoembed.io import FileError
 
+    notes: list[str] = []
     try:
-        with _notes_printed(getattr(options, "quiet", False)):
-            return int(options.run(options))
+        with _gathered(notes):
+            status = int(options.run(options))
     except (UsageError, OutputError, FileError, InvalidMetric, InvalidParameter) as error:
-        print_error(str(error))
+        print_error("; ".join([str(error), *notes]))
         return WRONG
+    for note in () if getattr(options, "quiet", False) else notes:
+        print_error(note, "note")
+    return status
 
 
 @contextmanager
-def _notes_printed(quiet: bool) -> Iterator[None]:
-    """In the block, notes on meshes are lines on standard error, or nothing."""
+def _gathered(notes: list[str]) -> Iterator[None]:
+    """Gather the notes on meshes that come up in the block."""
     from isoembed.errors import MeshNote
 
     def show(message: Warning | str, category: type[Warning], *where: Any) -> None:
-        if not issubclass(category, MeshNote):
-            print_other(message, category, *where)
-        elif not quiet:
-            print_error(str(message), "note")
+        if issubclass(category, MeshNote):
+            notes.append(str(message))
+        else:
+            others(message, category, *where)
 
     with warnings.catch_warnings():
         warnings.simplefilter("always", MeshNote)
-        print_other, warnings.showwarning = warnings.showwarning, show  # type: ignore[assignment]
+        others, warnings.showwarning = warnings.showwarning, show  # type: ignore[assignment]
         yield

@@ -157,8 +157,9 @@ def _cut(points: Floats, corners: Indices, sizes: Indices) -> Indices:
     if warped.any():
         f = int(np.argmax(warped))
         _say(
-            f"{warped.sum()} of {len(sizes)} faces are not planar, and the triangles into which they are cut "
-            f"are taken; the first is face {f}, with corners {warps[f]:.1g} of its size off a plane"
+            f"{_count(warped.sum(), 'face is', 'faces are')} not planar, of {len(sizes)}, and the triangles into "
+            f"which they are cut are taken; the first is face {f}, with corners {warps[f]:.1g} of its size off "
+            "a plane"
         )
     return triangles
 

@@ -9,10 +9,10 @@ import numpy as np
 
 from isoembed.arrays import Floats, Indices
 from isoembed.errors import InvalidMetric
-from isoembed.io import registry
 from isoembed.io.files import FileError, Tables
 from isoembed.io.format import loaded
 from isoembed.io.input_file import InputFile, opened
+from isoembed.io.metric import read_tables
 from isoembed.io.registry import MESH_ENDINGS
 from isoembed.io.vtk import is_polydata, read_polydata
 from isoembed.mesh.triangulation import Triangulation
@@ -37,8 +37,8 @@ def read_horizon(path: str | os.PathLike[str]) -> CoordinateShape | GridMetric:
         By its content and ending: a shape file of AHFinderDirect; ``.npz``, ``.h5`` or ``.hdf5`` with a
         metric on a grid (see `read_metric_grid`), with SpECTRE's surface data (see `read_spectre`), or with
         ``points`` (V, 3) or ``x``, ``y``, ``z``, and maybe ``faces`` (F, 3), ``center`` (3,) and ``time``;
-        polygons in a legacy VTK file as QuasiLocalMeasures writes them; or a closed mesh of triangles; or a
-        `HorizonFormat` of another package.  It may be compressed (``.gz``).
+        polygons in a legacy VTK file as QuasiLocalMeasures writes them; or a closed mesh, whose equal
+        vertices are merged; or a `HorizonFormat` of another package.  It may be compressed (``.gz``).
 
     Returns
     -------
@@ -77,7 +77,11 @@ def _read_polydata(file: InputFile) -> CoordinateShape:
 
 
 def _read_mesh(file: InputFile) -> CoordinateShape:
-    return _shape_of(registry.FORMATS[file.ending].read(file), str(file))
+    try:
+        tables = read_tables(file, merge=0.0)
+    except InvalidMetric as error:
+        raise InvalidMetric(f"{file}: {error}") from None
+    return _shape_of(tables, str(file))
 
 
 def _read_points(file: InputFile) -> CoordinateShape:
