@@ -157,9 +157,8 @@ def _cut(points: Floats, corners: Indices, sizes: Indices) -> Indices:
     if warped.any():
         f = int(np.argmax(warped))
         _say(
-            f"{_count(warped.sum(), 'face is', 'faces are')} not planar, of {len(sizes)}, and the triangles into "
-            f"which they are cut are taken; the first is face {f}, with corners {warps[f]:.1g} of its size off "
-            "a plane"
+            f"{_count(warped.sum(), 'face is', 'faces are')} not planar, and taken as the triangles into "
+            f"which they are cut; the first is face {f}, with corners {warps[f]:.1g} of its size off a plane"
         )
     return triangles
 
