@@ -25,6 +25,7 @@ noise.  Seconds are those of the processor.
 
 import argparse
 import collections
+import itertools
 import json
 import time
 import traceback
@@ -63,11 +64,7 @@ def run(family, seed):
     }
     start = time.process_time()
     try:
-        if case.twins is None:
-            lengths = case.lengths.ravel()[convex_check.sides_of(case)]
-            metric = isoembed.PolyhedralMetric(case.faces, lengths)
-        else:
-            metric = isoembed.GluedMetric(case.faces, case.twins, case.lengths)
+        metric = metric_of(case)
         found = isoembed.embed(metric, method=isoembed.Alexandrov(repair=case.repair))
         row["seconds"] = time.process_time() - start
         return row | judged(case, found)
@@ -76,6 +73,15 @@ def run(family, seed):
     except Exception as error:  # a traceback is what the sweep looks for
         row |= {"status": "wrong", "message": f"{error!r} at {traceback.extract_tb(error.__traceback__)[-1]}"}
     return row | {"seconds": time.process_time() - start}
+
+
+def metric_of(case):
+    """What the solver gets."""
+    import isoembed
+
+    if case.twins is not None:
+        return isoembed.GluedMetric(case.faces, case.twins, case.lengths)
+    return isoembed.PolyhedralMetric(case.faces, case.lengths.ravel()[convex_check.sides_of(case)])
 
 
 def judged(case, found):
@@ -112,33 +118,34 @@ def rows_of(tasks, jobs):
         yield from pool.map(run, *zip(*tasks, strict=True), chunksize=10)
 
 
-def print_table(rows):
-    """Print what came of the families, and the requirements."""
-    columns = ("refused", "off", "wrong", "determined", "distance", "residual", "seconds", "slowest")
-    print(f"{'family':24} {'cases':>6} {'found':>6}", *(f"{name:>{max(8, len(name))}}" for name in columns))
-    by_family = collections.defaultdict(list)
-    for row in rows:
-        by_family[row["family"]].append(row)
-    for family, some in by_family.items():
-        count = collections.Counter(row["status"] for row in some)
-        done = [row for row in some if row["status"] in ("found", "off")]
-        far = max((row["distance"] for row in done if row.get("determined")), default=np.nan)
-        residual = max((row["residual"] for row in done), default=np.nan)
-        seconds = [row["seconds"] for row in some]
-        determined = sum(row.get("determined", False) for row in some)
-        print(
-            f"{family:24} {len(some):6d} {count['found']:6d} {count['refused']:8d} {count['off']:8d} "
-            f"{count['wrong']:8d} {determined:10d} {far:8.0e} {residual:8.0e} {sum(seconds):8.1f} "
-            f"{max(seconds):8.2f}"
-        )
+COLUMNS = ("refused", "off", "wrong", "determined", "distance", "residual", "seconds", "slowest")
+
+
+def print_family(family, rows):
+    """Print what came of a family."""
+    count = collections.Counter(row["status"] for row in rows)
+    done = [row for row in rows if row["status"] in ("found", "off")]
+    far = max((row["distance"] for row in done if row.get("determined")), default=np.nan)
+    residual = max((row["residual"] for row in done), default=np.nan)
+    seconds = [row["seconds"] for row in rows]
+    determined = sum(row.get("determined", False) for row in rows)
+    print(
+        f"{family:24} {len(rows):6d} {count['found']:6d} {count['refused']:8d} {count['off']:8d} "
+        f"{count['wrong']:8d} {determined:10d} {far:8.0e} {residual:8.0e} {sum(seconds):8.1f} "
+        f"{max(seconds):8.2f}",
+        flush=True,
+    )
+
+
+def print_requirements(rows):
+    """Print what was asked for and what was found."""
     apart = {family for families, _ in REQUIRED.values() for family in families}
-    rest = tuple(family for family in by_family if family not in apart)
+    rest = {row["family"] for row in rows} - apart
     for name, (families, share) in {**REQUIRED, "all others": (rest, ALL_OTHERS)}.items():
-        some = [row for family in families for row in by_family.get(family, [])]
-        if some:
-            found = sum(row["status"] == "found" for row in some)
-            percent = f"{100 * found / len(some):.2f} % (asked: {100 * share:g} %)"
-            print(f"{name}: {found} of {len(some)} found, {percent}")
+        found = [row["status"] == "found" for row in rows if row["family"] in families]
+        if found:
+            percent = f"{100 * np.mean(found):.2f} % (asked: {100 * share:g} %)"
+            print(f"{name}: {sum(found)} of {len(found)} found, {percent}")
     print(f"wrong: {sum(row['status'] == 'wrong' for row in rows)} (asked: 0)")
 
 
@@ -163,8 +170,12 @@ def main():
         for family in families
         for number in range(counts.get(family, options.first + SEEDS))[options.first :][: options.seeds]
     ]
-    rows = list(rows_of(tasks, options.jobs))
-    print_table(rows)
+    print(f"{'family':24} {'cases':>6} {'found':>6}", *(f"{name:>{max(8, len(name))}}" for name in COLUMNS))
+    rows = []
+    for family, some in itertools.groupby(rows_of(tasks, options.jobs), lambda row: row["family"]):
+        rows += list(some)
+        print_family(family, [row for row in rows if row["family"] == family])
+    print_requirements(rows)
     if options.json:
         options.json.write_text(json.dumps(rows, indent=0))
     if options.failures:
