@@ -39,6 +39,11 @@ net = isoembed.io.net.read_net("net.json")
 isoembed.io.write_metric("new.npz", net.simplicial())
 isoembed.io.write_surface("new.obj", isoembed.embed(net, method="alexandrov"))
 """,
+    "unfold body.ply -o new.svg --paper A3": """
+import isoembed, isoembed.plot
+surface = isoembed.io.read_surface("body.ply")
+isoembed.plot.write_sheets("new.svg", isoembed.unfold(surface), paper="A3")
+""",
     "nets platonic > new.txt": """
 from pathlib import Path
 from isoembed.gluing.classics import CLASSICS
@@ -67,9 +72,10 @@ Path("new.txt").write_text("".join(f"{found}\\n" for found in embed_horizons(hor
 
 @pytest.fixture
 def here(tmp_path, monkeypatch):
-    """A folder with a metric, a net and two horizons."""
+    """A folder with a metric, a surface, a net and two horizons."""
     monkeypatch.chdir(tmp_path)
     main(["surface", "drum", "--vertices", "60", "-o", "metric.npz"])
+    main(["surface", "ellipsoid", "--vertices", "20", "-o", "body.ply"])
     Path("net.json").write_text(json.dumps(NET))
     for name, spin in (("one", 0.5), ("two", 0.6)):
         metric = GridMetric.sampled(KerrNewmanHorizon(1.0, spin), 24, 8)

@@ -8,7 +8,7 @@ import isoembed
 import zoo
 from exact import is_simple
 from gluing_polygons import shoelace
-from isoembed import Embedding, PolyhedralMetric
+from isoembed import Embedding, InvalidMetric, PolyhedralMetric
 from isoembed.gallery import BentTube, triangulate
 from isoembed.gluing import unfold
 from isoembed.metric.curvature import deficits
@@ -131,3 +131,11 @@ def test_faces_with_a_hole_and_with_a_pinch_are_cut(flat, base):
     check_deficits(unfolding, surface)
     assert sum(map(len, unfolding.folds)) <= 9 + 6 - 1  # no fold where it is flat
     assert np.abs(np.concatenate(unfolding.angles)).min() > 0.1
+
+
+def test_a_face_without_area_is_refused():
+    vertices, faces = zoo.tetrahedron()
+    metric = PolyhedralMetric.from_mesh(vertices, faces)
+    flat = Embedding(metric, vertices * [1, 0, 0], method="given", tolerance=1e-10)
+    with pytest.raises(InvalidMetric, match=r"face 0 \[\d, \d, \d\] is so thin that it lies in no plane"):
+        unfold(flat)

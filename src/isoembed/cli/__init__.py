@@ -27,6 +27,7 @@ COMMANDS = {
     "reproduce": "make the figures and numbers of the paper again, in one report",
     "surface": "write the metric of a closed-form surface (ellipsoid, drum, Kerr horizon, ...)",
     "triangulate": "cut a smooth 2-metric into triangles with geodesic lengths",
+    "unfold": "make a paper net of a solid, to print, cut, fold and glue",
     "view": "look at a surface, in the browser or as a picture",
 }
 

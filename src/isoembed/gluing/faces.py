@@ -5,11 +5,12 @@ from typing import NamedTuple
 import numpy as np
 
 from isoembed.arrays import Floats, Indices, Mask
+from isoembed.errors import InvalidMetric
 from isoembed.gluing.polygon import meeting_sides
 from isoembed.mesh.triangulation import Triangulation
 from isoembed.surface.curvature import DIHEDRAL, dihedral_angles
 from isoembed.surface.flat_faces import flat_faces, outlines
-from isoembed.surface.measures import face_normals
+from isoembed.surface.measures import face_areas, face_normals
 
 
 class Faces(NamedTuple):
@@ -46,8 +47,17 @@ def true_faces(triangulation: Triangulation, vertices: Floats) -> Faces:
     triangulation : Triangulation
     vertices : ndarray, shape (V, 3)
         So scaled that nothing under- or overflows.
+
+    Raises
+    ------
+    InvalidMetric
+        A face is so thin that it lies in no plane.
     """
     t = triangulation
+    thin = ~(face_areas(t.faces, vertices) > 0)
+    if thin.any():
+        f = int(np.argmax(thin))
+        raise InvalidMetric(f"face {f} {t.faces[f].tolist()} is so thin that it lies in no plane")
     bend = dihedral_angles(t, vertices)[t.face_edges.ravel()]
     creased = np.abs(bend) > DIHEDRAL.flat
     faces = flat_faces(t, creased)

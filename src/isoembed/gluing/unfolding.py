@@ -52,9 +52,12 @@ class Unfolding:
     angles: tuple[Floats, ...]
 
     def __repr__(self) -> str:
+        return f"Unfolding({self})"
+
+    def __str__(self) -> str:
         sheets = "1 sheet" if len(self.sheets) == 1 else f"{len(self.sheets)} sheets"
         folds = sum(map(len, self.folds))
-        return f"Unfolding({sheets}, {len(self.sides)} pairs of sides, {folds} folds)"
+        return f"{sheets}, {len(self.sides)} pairs of sides, {folds} folds"
 
     @cached_property
     def net(self) -> Net:
@@ -77,6 +80,11 @@ def unfold(surface: Embedding) -> Unfolding:
     Returns
     -------
     Unfolding
+
+    Raises
+    ------
+    InvalidMetric
+        A face is so thin that it lies in no plane.
 
     References
     ----------

@@ -1,6 +1,8 @@
-"""Paper nets from JSON: polygons and the pairs of sides that are glued, or a form by its name."""
+"""Paper nets in JSON: polygons and the pairs of sides that are glued, or a form by its name."""
 
+import os
 from collections.abc import Callable, Mapping
+from pathlib import Path
 from typing import Any
 
 from isoembed.gluing import (
@@ -16,13 +18,17 @@ from isoembed.gluing import (
     triangle,
     zipped,
 )
+from isoembed.gluing.unfolding import Unfolding
 from isoembed.io import json
-from isoembed.io.files import FileError, check_ending
+from isoembed.io.files import FileError, Writer, check_ending, write_atomically
 from isoembed.io.input_file import InputFile
+from isoembed.io.registry import check_output
+from isoembed.strict_json import strict_json
 
 Makers = dict[str, tuple[Callable[..., Any], int, int]]
 """Shapes by name: who makes them, from how many numbers at least and at most."""
 
+NET_ENDINGS = (".json",)
 FORMS = ("polygons", "zip", "pita", "dform")
 POLYGONS: Makers = {
     "rectangle": (rectangle, 2, 2),
@@ -60,9 +66,36 @@ def read_net(source: str) -> Net:
     """
     if source == "-":
         return _net(json.read_standard_input(), "standard input")
-    check_ending(source, [".json"])
+    check_ending(source, NET_ENDINGS)
     with InputFile(source) as file:
         return _net(json.read(file), source)
+
+
+def net_writer(unfolding: Unfolding) -> Writer:
+    """Writer of a net as JSON; see `write_atomically` and `write_net`."""
+    unfolding.net  # noqa: B018, who reads it will glue it
+    text = strict_json({"polygons": unfolding.sheets, "sides": unfolding.sides}) + "\n"
+    return lambda temporary: temporary.write_text(text, encoding="utf-8")
+
+
+def write_net(path: str | os.PathLike[str], unfolding: Unfolding) -> None:
+    """Write the sheets of a solid, so that `read_net` glues them again.
+
+    Parameters
+    ----------
+    path : path
+        Ending in ``.json``.
+    unfolding : Unfolding
+
+    Raises
+    ------
+    FileError
+        The ending is not known or the file cannot be written.
+    InvalidMetric
+        The surface has faces or sides so thin or small that its sheets cannot be glued in floats.
+    """
+    check_output(path, NET_ENDINGS)
+    write_atomically({Path(path): net_writer(unfolding)})
 
 
 def _net(document: Mapping[str, Any], name: str) -> Net:

@@ -1,6 +1,6 @@
-"""Pictures of surfaces: still ones, films, and pages for the browser.
+"""Pictures of surfaces: still ones, films, and pages for the browser; nets to cut out.
 
-Still ones and films need matplotlib: ``pip install 'isoembed[plot]'``.
+Still ones, films and nets as PDF need matplotlib: ``pip install 'isoembed[plot]'``.
 """
 
 from isoembed.plot.animation import ANIMATION_ENDINGS, animation_writer, write_animation
@@ -16,12 +16,14 @@ from isoembed.plot.picture import (
     write_picture,
 )
 from isoembed.plot.quantity import QUANTITIES, Quantity, quantities, quantity
+from isoembed.plot.sheets import SHEET_ENDINGS, sheets_writer, write_sheets
 
 __all__ = [
     "ANIMATION_ENDINGS",
     "PAGE_ENDINGS",
     "PICTURE_ENDINGS",
     "QUANTITIES",
+    "SHEET_ENDINGS",
     "Film",
     "Frame",
     "Panel",
@@ -34,7 +36,9 @@ __all__ = [
     "picture_writer",
     "quantities",
     "quantity",
+    "sheets_writer",
     "write_animation",
     "write_page",
     "write_picture",
+    "write_sheets",
 ]

@@ -1,0 +1,58 @@
+"""``isoembed unfold``: from a solid to a paper net."""
+
+import argparse
+from pathlib import Path
+
+from isoembed.cli.options import add_output_option, add_quiet_option
+from isoembed.cli.screen import UsageError, print_out
+from isoembed.cli.status import OK
+from isoembed.gluing import unfold
+from isoembed.io import SURFACE_ENDINGS, check_output, read_surface, write_atomically
+from isoembed.io.files import ending
+from isoembed.io.net import NET_ENDINGS, net_writer
+from isoembed.plot.paper.placing import PAPERS
+from isoembed.plot.sheets import SHEET_ENDINGS, sheets_writer
+
+
+def configure(parser: argparse.ArgumentParser) -> None:
+    """Add the options of ``isoembed unfold``."""
+    parser.add_argument(
+        "file",
+        type=Path,
+        metavar="FILE",
+        help=f"a surface with vertices ({' '.join(SURFACE_ENDINGS)}), as 'isoembed embed' writes it",
+    )
+    add_output_option(
+        parser,
+        f"{' '.join(SHEET_ENDINGS)}: the net on pages, with tabs and with a number on both sides that are "
+        f"glued; {' '.join(NET_ENDINGS)}: the net for 'isoembed glue'",
+        required=True,
+    )
+    parser.add_argument("--paper", choices=PAPERS, help=f"{', '.join(PAPERS)} (default A4)")
+    parser.add_argument(
+        "--scale",
+        type=float,
+        metavar="MM",
+        help="millimeters a unit of the solid (default: the largest with which each sheet fits on a page)",
+    )
+    add_quiet_option(parser)
+
+
+def run(options: argparse.Namespace) -> int:
+    """Unfold the surface; return the exit status."""
+    output = options.output
+    check_output(output, (*SHEET_ENDINGS, *NET_ENDINGS))
+    if output.resolve() == options.file.resolve():
+        raise UsageError(f"the output is the input {output}")
+    drawing = {name: value for name in ("paper", "scale") if (value := getattr(options, name)) is not None}
+    if drawing and ending(output) in NET_ENDINGS:
+        raise UsageError(f"--{next(iter(drawing))} is for nets on pages ({' '.join(SHEET_ENDINGS)})")
+    unfolding = unfold(read_surface(options.file))
+    if ending(output) in NET_ENDINGS:
+        writer = net_writer(unfolding)
+    else:
+        writer = sheets_writer(output, unfolding, **drawing)
+    write_atomically({output: writer})
+    if not options.quiet:
+        print_out(f"{output}: {unfolding}")
+    return OK

@@ -1,0 +1,115 @@
+"""Labels that say which sides are glued: numbers inside of a sheet, along the side."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from isoembed.arrays import Floats
+from isoembed.plot.paper.convex import near, overlaps
+
+Side = tuple[int, int]
+
+SIZE, LEGIBLE, LEAST = 4.2, 2.0, 0.5  # mm
+SHRINK = 0.85
+WIDTH, HEIGHT = 0.56, 0.72  # of a digit, in sizes
+PADDING = 0.22  # around a number, in sizes
+OFF = 0.15  # of what is around it, from the side, in sizes
+PLACES = (0.5, 0.4, 0.6, 0.3, 0.7, 0.2, 0.8)  # along a side
+
+
+@dataclass(frozen=True)
+class Label:
+    """A number on the paper.
+
+    Attributes
+    ----------
+    text : str
+    x, y : float
+        Its middle, mm.
+    angle : float
+        Of its line against the horizontal, degrees counterclockwise.
+    size : float
+        Of the font, mm.
+    """
+
+    text: str
+    x: float
+    y: float
+    angle: float
+    size: float
+
+    @property
+    def underline(self) -> Floats | None:
+        """The ends of a line below a number that is another one upside down, as 6 and 9 are; else None."""
+        if not set(self.text) <= set("0689") or not set(self.text) & set("69"):
+            return None
+        half = WIDTH / 2 * len(self.text)
+        return self._put(np.array([[-half, -0.55], [half, -0.55]]))
+
+    @property
+    def box(self) -> Floats:
+        """The corners of what it takes of the paper, (4, 2)."""
+        half, up = WIDTH / 2 * len(self.text) + PADDING, HEIGHT / 2 + PADDING
+        return self._put(np.array([[-half, -up], [half, -up], [half, up], [-half, up]]))
+
+    def _put(self, points: Floats) -> Floats:
+        """Points around its middle, along its line and upward, in sizes."""
+        cosine, sine = np.cos(np.radians(self.angle)), np.sin(np.radians(self.angle))
+        return np.array([self.x, self.y]) + self.size * points @ np.array([[cosine, sine], [-sine, cosine]])
+
+
+def labels(
+    outlines: Sequence[Floats], folds: Sequence[Floats], sides: Sequence[tuple[Side, Side]]
+) -> list[Label]:
+    """The labels of all pairs of sides, the same number on both.
+
+    A label is as large as it can be without meeting a line or another label; across folds where it would not
+    be legible otherwise.
+
+    Parameters
+    ----------
+    outlines : sequence of ndarray, shape (n, 2)
+        Counterclockwise, in mm.
+    folds : sequence of ndarray, shape (m, 2, 2)
+        Of each sheet.
+    sides : sequence of pairs
+        Which sides ``((p, k), (q, m))`` are glued.
+    """
+    rims = [np.stack([outline, np.roll(outline, -1, axis=0)], axis=1) for outline in outlines]
+    numbered = [(str(number), rims[p][k], p) for number, pair in enumerate(sides, 1) for p, k in pair]
+    numbered.sort(key=lambda entry: float(np.hypot(*(entry[1][1] - entry[1][0]))))  # those with little room
+    taken = [np.empty((0, 4, 2)) for _ in outlines]
+    found = []
+    for text, ends, p in numbered:
+        one = (
+            _fitting(text, ends, SIZE, LEGIBLE, (rims[p], folds[p], taken[p]))
+            or _fitting(text, ends, LEGIBLE, LEAST, (rims[p], taken[p]))
+            or _beside(text, ends, 0.5, LEAST)
+        )
+        taken[p] = np.concatenate([taken[p], [one.box]])
+        found.append(one)
+    return found
+
+
+def _fitting(text: str, ends: Floats, size: float, least: float, obstacles: Sequence[Floats]) -> Label | None:
+    """The largest label of a side that overlaps nothing."""
+    length = float(np.hypot(*(ends[1] - ends[0])))
+    around = np.concatenate([_beside(text, ends, part, size).box for part in (0.0, 1.0)])
+    close = [near(some, around) for some in obstacles]
+    while size >= least:
+        for part in PLACES if WIDTH * len(text) * size < length else ():
+            one = _beside(text, ends, part, size)
+            if not any(overlaps(one.box, some) for some in close):
+                return one
+        size *= SHRINK
+    return None
+
+
+def _beside(text: str, ends: Floats, part: float, size: float) -> Label:
+    """A label inside of a sheet, this part of the way along a side that has the sheet to its left."""
+    x, y = ends[1] - ends[0]
+    angle = float(np.degrees(np.arctan2(y, x)))
+    inward = np.array([-y, x]) / np.hypot(x, y)
+    middle = ends[0] + part * (ends[1] - ends[0]) + (HEIGHT / 2 + PADDING + OFF) * size * inward
+    return Label(text, float(middle[0]), float(middle[1]), (angle + 90) % 180 - 90, size)

@@ -1,0 +1,44 @@
+"""A net on paper as PDF, a page each."""
+
+from pathlib import Path
+
+from isoembed.plot.paper.drawing import Drawing
+
+INCH, POINT = 25.4, 25.4 / 72  # mm
+DASHES = {"mountain": (0, (10, 6)), "valley": (0, (15, 5, 2.5, 5))}  # in widths of the line
+
+
+def write_pdf(path: Path, drawing: Drawing) -> None:
+    """Write the pages."""
+    from matplotlib.backends.backend_pdf import PdfPages
+    from matplotlib.collections import LineCollection
+    from matplotlib.figure import Figure
+
+    closed = [[*cut, cut[0]] for cut in drawing.cuts]
+    underlines = [one.underline for one in drawing.labels if one.underline is not None]
+    lines = (
+        (closed, 0.3, "solid"),
+        (drawing.mountains, 0.2, DASHES["mountain"]),
+        (drawing.valleys, 0.2, DASHES["valley"]),
+        (underlines, 0.2, "solid"),
+    )
+    with PdfPages(path, metadata={"CreationDate": None}) as file:
+        for page in range(drawing.pages):
+            top, bottom = -page * drawing.height, -(page + 1) * drawing.height
+            picture = Figure(figsize=(drawing.width / INCH, drawing.height / INCH))
+            axes = picture.add_axes((0, 0, 1, 1))
+            axes.set_axis_off()
+            axes.set_xlim(0, drawing.width)
+            axes.set_ylim(bottom, top)
+            for some, width, style in lines:
+                axes.add_collection(
+                    LineCollection(some, linewidths=width / POINT, linestyles=[style], colors="black"),
+                    autolim=False,
+                )
+            for one in (*drawing.labels, *drawing.notes):
+                if bottom < one.y < top:
+                    axes.text(
+                        one.x, one.y, one.text, size=one.size / POINT, rotation=one.angle,
+                        rotation_mode="anchor", ha="center", va="center_baseline", family="DejaVu Sans",
+                    )  # fmt: skip
+            file.savefig(picture)

@@ -1,0 +1,95 @@
+"""Tabs to glue: trapezoids on one of two sides that are glued, as deep as there is room."""
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from isoembed.arrays import Floats
+from isoembed.plot.paper.convex import near, overlaps
+
+DEPTH, LEAST = 7.0, 0.8  # mm
+SHARE = 0.4  # of the side, at most
+SLANT = np.radians(55.0)  # of a leg against the side, at most
+BESIDE, BETWEEN = 0.45, 0.8  # of the angle beside a side: with room for another tab, and for none
+SHRINK = 0.85
+CLEAR = 1.1  # a tab so much deeper would not meet anything either
+OFF = 0.03  # of a leg; there it meets others that end in the same corner
+
+Side = tuple[int, int]
+
+
+def tabs(outlines: Sequence[Floats], sides: Sequence[tuple[Side, Side]]) -> dict[Side, Floats]:
+    """Tabs that overlap neither a sheet nor one another.
+
+    Parameters
+    ----------
+    outlines : sequence of ndarray, shape (n, 2)
+        Counterclockwise, in mm on the paper.
+    sides : sequence of pairs
+        Which sides ``((p, k), (q, m))`` are glued.
+
+    Returns
+    -------
+    dict
+        The outer corners, (2, 2), of the tab on side ``(p, k)``, the one nearer to its beginning first.  A
+        pair for which there is no room has none.
+    """
+    segments = np.concatenate(
+        [np.stack([outline, np.roll(outline, -1, axis=0)], axis=1) for outline in outlines]
+    )
+    made: dict[Side, Floats] = {}
+    others = np.empty((0, 4, 2))
+    for pair in sides:
+        best, top = 0.0, np.zeros((2, 2))
+        for side, mate in (pair, pair[::-1]):
+            depth, found = _deepest(outlines[side[0]], side, mate, segments, others)
+            if depth > best:
+                best, top, (p, k) = depth, found, side
+        if best:
+            made[p, k] = top
+            ends = outlines[p][[k, (k + 1) % len(outlines[p])]]
+            others = np.concatenate([others, [_piece(ends, top)]])
+    return made
+
+
+def _deepest(
+    outline: Floats, side: Side, mate: Side, segments: Floats, others: Floats
+) -> tuple[float, Floats]:
+    """The depth of the deepest tab on a side, and its outer corners; 0 if there is no room."""
+    (p, k), n = side, len(outline)
+    before, start, end, after = outline[[k - 1, k, (k + 1) % n, (k + 2) % n]]
+    legs = [
+        1 / np.tan(min(SLANT, (BETWEEN if mate == (p, beside % n) else BESIDE) * gap))
+        for beside, gap in (
+            (k - 1, _angle(before - start, end - start)),
+            (k + 1, _angle(start - end, after - end)),
+        )
+    ]
+    length = float(np.hypot(*(end - start)))
+    along = (end - start) / length
+    out = np.array([along[1], -along[0]])
+    depth = min(DEPTH, SHARE * length, 0.9 / CLEAR * length / max(sum(legs), 0.1))
+
+    def top(depth: float) -> Floats:
+        return np.array([start + depth * (legs[0] * along + out), end + depth * (out - legs[1] * along)])
+
+    ends = np.array([start, end])
+    segments, others = (near(some, np.vstack([ends, top(CLEAR * depth)])) for some in (segments, others))
+    while depth >= LEAST:
+        piece = _piece(ends, top(CLEAR * depth))
+        if not overlaps(piece, segments) and not overlaps(piece, others):
+            return depth, top(depth)
+        depth *= SHRINK
+    return 0.0, top(0.0)
+
+
+def _angle(first: Floats, second: Floats) -> float:
+    """The angle from one direction counterclockwise to another, from 0 to 2 pi."""
+    cross, dot = first[0] * second[1] - first[1] * second[0], first @ second
+    return float(np.arctan2(cross, dot) % (2 * np.pi))
+
+
+def _piece(ends: Floats, top: Floats) -> Floats:
+    """The tab, (4, 2), a bit off the side."""
+    foot = ends + OFF * (top - ends)
+    return np.array([foot[0], foot[1], top[1], top[0]])

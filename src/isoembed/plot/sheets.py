@@ -1,0 +1,54 @@
+"""Nets to print, cut, fold and glue: SVG and PDF."""
+
+import os
+from pathlib import Path
+from typing import Any
+
+from isoembed.gluing.unfolding import Unfolding
+from isoembed.io.files import Writer, ending, write_atomically
+from isoembed.io.registry import check_output
+from isoembed.plot.paper.drawing import drawn
+from isoembed.plot.paper.pdf import write_pdf
+from isoembed.plot.paper.svg import svg
+from isoembed.plot.picture import check_drawable
+
+SHEET_ENDINGS = (".svg", ".pdf")
+
+
+def sheets_writer(path: str | os.PathLike[str], unfolding: Unfolding, **drawing: Any) -> Writer:
+    """Return what writes a net in the format of this ending; see `write_atomically` and `write_sheets`."""
+    pages = drawn(unfolding, **drawing)
+    if ending(path) == ".pdf":
+        check_drawable()
+        return lambda temporary: write_pdf(temporary, pages)
+    return lambda temporary: temporary.write_text(svg(pages), encoding="utf-8")
+
+
+def write_sheets(
+    path: str | os.PathLike[str], unfolding: Unfolding, *, paper: str = "A4", scale: float | None = None
+) -> None:
+    """Write a net to cut out: with tabs, folds, and the same number on both sides that are glued.
+
+    One sees the outside of the solid.  Solid lines are cut, dashed ones folded away from oneself, dash-dotted
+    ones toward oneself.  Tabs are as deep as there is room for them, 7 mm at most; where there is none for a
+    millimeter, a side has none.  A number that would be another one upside down is underlined.
+
+    Parameters
+    ----------
+    path : path
+        Ending in ``.svg``, with the pages below one another, or in ``.pdf``.
+    unfolding : Unfolding
+    paper : str
+        ``"A4"``, ``"A3"`` or ``"letter"``.
+    scale : float, optional
+        Millimeters a unit of the solid; by default the largest with which each sheet fits on a page.
+
+    Raises
+    ------
+    FileError
+        The ending is not known, the file cannot be written, or, for PDF, matplotlib is not installed.
+    InvalidParameter
+        There is no such paper, or a sheet does not fit on it.
+    """
+    check_output(path, SHEET_ENDINGS)
+    write_atomically({Path(path): sheets_writer(path, unfolding, paper=paper, scale=scale)})

@@ -1,0 +1,85 @@
+"""``isoembed unfold``: a net from a file, and back to the solid."""
+
+import json
+
+import numpy as np
+import pytest
+from scipy.spatial.distance import pdist
+
+import zoo
+from isoembed import PolyhedralMetric
+from isoembed.io import mesh_writer, read_surface, write_atomically, write_metric
+
+
+def write(name, vertices, faces):
+    write_atomically({name: mesh_writer(name, vertices, faces)})
+
+
+@pytest.mark.parametrize("name", ["solid.obj", "solid.npz", "solid.ply"])
+def test_the_solid_comes_back_from_its_net(name, call):
+    vertices, faces = zoo.random_hull(15, 4)
+    write(name, vertices, faces)
+    assert call("unfold", name, "-o", "net.json") == (
+        0,
+        "net.json: 1 sheet, 14 pairs of sides, 25 folds\n",
+        "",
+    )
+    assert call("glue", "net.json", "-o", "again.npz")[0] == 0
+    again = read_surface("again.npz").vertices
+    assert len(again) == 15
+    apart = np.sort(pdist(again)) - np.sort(pdist(read_surface(name).vertices))
+    assert np.abs(apart).max() < 1e-9
+
+
+def test_what_embed_and_glue_wrote_is_unfolded(call):
+    with open("net.json", "w") as file:
+        json.dump({"polygons": [{"rectangle": [2, 1]}], "sides": [[[0, k], [0, k]] for k in range(4)]}, file)
+    assert call("glue", "net.json", "-o", "solid.npz", "--quiet")[0] == 0
+    assert call("unfold", "solid.npz", "-o", "again.json", "--quiet") == (0, "", "")
+    with open("again.json") as file:
+        again = json.load(file)
+    assert set(again) == {"polygons", "sides"}
+
+
+@pytest.mark.parametrize(("kind", "magic"), [("svg", b"<?xml"), ("pdf", b"%PDF")])
+def test_pages(kind, magic, call, tmp_path):
+    pytest.importorskip("matplotlib")
+    write("cube.off", *zoo.cube())
+    assert call("unfold", "cube.off", "-o", f"net.{kind}", "--paper", "letter", "--scale", "40") == (
+        0,
+        f"net.{kind}: 1 sheet, 7 pairs of sides, 5 folds\n",
+        "",
+    )
+    assert (tmp_path / f"net.{kind}").read_bytes().startswith(magic)
+
+
+@pytest.mark.parametrize(
+    ("arguments", "words"),
+    [
+        (["cube.ply"], "the following arguments are required: -o/--output"),
+        (["cube.ply", "-o", "a.png"], "a.png has the ending '.png', not one of .svg .pdf .json"),
+        (["cube.json", "-o", "cube.json"], "the output is the input cube.json"),
+        (["cube.ply", "-o", "a.json", "--scale", "3"], "--scale is for nets on pages (.svg .pdf)"),
+        (["cube.ply", "-o", "a.json", "--paper", "A3"], "--paper is for nets on pages (.svg .pdf)"),
+        (["cube.ply", "-o", "a.svg", "--paper", "A9"], "invalid choice: 'A9'"),
+        (
+            ["cube.ply", "-o", "a.svg", "--scale", "300"],
+            "scale is 300 mm, but sheet 0 fits on A4 up to 60.66",
+        ),
+        (["cube.ply", "-o", "a.svg", "--scale", "0"], "scale is 0.0, not a positive finite number"),
+        (["nothing.ply", "-o", "a.svg"], "there is no file nothing.ply"),
+        (["metric.npz", "-o", "a.svg"], "metric.npz is a metric without vertices"),
+        (["open.off", "-o", "a.svg"], "the surface is not closed"),
+        (["torus.off", "-o", "a.svg"], "Euler characteristic"),
+    ],
+)
+def test_what_is_refused(arguments, words, call):
+    vertices, faces = zoo.cube()
+    for name in ("cube.ply", "cube.json"):
+        write(name, vertices, faces)
+    write_metric("metric.npz", PolyhedralMetric.from_mesh(vertices, faces))
+    write("open.off", vertices, faces[1:])
+    write("torus.off", np.random.default_rng(0).normal(size=(20, 3)), zoo.torus())
+    status, out, err = call("unfold", *arguments)
+    assert (status, out) == (2, "")
+    assert words in err

@@ -1,0 +1,206 @@
+"""Nets on paper: what is cut, folded and glued is all there, and nothing overlaps."""
+
+import re
+import xml.etree.ElementTree as ElementTree
+from collections import Counter
+
+import numpy as np
+import pytest
+from scipy.spatial import ConvexHull
+
+import zoo
+from exact import is_simple
+from gluing_polygons import shoelace
+from isoembed import Embedding, InvalidParameter, PolyhedralMetric
+from isoembed.gallery import Ergosphere, triangulate
+from isoembed.gluing import unfold
+from isoembed.gluing.unfolding import Unfolding
+from isoembed.io import FileError
+from isoembed.plot import write_sheets
+from isoembed.plot.paper.convex import overlaps
+from isoembed.plot.paper.drawing import drawn
+from isoembed.plot.paper.labels import Label
+from isoembed.plot.paper.placing import GAP, MARGIN, placed
+
+
+def net_of(vertices, faces):
+    metric = PolyhedralMetric.from_mesh(vertices, faces)
+    return unfold(Embedding(metric, vertices, method="given", tolerance=1e-10))
+
+
+def squares():
+    """Six sheets of different sizes, which need several pages."""
+    sheets = [np.array([[0.0, 0], [1, 0], [1, 1], [0, 1]]) * size for size in (1.0, 0.9, 0.8, 0.8, 0.5, 0.5)]
+    nothing = [np.empty((0, 2, 2))] * 6
+    sides = tuple(((p, k), (p + 1, k)) for p in (0, 2, 4) for k in range(4))
+    return Unfolding(tuple(sheets), (np.arange(4),) * 6, sides, tuple(nothing), (np.empty(0),) * 6)
+
+
+def test_a_cube_on_a4():
+    drawing = drawn(net_of(*zoo.cube()))
+    assert (drawing.width, drawing.height, drawing.pages) == (210, 297, 1)
+    assert Counter(one.text for one in drawing.labels) == Counter({str(k): 2 for k in range(1, 8)})
+    assert {one.size for one in drawing.labels} == {4.2}
+    assert len(drawing.mountains) == 5 + 7  # of the solid, and one for each tab
+    assert not drawing.valleys
+    (cut,) = drawing.cuts
+    assert len(cut) == 14 + 2 * 7
+    assert is_simple(cut) and cut[:, 0].min() > 0 and cut[:, 0].max() < 210
+    side = float(drawing.notes[0].text.split("; ")[1].split()[0])
+    assert np.hypot(*np.diff(drawing.mountains[0], axis=0)[0]) == pytest.approx(side, rel=1e-3)
+
+
+@pytest.mark.parametrize("seed", range(3))
+def test_tabs_and_labels_overlap_nothing(seed):
+    net = net_of(*zoo.random_hull(20 + 10 * seed, seed))
+    drawing = drawn(net)
+    (cut,) = drawing.cuts
+    assert is_simple(cut)  # with the tabs
+    assert shoelace(cut) > 1.02 * shoelace(net.sheets[0]) * drawing_scale(drawing) ** 2
+    outline = np.stack([cut, np.roll(cut, -1, axis=0)], axis=1)
+    boxes = np.array([one.box for one in drawing.labels if one.size > 0.5])
+    assert len(boxes) == len(drawing.labels)
+    for k, box in enumerate(boxes):
+        assert not overlaps(box, outline)
+        assert not overlaps(box, np.delete(boxes, k, axis=0))
+    assert Counter(Counter(one.text for one in drawing.labels).values()) == {2: len(net.sides)}
+    assert all(-90 <= one.angle < 90 for one in drawing.labels)
+
+
+def drawing_scale(drawing):
+    return float(re.search(r"([\d.e+-]+) mm a unit", drawing.notes[0].text)[1])
+
+
+def test_labels_stand_at_their_sides():
+    net = net_of(*zoo.icosahedron())
+    places, _, _ = placed(net.sheets)
+    outline = places[0].put(net.sheets[0])
+    by_text = {}
+    for one in drawn(net).labels:
+        by_text.setdefault(one.text, []).append((one.x, one.y))
+    for number, pair in enumerate(net.sides, 1):
+        middles = np.array([(outline[k] + outline[(k + 1) % len(outline)]) / 2 for _, k in pair])
+        found = np.array(by_text[str(number)])
+        apart = np.linalg.norm(middles[:, None] - found, axis=2)
+        assert apart.min(axis=0).max() < 4 and apart.min(axis=1).max() < 4
+
+
+def test_valleys_of_a_surface_that_is_not_convex():
+    net = net_of(*triangulate(Ergosphere(), 80))
+    drawing = drawn(net)
+    assert len(drawing.valleys) == sum(int((angles < 0).sum()) for angles in net.angles) > 0
+    assert "dash-dotted" in drawing.notes[0].text
+
+
+def test_numbers_that_are_others_upside_down_are_underlined():
+    underlined = [n for n in range(1, 120) if Label(str(n), 0, 0, 0, 1).underline is not None]
+    assert underlined == [6, 9, 60, 66, 68, 69, 86, 89, 90, 96, 98, 99]
+
+
+# Pages
+
+
+@pytest.mark.parametrize("paper", ["A4", "A3", "letter"])
+def test_sheets_are_on_pages_and_apart(paper):
+    net = squares()
+    places, pages, scale = placed(net.sheets, paper)
+    width, height = {"A4": (210, 297), "A3": (297, 420), "letter": (215.9, 279.4)}[paper]
+    assert scale == pytest.approx(min(width, height) - 2 * MARGIN)
+    boxes = []
+    for place, sheet in zip(places, net.sheets, strict=True):
+        there = place.put(sheet)
+        low, high = there.min(axis=0), there.max(axis=0)
+        page = int(-high[1] // height)
+        assert page < pages and -low[1] <= (page + 1) * height - MARGIN + 1e-9
+        assert -high[1] >= page * height + MARGIN - 1e-9
+        assert low[0] >= MARGIN - 1e-9 and high[0] <= width - MARGIN + 1e-9
+        boxes.append((low, high))
+    for k, (low, high) in enumerate(boxes):
+        for other_low, other_high in boxes[:k]:
+            assert (np.maximum(low, other_low) - np.minimum(high, other_high)).max() >= GAP - 1e-9
+    assert pages == drawn(net, paper=paper).pages > 1
+
+
+def test_a_sheet_is_turned_to_fit():
+    angle = 0.3
+    turn = np.array([[np.cos(angle), -np.sin(angle)], [np.sin(angle), np.cos(angle)]])
+    _, _, scale = placed([np.array([[0.0, 0], [1, 0], [1, 1.5], [0, 1.5]]) @ turn])
+    assert scale == pytest.approx((297 - 2 * MARGIN) / 1.5)
+
+
+def test_a_scale_is_kept():
+    net = net_of(*zoo.cube())
+    drawing = drawn(net, scale=30.0)
+    assert drawing_scale(drawing) == 30
+    lengths = [float(np.hypot(*(b - a))) for a, b in drawing.mountains]
+    assert lengths == pytest.approx([30.0] * len(lengths))
+
+
+@pytest.mark.parametrize(
+    ("options", "sentence"),
+    [
+        ({"paper": "A5"}, "paper is 'A5', not one of A4, A3, letter"),
+        ({"scale": -1.0}, "scale is -1.0, not a positive finite number of mm"),
+        ({"scale": float("nan")}, "scale is nan, not a positive finite number of mm"),
+        ({"scale": 100.0}, r"scale is 100 mm, but sheet 0 fits on A4 up to 60\.6667 mm"),
+    ],
+)
+def test_refusals(options, sentence):
+    with pytest.raises(InvalidParameter, match=sentence):
+        drawn(net_of(*zoo.cube()), **options)
+
+
+# Files
+
+
+def test_svg_holds_every_line(tmp_path):
+    net = net_of(*zoo.random_hull(12, 3))
+    write_sheets(tmp_path / "net.svg", net)
+    drawing = drawn(net)
+    root = ElementTree.parse(tmp_path / "net.svg").getroot()
+    name = "{http://www.w3.org/2000/svg}"
+    assert (root.get("width"), root.get("height"), root.get("viewBox")) == ("210mm", "297mm", "0 0 210 297")
+    groups = {group.get("id"): group for group in root.findall(f"{name}g")}
+    numbers = [float(x) for x in re.findall(r"-?\d+\.\d+", groups["cut"][0].get("d"))]
+    assert np.reshape(numbers, (-1, 2)) * [1, -1] == pytest.approx(drawing.cuts[0], abs=1e-3)
+    assert len(groups["mountain"]) == len(drawing.mountains)
+    texts = [text.text for text in groups["labels"]]
+    assert texts == [one.text for one in (*drawing.labels, *drawing.notes)]
+
+
+def test_pdf_has_a_page_each(tmp_path):
+    net = squares()
+    write_sheets(tmp_path / "net.pdf", net)
+    data = (tmp_path / "net.pdf").read_bytes()
+    assert data.startswith(b"%PDF")
+    assert len(re.findall(rb"/Type /Page\b", data)) == drawn(net).pages
+    assert b"/MediaBox [ 0 0 595.27" in data
+    again = tmp_path / "again.pdf"
+    write_sheets(again, net)
+    assert again.read_bytes() == data
+
+
+def test_other_endings_are_refused(tmp_path):
+    with pytest.raises(FileError, match=r"not one of \.svg \.pdf"):
+        write_sheets(tmp_path / "net.png", net_of(*zoo.cube()))
+
+
+# Pieces
+
+
+@pytest.mark.parametrize("seed", range(50))
+def test_overlaps_against_hulls(seed):
+    """Two convex polygons are apart if a line separates all of their corners: by linear programming."""
+    from scipy.optimize import linprog
+
+    rng = np.random.default_rng(seed)
+    pieces = []
+    for n in (4, int(rng.choice([2, 4]))):
+        points = rng.normal(size=(n, 2)) + rng.uniform(-2, 2, 2)
+        pieces.append(points if n == 2 else points[ConvexHull(points).vertices])
+    one, other = pieces
+    rows = np.vstack(
+        [np.column_stack([one, np.ones(len(one))]), -np.column_stack([other, np.ones(len(other))])]
+    )
+    separated = linprog(np.zeros(3), A_ub=rows, b_ub=-np.ones(len(rows)), bounds=[(None, None)] * 3).success
+    assert overlaps(one, other[None]) == (not separated)
