@@ -20,6 +20,7 @@ from isoembed.surface.curvature import DIHEDRAL, dihedral_angles
 from isoembed.surface.embedding import Embedding
 from isoembed.surface.flat_faces import flat_faces, outlines
 from isoembed.surface.measures import face_areas
+from isoembed.surface.segments import Segments
 
 
 def metric_on(tables: HalfEdges) -> PolyhedralMetric:
@@ -138,10 +139,32 @@ class ConvexPolyhedron(Embedding):
         return tuple(polygons)
 
     @cached_property
+    def polygon_edges(self) -> Mask:
+        """The edges of the polyhedron among those of the triangles, shape (E,)."""
+        return frozen(np.abs(dihedral_angles(self.triangulation, self._normalized)) > DIHEDRAL.flat)
+
+    @property
     def _creased(self) -> Mask:
         """Half-edges on edges of the polyhedron."""
+        return self.polygon_edges[self.triangulation.face_edges.ravel()]
+
+    @cached_property
+    def _vertex_areas(self) -> Floats:
+        """Each face's area goes in equal parts to the vertices in it, wherever its diagonals are."""
         t = self.triangulation
-        return (np.abs(dihedral_angles(t, self._normalized)) > DIHEDRAL.flat)[t.face_edges.ravel()]
+        areas = np.bincount(self.face_polygons, face_areas(t.faces, self._normalized))
+        polygon = np.repeat(self.face_polygons, 3)
+        polygon, vertex = np.unique(np.column_stack([polygon, t.faces.ravel()]), axis=0).T
+        shares = areas / np.bincount(polygon)
+        return frozen(np.bincount(vertex, shares[polygon]))
+
+    @cached_property
+    def seams(self) -> Segments:
+        """The sides of the paper from which the metric was glued, on the polyhedron; those that were found."""
+        given, paths = self.given, self.edge_paths
+        halfedges = np.flatnonzero(np.arange(given.twins.size) < given.twins)
+        which = np.flatnonzero(given.seams[halfedges])
+        return Segments.along(paths, which[~np.isnan(paths.distances[which])], self.vertices)
 
     @cached_property
     def certificate(self) -> Certificate:

@@ -40,7 +40,7 @@ class Net(GluedMetric):
     places : ndarray, shape (F, 3, 2)
         Where the corners of each face lie in the plane of its polygon.
     seams : ndarray of bool, shape (3F,)
-        Half-edges on an outline.
+        Half-edges on an outline, as of every `GluedMetric`.
     """
 
     polygons: tuple[Floats, ...]
@@ -48,7 +48,6 @@ class Net(GluedMetric):
     corners: tuple[Indices, ...]
     face_polygons: Indices
     places: Floats
-    seams: Mask
 
     def __init__(self, sheets: Sequence[Polygon], runs: Sequence[tuple[Run, Run]]) -> None:
         stops, mates = _cut_outlines(sheets, runs)

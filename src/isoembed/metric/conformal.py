@@ -42,4 +42,4 @@ def equivalent(metric: GluedMetric, u: Floats) -> GluedMetric:
     """
     with np.errstate(over="ignore", invalid="ignore"):  # lengths beyond the floats are refused
         w = np.exp(u / 2)[metric.faces]
-        return GluedMetric(metric.faces, metric.twins, metric.face_lengths * w * np.roll(w, -1, axis=1))
+        return metric.with_lengths(metric.face_lengths * w * np.roll(w, -1, axis=1))

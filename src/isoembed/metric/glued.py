@@ -9,7 +9,7 @@ from typing import cast
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from isoembed.arrays import Floats, Indices
+from isoembed.arrays import Floats, Indices, Mask
 from isoembed.errors import InvalidMetric
 from isoembed.intrinsic.halfedges import HalfEdges
 from isoembed.kernel import kernel
@@ -44,6 +44,9 @@ class GluedMetric:
     twins : ndarray of int64, shape (3F,)
     face_lengths : ndarray, shape (F, 3)
         Equal on glued sides.
+    seams : ndarray of bool, shape (3F,)
+        Half-edges along which sheets of paper were glued: none, unless it is a `isoembed.gluing.Net` or was
+        one.
 
     Raises
     ------
@@ -63,6 +66,7 @@ class GluedMetric:
     faces: Indices
     twins: Indices
     face_lengths: Floats
+    seams: Mask
 
     def __init__(self, faces: ArrayLike, twins: ArrayLike, face_lengths: ArrayLike) -> None:
         corners = index_array(faces, 3, "face", "corners").copy()
@@ -88,16 +92,22 @@ class GluedMetric:
         return cls._made(metric.faces, metric.triangulation.twins, metric.face_lengths)
 
     @classmethod
-    def _made(cls, faces: Indices, twins: Indices, face_lengths: Floats) -> GluedMetric:
+    def _made(
+        cls, faces: Indices, twins: Indices, face_lengths: Floats, seams: Mask | None = None
+    ) -> GluedMetric:
         """Tables that are known to be a metric."""
         metric = cls.__new__(cls)
-        metric._set(faces, twins, face_lengths)
+        metric._set(faces, twins, face_lengths, seams)
         return metric
 
-    def _set(self, faces: Indices, twins: Indices, face_lengths: Floats) -> None:
+    def _set(
+        self, faces: Indices, twins: Indices, face_lengths: Floats, seams: Mask | None = None
+    ) -> None:
+        nowhere = np.zeros(faces.size, dtype=np.bool_)
         object.__setattr__(self, "faces", frozen(faces))
         object.__setattr__(self, "twins", frozen(twins))
         object.__setattr__(self, "face_lengths", frozen(face_lengths))
+        object.__setattr__(self, "seams", frozen(nowhere if seams is None else seams))
 
     def __repr__(self) -> str:
         return (
@@ -133,12 +143,22 @@ class GluedMetric:
 
     def scaled(self, factor: float) -> GluedMetric:
         """Return the metric in another unit: every length times this factor."""
-        return GluedMetric._made(self.faces, self.twins, self.face_lengths * factor)
+        return GluedMetric._made(self.faces, self.twins, self.face_lengths * factor, self.seams)
+
+    def with_lengths(self, face_lengths: ArrayLike) -> GluedMetric:
+        """Return the same triangles with other lengths, shape (F, 3).
+
+        Raises
+        ------
+        InvalidMetric
+        """
+        checked = GluedMetric(self.faces, self.twins, face_lengths)
+        return GluedMetric._made(self.faces, self.twins, checked.face_lengths, self.seams)
 
     @cached_property
     def normalized(self) -> GluedMetric:
         """The metric in its own `unit`, in which its mean edge length is between 1 and 2."""
-        return GluedMetric._made(self.faces, self.twins, self.face_lengths / self.unit)
+        return GluedMetric._made(self.faces, self.twins, self.face_lengths / self.unit, self.seams)
 
     @property
     def tables(self) -> tuple[NDArray, ...]:

@@ -84,38 +84,52 @@ def integrated_mean_curvature(triangulation: Triangulation, vertices: Floats) ->
     return float(edge_mean_curvature(triangulation, vertices).sum())
 
 
-def vertex_mean_curvature(triangulation: Triangulation, vertices: Floats) -> Floats:
+def vertex_mean_curvature(
+    triangulation: Triangulation, vertices: Floats, areas: Floats | None = None
+) -> Floats:
     """Mean curvature H at the vertices.
 
-    Half of each edge's integral goes to each end; a third of each triangle's area to each corner.
+    Half of each edge's integral goes to each end.
+
+    Parameters
+    ----------
+    triangulation : Triangulation
+    vertices : ndarray, shape (V, 3)
+    areas : ndarray, shape (V,), optional
+        The vertices' shares of the area; by default `vertex_areas`.
 
     Returns
     -------
     ndarray, shape (V,)
         In the unit of length to the power -1; NaN where the triangles around have no area.
     """
-    integrals, areas = _at_vertices(triangulation, vertices)
-    return integrals / np.where(areas == 0, np.nan, areas)
+    shares = vertex_areas(triangulation, vertices) if areas is None else areas
+    return _vertex_integrals(triangulation, vertices) / np.where(shares == 0, np.nan, shares)
 
 
-def bending_energy(triangulation: Triangulation, vertices: Floats) -> float:
+def bending_energy(triangulation: Triangulation, vertices: Floats, areas: Floats | None = None) -> float:
     """Willmore's energy, the integral of H^2 over the surface: 4 pi for every sphere, more for all others.
 
-    The sum of `vertex_mean_curvature` squared times a third of the areas around.  It is free of scale, and
+    The sum of `vertex_mean_curvature` squared times the areas that it is for.  It is free of scale, and
     right to second order in the edge length on good triangulations of smooth surfaces; where vertices are
     strewn at random, some percent too large.  Near an edge of a polyhedron it grows as the triangles shrink.
     """
-    integrals, areas = _at_vertices(triangulation, vertices)
-    flat = areas == 0  # and all dihedral angles beside faces without area are 0
-    return float(np.sum(integrals**2 / np.where(flat, 1.0, areas)))
+    integrals = _vertex_integrals(triangulation, vertices)
+    shares = vertex_areas(triangulation, vertices) if areas is None else areas
+    flat = shares == 0  # and all dihedral angles beside faces without area are 0
+    return float(np.sum(integrals**2 / np.where(flat, 1.0, shares)))
 
 
-def _at_vertices(triangulation: Triangulation, vertices: Floats) -> tuple[Floats, Floats]:
-    """The vertices' shares of the integral of H, and of the area, each (V,)."""
-    half = np.repeat(edge_mean_curvature(triangulation, vertices) / 2, 2)
+def vertex_areas(triangulation: Triangulation, vertices: Floats) -> Floats:
+    """The vertices' shares of the area, shape (V,): a third of each triangle's goes to each corner."""
     third = np.repeat(face_areas(triangulation.faces, vertices) / 3, 3)
-    integrals = np.bincount(triangulation.edges.ravel(), half)
-    return cast(Floats, integrals), cast(Floats, np.bincount(triangulation.faces.ravel(), third))
+    return cast(Floats, np.bincount(triangulation.faces.ravel(), third))
+
+
+def _vertex_integrals(triangulation: Triangulation, vertices: Floats) -> Floats:
+    """The vertices' shares of the integral of H, shape (V,)."""
+    half = np.repeat(edge_mean_curvature(triangulation, vertices) / 2, 2)
+    return cast(Floats, np.bincount(triangulation.edges.ravel(), half))
 
 
 def face_mean_curvature(triangulation: Triangulation, vertices: Floats) -> Floats:

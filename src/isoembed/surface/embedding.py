@@ -20,6 +20,7 @@ from isoembed.surface import alignment, convexity, curvature, measures, smoothne
 from isoembed.surface.intersection import self_intersections
 from isoembed.surface.rigidity import LengthSystem
 from isoembed.surface.rigidity_matrix import RIGIDITY
+from isoembed.surface.segments import Segments
 from isoembed.version import __version__
 
 
@@ -164,6 +165,34 @@ class Embedding:
         """(F, 3): the triangles."""
         return self.metric.faces
 
+    @property
+    def polygons(self) -> Sequence[Indices]:
+        """The faces: the vertices around each, counterclockwise seen from outside.
+
+        They are the triangles, unless the surface is a `ConvexPolyhedron`.
+        """
+        return self.faces
+
+    @property
+    def face_polygons(self) -> Indices:
+        """The face that each triangle is part of, shape (F,)."""
+        return np.arange(len(self.faces))
+
+    @property
+    def polygon_edges(self) -> Mask:
+        """Edges between two faces, shape (E,): the others are diagonals, which might lie elsewhere."""
+        return np.ones(len(self.metric.edges), dtype=np.bool_)
+
+    @property
+    def seams(self) -> Segments:
+        """Where sides of paper were glued: nowhere, unless the surface is the `ConvexPolyhedron` of a net."""
+        return Segments.none()
+
+    @cached_property
+    def _vertex_areas(self) -> Floats:
+        """The vertices' shares of the area, (V,), in the normalized unit."""
+        return frozen(curvature.vertex_areas(self.triangulation, self._normalized))
+
     @cached_property
     def _normalized(self) -> Floats:
         """The vertices in the unit of the normalized metric, in which nothing under- or overflows."""
@@ -214,9 +243,10 @@ class Embedding:
     @cached_property
     def mean_curvature(self) -> Floats:
         """Mean curvature H = (k1 + k2) / 2 at the vertices, shape (V,)."""
-        return frozen(
-            curvature.vertex_mean_curvature(self.triangulation, self._normalized) / self.metric.unit
+        normalized = curvature.vertex_mean_curvature(
+            self.triangulation, self._normalized, self._vertex_areas
         )
+        return frozen(normalized / self.metric.unit)
 
     @cached_property
     def _offsets(self) -> Floats:
@@ -247,7 +277,7 @@ class Embedding:
     @cached_property
     def bending_energy(self) -> float:
         """Integral of H^2 dA: 4 pi for a sphere, more for any other surface."""
-        return curvature.bending_energy(self.triangulation, self._normalized)
+        return curvature.bending_energy(self.triangulation, self._normalized, self._vertex_areas)
 
     @cached_property
     def smallest_singular_value(self) -> float:

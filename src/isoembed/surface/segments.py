@@ -1,0 +1,61 @@
+"""Lines on a surface that are not edges of its triangles."""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+
+from isoembed.arrays import Floats, Indices
+from isoembed.intrinsic.edge_paths import EdgePaths
+
+
+class Segments(NamedTuple):
+    """Straight pieces of lines on a surface.
+
+    Attributes
+    ----------
+    ends : ndarray, shape (n, 2, 3)
+    faces : ndarray of int, shape (n, 2)
+        The triangles on both sides of each: the same twice, unless it lies along an edge.
+    """
+
+    ends: Floats
+    faces: Indices
+
+    @classmethod
+    def none(cls) -> Segments:
+        """No pieces."""
+        return cls(np.empty((0, 2, 3)), np.empty((0, 2), dtype=np.int64))
+
+    @classmethod
+    def along(cls, paths: EdgePaths, which: Indices, vertices: Floats) -> Segments:
+        """The pieces of paths, from one edge of the triangles that they cross to the next.
+
+        Parameters
+        ----------
+        paths : EdgePaths
+            On triangles of which no two have the same ends of an edge.
+        which : ndarray of int
+            Of the paths, those that are wanted and were found.
+        vertices : ndarray, shape (V, 3)
+        """
+        tables, points = paths.tables, paths.points(vertices)
+        start, end = (some.astype(np.int64) for some in tables.ends)
+        key = start * len(vertices) + end
+        order = np.argsort(key)
+        pieces, faces = [cls.none().ends], [cls.none().faces]
+        for e in which.tolist():
+            begin, stop = paths.point_offsets[e : e + 2]
+            line = points[begin:stop]
+            crossed = paths.halfedges[paths.offsets[e] : paths.offsets[e + 1]]
+            if crossed.size:
+                inside = np.append(crossed, tables.twins[crossed[-1]]) // 3
+                beside = np.column_stack([inside, inside])
+            else:
+                a, b = paths.ends[e]
+                h = order[np.searchsorted(key, a * len(vertices) + b, sorter=order)]
+                beside = np.array([[h // 3, tables.twins[h] // 3]])
+            pieces.append(np.stack([line[:-1], line[1:]], axis=1))
+            faces.append(beside)
+        return cls(np.concatenate(pieces), np.concatenate(faces))
