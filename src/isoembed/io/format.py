@@ -1,15 +1,22 @@
 """File format: an ending, a reader and a writer."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 from importlib.metadata import EntryPoint
+from itertools import groupby
 from pathlib import Path
 from typing import TypeVar
 
+import numpy as np
+
+from isoembed.arrays import Indices
 from isoembed.io.files import FileError, Tables
 from isoembed.io.input_file import InputFile
 
 Kind = TypeVar("Kind")
+
+Polygons = Indices | Sequence[Indices]
+"""The vertices around each face: a table (F, 3) of triangles, or arrays of any lengths."""
 
 
 @dataclass(frozen=True)
@@ -29,6 +36,9 @@ class Format:
         It has a place for arrays of any name, so for metrics without vertices.
     repeats_vertices : bool
         The vertices of a face are its own; equal ones are merged when a file is read.
+    holds_polygons : bool
+        It has a place for faces that are no triangles: those of a polyhedron are written as a sequence of
+        arrays, the vertices around each.
     """
 
     ending: str
@@ -36,6 +46,7 @@ class Format:
     write: Callable[[Path, Tables], None]
     holds_metrics: bool = False
     repeats_vertices: bool = False
+    holds_polygons: bool = False
 
 
 def loaded(point: EntryPoint, kind: type[Kind]) -> Kind:
@@ -54,3 +65,19 @@ def loaded(point: EntryPoint, kind: type[Kind]) -> Kind:
     if not isinstance(found, kind):
         raise FileError(f"the format {point.name!r} is {point.value}, which is no {kind.__name__}")
     return found
+
+
+def flattened(faces: Polygons) -> tuple[Indices, Indices]:
+    """The corners of all faces one after the other, and how many each has."""
+    if isinstance(faces, np.ndarray):
+        return faces.ravel(), np.full(len(faces), faces.shape[1])
+    return np.concatenate(faces), np.array([len(face) for face in faces])
+
+
+def by_size(faces: Polygons) -> Iterator[Indices]:
+    """Tables of consecutive faces with as many corners each."""
+    if isinstance(faces, np.ndarray):
+        yield faces
+        return
+    for _, some in groupby(faces, len):
+        yield np.array(list(some))

@@ -6,7 +6,7 @@ import numpy as np
 
 from isoembed.arrays import Indices
 from isoembed.io.files import FileError, Tables
-from isoembed.io.format import Format
+from isoembed.io.format import Format, by_size
 from isoembed.io.input_file import InputFile
 from isoembed.io.text_scan import (
     Bytes,
@@ -99,7 +99,8 @@ def write(path: Path, tables: Tables) -> None:
     """Write vertices and faces; OBJ has no place for data at the vertices."""
     with path.open("w", encoding="utf-8") as file:
         file.writelines(lines("v %r %r %r\n", np.asarray(tables["vertices"])))
-        file.writelines(lines("f %d %d %d\n", np.asarray(tables["faces"]) + 1))
+        for some in by_size(tables["faces"]):
+            file.writelines(lines("f" + " %d" * some.shape[1] + "\n", some + 1))
 
 
-FORMAT = Format(".obj", read, write)
+FORMAT = Format(".obj", read, write, holds_polygons=True)

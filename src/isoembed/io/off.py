@@ -8,7 +8,7 @@ import numpy as np
 
 from isoembed.arrays import Indices
 from isoembed.io.files import FileError, Tables
-from isoembed.io.format import Format
+from isoembed.io.format import Format, by_size
 from isoembed.io.input_file import InputFile
 from isoembed.io.text_scan import (
     Bytes,
@@ -110,11 +110,12 @@ def _read_any(file: InputFile, content: str) -> Tables:
 
 def write(path: Path, tables: Tables) -> None:
     """Write vertices and faces; OFF has no place for data at the vertices."""
-    vertices, faces = np.asarray(tables["vertices"]), np.asarray(tables["faces"])
+    vertices, faces = np.asarray(tables["vertices"]), tables["faces"]
     with path.open("w", encoding="utf-8") as file:
         file.write(f"OFF\n{len(vertices)} {len(faces)} 0\n")
         file.writelines(lines("%r %r %r\n", vertices))
-        file.writelines(lines("3 %d %d %d\n", faces))
+        for some in by_size(faces):
+            file.writelines(lines(f"{some.shape[1]}" + " %d" * some.shape[1] + "\n", some))
 
 
-FORMAT = Format(".off", read, write)
+FORMAT = Format(".off", read, write, holds_polygons=True)

@@ -15,7 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from isoembed.io.files import FileError, Tables
-from isoembed.io.format import Format
+from isoembed.io.format import Format, by_size
 from isoembed.io.input_file import InputFile
 from isoembed.io.text_scan import LONGEST
 
@@ -134,16 +134,19 @@ def write(path: Path, tables: Tables) -> None:
     data = {key: value for key, value in tables.items() if key not in ("vertices", "faces")}
     columns = [*np.asarray(tables["vertices"]).T, *data.values()]
     names = ["x", "y", "z", *data]
-    faces = np.asarray(tables["faces"])
+    faces = tables["faces"]
+    count = "uchar" if max(map(len, faces)) < 256 else "int"
     head = ["ply", "format binary_little_endian 1.0", f"element vertex {len(columns[0])}"]
     head += [f"property double {name}" for name in names]
-    head += [f"element face {len(faces)}", "property list uchar int vertex_indices", "end_header"]
-    rows = np.empty(len(faces), dtype=[("count", "u1"), ("corners", "<i4", (3,))])
-    rows["count"], rows["corners"] = 3, faces
+    head += [f"element face {len(faces)}", f"property list {count} int vertex_indices", "end_header"]
     with path.open("wb") as file:
         file.write(("\n".join(head) + "\n").encode("ascii"))
         file.write(np.column_stack(columns).astype("<f8").tobytes())
-        file.write(rows.tobytes())
+        for some in by_size(faces):
+            corners = some.shape[1]
+            rows = np.empty(len(some), [("count", "<" + CODES[count]), ("corners", "<i4", (corners,))])
+            rows["count"], rows["corners"] = corners, some
+            file.write(rows.tobytes())
 
 
 def _rows_together(element: Element, body: Body) -> Columns | None:
@@ -206,4 +209,4 @@ def _append(elements: list[Element], column: Property) -> None:
     elements[-1] = Element(last.name, last.size, (*last.properties, column))
 
 
-FORMAT = Format(".ply", read, write)
+FORMAT = Format(".ply", read, write, holds_polygons=True)

@@ -7,9 +7,10 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from isoembed.arrays import Floats
-from isoembed.io.files import FileError, Writer, write_atomically
+from isoembed.io.files import FileError, Writer, ending, write_atomically
+from isoembed.io.format import Polygons
 from isoembed.io.metric import metric_of, read_tables
-from isoembed.io.registry import SURFACE_ENDINGS, check_output, tables_writer
+from isoembed.io.registry import FORMATS, SURFACE_ENDINGS, check_output, tables_writer
 from isoembed.metric.polyhedral import PolyhedralMetric
 from isoembed.surface.embedding import Embedding
 from isoembed.surface.measures import volume
@@ -68,11 +69,12 @@ def mesh_writer(
 
 def surface_writer(path: str | os.PathLike[str], embedding: Embedding) -> Writer:
     """Writer of a surface in the format of this ending; see `write_atomically`."""
+    has_polygons = FORMATS[ending(path)].holds_polygons
     return tables_writer(
         path,
         {
             "vertices": embedding.vertices,
-            "faces": embedding.faces,
+            "faces": polygon_faces(embedding) if has_polygons else embedding.faces,
             "mean_curvature": embedding.mean_curvature,
             "residual": vertex_residuals(embedding),
         },
@@ -84,7 +86,9 @@ def write_surface(path: str | os.PathLike[str], embedding: Embedding) -> None:
 
     With the vertices (V, 3) and faces (F, 3) go ``mean_curvature`` (V,), H = (k1 + k2) / 2, and
     ``residual`` (V,), the largest residual of the edges at each vertex, where the format has a place for
-    them (not in OBJ, OFF and STL).
+    them (not in OBJ, OFF and STL).  The faces of a `ConvexPolyhedron` are polygons where the format can hold
+    some (not in NPZ, JSON and STL), but for those with flat vertices inside, which stay triangles: every
+    given vertex is in a face.
 
     Raises
     ------
@@ -93,6 +97,19 @@ def write_surface(path: str | os.PathLike[str], embedding: Embedding) -> None:
     """
     check_output(path, SURFACE_ENDINGS)
     write_atomically({Path(path): surface_writer(path, embedding)})
+
+
+def polygon_faces(embedding: Embedding) -> Polygons:
+    """The faces as polygons, or as triangles where those hold vertices that the polygon does not."""
+    polygons, owners, faces = embedding.polygons, embedding.face_polygons, embedding.faces
+    if polygons is faces:
+        return faces
+    triangles = np.split(faces[np.argsort(owners, kind="stable")], np.cumsum(np.bincount(owners))[:-1])
+    return [
+        face
+        for polygon, parts in zip(polygons, triangles, strict=True)
+        for face in ([polygon] if len(parts) == len(polygon) - 2 else parts)
+    ]
 
 
 def vertex_residuals(embedding: Embedding) -> Floats:

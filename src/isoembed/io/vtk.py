@@ -14,15 +14,15 @@ from numpy.typing import NDArray
 from isoembed.arrays import Floats, Indices
 from isoembed.errors import InvalidMetric
 from isoembed.io.files import FileError, Tables
-from isoembed.io.format import Format
+from isoembed.io.format import Format, flattened
 from isoembed.io.input_file import InputFile
 from isoembed.io.strips import strip_triangles
 from isoembed.io.text_scan import LONGEST, numbers, words_end
 from isoembed.version import __version__
 
 HEADER = "# vtk DataFile Version"
-TRIANGLE = 5
-POLYGONS = (TRIANGLE, 7, 9)
+TRIANGLE, POLYGON = 5, 7
+POLYGONS = (TRIANGLE, POLYGON, 9)
 """Types of cells that are triangles, polygons and quadrilaterals."""
 OTHERS = {1: "vertex", 3: "line", 6: "triangle strip", 10: "tetra", 12: "hexahedron"}
 NUMBERS = {
@@ -298,13 +298,13 @@ class _Source:
 
 def write(path: Path, tables: Tables) -> None:
     """Write a binary grid with the data at the vertices, in the version that all readers know."""
-    points, faces = np.asarray(tables["vertices"]), np.asarray(tables["faces"])
+    points, (corners, sizes) = np.asarray(tables["vertices"]), flattened(tables["faces"])
     data = {key: np.asarray(value) for key, value in tables.items() if key not in ("vertices", "faces")}
-    n = len(faces)
+    n, size = len(sizes), len(corners)
     parts: list[tuple[str, NDArray[Any]]] = [
         (f"POINTS {len(points)} double", points.astype(">f8")),
-        (f"CELLS {n} {4 * n}", np.insert(faces, 0, 3, axis=1).astype(">i4")),
-        (f"CELL_TYPES {n}", np.full(n, TRIANGLE, dtype=">i4")),
+        (f"CELLS {n} {n + size}", np.insert(corners, np.cumsum(sizes) - sizes, sizes).astype(">i4")),
+        (f"CELL_TYPES {n}", np.where(sizes == 3, TRIANGLE, POLYGON).astype(">i4")),
     ]
     heading = f"POINT_DATA {len(points)}\nFIELD FieldData {len(data)}\n"
     for name, values in data.items():
@@ -317,4 +317,4 @@ def write(path: Path, tables: Tables) -> None:
             file.write(f"{line}\n".encode() + array.tobytes() + b"\n")
 
 
-FORMAT = Format(".vtk", read, write)
+FORMAT = Format(".vtk", read, write, holds_polygons=True)

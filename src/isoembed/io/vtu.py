@@ -19,10 +19,10 @@ from numpy.typing import NDArray
 from isoembed.errors import InvalidMetric
 from isoembed.io.expansion import check_expansion
 from isoembed.io.files import FileError, Tables
-from isoembed.io.format import Format
+from isoembed.io.format import Format, flattened
 from isoembed.io.input_file import InputFile
 from isoembed.io.text_scan import numbers
-from isoembed.io.vtk import TRIANGLE, polygons
+from isoembed.io.vtk import POLYGON, TRIANGLE, polygons
 
 CODES = {
     **{"Int8": "i1", "Int16": "i2", "Int32": "i4", "Int64": "i8", "Float32": "f4", "Float64": "f8"},
@@ -149,14 +149,14 @@ class _Source:
 
 def write(path: Path, tables: Tables) -> None:
     """Write a binary grid with the data at the vertices."""
-    points, faces = np.asarray(tables["vertices"]), np.asarray(tables["faces"])
+    points, (corners, sizes) = np.asarray(tables["vertices"]), flattened(tables["faces"])
     data = {key: np.asarray(value) for key, value in tables.items() if key not in ("vertices", "faces")}
-    cells = (faces, 3 * np.arange(1, len(faces) + 1), np.full(len(faces), TRIANGLE, dtype="u1"))
+    cells = (corners, np.cumsum(sizes), np.where(sizes == 3, TRIANGLE, POLYGON).astype("u1"))
     with path.open("w", encoding="ascii") as file:
         file.write(
             '<?xml version="1.0"?>\n<VTKFile type="UnstructuredGrid" version="0.1" byte_order="LittleEndian" '
             'header_type="UInt32" compressor="vtkZLibDataCompressor">\n<UnstructuredGrid>\n'
-            f'<Piece NumberOfPoints="{len(points)}" NumberOfCells="{len(faces)}">\n<Points>\n'
+            f'<Piece NumberOfPoints="{len(points)}" NumberOfCells="{len(sizes)}">\n<Points>\n'
         )
         file.writelines(_element("Points", points, ' NumberOfComponents="3"'))
         file.write("</Points>\n<Cells>\n")
@@ -180,4 +180,4 @@ def _element(name: str, array: NDArray[Any], shape: str = "") -> Iterator[str]:
     yield "\n</DataArray>\n"
 
 
-FORMAT = Format(".vtu", read, write)
+FORMAT = Format(".vtu", read, write, holds_polygons=True)

@@ -100,9 +100,7 @@ class GluedMetric:
         metric._set(faces, twins, face_lengths, seams)
         return metric
 
-    def _set(
-        self, faces: Indices, twins: Indices, face_lengths: Floats, seams: Mask | None = None
-    ) -> None:
+    def _set(self, faces: Indices, twins: Indices, face_lengths: Floats, seams: Mask | None = None) -> None:
         nowhere = np.zeros(faces.size, dtype=np.bool_)
         object.__setattr__(self, "faces", frozen(faces))
         object.__setattr__(self, "twins", frozen(twins))

@@ -243,9 +243,7 @@ class Embedding:
     @cached_property
     def mean_curvature(self) -> Floats:
         """Mean curvature H = (k1 + k2) / 2 at the vertices, shape (V,)."""
-        normalized = curvature.vertex_mean_curvature(
-            self.triangulation, self._normalized, self._vertex_areas
-        )
+        normalized = curvature.vertex_mean_curvature(self.triangulation, self._normalized, self._vertex_areas)
         return frozen(normalized / self.metric.unit)
 
     @cached_property
