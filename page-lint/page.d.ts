@@ -15,6 +15,7 @@ interface PackedNumbers extends Packed {
 
 interface Shades extends PackedNumbers {
   bounds: [number, number];
+  faces?: PackedNumbers; // where faces have colors of their own
 }
 
 interface Frame {
@@ -31,11 +32,15 @@ interface Quantity {
   label: string;
   unit: string;
   scale: "linear" | "log";
+  at: "vertices" | "faces";
 }
 
 interface PageData {
   faces: Packed;
   edges: Packed;
+  polygons: Packed | null;
+  outlines: Packed | null;
+  seams: PackedNumbers | null;
   pose: { center: number[]; axes: number[][]; size: number };
   alone: string;
   camera: number[];
@@ -62,4 +67,5 @@ interface Parts {
   mantle: { made: WebGLVertexArrayObject; positions: WebGLBuffer; normals: WebGLBuffer; shades: WebGLBuffer };
   mesh: Lines;
   creases: Lines;
+  seams: Lines;
 }

@@ -73,7 +73,7 @@ class ConvexPolyhedron(Embedding):
     repair: Repair | None
     method: str = field(default="alexandrov", init=False)
 
-    _DIMENSIONAL: ClassVar[tuple[str, ...]] = (*Embedding._DIMENSIONAL, "certificate")
+    _DIMENSIONAL: ClassVar[tuple[str, ...]] = (*Embedding._DIMENSIONAL, "certificate", "seams")
 
     def __post_init__(self) -> None:
         frozen(self.flat_vertices)
@@ -139,6 +139,13 @@ class ConvexPolyhedron(Embedding):
         return tuple(polygons)
 
     @cached_property
+    def face_sides(self) -> Indices:
+        """How many sides each of the `polygons` has, flat vertices on its outline left aside."""
+        flat = np.isin(np.concatenate(self.polygons), self.flat_vertices)
+        ends = np.cumsum([len(polygon) for polygon in self.polygons])
+        return frozen(np.diff(np.cumsum(~flat)[ends - 1], prepend=0).astype(np.int64))
+
+    @cached_property
     def polygon_edges(self) -> Mask:
         """The edges of the polyhedron among those of the triangles, shape (E,)."""
         return frozen(np.abs(dihedral_angles(self.triangulation, self._normalized)) > DIHEDRAL.flat)
@@ -156,11 +163,11 @@ class ConvexPolyhedron(Embedding):
         polygon = np.repeat(self.face_polygons, 3)
         polygon, vertex = np.unique(np.column_stack([polygon, t.faces.ravel()]), axis=0).T
         shares = areas / np.bincount(polygon)
-        return frozen(np.bincount(vertex, shares[polygon]))
+        return frozen(np.bincount(vertex, shares[polygon]).astype(np.float64))
 
     @cached_property
     def seams(self) -> Segments:
-        """The sides of the paper from which the metric was glued, on the polyhedron; those that were found."""
+        """The sides of the paper that the metric was glued from, on the polyhedron; those that were found."""
         given, paths = self.given, self.edge_paths
         halfedges = np.flatnonzero(np.arange(given.twins.size) < given.twins)
         which = np.flatnonzero(given.seams[halfedges])

@@ -13,8 +13,8 @@ from isoembed.arrays import Floats
 from isoembed.io.files import FileError, Writer, ending, write_atomically
 from isoembed.io.registry import check_output
 from isoembed.plot.film import ANSWER, FILM, Frame, shape
-from isoembed.plot.picture import INK, PAPER, check_drawable, color_scale, draw
-from isoembed.plot.quantity import mean_curvature
+from isoembed.plot.picture import INK, PAPER, Panel, check_drawable, color_scale, draw
+from isoembed.plot.quantity import face_means, mean_curvature
 from isoembed.plot.view import Pose, View, camera
 from isoembed.surface.embedding import Embedding
 
@@ -131,8 +131,9 @@ def _drawn(embedding: Embedding, images: Sequence[_Image]) -> Iterator[Pixels]:
         picture = Figure(figsize=(WIDTH, tall), facecolor=PAPER, dpi=DPI)
         canvas = FigureCanvasAgg(picture)
         axes = picture.add_axes((0.0, FOOT / tall, 1.0, 1 - (FOOT + HEAD) / tall))
-        view = View.of(image.vertices, embedding.faces, pose, image.turn)
-        draw(axes, view, image.values[embedding.faces], scale)
+        panel = Panel.of(embedding, image.values)
+        view = View.of(image.vertices, panel.faces, pose, image.turn)
+        draw(axes, view, face_means(image.values, panel.faces), scale, panel.seams)
         axes.set_xlim(-1.02 * size, 1.02 * size)
         axes.set_ylim(bottom - 0.02 * height, top + 0.02 * height)
         picture.text(

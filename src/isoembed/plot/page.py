@@ -11,11 +11,13 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from isoembed._embed import configuration
-from isoembed.arrays import Floats
+from isoembed.arrays import Floats, Mask
 from isoembed.errors import InvalidMetric, InvalidParameter
 from isoembed.io.files import Writer, write_atomically
+from isoembed.io.format import Polygons
 from isoembed.io.registry import check_output
 from isoembed.metric.polyhedral import PolyhedralMetric
 from isoembed.plot.browser.packing import Packed
@@ -27,6 +29,8 @@ from isoembed.plot.quantity import (
     QUANTITY,
     Quantity,
     concavity,
+    face_means,
+    faces_counted,
     intrinsic_curvature,
     mean_curvature,
     quantities,
@@ -125,7 +129,7 @@ def _hash(text: str) -> str:
 
 def _caption(embedding: Embedding) -> str:
     t, total = embedding.triangulation, embedding.integrated_mean_curvature
-    words = [f"{t.n_vertices:,} vertices, {t.n_faces:,} triangles", f"∫ H dA = {number(total)}"]
+    words = [f"{t.n_vertices:,} vertices, {faces_counted(embedding)}", f"∫ H dA = {number(total)}"]
     if not _is_its_own(embedding):
         words.append(f"largest length error {number(plain(embedding.residual))} of the mean edge")
     return " · ".join(words)
@@ -146,17 +150,18 @@ def _data(embedding: Embedding, frames: Sequence[Frame]) -> tuple[dict[str, Any]
     limit = int(min(FILM.frames, 1 + FILM.size // size))
     chosen = thinned([frame.stage for frame in earlier] + [ANSWER], limit)
     pose = Pose.of(embedding.vertices)
+    faceted, seams = embedding.polygons is not embedding.faces, embedding.seams.ends
 
     def entry(
         surface: Embedding, add: Callable[[Floats], dict[str, Any]], of: Sequence[Quantity]
     ) -> dict[str, Any]:
         return {
-            "concave": packed.add(np.packbits(surface.concave_edges, bitorder="little")),
+            "concave": packed.add(_bits(surface.concave_edges)),
             "positions": add(pose.put(surface.vertices).ravel()),
-            "values": {q.name: _shades(q, add) for q in of},
+            "values": {q.name: _shades(q, add, surface.polygons) for q in of},
         }
 
-    entries = []
+    entries: list[dict[str, Any]] = []
     for frame in (earlier[k] for k in chosen[:-1]):
         surface = frame.surface(embedding)
         told = {"stage": frame.stage, "t": frame.t, "residual": frame.residual}
@@ -166,12 +171,21 @@ def _data(embedding: Embedding, frames: Sequence[Frame]) -> tuple[dict[str, Any]
     return {
         "faces": packed.add(t.faces.ravel()),
         "edges": packed.add(t.edges.ravel()),
+        "polygons": packed.add(embedding.face_polygons) if faceted else None,
+        "outlines": packed.add(_bits(embedding.polygon_edges)) if faceted else None,
+        "seams": packed.add_floats(pose.put(seams).ravel()) if len(seams) else None,
         "pose": {"center": pose.center.tolist(), "axes": pose.axes.tolist(), "size": pose.size},
         "alone": _why_alone(embedding.method) if len(frames) == 1 else "",
         "camera": camera().ravel().tolist(),
         "ramp": ramp(COLORS),
         "quantities": [
-            {"name": q.name, "label": _plain(q.label), "unit": UNITS.get(q.name, ""), "scale": q.scale}
+            {
+                "name": q.name,
+                "label": _plain(q.label),
+                "unit": UNITS.get(q.name, ""),
+                "scale": q.scale,
+                "at": q.at,
+            }
             for q in shown
         ],
         "frames": entries,
@@ -200,13 +214,24 @@ def _on_the_way(surface: Embedding) -> list[Quantity]:
         return [*found, intrinsic_curvature(shape(own, surface.vertices, surface.message))]
 
 
-def _shades(quantity: Quantity, add: Callable[[Floats], dict[str, Any]]) -> dict[str, Any]:
+def _shades(
+    quantity: Quantity, add: Callable[[Floats], dict[str, Any]], polygons: Polygons
+) -> dict[str, Any]:
     """Values, of a logarithmic scale their logarithms, and where the colors begin and end."""
     values, bounds = quantity.values, np.array(quantity.bounds)
     if quantity.scale == "log":
         values, bounds = np.log10(values), np.log10(bounds)
     low, high = bounds.tolist()
-    return {**add(values), "bounds": [low, high if low < high else low + 1.0]}
+    shades = {**add(values), "bounds": [low, high if low < high else low + 1.0]}
+    if quantity.at == "faces":
+        shades["faces"] = add(values)
+    elif not isinstance(polygons, np.ndarray):
+        shades["faces"] = add(face_means(values, polygons))
+    return shades
+
+
+def _bits(mask: Mask) -> NDArray[np.uint8]:
+    return np.packbits(mask, bitorder="little")
 
 
 def _plain(label: str) -> str:

@@ -4,18 +4,20 @@ from __future__ import annotations
 
 import os
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from isoembed.arrays import Floats, Indices
+from isoembed.arrays import Floats
 from isoembed.io.files import FileError, Writer, ending, write_atomically
+from isoembed.io.format import Polygons
 from isoembed.io.registry import check_output
-from isoembed.plot.quantity import MEAN_CURVATURE, QUANTITY, Quantity, quantity
+from isoembed.plot.quantity import MEAN_CURVATURE, QUANTITY, Quantity, face_means, faces_counted, quantity
 from isoembed.plot.view import View
 from isoembed.surface.embedding import Embedding
+from isoembed.surface.segments import Segments
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -31,7 +33,7 @@ MARGINS = 0.9  # inches, below with the caption and above
 SHARE = 0.82  # of the width; the rest is for the color bar
 TITLE = 0.35  # inches, above panels
 GAP = 0.04  # of a panel's width, on both sides
-INK, PAPER = "#1c2430", "white"
+INK, PAPER, SEAM = "#1c2430", "white", "#e8502a"
 
 
 @dataclass(frozen=True, eq=False)
@@ -41,17 +43,27 @@ class Panel:
     Attributes
     ----------
     vertices : ndarray, shape (V, 3)
-    faces : ndarray of int, shape (F, 3)
-        Counterclockwise, seen from outside.
+    faces : ndarray of int, shape (F, 3), or sequence of such arrays of any lengths
+        The vertices around each, counterclockwise, seen from outside.
     values : ndarray, shape (V,)
-        What the colors show.
+        What the colors show; of the faces, shape (F,), if the quantity is one of faces.
     title : str
+    seams : Segments
+        Lines that are drawn on the surface, beside these faces.
     """
 
     vertices: Floats
-    faces: Indices
+    faces: Polygons
     values: Floats
     title: str = ""
+    seams: Segments = field(default_factory=Segments.none)
+
+    @classmethod
+    def of(cls, embedding: Embedding, values: Floats) -> Panel:
+        """The faces of a surface, and the seams of a net on it."""
+        ends, triangles = embedding.seams
+        seams = Segments(ends, embedding.face_polygons[triangles])
+        return cls(embedding.vertices, embedding.polygons, values, seams=seams)
 
 
 def figure(embedding: Embedding, *, color: str | Quantity = MEAN_CURVATURE, caption: str = "") -> Figure:
@@ -78,8 +90,7 @@ def figure(embedding: Embedding, *, color: str | Quantity = MEAN_CURVATURE, capt
         There is no such quantity.
     """
     shown = quantity(embedding, color) if isinstance(color, str) else color
-    panel = Panel(embedding.vertices, embedding.faces, shown.values)
-    return _row([panel], shown, caption or _caption(embedding))
+    return _row([Panel.of(embedding, shown.values)], shown, caption or _caption(embedding))
 
 
 def panels(
@@ -162,6 +173,7 @@ def _row(
     check_drawable()
     from matplotlib.backends.backend_agg import FigureCanvasAgg
     from matplotlib.figure import Figure
+    from matplotlib.ticker import MaxNLocator
 
     low, high = shown.bounds if bounds is None else bounds
     scale = color_scale(low, high, shown.scale)
@@ -179,7 +191,8 @@ def _row(
     foot, share = 0.72 * MARGINS / total, height / total
     for k, (panel, view) in enumerate(zip(surfaces, views, strict=True)):
         axes = picture.add_axes((0.02 + k * across / WIDTH, foot, across / WIDTH, share))
-        draw(axes, view, panel.values[panel.faces], scale)
+        values = panel.values if shown.at == "faces" else face_means(panel.values, panel.faces)
+        draw(axes, view, values, scale, panel.seams)
         axes.set_xlim(left, right)
         axes.set_ylim(bottom, top)
         if panel.title:
@@ -193,6 +206,8 @@ def _row(
     bar_axes.yaxis.set_minor_formatter("")  # between powers of ten
     bar.set_label(shown.label, color=INK, labelpad=8, fontsize=10 if height > 2.5 else 8)
     bar.outline.set_visible(False)
+    if shown.at == "faces":
+        bar_axes.yaxis.set_major_locator(MaxNLocator(integer=True))
     bar_axes.tick_params(which="both", colors=INK, length=3, width=0.6, labelsize=9)
     picture.text(0.43, 0.25 * MARGINS / total, caption, ha="center", va="center", fontsize=9, color=INK)
     return picture
@@ -208,40 +223,50 @@ def color_scale(low: float, high: float, scale: str = "linear") -> ScalarMappabl
     return ScalarMappable((LogNorm if scale == "log" else Normalize)(low, high), shades)
 
 
-def draw(axes: Axes, view: View, values: Floats, scale: ScalarMappable) -> None:
-    """Draw the triangles that are seen.
+def draw(
+    axes: Axes, view: View, values: Floats, scale: ScalarMappable, seams: Segments | None = None
+) -> None:
+    """Draw the faces that are seen.
 
     Parameters
     ----------
     axes : matplotlib.axes.Axes
         Made equal, and without a frame.
     view : View
-    values : ndarray, shape (F, 3)
-        At the corners of all triangles; a triangle has the color of their mean, or gray where it has none.
+    values : ndarray, shape (F,)
+        Of all faces; a face that has none is gray.
     scale : matplotlib.cm.ScalarMappable
         From `color_scale`.
+    seams : Segments, optional
+        Lines on the faces.
     """
-    from matplotlib.collections import PolyCollection
+    from matplotlib.collections import LineCollection, PolyCollection
 
-    means = values[view.faces].mean(axis=1)
-    known = np.isfinite(means)[:, None]
-    shaded = view.shade(np.where(known, scale.to_rgba(np.nan_to_num(means))[:, :3], UNKNOWN))
+    shown = values[view.faces]
+    known = np.isfinite(shown)[:, None]
+    shaded = view.shade(np.where(known, scale.to_rgba(np.nan_to_num(shown))[:, :3], UNKNOWN))
     width = float(np.clip(14.0 / np.sqrt(len(values)), 0.1, 0.7))
     dark = shaded.mean(axis=1, keepdims=True) < 0.4
     lines = np.where(dark, 0.88 * shaded + 0.12, 0.8 * shaded)
-    triangles = PolyCollection(
+    faces = PolyCollection(
         list(view.polygons), facecolors=shaded, edgecolors=lines, linewidths=width, joinstyle="round"
     )
-    triangles.set_rasterized(len(view.faces) > QUANTITY.rasterized)
-    axes.add_collection(triangles)
+    faces.set_rasterized(len(view.faces) > QUANTITY.rasterized)
+    axes.add_collection(faces)
+    if seams is not None and len(seams.ends):
+        in_sight = seams.ends[np.isin(seams.faces, view.faces).any(axis=1)]
+        axes.add_collection(LineCollection(list(view.put(in_sight)), colors=SEAM, linewidths=1.2))
     axes.set_aspect("equal")
     axes.axis("off")
 
 
 def _caption(embedding: Embedding) -> str:
     t = embedding.triangulation
+    counted = f"{t.n_vertices:,} vertices, {faces_counted(embedding)}     "
+    if len(embedding.seams.ends):
+        counted += "red: where paper was glued     "
     return (
-        f"{t.n_vertices:,} vertices, {t.n_faces:,} triangles     "
+        f"{counted}"
         rf"$\int\! H\,dA$ = {embedding.integrated_mean_curvature:.6g}     "
         f"largest length error {embedding.residual:.1g} of the mean edge"
     )

@@ -7,6 +7,7 @@ import numpy as np
 
 from isoembed.arrays import Floats
 from isoembed.errors import InvalidParameter
+from isoembed.io.format import Polygons, flattened
 from isoembed.io.surface import vertex_residuals
 from isoembed.metric.conformal_sphere import conformal_factors, conformal_sphere
 from isoembed.metric.curvature import area, dual_areas, gaussian_curvature
@@ -35,22 +36,24 @@ QUANTITY = QuantityThresholds()
 
 @dataclass(frozen=True, eq=False)
 class Quantity:
-    """A number at every vertex.
+    """A number at every vertex, or of every face.
 
     Attributes
     ----------
     name : str
     label : str
         With its symbol, in TeX between dollar signs.
-    values : ndarray, shape (V,)
+    values : ndarray, shape (V,), or of the `Embedding.polygons`
         NaN where it has no meaning.
     scale : {"linear", "log"}
+    at : {"vertices", "faces"}
     """
 
     name: str
     label: str
     values: Floats
     scale: Literal["linear", "log"] = "linear"
+    at: Literal["vertices", "faces"] = "vertices"
 
     @property
     def bounds(self) -> tuple[float, float]:
@@ -61,6 +64,8 @@ class Quantity:
         values = self.values[np.isfinite(self.values)]
         if not values.size:
             return 0.0, 1.0
+        if self.at == "faces":  # whole numbers, few of them
+            return float(values.min() - 0.5), float(values.max() + 0.5)
         low, high = np.percentile(values, QUANTITY.percentiles)
         if self.scale == "log":
             first = np.floor(np.log10(low))
@@ -124,12 +129,24 @@ def conformal_factor(embedding: Embedding) -> Quantity | None:
     return Quantity("conformal factor", "conformal factor  $u$  to the sphere of this area", factors)
 
 
+def sides(embedding: Embedding) -> Quantity | None:
+    """The number of sides of each face of a polyhedron; None of a surface that is only triangles.
+
+    What lies in one line is one side.
+    """
+    if embedding.polygons is embedding.faces:
+        return None
+    counts = embedding.face_sides.astype(np.float64)
+    return Quantity("sides", "number of sides of a face", counts, at="faces")
+
+
 QUANTITIES = {
     MEAN_CURVATURE: mean_curvature,
     "Gaussian curvature": intrinsic_curvature,
     "residual": residual,
     "concave edges": concavity,
     "conformal factor": conformal_factor,
+    "sides": sides,
 }
 """By name, what makes a quantity of an embedding."""
 
@@ -157,3 +174,15 @@ def quantity(embedding: Embedding, name: str) -> Quantity:
     found = QUANTITIES[name](embedding)
     nowhere = np.full(embedding.triangulation.n_vertices, np.nan)
     return Quantity(name, f"this surface has no {name}", nowhere) if found is None else found
+
+
+def face_means(values: Floats, faces: Polygons) -> Floats:
+    """The means of values at the vertices over the corners of each face, shape (F,)."""
+    corners, sizes = flattened(faces)
+    return np.add.reduceat(values[corners], np.cumsum(sizes) - sizes) / sizes
+
+
+def faces_counted(embedding: Embedding) -> str:
+    """How many faces of which kind, as a caption says it."""
+    kind = "triangles" if embedding.polygons is embedding.faces else "faces"
+    return f"{len(embedding.polygons):,} {kind}"

@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
 
 from isoembed.arrays import Floats, Indices
-from isoembed.surface.measures import face_normals
+from isoembed.io.format import Polygons, flattened
 from isoembed.thresholds import threshold
 
 AZIMUTH, ELEVATION = np.radians(24.0), np.radians(20.0)
@@ -91,61 +92,79 @@ def _farthest(distances: Floats) -> int:
 
 @dataclass(frozen=True)
 class View:
-    """The visible triangles of a surface in orthographic projection, farthest first.
+    """The visible faces of a surface in orthographic projection, farthest first.
 
     Attributes
     ----------
-    polygons : ndarray, shape (n, 3, 2)
+    polygons : sequence of ndarray, shape (m, 2)
         Right and up, in the unit of the surface's half diameter.
     faces : ndarray of int, shape (n,)
-        Which triangles they are.
+        Which faces they are.
     light : ndarray, shape (n,)
         Diffuse light on them, 0 to about 1.
     gloss : ndarray, shape (n,)
         Reflected light, 0 to 1.
+    pose : Pose
+        Where the surface is put.
+    camera : ndarray, shape (3, 3)
+        From there to right, up and toward the viewer.
     """
 
-    polygons: Floats
+    polygons: Floats | Sequence[Floats]
     faces: Indices
     light: Floats
     gloss: Floats
+    pose: Pose
+    camera: Floats
 
     @classmethod
-    def of(cls, vertices: Floats, faces: Indices, pose: Pose | None = None, turn: float = 0.0) -> View:
+    def of(cls, vertices: Floats, faces: Polygons, pose: Pose | None = None, turn: float = 0.0) -> View:
         """Look at a surface: its longest axis lies across the picture, its shortest one points up.
 
         Parameters
         ----------
         vertices : ndarray, shape (V, 3)
-        faces : ndarray of int, shape (F, 3)
-            Counterclockwise, seen from outside.
+        faces : ndarray of int, shape (F, 3), or sequence of such arrays of any lengths
+            The vertices around each, counterclockwise, seen from outside.
         pose : Pose, optional
             Where the surface is put: by default by its own axes.
         turn : float
             Radians by which the viewer has walked around the shortest axis.
         """
-        points = (pose or Pose.of(vertices)).put(vertices) @ camera(turn).T
-        normals = face_normals(faces, points)
+        pose, turned = pose or Pose.of(vertices), camera(turn)
+        points = pose.put(vertices) @ turned.T
+        corners, sizes = flattened(faces)
+        ends = np.cumsum(sizes)
+        before = np.arange(-1, len(corners) - 1)
+        before[ends - sizes] = ends - 1
+        arms = points[corners] - np.repeat(points[corners[ends - sizes]], sizes, axis=0)
+        normals = np.add.reduceat(np.cross(arms[before], arms), ends - sizes)
         normals /= np.maximum(np.linalg.norm(normals, axis=1, keepdims=True), np.finfo(float).tiny)
         front = np.flatnonzero(normals[:, 2] > 0)  # of a closed surface the other side is never seen
-        corners = points[faces[front]]
-        order = np.argsort(corners[:, :, 2].mean(axis=1))
-        front, corners = front[order], corners[order]
+        depths = np.add.reduceat(points[corners, 2], ends - sizes) / sizes
+        front = front[np.argsort(depths[front])]
         toward = LIGHT / np.linalg.norm(LIGHT)
         halfway = toward + np.array([0.0, 0.0, 1.0])
         halfway /= np.linalg.norm(halfway)
         light = np.maximum(normals[front] @ toward, 0.0)
         gloss = np.maximum(normals[front] @ halfway, 0.0) ** SHARPNESS
-        return cls(corners[:, :, :2], front, light, gloss)
+        seen = faces[front] if isinstance(faces, np.ndarray) else [faces[f] for f in front.tolist()]
+        flat = points[:, :2]
+        polygons = flat[seen] if isinstance(seen, np.ndarray) else [flat[face] for face in seen]
+        return cls(polygons, front, light, gloss, pose, turned)
 
     @property
     def extent(self) -> tuple[Floats, Floats]:
         """The lower left and the upper right corner of what is seen, or might be if there were any."""
-        points = self.polygons.reshape(-1, 2) if self.polygons.size else np.array([[-1.0, -1.0], [1.0, 1.0]])
+        points = np.concatenate([*self.polygons] or [np.array([[-1.0, -1.0], [1.0, 1.0]])])
         return points.min(axis=0), points.max(axis=0)
 
+    def put(self, points: Floats) -> Floats:
+        """Where points (..., 3) of the surface are seen: right and up."""
+        return self.pose.put(points) @ self.camera[:2].T
+
     def shade(self, colors: Floats) -> Floats:
-        """Return the colors (n, 3) of the visible triangles under this light."""
+        """Return the colors (n, 3) of the visible faces under this light."""
         lit = colors * (AMBIENT + DIFFUSE * self.light)[:, None]
         return np.clip(lit + GLOSS * self.gloss[:, None], 0.0, 1.0)
 

@@ -17,6 +17,7 @@ from isoembed.metric.curvature import area, corner_angles, gaussian_curvature
 from isoembed.metric.polyhedral import PolyhedralMetric
 from isoembed.plot import Film
 from isoembed.plot.picture import color_scale, draw
+from isoembed.plot.quantity import face_means
 from isoembed.plot.view import View
 from isoembed.progress.stages import Log, StageRecorder
 from isoembed.studies import plots
@@ -123,7 +124,7 @@ def _picture(
     for name, view, k in zip(("sphere", "surface"), shapes, curvatures[::-1], strict=True):
         left, _, width, _ = spots[name]
         figure.text(left + width / 2, 0.01, titles[name], ha="center", color=plots.INK, fontsize=13)
-        draw(axes[name], view, k[triangulation.faces], scale)
+        draw(axes[name], view, face_means(k, triangulation.faces), scale)
         axes[name].autoscale_view()
     for start, end, words, spot in (
         ((0.42, 0.74), (0.58, 0.74), "Ricci flow\n2.1", (0.5, 0.79)),

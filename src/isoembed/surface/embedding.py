@@ -166,7 +166,7 @@ class Embedding:
         return self.metric.faces
 
     @property
-    def polygons(self) -> Sequence[Indices]:
+    def polygons(self) -> Indices | Sequence[Indices]:
         """The faces: the vertices around each, counterclockwise seen from outside.
 
         They are the triangles, unless the surface is a `ConvexPolyhedron`.
@@ -177,6 +177,11 @@ class Embedding:
     def face_polygons(self) -> Indices:
         """The face that each triangle is part of, shape (F,)."""
         return np.arange(len(self.faces))
+
+    @property
+    def face_sides(self) -> Indices:
+        """How many sides each face has."""
+        return np.full(len(self.faces), 3)
 
     @property
     def polygon_edges(self) -> Mask:

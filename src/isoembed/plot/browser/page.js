@@ -25,21 +25,26 @@ function numbers(entry) {
 
 const faces = stored(data.faces), edges = stored(data.edges), frames = data.frames;
 const last = frames.length - 1;
+const owners = data.polygons && stored(data.polygons); // the face that each triangle is part of
+const outlines = data.outlines && stored(data.outlines); // edges between faces, a bit each
+const seams = data.seams ? numbers(data.seams) : new Float64Array(0); // ends of lines on the answer
 const n = frames[last].positions.count / 3;
 
 // -------------------------------------------------------------------------------------------- the state
 
 const still = data.camera; // the first view: rows right, up, toward the viewer
 const view = { turn: still.slice(), zoom: 1, x: 0, y: 0 };
-const shown = { frame: last, quantity: data.quantities[0], mesh: true, creases: false, smooth: false };
+const shown = { frame: last, quantity: data.quantities[0], mesh: true, seams: true, creases: false, smooth: false };
 /** @type {Float64Array} */
 let positions;
 /** @type {Float64Array} */
 let values;
+/** @type {Float64Array | null} */
+let flat; // values of the faces, where each has one color
 /** @type {PackedArray} */
 let concave; // edges, a bit each
-let low = 0, high = 1; // where the colors begin and end; of the frame, like the three above
-let dirty = true, hovered = -1;
+let low = 0, high = 1; // where the colors begin and end; of the frame, like the four above
+let dirty = true, hovered = -1, pointed = -1; // a vertex, a triangle
 
 // ------------------------------------------------------------------------------------------- words
 
@@ -186,8 +191,15 @@ function build() {
     gl.bufferData(gl.ELEMENT_ARRAY_BUFFER, faces, gl.STATIC_DRAW);
     return buffers;
   });
-  parts.mesh = array(() => ({ ends: buffer(0, 2, ends), count: edges.length / 2 }));
-  gl.bufferData(gl.ARRAY_BUFFER, edges, gl.STATIC_DRAW);
+  const drawn = outlines ? marked(outlines) : edges;
+  parts.mesh = array(() => ({ ends: buffer(0, 2, ends), count: drawn.length / 2 }));
+  gl.bufferData(gl.ARRAY_BUFFER, drawn, gl.STATIC_DRAW);
+  const pairs = (location, size) => {
+    gl.vertexAttribIPointer(location, size, gl.UNSIGNED_INT, 0, 0);
+    gl.vertexAttribDivisor(location, 1);
+  };
+  parts.seams = array(() => ({ ends: buffer(0, 2, pairs), count: seams.length / 6 }));
+  gl.bufferData(gl.ARRAY_BUFFER, Uint32Array.from(Array(seams.length / 3).keys(), (k) => n + k), gl.STATIC_DRAW);
   parts.creases = array(() => ({ ends: buffer(0, 2, ends), count: 0 }));
   gl.bindVertexArray(null);
   const texture = (unit) => {
@@ -200,6 +212,15 @@ function build() {
   const colors = Uint8Array.from(data.ramp.flatMap((c) => [1, 3, 5].map((k) => parseInt(c.slice(k, k + 2), 16)).concat(255)));
   gl.texImage2D(gl.TEXTURE_2D, 0, gl.RGBA8, data.ramp.length, 1, 0, gl.RGBA, gl.UNSIGNED_BYTE, colors);
   texture(1);
+}
+
+/** @param {PackedArray} bits */
+function marked(bits) { // the edges of these bits
+  const found = [];
+  for (let e = 0; e < edges.length / 2; e++) {
+    if (bits[e >> 3] & (1 << (e & 7))) found.push(edges[2 * e], edges[2 * e + 1]);
+  }
+  return new KINDS[data.edges.type](found);
 }
 
 function normals() {
@@ -227,21 +248,26 @@ function upload() { // the frame and its colors
     gl.bindBuffer(gl.ARRAY_BUFFER, buffer);
     gl.bufferData(gl.ARRAY_BUFFER, array, gl.DYNAMIC_DRAW);
   };
-  const shades = new Float32Array(2 * n), rows = Math.ceil(n / 1024), texels = new Float32Array(4096 * rows);
-  for (let v = 0; v < n; v++) {
-    const there = Number.isFinite(values[v]);
-    shades[2 * v] = there ? Math.min(Math.max((values[v] - low) / (high - low), -9), 9) : 0.5;
-    shades[2 * v + 1] = there ? 0 : 1;
-    for (let k = 0; k < 3; k++) texels[4 * v + k] = positions[3 * v + k];
+  const rows = Math.ceil((n + seams.length / 3) / 1024), texels = new Float32Array(4096 * rows);
+  for (let k = 0; k < 3 * n; k++) texels[4 * Math.floor(k / 3) + k % 3] = positions[k];
+  for (let k = 0; k < seams.length; k++) texels[4 * (n + Math.floor(k / 3)) + k % 3] = seams[k];
+  const count = flat ? faces.length : n, sums = normals(); // corners of triangles, or vertices
+  const places = new Float32Array(3 * count), directions = new Float32Array(3 * count), shades = new Float32Array(2 * count);
+  for (let c = 0; c < count; c++) {
+    const v = flat ? faces[c] : c, value = flat && owners ? flat[owners[Math.floor(c / 3)]] : values[v];
+    const there = Number.isFinite(value);
+    shades[2 * c] = there ? Math.min(Math.max((value - low) / (high - low), -9), 9) : 0.5;
+    shades[2 * c + 1] = there ? 0 : 1;
+    for (let k = 0; k < 3; k++) {
+      places[3 * c + k] = positions[3 * v + k];
+      directions[3 * c + k] = sums[3 * v + k];
+    }
   }
-  fill(parts.mantle.positions, Float32Array.from(positions));
-  fill(parts.mantle.normals, normals());
+  fill(parts.mantle.positions, places);
+  fill(parts.mantle.normals, directions);
   fill(parts.mantle.shades, shades);
-  const creased = [];
-  for (let e = 0; e < edges.length / 2; e++) {
-    if (concave[e >> 3] & (1 << (e & 7))) creased.push(edges[2 * e], edges[2 * e + 1]);
-  }
-  fill(parts.creases.ends, new KINDS[data.edges.type](creased));
+  const creased = marked(concave);
+  fill(parts.creases.ends, creased);
   parts.creases.count = creased.length / 2;
   gl.activeTexture(gl.TEXTURE1);
   gl.texImage2D(gl.TEXTURE_2D, 0, gl.RGBA32F, 1024, rows, 0, gl.RGBA, gl.FLOAT, texels);
@@ -296,7 +322,8 @@ function draw() {
   for (const [hidden, offset] of [[gl.FRONT, 4], [gl.BACK, 1]]) { // where a body is flat its front wins
     gl.cullFace(hidden);
     gl.polygonOffset(offset, offset);
-    gl.drawElements(gl.TRIANGLES, faces.length, parts.kind, 0);
+    if (flat) gl.drawArrays(gl.TRIANGLES, 0, faces.length);
+    else gl.drawElements(gl.TRIANGLES, faces.length, parts.kind, 0);
   }
   gl.disable(gl.CULL_FACE);
 
@@ -317,8 +344,13 @@ function draw() {
   const length = grown * Math.sqrt(5.8 / (faces.length / 3) * 4); // of an edge, about, in pixels
   const strength = Math.min(Math.max((length - 3.5) / 9, 0), 1);
   if (shown.mesh && strength > 0) {
-    const black = [0.03, 0.04, 0.06, 0.08 + 0.2 * strength];
-    lines(parts.mesh, [0.7, 0.7], black, black, 0.001);
+    const black = [0.03, 0.04, 0.06, owners ? 0.6 * strength : 0.08 + 0.2 * strength]; // diagonals are no edges
+    const fine = owners ? 1.1 : 0.7;
+    lines(parts.mesh, [fine, fine], black, black, 0.001);
+  }
+  if (shown.seams && shown.frame === last && parts.seams.count) {
+    gl.stencilFunc(gl.EQUAL, 1, 1);
+    lines(parts.seams, [1.6, 2.4], [0.88, 0.28, 0.12, 1], [1, 1, 1, 0.5], 0.003);
   }
   if ((shown.creases || shown.quantity.name === CONCAVE) && parts.creases.count) {
     const core = Math.min(Math.max(length / 7, 1.1), 2.4);
@@ -341,12 +373,14 @@ function tick() {
 // --------------------------------------------------------------------------------- what the colors say
 
 function select() { // take the frame and the quantity
-  const frame = frames[shown.frame], { name, scale: kind } = shown.quantity;
+  const frame = frames[shown.frame], { name, scale: kind, at } = shown.quantity;
   positions = numbers(frame.positions);
   concave = stored(frame.concave);
   const of = frame.values[name] || (name === CONFORMAL && frames[last].values[name]); // the same for all
   values = of ? numbers(of) : new Float64Array(n).fill(NaN);
   [low, high] = (kind === "log" && of ? of : frames[last].values[name]).bounds;
+  const faceted = of && (at === "faces" || !shown.smooth);
+  flat = faceted && of.faces ? numbers(of.faces) : null;
   if (!gl.isContextLost()) upload();
   legend();
   moment();
@@ -354,7 +388,7 @@ function select() { // take the frame and the quantity
 }
 
 function legend() {
-  const { label, unit, scale: kind } = shown.quantity;
+  const { label, unit, scale: kind, at } = shown.quantity;
   let least = Infinity, most = -Infinity, missing = 0;
   for (const value of values) {
     if (Number.isFinite(value)) [least, most] = [Math.min(least, value), Math.max(most, value)];
@@ -368,7 +402,8 @@ function legend() {
   $("below").style.visibility = least < low - slack ? "visible" : "hidden";
   $("above").style.visibility = most > high + slack ? "visible" : "hidden";
   const words = least <= most ? [least === most ? `all are ${written(meant(least))}` : `from ${written(meant(least))} to ${written(meant(most))}`] : [];
-  if (missing) words.push(`gray: no value at ${missing} ${missing === 1 ? "vertex" : "vertices"}`);
+  const places = at === "faces" ? ["face", "faces"] : ["vertex", "vertices"];
+  if (missing) words.push(`gray: no value at ${missing} ${places[missing === 1 ? 0 : 1]}`);
   $("span").textContent = words.join("; ");
   $("ticks").replaceChildren(...marks(kind).map((value) => {
     const mark = document.createElement("span");
@@ -384,7 +419,8 @@ function marks(kind) { // where the numbers stand beside the colors
     return powers.flatMap((k) => [1, 2, 5].map((m) => k + Math.log10(m))).filter((value) => low <= value && value <= high);
   }
   const rough = (high - low) / 4, power = 10 ** Math.floor(Math.log10(rough));
-  const step = kind === "log" ? Math.max(1, Math.round(rough)) : power * ([1, 2, 2.5, 5, 10].find((k) => k * power >= rough * 0.95) ?? 10);
+  const whole = kind === "log" || shown.quantity.at === "faces";
+  const step = whole ? Math.max(1, Math.round(rough)) : power * ([1, 2, 2.5, 5, 10].find((k) => k * power >= rough * 0.95) ?? 10);
   const found = [];
   for (let k = Math.ceil(low / step - 1e-9); k <= high / step + 1e-9; k++) found.push(Number((k * step).toPrecision(12)));
   return found;
@@ -519,9 +555,10 @@ function place() {
 }
 
 /** @param {number[]} here */
-function hover([x, y]) { // the nearest corner of the front triangle there
+function hover([x, y]) { // the front triangle there, and its nearest corner
   const at = placed ?? place();
   let best = -Infinity, found = -1;
+  pointed = -1;
   for (let f = 0; f < faces.length; f += 3) {
     const a = 3 * faces[f], b = 3 * faces[f + 1], c = 3 * faces[f + 2];
     const u = (at[b] - x) * (at[c + 1] - y) - (at[c] - x) * (at[b + 1] - y);
@@ -531,6 +568,7 @@ function hover([x, y]) { // the nearest corner of the front triangle there
       const nearness = (u * at[a + 2] + v * at[b + 2] + w * at[c + 2]) / (u + v + w);
       if (nearness > best) {
         best = nearness;
+        pointed = f / 3;
         const apart = [a, b, c].map((p) => Math.hypot(at[p] - x, at[p + 1] - y));
         found = [a, b, c][apart.indexOf(Math.min(...apart))] / 3;
       }
@@ -541,14 +579,16 @@ function hover([x, y]) { // the nearest corner of the front triangle there
 }
 
 function point() { // mark the vertex, and say what it is
-  $("mark").hidden = $("tip").hidden = hovered < 0;
+  const face = shown.quantity.at === "faces" && owners && pointed >= 0 ? owners[pointed] : -1;
+  $("tip").hidden = hovered < 0;
+  $("mark").hidden = hovered < 0 || face >= 0;
   if (hovered < 0) return;
   const at = placed ?? place();
   const { w, h } = fit();
   const [x, y] = [w / 2 + at[3 * hovered], h / 2 - at[3 * hovered + 1]];
   const name = document.createElement("b");
-  name.textContent = `vertex ${hovered}`;
-  $("tip").replaceChildren(name, `  ${shown.quantity.name} ${written(meant(values[hovered]))}`);
+  name.textContent = face >= 0 ? `face ${face}` : `vertex ${hovered}`;
+  $("tip").replaceChildren(name, `  ${shown.quantity.name} ${written(meant(values[face >= 0 ? face : hovered]))}`);
   Object.assign($("mark").style, { left: `${x}px`, top: `${y}px` });
   const { offsetWidth, offsetHeight } = $("tip");
   const left = Math.min(Math.max(x + 14, 4), w - offsetWidth - 4), top = y - offsetHeight - 12;
@@ -618,9 +658,12 @@ if (gl) {
     $("creases").checked = shown.creases || $("creases").disabled;
     select();
   });
-  for (const name of ["mesh", "creases", "smooth"]) {
+  $("kind").textContent = owners ? "Edges" : "Triangles";
+  $("paper").hidden = !seams.length;
+  for (const name of ["mesh", "seams", "creases", "smooth"]) {
     $(name).addEventListener("change", () => {
       shown[name] = $(name).checked;
+      if (name === "smooth" && owners) select(); // faces are of one color, or shaded
       dirty = true;
     });
   }
