@@ -10,7 +10,8 @@ import numpy as np
 import pytest
 
 import zoo
-from isoembed import Embedding, PolyhedralMetric, embed
+from isoembed import Embedding, PolyhedralMetric, embed, glue
+from isoembed.gluing.classics import LATIN_CROSS
 from isoembed.io import FileError
 from isoembed.plot import Film, Frame, quantities
 from isoembed.plot.browser.packing import Packed
@@ -317,3 +318,28 @@ def test_the_ramp_rises_evenly_in_lightness():
 )
 def test_numbers(value, text):
     assert number(value) == text
+
+
+def test_the_faces_and_seams_of_a_polyhedron(tmp_path):
+    pairs = [(0, 3), (1, 2), (4, 7), (5, 6), (8, 9), (10, 13), (11, 12)]
+    solid = embed(glue([LATIN_CROSS], [((0, i), (0, k)) for i, k in pairs]), method="alexandrov")
+    write_page(tmp_path / "a.html", solid)
+    text, _, data, arrays = read(tmp_path / "a.html")
+    assert "8 vertices, 8 faces" in text
+    np.testing.assert_array_equal(unpacked(arrays, data["polygons"]), solid.face_polygons)
+    bits = np.unpackbits(unpacked(arrays, data["outlines"]), bitorder="little")[: solid.metric.edges.shape[0]]
+    np.testing.assert_array_equal(bits, solid.polygon_edges)
+    pose, ends = data["pose"], unpacked(arrays, data["seams"]).reshape(-1, 3)
+    placed = ends @ np.transpose(pose["axes"]) * pose["size"] + pose["center"]
+    np.testing.assert_allclose(placed, solid.seams.ends.reshape(-1, 3), atol=1e-6)
+    values = data["frames"][-1]["values"]
+    means = [solid.mean_curvature[polygon].mean() for polygon in solid.polygons]
+    np.testing.assert_allclose(unpacked(arrays, values["mean curvature"]["faces"]), means, rtol=1e-6)
+    np.testing.assert_allclose(unpacked(arrays, values["sides"]["faces"]), solid.face_sides, rtol=1e-6)
+    assert [q["at"] for q in data["quantities"] if q["name"] == "sides"] == ["faces"]
+
+
+def test_other_surfaces_have_neither(page):
+    _, _, data, _ = page
+    assert data["polygons"] is data["outlines"] is data["seams"] is None
+    assert all("faces" not in shades for shades in data["frames"][-1]["values"].values())

@@ -8,8 +8,9 @@ import sys
 import numpy as np
 import pytest
 
-from isoembed import Embedding, PolyhedralMetric
+from isoembed import Embedding, PolyhedralMetric, embed, glue
 from isoembed.gallery import CassiniPeanut, Sphere, triangulate
+from isoembed.gluing.classics import CLASSICS, LATIN_CROSS
 from isoembed.io import FileError
 from places import SUPPORT
 
@@ -69,7 +70,7 @@ def test_the_figure_says_which_convention(peanut):
 def test_no_global_state():
     code = """
 import sys, zoo
-from isoembed import Embedding, PolyhedralMetric
+from isoembed import Embedding, PolyhedralMetric, embed, glue
 from isoembed.plot import figure
 vertices, faces = zoo.icosphere(1)
 figure(Embedding(PolyhedralMetric.from_mesh(vertices, faces), vertices, method="exact", tolerance=1e-10))
@@ -98,3 +99,57 @@ def test_any_size(radius):
     sphere = embedded(Sphere(radius=radius), 42)
     assert np.isfinite(seen(sphere).polygons).all()
     figure(sphere).canvas.draw()
+
+
+@pytest.fixture(scope="module")
+def folded():
+    """The octahedron of a Latin cross, with paper seams along edges and across faces."""
+    pairs = [(0, 3), (1, 2), (4, 7), (5, 6), (8, 9), (10, 13), (11, 12)]
+    return embed(glue([LATIN_CROSS], [((0, i), (0, k)) for i, k in pairs]), method="alexandrov")
+
+
+def dodecahedron():
+    return embed(dict(CLASSICS["platonic"].make())["12 pentagons"], method="alexandrov")
+
+
+def test_a_polyhedron_is_drawn_with_its_faces():
+    solid = dodecahedron()
+    faces, lines = figure(solid, color="sides").axes[0].collections
+    drawn = [path.vertices[:-1] for path in faces.get_paths()]
+    assert {len(face) for face in drawn} == {5} and len(drawn) == 6
+    # Every edge is a seam of this net: those of the six faces in front, each once.
+    front = {
+        frozenset(map(tuple, np.round(pair, 9)))
+        for f in drawn
+        for pair in zip(f, np.roll(f, 1, 0), strict=True)
+    }
+    seen_lines = {frozenset(map(tuple, np.round(line, 9))) for line in lines.get_segments()}
+    assert seen_lines == front and len(lines.get_segments()) == len(front)
+
+
+def test_seams_that_are_hidden_are_not_drawn(folded):
+    faces, lines = figure(folded).axes[0].collections
+    ends, _ = folded.seams
+    assert 0 < len(lines.get_segments()) < len(ends)
+    view = View.of(folded.vertices, folded.polygons)
+    everything = view.put(ends)
+    shown = np.array(lines.get_segments())
+    # Those left out are behind: the others lie within what is seen.
+    low, high = view.extent
+    assert (shown >= low - 1e-12).all() and (shown <= high + 1e-12).all()
+    assert all(any(np.allclose(line, one) for one in everything) for line in shown)
+    assert len(faces.get_paths()) == len(view.faces)
+
+
+def test_faces_that_are_polygons_look_as_their_triangles_do(folded):
+    whole, parts = View.of(folded.vertices, folded.polygons), View.of(folded.vertices, folded.faces)
+
+    def area(polygon):
+        x, y = polygon.T
+        return (x * np.roll(y, -1) - y * np.roll(x, -1)).sum() / 2
+
+    owners = folded.face_polygons[parts.faces]
+    for polygon, face, light in zip(whole.polygons, whole.faces, whole.light, strict=True):
+        own = owners == face
+        assert sum(map(area, parts.polygons[own])) == pytest.approx(area(polygon))
+        np.testing.assert_allclose(parts.light[own], light, atol=1e-9)

@@ -1,0 +1,79 @@
+"""Polyhedra in files: true faces where the format can hold them, and every vertex in a face."""
+
+import numpy as np
+import pytest
+
+import isoembed
+from isoembed.gluing.classics import CLASSICS
+from isoembed.io import write_surface
+from isoembed.io.registry import FORMATS
+from isoembed.io.surface import polygon_faces
+
+ENDINGS = [ending for ending, known in FORMATS.items() if known.holds_polygons]
+
+
+@pytest.fixture(scope="module")
+def dodecahedron():
+    return isoembed.embed(dict(CLASSICS["platonic"].make())["12 pentagons"], method="alexandrov")
+
+
+@pytest.fixture(scope="module")
+def tetrahedron():
+    """From the Latin cross, with four flat vertices, of which some lie inside faces."""
+    return isoembed.embed(CLASSICS["latin-cross"].make()[0][1], method="alexandrov")
+
+
+def as_lists(faces):
+    """Faces from their lowest corner on, in order."""
+    return sorted(
+        min([*f[k:], *f[:k]] for k in range(len(f))) for f in (np.asarray(g).tolist() for g in faces)
+    )
+
+
+def written(surface, ending, path):
+    """The faces of a file, by another reader where there is one."""
+    write_surface(path, surface)
+    if ending == ".obj":
+        lines = [line.split()[1:] for line in path.read_text().splitlines() if line.startswith("f ")]
+        return [[int(word) - 1 for word in line] for line in lines]
+    if ending == ".off":
+        return [list(map(int, line.split()[1:])) for line in path.read_text().splitlines()[-12:]]
+    if ending == ".fold":
+        return pytest.importorskip("json").loads(path.read_text())["faces_vertices"]
+    meshio = pytest.importorskip("meshio")
+    return [face for block in meshio.read(path).cells for face in block.data]
+
+
+@pytest.mark.parametrize("ending", ENDINGS)
+def test_a_dodecahedron_has_pentagons(dodecahedron, ending, tmp_path):
+    found = written(dodecahedron, ending, tmp_path / f"a{ending}")
+    assert [len(face) for face in found] == [5] * 12
+    assert as_lists(found) == as_lists(dodecahedron.polygons)
+
+
+def test_arrays_stay_triangles(dodecahedron, tmp_path):
+    write_surface(tmp_path / "a.npz", dodecahedron)
+    with np.load(tmp_path / "a.npz") as archive:
+        np.testing.assert_array_equal(archive["faces"], dodecahedron.faces)
+
+
+def test_faces_with_flat_vertices_inside_stay_triangles(tetrahedron):
+    outlined = set(np.concatenate(tetrahedron.polygons).tolist())
+    inside = set(range(8)) - outlined
+    assert len(tetrahedron.polygons) == 4 and inside
+    faces = polygon_faces(tetrahedron)
+    assert set(np.concatenate(faces).tolist()) == set(range(8))
+    assert {len(face) for face in faces if not inside & set(face.tolist())} == {4}
+    assert all(len(face) == 3 for face in faces if inside & set(face.tolist()))
+    # A closed surface: every side once in each direction.
+    sides = [(a, b) for f in (g.tolist() for g in faces) for a, b in zip(f, [*f[1:], f[0]], strict=True)]
+    assert len(set(sides)) == len(sides) and {(b, a) for a, b in sides} == set(sides)
+
+
+def test_a_face_may_have_more_corners_than_a_byte_counts(tmp_path):
+    n = 300
+    angles = 2 * np.pi * np.arange(n) / n
+    ring = np.column_stack([np.cos(angles), np.sin(angles)])
+    disc = isoembed.glue([ring, ring], [((0, k), (1, n - 1 - k)) for k in range(n)])
+    write_surface(tmp_path / "a.ply", isoembed.embed(disc, method="alexandrov"))
+    assert b"property list int int vertex_indices" in (tmp_path / "a.ply").read_bytes()
