@@ -77,3 +77,12 @@ def test_a_face_may_have_more_corners_than_a_byte_counts(tmp_path):
     disc = isoembed.glue([ring, ring], [((0, k), (1, n - 1 - k)) for k in range(n)])
     write_surface(tmp_path / "a.ply", isoembed.embed(disc, method="alexandrov"))
     assert b"property list int int vertex_indices" in (tmp_path / "a.ply").read_bytes()
+
+
+@pytest.mark.parametrize("ending", ENDINGS)
+def test_a_written_polyhedron_is_read_as_its_metric(dodecahedron, tetrahedron, ending, tmp_path):
+    for surface in (dodecahedron, tetrahedron):
+        write_surface(tmp_path / f"a{ending}", surface)
+        again = isoembed.embed(isoembed.io.read_metric(tmp_path / f"a{ending}"), method="alexandrov")
+        assert again.volume == pytest.approx(surface.volume, rel=1e-9)
+        np.testing.assert_allclose(again.given.deficits, surface.given.deficits, atol=1e-9)
