@@ -184,7 +184,7 @@ class _Search:
             given=given,
             edge_paths=paths,
             core=None if isinstance(found, DoublyCovered) else (tables, vertices),
-            flat_vertices=np.flatnonzero(self.flat),
+            flat_vertices=restored.flat,
             repair=self.repair,
             tolerance=self.tolerance,
             stages=log.stages,

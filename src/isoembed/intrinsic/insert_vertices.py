@@ -18,8 +18,21 @@ from isoembed.intrinsic.tracing import from_corner, from_inside, place, sector, 
 from isoembed.intrinsic.trigonometry import cross
 from isoembed.kernel import kernel
 from isoembed.mesh.triangulation import frozen
+from isoembed.thresholds import threshold
 
 Table = TypeVar("Table", bound=NDArray)
+
+
+@dataclass(frozen=True)
+class InsertionThresholds:
+    """Thresholds of the insertion of flat vertices."""
+
+    inside: float = threshold(
+        1e-9, "altitudes", "Distance from the sides of a triangle at which a vertex is inside."
+    )
+
+
+INSERTION = InsertionThresholds()
 
 
 @dataclass(frozen=True, eq=False)
@@ -87,16 +100,17 @@ def insert_vertices(tables: HalfEdges, removal: Removal, kept: Mask) -> Restored
     -------
     Restored
         With triangles that are Delaunay but for the edges kept, and but for what keeps loops and edges with
-        the same two ends away: of a convex polyhedron whose edges are all kept there are none, and of a
-        polygon covered twice none as long as its outline admits it.
+        the same two ends away: of a convex polyhedron or a polygon covered twice, whose edges are all kept,
+        there are none.  If that polygon is a triangle, and all flat vertices are on its sides, then there is
+        one vertex more, the last, in one of the sheets: both sheets would need the same edges without it.
 
     Raises
     ------
     InvalidMetric
         A vertex is not to be found, because these are other triangles or thin beyond measure.
     """
-    r, n = removal, removal.removed.size
-    number = np.full(r.core.size + n, -1, dtype=np.int64)  # in the core
+    r = removal
+    number = np.full(r.core.size + r.removed.size, -1, dtype=np.int64)  # in the core
     number[r.core] = np.arange(r.core.size)
     laid = lay_out(tables, kept)
     faces, barycentric, axis, lost = _locate(tables, laid, r, number)
@@ -104,23 +118,33 @@ def insert_vertices(tables: HalfEdges, removal: Removal, kept: Mask) -> Restored
         raise InvalidMetric(
             f"vertex {lost}, which is flat, is not found again: the triangles around it are too thin"
         )
+    order, near = r.removed[::-1], r.anchors[::-1]
+    if order.size and tables.corners.size == 6 and np.unique(tables.corners).size == 3:
+        depths = barycentric[order].min(axis=1)
+        first = int(np.argmax(depths))
+        if depths[first] < INSERTION.inside:
+            order, near, first = np.append(order, number.size), np.append(near, r.core[0]), order.size
+            number, faces, axis = np.append(number, -1), np.append(faces, 0), np.append(axis, 0.0)
+            barycentric = np.vstack([barycentric, np.full(3, 1 / 3)])
+        order, near = (np.concatenate([[part[first]], np.delete(part, first)]) for part in (order, near))
     places = np.einsum("vc,vc->v", barycentric, laid.z[3 * faces[:, None] + np.arange(3)])
     slopes = np.angle(_next(laid.z) - laid.z)
-    frames = _grown(first_sides(laid.twins, laid.fixed), 6 * n)
-    axes, slopes = _grown(tables.directions, 6 * n), _grown(slopes, 6 * n)
+    room = 6 * order.size
+    frames = _grown(first_sides(laid.twins, laid.fixed), room)
+    axes, slopes = _grown(tables.directions, room), _grown(slopes, room)
     polygons = Polygons(
-        _grown(r.core[laid.corners], 6 * n),
-        _grown(laid.twins, 6 * n),
-        _grown(laid.z, 6 * n),
-        _grown(laid.fixed, 6 * n),
-        _grown(laid.cells, 2 * n),
+        _grown(r.core[laid.corners], room),
+        _grown(laid.twins, room),
+        _grown(laid.z, room),
+        _grown(laid.fixed, room),
+        _grown(laid.cells, room // 3),
     )
     leaving = leaving_halfedges(r.core[laid.corners], number.size)
     sizes = np.zeros(laid.cells.max() + 1)
     np.maximum.at(sizes, laid.cells, tables.face_lengths.max(axis=1))
     # The two sheets of a polygon have the same corners.
-    marks = Marks(_grown(kept, 6 * n), frames, axes, leaving, sizes, sizes.size == 2)
-    _insert_all(r, faces, places, axis, polygons, marks)
+    marks = Marks(_grown(kept, room), frames, axes, leaving, sizes, sizes.size == 2)
+    _insert_all(order, near, faces, places, axis, polygons, marks)
     sides = _next(polygons.z) - polygons.z
     lengths = loosened(np.hypot(sides.real, sides.imag), polygons.twins)
     # A frame gives the direction of a side of the polygon, or of the x axis if the vertex was flat; half a
@@ -153,24 +177,32 @@ def _next(values: Points) -> Points:
 
 @kernel
 def _insert_all(
-    removal: Removal, faces: Indices, places: Points, axis: Floats, polygons: Polygons, marks: Marks
+    order: Indices,
+    near: Indices,
+    faces: Indices,
+    places: Points,
+    axis: Floats,
+    polygons: Polygons,
+    marks: Marks,
 ) -> None:
-    """Insert the removed vertices, of which the faces, and places and axes in these, are given."""
-    n = removal.removed.size
-    new = polygons.twins.size - 6 * n
+    """Insert vertices near others, of which the faces, and places and axes in these, are given."""
+    new = polygons.twins.size - 6 * order.size
     flip_edges(np.arange(new), polygons, marks)
     stack = empty_stack(polygons.twins.size)
-    for k in range(n - 1, -1, -1):
-        v = removal.removed[k]
+    for v, u in zip(order, near):  # noqa: B905
         marks.axes[new] = axis[v]
-        start = _face_near(marks.leaving[removal.anchors[k]], faces[v], polygons)
+        start = _face_near(marks.leaving[u], faces[v], polygons)
         insert(v, places[v], start, new, polygons, marks, stack)
         new += 6
+    if marks.simple:  # what joined two vertices that were joined already, and are no more
+        flip_edges(np.arange(new), polygons, marks)
 
 
 @kernel
 def _face_near(h: int, f: int, polygons: Polygons) -> int:
-    """A face at the vertex that a half-edge leaves, in the polygon of face f; or else f."""
+    """A face at the vertex that a half-edge leaves, if one does, in the polygon of face f; or else f."""
+    if h < 0:
+        return f
     e = h
     while polygons.cells[e // 3] != polygons.cells[f]:
         e = polygons.twins[preceding(e)]
