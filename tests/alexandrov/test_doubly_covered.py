@@ -6,13 +6,20 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 import zoo
-from isoembed.alexandrov.doubly_covered import FLAT_LIMIT, doubly_covered, flat_limit
+from isoembed import GluedMetric, embed
+from isoembed.alexandrov.doubly_covered import (
+    FLAT_LIMIT,
+    doubly_covered,
+    doubly_covered_triangle,
+    flat_limit,
+)
 from isoembed.alexandrov.homotopy import follow_path
 from isoembed.intrinsic.halfedges import HalfEdges
 from isoembed.mesh.triangulation import Triangulation
 from isoembed.metric.curvature import Triangles
 from isoembed.progress.stages import Log
 from scrambling import scramble
+from sheets import covered_twice
 
 
 def polygon(n, seed, stretch=1.0):
@@ -94,3 +101,38 @@ def test_what_is_not_a_doubly_covered_polygon():
     bent[(start + end == 2) & (start != 1) & (np.arange(12) < 6)] *= 1.1
     folds = (end - start) % 4 != 2
     assert doubly_covered(HalfEdges.of(faces, twins, bent.reshape(-1, 3)), folds) is None
+
+
+@given(
+    n=st.integers(3, 9),
+    on_sides=st.integers(0, 6),
+    inside=st.integers(0, 6),
+    seed=st.integers(0, 10**6),
+    stretch=st.sampled_from([1.0, 3.0]),
+)
+def test_flat_vertices_inside_the_sheets_and_on_the_outline(n, on_sides, inside, seed, stretch):
+    metric, points, corners = covered_twice(polygon(n, seed, stretch), on_sides, inside, seed)
+    found = embed(metric, method="alexandrov")
+    assert zoo.aligned(found.vertices[: len(points)], points) < 1e-8
+    assert found.converged and found.volume == 0
+    assert found.area == pytest.approx(2 * shoelace(points[:corners]), rel=1e-9)
+    # One vertex more where nothing else would do: triangles with flat vertices on their sides only.
+    needed = corners == 3 and on_sides > 0 and inside == 0
+    assert len(found.vertices) == len(points) + needed
+    assert found.report["polyhedron"]["vertices"] == corners
+
+
+def shoelace(points):
+    x, y, _ = points.T
+    return (x @ np.roll(y, -1) - y @ np.roll(x, -1)) / 2
+
+
+@pytest.mark.parametrize("missing", [1.0, 1e-3, 1e-8, 1e-11, 1e-13])
+def test_obtuse_triangles_however_thin(missing):
+    # The Delaunay triangulation has a loop instead of the long side.
+    sides = [1.0, 1.0, 2.0 - missing]
+    metric = GluedMetric([[0, 1, 2], [2, 1, 0]], [4, 3, 5, 1, 0, 2], [sides, sides])
+    found = embed(metric, method="alexandrov")
+    assert found.residual < 1e-15
+    triangle = doubly_covered_triangle(metric.half_edges())
+    assert np.sort(triangle.tables.lengths) == pytest.approx(np.sort(2 * sides), rel=1e-15)

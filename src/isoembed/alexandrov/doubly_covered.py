@@ -12,7 +12,8 @@ from scipy.sparse.csgraph import connected_components
 
 from isoembed.alexandrov.polytope import Polytope
 from isoembed.arrays import Floats, Indices, Mask
-from isoembed.intrinsic.delaunay import tilts
+from isoembed.intrinsic.delaunay import make_delaunay, tilts
+from isoembed.intrinsic.flips import flip
 from isoembed.intrinsic.halfedges import HalfEdges, set_directions
 from isoembed.metric.curvature import Triangles
 from isoembed.thresholds import threshold
@@ -57,6 +58,16 @@ def flat_limit(p: Polytope) -> DoublyCovered | None:
     on_edge = (FLAT_LIMIT.rounding + FLAT_LIMIT.not_yet_flat * p.lowest) * p.tables.lengths
     least = FLAT_LIMIT.fold * (np.abs(feet) + np.abs(other)) + on_edge
     return doubly_covered(p.tables, feet + other > least)
+
+
+def doubly_covered_triangle(core: HalfEdges) -> DoublyCovered | None:
+    """Lay out the triangle that a metric on three vertices is, covered twice; None if rounding hides it."""
+    tables = core.copy()
+    make_delaunay(tables, np.zeros(3))
+    loops = np.flatnonzero(tables.corners == tables.corners[tables.twins])
+    if loops.size:  # instead of the side across from an obtuse angle
+        flip(int(loops[0]), tables, 0.0)
+    return doubly_covered(tables, np.ones(6, dtype=np.bool_))
 
 
 def doubly_covered(tables: HalfEdges, folds: Mask) -> DoublyCovered | None:

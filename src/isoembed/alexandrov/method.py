@@ -12,14 +12,13 @@ from numpy.typing import ArrayLike, NDArray
 
 from isoembed._embed import Method
 from isoembed.alexandrov.attempt import attempted
-from isoembed.alexandrov.doubly_covered import FLAT_LIMIT, DoublyCovered, doubly_covered, flat_limit
+from isoembed.alexandrov.doubly_covered import FLAT_LIMIT, DoublyCovered, doubly_covered_triangle, flat_limit
 from isoembed.alexandrov.homotopy import Solution, Waypoint, follow_path
 from isoembed.alexandrov.placement import realized, relaxed, relaxed_polytope, worst_length
 from isoembed.alexandrov.polyhedron import ConvexPolyhedron, metric_on
 from isoembed.alexandrov.polytope import Polytope
 from isoembed.arrays import Floats, Indices, Mask
 from isoembed.errors import InvalidMetric, InvalidParameter, NotEmbedded
-from isoembed.intrinsic.delaunay import make_delaunay
 from isoembed.intrinsic.edge_paths import edge_paths
 from isoembed.intrinsic.flat_vertices import remove_flat_vertices
 from isoembed.intrinsic.halfedges import HalfEdges
@@ -237,9 +236,7 @@ def _polyhedron(
 ) -> Solution | DoublyCovered | Polytope | None:
     """Solve, watching for a body that turns flat; failing that, the polytope with the least curvatures."""
     if core.corners.size == 6:
-        delaunay = core.copy()
-        make_delaunay(delaunay, np.zeros(3))
-        triangle = doubly_covered(delaunay, np.ones(6, dtype=np.bool_))
+        triangle = doubly_covered_triangle(core)
         if triangle is not None:
             return triangle
     for found in path:

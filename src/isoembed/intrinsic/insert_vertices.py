@@ -119,7 +119,7 @@ def insert_vertices(tables: HalfEdges, removal: Removal, kept: Mask) -> Restored
             f"vertex {lost}, which is flat, is not found again: the triangles around it are too thin"
         )
     order, near = r.removed[::-1], r.anchors[::-1]
-    if order.size and tables.corners.size == 6 and np.unique(tables.corners).size == 3:
+    if order.size and _is_triangle(tables):
         depths = barycentric[order].min(axis=1)
         first = int(np.argmax(depths))
         if depths[first] < INSERTION.inside:
@@ -163,6 +163,11 @@ def insert_vertices(tables: HalfEdges, removal: Removal, kept: Mask) -> Restored
         frozen(barycentric[flat]),
         frozen(tables.faces[faces[flat]]),
     )
+
+
+def _is_triangle(tables: HalfEdges) -> bool:
+    """Whether it is one, covered twice."""
+    return np.array_equal(np.sort(tables.faces, axis=1), [[0, 1, 2]] * 2)
 
 
 def _grown(table: Table, by: int) -> Table:
