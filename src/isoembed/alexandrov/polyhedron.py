@@ -42,8 +42,8 @@ class ConvexPolyhedron(Embedding):
     """Alexandrov's polyhedron of a metric.
 
     Its `metric` is the given one on triangles of the polyhedron, which use every given vertex; those at which
-    the metric is flat lie inside its faces and edges.  A triangle covered twice whose flat vertices are all on
-    its sides has one vertex more, the last: without it, both sheets would need the same edges.
+    the metric is flat lie inside its faces and edges.  A triangle covered twice whose flat vertices are all
+    on its sides has one vertex more, the last: without it, both sheets would need the same edges.
 
     Parameters
     ----------
