@@ -76,7 +76,7 @@ def unfolded(vertices, faces, path):
     return {
         "vertices": len(vertices),
         "sheets": len(unfolding.sheets),
-        "overlaps": not simple or abs(area / surface.area - 1) > 1e-12,
+        "overlaps": bool(not simple or abs(area / surface.area - 1) > 1e-12),
         "off": float(np.abs(pdist(found) - pdist(vertices)).max() / pdist(vertices).max()),
         "seconds": seconds,
         "pairs": len(unfolding.sides),

@@ -1,5 +1,7 @@
 """Solids unfolded: sheets without overlaps that, glued again, are the solid."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from scipy.spatial.distance import pdist
@@ -11,6 +13,7 @@ from gluing_polygons import shoelace
 from isoembed import Embedding, InvalidMetric, PolyhedralMetric
 from isoembed.gallery import BentTube, triangulate
 from isoembed.gluing import unfold
+from isoembed.gluing.unfolding import UnfoldingThresholds
 from isoembed.metric.curvature import deficits
 
 
@@ -107,6 +110,25 @@ def test_a_surface_that_is_not_convex():
     assert min(map(np.min, unfolding.angles)) < 0
     check_sheets(unfolding, surface)
     check_deficits(unfolding, surface)
+
+
+def crumpled():
+    vertices, faces = zoo.icosphere(1)
+    return solid(vertices * np.exp(np.random.default_rng(0).normal(size=(len(vertices), 1))), faces)
+
+
+def test_where_no_direction_helps_sides_are_exchanged(monkeypatch):
+    surface = crumpled()
+    given = UnfoldingThresholds()
+    monkeypatch.setattr("isoembed.gluing.unfolding.UNFOLDING", replace(given, exchanges=0))
+    before = unfold(surface)
+    check_sheets(before, surface)
+    check_deficits(before, surface)
+    monkeypatch.setattr("isoembed.gluing.unfolding.UNFOLDING", given)
+    after = unfold(surface)
+    check_sheets(after, surface)
+    check_deficits(after, surface)
+    assert len(before.sheets) > len(after.sheets) == 1
 
 
 def spiked(flat, spike):

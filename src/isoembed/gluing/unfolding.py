@@ -20,8 +20,9 @@ from isoembed.thresholds import threshold
 class UnfoldingThresholds:
     """Thresholds of the search for a net without overlaps."""
 
-    tries: int = threshold(300, "count", "Directions that are tried to unfold a surface into one sheet.")
-    seed: int = threshold(0, "seed", "Of the directions.")
+    directions: int = threshold(50, "count", "Directions that are tried to unfold a surface into one sheet.")
+    exchanges: int = threshold(450, "count", "Attempts afterwards to get fewer sheets from the best one.")
+    seed: int = threshold(0, "seed", "Of the directions and of the attempts.")
 
 
 UNFOLDING = UnfoldingThresholds()
@@ -69,8 +70,9 @@ def unfold(surface: Embedding) -> Unfolding:
     """Cut a surface along edges and unfold it into the plane, in one sheet if such a net is found.
 
     The cuts lead from every vertex along its steepest edge upward, for one direction after the other, until
-    a sheet does not overlap; almost all directions do for a convex body of a few faces.  Where none does, the
-    sheets of the best one are kept, each as large as it gets.  The same surface has the same net every time.
+    the sheet does not overlap; for a convex body one of the first few does.  Where none does, faces are
+    joined as long as nothing overlaps, and sides that were left out come first the next time, as long as that
+    makes fewer sheets.  The same surface has the same net every time.
 
     Parameters
     ----------
@@ -105,17 +107,31 @@ def unfold(surface: Embedding) -> Unfolding:
     lengths = np.linalg.norm(steps, axis=1)
     size = float(np.ldexp(1.0, int(np.frexp(lengths.sum())[1])))
     small = faces._replace(points=faces.points / size)
+    points, after, sheets = _fewest(small, steps / lengths[:, None])
+    return _cut_out(faces, points * size * unit, after, sheets)
+
+
+def _fewest(faces: Faces, directions: Floats) -> tuple[Floats, Indices, Indices]:
+    """Sheets as of `joined`, as few as are found."""
     rng = np.random.default_rng(UNFOLDING.seed)
-    fewest, best = len(steps), None
-    for _ in range(UNFOLDING.tries):
-        points, after, sheets = joined(small, _order(faces, steps / lengths[:, None], rng.normal(size=3)))
-        count = len(np.unique(sheets))
-        if count < fewest:
-            fewest, best = count, (points * size * unit, after, sheets)
-        if count == 1:
+    order = _order(faces, directions, rng.normal(size=3))
+    best = joined(faces, order)
+    fewest = len(np.unique(best[2]))
+    for k in range(1, UNFOLDING.directions + UNFOLDING.exchanges):
+        if fewest == 1:
             break
-    assert best is not None  # there are more sides than faces
-    return _cut_out(faces, *best)
+        exchange = k >= UNFOLDING.directions
+        if exchange:  # join two sheets first that did not come together
+            between = np.flatnonzero(best[2][order] != best[2][faces.twins[order]])
+            first = rng.choice(between)
+            tried = np.concatenate([[order[first]], np.delete(order, first)])
+        else:
+            tried = _order(faces, directions, rng.normal(size=3))
+        found = joined(faces, tried)
+        count = len(np.unique(found[2]))
+        if count < fewest or (exchange and count == fewest):
+            fewest, best, order = count, found, tried
+    return best
 
 
 def _order(faces: Faces, directions: Floats, up: Floats) -> Indices:
