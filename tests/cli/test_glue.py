@@ -121,7 +121,7 @@ def test_the_nets_of_the_documentation_are_nets(run):
         texts = texts[end:].strip()
         assert run("glue", typed(document), "--metric", "metric.npz")[0] == 0
         counts.append(read_net("net.json").n_vertices)
-    assert counts == [4, 6, 33, 64, 8]
+    assert counts == [4, 4, 6, 33, 64, 8]
 
 
 def test_glue_reads_standard_input(run, monkeypatch):
@@ -191,8 +191,11 @@ def test_a_net_with_too_much_angle_is_refused(run):
     [
         ("{", "net.json is not JSON"),
         ("[]", "net.json holds a JSON list"),
-        ({}, "net.json holds nothing: a net is polygons with sides, or one of zip, pita and dform"),
-        ({"sides": []}, "net.json holds sides: a net is polygons with sides, or one of"),
+        (
+            {},
+            "net.json holds nothing: a net is polygons with sides or corners, or one of regular, zip, pita and dform",
+        ),
+        ({"sides": []}, "net.json holds sides: a net is polygons with sides or corners, or one of"),
         ({"polygons": [], "zip": {}}, "net.json holds polygons and zip: a net is"),
         ({"polygons": []}, "net.json lacks 'sides'"),
         ({"polygons": [], "sides": [], "side": 1}, "net.json has 'side', which is none of polygons, sides"),

@@ -20,7 +20,7 @@ def configure(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "input",
         metavar="FILE.json",
-        help="polygons and the pairs of sides that are glued, or a zip, a pita form or a D-form; "
+        help="polygons and their sides that are glued or the names of their corners, or a zip, a pita form or a D-form; "
         "- reads standard input",
     )
     add_output_options(parser)

@@ -102,21 +102,15 @@ def dforms() -> list[tuple[str, Net]]:
     return [(name, dform(first, second, offset, SIDES)) for name, first, second, offset in forms]
 
 
-def regular_faces(loops: Sequence[Sequence[int]]) -> Net:
+def regular_faces(loops: Sequence[Sequence[str | int]]) -> Net:
     """Regular polygons of side 1, glued as the faces of a polyhedron are.
 
     Parameters
     ----------
-    loops : sequence of sequence of int
-        The vertices of each face, counterclockwise seen from outside.
+    loops : sequence of sequence of str or int
+        The names of the corners of each face, once around it.
     """
-    polygons = [regular_polygon(len(loop)) for loop in loops]
-    side = {
-        (loop[k - 1], loop[k]): (p, (k - 1) % len(loop))
-        for p, loop in enumerate(loops)
-        for k in range(len(loop))
-    }
-    return glue(polygons, [(side[a, b], side[b, a]) for a, b in side if a < b])
+    return glue([regular_polygon(len(loop)) for loop in loops], corners=loops)
 
 
 def platonic() -> list[tuple[str, Net]]:

@@ -12,6 +12,7 @@ from scipy.sparse.csgraph import connected_components
 
 from isoembed.arrays import Floats, Indices, Mask
 from isoembed.errors import InvalidMetric, InvalidParameter
+from isoembed.gluing.named_corners import check_together, faced_alike, read_names, sides_of
 from isoembed.gluing.polygon import Polygon, side_lengths
 from isoembed.gluing.runs import Run, cut, read_sides
 from isoembed.intrinsic.ears import triangulated, twins_inside
@@ -77,7 +78,12 @@ class Net(GluedMetric):
             object.__setattr__(self, name, value)
 
 
-def glue(polygons: Sequence[ArrayLike], sides: Sequence[Any]) -> Net:
+def glue(
+    polygons: Sequence[ArrayLike],
+    sides: Sequence[Any] | None = None,
+    *,
+    corners: Sequence[Sequence[str | int]] | None = None,
+) -> Net:
     """Glue planar polygons along their sides to a polyhedral metric on the sphere: a paper net.
 
     The polygons lie on a table, face up; side k of a polygon runs from its corner k to the next.  An
@@ -95,6 +101,10 @@ def glue(polygons: Sequence[ArrayLike], sides: Sequence[Any]) -> Net:
         consecutive sides may be in line, and where in the plane they lie is all the same.
     sides : sequence of pairs
         Every point of every boundary is glued exactly once.
+    corners : sequence of sequence of str or int
+        Instead of `sides`, what each polygon's corners are called: sides whose ends have the same two names
+        are glued, as they are in a list of the faces of a polyhedron.  A polygon is turned over where its
+        names run the wrong way.
 
     Returns
     -------
@@ -108,7 +118,7 @@ def glue(polygons: Sequence[ArrayLike], sides: Sequence[Any]) -> Net:
         A polygon is not simple, two runs differ in length, a stretch is glued twice or to nothing, or the
         result is not one sphere.  Lengths that differ by less than 1e-9 of them become their mean.
     InvalidParameter
-        An identification is not of the form above.
+        An identification is not of the form above, or there are both sides and corners, or neither.
 
     Examples
     --------
@@ -117,13 +127,28 @@ def glue(polygons: Sequence[ArrayLike], sides: Sequence[Any]) -> Net:
     >>> envelope = glue([[[0, 0], [1, 0], [1, 1], [0, 1]]], [((0, k), (0, k)) for k in range(4)])
     >>> envelope.corners[0].tolist(), envelope.n_vertices
     ([0, 0, 0, 0], 5)
+
+    A tetrahedron from the names of the corners of four triangles:
+
+    >>> from isoembed.gluing import regular_polygon
+    >>> glue([regular_polygon(3)] * 4, corners=["abc", "abd", "acd", "bcd"]).n_vertices
+    4
     """
     if not isinstance(polygons, list | tuple | np.ndarray):
         raise InvalidParameter(f"the polygons are {polygons!r}, not a list of polygons")
     if len(polygons) == 0:
         raise InvalidMetric("there are no polygons")
     sheets = [Polygon.of(polygon, p) for p, polygon in enumerate(polygons)]
-    return Net(sheets, read_sides(sides, sheets))
+    if sides is not None and corners is None:
+        return Net(sheets, read_sides(sides, sheets))
+    if corners is None or sides is not None:
+        raise InvalidParameter("what is glued is told either by the sides or by the names of the corners")
+    names = read_names(corners, sheets)
+    pairs = sides_of(names, sheets)
+    sheets = faced_alike(names, sheets, pairs)
+    net = Net(sheets, read_sides(pairs, sheets))
+    check_together(names, net.corners)
+    return net
 
 
 def _cut_outlines(sheets: Sequence[Polygon], runs: Sequence[tuple[Run, Run]]) -> tuple[list[Floats], Indices]:

@@ -74,6 +74,12 @@ class Polygon:
         steps = side_lengths(corners)
         return cls(frozen(corners), turned, frozen(np.concatenate([[0.0], np.cumsum(steps)])))
 
+    def turned_over(self) -> Polygon:
+        """The same sheet seen from its back, corner 0 the same."""
+        corners = np.roll((self.corners * [-1.0, 1.0])[::-1], 1, axis=0)
+        arcs = np.concatenate([[0.0], np.cumsum(side_lengths(corners))])
+        return Polygon(frozen(corners), not self.turned, frozen(arcs))
+
     @property
     def n(self) -> int:
         """Number of corners."""

@@ -29,7 +29,7 @@ Makers = dict[str, tuple[Callable[..., Any], int, int]]
 """Shapes by name: who makes them, from how many numbers at least and at most."""
 
 NET_ENDINGS = (".json",)
-FORMS = ("polygons", "zip", "pita", "dform")
+FORMS = ("polygons", "regular", "zip", "pita", "dform")
 POLYGONS: Makers = {
     "rectangle": (rectangle, 2, 2),
     "triangle": (triangle, 3, 3),
@@ -45,9 +45,10 @@ def read_net(source: str) -> Net:
     Parameters
     ----------
     source : str
-        A ``.json`` file, or ``-`` for standard input: an object with ``polygons`` and ``sides``, as
-        `isoembed.glue` takes them, or with one of
+        A ``.json`` file, or ``-`` for standard input: an object with ``polygons`` and ``sides`` or
+        ``corners``, as `isoembed.glue` takes them, or with one of
 
+        - ``"regular": [names, ...]``: the names of the corners of regular polygons with sides of length 1
         - ``"zip": {"polygon": POLYGON, "at": position}``
         - ``"pita": {"outline": OUTLINE, "at": part, "n": sides}``
         - ``"dform": {"outlines": [OUTLINE, OUTLINE], "offset": part, "n": sides}``
@@ -102,14 +103,22 @@ def _net(document: Mapping[str, Any], name: str) -> Net:
     forms = [key for key in FORMS if key in document]
     if len(forms) != 1:
         there = " and ".join(forms) if forms else ", ".join(document) or "nothing"
-        raise FileError(f"{name} holds {there}: a net is polygons with sides, or one of zip, pita and dform")
+        raise FileError(
+            f"{name} holds {there}: a net is polygons with sides or corners, "
+            "or one of regular, zip, pita and dform"
+        )
     form = forms[0]
     if form == "polygons":
-        entries = _entries(document, name, ("polygons", "sides"))
+        how = "corners" if "corners" in document else "sides"
+        entries = _entries(document, name, ("polygons", how))
         polygons = _list(entries["polygons"], f"polygons of {name}")
         shapes = [_shape(polygon, f"polygon {p}", POLYGONS) for p, polygon in enumerate(polygons)]
-        return glue(shapes, _list(entries["sides"], f"sides of {name}"))
+        return glue(shapes, **{how: _list(entries[how], f"{how} of {name}")})
     _entries(document, name, (form,))
+    if form == "regular":
+        faces = _list(document["regular"], f"regular polygons of {name}")
+        sizes = [len(_list(face, f"corners of polygon {p}")) for p, face in enumerate(faces)]
+        return glue([regular_polygon(n) for n in sizes], corners=faces)
     if form == "zip":
         entries = _entries(document["zip"], f"zip of {name}", ("polygon", "at"))
         return zipped(_shape(entries["polygon"], "the polygon", POLYGONS), entries["at"])

@@ -1,0 +1,138 @@
+"""Polygons whose corners have names: sides that join the same two are glued."""
+
+from collections.abc import Hashable, Sequence
+from typing import Any
+
+import numpy as np
+
+from isoembed.arrays import Indices
+from isoembed.errors import InvalidMetric, InvalidParameter
+from isoembed.gluing.polygon import Polygon, side_lengths
+from isoembed.gluing.thresholds import GLUING
+
+Side = tuple[int, int]
+Names = Sequence[Sequence[Hashable]]
+
+
+def read_names(given: Any, sheets: Sequence[Polygon]) -> Names:
+    """The names of the corners of each polygon, in the order in which these were given.
+
+    Raises
+    ------
+    InvalidParameter
+        They are not the names of these corners.
+    """
+    if not isinstance(given, list | tuple) or len(given) != len(sheets):
+        raise InvalidParameter(f"the corners are not {len(sheets)} lists of names, one for each polygon")
+    for p, (names, sheet) in enumerate(zip(given, sheets, strict=True)):
+        if not isinstance(names, str | list | tuple | np.ndarray) or len(names) != sheet.n:
+            raise InvalidParameter(
+                f"corners[{p}] is {names!r}, not a list of the names of the {sheet.n} corners of polygon {p}"
+            )
+        for k, name in enumerate(names):
+            if isinstance(name, bool) or not isinstance(name, str | int | np.integer):
+                raise InvalidParameter(f"corner {k} of polygon {p} is called {name!r}, not text or a number")
+    return [list(names) for names in given]
+
+
+def sides_of(corners: Names, sheets: Sequence[Polygon]) -> list[tuple[Side, Side]]:
+    """Pairs of sides whose ends have the same names.
+
+    Raises
+    ------
+    InvalidMetric
+        A side is alone, or one of three, or as long as its partner is not.
+    """
+    found: dict[frozenset[Hashable], list[Side]] = {}
+    for p, names in enumerate(corners):
+        for k, name in enumerate(names):
+            other = names[(k + 1) % len(names)]
+            if name == other:
+                raise InvalidMetric(
+                    f"side {k} of polygon {p} has corner {name!r} at both ends: their names do not tell "
+                    "how it is glued, but sides do"
+                )
+            found.setdefault(frozenset((name, other)), []).append((p, k))
+    for some in found.values():
+        (p, k), a, b = some[0], *_ends(corners, some[0])
+        if len(some) == 1:
+            raise InvalidMetric(
+                f"side {k} of polygon {p} is glued to nothing: no other side joins corners {a!r} and {b!r}"
+            )
+        if len(some) > 2:
+            named = ", ".join(f"{m} of polygon {q}" for q, m in some)
+            raise InvalidMetric(
+                f"{len(some)} sides join corners {a!r} and {b!r}: side {named}; their names do not tell "
+                "which are glued, but sides do"
+            )
+        ours, theirs = (_length(sheets[q], m) for q, m in some)
+        if abs(ours - theirs) > GLUING.same_length * max(ours, theirs):
+            q, m = some[1]
+            raise InvalidMetric(
+                f"side {k} of polygon {p} has length {ours!r}, but side {m} of polygon {q}, which joins the "
+                f"same corners {a!r} and {b!r}, has {theirs!r}"
+            )
+    return [(one, other) for one, other in found.values()]
+
+
+def faced_alike(
+    corners: Names, sheets: Sequence[Polygon], sides: Sequence[tuple[Side, Side]]
+) -> list[Polygon]:
+    """The polygons, turned over where that makes the sides that are glued run in opposite directions.
+
+    Raises
+    ------
+    InvalidMetric
+        The surface has but one side.
+    """
+    neighbors: list[list[tuple[int, bool]]] = [[] for _ in sheets]
+    for one, other in sides:
+        against = _ends(corners, one) != _ends(corners, other)
+        p, q = one[0], other[0]
+        alike = against == (sheets[p].turned == sheets[q].turned)
+        neighbors[p].append((q, alike))
+        neighbors[q].append((p, alike))
+    over: list[bool | None] = [None] * len(sheets)
+    for begin in range(len(sheets)):
+        if over[begin] is None:
+            over[begin], waiting = False, [begin]
+            while waiting:
+                p = waiting.pop()
+                for q, alike in neighbors[p]:
+                    wanted = over[p] == alike
+                    if over[q] is None:
+                        over[q] = wanted
+                        waiting.append(q)
+                    elif over[q] != wanted:
+                        raise InvalidMetric(
+                            f"the polygons make a surface with one side, not a sphere: from polygon {begin} "
+                            f"one gets to polygon {q} face up and face down"
+                        )
+    return [sheet.turned_over() if flip else sheet for sheet, flip in zip(sheets, over, strict=True)]
+
+
+def check_together(corners: Names, vertices: Sequence[Indices]) -> None:
+    """Refuse corners of one name that became different vertices.
+
+    Raises
+    ------
+    InvalidMetric
+    """
+    first: dict[Hashable, tuple[int, int]] = {}
+    for p, (names, own) in enumerate(zip(corners, vertices, strict=True)):
+        for name, vertex in zip(names, own.tolist(), strict=True):
+            q, same = first.setdefault(name, (p, vertex))
+            if vertex != same:
+                raise InvalidMetric(
+                    f"the corners {name!r} of polygons {q} and {p} do not come together in one vertex"
+                )
+
+
+def _ends(corners: Names, side: Side) -> tuple[Hashable, Hashable]:
+    p, k = side
+    return corners[p][k], corners[p][(k + 1) % len(corners[p])]
+
+
+def _length(sheet: Polygon, k: int) -> float:
+    """Length of the side that was given as the k-th."""
+    return float(side_lengths(sheet.corners)[(-k - 1 if sheet.turned else k) % sheet.n])
