@@ -193,7 +193,7 @@ def test_a_net_with_too_much_angle_is_refused(run):
         ("[]", "net.json holds a JSON list"),
         (
             {},
-            "net.json holds nothing: a net is polygons with sides or corners, or one of regular, zip, pita and dform",
+            "net.json holds nothing: a net is polygons with sides or corners, or one of regular, zip",
         ),
         ({"sides": []}, "net.json holds sides: a net is polygons with sides or corners, or one of"),
         ({"polygons": [], "zip": {}}, "net.json holds polygons and zip: a net is"),

@@ -20,8 +20,8 @@ def configure(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "input",
         metavar="FILE.json",
-        help="polygons and their sides that are glued or the names of their corners, or a zip, a pita form or a D-form; "
-        "- reads standard input",
+        help="polygons with the pairs of sides that are glued or with names of their corners, or a zip, a "
+        "pita form or a D-form; - reads standard input",
     )
     add_output_options(parser)
     parser.add_argument(
