@@ -3,7 +3,6 @@
 import numpy as np
 
 from alexandrov import outward_hull
-from convex_cases import Redo
 
 
 def log_uniform(rng, low, high):
@@ -29,7 +28,7 @@ def with_flat_vertices(rng, points, faces, count):
     for _ in range(count):
         f, new = int(rng.integers(len(faces))), len(points)
         a, b, c = faces[f]
-        if rng.random() < 0.5:
+        if rng.random() < 0.5 or len(points) == 3:  # a triangle covered twice is no complex before that
             points.append(rng.dirichlet((2, 2, 2)) @ [points[a], points[b], points[c]])
             faces[f] = [a, b, new]
             faces += [[b, c, new], [c, a, new]]
@@ -38,8 +37,6 @@ def with_flat_vertices(rng, points, faces, count):
         points.append((1 - s) * points[a] + s * points[b])
         g = next(g for g, t in enumerate(faces) if any(t[k] == b and t[k - 2] == a for k in range(3)))
         d = next(v for v in faces[g] if v not in (a, b))
-        if c == d:
-            raise Redo
         faces[f], faces[g] = [a, new, c], [b, new, d]
         faces += [[new, b, c], [new, a, d]]
     return np.array(points), np.array(faces)

@@ -38,8 +38,6 @@ def polygons(rng):
 
 def polygons_with_flat_vertices(rng):
     points = outline(rng, 15)
-    if len(points) == 3:
-        raise Redo
     points, faces = with_flat_vertices(rng, points, two_sheets(points), int(rng.integers(1, 25)))
     return case(rng, points, faces, flat=True)
 
