@@ -11,7 +11,7 @@ from isoembed.cli.options import add_merge_option
 from isoembed.cli.parameters import configured, parameters
 from isoembed.cli.screen import UsageError
 from isoembed.errors import Interrupted
-from isoembed.io import FileError, read_checkpoint, read_metric
+from isoembed.io import MESH_ENDINGS, FileError, read_checkpoint, read_metric
 from isoembed.progress.stages import Listener
 
 
@@ -20,7 +20,7 @@ def configure(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "input",
         metavar="INPUT",
-        help="a metric (.npz or .json with faces, edges, lengths), or a mesh (.obj .ply .stl .off .vtk .vtu) "
+        help=f"a metric (.npz or .json with faces, edges, lengths), or a mesh ({' '.join(MESH_ENDINGS)}) "
         "whose lengths are taken and whose coordinates are thrown away; - reads JSON from standard input",
     )
     parser.add_argument(

@@ -5,7 +5,7 @@ import argparse
 from isoembed.cli.options import add_json_option, add_merge_option
 from isoembed.cli.screen import print_json, print_out
 from isoembed.cli.status import OK
-from isoembed.io import read_metric
+from isoembed.io import MESH_ENDINGS, read_metric
 from isoembed.metric.inspection import inspect
 
 
@@ -14,7 +14,7 @@ def configure(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "input",
         metavar="INPUT",
-        help="a metric (.npz .json), a mesh (.obj .ply .stl .off .vtk .vtu), or - for JSON on standard input",
+        help=f"a metric (.npz .json), a mesh ({' '.join(MESH_ENDINGS)}), or - for JSON on standard input",
     )
     add_merge_option(parser)
     add_json_option(parser)

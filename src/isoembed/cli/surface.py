@@ -9,7 +9,6 @@ from isoembed.cli.screen import UsageError, print_out
 from isoembed.cli.status import OK
 from isoembed.gallery import SURFACES, Surface, triangulate
 from isoembed.io import (
-    MESH_ENDINGS,
     METRIC_ENDINGS,
     SURFACE_ENDINGS,
     check_output,
@@ -43,7 +42,8 @@ def configure(parser: argparse.ArgumentParser) -> None:
         )
         add_output_option(
             options,
-            f"{' '.join(METRIC_ENDINGS)}: the metric alone; {' '.join(MESH_ENDINGS)}: the mesh",
+            f"{' '.join(METRIC_ENDINGS)}: the metric alone; "
+            f"{' '.join(name for name in SURFACE_ENDINGS if name not in METRIC_ENDINGS)}: the mesh",
             required=True,
         )
 

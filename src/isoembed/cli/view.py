@@ -11,7 +11,7 @@ from isoembed.cli.screen import UsageError, print_out
 from isoembed.cli.status import OK
 from isoembed.io import check_output, read_surface, write_atomically
 from isoembed.io.files import ending
-from isoembed.io.registry import SURFACE_ENDINGS
+from isoembed.io.registry import MESH_ENDINGS, METRIC_ENDINGS
 from isoembed.plot import PICTURE_ENDINGS, picture_writer
 from isoembed.plot.page import PAGE_ENDINGS, page_writer, write_page
 from isoembed.plot.quantity import MEAN_CURVATURE
@@ -24,8 +24,8 @@ def configure(parser: argparse.ArgumentParser) -> None:
         "file",
         type=Path,
         metavar="FILE",
-        help=f"a surface with vertices ({' '.join(SURFACE_ENDINGS)}); if it holds lengths, too, length "
-        "errors are against those",
+        help=f"a surface with vertices ({' '.join((*METRIC_ENDINGS, *MESH_ENDINGS))}); if it holds lengths, "
+        "too, length errors are against those",
     )
     add_output_option(
         parser,

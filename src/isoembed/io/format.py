@@ -30,8 +30,9 @@ class Format:
     read : callable
         Takes an `InputFile` and returns its arrays by their names: ``vertices`` (V, 3) and ``faces`` (F, 3),
         or ``faces``, ``edges`` (E, 2) and ``lengths`` (E,).
-    write : callable
-        Takes a path and such arrays, to which those of data at the vertices (V,) may be added.
+    write : callable or None
+        Takes a path and such arrays, to which those of data at the vertices (V,) may be added.  None if it is
+        only read.
     holds_metrics : bool
         It has a place for arrays of any name, so for metrics without vertices.
     repeats_vertices : bool
@@ -43,7 +44,7 @@ class Format:
 
     ending: str
     read: Callable[[InputFile], Tables]
-    write: Callable[[Path, Tables], None]
+    write: Callable[[Path, Tables], None] | None
     holds_metrics: bool = False
     repeats_vertices: bool = False
     holds_polygons: bool = False

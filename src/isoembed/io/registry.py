@@ -5,11 +5,12 @@ refers to is a `Format`.  Our own endings stay ours, and names without a dot are
 """
 
 import os
-from collections.abc import Collection
+from collections.abc import Callable, Collection
 from importlib.metadata import EntryPoint, entry_points
+from pathlib import Path
 
-from isoembed.io import json, npz, obj, off, ply, stl, vtk, vtu
-from isoembed.io.files import Tables, Writer, check_ending, check_target, ending
+from isoembed.io import gltf, json, npz, obj, off, ply, stl, vtk, vtp, vtu
+from isoembed.io.files import FileError, Tables, Writer, check_ending, check_target, ending
 from isoembed.io.format import Format, loaded
 
 
@@ -18,11 +19,22 @@ def _added(point: EntryPoint) -> Format:
     return Format(
         point.name,
         lambda file: loaded(point, Format).read(file),
-        lambda path, tables: loaded(point, Format).write(path, tables),
+        lambda path, tables: _writer(loaded(point, Format), tables)(path),
     )
 
 
-FORMATS = {module.FORMAT.ending: module.FORMAT for module in (npz, json, ply, obj, stl, off, vtk, vtu)}
+def _writer(known: Format, tables: Tables) -> Callable[[Path], None]:
+    if known.write is None:
+        raise FileError(f"files with the ending {known.ending} are read only")
+    write = known.write
+    return lambda path: write(path, tables)
+
+
+OWN = (
+    *(module.FORMAT for module in (npz, json, ply, obj, stl, off, vtk, vtu, vtp)),
+    *(gltf.GLB, gltf.GLTF),
+)
+FORMATS = {known.ending: known for known in OWN}
 ADDED = {
     point.name: point
     for point in entry_points(group="isoembed.formats")
@@ -32,7 +44,7 @@ FORMATS |= {name: _added(point) for name, point in ADDED.items()}
 
 METRIC_ENDINGS = tuple(name for name, known in FORMATS.items() if known.holds_metrics)
 MESH_ENDINGS = tuple(name for name in FORMATS if name not in METRIC_ENDINGS)
-SURFACE_ENDINGS = tuple(FORMATS)
+SURFACE_ENDINGS = tuple(name for name, known in FORMATS.items() if known.write is not None)
 
 
 def check_output(path: str | os.PathLike[str], known: Collection[str]) -> None:
@@ -53,9 +65,9 @@ def check_output(path: str | os.PathLike[str], known: Collection[str]) -> None:
     check_ending(path, known, of=ending)
     check_target(path)
     if known == SURFACE_ENDINGS and ending(path) in ADDED:
-        loaded(ADDED[ending(path)], Format)
+        _writer(loaded(ADDED[ending(path)], Format), {})
 
 
 def tables_writer(path: str | os.PathLike[str], tables: Tables) -> Writer:
     """Writer of arrays in the format of this ending; see `write_atomically`."""
-    return lambda temporary: FORMATS[ending(path)].write(temporary, tables)
+    return _writer(FORMATS[ending(path)], tables)

@@ -7,7 +7,7 @@ import base64
 import lzma
 import re
 import zlib
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator, Sequence
 from itertools import pairwise
 from pathlib import Path
 from typing import Any
@@ -16,13 +16,14 @@ from xml.etree import ElementTree
 import numpy as np
 from numpy.typing import NDArray
 
+from isoembed.arrays import Floats
 from isoembed.errors import InvalidMetric
 from isoembed.io.expansion import check_expansion
 from isoembed.io.files import FileError, Tables
 from isoembed.io.format import Format, flattened
 from isoembed.io.input_file import InputFile
 from isoembed.io.text_scan import numbers
-from isoembed.io.vtk import POLYGON, TRIANGLE, polygons
+from isoembed.io.vtk import POLYGON, TRIANGLE, Polygons, joined, polygons
 
 CODES = {
     **{"Int8": "i1", "Int16": "i2", "Int32": "i4", "Int64": "i8", "Float32": "f4", "Float64": "f8"},
@@ -41,44 +42,7 @@ BLOCK = 1 << 15  # bytes that are compressed together
 CELLS = ("connectivity", "offsets", "types")
 
 
-def read(file: InputFile) -> Tables:
-    """Read vertices and faces; data at them are left aside.
-
-    Raises
-    ------
-    FileError
-        It is something else, cut short or damaged.
-    InvalidMetric
-        A cell is no polygon.
-    """
-    vertices, faces, n = [], list[Any](), 0
-    try:
-        source = _Source(file)
-        for piece in source.root.iterfind("UnstructuredGrid/Piece"):
-            points = source.array(piece, "Points/DataArray").astype(np.float64).reshape(-1, 3)
-            corners, ends, types = (source.array(piece, f"Cells/DataArray[@Name='{name}']") for name in CELLS)
-            rows = polygons(file, corners, ends, len(points), types=types)
-            vertices.append(points)
-            faces += [rows + n] if isinstance(rows, np.ndarray) else [[c + n for c in row] for row in rows]
-            n += len(points)
-        if not vertices:
-            raise ValueError("there is no Piece of an UnstructuredGrid")
-    except (
-        ValueError,
-        LookupError,  # an encoding that Python does not know
-        ElementTree.ParseError,
-        zlib.error,
-        lzma.LZMAError,
-        EOFError,
-    ) as error:
-        if isinstance(error, FileError | InvalidMetric):
-            raise
-        raise FileError(f"{file} is not a readable VTU file: {error}".splitlines()[0]) from None
-    tables = all(isinstance(part, np.ndarray) for part in faces)
-    return {"vertices": np.concatenate(vertices), "faces": np.concatenate(faces) if tables else faces}
-
-
-class _Source:
+class Source:
     """The arrays of a document."""
 
     def __init__(self, file: InputFile) -> None:
@@ -96,6 +60,7 @@ class _Source:
         self.decompressor = self.choice("compressor", "", DECOMPRESSORS)
 
     def choice(self, name: str, default: str, known: dict[str, Any]) -> Any:
+        """What an attribute of the root stands for."""
         value = self.root.get(name, default)
         if value not in known:
             raise ValueError(f"its {name} {value!r} is not known")
@@ -147,25 +112,105 @@ class _Source:
         return np.frombuffer(content, self.order + CODES[kind])
 
 
+def read(file: InputFile) -> Tables:
+    """Read vertices and faces; data at them are left aside.
+
+    Raises
+    ------
+    FileError
+        It is something else, cut short or damaged.
+    InvalidMetric
+        A cell is no polygon.
+    """
+    return read_pieces(file, "UnstructuredGrid", _cells)
+
+
+def read_pieces(
+    file: InputFile, kind: str, cells: Callable[[InputFile, Source, ElementTree.Element, int], Polygons]
+) -> Tables:
+    """Vertices and faces of the pieces of a document, one piece after the other.
+
+    Parameters
+    ----------
+    file : InputFile
+    kind : str
+        What the pieces are pieces of.
+    cells : callable
+        Takes the file, the document, a piece and its number of points, and returns its polygons.
+
+    Raises
+    ------
+    FileError
+        It is something else, cut short or damaged.
+    """
+    vertices, faces, n = list[Floats](), list[Polygons](), 0
+    try:
+        source = Source(file)
+        for piece in source.root.iterfind(f"{kind}/Piece"):
+            points = source.array(piece, "Points/DataArray").astype(np.float64).reshape(-1, 3)
+            rows = cells(file, source, piece, len(points))
+            vertices.append(points)
+            faces.append(rows + n if isinstance(rows, np.ndarray) else [[c + n for c in row] for row in rows])
+            n += len(points)
+        if not vertices:
+            raise ValueError(f"there is no Piece of {'an' if kind[0] in 'AEIOU' else 'a'} {kind}")
+    except (
+        ValueError,
+        LookupError,  # an encoding that Python does not know
+        ElementTree.ParseError,
+        zlib.error,
+        lzma.LZMAError,
+        EOFError,
+    ) as error:
+        if isinstance(error, FileError | InvalidMetric):
+            raise
+        what = file.ending[1:].upper()
+        raise FileError(f"{file} is not a readable {what} file: {error}".splitlines()[0]) from None
+    return {"vertices": np.concatenate(vertices), "faces": joined(faces)}
+
+
+def _cells(file: InputFile, source: Source, piece: ElementTree.Element, n_points: int) -> Polygons:
+    corners, ends, types = (source.array(piece, f"Cells/DataArray[@Name='{name}']") for name in CELLS)
+    return polygons(file, corners, ends, n_points, types=types)
+
+
 def write(path: Path, tables: Tables) -> None:
     """Write a binary grid with the data at the vertices."""
-    points, (corners, sizes) = np.asarray(tables["vertices"]), flattened(tables["faces"])
+    corners, sizes = flattened(tables["faces"])
+    types = np.where(sizes == 3, TRIANGLE, POLYGON).astype("u1")
+    write_piece(path, tables, ("UnstructuredGrid", "Cells"), (corners, np.cumsum(sizes), types))
+
+
+def write_piece(path: Path, tables: Tables, names: tuple[str, str], cells: Sequence[NDArray[Any]]) -> None:
+    """Write a document of one piece with the data at its vertices.
+
+    Parameters
+    ----------
+    path : path
+    tables : mapping of str to ndarray
+        The vertices, and the data at them.
+    names : pair of str
+        What the piece is a piece of, and what its cells are called.
+    cells : sequence of ndarray
+        The corners of the cells, where those of each end, and maybe the types of cells.
+    """
+    points = np.asarray(tables["vertices"])
     data = {key: np.asarray(value) for key, value in tables.items() if key not in ("vertices", "faces")}
-    cells = (corners, np.cumsum(sizes), np.where(sizes == 3, TRIANGLE, POLYGON).astype("u1"))
+    kind, what = names
     with path.open("w", encoding="ascii") as file:
         file.write(
-            '<?xml version="1.0"?>\n<VTKFile type="UnstructuredGrid" version="0.1" byte_order="LittleEndian" '
-            'header_type="UInt32" compressor="vtkZLibDataCompressor">\n<UnstructuredGrid>\n'
-            f'<Piece NumberOfPoints="{len(points)}" NumberOfCells="{len(sizes)}">\n<Points>\n'
+            f'<?xml version="1.0"?>\n<VTKFile type="{kind}" version="0.1" byte_order="LittleEndian" '
+            f'header_type="UInt32" compressor="vtkZLibDataCompressor">\n<{kind}>\n'
+            f'<Piece NumberOfPoints="{len(points)}" NumberOf{what}="{len(cells[1])}">\n<Points>\n'
         )
         file.writelines(_element("Points", points, ' NumberOfComponents="3"'))
-        file.write("</Points>\n<Cells>\n")
-        for name, array in zip(CELLS, cells, strict=True):
+        file.write(f"</Points>\n<{what}>\n")
+        for name, array in zip(CELLS, cells, strict=False):
             file.writelines(_element(name, array))
-        file.write("</Cells>\n<PointData>\n")
+        file.write(f"</{what}>\n<PointData>\n")
         for name, array in data.items():
             file.writelines(_element(name, array))
-        file.write("</PointData>\n</Piece>\n</UnstructuredGrid>\n</VTKFile>\n")
+        file.write(f"</PointData>\n</Piece>\n</{kind}>\n</VTKFile>\n")
 
 
 def _element(name: str, array: NDArray[Any], shape: str = "") -> Iterator[str]:
