@@ -5,7 +5,7 @@ import pytest
 
 import isoembed
 from isoembed.gluing.classics import CLASSICS
-from isoembed.io import write_surface
+from isoembed.io import InputFile, write_surface
 from isoembed.io.registry import FORMATS
 from isoembed.io.surface import polygon_faces
 
@@ -40,6 +40,9 @@ def written(surface, ending, path):
         return [list(map(int, line.split()[1:])) for line in path.read_text().splitlines()[-12:]]
     if ending == ".fold":
         return pytest.importorskip("json").loads(path.read_text())["faces_vertices"]
+    if ending == ".vtp":
+        with InputFile(path) as file:
+            return list(FORMATS[ending].read(file)["faces"])
     meshio = pytest.importorskip("meshio")
     return [face for block in meshio.read(path).cells for face in block.data]
 

@@ -16,7 +16,7 @@ from isoembed.cli import main
 from isoembed.io import SURFACE_ENDINGS, check_output
 from isoembed.io.registry import FORMATS
 
-assert SURFACE_ENDINGS[-2:] == (".vtu", ".bad"), SURFACE_ENDINGS
+assert SURFACE_ENDINGS[-2:] == (".vtp", ".bad"), SURFACE_ENDINGS
 assert FORMATS[".json"].holds_metrics and FORMATS[".npz"].holds_metrics
 check_output("a.npz", SURFACE_ENDINGS)
 ellipsoid = ["surface", "ellipsoid", "--axes", "1.5", "1.2", "1", "--vertices", "100", "-o"]

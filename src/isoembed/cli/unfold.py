@@ -3,11 +3,11 @@
 import argparse
 from pathlib import Path
 
-from isoembed.cli.options import add_output_option, add_quiet_option
+from isoembed.cli.options import add_merge_option, add_output_option, add_quiet_option
 from isoembed.cli.screen import UsageError, print_out
 from isoembed.cli.status import OK
 from isoembed.gluing import unfold
-from isoembed.io import SURFACE_ENDINGS, check_output, read_surface, write_atomically
+from isoembed.io import MESH_ENDINGS, METRIC_ENDINGS, check_output, read_surface, write_atomically
 from isoembed.io.files import ending
 from isoembed.io.net import NET_ENDINGS, net_writer
 from isoembed.plot.paper.placing import PAPERS
@@ -20,7 +20,7 @@ def configure(parser: argparse.ArgumentParser) -> None:
         "file",
         type=Path,
         metavar="FILE",
-        help=f"a surface with vertices ({' '.join(SURFACE_ENDINGS)}), as 'isoembed embed' writes it",
+        help=f"a surface with vertices ({' '.join((*METRIC_ENDINGS, *MESH_ENDINGS))}), as 'isoembed embed' writes it",
     )
     add_output_option(
         parser,
@@ -35,6 +35,7 @@ def configure(parser: argparse.ArgumentParser) -> None:
         metavar="MM",
         help="millimeters a unit of the solid (default: the largest with which each sheet fits on a page)",
     )
+    add_merge_option(parser)
     add_quiet_option(parser)
 
 
@@ -47,7 +48,7 @@ def run(options: argparse.Namespace) -> int:
     drawing = {name: value for name in ("paper", "scale") if (value := getattr(options, name)) is not None}
     if drawing and ending(output) in NET_ENDINGS:
         raise UsageError(f"--{next(iter(drawing))} is for nets on pages ({' '.join(SHEET_ENDINGS)})")
-    unfolding = unfold(read_surface(options.file))
+    unfolding = unfold(read_surface(options.file, merge=options.merge))
     if ending(output) in NET_ENDINGS:
         writer = net_writer(unfolding)
     else:
