@@ -20,7 +20,8 @@ def configure(parser: argparse.ArgumentParser) -> None:
         "file",
         type=Path,
         metavar="FILE",
-        help=f"a surface with vertices ({' '.join((*METRIC_ENDINGS, *MESH_ENDINGS))}), as 'isoembed embed' writes it",
+        help=f"a surface with vertices ({' '.join((*METRIC_ENDINGS, *MESH_ENDINGS))}), as 'isoembed embed' "
+        "writes it",
     )
     add_output_option(
         parser,
