@@ -11,7 +11,7 @@ from isoembed.arrays import Floats, Indices
 from isoembed.errors import InvalidMetric, InvalidParameter, MeshNote
 from isoembed.mesh.checks import polygon_corners, real_array
 from isoembed.mesh.merging import representatives, without_repetitions
-from isoembed.metric.polygon_faces import POLYGONS, PolygonFaces
+from isoembed.metric.polygon_faces import POLYGON_FACES, PolygonFaces
 from isoembed.thresholds import threshold
 
 
@@ -153,7 +153,7 @@ def _cut(points: Floats, corners: Indices, sizes: Indices) -> Indices:
     polygons = PolygonFaces(points, corners, sizes)
     triangles = polygons.triangles()
     warps = polygons.warps
-    warped = warps > POLYGONS.planar
+    warped = warps > POLYGON_FACES.planar
     if warped.any():
         f = int(np.argmax(warped))
         _say(

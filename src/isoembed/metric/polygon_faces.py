@@ -14,7 +14,7 @@ from isoembed.thresholds import threshold
 
 
 @dataclass(frozen=True)
-class PolygonThresholds:
+class PolygonFaceThresholds:
     """Thresholds of polygons in space."""
 
     planar: float = threshold(
@@ -24,7 +24,7 @@ class PolygonThresholds:
     tie: float = threshold(1e-9, "radians", "Rounding of angles that make two diagonals equally good.")
 
 
-POLYGONS = PolygonThresholds()
+POLYGON_FACES = PolygonFaceThresholds()
 
 
 @dataclass(frozen=True, eq=False)
@@ -122,7 +122,7 @@ class PolygonFaces:
         def turns(i: int, j: int, k: int) -> Floats:
             return (np.cross(p[:, j] - p[:, i], p[:, k] - p[:, i]) * normals).sum(axis=1) / 2
 
-        least = POLYGONS.area * areas
+        least = POLYGON_FACES.area * areas
         first = np.minimum(turns(0, 1, 2), turns(0, 2, 3)) > least
         second = np.minimum(turns(0, 1, 3), turns(1, 2, 3)) > least
         if not (first | second).all():
@@ -131,7 +131,7 @@ class PolygonFaces:
         back = -np.roll(sides, 1, axis=1)
         across = np.linalg.norm(np.cross(sides, back), axis=2)
         angles = np.arctan2(across, (sides * back).sum(axis=2))
-        better = angles[:, [1, 3]].sum(axis=1) <= angles[:, [0, 2]].sum(axis=1) + POLYGONS.tie
+        better = angles[:, [1, 3]].sum(axis=1) <= angles[:, [0, 2]].sum(axis=1) + POLYGON_FACES.tie
         use = first & (better | ~second)
         return np.where(use[:, None, None], [[0, 1, 2], [0, 2, 3]], [[0, 1, 3], [1, 2, 3]])
 
@@ -143,7 +143,7 @@ class PolygonFaces:
             size = np.abs(arms).max()
             area = np.linalg.norm(normal)
             triangles = None
-            if area > POLYGONS.area * size**2:
+            if area > POLYGON_FACES.area * size**2:
                 along = np.cross(np.eye(3)[np.argmin(np.abs(normal))], normal / area)
                 along /= np.linalg.norm(along)
                 plane = np.stack([along, np.cross(normal / area, along)], axis=1)
@@ -181,4 +181,4 @@ class PolygonFaces:
         """Whether triangles are turned like a polygon."""
         a, b, c = np.moveaxis(self.points[triangles], 1, 0)
         turns = np.cross(b - a, c - a) @ self.normals[f] / 2
-        return bool((turns > POLYGONS.area * (self.normals[f] ** 2).sum()).all())
+        return bool((turns > POLYGON_FACES.area * (self.normals[f] ** 2).sum()).all())
