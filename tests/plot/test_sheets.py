@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 from scipy.spatial import ConvexHull
 
+import solids
 import zoo
 from exact import is_simple
 from gluing_polygons import shoelace
@@ -90,6 +91,17 @@ def test_valleys_of_a_surface_that_is_not_convex():
     drawing = drawn(net)
     assert len(drawing.valleys) == sum(int((angles < 0).sum()) for angles in net.angles) > 0
     assert "dash-dotted" in drawing.notes[0].text
+
+
+def test_faces_that_rounding_bent_are_not_folded():
+    vertices = solids.uniform("dodecahedron")
+    net = net_of(vertices.round(5), solids.triangles(solids.polygons(vertices)))
+    assert sum(map(len, net.folds)) > 11  # diagonals of the pentagons, too
+    drawing = drawn(net)
+    assert len(drawing.mountains) == 11 + len(net.sides) == 11 + 19
+    assert not drawing.valleys
+    long = (1 + 5**0.5) / 2 * drawing_scale(drawing)
+    assert max(np.hypot(*(b - a)) for a, b in drawing.mountains) < 0.9 * long
 
 
 def test_numbers_that_are_others_upside_down_are_underlined():

@@ -60,6 +60,7 @@ def true_faces(triangulation: Triangulation, vertices: Floats) -> Faces:
         raise InvalidMetric(f"face {f} {t.faces[f].tolist()} is so thin that it lies in no plane")
     bend = dihedral_angles(t, vertices)[t.face_edges.ravel()]
     creased = np.abs(bend) > DIHEDRAL.flat
+    bend[~creased] = 0.0
     faces = flat_faces(t, creased)
     creased |= np.repeat(_no_polygons(t, vertices, creased, faces)[faces], 3)
     straight = _straight(t, vertices, creased)

@@ -22,6 +22,7 @@ class UnfoldingThresholds:
 
     directions: int = threshold(50, "count", "Directions that are tried to unfold a surface into one sheet.")
     exchanges: int = threshold(450, "count", "Attempts afterwards to get fewer sheets from the best one.")
+    sharp: float = threshold(1e-3, "radians", "Edges that bend less are not cut where others can be.")
     seed: int = threshold(0, "seed", "Of the directions and of the attempts.")
 
 
@@ -137,15 +138,17 @@ def _fewest(faces: Faces, directions: Floats) -> tuple[Floats, Indices, Indices]
 def _order(faces: Faces, directions: Floats, up: Floats) -> Indices:
     """Sides, those first across which the faces should stay together."""
     slopes = directions @ (up / np.linalg.norm(up))
-    along = np.abs(slopes)
-    # Of the sides that begin at a vertex, the steepest is cut.
-    by_slope = np.lexsort([slopes, faces.corners])
-    last = np.append(np.diff(faces.corners[by_slope]) != 0, True)
-    cut = by_slope[last]
-    cut = cut[slopes[cut] > 0]
-    along[cut] += 1.0
-    along[faces.twins[cut]] += 1.0
-    along[faces.angles == 0] = -1.0
+    sharp = np.abs(faces.angles) > UNFOLDING.sharp
+    faceted = np.bincount(faces.corners, sharp) > 0
+    # Of the sides that lead up from a vertex the steepest is cut, and no diagonal of a face.
+    climb = np.where(sharp | ~faceted[faces.corners], slopes, 0.0)
+    by_climb = np.lexsort([climb, faces.corners])
+    steepest = by_climb[np.append(np.diff(faces.corners[by_climb]) != 0, True)]
+    cut = np.zeros(len(slopes), dtype=np.bool_)
+    cut[steepest] = climb[steepest] > 0
+    cut |= cut[faces.twins]
+    along = np.where(sharp, np.abs(slopes), -1.0)
+    along[cut] = 1.0 + np.abs(slopes[cut])
     order = np.argsort(along, kind="stable")
     return order[order < faces.twins[order]]
 

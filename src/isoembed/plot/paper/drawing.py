@@ -11,6 +11,7 @@ from isoembed.plot.paper.placing import PAPERS, placed
 from isoembed.plot.paper.tabs import tabs
 
 NOTE = 3.0  # mm, the size of the line at the foot
+LEAST = 1e-3  # radians; nobody folds by less
 
 
 @dataclass(frozen=True, eq=False)
@@ -59,10 +60,14 @@ def drawn(unfolding: Unfolding, *, paper: str = "A4", scale: float | None = None
     """
     places, pages, scale = placed(unfolding.sheets, paper, scale)
     outlines = [place.put(sheet) for place, sheet in zip(places, unfolding.sheets, strict=True)]
-    folds = [place.put(some) for place, some in zip(places, unfolding.folds, strict=True)]
+    angles = [some[np.abs(some) > LEAST] for some in unfolding.angles]
+    folds = [
+        place.put(some[np.abs(bent) > LEAST])
+        for place, some, bent in zip(places, unfolding.folds, unfolding.angles, strict=True)
+    ]
     standing = tabs(outlines, unfolding.sides)
     cuts, mountains, valleys = [], [], []
-    for p, (outline, inside, angles) in enumerate(zip(outlines, folds, unfolding.angles, strict=True)):
+    for p, (outline, inside, bent) in enumerate(zip(outlines, folds, angles, strict=True)):
         around: list[Floats] = []
         for k, corner in enumerate(outline):
             around.append(corner)
@@ -70,8 +75,8 @@ def drawn(unfolding: Unfolding, *, paper: str = "A4", scale: float | None = None
                 around += list(standing[p, k])
                 mountains.append(outline[[k, (k + 1) % len(outline)]])
         cuts.append(np.array(around))
-        mountains += list(inside[angles > 0])
-        valleys += list(inside[angles <= 0])
+        mountains += list(inside[bent > 0])
+        valleys += list(inside[bent < 0])
     width, height = PAPERS[paper]
     middle, foot = width / 2, height - 2 * NOTE
     notes = [
