@@ -20,6 +20,8 @@ from isoembed.strict_json import strict_json
 ROWS = {"faces": "face", "edges": "edge", "vertices": "vertex"}
 PLAIN = {"lengths": "length"}
 
+Document = dict[str, Any]
+
 
 def read(file: InputFile) -> Tables:
     """Read a file; see `parse`."""
@@ -34,7 +36,7 @@ def read_standard_input() -> Tables:
     return parse(stream.read(), "standard input")
 
 
-def parse(data: bytes, name: str) -> Tables:
+def parse(data: bytes, name: str, chosen: Callable[[Document], Document] | None = None) -> Tables:
     """Read the tables of a JSON object that a metric may consist of; other entries are left aside.
 
     Parameters
@@ -43,6 +45,8 @@ def parse(data: bytes, name: str) -> Tables:
         UTF-8.
     name : str
         What the data is called in a message.
+    chosen : callable, optional
+        Takes the object and returns that of the tables.
 
     Returns
     -------
@@ -56,11 +60,12 @@ def parse(data: bytes, name: str) -> Tables:
     InvalidMetric
         A table holds something else than numbers.
     """
+    choose = chosen or dict
     try:
-        usual = _usual_tables(_document(data, name))
+        usual = _usual_tables(choose(_document(data, name)))
     except (ValueError, OverflowError):  # an integer beyond what Python or numpy take
         usual = None
-    return _any_tables(_document(data, name, _integer)) if usual is None else usual
+    return _any_tables(choose(_document(data, name, _integer))) if usual is None else usual
 
 
 def write(path: Path, tables: Tables) -> None:

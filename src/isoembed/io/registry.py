@@ -9,7 +9,7 @@ from collections.abc import Callable, Collection
 from importlib.metadata import EntryPoint, entry_points
 from pathlib import Path
 
-from isoembed.io import gltf, json, npz, obj, off, ply, stl, vtk, vtp, vtu
+from isoembed.io import fold, gltf, json, npz, obj, off, ply, stl, vtk, vtp, vtu
 from isoembed.io.files import FileError, Tables, Writer, check_ending, check_target, ending
 from isoembed.io.format import Format, loaded
 
@@ -31,7 +31,7 @@ def _writer(known: Format, tables: Tables) -> Callable[[Path], None]:
 
 
 OWN = (
-    *(module.FORMAT for module in (npz, json, ply, obj, stl, off, vtk, vtu, vtp)),
+    *(module.FORMAT for module in (npz, json, ply, obj, stl, off, fold, vtk, vtu, vtp)),
     *(gltf.GLB, gltf.GLTF),
 )
 FORMATS = {known.ending: known for known in OWN}

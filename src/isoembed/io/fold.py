@@ -1,0 +1,163 @@
+"""FOLD, the format of origami (https://github.com/edemaine/fold, specification 1.1): faces and folds in JSON.
+
+A frame with coordinates is read as a mesh, one with edge lengths alone as a metric.  The convex folds of a
+surface that is seen from outside are mountains.
+"""
+
+from collections import Counter
+from collections.abc import Iterator
+from itertools import pairwise
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from isoembed.arrays import Floats, Indices
+from isoembed.io import json
+from isoembed.io.files import FileError, Tables
+from isoembed.io.format import Format, Polygons, flattened
+from isoembed.io.input_file import InputFile
+from isoembed.strict_json import strict_json
+from isoembed.surface.curvature import DIHEDRAL
+from isoembed.version import __version__
+
+Frame = dict[str, Any]
+
+NAMES = {
+    "faces": "faces_vertices",
+    "vertices": "vertices_coords",
+    "edges": "edges_vertices",
+    "lengths": "edges_length",
+}
+
+
+def read(file: InputFile) -> Tables:
+    """Read the first frame that is a closed surface, or the first that has faces.
+
+    Raises
+    ------
+    FileError
+        It is not FOLD, has no faces, or is a flat sheet with a boundary.
+    InvalidMetric
+        A table holds something else than numbers.
+    """
+    return json.parse(file.data, str(file), lambda document: _tables(document, str(file)))
+
+
+def _tables(document: Frame, name: str) -> Frame:
+    """The tables of a surface or a metric by our names."""
+    frames = [frame for frame in _frames(document, name) if frame.get(NAMES["faces"]) is not None]
+    if not frames:
+        raise FileError(
+            f"{name} has no faces_vertices: a surface needs them, with vertices_coords or edges_length"
+        )
+    frame = next((frame for frame in frames if _open_side(frame) is None), frames[0])
+    tables = {ours: frame[theirs] for ours, theirs in NAMES.items() if frame.get(theirs) is not None}
+    if "vertices" in tables:
+        points = tables["vertices"]
+        if _is_flat(points):
+            if (side := _open_side(frame)) is not None:
+                raise FileError(
+                    f"{name} is a flat sheet with a boundary, as from vertex {side[0]} to {side[1]}: say "
+                    "what is glued in a net for 'isoembed glue', or give the folded form, closed and in space"
+                )
+            tables["vertices"] = [[*point, 0.0] for point in points]
+        return {key: tables[key] for key in ("vertices", "faces")}  # which the lengths are those of
+    sizes = [len(face) if isinstance(face, list) else 0 for face in _list(tables["faces"])]
+    if "lengths" in tables and max(sizes, default=0) > 3:
+        k = next(k for k, size in enumerate(sizes) if size > 3)
+        raise FileError(
+            f"{name}: face {k} has {sizes[k]} corners, and the lengths of its sides do not tell its shape; "
+            "cut it into triangles"
+        )
+    return tables
+
+
+def _list(given: Any) -> list[Any]:
+    """A list, which is empty if it is something else: that is refused where tables are checked."""
+    return given if isinstance(given, list) else []
+
+
+def _frames(document: Frame, name: str) -> Iterator[Frame]:
+    """All frames, with what they inherit."""
+    others = document.get("file_frames") or []
+    if not isinstance(others, list) or not all(isinstance(frame, dict) for frame in others):
+        raise FileError(f"{name}: its file_frames are not a list of frames")
+    frames = [document, *others]
+    for k, frame in enumerate(frames):
+        inherited, at, seen = dict(frame), k, {k}
+        while at > 0 and frames[at].get("frame_inherit") is True:
+            at = frames[at].get("frame_parent", 0)
+            if isinstance(at, bool) or not isinstance(at, int) or not 0 <= at < len(frames) or at in seen:
+                raise FileError(f"{name}: frame {k} inherits from frame {at!r}, which it cannot")
+            seen.add(at)
+            inherited = frames[at] | inherited
+        yield inherited
+
+
+def _open_side(frame: Frame) -> tuple[int, int] | None:
+    """A side that is in one face only; None if there is none, or the faces are not lists of numbers."""
+    counts: Counter[tuple[int, int]] = Counter()
+    for face in _list(frame[NAMES["faces"]]):
+        if not isinstance(face, list) or not all(type(corner) is int for corner in face):
+            return None
+        counts.update((min(pair), max(pair)) for pair in pairwise([*face, *face[:1]]))
+    return next((side for side, count in counts.items() if count == 1), None)
+
+
+def _is_flat(points: Any) -> bool:
+    return isinstance(points, list) and all(isinstance(point, list) and len(point) == 2 for point in points)
+
+
+def write(path: Path, tables: Tables) -> None:
+    """Write vertices, faces, and the edges between them: their lengths and folds."""
+    vertices, faces = np.asarray(tables["vertices"], dtype=np.float64), tables["faces"]
+    edges, lengths, angles, inner = _edges(vertices, faces)
+    letters = np.where(angles == 0, "F", np.where(angles < 0, "M", "V"))
+    document = {
+        "file_spec": 1.1,
+        "file_creator": f"isoembed {__version__}",
+        "file_classes": ["singleModel"],
+        "frame_classes": ["foldedForm"],
+        "frame_attributes": ["3D", "manifold", "orientable"],
+        "vertices_coords": vertices.tolist(),
+        "edges_vertices": edges.tolist(),
+        "edges_assignment": np.where(inner, letters, "B").tolist(),
+        "edges_foldAngle": angles.tolist(),
+        "edges_length": lengths.tolist(),
+        "faces_vertices": [np.asarray(face).tolist() for face in faces],
+    }
+    for key, values in tables.items():
+        if key not in ("vertices", "faces"):
+            document[f"vertices_isoembed:{key}"] = np.asarray(values).tolist()
+    path.write_text(strict_json(document) + "\n", encoding="utf-8")
+
+
+def _edges(vertices: Floats, faces: Polygons) -> tuple[Indices, Floats, Floats, np.ndarray]:
+    """Edges, their lengths, their fold angles in degrees (mountains negative), and which are in two faces."""
+    corners, sizes = flattened(faces)
+    after = np.arange(1, len(corners) + 1)
+    after[np.cumsum(sizes) - 1] = np.cumsum(sizes) - sizes
+    starts, ends, owners = corners, corners[after], np.repeat(np.arange(len(sizes)), sizes)
+    rising = starts < ends
+    edges, number = np.unique(np.sort(np.column_stack([starts, ends]), axis=1), axis=0, return_inverse=True)
+    left, right = np.full(len(edges), -1), np.full(len(edges), -1)
+    left[number[rising]], right[number[~rising]] = owners[rising], owners[~rising]
+    inner = (left >= 0) & (right >= 0)
+    size = float(np.abs(vertices).max()) or 1.0
+    points = vertices / size
+    arms = points[corners] - np.repeat(points[corners[np.cumsum(sizes) - sizes]], sizes, axis=0)
+    normals = np.add.reduceat(np.cross(arms, arms[after]), np.cumsum(sizes) - sizes)
+    normals /= np.maximum(np.linalg.norm(normals, axis=1, keepdims=True), np.finfo(float).tiny)
+    along = points[edges[:, 1]] - points[edges[:, 0]]
+    lengths = np.linalg.norm(along, axis=1)
+    along /= np.maximum(lengths, np.finfo(float).tiny)[:, None]
+    sine = (np.cross(normals[left], normals[right]) * along).sum(axis=1)
+    cosine = (normals[left] * normals[right]).sum(axis=1)
+    sine = np.where((cosine < 0) & (np.abs(sine) < DIHEDRAL.shut), np.abs(sine), sine)
+    bend = np.arctan2(sine, cosine)
+    bend[~inner | (np.abs(bend) <= DIHEDRAL.flat)] = 0.0
+    return edges, lengths * size, 0.0 - np.degrees(bend), inner
+
+
+FORMAT = Format(".fold", read, write, holds_polygons=True)
