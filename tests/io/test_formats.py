@@ -235,7 +235,7 @@ CELL_TYPES 1
 @pytest.mark.parametrize(
     ("name", "content", "sentence"),
     [
-        ("a.xyz", "", "not one of .npz .json .ply .obj .stl .off .fold .vtk .vtu"),
+        ("a.xyz", "", "not one of .npz .json .ply .obj .stl .off .fold .vtk .vtu .vtp"),
         ("noending", "", "has no ending"),
         ("a.npz", "", "is not an npz archive"),
         ("a.npz", "hello", "is not an npz archive"),
