@@ -3,10 +3,10 @@
 import argparse
 import sys
 from collections.abc import Callable, Collection
+from contextlib import nullcontext
 from pathlib import Path
 
 import isoembed
-from isoembed.cli.live import live_view
 from isoembed.cli.options import add_json_option, add_output_option, add_quiet_option
 from isoembed.cli.outputs import Outputs
 from isoembed.cli.pictures import PICTURES, add_picture_options, check_pictures, picture_writers
@@ -17,6 +17,7 @@ from isoembed.errors import NotEmbedded
 from isoembed.io import REPORT_ENDINGS, SURFACE_ENDINGS, report_writer, surface_writer
 from isoembed.io.files import Writer
 from isoembed.plot.film import Film
+from isoembed.progress import bar
 from isoembed.progress.stages import Listener, Progress
 
 
@@ -106,7 +107,8 @@ def solved(
 ) -> tuple[isoembed.Embedding, str | None]:
     """Solve under a live view; return the surface, or the best attempt and why it is no answer."""
     try:
-        with live_view(not quiet and sys.stderr is not None and sys.stderr.isatty()) as view:
+        watched = not quiet and sys.stderr is not None and sys.stderr.isatty()
+        with bar() if watched else nullcontext() as view:
             return solve(heard_by(view, film)), None
     except NotEmbedded as error:
         return error.embedding, str(error)

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import time
 from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
 from dataclasses import dataclass, field
@@ -12,8 +11,12 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from isoembed.arrays import Floats
+from isoembed.progress.compiling import COMPILING, working_clock
 from isoembed.progress.fingerprint import Fingerprint
 from isoembed.progress.time_left import TimeLeft
+
+COMPILATION = "compilation"
+"""The name of the stage that is recorded before one in which functions were compiled."""
 
 
 @dataclass(frozen=True)
@@ -23,11 +26,12 @@ class Stage:
     Attributes
     ----------
     name : str
-        What the stage is called in the method's description.
+        What the stage is called in the method's description; or ``"compilation"``, before the stage that
+        needed it.
     seconds : float
-        Wall-clock time.
+        Wall-clock time, compilation left out.
     iterations : int
-        Iterations of the stage's outer loop (Newton steps, right-hand sides, layers).
+        Iterations of the stage's outer loop (Newton steps, right-hand sides, layers); functions compiled.
     factorizations : int
         Sparse factorizations.
     """
@@ -55,7 +59,7 @@ class Progress:
     inverted, partially_inverted : int or None
         Vertices of that kind.
     seconds : float
-        Since the computation began.
+        Since the computation began, compilation left out.
     level : str or None
         What size of problem the stage is working on, such as ``"40,000 vertices"``.
     remaining : float or None
@@ -173,7 +177,7 @@ class Log:
     fingerprint : Fingerprint, optional
         What is being computed.
     clock : callable
-        The time in seconds.
+        The time in seconds; by default it stands still while functions are compiled.
 
     Attributes
     ----------
@@ -188,7 +192,7 @@ class Log:
     listener: Listener | None = None
     resumed: Checkpoint | None = None
     fingerprint: Fingerprint | None = None
-    clock: Callable[[], float] = time.perf_counter
+    clock: Callable[[], float] = working_clock
     checkpoint: Checkpoint | None = field(init=False)
     start: float = field(init=False)
     time_left: TimeLeft = field(init=False)
@@ -211,12 +215,15 @@ class Log:
     def stage(self, name: str) -> Iterator[StageRecorder]:
         """Open a stage; its costs are recorded when it closes, also when it fails."""
         recorder, begin = StageRecorder(name, self), self.clock()
+        functions, compiling = COMPILING.functions, COMPILING.seconds
         self.time_left.begin(name)
         try:
             recorder.show()
             yield recorder
         finally:
             seconds = self.clock() - begin
+            if compiled := COMPILING.functions - functions:
+                self._stages.append(Stage(COMPILATION, COMPILING.seconds - compiling, compiled, 0))
             self._stages.append(Stage(name, seconds, recorder.iterations, recorder.factorizations))
             self.time_left.end()
 

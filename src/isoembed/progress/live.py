@@ -1,20 +1,25 @@
-"""The live view of a running computation: one line a stage and the time left, on standard error."""
+"""The live view of a running computation: one line a stage and the time left."""
 
 from __future__ import annotations
 
 import math
-import time
+import sys
+import threading
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from dataclasses import replace
 from typing import TYPE_CHECKING
 
+from isoembed.progress.compiling import COMPILING, Compiling, working_clock
 from isoembed.progress.stages import Listener, Progress
 
 if TYPE_CHECKING:
+    from rich.console import Console
     from rich.table import Table
 
 FRAMES_A_SECOND = 8
+PAGES_A_SECOND = 2  # in a notebook, where each is a message to a browser
+COMPILED = "compiling, once"
 HEADINGS = ("stage", "iteration", "level", "t", "residual", "inverted", "partially", "seconds")
 
 
@@ -24,11 +29,14 @@ class StageTable:
     Parameters
     ----------
     clock : callable
-        The time in seconds: it goes on where a single step takes long.
+        The time in seconds: it goes on where a single step takes long, but not while functions are compiled.
+    compiling : Compiling
+        What is compiled beside the stages.
     """
 
-    def __init__(self, clock: Callable[[], float] = time.perf_counter) -> None:
-        self._clock = clock
+    def __init__(self, clock: Callable[[], float] = working_clock, compiling: Compiling = COMPILING) -> None:
+        self._clock, self._compiling = clock, compiling
+        self._before = compiling.seconds
         self._stages: dict[str, tuple[float, Progress]] = {}
         self._running: tuple[Progress, float] | None = None
 
@@ -50,6 +58,8 @@ class StageTable:
         from rich.table import Table
 
         rows = [self._row(start, last) for start, last in tuple(self._stages.values())]
+        if (compiled := self._compiling.seconds - self._before) > 0:
+            rows.append((COMPILED, *[""] * (len(HEADINGS) - 2), f"{compiled:.1f}"))
         columns = [column for column in zip(HEADINGS, *rows, strict=True) if any(column[1:])]
         table = Table(box=None, pad_edge=False, header_style="dim", caption_style="dim")
         table.caption, table.caption_justify = self._left(), "left"
@@ -73,10 +83,11 @@ class StageTable:
         )
 
     def _left(self) -> str | None:
-        running = self._running  # of another thread's making
+        running, compiling = self._running, self._compiling.now  # of another thread's making
         if running is None or running[0].remaining is None:
             return None
-        return f"about {duration(running[0].remaining - self._since(running[0]))} left"
+        left = f"about {duration(running[0].remaining - self._since(running[0]))} left"
+        return f"{COMPILED}; then {left}" if compiling else left
 
     def _since(self, last: Progress) -> float:
         """Seconds since a snapshot came, if it is the last of all."""
@@ -109,28 +120,58 @@ def _count(value: int | None) -> str:
 
 
 @contextmanager
-def live_view(show: bool) -> Iterator[Listener | None]:
-    """Show the stages while the block runs.
+def bar(console: Console | None = None) -> Iterator[Listener]:
+    """A live view of a running computation: its stages, and about how long it will still take.
 
     Parameters
     ----------
-    show : bool
-        Without it nothing is shown, and the computation has no listener.
+    console : rich.console.Console, optional
+        Where it is shown; by default on standard error, or below the cell of a notebook.  What is no terminal
+        gets the last state alone.
 
     Yields
     ------
-    callable or None
-        What takes the snapshots.
+    callable
+        The ``progress`` of `isoembed.embed`.
+
+    Examples
+    --------
+    ::
+
+        with isoembed.progress.bar() as progress:
+            surface = isoembed.embed(metric, progress=progress)
     """
-    if not show:
-        yield None
+    table = StageTable()
+    if console is None and sys.stderr is None:
+        yield table.listen
         return
     from rich.console import Console
     from rich.live import Live
 
-    table = StageTable()
-    with Live(table, console=Console(stderr=True), refresh_per_second=FRAMES_A_SECOND):
+    shown = console or Console(stderr=True)
+    with _cell(table) if shown.is_jupyter else Live(table, console=shown, refresh_per_second=FRAMES_A_SECOND):
         try:
             yield table.listen
         finally:
             table.finish()
+
+
+@contextmanager
+def _cell(table: StageTable) -> Iterator[None]:
+    """Show a table below the cell of a notebook: rich's own view would need ipywidgets."""
+    from IPython.display import display  # type: ignore[import-not-found,unused-ignore]
+
+    handle, over = display(table.__rich__(), display_id=True), threading.Event()
+
+    def refresh() -> None:
+        while not over.wait(1 / PAGES_A_SECOND):
+            handle.update(table.__rich__())
+
+    thread = threading.Thread(target=refresh, daemon=True)
+    thread.start()
+    try:
+        yield
+    finally:
+        over.set()
+        thread.join()
+        handle.update(table.__rich__())
