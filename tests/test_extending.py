@@ -15,6 +15,7 @@ from isoembed import Interrupted, NotEmbedded, PolyhedralMetric
 from isoembed.gallery import Ellipsoid, triangulate
 from isoembed.io import FileError, InputFile
 from pages import DOCS, blocks
+from worked import worked
 
 DRIVER = """
 import json, sys
@@ -102,8 +103,10 @@ def test_the_command_and_python_know_what_is_installed(texts, folder, tmp_path, 
 
 def test_it_is_embedded_by_a_method_that_is_passed(shells, metric):
     surface = isoembed.embed(metric, method=shells.Isomap())
-    assert surface.converged and [stage.name for stage in surface.stages] == ["scaling", "Newton"]
-    assert surface.stages[1].iterations > 2
+    assert surface.converged
+    scaling, newton = worked(surface.stages)
+    assert (scaling.name, newton.name) == ("scaling", "Newton")
+    assert newton.iterations > 2
     with pytest.raises(NotEmbedded, match="miss the tolerance"):
         isoembed.embed(metric, method=shells.Isomap(steps=1))
 
@@ -117,7 +120,7 @@ def test_it_goes_on_from_a_checkpoint(shells, metric):
         isoembed.embed(metric, method=shells.Isomap(), progress=stop)
     rest = isoembed.embed(metric, method=shells.Isomap(), resume=caught.value.checkpoint)
     whole = isoembed.embed(metric, method=shells.Isomap())
-    assert [stage.name for stage in rest.stages] == ["Newton"]
+    assert [stage.name for stage in worked(rest.stages)] == ["Newton"]
     np.testing.assert_allclose(rest.vertices, whole.vertices, atol=1e-12)
 
 

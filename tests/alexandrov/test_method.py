@@ -16,6 +16,7 @@ from isoembed.alexandrov import homotopy, placement
 from isoembed.metric.convexity import noise_level
 from lost_edges import octahedron_with_a_lost_edge
 from scrambling import scramble
+from worked import worked
 
 
 def scrambled(vertices, faces, seed):
@@ -256,7 +257,7 @@ def test_the_report():
     assert report["polyhedron"] == {"vertices": 8, "faces": 6, "flat_vertices": 18}
     assert report["certificate"]["certified"]
     assert report["residual"]["max"] >= report["residual"]["paths"]
-    names = [stage["name"] for stage in report["stages"]]
+    names = [stage["name"] for stage in worked(report["stages"])]
     assert names == ["flat vertices", "polytope", "placement", "edge paths"]
 
 

@@ -96,17 +96,19 @@ def main(argv: Sequence[str] | None = None) -> int:
 
 def _run(options: argparse.Namespace) -> int:
     # These load numpy, which --help and --version do without.
+    from isoembed.cli.compilation import compilation_said
     from isoembed.errors import InvalidMetric, InvalidParameter
     from isoembed.io import FileError
 
     notes: list[str] = []
+    quiet = getattr(options, "quiet", False)
     try:
-        with _gathered(notes):
+        with _gathered(notes), compilation_said(quiet):
             status = int(options.run(options))
     except (UsageError, OutputError, FileError, InvalidMetric, InvalidParameter) as error:
         print_error("; ".join([str(error), *notes]))
         return WRONG
-    for note in () if getattr(options, "quiet", False) else notes:
+    for note in () if quiet else notes:
         print_error(note, "note")
     return status
 

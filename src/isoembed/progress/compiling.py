@@ -5,6 +5,9 @@ from typing import Any
 
 from numba.core import event
 
+KIND = "numba:compile"
+"""The kind of events of numba's compiler."""
+
 
 class Compiling(event.Listener):
     """Listener to numba's compiler.
@@ -48,7 +51,7 @@ class Compiling(event.Listener):
 COMPILING = Compiling()
 """That of this process."""
 
-event.register("numba:compile", COMPILING)
+event.register(KIND, COMPILING)
 
 
 def working_clock() -> float:
