@@ -42,6 +42,7 @@ _HOME = {
 __all__ = ["__version__", *_HOME]
 
 if TYPE_CHECKING:
+    from isoembed import progress as progress
     from isoembed._embed import Method as Method
     from isoembed._embed import embed as embed
     from isoembed.aim.adaptive import Aim as Aim
@@ -65,6 +66,8 @@ if TYPE_CHECKING:
 
 
 def __getattr__(name: str) -> Any:
+    if name == "progress":  # isoembed.progress.bar
+        return import_module("isoembed.progress")
     if name not in _HOME:
         raise AttributeError(f"module 'isoembed' has no attribute {name!r}")
     return getattr(import_module(_HOME[name]), name)

@@ -1,6 +1,7 @@
 """The live view: what it shows of a running computation."""
 
 import io
+import subprocess
 import sys
 import time
 import types
@@ -106,6 +107,11 @@ def test_the_bar_shows_the_stages_on_a_terminal(metric):
     text = console.file.getvalue()
     assert all(stage.name in text for stage in surface.stages if stage.name != "compilation")
     assert "left" not in text.splitlines()[-1]
+
+
+def test_the_bar_needs_no_import_of_its_own():
+    code = "import isoembed; isoembed.progress.bar().__enter__()"
+    subprocess.run([sys.executable, "-c", code], check=True, capture_output=True)
 
 
 def test_what_is_no_terminal_gets_the_last_state(metric, capfd):
