@@ -98,6 +98,17 @@ def test_any_unit(unit):
     assert small.net.deficits == pytest.approx(given.net.deficits, abs=1e-9)
 
 
+@pytest.mark.parametrize("gap", [1e-6, 1e-9])
+def test_vertices_next_to_each_other(gap):
+    vertices, _ = zoo.random_hull(40, 3)
+    vertices = vertices / np.linalg.norm(vertices, axis=1)[:, None]
+    near = vertices[:8] + gap * np.random.default_rng(0).normal(size=(8, 3))
+    surface = solid(*zoo.outward_hull(np.vstack([vertices, near / np.linalg.norm(near, axis=1)[:, None]])))
+    unfolding = unfold(surface)
+    assert len(unfolding.sheets) == 1
+    check_again(unfolding, surface)
+
+
 def test_the_same_every_time():
     surface = solid(*zoo.random_hull(30, 2))
     one, other = unfold(surface), unfold(surface)

@@ -184,7 +184,8 @@ def _joined(runs: list[tuple[Run, Run]]) -> list[tuple[Run, Run]]:
 def _check_lengths(runs: list[tuple[Run, Run]]) -> None:
     for i, (one, other) in enumerate(runs):
         ours, theirs = one.length, other.length
-        if abs(ours - theirs) > GLUING.same_length * max(ours, theirs):
+        rounding = GLUING.rounding * (one.sheet.perimeter + other.sheet.perimeter)
+        if abs(ours - theirs) > GLUING.same_length * max(ours, theirs) + rounding:
             raise InvalidMetric(
                 f"sides[{i}] glues {one.name}, of length {ours!r}, to {other.name}, of length {theirs!r}: "
                 "they differ"
