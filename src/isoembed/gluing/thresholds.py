@@ -13,7 +13,7 @@ class GluingThresholds:
         1e-9, "relative", "Difference of one length in coordinates that were typed with ten digits."
     )
     rounding: float = threshold(
-        1e-15, "perimeters", "Difference of one length on two outlines that floats leave, however short it is."
+        1e-15, "perimeters", "Difference that floats leave of one length on two outlines, however short."
     )
     full_angle: float = threshold(
         1e-9, "radians", "Rounding of the sum of angles at a vertex that is still convex."
