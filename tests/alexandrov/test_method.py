@@ -184,6 +184,39 @@ def test_rounded_coordinates_with_flat_vertices_on_edges(body, digits):
     assert len(found.flat_vertices) == len(vertices) - len(body()[0])
 
 
+def with_near_vertices(body, where, distance):
+    """A body with a flat vertex near a corner, or with two flat ones near each other: (vertices, faces)."""
+    vertices, faces = body
+    a, b, c = (vertices[v] for v in faces[0])
+    n, (i, j, k) = len(vertices), faces[0]
+    if where == "corner, face":
+        new = [a + distance * (b - a) + distance * (c - a)]
+        cut = [[i, j, n], [j, k, n], [k, i, n]]
+    elif where == "each other, face":
+        center = (a + b + c) / 3
+        new = [center, center + distance * ((b - center) + 0.5 * (c - center))]
+        cut = [[i, j, n], [k, i, n], [n, j, n + 1], [j, k, n + 1], [k, n, n + 1]]
+    else:  # on the edge from a to b
+        places = [distance] if where == "corner, edge" else [0.4, 0.4 + distance]
+        new = [a + t * (b - a) for t in places]
+        chain = [i, *range(n, n + len(new)), j]
+        other = next(f for f, face in enumerate(faces.tolist()) if f > 0 and {i, j} < set(face))
+        (m,) = set(faces[other].tolist()) - {i, j}
+        cut = [[p, q, k] for p, q in pairwise(chain)] + [[q, p, m] for p, q in pairwise(chain)]
+        faces = np.delete(faces, other, axis=0)
+    return np.vstack([vertices, new]), np.vstack([faces[1:], cut])
+
+
+@pytest.mark.parametrize("distance", [1e-3, 1e-6, 1e-7, 1e-9])
+@pytest.mark.parametrize("where", ["corner, face", "corner, edge", "each other, face", "each other, edge"])
+def test_flat_vertices_near_corners_and_one_another(where, distance):
+    for body in (zoo.tetrahedron(), zoo.random_hull(12, 3)):
+        vertices, faces = with_near_vertices(body, where, distance)
+        found = embed(PolyhedralMetric.from_mesh(vertices, faces), method="alexandrov")
+        assert found.residual < 2e-14
+        assert zoo.aligned(found.vertices, vertices) < 2e-14
+
+
 def test_a_glued_metric_needs_this_method():
     metric = scrambled(*zoo.octahedron(), 0)
     with pytest.raises(isoembed.InvalidParameter, match='take the method "alexandrov"'):

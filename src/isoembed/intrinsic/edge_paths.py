@@ -146,8 +146,8 @@ def _follow(
     counts, meet = np.zeros(first.size, dtype=np.int64), np.full(first.size, complex(np.nan, np.nan))
     for e in range(first.size):
         far = distances[e]
-        near = _T.astray * far
         state = from_corner(first[e], angles[e], polygons)
+        near = _T.astray * far + _T.rounding * (norm(polygons.z[first[e]]) + norm(polygons.z[state[0]]))
         found = False
         for g in (state[0], following(state[0])):
             end = place(g, state, polygons)

@@ -82,12 +82,19 @@ def flip(h: int, mesh: HalfEdges, thinnest: float) -> bool:
     longest_j = max(diagonal, max(length_mj, length_jk))
     if not (at_i > thinnest * longest_i**2 and at_j > thinnest * longest_j**2):
         return False
+    at_m, at_k = directions[mesh.twins[im]], directions[mesh.twins[jk]]  # of m -> i and k -> j
+    # The angles of the better triangle tell the directions.
+    if at_i * longest_j**2 > at_j * longest_i**2:
+        at_m -= angle_between(length_im, diagonal, length_ki)
+        at_k = directions[ki] + angle_between(length_ki, diagonal, length_im)
+    else:
+        at_m = directions[mj] + angle_between(length_mj, diagonal, length_jk)
+        at_k -= angle_between(length_jk, diagonal, length_mj)
     swap_diagonals(h, mesh.corners, mesh.twins)
     lengths[t], lengths[h] = length_jk, length_im
     directions[t], directions[h] = directions[jk], directions[im]
     lengths[jk] = lengths[im] = diagonal
-    directions[jk] = directions[mj] + angle_between(length_mj, diagonal, length_jk)
-    directions[im] = directions[ki] + angle_between(length_ki, diagonal, length_im)
+    directions[jk], directions[im] = at_m, at_k
     return True
 
 

@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from isoembed.arrays import Indices, Mask, Points
+from isoembed.arrays import Floats, Indices, Mask, Points
 from isoembed.intrinsic.delaunay import DELAUNAY, push
 from isoembed.intrinsic.halfedges import (
     HalfEdges,
@@ -14,7 +14,7 @@ from isoembed.intrinsic.halfedges import (
     total_angle,
 )
 from isoembed.intrinsic.tracing import modulo
-from isoembed.intrinsic.trigonometry import angle_between, cross, dot, norm, polar
+from isoembed.intrinsic.trigonometry import angle_between, cross, dot, norm, polar, twice_area
 from isoembed.kernel import kernel
 from isoembed.thresholds import compiled
 
@@ -134,7 +134,12 @@ def _star(h: int, mesh: HalfEdges) -> tuple[Indices, Indices, Indices, Points]:
     vertices, sides = np.empty(n, dtype=np.int64), np.empty(n, dtype=np.int64)
     faces = np.empty(n + 2 if folded else n, dtype=np.int64)
     z = np.empty(n, dtype=np.complex128)
-    stretch = 2 * np.pi / total_angle(h, mesh)
+    # What is missing of a full angle is the rounding of thin triangles, whose angles it moves the most.
+    thin = 0.0
+    for _ in range(edges):
+        thin += _slenderness(e, lengths) ** 2
+        e = twins[preceding(e)]
+    missing = (2 * np.pi - total_angle(h, mesh)) / thin
     angle = 0.0
     for k in range(-2 if folded else 0, n):
         side = following(e)
@@ -142,9 +147,17 @@ def _star(h: int, mesh: HalfEdges) -> tuple[Indices, Indices, Indices, Points]:
         if k >= 0:
             vertices[k], sides[k] = corners[side], side
             z[k] = polar(lengths[e], angle)
-        angle += stretch * corner_angle(e, lengths)
+        angle += corner_angle(e, lengths) + missing * _slenderness(e, lengths) ** 2
         e = twins[preceding(e)]
     return vertices, faces, sides, z
+
+
+@kernel
+def _slenderness(h: int, lengths: Floats) -> float:
+    """Longest side over height of the triangle of a half-edge: how its angles magnify errors of lengths."""
+    a, b, c = lengths[h], lengths[following(h)], lengths[preceding(h)]
+    longest, area = max(a, b, c), twice_area(a, b, c)
+    return longest * longest / area if area > 0 else 1e300
 
 
 @kernel

@@ -25,6 +25,7 @@ class TracingThresholds:
     longest: int = threshold(
         10**6, "triangles", "A line may cross so many more than there are: round a needle."
     )
+    rounding: float = threshold(2.0**-48, "coordinates", "Error of a place by rounding.")
     astray: float = threshold(1e-6, "path lengths", "A path that misses its end by more went elsewhere.")
 
 
