@@ -1,11 +1,14 @@
 """Polyhedra in files: true faces where the format can hold them, and every vertex in a face."""
 
+import json
+
 import numpy as np
 import pytest
 
 import isoembed
+import zoo
 from isoembed.gluing.classics import CLASSICS
-from isoembed.io import InputFile, write_surface
+from isoembed.io import InputFile, mesh_writer, read_surface, write_atomically, write_surface
 from isoembed.io.registry import FORMATS
 from isoembed.io.surface import polygon_faces
 
@@ -39,7 +42,7 @@ def written(surface, ending, path):
     if ending == ".off":
         return [list(map(int, line.split()[1:])) for line in path.read_text().splitlines()[-12:]]
     if ending == ".fold":
-        return pytest.importorskip("json").loads(path.read_text())["faces_vertices"]
+        return json.loads(path.read_text())["faces_vertices"]
     if ending == ".vtp":
         with InputFile(path) as file:
             return list(FORMATS[ending].read(file)["faces"])
@@ -89,3 +92,25 @@ def test_a_written_polyhedron_is_read_as_its_metric(dodecahedron, tetrahedron, e
         again = isoembed.embed(isoembed.io.read_metric(tmp_path / f"a{ending}"), method="alexandrov")
         assert again.volume == pytest.approx(surface.volume, rel=1e-9)
         np.testing.assert_allclose(again.given.deficits, surface.given.deficits, atol=1e-9)
+
+
+def test_a_polyhedron_that_is_read_knows_its_faces(dodecahedron, tetrahedron, tmp_path):
+    for surface, sides in ((dodecahedron, [5] * 12), (tetrahedron, [3] * 4)):
+        for ending in (".off", ".npz"):
+            write_surface(tmp_path / f"a{ending}", surface)
+            again = read_surface(tmp_path / f"a{ending}")
+            assert as_lists(again.polygons) == as_lists(surface.polygons)
+            assert again.face_sides.tolist() == sides
+            np.testing.assert_allclose(again.mean_curvature, surface.mean_curvature, rtol=1e-9, atol=1e-12)
+    square = [[0, 0], [1, 0], [1, 1], [0, 1]]
+    disc = isoembed.glue([square] * 2, corners=["abcd"] * 2)
+    write_surface(tmp_path / "a.off", isoembed.embed(disc, method="alexandrov"))
+    assert read_surface(tmp_path / "a.off").face_sides.tolist() == [4, 4]
+
+
+def test_other_surfaces_that_are_read_stay_triangles(tmp_path):
+    vertices, faces = zoo.icosphere(1)
+    for stretched in (vertices, vertices * np.where(np.arange(42) == 0, 0.5, 1)[:, None]):
+        write_atomically({tmp_path / "a.off": mesh_writer(tmp_path / "a.off", stretched, faces)})
+        again = read_surface(tmp_path / "a.off")
+        assert again.polygons is again.faces

@@ -16,10 +16,10 @@ from isoembed.metric.glued import GluedMetric
 from isoembed.metric.polyhedral import PolyhedralMetric
 from isoembed.metric.repair import Repair
 from isoembed.strict_json import plain
-from isoembed.surface.curvature import DIHEDRAL, dihedral_angles
+from isoembed.surface.curvature import dihedral_angles
 from isoembed.surface.embedding import Embedding
-from isoembed.surface.flat_faces import flat_faces, outlines
 from isoembed.surface.measures import face_areas
+from isoembed.surface.polyhedron import Polyhedron
 from isoembed.surface.segments import Segments
 
 
@@ -38,7 +38,7 @@ def metric_on(tables: HalfEdges) -> PolyhedralMetric:
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class ConvexPolyhedron(Embedding):
+class ConvexPolyhedron(Polyhedron):
     """Alexandrov's polyhedron of a metric.
 
     Its `metric` is the given one on triangles of the polyhedron, which use every given vertex; those at which
@@ -119,52 +119,11 @@ class ConvexPolyhedron(Embedding):
         heights = 2 * face_areas(t.faces, vertices)[t.edge_faces].min(axis=1) / lengths
         return frozen(-angles * heights / self.metric.normalized.mean_length)
 
-    @cached_property
-    def face_polygons(self) -> Indices:
-        """The face of the polyhedron that each triangle is part of, shape (F,).
-
-        Triangles are in one face where the dihedral angle between them is below 1e-7 radians.
-        """
-        return frozen(flat_faces(self.triangulation, self._creased))
-
-    @cached_property
-    def polygons(self) -> tuple[Indices, ...]:
-        """The faces of the polyhedron: the vertices around each, counterclockwise seen from outside.
-
-        Flat vertices on an edge of the polyhedron are in the outlines, those inside a face are not.
-        """
-        start, faces = self.faces.ravel(), self.face_polygons
-        polygons: list[Indices] = [np.zeros(0, dtype=np.int64)] * (int(faces.max()) + 1)
-        for way in outlines(self.triangulation, self._creased):
-            polygons[faces[way[0] // 3]] = frozen(start[way])
-        return tuple(polygons)
-
-    @cached_property
-    def face_sides(self) -> Indices:
-        """How many sides each of the `polygons` has, flat vertices on its outline left aside."""
-        flat = np.isin(np.concatenate(self.polygons), self.flat_vertices)
-        ends = np.cumsum([len(polygon) for polygon in self.polygons])
-        return frozen(np.diff(np.cumsum(~flat)[ends - 1], prepend=0).astype(np.int64))
-
-    @cached_property
-    def polygon_edges(self) -> Mask:
-        """The edges of the polyhedron among those of the triangles, shape (E,)."""
-        return frozen(np.abs(dihedral_angles(self.triangulation, self._normalized)) > DIHEDRAL.flat)
-
     @property
-    def _creased(self) -> Mask:
-        """Half-edges on edges of the polyhedron."""
-        return self.polygon_edges[self.triangulation.face_edges.ravel()]
-
-    @cached_property
-    def _vertex_areas(self) -> Floats:
-        """Each face's area goes in equal parts to the vertices in it, wherever its diagonals are."""
-        t = self.triangulation
-        areas = np.bincount(self.face_polygons, face_areas(t.faces, self._normalized))
-        polygon = np.repeat(self.face_polygons, 3)
-        polygon, vertex = np.unique(np.column_stack([polygon, t.faces.ravel()]), axis=0).T
-        shares = areas / np.bincount(polygon)
-        return frozen(np.bincount(vertex, shares[polygon]).astype(np.float64))
+    def _flat(self) -> Mask:
+        flat = np.zeros(len(self.vertices), dtype=np.bool_)
+        flat[self.flat_vertices] = True
+        return flat
 
     @cached_property
     def seams(self) -> Segments:

@@ -14,6 +14,7 @@ from isoembed.io.registry import FORMATS, SURFACE_ENDINGS, check_output, tables_
 from isoembed.metric.polyhedral import PolyhedralMetric
 from isoembed.surface.embedding import Embedding
 from isoembed.surface.measures import volume
+from isoembed.surface.polyhedron import Polyhedron
 
 TOLERANCE = 1e-10  # as of `isoembed.embed`, for files that hold lengths beside the vertices
 
@@ -33,7 +34,7 @@ def read_surface(path: str | os.PathLike[str], *, merge: float | None = None) ->
     Returns
     -------
     Embedding
-        Its method is ``"given"``.
+        Its method is ``"given"``.  A convex surface that is flat along some edges knows its true faces.
 
     Raises
     ------
@@ -57,7 +58,11 @@ def read_surface(path: str | os.PathLike[str], *, merge: float | None = None) ->
     if volume(metric.faces, np.asarray(vertices / own.unit, dtype=np.float64)) < 0:
         metric = PolyhedralMetric(metric.faces[:, ::-1], metric.lengths, metric.edges)
     message = "" if given else "the lengths are those between the vertices of the file"
-    return Embedding(metric, vertices, method="given", tolerance=TOLERANCE, message=message)
+    surface = Embedding(metric, vertices, method="given", tolerance=TOLERANCE, message=message)
+    if surface.concave_edges.any():
+        return surface
+    polyhedron = Polyhedron(metric, vertices, method="given", tolerance=TOLERANCE, message=message)
+    return surface if polyhedron.polygon_edges.all() else polyhedron
 
 
 def mesh_writer(
