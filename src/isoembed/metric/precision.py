@@ -1,0 +1,103 @@
+"""How coordinates were rounded before they came to us."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from typing import cast
+
+import numpy as np
+
+from isoembed.arrays import Floats
+from isoembed.thresholds import threshold
+
+
+@dataclass(frozen=True)
+class PrecisionThresholds:
+    """Thresholds by which rounded coordinates are recognized."""
+
+    fewest: int = threshold(5, "digits", "Coordinates with fewer are more likely exact than rounded.")
+    most: int = threshold(9, "digits", "Coordinates with more are as good as doubles.")
+    written: int = threshold(11, "digits", "Single precision in decimals that all end at one place has no more.")
+    sample: int = threshold(64, "coordinates", "Looked at first: doubles show there that they are such.")
+    error: float = threshold(1e-3, "units of the last digit", "Rounding when digits are counted in doubles.")
+
+
+PRECISION = PrecisionThresholds()
+SINGLE = "single precision"
+
+
+@dataclass(frozen=True)
+class Precision:
+    """A precision to which coordinates were rounded.
+
+    Attributes
+    ----------
+    name : str
+        ``"single precision"``, or ``"7 digits"``.
+    length_error : float
+        Of an edge, root mean square, in mean edge lengths.
+    """
+
+    name: str
+    length_error: float
+
+    @classmethod
+    def of(cls, points: Floats, mean_length: float) -> Precision | None:
+        """Recognize the precision of coordinates, shape (V, n); None if they are doubles, or whole numbers.
+
+        Parameters
+        ----------
+        points : ndarray, shape (V, n)
+        mean_length : float
+            Of the edges between them.
+        """
+        values = np.abs(points[points != 0])
+        sample = values[:: len(values) // PRECISION.sample + 1]
+        for part in (sample, values):
+            found = _rounded(part)
+            if found is None:
+                return None
+        name, quanta = found
+        # The errors of a coordinate are spread evenly over a unit of its last digit; an edge has two ends.
+        scale = float(quanta.max())
+        spread = scale * math.sqrt(float(((quanta / scale) ** 2).sum()) / points.size / 6)
+        return cls(name, spread / mean_length)
+
+
+def _rounded(values: Floats) -> tuple[str, Floats] | None:
+    """What positive numbers were rounded to, and the unit of the last digit of each."""
+    if values.size == 0 or (values == np.floor(values)).all():
+        return None
+    with np.errstate(all="ignore"):  # numbers beyond single precision are not in it
+        single = values.astype(np.float32)
+        off = np.abs(values - single)
+        spacing = np.spacing(single).astype(np.float64)
+    if (off == 0).all():
+        return SINGLE, spacing
+    exponents = np.floor(np.log10(values))
+    for digits in range(1, PRECISION.written + 1):
+        quanta = _units(exponents, digits)
+        if _multiples(values, quanta):
+            break
+    else:
+        return None
+    if digits < PRECISION.fewest:
+        return None
+    last = _units(np.full(values.shape, exponents.max()), digits)
+    if _multiples(values, last):  # as many digits behind the point in all of them
+        quanta = last
+    if (off <= quanta * (0.5 + PRECISION.error)).all() and (quanta < spacing).mean() > 0.5:
+        return SINGLE, spacing
+    return (f"{digits} digits", quanta) if digits <= PRECISION.most else None
+
+
+def _units(exponents: Floats, digits: int) -> Floats:
+    with np.errstate(all="ignore"):  # next to zero there are not so many digits
+        return cast(Floats, 10.0 ** (exponents - digits + 1))
+
+
+def _multiples(values: Floats, units: Floats) -> bool:
+    with np.errstate(all="ignore"):
+        counts = values / units
+        return bool((np.abs(counts - np.rint(counts)) <= PRECISION.error).all())
