@@ -20,6 +20,7 @@ class ConvexityThresholds:
     least: float = threshold(1e-12, "radians", "Of a deficit: flips round more than triangles show.")
     most: float = threshold(1e-6, "radians", "Of a deficit: slivers hide no more.")
     noise: float = threshold(0.1, "radians", "A deficit farther below zero is hardly noise.")
+    deviations: float = threshold(6.0, "relative", "Errors of coordinates put no deficit off by more.")
     gap: float = threshold(30.0, "relative", "Deficits of this many times the noise are no noise.")
 
 
@@ -43,7 +44,32 @@ def deficit_rounding(faces: Indices, face_lengths: Floats) -> Floats:
     return np.clip(cast(Floats, np.bincount(faces.ravel(), at_corners)), CONVEXITY.least, CONVEXITY.most)
 
 
-def check_convex(deficits: Floats, rounding: Floats | float) -> None:
+def deficit_spread(faces: Indices, face_lengths: Floats, twins: Indices) -> Floats:
+    """How far errors of the lengths put the deficits off, shape (V,), radians.
+
+    For independent errors of one mean edge length, root mean square; to first order, so for smaller ones they
+    are in proportion.  Errors of rounded coordinates fit to one another and put most deficits off by less.
+
+    Parameters
+    ----------
+    faces : ndarray of int, shape (F, 3)
+    face_lengths : ndarray, shape (F, 3)
+        Length of each half-edge.
+    twins : ndarray of int, shape (3F,)
+        The half-edge on the other side of each.
+    """
+    triangles = Triangles.of(face_lengths)
+    lengths = np.roll(triangles.opposite, 1, axis=1)
+    cotangents = triangles.cotangents
+    # The angle between b and c, across from a, grows by da a / (2 A) - db cot(a, b) / b - dc cot(a, c) / c.
+    across = triangles.opposite / (2 * triangles.areas[:, None])
+    at_start, at_end = np.roll(cotangents, -1, axis=1) / lengths, cotangents / lengths
+    along = at_start.ravel() + at_end.ravel()[twins]
+    squares = np.bincount(faces.ravel(), across.ravel() ** 2 + along**2)
+    return cast(Floats, np.sqrt(squares) * lengths.mean())
+
+
+def check_convex(deficits: Floats, rounding: Floats | float, doubt: tuple[str, Floats] | None = None) -> None:
     """Refuse a metric with a negative deficit, to which Alexandrov's theorem does not apply.
 
     Parameters
@@ -51,6 +77,9 @@ def check_convex(deficits: Floats, rounding: Floats | float) -> None:
     deficits : ndarray, shape (V,)
     rounding : ndarray, shape (V,), or float
         Radians by which a deficit may be negative.
+    doubt : str and ndarray, shape (V,), optional
+        What the coordinates were rounded to, and by how much that puts the deficits off, root mean square:
+        the sentence says whether it explains them.
 
     Raises
     ------
@@ -68,7 +97,8 @@ def check_convex(deficits: Floats, rounding: Floats | float) -> None:
                 if others
                 else ""
             )
-            + f": the metric is not convex, and no convex polyhedron has it{_advice(noise_level(deficits))}"
+            + ": the metric is not convex, and no convex polyhedron has it"
+            + _advice(deficits, doubt)
         )
 
 
@@ -100,8 +130,19 @@ def rounded_up(value: float) -> str:
     return f"{math.ceil(value / digit) * digit:.1e}"
 
 
-def _advice(noise: float) -> str:
+def _advice(deficits: Floats, doubt: tuple[str, Floats] | None) -> str:
+    """What a repair would take for noise, and whether it may be."""
+    noise = noise_level(deficits)
     if not CONVEXITY.least < noise <= CONVEXITY.noise:
         return ""
+    why = "if that is noise,"
+    if doubt is not None:
+        name, spread = doubt
+        most = CONVEXITY.deviations * spread
+        explained = f"{most[np.argmin(deficits)]:.1g}"
+        if (deficits >= -most).all():
+            why = f"the coordinates have {name}, which puts deficits off by up to {explained}:"
+        else:
+            why = f"the coordinates have {name}, which explains only {explained}; if it is noise,"
     level = rounded_up(noise)
-    return f"; if that is noise, --repair {level} (Alexandrov(repair={level})) flattens what is below"
+    return f"; {why} --repair {level} (Alexandrov(repair={level})) flattens what is below"

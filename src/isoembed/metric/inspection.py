@@ -7,6 +7,7 @@ from typing import Any
 import numpy as np
 
 from isoembed.arrays import Floats
+from isoembed.metric.convexity import CONVEXITY, deficit_spread
 from isoembed.metric.curvature import (
     area,
     corner_angles,
@@ -121,6 +122,13 @@ def _measures(
         curvature = gaussian_curvature(metric)[duals > 0]  # some are: dual areas sum to the area
         surface = area(metric)
         dual = {key: x * metric.unit * metric.unit for key, x in _range(duals).items()}
+    if metric.precision is not None:
+        error = metric.precision.length_error
+        noise = (
+            CONVEXITY.deviations * error * deficit_spread(metric.faces, metric.face_lengths, t.twins).max()
+        )
+        text = f"rounded to {metric.precision.name}: that puts deficits off by up to {noise:.1g} radians"
+        yield Measure("coordinates", text, {"length_error": error, "deficit_noise": noise})
     counts = {"vertices": t.n_vertices, "edges": t.n_edges, "faces": t.n_faces}
     yield Measure("counts", ", ".join(f"{count} {name}" for name, count in counts.items()), counts)
     degrees = {"min": int(t.degrees.min()), "max": int(t.degrees.max())}

@@ -14,6 +14,7 @@ from isoembed.kernel import kernel
 from isoembed.mesh.checks import index_array, real_array
 from isoembed.mesh.triangulation import Triangulation, frozen
 from isoembed.metric.given_mesh import merging_advice, triangle_mesh
+from isoembed.metric.precision import Precision
 from isoembed.thresholds import threshold
 
 
@@ -47,6 +48,9 @@ class PolyhedralMetric:
     triangulation : Triangulation
     lengths : ndarray, shape (E,)
         In the order of `edges`.
+    precision : Precision or None
+        What the coordinates were rounded to that the lengths come from; None if that is not known, or they
+        were doubles.
 
     Raises
     ------
@@ -63,6 +67,7 @@ class PolyhedralMetric:
 
     triangulation: Triangulation
     lengths: Floats
+    precision: Precision | None
 
     def __init__(self, faces: ArrayLike, lengths: ArrayLike, edges: ArrayLike | None = None) -> None:
         triangulation = Triangulation(faces)
@@ -114,7 +119,8 @@ class PolyhedralMetric:
                 raise InvalidMetric(f"vertex {triangulation.n_vertices} is in no face")
             size = np.abs(points).max() or 1.0  # keeps the squares from under- and overflowing
             with np.errstate(over="ignore"):  # a length beyond the floats is refused as infinite
-                return cls.on(triangulation, size * edge_lengths(triangulation.edges, points / size))
+                metric = cls.on(triangulation, size * edge_lengths(triangulation.edges, points / size))
+            return metric._rounded_to(Precision.of(points, metric.mean_length))
         except InvalidMetric as error:
             raise InvalidMetric(f"{error}{merging_advice(points, triangles)}") from None
 
@@ -134,8 +140,13 @@ class PolyhedralMetric:
     def _set(self, triangulation: Triangulation, lengths: Floats) -> None:
         _check_lengths(triangulation, lengths)
         lengths.flags.writeable = False
+        object.__setattr__(self, "precision", None)
         object.__setattr__(self, "triangulation", triangulation)
         object.__setattr__(self, "lengths", lengths)
+
+    def _rounded_to(self, precision: Precision | None) -> PolyhedralMetric:
+        object.__setattr__(self, "precision", precision)
+        return self
 
     @property
     def tables(self) -> tuple[NDArray, ...]:
@@ -155,7 +166,7 @@ class PolyhedralMetric:
     def scaled(self, factor: float) -> PolyhedralMetric:
         """Return the metric in another unit: every length times this factor."""
         with np.errstate(over="ignore"):  # a length beyond the floats is refused as infinite
-            return self.with_lengths(self.lengths * factor)
+            return self.with_lengths(self.lengths * factor)._rounded_to(self.precision)
 
     def __repr__(self) -> str:
         t = self.triangulation
@@ -193,7 +204,7 @@ class PolyhedralMetric:
     @cached_property
     def normalized(self) -> PolyhedralMetric:
         """The metric in its own `unit`, in which its mean edge length is between 1 and 2."""
-        return self.on(self.triangulation, self.lengths / self.unit)
+        return self.on(self.triangulation, self.lengths / self.unit)._rounded_to(self.precision)
 
 
 def _length_array(lengths: ArrayLike) -> Floats:

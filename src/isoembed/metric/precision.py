@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
-from typing import cast
 
 import numpy as np
 
@@ -17,8 +16,9 @@ class PrecisionThresholds:
     """Thresholds by which rounded coordinates are recognized."""
 
     fewest: int = threshold(5, "digits", "Coordinates with fewer are more likely exact than rounded.")
+    bits: int = threshold(12, "bits", "Coordinates with fewer, like small whole numbers, are exact.")
     most: int = threshold(9, "digits", "Coordinates with more are as good as doubles.")
-    written: int = threshold(11, "digits", "Single precision in decimals that all end at one place has no more.")
+    written: int = threshold(11, "digits", "Single precision with eight decimals has no more.")
     sample: int = threshold(64, "coordinates", "Looked at first: doubles show there that they are such.")
     error: float = threshold(1e-3, "units of the last digit", "Rounding when digits are counted in doubles.")
 
@@ -44,7 +44,7 @@ class Precision:
 
     @classmethod
     def of(cls, points: Floats, mean_length: float) -> Precision | None:
-        """Recognize the precision of coordinates, shape (V, n); None if they are doubles, or whole numbers.
+        """Recognize the precision of coordinates, shape (V, n); None if they are doubles, or exact.
 
         Parameters
         ----------
@@ -54,10 +54,9 @@ class Precision:
         """
         values = np.abs(points[points != 0])
         sample = values[:: len(values) // PRECISION.sample + 1]
-        for part in (sample, values):
-            found = _rounded(part)
-            if found is None:
-                return None
+        found = None if _rounded(sample) is None else _rounded(values)
+        if found is None:
+            return None
         name, quanta = found
         # The errors of a coordinate are spread evenly over a unit of its last digit; an edge has two ends.
         scale = float(quanta.max())
@@ -67,7 +66,7 @@ class Precision:
 
 def _rounded(values: Floats) -> tuple[str, Floats] | None:
     """What positive numbers were rounded to, and the unit of the last digit of each."""
-    if values.size == 0 or (values == np.floor(values)).all():
+    if values.size == 0 or _multiples(values, 2.0 ** (np.frexp(values.max())[1] - PRECISION.bits)):
         return None
     with np.errstate(all="ignore"):  # numbers beyond single precision are not in it
         single = values.astype(np.float32)
@@ -94,10 +93,10 @@ def _rounded(values: Floats) -> tuple[str, Floats] | None:
 
 def _units(exponents: Floats, digits: int) -> Floats:
     with np.errstate(all="ignore"):  # next to zero there are not so many digits
-        return cast(Floats, 10.0 ** (exponents - digits + 1))
+        return 10.0 ** (exponents - digits + 1)
 
 
-def _multiples(values: Floats, units: Floats) -> bool:
+def _multiples(values: Floats, units: Floats | float) -> bool:
     with np.errstate(all="ignore"):
         counts = values / units
         return bool((np.abs(counts - np.rint(counts)) <= PRECISION.error).all())

@@ -35,7 +35,7 @@ from isoembed.errors import InvalidMetric, InvalidParameter
 from isoembed.linalg import SingularMatrix, factor_general
 from isoembed.mesh.triangulation import frozen
 from isoembed.metric.conformal import equivalent
-from isoembed.metric.convexity import check_convex, deficit_rounding
+from isoembed.metric.convexity import check_convex, deficit_rounding, deficit_spread
 from isoembed.metric.glued import GluedMetric
 from isoembed.metric.laplacian import cotangent_laplacian
 from isoembed.metric.polyhedral import PolyhedralMetric
@@ -122,7 +122,12 @@ def repaired(metric: Metric, noise: float) -> tuple[Metric, Repair]:
     given = GluedMetric.of(metric)
     before = given.deficits
     rounding = deficit_rounding(given.faces, given.face_lengths)
-    check_convex(before, np.maximum(rounding, noise))
+    precision = metric.precision if isinstance(metric, PolyhedralMetric) else None
+    doubt = None
+    if precision is not None:
+        spread = deficit_spread(given.faces, given.face_lengths, given.twins)
+        doubt = precision.name, precision.length_error * spread
+    check_convex(before, np.maximum(rounding, noise), doubt)
     flat = _to_be_flat(before, noise)
     changed = np.where(flat, np.abs(before), -before) > rounding
     u = np.zeros(given.n_vertices)

@@ -1,0 +1,126 @@
+"""Coordinates that were rounded: by what they are recognized, and what it does to deficits."""
+
+import numpy as np
+import pytest
+from scipy.spatial.transform import Rotation
+
+import zoo
+from isoembed import Alexandrov, PolyhedralMetric, embed
+from isoembed.errors import InvalidMetric
+from isoembed.metric.convexity import CONVEXITY, check_convex, deficit_spread
+from isoembed.metric.curvature import deficits
+from isoembed.metric.inspection import inspect
+from isoembed.metric.precision import Precision
+
+POINTS = 3 * np.random.default_rng(0).normal(size=(500, 3))
+SINGLE = POINTS.astype("f4").astype(float)
+BODIES = {
+    "sphere": zoo.icosphere(3),
+    "hull": zoo.random_hull(300, 1),
+    "cut hull": zoo.subdivided(*zoo.subdivided(*zoo.random_hull(30, 1))),
+    "cut cube": zoo.subdivided(*zoo.subdivided(*zoo.cube())),
+    "needle": (zoo.icosphere(2)[0] * [1, 0.02, 0.01], zoo.icosphere(2)[1]),
+    "far away": (zoo.icosphere(2)[0] + 100, zoo.icosphere(2)[1]),
+}
+
+
+def printed(points, form):
+    return np.array([[float(form % x) for x in row] for row in points])
+
+
+def turned(body):
+    vertices, faces = BODIES[body]
+    return vertices @ Rotation.random(random_state=1).as_matrix().T + 0.3, faces
+
+
+@pytest.mark.parametrize(
+    ("points", "name"),
+    [
+        (POINTS, None),
+        (printed(POINTS, "%.10g"), None),
+        (printed(POINTS, "%.9g"), "9 digits"),
+        (printed(POINTS, "%.6g"), "6 digits"),
+        (printed(POINTS, "%.4g"), None),
+        (printed(POINTS, "%.6f"), "8 digits"),
+        (printed(POINTS, "%.8f"), None),
+        (np.round(100 * POINTS), None),
+        (SINGLE, "single precision"),
+        (np.round(8 * POINTS) / 8, None),
+        (printed(SINGLE, "%.9g"), "single precision"),
+        (printed(SINGLE, "%.8f"), "single precision"),
+        (printed(SINGLE, "%.6g"), "6 digits"),
+        (printed(1e-150 * POINTS, "%.7g"), "7 digits"),
+        (np.zeros((4, 3)), None),
+    ],
+)
+def test_what_coordinates_were_rounded_to(points, name):
+    found = Precision.of(points, 1.0)
+    assert (None if found is None else found.name) == name
+
+
+@pytest.mark.parametrize("unit", [1e-150, 1.0, 1e12])
+@pytest.mark.parametrize("form", ["%.6e", "%.5f"])
+def test_the_error_of_lengths_is_that_of_the_rounding(unit, form):
+    vertices, faces = turned("hull")
+    exact = PolyhedralMetric.from_mesh(vertices, faces)
+    metric = PolyhedralMetric.from_mesh(unit * printed(vertices, form), faces)
+    if form == "%.5f" and unit != 1:
+        metric = PolyhedralMetric.from_mesh(printed(vertices, form), faces).scaled(unit)
+    errors = (metric.lengths / unit - exact.lengths) / exact.mean_length
+    assert metric.precision.length_error == pytest.approx(np.sqrt(np.mean(errors**2)), rel=0.5)
+    assert metric.normalized.precision is metric.scaled(3.0).precision is metric.precision
+    assert metric.with_lengths(metric.lengths).precision is None
+
+
+def test_the_spread_of_deficits_is_that_of_random_errors():
+    metric = PolyhedralMetric.from_mesh(*turned("hull"))
+    rng, before, size = np.random.default_rng(2), deficits(metric), 1e-8
+    off = [
+        deficits(metric.with_lengths(metric.lengths + size * metric.mean_length * errors)) - before
+        for errors in rng.normal(size=(400, len(metric.lengths)))
+    ]
+    spread = deficit_spread(metric.faces, metric.face_lengths, metric.triangulation.twins)
+    np.testing.assert_allclose(np.sqrt(np.mean(np.square(off), axis=0)), size * spread, rtol=0.2)
+
+
+@pytest.mark.parametrize("form", ["single", "%.6f", "%.6g"])
+@pytest.mark.parametrize("body", BODIES)
+def test_no_deficit_is_farther_off(body, form):
+    vertices, faces = turned(body)
+    rounded = vertices.astype("f4").astype(float) if form == "single" else printed(vertices, form)
+    metric = PolyhedralMetric.from_mesh(rounded, faces)
+    off = np.abs(deficits(metric) - deficits(PolyhedralMetric.from_mesh(vertices, faces)))
+    spread = deficit_spread(metric.faces, metric.face_lengths, metric.triangulation.twins)
+    noise = CONVEXITY.deviations * metric.precision.length_error * spread
+    assert (off <= noise).all() and off.max() > noise.max() / 300
+
+
+def test_the_refusal_names_the_precision_and_the_repair():
+    vertices, faces = turned("cut cube")
+    metric = PolyhedralMetric.from_mesh(vertices.astype("f4"), faces)
+    sentence = (
+        r"the coordinates have single precision, which puts deficits off by up to \de-06: --repair (\S+) "
+    )
+    with pytest.raises(InvalidMetric, match=sentence) as caught:
+        embed(metric, method="alexandrov")
+    level = float(str(caught.value).split("--repair ")[1].split()[0])
+    solid = embed(metric, method=Alexandrov(repair=level))
+    assert solid.volume == pytest.approx(1, rel=1e-5)
+
+
+def test_the_refusal_says_what_the_precision_does_not_explain():
+    wrong = np.array([1.0, -1e-3, 1.0])
+    spread = np.full(3, 1e-6)
+    with pytest.raises(InvalidMetric, match="7 digits, which explains only 6e-06; if it is noise, --repair"):
+        check_convex(wrong, 1e-9, ("7 digits", spread))
+    with pytest.raises(InvalidMetric, match="it; if that is noise, --repair"):
+        check_convex(wrong, 1e-9)
+
+
+def test_inspection_says_the_precision():
+    metric = PolyhedralMetric.from_mesh(BODIES["sphere"][0].astype("f4"), BODIES["sphere"][1])
+    assert "coordinates         rounded to single precision: that puts deficits off by up to" in str(
+        inspect(metric)
+    )
+    assert 1e-8 < inspect(metric).report["coordinates"]["deficit_noise"] < 1e-5
+    assert "coordinates" not in inspect(PolyhedralMetric.from_mesh(*BODIES["sphere"])).report
