@@ -43,8 +43,10 @@ def check_again(unfolding, surface):
     again = isoembed.embed(net, method="alexandrov").vertices
     of = dict(zip(np.concatenate(unfolding.corners), np.concatenate(net.corners), strict=True))
     there = sorted(of)
-    apart = pdist(again[[of[v] for v in there]]) - pdist(surface.vertices[there])
-    assert np.abs(apart).max() < 1e-9 * pdist(surface.vertices).max()
+    found, given = again[[of[v] for v in there]], surface.vertices[there]
+    assert np.abs(pdist(found) - pdist(given)).max() < 1e-9 * pdist(given).max()
+    u, _, v = np.linalg.svd((found - found.mean(axis=0)).T @ (given - given.mean(axis=0)))
+    assert np.linalg.det(u @ v) > 0  # no mirror image
 
 
 @pytest.mark.parametrize(
@@ -164,6 +166,19 @@ def test_faces_with_a_hole_and_with_a_pinch_are_cut(flat, base):
     check_deficits(unfolding, surface)
     assert sum(map(len, unfolding.folds)) <= 9 + 6 - 1  # no fold where it is flat
     assert np.abs(np.concatenate(unfolding.angles)).min() > 0.1
+
+
+def test_a_sliver_along_an_edge():
+    vertices, faces = zoo.tetrahedron()
+    a, b, c = faces[0]
+    up = np.cross(*(vertices[[b, c]] - vertices[a]))
+    middle = (vertices[a] + vertices[b]) / 2 + 2.4e-8 * up * (8**0.5 / np.linalg.norm(up))
+    beside = np.vstack([faces[1:], [[a, b, 4], [4, b, c], [a, 4, c]]])
+    surface = solid(np.vstack([vertices, middle]), beside)
+    unfolding = unfold(surface)
+    assert set(np.concatenate(unfolding.corners).tolist()) == set(range(5))
+    check_sheets(unfolding, surface)
+    assert unfolding.net.n_vertices == 5
 
 
 def test_a_face_without_area_is_refused():

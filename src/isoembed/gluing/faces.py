@@ -63,13 +63,15 @@ def true_faces(triangulation: Triangulation, vertices: Floats) -> Faces:
     bend[~creased] = 0.0
     faces = flat_faces(t, creased)
     creased |= np.repeat(_no_polygons(t, vertices, creased, faces)[faces], 3)
+    faces, ways = flat_faces(t, creased), outlines(t, creased)
+    start, upward = t.faces.ravel(), _upward(t, vertices, faces)
     straight = _straight(t, vertices, creased)
-    start, normals = t.faces.ravel(), face_normals(t.faces, vertices)
-    faces = flat_faces(t, creased)
-    upward = np.column_stack([np.bincount(faces, normals[:, k]) for k in range(3)])
+    for way in ways:
+        if (~straight[start[way]]).sum() < 3:  # a sliver stays what it is
+            straight[start[way]] = False
     sides: list[int] = []
     first, last, points = [0], [], []
-    for way in outlines(t, creased):
+    for way in ways:
         kept = [k for k, h in enumerate(way) if not straight[start[h]]]
         sides += [way[k] for k in kept]
         last += [way[k - 1] for k in (*kept[1:], kept[0])]
@@ -77,16 +79,12 @@ def true_faces(triangulation: Triangulation, vertices: Floats) -> Faces:
         points.append(_flattened(vertices[start[sides[first[-2] :]]], upward[faces[way[0] // 3]]))
     number = np.full(start.size, -1)
     number[sides] = np.arange(len(sides))
-    return Faces(
-        np.array(first), start[sides], np.concatenate(points), number[t.twins[last]], bend[sides].copy()
-    )
+    return Faces(np.array(first), start[sides], np.concatenate(points), number[t.twins[last]], bend[sides])
 
 
 def _no_polygons(t: Triangulation, vertices: Floats, creased: Mask, faces: Indices) -> Mask:
     """Which faces have holes or an outline that meets itself."""
-    start, normals = t.faces.ravel(), face_normals(t.faces, vertices)
-    upward = np.column_stack([np.bincount(faces, normals[:, k]) for k in range(3)])
-    ways = outlines(t, creased)
+    start, upward, ways = t.faces.ravel(), _upward(t, vertices, faces), outlines(t, creased)
     owners = np.array([faces[way[0] // 3] for way in ways])
     wrong = np.bincount(owners, minlength=len(upward)) != 1
     for way, face in zip(ways, owners.tolist(), strict=True):
@@ -95,6 +93,12 @@ def _no_polygons(t: Triangulation, vertices: Floats, creased: Mask, faces: Indic
             size = np.ptp(flat, axis=0).max()
             wrong[face] |= meeting_sides((flat - flat.min(axis=0)) / size)[0] >= 0
     return wrong
+
+
+def _upward(t: Triangulation, vertices: Floats, faces: Indices) -> Floats:
+    """The normals of faces, as long as twice their areas."""
+    normals = face_normals(t.faces, vertices)
+    return np.column_stack([np.bincount(faces, normals[:, k]) for k in range(3)])
 
 
 def _straight(t: Triangulation, vertices: Floats, creased: Mask) -> Mask:
