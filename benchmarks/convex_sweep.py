@@ -33,6 +33,7 @@ from concurrent.futures import ProcessPoolExecutor
 from pathlib import Path
 
 import numpy as np
+from threadpoolctl import threadpool_limits
 
 import convex_check
 import convex_families
@@ -172,9 +173,10 @@ def main():
     ]
     print(f"{'family':24} {'cases':>6} {'found':>6}", *(f"{name:>{max(8, len(name))}}" for name in COLUMNS))
     rows = []
-    for family, some in itertools.groupby(rows_of(tasks, options.jobs), lambda row: row["family"]):
-        rows += list(some)
-        print_family(family, [row for row in rows if row["family"] == family])
+    with threadpool_limits(1):  # matrices this small are slower on two, and several processes much slower
+        for family, some in itertools.groupby(rows_of(tasks, options.jobs), lambda row: row["family"]):
+            rows += list(some)
+            print_family(family, [row for row in rows if row["family"] == family])
     print_requirements(rows)
     if options.json:
         options.json.write_text(json.dumps(rows, indent=0))

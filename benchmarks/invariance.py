@@ -16,6 +16,7 @@ from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
+from threadpoolctl import threadpool_limits
 
 import convex_check
 import convex_families
@@ -88,7 +89,8 @@ def main():
     kinds, rows = ("same", "both refused", "undetermined", "status", "surface"), []
     print(f"{'family':24}", *(f"{kind:>{max(6, len(kind))}}" for kind in kinds))
     for family in options.families:
-        some = [compared(family, number, options.method, glued) for number in range(options.seeds)]
+        with threadpool_limits(1):
+            some = [compared(family, number, options.method, glued) for number in range(options.seeds)]
         some = [row for row in some if row]
         came = [row["came"] for row in some]
         counts = (f"{came.count(kind):{max(6, len(kind))}d}" for kind in kinds)
