@@ -109,6 +109,20 @@ def embedded(noise, **parameters):
     return isoembed.embed(metric, method=Aim(best_fit=True), **parameters)
 
 
+def test_the_numbering_does_not_matter():
+    vertices, faces = smooth_bodies.ellipsoid(200)
+    moved, others, new = zoo.relabeled(vertices, faces, 2)
+    fits = []
+    for x, f, at in ((vertices, faces, np.arange(len(new))), (moved, others, new)):
+        metric = PolyhedralMetric.from_mesh(x, f)
+        ends = np.sort(np.argsort(at)[metric.edges], axis=1)  # noise by the edge, whatever it is called
+        noise = np.sin(1e4 * (ends[:, 0] + len(new) * ends[:, 1]))
+        metric = metric.with_lengths(metric.lengths * (1 + 0.02 * noise))
+        fits.append(best_fit(metric, RegularizedEnergy(metric, x), x, smooth_bodies.recorder()))
+    assert fits[0].weight == fits[1].weight
+    assert fits[0].noise == pytest.approx(fits[1].noise, rel=1e-6)
+
+
 def test_where_there_is_no_surface_the_best_fit_is_the_answer_and_says_so():
     surface = embedded(0.02)
     assert isinstance(surface, FittedSurface)

@@ -47,6 +47,18 @@ def test_it_is_convex_with_a_margin_and_near(surface):
     assert np.abs(convex.deficits - metric.deficits).max() < np.abs(metric.deficits).max()
 
 
+@pytest.mark.parametrize("scale", [0.3, 0.6, 1.7, 2.9])
+def test_the_unit_does_not_matter(scale):
+    # The curvature is positive after a short time, near the first that is tried.
+    vertices, faces = zoo.random_hull(60, 3)
+    dents = 1 + 0.06 * np.random.default_rng(3).normal(size=len(vertices))[:, None]
+    metric = glued(vertices * dents, faces)
+    assert not is_convex(metric)
+    convex, scaled = (convexified(m, smooth_bodies.recorder()) for m in (metric, metric.scaled(scale)))
+    assert (scaled.faces == convex.faces).all()
+    np.testing.assert_allclose(scaled.face_lengths / scale, convex.face_lengths, rtol=1e-9)
+
+
 def test_a_small_dent_needs_a_small_change_only():
     # The change falls off around the dent: at the far side of the sphere, the curvature stays.
     vertices, faces = zoo.icosphere(3)

@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 
 import smooth_bodies
+import zoo
 from isoembed.aim.regularized_continuation import log_linear, regularized_continuation
 from isoembed.aim.regularized_energy import RegularizedEnergy
 from isoembed.gallery import CassiniPeanut, HarmonicSurface, triangulate
@@ -30,6 +31,24 @@ def test_it_leads_from_the_sphere_to_smooth_bodies(surface, irregular):
     assert np.abs(length_residuals(metric.triangulation, found, metric.lengths)).max() < 1e-6
     assert smooth_bodies.misfit(found, x) < 1e-3
     assert recorder.factorizations <= 30
+
+
+def test_neither_the_unit_nor_the_numbering_matters():
+    vertices, faces = triangulate(CassiniPeanut(), 200)
+    found = []
+    for scale, seed in ((1.0, None), (0.57, None), (1.9, None), (1.0, 4)):
+        moved, others, new = (
+            (vertices, faces, np.arange(200)) if seed is None else zoo.relabeled(vertices, faces, seed)
+        )
+        metric = PolyhedralMetric.from_mesh(scale * moved, others)
+        start = scale * moved / np.linalg.norm(moved, axis=1)[:, None]
+        recorder = smooth_bodies.recorder()
+        energy, path = RegularizedEnergy(metric, start), log_linear(metric, start)
+        x = regularized_continuation(energy, start, path, recorder)
+        found.append((x[new] / scale, recorder.factorizations))
+    for x, factorizations in found[1:]:
+        assert factorizations == found[0][1]
+        assert smooth_bodies.misfit(x, found[0][0]) < 1e-9
 
 
 def test_lengths_without_a_surface_are_given_up_soon():

@@ -114,9 +114,8 @@ class _Fits:
 
     def __init__(self, metric: PolyhedralMetric, energy: RegularizedEnergy, recorder: StageRecorder) -> None:
         self._metric, self._energy, self._recorder = metric, energy, recorder
-        self._probes = np.random.default_rng(0).choice(
-            [-1.0, 1.0], size=(BEST_FIT.probes, len(metric.lengths))
-        )
+        signs = np.random.default_rng(0).choice([-1.0, 1.0], size=(BEST_FIT.probes, len(metric.lengths)))
+        self._probes = signs[:, np.argsort(np.argsort(metric.lengths))]  # whatever the numbers of the edges
 
     def fit(self, vertices: Floats, weight: float) -> BestFit:
         """The fit nearest to these vertices, with mu in units of the squared mean edge length."""

@@ -142,7 +142,8 @@ class Convexification:
     def _diffused(self, margin: float, recorder: StageRecorder) -> Floats | None:
         """The deficits after the first time at which they all have the margin, if rounding allows."""
         triangles = self._delaunay
-        mass = triangles.shares / (4 * np.pi) * triangles.metric.triangles.areas.sum()
+        shape = triangles.metric.triangles
+        mass = triangles.shares / (4 * np.pi) * shape.areas.sum() * shape.unit**2
         last = triangles.metric.mean_length**2 * 2.0**CONVEXIFICATION.doublings
         while self._tau < last:
             recorder.iterations += 1

@@ -57,7 +57,7 @@ def newton_on_lengths(
     lengths : ndarray, shape (E,)
         Of mean 1 or so.
     good : float
-        Residual at which the start itself is taken.
+        Residual at which the start itself is taken, in mean edge lengths.
     recorder : StageRecorder
 
     Returns
@@ -65,9 +65,9 @@ def newton_on_lengths(
     LengthsSolution or None
         None where Newton's method does not converge at once.
     """
-    triangulation = system.triangulation
+    triangulation, unit = system.triangulation, float(lengths.mean())
     r = length_residuals(triangulation, start, lengths)
-    residual = float(np.abs(r).max())
+    residual = float(np.abs(r).max()) / unit
     if residual <= good:
         return LengthsSolution(start, 0.0)
     x, pointed, before = start, start, np.inf
@@ -82,7 +82,7 @@ def newton_on_lengths(
             return None
         pointed = x if pointed is start else pointed
         r = length_residuals(triangulation, x, lengths)
-        residual = float(np.abs(r).max())
+        residual = float(np.abs(r).max()) / unit
         recorder.show(residual=residual)
         if not residual < LENGTHS_NEWTON.converging * before or residual > LENGTHS_NEWTON.lost:
             return None

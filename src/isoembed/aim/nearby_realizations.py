@@ -105,8 +105,9 @@ def _predicted(system: LengthSystem, vertices: Floats, lengths: Floats) -> list[
     roots = quadratic_roots(changes @ r, sigmas, Q)
     found = [np.tensordot(root, motions, axes=1) for root in roots]
     reach = [float(np.linalg.norm(motion, axis=1).max()) for motion in found]
-    least = NEARBY.apart * max(float(np.abs(r).max()), NEARBY.least)
-    return [found[k] for k in np.argsort(reach) if least < reach[k] < NEARBY.near]
+    unit = float(lengths.mean())
+    least = NEARBY.apart * max(float(np.abs(r).max()), NEARBY.least * unit)
+    return [found[k] for k in np.argsort(reach) if least < reach[k] < NEARBY.near * unit]
 
 
 def quadratic_roots(constant: Floats, slope: Floats, Q: Floats) -> list[Floats]:

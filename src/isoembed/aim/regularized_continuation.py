@@ -27,9 +27,9 @@ class ContinuationThresholds:
     """Thresholds of the regularized continuation."""
 
     steps: int = threshold(6, "count", "Steps from t = 1 to t = 0.")
-    weight: float = threshold(0.01, "mean edge lengths^2", "mu at first; more would smooth edges away.")
+    weight: float = threshold(0.005, "mean edge lengths^2", "mu at first; more would smooth edges away.")
     stiffer: float = threshold(3.0, "relative", "Factor of mu where a step goes uphill.")
-    stiffest: float = threshold(10.0, "mean edge lengths^2", "mu at most.")
+    stiffest: float = threshold(5.0, "mean edge lengths^2", "mu at most.")
     bending: float = threshold(3.0, "relative", "w on the way.")
     letting_go: tuple[float, ...] = threshold((0.3, 0.03, 0.0), "relative", "w at t = 0, in turn.")
     fade: float = threshold(0.1, "relative", "Factor of mu from step to step, after that.")
@@ -77,7 +77,9 @@ def regularized_continuation(
     ndarray, shape (V, 3)
         Where it did not get lost, near enough to the metric at t = 0 for Newton's method.
     """
-    mu, given, released = CONTINUATION.weight, lengths(0.0), 0
+    given, released = lengths(0.0), 0
+    unit = float(given.mean())
+    mu, stiffest = CONTINUATION.weight * unit**2, CONTINUATION.stiffest * unit**2
     known: list[tuple[float, Floats]] = []
     steps = np.linspace(1, 0, CONTINUATION.steps + 1).tolist()
     usual = len(steps) + len(CONTINUATION.letting_go) + 2 + CONTINUATION.usual_fade
@@ -93,7 +95,7 @@ def regularized_continuation(
         recorder.show(t=t)
         guess = extrapolated(known[-3:], t) if known else start
         x, downhill = energy.step(guess, lengths(t), mu, CONTINUATION.bending, recorder)
-        while not downhill and mu < CONTINUATION.stiffest:
+        while not downhill and mu < stiffest:
             mu *= CONTINUATION.stiffer
             x, downhill = energy.step(guess, lengths(t), mu, CONTINUATION.bending, recorder)
         known = [*known[-2:], (t, x if downhill else guess)]
@@ -108,7 +110,7 @@ def regularized_continuation(
     mu *= CONTINUATION.fade
     x = energy.relaxed(x, given, mu, 0.0, recorder)
     found, residual = _let_go(energy.finer(x), x, given, mu, recorder)
-    if residual > CONTINUATION.close:  # edges too long for quintics to know the surface
+    if residual > CONTINUATION.close * unit:  # edges too long for quintics to know the surface
         found = min((found, residual), _let_go(energy, x, given, mu, recorder), key=lambda pair: pair[1])[0]
     return found
 
@@ -117,12 +119,12 @@ def _let_go(
     energy: RegularizedEnergy, x: Floats, lengths: Floats, mu: float, recorder: StageRecorder
 ) -> tuple[Floats, float]:
     """Let mu vanish; the last surface, and its residual."""
-    before, slow = np.inf, 0
+    before, slow, close = np.inf, 0, CONTINUATION.close * float(lengths.mean())
     for _ in range(CONTINUATION.faded):
         x = energy.relaxed(x, lengths, mu, 0.0, recorder)
         residual = float(np.abs(length_residuals(energy.triangulation, x, lengths)).max())
         slow = slow + 1 if residual > CONTINUATION.stalled * before else 0
-        if residual <= CONTINUATION.close or slow == 2:
+        if residual <= close or slow == 2:
             break
         before = residual
         mu *= CONTINUATION.fade

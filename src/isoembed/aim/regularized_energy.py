@@ -36,7 +36,9 @@ from isoembed.thresholds import threshold
 class RegularizedEnergyThresholds:
     """Thresholds of the regularized energy."""
 
-    rho: float = threshold(3.5, "mean edge lengths^-2", "Largest eigenvalue of K, or so, before scaling.")
+    rho: float = threshold(
+        2.5, "mean edge lengths", "K is the Laplacian over this, to have rows of the size of those of R."
+    )
     smallest_cotangent: float = threshold(0.01, "relative", "Smaller weights of K would reward bending.")
     share: float = threshold(0.5, "relative", "Share of |K x|^2 that stands in for |R x|^2 in the factors.")
     solved: float = threshold(1e-3, "relative", "Residual of a step's linear equations, over the gradient.")
@@ -67,7 +69,7 @@ class RegularizedEnergy:
         self._lengths = edge_lengths_about(self.triangulation, metric.lengths)
         K = csr_array(
             cotangent_laplacian(GluedMetric.of(metric), least=REGULARIZED_ENERGY.smallest_cotangent)
-            / REGULARIZED_ENERGY.rho
+            / (REGULARIZED_ENERGY.rho * metric.mean_length)
         )
         self._KK = csr_array(K.T @ K)
         self._system = VertexSystem(self.triangulation, self._KK, backend)
