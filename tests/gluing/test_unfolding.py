@@ -86,7 +86,7 @@ def test_a_polyhedron_found_from_a_net():
         isoembed.glue([square, rest], [((0, k), (1, 3 - k)) for k in range(4)]), method="alexandrov"
     )
     unfolding = unfold(flat)
-    assert repr(unfolding) == "Unfolding(1 sheet, 3 pairs of sides, 1 folds)"
+    assert repr(unfolding) == "Unfolding(1 sheet, 3 pairs of sides, 1 fold)"
     assert unfolding.angles[0] == pytest.approx([np.pi])
     check_sheets(unfolding, flat)
 

@@ -57,9 +57,12 @@ class Unfolding:
         return f"Unfolding({self})"
 
     def __str__(self) -> str:
-        sheets = "1 sheet" if len(self.sheets) == 1 else f"{len(self.sheets)} sheets"
         folds = sum(map(len, self.folds))
-        return f"{sheets}, {len(self.sides)} pairs of sides, {folds} folds"
+        sheets, creased = (
+            f"{count} {name}{'' if count == 1 else 's'}"
+            for count, name in ((len(self.sheets), "sheet"), (folds, "fold"))
+        )
+        return f"{sheets}, {len(self.sides)} pairs of sides, {creased}"
 
     @cached_property
     def net(self) -> Net:
