@@ -1,6 +1,7 @@
 """The page in a real browser: what is drawn, and what its controls do.  Needs Playwright and a Chromium."""
 
 import io
+import re
 import shutil
 
 import numpy as np
@@ -14,7 +15,8 @@ pytest.importorskip("matplotlib.image", reason="screenshots are read by matplotl
 from matplotlib.image import imread
 from playwright.sync_api import sync_playwright
 
-from isoembed import Embedding, PolyhedralMetric, embed
+from isoembed import Embedding, PolyhedralMetric, embed, glue
+from isoembed.gluing.classics import LATIN_CROSS
 from isoembed.plot import Frame
 from isoembed.plot.page import write_page
 from isoembed.plot.quantity import intrinsic_curvature
@@ -340,3 +342,29 @@ def test_without_javascript(browser, file):
     assert "this browser runs none" in page.locator("#view").inner_text()
     assert "area" in page.locator("aside").inner_text()
     context.close()
+
+
+def test_a_polyhedron_has_edges_seams_and_faces_of_one_color(browser, tmp_path):
+    pairs = [(0, 3), (1, 2), (4, 7), (5, 6), (8, 9), (10, 13), (11, 12)]
+    solid = embed(glue([LATIN_CROSS], [((0, i), (0, k)) for i, k in pairs]), method="alexandrov")
+    write_page(tmp_path / "solid.html", solid)
+    window = Tab(browser, tmp_path / "solid.html", viewport={"width": 900, "height": 720}).open()
+    assert window.text("#kind") == "Edges" and window.page.locator("#paper").is_visible()
+    whole = window.pixels()
+    reddish = (whole[:, :, 0] > 0.6) & (whole[:, :, 0] > 1.5 * whole[:, :, 1])
+    assert reddish.sum() > 100
+    window.page.uncheck("#seams")
+    window.page.uncheck("#mesh")
+    plain = window.pixels()
+    assert differing(whole, plain) > 0.001
+    assert not ((plain[:, :, 0] > 0.6) & (plain[:, :, 0] > 1.5 * plain[:, :, 1])).any()
+    window.page.check("#smooth")
+    assert differing(plain, window.pixels()) > 0.02
+    window.page.select_option("#color", "sides")
+    box = window.page.locator("#canvas").bounding_box()
+    window.page.mouse.move(box["x"] + box["width"] / 2, box["y"] + box["height"] / 2)
+    window.restore_delaunay()
+    assert re.fullmatch(r"face \d\s+sides 3", window.text("#tip"))
+    assert window.page.locator("#mark").is_hidden()
+    assert window.complaints == []
+    window.context.close()

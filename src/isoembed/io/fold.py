@@ -7,6 +7,7 @@ surface that is seen from outside are mountains.
 from collections import Counter
 from collections.abc import Iterator
 from itertools import pairwise
+from json import dumps
 from pathlib import Path
 from typing import Any
 
@@ -17,7 +18,6 @@ from isoembed.io import json
 from isoembed.io.files import FileError, Tables
 from isoembed.io.format import Format, Polygons, flattened
 from isoembed.io.input_file import InputFile
-from isoembed.strict_json import strict_json
 from isoembed.surface.curvature import DIHEDRAL
 from isoembed.version import __version__
 
@@ -114,23 +114,29 @@ def write(path: Path, tables: Tables) -> None:
     vertices, faces = np.asarray(tables["vertices"], dtype=np.float64), tables["faces"]
     edges, lengths, angles, inner = _edges(vertices, faces)
     letters = np.where(angles == 0, "F", np.where(angles < 0, "M", "V"))
-    document = {
+    said = {
         "file_spec": 1.1,
         "file_creator": f"isoembed {__version__}",
         "file_classes": ["singleModel"],
         "frame_classes": ["foldedForm"],
         "frame_attributes": ["3D", "manifold", "orientable"],
-        "vertices_coords": vertices.tolist(),
-        "edges_vertices": edges.tolist(),
         "edges_assignment": np.where(inner, letters, "B").tolist(),
-        "edges_foldAngle": angles.tolist(),
-        "edges_length": lengths.tolist(),
         "faces_vertices": [np.asarray(face).tolist() for face in faces],
     }
-    for key, values in tables.items():
-        if key not in ("vertices", "faces"):
-            document[f"vertices_isoembed:{key}"] = np.asarray(values).tolist()
-    path.write_text(strict_json(document) + "\n", encoding="utf-8")
+    arrays = {
+        "vertices_coords": vertices,
+        "edges_vertices": edges,
+        "edges_foldAngle": angles,
+        "edges_length": lengths,
+        **{f"vertices_isoembed:{key}": np.asarray(tables[key]) for key in tables.keys() - NAMES.keys()},
+    }
+    with path.open("w", encoding="utf-8") as file:
+        for key, value in said.items():
+            file.write(("{" if key == "file_spec" else ", ") + f"{dumps(key)}: {dumps(value)}")
+        for key, array in arrays.items():
+            file.write(f", {dumps(key)}: ")
+            file.writelines(json.written(array))
+        file.write("}\n")
 
 
 def _edges(vertices: Floats, faces: Polygons) -> tuple[Indices, Floats, Floats, np.ndarray]:

@@ -73,13 +73,15 @@ def write(path: Path, tables: Tables) -> None:
     with path.open("w", encoding="utf-8") as file:
         for k, (key, table) in enumerate(tables.items()):
             file.write(("{" if k == 0 else ", ") + json.dumps(key) + ": ")
-            array = np.asarray(table)
-            file.writelines(_written(array) if np.isfinite(array).all() else [strict_json(array)])
+            file.writelines(written(np.asarray(table)))
         file.write("}\n")
 
 
-def _written(table: NDArray) -> Iterator[str]:
-    """The text of a list, or of a list of lists, in pieces."""
+def written(table: NDArray) -> Iterator[str]:
+    """The text of a list, or of a list of lists, in pieces; a number that is not finite is null."""
+    if not np.isfinite(table).all():
+        yield strict_json(table)
+        return
     row = "%r" if table.ndim == 1 else f"[{', '.join(['%r'] * table.shape[1])}]"
     yield "["
     yield from lines(row, table[:1])
