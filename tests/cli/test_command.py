@@ -18,7 +18,7 @@ import zoo
 from isoembed import Embedding, NotEmbedded, PolyhedralMetric
 from isoembed.cli import main
 from isoembed.cli.parameters import parsed
-from isoembed.io import read_metric, write_metric
+from isoembed.io import read_metric, read_surface, write_metric
 from isoembed.linalg import OutOfMemory
 from strict_json import strict
 
@@ -237,16 +237,21 @@ def test_embed_without_memory(run, monkeypatch, error, sentence):
     assert run("embed", "metric.json") == (2, "", f"isoembed: error: {sentence}\n")
 
 
-def test_nothing_is_written_when_the_second_file_fails(run, here, monkeypatch):
+def test_a_file_that_cannot_be_written_loses_no_other(run, here, monkeypatch):
     def full(path, text, **_):
         raise OSError(28, "No space left on device")
 
     (here / "a.npz").write_text("old")
+    (here / "p.html").write_text("old")
     monkeypatch.setattr(Path, "write_text", full)
-    status, _, err = run("embed", "metric.json", "-o", "a.npz", "--report", "r.json")
+    status, _, err = run("embed", "metric.json", "-o", "a.npz", "--report", "r.json", "--html", "p.html")
     assert status == 2
-    assert "cannot write r.json: No space left on device" in err
-    assert (here / "a.npz").read_text() == "old"
+    assert err == (
+        "isoembed: error: cannot write r.json: No space left on device; "
+        "cannot write p.html: No space left on device; a.npz is written\n"
+    )
+    assert len(read_surface("a.npz").vertices) == 42
+    assert (here / "p.html").read_text() == "old"
 
 
 # inspect

@@ -13,7 +13,7 @@ from importlib import import_module
 from typing import Any
 
 from isoembed import __version__
-from isoembed.cli.screen import OutputError, UsageError, print_error
+from isoembed.cli.screen import OutputError, UsageError, occupy_closed_streams, print_error, print_out
 from isoembed.cli.signals import Interruption, handled
 from isoembed.cli.status import OK, WRONG
 
@@ -34,6 +34,10 @@ COMMANDS = {
 
 class Parser(argparse.ArgumentParser):
     """A parser whose complaints are one line."""
+
+    def _print_message(self, message: str, file: Any = None) -> None:
+        """Print the help, or the version: as an answer."""
+        print_out(message.removesuffix("\n"))
 
     def error(self, message: str) -> None:  # type: ignore[override]
         """Refuse the command line."""
@@ -76,6 +80,7 @@ def main(argv: Sequence[str] | None = None) -> int:
         The exit status.
     """
     arguments = sys.argv[1:] if argv is None else list(argv)
+    occupy_closed_streams()
     interruption = Interruption()
     try:
         with handled(interruption):
@@ -83,6 +88,9 @@ def main(argv: Sequence[str] | None = None) -> int:
             return _run(options)
     except SystemExit as stop:  # argparse: --help, --version, a wrong command line
         return int(stop.code or OK)
+    except OutputError as error:
+        print_error(str(error))
+        return WRONG
     except KeyboardInterrupt as stop:
         print_error(str(stop) or "interrupted")
         return interruption.status

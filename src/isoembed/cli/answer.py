@@ -10,7 +10,7 @@ import isoembed
 from isoembed.cli.options import add_json_option, add_output_option, add_quiet_option
 from isoembed.cli.outputs import Outputs
 from isoembed.cli.pictures import PICTURES, add_picture_options, check_pictures, picture_writers
-from isoembed.cli.screen import UsageError, print_error, print_json, print_out
+from isoembed.cli.screen import UsageError, print_aside, print_error, print_json, print_out
 from isoembed.cli.status import NOT_EMBEDDED, OK
 from isoembed.cli.summary import summary
 from isoembed.errors import NotEmbedded
@@ -86,19 +86,21 @@ def answer(
     embedding, failure = solved(solve, film, quiet=options.quiet)
     if failure is None or options.keep:
         beside["output"] = lambda path: surface_writer(path, embedding)
+        beside |= picture_writers(options, embedding, film)
     report = embedding.report if failure is None else {**embedding.report, "message": failure}
-    outputs.write(report=lambda _: report_writer(report), **beside)
-    if failure is None or options.keep:  # when nothing can be lost any more
-        outputs.write(**picture_writers(options, embedding, film))
-    if failure is not None:
-        print_error(failure)
-    if options.json:
-        print_json(report)
-    elif not options.quiet:
-        if not options.output:
-            print_out(describe(embedding))
-        elif failure is None and not embedding.converged:
-            print_out(f"{embedding.status}: {embedding.message}")
+    try:
+        outputs.write(report=lambda _: report_writer(report), **beside)
+    finally:
+        if failure is not None:
+            print_error(failure)
+        if options.json:
+            print_json(report)
+        elif not options.quiet:
+            say = print_out if failure is None and not outputs else print_aside
+            if not options.output:
+                say(describe(embedding))
+            elif failure is None and not embedding.converged:
+                say(f"{embedding.status}: {embedding.message}")
     return OK if failure is None else NOT_EMBEDDED
 
 

@@ -112,17 +112,19 @@ def _smooth(options: argparse.Namespace, outputs: Outputs, data: SurfaceData, nu
     try:
         surface = embed_surface(data, vertices=number, best_fit=options.best_fit)
     except NotEmbedded as error:
-        _show(options, {**unembedded_report(data, error), "conventions": CONVENTIONS})
         print_error(str(error))
         if options.band:
             _write_band(outputs, data)
+        _show(options, {**unembedded_report(data, error), "conventions": CONVENTIONS})
         return NOT_EMBEDDED
     report, least = wang_yau_report(surface) if options.wang_yau else (surface.report, None)
     if options.band:
         why = "the whole surface embeds" if surface.embedding.converged else "the best fit was asked for"
         print_error(f"{options.band} is not written: {why}")
-    outputs.write(output=lambda path: mesh_writer(path, **(least or surface).mesh(number)))
-    _show(options, report)
+    try:
+        _show(options, report)
+    finally:
+        outputs.write(output=lambda path: mesh_writer(path, **(least or surface).mesh(number)))
     return OK
 
 
@@ -176,8 +178,10 @@ def _triangles(options: argparse.Namespace, outputs: Outputs, metric: Polyhedral
         print_error(failure)
         return NOT_EMBEDDED
     energies = mesh_energies(embedding, k, p, lengths=lengths)
-    outputs.write(output=lambda path: surface_writer(path, embedding))
-    _show(options, mesh_report(embedding, energies, lengths, str(options.input)))
+    try:
+        _show(options, mesh_report(embedding, energies, lengths, str(options.input)))
+    finally:
+        outputs.write(output=lambda path: surface_writer(path, embedding))
     return OK
 
 

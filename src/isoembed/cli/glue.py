@@ -6,7 +6,7 @@ from pathlib import Path
 import isoembed
 from isoembed.alexandrov.solid import Solid
 from isoembed.cli.answer import add_output_options, answer, asked_for
-from isoembed.cli.screen import print_out
+from isoembed.cli.screen import print_aside
 from isoembed.cli.status import OK
 from isoembed.cli.summary import summary
 from isoembed.io import METRIC_ENDINGS, metric_writer
@@ -44,7 +44,7 @@ def run(options: argparse.Namespace) -> int:
     if outputs.keys() == {"metric"} and not options.json:
         outputs.write(metric=metric)
         if not options.quiet:
-            print_out(f"{options.metric}: {net!r}")
+            print_aside(f"{options.metric}: {net!r}")
         return OK
 
     def solve(progress: Listener | None) -> isoembed.Embedding:

@@ -6,10 +6,10 @@ from pathlib import Path
 
 from isoembed.cli.options import add_json_option, add_output_option, add_vertices_option, vertices
 from isoembed.cli.outputs import Outputs
-from isoembed.cli.screen import UsageError, print_error, print_json, print_out
+from isoembed.cli.screen import UsageError, print_aside, print_error, print_json, print_out
 from isoembed.cli.status import NOT_EMBEDDED, OK
 from isoembed.io import FileError, mesh_writer, report_writer
-from isoembed.io.files import input_ending
+from isoembed.io.files import check_target, input_ending
 from isoembed.io.hdf5 import HDF5_ENDINGS
 from isoembed.plot.picture import Panel, figure_writer, panels
 from isoembed.relativity.energies.embedded import EmbeddedSurface
@@ -81,19 +81,27 @@ def run(options: argparse.Namespace) -> int:
             options.output.mkdir(parents=True, exist_ok=True)
         except OSError as error:
             raise FileError(f"cannot make the folder {options.output}: {error.strerror}") from None
+        for stem in stems:
+            for path in _outputs(options, stem).values():
+                check_target(path)
     reports, status = [], OK
     for stem, found in zip(stems, embed_horizons(horizons, number), strict=True):
         reports.append(found.report)
         if options.output:
-            _write(Outputs((end, options.output / f"{stem}.{end}") for end in WRITTEN), found, number)
+            _write(_outputs(options, stem), found, number)
         if found.surface is None:
             print_error(f"{found.report['name']}: {found.report['message']}")
             status = NOT_EMBEDDED
         elif not options.json:
-            print_out(str(found))
+            (print_aside if options.output else print_out)(str(found))
     if options.json:
         print_json(reports if len(options.files) > 1 else reports[0])
     return status
+
+
+def _outputs(options: argparse.Namespace, stem: str) -> Outputs:
+    """What may be written of one horizon."""
+    return Outputs((end, options.output / f"{stem}.{end}") for end in WRITTEN)
 
 
 def _write(outputs: Outputs, found: EmbeddedHorizon, number: int) -> None:
@@ -108,8 +116,7 @@ def _write(outputs: Outputs, found: EmbeddedHorizon, number: int) -> None:
         else:
             panel = Panel(tables["vertices"], tables["faces"], tables["mean_curvature"])
             label, caption = "mean curvature  $H = (k_1 + k_2)/2$", _caption(found.surface)
-            drawn = panels([panel], label=label, caption=caption)
-            writers["png"] = lambda path: figure_writer(path, drawn)
+            writers["png"] = lambda path: figure_writer(path, panels([panel], label=label, caption=caption))
     outputs.write(**writers)
 
 

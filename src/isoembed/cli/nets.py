@@ -3,7 +3,7 @@
 import argparse
 
 from isoembed.cli.options import add_json_option, add_output_option, add_quiet_option
-from isoembed.cli.screen import UsageError, print_error, print_json, print_out
+from isoembed.cli.screen import UsageError, print_aside, print_error, print_json, print_out
 from isoembed.cli.status import NOT_EMBEDDED, OK
 from isoembed.gluing.classics import CLASSICS
 from isoembed.gluing.folding import fold
@@ -42,11 +42,13 @@ def run(options: argparse.Namespace) -> int:
         check_output(path, SURFACE_ENDINGS)
     found = fold(nets)
     written = {paths[one.number - 1]: one.polyhedron for one in found.folded if output}
-    write_atomically({path: surface_writer(path, solid) for path, solid in written.items()})
-    if options.json:
-        print_json(found.report)
-    elif not options.quiet:
-        print_out(str(found))
+    try:
+        write_atomically({path: surface_writer(path, solid) for path, solid in written.items()})
+    finally:
+        if options.json:
+            print_json(found.report)
+        elif not options.quiet:
+            (print_aside if output else print_out)(str(found))
     for failure in found.failures:
         print_error(failure)
     return NOT_EMBEDDED if found.failures else OK

@@ -8,7 +8,7 @@ from itertools import combinations
 from pathlib import Path
 
 from isoembed.cli.screen import UsageError
-from isoembed.io import check_output, write_atomically
+from isoembed.io import FileError, check_output, write_atomically
 from isoembed.io.files import Writer
 
 
@@ -41,11 +41,24 @@ class Outputs(dict[str, Path]):
                 raise UsageError(f"--{name} and --{other} are the same file {path}")
 
     def write(self, **writers: Callable[[Path], Writer]) -> None:
-        """Write those of these files that are asked for, all or none.
+        """Write those of these files that are asked for, one after the other, each whole or not at all.
+
+        One that cannot be written keeps none of the others from being written.
 
         Raises
         ------
         FileError
-            The system refused.
+            The system refused some; the message says which, and which are written.
         """
-        write_atomically({path: writers[name](path) for name, path in self.items() if name in writers})
+        written, failures = [], []
+        for name, path in self.items():
+            if name in writers:
+                try:
+                    write_atomically({path: writers[name](path)})
+                    written.append(str(path))
+                except FileError as error:
+                    failures.append(str(error))
+                except MemoryError:
+                    failures.append(f"cannot write {path}: there is not enough memory for it")
+        if failures:
+            raise FileError("; ".join([*failures, *(f"{path} is written" for path in written)]))

@@ -1,13 +1,14 @@
 """The pictures, pages and films that a command makes of its answer."""
 
 import argparse
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
+from functools import cache
 from pathlib import Path
 
 from isoembed.cli.screen import UsageError
 from isoembed.io.files import Writer
 from isoembed.plot.animation import ANIMATION_ENDINGS, animation_writer, check_animation
-from isoembed.plot.film import Film
+from isoembed.plot.film import Film, Frame
 from isoembed.plot.page import PAGE_ENDINGS, page_writer
 from isoembed.plot.picture import PICTURE_ENDINGS, check_drawable, picture_writer
 from isoembed.plot.quantity import MEAN_CURVATURE, QUANTITIES
@@ -70,9 +71,13 @@ def picture_writers(
     options: argparse.Namespace, embedding: Embedding, film: Film | None
 ) -> dict[str, Callable[[Path], Writer]]:
     """Makers of the pictures, by the names of their options."""
-    frames = () if film is None else film.frames(embedding)
+
+    @cache
+    def frames() -> Sequence[Frame]:
+        return () if film is None else film.frames(embedding)
+
     return {
         "picture": lambda path: picture_writer(path, embedding, color=options.color or MEAN_CURVATURE),
-        "html": lambda path: page_writer(path, embedding, frames=frames),
-        "animate": lambda path: animation_writer(path, embedding, frames),
+        "html": lambda path: page_writer(path, embedding, frames=frames()),
+        "animate": lambda path: animation_writer(path, embedding, frames()),
     }

@@ -5,7 +5,7 @@ import sys
 from contextlib import suppress
 
 from isoembed.cli.options import add_output_option, add_quiet_option
-from isoembed.cli.screen import print_error, print_out
+from isoembed.cli.screen import print_aside, print_error
 from isoembed.cli.status import NOT_EMBEDDED, OK
 
 
@@ -32,7 +32,7 @@ def run(options: argparse.Namespace) -> int:
 
     outcome = reproduce.reproduce(reproduce.STUDIES, options.output, tell, quick=options.quick)
     if not options.quiet:
-        print_out(str(outcome.report))
+        print_aside(str(outcome.report))
     for failure in outcome.failures:
         print_error(failure)
     return NOT_EMBEDDED if outcome.failures else OK

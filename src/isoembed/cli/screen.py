@@ -20,8 +20,10 @@ def print_out(text: str) -> None:
     Raises
     ------
     OutputError
-        The system refused otherwise: no space.
+        Standard output is closed, or the system refused otherwise: no space.
     """
+    if sys.stdout is None:
+        raise OutputError("cannot write to standard output: it is closed")
     try:
         print(_encodable(text, sys.stdout), flush=True)
     except BrokenPipeError:
@@ -29,6 +31,12 @@ def print_out(text: str) -> None:
     except OSError as error:
         _abandon()
         raise OutputError(f"cannot write to standard output: {error.strerror}") from None
+
+
+def print_aside(text: str) -> None:
+    """Print what was written into files, or is in one of them: where nobody can read it, nothing is lost."""
+    with suppress(OutputError):
+        print_out(text)
 
 
 def print_json(document: Any) -> None:
@@ -44,6 +52,18 @@ def print_error(message: str, kind: str = "error") -> None:
         line = " ".join(f"isoembed: {kind}: {message}".split())
         with suppress(OSError):  # there is nobody left to tell
             print(_encodable(line, sys.stderr), file=sys.stderr, flush=True)
+
+
+def occupy_closed_streams() -> None:
+    """Open the null device in the place of standard streams that are closed.
+
+    A file that is opened takes the lowest number that is free: what was meant for a stream would end in it.
+    """
+    for number in range(3):
+        try:
+            os.fstat(number)
+        except OSError:
+            os.set_inheritable(os.open(os.devnull, os.O_RDWR), True)
 
 
 def _encodable(text: str, stream: TextIO) -> str:

@@ -5,7 +5,7 @@ from dataclasses import Field, fields
 from typing import Any, get_args, get_type_hints
 
 from isoembed.cli.options import add_output_option
-from isoembed.cli.screen import UsageError, print_out
+from isoembed.cli.screen import UsageError, print_aside, print_out
 from isoembed.cli.status import OK
 from isoembed.gallery import SURFACES, Surface, triangulate
 from isoembed.io import (
@@ -65,7 +65,7 @@ def run(options: argparse.Namespace) -> int:
     else:
         writer = mesh_writer(options.output, vertices, faces)
     write_atomically({options.output: writer})
-    print_out(
+    print_aside(
         f"{options.output}: {surface!r}, {metric.triangulation.n_vertices} vertices; the smooth surface has "
         f"area {surface.area:.12g}, volume {surface.volume:.12g}, "
         f"int H dA {surface.integrated_mean_curvature:.12g} with H = (k1 + k2)/2"

@@ -6,7 +6,7 @@ import numpy as np
 
 from isoembed.cli.closed_form import OF_SPACETIME, add_spacetime_options, closed_form, refuse_given
 from isoembed.cli.options import add_output_option
-from isoembed.cli.screen import UsageError, print_out
+from isoembed.cli.screen import UsageError, print_aside
 from isoembed.cli.status import OK
 from isoembed.io import METRIC_ENDINGS, check_output, metric_writer, write_atomically
 from isoembed.relativity.horizons.grid_file import read_metric_grid
@@ -55,7 +55,7 @@ def run(options: argparse.Namespace) -> int:
     mesh = triangulate_metric(metric, options.vertices, size=options.size, grading=options.grading)
     write_atomically({options.output: metric_writer(options.output, mesh.metric, directions=mesh.directions)})
     least, largest = np.degrees(mesh.angles)
-    print_out(
+    print_aside(
         f"{options.output}: {name}, {mesh.metric.triangulation.n_vertices} vertices, mean edge length "
         f"{mesh.metric.mean_length:.6g}, angles from {least:.1f} to {largest:.1f} degrees"
     )

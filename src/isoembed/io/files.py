@@ -3,6 +3,8 @@
 import os
 import secrets
 import shutil
+import stat
+import tempfile
 from collections.abc import Callable, Collection, Mapping
 from pathlib import Path
 from typing import Any, BinaryIO
@@ -12,6 +14,9 @@ Tables = Mapping[str, Any]
 
 Writer = Callable[[Path], object]
 """Writes one file under the (temporary) name that it is given."""
+
+
+TRIAL = 4096  # bytes: a full disk takes an empty file
 
 
 class FileError(ValueError):
@@ -51,8 +56,8 @@ def check_target(path: str | os.PathLike[str]) -> None:
     Raises
     ------
     FileError
-        The folder does not exist or is closed to us, or the name belongs to something that is not an
-        ordinary file.
+        The folder does not exist, is closed to us or full, or the name belongs to something that is not an
+        ordinary file, or to a file of somebody else in a folder where only its owner may replace it.
     """
     target = _target(path)
     if target.exists() and not target.is_file():
@@ -63,6 +68,20 @@ def check_target(path: str | os.PathLike[str]) -> None:
         raise FileError(f"cannot write {path}: there is no folder {target.parent}")
     if not os.access(target.parent, os.W_OK | os.X_OK):
         raise FileError(f"cannot write {path}: no permission to write in {target.parent}")
+    try:
+        with tempfile.TemporaryFile(dir=target.parent) as trial:
+            trial.write(bytes(TRIAL))
+    except OSError as error:
+        raise FileError(f"cannot write {path}: {error.strerror}") from None
+    if target.exists() and not _may_replace(target):
+        raise FileError(f"cannot write {path}: it belongs to somebody else")
+
+
+def _may_replace(target: Path) -> bool:
+    """Whether the bit of folders like /tmp that protects files from all but their owners leaves it to us."""
+    folder = target.parent.stat()
+    protected = folder.st_mode & stat.S_ISVTX and hasattr(os, "geteuid")
+    return not protected or os.geteuid() in (0, folder.st_uid, target.stat().st_uid)
 
 
 def open_input(path: Path) -> BinaryIO:
