@@ -4,7 +4,7 @@ import argparse
 from pathlib import Path
 
 from isoembed.cli.options import add_merge_option, add_output_option, add_quiet_option
-from isoembed.cli.screen import UsageError, print_out
+from isoembed.cli.screen import UsageError, print_aside
 from isoembed.cli.status import OK
 from isoembed.gluing import unfold
 from isoembed.io import MESH_ENDINGS, METRIC_ENDINGS, check_output, read_surface, write_atomically
@@ -56,5 +56,5 @@ def run(options: argparse.Namespace) -> int:
         writer = sheets_writer(output, unfolding, **drawing)
     write_atomically({output: writer})
     if not options.quiet:
-        print_out(f"{output}: {unfolding}")
+        print_aside(f"{output}: {unfolding}")
     return OK
