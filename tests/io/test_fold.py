@@ -7,6 +7,7 @@ import pytest
 
 import isoembed
 import zoo
+from damage import refusals
 from isoembed.gluing.classics import CLASSICS
 from isoembed.io import FileError, mesh_writer, read_metric, read_surface, write_atomically, write_surface
 
@@ -139,4 +140,36 @@ def test_what_is_no_closed_surface(path):
     )
     path.write_text("[1]")
     with pytest.raises(FileError, match="holds a JSON list"):
+        read_metric(path)
+
+
+def test_damaged_files(path):
+    frames = [{"frame_parent": 0, "frame_inherit": True, "vertices_coords": CUBE}]
+    saved(path, faces_vertices=SQUARES, vertices_coords=[[x, y] for x, y, _ in CUBE], file_frames=frames)
+    assert refusals(path, path.read_bytes()) > 200
+    edges = [[0, 1], [0, 2], [0, 3], [1, 2], [1, 3], [2, 3]]
+    tables = {"edges_vertices": edges, "edges_length": [20] * 6, "faces_vertices": zoo.TETRAHEDRON.tolist()}
+    assert refusals(path, json.dumps(tables).encode()) > 200
+
+
+@pytest.mark.parametrize(
+    "other", [None, 7, "a", {}, [], [None], [[]], [[None]], [["a"]], [[1.5, 2, 3]], [{}], True]
+)
+@pytest.mark.parametrize(
+    "key", ["vertices_coords", "faces_vertices", "edges_length", "edges_vertices", "file_frames"]
+)
+def test_tables_of_another_kind(path, key, other):
+    tables = {
+        "vertices_coords": CUBE,
+        "faces_vertices": SQUARES,
+        "edges_length": [1] * 12,
+        "edges_vertices": [],
+    }
+    saved(path, **tables | {key: other})
+    try:
+        read_metric(path)
+    except (FileError, isoembed.InvalidMetric) as error:
+        assert "\n" not in str(error)
+    saved(path, **{k: v for k, v in tables.items() if k != "vertices_coords"} | {key: other})
+    with pytest.raises((FileError, isoembed.InvalidMetric)):
         read_metric(path)

@@ -168,6 +168,8 @@ def _check_numbers(entries: list[Any], name: str) -> None:
 
 
 def _points(rows: list[list[float]]) -> np.ndarray:
+    if not rows:
+        raise InvalidMetric("there are no vertices")
     for k, row in enumerate(rows):
         if len(row) != len(rows[0]):
             raise InvalidMetric(f"vertex {k} has {len(row)} coordinates, but vertex 0 has {len(rows[0])}")
