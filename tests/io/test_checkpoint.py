@@ -63,6 +63,17 @@ def test_a_listener_can_interrupt(metric):
     assert stop.checkpoint.arrays["left"] == 3
 
 
+def test_every_snapshot_holds_the_checkpoint(metric, tmp_path):
+    seen = []
+    whole = isoembed.embed(metric, method=Counting(), progress=lambda p: seen.append(p.checkpoint))
+    assert seen[0] is None
+    assert [int(checkpoint.arrays["left"]) for checkpoint in seen[1:]] == [4, 3, 2, 1, 0]
+    write_checkpoint(tmp_path / "c.npz", seen[2])
+    rest = isoembed.embed(metric, method=Counting(), resume=read_checkpoint(tmp_path / "c.npz"))
+    assert (rest.vertices == whole.vertices).all()
+    assert [stage.iterations for stage in rest.stages] == [3]
+
+
 def test_interrupted_again_it_goes_on_from_the_last(metric):
     first = interrupted(metric, Counting(), progress=at_the_second)
     second = interrupted(metric, Counting(), progress=at_the_second, resume=first.checkpoint)
