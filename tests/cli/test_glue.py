@@ -249,7 +249,7 @@ def test_every_mistake_in_a_net_is_one_line(run, document, sentence):
         (["net.json", "--metric", "a.npz", "-o", "a.npz"], "--output and --metric are the same file a.npz"),
         (["net.json", "--metric", "a.json", "--report", "a.json"], "--report and --metric are the same file"),
         (["net.json", "--keep"], "--keep needs an --output"),
-        ([], "the following arguments are required: FILE.json"),
+        ([], "the following arguments are required: FILE "),
     ],
 )
 def test_every_mistake_on_the_command_line_is_one_line(run, arguments, sentence):

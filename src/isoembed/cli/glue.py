@@ -19,9 +19,10 @@ def configure(parser: argparse.ArgumentParser) -> None:
     """Add the options of ``isoembed glue``."""
     parser.add_argument(
         "input",
-        metavar="FILE.json",
-        help="polygons with the pairs of sides that are glued or with names of their corners, or a zip, a "
-        "pita form or a D-form; - reads standard input",
+        metavar="FILE",
+        help=".json: polygons with the pairs of sides that are glued or with names of their corners, or a "
+        "zip, a pita form or a D-form; .fold: a crease pattern with names of its corners; - reads JSON from "
+        "standard input",
     )
     add_output_options(parser)
     parser.add_argument(

@@ -51,7 +51,7 @@ def run(options: argparse.Namespace) -> int:
         raise UsageError(f"--{next(iter(drawing))} is for nets on pages ({' '.join(SHEET_ENDINGS)})")
     unfolding = unfold(read_surface(options.file, merge=options.merge))
     if ending(output) in NET_ENDINGS:
-        writer = net_writer(unfolding)
+        writer = net_writer(output, unfolding)
     else:
         writer = sheets_writer(output, unfolding, **drawing)
     write_atomically({output: writer})

@@ -58,8 +58,8 @@ def _tables(document: Frame, name: str) -> Frame:
         if _is_flat(points):
             if (side := _open_side(frame)) is not None:
                 raise FileError(
-                    f"{name} is a flat sheet with a boundary, as from vertex {side[0]} to {side[1]}: say "
-                    "what is glued in a net for 'isoembed glue', or give the folded form, closed and in space"
+                    f"{name} is a flat sheet with a boundary, as from vertex {side[0]} to {side[1]}: name "
+                    "its corners, vertices_isoembed:corner, for 'isoembed glue', or give the closed form"
                 )
             tables["vertices"] = [[*point, 0.0] for point in points]
         return {key: tables[key] for key in ("vertices", "faces")}  # which the lengths are those of

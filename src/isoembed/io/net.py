@@ -20,7 +20,8 @@ from isoembed.gluing import (
 )
 from isoembed.gluing.unfolding import Unfolding
 from isoembed.io import json
-from isoembed.io.files import FileError, Writer, check_ending, write_atomically
+from isoembed.io.crease_pattern import crease_pattern, read_crease_pattern
+from isoembed.io.files import FileError, Writer, check_ending, ending, write_atomically
 from isoembed.io.input_file import InputFile
 from isoembed.io.registry import check_output
 from isoembed.strict_json import strict_json
@@ -28,7 +29,7 @@ from isoembed.strict_json import strict_json
 Makers = dict[str, tuple[Callable[..., Any], int, int]]
 """Shapes by name: who makes them, from how many numbers at least and at most."""
 
-NET_ENDINGS = (".json",)
+NET_ENDINGS = (".json", ".fold")
 FORMS = ("polygons", "regular", "zip", "pita", "dform")
 POLYGONS: Makers = {
     "rectangle": (rectangle, 2, 2),
@@ -58,6 +59,9 @@ def read_net(source: str) -> Net:
         OUTLINE is a polygon, or ``{"circle": radius}``, ``{"ellipse": [a, b]}``,
         ``{"stadium": [length, radius]}``.  ``at``, ``offset`` and ``n`` of pita and D-forms may be left out.
 
+        Or a ``.fold`` file: a crease pattern whose vertices have names, in ``vertices_isoembed:corner``, as
+        the corners of `isoembed.glue`.
+
     Raises
     ------
     FileError
@@ -69,13 +73,15 @@ def read_net(source: str) -> Net:
         return _net(json.read_standard_input(), "standard input")
     check_ending(source, NET_ENDINGS)
     with InputFile(source) as file:
-        return _net(json.read(file), source)
+        return read_crease_pattern(file) if file.ending == ".fold" else _net(json.read(file), source)
 
 
-def net_writer(unfolding: Unfolding) -> Writer:
-    """Writer of a net as JSON; see `write_atomically` and `write_net`."""
+def net_writer(path: str | os.PathLike[str], unfolding: Unfolding) -> Writer:
+    """Writer of a net in the format of this ending; see `write_atomically` and `write_net`."""
     unfolding.net  # noqa: B018, who reads it will glue it
-    text = strict_json({"polygons": unfolding.sheets, "sides": unfolding.sides}) + "\n"
+    is_fold = ending(path) == ".fold"
+    sheets = {"polygons": unfolding.sheets, "sides": unfolding.sides}
+    text = strict_json(crease_pattern(unfolding) if is_fold else sheets) + "\n"
     return lambda temporary: temporary.write_text(text, encoding="utf-8")
 
 
@@ -85,7 +91,7 @@ def write_net(path: str | os.PathLike[str], unfolding: Unfolding) -> None:
     Parameters
     ----------
     path : path
-        Ending in ``.json``.
+        Ending in ``.json``, or in ``.fold`` for a crease pattern with the angles of the folds.
     unfolding : Unfolding
 
     Raises
@@ -96,7 +102,7 @@ def write_net(path: str | os.PathLike[str], unfolding: Unfolding) -> None:
         The surface has faces or sides so thin or small that its sheets cannot be glued in floats.
     """
     check_output(path, NET_ENDINGS)
-    write_atomically({Path(path): net_writer(unfolding)})
+    write_atomically({Path(path): net_writer(path, unfolding)})
 
 
 def _net(document: Mapping[str, Any], name: str) -> Net:
