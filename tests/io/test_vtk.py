@@ -114,3 +114,48 @@ def test_files_of_meshio(version, binary, tmp_path, capsys):
     np.testing.assert_array_equal(data.points, VERTICES)
     np.testing.assert_array_equal(data.polygons, FACES)
     np.testing.assert_array_equal(data.fields["z"], VERTICES[:, 2])
+
+
+def polydata(binary, version):
+    """A cube: a strip around it, a square on top, two triangles below, texture coordinates, and a line."""
+    points = np.array([[x, y, z] for x in (0.0, 1) for y in (0.0, 1) for z in (0.0, 1)])
+    parts = [
+        f"# vtk DataFile Version {version}\n\n{'BINARY' if binary else 'ASCII'}\nDATASET POLYDATA\n".encode()
+    ]
+
+    def put(line, values, kind):
+        parts.append(line.encode() + b"\n")
+        content = np.asarray(values).astype(kind)
+        parts.append(content.tobytes() + b"\n" if binary else text(content.reshape(1, -1)).encode())
+
+    put("POINTS 8 float", points, ">f4")
+    for name, cells in (
+        ("LINES", [[0, 1]]),
+        ("POLYGONS", [[1, 3, 7, 5], [0, 4, 2], [4, 6, 2]]),
+        ("TRIANGLE_STRIPS", [[0, 1, 4, 5, 6, 7, 2, 3, 0, 1]]),
+    ):
+        flat = np.concatenate(cells)
+        if version == "5.1":
+            parts.append(f"{name} {len(cells) + 1} {len(flat)}\n".encode())
+            put("OFFSETS vtktypeint64", np.cumsum([0, *map(len, cells)]), ">i8")
+            put("CONNECTIVITY vtktypeint64", flat, ">i8")
+        else:
+            rows = np.concatenate([[len(cell), *cell] for cell in cells])
+            put(f"{name} {len(cells)} {len(rows)}", rows, ">i4")
+    parts.append(b"POINT_DATA 8\n")
+    put("TEXTURE_COORDINATES TCoords 2 float", np.zeros(16), ">f4")
+    return b"".join(parts)
+
+
+@pytest.mark.parametrize("version", ["3.0", "5.1"])
+@pytest.mark.parametrize("binary", [True, False])
+def test_strips_and_polygons_of_polydata(binary, version, tmp_path):
+    (tmp_path / "a.vtk").write_bytes(polydata(binary, version))
+    metric = read_metric(tmp_path / "a.vtk")
+    assert metric.triangulation.n_faces == 12
+    np.testing.assert_allclose(np.unique(np.round(metric.lengths**2, 12)), [1, 2])
+
+
+@pytest.mark.parametrize("version", ["3.0", "5.1"])
+def test_damaged_polydata(version, tmp_path):
+    assert refusals(tmp_path / "a.vtk", polydata(True, version)) > 40

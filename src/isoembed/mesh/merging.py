@@ -63,6 +63,8 @@ def without_repetitions(corners: Indices, sizes: Indices) -> tuple[Indices, Indi
         return corners, sizes, np.ones(len(sizes), dtype=bool)
     face = np.repeat(np.arange(len(sizes)), sizes)
     n = int(corners.max()) + 1
-    left = np.bincount(np.unique(face * n + corners) // n, minlength=len(sizes)) >= 3
+    pairs = np.sort(face * n + corners)
+    distinct = pairs[np.insert(pairs[1:] != pairs[:-1], 0, True)]
+    left = np.bincount(distinct // n, minlength=len(sizes)) >= 3
     kept = differs & left[face]
     return corners[kept], np.bincount(face[kept], minlength=len(sizes))[left], left

@@ -118,7 +118,8 @@ def merging_advice(points: Floats, faces: Indices) -> str:
 def _merged(
     points: Floats, corners: Indices, sizes: Indices, merge: float, quiet: bool
 ) -> tuple[Indices, Indices]:
-    used, corner = np.unique(corners, return_inverse=True)
+    is_used = np.bincount(corners) > 0
+    used, corner = np.flatnonzero(is_used), (np.cumsum(is_used) - 1)[corners]
     after = np.arange(1, len(corners) + 1)
     ends = np.cumsum(sizes)
     after[ends - 1] = ends - sizes

@@ -156,11 +156,12 @@ class PolygonFaces:
     def _part(self, triangles: Indices, owners: Indices) -> None:
         """Flip diagonals that are edges elsewhere, too: polygons may share more than a side."""
         ends = np.sort(np.stack([triangles, np.roll(triangles, -1, axis=1)], axis=2), axis=2).reshape(-1, 2)
-        edges, count = np.unique(ends, axis=0, return_counts=True)
-        uses = Counter({(a, b): n for (a, b), n in zip(edges.tolist(), count.tolist(), strict=True) if n > 2})
-        if not uses:
+        keys, count = np.unique(ends @ [len(self.points), 1], return_counts=True)
+        if (count <= 2).all():
             return
-        there = set(map(tuple, edges.tolist()))
+        edges = list(zip(*(part.tolist() for part in divmod(keys, len(self.points))), strict=True))
+        uses = Counter({edge: n for edge, n in zip(edges, count.tolist(), strict=True) if n > 2})
+        there = set(edges)
         for a, b in tuple(uses):
             for f in np.unique(owners[(triangles == a).any(axis=1) & (triangles == b).any(axis=1)]).tolist():
                 first, last = np.searchsorted(owners, [f, f + 1])
