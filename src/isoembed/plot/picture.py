@@ -247,26 +247,26 @@ def draw(
     shaded = view.shade(np.where(known, scale.to_rgba(np.nan_to_num(shown))[:, :3], UNKNOWN))
     width = float(np.clip(14.0 / np.sqrt(len(values)), 0.1, 0.7))
     dark = shaded.mean(axis=1, keepdims=True) < 0.4
-    lines = np.where(dark, 0.88 * shaded + 0.12, 0.8 * shaded)
+    rims = np.where(dark, 0.88 * shaded + 0.12, 0.8 * shaded)
     faces = PolyCollection(
-        list(view.polygons), facecolors=shaded, edgecolors=lines, linewidths=width, joinstyle="round"
+        list(view.polygons), facecolors=shaded, edgecolors=rims, linewidths=width, joinstyle="round"
     )
     faces.set_rasterized(len(view.faces) > QUANTITY.rasterized)
     axes.add_collection(faces)
     if seams is not None and len(seams.ends):
         in_sight = seams.ends[np.isin(seams.faces, view.faces).any(axis=1)]
-        axes.add_collection(LineCollection(list(view.put(in_sight)), colors=SEAM, linewidths=1.2))
+        axes.add_collection(
+            LineCollection(list(view.put(in_sight)), colors=SEAM, linewidths=1.2, clip_on=False)
+        )
     axes.set_aspect("equal")
     axes.axis("off")
 
 
 def _caption(embedding: Embedding) -> str:
     t = embedding.triangulation
-    counted = f"{t.n_vertices:,} vertices, {faces_counted(embedding)}     "
-    if len(embedding.seams.ends):
-        counted += "red: where paper was glued     "
+    seams = "\nred: where the paper was glued" if len(embedding.seams.ends) else ""
     return (
-        f"{counted}"
+        f"{t.n_vertices:,} vertices, {faces_counted(embedding)}     "
         rf"$\int\! H\,dA$ = {embedding.integrated_mean_curvature:.6g}     "
-        f"largest length error {embedding.residual:.1g} of the mean edge"
+        f"largest length error {embedding.residual:.1g} of the mean edge{seams}"
     )
