@@ -184,6 +184,18 @@ def test_rounded_coordinates_with_flat_vertices_on_edges(body, digits):
     assert len(found.flat_vertices) == len(vertices) - len(body()[0])
 
 
+@pytest.mark.parametrize("seed", range(4))
+def test_negative_deficits_within_the_tolerance_are_no_reason_to_refuse(seed):
+    # What twelve digits leave; the residual is that of the lengths as they were given.
+    vertices, faces = zoo.subdivided(*zoo.random_hull(12, seed))
+    written = np.array([float(f"{x:.11e}") for x in (vertices @ zoo.rotation(7).T).ravel()]).reshape(-1, 3)
+    metric = PolyhedralMetric.from_mesh(written, faces)
+    assert -1e-10 < GluedMetric.of(metric).deficits.min() < -2e-12
+    found = embed(metric, method="alexandrov")
+    assert found.residual < 1e-10 and found.repair is None
+    assert zoo.aligned(found.vertices, vertices) < 1e-11
+
+
 def with_near_vertices(body, where, distance):
     """A body with a flat vertex near a corner, or with two flat ones near each other: (vertices, faces)."""
     vertices, faces = body

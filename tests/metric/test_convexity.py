@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from isoembed.errors import InvalidMetric
-from isoembed.metric.convexity import check_convex, noise_level, rounded_up
+from isoembed.metric.convexity import check_convex, flattening_advice, noise_level, rounded_up
 
 
 def refusal(deficits):
@@ -44,3 +44,13 @@ def test_noise_ends_at_a_gap(deficits, level):
 @pytest.mark.parametrize("value", [1.0, 2.3e-7, 9.99e-5, 0.0401])
 def test_numbers_are_rounded_up(value):
     assert value <= float(rounded_up(value)) < 1.11 * value
+
+
+def test_failures_name_the_repair_of_small_deficits():
+    deficits = np.array([2.0, 3.0, 4.0, 3e-8, -1e-8, 1e-13])
+    assert flattening_advice(deficits, 1e-12) == (
+        "; 2 small deficits are 3.0e-08 or less: if that is noise, --repair 3.0e-08 "
+        "(Alexandrov(repair=3.0e-08)) makes them zero"
+    )
+    assert flattening_advice(deficits, 1e-7) == ""
+    assert flattening_advice(np.array([2.0, 1.0, 0.5]), 1e-12) == ""

@@ -24,7 +24,7 @@ from isoembed.intrinsic.flat_vertices import remove_flat_vertices
 from isoembed.intrinsic.halfedges import HalfEdges
 from isoembed.intrinsic.insert_vertices import insert_vertices
 from isoembed.linalg import chosen_backend
-from isoembed.metric.convexity import deficit_rounding
+from isoembed.metric.convexity import deficit_rounding, flattening_advice
 from isoembed.metric.glued import GluedMetric
 from isoembed.metric.polyhedral import PolyhedralMetric
 from isoembed.metric.repair import Repair, repaired
@@ -92,11 +92,11 @@ class Alexandrov(Method):
         Raises
         ------
         InvalidMetric
-            A deficit is negative by more than rounding, or than what is to be repaired.
+            A deficit is negative by more than rounding, the tolerance, or what is to be repaired.
         NotEmbedded
             No polyhedron was found; the exception holds an attempt on the given triangles.
         """
-        metric, repair = repaired(metric, self.repair)
+        metric, repair = repaired(metric, self.repair, tolerance)
         given = GluedMetric.of(metric)
         rounding = deficit_rounding(given.faces, given.face_lengths)
         # A deficit within the tolerance can be told from none only by trying.
@@ -114,9 +114,9 @@ class Alexandrov(Method):
             answer = search.answer(self.backend)
             if isinstance(answer, ConvexPolyhedron) and answer.converged:
                 break
-        if isinstance(answer, ConvexPolyhedron):
+        if isinstance(answer, ConvexPolyhedron) and answer.converged:
             return answer
-        raise NotEmbedded(answer.message, answer)
+        raise NotEmbedded(answer.message + flattening_advice(given.deficits, rounding), answer)
 
 
 @dataclass(frozen=True, eq=False)

@@ -101,8 +101,15 @@ def edge_paths(original: HalfEdges, final: HalfEdges, polygons: Polygons, halfed
     """
     lengths = original.lengths[halfedges]
     ends = np.column_stack([end[halfedges] for end in original.ends])
-    first, angles = _set_out(original, final, polygons, halfedges)
+    first, angles = _set_out(original, final, polygons, halfedges, 0.0)
     counts, meet = _follow(first, angles, lengths, ends[:, 1], polygons)
+    for tilt in TRACING.tilts:
+        lost = np.flatnonzero(np.isnan(meet.real))
+        if lost.size == 0:
+            break
+        # Beside an edge it passed its end in a triangle that is as thin as its direction is rounded.
+        first[lost], angles[lost] = _set_out(original, final, polygons, halfedges[lost], tilt)
+        counts[lost], meet[lost] = _follow(first[lost], angles[lost], lengths[lost], ends[lost, 1], polygons)
     offsets = np.concatenate([np.zeros(1, dtype=np.int64), np.cumsum(counts)])
     crossings, parameters = _cross(first, angles, offsets, meet, polygons)
     distances = np.hypot(meet.real, meet.imag)
@@ -113,9 +120,9 @@ def edge_paths(original: HalfEdges, final: HalfEdges, polygons: Polygons, halfed
 
 @kernel
 def _set_out(
-    original: HalfEdges, final: HalfEdges, polygons: Polygons, halfedges: Indices
+    original: HalfEdges, final: HalfEdges, polygons: Polygons, halfedges: Indices, tilt: float
 ) -> tuple[Indices, Floats]:
-    """The half-edges next clockwise of those given, and the angles between."""
+    """The half-edges next clockwise of those given, which are turned by so much, and the angles between."""
     number = np.full(original.corners.size, -1, dtype=np.int64)
     for e in range(halfedges.size):
         number[halfedges[e]] = e
@@ -129,7 +136,7 @@ def _set_out(
         while True:
             e = number[h]
             if e >= 0:
-                g, angle = sector(g, original.directions[h], total, final)
+                g, angle = sector(g, original.directions[h] + tilt, total, final)
                 first[e], angles[e] = g, angle
             h = original.twins[preceding(h)]
             if h == old[v]:

@@ -26,6 +26,11 @@ class TracingThresholds:
         10**6, "triangles", "A line may cross so many more than there are: round a needle."
     )
     rounding: float = threshold(2.0**-48, "coordinates", "Error of a place by rounding.")
+    tilts: tuple[float, ...] = threshold(
+        (1e-11, -1e-11, 1e-10, -1e-10, 1e-9, -1e-9, 1e-8, -1e-8, 1e-7, -1e-7),
+        "radians",
+        "By which a line that misses its end is turned, one after another.",
+    )
     astray: float = threshold(1e-6, "path lengths", "A path that misses its end by more went elsewhere.")
 
 

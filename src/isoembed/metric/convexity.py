@@ -124,6 +124,26 @@ def noise_level(deficits: Floats) -> float:
     return float(below[np.argmax(gaps)])
 
 
+def flattening_advice(deficits: Floats, least: Floats | float) -> str:
+    """What to say where no polyhedron was found, if some deficits are much smaller than all others.
+
+    Parameters
+    ----------
+    deficits : ndarray, shape (V,)
+    least : ndarray, shape (V,), or float
+        Those that are smaller have been taken for zero.
+    """
+    level = noise_level(deficits)
+    small = (np.abs(deficits) > least) & (np.abs(deficits) <= level)
+    if not small.any() or level > CONVEXITY.noise:
+        return ""
+    word = rounded_up(level)
+    return (
+        f"; {small.sum()} small deficits are {word} or less: if that is noise, --repair {word} "
+        f"(Alexandrov(repair={word})) makes them zero"
+    )
+
+
 def rounded_up(value: float) -> str:
     """Two significant digits of a positive number, not less than it."""
     digit = 10.0 ** (math.floor(math.log10(value)) - 1)

@@ -35,7 +35,7 @@ from isoembed.errors import InvalidMetric, InvalidParameter
 from isoembed.linalg import SingularMatrix, factor_general
 from isoembed.mesh.triangulation import frozen
 from isoembed.metric.conformal import equivalent
-from isoembed.metric.convexity import check_convex, deficit_rounding, deficit_spread
+from isoembed.metric.convexity import CONVEXITY, check_convex, deficit_rounding, deficit_spread
 from isoembed.metric.glued import GluedMetric
 from isoembed.metric.laplacian import cotangent_laplacian
 from isoembed.metric.polyhedral import PolyhedralMetric
@@ -94,14 +94,17 @@ class Repair:
         }
 
 
-def repaired(metric: Metric, noise: float) -> tuple[Metric, Repair]:
+def repaired(metric: Metric, noise: float, tolerance: float = 0.0) -> tuple[Metric, Repair]:
     """Flatten vertices whose deficits are within the noise, or at least lift negative deficits to zero.
 
     Parameters
     ----------
     metric : PolyhedralMetric or GluedMetric
     noise : float
-        Radians, not negative.
+        Radians, not negative; with 0 the metric is only checked.
+    tolerance : float
+        Of the lengths, relative: deficits that are negative by so few radians may be met within it, and are
+        no reason to refuse the metric.
 
     Returns
     -------
@@ -127,9 +130,10 @@ def repaired(metric: Metric, noise: float) -> tuple[Metric, Repair]:
     if precision is not None:
         spread = deficit_spread(given.faces, given.face_lengths, given.twins)
         doubt = precision.name, precision.length_error * spread
-    check_convex(before, np.maximum(rounding, noise), doubt)
-    flat = _to_be_flat(before, noise)
-    changed = np.where(flat, np.abs(before), -before) > rounding
+    level = max(noise, min(tolerance, CONVEXITY.most))
+    check_convex(before, np.maximum(rounding, level), doubt)
+    flat = _to_be_flat(before, level)
+    changed = (np.where(flat, np.abs(before), -before) > rounding) & (noise > 0)
     u = np.zeros(given.n_vertices)
     result, left = metric, math.inf
     for _ in range(REPAIR.newton_steps):
@@ -138,7 +142,7 @@ def repaired(metric: Metric, noise: float) -> tuple[Metric, Repair]:
         errors = np.where(flat, np.abs(delta), -delta)
         before_step, left = left, max(float(errors.max()), 0.0)
         allowed = deficit_rounding(current.faces, current.face_lengths)
-        if (errors <= allowed).all() and (not changed.any() or left >= REPAIR.gain * before_step):
+        if not changed.any() or ((errors <= allowed).all() and left >= REPAIR.gain * before_step):
             change = float(np.abs(current.face_lengths / given.face_lengths - 1).max())
             vertices = np.flatnonzero(changed)
             return result, Repair(frozen(vertices), frozen(before[vertices]), frozen(u), change)
