@@ -1,15 +1,45 @@
 """Convex pieces of the paper: whether one overlaps any of others."""
 
+from collections.abc import Iterable
+
 import numpy as np
 
 from isoembed.arrays import Floats
 from isoembed.kernel import kernel
 
+SQUARE = 8.0  # mm
 
-def near(others: Floats, points: Floats) -> Floats:
-    """Those of other pieces, (n, m, 2), whose boxes meet that of points, (k, 2)."""
-    low, high = points.min(axis=0), points.max(axis=0)
-    return others[((others.max(axis=1) >= low) & (others.min(axis=1) <= high)).all(axis=1)]
+
+class Pieces:
+    """Pieces with equally many corners, by the squares of the paper that their boxes touch.
+
+    Parameters
+    ----------
+    corners : int
+        Of each.
+    some : ndarray, shape (n, corners, 2)
+    """
+
+    def __init__(self, corners: int, some: Iterable[Floats] = ()) -> None:
+        self._none = np.empty((0, corners, 2))
+        self._squares: dict[tuple[int, int], list[Floats]] = {}
+        for piece in some:
+            self.add(piece)
+
+    def add(self, piece: Floats) -> None:
+        """Add a piece."""
+        for square in _touched(piece):
+            self._squares.setdefault(square, []).append(piece)
+
+    def near(self, points: Floats) -> Floats:
+        """Those in the squares that the box of points touches, (n, corners, 2), some of them repeatedly."""
+        there = [piece for square in _touched(points) for piece in self._squares.get(square, ())]
+        return np.array(there) if there else self._none
+
+
+def _touched(points: Floats) -> list[tuple[int, int]]:
+    (left, low), (right, high) = points.min(axis=0) // SQUARE, points.max(axis=0) // SQUARE
+    return [(i, j) for i in range(int(left), int(right) + 1) for j in range(int(low), int(high) + 1)]
 
 
 @kernel

@@ -2,11 +2,12 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from itertools import chain
 
 import numpy as np
 
 from isoembed.arrays import Floats
-from isoembed.plot.paper.convex import near, overlaps
+from isoembed.plot.paper.convex import Pieces, overlaps
 
 Side = tuple[int, int]
 
@@ -77,28 +78,31 @@ def labels(
         Which sides ``((p, k), (q, m))`` are glued.
     """
     rims = [np.stack([outline, np.roll(outline, -1, axis=0)], axis=1) for outline in outlines]
-    numbered = [(str(number), rims[p][k], p) for number, pair in enumerate(sides, 1) for p, k in pair]
+    numbered = [(str(number), rims[p][k]) for number, pair in enumerate(sides, 1) for p, k in pair]
     numbered.sort(key=lambda entry: float(np.hypot(*(entry[1][1] - entry[1][0]))))  # those with little room
-    taken = [np.empty((0, 4, 2)) for _ in outlines]
+    lines, creases = Pieces(2, chain.from_iterable(rims)), Pieces(2, chain.from_iterable(folds))
+    taken = Pieces(4)
     found = []
-    for text, ends, p in numbered:
+    for text, ends in numbered:
         one = (
-            _fitting(text, ends, SIZE, LEGIBLE, (rims[p], folds[p], taken[p]))
-            or _fitting(text, ends, LEGIBLE, LEAST, (rims[p], taken[p]))
+            _fitting(text, ends, SIZE, LEGIBLE, (lines, creases, taken))
+            or _fitting(text, ends, LEGIBLE, LEAST, (lines, taken))
             or _beside(text, ends, 0.5, LEAST)
         )
-        taken[p] = np.concatenate([taken[p], [one.box]])
+        taken.add(one.box)
         found.append(one)
     return found
 
 
-def _fitting(text: str, ends: Floats, size: float, least: float, obstacles: Sequence[Floats]) -> Label | None:
+def _fitting(text: str, ends: Floats, size: float, least: float, obstacles: Sequence[Pieces]) -> Label | None:
     """The largest label of a side that overlaps nothing."""
     length = float(np.hypot(*(ends[1] - ends[0])))
+    while size >= least and WIDTH * len(text) * size >= length:
+        size *= SHRINK
     around = np.concatenate([_beside(text, ends, part, size).box for part in (0.0, 1.0)])
-    close = [near(some, around) for some in obstacles]
+    close = [some.near(around) for some in obstacles]
     while size >= least:
-        for part in PLACES if WIDTH * len(text) * size < length else ():
+        for part in PLACES:
             one = _beside(text, ends, part, size)
             if not any(overlaps(one.box, some) for some in close):
                 return one

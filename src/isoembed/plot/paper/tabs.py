@@ -1,11 +1,12 @@
 """Tabs to glue: trapezoids on one of two sides that are glued, as deep as there is room."""
 
 from collections.abc import Sequence
+from itertools import chain
 
 import numpy as np
 
 from isoembed.arrays import Floats
-from isoembed.plot.paper.convex import near, overlaps
+from isoembed.plot.paper.convex import Pieces, overlaps
 
 DEPTH, LEAST = 7.0, 0.8  # mm
 SHARE = 0.4  # of the side, at most
@@ -34,11 +35,9 @@ def tabs(outlines: Sequence[Floats], sides: Sequence[tuple[Side, Side]]) -> dict
         The outer corners, (2, 2), of the tab on side ``(p, k)``, the one nearer to its beginning first.  A
         pair for which there is no room has none.
     """
-    segments = np.concatenate(
-        [np.stack([outline, np.roll(outline, -1, axis=0)], axis=1) for outline in outlines]
-    )
+    rims = (np.stack([outline, np.roll(outline, -1, axis=0)], axis=1) for outline in outlines)
+    segments, others = Pieces(2, chain.from_iterable(rims)), Pieces(4)
     made: dict[Side, Floats] = {}
-    others = np.empty((0, 4, 2))
     for pair in sides:
         best, top = 0.0, np.zeros((2, 2))
         for side, mate in (pair, pair[::-1]):
@@ -48,12 +47,12 @@ def tabs(outlines: Sequence[Floats], sides: Sequence[tuple[Side, Side]]) -> dict
         if best:
             made[p, k] = top
             ends = outlines[p][[k, (k + 1) % len(outlines[p])]]
-            others = np.concatenate([others, [_piece(ends, top)]])
+            others.add(_piece(ends, top))
     return made
 
 
 def _deepest(
-    outline: Floats, side: Side, mate: Side, segments: Floats, others: Floats
+    outline: Floats, side: Side, mate: Side, segments: Pieces, others: Pieces
 ) -> tuple[float, Floats]:
     """The depth of the deepest tab on a side, and its outer corners; 0 if there is no room."""
     (p, k), n = side, len(outline)
@@ -74,13 +73,15 @@ def _deepest(
         return np.array([start + depth * (legs[0] * along + out), end + depth * (out - legs[1] * along)])
 
     ends = np.array([start, end])
-    segments, others = (near(some, np.vstack([ends, top(CLEAR * depth)])) for some in (segments, others))
+    if depth < LEAST:
+        return 0.0, ends
+    close = [some.near(np.vstack([ends, top(CLEAR * depth)])) for some in (segments, others)]
     while depth >= LEAST:
         piece = _piece(ends, top(CLEAR * depth))
-        if not overlaps(piece, segments) and not overlaps(piece, others):
+        if not any(overlaps(piece, some) for some in close):
             return depth, top(depth)
         depth *= SHRINK
-    return 0.0, top(0.0)
+    return 0.0, ends
 
 
 def _angle(first: Floats, second: Floats) -> float:
