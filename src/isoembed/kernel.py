@@ -45,7 +45,9 @@ class _Cache(FunctionCache):
     def load_overload(self, *compiled_for: Any) -> Any:
         try:
             return super().load_overload(*compiled_for)
-        except (OSError, EOFError, pickle.UnpicklingError):  # closed to us, or cut short
+        except OSError:  # closed to us
+            return None
+        except (EOFError, pickle.UnpicklingError):  # cut short
             with suppress(OSError):
                 self.flush()
             return None

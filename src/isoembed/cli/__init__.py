@@ -10,6 +10,7 @@ import warnings
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from importlib import import_module
+from types import ModuleType
 from typing import Any
 
 from isoembed import __version__
@@ -60,10 +61,28 @@ def build_parser(arguments: Sequence[str]) -> Parser:
         command = commands.add_parser(name, help=purpose, description=f"{purpose[0].upper()}{purpose[1:]}.")
         command.allow_abbrev = False
         if name in arguments:
-            module = import_module(f"isoembed.cli.{name}")
+            module = _loaded(name)
             module.configure(command)
             command.set_defaults(run=module.run)
     return parser
+
+
+def _loaded(name: str) -> ModuleType:
+    """Import a subcommand, and with it the libraries.
+
+    Raises
+    ------
+    UsageError
+        A limit on the address space leaves no room for them.
+    """
+    try:
+        return import_module(f"isoembed.cli.{name}")
+    except (ImportError, OSError) as error:
+        from resource import RLIM_INFINITY, RLIMIT_AS, getrlimit
+
+        if (limit := getrlimit(RLIMIT_AS)[0]) == RLIM_INFINITY:
+            raise
+        raise UsageError(f"the libraries do not fit into an address space of {limit} bytes") from error
 
 
 def main(argv: Sequence[str] | None = None) -> int:
@@ -88,16 +107,16 @@ def main(argv: Sequence[str] | None = None) -> int:
             return _run(options)
     except SystemExit as stop:  # argparse: --help, --version, a wrong command line
         return int(stop.code or OK)
-    except OutputError as error:
+    except (UsageError, OutputError) as error:
         print_error(str(error))
         return WRONG
     except KeyboardInterrupt as stop:
         print_error(str(stop) or "interrupted")
         return interruption.status
     except MemoryError as error:
-        from isoembed.linalg.memory import OutOfMemory
-
-        known = "" if isinstance(error, OutOfMemory) else "there is not enough memory for this"
+        memory = sys.modules.get("isoembed.linalg.memory")  # there may be no room to load it
+        said = memory is not None and isinstance(error, memory.OutOfMemory)
+        known = "" if said else "there is not enough memory for this"
         print_error(": ".join(part for part in (known, str(error)) if part))
         return WRONG
 
