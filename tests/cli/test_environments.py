@@ -209,9 +209,8 @@ def test_names_beyond_ascii(here, environment):
 @pytest.mark.slow
 @pytest.mark.skipif(not sys.platform.startswith("linux"), reason="macOS does not enforce this limit")
 def test_limits_of_the_address_space(here):
-    write_metric(here / "m.npz", PolyhedralMetric.from_mesh(*zoo.icosphere(5)))
     statuses = set()
-    for limit in (60, 100, 200, 300, 400, 450, 550, 700, 4000):
+    for limit in (60, 100, 200, 4000):
         prepare = limited(RLIMIT_AS=limit * 10**6)
         status, _, err = run("embed", "m.npz", "-o", "a.vtk", folder=here, prepare=prepare)
         statuses.add(status)

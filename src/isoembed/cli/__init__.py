@@ -75,14 +75,23 @@ def _loaded(name: str) -> ModuleType:
     UsageError
         A limit on the address space leaves no room for them.
     """
+    limit = _address_space()  # asked for while there is room
     try:
         return import_module(f"isoembed.cli.{name}")
     except (ImportError, OSError) as error:
-        from resource import RLIM_INFINITY, RLIMIT_AS, getrlimit
-
-        if (limit := getrlimit(RLIMIT_AS)[0]) == RLIM_INFINITY:
+        if limit is None:
             raise
         raise UsageError(f"the libraries do not fit into an address space of {limit} bytes") from error
+
+
+def _address_space() -> int | None:
+    """The limit on the bytes of this process, if there is one."""
+    try:
+        from resource import RLIM_INFINITY, RLIMIT_AS, getrlimit
+    except ImportError:  # Windows
+        return None
+    limit = getrlimit(RLIMIT_AS)[0]
+    return None if limit == RLIM_INFINITY else limit
 
 
 def main(argv: Sequence[str] | None = None) -> int:
