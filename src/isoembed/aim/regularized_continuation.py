@@ -27,9 +27,9 @@ class ContinuationThresholds:
     """Thresholds of the regularized continuation."""
 
     steps: int = threshold(6, "count", "Steps from t = 1 to t = 0.")
-    weight: float = threshold(0.005, "mean edge lengths^2", "mu at first; more would smooth edges away.")
+    weight: float = threshold(0.007, "mean edge lengths^2", "mu at first; more would smooth edges away.")
     stiffer: float = threshold(3.0, "relative", "Factor of mu where a step goes uphill.")
-    stiffest: float = threshold(5.0, "mean edge lengths^2", "mu at most.")
+    stiffest: float = threshold(7.0, "mean edge lengths^2", "mu at most.")
     bending: float = threshold(3.0, "relative", "w on the way.")
     letting_go: tuple[float, ...] = threshold((0.3, 0.03, 0.0), "relative", "w at t = 0, in turn.")
     fade: float = threshold(0.1, "relative", "Factor of mu from step to step, after that.")

@@ -36,7 +36,7 @@ from isoembed.thresholds import threshold
 class RegularizedEnergyThresholds:
     """Thresholds of the regularized energy."""
 
-    rho: float = threshold(2.5, "mean edge lengths", "K is the Laplacian over this: of the size of R.")
+    rho: float = threshold(2.9, "mean edge lengths", "K is the Laplacian over this: of the size of R.")
     smallest_cotangent: float = threshold(0.01, "relative", "Smaller weights of K would reward bending.")
     share: float = threshold(0.5, "relative", "Share of |K x|^2 that stands in for |R x|^2 in the factors.")
     solved: float = threshold(1e-3, "relative", "Residual of a step's linear equations, over the gradient.")
