@@ -10,6 +10,7 @@ import numpy as np
 from scipy.sparse import coo_array
 from scipy.sparse.csgraph import connected_components
 
+from isoembed.alexandrov.lengths import worst_length
 from isoembed.alexandrov.polytope import Polytope
 from isoembed.arrays import Floats, Indices, Mask
 from isoembed.intrinsic.delaunay import make_delaunay, tilts
@@ -27,6 +28,9 @@ class FlatLimitThresholds:
     fold: float = threshold(0.5, "relative", "Apex' feet beside an edge: 1 at a fold, 0 if it is flat.")
     rounding: float = threshold(1e-8, "edge lengths", "Error of the feet by rounding.")
     not_yet_flat: float = threshold(30.0, "edge lengths", "Error of the feet, over the squared height.")
+    exact: float = threshold(
+        1e-13, "mean edge lengths", "Error of the lengths of a body that is flat in floats."
+    )
     even: float = threshold(1e-7, "radians", "The two sheets' angles agree, and the polygon closes.")
 
 
@@ -43,10 +47,13 @@ class DoublyCovered:
         Triangles of the two sheets that never join the same two vertices twice, if there are more than three.
     vertices : ndarray, shape (V, 3)
         In the plane z = 0.
+    error : float
+        The largest of a length of the metric, in mean edge lengths: thin bodies are polygons nearly.
     """
 
     tables: HalfEdges
     vertices: Floats
+    error: float
 
 
 def flat_limit(p: Polytope) -> DoublyCovered | None:
@@ -103,7 +110,8 @@ def doubly_covered(tables: HalfEdges, folds: Mask) -> DoublyCovered | None:
         return None
     steps -= sides[:, None] * steps.sum(axis=0) / sides.sum()  # what rounding left open
     points = np.concatenate([[[0.0, 0.0]], np.cumsum(steps, axis=0)[:-1]])
-    return DoublyCovered(_fans(tables, boundary, points), _in_order(points, start))
+    vertices = _in_order(points, start)
+    return DoublyCovered(_fans(tables, boundary, points), vertices, worst_length(tables, vertices))
 
 
 def _sheet(tables: HalfEdges, folds: Mask) -> Indices:

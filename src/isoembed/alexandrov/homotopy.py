@@ -3,22 +3,24 @@
 Bobenko and Izmestiev start from equal radii so large that every curvature nearly is the deficit of its
 vertex, and follow ``kappa(t) = (1 - t) kappa(0)``.  Here the radii are moderate from the beginning, the
 curvatures are led along ``epsilon delta``, delta being the deficits, and a step need not stay on that path:
-it is accepted if it brings the curvatures nearer to where it aims.  One factorization preconditions the whole
-path, unless a step meets the boundary of what polytopes there are; a second one serves Newton's method and
-the placement.
+it is accepted if it brings the curvatures nearer to where it aims.  Steps are even in the log odds of
+epsilon: the polytope over a long body opens like a wedge of angle ``2 pi (1 - epsilon)``, and its aspect goes
+with that angle.  One factorization preconditions the whole path, unless a step meets the boundary of what
+polytopes there are; a second one serves Newton's method and the placement.
 """
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Generator, Iterator, Mapping
 from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
-from scipy.sparse import coo_array, csc_array
-from scipy.sparse.csgraph import dijkstra
+from scipy.sparse import csc_array
 
+from isoembed.alexandrov.pins import independent_directions
 from isoembed.alexandrov.polytope import Polytope
 from isoembed.arrays import Floats, Indices
 from isoembed.intrinsic.delaunay import make_delaunay
@@ -32,27 +34,37 @@ from isoembed.thresholds import threshold
 
 @dataclass(frozen=True)
 class HomotopyThresholds:
-    """Thresholds of the homotopy, chosen on random bodies up to 300 : 1; none is delicate."""
+    """Thresholds of the homotopy, chosen on random bodies up to 10,000 : 1; none is delicate."""
 
     ladder: tuple[float, ...] = threshold(
-        (2.0, 4.0, 16.0, 64.0, 256.0), "least radii", "Radii of the starts, until one arrives."
+        (2.0, 16.0, 64.0, 256.0), "least radii", "Radii of the starts, until one arrives."
     )
     forcing: float = threshold(0.03, "relative", "Residual of the linear equations on the way.")
     stale: int = threshold(10, "GMRES iterations", "More of them cost more than a fresh factorization.")
     most_iterations: int = threshold(30, "GMRES iterations", "At most.")
     decrease: float = threshold(0.25, "relative", "Least decrease, of what the linear model promises.")
-    first_step: float = threshold(0.5, "relative", "Share of the curvatures that a first step removes.")
-    longest_step: float = threshold(0.9, "relative", "Largest such share.")
-    shortest_step: float = threshold(1e-4, "relative", "Smallest: a path that needs less is given up.")
+    first_step: float = threshold(1.0, "log odds", "By which a first step is to lower epsilon.")
+    longest_step: float = threshold(2.5, "log odds", "Of a step at most.")
+    shortest_step: float = threshold(
+        1e-3, "log odds", "Of a step at least: a path that needs less is given up."
+    )
+    growth: float = threshold(1.5, "relative", "Of a step after one that was accepted whole.")
+    tracked: float = threshold(0.6, "relative", "Of the way to an aim may be left when the next aim is set.")
+    corrected: float = threshold(0.7, "relative", "Of a step remain if its aim needs another try.")
+    most_odds: float = threshold(1e9, "odds", "Of epsilon where it is near 1, or beyond.")
     halvings: int = threshold(30, "count", "Of a step with a fresh factorization.")
-    halvings_if_stale: int = threshold(3, "count", "Of a step with an older one.")
+    halvings_if_stale: int = threshold(3, "count", "Of two steps, the second with an older one.")
+    lenient: int = threshold(
+        20, "steps", "Later steps with an older one are not halved: the body is a hard one."
+    )
     newton_halvings: int = threshold(8, "count", "Of a step of Newton's method that has not arrived.")
     close: float = threshold(3e-3, "largest deficits", "Largest curvature at which Newton's method is tried.")
     closest: float = threshold(1e-9, "largest deficits", "After failures, down to this.")
     most_steps: int = threshold(1000, "count", "Steps of a path at most.")
     newton_steps: int = threshold(40, "count", "Steps of Newton's method at most.")
-    creep: int = threshold(50, "count", "Steps that have to leave at most `least_progress`.")
-    least_progress: float = threshold(0.999, "relative", "What they leave at most.")
+    creep: int = threshold(50, "count", "Steps that have to leave at most so much of one of these two:")
+    crept_odds: float = threshold(0.9, "relative", "Of the odds of epsilon.")
+    crept_norm: float = threshold(0.999, "relative", "Of the curvatures.")
     arrived: float = threshold(0.7, "relative", "Share of all work done where Newton's method begins.")
     loosest: float = threshold(1e-2, "relative", "Largest residual of Newton's linear equations.")
     tightest: float = threshold(1e-6, "relative", "Smallest residual of Newton's linear equations.")
@@ -127,11 +139,15 @@ class Waypoint:
     close : float
         Largest curvature at which Newton's method is tried, over the largest deficit.
     step : float
-        Share of the curvatures that the next step is to remove.
+        Log odds by which the next step is to lower epsilon.
     count : int
         Steps since the path began.
-    norm : float
-        Of the curvatures where creeping was last looked for.
+    odds, norm : float
+        Of epsilon and of the curvatures where creeping was last looked for.
+    target : float
+        The epsilon that the last step did not reach; not a number if the next one sets its own.
+    way : float
+        Norm of what was missing when it was set.
     """
 
     polytope: Polytope
@@ -139,7 +155,10 @@ class Waypoint:
     close: float
     step: float = HOMOTOPY.first_step
     count: int = 0
+    odds: float = np.inf
     norm: float = np.inf
+    target: float = np.nan
+    way: float = 0.0
 
     @classmethod
     def of_arrays(cls, arrays: Mapping[str, NDArray[Any]]) -> Waypoint | None:
@@ -147,13 +166,13 @@ class Waypoint:
         polytope = Polytope.of_arrays(arrays)
         if polytope is None:
             return None
-        close, step, norm = (float(arrays[name]) for name in ("close", "step", "norm"))
-        return cls(polytope, int(arrays["start"]), close, step, int(arrays["count"]), norm)
+        numbers = {name: float(arrays[name]) for name in ("close", "step", "odds", "norm", "target", "way")}
+        return cls(polytope, int(arrays["start"]), count=int(arrays["count"]), **numbers)
 
     def arrays(self) -> dict[str, ArrayLike]:
         """What defines it, for a checkpoint."""
-        numbers = {name: getattr(self, name) for name in ("start", "close", "step", "count", "norm")}
-        return {**self.polytope.arrays(), **numbers}
+        names = ("start", "close", "step", "count", "odds", "norm", "target", "way")
+        return {**self.polytope.arrays(), **{name: getattr(self, name) for name in names}}
 
 
 def follow_path(
@@ -263,49 +282,69 @@ def _path(
     keep: Callable[[Waypoint], None],
 ) -> Generator[Polytope, None, None]:
     """Lead the curvatures toward zero along ``epsilon delta``."""
-    p, step, before = here.polytope, here.step, here.norm
+    p = here.polytope
     epsilon = _share(p.curvatures, deficits)
     inverse: Factor | None = None
-    fresh = True
+    fresh, halving = True, 0
     yield p
     for count in range(here.count, HOMOTOPY.most_steps):
         if inverse is None:
-            keep(replace(here, polytope=p, step=step, count=count, norm=before))
+            here = replace(here, polytope=p, count=count)
+            keep(here)
             inverse, fresh = _factor(-p.jacobian(), recorder, backend), True
         if count % HOMOTOPY.creep == 0:
-            if np.linalg.norm(p.curvatures) > HOMOTOPY.least_progress * before:
+            odds, norm = _odds(epsilon), float(np.linalg.norm(p.curvatures))
+            if odds > HOMOTOPY.crept_odds * here.odds and norm > HOMOTOPY.crept_norm * here.norm:
                 return
-            before = float(np.linalg.norm(p.curvatures))
-        aim = max(epsilon, 0.0) * (1 - step) * deficits
-        missing = p.curvatures - aim
+            here = replace(here, odds=odds, norm=norm)
+        if np.isnan(here.target):
+            target = _lowered(epsilon, here.step)
+            here = replace(here, target=target, way=float(np.linalg.norm(p.curvatures - target * deficits)))
+        missing = p.curvatures - here.target * deficits
         dr, iterations = _solved(p, inverse, missing)
         if iterations > HOMOTOPY.stale and not fresh:
             inverse = None
             continue
         size = np.linalg.norm(missing)
-        for halving in range(HOMOTOPY.halvings if fresh else HOMOTOPY.halvings_if_stale):
+        stale = max(HOMOTOPY.halvings_if_stale - halving, 1) if count < HOMOTOPY.lenient else 1
+        for halving in range(HOMOTOPY.halvings if fresh else stale):
             fraction = 0.5**halving
             q = Polytope.over(p.tables, p.radii + fraction * dr)
-            if (
-                q is not None
-                and np.linalg.norm(q.curvatures - aim) <= (1 - HOMOTOPY.decrease * fraction) * size
-            ):
-                break
+            if q is not None:
+                left = np.linalg.norm(q.curvatures - here.target * deficits)
+                if left <= (1 - HOMOTOPY.decrease * fraction) * size:
+                    break
         else:
             if not fresh:
                 inverse = None
                 continue
-            step /= 4
-            if step < HOMOTOPY.shortest_step:
+            here = replace(here, step=here.step / 4, target=np.nan)
+            if here.step < HOMOTOPY.shortest_step:
                 return
             continue
         p, fresh = q, False
         epsilon = _share(p.curvatures, deficits)
-        step = min(step + 0.1, HOMOTOPY.longest_step) if halving == 0 else max(2 * step * fraction, 0.01)
+        if left <= HOMOTOPY.tracked * here.way:
+            step, target = here.step * (HOMOTOPY.growth if halving == 0 else 2 * fraction), np.nan
+        else:
+            step, target = here.step * max(fraction, HOMOTOPY.corrected), here.target
+        step = min(max(step, HOMOTOPY.shortest_step), HOMOTOPY.longest_step)
+        here = replace(here, step=step, target=target)
         recorder.iterations += 1
         done = np.log(max(epsilon, HOMOTOPY.close)) / np.log(HOMOTOPY.close) * HOMOTOPY.arrived
         recorder.show(t=epsilon, residual=float(np.abs(p.curvatures).max()), done=float(done))
         yield p
+
+
+def _odds(epsilon: float) -> float:
+    if epsilon <= 0:
+        return 0.0
+    return min(epsilon / (1 - epsilon), HOMOTOPY.most_odds) if epsilon < 1 else HOMOTOPY.most_odds
+
+
+def _lowered(epsilon: float, step: float) -> float:
+    odds = _odds(epsilon) * math.exp(-step)
+    return odds / (1 + odds)
 
 
 def newton(
@@ -363,25 +402,6 @@ def forcing_term(ratio: float, loosest: float) -> float:
     loosest : float
     """
     return float(np.clip(ratio**2, HOMOTOPY.tightest, loosest))
-
-
-def independent_directions(p: Polytope) -> Indices:
-    """Three vertices that are seen from the apex at about right angles, shape (3,)."""
-    i, j = p.tables.corners, p.tables.corners[p.tables.twins]
-    a, b, l = p.radii[i], p.radii[j], p.tables.lengths
-    # Half the angle at the apex between neighbors, from its sine: |x_i - x_j|^2 = (a - b)^2 + 4 a b sin^2.
-    sine = np.sqrt(np.maximum((l - (a - b)) * (l + (a - b)), 0.0) / (4 * a * b))
-    angles = 2 * np.arcsin(np.minimum(sine, 1.0))
-    n = p.radii.size
-    loops = i == j
-    graph = coo_array((angles[~loops], (i[~loops], j[~loops])), shape=(n, n)).tocsr()
-    oblique = np.zeros(n)
-    pins = [0]
-    while len(pins) < 3:
-        oblique = np.maximum(oblique, np.abs(dijkstra(graph, indices=pins[-1]) - np.pi / 2))
-        oblique[pins] = np.inf
-        pins.append(int(np.argmin(oblique)))
-    return np.array(pins)
 
 
 def _pinned_matrix(p: Polytope, free: Floats) -> csc_array:

@@ -14,7 +14,8 @@ from isoembed._embed import Method
 from isoembed.alexandrov.attempt import attempted
 from isoembed.alexandrov.doubly_covered import FLAT_LIMIT, DoublyCovered, doubly_covered_triangle, flat_limit
 from isoembed.alexandrov.homotopy import Solution, Waypoint, follow_path
-from isoembed.alexandrov.placement import realized, relaxed, relaxed_polytope, worst_length
+from isoembed.alexandrov.lengths import worst_length
+from isoembed.alexandrov.placement import realized, relaxed, relaxed_polytope
 from isoembed.alexandrov.polyhedron import ConvexPolyhedron, metric_on
 from isoembed.alexandrov.polytope import Polytope
 from isoembed.arrays import Floats, Indices, Mask
@@ -162,9 +163,12 @@ class _Search:
                 tables, vertices = found.polytope.tables, _placed(found, recorder)
             else:
                 rescued = None if found is None else relaxed_polytope(found, recorder)
-                if rescued is None:
+                if rescued is not None:
+                    tables, vertices = rescued
+                elif (flat := found and flat_limit(found)) and flat.error <= self.tolerance:
+                    found, tables, vertices = flat, flat.tables, flat.vertices
+                else:
                     return self._failure(curved, found, _diagnosis(found, curved))
-                tables, vertices = rescued
             tables = tables._replace(corners=order[tables.corners])
             vertices = outward(tables.faces, vertices[np.argsort(order)])
         nearest = found.polytope if isinstance(found, Solution) else None
@@ -245,7 +249,7 @@ def _polyhedron(
         if found.lowest < watch.thin:
             watch.thin = found.lowest / 10
             polygon = flat_limit(found)
-            if polygon is not None:
+            if polygon is not None and polygon.error <= FLAT_LIMIT.exact:
                 return polygon
         nearest = watch.nearest
         if nearest is None or np.abs(found.curvatures).max() < np.abs(nearest.curvatures).max():
@@ -265,8 +269,8 @@ def _diagnosis(nearest: Polytope | None, curved: Indices) -> str:
 
 def _placed(solution: Solution, recorder: StageRecorder) -> Floats:
     vertices = realized(solution, recorder)
-    if worst_length(solution, vertices) > SOLUTION.accepted:
-        vertices = relaxed(solution, vertices, recorder)
+    if worst_length(solution.polytope.tables, vertices) > SOLUTION.accepted:
+        vertices = relaxed(solution.polytope.tables, vertices, recorder)
     return vertices
 
 

@@ -10,13 +10,17 @@ from dataclasses import dataclass
 import numpy as np
 
 from isoembed.alexandrov.homotopy import Solution, pinned
+from isoembed.alexandrov.lengths import worst_length
 from isoembed.alexandrov.polytope import Polytope
 from isoembed.arrays import Floats, Indices
 from isoembed.errors import InvalidMetric
+from isoembed.intrinsic.flips import flip
 from isoembed.intrinsic.halfedges import HalfEdges
 from isoembed.linalg import SingularMatrix
 from isoembed.mesh.triangulation import Triangulation
 from isoembed.progress.stages import StageRecorder
+from isoembed.surface.convexity import dent_depths
+from isoembed.surface.measures import outward
 from isoembed.surface.rigidity import LengthSystem, length_residuals
 from isoembed.thresholds import threshold
 
@@ -29,6 +33,7 @@ class PlacementThresholds:
     rough: float = threshold(1e-4, "relative", "Residual of linear equations for a correction.")
     sample: int = threshold(100_000, "edges", "Edges that determine the six numbers of a linear map.")
     relaxations: int = threshold(8, "count", "Newton steps on the lengths at most.")
+    dented: float = threshold(1e-8, "mean edge lengths", "Depth of a dent beyond what rounding makes.")
     exact: float = threshold(1e-13, "mean edge lengths", "Error of the lengths at which they may end.")
     polishes: int = threshold(3, "count", "Rounds of the polish at most.")
     polished: float = threshold(16 * 2.0**-52, "radii", "Error of the lengths at which they may end.")
@@ -49,7 +54,9 @@ def realized(solution: Solution, recorder: StageRecorder) -> Floats:
     """
     vertices = placed(solution)
     for _ in range(PLACEMENT.polishes):
-        if worst_length(solution, vertices) <= PLACEMENT.polished * float(np.abs(vertices).max()):
+        if worst_length(solution.polytope.tables, vertices) <= PLACEMENT.polished * float(
+            np.abs(vertices).max()
+        ):
             break
         vertices = polished(solution, vertices)
         recorder.iterations += 1
@@ -110,10 +117,10 @@ def polished(solution: Solution, vertices: Floats) -> Floats:
         _products(chords) / lengths[:, None], lengths - np.linalg.norm(chords, axis=1), rcond=None
     )
     moved += moved @ strain[SYMMETRIC]
-    return moved if worst_length(solution, moved) < worst_length(solution, vertices) else vertices
+    return moved if worst_length(tables, moved) < worst_length(tables, vertices) else vertices
 
 
-def relaxed(solution: Solution, vertices: Floats, recorder: StageRecorder) -> Floats:
+def relaxed(tables: HalfEdges, vertices: Floats, recorder: StageRecorder) -> Floats:
     """Newton's method on the lengths, where nearly flat vertices leave ``d kappa / d r`` nearly singular.
 
     Returns
@@ -121,7 +128,6 @@ def relaxed(solution: Solution, vertices: Floats, recorder: StageRecorder) -> Fl
     ndarray, shape (V, 3)
         The best on the way.
     """
-    tables = solution.polytope.tables
     try:
         triangulation = Triangulation(tables.faces)
     except InvalidMetric:  # flat bodies may have repeated edges, and no Newton step either
@@ -137,15 +143,15 @@ def relaxed(solution: Solution, vertices: Floats, recorder: StageRecorder) -> Fl
         except SingularMatrix:
             break
         vertices = vertices - step
-        if worst_length(solution, vertices) < worst_length(solution, best):
+        if worst_length(tables, vertices) < worst_length(tables, best):
             best = vertices
-        if worst_length(solution, best) <= PLACEMENT.exact:
+        if worst_length(tables, best) <= PLACEMENT.exact:
             break
     return best
 
 
 def relaxed_polytope(nearest: Polytope, recorder: StageRecorder) -> tuple[HalfEdges, Floats] | None:
-    """Where the curvatures get small but not to zero, go on with the lengths, and flip what is then reflex.
+    """Where the curvatures get small but not to zero, go on with the lengths, and flip what is then concave.
 
     Parameters
     ----------
@@ -156,33 +162,34 @@ def relaxed_polytope(nearest: Polytope, recorder: StageRecorder) -> tuple[HalfEd
     Returns
     -------
     HalfEdges, ndarray of shape (V, 3)
-        Triangles and vertices that have the lengths of the metric and no reflex edge; None if none are found.
+        Triangles and vertices that have the lengths of the metric and no dent; None if none are found.
     """
-    p = nearest
+    try:
+        vertices = placed(pinned(nearest, recorder))
+    except SingularMatrix:
+        return None
+    tables = nearest.tables.copy()
     for _ in range(PLACEMENT.relaxations):
-        try:
-            solution = pinned(p, recorder)
-        except SingularMatrix:
+        vertices = relaxed(tables, vertices, recorder)
+        if not worst_length(tables, vertices) <= 10 * PLACEMENT.exact:
             return None
-        vertices = relaxed(solution, placed(solution), recorder)
-        if not worst_length(solution, vertices) <= 10 * PLACEMENT.exact:
-            return None
-        # Seen from inside, the body is a polytope; if it has the same triangles, it is convex.
-        inside = vertices - vertices.mean(axis=0)
-        q = Polytope.over(p.tables, np.linalg.norm(inside, axis=1))
-        if q is None:
-            return None
-        if q.tables is p.tables:
-            return p.tables, vertices
-        p = q
+        if not _dents_flipped(tables, outward(tables.faces, vertices)):
+            return tables, vertices
     return None
 
 
-def worst_length(solution: Solution, vertices: Floats) -> float:
-    """The largest error of a length, over the mean length."""
-    tables = solution.polytope.tables
-    actual = np.linalg.norm(vertices[tables.corners] - vertices[tables.corners[tables.twins]], axis=1)
-    return float(np.abs(actual - tables.lengths).max() / tables.lengths.mean())
+def _dents_flipped(tables: HalfEdges, vertices: Floats) -> int:
+    """How many edges at which the surface is concave were flipped, the deepest first, each face once."""
+    triangulation = Triangulation(tables.faces)
+    depths = dent_depths(triangulation, vertices) / tables.lengths.mean()
+    whole = np.ones(triangulation.n_faces, dtype=np.bool_)
+    flipped = 0
+    for e in np.argsort(-depths)[: int((depths > PLACEMENT.dented).sum())]:
+        faces = triangulation.edge_faces[e]
+        if whole[faces].all() and flip(int(triangulation.edge_halfedges[e, 0]), tables, 0.0):
+            whole[faces] = False
+            flipped += 1
+    return flipped
 
 
 SYMMETRIC = np.array([[0, 3, 4], [3, 1, 5], [4, 5, 2]])

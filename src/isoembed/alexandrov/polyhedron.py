@@ -16,9 +16,8 @@ from isoembed.metric.glued import GluedMetric
 from isoembed.metric.polyhedral import PolyhedralMetric
 from isoembed.metric.repair import Repair
 from isoembed.strict_json import plain
-from isoembed.surface.curvature import dihedral_angles
+from isoembed.surface.convexity import dent_depths
 from isoembed.surface.embedding import Embedding
-from isoembed.surface.measures import face_areas
 from isoembed.surface.polyhedron import Polyhedron
 from isoembed.surface.segments import Segments
 
@@ -107,17 +106,9 @@ class ConvexPolyhedron(Polyhedron):
 
     @cached_property
     def dents(self) -> Floats:
-        """How deep the surface is concave at each edge, in mean edge lengths, shape (E,); 0 if it is not.
-
-        The angle by which an edge is concave, times the lower of its triangles: rounding turns slivers by any
-        angle, but not out of the surface.
-        """
-        t, vertices = self.triangulation, self._normalized
-        angles = np.minimum(dihedral_angles(t, vertices), 0.0)
-        a, b = t.edges.T
-        lengths = np.linalg.norm(vertices[a] - vertices[b], axis=1)
-        heights = 2 * face_areas(t.faces, vertices)[t.edge_faces].min(axis=1) / lengths
-        return frozen(-angles * heights / self.metric.normalized.mean_length)
+        """The `dent_depths` of the edges, in mean edge lengths, shape (E,)."""
+        depths = dent_depths(self.triangulation, self._normalized)
+        return frozen(depths / self.metric.normalized.mean_length)
 
     @property
     def _flat(self) -> Mask:

@@ -5,12 +5,25 @@ import numpy as np
 from isoembed.arrays import Floats, Indices, Mask
 from isoembed.mesh.triangulation import Triangulation
 from isoembed.surface.curvature import DIHEDRAL, dihedral_angles
-from isoembed.surface.measures import vertex_normals
+from isoembed.surface.measures import face_areas, vertex_normals
 
 
 def concave_edges(triangulation: Triangulation, vertices: Floats) -> Mask:
     """Edges whose exterior dihedral angle is negative, shape (E,)."""
     return dihedral_angles(triangulation, vertices) < -DIHEDRAL.flat
+
+
+def dent_depths(triangulation: Triangulation, vertices: Floats) -> Floats:
+    """Depth by which the surface is concave at each edge, shape (E,); 0 where it is not.
+
+    The angle by which an edge is concave, times the lower of its triangles: rounding turns slivers by any
+    angle, but not out of the surface.
+    """
+    t = triangulation
+    angles = np.minimum(dihedral_angles(t, vertices), 0.0)
+    a, b = t.edges.T
+    lengths = np.linalg.norm(vertices[a] - vertices[b], axis=1)
+    return -angles * 2 * face_areas(t.faces, vertices)[t.edge_faces].min(axis=1) / lengths
 
 
 def inverted_vertices(triangulation: Triangulation, concave: Mask) -> Mask:
