@@ -146,7 +146,7 @@ def test_a_listener_that_raises_ends_the_computation():
         pass
 
     def stop(snapshot):
-        if snapshot.stage == "pull back":
+        if snapshot.stage == "leap":
             raise Stopped
 
     with pytest.raises(Stopped):

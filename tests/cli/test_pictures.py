@@ -79,4 +79,4 @@ def test_both_sides_of_a_triangle(tmp_path, monkeypatch):
     (tmp_path / "net.json").write_text(json.dumps(net))
     assert main(["glue", "net.json", "--html", "p.html", "--picture", "c.png", "--animate", "f.gif"]) == 0
     assert {p.name for p in tmp_path.iterdir()} == {"net.json", "p.html", "c.png", "f.gif"}
-    assert "3 vertices, 2 triangles" in (tmp_path / "p.html").read_text()
+    assert "3 vertices, 2 faces" in (tmp_path / "p.html").read_text()

@@ -285,7 +285,7 @@ def _path(
     p = here.polytope
     epsilon = _share(p.curvatures, deficits)
     inverse: Factor | None = None
-    fresh, halving = True, 0
+    fresh, halving, shown = True, 0, epsilon
     yield p
     for count in range(here.count, HOMOTOPY.most_steps):
         if inverse is None:
@@ -332,7 +332,8 @@ def _path(
         here = replace(here, step=step, target=target)
         recorder.iterations += 1
         done = np.log(max(epsilon, HOMOTOPY.close)) / np.log(HOMOTOPY.close) * HOMOTOPY.arrived
-        recorder.show(t=epsilon, residual=float(np.abs(p.curvatures).max()), done=float(done))
+        shown = min(shown, epsilon)
+        recorder.show(t=shown, residual=float(np.abs(p.curvatures).max()), done=float(done))
         yield p
 
 
