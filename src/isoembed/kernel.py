@@ -73,6 +73,8 @@ def _own_folder() -> str:
     OSError
         It cannot be made, or somebody else's is there.
     """
+    if not hasattr(os, "getuid"):  # Windows
+        raise PermissionError("there is no telling who may write there")
     folder = Path(tempfile.gettempdir(), f"isoembed-{os.getuid()}")
     folder.mkdir(mode=0o700, exist_ok=True)
     found = folder.lstat()

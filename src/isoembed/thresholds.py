@@ -1,9 +1,10 @@
 """Thresholds of algorithms: each has a value, a unit and a sentence, and one home.
 
 An algorithm's thresholds are the fields of one frozen dataclass, made with `threshold`; the tables of
-``docs/theory.md`` are made from them.  Compiled code takes the values from `compiled`.
+``docs/thresholds.md`` are made from them.  Compiled code takes the values from `compiled`.
 """
 
+import math
 from collections import namedtuple
 from collections.abc import Iterator
 from dataclasses import asdict, field, fields
@@ -35,3 +36,9 @@ def rows(thresholds: Any) -> Iterator[tuple[str, Any, str, str]]:
     """The name, value, unit and meaning of each threshold, in the order of their definition."""
     for each in fields(thresholds):
         yield each.name, getattr(thresholds, each.name), each.metadata["unit"], each.metadata["meaning"]
+
+
+def rounded_up(value: float, digits: int = 2) -> str:
+    """A positive number in so many significant digits, not less than it: for who is to give it back to us."""
+    last = 10.0 ** (math.floor(math.log10(value)) - digits + 1)
+    return f"{math.ceil(value / last) * last:.{digits - 1}e}"

@@ -122,3 +122,12 @@ def test_files(tmp_path):
     path.write_text(json.dumps({"regular": [7]}))
     with pytest.raises(isoembed.io.FileError, match="the corners of polygon 0 are not a list"):
         read_net(str(path))
+
+
+def test_short_sides_are_the_same_up_to_the_rounding_of_long_ones():
+    sheet = np.array([[0, 0], [1, 0], [1, 1e-9], [0, 1]])
+    cosine, sine = np.cos(0.7), np.sin(0.7)
+    other = sheet @ [[cosine, sine], [-sine, cosine]]
+    short = [np.linalg.norm(points[2] - points[1]) for points in (sheet, other)]
+    assert abs(short[1] / short[0] - 1) > 2e-9
+    assert glue([sheet, other], corners=["abcd", "abcd"]).n_vertices == 4

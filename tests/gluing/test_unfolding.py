@@ -187,3 +187,9 @@ def test_a_face_without_area_is_refused():
     flat = Embedding(metric, vertices * [1, 0, 0], method="given", tolerance=1e-10)
     with pytest.raises(InvalidMetric, match=r"face 0 \[\d, \d, \d\] is so thin that it lies in no plane"):
         unfold(flat)
+
+
+def test_sides_that_rounding_hides_are_refused():
+    points, faces = zoo.cube()
+    with pytest.raises(InvalidMetric, match="vertex 4 is so near to another that paper does not tell them"):
+        unfold(solid(points * [1.0, 1.0, 3e-17], faces))

@@ -38,6 +38,15 @@ def test_platonic_solids_come_back(name, path):
     assert again.volume == pytest.approx(solid.volume, rel=1e-9)
 
 
+@pytest.mark.parametrize("unit", [1e-300, 1e300])
+def test_any_unit_comes_back(unit, path):
+    points, faces = zoo.cube()
+    metric = isoembed.PolyhedralMetric.from_mesh(points * unit, faces)
+    solid = isoembed.Embedding(metric, points * unit, method="given", tolerance=1e-10)
+    write_net(path, isoembed.unfold(solid))
+    assert read_net(str(path)).n_vertices == 8
+
+
 def test_a_hull_of_many_vertices_comes_back(path):
     points, faces = zoo.random_hull(40, seed=2)
     metric = isoembed.PolyhedralMetric.from_mesh(points, faces)

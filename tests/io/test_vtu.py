@@ -142,6 +142,15 @@ def test_a_size_that_is_not_there_is_not_allocated(tmp_path):
             read_metric(path)
 
 
+def test_blocks_of_no_size_are_not_expanded(tmp_path):
+    path = tmp_path / "a.vtu"
+    data = document("raw", "vtkZLibDataCompressor")
+    begin = data.index(b" _") + 2 + 8  # behind the number of blocks
+    path.write_bytes(data[:begin] + bytes(8) + data[begin + 8 :])
+    with pytest.raises(FileError, match="its blocks are of no size"):
+        read_metric(path)
+
+
 @pytest.mark.parametrize("options", [{}, {"compression": None}, {"compression": "lzma"}, {"binary": False}])
 def test_files_of_meshio(options, tmp_path, capsys):
     meshio = pytest.importorskip("meshio")

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from isoembed.errors import InvalidMetric
-from isoembed.metric.convexity import check_convex, flattening_advice, noise_level, rounded_up
+from isoembed.metric.convexity import check_convex, flattening_advice, noise_level
 
 
 def refusal(deficits):
@@ -39,11 +39,6 @@ def test_what_is_no_noise_is_not_to_be_repaired():
 )
 def test_noise_ends_at_a_gap(deficits, level):
     assert noise_level(np.array(deficits)) == level
-
-
-@pytest.mark.parametrize("value", [1.0, 2.3e-7, 9.99e-5, 0.0401])
-def test_numbers_are_rounded_up(value):
-    assert value <= float(rounded_up(value)) < 1.11 * value
 
 
 def test_failures_name_the_repair_of_small_deficits():

@@ -111,7 +111,7 @@ def test_vertices_in_no_face():
     np.testing.assert_array_equal(triangles, triangle_mesh(CUBE, SQUARES)[1])
 
 
-@pytest.mark.parametrize("merge", [-1e-9, 1.0, np.nan, np.inf])
+@pytest.mark.parametrize("merge", [-1e-9, 1.0, np.nan, np.inf, "all"])
 def test_tolerances_that_are_none(merge):
     with pytest.raises(InvalidParameter, match="not a number of mean edge lengths from 0 to below 1"):
         PolyhedralMetric.from_mesh(CUBE, SQUARES, merge=merge)
@@ -130,11 +130,18 @@ def test_tolerances_that_are_none(merge):
         (np.array([[0, 1], [1, 2]]), "face 0 has 2 corners [0, 1], not 3 or more"),
         (np.zeros((0, 4)), "there are no faces"),
         ([], "there are no faces"),
+        (np.array(5), "the faces are array(5), not a list"),
         ([[0, 1, 3, 2], [4, 6, 7, 4]], "face 1 [4, 6, 7, 4] repeats a vertex"),
     ],
 )
 def test_polygons_that_are_none(faces, sentence):
     assert sentence in refusal(CUBE, faces)
+
+
+@pytest.mark.parametrize("merge", [None, 0, 1e-5])
+def test_coordinates_next_to_the_largest_float(merge):
+    metric = PolyhedralMetric.from_mesh(CUBE * 1e308, SQUARES, merge=merge)
+    assert metric.mean_length == pytest.approx(1e308 * PolyhedralMetric.from_mesh(CUBE, SQUARES).mean_length)
 
 
 def test_polygons_need_space():

@@ -140,6 +140,14 @@ def test_a_sheet_is_turned_to_fit():
     assert scale == pytest.approx((297 - 2 * MARGIN) / 1.5)
 
 
+@pytest.mark.parametrize("unit", [1e-300, 1e300])
+def test_any_unit_fits_as_well(unit):
+    points, faces = zoo.cube()
+    usual, other = drawn(net_of(points, faces)), drawn(net_of(points * unit, faces))
+    for cut, again in zip(usual.cuts, other.cuts, strict=True):
+        assert again == pytest.approx(cut, abs=1e-9)
+
+
 def test_a_scale_is_kept():
     net = net_of(*zoo.cube())
     drawing = drawn(net, scale=30.0)

@@ -6,12 +6,11 @@ import numpy as np
 from scipy.sparse.csgraph import connected_components
 
 from isoembed.arrays import Mask
-from isoembed.metric.convexity import rounded_up
 from isoembed.metric.curvature import deficits, negative_deficits
 from isoembed.metric.polyhedral import PolyhedralMetric
 from isoembed.surface.embedding import Embedding
 from isoembed.surface.fitted import FittedSurface
-from isoembed.thresholds import threshold
+from isoembed.thresholds import rounded_up, threshold
 
 
 @dataclass(frozen=True)

@@ -79,7 +79,7 @@ def _loaded(name: str) -> ModuleType:
     try:
         return import_module(f"isoembed.cli.{name}")
     except (ImportError, OSError) as error:
-        if limit is None:
+        if limit is None or isinstance(error, ModuleNotFoundError):
             raise
         raise UsageError(f"the libraries do not fit into an address space of {limit} bytes") from error
 

@@ -7,8 +7,7 @@ import numpy as np
 
 from isoembed.arrays import Indices
 from isoembed.errors import InvalidMetric, InvalidParameter
-from isoembed.gluing.polygon import Polygon, side_lengths
-from isoembed.gluing.thresholds import GLUING
+from isoembed.gluing.polygon import Polygon, differ, side_lengths
 
 Side = tuple[int, int]
 Names = Sequence[Sequence[Hashable]]
@@ -65,9 +64,9 @@ def sides_of(corners: Names, sheets: Sequence[Polygon]) -> list[tuple[Side, Side
                 f"{len(some)} sides join corners {a!r} and {b!r}: side {named}; their names do not tell "
                 "which are glued, but sides do"
             )
-        ours, theirs = (_length(sheets[q], m) for q, m in some)
-        if abs(ours - theirs) > GLUING.same_length * max(ours, theirs):
-            q, m = some[1]
+        q, m = some[1]
+        ours, theirs = _length(sheets[p], k), _length(sheets[q], m)
+        if differ(ours, theirs, (sheets[p], sheets[q])):
             raise InvalidMetric(
                 f"side {k} of polygon {p} has length {ours!r}, but side {m} of polygon {q}, which joins the "
                 f"same corners {a!r} and {b!r}, has {theirs!r}"

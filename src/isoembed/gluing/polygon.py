@@ -10,6 +10,7 @@ from numpy.typing import ArrayLike
 
 from isoembed.arrays import Floats, Indices
 from isoembed.errors import InvalidMetric
+from isoembed.gluing.thresholds import GLUING
 from isoembed.intrinsic.plane import folds, meet
 from isoembed.kernel import kernel
 from isoembed.mesh.triangulation import frozen
@@ -142,6 +143,12 @@ def points_of_the_plane(given: ArrayLike, name: str) -> Floats:
 def is_number(value: object) -> bool:
     """Whether a value is a real number, and not a truth value."""
     return isinstance(value, numbers.Real) and not isinstance(value, bool)
+
+
+def differ(ours: float, theirs: float, sheets: tuple[Polygon, Polygon]) -> bool:
+    """Whether two lengths on the outlines of two sheets are not the same, up to typing and rounding."""
+    rounding = GLUING.rounding * sum(sheet.perimeter for sheet in sheets)
+    return abs(ours - theirs) > GLUING.same_length * max(ours, theirs) + rounding
 
 
 def side_lengths(points: Floats) -> Floats:

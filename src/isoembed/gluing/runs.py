@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 
 from isoembed.errors import InvalidMetric, InvalidParameter
-from isoembed.gluing.polygon import Polygon, is_number
+from isoembed.gluing.polygon import Polygon, differ, is_number
 from isoembed.gluing.thresholds import GLUING
 
 
@@ -184,8 +184,7 @@ def _joined(runs: list[tuple[Run, Run]]) -> list[tuple[Run, Run]]:
 def _check_lengths(runs: list[tuple[Run, Run]]) -> None:
     for i, (one, other) in enumerate(runs):
         ours, theirs = one.length, other.length
-        rounding = GLUING.rounding * (one.sheet.perimeter + other.sheet.perimeter)
-        if abs(ours - theirs) > GLUING.same_length * max(ours, theirs) + rounding:
+        if differ(ours, theirs, (one.sheet, other.sheet)):
             raise InvalidMetric(
                 f"sides[{i}] glues {one.name}, of length {ours!r}, to {other.name}, of length {theirs!r}: "
                 "they differ"

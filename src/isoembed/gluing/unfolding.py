@@ -8,6 +8,7 @@ from functools import cached_property
 import numpy as np
 
 from isoembed.arrays import Floats, Indices
+from isoembed.errors import InvalidMetric
 from isoembed.gluing.faces import Faces, true_faces
 from isoembed.gluing.net import Net, glue
 from isoembed.gluing.sheets import joined
@@ -90,7 +91,7 @@ def unfold(surface: Embedding) -> Unfolding:
     Raises
     ------
     InvalidMetric
-        A face is so thin that it lies in no plane.
+        A face is so thin that it lies in no plane, or a side so short that rounding hides it.
 
     References
     ----------
@@ -112,6 +113,9 @@ def unfold(surface: Embedding) -> Unfolding:
     size = float(np.ldexp(1.0, int(np.frexp(lengths.sum())[1])))
     small = faces._replace(points=faces.points / size)
     points, after, sheets = _fewest(small, steps / lengths[:, None])
+    if not np.isfinite(points).all():
+        v = faces.corners[int(np.argmin(np.isfinite(points).all(axis=1)))]
+        raise InvalidMetric(f"vertex {v} is so near to another that paper does not tell them apart")
     return _cut_out(faces, points * size * unit, after, sheets)
 
 

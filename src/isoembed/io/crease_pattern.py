@@ -87,7 +87,8 @@ def crease_pattern(unfolding: Unfolding) -> dict[str, Any]:
 
 def _nearest(sheet: Floats, folds: Floats) -> Indices:
     """The corners at the ends of the folds, shape (m, 2)."""
-    apart = np.linalg.norm(folds[:, :, None] - sheet, axis=3)
+    size = np.ptp(sheet, axis=0).max()  # keeps the squares from under- and overflowing
+    apart = np.linalg.norm(folds[:, :, None] / size - sheet / size, axis=3)
     return np.argmin(apart, axis=2)
 
 

@@ -104,6 +104,8 @@ class Source:
         else:
             block, last, *sizes = np.frombuffer(take(size * (3 + first)), self.header)[1:].tolist()
             packed, ends = take(sum(sizes)), np.cumsum([0, *sizes]).tolist()
+            if first and not block:
+                raise ValueError("its blocks are of no size")
             expanded = block * first - (block - last if first and last else 0)
             check_expansion(f"an array of {self.file}", expanded, len(packed))
             content = b"".join(self.decompressor().decompress(packed[a:b], block) for a, b in pairwise(ends))

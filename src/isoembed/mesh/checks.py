@@ -37,7 +37,7 @@ def index_array(values: ArrayLike, columns: int, what: str, part: str) -> Indice
     InvalidMetric
         The table is empty, a row has another length, or an entry is not a non-negative whole number.
     """
-    rows = values if isinstance(values, np.ndarray) else _rows(values, what)
+    rows = values if isinstance(values, np.ndarray) and values.ndim else _rows(values, what)
     if len(rows) == 0:
         raise InvalidMetric(f"there are no {what}s")
     if not isinstance(rows, np.ndarray):

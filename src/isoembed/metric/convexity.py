@@ -1,6 +1,5 @@
 """Whether a metric is convex: whether its deficits are negative nowhere, up to rounding or noise."""
 
-import math
 from dataclasses import dataclass
 from typing import cast
 
@@ -9,7 +8,7 @@ import numpy as np
 from isoembed.arrays import Floats, Indices
 from isoembed.errors import InvalidMetric
 from isoembed.metric.curvature import Triangles
-from isoembed.thresholds import threshold
+from isoembed.thresholds import rounded_up, threshold
 
 
 @dataclass(frozen=True)
@@ -142,12 +141,6 @@ def flattening_advice(deficits: Floats, least: Floats | float) -> str:
         f"; {small.sum()} small deficits are {word} or less: if that is noise, --repair {word} "
         f"(Alexandrov(repair={word})) makes them zero"
     )
-
-
-def rounded_up(value: float) -> str:
-    """Two significant digits of a positive number, not less than it."""
-    digit = 10.0 ** (math.floor(math.log10(value)) - 1)
-    return f"{math.ceil(value / digit) * digit:.1e}"
 
 
 def _advice(deficits: Floats, doubt: tuple[str, Floats] | None) -> str:

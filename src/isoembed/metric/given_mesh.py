@@ -1,6 +1,6 @@
 """Meshes as they come: vertices that coincide, polygons, vertices in no face."""
 
-import math
+import numbers
 import warnings
 from dataclasses import dataclass
 
@@ -12,7 +12,7 @@ from isoembed.errors import InvalidMetric, InvalidParameter, MeshNote
 from isoembed.mesh.checks import polygon_corners, real_array
 from isoembed.mesh.merging import representatives, without_repetitions
 from isoembed.metric.polygon_faces import POLYGON_FACES, PolygonFaces
-from isoembed.thresholds import threshold
+from isoembed.thresholds import rounded_up, threshold
 
 
 @dataclass(frozen=True)
@@ -78,10 +78,10 @@ def triangle_mesh(
         )
     if merge is None and not leave_out and (sizes == 3).all():
         return points, corners.reshape(-1, 3)
-    scaled = points / (2.0 ** math.frexp(np.abs(points).max(initial=0.0))[1])
+    scaled = _scaled(points)
     if merge is not None:
-        if not 0 <= merge < 1:
-            raise InvalidParameter(f"merge is {merge}, not a number of mean edge lengths from 0 to below 1")
+        if not isinstance(merge, numbers.Real) or not 0 <= merge < 1:
+            raise InvalidParameter(f"merge is {merge!r}, not a number of mean edge lengths from 0 to below 1")
         corners, sizes = _merged(scaled, corners, sizes, merge, repeated)
     triangles = corners.reshape(-1, 3) if (sizes == 3).all() else _cut(scaled, corners, sizes)
     return (points, triangles) if merge is None and not leave_out else _renumbered(points, triangles, given)
@@ -89,7 +89,7 @@ def triangle_mesh(
 
 def merging_advice(points: Floats, faces: Indices) -> str:
     """The end of a sentence about triangles that are no closed surface, if merged vertices would close it."""
-    scaled = points / (2.0 ** math.frexp(np.abs(points).max(initial=0.0))[1])
+    scaled = _scaled(points)
     ends = np.sort(np.stack([faces, np.roll(faces, -1, axis=1)], axis=2).reshape(-1, 2), axis=1)
     edges, count = np.unique(ends, axis=0, return_counts=True)
     lengths = np.linalg.norm(scaled[edges[:, 0]] - scaled[edges[:, 1]], axis=1)
@@ -107,12 +107,17 @@ def merging_advice(points: Floats, faces: Indices) -> str:
     first = int(np.argmax(close))
     pair = sorted({int(suspects[first]), *suspects[near[first]].tolist()})[:2]
     farthest = float(distances[close].max())
-    needed = "" if farthest <= MERGING.usual else _rounded_up(farthest)
+    needed = "" if farthest <= MERGING.usual else rounded_up(farthest, 1)
     return (
         f"; {close.sum()} vertices {'nearly ' if needed else ''}coincide with others (vertex {pair[0]} and "
         f"{pair[1]}): merge them with {' '.join(['--merge', needed]).strip()} "
         f"(merge={needed or MERGING.usual})"
     )
+
+
+def _scaled(points: Floats) -> Floats:
+    """Points of the size of 1."""
+    return np.ldexp(points, -int(np.frexp(np.abs(points).max(initial=0.0))[1]))
 
 
 def _merged(
@@ -180,11 +185,6 @@ def _renumbered(points: Floats, triangles: Indices, given: Indices) -> tuple[Flo
 
 def _count(number: int, one: str, more: str) -> str:
     return f"{number} {one if number == 1 else more}"
-
-
-def _rounded_up(value: float) -> str:
-    digit = 10.0 ** math.floor(math.log10(value))
-    return f"{math.ceil(value / digit) * digit:.0e}"
 
 
 def _say(note: str) -> None:

@@ -51,7 +51,6 @@ class RepairThresholds:
     newton_steps: int = threshold(20, "steps", "Far beyond what small deficits need: each squares the error.")
     blocks: int = threshold(10, "exchanges", "Of many vertices that may fail to help before single ones.")
     exchanges: int = threshold(200, "exchanges", "Far beyond what a Delaunay triangulation needs.")
-    gap: float = threshold(30.0, "relative", "Deficits of this many times those within the noise are none.")
     gain: float = threshold(0.5, "relative", "A step that leaves more of the errors ends at rounding.")
 
 
@@ -162,7 +161,7 @@ def repaired(metric: Metric, noise: float, tolerance: float = 0.0) -> tuple[Metr
 def _to_be_flat(deficits: Floats, noise: float) -> Mask:
     """All vertices within the noise, if the deficits of the others are larger by far; otherwise none."""
     within = np.abs(deficits) <= noise
-    if within.all() or deficits[~within].min() < REPAIR.gap * np.abs(deficits[within]).max(initial=0.0):
+    if within.all() or deficits[~within].min() < CONVEXITY.gap * np.abs(deficits[within]).max(initial=0.0):
         return np.zeros_like(within)
     return within
 

@@ -99,11 +99,12 @@ def placed(
 
 def _turned(sheet: Floats, room: Floats) -> Floats:
     """How to turn a sheet so that it fits best: one side of its hull is upright or level."""
-    hull = sheet[ConvexHull(sheet).vertices]
+    size = np.ptp(sheet, axis=0).max()
+    hull = sheet[ConvexHull((sheet - sheet[0]) / size).vertices] / size
     sides = np.roll(hull, -1, axis=0) - hull
     angles = np.arctan2(sides[:, 1], sides[:, 0])
     turns = []
     for angle in np.concatenate([angles, angles + np.pi / 2]):
         cosine, sine = np.cos(angle), np.sin(angle)
         turns.append(np.array([[cosine, -sine], [sine, cosine]]))
-    return max(turns, key=lambda turn: round(float((room / np.ptp(hull @ turn, axis=0)).min()), 12))
+    return max(turns, key=lambda turn: round(float((room / np.ptp(hull @ turn, axis=0)).min()), 9))
