@@ -7,6 +7,7 @@ import numpy as np
 from isoembed.arrays import Floats, Indices, Mask
 from isoembed.errors import InvalidMetric
 from isoembed.gluing.polygon import meeting_sides
+from isoembed.intrinsic.plane import flattened
 from isoembed.mesh.triangulation import Triangulation
 from isoembed.surface.curvature import DIHEDRAL, dihedral_angles
 from isoembed.surface.flat_faces import flat_faces, outlines
@@ -76,7 +77,8 @@ def true_faces(triangulation: Triangulation, vertices: Floats) -> Faces:
         sides += [way[k] for k in kept]
         last += [way[k - 1] for k in (*kept[1:], kept[0])]
         first.append(len(sides))
-        points.append(_flattened(vertices[start[sides[first[-2] :]]], upward[faces[way[0] // 3]]))
+        around = vertices[start[sides[first[-2] :]]]
+        points.append(flattened(around - around[0], upward[faces[way[0] // 3]]))
     number = np.full(start.size, -1)
     number[sides] = np.arange(len(sides))
     return Faces(np.array(first), start[sides], np.concatenate(points), number[t.twins[last]], bend[sides])
@@ -89,7 +91,8 @@ def _no_polygons(t: Triangulation, vertices: Floats, creased: Mask, faces: Indic
     wrong = np.bincount(owners, minlength=len(upward)) != 1
     for way, face in zip(ways, owners.tolist(), strict=True):
         if len(way) > 3:
-            flat = _flattened(vertices[start[way]], upward[face])
+            around = vertices[start[way]]
+            flat = flattened(around - around[0], upward[face])
             size = np.ptp(flat, axis=0).max()
             wrong[face] |= meeting_sides((flat - flat.min(axis=0)) / size)[0] >= 0
     return wrong
@@ -114,13 +117,3 @@ def _straight(t: Triangulation, vertices: Floats, creased: Mask) -> Mask:
     straight = np.zeros(t.n_vertices, dtype=np.bool_)
     straight[here[turned <= DIHEDRAL.flat]] = True
     return straight
-
-
-def _flattened(points: Floats, normal: Floats) -> Floats:
-    """Points of a plane with this normal in coordinates of their own, seen from its end, shape (n, 2)."""
-    normal = normal / np.linalg.norm(normal)
-    along = np.zeros(3)
-    along[np.argmin(np.abs(normal))] = 1.0
-    along -= (along @ normal) * normal
-    along /= np.linalg.norm(along)
-    return (points - points[0]) @ np.column_stack([along, np.cross(normal, along)])

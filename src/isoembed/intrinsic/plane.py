@@ -1,6 +1,9 @@
 """Points of the plane: on which side one lies, and whether segments meet."""
 
 from dataclasses import dataclass
+from typing import cast
+
+import numpy as np
 
 from isoembed.arrays import Floats
 from isoembed.kernel import kernel
@@ -47,3 +50,19 @@ def folds(a: Floats, b: Floats, c: Floats) -> bool:
     """Whether the way from a to b is gone back to c."""
     back = (b[0] - a[0]) * (c[0] - b[0]) + (b[1] - a[1]) * (c[1] - b[1]) < 0
     return back and turn(a, b, c) == 0
+
+
+def flattened(arms: Floats, normal: Floats) -> Floats:
+    """Coordinates in a plane in space, seen from where its normal points, shape (n, 2).
+
+    Parameters
+    ----------
+    arms : ndarray, shape (n, 3)
+        From one point of the plane to others.
+    normal : ndarray, shape (3,)
+        Of any length.
+    """
+    normal = normal / np.linalg.norm(normal)
+    along = np.cross(np.eye(3)[np.argmin(np.abs(normal))], normal)
+    along /= np.linalg.norm(along)
+    return cast(Floats, arms @ np.column_stack([along, np.cross(normal, along)]))

@@ -18,6 +18,7 @@ from isoembed.io import json
 from isoembed.io.files import FileError, Tables
 from isoembed.io.format import Format, Polygons, flattened
 from isoembed.io.input_file import InputFile
+from isoembed.mesh.polygons import next_corners, polygon_normals
 from isoembed.surface.curvature import DIHEDRAL
 from isoembed.version import __version__
 
@@ -142,9 +143,7 @@ def write(path: Path, tables: Tables) -> None:
 def _edges(vertices: Floats, faces: Polygons) -> tuple[Indices, Floats, Floats, np.ndarray]:
     """Edges, their lengths, their fold angles in degrees (mountains negative), and which are in two faces."""
     corners, sizes = flattened(faces)
-    after = np.arange(1, len(corners) + 1)
-    after[np.cumsum(sizes) - 1] = np.cumsum(sizes) - sizes
-    starts, ends, owners = corners, corners[after], np.repeat(np.arange(len(sizes)), sizes)
+    starts, ends, owners = corners, corners[next_corners(sizes)], np.repeat(np.arange(len(sizes)), sizes)
     rising = starts < ends
     edges, number = np.unique(np.sort(np.column_stack([starts, ends]), axis=1), axis=0, return_inverse=True)
     left, right = np.full(len(edges), -1), np.full(len(edges), -1)
@@ -152,8 +151,7 @@ def _edges(vertices: Floats, faces: Polygons) -> tuple[Indices, Floats, Floats, 
     inner = (left >= 0) & (right >= 0)
     size = float(np.abs(vertices).max()) or 1.0
     points = vertices / size
-    arms = points[corners] - np.repeat(points[corners[np.cumsum(sizes) - sizes]], sizes, axis=0)
-    normals = np.add.reduceat(np.cross(arms, arms[after]), np.cumsum(sizes) - sizes)
+    normals = polygon_normals(points[corners], sizes)
     normals /= np.maximum(np.linalg.norm(normals, axis=1, keepdims=True), np.finfo(float).tiny)
     along = points[edges[:, 1]] - points[edges[:, 0]]
     lengths = np.linalg.norm(along, axis=1)

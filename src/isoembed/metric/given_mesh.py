@@ -11,6 +11,7 @@ from isoembed.arrays import Floats, Indices
 from isoembed.errors import InvalidMetric, InvalidParameter, MeshNote
 from isoembed.mesh.checks import polygon_corners, real_array
 from isoembed.mesh.merging import representatives, without_repetitions
+from isoembed.mesh.polygons import next_corners
 from isoembed.metric.polygon_faces import POLYGON_FACES, PolygonFaces
 from isoembed.thresholds import rounded_up, threshold
 
@@ -125,10 +126,8 @@ def _merged(
 ) -> tuple[Indices, Indices]:
     is_used = np.bincount(corners) > 0
     used, corner = np.flatnonzero(is_used), (np.cumsum(is_used) - 1)[corners]
-    after = np.arange(1, len(corners) + 1)
     ends = np.cumsum(sizes)
-    after[ends - 1] = ends - sizes
-    sides = np.linalg.norm(points[corners] - points[corners[after]], axis=1)
+    sides = np.linalg.norm(points[corners] - points[corners[next_corners(sizes)]], axis=1)
     mean = sides[sides > 0].mean() if (sides > 0).any() else 0.0
     first = representatives(points[used], merge * mean)
     moved = first != np.arange(len(used))

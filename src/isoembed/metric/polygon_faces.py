@@ -10,6 +10,8 @@ import numpy as np
 from isoembed.arrays import Floats, Indices
 from isoembed.errors import InvalidMetric
 from isoembed.intrinsic.ears import triangulated
+from isoembed.intrinsic.plane import flattened
+from isoembed.mesh.polygons import polygon_normals
 from isoembed.thresholds import threshold
 
 
@@ -60,9 +62,7 @@ class PolygonFaces:
     @cached_property
     def normals(self) -> Floats:
         """As long as the area of the polygon's projection, shape (F, 3)."""
-        after = np.arange(1, len(self.corners) + 1)
-        after[self.starts + self.sizes - 1] = self.starts
-        return np.add.reduceat(np.cross(self.arms, self.arms[after]), self.starts) / 2
+        return polygon_normals(self.points[self.corners], self.sizes) / 2
 
     @property
     def warps(self) -> Floats:
@@ -144,10 +144,7 @@ class PolygonFaces:
             area = np.linalg.norm(normal)
             triangles = None
             if area > POLYGON_FACES.area * size**2:
-                along = np.cross(np.eye(3)[np.argmin(np.abs(normal))], normal / area)
-                along /= np.linalg.norm(along)
-                plane = np.stack([along, np.cross(normal / area, along)], axis=1)
-                triangles = triangulated(arms @ plane / (2 * size))
+                triangles = triangulated(flattened(arms, normal) / (2 * size))
             if triangles is None:
                 self._refuse(f)
             found.append(triangles)

@@ -9,6 +9,7 @@ import numpy as np
 
 from isoembed.arrays import Floats, Indices
 from isoembed.io.format import Polygons, flattened
+from isoembed.mesh.polygons import polygon_normals
 from isoembed.thresholds import threshold
 
 AZIMUTH, ELEVATION = np.radians(24.0), np.radians(20.0)
@@ -135,10 +136,7 @@ class View:
         points = pose.put(vertices) @ turned.T
         corners, sizes = flattened(faces)
         ends = np.cumsum(sizes)
-        before = np.arange(-1, len(corners) - 1)
-        before[ends - sizes] = ends - 1
-        arms = points[corners] - np.repeat(points[corners[ends - sizes]], sizes, axis=0)
-        normals = np.add.reduceat(np.cross(arms[before], arms), ends - sizes)
+        normals = polygon_normals(points[corners], sizes)
         normals /= np.maximum(np.linalg.norm(normals, axis=1, keepdims=True), np.finfo(float).tiny)
         front = np.flatnonzero(normals[:, 2] > 0)  # of a closed surface the other side is never seen
         depths = np.add.reduceat(points[corners, 2], ends - sizes) / sizes
