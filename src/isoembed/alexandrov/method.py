@@ -40,7 +40,7 @@ from isoembed.thresholds import threshold
 class SolutionThresholds:
     """Thresholds of what counts as the polyhedron."""
 
-    accepted: float = threshold(1e-11, "mean edge lengths", "Error of lengths that needs no Newton step.")
+    accepted: float = threshold(64 * 2.0**-52, "radii", "Error of lengths that needs no Newton step.")
     dented: float = threshold(1e-6, "mean edge lengths", "Depth of a dent; rounding makes 1e-8.")
 
 
@@ -269,7 +269,7 @@ def _diagnosis(nearest: Polytope | None, curved: Indices) -> str:
 
 def _placed(solution: Solution, recorder: StageRecorder) -> Floats:
     vertices = realized(solution, recorder)
-    if worst_length(solution.polytope.tables, vertices) > SOLUTION.accepted:
+    if worst_length(solution.polytope.tables, vertices) > SOLUTION.accepted * float(np.abs(vertices).max()):
         vertices = relaxed(solution.polytope.tables, vertices, recorder)
     return vertices
 

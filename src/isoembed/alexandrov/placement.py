@@ -5,6 +5,7 @@ columns that one factor gives for all vertices alike.  Building the body up pyra
 lose all digits on large ones.
 """
 
+from collections.abc import Iterator
 from dataclasses import dataclass
 
 import numpy as np
@@ -16,6 +17,7 @@ from isoembed.arrays import Floats, Indices
 from isoembed.errors import InvalidMetric
 from isoembed.intrinsic.flips import flip
 from isoembed.intrinsic.halfedges import HalfEdges
+from isoembed.intrinsic.multi_edges import remove_multi_edges, repeated
 from isoembed.linalg import SingularMatrix
 from isoembed.mesh.triangulation import Triangulation
 from isoembed.progress.stages import StageRecorder
@@ -32,9 +34,10 @@ class PlacementThresholds:
     precise: float = threshold(1e-12, "relative", "Residual of linear equations for a kernel.")
     rough: float = threshold(1e-4, "relative", "Residual of linear equations for a correction.")
     sample: int = threshold(100_000, "edges", "Edges that determine the six numbers of a linear map.")
-    relaxations: int = threshold(8, "count", "Newton steps on the lengths at most.")
+    relaxations: int = threshold(20, "count", "Newton steps on the lengths at most.")
+    diagonals: int = threshold(8, "edges", "Of those that are repeated, to be kept one after the other.")
     dented: float = threshold(1e-8, "mean edge lengths", "Depth of a dent beyond what rounding makes.")
-    exact: float = threshold(1e-13, "mean edge lengths", "Error of the lengths at which they may end.")
+    exact: float = threshold(1e-12, "mean edge lengths", "Error of the lengths of a solution.")
     polishes: int = threshold(3, "count", "Rounds of the polish at most.")
     polished: float = threshold(16 * 2.0**-52, "radii", "Error of the lengths at which they may end.")
     magnified: float = threshold(1e-6, "mean edge lengths", "Size to which errors are lifted above rounding.")
@@ -143,10 +146,11 @@ def relaxed(tables: HalfEdges, vertices: Floats, recorder: StageRecorder) -> Flo
         except SingularMatrix:
             break
         vertices = vertices - step
-        if worst_length(tables, vertices) < worst_length(tables, best):
+        before, worst = worst_length(tables, best), worst_length(tables, vertices)
+        if worst < before:
             best = vertices
-        if worst_length(tables, best) <= PLACEMENT.exact:
-            break
+        if before <= PLACEMENT.exact and worst > before / 2:
+            break  # the rounding floor; where the body is thin, each step halves the errors, at least
     return best
 
 
@@ -168,14 +172,30 @@ def relaxed_polytope(nearest: Polytope, recorder: StageRecorder) -> tuple[HalfEd
         vertices = placed(pinned(nearest, recorder))
     except SingularMatrix:
         return None
-    tables = nearest.tables.copy()
-    for _ in range(PLACEMENT.relaxations):
-        vertices = relaxed(tables, vertices, recorder)
-        if not worst_length(tables, vertices) <= 10 * PLACEMENT.exact:
-            return None
-        if not _dents_flipped(tables, outward(tables.faces, vertices)):
-            return tables, vertices
+    for tables in _simplicial(nearest.tables):
+        moved = vertices
+        for _ in range(PLACEMENT.relaxations):
+            moved = relaxed(tables, moved, recorder)
+            if not worst_length(tables, moved) <= PLACEMENT.exact:
+                break
+            if not _dents_flipped(tables, outward(tables.faces, moved)):
+                return tables, moved
     return None
+
+
+def _simplicial(tables: HalfEdges) -> Iterator[HalfEdges]:
+    """The triangles, or those that are left without repeated edges where one of these is kept.
+
+    Nearly flat bodies have the same diagonal on both sides until their path ends, and not on both there.
+    """
+    edges = repeated(tables)
+    if not edges.size:
+        yield tables.copy()
+    for h in edges[: PLACEMENT.diagonals]:
+        mesh, kept = tables.copy(), np.zeros(tables.corners.size, dtype=np.bool_)
+        kept[[h, tables.twins[h]]] = True
+        remove_multi_edges(mesh, kept)
+        yield mesh
 
 
 def _dents_flipped(tables: HalfEdges, vertices: Floats) -> int:
