@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 import zoo
-from isoembed import PolyhedralMetric
+from isoembed import PolyhedralMetric, embed
 from isoembed.alexandrov.homotopy import Solution, follow_path, newton
 from isoembed.alexandrov.pins import independent_directions
 from isoembed.alexandrov.placement import placed, polished
@@ -44,6 +44,23 @@ def test_bodies_of_all_shapes(axes, seed):
     found = polished(solution, placed(solution))
     assert worst_edge(solution, found) < 1e-10
     assert zoo.aligned(found, vertices) < 1e-9 * max(axes)
+
+
+@pytest.mark.parametrize("axes", [(1e4, 1.3, 1), (1, 1.3, 1e-4)])
+def test_needles_and_slabs_of_ten_thousand_to_one(axes):
+    points = np.random.default_rng(0).normal(size=(12, 3))
+    vertices, faces = zoo.outward_hull(points / np.linalg.norm(points, axis=1)[:, None] * axes)
+    found = embed(PolyhedralMetric.from_mesh(vertices, faces), method="alexandrov")
+    assert zoo.aligned(found.vertices, vertices) < 1e-9 * max(axes)
+
+
+@pytest.mark.parametrize("height", [1e-3, 3e-4, 1e-4, 3e-5, 1e-5, 2e-6])
+def test_a_thin_tetrahedron_is_not_flat(height):
+    vertices = np.array([[0, 0, 0], [1, 0, 0], [0.2, 1.1, 0], [0.9, 1, height]])
+    metric = PolyhedralMetric.from_mesh(vertices, [[0, 2, 1], [0, 1, 3], [1, 2, 3], [2, 0, 3]])
+    found = embed(metric, method="alexandrov")
+    # Lengths hold the square of the height to some roundings.
+    assert found.volume == pytest.approx(1.1 * height / 6, rel=1e-9 + 4e-15 / height**2)
 
 
 def test_the_tetrahedron():
