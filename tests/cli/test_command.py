@@ -419,6 +419,15 @@ def test_start_imports_nothing_heavy(option):
     subprocess.run([sys.executable, "-c", code, option], check=True, capture_output=True)
 
 
+def test_embed_starts_without_what_only_nets_need():
+    program = (
+        "import sys, isoembed.cli.embed; "
+        "print(*{'isoembed.gluing', 'scipy.optimize', 'scipy.spatial'} & set(sys.modules))"
+    )
+    found = subprocess.run([sys.executable, "-c", program], capture_output=True, text=True, check=True)
+    assert found.stdout.strip() == ""
+
+
 def test_a_reader_who_leaves_is_no_error(here):
     read, write = os.pipe()
     os.close(read)

@@ -1,16 +1,20 @@
 """Nets to print, cut, fold and glue: SVG and PDF."""
 
+from __future__ import annotations
+
 import os
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
-from isoembed.gluing.unfolding import Unfolding
 from isoembed.io.files import Writer, ending, write_atomically
 from isoembed.io.registry import check_output
 from isoembed.plot.paper.drawing import drawn
 from isoembed.plot.paper.pdf import write_pdf
 from isoembed.plot.paper.svg import svg
 from isoembed.plot.picture import check_drawable
+
+if TYPE_CHECKING:
+    from isoembed.gluing.unfolding import Unfolding
 
 SHEET_ENDINGS = (".svg", ".pdf")
 

@@ -1,14 +1,19 @@
 """A net on paper: what to cut, what to fold, and which sides to glue."""
 
+from __future__ import annotations
+
 from dataclasses import dataclass
+from typing import TYPE_CHECKING
 
 import numpy as np
 
 from isoembed.arrays import Floats
-from isoembed.gluing.unfolding import Unfolding
 from isoembed.plot.paper.labels import Label, labels
 from isoembed.plot.paper.placing import PAPERS, placed
 from isoembed.plot.paper.tabs import tabs
+
+if TYPE_CHECKING:
+    from isoembed.gluing.unfolding import Unfolding
 
 NOTE = 3.0  # mm, the size of the line at the foot
 LEAST = 1e-3  # radians; nobody folds by less

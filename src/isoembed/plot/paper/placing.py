@@ -4,7 +4,6 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from scipy.spatial import ConvexHull
 
 from isoembed.arrays import Floats
 from isoembed.errors import InvalidParameter
@@ -99,6 +98,8 @@ def placed(
 
 def _turned(sheet: Floats, room: Floats) -> Floats:
     """How to turn a sheet so that it fits best: one side of its hull is upright or level."""
+    from scipy.spatial import ConvexHull  # slow to import
+
     size = np.ptp(sheet, axis=0).max()
     hull = sheet[ConvexHull((sheet - sheet[0]) / size).vertices] / size
     sides = np.roll(hull, -1, axis=0) - hull

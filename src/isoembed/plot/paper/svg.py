@@ -1,7 +1,7 @@
 """A net on paper as SVG, in mm."""
 
 from collections.abc import Iterable
-from xml.sax.saxutils import escape
+from html import escape
 
 from isoembed.arrays import Floats
 from isoembed.plot.paper.drawing import Drawing
