@@ -10,7 +10,7 @@ from isoembed.gluing.polygon import meeting_sides
 from isoembed.intrinsic.plane import flattened
 from isoembed.mesh.triangulation import Triangulation
 from isoembed.surface.curvature import DIHEDRAL, dihedral_angles
-from isoembed.surface.flat_faces import flat_faces, outlines
+from isoembed.surface.flat_faces import coplanar_faces, flat_faces, outlines
 from isoembed.surface.measures import face_areas, face_normals
 
 
@@ -59,10 +59,9 @@ def true_faces(triangulation: Triangulation, vertices: Floats) -> Faces:
     if thin.any():
         f = int(np.argmax(thin))
         raise InvalidMetric(f"face {f} {t.faces[f].tolist()} is so thin that it lies in no plane")
-    bend = dihedral_angles(t, vertices)[t.face_edges.ravel()]
-    creased = np.abs(bend) > DIHEDRAL.flat
-    bend[~creased] = 0.0
-    faces = flat_faces(t, creased)
+    faces = coplanar_faces(t, vertices)
+    creased = np.repeat(faces, 3) != faces[t.twins // 3]
+    bend = np.where(creased, dihedral_angles(t, vertices)[t.face_edges.ravel()], 0.0)
     creased |= np.repeat(_no_polygons(t, vertices, creased, faces)[faces], 3)
     faces, ways = flat_faces(t, creased), outlines(t, creased)
     start, upward = t.faces.ravel(), _upward(t, vertices, faces)

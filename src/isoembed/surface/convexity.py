@@ -4,13 +4,13 @@ import numpy as np
 
 from isoembed.arrays import Floats, Indices, Mask
 from isoembed.mesh.triangulation import Triangulation
-from isoembed.surface.curvature import DIHEDRAL, dihedral_angles
+from isoembed.surface.curvature import DIHEDRAL, bends, dihedral_angles
 from isoembed.surface.measures import face_areas, vertex_normals
 
 
 def concave_edges(triangulation: Triangulation, vertices: Floats) -> Mask:
     """Edges whose exterior dihedral angle is negative, shape (E,)."""
-    return dihedral_angles(triangulation, vertices) < -DIHEDRAL.flat
+    return bends(triangulation, vertices) < 0
 
 
 def dent_depths(triangulation: Triangulation, vertices: Floats) -> Floats:

@@ -23,6 +23,9 @@ class DihedralThresholds:
 
     shut: float = threshold(1e-9, "radians", "A fold nearer to pi than this has no inside.")
     flat: float = threshold(1e-7, "radians", "An edge is not concave down to minus this.")
+    rounding: float = threshold(
+        1e-14, "of the largest coordinate", "Rounding of vertices, which turns low triangles."
+    )
     partial: float = threshold(0.7, "relative", "More edges of a partially inverted vertex are concave.")
 
 
@@ -50,6 +53,21 @@ def dihedral_angles(triangulation: Triangulation, vertices: Floats) -> Floats:
     t = triangulation
     sine, cosine = _folds(t.edges, t.edge_halfedges, face_normals(t.faces, vertices), vertices)
     return np.arctan2(sine, cosine)
+
+
+def bends(triangulation: Triangulation, vertices: Floats) -> Floats:
+    """Dihedral angles, shape (E,), and 0 where rounding may have made them."""
+    angles = dihedral_angles(triangulation, vertices)
+    turned = turning_errors(triangulation, vertices)[triangulation.edge_faces].max(axis=1)
+    return np.where(np.abs(angles) > DIHEDRAL.flat + turned, angles, 0.0)
+
+
+def turning_errors(triangulation: Triangulation, vertices: Floats) -> Floats:
+    """Radians by which rounding of the vertices may turn each triangle, shape (F,): the lower, the more."""
+    t = triangulation
+    longest = edge_lengths(t.edges, vertices)[t.face_edges].max(axis=1)
+    error = DIHEDRAL.rounding * float(np.abs(vertices).max()) * longest
+    return error / np.maximum(2 * face_areas(t.faces, vertices), np.maximum(error / np.pi, TINY))
 
 
 @kernel

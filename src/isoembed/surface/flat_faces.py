@@ -4,8 +4,9 @@ import numpy as np
 from scipy.sparse import coo_array
 from scipy.sparse.csgraph import connected_components
 
-from isoembed.arrays import Indices, Mask
+from isoembed.arrays import Floats, Indices, Mask
 from isoembed.mesh.triangulation import Triangulation
+from isoembed.surface.curvature import DIHEDRAL, dihedral_angles, turning_errors
 
 
 def outlines(triangulation: Triangulation, creased: Mask) -> list[list[int]]:
@@ -51,3 +52,24 @@ def flat_faces(triangulation: Triangulation, creased: Mask) -> Indices:
     pairs = (inside // 3, t.twins[inside] // 3)
     graph = coo_array((np.ones(inside.size), pairs), shape=(t.n_faces, t.n_faces))
     return np.asarray(connected_components(graph)[1], dtype=np.int64)
+
+
+def coplanar_faces(triangulation: Triangulation, vertices: Floats) -> Indices:
+    """The flat face that each triangle is part of, shape (F,).
+
+    A triangle so low that rounding turns it joins the face to which it is bent least, but joins no two.
+    """
+    t = triangulation
+    angles = np.abs(dihedral_angles(t, vertices))
+    errors = turning_errors(t, vertices)
+    flat = angles <= DIHEDRAL.flat
+    faces = flat_faces(t, ~flat[t.face_edges.ravel()])
+    known = np.bincount(faces, errors <= DIHEDRAL.flat) > 0  # by a triangle that is not as low
+    doubtful = np.flatnonzero(~flat & (angles <= DIHEDRAL.flat + errors[t.edge_faces].max(axis=1)))
+    joined = np.arange(len(known))
+    for e in doubtful[np.argsort(angles[doubtful], kind="stable")].tolist():
+        one, other = joined[faces[t.edge_faces[e]]]
+        if one != other and not (known[one] and known[other]):
+            known[one] |= known[other]
+            joined[joined == other] = one
+    return np.unique(joined[faces], return_inverse=True)[1]

@@ -8,9 +8,9 @@ import numpy as np
 from isoembed.arrays import Floats, Indices, Mask
 from isoembed.mesh.triangulation import frozen
 from isoembed.metric.curvature import deficits
-from isoembed.surface.curvature import DIHEDRAL, dihedral_angles
+from isoembed.surface.curvature import DIHEDRAL
 from isoembed.surface.embedding import Embedding
-from isoembed.surface.flat_faces import flat_faces, outlines
+from isoembed.surface.flat_faces import coplanar_faces, outlines
 from isoembed.surface.measures import face_areas
 
 
@@ -27,7 +27,7 @@ class Polyhedron(Embedding):
 
         Triangles are in one face where the dihedral angle between them is below 1e-7 radians.
         """
-        return frozen(flat_faces(self.triangulation, self._creased))
+        return frozen(coplanar_faces(self.triangulation, self._normalized))
 
     @cached_property
     def polygons(self) -> tuple[Indices, ...]:
@@ -37,7 +37,9 @@ class Polyhedron(Embedding):
         """
         start, faces = self.faces.ravel(), self.face_polygons
         polygons: list[Indices] = [np.zeros(0, dtype=np.int64)] * (int(faces.max()) + 1)
-        for way in outlines(self.triangulation, self._creased):
+        lengths = self.metric.lengths[self.triangulation.face_edges.ravel()]
+        ways = outlines(self.triangulation, self._creased)
+        for way in sorted(ways, key=lambda way: float(lengths[way].sum())):  # holes first
             polygons[faces[way[0] // 3]] = frozen(start[way])
         return tuple(polygons)
 
@@ -50,8 +52,9 @@ class Polyhedron(Embedding):
 
     @cached_property
     def polygon_edges(self) -> Mask:
-        """The edges of the polyhedron among those of the triangles, shape (E,)."""
-        return frozen(np.abs(dihedral_angles(self.triangulation, self._normalized)) > DIHEDRAL.flat)
+        """The edges of the polyhedron among those of the triangles, shape (E,): between two of its faces."""
+        left, right = self.face_polygons[self.triangulation.edge_faces].T
+        return frozen(left != right)
 
     @property
     def _creased(self) -> Mask:
