@@ -78,7 +78,7 @@ def test_nearly_convex_metrics_by_way_of_a_convex_one():
     assert smooth_bodies.misfit(solution.vertices, vertices) < 1e-12
 
 
-def test_it_deviates_to_third_order():
+def test_it_deviates_to_second_order():
     # Two convex metrics, one twice as far from the given one; three surfaces predict the next.
     vertices, faces = CONVEX["Kerr"]
     x = vertices / vertices.std()
@@ -92,7 +92,7 @@ def test_it_deviates_to_third_order():
         log = Log()
         solution = newton_on_radii(given, radii_start(given, convex, log), log)
         missed.append(solution.branch_deviation)
-    assert missed[0] / missed[1] > 6
+    assert 3 < missed[0] / missed[1] < 5
 
 
 def test_it_agrees_with_newtons_method_on_the_lengths():

