@@ -104,7 +104,10 @@ def test_one_name_for_two_vertices():
         ({"sides": [], "corners": []}, "either by the sides or by the names"),
         ({"corners": ["abc"]}, "the corners are not 2 lists of names"),
         ({"corners": ["abc", "ab"]}, "corners[1] is 'ab', not a list of the names of the 3 corners"),
-        ({"corners": ["abc", ["a", "b", 1.5]]}, "corner 2 of polygon 1 is called 1.5, not text or a number"),
+        (
+            {"corners": ["abc", ["a", "b", 1.5]]},
+            "corner 2 of polygon 1 is called 1.5, not text or a whole number",
+        ),
         ({"corners": 7}, "the corners are not 2 lists of names"),
     ],
 )
@@ -116,6 +119,8 @@ def test_what_is_no_list_of_names(options, sentence):
 def test_files(tmp_path):
     path = tmp_path / "net.json"
     path.write_text(json.dumps({"regular": [list(name) for name in CUBE]}))
+    assert volume(read_net(str(path))) == pytest.approx(1)
+    path.write_text(json.dumps({"regular": CUBE}))
     assert volume(read_net(str(path))) == pytest.approx(1)
     path.write_text(json.dumps({"polygons": [{"regular": [4, 2]}] * 6, "corners": CUBE}))
     assert volume(read_net(str(path))) == pytest.approx(8)

@@ -78,6 +78,15 @@ def test_the_refusal_names_a_tolerance_that_suffices(unit):
     assert metric.triangulation.n_vertices == 42
 
 
+def test_quads_at_a_pole_of_vertices_that_coincide_name_it():
+    corners = np.array([[0, 0, 1], [0, 0, 1], [1, 0, 0], [0, 1, 0], [-1, -1, 0]], dtype=float)
+    faces = [[0, 2, 3, 1], [0, 3, 4], [0, 4, 2], [4, 3, 2]]
+    with pytest.raises(InvalidMetric, match=r"1 side has no length .*vertex 1 to 0.*--merge \(merge=1e-05\)"):
+        PolyhedralMetric.from_mesh(corners, faces)
+    metric, _ = messages(PolyhedralMetric.from_mesh, corners, faces, merge=0.0)
+    assert metric.triangulation.n_vertices == 4
+
+
 def test_no_vertices_are_named_where_merging_does_not_help():
     vertices, faces = zoo.icosphere(1)
     assert refusal(vertices, faces[1:]).endswith("the surface is not closed")

@@ -30,7 +30,9 @@ def read_names(given: Any, sheets: Sequence[Polygon]) -> Names:
             )
         for k, name in enumerate(names):
             if isinstance(name, bool) or not isinstance(name, str | int | np.integer):
-                raise InvalidParameter(f"corner {k} of polygon {p} is called {name!r}, not text or a number")
+                raise InvalidParameter(
+                    f"corner {k} of polygon {p} is called {name!r}, not text or a whole number"
+                )
     return [list(names) for names in given]
 
 

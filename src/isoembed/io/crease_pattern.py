@@ -13,10 +13,10 @@ from isoembed.gluing import Net, glue
 from isoembed.gluing.unfolding import Unfolding
 from isoembed.io import json
 from isoembed.io.files import FileError
+from isoembed.io.fold import CORNERS
 from isoembed.io.input_file import InputFile
 from isoembed.version import __version__
 
-CORNERS = "vertices_isoembed:corner"
 GAP = 0.1  # between sheets, of the width of the one before
 
 

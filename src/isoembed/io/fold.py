@@ -30,6 +30,7 @@ NAMES = {
     "edges": "edges_vertices",
     "lengths": "edges_length",
 }
+CORNERS = "vertices_isoembed:corner"  # which corner of the solid a vertex of a net becomes
 
 
 def read(file: InputFile) -> Tables:
@@ -58,9 +59,13 @@ def _tables(document: Frame, name: str) -> Frame:
         points = tables["vertices"]
         if _is_flat(points):
             if (side := _open_side(frame)) is not None:
+                if CORNERS in frame:
+                    raise FileError(
+                        f"{name} is a net: glue it first, with 'isoembed glue {name} -o surface.ply'"
+                    )
                 raise FileError(
                     f"{name} is a flat sheet with a boundary, as from vertex {side[0]} to {side[1]}: name "
-                    "its corners, vertices_isoembed:corner, for 'isoembed glue', or give the closed form"
+                    f"its corners, {CORNERS}, for 'isoembed glue', or give the closed form"
                 )
             tables["vertices"] = [[*point, 0.0] for point in points]
         return {key: tables[key] for key in ("vertices", "faces")}  # which the lengths are those of

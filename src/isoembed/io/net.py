@@ -123,7 +123,10 @@ def _net(document: Mapping[str, Any], name: str) -> Net:
     _entries(document, name, (form,))
     if form == "regular":
         faces = _list(document["regular"], f"regular polygons of {name}")
-        sizes = [len(_list(face, f"corners of polygon {p}")) for p, face in enumerate(faces)]
+        sizes = [
+            len(face if isinstance(face, str) else _list(face, f"corners of polygon {p}"))
+            for p, face in enumerate(faces)
+        ]
         return glue([regular_polygon(n) for n in sizes], corners=faces)
     if form == "zip":
         entries = _entries(document["zip"], f"zip of {name}", ("polygon", "at"))

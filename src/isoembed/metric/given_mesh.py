@@ -121,6 +121,22 @@ def _scaled(points: Floats) -> Floats:
     return np.ldexp(points, -int(np.frexp(np.abs(points).max(initial=0.0))[1]))
 
 
+def _side_advice(points: Floats, corners: Indices, sizes: Indices) -> str:
+    """The end of a sentence about a polygon without area, if polygons have sides without length."""
+    ends = np.cumsum(sizes)
+    after = np.arange(1, len(corners) + 1)
+    after[ends - 1] = ends - sizes
+    lengths = np.linalg.norm(points[corners] - points[corners[after]], axis=1)
+    short = lengths <= MERGING.usual * lengths.mean()
+    if not short.any():
+        return ""
+    k = int(np.argmax(short))
+    return (
+        f"; {_count(short.sum(), 'side has', 'sides have')} no length (the first from vertex {corners[k]} "
+        f"to {corners[after[k]]}): merge vertices that coincide with --merge (merge={MERGING.usual})"
+    )
+
+
 def _merged(
     points: Floats, corners: Indices, sizes: Indices, merge: float, quiet: bool
 ) -> tuple[Indices, Indices]:
@@ -156,7 +172,10 @@ def _cut(points: Floats, corners: Indices, sizes: Indices) -> Indices:
             f"{points.shape[1]} coordinates: polygons are cut in space"
         )
     polygons = PolygonFaces(points, corners, sizes)
-    triangles = polygons.triangles()
+    try:
+        triangles = polygons.triangles()
+    except InvalidMetric as error:
+        raise InvalidMetric(f"{error}{_side_advice(points, corners, sizes)}") from None
     warps = polygons.warps
     warped = warps > POLYGON_FACES.planar
     if warped.any():
