@@ -94,3 +94,10 @@ def test_other_methods_have_none(run, method):
         f"isoembed: error: --best-fit needs the method 'aim': the method '{method}' has no best fit\n"
     )
     assert not os.path.exists("a.npz")
+
+
+def test_other_methods_repair_nothing(run):
+    status, out, err = run("noisy.npz", "--repair", "1e-6", "-o", "a.npz")
+    assert (status, out) == (2, "")
+    assert err == "isoembed: error: --repair needs the method 'alexandrov': the method 'aim' has no repair\n"
+    assert not os.path.exists("a.npz")

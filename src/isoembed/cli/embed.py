@@ -66,7 +66,12 @@ def run(options: argparse.Namespace) -> int:
     outputs = asked_for(options)
     left = checkpoint_file(options, outputs)
     repair = [] if options.repair is None else [f"repair={options.repair}"]
-    if options.best_fit and "best_fit" not in parameters(configuration(options.method)):
+    known = parameters(configuration(options.method))
+    if repair and "repair" not in known:
+        raise UsageError(
+            f"--repair needs the method 'alexandrov': the method {options.method!r} has no repair"
+        )
+    if options.best_fit and "best_fit" not in known:
         raise UsageError(f"--best-fit needs the method 'aim': the method {options.method!r} has no best fit")
     best_fit = ["best_fit=true"] if options.best_fit else []
     method = configured(options.method, options.parameter + repair + best_fit)

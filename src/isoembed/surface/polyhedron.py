@@ -25,7 +25,8 @@ class Polyhedron(Embedding):
     def face_polygons(self) -> Indices:
         """The face of the polyhedron that each triangle is part of, shape (F,).
 
-        Triangles are in one face where the dihedral angle between them is below 1e-7 radians.
+        Triangles are in one face where the dihedral angle between them is below 1e-7 radians.  Those that
+        rounding may turn by more are in the face that they are bent least to.
         """
         return frozen(coplanar_faces(self.triangulation, self._normalized))
 
