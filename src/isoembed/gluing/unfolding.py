@@ -113,8 +113,10 @@ def unfold(surface: Embedding) -> Unfolding:
     size = float(np.ldexp(1.0, int(np.frexp(lengths.sum())[1])))
     small = faces._replace(points=faces.points / size)
     points, after, sheets = _fewest(small, steps / lengths[:, None])
-    if not np.isfinite(points).all():
-        v = faces.corners[int(np.argmin(np.isfinite(points).all(axis=1)))]
+    outer = np.flatnonzero(after >= 0)
+    apart = np.abs(points[after[outer]] - points[outer]).max(axis=1) > 0
+    if not apart.all():
+        v = faces.corners[outer[np.argmin(apart)]]
         raise InvalidMetric(f"vertex {v} is so near to another that paper does not tell them apart")
     return _cut_out(faces, points * size * unit, after, sheets)
 

@@ -72,4 +72,5 @@ def coplanar_faces(triangulation: Triangulation, vertices: Floats) -> Indices:
         if one != other and not (known[one] and known[other]):
             known[one] |= known[other]
             joined[joined == other] = one
-    return np.unique(joined[faces], return_inverse=True)[1]
+    found = np.unique(joined[faces], return_inverse=True)[1]
+    return found if found.any() else faces  # of a needle all is doubtful, and a closed surface is no face
