@@ -194,3 +194,10 @@ def test_sides_that_rounding_hides_are_refused(thin):
     points, faces = zoo.cube()
     with pytest.raises(InvalidMetric, match=r"vertex . is so near to another that paper does not tell them"):
         unfold(solid(points * [1.0, thin, thin], faces))
+
+
+def test_walls_as_low_as_rounding_belong_to_the_faces_beside_them():
+    points, faces = zoo.cube()
+    unfolding = unfold(solid(points * [1.0, 1.0, 3e-17], faces))
+    assert sorted(map(len, unfolding.sheets)) == [6]
+    assert sum(map(shoelace, unfolding.sheets)) == pytest.approx(2)
