@@ -75,7 +75,7 @@ def scrambled(vertices, faces, seed, thinnest):
 def one_factorization(polyhedron, backend):
     """Least seconds of three: order, analyze and factor ``d kappa / d r`` at the solution."""
     from isoembed import GluedMetric
-    from isoembed.alexandrov.homotopy import pinned
+    from isoembed.alexandrov.newton import pinned
     from isoembed.alexandrov.polytope import Polytope
     from isoembed.progress.stages import Log
 

@@ -13,7 +13,7 @@ from isoembed.aim.radii_newton import (
     newton_on_radii,
     radii_start,
 )
-from isoembed.alexandrov.homotopy import pinned
+from isoembed.alexandrov.newton import pinned
 from isoembed.alexandrov.placement import realized
 from isoembed.alexandrov.polytope import Polytope
 from isoembed.gallery import CassiniPeanut, Ellipsoid, KerrHorizon, triangulate

@@ -5,7 +5,8 @@ import pytest
 
 import zoo
 from isoembed import PolyhedralMetric, embed
-from isoembed.alexandrov.homotopy import Solution, follow_path, newton
+from isoembed.alexandrov.homotopy import follow_path
+from isoembed.alexandrov.newton import Solution, newton
 from isoembed.alexandrov.pins import independent_directions
 from isoembed.alexandrov.placement import placed, polished
 from isoembed.alexandrov.polytope import Polytope

@@ -13,7 +13,8 @@ import numpy as np
 
 from isoembed.aim.adiabatic_pullback import extrapolated
 from isoembed.alexandrov.doubly_covered import FLAT_LIMIT
-from isoembed.alexandrov.homotopy import HOMOTOPY, Solution, Waypoint, follow_path, forcing_term, pinned
+from isoembed.alexandrov.homotopy import HOMOTOPY, Waypoint, follow_path
+from isoembed.alexandrov.newton import NEWTON, Solution, forcing_term, pinned
 from isoembed.alexandrov.placement import placed, realized
 from isoembed.alexandrov.polytope import Polytope
 from isoembed.arrays import Floats, Mask
@@ -247,6 +248,6 @@ def _without_curvature(
         recorder.iterations += 1
         recorder.show(residual=float(np.abs(q.curvatures).max()))
         p, forcing = q, forcing_term(ratio, RADII_NEWTON.loosest)
-        stale = iterations > HOMOTOPY.stale
+        stale = iterations > NEWTON.stale
         state = state.refactorized(p, recorder) if stale else replace(state, polytope=p)
     return state, first

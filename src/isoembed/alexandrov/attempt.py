@@ -4,7 +4,7 @@ import numpy as np
 from scipy.sparse import diags_array
 from scipy.sparse.linalg import spsolve
 
-from isoembed.alexandrov.homotopy import pinned
+from isoembed.alexandrov.newton import pinned
 from isoembed.alexandrov.placement import placed
 from isoembed.alexandrov.polytope import Polytope
 from isoembed.arrays import Floats, Indices

@@ -20,12 +20,12 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 from scipy.sparse import csc_array
 
-from isoembed.alexandrov.pins import independent_directions
+from isoembed.alexandrov.newton import NEWTON, Solution, analyzed, newton
 from isoembed.alexandrov.polytope import Polytope
-from isoembed.arrays import Floats, Indices
+from isoembed.arrays import Floats
 from isoembed.intrinsic.delaunay import make_delaunay
 from isoembed.intrinsic.halfedges import HalfEdges
-from isoembed.linalg import Factor, SingularMatrix, Solver, analyze, dissect
+from isoembed.linalg import Factor, SingularMatrix
 from isoembed.linalg.krylov import gmres
 from isoembed.metric.curvature import Triangles
 from isoembed.progress.stages import StageRecorder
@@ -40,9 +40,6 @@ class HomotopyThresholds:
         (2.0, 16.0, 64.0, 256.0), "least radii", "Radii of the starts, until one arrives."
     )
     forcing: float = threshold(0.03, "relative", "Residual of the linear equations on the way.")
-    stale: int = threshold(10, "GMRES iterations", "More of them cost more than a fresh factorization.")
-    most_iterations: int = threshold(30, "GMRES iterations", "At most.")
-    decrease: float = threshold(0.25, "relative", "Least decrease, of what the linear model promises.")
     first_step: float = threshold(1.0, "log odds", "By which a first step is to lower epsilon.")
     longest_step: float = threshold(2.5, "log odds", "Of a step at most.")
     shortest_step: float = threshold(
@@ -53,78 +50,20 @@ class HomotopyThresholds:
     corrected: float = threshold(0.7, "relative", "Of a step remain if its aim needs another try.")
     most_odds: float = threshold(1e9, "odds", "Of epsilon where it is near 1, or beyond.")
     halvings: int = threshold(30, "count", "Of a step with a fresh factorization.")
-    halvings_if_stale: int = threshold(3, "count", "Of two steps, the second with an older one.")
-    lenient: int = threshold(
-        20, "steps", "Later steps with an older one are not halved: the body is a hard one."
+    halvings_if_stale: int = threshold(
+        3, "count", "Of a step with an older factorization, together with those of the step before."
     )
-    newton_halvings: int = threshold(8, "count", "Of a step of Newton's method that has not arrived.")
+    lenient: int = threshold(20, "steps", "From here on a step with an older factorization is not halved.")
     close: float = threshold(3e-3, "largest deficits", "Largest curvature at which Newton's method is tried.")
     closest: float = threshold(1e-9, "largest deficits", "After failures, down to this.")
     most_steps: int = threshold(1000, "count", "Steps of a path at most.")
-    newton_steps: int = threshold(40, "count", "Steps of Newton's method at most.")
-    creep: int = threshold(50, "count", "Steps that have to leave at most so much of one of these two:")
-    crept_odds: float = threshold(0.9, "relative", "Of the odds of epsilon.")
-    crept_norm: float = threshold(0.999, "relative", "Of the curvatures.")
+    creep: int = threshold(50, "count", "Steps in which the odds or the norm have to fall.")
+    crept_odds: float = threshold(0.9, "relative", "Of the odds of epsilon may be left after these.")
+    crept_norm: float = threshold(0.999, "relative", "Of the norm of the curvatures may be left.")
     arrived: float = threshold(0.7, "relative", "Share of all work done where Newton's method begins.")
-    loosest: float = threshold(1e-2, "relative", "Largest residual of Newton's linear equations.")
-    tightest: float = threshold(1e-6, "relative", "Smallest residual of Newton's linear equations.")
-    exact: float = threshold(1e-9, "radians", "Largest curvature of a solution.")
-    floor: float = threshold(1e-4, "smallest deficits", "Largest curvature of a solution, too.")
-    rounding: float = threshold(1e-13, "radians", "Smaller curvatures are rounding.")
 
 
 HOMOTOPY = HomotopyThresholds()
-
-
-@dataclass(frozen=True, eq=False)
-class Solution:
-    """A polytope without curvature, and the means to place it.
-
-    Attributes
-    ----------
-    polytope : Polytope
-    pins : ndarray of int, shape (3,)
-        Vertices in independent directions from the apex.
-    solver : Solver
-        Of the triangles of the polytope that was factored.
-    factor : Factor
-        Of ``-d kappa / d r`` nearby, the rows and columns of the pins replaced by those of the identity.
-    """
-
-    polytope: Polytope
-    pins: Indices
-    solver: Solver
-    factor: Factor
-
-    @property
-    def free(self) -> Floats:
-        """1 where a radius may change, 0 at the pins, shape (V,)."""
-        return _free(self.polytope, self.pins)
-
-    def refactorized(self, p: Polytope, recorder: StageRecorder) -> Solution:
-        """Factor another polytope of the same triangles, lengths and radii being others."""
-        recorder.factorizations += 1
-        return replace(
-            self, polytope=p, factor=self.solver.factor(_pinned_matrix(p, _free(p, self.pins)).data)
-        )
-
-    def solve(self, b: Floats, tolerance: float) -> tuple[Floats, int]:
-        """``(-d kappa / d r)^-1 b`` with the pins left at zero; and the iterations that it took.
-
-        Parameters
-        ----------
-        b : ndarray, shape (V,) or (V, n)
-        tolerance : float
-            Relative residual.
-        """
-        free = self.free if b.ndim == 1 else self.free[:, None]
-        return gmres(
-            lambda v: free * -self.polytope.times_jacobian(v),
-            lambda v: self.factor.solve(v, sweeps=0),
-            free * b,
-            tolerance,
-            HOMOTOPY.most_iterations,
-        )
 
 
 @dataclass(frozen=True, eq=False)
@@ -251,29 +190,6 @@ def _attempt(
     return False
 
 
-def pinned(p: Polytope, recorder: StageRecorder, backend: str | None = None) -> Solution:
-    """Pin three radii of a polytope and factor what is left, whatever its curvatures.
-
-    Raises
-    ------
-    SingularMatrix
-    """
-    return _pinned_at(p, independent_directions(p), recorder, backend)
-
-
-def _pinned_at(p: Polytope, pins: Indices, recorder: StageRecorder, backend: str | None) -> Solution:
-    matrix = _pinned_matrix(p, _free(p, pins))
-    recorder.factorizations += 1
-    solver = _analyzed(matrix, backend)
-    return Solution(p, pins, solver, solver.factor(matrix.data))
-
-
-def _free(p: Polytope, pins: Indices) -> Floats:
-    free = np.ones(p.radii.size)
-    free[pins] = 0.0
-    return free
-
-
 def _path(
     here: Waypoint,
     deficits: Floats,
@@ -302,17 +218,18 @@ def _path(
             here = replace(here, target=target, way=float(np.linalg.norm(p.curvatures - target * deficits)))
         missing = p.curvatures - here.target * deficits
         dr, iterations = _solved(p, inverse, missing)
-        if iterations > HOMOTOPY.stale and not fresh:
+        if iterations > NEWTON.stale and not fresh:
             inverse = None
             continue
         size = np.linalg.norm(missing)
+        # Less is allowed after a step, with the same factorization, that was halved itself.
         stale = max(HOMOTOPY.halvings_if_stale - halving, 1) if count < HOMOTOPY.lenient else 1
         for halving in range(HOMOTOPY.halvings if fresh else stale):
             fraction = 0.5**halving
             q = Polytope.over(p.tables, p.radii + fraction * dr)
             if q is not None:
                 left = np.linalg.norm(q.curvatures - here.target * deficits)
-                if left <= (1 - HOMOTOPY.decrease * fraction) * size:
+                if left <= (1 - NEWTON.decrease * fraction) * size:
                     break
         else:
             if not fresh:
@@ -348,80 +265,9 @@ def _lowered(epsilon: float, step: float) -> float:
     return odds / (1 + odds)
 
 
-def newton(
-    p: Polytope, deficits: Floats, recorder: StageRecorder, backend: str | None = None
-) -> Solution | None:
-    """Newton's method with three radii pinned, which fixes the apex; None if it does not converge.
-
-    Parameters
-    ----------
-    p : Polytope
-        Near to a solution.
-    deficits : ndarray, shape (V,)
-    recorder : StageRecorder
-    backend : str, optional
-    """
-    state, fresh = pinned(p, recorder, backend), True
-    forcing, done = HOMOTOPY.loosest, False
-    for _ in range(HOMOTOPY.newton_steps):
-        largest = float(np.abs(p.curvatures).max())
-        done = largest <= min(HOMOTOPY.exact, max(HOMOTOPY.floor * float(deficits.min()), HOMOTOPY.rounding))
-        size = np.linalg.norm(p.curvatures)
-        if size == 0:
-            break
-        dr, iterations = state.solve(p.curvatures, forcing)
-        renew = iterations > HOMOTOPY.stale
-        for halving in range(0 if renew and not fresh else 1 if done else HOMOTOPY.newton_halvings):
-            q = Polytope.over(p.tables, p.radii + 0.5**halving * dr)
-            if (
-                q is not None
-                and np.linalg.norm(q.curvatures) <= (1 - HOMOTOPY.decrease * 0.5**halving) * size
-            ):
-                forcing = forcing_term(float(np.linalg.norm(q.curvatures) / size), HOMOTOPY.loosest)
-                p, fresh = q, False
-                state = replace(state, polytope=p)
-                break
-        else:
-            if done:  # the rounding floor
-                break
-            if fresh:
-                return None
-            state, fresh = _pinned_at(p, state.pins, recorder, backend), True
-            continue
-        recorder.iterations += 1
-        recorder.show(t=0.0, residual=float(np.abs(p.curvatures).max()))
-    return state if done else None
-
-
-def forcing_term(ratio: float, loosest: float) -> float:
-    """Residual asked of Newton's linear equations: they converge as it does (Eisenstat and Walker).
-
-    Parameters
-    ----------
-    ratio : float
-        Of the curvatures after a step and before it.
-    loosest : float
-    """
-    return float(np.clip(ratio**2, HOMOTOPY.tightest, loosest))
-
-
-def _pinned_matrix(p: Polytope, free: Floats) -> csc_array:
-    """``-d kappa / d r`` with the rows and columns of unfree vertices replaced by those of the identity."""
-    matrix = -p.jacobian()
-    column = np.repeat(np.arange(free.size), np.diff(matrix.indptr))
-    matrix.data *= free[matrix.indices] * free[column]
-    matrix.data[(matrix.indices == column) & (free[column] == 0)] = 1.0
-    return matrix
-
-
 def _factor(matrix: csc_array, recorder: StageRecorder, backend: str | None) -> Factor:
     recorder.factorizations += 1
-    return _analyzed(matrix, backend).factor(matrix.data)
-
-
-def _analyzed(matrix: csc_array, backend: str | None) -> Solver:
-    # The triangles change with every flip, and with them the separators: an old order would fill in.
-    return analyze(matrix, dissect(matrix).vertex_order(), backend, definite=False)
+    return analyzed(matrix, backend).factor(matrix.data)
 
 
 def _solved(p: Polytope, inverse: Factor, b: Floats) -> tuple[Floats, int]:
@@ -431,7 +277,7 @@ def _solved(p: Polytope, inverse: Factor, b: Floats) -> tuple[Floats, int]:
         lambda v: inverse.solve(v, sweeps=0),
         b,
         HOMOTOPY.forcing,
-        HOMOTOPY.most_iterations,
+        NEWTON.most_iterations,
     )
 
 

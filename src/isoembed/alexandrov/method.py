@@ -13,8 +13,9 @@ from numpy.typing import ArrayLike, NDArray
 from isoembed._embed import Method
 from isoembed.alexandrov.attempt import attempted
 from isoembed.alexandrov.doubly_covered import FLAT_LIMIT, DoublyCovered, doubly_covered_triangle, flat_limit
-from isoembed.alexandrov.homotopy import Solution, Waypoint, follow_path
+from isoembed.alexandrov.homotopy import Waypoint, follow_path
 from isoembed.alexandrov.lengths import worst_length
+from isoembed.alexandrov.newton import Solution
 from isoembed.alexandrov.placement import realized, relaxed, relaxed_polytope
 from isoembed.alexandrov.polyhedron import ConvexPolyhedron, metric_on
 from isoembed.alexandrov.polytope import Polytope

@@ -10,8 +10,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from isoembed.alexandrov.homotopy import Solution, pinned
 from isoembed.alexandrov.lengths import worst_length
+from isoembed.alexandrov.newton import Solution, pinned
 from isoembed.alexandrov.polytope import Polytope
 from isoembed.arrays import Floats, Indices
 from isoembed.errors import InvalidMetric

@@ -1,0 +1,181 @@
+"""Newton's method on the radii: from a polytope nearly without curvature to the polyhedron.
+
+Three radii are pinned, which fixes the apex: it may move, so the curvatures do not determine it.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+from scipy.sparse import csc_array
+
+from isoembed.alexandrov.pins import independent_directions
+from isoembed.alexandrov.polytope import Polytope
+from isoembed.arrays import Floats, Indices
+from isoembed.linalg import Factor, Solver, analyze, dissect
+from isoembed.linalg.krylov import gmres
+from isoembed.progress.stages import StageRecorder
+from isoembed.thresholds import threshold
+
+
+@dataclass(frozen=True)
+class NewtonThresholds:
+    """Thresholds of Newton's method on the radii; the first three are those of the homotopy, too."""
+
+    stale: int = threshold(10, "GMRES iterations", "More of them cost more than a fresh factorization.")
+    most_iterations: int = threshold(30, "GMRES iterations", "At most.")
+    decrease: float = threshold(0.25, "relative", "Least decrease, of what the linear model promises.")
+    halvings: int = threshold(8, "count", "Of a step that has not arrived.")
+    steps: int = threshold(40, "count", "At most.")
+    loosest: float = threshold(1e-2, "relative", "Largest residual of the linear equations.")
+    tightest: float = threshold(1e-6, "relative", "Smallest residual of the linear equations.")
+    exact: float = threshold(1e-9, "radians", "Largest curvature of a solution.")
+    floor: float = threshold(1e-4, "smallest deficits", "Largest curvature of a solution, too.")
+    rounding: float = threshold(1e-13, "radians", "Smaller curvatures are rounding.")
+
+
+NEWTON = NewtonThresholds()
+
+
+@dataclass(frozen=True, eq=False)
+class Solution:
+    """A polytope without curvature, and the means to place it.
+
+    Attributes
+    ----------
+    polytope : Polytope
+    pins : ndarray of int, shape (3,)
+        Vertices in independent directions from the apex.
+    solver : Solver
+        Of the triangles of the polytope that was factored.
+    factor : Factor
+        Of ``-d kappa / d r`` nearby, the rows and columns of the pins replaced by those of the identity.
+    """
+
+    polytope: Polytope
+    pins: Indices
+    solver: Solver
+    factor: Factor
+
+    @property
+    def free(self) -> Floats:
+        """1 where a radius may change, 0 at the pins, shape (V,)."""
+        return _free(self.polytope, self.pins)
+
+    def refactorized(self, p: Polytope, recorder: StageRecorder) -> Solution:
+        """Factor another polytope of the same triangles, lengths and radii being others."""
+        recorder.factorizations += 1
+        return replace(
+            self, polytope=p, factor=self.solver.factor(_pinned_matrix(p, _free(p, self.pins)).data)
+        )
+
+    def solve(self, b: Floats, tolerance: float) -> tuple[Floats, int]:
+        """``(-d kappa / d r)^-1 b`` with the pins left at zero; and the iterations that it took.
+
+        Parameters
+        ----------
+        b : ndarray, shape (V,) or (V, n)
+        tolerance : float
+            Relative residual.
+        """
+        free = self.free if b.ndim == 1 else self.free[:, None]
+        return gmres(
+            lambda v: free * -self.polytope.times_jacobian(v),
+            lambda v: self.factor.solve(v, sweeps=0),
+            free * b,
+            tolerance,
+            NEWTON.most_iterations,
+        )
+
+
+def newton(
+    p: Polytope, deficits: Floats, recorder: StageRecorder, backend: str | None = None
+) -> Solution | None:
+    """Newton's method with three radii pinned, which fixes the apex; None if it does not converge.
+
+    Parameters
+    ----------
+    p : Polytope
+        Near to a solution.
+    deficits : ndarray, shape (V,)
+    recorder : StageRecorder
+    backend : str, optional
+    """
+    state, fresh = pinned(p, recorder, backend), True
+    forcing, done = NEWTON.loosest, False
+    for _ in range(NEWTON.steps):
+        largest = float(np.abs(p.curvatures).max())
+        done = largest <= min(NEWTON.exact, max(NEWTON.floor * float(deficits.min()), NEWTON.rounding))
+        size = np.linalg.norm(p.curvatures)
+        if size == 0:
+            break
+        dr, iterations = state.solve(p.curvatures, forcing)
+        renew = iterations > NEWTON.stale
+        for halving in range(0 if renew and not fresh else 1 if done else NEWTON.halvings):
+            q = Polytope.over(p.tables, p.radii + 0.5**halving * dr)
+            if q is not None and np.linalg.norm(q.curvatures) <= (1 - NEWTON.decrease * 0.5**halving) * size:
+                forcing = forcing_term(float(np.linalg.norm(q.curvatures) / size), NEWTON.loosest)
+                p, fresh = q, False
+                state = replace(state, polytope=p)
+                break
+        else:
+            if done:  # the rounding floor
+                break
+            if fresh:
+                return None
+            state, fresh = _pinned_at(p, state.pins, recorder, backend), True
+            continue
+        recorder.iterations += 1
+        recorder.show(t=0.0, residual=float(np.abs(p.curvatures).max()))
+    return state if done else None
+
+
+def forcing_term(ratio: float, loosest: float) -> float:
+    """Residual asked of Newton's linear equations: they converge as it does (Eisenstat and Walker).
+
+    Parameters
+    ----------
+    ratio : float
+        Of the curvatures after a step and before it.
+    loosest : float
+    """
+    return float(np.clip(ratio**2, NEWTON.tightest, loosest))
+
+
+def pinned(p: Polytope, recorder: StageRecorder, backend: str | None = None) -> Solution:
+    """Pin three radii of a polytope and factor what is left, whatever its curvatures.
+
+    Raises
+    ------
+    SingularMatrix
+    """
+    return _pinned_at(p, independent_directions(p), recorder, backend)
+
+
+def _pinned_at(p: Polytope, pins: Indices, recorder: StageRecorder, backend: str | None) -> Solution:
+    matrix = _pinned_matrix(p, _free(p, pins))
+    recorder.factorizations += 1
+    solver = analyzed(matrix, backend)
+    return Solution(p, pins, solver, solver.factor(matrix.data))
+
+
+def _free(p: Polytope, pins: Indices) -> Floats:
+    free = np.ones(p.radii.size)
+    free[pins] = 0.0
+    return free
+
+
+def _pinned_matrix(p: Polytope, free: Floats) -> csc_array:
+    """``-d kappa / d r`` with the rows and columns of unfree vertices replaced by those of the identity."""
+    matrix = -p.jacobian()
+    column = np.repeat(np.arange(free.size), np.diff(matrix.indptr))
+    matrix.data *= free[matrix.indices] * free[column]
+    matrix.data[(matrix.indices == column) & (free[column] == 0)] = 1.0
+    return matrix
+
+
+def analyzed(matrix: csc_array, backend: str | None) -> Solver:
+    """The solver of ``-d kappa / d r``, or of what pins leave of it, in the order of its own triangles."""
+    # The triangles change with every flip, and with them the separators: an old order would fill in.
+    return analyze(matrix, dissect(matrix).vertex_order(), backend, definite=False)
