@@ -173,3 +173,17 @@ MESH_REFUSALS = {
 def test_meshes_that_are_refused(vertices, sentence):
     with pytest.raises(InvalidMetric, match=re.escape(sentence)):
         PolyhedralMetric.from_mesh(vertices, T)
+
+
+def test_a_mesh_keeps_triangles_whose_height_the_lengths_lose():
+    # A vertex 1e-9 from an edge of a tetrahedron: in floats, the sides there are as long as the edge.
+    corners = np.array([[1.0, 1, 1], [1, -1, -1], [-1, 1, -1], [-1, -1, 1]])
+    inside = corners[0] / 3 + 2 * corners[1] / 3
+    inside += 1e-9 * (corners[2] - inside)
+    faces = [[0, 1, 4], [1, 2, 4], [2, 0, 4], [0, 3, 1], [0, 2, 3], [1, 3, 2]]
+    metric = PolyhedralMetric.from_mesh(np.vstack([corners, inside]), faces)
+    chords = np.linalg.norm(np.diff(np.vstack([corners, inside])[metric.edges], axis=1)[:, 0], axis=1)
+    assert np.abs(metric.lengths - chords).max() < 1e-14
+    on_the_edge = np.vstack([corners, [[1, 0, 0]]])  # the middle: no height at all
+    with pytest.raises(InvalidMetric, match=r"face 0 \[0, 1, 4\] breaks the triangle inequality"):
+        PolyhedralMetric.from_mesh(on_the_edge, faces)

@@ -29,6 +29,22 @@ class MetricThresholds:
 METRIC = MetricThresholds()
 
 
+@dataclass(frozen=True)
+class LowThresholds:
+    """Thresholds of triangles so low that the rounding of lengths hides their height."""
+
+    rounding: float = threshold(
+        8 * 2.0**-52, "largest coordinate", "Heights and sums of sides as rounding makes."
+    )
+    margin: float = threshold(
+        4 * 2.0**-52, "relative", "By which a longest side is then below the sum of the others."
+    )
+    passes: int = threshold(50, "count", "Over all triangles.")
+
+
+LOW = LowThresholds()
+
+
 @dataclass(frozen=True, eq=False, init=False, repr=False)
 class PolyhedralMetric:
     """A polyhedral metric rho on the sphere (paper, section 2).
@@ -119,7 +135,8 @@ class PolyhedralMetric:
                 raise InvalidMetric(f"vertex {triangulation.n_vertices} is in no face")
             size = np.abs(points).max() or 1.0  # keeps the squares from under- and overflowing
             with np.errstate(over="ignore"):  # a length beyond the floats is refused as infinite
-                metric = cls.on(triangulation, size * edge_lengths(triangulation.edges, points / size))
+                lengths = size * _low_kept(triangulation, points / size)
+                metric = cls.on(triangulation, lengths)
             return metric._rounded_to(Precision.of(points, metric.mean_length))
         except InvalidMetric as error:
             raise InvalidMetric(f"{error}{merging_advice(points, triangles)}") from None
@@ -259,7 +276,7 @@ def _check_lengths(triangulation: Triangulation, lengths: Floats) -> None:
     if len(lengths) != triangulation.n_edges:
         raise InvalidMetric(f"there are {triangulation.n_edges} edges but {len(lengths)} lengths")
     _check_positive(triangulation.edges, lengths)
-    f = _first_broken(triangulation.face_edges, lengths)
+    f = _first_broken(triangulation.face_edges, lengths, 0.0)
     if f >= 0:
         a, b, c = sorted(lengths[triangulation.face_edges[f]].tolist())
         raise InvalidMetric(
@@ -269,15 +286,43 @@ def _check_lengths(triangulation: Triangulation, lengths: Floats) -> None:
 
 
 @kernel
-def _first_broken(face_edges: Indices, lengths: Floats) -> int:
-    """The first face that breaks the triangle inequality, or -1."""
+def _first_broken(face_edges: Indices, lengths: Floats, margin: float) -> int:
+    """The first face that breaks the triangle inequality, or does up to a share of its longest side, or -1."""
     for f in range(len(face_edges)):
         a, b, c = lengths[face_edges[f, 0]], lengths[face_edges[f, 1]], lengths[face_edges[f, 2]]
         least, most = min(a, b, c), max(a, b, c)
         middle = max(min(a, b), min(max(a, b), c))
-        if not most - middle < least:  # a difference of neighbors neither over- nor underflows
+        if (
+            not most - middle < least - margin * most
+        ):  # a difference of neighbors neither over- nor underflows
             return f
     return -1
+
+
+def _low_kept(triangulation: Triangulation, points: Floats) -> Floats:
+    """Lengths of edges between points of size 1, (E,), rounded so that no triangle with a height loses it.
+
+    Two sides of a triangle that is 1e-8 of its longest high are as long as that, in floats: the longest is
+    rounded down.
+    """
+    t = triangulation
+    lengths = edge_lengths(t.edges, points)
+    if _first_broken(t.face_edges, lengths, LOW.margin / 2) < 0:
+        return lengths
+    for _ in range(LOW.passes):  # the side of one may be the longest of another
+        sides = lengths[t.face_edges]
+        longest = sides.argmax(axis=1)
+        least, middle, most = np.sort(sides, axis=1).T
+        room = least - (most - middle)
+        f = np.flatnonzero((room < LOW.margin / 2 * most) & (room >= -LOW.rounding))
+        if not f.size:
+            break
+        a, b, c = (points[t.faces[f, (longest[f] + k) % 3]] for k in range(3))
+        along = (b - a) / np.where(most[f] > 0, most[f], 1.0)[:, None]
+        heights = np.linalg.norm(c - a - ((c - a) * along).sum(axis=1, keepdims=True) * along, axis=1)
+        f = f[heights > LOW.rounding]
+        np.minimum.at(lengths, t.face_edges[f, longest[f]], (middle + least)[f] * (1 - LOW.margin))
+    return lengths
 
 
 @kernel
