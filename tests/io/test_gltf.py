@@ -201,7 +201,7 @@ def changed(kind, index, **values):
         (changed("accessors", 0, count=-1), "the count of accessor 0 is -1"),
         (changed("accessors", 0, type="VEC2"), "accessor 0 has the type 'VEC2', not VEC3"),
         (changed("accessors", 0, componentType=5130), "accessor 0 has the componentType 5130"),
-        (changed("buffers", 0, uri="../nowhere.bin"), "its buffer '../nowhere.bin' cannot be read"),
+        (changed("buffers", 0, uri="../nowhere.bin"), "its buffer '../nowhere.bin' is not beside it"),
         (changed("buffers", 0, uri="http://example.org/a.bin"), "is not beside it"),
         (changed("buffers", 0, uri="data:,abc"), "is not in base64"),
         (changed("buffers", 0, uri=7), "buffer 0 has no name, but a int"),

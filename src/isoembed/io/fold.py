@@ -151,6 +151,7 @@ def _edges(vertices: Floats, faces: Polygons) -> tuple[Indices, Floats, Floats, 
     starts, ends, owners = corners, corners[next_corners(sizes)], np.repeat(np.arange(len(sizes)), sizes)
     rising = starts < ends
     edges, number = np.unique(np.sort(np.column_stack([starts, ends]), axis=1), axis=0, return_inverse=True)
+    number = number.ravel()  # numpy 2.0 made it a column
     left, right = np.full(len(edges), -1), np.full(len(edges), -1)
     left[number[rising]], right[number[~rising]] = owners[rising], owners[~rising]
     inner = (left >= 0) & (right >= 0)

@@ -189,7 +189,7 @@ def _chunks(data: bytes) -> tuple[bytes, bytes]:
 
 
 def _beside(folder: Path, name: str) -> bytes:
-    if ":" in name or Path(name).is_absolute():
+    if ":" in name or Path(name).is_absolute() or ".." in Path(name).parts:
         raise ValueError(f"its buffer {name[:60]!r} is not beside it")
     try:
         return (folder / name).read_bytes()

@@ -287,7 +287,7 @@ def _check_lengths(triangulation: Triangulation, lengths: Floats) -> None:
 
 @kernel
 def _first_broken(face_edges: Indices, lengths: Floats, margin: float) -> int:
-    """The first face that breaks the triangle inequality, or does up to a share of its longest side, or -1."""
+    """The first face that breaks the triangle inequality up to a share of its longest side, or -1."""
     for f in range(len(face_edges)):
         a, b, c = lengths[face_edges[f, 0]], lengths[face_edges[f, 1]], lengths[face_edges[f, 2]]
         least, most = min(a, b, c), max(a, b, c)
