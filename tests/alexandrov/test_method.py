@@ -12,7 +12,7 @@ from hypothesis import strategies as st
 import isoembed
 import zoo
 from isoembed import Alexandrov, ConvexPolyhedron, GluedMetric, PolyhedralMetric, embed
-from isoembed.alexandrov import homotopy, placement
+from isoembed.alexandrov import newton, placement
 from isoembed.metric.convexity import noise_level
 from lost_edges import octahedron_with_a_lost_edge
 from scrambling import scramble
@@ -236,7 +236,7 @@ def test_a_glued_metric_needs_this_method():
 
 
 def test_failure_is_reported_with_what_there_is(monkeypatch):
-    monkeypatch.setattr(homotopy, "HOMOTOPY", replace(homotopy.HOMOTOPY, newton_steps=0))
+    monkeypatch.setattr(newton, "NEWTON", replace(newton.NEWTON, steps=0))
     monkeypatch.setattr(placement, "PLACEMENT", replace(placement.PLACEMENT, relaxations=0))
     vertices, faces = grid_cube(2)
     metric = PolyhedralMetric.from_mesh(vertices, faces)
@@ -261,7 +261,7 @@ def test_low_pyramids_are_finished_by_their_lengths(n, apex, height):
 
 
 def test_what_failed_is_no_success_however_near_its_lengths(monkeypatch):
-    monkeypatch.setattr(homotopy, "HOMOTOPY", replace(homotopy.HOMOTOPY, newton_steps=0))
+    monkeypatch.setattr(newton, "NEWTON", replace(newton.NEWTON, steps=0))
     monkeypatch.setattr(placement, "PLACEMENT", replace(placement.PLACEMENT, relaxations=0))
     with pytest.raises(isoembed.NotEmbedded, match="no polytope without curvature"):
         embed(PolyhedralMetric.from_mesh(*zoo.icosahedron()), method="alexandrov", tolerance=1.0)
