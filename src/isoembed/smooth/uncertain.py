@@ -1,0 +1,41 @@
+"""Functions on the sphere of directions that know how uncertain they are."""
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+from isoembed.arrays import Floats
+
+
+@dataclass(frozen=True)
+class Uncertainty:
+    """Errors of a function on the sphere of directions, in its unit.
+
+    Attributes
+    ----------
+    pointwise : float
+        The largest anywhere.
+    mean : float
+        That of averages over the sphere with smooth weights: noise averages out, what is smooth does not.
+    """
+
+    pointwise: float = 0.0
+    mean: float = 0.0
+
+
+@dataclass(frozen=True)
+class UncertainFunction:
+    """A function of the direction with its errors.
+
+    Attributes
+    ----------
+    values : callable
+        Takes unit vectors u (n, 3) and returns (n,), or (n, 3) for tangent vectors.
+    error : Uncertainty
+    """
+
+    values: Callable[[Floats], Floats]
+    error: Uncertainty
+
+    def __call__(self, u: Floats) -> Floats:
+        """The values at the unit vectors u (n, 3)."""
+        return self.values(u)
