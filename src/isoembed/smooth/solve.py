@@ -15,6 +15,7 @@ from isoembed.smooth.embedding import MEASURE, SmoothEmbedding
 from isoembed.smooth.gaussian_curvature import gaussian_curvature
 from isoembed.smooth.harmonics import Harmonics
 from isoembed.smooth.isometry import ISOMETRY, gauss_newton
+from isoembed.smooth.orientation import oriented
 from isoembed.smooth.transforms import resized
 from isoembed.smooth.triangulation import SphereMesh, graded_mesh
 from isoembed.smooth.two_metric import TwoMetric, is_axisymmetric
@@ -42,6 +43,7 @@ def embed_smooth(
     metric: TwoMetric,
     *,
     start: SmoothEmbedding | None = None,
+    shape: Callable[[Floats], Floats] | None = None,
     vertices: int = 1000,
     tolerance: float = 1e-4,
     accuracy: float = 1e-12,
@@ -59,6 +61,9 @@ def embed_smooth(
     metric : TwoMetric
     start : SmoothEmbedding, optional
         Of a metric nearby, in the same directions: the mesh is left out.
+    shape : callable, optional
+        Takes directions u (n, 3) and returns points (n, 3), to which the surface is turned as near as a
+        rotation brings it; by default the directions themselves.
     vertices : int
         Of the mesh.
     tolerance : float
@@ -85,6 +90,10 @@ def embed_smooth(
 
     Notes
     -----
+    The centroid of the surface is the origin.  Its orientation follows the metric and the shape alone: it
+    does not depend on the mesh or the start, changes with them continuously, and an axis or a plane of
+    symmetry that they have is one of the surface.
+
     For K > 0 the surface exists and is unique (Nirenberg 1953, Pogorelov 1952).  With K < 0 somewhere it is
     the branch that the mesh is on.
     """
@@ -104,7 +113,7 @@ def embed_smooth(
     else:
         mesh, origin = None, partial(resized, start.coefficients, start.harmonics)
         first = max(0, sum(h.degree < start.harmonics.degree for h in ladder) - 1)
-    goal = _Goal(metric, tolerance, accuracy, hindrance, mesh)
+    goal = _Goal(metric, shape, tolerance, accuracy, hindrance, mesh)
     best, residuals = goal.approached(ladder[first:], origin)
     if not best.converged and profile is not None and profile.embeds:
         high = [h for h in ladder if h.degree >= SOLVE.high] or ladder[-1:]
@@ -116,9 +125,10 @@ def embed_smooth(
 
 @dataclass(frozen=True)
 class _Goal:
-    """Goal of an embedding: the metric, and how well it is to be met."""
+    """Goal of an embedding: the metric, how well it is to be met, and what the surface is turned to."""
 
     metric: TwoMetric
+    shape: Callable[[Floats], Floats] | None
     tolerance: float
     accuracy: float
     hindrance: str
@@ -138,7 +148,8 @@ class _Goal:
             if anew is not None:
                 C, old = anew, harmonics
             assert C is not None
-            C, old = gauss_newton(self.metric, harmonics, resized(C, old, harmonics)), harmonics
+            C = gauss_newton(self.metric, harmonics, resized(C, old, harmonics))
+            C, old = oriented(self.metric, harmonics, C, self.shape), harmonics
             surface = SmoothEmbedding(
                 self.metric, harmonics, C, self.tolerance, last, self.hindrance, self.mesh
             )
@@ -161,9 +172,7 @@ def _from_mesh(mesh: SphereMesh) -> Callable[[Harmonics], Floats | None]:
         if len(mesh.directions) < SOLVE.determined * harmonics.size:
             return None
         values = harmonics.values(mesh.directions)
-        C = np.asarray(np.linalg.lstsq(values, embedding.vertices, rcond=None)[0])
-        C[0] = 0.0  # the mean of X over the directions: no equation tells it
-        return C
+        return np.asarray(np.linalg.lstsq(values, embedding.vertices, rcond=None)[0])
 
     return fitted
 

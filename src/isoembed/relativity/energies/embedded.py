@@ -141,6 +141,7 @@ def embed_surface(
     embedding = embed_smooth(
         data.metric,
         start=None if start is None else start.embedding,
+        shape=data.shape,
         vertices=vertices,
         tolerance=max(tolerance, SURFACE.rougher * data.relative_error),
         accuracy=max(SURFACE.settled, data.relative_error),

@@ -15,6 +15,7 @@ from isoembed.relativity.energies.wang_yau_functional import EmbeddedTime, Funct
 from isoembed.relativity.spacetimes.surface_data import SurfaceData
 from isoembed.smooth.embedding import SmoothEmbedding
 from isoembed.smooth.harmonics import Harmonics
+from isoembed.smooth.orientation import oriented
 from isoembed.smooth.solve import embed_smooth
 from isoembed.smooth.transforms import resized
 from isoembed.surface.estimate import Estimate
@@ -174,7 +175,7 @@ def wang_yau(
     at = TimeFunction.zero()
     if embedding is None:
         try:
-            embedding = embed_smooth(data.metric)
+            embedding = embed_smooth(data.metric, shape=data.shape)
         except NotEmbedded:
             if time is None or not np.any(time.coefficients[1:]):
                 raise
@@ -311,10 +312,11 @@ class _Search:
             notes.append("the second derivatives are not all positive: this may be no minimum")
         tau = found.time_function
         metric = TimeRaisedMetric(self.data.metric, tau)
+        X = oriented(metric, self.harmonics, found.X, self.data.shape)
         return WangYau(
             energy=Estimate(found.energy, error),
             tau=tau,
-            embedding=SmoothEmbedding(metric, self.harmonics, found.X, self.base.tolerance, np.inf),
+            embedding=SmoothEmbedding(metric, self.harmonics, X, self.base.tolerance, np.inf),
             admissible=found.admissible,
             gradient=float(np.linalg.norm(found.gradient)),
             least_second_derivative=least,

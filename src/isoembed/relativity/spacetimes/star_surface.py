@@ -305,6 +305,7 @@ class StarSurface:
             angular_momentum=None if axis is None else self.angular_momentum(geometry, axis),
             marginal=marginal,
             relative_error=float(self.misfit / mean) + geometry.relative_error(frame.x),
+            shape=self.points,
             name=name,
         )
 

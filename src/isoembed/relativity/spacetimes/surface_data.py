@@ -34,6 +34,10 @@ class SurfaceData:
         The surface is a horizon: k^2 = p^2 by definition, whatever the two are by computation.
     relative_error : float
         By how much lengths are uncertain, over the lengths: of data on grids.
+    shape : callable, optional
+        Takes u and returns the points (n, 3) of the surface in coordinates of the slice that are nearly
+        Cartesian: the embedded surface is turned onto them.  None where they are not known: it is turned onto
+        the directions.
     name : str
         For reports.
     """
@@ -46,4 +50,5 @@ class SurfaceData:
     charge: float = 0.0
     marginal: bool = False
     relative_error: float = 0.0
+    shape: Callable[[Floats], Floats] | None = None
     name: str = ""

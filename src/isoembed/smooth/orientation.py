@@ -1,0 +1,58 @@
+"""Place of an embedded surface in space: isometries of space that isometric embeddings leave free.
+
+Without it the orientation would be that of the mesh with which a search began, another one in every run.
+"""
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+
+from isoembed.arrays import Floats
+from isoembed.meshing.sphere import gauss_rule
+from isoembed.smooth.harmonics import Harmonics
+from isoembed.smooth.isometry import around
+from isoembed.smooth.two_metric import TwoMetric, area_density
+from isoembed.surface.alignment import best_rotation
+from isoembed.thresholds import threshold
+
+
+@dataclass(frozen=True)
+class OrientationThresholds:
+    """Thresholds of the orientation of embedded surfaces."""
+
+    nodes: float = threshold(2.0, "relative", "Nodes over coefficients, each way.")
+
+
+ORIENTATION = OrientationThresholds()
+
+
+def oriented(
+    metric: TwoMetric,
+    harmonics: Harmonics,
+    coefficients: Floats,
+    shape: Callable[[Floats], Floats] | None = None,
+) -> Floats:
+    """Coefficients (size, 3) of a map X after the rotation that brings it nearest to a shape.
+
+    The mean of squared distances over the area of the metric is least.  The centroid of that area is put to
+    the origin, wherever the shape is.
+
+    Parameters
+    ----------
+    metric : TwoMetric
+        That X realizes.
+    harmonics : Harmonics
+    coefficients : ndarray, shape (size, 3)
+    shape : callable, optional
+        Takes directions u (n, 3) and returns points (n, 3), in any unit; by default the directions.
+    """
+    n = int(np.ceil(ORIENTATION.nodes * (harmonics.degree + 1)))
+    u, weights = gauss_rule(n, around(n, harmonics))
+    areas = weights * area_density(metric.tensor(u))
+    areas /= areas.sum()
+    values, onto = harmonics.values(u), u if shape is None else shape(u)
+    found = coefficients.copy()
+    # The constant harmonic is one over the root of 4 pi.
+    found[0] -= np.sqrt(4.0 * np.pi) * (areas @ values @ coefficients)
+    return found @ best_rotation(values @ found, onto - areas @ onto, areas)
