@@ -18,6 +18,7 @@ from isoembed.relativity.energies.time_function import TimeFunction
 from isoembed.relativity.energies.wang_yau_energy import WangYau, wang_yau
 from isoembed.relativity.horizons.ahfinderdirect import read_ahfinderdirect
 from isoembed.relativity.horizons.coordinate_shape import CoordinateShape
+from isoembed.relativity.horizons.curvature_check import CurvatureCheck
 from isoembed.relativity.horizons.grid_file import read_metric_grid, read_metric_or_grid
 from isoembed.relativity.horizons.horizon import Horizon, expansion_test
 from isoembed.relativity.horizons.horizon_file import read_horizon
@@ -49,6 +50,7 @@ __all__ = [
     "CallableGeometry",
     "CartesianGrid",
     "CoordinateShape",
+    "CurvatureCheck",
     "EmbeddedHorizon",
     "EmbeddedSurface",
     "Energies",

@@ -76,19 +76,32 @@ def _sampled(metric: TwoMetric, u: Floats) -> Floats:
 
 def _brioschi(samples: Floats) -> Floats:
     center, x, y = samples[:, 0], samples[:, 1:5], samples[:, 5:9]
-    E, F, G = center
-    e_x, f_x, g_x = np.einsum("k,ckn->cn", FIRST, x)
-    e_y, f_y, g_y = np.einsum("k,ckn->cn", FIRST, y)
-    e_yy = SECOND @ y[0] + SECOND_CENTER * E
-    g_xx = SECOND @ x[2] + SECOND_CENTER * G
+    E, _, G = center
+    yy = SECOND @ y[0] + SECOND_CENTER * E
+    xx = SECOND @ x[2] + SECOND_CENTER * G
     # Second differences along the diagonals, whose own center cancels, are f_xx + f_yy + 2 f_xy and the like.
-    f_xy = (SECOND @ samples[1, 9:13] - SECOND @ samples[1, 13:17]) / 4.0
+    xy = (SECOND @ samples[1, 9:13] - SECOND @ samples[1, 13:17]) / 4.0
+    first_x, first_y = (np.einsum("k,ckn->cn", FIRST, along) for along in (x, y))
+    return brioschi(center, first_x, first_y, xy - 0.5 * (yy + xx))
+
+
+def brioschi(metric: Floats, x: Floats, y: Floats, second: Floats) -> Floats:
+    """Gaussian curvature by Brioschi's formula.
+
+    Parameters
+    ----------
+    metric, x, y : ndarray, shape (3, n)
+        The components E, F and G in some coordinates x and y, and their derivatives in these.
+    second : ndarray, shape (n,)
+        ``F_xy - (E_yy + G_xx) / 2``.
+    """
+    E, F, G = metric
+    e_x, f_x, g_x = x
+    e_y, f_y, g_y = y
     zero = np.zeros_like(E)
-    first = _determinant(
-        -0.5 * e_yy + f_xy - 0.5 * g_xx, 0.5 * e_x, f_x - 0.5 * e_y, f_y - 0.5 * g_x, E, F, 0.5 * g_y, F, G
-    )
-    second = _determinant(zero, 0.5 * e_y, 0.5 * g_x, 0.5 * e_y, E, F, 0.5 * g_x, F, G)
-    return np.asarray((first - second) / (E * G - F**2) ** 2)
+    bent = _determinant(second, 0.5 * e_x, f_x - 0.5 * e_y, f_y - 0.5 * g_x, E, F, 0.5 * g_y, F, G)
+    turned = _determinant(zero, 0.5 * e_y, 0.5 * g_x, 0.5 * e_y, E, F, 0.5 * g_x, F, G)
+    return np.asarray((bent - turned) / (E * G - F**2) ** 2)
 
 
 def _determinant(*entries: Floats) -> Floats:

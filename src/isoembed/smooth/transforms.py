@@ -42,7 +42,9 @@ def trimmed(coefficients: Floats, harmonics: Harmonics, needed: Mask) -> tuple[F
     return coefficients[kept], fewer
 
 
-def analyzed(values: Floats, u: Floats, weights: Floats, degree: int) -> tuple[Floats, Harmonics]:
+def analyzed(
+    values: Floats, u: Floats, weights: Floats, degree: int, order: int | None = None
+) -> tuple[Floats, Harmonics]:
     """Coefficients (size,) of a function on a Gauss rule of degree + 1 circles of latitude.
 
     Parameters
@@ -51,14 +53,14 @@ def analyzed(values: Floats, u: Floats, weights: Floats, degree: int) -> tuple[F
         At the nodes.
     u, weights : ndarray, shapes (n, 3), (n,)
         A `gauss_rule`.
-    degree : int
-        Of the harmonics, in all orders.
+    degree, order : int
+        Of the harmonics, by default in all orders; each circle has more than twice as many nodes.
 
     Notes
     -----
     Fourier series on each circle, then Legendre series in each order.
     """
-    harmonics = Harmonics(degree, degree)
+    harmonics = Harmonics(degree, degree if order is None else order)
     around = len(values) // (degree + 1)
     z, w = u[::around, 2], weights[::around, None] * (0.5 * around)
     Y = harmonics.values(directions_at(z, 0.0))
@@ -66,7 +68,7 @@ def analyzed(values: Floats, u: Floats, weights: Floats, degree: int) -> tuple[F
     fourier[:, 0] *= 0.5
     coefficients = np.empty(harmonics.size)
     _, orders = harmonics.labels
-    for m in range(degree + 1):
+    for m in range(harmonics.order + 1):
         P, f = Y[:, orders == m], fourier[:, m : m + 1]
         projection = (w if m else 2.0 * w) * P
         c = projection.T @ f

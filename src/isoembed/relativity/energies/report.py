@@ -97,11 +97,12 @@ class EmbeddedHorizon:
     report: dict[str, Any]
 
     def __str__(self) -> str:
-        horizon = self.report["horizon"]
+        horizon, check = self.report["horizon"], self.report["curvature_check"]
+        table = energy_table(self.report) + (f"\n{check['message']}" if check else "")
         if not horizon:
-            return energy_table(self.report)
+            return table
         return (
-            f"{energy_table(self.report)}\n{horizon['points']} points, fitted to {horizon['misfit']:.1e} of "
+            f"{table}\n{horizon['points']} points, fitted to {horizon['misfit']:.1e} of "
             f"a mean radius {horizon['mean_coordinate_radius']:.6g} in coordinates; the expansion of "
             f"outgoing rays, 0 on a horizon, is at most {horizon['largest_expansion']:.1e}"
             + ("" if horizon["marginal"] else ": in this geometry it is no horizon")
@@ -127,10 +128,20 @@ def embed_horizons(horizons: Iterable[Horizon], vertices: int = 1000) -> Iterato
         try:
             before = _embedded(horizon.data, before, vertices)
         except NotEmbedded as error:
-            report = {**unembedded_report(horizon.data, error), "horizon": horizon.facts}
-            yield EmbeddedHorizon(None, report)
+            yield EmbeddedHorizon(None, _of_horizon(horizon, unembedded_report(horizon.data, error)))
         else:
-            yield EmbeddedHorizon(before, {**before.report, "horizon": horizon.facts})
+            yield EmbeddedHorizon(before, _of_horizon(horizon, before.report))
+
+
+def _of_horizon(horizon: Horizon, report: dict[str, Any]) -> dict[str, Any]:
+    """The report with what the file says."""
+    check = horizon.curvature_check
+    return {
+        **report,
+        "notes": report["notes"] + list(check.notes if check else ()),
+        "horizon": horizon.facts,
+        "curvature_check": check and check.report,
+    }
 
 
 def _embedded(data: SurfaceData, before: EmbeddedSurface | None, vertices: int) -> EmbeddedSurface:

@@ -11,6 +11,7 @@ import numpy as np
 from isoembed.errors import InvalidParameter
 from isoembed.meshing.sphere import gauss_rule
 from isoembed.relativity.horizons.coordinate_shape import CoordinateShape
+from isoembed.relativity.horizons.curvature_check import CurvatureCheck
 from isoembed.relativity.spacetimes.star_surface import StarSurface
 from isoembed.relativity.spacetimes.surface_data import SurfaceData
 from isoembed.relativity.spacetimes.three_geometry import ThreeGeometry
@@ -60,10 +61,13 @@ class Horizon:
     data : SurfaceData
     facts : dict
         What the file and the expansion say of it as a horizon, for JSON; empty of a metric on a grid.
+    curvature_check : CurvatureCheck or None
+        How far the curvature in the file is from that of the metric in use, where the file has it.
     """
 
     data: SurfaceData
     facts: dict[str, Any]
+    curvature_check: CurvatureCheck | None = None
 
     @classmethod
     def of(
@@ -106,4 +110,5 @@ class Horizon:
             "mean_coordinate_radius": test["mean_coordinate_radius"],
             **{"misfit": surface.misfit, **test},
         }
-        return cls(replace(data, marginal=test["marginal"]), facts)
+        check = CurvatureCheck.of(found, data)
+        return cls(replace(data, marginal=test["marginal"]), facts, check)

@@ -1,0 +1,149 @@
+"""Check of a geometry by the curvature that a horizon file brings.
+
+A file's own Gaussian curvature and that of the metric which a geometry induces on its points agree only if
+mass, spin, time and units are those of the file.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import asdict, dataclass
+from typing import Any
+
+import numpy as np
+
+from isoembed.arrays import Floats
+from isoembed.relativity.horizons.coordinate_shape import CoordinateShape
+from isoembed.relativity.spacetimes.surface_data import SurfaceData
+from isoembed.smooth.spectral_curvature import spectral_curvature
+from isoembed.smooth.transforms import fitted
+from isoembed.thresholds import threshold
+
+
+@dataclass(frozen=True)
+class CurvatureCheckThresholds:
+    """Thresholds of the comparison of curvatures."""
+
+    apart: float = threshold(5.0, "expected", "Root-mean-square difference that errors do not explain.")
+    never: float = threshold(0.05, "relative", "Root-mean-square difference that nothing excuses.")
+
+
+CURVATURE_CHECK = CurvatureCheckThresholds()
+
+CURVATURES = {"gaussian_curvature": 1.0, "RicciScalar": 0.5}
+"""Fields that are a multiple of the Gaussian curvature, and the factors that make it of them."""
+PSI_2 = "repsi2"
+SPIN_COEFFICIENTS = ("nprho", "npmu", "npsigma", "nplambda")
+
+
+@dataclass(frozen=True)
+class CurvatureCheck:
+    """How far the curvature in a file is from that of the metric in use.
+
+    Attributes
+    ----------
+    field : str
+        What the file has: ``gaussian_curvature``, ``RicciScalar``, which is twice that, or ``repsi2``, which
+        with the spin coefficients makes ``K = 2 Re(-Psi_2 + rho mu - sigma lambda)`` in vacuum.
+    largest, rms : float
+        The largest difference at the points of the file and its root mean square, in 1/length^2.
+    size : float
+        The root mean square of the file's curvature.
+    expected : float
+        The root mean square that errors explain: of K, from what lengths are uncertain, and the noise of the
+        field, what smooth functions leave of it.
+    """
+
+    field: str
+    largest: float
+    rms: float
+    size: float
+    expected: float
+
+    @classmethod
+    def of(cls, found: CoordinateShape, data: SurfaceData) -> CurvatureCheck | None:
+        """The check of a surface that was made of the points of a file.
+
+        Parameters
+        ----------
+        found : CoordinateShape
+            Points, with the fields of the file.
+        data : SurfaceData
+            The surface in its slice, whose directions are those of the points from the center.
+
+        Returns
+        -------
+        CurvatureCheck or None
+            None if there is no curvature in the file.
+        """
+        field, given = brought_curvature(found.fields) or ("", np.empty(0))
+        known = np.isfinite(given)
+        if not known.any():
+            return None
+        u = found.points[known] - found.center
+        return cls._between(field, given[known], u / np.linalg.norm(u, axis=1)[:, None], data)
+
+    @classmethod
+    def _between(cls, field: str, given: Floats, u: Floats, data: SurfaceData) -> CurvatureCheck:
+        K = spectral_curvature(data.metric, data.relative_error)
+        _, _, noise = fitted(u, given, np.ones(len(u)))
+        difference = K(u) - given
+        largest = float(np.abs(difference).max())
+        return cls(field, largest, _rms(difference), _rms(given), K.error.pointwise + noise)
+
+    @property
+    def agrees(self) -> bool:
+        """Whether errors explain the difference, and it is small."""
+        t = CURVATURE_CHECK
+        return self.rms <= min(t.apart * self.expected, t.never * self.size)
+
+    @property
+    def relative(self) -> float:
+        """The largest difference over the size of K."""
+        return self.largest / self.size
+
+    @property
+    def report(self) -> dict[str, Any]:
+        """Plain numbers, for JSON, with the ``message`` that the text has."""
+        return {**asdict(self), "relative": self.relative, "agrees": self.agrees, "message": str(self)}
+
+    @property
+    def notes(self) -> tuple[str, ...]:
+        """A sentence, if errors do not explain the difference."""
+        if self.agrees:
+            return ()
+        return (
+            f"the curvature in the file, from {self.field}, is not that of the metric in use: they differ by "
+            f"{self.rms:.1e} (root mean square), errors explain {self.expected:.1e}; is it another geometry, "
+            "mass, spin, time or unit?",
+        )
+
+    def __str__(self) -> str:
+        return (
+            f"K from {self.field} in the file and of this metric differ by at most {self.largest:.1e}, "
+            f"{self.relative:.1e} of K: " + ("within" if self.agrees else "beyond") + " their errors"
+        )
+
+
+def brought_curvature(fields: Mapping[str, Floats]) -> tuple[str, Floats] | None:
+    """The field of a file that tells the Gaussian curvature, and that curvature; None if none does.
+
+    Notes
+    -----
+    QuasiLocalMeasures has ``rho = -m^a mbar^b D_b l_a``, ``sigma = -m^a m^b D_b l_a``, ``mu = mbar^a m^b D_b
+    n_a`` and ``lambda = mbar^a mbar^b D_b n_a`` in the signature -+++ with l . n = -1: the expansions are
+    -2 Re rho and 2 Re mu, and in Schwarzschild's spacetime rho mu = (1 - 2 M / r) / 2 r^2, Psi_2 = -M / r^3.
+    So Gauss's equation is that of Newman and Penrose, J. Math. Phys. 3 (1962) 566.
+    """
+    for name, factor in CURVATURES.items():
+        if name in fields:
+            return name, factor * fields[name]
+    parts = [f"{part}{name}" for name in SPIN_COEFFICIENTS for part in ("re", "im")]
+    if any(name not in fields for name in (PSI_2, *parts)):
+        return None
+    rho, mu, sigma, lambda_ = (fields[f"re{name}"] + 1j * fields[f"im{name}"] for name in SPIN_COEFFICIENTS)
+    return PSI_2, 2.0 * (-fields[PSI_2] + np.real(rho * mu - sigma * lambda_))
+
+
+def _rms(values: Floats) -> float:
+    return float(np.sqrt(np.mean(values**2)))

@@ -1,0 +1,126 @@
+"""The Gaussian curvature of a smooth metric on the sphere, to rounding: by harmonics of its components.
+
+The Cartesian components of the tensor are smooth functions on the sphere, at the poles, too.  Their series in
+scalar harmonics has derivatives without differences, and falls exponentially where the metric is analytic.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from isoembed.arrays import Floats
+from isoembed.meshing.sphere import directions_at, fibonacci_directions, gauss_rule
+from isoembed.smooth.gaussian_curvature import brioschi
+from isoembed.smooth.geodesics import in_own_unit
+from isoembed.smooth.harmonics import Harmonics
+from isoembed.smooth.transforms import analyzed, resized, trimmed
+from isoembed.smooth.two_metric import TwoMetric, angle_frame, is_axisymmetric
+from isoembed.smooth.uncertain import UncertainFunction, Uncertainty
+from isoembed.thresholds import threshold
+
+
+@dataclass(frozen=True)
+class SpectralCurvatureThresholds:
+    """Thresholds of the harmonics of a metric for its curvature."""
+
+    first_degree: int = threshold(16, "count", "Degree tried first; it is doubled.")
+    highest_degree: int = threshold(64, "count", "Degree after which there is none.")
+    highest_symmetric: int = threshold(512, "count", "The same for axisymmetric metrics.")
+    settled: float = threshold(1e-15, "relative", "Size of the highest harmonics that are rounding.")
+    nothing: float = threshold(5e-17, "relative", "Size of harmonics that are left out.")
+    rounding: float = threshold(2e-15, "relative", "Rounding in the harmonics of a metric.")
+
+
+SPECTRAL_CURVATURE = SpectralCurvatureThresholds()
+
+ORDER = 2  # of the Cartesian components of a tensor that is symmetric about the z-axis
+PAIRS = tuple(np.triu_indices(3))
+
+
+def spectral_curvature(metric: TwoMetric, relative_error: float = 0.0) -> UncertainFunction:
+    """Gaussian curvature of a metric, as a function of the direction.
+
+    Parameters
+    ----------
+    metric : TwoMetric
+    relative_error : float
+        The uncertainty of its lengths: harmonics that are smaller are not sought.
+
+    Returns
+    -------
+    UncertainFunction
+        Of unit vectors u (n, 3), in 1/length^2.  The error is rounding or the uncertainty of the lengths,
+        which second derivatives of harmonics of degree l make l^2 times as large, and where the highest
+        harmonics are larger than these the change from three quarters of the degree.  Smooth averages of K
+        are integrated by parts, and lose nothing.
+
+    Raises
+    ------
+    InvalidMetric
+        What the metric raises.
+
+    Notes
+    -----
+    Brioschi's formula in the central projection onto the plane that touches the sphere at u, where first and
+    second derivatives are the covariant ones of the sphere.
+    """
+    unit, own = in_own_unit(metric)
+    harmonics, coefficients, settled = _series(own, relative_error)
+    degree, u = harmonics.degree, _everywhere(harmonics)
+    K = _curvature(u, harmonics, coefficients)
+    noise = (SPECTRAL_CURVATURE.rounding + relative_error) * float(np.abs(K).max())
+    pointwise, mean = degree**2 * noise, noise
+    if not settled:
+        low = (3 * degree) // 4
+        lower = Harmonics(low, min(low, harmonics.order))
+        change = np.abs(K - _curvature(u, lower, resized(coefficients, harmonics, lower)))
+        pointwise, mean = pointwise + float(change.max()), mean + float(change.mean())
+    error = Uncertainty(pointwise / unit / unit, mean / unit / unit)
+    return UncertainFunction(lambda u: _curvature(u, harmonics, coefficients) / unit / unit, error)
+
+
+def _series(metric: TwoMetric, relative_error: float) -> tuple[Harmonics, Floats, bool]:
+    """The components xx, xy, xz, yy, yz, zz (size, 6) in harmonics, and whether these suffice."""
+    t, symmetric = SPECTRAL_CURVATURE, is_axisymmetric(metric)
+    degree, most = t.first_degree, t.highest_symmetric if symmetric else t.highest_degree
+    while True:
+        order = ORDER if symmetric else degree
+        u, weights = gauss_rule(degree + 1, 2 * order + 2)
+        components = metric.tensor(u)[:, PAIRS[0], PAIRS[1]]
+        found = [analyzed(values, u, weights, degree, order) for values in components.T]
+        harmonics, coefficients = found[0][1], np.column_stack([c for c, _ in found])
+        sizes = np.abs(coefficients).max(axis=1)
+        size, high = sizes.max(), harmonics.labels[0] > 3 * degree // 4
+        if sizes[high].max() <= max(t.settled, relative_error) * size:
+            fewer = trimmed(sizes, harmonics, sizes > max(t.nothing, relative_error) * size)[1]
+            return fewer, resized(coefficients, harmonics, fewer), True
+        if 2 * degree > most:
+            return harmonics, coefficients, False
+        degree *= 2
+
+
+def _everywhere(harmonics: Harmonics) -> Floats:
+    """Directions that miss nothing, from pole to pole."""
+    if harmonics.order == harmonics.degree:
+        return fibonacci_directions(harmonics.size)
+    theta = np.linspace(0.0, np.pi, 4 * harmonics.degree)
+    return directions_at(np.cos(theta), 0.0)
+
+
+def _curvature(u: Floats, harmonics: Harmonics, coefficients: Floats) -> Floats:
+    u = np.asarray(u, dtype=np.float64)
+    q, slope, bend = (np.empty((len(u), 3, 3, *more)) for more in ((), (3,), (3, 3)))
+    for i, j, c in zip(*PAIRS, coefficients.T, strict=True):
+        q[:, i, j], slope[:, i, j], bend[:, i, j] = harmonics.derivatives(u, np.ascontiguousarray(c))
+        q[:, j, i], slope[:, j, i], bend[:, j, i] = q[:, i, j], slope[:, i, j], bend[:, i, j]
+    e, f = angle_frame(u)
+    parts = ((e, e), (e, f), (f, f))
+    metric = np.stack([np.einsum("ni,nij,nj->n", a, q, b) for a, b in parts])
+    x, y = (np.stack([np.einsum("ni,nijk,nj,nk->n", a, slope, b, d) for a, b in parts]) for d in (e, f))
+    xy, yy, xx = (
+        np.einsum("ni,nijkl,nj,nk,nl->n", a, bend, b, c, d, optimize=True)
+        for a, b, c, d in ((e, f, e, f), (e, e, f, f), (f, f, e, e))
+    )
+    # The projection shortens lengths by 1 + x^2 + y^2, which the second derivatives of E and G see.
+    second = xy - 0.5 * (yy - 2.0 * metric[0] + xx - 2.0 * metric[2])
+    return brioschi(metric, x, y, second)
