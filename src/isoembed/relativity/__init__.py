@@ -17,12 +17,15 @@ from isoembed.relativity.energies.report import (
 from isoembed.relativity.energies.time_function import TimeFunction
 from isoembed.relativity.energies.wang_yau_energy import WangYau, wang_yau
 from isoembed.relativity.horizons.ahfinderdirect import read_ahfinderdirect
+from isoembed.relativity.horizons.circumferences import Circumferences
 from isoembed.relativity.horizons.coordinate_shape import CoordinateShape
 from isoembed.relativity.horizons.curvature_check import CurvatureCheck
 from isoembed.relativity.horizons.grid_file import read_metric_grid, read_metric_or_grid
 from isoembed.relativity.horizons.horizon import Horizon, expansion_test
 from isoembed.relativity.horizons.horizon_file import read_horizon
 from isoembed.relativity.horizons.horizon_format import HorizonFormat
+from isoembed.relativity.horizons.horizon_shape import HorizonShape
+from isoembed.relativity.horizons.multipoles import Multipoles
 from isoembed.relativity.horizons.spectre import read_spectre
 from isoembed.relativity.spacetimes.boosted import BoostedSchwarzschild, Superposed
 from isoembed.relativity.spacetimes.boyer_lindquist import BoyerLindquist
@@ -49,6 +52,7 @@ __all__ = [
     "BrillLindquist",
     "CallableGeometry",
     "CartesianGrid",
+    "Circumferences",
     "CoordinateShape",
     "CurvatureCheck",
     "EmbeddedHorizon",
@@ -56,12 +60,14 @@ __all__ = [
     "Energies",
     "Horizon",
     "HorizonFormat",
+    "HorizonShape",
     "Integrals",
     "IsotropicSchwarzschild",
     "KerrNewmanErgosphere",
     "KerrNewmanHorizon",
     "KerrNewmanSphere",
     "KerrSchild",
+    "Multipoles",
     "PainleveGullstrand",
     "StarSurface",
     "Superposed",

@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 from isoembed.errors import InvalidMetric, InvalidParameter
 from isoembed.relativity.energies.energies import Energies
 from isoembed.relativity.energies.quadrature import smooth_energies
+from isoembed.relativity.horizons.horizon_shape import shape_report
 from isoembed.relativity.spacetimes.surface_data import SurfaceData
 from isoembed.smooth.embedding import SmoothEmbedding
 from isoembed.smooth.solve import embed_smooth
@@ -65,6 +66,7 @@ class EmbeddedSurface:
             "status": "embedded" if found.converged else "best fit",
             "name": self.data.name,
             **self.energies.report,
+            **shape_report(self.data),
             "embedding": {
                 "degree": found.harmonics.degree,
                 "order": found.harmonics.order,

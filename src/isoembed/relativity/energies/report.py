@@ -10,6 +10,7 @@ from isoembed.relativity.energies.energies import Energies
 from isoembed.relativity.energies.quadrature import intrinsic_energies
 from isoembed.relativity.energies.wang_yau_energy import WangYau, wang_yau
 from isoembed.relativity.horizons.horizon import Horizon
+from isoembed.relativity.horizons.horizon_shape import shape_lines, shape_report
 from isoembed.relativity.spacetimes.surface_data import SurfaceData
 from isoembed.surface.embedding import Embedding
 from isoembed.surface.smooth_integrals import Lengths
@@ -33,6 +34,7 @@ def energy_table(report: dict[str, Any]) -> str:
     for name, shown in SHOWN.items():
         if report.get(name) is not None:
             lines.append(f"{shown:{width}}  {report[name]:<22.15g} +- {report['errors'][name]:.0e}")
+    lines += shape_lines(report)
     lines += ["", *(f"note: {note}" for note in report["notes"])]
     return "\n".join([*lines, CONVENTIONS["units"]])
 
@@ -44,6 +46,7 @@ def unembedded_report(data: SurfaceData, error: NotEmbedded) -> dict[str, Any]:
         "message": str(error),
         "name": data.name,
         **intrinsic_energies(data).report,
+        **shape_report(data),
     }
 
 

@@ -1,0 +1,150 @@
+"""Shape and spin multipoles of a horizon.
+
+With zeta the invariant coordinate and R the areal radius, the geometric multipoles [1]_ are
+``I_n = 1/2 int K Y_n0(zeta) dA`` and ``L_n = -int Im Psi_2 Y_n0(zeta) dA``, where ``2 Im Psi_2`` is the
+curl of the rotation one-form.  That is ``-K(., n)`` but for a gradient, and by parts L_n takes no derivative
+of it: ``L_n = R^-2 / 2 int K(phi, n) Y_n0'(zeta) dA`` with the rotation phi that belongs to zeta.
+
+References
+----------
+.. [1] A. Ashtekar, J. Engle, T. Pawlowski and C. Van Den Broeck, "Multipole moments of isolated horizons",
+   Class. Quantum Grav. 21 (2004) 2549.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.polynomial import legendre
+
+from isoembed.arrays import Floats
+from isoembed.meshing.sphere import gauss_rule
+from isoembed.relativity.horizons.invariant_coordinate import InvariantCoordinate
+from isoembed.relativity.spacetimes.surface_data import SurfaceData
+from isoembed.smooth.spectral_curvature import spectral_curvature
+from isoembed.smooth.two_metric import area_density
+from isoembed.smooth.uncertain import UncertainFunction
+from isoembed.surface.estimate import Estimate
+from isoembed.thresholds import threshold
+
+
+@dataclass(frozen=True)
+class MultipoleThresholds:
+    """Thresholds of multipoles."""
+
+    order: int = threshold(8, "count", "Highest multipole.")
+    fewest: int = threshold(24, "count", "Heights of nodes to begin with.")
+    denser: float = threshold(1.5, "relative", "Heights of nodes over those before.")
+    highest: int = threshold(96, "count", "Heights of nodes after which there are no more.")
+    highest_symmetric: int = threshold(1000, "count", "The same for metrics symmetric about z.")
+    around: int = threshold(8, "count", "Nodes on a circle there.")
+    settled: float = threshold(1e-13, "absolute", "Change of a geometric multipole that is none.")
+    rounding: float = threshold(5e-14, "absolute", "Rounding in a geometric multipole.")
+
+
+MULTIPOLES = MultipoleThresholds()
+
+
+@dataclass(frozen=True)
+class Multipoles:
+    """Multipoles n = 0, ..., 8 of a horizon.
+
+    Attributes
+    ----------
+    shape : tuple of Estimate
+        I_n, of the Gaussian curvature; I_0 = sqrt(pi), and I_1 = 0 where there is a symmetry.
+    rotation : tuple of Estimate or None
+        L_n; None where the normal momentum is not known.  L_0 = 0.
+    mass : tuple of Estimate or None
+        ``M_n = sqrt(4 pi / (2 n + 1)) M R^n / (2 pi) I_n``, M_0 = M the Christodoulou mass.
+    spin : tuple of Estimate or None
+        ``J_n = sqrt(4 pi / (2 n + 1)) R^(n + 1) / (4 pi) L_n``, J_1 = J.
+    """
+
+    shape: tuple[Estimate, ...]
+    rotation: tuple[Estimate, ...] | None
+    mass: tuple[Estimate, ...] | None
+    spin: tuple[Estimate, ...] | None
+
+    @classmethod
+    def of(cls, data: SurfaceData, zeta: InvariantCoordinate) -> Multipoles:
+        """The multipoles of a horizon with an invariant coordinate."""
+        t = MULTIPOLES
+        K = spectral_curvature(data.metric, data.relative_error)
+        most = t.highest_symmetric if zeta.axisymmetric else t.highest
+        n, before = t.fewest, np.full((2, t.order + 1), np.inf)
+        while True:
+            moments, area = _moments(data, zeta, K, n)
+            change = np.abs(moments - before)
+            if change.max() <= t.settled or t.denser * n > most:
+                break
+            n, before = int(t.denser * n), moments
+        l = np.arange(t.order + 1)
+        relative = data.relative_error + zeta.error
+        errors = change + t.rounding + l * (l + 1) * relative
+        errors[0] += K.error.mean * area
+        if isinstance(data.normal_momentum, UncertainFunction):
+            errors[1] += l * (l + 1) * np.pi * data.normal_momentum.error.mean
+        shape, rotation = (
+            tuple(Estimate(*pair) for pair in zip(*rows, strict=True))
+            for rows in zip(moments, errors, strict=True)
+        )
+        return cls._scaled(data, np.sqrt(area / (4.0 * np.pi)), shape, rotation)
+
+    @classmethod
+    def _scaled(
+        cls, data: SurfaceData, R: float, shape: tuple[Estimate, ...], rotation: tuple[Estimate, ...]
+    ) -> Multipoles:
+        """With the masses and spins, as far as these are known."""
+        found = None if data.normal_momentum is None else _dimensional(rotation, R / (4.0 * np.pi), R, data)
+        known = data.angular_momentum if found is None or data.charge else found[1].value
+        if known is None:
+            return cls(shape, None, None, None)
+        m = 0.5 * R
+        mass = np.hypot(m + data.charge**2 / (4.0 * m), known / (2.0 * m))
+        masses = _dimensional(shape, mass / (2.0 * np.pi), R, data)
+        if found is None and known != 0.0:
+            return cls(shape, None, masses, None)
+        return cls(shape, rotation, masses, found or rotation)
+
+    @property
+    def report(self) -> dict[str, Any]:
+        """Plain numbers, for JSON."""
+        named = {"I": self.shape, "L": self.rotation, "M": self.mass, "J": self.spin}
+        return {
+            **{name: found and [e.value for e in found] for name, found in named.items()},
+            "errors": {name: found and [e.error for e in found] for name, found in named.items()},
+        }
+
+
+def _moments(
+    data: SurfaceData, zeta: InvariantCoordinate, K: Callable[[Floats], Floats], n: int
+) -> tuple[Floats, float]:
+    """I_l and L_l (2, order + 1), and the area, from n heights of nodes."""
+    u, weights = gauss_rule(n, MULTIPOLES.around if zeta.axisymmetric else 2 * n)
+    dA = weights * area_density(data.metric.tensor(u))
+    value, gradient = zeta.derivatives(u)
+    l = np.arange(MULTIPOLES.order + 1)
+    norms = 0.5 * np.sqrt((2 * l + 1) / (4.0 * np.pi))
+    shape = norms * ((dA * K(u)) @ legendre.legvander(value, l[-1]))
+    if data.normal_momentum is None:
+        return np.stack([shape, np.zeros(len(l))]), float(dA.sum())
+    # phi dA is R^2 (grad zeta x u) on the unit sphere, whatever the metric.
+    around = np.einsum("ni,ni->n", data.normal_momentum(u), np.cross(gradient, u))
+    slopes = np.stack([legendre.legval(value, legendre.legder(row)) for row in np.eye(len(l))])
+    return np.stack([shape, norms * (slopes @ (weights * around))]), float(dA.sum())
+
+
+def _dimensional(
+    moments: Sequence[Estimate], factor: float, R: float, data: SurfaceData
+) -> tuple[Estimate, ...]:
+    """Moments times ``sqrt(4 pi / (2 n + 1)) factor R^n``, with what lengths are uncertain."""
+    result = []
+    for n, moment in enumerate(moments):
+        scaled = moment.scaled(np.sqrt(4.0 * np.pi / (2 * n + 1)) * factor * R**n)
+        uncertain = (n + 2) * (data.relative_error + MULTIPOLES.rounding) * abs(scaled.value)
+        result.append(Estimate(scaled.value, scaled.error + uncertain))
+    return tuple(result)

@@ -1,0 +1,159 @@
+"""Circumferences and multipoles of horizons, against closed forms of Kerr's."""
+
+import numpy as np
+import pytest
+from scipy.special import ellipe
+
+from isoembed.errors import NotEmbedded
+from isoembed.relativity import (
+    HorizonShape,
+    KerrNewmanHorizon,
+    KerrNewmanSphere,
+    KerrSchild,
+    StarSurface,
+    SurfaceData,
+    embed_surface,
+    energy_table,
+    unembedded_report,
+)
+from isoembed.relativity.horizons.circumferences import Circumferences
+from isoembed.relativity.horizons.invariant_coordinate import InvariantCoordinate
+from isoembed.relativity.horizons.multipoles import Multipoles
+from isoembed.smooth import AngleMetric
+
+SPINS = (0.0, 0.3, 0.6, 0.9, 0.99)
+
+
+def polar(a):
+    """Length of the closed meridian of a horizon of mass 1."""
+    squared = 2.0 * (1.0 + np.sqrt(1.0 - a * a))  # r^2 + a^2
+    return 4.0 * np.sqrt(squared) * ellipe(a * a / squared)
+
+
+def moments(a):
+    """I_n + i L_n of a horizon of mass 1: Psi_2 = -1 / (r - i a zeta)^3, and dA = (r^2 + a^2) dzeta dphi."""
+    r = 1.0 + np.sqrt(1.0 - a * a)
+    x, weights = np.polynomial.legendre.leggauss(200)
+    legendre = np.polynomial.legendre.legvander(x, 8)
+    integrals = (weights / (r - 1j * a * x) ** 3) @ legendre
+    return 2.0 * np.pi * (r * r + a * a) * np.sqrt((2.0 * np.arange(9) + 1.0) / (4.0 * np.pi)) * integrals
+
+
+def values(estimates):
+    return np.array([e.value for e in estimates])
+
+
+def errors(estimates):
+    return np.array([e.error for e in estimates])
+
+
+def in_boyer_lindquist(a, unit):
+    return KerrNewmanHorizon(unit, a * unit).data()
+
+
+def in_kerr_schild(a, unit):
+    geometry = KerrSchild(unit, (0.0, 0.0, a * unit))
+    return StarSurface.from_radius(geometry.spheroid(geometry.horizon)).data(
+        geometry, (0, 0, 1), marginal=True
+    )
+
+
+@pytest.mark.parametrize("a", SPINS)
+@pytest.mark.parametrize(
+    ("slice_", "unit"), [(in_boyer_lindquist, 1.0), (in_boyer_lindquist, 1e6), (in_kerr_schild, 1e-3)]
+)
+def test_kerr(a, slice_, unit):
+    shape = HorizonShape.of(slice_(a, unit))
+    around = shape.circumferences
+    for found, expected in (
+        (around.equatorial, 4.0 * np.pi),
+        (around.longest, 4.0 * np.pi),
+        (around.polar, polar(a)),
+    ):
+        assert abs(found.value / unit - expected) <= min(found.error / unit, 1e-12)
+    expected, R = moments(a), np.sqrt(2.0 * (1.0 + np.sqrt(1.0 - a * a)))
+    n = np.arange(9)
+    scale = np.sqrt(4.0 * np.pi / (2 * n + 1))
+    for found, exact, power in (
+        (shape.multipoles.shape, expected.real, 0),
+        (shape.multipoles.rotation, expected.imag, 0),
+        (shape.multipoles.mass, scale * R**n / (2.0 * np.pi) * expected.real, n + 1),
+        (shape.multipoles.spin, scale * R ** (n + 1) / (4.0 * np.pi) * expected.imag, n + 1),
+    ):
+        difference = np.abs(values(found) - exact * unit**power)
+        assert np.all(difference <= errors(found))
+        assert np.all(difference <= 1e-12 * (2.0 * unit) ** power)
+    assert shape.multipoles.mass[0].value == pytest.approx(unit, rel=1e-13)
+
+
+def test_named_moments():
+    multipoles = HorizonShape.of(KerrNewmanHorizon(2.0, 1.2).data()).multipoles
+    assert multipoles.shape[0].value == pytest.approx(np.sqrt(np.pi), abs=1e-13)  # Gauss and Bonnet
+    assert abs(multipoles.shape[1].value) < 1e-13  # no dipole
+    assert multipoles.mass[0].value == pytest.approx(2.0, abs=1e-13)
+    assert multipoles.spin[1].value == pytest.approx(2.4, abs=1e-13)
+    down = HorizonShape.of(KerrNewmanHorizon(2.0, -1.2).data()).multipoles
+    assert down.spin[1].value == pytest.approx(-2.4, abs=1e-13)
+
+
+def test_charge_is_in_the_mass():
+    multipoles = HorizonShape.of(KerrNewmanHorizon(1.0, 0.5, 0.6).data()).multipoles
+    assert multipoles.mass[0].value == pytest.approx(1.0, abs=1e-13)
+
+
+def test_beyond_the_limit_of_embedding_too():
+    report = unembedded_report(KerrNewmanHorizon(1.0, 0.95).data(), NotEmbedded("beyond the limit", None))
+    assert report["circumferences"]["equatorial"] == pytest.approx(4.0 * np.pi, abs=1e-12)
+    assert report["multipoles"]["J"][1] == pytest.approx(0.95, abs=1e-12)
+    text = energy_table(report)
+    assert "circumferences: equatorial 12.5663706144 +-" in text
+    assert ", J_1 0.95 +-" in text
+
+
+def test_of_horizons_only():
+    assert "multipoles" not in embed_surface(KerrNewmanSphere(3.0).data()).report
+    assert embed_surface(KerrNewmanHorizon(1.0, 0.3).data()).report["multipoles"]["J"][1] == pytest.approx(
+        0.3
+    )
+
+
+def test_without_the_spin_there_are_the_moments_of_the_shape():
+    multipoles = HorizonShape.of(SurfaceData(KerrNewmanHorizon(1.0, 0.6), marginal=True)).multipoles
+    assert multipoles.rotation is multipoles.mass is multipoles.spin is None
+    assert np.abs(values(multipoles.shape) - moments(0.6).real).max() < 1e-12
+    known = SurfaceData(KerrNewmanHorizon(1.0, 0.6), angular_momentum=0.6, marginal=True)
+    assert HorizonShape.of(known).multipoles.mass[0].value == pytest.approx(1.0, abs=1e-13)
+
+
+def pear(theta):
+    """rho and the derivatives of rho and z of a surface of revolution."""
+    r, slope = 1.0 + 0.3 * np.cos(theta), -0.3 * np.sin(theta)
+    return (
+        r * np.sin(theta),
+        slope * np.sin(theta) + r * np.cos(theta),
+        slope * np.cos(theta) - r * np.sin(theta),
+    )
+
+
+def test_the_longest_circle_is_not_the_one_that_halves_the_area():
+    def components(theta, phi):
+        rho, rho_theta, z_theta = pear(theta)
+        return rho_theta**2 + z_theta**2, 0.0, rho**2
+
+    metric = AngleMetric(components)
+    found = Circumferences.of(metric, InvariantCoordinate.about_z(metric))
+    x, weights = np.polynomial.legendre.leggauss(100)
+    theta = 0.5 * np.pi * (1.0 + x)
+    _, rho_theta, z_theta = pear(theta)
+    assert found.polar.value == pytest.approx(np.pi * weights @ np.hypot(rho_theta, z_theta), abs=1e-11)
+    longest = 2.0 * np.pi * pear(np.linspace(0.5, 2.5, 2_000_001))[0].max()
+    assert found.longest.value == pytest.approx(longest, abs=1e-11)
+    assert found.equatorial.value < longest - 1e-4
+
+
+def test_uncertain_lengths_make_uncertain_numbers():
+    data = KerrNewmanHorizon(1.0, 0.7).data()
+    zeta = InvariantCoordinate.about_z(data.metric)
+    rough = SurfaceData(data.metric, normal_momentum=data.normal_momentum, marginal=True, relative_error=1e-5)
+    assert Circumferences.of(data.metric, zeta, 1e-5).polar.error > 1e-4
+    assert errors(Multipoles.of(rough, zeta).mass).min() > 1e-5
