@@ -381,7 +381,7 @@ def files(folder):
     grids = []
     for a, name in GRIDS.items():
         metric = read_metric_grid(folder / "cases" / name)
-        data = SurfaceData(metric, marginal=True, relative_error=metric.truncation, name=name)
+        data = SurfaceData(metric, marginal=True, name=name)
         seconds, embedded = seconds_of(embed_surface, data)
         area, imc = REFERENCE[f"horizon a={a:g}"]
         row = {"file": name}

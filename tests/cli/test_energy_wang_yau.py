@@ -42,21 +42,21 @@ def test_the_wang_yau_energy_of_a_surface_on_a_grid(run, report):
     """Kerr's r = 3 in a slice with momentum: with K(., n) the energy is known, without it is not."""
     slice_ = isoembed.relativity.KerrSchild(1.0, (0.0, 0.0, 0.5))
     data = StarSurface.from_radius(slice_.spheroid(3.0)).data(slice_)
-    metric = GridMetric.sampled(data.metric, 24, 8)
+    metric = GridMetric.sampled(data.metric, 24, 32)
     theta, phi = np.meshgrid(metric.theta, metric.phi, indexing="ij")
     x, y = np.sin(theta) * np.cos(phi), np.sin(theta) * np.sin(phi)
     u = np.stack([x, y, np.cos(theta)], axis=2).reshape(-1, 3)
     np.savez("grid.npz", **{n: getattr(metric, n) for n in ("theta", "phi", "q_tt", "q_tp", "q_pp")})
-    np.save("k.npy", data.mean_curvature(u).reshape(24, 8))
-    np.save("p.npy", data.momentum(u).reshape(24, 8))
+    np.save("k.npy", data.mean_curvature(u).reshape(24, 32))
+    np.save("p.npy", data.momentum(u).reshape(24, 32))
     e_theta, e_phi = angle_frame(u)
     j = data.normal_momentum(u)
     components = [(j * e_theta).sum(axis=1), (j * e_phi).sum(axis=1) * np.sin(theta).ravel()]
-    np.save("j.npy", np.reshape(components, (2, 24, 8)))
+    np.save("j.npy", np.reshape(components, (2, 24, 32)))
     arguments = ["grid.npz", "--mean-curvature", "k.npy", "--momentum", "p.npy", "--wang-yau"]
     found = report(*arguments, "--normal-momentum", "j.npy")
     assert abs(found["wang_yau"] - 1.2474088054291813) <= found["errors"]["wang_yau"] <= 1e-6
     without = report(*arguments)
     assert without["wang_yau"] is None and "needs the normal_momentum K(., n)" in without["notes"][-1]
     status, _, err = run(*arguments, "--normal-momentum", "k.npy")
-    assert status == 2 and "k.npy has the shape (24, 8), not (2, n, m)" in err
+    assert status == 2 and "k.npy has the shape (24, 32), not (2, n, m)" in err

@@ -78,7 +78,7 @@ def here(tmp_path, monkeypatch):
     main(["surface", "ellipsoid", "--vertices", "20", "-o", "body.ply"])
     Path("net.json").write_text(json.dumps(NET))
     for name, spin in (("one", 0.5), ("two", 0.6)):
-        metric = GridMetric.sampled(KerrNewmanHorizon(1.0, spin), 24, 8)
+        metric = GridMetric.sampled(KerrNewmanHorizon(1.0, spin), 24, 1)
         np.savez(name, **{n: getattr(metric, n) for n in ("theta", "phi", "q_tt", "q_tp", "q_pp")})
 
 

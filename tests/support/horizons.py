@@ -43,7 +43,7 @@ def write_kerr(name, spin):
 
 
 def write_grid(name, a):
-    metric = GridMetric.sampled(KerrNewmanHorizon(1.0, a), 32, 8)
+    metric = GridMetric.sampled(KerrNewmanHorizon(1.0, a), 32, 1)
     np.savez(name, **{n: getattr(metric, n) for n in ("theta", "phi", "q_tt", "q_tp", "q_pp")})
 
 

@@ -1,10 +1,13 @@
 """``isoembed energy``: quasi-local energies of a closed-form surface, or of one from a file."""
 
 import argparse
+from collections.abc import Callable
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
 import isoembed
+from isoembed.arrays import Floats
 from isoembed.cli.answer import solved
 from isoembed.cli.closed_form import OF_SPACETIME, add_spacetime_options, closed_form, refuse_given
 from isoembed.cli.numbers import read_numbers
@@ -29,6 +32,7 @@ from isoembed.relativity.horizons.grid_file import read_metric_or_grid
 from isoembed.relativity.spacetimes.surface_data import SurfaceData
 from isoembed.smooth.axisymmetric import AxisymmetricEmbedding
 from isoembed.smooth.grid_metric import GridMetric
+from isoembed.smooth.two_metric import TwoMetric
 from isoembed.surface.smooth_integrals import Lengths
 
 OF_METRIC = ("merge", "mean_curvature", "momentum", "normal_momentum", "lengths")
@@ -42,7 +46,7 @@ def configure(parser: argparse.ArgumentParser) -> None:
         nargs="?",
         metavar="METRIC",
         help="a surface of your own: a metric on triangles (.npz or .json with faces, edges, lengths, or a "
-        "mesh), or on a grid (.npz .h5 .hdf5 with theta, phi, q_tt, q_tp, q_pp)",
+        "mesh), or on a grid (.npz .h5 .hdf5 with theta, phi, q_tt, q_tp, q_pp, and maybe k, p, j_t, j_p)",
     )
     add_merge_option(parser)
     parser.add_argument(
@@ -103,7 +107,7 @@ def run(options: argparse.Namespace) -> int:
     if options.input is None:
         raise UsageError("which surface? Give a METRIC, or a --spacetime and a --surface")
     metric = read_metric_or_grid(options.input, merge=options.merge)
-    if isinstance(metric, GridMetric):
+    if isinstance(metric, SurfaceData):
         return _smooth(options, outputs, _on_grid(options, metric), number)
     return _triangles(options, outputs, metric)
 
@@ -141,26 +145,31 @@ def _write_band(outputs: Outputs, data: SurfaceData) -> None:
     outputs.write(band=lambda path: mesh_writer(path, *max(bands, key=lambda band: band.area).mesh()))
 
 
-def _on_grid(options: argparse.Namespace, grid: GridMetric) -> SurfaceData:
-    """The surface of a metric on a grid."""
-    k, p = (path and read_numbers(path) for path in (options.mean_curvature, options.momentum))
+def _on_grid(options: argparse.Namespace, data: SurfaceData) -> SurfaceData:
+    """The surface of a metric on a grid, with what the options add."""
     refuse_given(options, ("lengths", "merge"), "is for a METRIC of triangles")
-    if p is not None and k is None:
+    given: dict[str, Callable[[Floats], Floats]] = {}
+    for name in ("mean_curvature", "momentum", "normal_momentum"):
+        path = getattr(options, name)
+        if path is None:
+            continue
+        if getattr(data, name) is not None:
+            raise UsageError(f"--{name.replace('_', '-')} is in {data.name} already")
+        given[name] = _on_nodes(data.metric, read_numbers(path), name, path)
+    data = replace(data, **given)  # type: ignore[arg-type] # by the names of fields
+    if data.momentum is not None and data.mean_curvature is None:
         raise UsageError("the momentum is of use only with the mean curvature: give --mean-curvature, too")
-    j = None
-    if options.normal_momentum:
-        components = read_numbers(options.normal_momentum)
-        if components.ndim != 3 or len(components) != 2:
-            raise UsageError(f"{options.normal_momentum} has the shape {components.shape}, not (2, n, m)")
-        j = grid.one_form(components[0], components[1], str(options.normal_momentum))
-    return SurfaceData(
-        metric=grid,
-        mean_curvature=None if k is None else grid.function(k, str(options.mean_curvature)),
-        momentum=None if p is None else grid.function(p, str(options.momentum)),
-        normal_momentum=j,
-        relative_error=grid.truncation,
-        name=options.input,
-    )
+    return data
+
+
+def _on_nodes(metric: TwoMetric, values: Floats, name: str, path: Path) -> Callable[[Floats], Floats]:
+    """A function of its values at the nodes of a grid."""
+    assert isinstance(metric, GridMetric)
+    if name != "normal_momentum":
+        return metric.function(values, str(path))
+    if values.ndim != 3 or len(values) != 2:
+        raise UsageError(f"{path} has the shape {values.shape}, not (2, n, m)")
+    return metric.one_form(values[0], values[1], str(path))
 
 
 def _triangles(options: argparse.Namespace, outputs: Outputs, metric: PolyhedralMetric) -> int:

@@ -22,8 +22,8 @@ from isoembed.relativity.spacetimes.cartesian_grid import read_cartesian_grid
 from isoembed.relativity.spacetimes.conformally_flat import IsotropicSchwarzschild
 from isoembed.relativity.spacetimes.kerr_schild import KerrSchild, horizon_radius
 from isoembed.relativity.spacetimes.painleve_gullstrand import PainleveGullstrand
+from isoembed.relativity.spacetimes.surface_data import SurfaceData
 from isoembed.relativity.spacetimes.three_geometry import ThreeGeometry
-from isoembed.smooth.grid_metric import GridMetric
 
 GEOMETRIES = ("kerr-schild", "isotropic", "painleve-gullstrand")
 WRITTEN = ("vtk", "json", "png")
@@ -159,7 +159,7 @@ def _stems(files: list[str]) -> list[str]:
     return stems
 
 
-def _read(name: str, options: argparse.Namespace) -> CoordinateShape | GridMetric:
+def _read(name: str, options: argparse.Namespace) -> CoordinateShape | SurfaceData:
     if options.time is None and options.surface is None:
         return read_horizon(name)
     if input_ending(name) not in HDF5_ENDINGS:
@@ -169,7 +169,7 @@ def _read(name: str, options: argparse.Namespace) -> CoordinateShape | GridMetri
 
 def _horizon(name: str, options: argparse.Namespace, geometry: ThreeGeometry | None) -> Horizon:
     found = _read(name, options)
-    if isinstance(found, GridMetric) and geometry is not None:
+    if isinstance(found, SurfaceData) and geometry is not None:
         raise UsageError(f"{name} holds a metric of its own: it needs no --geometry")
     if isinstance(found, CoordinateShape) and geometry is None:
         raise UsageError(f"{found.contents}: name it with --geometry")

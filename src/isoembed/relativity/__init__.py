@@ -20,7 +20,7 @@ from isoembed.relativity.horizons.ahfinderdirect import read_ahfinderdirect
 from isoembed.relativity.horizons.circumferences import Circumferences
 from isoembed.relativity.horizons.coordinate_shape import CoordinateShape
 from isoembed.relativity.horizons.curvature_check import CurvatureCheck
-from isoembed.relativity.horizons.grid_file import read_metric_grid, read_metric_or_grid
+from isoembed.relativity.horizons.grid_file import read_grid_data, read_metric_grid, read_metric_or_grid
 from isoembed.relativity.horizons.horizon import Horizon, expansion_test
 from isoembed.relativity.horizons.horizon_file import read_horizon
 from isoembed.relativity.horizons.horizon_format import HorizonFormat
@@ -85,6 +85,7 @@ __all__ = [
     "mesh_report",
     "read_ahfinderdirect",
     "read_cartesian_grid",
+    "read_grid_data",
     "read_horizon",
     "read_metric_grid",
     "read_metric_or_grid",

@@ -89,19 +89,6 @@ class DoubleFourier:
         return spectrum
 
     @cached_property
-    def truncation(self) -> float:
-        """The largest coefficient among the highest tenth, in theta or phi, over the largest of all.
-
-        An estimate of the error relative to the size of the functions.
-        """
-        size = np.abs(self.coefficients)
-        n, m = size.shape[:2]
-        high = max(
-            np.max(size[n - max(2, n // 10) :]), np.max(size[:, m - max(2, m // 10) :]) if m > 2 else 0.0
-        )
-        return float(high / np.max(size))
-
-    @cached_property
     def table(self) -> Floats:
         """The values on a finer grid, with a margin of half a stencil around it for `at`."""
         (rows, columns), margin = self._table_shape, DOUBLE_FOURIER.stencil // 2

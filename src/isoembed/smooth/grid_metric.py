@@ -2,16 +2,18 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 from numpy.typing import ArrayLike
 
 from isoembed.arrays import Floats, Mask
 from isoembed.errors import InvalidMetric
-from isoembed.smooth.double_fourier import DoubleFourier, around, inner_nodes
+from isoembed.smooth.double_fourier import DOUBLE_FOURIER, DoubleFourier, around, inner_nodes
+from isoembed.smooth.spectrum import Spectrum
 from isoembed.smooth.two_metric import TwoMetric, angle_components, are_definite, from_angles, is_axisymmetric
+from isoembed.smooth.uncertain import UncertainFunction, Uncertainty
 from isoembed.thresholds import threshold
 
 
@@ -19,6 +21,8 @@ from isoembed.thresholds import threshold
 class GridThresholds:
     """Thresholds of metrics on grids."""
 
+    unseen: float = threshold(0.2, "relative", "Share of phi in an error, from which on it is said.")
+    exact: float = threshold(1e-11, "relative", "Errors below which nothing is said of them.")
     seam: float = threshold(1e-6, "relative", "Largest difference of the columns phi = 0 and phi = 2 pi.")
     nodes: tuple[int, int] = threshold((96, 192), "count", "Nodes in theta and phi that sample a metric.")
     symmetric_nodes: tuple[int, int] = threshold((768, 1), "count", "The same for an axisymmetric metric.")
@@ -103,15 +107,33 @@ class GridMetric:
 
     @property
     def truncation(self) -> float:
-        """An estimate of the relative error: the highest Fourier coefficients over the largest."""
-        return self._field.truncation
+        """The highest Fourier coefficients over the largest: about the relative error between the nodes."""
+        return self._spectrum.tail / self._spectrum.largest
+
+    @cached_property
+    def error(self) -> Uncertainty:
+        """Relative errors of lengths, from the spectrum: truncation, noise, and what phi does not resolve."""
+        error, half = self._spectrum.error, 0.5 / self._size
+        return Uncertainty(half * error.pointwise, half * error.mean)
+
+    @property
+    def notes(self) -> tuple[str, ...]:
+        """What must be known to read the errors."""
+        count, spectrum = around(self.phi), self._spectrum
+        said = max(GRID.unseen * spectrum.error.mean, GRID.exact * spectrum.largest)
+        if count == 1 or spectrum.unseen < said:
+            return ()
+        return (
+            f"{count} angles phi would not show what turns as fast in phi as the metric does in theta, and "
+            "the errors allow for it: for a metric that is symmetric about the z-axis, give one angle phi",
+        )
 
     def tensor(self, u: Floats) -> Floats:
         """The metric (n, 3, 3) at the unit vectors u (n, 3); see `TwoMetric`."""
         u = np.asarray(u, dtype=np.float64)
         return from_angles(u, *self._field.at(u).T)
 
-    def function(self, values: ArrayLike, name: str) -> Callable[[Floats], Floats]:
+    def function(self, values: ArrayLike, name: str = "the function") -> UncertainFunction:
         """Interpolation of values (n, m) on the same grid, as a function of unit vectors (k, 3).
 
         Raises
@@ -120,9 +142,13 @@ class GridMetric:
             They have another shape, or one of them is not finite; the message calls them by the name.
         """
         series = self._series(self._given(values, name)[..., None])
-        return lambda u: series.at(np.asarray(u, dtype=np.float64))[:, 0]
+        return UncertainFunction(
+            lambda u: series.at(np.asarray(u, dtype=np.float64))[:, 0], Spectrum.of(series).error
+        )
 
-    def one_form(self, meridional: ArrayLike, azimuthal: ArrayLike, name: str) -> Callable[[Floats], Floats]:
+    def one_form(
+        self, meridional: ArrayLike, azimuthal: ArrayLike, name: str = "the one-form"
+    ) -> UncertainFunction:
         """Interpolation of a one-form by its components (n, m) for theta and phi on the same grid.
 
         It is a function of unit vectors u (k, 3), with tangent vectors (k, 3) whose products with velocities
@@ -145,7 +171,21 @@ class GridMetric:
             v = series.at(np.asarray(u, dtype=np.float64))
             return np.asarray(v - np.einsum("ni,ni->n", v, u)[:, None] * u)
 
-        return vectors
+        return UncertainFunction(vectors, Spectrum.of(series).error)
+
+    @cached_property
+    def _spectrum(self) -> Spectrum:
+        return Spectrum.of(self._field)
+
+    @cached_property
+    def _size(self) -> float:
+        """Mean size of the metric, of inverses and by area: by it errors of components are relative ones."""
+        unit = np.max(np.abs(self._field.table))
+        Qtt, Qtp, Qpp = np.moveaxis(self._field.table / unit, 2, 0)
+        rows = len(Qtt) - DOUBLE_FOURIER.stencil - 1
+        sin = np.abs(np.sin(np.pi / rows * (np.arange(len(Qtt)) - DOUBLE_FOURIER.stencil // 2)))[:, None]
+        root = np.sqrt(Qtt * Qpp - Qtp**2)
+        return unit * float(2.0 * np.sum(sin * root) / np.sum(sin * (Qtt + Qpp) / root))
 
     def _given(self, values: ArrayLike, name: str) -> Floats:
         given = _component(values, name, (len(self.theta), len(self.phi)))

@@ -107,13 +107,13 @@ def test_data_that_are_wrong_within_their_error_are_embedded():
     """A grid that does not resolve the metric: the truth is within the errors."""
     coarse = GridMetric.sampled(KerrNewmanHorizon(1.0, 0.8), 10, 4)
     assert 1e-6 < coarse.truncation < 1e-2
-    found = embed_surface(SurfaceData(coarse, marginal=True, relative_error=coarse.truncation), vertices=60)
+    found = embed_surface(SurfaceData(coarse, marginal=True), vertices=60)
     within(found.energies.area, 40.212385965949353, 1.0)
     within(found.energies.integrated_mean_curvature, 22.730557214111993, 1.0)
 
 
 def test_a_grid_that_resolves_the_metric():
     grid = GridMetric.sampled(KerrNewmanHorizon(1.0, 0.8), 48, 96)
-    found = embed_surface(SurfaceData(grid, marginal=True, relative_error=grid.truncation), vertices=60)
+    found = embed_surface(SurfaceData(grid, marginal=True), vertices=60)
     within(found.energies.area, 40.212385965949353, 1e-9)
     within(found.energies.liu_yau, 1.8088402699295326, 1e-9)

@@ -32,7 +32,7 @@ def test_metrics_on_grids(kind, tmp_path):
         write_hdf5(path, arrays, "horizon/t0" if kind == "group" else "/")
     u = lattice(50)
     with_tp = GridMetric(**arrays, q_tp=np.zeros_like(arrays["q_tt"]))
-    for metric in (read_metric_grid(path), read_horizon(path), read_metric_or_grid(path)):
+    for metric in (read_metric_grid(path), read_horizon(path).metric, read_metric_or_grid(path).metric):
         assert isinstance(metric, GridMetric)
         np.testing.assert_array_equal(metric.tensor(u), with_tp.tensor(u))
 
@@ -79,7 +79,7 @@ def test_metrics_that_are_none(tmp_path):
 @pytest.mark.shared
 @pytest.mark.parametrize("spin", [0.5, 0.8])
 def test_metrics_of_others(spin):
-    metric = read_horizon(SHARED / "cases" / f"kerr_horizon_a{spin}_metric_grid.npz")
+    metric = read_horizon(SHARED / "cases" / f"kerr_horizon_a{spin}_metric_grid.npz").metric
     r = 1.0 + np.sqrt(1.0 - spin**2)
     u = lattice(400)
     e_phi = np.stack([-u[:, 1], u[:, 0], 0.0 * u[:, 2]], axis=1) / np.hypot(u[:, 0], u[:, 1])[:, None]

@@ -128,7 +128,7 @@ def embed_surface(
 
     Notes
     -----
-    Where the data are uncertain (``relative_error``), no more digits are sought than they have.
+    Where lengths are uncertain (``data.lengths_error``), no more digits are sought than they have.
     """
     if not isinstance(data, SurfaceData):
         raise InvalidParameter(f"the data are a {type(data).__name__}, not SurfaceData: take its data()")
@@ -140,13 +140,14 @@ def embed_surface(
             f"squares of lengths of about {trace.max():.3g} leave the range of numbers when they are "
             "multiplied: take another unit"
         )
+    uncertain = data.lengths_error
     embedding = embed_smooth(
         data.metric,
         start=None if start is None else start.embedding,
         shape=data.shape,
         vertices=vertices,
-        tolerance=max(tolerance, SURFACE.rougher * data.relative_error),
-        accuracy=max(SURFACE.settled, data.relative_error),
+        tolerance=max(tolerance, SURFACE.rougher * uncertain.mean, 2.0 * uncertain.pointwise),
+        accuracy=max(SURFACE.settled, uncertain.mean),
         best_fit=best_fit,
     )
     return EmbeddedSurface(data, embedding)

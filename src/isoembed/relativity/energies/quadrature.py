@@ -11,10 +11,11 @@ from isoembed.arrays import Floats
 from isoembed.errors import InvalidParameter
 from isoembed.meshing.sphere import gauss_rule
 from isoembed.relativity.energies.energies import Energies, Integrals, norm_hindrance
-from isoembed.relativity.spacetimes.surface_data import SurfaceData
+from isoembed.relativity.spacetimes.surface_data import SurfaceData, error_of
 from isoembed.smooth.embedding import SmoothEmbedding
 from isoembed.smooth.isometry import ISOMETRY
 from isoembed.smooth.two_metric import area_density, is_axisymmetric
+from isoembed.smooth.uncertain import Uncertainty
 from isoembed.surface.estimate import Estimate
 from isoembed.thresholds import threshold
 
@@ -29,6 +30,7 @@ class QuadratureThresholds:
     fewest: int = threshold(32, "count", "Heights of nodes to begin with.")
     highest: int = threshold(256, "count", "Heights of nodes after which there are no more.")
     highest_symmetric: int = threshold(6000, "count", "The same for axisymmetric surfaces.")
+    scatter: float = threshold(0.5, "relative", "Standard deviation over largest error, at least.")
     trapped: float = threshold(1e-9, "largest k^2, or k", "How far below zero k^2 - p^2, or k, is rounding.")
 
 
@@ -53,7 +55,7 @@ def smooth_energies(data: SurfaceData, embedding: SmoothEmbedding) -> Energies:
     n = max(QUADRATURE.fewest, int(QUADRATURE.density * embedding.harmonics.degree))
     values, notes = _integrated(data, n, symmetric)
     reference = 2.0 * embedding.integrated_mean_curvature
-    error = 2.0 * embedding.curvature_error + (QUADRATURE.rounding + data.relative_error) * abs(reference)
+    error = 2.0 * embedding.curvature_error + (QUADRATURE.rounding + data.lengths_error.mean) * abs(reference)
     if embedding.converged and embedding.least_curvature < 0.0:
         notes.append(
             f"the Gaussian curvature is negative in places, least {embedding.least_curvature:.3g}: other "
@@ -75,7 +77,7 @@ def _energies(data: SurfaceData, values: dict[str, Estimate], notes: list[str]) 
         Integrals(**values),
         angular_momentum=data.angular_momentum if data.marginal else None,
         charge=data.charge,
-        notes=tuple(notes),
+        notes=(*data.notes, *notes),
     )
 
 
@@ -84,7 +86,7 @@ def _integrated(data: SurfaceData, n: int, symmetric: bool) -> tuple[dict[str, E
 
     The heights of the nodes become more until no integral changes, or they are many.
     """
-    relative = QUADRATURE.rounding + data.relative_error
+    relative = QUADRATURE.rounding + data.lengths_error.mean
     most = QUADRATURE.highest_symmetric if symmetric else QUADRATURE.highest
     settled: dict[str, Estimate] = {}
     before: dict[str, Estimate] = {}
@@ -111,6 +113,8 @@ class _Nodes:
     dA: Floats
     k: Floats | None
     p: Floats
+    k_error: Uncertainty
+    p_error: Uncertainty
     marginal: bool
 
     @classmethod
@@ -118,32 +122,52 @@ class _Nodes:
         u, weights = gauss_rule(n, around)
         k = None if data.mean_curvature is None else _at(data.mean_curvature, u, "the mean curvature")
         p = np.zeros(len(u)) if data.momentum is None else _at(data.momentum, u, "the momentum")
-        return cls(u, weights * area_density(data.metric.tensor(u)), k, p, data.marginal)
+        dA = weights * area_density(data.metric.tensor(u))
+        return cls(u, dA, k, p, error_of(data.mean_curvature), error_of(data.momentum), data.marginal)
 
     def integrals(self, relative: float) -> tuple[dict[str, Estimate], list[str]]:
         """The integrals by their names in `Integrals`, and what hinders others."""
         area = float(self.dA.sum())
         values, notes = {"area": Estimate(area, 2.0 * relative * area)}, []
         if self.k is not None:
-            values["k"] = Estimate(_sum(self.dA, self.k), 2.0 * relative * _sum(self.dA, np.abs(self.k)))
+            error = 2.0 * relative * _sum(self.dA, np.abs(self.k)) + self.k_error.mean * area
+            values["k"] = Estimate(_sum(self.dA, self.k), error)
         else:
             notes.append("k is not given: there is no Brown-York energy")
         if self.marginal:
             return {**values, "norm": Estimate(0.0, 0.0), "squared": Estimate(0.0, 0.0)}, notes
         if self.k is None:
             return values, notes
-        squared, uncertain = self.k**2 - self.p**2, 2.0 * relative * (self.k**2 + self.p**2)
-        values["squared"] = Estimate(_sum(self.dA, squared), _sum(self.dA, uncertain))
+        squared, smooth = self.k**2 - self.p**2, 2.0 * relative * (self.k**2 + self.p**2)
+        # What averages out in k and p remains in their squares.
+        spread = QUADRATURE.scatter**2 * (self.k_error.pointwise**2 + self.p_error.pointwise**2)
+        smooth = smooth + self._shift(self.k_error.mean, self.p_error.mean)
+        anywhere = smooth + self._shift(self.k_error.pointwise, self.p_error.pointwise) + spread
+        values["squared"] = Estimate(_sum(self.dA, squared), _sum(self.dA, smooth) + spread * area)
         trapped, largest = QUADRATURE.trapped, float(np.abs(self.k).max())
-        allowed = trapped * largest, max(trapped, 2.0 * relative) * largest**2
+        allowed = (
+            max(trapped * largest, self.k_error.pointwise),
+            max(trapped * largest**2, float(anywhere.max())),
+        )
         hindrance = norm_hindrance(self.k, squared, self._place, allowed)
         if hindrance:
             return values, [*notes, hindrance]
-        low, middle, high = (
-            np.sqrt(np.maximum(squared + shift, 0.0)) for shift in (-uncertain, 0.0, uncertain)
-        )
-        values["norm"] = Estimate(_sum(self.dA, middle), _sum(self.dA, high - low))
+        values["norm"] = self._norm(squared, smooth, anywhere)
         return values, notes
+
+    def _shift(self, k: float, p: float) -> Floats:
+        """By how much errors of k and p change ``k^2 - p^2``, to first order."""
+        assert self.k is not None
+        return 2.0 * (np.abs(self.k) * k + np.abs(self.p) * p)
+
+    def _norm(self, squared: Floats, smooth: Floats, anywhere: Floats) -> Estimate:
+        """``int sqrt(k^2 - p^2)``: with errors that average out, and the bend of the root over the others."""
+        middle, low, high, least, most = (
+            np.sqrt(np.maximum(squared + shift, 0.0))
+            for shift in (0.0, -smooth, smooth, -QUADRATURE.scatter * anywhere, QUADRATURE.scatter * anywhere)
+        )
+        bend = np.abs(0.5 * (least + most) - middle)
+        return Estimate(_sum(self.dA, middle), _sum(self.dA, high - low + bend))
 
     def _place(self, i: int) -> str:
         x, y, z = self.u[i]

@@ -12,7 +12,7 @@ from isoembed.errors import InvalidParameter, NoMinimum, NotEmbedded
 from isoembed.relativity.energies.energies import ENERGY
 from isoembed.relativity.energies.time_function import TimeFunction, TimeRaisedMetric
 from isoembed.relativity.energies.wang_yau_functional import EmbeddedTime, Functional
-from isoembed.relativity.spacetimes.surface_data import SurfaceData
+from isoembed.relativity.spacetimes.surface_data import SurfaceData, error_of
 from isoembed.smooth.embedding import SmoothEmbedding
 from isoembed.smooth.harmonics import Harmonics
 from isoembed.smooth.orientation import oriented
@@ -304,7 +304,12 @@ class _Search:
             found.tau, resized(found.X, self.harmonics, lower)
         )
         error = abs(coarse.energy - found.energy) + change
-        error += (ENERGY.rounding + self.data.relative_error) * (abs(found.energy) + found.reference)
+        error += (ENERGY.rounding + self.data.lengths_error.mean) * (abs(found.energy) + found.reference)
+        error += found.error(
+            error_of(self.data.mean_curvature),
+            error_of(self.data.momentum),
+            error_of(self.data.normal_momentum),
+        )
         notes = []
         if found.admissible <= 0.0:
             notes.append(f"tau is not admissible: K + det D^2 tau / W^2 is {found.admissible:.3g} somewhere")

@@ -30,6 +30,7 @@ from isoembed.smooth.embedding import SmoothEmbedding
 from isoembed.smooth.harmonics import Harmonics
 from isoembed.smooth.isometry import IsometrySystem, MetricSamples, strains
 from isoembed.smooth.transforms import resized
+from isoembed.smooth.uncertain import Uncertainty
 from isoembed.thresholds import threshold
 
 
@@ -233,6 +234,18 @@ class EmbeddedTime:
         weight = A * S / W**2
         total -= np.einsum("n,nam,nal->ml", weight, P, P, optimize=True) - (dW.T * weight) @ dW
         return np.asarray(0.5 * (total + total.T) / (8.0 * np.pi))
+
+    def error(self, k: Uncertainty, p: Uncertainty, j: Uncertainty) -> float:
+        """Error of E(tau) by those of k, p and K(., n)."""
+        f = self.functional
+        slope, laplacian, W, _, _ = self._fields
+        cosh, sinh = np.cosh(f.psi), np.abs(np.sinh(f.psi))
+        norm = cosh * k.mean + sinh * p.mean
+        # What averages out remains in squares.
+        norm += 0.25 * (k.pointwise**2 + p.pointwise**2) / f.H
+        angle = (cosh * p.mean + sinh * k.mean) / f.H
+        total = W * norm + np.abs(laplacian) * angle + np.linalg.norm(slope, axis=1) * j.mean / f.system.unit
+        return float(f.areas @ total) / (8.0 * np.pi)
 
     @property
     def admissible(self) -> float:

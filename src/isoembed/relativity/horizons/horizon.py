@@ -15,7 +15,6 @@ from isoembed.relativity.horizons.curvature_check import CurvatureCheck
 from isoembed.relativity.spacetimes.star_surface import StarSurface
 from isoembed.relativity.spacetimes.surface_data import SurfaceData
 from isoembed.relativity.spacetimes.three_geometry import ThreeGeometry
-from isoembed.smooth.grid_metric import GridMetric
 from isoembed.thresholds import threshold
 
 
@@ -72,7 +71,7 @@ class Horizon:
     @classmethod
     def of(
         cls,
-        found: CoordinateShape | GridMetric,
+        found: CoordinateShape | SurfaceData,
         geometry: ThreeGeometry | None = None,
         *,
         axis: Sequence[float] = (0.0, 0.0, 1.0),
@@ -82,7 +81,7 @@ class Horizon:
 
         Parameters
         ----------
-        found : CoordinateShape or GridMetric
+        found : CoordinateShape or SurfaceData
             From `isoembed.relativity.read_horizon`.
         geometry : ThreeGeometry, optional
             The slice; a grid has its metric, coordinates need one.
@@ -95,10 +94,10 @@ class Horizon:
         InvalidParameter
             The geometry is missing, or there is a metric already.
         """
-        if isinstance(found, GridMetric):
+        if isinstance(found, SurfaceData):
             if geometry is not None:
                 raise InvalidParameter(f"{name} holds a metric of its own: it needs no geometry")
-            return cls(SurfaceData(found, marginal=True, relative_error=found.truncation, name=name), {})
+            return cls(replace(found, marginal=True, name=name), {})
         if geometry is None:
             raise InvalidParameter(f"{found.contents}: name its geometry")
         surface = StarSurface.from_points(

@@ -21,30 +21,30 @@ from isoembed.relativity.horizons.coordinate_shape import CoordinateShape, check
 from isoembed.relativity.horizons.grid_file import ARRAY_ENDINGS, METRIC_GRID
 from isoembed.relativity.horizons.horizon_format import HorizonFormat
 from isoembed.relativity.horizons.spectre import SPECTRE
-from isoembed.smooth.grid_metric import GridMetric
+from isoembed.relativity.spacetimes.surface_data import SurfaceData
 from isoembed.surface.measures import volume
 
 POINTS = ("points", "vertices")
 CENTERS = ("center", "origin")
 
 
-def read_horizon(path: str | os.PathLike[str]) -> CoordinateShape | GridMetric:
+def read_horizon(path: str | os.PathLike[str]) -> CoordinateShape | SurfaceData:
     """Read a horizon from a file of any format.
 
     Parameters
     ----------
     path : path
         By its content and ending: a shape file of AHFinderDirect; ``.npz``, ``.h5`` or ``.hdf5`` with a
-        metric on a grid (see `read_metric_grid`), with SpECTRE's surface data (see `read_spectre`), or with
+        metric on a grid (see `read_grid_data`), with SpECTRE's surface data (see `read_spectre`), or with
         ``points`` (V, 3) or ``x``, ``y``, ``z``, and maybe ``faces`` (F, 3), ``center`` (3,) and ``time``;
         polygons in a legacy VTK file as QuasiLocalMeasures writes them; or a closed mesh, whose equal
         vertices are merged; or a `HorizonFormat` of another package.  It may be compressed (``.gz``).
 
     Returns
     -------
-    CoordinateShape or GridMetric
-        The metric where the file has it; else the coordinate shape, which is all that most files have: its
-        `CoordinateShape.contents` says so.
+    CoordinateShape or SurfaceData
+        The metric, with k, p and K(., n) if they are there, where the file has it; else the coordinate
+        shape, which is all that most files have: its `CoordinateShape.contents` says so.
 
     Raises
     ------

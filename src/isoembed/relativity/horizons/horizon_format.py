@@ -5,7 +5,7 @@ from dataclasses import dataclass
 
 from isoembed.io.input_file import InputFile
 from isoembed.relativity.horizons.coordinate_shape import CoordinateShape
-from isoembed.smooth.grid_metric import GridMetric
+from isoembed.relativity.spacetimes.surface_data import SurfaceData
 
 
 @dataclass(frozen=True)
@@ -22,9 +22,9 @@ class HorizonFormat:
         Takes an `isoembed.io.InputFile` and says whether the file is of this format, by its ``ending``, its
         ``head``, or the names of its ``arrays``.
     read : callable
-        Takes such a file and returns a `CoordinateShape`, or a `GridMetric` where the file has the metric.
+        Takes such a file and returns a `CoordinateShape`, or `SurfaceData` where the file has the metric.
     """
 
     name: str
     recognizes: Callable[[InputFile], bool]
-    read: Callable[[InputFile], CoordinateShape | GridMetric]
+    read: Callable[[InputFile], CoordinateShape | SurfaceData]

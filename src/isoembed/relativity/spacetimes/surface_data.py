@@ -1,15 +1,40 @@
 """Data of quasi-local energies: the metric of a surface, and how it lies in its slice."""
 
-from collections.abc import Callable
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
+import numpy as np
+from numpy.typing import ArrayLike
+
 from isoembed.arrays import Floats
-from isoembed.smooth.two_metric import TwoMetric
+from isoembed.errors import InvalidMetric, InvalidParameter
+from isoembed.meshing.sphere import fibonacci_directions
+from isoembed.smooth.grid_metric import GridMetric
+from isoembed.smooth.two_metric import TwoMetric, area_density
+from isoembed.smooth.uncertain import UncertainFunction, Uncertainty
+from isoembed.thresholds import threshold
+
+
+@dataclass(frozen=True)
+class SurfaceDataThresholds:
+    """Thresholds of the data of surfaces."""
+
+    coarse: float = threshold(0.5, "2 / areal radius", "Error of k, p or j with which nothing is known.")
+    directions: int = threshold(200, "count", "Directions at which the areal radius is taken.")
+
+
+SURFACE_DATA = SurfaceDataThresholds()
+EXACT = Uncertainty()
 
 
 @dataclass(frozen=True)
 class SurfaceData:
     """A closed surface in a slice of spacetime, as functions of the direction u on the unit sphere.
+
+    Functions that are `UncertainFunction` bring their errors, which reach the energies; others count as
+    exact.  On a grid, arrays (n, m) at its nodes do instead of functions.
 
     Attributes
     ----------
@@ -24,22 +49,32 @@ class SurfaceData:
         matters.  None where the slice is time-symmetric or p vanishes for another reason.
     normal_momentum : callable, optional
         Takes u and returns ``j = K(., n)``, n the outward normal in the slice, as tangent vectors (n, 3)
-        whose products with velocities of u are its values.  None where it vanishes.  Of all energies only
-        that of Wang and Yau sees it.
+        whose products with velocities of u are its values; on a grid, the components (2, n, m) for theta and
+        phi.  None where it vanishes.  Of all energies only that of Wang and Yau sees it.
     angular_momentum : float, optional
         J, in units of length^2.
     charge : float
         Q, in units of length.
     marginal : bool
         The surface is a horizon: k^2 = p^2 by definition, whatever the two are by computation.
-    relative_error : float
-        By how much lengths are uncertain, over the lengths: of data on grids.
+    relative_error : float, optional
+        By how much lengths are uncertain in the mean, over the lengths; by default what a grid says of
+        itself, and nothing for other metrics.
     shape : callable, optional
         Takes u and returns the points (n, 3) of the surface in coordinates of the slice that are nearly
         Cartesian: the embedded surface is turned onto them.  None where they are not known: it is turned onto
         the directions.
     name : str
         For reports.
+    notes : tuple of str
+        What must be known to read the numbers; handed on to the energies.
+
+    Raises
+    ------
+    InvalidParameter
+        What is given for k, p or K(., n) is no function, and the metric is on no grid.
+    InvalidMetric
+        Arrays do not fit the grid, hold what is not finite, or their grid is too coarse for them.
     """
 
     metric: TwoMetric
@@ -49,6 +84,106 @@ class SurfaceData:
     angular_momentum: float | None = None
     charge: float = 0.0
     marginal: bool = False
-    relative_error: float = 0.0
+    relative_error: float | None = None
     shape: Callable[[Floats], Floats] | None = None
     name: str = ""
+    notes: tuple[str, ...] = ()
+
+    def __post_init__(self) -> None:
+        for field, name in (("mean_curvature", "k"), ("momentum", "p"), ("normal_momentum", "j")):
+            object.__setattr__(self, field, self._function(getattr(self, field), field, name))
+        if isinstance(self.metric, GridMetric):
+            object.__setattr__(self, "notes", tuple(dict.fromkeys((*self.metric.notes, *self.notes))))
+        self._check_resolved()
+
+    @classmethod
+    def from_grid(
+        cls,
+        theta: ArrayLike,
+        phi: ArrayLike,
+        q: Sequence[ArrayLike],
+        k: ArrayLike | None = None,
+        p: ArrayLike | None = None,
+        j: Sequence[ArrayLike] | None = None,
+        *,
+        name: str = "",
+    ) -> SurfaceData:
+        """A surface whose metric, k, p and K(., n) are known at the nodes of a grid, with their errors.
+
+        Parameters
+        ----------
+        theta, phi : array_like, shapes (n,), (m,)
+            See `isoembed.smooth.GridMetric`.
+        q : three array_like, shape (n, m)
+            The components q_tt, q_tp and q_pp of the metric.
+        k, p : array_like, shape (n, m), optional
+            See ``mean_curvature`` and ``momentum``.
+        j : two array_like, shape (n, m), optional
+            The components of K(., n) for theta and phi.
+        name : str
+            For reports.
+
+        Raises
+        ------
+        InvalidMetric
+            Arrays do not fit together, hold what is not finite or no metric, or the grid is too coarse.
+
+        Examples
+        --------
+        >>> theta, q = [0.3, 1.1, 2.0, 2.8], np.ones((4, 1))
+        >>> sphere = SurfaceData.from_grid(theta, [0.0], (q, 0 * q, np.sin(theta)[:, None] ** 2), k=2 * q)
+        >>> sphere.lengths_error.mean < 1e-12
+        True
+        """
+        if len(q) != 3:
+            raise InvalidMetric(f"q has {len(q)} components, not the three q_tt, q_tp and q_pp")
+        return cls(GridMetric(theta, phi, *q), k, p, j, name=name)  # type: ignore[arg-type] # arrays: see above
+
+    @property
+    def lengths_error(self) -> Uncertainty:
+        """Relative errors of lengths."""
+        known = self.metric.error if isinstance(self.metric, GridMetric) else EXACT
+        if self.relative_error is None:
+            return known
+        return Uncertainty(max(self.relative_error, known.pointwise), self.relative_error)
+
+    def _function(
+        self, given: Callable[[Floats], Floats] | ArrayLike | None, field: str, name: str
+    ) -> Callable[[Floats], Floats] | None:
+        if given is None or callable(given):
+            return given
+        if not isinstance(self.metric, GridMetric):
+            raise InvalidParameter(
+                f"the {field} is a {type(given).__name__}: with a metric that is on no grid it must be a "
+                "function of unit vectors u (n, 3)"
+            )
+        if field != "normal_momentum":
+            return self.metric.function(given, name)
+        if np.ndim(given) != 3 or len(given) != 2:  # type: ignore[arg-type] # it has a length here
+            raise InvalidMetric(f"j has the shape {np.shape(given)}, not (2, n, m)")
+        meridional, azimuthal = np.asarray(given)
+        return self.metric.one_form(meridional, azimuthal, name)
+
+    def _check_resolved(self) -> None:
+        """Refuse functions whose grid is too coarse for them."""
+        errors = {
+            "k": error_of(self.mean_curvature).pointwise,
+            "p": error_of(self.momentum).pointwise,
+            "j": error_of(self.normal_momentum).pointwise,
+        }
+        if not any(errors.values()):
+            return
+        u = fibonacci_directions(SURFACE_DATA.directions)
+        radius = float(np.sqrt(np.mean(area_density(self.metric.tensor(u)))))
+        errors["j"] /= radius
+        for name, error in errors.items():
+            if error > SURFACE_DATA.coarse * 2.0 / radius:
+                raise InvalidMetric(
+                    f"{name} is uncertain by {error:.2g} between the nodes of its grid, as its highest "
+                    f"Fourier coefficients tell, and 2 / r is {2.0 / radius:.2g}: the grid is too coarse"
+                )
+
+
+def error_of(function: Callable[[Floats], Floats] | None) -> Uncertainty:
+    """The errors of a function, where it brings some."""
+    return function.error if isinstance(function, UncertainFunction) else EXACT

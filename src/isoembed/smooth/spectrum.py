@@ -1,0 +1,145 @@
+"""Errors of functions on grids, told by their Fourier coefficients.
+
+The coefficients of a smooth function fall with their degree, those of noise do not.  What is beyond the grid
+is estimated from the highest degrees that are on it.  Averages over the sphere see less of it than values at
+points do: only what is aliased onto degree zero, from as far beyond the grid as the grid is high.  That
+coefficients fall so far is believed only where noise is excluded: a function of degree l has no coefficients
+k in theta and m in phi with k^2 + m^2 > l^2, so that in this corner of the spectrum noise is alone.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from isoembed.arrays import Floats
+from isoembed.smooth.double_fourier import DoubleFourier
+from isoembed.smooth.uncertain import Uncertainty
+from isoembed.thresholds import threshold
+
+
+@dataclass(frozen=True)
+class SpectrumThresholds:
+    """Thresholds of the errors of functions on grids."""
+
+    end: float = threshold(0.1, "relative", "Share of the degrees that are the highest.")
+    few: float = threshold(0.25, "relative", "The same where these are few coefficients to tell noise by.")
+    fewest: int = threshold(2, "count", "Degrees that are the highest, at least: symmetry makes others zero.")
+    band: float = threshold(0.125, "relative", "Share of the degrees in a band whose fall is measured.")
+    chance: float = threshold(2.0, "relative", "How far the largest of many coefficients is left to chance.")
+    corner: float = threshold(1.25, "relative", "Squares of k and m over those of the grid: noise alone.")
+    symmetric: float = threshold(1e-12, "relative", "Dependence on phi that is none.")
+    orders: int = threshold(3, "count", "Orders in phi besides zero that show how they fall.")
+    sure: float = threshold(3.0, "relative", "Stated error of an average over the estimated one.")
+    scatter: float = threshold(4.0, "standard deviations", "Largest error at a point.")
+
+
+SPECTRUM = SpectrumThresholds()
+
+
+@dataclass(frozen=True)
+class Spectrum:
+    """Errors of functions from their Fourier coefficients, in the unit of the functions.
+
+    Attributes
+    ----------
+    largest : float
+        The largest coefficient.
+    tail : float
+        The largest of the highest degrees, in theta or phi.  Degrees in theta that would not be resolved in
+        phi count as high: what turns that fast in theta may do so in phi, unseen.
+    unseen : float
+        The largest of those degrees in theta alone.
+    error : Uncertainty
+    """
+
+    largest: float
+    tail: float
+    unseen: float
+    error: Uncertainty
+
+    @classmethod
+    def of(cls, functions: DoubleFourier) -> Spectrum:
+        """What the coefficients of functions say of them."""
+        size = np.abs(functions.coefficients)
+        largest = float(size.max())
+        if largest == 0.0:
+            return cls(0.0, 0.0, 0.0, Uncertainty())
+        size /= largest
+        m = size.shape[1]
+        by_degree, by_order = size.max(axis=(1, 2)), size.max(axis=(0, 2))
+        ends = [(by_degree, size[0].size)] + ([(by_order, size[:, 0].size)] if m > 1 else [])
+        unseen, aliased = _unseen(by_degree, by_order)
+        tail = max(unseen, *(_end(values) for values, _ in ends))
+        falling = max(_end(values) * _fall(values, samples) for values, samples in ends)
+        mean = min(tail, max(falling, aliased, _noise(size)))
+        error = Uncertainty(
+            largest * SPECTRUM.scatter * max(tail, _scatter(size)), largest * SPECTRUM.sure * mean
+        )
+        return cls(largest, largest * tail, largest * unseen, error)
+
+
+def _share(share: float, count: int) -> int:
+    return max(SPECTRUM.fewest, int(share * count))
+
+
+def _end(values: Floats) -> float:
+    """The largest of the highest degrees."""
+    return float(values[-_share(SPECTRUM.end, len(values)) :].max())
+
+
+def _fall(values: Floats, samples: int) -> float:
+    """Factor by which coefficients (n,) fall from degree n to 2 n, if they do so half as fast as before it.
+
+    Each is the largest of so many samples.  Of a narrow and a wide band, the one that falls less counts.
+    """
+    n, factor = len(values), 0.0
+    for width in {SPECTRUM.fewest, _share(SPECTRUM.band, n)}:
+        if n < 2 * width:
+            return 1.0
+        last, before = float(values[-width:].max()), float(values[-2 * width : -width].max())
+        chance = 1.0 + SPECTRUM.chance / np.sqrt(width * samples)
+        ratio = min(1.0, chance * last / before) if before > 0.0 else 1.0
+        factor = max(factor, ratio ** (n / (2.0 * width)))
+    return factor
+
+
+def _unseen(by_degree: Floats, by_order: Floats) -> tuple[float, float]:
+    """Coefficients that the angles phi of a grid may not resolve, and what they alias onto averages.
+
+    What turns fast in theta may turn as fast in phi.  Averages see what turns twice as fast as the angles phi
+    resolve, and squares of the rest.  But all of it counts where few orders in phi are there: nothing is seen
+    of how they fall, and symmetry aliases orders onto one another.
+    """
+    m = len(by_order)
+    if m == 1:
+        return 0.0, 0.0
+    unseen = float(by_degree[m:].max(initial=0.0))
+    if np.count_nonzero(by_order[1:] > SPECTRUM.symmetric) < SPECTRUM.orders:
+        return unseen, unseen
+    return unseen, max(float(by_degree[2 * m - 2 :].max(initial=0.0)), m * unseen**2)
+
+
+def _noise(size: Floats) -> float:
+    """Noise in coefficients (n, m, c): where a function of the grid's degree has none.
+
+    Without angles phi that is one parity in theta, where the function is symmetric about the equator.
+    """
+    n, m, _ = size.shape
+    if m == 1:
+        high = size[n // 2 :].max(axis=(1, 2))
+        return float(min(high[::2].max(), high[1::2].max()))
+    k, order = np.arange(n)[:, None] / n, np.arange(m) / m
+    corner = size[k**2 + order**2 > SPECTRUM.corner]
+    return float(np.sqrt(np.mean(corner**2, axis=0).max())) if len(corner) else np.inf
+
+
+def _scatter(size: Floats) -> float:
+    """Standard deviation at a point of noise like the highest degrees of coefficients (n, m, c)."""
+    n, m, _ = size.shape
+    high = np.zeros((n, m), dtype=bool)
+    high[n - _share(SPECTRUM.end if m > 1 else SPECTRUM.few, n) :] = True
+    if m > 1:
+        high[:, m - _share(SPECTRUM.end, m) :] = True
+    return float(np.sqrt(n * m * np.mean(size[high] ** 2, axis=0).max()))
