@@ -85,7 +85,7 @@ class CurvatureCheck:
 
     @classmethod
     def _between(cls, field: str, given: Floats, u: Floats, data: SurfaceData) -> CurvatureCheck:
-        K = spectral_curvature(data.metric, data.relative_error)
+        K = spectral_curvature(data.metric, data.lengths_error.mean)
         _, _, noise = fitted(u, given, np.ones(len(u)))
         difference = K(u) - given
         largest = float(np.abs(difference).max())
