@@ -84,7 +84,7 @@ class SurfaceData:
     angular_momentum: float | None = None
     charge: float = 0.0
     marginal: bool = False
-    relative_error: float | None = None
+    relative_error: float = None  # type: ignore[assignment] # a number once the data are made
     shape: Callable[[Floats], Floats] | None = None
     name: str = ""
     notes: tuple[str, ...] = ()
@@ -94,6 +94,9 @@ class SurfaceData:
             object.__setattr__(self, field, self._function(getattr(self, field), field, name))
         if isinstance(self.metric, GridMetric):
             object.__setattr__(self, "notes", tuple(dict.fromkeys((*self.metric.notes, *self.notes))))
+        if self.relative_error is None:
+            known = self.metric.error.mean if isinstance(self.metric, GridMetric) else 0.0
+            object.__setattr__(self, "relative_error", known)
         self._check_resolved()
 
     @classmethod
@@ -142,10 +145,8 @@ class SurfaceData:
     @property
     def lengths_error(self) -> Uncertainty:
         """Relative errors of lengths."""
-        known = self.metric.error if isinstance(self.metric, GridMetric) else EXACT
-        if self.relative_error is None:
-            return known
-        return Uncertainty(max(self.relative_error, known.pointwise), self.relative_error)
+        known = self.metric.error.pointwise if isinstance(self.metric, GridMetric) else 0.0
+        return Uncertainty(max(self.relative_error, known), self.relative_error)
 
     def _function(
         self, given: Callable[[Floats], Floats] | ArrayLike | None, field: str, name: str
