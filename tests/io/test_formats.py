@@ -21,6 +21,7 @@ from isoembed.io import (
     SURFACE_ENDINGS,
     FileError,
     check_output,
+    mesh_writer,
     read_metric,
     read_surface,
     write_metric,
@@ -94,6 +95,17 @@ def test_meshes_carry_curvature_and_residual(ending, tmp_path):
     touched = np.zeros(42, dtype=bool)
     touched[metric.edges[metric.edges[:, 0] == 0]] = True
     np.testing.assert_array_equal(mesh.point_data["residual"] > 1e-4, touched)
+
+
+@pytest.mark.parametrize("ending", [".ply", ".vtk", ".vtu"])
+def test_meshes_carry_vectors(ending, tmp_path):
+    meshio = pytest.importorskip("meshio")
+    surface, path = sphere(), tmp_path / f"surface{ending}"
+    v = 2.0 * surface.vertices
+    mesh_writer(path, surface.vertices, surface.faces, v=v)(path)
+    data = meshio.read(path).point_data
+    found = np.column_stack([data[f"v_{axis}"] for axis in "xyz"]) if ending == ".ply" else data["v"]
+    np.testing.assert_array_equal(found, v)
 
 
 def test_arrays_carry_curvature_and_residual(tmp_path):

@@ -31,8 +31,8 @@ class Format:
         Takes an `InputFile` and returns its arrays by their names: ``vertices`` (V, 3) and ``faces`` (F, 3),
         or ``faces``, ``edges`` (E, 2) and ``lengths`` (E,).
     write : callable or None
-        Takes a path and such arrays, to which those of data at the vertices (V,) may be added.  None if it is
-        only read.
+        Takes a path and such arrays, to which those of data at the vertices may be added, (V,) or vectors
+        (V, 3).  None if it is only read.
     holds_metrics : bool
         It has a place for arrays of any name, so for metrics without vertices.
     repeats_vertices : bool

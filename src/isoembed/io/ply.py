@@ -131,9 +131,11 @@ def read(file: InputFile) -> Tables:
 
 def write(path: Path, tables: Tables) -> None:
     """Write vertices, the data at them, and faces."""
-    data = {key: value for key, value in tables.items() if key not in ("vertices", "faces")}
-    columns = [*np.asarray(tables["vertices"]).T, *data.values()]
-    names = ["x", "y", "z", *data]
+    columns, names = [*np.asarray(tables["vertices"]).T], ["x", "y", "z"]
+    for key, value in tables.items():
+        if key not in ("vertices", "faces"):
+            columns += [*np.atleast_2d(np.transpose(value))]
+            names += [key] if np.ndim(value) == 1 else [f"{key}_{axis}" for axis in "xyz"]
     faces = tables["faces"]
     count = "uchar" if max(map(len, faces)) < 256 else "int"
     head = ["ply", "format binary_little_endian 1.0", f"element vertex {len(columns[0])}"]

@@ -34,6 +34,8 @@ NUMBERS = {
 DATASETS = ("POLYDATA", "UNSTRUCTURED_GRID")
 COMPONENTS = {"VECTORS": 3, "NORMALS": 3, "TENSORS": 9}
 SECTIONS = ("FIELD", "LOOKUP_TABLE", "COLOR_SCALARS", "SCALARS", "TEXTURE_COORDINATES", *COMPONENTS)
+MOMENTS = {"time": "TIME", "iteration": "CYCLE"}
+"""Single numbers, and what VisIt calls them."""
 PARTS = ("VERTICES", "LINES", "POLYGONS", "TRIANGLE_STRIPS")
 """Kinds of cells of polydata: what are no polygons is left aside."""
 
@@ -74,7 +76,7 @@ def read_polydata(file: InputFile) -> PolyData:
     source, data = _Source(file), PolyData()
     cells = dict[str, tuple[Indices, Indices]]()
     types: NDArray | None = None
-    at_points, n = True, 0
+    at_points, n = False, 0
     while words := source.line():
         key = words.pop(0).upper()
         if key == "DATASET":
@@ -303,24 +305,35 @@ class _Source:
 
 
 def write(path: Path, tables: Tables) -> None:
-    """Write a binary grid with the data at the vertices, in the version that all readers know."""
+    """Write a binary grid with the data at the vertices, in the version that all readers know.
+
+    The single numbers ``time`` and ``iteration`` are what VisIt looks for, and ParaView shows as field data.
+    """
     points, (corners, sizes) = np.asarray(tables["vertices"]), flattened(tables["faces"])
-    data = {key: np.asarray(value) for key, value in tables.items() if key not in ("vertices", "faces")}
+    given = {key: np.asarray(value) for key, value in tables.items() if key not in ("vertices", "faces")}
+    moments = {name: given.pop(key) for key, name in MOMENTS.items() if key in given}
     n, size = len(sizes), len(corners)
-    parts: list[tuple[str, NDArray[Any]]] = [
-        (f"POINTS {len(points)} double", points.astype(">f8")),
+    parts = [*_field(moments), (f"POINTS {len(points)} double", points.astype(">f8"))]
+    parts += [
         (f"CELLS {n} {n + size}", np.insert(corners, np.cumsum(sizes) - sizes, sizes).astype(">i4")),
         (f"CELL_TYPES {n}", np.where(sizes == 3, TRIANGLE, POLYGON).astype(">i4")),
     ]
-    heading = f"POINT_DATA {len(points)}\nFIELD FieldData {len(data)}\n"
-    for name, values in data.items():
-        parts.append((f"{heading}{name} 1 {len(values)} double", values.astype(">f8")))
-        heading = ""
+    parts += _field(given, f"POINT_DATA {len(points)}\n")
     with path.open("wb") as file:
         file.write(f"{HEADER} 4.2\nwritten by isoembed {__version__}\nBINARY\n".encode())
         file.write(b"DATASET UNSTRUCTURED_GRID\n")
         for line, array in parts:
             file.write(f"{line}\n".encode() + array.tobytes() + b"\n")
+
+
+def _field(arrays: Tables, heading: str = "") -> list[tuple[str, NDArray[Any]]]:
+    """The lines before arrays (V,) and (V, k), or before single numbers, and the numbers."""
+    parts, heading = [], f"{heading}FIELD FieldData {len(arrays)}\n"
+    for name, values in arrays.items():
+        rows = values.reshape(len(values) if values.ndim else 1, -1)
+        parts.append((f"{heading}{name} {rows.shape[1]} {len(rows)} double", rows.astype(">f8")))
+        heading = ""
+    return parts
 
 
 FORMAT = Format(".vtk", read, write, holds_polygons=True)

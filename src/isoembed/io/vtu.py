@@ -211,7 +211,8 @@ def write_piece(path: Path, tables: Tables, names: tuple[str, str], cells: Seque
             file.writelines(_element(name, array))
         file.write(f"</{what}>\n<PointData>\n")
         for name, array in data.items():
-            file.writelines(_element(name, array))
+            shape = f' NumberOfComponents="{array.shape[1]}"' if array.ndim > 1 else ""
+            file.writelines(_element(name, array, shape))
         file.write(f"</PointData>\n</Piece>\n</{kind}>\n</VTKFile>\n")
 
 
