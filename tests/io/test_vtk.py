@@ -72,12 +72,16 @@ def test_vectors_time_and_iteration_are_written(tmp_path):
     path = tmp_path / "a.vtk"
     tables = {"vertices": VERTICES, "faces": FACES, "s": VERTICES[:, 0], "v": 2.0 * VERTICES}
     write(path, {**tables, "time": 1.5, "iteration": 1024})
-    assert path.read_bytes().split(b"POINTS")[0].endswith(
-        b"DATASET UNSTRUCTURED_GRID\nFIELD FieldData 2\nTIME 1 1 double\n"
-        + np.array(1.5, ">f8").tobytes()
-        + b"\nCYCLE 1 1 double\n"
-        + np.array(1024.0, ">f8").tobytes()
-        + b"\n"
+    assert (
+        path.read_bytes()
+        .split(b"POINTS")[0]
+        .endswith(
+            b"DATASET UNSTRUCTURED_GRID\nFIELD FieldData 2\nTIME 1 1 double\n"
+            + np.array(1.5, ">f8").tobytes()
+            + b"\nCYCLE 1 1 double\n"
+            + np.array(1024.0, ">f8").tobytes()
+            + b"\n"
+        )
     )
     with InputFile(path) as file:
         data = read_polydata(file)

@@ -3,16 +3,17 @@
 import argparse
 from importlib.util import find_spec
 from pathlib import Path
+from typing import Any
 
 from isoembed.cli.options import add_json_option, add_output_option, add_vertices_option, vertices
 from isoembed.cli.outputs import Outputs
 from isoembed.cli.screen import UsageError, print_aside, print_error, print_json, print_out
 from isoembed.cli.status import NOT_EMBEDDED, OK
 from isoembed.io import FileError, mesh_writer, report_writer
-from isoembed.io.files import check_target, input_ending
+from isoembed.io.files import check_target, input_ending, write_atomically
 from isoembed.io.hdf5 import HDF5_ENDINGS
-from isoembed.plot.picture import Panel, figure_writer, panels
-from isoembed.relativity.energies.embedded import EmbeddedSurface
+from isoembed.plot.picture import Panel, figure_writer
+from isoembed.plot.placed import Scale, placed
 from isoembed.relativity.energies.report import EmbeddedHorizon, embed_horizons
 from isoembed.relativity.horizons.coordinate_shape import CoordinateShape
 from isoembed.relativity.horizons.horizon import Horizon
@@ -27,6 +28,7 @@ from isoembed.relativity.spacetimes.three_geometry import ThreeGeometry
 
 GEOMETRIES = ("kerr-schild", "isotropic", "painleve-gullstrand")
 WRITTEN = ("vtk", "json", "png")
+LONGEST = 50  # letters of a name in a picture
 
 
 def configure(parser: argparse.ArgumentParser) -> None:
@@ -84,11 +86,14 @@ def run(options: argparse.Namespace) -> int:
         for stem in stems:
             for path in _outputs(options, stem).values():
                 check_target(path)
-    reports, status = [], OK
+    reports, drawn, status = [], dict[Path, tuple[Panel, dict[str, Any]]](), OK
     for stem, found in zip(stems, embed_horizons(horizons, number), strict=True):
         reports.append(found.report)
         if options.output:
-            _write(_outputs(options, stem), found, number)
+            outputs = _outputs(options, stem)
+            panel = _write(outputs, found, number)
+            if panel is not None:
+                drawn[outputs["png"]] = panel, found.report
         if found.surface is None:
             print_error(f"{found.report['name']}: {found.report['message']}")
             status = NOT_EMBEDDED
@@ -96,6 +101,8 @@ def run(options: argparse.Namespace) -> int:
             (print_aside if options.output else print_out)(str(found))
     if options.json:
         print_json(reports if len(options.files) > 1 else reports[0])
+    if drawn:
+        _draw(drawn)
     return status
 
 
@@ -104,27 +111,45 @@ def _outputs(options: argparse.Namespace, stem: str) -> Outputs:
     return Outputs((end, options.output / f"{stem}.{end}") for end in WRITTEN)
 
 
-def _write(outputs: Outputs, found: EmbeddedHorizon, number: int) -> None:
-    """Write the report, the surface and, where matplotlib is installed, its picture."""
-    writers = {"json": lambda _: report_writer(found.report)}
-    if found.surface is not None:
-        tables = found.surface.mesh(number)
-        writers["vtk"] = lambda path: mesh_writer(path, **tables)
-        if find_spec("matplotlib") is None:
-            missing = "pictures need matplotlib, pip install 'isoembed[plot]'"
-            print_error(f"{outputs['png']} is not written: {missing}")
-        else:
-            panel = Panel(tables["vertices"], tables["faces"], tables["mean_curvature"])
-            label, caption = "mean curvature  $H = (k_1 + k_2)/2$", _caption(found.surface)
-            writers["png"] = lambda path: figure_writer(path, panels([panel], label=label, caption=caption))
-    outputs.write(**writers)
-
-
-def _caption(surface: EmbeddedSurface) -> str:
-    return (
-        f"{Path(surface.data.name).name}     area {surface.energies.area.value:.8g}     "
-        rf"$\int\! H\,dA = {surface.embedding.integrated_mean_curvature:.8g}$"
+def _write(outputs: Outputs, found: EmbeddedHorizon, number: int) -> Panel | None:
+    """Write the report and the surface, and return the picture to be drawn of it."""
+    if found.surface is None:
+        outputs.write(json=lambda _: report_writer(found.report))
+        return None
+    tables = found.surface.mesh(number)
+    outputs.write(
+        json=lambda _: report_writer(found.report),
+        vtk=lambda path: mesh_writer(path, **tables, **_moment(found.report)),
     )
+    return Panel(tables["vertices"], tables["faces"], tables["mean_curvature"])
+
+
+def _draw(drawn: dict[Path, tuple[Panel, dict[str, Any]]]) -> None:
+    """Write the pictures, in one scale, so that they can be made a film, where matplotlib is installed."""
+    if find_spec("matplotlib") is None:
+        missing = "pictures need matplotlib, pip install 'isoembed[plot]'"
+        print_error(f"{', '.join(map(str, drawn))} not written: {missing}")
+        return
+    scale = Scale.of([panel for panel, _ in drawn.values()])
+    label = "mean curvature  $H = (k_1 + k_2)/2$,  1/length"
+    for path, (panel, report) in drawn.items():
+        picture = placed(panel, label=label, caption=_caption(report), scale=scale)
+        write_atomically({path: figure_writer(path, picture)})
+
+
+def _moment(report: dict[str, Any]) -> dict[str, Any]:
+    """The time and the iteration of a horizon, where they are known."""
+    horizon = report["horizon"]
+    return {name: horizon[name] for name in ("time", "iteration") if horizon.get(name) is not None}
+
+
+def _caption(report: dict[str, Any]) -> str:
+    """The name, the time and what is known of a horizon, in two lines."""
+    name = Path(report["name"]).name
+    name = name if len(name) <= LONGEST else f"{name[: LONGEST - 1]}\N{HORIZONTAL ELLIPSIS}"
+    first = [name.replace("$", r"\$"), *(f"{key} {value:.9g}" for key, value in _moment(report).items())]
+    second = [f"area {report['area']:.8g}", rf"$\int\! H\,dA = {report['integrated_mean_curvature']:.8g}$"]
+    return "\n".join("     ".join(words) for words in (first, second))
 
 
 def _geometry(options: argparse.Namespace) -> ThreeGeometry | None:

@@ -198,17 +198,11 @@ def _row(
         if panel.title:
             axes.set_title(panel.title, color=INK, fontsize=10)
 
-    everything = np.concatenate([panel.values[np.isfinite(panel.values)] for panel in surfaces])
-    ends = (bool((everything < low).any()), bool((everything > high).any()))
-    extend = {(False, False): "neither", (True, False): "min", (False, True): "max"}.get(ends, "both")
     bar_axes = picture.add_axes((0.885, foot + 0.1 * share, 0.018, 0.8 * share))
-    bar = picture.colorbar(scale, cax=bar_axes, extend=extend)
-    bar_axes.yaxis.set_minor_formatter("")  # between powers of ten
-    bar.set_label(shown.label, color=INK, labelpad=8, fontsize=10 if height > 2.5 else 8)
-    bar.outline.set_visible(False)
+    color_bar(picture, bar_axes, scale, np.concatenate([panel.values for panel in surfaces]))
+    bar_axes.set_ylabel(shown.label, color=INK, labelpad=8, fontsize=10 if height > 2.5 else 8)
     if shown.at == "faces":
         bar_axes.yaxis.set_major_locator(MaxNLocator(integer=True))
-    bar_axes.tick_params(which="both", colors=INK, length=3, width=0.6, labelsize=9)
     picture.text(0.43, 0.25 * MARGINS / total, caption, ha="center", va="center", fontsize=9, color=INK)
     return picture
 
@@ -221,6 +215,17 @@ def color_scale(low: float, high: float, scale: str = "linear") -> ScalarMappabl
 
     shades = ListedColormap(colormaps[COLORS](np.linspace(DARKEST, 1.0, 256)))
     return ScalarMappable((LogNorm if scale == "log" else Normalize)(low, high), shades)
+
+
+def color_bar(picture: Figure, axes: Axes, scale: ScalarMappable, values: Floats) -> None:
+    """Draw a scale of colors, with a pointed end where there are values beyond it."""
+    low, high = scale.get_clim()
+    ends = (bool((values < low).any()), bool((values > high).any()))  # of NaN, none
+    extend = {(False, False): "neither", (True, False): "min", (False, True): "max"}.get(ends, "both")
+    bar = picture.colorbar(scale, cax=axes, extend=extend)
+    axes.yaxis.set_minor_formatter("")  # between powers of ten
+    bar.outline.set_visible(False)
+    axes.tick_params(which="both", colors=INK, length=3, width=0.6, labelsize=9)
 
 
 def draw(

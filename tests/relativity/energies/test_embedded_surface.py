@@ -22,6 +22,7 @@ from isoembed.surface.measures import face_areas, volume
 Z_AXIS = (0.0, 0.0, 1.0)
 ENERGIES = ("irreducible_mass", "christodoulou_mass", "hawking", "brown_york", "liu_yau")
 HORIZON = KerrNewmanHorizon(1.0, 0.5)
+SLICE = ("k", "p", "theta_plus", "theta_minus")
 
 
 def within(estimate, exact, largest=1e-10):
@@ -79,15 +80,17 @@ def check_mesh(tables, surface, n):
     assert all(np.isfinite(values).all() for values in tables.values())
     assert face_areas(faces, vertices).sum() == pytest.approx(surface.embedding.area, rel=5.0 / n)
     assert volume(faces, vertices) == pytest.approx(surface.embedding.volume, rel=10.0 / n)
-    assert all(tables[name].shape == (n,) for name in tables if name not in ("vertices", "faces"))
+    vectors = ("vertices", "faces", "slice_coordinates")
+    assert all(tables[name].shape == (n,) for name in tables if name not in vectors)
 
 
 def test_the_mesh_of_a_horizon(horizon):
     tables = horizon.mesh(200)
-    assert set(tables) == {"vertices", "faces", "mean_curvature", "gaussian_curvature", "residual", "k"}
+    assert set(tables) == {"vertices", "faces", "mean_curvature", "gaussian_curvature", "residual", *SLICE}
     check_mesh(tables, horizon, 200)
     assert tables["residual"].max() <= 1.5 * horizon.embedding.residual
-    np.testing.assert_allclose(tables["k"], 0.0, atol=1e-12)
+    for name in SLICE:
+        np.testing.assert_allclose(tables[name], 0.0, atol=1e-12)
     assert np.all(tables["mean_curvature"] > 0.0)
     # Its vertices are on the surface of revolution.
     exact = AxisymmetricEmbedding.of(HORIZON)
@@ -97,12 +100,19 @@ def test_the_mesh_of_a_horizon(horizon):
 
 def test_the_mesh_of_a_sphere_in_a_slice_with_momentum(falling):
     tables = falling.mesh(60)
-    assert set(tables) >= {"k", "p"}
+    assert set(tables) >= {*SLICE, "slice_coordinates"}
     check_mesh(tables, falling, 60)
     np.testing.assert_allclose(tables["mean_curvature"], 1.0 / 6.0, rtol=1e-11)
     np.testing.assert_allclose(tables["gaussian_curvature"], 1.0 / 36.0, rtol=1e-11)
     np.testing.assert_allclose(tables["k"], 1.0 / 3.0, rtol=1e-11)
-    np.testing.assert_allclose(np.abs(tables["p"]), np.sqrt(2.0 / 6.0) / 3.0, rtol=1e-11)
+    p = tables["p"]
+    np.testing.assert_allclose(np.abs(p), np.sqrt(2.0 / 6.0) / 3.0, rtol=1e-11)
+    np.testing.assert_allclose(tables["theta_plus"], 1.0 / 3.0 - p, rtol=1e-11)
+    np.testing.assert_allclose(tables["theta_minus"], -1.0 / 3.0 - p, rtol=1e-11)
+    # Outside of the hole outgoing rays expand and ingoing ones converge, as in any other slice.
+    np.testing.assert_allclose(tables["theta_plus"] * tables["theta_minus"], -4.0 / 36.0 * (1.0 - 2.0 / 6.0))
+    # A sphere about the origin is where it is in the slice.
+    np.testing.assert_allclose(tables["slice_coordinates"], tables["vertices"], atol=1e-11)
     assert tables["residual"].max() < 1e-12
 
 

@@ -59,7 +59,8 @@ def check(shape, radius, n, origin=ORIGIN):
 def test_six_patches(n, ghosts, tmp_path):
     shape = read(shape_text(lopsided, n, ghosts), tmp_path, "h.t64.ah2.gp")
     check(shape, lopsided, n)
-    assert shape.name == "ah2" and shape.time is None and shape.source.endswith("h.t64.ah2.gp")
+    assert (shape.name, shape.time, shape.iteration) == ("ah2", None, 64)
+    assert shape.source.endswith("h.t64.ah2.gp")
     assert f"the coordinates of {len(shape.points)} points of a horizon, but no metric" in shape.contents
     if n == 19:
         assert len(shape.points) == 1946 and len(shape.faces) == 3888

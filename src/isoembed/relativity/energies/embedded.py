@@ -84,8 +84,10 @@ class EmbeddedSurface:
         -------
         dict of str to ndarray
             ``vertices`` (V, 3) in Euclidean space and ``faces`` (F, 3); at the vertices (V,) the
-            ``mean_curvature`` H and the ``gaussian_curvature`` there, ``k`` and ``p`` in the slice where they
-            are given, and the ``residual``, the relative error of lengths.
+            ``mean_curvature`` H and the ``gaussian_curvature`` there, and the ``residual``, the relative error
+            of lengths.  Where k is given, ``k`` and ``p`` in the slice, and the expansions of outgoing and
+            ingoing light rays, ``theta_plus`` = k - p and ``theta_minus`` = -(k + p); where the points in the
+            slice are known, these, as ``slice_coordinates`` (V, 3).
         """
         triangulation = self.embedding.triangulated(vertices)
         u = triangulation.directions
@@ -97,9 +99,11 @@ class EmbeddedSurface:
             "residual": 0.5 * self.embedding.strain(u),
         }
         if self.data.mean_curvature is not None:
-            tables["k"] = self.data.mean_curvature(u)
-        if self.data.momentum is not None:
-            tables["p"] = self.data.momentum(u)
+            k = self.data.mean_curvature(u)
+            p = np.zeros(len(u)) if self.data.momentum is None else self.data.momentum(u)
+            tables |= {"k": k, "p": p, "theta_plus": k - p, "theta_minus": -(k + p)}
+        if self.data.shape is not None:
+            tables["slice_coordinates"] = self.data.shape(u)
         return tables
 
 

@@ -104,8 +104,11 @@ class EmbeddedHorizon:
         table = energy_table(self.report) + (f"\n{check['message']}" if check else "")
         if not horizon:
             return table
+        moment = "".join(
+            f"{name} {horizon[name]:.9g}: " for name in ("time", "iteration") if horizon[name] is not None
+        )
         return (
-            f"{table}\n{horizon['points']} points, fitted to {horizon['misfit']:.1e} of "
+            f"{table}\n{moment}{horizon['points']} points, fitted to {horizon['misfit']:.1e} of "
             f"a mean radius {horizon['mean_coordinate_radius']:.6g} in coordinates; the expansion of "
             f"outgoing rays, 0 on a horizon, is at most {horizon['largest_expansion']:.1e}"
             + ("" if horizon["marginal"] else ": in this geometry it is no horizon")

@@ -79,7 +79,7 @@ def read_ahfinderdirect(path: str | os.PathLike[str]) -> CoordinateShape:
     Returns
     -------
     CoordinateShape
-        Its time is None: the number behind ``t`` in the name of the file counts iterations.
+        The number behind ``t`` in the name of the file is its iteration; its time is None.
 
     Raises
     ------
@@ -97,8 +97,16 @@ def read_ahfinderdirect(path: str | os.PathLike[str]) -> CoordinateShape:
             raise FileError(f"{source}: no point of the patch {name} is in the direction {name}")
     points = origin + _completed(np.concatenate(list(trimmed.values())), halves, source)
     kept, faces = triangulate_star_shaped(points, origin, source, same=PATCHES.seam)
-    found = re.search(r"ah\d+", file.path.name)
-    return CoordinateShape(points[kept], faces, origin, None, found[0] if found else "", source, is_hull=True)
+    horizon, iteration = (re.search(pattern, file.path.name) for pattern in (r"ah\d+", r"\.t(\d+)\."))
+    return CoordinateShape(
+        points[kept],
+        faces,
+        origin,
+        name=horizon[0] if horizon else "",
+        source=source,
+        iteration=int(iteration[1]) if iteration else None,
+        is_hull=True,
+    )
 
 
 def _has_header(file: InputFile) -> bool:

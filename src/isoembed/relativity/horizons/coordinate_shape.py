@@ -56,6 +56,8 @@ class CoordinateShape:
         The file.
     fields : mapping of str to ndarray, shape (V,)
         What else the file knows at the points.
+    iteration : int or None
+        Of the simulation, where the file says it.
     is_hull : bool
         Whether the triangles are the convex hull of the directions from the center.
     """
@@ -67,6 +69,7 @@ class CoordinateShape:
     name: str = ""
     source: str = ""
     fields: Mapping[str, Floats] = field(default_factory=dict)
+    iteration: int | None = None
     is_hull: bool = False
 
     @classmethod

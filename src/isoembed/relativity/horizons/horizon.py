@@ -105,7 +105,8 @@ class Horizon:
         )
         data, test = surface.data(geometry, axis, name=name), expansion_test(surface, geometry)
         facts = {
-            **{"time": found.time, "points": len(found.points), "center": list(found.center)},
+            **{"time": found.time, "iteration": found.iteration},
+            **{"points": len(found.points), "center": list(found.center)},
             "mean_coordinate_radius": test["mean_coordinate_radius"],
             **{"misfit": surface.misfit, **test},
         }

@@ -1,0 +1,152 @@
+"""Pictures of surfaces whose place in space means something: named axes, a scale of lengths, an arrow."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from isoembed.arrays import Floats
+from isoembed.plot.picture import INK, PAPER, Panel, check_drawable, color_bar, color_scale, draw
+from isoembed.plot.quantity import Quantity, face_means
+from isoembed.plot.view import Pose, View, camera
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
+
+SIZE = (6.4, 5.2)  # inches, an even number of dots
+WINDOW = (-1.75, 1.6, -1.5, 1.5)  # in units of the largest distance from the origin
+TRIAD, LENGTH = np.array([-1.4, -1.25]), 0.3  # place and size of the axes
+BAR = np.array([1.55, -1.3])  # right end of the scale of lengths, which is half as long or less
+TIP, TAIL = 1.3, 1.15  # ends of the arrow through the surface
+NAME = np.array([-1.65, 1.35])  # left end of what it is called
+ARROW = "#c8102e"
+
+
+@dataclass(frozen=True)
+class Scale:
+    """Scale of lengths and colors that several pictures share.
+
+    Attributes
+    ----------
+    reach : float
+        The largest distance of a vertex from the origin.
+    bounds : (float, float)
+        Values at which the colors begin and end.
+    """
+
+    reach: float
+    bounds: tuple[float, float]
+
+    @classmethod
+    def of(cls, surfaces: Sequence[Panel]) -> Scale:
+        """The scale that shows all of some surfaces."""
+        reach = max(float(np.linalg.norm(panel.vertices, axis=1).max()) for panel in surfaces)
+        return cls(reach, Quantity("", "", np.concatenate([panel.values for panel in surfaces])).bounds)
+
+
+def placed(
+    panel: Panel,
+    *,
+    label: str,
+    caption: str = "",
+    arrow: Sequence[float] | None = None,
+    name: str = "",
+    scale: Scale | None = None,
+) -> Figure:
+    """Draw a surface as it lies in space, the z-axis upward, always from the same side.
+
+    Parameters
+    ----------
+    panel : Panel
+        Around the origin.
+    label : str
+        What the values are.
+    caption : str
+    arrow : sequence of three floats, optional
+        A direction, which is drawn through the origin.
+    name : str
+        Of the arrow.
+    scale : Scale, optional
+        By default that of this surface.
+
+    Returns
+    -------
+    matplotlib.figure.Figure
+
+    Raises
+    ------
+    FileError
+        matplotlib is not installed.
+    """
+    check_drawable()
+    from matplotlib.backends.backend_agg import FigureCanvasAgg
+    from matplotlib.figure import Figure
+
+    scale = scale or Scale.of([panel])
+    colors = color_scale(*scale.bounds)
+    view = View.of(panel.vertices, panel.faces, Pose(np.zeros(3), np.eye(3), scale.reach))
+    picture = Figure(figsize=SIZE, facecolor=PAPER)
+    FigureCanvasAgg(picture)
+    axes = picture.add_axes((0.0, 0.12, 0.82, 0.88))
+    draw(axes, view, face_means(panel.values, panel.faces), colors, panel.seams)
+    axes.set_xlim(WINDOW[:2])
+    axes.set_ylim(WINDOW[2:])
+    _draw_triad(axes)
+    _draw_length(axes, scale.reach)
+    if arrow is not None:
+        _draw_arrow(axes, np.asarray(arrow, dtype=np.float64), panel.vertices / scale.reach, name)
+    bar = picture.add_axes((0.83, 0.22, 0.022, 0.68))
+    color_bar(picture, bar, colors, panel.values)
+    bar.set_ylabel(label, color=INK, labelpad=6, fontsize=11)
+    picture.text(0.5, 0.06, caption, ha="center", va="center", fontsize=10, color=INK)
+    return picture
+
+
+def _draw_triad(axes: Axes) -> None:
+    """Draw the directions of x, y and z."""
+    for letter, direction in zip("xyz", camera()[:2].T, strict=True):
+        _draw_tip(axes, TRIAD, TRIAD + LENGTH * direction, INK, 1.2)
+        right, up = TRIAD + (LENGTH + 0.1) * direction
+        axes.text(right, up, f"${letter}$", ha="center", va="center", fontsize=14, color=INK)
+
+
+def _draw_length(axes: Axes, reach: float) -> None:
+    """Draw a bar of a round length: 1, 2 or 5 times a power of ten."""
+    power = 10.0 ** np.floor(np.log10(0.5 * reach))
+    length = max(m for m in (1, 2, 5) if m * power <= 0.5 * reach) * power
+    right, up = BAR
+    left = right - length / reach
+    axes.plot([left, right], [up, up], color=INK, linewidth=2.5, solid_capstyle="butt")
+    middle = 0.5 * (left + right)
+    axes.text(middle, up - 0.05, f"{length:g}", ha="center", va="top", fontsize=12, color=INK)
+
+
+def _draw_arrow(axes: Axes, along: Floats, vertices: Floats, name: str) -> None:
+    """Draw an axis through the surface, which hides what is behind it.
+
+    A dot is where it comes toward the viewer, a cross where it goes away.
+    """
+    along = along / np.linalg.norm(along)
+    sizes = np.linalg.norm(vertices, axis=1)
+    for sign, end, mark in ((1.0, TIP, "o"), (-1.0, TAIL, "X")):
+        right, up, toward = sign * camera() @ along
+        direction = np.array([right, up])
+        begin = sizes[np.argmax(sign * vertices @ along / sizes)] * direction
+        order = 3 if toward > 0.0 else 0
+        axes.plot(*begin, mark, color=ARROW, markersize=9, markeredgecolor=PAPER, zorder=order)
+        if sign > 0.0:
+            _draw_tip(axes, begin, end * direction, ARROW, 2.2, order)
+        else:
+            axes.plot(*np.stack([begin, end * direction], axis=1), color=ARROW, linewidth=2.2, zorder=order)
+    key = rf"$\longrightarrow$ {name}"
+    axes.text(NAME[0], NAME[1], key, ha="left", va="center", fontsize=12, color=ARROW)
+
+
+def _draw_tip(axes: Axes, begin: Floats, end: Floats, color: str, width: float, order: int = 3) -> None:
+    """Draw an arrow."""
+    style = {"arrowstyle": "-|>", "color": color, "linewidth": width, "shrinkA": 0, "shrinkB": 0}
+    axes.annotate("", (end[0], end[1]), (begin[0], begin[1]), arrowprops=style, zorder=order)
