@@ -8,7 +8,7 @@ from isoembed.gallery import Ellipsoid, triangulate
 pytest.importorskip("matplotlib")
 
 from isoembed.plot.picture import Panel
-from isoembed.plot.placed import SIZE, Scale, placed
+from isoembed.plot.placed import SIZE, Scale, placed_figure
 from isoembed.plot.view import camera
 
 VERTICES, FACES = triangulate(Ellipsoid((2.0, 1.5, 1.0)), 200)
@@ -33,7 +33,7 @@ def arrow(picture):
 
 
 def test_lengths_axes_and_values_can_be_read_off():
-    picture = placed(PANEL, label="height", caption="a.gp     time 2", scale=Scale(2.0, (-1.0, 1.0)))
+    picture = placed_figure(PANEL, label="height", caption="a.gp     time 2", scale=Scale(2.0, (-1.0, 1.0)))
     assert {"$x$", "$y$", "$z$", "1"} <= texts(picture)
     bar = picture.axes[0].lines[0].get_xydata()
     assert bar[1, 0] - bar[0, 0] == pytest.approx(1.0 / 2.0)  # the length 1, of a reach of 2
@@ -44,7 +44,7 @@ def test_lengths_axes_and_values_can_be_read_off():
 
 @pytest.mark.parametrize(("unit", "length"), [(1.1e-4, "0.0001"), (1.1, "1"), (2.4, "2"), (1.1e6, "1e+06")])
 def test_the_bar_is_of_a_round_length_in_any_unit(unit, length):
-    picture = placed(Panel(unit * VERTICES, FACES, VERTICES[:, 2]), label="")
+    picture = placed_figure(Panel(unit * VERTICES, FACES, VERTICES[:, 2]), label="")
     assert length in texts(picture)
 
 
@@ -53,20 +53,20 @@ def test_a_sequence_has_one_scale():
     scale = Scale.of([PANEL, half])
     assert scale.reach == np.linalg.norm(VERTICES, axis=1).max()
     assert scale.bounds[0] < -0.9 and scale.bounds[1] > 3.9
-    first, second = (placed(panel, label="", scale=scale) for panel in (PANEL, half))
+    first, second = (placed_figure(panel, label="", scale=scale) for panel in (PANEL, half))
     np.testing.assert_allclose(extents(second), 0.5 * extents(first), rtol=1e-12)
     assert first.axes[0].get_xlim() == second.axes[0].get_xlim()
 
 
 def test_z_is_up_whatever_the_shape():
-    picture = placed(Panel(VERTICES[:, ::-1], FACES[:, ::-1], VERTICES[:, 2]), label="")
+    picture = placed_figure(Panel(VERTICES[:, ::-1], FACES[:, ::-1], VERTICES[:, 2]), label="")
     across, up = extents(picture)
     assert up > across  # the long axis is along z
 
 
 @pytest.mark.parametrize(("direction", "before"), [((0.0, 0.0, 3.0), True), ((0.0, 1.0, 0.0), False)])
 def test_the_arrow_points_along_the_direction_and_the_surface_hides_what_is_behind(direction, before):
-    picture = placed(PANEL, label="", arrow=direction, name="spin")
+    picture = placed_figure(PANEL, label="", arrow=direction, name="spin")
     begin, end, order = arrow(picture)
     seen = camera()[:2] @ direction / np.linalg.norm(camera()[:2] @ direction)
     np.testing.assert_allclose((end - begin) / np.linalg.norm(end - begin), seen, atol=1e-14)
@@ -77,12 +77,14 @@ def test_the_arrow_points_along_the_direction_and_the_surface_hides_what_is_behi
 
 
 def test_without_a_direction_there_is_no_arrow():
-    assert not any("rightarrow" in text for text in texts(placed(PANEL, label="")))
+    assert not any("rightarrow" in text for text in texts(placed_figure(PANEL, label="")))
 
 
 def test_nothing_overlaps():
     """Neither surface nor arrow, however it is turned, reach the axes, the bar or the key."""
-    picture = placed(PANEL, label="long label of the values", caption="two\nlines", arrow=(-1.0, 0.0, -0.6))
+    picture = placed_figure(
+        PANEL, label="long label of the values", caption="two\nlines", arrow=(-1.0, 0.0, -0.6)
+    )
     picture.canvas.draw()
     renderer = picture.canvas.get_renderer()
     axes = picture.axes[0]

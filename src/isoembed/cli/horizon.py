@@ -13,7 +13,7 @@ from isoembed.io import FileError, mesh_writer, report_writer
 from isoembed.io.files import check_target, input_ending, write_atomically
 from isoembed.io.hdf5 import HDF5_ENDINGS
 from isoembed.plot.picture import Panel, figure_writer
-from isoembed.plot.placed import Scale, placed
+from isoembed.plot.placed import Scale, placed_figure
 from isoembed.relativity.energies.report import EmbeddedHorizon, embed_horizons
 from isoembed.relativity.horizons.coordinate_shape import CoordinateShape
 from isoembed.relativity.horizons.horizon import Horizon
@@ -133,7 +133,7 @@ def _draw(drawn: dict[Path, tuple[Panel, dict[str, Any]]]) -> None:
     scale = Scale.of([panel for panel, _ in drawn.values()])
     label = "mean curvature  $H = (k_1 + k_2)/2$,  1/length"
     for path, (panel, report) in drawn.items():
-        picture = placed(panel, label=label, caption=_caption(report), scale=scale)
+        picture = placed_figure(panel, label=label, caption=_caption(report), scale=scale)
         write_atomically({path: figure_writer(path, picture)})
 
 

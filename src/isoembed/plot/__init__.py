@@ -15,6 +15,7 @@ from isoembed.plot.picture import (
     picture_writer,
     write_picture,
 )
+from isoembed.plot.placed import Scale, placed_figure
 from isoembed.plot.quantity import QUANTITIES, Quantity, quantities, quantity
 from isoembed.plot.sheets import SHEET_ENDINGS, sheets_writer, write_sheets
 
@@ -28,12 +29,14 @@ __all__ = [
     "Frame",
     "Panel",
     "Quantity",
+    "Scale",
     "animation_writer",
     "figure",
     "figure_writer",
     "page_writer",
     "panels",
     "picture_writer",
+    "placed_figure",
     "quantities",
     "quantity",
     "sheets_writer",

@@ -48,7 +48,7 @@ class Scale:
         return cls(reach, Quantity("", "", np.concatenate([panel.values for panel in surfaces])).bounds)
 
 
-def placed(
+def placed_figure(
     panel: Panel,
     *,
     label: str,

@@ -84,10 +84,10 @@ class EmbeddedSurface:
         -------
         dict of str to ndarray
             ``vertices`` (V, 3) in Euclidean space and ``faces`` (F, 3); at the vertices (V,) the
-            ``mean_curvature`` H and the ``gaussian_curvature`` there, and the ``residual``, the relative error
-            of lengths.  Where k is given, ``k`` and ``p`` in the slice, and the expansions of outgoing and
-            ingoing light rays, ``theta_plus`` = k - p and ``theta_minus`` = -(k + p); where the points in the
-            slice are known, these, as ``slice_coordinates`` (V, 3).
+            ``mean_curvature`` H and the ``gaussian_curvature`` there, and the ``residual``, the relative
+            error of lengths.  Where k is given, ``k`` and ``p`` in the slice, and the expansions of outgoing
+            and ingoing light rays, ``theta_plus`` = k - p and ``theta_minus`` = -(k + p); where the points in
+            the slice are known, these, as ``slice_coordinates`` (V, 3).
         """
         triangulation = self.embedding.triangulated(vertices)
         u = triangulation.directions
