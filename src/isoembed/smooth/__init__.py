@@ -11,6 +11,7 @@ from isoembed.smooth.harmonics import Harmonics
 from isoembed.smooth.solve import embed_smooth
 from isoembed.smooth.triangulation import SphereMesh, triangulate_metric
 from isoembed.smooth.two_metric import AngleMetric, PulledBack, TwoMetric
+from isoembed.smooth.uncertain import UncertainFunction, Uncertainty
 
 __all__ = [
     "AngleMetric",
@@ -22,6 +23,8 @@ __all__ = [
     "SmoothEmbedding",
     "SphereMesh",
     "TwoMetric",
+    "UncertainFunction",
+    "Uncertainty",
     "embed_smooth",
     "gaussian_curvature",
     "geodesic_lengths",

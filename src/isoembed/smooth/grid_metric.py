@@ -22,6 +22,7 @@ class GridThresholds:
     """Thresholds of metrics on grids."""
 
     unseen: float = threshold(0.2, "relative", "Share of phi in an error, from which on it is said.")
+    distinct: int = threshold(8, "count", "Values, all of single precision, that are so by no chance.")
     exact: float = threshold(1e-11, "relative", "Errors below which nothing is said of them.")
     seam: float = threshold(1e-6, "relative", "Largest difference of the columns phi = 0 and phi = 2 pi.")
     nodes: tuple[int, int] = threshold((96, 192), "count", "Nodes in theta and phi that sample a metric.")
@@ -113,7 +114,8 @@ class GridMetric:
     @cached_property
     def error(self) -> Uncertainty:
         """Relative errors of lengths, from the spectrum: truncation, noise, and what phi does not resolve."""
-        error, half = self._spectrum.error, 0.5 / self._size
+        error = _error(self._field, np.stack([self.q_tt, self.q_tp, self.q_pp]))
+        half = 0.5 / self._size
         return Uncertainty(half * error.pointwise, half * error.mean)
 
     @property
@@ -141,9 +143,10 @@ class GridMetric:
         InvalidMetric
             They have another shape, or one of them is not finite; the message calls them by the name.
         """
-        series = self._series(self._given(values, name)[..., None])
+        given = self._given(values, name)
+        series = self._series(given[..., None])
         return UncertainFunction(
-            lambda u: series.at(np.asarray(u, dtype=np.float64))[:, 0], Spectrum.of(series).error
+            lambda u: series.at(np.asarray(u, dtype=np.float64))[:, 0], _error(series, given)
         )
 
     def one_form(
@@ -171,7 +174,7 @@ class GridMetric:
             v = series.at(np.asarray(u, dtype=np.float64))
             return np.asarray(v - np.einsum("ni,ni->n", v, u)[:, None] * u)
 
-        return UncertainFunction(vectors, Spectrum.of(series).error)
+        return UncertainFunction(vectors, _error(series, np.stack([theta, phi])))
 
     @cached_property
     def _spectrum(self) -> Spectrum:
@@ -242,6 +245,18 @@ def sampled_on_grid(metric: TwoMetric) -> TwoMetric:
         return GridMetric.sampled(metric, *(GRID.symmetric_nodes if is_axisymmetric(metric) else GRID.nodes))
     except InvalidMetric:  # too coarse a grid for it
         return metric
+
+
+def _error(series: DoubleFourier, values: Floats) -> Uncertainty:
+    """Errors of a series of values at its nodes: those of its spectrum and of single precision."""
+    error = Spectrum.of(series).error
+    # A constant is off everywhere alike, which no spectrum shows.
+    with np.errstate(over="ignore"):
+        single = bool(np.all(values == values.astype(np.float32)))
+    if not single or len(np.unique(values)) < GRID.distinct:
+        return error
+    rounding = float(np.finfo(np.float32).eps) * float(np.abs(values).max())
+    return Uncertainty(error.pointwise + rounding, error.mean + 0.5 * rounding)
 
 
 def _component(values: ArrayLike, name: str, shape: tuple[int, int]) -> Floats:

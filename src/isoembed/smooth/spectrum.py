@@ -31,6 +31,7 @@ class SpectrumThresholds:
     corner: float = threshold(1.25, "relative", "Squares of k and m over those of the grid: noise alone.")
     symmetric: float = threshold(1e-12, "relative", "Dependence on phi that is none.")
     orders: int = threshold(3, "count", "Orders in phi besides zero that show how they fall.")
+    sum: float = threshold(3.0, "relative", "All coefficients beyond a grid over the largest of them.")
     sure: float = threshold(3.0, "relative", "Stated error of an average over the estimated one.")
     scatter: float = threshold(4.0, "standard deviations", "Largest error at a point.")
 
@@ -73,7 +74,7 @@ class Spectrum:
         unseen, aliased = _unseen(by_degree, by_order)
         tail = max(unseen, *(_end(values) for values, _ in ends))
         falling = max(_end(values) * _fall(values, samples) for values, samples in ends)
-        mean = min(tail, max(falling, aliased, _noise(size)))
+        mean = float(min(tail, max(SPECTRUM.sum * falling, aliased, _noise(size))))
         error = Uncertainty(
             largest * SPECTRUM.scatter * max(tail, _scatter(size)), largest * SPECTRUM.sure * mean
         )

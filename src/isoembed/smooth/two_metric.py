@@ -152,17 +152,21 @@ def are_definite(tt: Floats, tp: Floats, pp: Floats) -> Mask:
 
 
 def is_axisymmetric(metric: TwoMetric) -> bool:
-    """Whether the metric is symmetric about the z-axis, as far as it can be seen.
+    """Whether the metric is symmetric about the z-axis, as far as it can be seen."""
+    return is_symmetric_about_z(lambda u: angle_components(u, metric.tensor(u)))
+
+
+def is_symmetric_about_z(function: Callable[[Floats], Floats]) -> bool:
+    """Whether a function of directions (n, 3) does not change with phi, as far as it can be seen.
 
     It is compared with itself turned by some angles, at directions that are spread without a pattern.
     """
     x, y, z = fibonacci_directions(TWO_METRIC.spread).T
-    components = []
+    values = []
     for angle in (0.0, *TWO_METRIC.turns):
         c, s = np.cos(angle), np.sin(angle)
-        u = np.stack([c * x - s * y, s * x + c * y, z], axis=1)
-        components.append(angle_components(u, metric.tensor(u)))
-    return bool(np.ptp(components, axis=0).max() <= TWO_METRIC.symmetric * np.max(components))
+        values.append(function(np.stack([c * x - s * y, s * x + c * y, z], axis=1)))
+    return bool(np.ptp(values, axis=0).max() <= TWO_METRIC.symmetric * np.abs(values).max())
 
 
 def projected(q: Floats, u: Floats) -> Floats:

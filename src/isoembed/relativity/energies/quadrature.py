@@ -14,7 +14,7 @@ from isoembed.relativity.energies.energies import Energies, Integrals, norm_hind
 from isoembed.relativity.spacetimes.surface_data import SurfaceData, error_of
 from isoembed.smooth.embedding import SmoothEmbedding
 from isoembed.smooth.isometry import ISOMETRY
-from isoembed.smooth.two_metric import area_density, is_axisymmetric
+from isoembed.smooth.two_metric import area_density, is_axisymmetric, is_symmetric_about_z
 from isoembed.smooth.uncertain import Uncertainty
 from isoembed.surface.estimate import Estimate
 from isoembed.thresholds import threshold
@@ -51,7 +51,7 @@ def smooth_energies(data: SurfaceData, embedding: SmoothEmbedding) -> Energies:
     The quadrature's error is the change from fewer nodes; that of int k0 dA is twice the
     embedding's ``curvature_error``; and every integral is uncertain by what the lengths are.
     """
-    symmetric = embedding.harmonics.order < embedding.harmonics.degree
+    symmetric = embedding.harmonics.order < embedding.harmonics.degree and _lies_symmetrically(data)
     n = max(QUADRATURE.fewest, int(QUADRATURE.density * embedding.harmonics.degree))
     values, notes = _integrated(data, n, symmetric)
     reference = 2.0 * embedding.integrated_mean_curvature
@@ -69,7 +69,14 @@ def smooth_energies(data: SurfaceData, embedding: SmoothEmbedding) -> Energies:
 
 def intrinsic_energies(data: SurfaceData) -> Energies:
     """Energies of a surface that need no embedding."""
-    return _energies(data, *_integrated(data, QUADRATURE.fewest, is_axisymmetric(data.metric)))
+    symmetric = is_axisymmetric(data.metric) and _lies_symmetrically(data)
+    return _energies(data, *_integrated(data, QUADRATURE.fewest, symmetric))
+
+
+def _lies_symmetrically(data: SurfaceData) -> bool:
+    """Whether k and p are symmetric about the z-axis."""
+    functions = (data.mean_curvature, data.momentum)
+    return all(function is None or is_symmetric_about_z(function) for function in functions)
 
 
 def _energies(data: SurfaceData, values: dict[str, Estimate], notes: list[str]) -> Energies:
