@@ -33,7 +33,9 @@ def arrow(picture):
 
 
 def test_lengths_axes_and_values_can_be_read_off():
-    picture = placed_figure(PANEL, label="height", caption="a.gp     time 2", scale=Scale(2.0, (-1.0, 1.0)))
+    picture = placed_figure(
+        PANEL, label="height", caption="a.gp     time 2", scale=Scale(2.0, (-1.0, 1.0), (-2.0, 1.0))
+    )
     assert {"$x$", "$y$", "$z$", "1"} <= texts(picture)
     bar = picture.axes[0].lines[0].get_xydata()
     assert bar[1, 0] - bar[0, 0] == pytest.approx(1.0 / 2.0)  # the length 1, of a reach of 2
@@ -56,6 +58,11 @@ def test_a_sequence_has_one_scale():
     first, second = (placed_figure(panel, label="", scale=scale) for panel in (PANEL, half))
     np.testing.assert_allclose(extents(second), 0.5 * extents(first), rtol=1e-12)
     assert first.axes[0].get_xlim() == second.axes[0].get_xlim()
+    for picture in (first, second):
+        picture.canvas.draw()
+    bars = [np.array(picture.canvas.buffer_rgba())[:, 530:] for picture in (first, second)]
+    np.testing.assert_array_equal(*bars)
+    assert np.ptp(bars[0]) > 100
 
 
 def test_z_is_up_whatever_the_shape():

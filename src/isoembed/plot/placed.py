@@ -36,16 +36,22 @@ class Scale:
         The largest distance of a vertex from the origin.
     bounds : (float, float)
         Values at which the colors begin and end.
+    extremes : (float, float)
+        The least and the largest value.
     """
 
     reach: float
     bounds: tuple[float, float]
+    extremes: tuple[float, float]
 
     @classmethod
     def of(cls, surfaces: Sequence[Panel]) -> Scale:
         """The scale that shows all of some surfaces."""
         reach = max(float(np.linalg.norm(panel.vertices, axis=1).max()) for panel in surfaces)
-        return cls(reach, Quantity("", "", np.concatenate([panel.values for panel in surfaces])).bounds)
+        values = np.concatenate([panel.values for panel in surfaces])
+        return cls(
+            reach, Quantity("", "", values).bounds, (float(np.nanmin(values)), float(np.nanmax(values)))
+        )
 
 
 def placed_figure(
@@ -100,7 +106,7 @@ def placed_figure(
     if arrow is not None:
         _draw_arrow(axes, np.asarray(arrow, dtype=np.float64), panel.vertices / scale.reach, name)
     bar = picture.add_axes((0.83, 0.22, 0.022, 0.68))
-    color_bar(picture, bar, colors, panel.values)
+    color_bar(picture, bar, colors, np.array(scale.extremes))
     bar.set_ylabel(label, color=INK, labelpad=6, fontsize=11)
     picture.text(0.5, 0.06, caption, ha="center", va="center", fontsize=10, color=INK)
     return picture
