@@ -28,7 +28,8 @@ class CircumferenceThresholds:
     settled: float = threshold(1e-13, "relative", "Change by more nodes that is none.")
     rounding: float = threshold(1e-14, "relative", "Rounding in sums over nodes.")
     steps: int = threshold(30, "count", "Newton steps towards a circle, at most.")
-    near: float = threshold(1e-14, "radians", "Step towards a circle that is none.")
+    near: float = threshold(4e-15, "absolute", "Miss of zeta that is none.")
+    step: float = threshold(1e-3, "radians", "Between circles whose parabola tells the longest.")
     finer: int = threshold(8, "relative", "Places where the longest circle is sought, over the circles.")
 
 
@@ -70,15 +71,18 @@ class Circumferences:
         """
         t, atlas = CIRCUMFERENCE, _Atlas.of(metric, zeta)
         most = t.highest_symmetric if zeta.axisymmetric else t.highest
-        n, before = t.fewest, np.full(3, np.inf)
+        n, before = t.fewest, np.full(2, np.inf)
         while True:
-            values, bounds = atlas.lengths(n)
+            speed, _ = atlas.circles(np.zeros(1), np.array([0.5 * np.pi]), atlas.around(n))
+            values = np.array([2.0 * np.pi * speed.mean(), atlas.meridian(n)])
             change = np.abs(values - before)
             if np.all(change <= t.settled * values) or t.denser * n > most:
                 break
             n, before = int(t.denser * n), values
-        errors = change + (t.rounding + relative_error + zeta.error) * values
-        equatorial, longest, polar = (Estimate(*pair) for pair in zip(values, errors, strict=True))
+        relative = t.rounding + relative_error + zeta.error
+        equatorial, polar = (Estimate(v, c + relative * v) for v, c in zip(values, change, strict=True))
+        longest, bounds = atlas.extremes(n)
+        longest = Estimate(max(longest.value, equatorial.value), longest.error + equatorial.error)
         return cls(equatorial, longest, polar, bounds)
 
     @property
@@ -122,37 +126,68 @@ class _Atlas:
         frame = np.stack([axis, across, np.cross(axis, across)])
         return cls(metric, zeta, frame, boost)
 
-    def lengths(self, n: int) -> tuple[Floats, tuple[float, float]]:
-        """Lengths of the equator, the longest of n circles and the mean meridian; bounds of the last."""
-        around = CIRCUMFERENCE.around if self.zeta.axisymmetric else 2 * n
+    def around(self, n: int) -> int:
+        """Number of nodes on each of n circles."""
+        return CIRCUMFERENCE.around if self.zeta.axisymmetric else 2 * n
+
+    def meridian(self, n: int) -> float:
+        """Twice the mean length of meridians: ``2 int dzeta`` of the means of ``1 / |grad zeta|`` on circles.
+
+        Each counts by the area between it and the next, whose Legendre series in zeta is that of moments.
+        """
         x, weights = legendre.leggauss(n)
+        psi = 2.0 * np.pi / self.around(n) * np.arange(self.around(n))
+        theta, psi = (a.ravel() for a in np.meshgrid(0.5 * np.pi * (1.0 + x), psi, indexing="ij"))
+        u, along, across = self._placed(theta, psi)
+        value, gradient = self.zeta.derivatives(u)
+        slope, density = self._measured(u, gradient)
+        dA = np.repeat(weights, self.around(n)) * density * np.linalg.norm(np.cross(along, across), axis=1)
+        north, south = self.zeta.derivatives(np.stack(self.zeta.poles))[0]
+        half = 0.5 * (north - south)
+        l = np.arange(n // 2)
+        P = legendre.legvander((value - south) / half - 1.0, l[-1])
+        return float(2.0 * half * np.sum(dA / (slope * (P @ ((l + 0.5) * (dA @ P))))))
+
+    def extremes(self, n: int) -> tuple[Estimate, tuple[float, float]]:
+        """The length of the longest circle of latitude, of n nodes, and bounds of meridians."""
+        m = CIRCUMFERENCE.fewest
+        x, weights = legendre.leggauss(m)
         theta = 0.5 * np.pi * (1.0 + x)
-        # Circles through even heights on one meridian psi = 0, on which no zeta has to be solved for.
-        u, along, _ = self._placed(theta, np.zeros(n))
-        levels, gradient = self.zeta.derivatives(u)
-        fall = np.abs(np.einsum("ni,ni->n", gradient, along))
-        speed, slope, spread = self._circles(levels, theta, around)
+        levels, fall = self._on_meridian(theta)
+        speed, slope = self.circles(levels, theta, self.around(m))
         rate = (0.5 * np.pi * weights * fall)[:, None] / slope
-        polar = 2.0 * float(np.average(rate, axis=1, weights=spread).sum())
         bounds = 2.0 * float(rate.min(axis=1).sum()), 2.0 * float(rate.max(axis=1).sum())
         # Their lengths as a polynomial in x tell the place of the longest.
-        l = np.arange(n)
-        series = (l + 0.5) * (legendre.legvander(x, n - 1).T @ (weights * speed.mean(axis=1)))
-        fine = np.linspace(-1.0, 1.0, CIRCUMFERENCE.finer * n)
+        l = np.arange(m)
+        series = (l + 0.5) * (legendre.legvander(x, m - 1).T @ (weights * speed.mean(axis=1)))
+        fine = np.linspace(-1.0, 1.0, CIRCUMFERENCE.finer * m)
         k = int(np.clip(np.argmax(legendre.legval(fine, series)), 1, len(fine) - 2))
         place = minimize_scalar(
             lambda y: -legendre.legval(y, series), bounds=(fine[k - 1], fine[k + 1]), method="bounded"
         ).x
-        start = np.array([theta[np.argmin(np.abs(levels))], 0.5 * np.pi * (1.0 + place)])
-        chosen = np.array([0.0, self.zeta.derivatives(self._placed(start[1:], np.zeros(1))[0])[0][0]])
-        equator, longest = 2.0 * np.pi * self._circles(chosen, start, around)[0].mean(axis=1)
-        return np.array([equator, max(equator, longest), polar]), bounds
+        start = 0.5 * np.pi * (1.0 + place) + CIRCUMFERENCE.step * np.arange(-1.0, 2.0)
+        speed, _ = self.circles(self._on_meridian(start)[0], start, self.around(n))
+        below, there, above = 2.0 * np.pi * speed.mean(axis=1)
+        shift = (above - below) ** 2 / (8.0 * (below - 2.0 * there + above))
+        return Estimate(there - shift, abs(shift)), bounds
 
-    def _circles(self, levels: Floats, start: Floats, around: int) -> tuple[Floats, Floats, Floats]:
-        """Circles of latitude, each array (m, around) at even angles psi about the poles.
+    def _on_meridian(self, theta: Floats) -> tuple[Floats, Floats]:
+        """Zeta (n,) at angles from the pole on psi = 0, and how fast it falls with them."""
+        u, along, _ = self._placed(theta, np.zeros(len(theta)))
+        value, gradient = self.zeta.derivatives(u)
+        return value, np.abs(np.einsum("ni,ni->n", gradient, along))
 
-        The lengths of their velocities in psi; that of the gradient of zeta; and dA over dpsi dzeta.
-        Newton's method starts from the angles theta (m,).
+    def _measured(self, u: Floats, gradient: Floats) -> tuple[Floats, Floats]:
+        """The length (n,) that the metric gives to a gradient, and its area over that of the sphere."""
+        q = self.metric.tensor(u)
+        along = np.einsum("nai,ni->na", orthonormal_frame(u, q), gradient)
+        return np.linalg.norm(along, axis=1), area_density(q)
+
+    def circles(self, levels: Floats, start: Floats, around: int) -> tuple[Floats, Floats]:
+        """Circles of latitude at even angles psi about the poles.
+
+        The lengths of their velocities in psi, and that of the gradient of zeta, each (m, around).  Newton's
+        method starts from the angles theta (m,).
         """
         psi = np.tile(2.0 * np.pi / around * np.arange(around), len(levels))
         wanted, theta = np.repeat(levels, around), np.repeat(start, around)
@@ -160,18 +195,15 @@ class _Atlas:
             u, along, across = self._placed(theta, psi)
             value, gradient = self.zeta.derivatives(u)
             fall = np.einsum("ni,ni->n", gradient, along)
-            step = (wanted - value) / fall
-            if np.abs(step).max() <= CIRCUMFERENCE.near:
+            missed = wanted - value
+            if np.abs(missed).max() <= CIRCUMFERENCE.near:
                 break
-            theta = np.clip(theta + step, 0.5 * theta, 0.5 * (np.pi + theta))
+            theta = np.clip(theta + missed / fall, 0.5 * theta, 0.5 * (np.pi + theta))
         turn = -np.einsum("ni,ni->n", gradient, across) / fall
-        q = self.metric.tensor(u)
         velocity = turn[:, None] * along + across
-        speed = np.sqrt(np.einsum("ni,nij,nj->n", velocity, q, velocity))
-        slope = np.linalg.norm(np.einsum("nai,ni->na", orthonormal_frame(u, q), gradient), axis=1)
-        area = area_density(q) * np.linalg.norm(np.cross(along, across), axis=1)
-        shape = len(levels), around
-        return speed.reshape(shape), slope.reshape(shape), np.abs(area / fall).reshape(shape)
+        speed = np.sqrt(np.einsum("ni,nij,nj->n", velocity, self.metric.tensor(u), velocity))
+        slope, _ = self._measured(u, gradient)
+        return speed.reshape(-1, around), slope.reshape(-1, around)
 
     def _placed(self, theta: Floats, psi: Floats) -> tuple[Floats, Floats, Floats]:
         """The directions u (n, 3) at angles about the poles, and their derivatives in theta and psi."""
