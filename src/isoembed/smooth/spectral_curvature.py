@@ -28,6 +28,7 @@ class SpectralCurvatureThresholds:
     highest_symmetric: int = threshold(512, "count", "The same for axisymmetric metrics.")
     settled: float = threshold(1e-15, "relative", "Size of the highest harmonics that are rounding.")
     nothing: float = threshold(5e-17, "relative", "Size of harmonics that are left out.")
+    uncertain: float = threshold(0.1, "error of lengths", "The same two, where lengths are uncertain.")
     rounding: float = threshold(2e-15, "relative", "Rounding in the harmonics of a metric.")
 
 
@@ -44,7 +45,7 @@ def spectral_curvature(metric: TwoMetric, relative_error: float = 0.0) -> Uncert
     ----------
     metric : TwoMetric
     relative_error : float
-        The uncertainty of its lengths: harmonics that are smaller are not sought.
+        The uncertainty of its lengths: harmonics that are much smaller are not sought.
 
     Returns
     -------
@@ -91,8 +92,9 @@ def _series(metric: TwoMetric, relative_error: float) -> tuple[Harmonics, Floats
         harmonics, coefficients = found[0][1], np.column_stack([c for c, _ in found])
         sizes = np.abs(coefficients).max(axis=1)
         size, high = sizes.max(), harmonics.labels[0] > 3 * degree // 4
-        if sizes[high].max() <= max(t.settled, relative_error) * size:
-            fewer = trimmed(sizes, harmonics, sizes > max(t.nothing, relative_error) * size)[1]
+        if sizes[high].max() <= max(t.settled, t.uncertain * relative_error) * size:
+            needed = sizes > max(t.nothing, t.uncertain * relative_error) * size
+            fewer = trimmed(sizes, harmonics, needed)[1]
             return fewer, resized(coefficients, harmonics, fewer), True
         if 2 * degree > most:
             return harmonics, coefficients, False

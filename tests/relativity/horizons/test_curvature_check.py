@@ -9,6 +9,7 @@ from isoembed.relativity import (
     CurvatureCheck,
     Horizon,
     IsotropicSchwarzschild,
+    KerrNewmanHorizon,
     KerrSchild,
     StarSurface,
     embed_horizons,
@@ -16,6 +17,7 @@ from isoembed.relativity import (
     read_spectre,
 )
 from isoembed.relativity.horizons.curvature_check import brought_curvature
+from isoembed.smooth import GridMetric
 from places import SHARED
 
 SPECTRE = SHARED / "real" / "spectre_SurfaceTestData.h5"
@@ -142,3 +144,18 @@ def test_a_file_of_spectre():
     assert right.agrees and right.relative < 1e-5
     for wrong in (KerrSchild(1.0, (0.0, 0.0, 0.21)), KerrSchild(1.001, (0.0, 0.0, 0.2))):
         assert not check(shape, wrong).agrees
+
+
+@pytest.mark.parametrize("name", ["gaussian_curvature", "RicciScalar"])
+def test_a_file_with_a_metric_on_a_grid_brings_it(tmp_path, name):
+    horizon = KerrNewmanHorizon(1.0, 0.6)
+    grid = GridMetric.sampled(horizon, 32, 64)
+    theta, phi = np.meshgrid(grid.theta, grid.phi, indexing="ij")
+    u = np.stack([np.sin(theta) * np.cos(phi), np.sin(theta) * np.sin(phi), np.cos(theta)], axis=-1)
+    K = horizon.gaussian_curvature(u.reshape(-1, 3)).reshape(theta.shape)
+    q = {part: getattr(grid, part) for part in ("theta", "phi", "q_tt", "q_tp", "q_pp")}
+    for factor in (1.0, 1.01):
+        np.savez(tmp_path / "grid.npz", **q, **{name: factor * K * (2.0 if name == "RicciScalar" else 1.0)})
+        found = Horizon.of(read_horizon(tmp_path / "grid.npz")).curvature_check
+        assert found.agrees == (factor == 1.0)
+        assert found.relative < 1e-8 or factor != 1.0

@@ -13,8 +13,9 @@ from typing import Any
 import numpy as np
 
 from isoembed.arrays import Floats
+from isoembed.meshing.sphere import fibonacci_directions
 from isoembed.relativity.horizons.coordinate_shape import CoordinateShape
-from isoembed.relativity.spacetimes.surface_data import SurfaceData
+from isoembed.relativity.spacetimes.surface_data import SurfaceData, error_of
 from isoembed.smooth.spectral_curvature import spectral_curvature
 from isoembed.smooth.transforms import fitted
 from isoembed.thresholds import threshold
@@ -25,6 +26,8 @@ class CurvatureCheckThresholds:
     """Thresholds of the comparison of curvatures."""
 
     apart: float = threshold(5.0, "expected", "Root-mean-square difference that errors do not explain.")
+    directions: int = threshold(400, "count", "Directions at which functions are compared.")
+    fewest: int = threshold(8, "count", "Points fewer than these tell nothing.")
     never: float = threshold(0.05, "relative", "Root-mean-square difference that nothing excuses.")
 
 
@@ -61,32 +64,43 @@ class CurvatureCheck:
     expected: float
 
     @classmethod
-    def of(cls, found: CoordinateShape, data: SurfaceData) -> CurvatureCheck | None:
-        """The check of a surface that was made of the points of a file.
+    def of(cls, data: SurfaceData, found: CoordinateShape | None = None) -> CurvatureCheck | None:
+        """The check of a surface from a file.
 
         Parameters
         ----------
-        found : CoordinateShape
-            Points, with the fields of the file.
         data : SurfaceData
-            The surface in its slice, whose directions are those of the points from the center.
+            The surface in its slice, with a ``gaussian_curvature`` if there is nothing more.
+        found : CoordinateShape, optional
+            The points that it was made of, and fields there; its directions are those from the center.
 
         Returns
         -------
         CurvatureCheck or None
             None if there is no curvature in the file.
         """
-        field, given = brought_curvature(found.fields) or ("", np.empty(0))
-        known = np.isfinite(given)
-        if not known.any():
+        if found is None:
+            brought = data.gaussian_curvature
+            u = fibonacci_directions(CURVATURE_CHECK.directions)
+            return brought and cls._between(
+                "gaussian_curvature", brought(u), error_of(brought).pointwise, u, data
+            )
+        field, given = brought_curvature(found.fields)
+        if given is None:
             return None
+        known = np.isfinite(given)
         u = found.points[known] - found.center
-        return cls._between(field, given[known], u / np.linalg.norm(u, axis=1)[:, None], data)
+        u /= np.linalg.norm(u, axis=1)[:, None]
+        if len(u) < CURVATURE_CHECK.fewest:
+            return None
+        _, _, noise = fitted(u, given[known], np.ones(len(u)))
+        return cls._between(field, given[known], noise, u, data)
 
     @classmethod
-    def _between(cls, field: str, given: Floats, u: Floats, data: SurfaceData) -> CurvatureCheck:
+    def _between(
+        cls, field: str, given: Floats, noise: float, u: Floats, data: SurfaceData
+    ) -> CurvatureCheck:
         K = spectral_curvature(data.metric, data.lengths_error.mean)
-        _, _, noise = fitted(u, given, np.ones(len(u)))
         difference = K(u) - given
         largest = float(np.abs(difference).max())
         return cls(field, largest, _rms(difference), _rms(given), K.error.pointwise + noise)
@@ -125,8 +139,8 @@ class CurvatureCheck:
         )
 
 
-def brought_curvature(fields: Mapping[str, Floats]) -> tuple[str, Floats] | None:
-    """The field of a file that tells the Gaussian curvature, and that curvature; None if none does.
+def brought_curvature(fields: Mapping[str, Any]) -> tuple[str, Floats | None]:
+    """The field of a file that tells the Gaussian curvature, and that curvature, or None.
 
     Notes
     -----
@@ -137,10 +151,10 @@ def brought_curvature(fields: Mapping[str, Floats]) -> tuple[str, Floats] | None
     """
     for name, factor in CURVATURES.items():
         if name in fields:
-            return name, factor * fields[name]
+            return name, factor * np.asarray(fields[name], dtype=np.float64)
     parts = [f"{part}{name}" for name in SPIN_COEFFICIENTS for part in ("re", "im")]
     if any(name not in fields for name in (PSI_2, *parts)):
-        return None
+        return "", None
     rho, mu, sigma, lambda_ = (fields[f"re{name}"] + 1j * fields[f"im{name}"] for name in SPIN_COEFFICIENTS)
     return PSI_2, 2.0 * (-fields[PSI_2] + np.real(rho * mu - sigma * lambda_))
 

@@ -11,6 +11,7 @@ from isoembed.io.hdf5 import HDF5_ENDINGS
 from isoembed.io.input_file import InputFile, opened
 from isoembed.io.metric import read_metric
 from isoembed.metric.polyhedral import PolyhedralMetric
+from isoembed.relativity.horizons.curvature_check import brought_curvature
 from isoembed.relativity.horizons.horizon_format import HorizonFormat
 from isoembed.relativity.spacetimes.surface_data import SurfaceData
 from isoembed.smooth.grid_metric import GridMetric
@@ -52,7 +53,8 @@ def read_grid_data(path: str | os.PathLike[str]) -> SurfaceData:
         ``.npz``, or ``.h5`` or ``.hdf5`` with everything at the top or in one group.  It holds ``theta``
         (n,), ``phi`` (m,), and ``q_tt``, ``q_tp``, ``q_pp`` (n, m) as `GridMetric` takes them; ``q_tp`` may
         be left out where it is 0.  Besides, ``k``, ``p`` (n, m), and ``j_t`` and ``j_p``, the components of
-        K(., n) for theta and phi: see `SurfaceData`.
+        K(., n) for theta and phi: see `SurfaceData`; and a Gaussian curvature to compare with that of the
+        metric, as `CurvatureCheck` knows it.
 
     Returns
     -------
@@ -76,6 +78,7 @@ def read_grid_data(path: str | os.PathLike[str]) -> SurfaceData:
             "mean_curvature": tables.get("k"),
             "momentum": tables.get("p"),
             "normal_momentum": None if missing else [tables["j_t"], tables["j_p"]],
+            "gaussian_curvature": brought_curvature(tables)[1],
         }
         try:
             return SurfaceData(_metric(file, tables), **there, name=str(file))

@@ -97,7 +97,7 @@ class Horizon:
         if isinstance(found, SurfaceData):
             if geometry is not None:
                 raise InvalidParameter(f"{name} holds a metric of its own: it needs no geometry")
-            return cls(replace(found, marginal=True, name=name), {})
+            return cls(replace(found, marginal=True, name=name), {}, CurvatureCheck.of(found))
         if geometry is None:
             raise InvalidParameter(f"{found.contents}: name its geometry")
         surface = StarSurface.from_points(
@@ -110,5 +110,5 @@ class Horizon:
             "mean_coordinate_radius": test["mean_coordinate_radius"],
             **{"misfit": surface.misfit, **test},
         }
-        check = CurvatureCheck.of(found, data)
+        check = CurvatureCheck.of(data, found)
         return cls(replace(data, marginal=test["marginal"]), facts, check)

@@ -64,6 +64,9 @@ class SurfaceData:
         Takes u and returns the points (n, 3) of the surface in coordinates of the slice that are nearly
         Cartesian: the embedded surface is turned onto them.  None where they are not known: it is turned onto
         the directions.
+    gaussian_curvature : callable, optional
+        Takes u and returns K (n,) as others than the metric tell it, to be compared with that of the metric:
+        see `isoembed.relativity.CurvatureCheck`.
     name : str
         For reports.
     notes : tuple of str
@@ -86,11 +89,13 @@ class SurfaceData:
     marginal: bool = False
     relative_error: float = None  # type: ignore[assignment] # a number once the data are made
     shape: Callable[[Floats], Floats] | None = None
+    gaussian_curvature: Callable[[Floats], Floats] | None = None
     name: str = ""
     notes: tuple[str, ...] = ()
 
     def __post_init__(self) -> None:
-        for field, name in (("mean_curvature", "k"), ("momentum", "p"), ("normal_momentum", "j")):
+        named = {"mean_curvature": "k", "momentum": "p", "normal_momentum": "j", "gaussian_curvature": "K"}
+        for field, name in named.items():
             object.__setattr__(self, field, self._function(getattr(self, field), field, name))
         if isinstance(self.metric, GridMetric):
             object.__setattr__(self, "notes", tuple(dict.fromkeys((*self.metric.notes, *self.notes))))
