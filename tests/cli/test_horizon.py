@@ -42,13 +42,27 @@ def test_a_horizon_in_kerr_schild_coordinates(run):
     assert os.listdir() == ["h.t0.ah1.gp"]
 
 
-def test_about_an_axis_across_the_spin_there_is_no_angular_momentum(run):
-    write_kerr("h.gp", (0.0, 0.0, 0.5))
-    status, out, _ = run("h.gp", *KERR_SCHILD, "--spin", 0, 0, 0.5, "--axis", 3, 4, 0, "--json")
+def test_the_axis_is_found_whatever_axis_is_given(run):
+    spin = np.array((0.0, 0.3, 0.4))
+    write_kerr("h.gp", tuple(spin))
+    geometry = [*KERR_SCHILD, "--spin", *spin]
+    status, out, _ = run("h.gp", *geometry, "--json")
     found = strict(out)
     assert status == 0
     check(found, 0.5)
-    assert found["christodoulou_mass"] == pytest.approx(found["irreducible_mass"], abs=1e-7)
+    assert abs(found["spin"]["J"] - 0.5) <= found["spin"]["error"] <= 1e-6
+    assert np.linalg.norm(np.cross(found["spin"]["axis"], spin / 0.5)) <= found["spin"]["axis_error"] <= 1e-4
+    np.testing.assert_allclose(found["spin"]["vector"], spin, atol=1e-6)
+    assert "given_axis" not in found["spin"] and not found["notes"]
+    assert abs(found["christodoulou_mass"] - 1.0) <= found["errors"]["christodoulou_mass"] <= 1e-6
+    assert abs(found["dimensionless_spin"] - 0.5) <= found["errors"]["dimensionless_spin"] <= 1e-6
+    status, out, _ = run("h.gp", *geometry, "--axis", 3, 4, 0)
+    assert status == 0
+    assert "note: about the axis that was given J is 0.24, and 0.5 about the one that was found" in out
+    lines = {line[:26].rstrip(): line[26:] for line in out.splitlines()}
+    assert abs(float(lines["Christodoulou mass"].split()[0]) - 1.0) < 1e-6
+    assert abs(float(lines["angular momentum J"].split()[0]) - 0.5) < 1e-6
+    assert "(0, 0.6, 0.8)" in out
 
 
 def test_what_is_written(run):

@@ -59,7 +59,7 @@ def configure(parser: argparse.ArgumentParser) -> None:
         type=float,
         nargs=3,
         metavar=("X", "Y", "Z"),
-        help="the axis of the angular momentum (default that of --spin, or z)",
+        help="an axis to tell the angular momentum about, besides the one that is found",
     )
     parser.add_argument("--time", type=float, metavar="T", help="which slice of a SpECTRE file with several")
     parser.add_argument("--surface", metavar="NAME", help="which surface of a SpECTRE file with several")
@@ -75,6 +75,8 @@ def configure(parser: argparse.ArgumentParser) -> None:
 def run(options: argparse.Namespace) -> int:
     """Embed the horizons one after the other; return the exit status."""
     number = vertices(options)
+    if options.axis and not any(options.axis):
+        raise UsageError("--axis 0 0 0 is no axis")
     geometry = _geometry(options)
     stems = _stems(options.files)
     horizons = [_horizon(name, options, geometry) for name in options.files]
@@ -168,13 +170,6 @@ def _geometry(options: argparse.Namespace) -> ThreeGeometry | None:
     return IsotropicSchwarzschild(mass) if name == "isotropic" else PainleveGullstrand(mass)
 
 
-def _axis(options: argparse.Namespace) -> tuple[float, float, float]:
-    given = options.axis or (options.spin if options.spin and any(options.spin) else (0.0, 0.0, 1.0))
-    if not any(given):
-        raise UsageError("--axis 0 0 0 is no axis")
-    return tuple(given)
-
-
 def _stems(files: list[str]) -> list[str]:
     """Names for what is written, one for each file."""
     stems = [Path(name).name.removesuffix(".gz").rsplit(".", 1)[0] or Path(name).name for name in files]
@@ -198,4 +193,4 @@ def _horizon(name: str, options: argparse.Namespace, geometry: ThreeGeometry | N
         raise UsageError(f"{name} holds a metric of its own: it needs no --geometry")
     if isinstance(found, CoordinateShape) and geometry is None:
         raise UsageError(f"{found.contents}: name it with --geometry")
-    return Horizon.of(found, geometry, axis=_axis(options), name=name)
+    return Horizon.of(found, geometry, axis=options.axis, name=name)

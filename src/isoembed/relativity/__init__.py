@@ -27,6 +27,7 @@ from isoembed.relativity.horizons.horizon_format import HorizonFormat
 from isoembed.relativity.horizons.horizon_shape import HorizonShape
 from isoembed.relativity.horizons.multipoles import Multipoles
 from isoembed.relativity.horizons.spectre import read_spectre
+from isoembed.relativity.horizons.spin import Spin, find_spin
 from isoembed.relativity.spacetimes.boosted import BoostedSchwarzschild, Superposed
 from isoembed.relativity.spacetimes.boyer_lindquist import BoyerLindquist
 from isoembed.relativity.spacetimes.cartesian_grid import CartesianGrid, read_cartesian_grid
@@ -69,6 +70,7 @@ __all__ = [
     "KerrSchild",
     "Multipoles",
     "PainleveGullstrand",
+    "Spin",
     "StarSurface",
     "Superposed",
     "SurfaceData",
@@ -80,6 +82,7 @@ __all__ = [
     "embeddability",
     "energy_table",
     "expansion_test",
+    "find_spin",
     "kerr_surface",
     "mesh_energies",
     "mesh_report",

@@ -89,17 +89,18 @@ class Harmonics:
         P = np.eye(3) - u[:, :, None] * u[:, None, :]
         return values, gradient - radial[:, None] * u, P @ hessian @ P - radial[:, None, None] * P
 
-    def second_along(self, u: Floats, tangents: Floats, coefficients: Floats) -> Floats:
+    def second_along(self, u: Floats, tangents: Floats, coefficients: Floats | None = None) -> Floats:
         """Hessians (n, k, k, c) on the unit sphere, in pairs of tangents (n, k, 3) at u (n, 3).
 
-        They are covariant, of c functions given by their coefficients (size, c).
+        They are covariant, of c functions given by their coefficients (size, c), or of the harmonics.
         """
         n, k = tangents.shape[:2]
-        out = np.empty((n, k, k, coefficients.shape[1]))
+        out = np.empty((n, k, k, self.size if coefficients is None else coefficients.shape[1]))
         chunk = max(1, CHUNK // self.size)
         for begin in range(0, n, chunk):
             part = slice(begin, begin + chunk)
-            _, *parts = (table.T @ coefficients for table in self._evaluated(u[part], 2))
+            tables = (table.T for table in self._evaluated(u[part], 2))
+            _, *parts = (table if coefficients is None else table @ coefficients for table in tables)
             x, y, z, xx, xy, xz, yz, zz = parts
             hessian = np.stack([np.stack([xx, xy, xz]), np.stack([xy, -xx, yz]), np.stack([xz, yz, zz])])
             radial = np.einsum("in,inc->nc", u[part].T, np.stack([x, y, z]))

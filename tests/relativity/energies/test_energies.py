@@ -112,16 +112,31 @@ def test_christodoulou_mass_is_the_mass(a, Q):
     assert found.christodoulou_mass.value == pytest.approx(1.0, abs=1e-14)
 
 
-@pytest.mark.parametrize("J", [0.2, 0.9])
-def test_errors_follow_by_the_derivative(J):
+@pytest.mark.parametrize(("J", "charge"), [(0.2, 0.0), (0.9, 0.0), (0.5, 0.6)])
+def test_errors_follow_by_the_derivative(J, charge):
+    def at(area, J):
+        return Energies.of(Integrals(area), angular_momentum=J, charge=charge)
+
     area, step = 40.0, 1e-3
-    lower, upper = (
-        Energies.of(Integrals(Estimate(area + s, 0.0)), angular_momentum=J) for s in (-step, step)
-    )
-    found = Energies.of(Integrals(Estimate(area, step)), angular_momentum=J)
-    for name in ("irreducible_mass", "christodoulou_mass"):
+    lower, upper = (at(Estimate(area + s, 0.0), J) for s in (-step, step))
+    found = at(Estimate(area, step), J)
+    for name in ("irreducible_mass", "christodoulou_mass", "dimensionless_spin"):
         change = abs(getattr(upper, name).value - getattr(lower, name).value) / 2.0
         assert getattr(found, name).error == pytest.approx(change, rel=1e-3)
+    lower, upper = (at(Estimate(area, 0.0), J + s) for s in (-step, step))
+    found = at(Estimate(area, 0.0), Estimate(J, step))
+    for name in ("christodoulou_mass", "dimensionless_spin"):
+        change = abs(getattr(upper, name).value - getattr(lower, name).value) / 2.0
+        assert change <= getattr(found, name).error <= 1.02 * change
+
+
+def test_without_spin_its_error_is_of_second_order_in_the_mass():
+    area, J = Estimate(16.0 * np.pi, 0.0), Estimate(0.0, 1e-3)
+    found = Energies.of(Integrals(area), angular_momentum=J)
+    assert found.christodoulou_mass.value == 1.0
+    assert np.sqrt(1.0 + 1e-6 / 4.0) - 1.0 <= found.christodoulou_mass.error <= 2e-7
+    assert found.dimensionless_spin.value == 0.0
+    assert found.dimensionless_spin.error == pytest.approx(1e-3, rel=1e-2)
 
 
 def test_lengths_that_are_uncertain_make_all_uncertain():

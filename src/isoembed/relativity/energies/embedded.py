@@ -11,6 +11,7 @@ from isoembed.errors import InvalidMetric, InvalidParameter
 from isoembed.relativity.energies.energies import Energies
 from isoembed.relativity.energies.quadrature import smooth_energies
 from isoembed.relativity.horizons.horizon_shape import shape_report
+from isoembed.relativity.horizons.spin import Spin, find_spin, spin_report
 from isoembed.relativity.spacetimes.surface_data import SurfaceData
 from isoembed.smooth.embedding import SmoothEmbedding
 from isoembed.smooth.solve import embed_smooth
@@ -19,6 +20,7 @@ from isoembed.thresholds import threshold
 CONVENTIONS = {
     "units": "geometric, G = c = 1, in the unit of the lengths",
     "integrated_mean_curvature": "int H dA with H = (k1 + k2)/2 in Euclidean space; int k0 dA is twice that",
+    "dimensionless_spin": "J / M^2, M the Christodoulou mass",
     "hawking": "sqrt(A/16 pi) (1 - int (k^2 - p^2) dA / 16 pi)",
     "brown_york": "int (k0 - k) dA / 8 pi",
     "liu_yau": "int (k0 - sqrt(k^2 - p^2)) dA / 8 pi",
@@ -56,7 +58,12 @@ class EmbeddedSurface:
     @cached_property
     def energies(self) -> Energies:
         """Area, int H dA and the quasi-local energies, each with its error."""
-        return smooth_energies(self.data, self.embedding)
+        return smooth_energies(self.data, self.embedding, self.spin if self.data.marginal else None)
+
+    @cached_property
+    def spin(self) -> Spin | None:
+        """The angular momentum and its axis; None where K(., n) is not known."""
+        return find_spin(self.data)
 
     @property
     def report(self) -> dict[str, Any]:
@@ -66,6 +73,7 @@ class EmbeddedSurface:
             "status": "embedded" if found.converged else "best fit",
             "name": self.data.name,
             **self.energies.report,
+            "spin": spin_report(self.data, self.spin),
             **shape_report(self.data),
             "embedding": {
                 "degree": found.harmonics.degree,

@@ -5,7 +5,8 @@ Units are geometric, G = c = 1; ``k = k1 + k2`` in the slice, ``k0 = k1 + k2 = 2
 
 ======================  ============================================================================
 irreducible mass        sqrt(A / 16 pi)
-Christodoulou mass      sqrt((m + Q^2 / 4 m)^2 + J^2 / 4 m^2), m the irreducible mass
+Christodoulou mass M    sqrt((m + Q^2 / 4 m)^2 + J^2 / 4 m^2), m the irreducible mass
+dimensionless spin      J / M^2
 Hawking energy          sqrt(A / 16 pi) (1 - int (k^2 - p^2) dA / 16 pi)
 Brown-York energy       int (k0 - k) dA / 8 pi
 Kijowski-Liu-Yau        int (k0 - sqrt(k^2 - p^2)) dA / 8 pi
@@ -78,6 +79,8 @@ class Energies:
     irreducible_mass : Estimate
     christodoulou_mass : Estimate or None
         None where the angular momentum is not known, or the surface is no horizon.
+    dimensionless_spin : Estimate or None
+        J over the square of the Christodoulou mass.
     hawking, brown_york, liu_yau : Estimate or None
     notes : tuple of str
         Why a number is missing or must be read with care.
@@ -87,6 +90,7 @@ class Energies:
     integrated_mean_curvature: Estimate | None
     irreducible_mass: Estimate
     christodoulou_mass: Estimate | None
+    dimensionless_spin: Estimate | None
     hawking: Estimate | None
     brown_york: Estimate | None
     liu_yau: Estimate | None
@@ -97,7 +101,7 @@ class Energies:
         cls,
         integrals: Integrals,
         *,
-        angular_momentum: float | None = None,
+        angular_momentum: Estimate | float | None = None,
         charge: float = 0.0,
         notes: tuple[str, ...] = (),
     ) -> Energies:
@@ -106,7 +110,7 @@ class Energies:
         Parameters
         ----------
         integrals : Integrals
-        angular_momentum : float, optional
+        angular_momentum : Estimate or float, optional
             J, in units of length^2.
         charge : float
             Q, in units of length.
@@ -116,14 +120,14 @@ class Energies:
         A, reference = integrals.area, integrals.reference
         m = np.sqrt(A.value / (16.0 * np.pi))
         irreducible = Estimate(m, 0.5 * m * (A.error / A.value))
-        christodoulou = None
+        christodoulou = dimensionless = None
         if angular_momentum is not None:
-            rest, spin = m + charge**2 / (4.0 * m), angular_momentum / (2.0 * m)
-            total = np.hypot(rest, spin)
-            slope = (rest * (1.0 - charge**2 / (4.0 * m**2)) - spin**2 / m) / total
-            # Where the slope vanishes, at the extreme, the second order and rounding are left.
-            second = irreducible.error / m * irreducible.error
-            christodoulou = Estimate(total, abs(slope) * irreducible.error + second + ENERGY.rounding * total)
+            J = (
+                angular_momentum
+                if isinstance(angular_momentum, Estimate)
+                else Estimate(angular_momentum, 0.0)
+            )
+            christodoulou, dimensionless = _with_spin(irreducible, J, charge)
         hawking = None
         if integrals.squared is not None:
             fraction = integrals.squared.scaled(1.0 / (16.0 * np.pi))
@@ -134,7 +138,7 @@ class Energies:
             for part in (integrals.k, integrals.norm)
         )
         imc = reference and reference.scaled(0.5)
-        return cls(A, imc, irreducible, christodoulou, hawking, brown_york, liu_yau, notes)
+        return cls(A, imc, irreducible, christodoulou, dimensionless, hawking, brown_york, liu_yau, notes)
 
     @property
     def error_estimate(self) -> float:
@@ -155,6 +159,23 @@ class Energies:
             "error_estimate": self.error_estimate,
             "notes": list(self.notes),
         }
+
+
+def _with_spin(irreducible: Estimate, J: Estimate, charge: float) -> tuple[Estimate, Estimate]:
+    """The Christodoulou mass M, and J / M^2."""
+    m = irreducible.value
+    rest, spin = m + charge**2 / (4.0 * m), J.value / (2.0 * m)
+    M = float(np.hypot(rest, spin))
+    slope = (rest * (1.0 - charge**2 / (4.0 * m**2)) - spin**2 / m) / M  # of M along m
+    steep = spin / (2.0 * m * M)  # along J
+    # Where these vanish, at the extreme and without spin, the second order and rounding are left.
+    shrunk, turned = irreducible.error / m, J.error / (2.0 * m * M)
+    error = abs(slope) * irreducible.error + abs(steep) * J.error + (shrunk**2 + 0.5 * turned**2) * M
+    mass = Estimate(M, error + ENERGY.rounding * M)
+    ratio = J.value / M / M
+    error = abs(2.0 * ratio * slope / M) * irreducible.error
+    error += abs(1.0 - 2.0 * ratio * M * steep) / M * (J.error / M)
+    return mass, Estimate(ratio, error + 2.0 * (shrunk + turned) ** 2 + ENERGY.rounding)
 
 
 def norm_hindrance(

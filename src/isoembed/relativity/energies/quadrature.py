@@ -11,6 +11,7 @@ from isoembed.arrays import Floats
 from isoembed.errors import InvalidParameter
 from isoembed.meshing.sphere import gauss_rule
 from isoembed.relativity.energies.energies import Energies, Integrals, norm_hindrance
+from isoembed.relativity.horizons.spin import Spin
 from isoembed.relativity.spacetimes.surface_data import SurfaceData, error_of
 from isoembed.smooth.embedding import SmoothEmbedding
 from isoembed.smooth.isometry import ISOMETRY
@@ -37,7 +38,7 @@ class QuadratureThresholds:
 QUADRATURE = QuadratureThresholds()
 
 
-def smooth_energies(data: SurfaceData, embedding: SmoothEmbedding) -> Energies:
+def smooth_energies(data: SurfaceData, embedding: SmoothEmbedding, spin: Spin | None = None) -> Energies:
     """Energies of a surface with a smooth embedding.
 
     Parameters
@@ -45,6 +46,8 @@ def smooth_energies(data: SurfaceData, embedding: SmoothEmbedding) -> Energies:
     data : SurfaceData
     embedding : SmoothEmbedding
         Of ``data.metric``.
+    spin : Spin, optional
+        Of the surface: its J makes the Christodoulou mass of a horizon.
 
     Notes
     -----
@@ -64,13 +67,13 @@ def smooth_energies(data: SurfaceData, embedding: SmoothEmbedding) -> Energies:
     if not embedding.converged:
         error += embedding.residual * abs(reference)
         notes.append(f"not an embedding, but the best fit: lengths are off by up to {embedding.residual:.1e}")
-    return _energies(data, {**values, "reference": Estimate(reference, error)}, notes)
+    return _energies(data, {**values, "reference": Estimate(reference, error)}, notes, spin)
 
 
-def intrinsic_energies(data: SurfaceData) -> Energies:
+def intrinsic_energies(data: SurfaceData, spin: Spin | None = None) -> Energies:
     """Energies of a surface that need no embedding."""
     symmetric = is_axisymmetric(data.metric) and _lies_symmetrically(data)
-    return _energies(data, *_integrated(data, QUADRATURE.fewest, symmetric))
+    return _energies(data, *_integrated(data, QUADRATURE.fewest, symmetric), spin)
 
 
 def _lies_symmetrically(data: SurfaceData) -> bool:
@@ -79,10 +82,19 @@ def _lies_symmetrically(data: SurfaceData) -> bool:
     return all(function is None or is_symmetric_about_z(function) for function in functions)
 
 
-def _energies(data: SurfaceData, values: dict[str, Estimate], notes: list[str]) -> Energies:
+def _energies(
+    data: SurfaceData, values: dict[str, Estimate], notes: list[str], spin: Spin | None
+) -> Energies:
+    about = data.angular_momentum
+    J = about if spin is None or (about is not None and data.axis is None) else spin.J
+    if spin is not None and data.axis is not None and about is not None and spin.misses(about):
+        notes.append(
+            f"about the axis that was given J is {about:.6g}, "
+            f"and {spin.J.value:.6g} about the one that was found"
+        )
     return Energies.of(
         Integrals(**values),
-        angular_momentum=data.angular_momentum if data.marginal else None,
+        angular_momentum=J if data.marginal else None,
         charge=data.charge,
         notes=(*data.notes, *notes),
     )

@@ -11,6 +11,7 @@ from isoembed.relativity.energies.quadrature import intrinsic_energies
 from isoembed.relativity.energies.wang_yau_energy import WangYau, wang_yau
 from isoembed.relativity.horizons.horizon import Horizon
 from isoembed.relativity.horizons.horizon_shape import shape_lines, shape_report
+from isoembed.relativity.horizons.spin import find_spin, spin_report
 from isoembed.relativity.spacetimes.surface_data import SurfaceData
 from isoembed.surface.embedding import Embedding
 from isoembed.surface.smooth_integrals import Lengths
@@ -20,6 +21,7 @@ SHOWN = {
     "integrated_mean_curvature": "int H dA, H = (k1 + k2)/2",
     "irreducible_mass": "irreducible mass",
     "christodoulou_mass": "Christodoulou mass",
+    "dimensionless_spin": "dimensionless spin J / M^2",
     "hawking": "Hawking energy",
     "brown_york": "Brown-York energy",
     "liu_yau": "Kijowski-Liu-Yau energy",
@@ -34,6 +36,11 @@ def energy_table(report: dict[str, Any]) -> str:
     for name, shown in SHOWN.items():
         if report.get(name) is not None:
             lines.append(f"{shown:{width}}  {report[name]:<22.15g} +- {report['errors'][name]:.0e}")
+    if spin := report.get("spin"):
+        lines.append(f"{'angular momentum J':{width}}  {spin['J']:<22.15g} +- {spin['error']:.0e}")
+    if spin and spin["axis"]:
+        axis = ", ".join(f"{round(x, 6) + 0.0:g}" for x in spin["axis"])
+        lines.append(f"{'its axis':{width}}  {f'({axis})':<22} +- {spin['axis_error']:.0e} radians")
     lines += shape_lines(report)
     lines += ["", *(f"note: {note}" for note in report["notes"])]
     return "\n".join([*lines, CONVENTIONS["units"]])
@@ -41,11 +48,13 @@ def energy_table(report: dict[str, Any]) -> str:
 
 def unembedded_report(data: SurfaceData, error: NotEmbedded) -> dict[str, Any]:
     """Report of a surface that does not embed: why, and the energies that need no embedding."""
+    spin = find_spin(data)
     return {
         "status": "not embedded",
         "message": str(error),
         "name": data.name,
-        **intrinsic_energies(data).report,
+        **intrinsic_energies(data, spin).report,
+        "spin": spin_report(data, spin),
         **shape_report(data),
     }
 

@@ -124,9 +124,9 @@ class Functional:
         k, p, j = _physical(data, u, e)
         X0 = resized(embedding.coefficients, embedding.harmonics, harmonics)
         first = harmonics.along(u, e)[1]
-        second = _pairs(harmonics.second_along(u, e, np.eye(harmonics.size)))
+        second = _pairs(harmonics.second_along(u, e))
         gradients = time.along(u, e)[1][:, :, 1:]
-        flat = _pairs(time.second_along(u, e, np.eye(time.size)))[:, :, 1:]
+        flat = _pairs(time.second_along(u, e))[:, :, 1:]
         # (tau, X0) has the metric q in Minkowski space: the tangent part of its second derivatives is how q's
         # derivative differs from that of the sphere.
         drift = np.einsum("npc,nac->npa", second @ X0, first @ X0)

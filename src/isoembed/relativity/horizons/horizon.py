@@ -74,7 +74,7 @@ class Horizon:
         found: CoordinateShape | SurfaceData,
         geometry: ThreeGeometry | None = None,
         *,
-        axis: Sequence[float] = (0.0, 0.0, 1.0),
+        axis: Sequence[float] | None = None,
         name: str = "",
     ) -> Horizon:
         """The surface that a file holds.
@@ -85,8 +85,8 @@ class Horizon:
             From `isoembed.relativity.read_horizon`.
         geometry : ThreeGeometry, optional
             The slice; a grid has its metric, coordinates need one.
-        axis : sequence of 3 floats
-            Of the angular momentum.
+        axis : sequence of 3 floats, optional
+            That the angular momentum is asked about; by default it is found.
         name : str
 
         Raises

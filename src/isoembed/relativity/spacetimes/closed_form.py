@@ -12,7 +12,6 @@ from isoembed.relativity.spacetimes.surface_data import SurfaceData
 Slice = Literal["boyer-lindquist", "kerr-schild", "painleve-gullstrand"]
 
 SURFACES = "horizon, r=R and ergosphere=EPSILON"
-Z_AXIS = (0.0, 0.0, 1.0)
 
 
 def kerr_surface(
@@ -75,4 +74,4 @@ def kerr_surface(
     else:
         raise InvalidParameter(f"slice {slice}: there are boyer-lindquist, kerr-schild, painleve-gullstrand")
     name = f"{surface} of mass {mass:.9g} and spin {spin:.9g} in the slice {slice}"
-    return shape.data(geometry, Z_AXIS, marginal=kind == "horizon", name=name)
+    return shape.data(geometry, marginal=kind == "horizon", name=name)

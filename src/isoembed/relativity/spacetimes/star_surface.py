@@ -240,7 +240,8 @@ class StarSurface:
     def angular_momentum(self, geometry: ThreeGeometry, axis: Sequence[float]) -> float:
         """``J = 1 / (8 pi) int K_ij phi^i n^j dA``, a length squared, with ``phi = axis x (x - center)``.
 
-        It means something where phi is a symmetry of the surface, or nearly so.
+        It means something where phi is a symmetry of the surface, or nearly so.  The axis is found by
+        `isoembed.relativity.find_spin`.
 
         Parameters
         ----------
@@ -248,17 +249,12 @@ class StarSurface:
         axis : three floats
             Of any length but zero.
         """
-        a = np.array(vector("the axis", axis))
-        if not a.any():
-            raise InvalidParameter("the axis must not be zero")
-        a /= np.linalg.norm(a)
+        a = np.array(_unit("the axis", axis))
         n, before = self.harmonics.degree + 8, np.inf
         while True:
             u, weights = gauss_rule(n, 2 * n)
             frame = self.frame(geometry, u)
-            phi = np.cross(a, frame.r[:, None] * u)
-            density = np.einsum("ni,ni->n", phi, frame.curvature_along_normal)
-            density *= weights * area_density(frame.q) / (8.0 * np.pi)
+            density = frame.torque() @ a * weights * area_density(frame.q) / (8.0 * np.pi)
             J, size = float(density.sum()), float(np.abs(density).sum())
             if abs(J - before) <= STAR.settled * size or n > STAR.highest_degree:
                 return J
@@ -279,7 +275,8 @@ class StarSurface:
         ----------
         geometry : ThreeGeometry
         axis : three floats, optional
-            The axis of rotation for the angular momentum, which is left out without it.
+            The axis that the angular momentum is asked about.  By default it is found: see
+            `isoembed.relativity.find_spin`.
         marginal : bool
             The surface is a horizon: the mean curvature vector is null by definition.
         name : str
@@ -297,16 +294,20 @@ class StarSurface:
         if moves:
             frame.momentum()
         mean = self.coefficients[0] / np.sqrt(4.0 * np.pi)
+        about = None if axis is None else _unit("the axis", axis)
+        J = 0.0 if not moves else about and self.angular_momentum(geometry, about)
         return SurfaceData(
             metric=self.metric(geometry),
             mean_curvature=lambda u: self.mean_curvature(geometry, u),
             momentum=(lambda u: self.momentum(geometry, u)) if moves else None,
             normal_momentum=(lambda u: self.normal_momentum(geometry, u)) if moves else None,
-            angular_momentum=None if axis is None else self.angular_momentum(geometry, axis),
+            angular_momentum=J,
             marginal=marginal,
             relative_error=float(self.misfit / mean) + geometry.relative_error(frame.x),
             shape=self.points,
             name=name,
+            axis=about,
+            torque=(lambda u: self.frame(geometry, u).torque()) if moves else None,
         )
 
 
@@ -326,6 +327,16 @@ class InducedMetric:
     def tensor(self, u: Floats) -> Floats:
         """See `isoembed.smooth.TwoMetric`."""
         return self.surface.frame(self.geometry, u).q
+
+
+def _unit(what: str, given: Sequence[float]) -> tuple[float, float, float]:
+    """A vector of length one along a given one."""
+    x = np.array(vector(what, given))
+    if not x.any():
+        raise InvalidParameter(f"{what} must not be zero")
+    x /= np.abs(x).max()
+    a, b, c = map(float, x / np.linalg.norm(x))
+    return a, b, c
 
 
 def _directions(u: ArrayLike) -> Floats:

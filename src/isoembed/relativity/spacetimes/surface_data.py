@@ -52,7 +52,8 @@ class SurfaceData:
         whose products with velocities of u are its values; on a grid, the components (2, n, m) for theta and
         phi.  None where it vanishes.  Of all energies only that of Wang and Yau sees it.
     angular_momentum : float, optional
-        J, in units of length^2.
+        J, in units of length^2, where it is known: otherwise it is found from ``normal_momentum``, by
+        `isoembed.relativity.find_spin`.
     charge : float
         Q, in units of length.
     marginal : bool
@@ -71,6 +72,13 @@ class SurfaceData:
         For reports.
     notes : tuple of str
         What must be known to read the numbers; handed on to the energies.
+    axis : three floats, optional
+        A unit vector: the axis that J was asked about, ``angular_momentum`` being that.  By default the axis
+        is found.
+    torque : callable, optional
+        Takes u and returns ``K(e x (X - center), n)`` (n, 3), e the unit vectors along the coordinates x, y
+        and z of the slice: 8 pi times the densities of the angular momenta about these axes.  None where
+        there are no such coordinates.
 
     Raises
     ------
@@ -92,6 +100,8 @@ class SurfaceData:
     gaussian_curvature: Callable[[Floats], Floats] | None = None
     name: str = ""
     notes: tuple[str, ...] = ()
+    axis: tuple[float, float, float] | None = None
+    torque: Callable[[Floats], Floats] | None = None
 
     def __post_init__(self) -> None:
         named = {"mean_curvature": "k", "momentum": "p", "normal_momentum": "j", "gaussian_curvature": "K"}

@@ -80,6 +80,10 @@ class SurfaceFrame:
         pulled = np.einsum("nki,nk->ni", self._differential, self.curvature_along_normal)
         return pulled - np.einsum("ni,ni->n", pulled, self.u)[:, None] * self.u
 
+    def torque(self) -> Floats:
+        """``K(e x (X - center), n)`` (n, 3), e the unit vectors along x, y and z: see `SurfaceData`."""
+        return np.cross(self.r[:, None] * self.u, self.curvature_along_normal)
+
     @cached_property
     def _differential(self) -> Floats:
         return differential(self.u, self.r, self.slope)

@@ -1,0 +1,234 @@
+"""Spin of a surface: its angular momentum and the axis of it, from the metric and K(., n) on the surface.
+
+``J = 1 / 8 pi int K(phi, n) dA`` about a rotation phi.  Which rotation is that about the spin's axis?  Where
+the surface has one symmetry it is that, and J about the others vanishes.  Where the surface is nearly round,
+or has its shape from tides, the rotation that shears it least has little to do with the spin.  In both cases
+J is largest, among the three of `approximate_killing.rotations`, about the axis of the spin.  So the one with
+the largest J is taken, and its shear tells how good it is.  J is linear in the rotation: the largest is the
+length of the vector of the three J's, and no coordinates enter.  They do where the axis gets a direction:
+that is a moment of the potential, which noise hardly moves, as that of the curl of j in [1]_.
+
+References
+----------
+.. [1] R. Owen, A. S. Fox, J. A. Freiberg and T. P. Jacques, "Black hole spin axis in numerical relativity",
+   Phys. Rev. D 99 (2019) 084031, arXiv:1708.07325.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from isoembed.arrays import Floats
+from isoembed.errors import InvalidParameter
+from isoembed.relativity.horizons.approximate_killing import Rotations, rotations
+from isoembed.relativity.spacetimes.surface_data import SurfaceData
+from isoembed.smooth.two_metric import is_axisymmetric
+from isoembed.smooth.uncertain import UncertainFunction
+from isoembed.surface.estimate import Estimate
+from isoembed.thresholds import threshold
+
+
+@dataclass(frozen=True)
+class SpinThresholds:
+    """Thresholds of the spin of a surface."""
+
+    degrees: tuple[int, ...] = threshold(
+        (8, 12, 16, 22), "count", "Degrees of harmonics for rotations, one after the other."
+    )
+    symmetric_degrees: tuple[int, ...] = threshold(
+        (8, 16, 32, 64), "count", "The same where the metric is symmetric about the z-axis."
+    )
+    settled: float = threshold(
+        1e-11, "relative", "Change of J, or of its axis, by more harmonics that is none."
+    )
+    shear: float = threshold(1e-6, "shear", "Below this more harmonics are not tried for the sake of it.")
+    reduced: float = threshold(0.5, "relative", "A shear of which more harmonics leave this is real.")
+    symmetric: float = threshold(1e-6, "shear", "Below this, or the error of lengths, it is a symmetry.")
+    rounding: float = threshold(1e-14, "A / 4 pi", "Rounding in J.")
+    lengths: float = threshold(
+        2.0, "relative", "Error of an axis, or relative one of J, over that of lengths."
+    )
+    squared: float = threshold(2.0, "relative", "Error of J over the square of the shear.")
+    momentum: float = threshold(0.5, "relative", "Error of K(., n) over that of the lengths of a slice.")
+
+
+SPIN = SpinThresholds()
+
+
+@dataclass(frozen=True)
+class Spin:
+    """Angular momentum of a surface.
+
+    Attributes
+    ----------
+    J : Estimate
+        The magnitude, in units of length^2.
+    axis : three floats, or None
+        The unit vector that it is along, in the coordinates of the slice, or in the space of the directions u
+        where these are not known.  None where J is zero within its error.
+    axis_error : float or None
+        In radians.
+    vector : three floats
+        J about the axes x, y and z of these coordinates, the rotations being those of the coordinates: by
+        ``torque`` of the data, or of the directions u.
+    shear : float or None
+        How much the rotation about the axis shears the surface, 0 for a symmetry: see
+        `isoembed.relativity.horizons.approximate_killing.Rotations.shear`.
+    method : str
+        How the axis was found, in words.
+    """
+
+    J: Estimate
+    axis: tuple[float, float, float] | None
+    axis_error: float | None
+    vector: tuple[float, float, float]
+    shear: float | None
+    method: str
+
+    def misses(self, about: float) -> bool:
+        """Whether J about some axis, of either sign, is not the magnitude, whatever their errors."""
+        tilt = 0.0 if self.axis_error is None else 1.0 - np.cos(self.axis_error)
+        return bool(abs(self.J.value - abs(about)) > 2.0 * self.J.error + tilt * self.J.value)
+
+
+def find_spin(data: SurfaceData) -> Spin | None:
+    """Angular momentum of a surface and its axis.
+
+    Parameters
+    ----------
+    data : SurfaceData
+        Of which the metric and ``normal_momentum`` are used.
+
+    Returns
+    -------
+    Spin or None
+        None where K(., n) is not known.
+
+    Notes
+    -----
+    The errors hold the change by more harmonics; what ``relative_error`` and the error of K(., n) make; and
+    where the surface is not symmetric J times twice the square of the shear, and for the axis the shear.
+    Around a Kerr black hole, surfaces that are deformed at random have less, half of it and a quarter.
+    """
+    if data.normal_momentum is None:
+        if data.angular_momentum is None:
+            return None
+        J = Estimate(abs(data.angular_momentum), 0.0)
+        return Spin(J, None, None, (0.0, 0.0, 0.0), None, "K(., n) vanishes")
+    axisymmetric = is_axisymmetric(data.metric)
+    first, *others = SPIN.symmetric_degrees if axisymmetric else SPIN.degrees
+    trial = _Trial.of(data, data.normal_momentum, rotations(data.metric, first, axisymmetric))
+    for degree in others:
+        before = trial
+        trial = _Trial.of(data, data.normal_momentum, rotations(data.metric, degree, axisymmetric))
+        quiet = max(SPIN.settled * trial.J, trial.noise)
+        settled = max(abs(trial.J - before.J), trial.angle(before) * trial.J) <= quiet
+        if settled and (
+            trial.unexplained(before) <= max(SPIN.shear, data.relative_error)
+            or trial.shear > SPIN.reduced * before.shear
+        ):
+            break
+    return trial.spin(before, data.relative_error)
+
+
+def spin_report(data: SurfaceData, spin: Spin | None) -> dict[str, Any] | None:
+    """Plain numbers of a surface's spin, for JSON; with J about the axis that was asked for, if one was."""
+    if spin is None:
+        return None
+    found: dict[str, Any] = {
+        "J": spin.J.value,
+        "error": spin.J.error,
+        "axis": spin.axis and list(spin.axis),
+        "axis_error": spin.axis_error,
+        "vector": list(spin.vector),
+        "shear": spin.shear,
+        "method": spin.method,
+    }
+    if data.axis is not None:
+        found["given_axis"] = {"axis": list(data.axis), "J": data.angular_momentum}
+    return found
+
+
+@dataclass(frozen=True)
+class _Trial:
+    """The rotation about which J is largest, in harmonics of one degree.
+
+    Attributes
+    ----------
+    J, noise : float
+        And what errors of the data make of it.
+    axis : ndarray, shape (3,)
+    shear : float
+    largest_shear : float
+        The largest of the stationary shears.
+    vector : ndarray, shape (3,)
+    """
+
+    J: float
+    noise: float
+    axis: Floats
+    shear: float
+    largest_shear: float
+    vector: Floats
+
+    @classmethod
+    def of(cls, data: SurfaceData, momentum: Callable[[Floats], Floats], three: Rotations) -> _Trial:
+        u, dA = three.u, three.dA / (8.0 * np.pi)
+        j = np.asarray(momentum(u), dtype=np.float64)
+        if j.shape != u.shape:
+            raise InvalidParameter(
+                f"K(., n) at {len(u)} directions has the shape {j.shape}, not ({len(u)}, 3)"
+            )
+        each = np.einsum("n,ni,nik->k", dA, j, three.fields)
+        J = float(np.linalg.norm(each))
+        along = each / J if J > 0.0 else np.array([1.0, 0.0, 0.0])
+        phi = three.fields @ along
+        lengths, error = data.relative_error, SPIN.momentum * data.relative_error
+        if isinstance(momentum, UncertainFunction):
+            error += momentum.error.mean
+        noise = SPIN.rounding + error * float(dA @ np.linalg.norm(phi, axis=1))
+        noise += SPIN.lengths * lengths * float(dA @ np.abs(np.einsum("ni,ni->n", j, phi)))
+        axis = (dA * (three.potentials @ along)) @ (u if data.shape is None else data.shape(u))
+        vector = dA @ (np.cross(u, j) if data.torque is None else data.torque(u))
+        unit = three.area / (4.0 * np.pi)
+        return cls(
+            *(unit * J, unit * noise, axis / np.linalg.norm(axis)),
+            *(three.shear(along), float(three.least_shears[-1]), unit * vector),
+        )
+
+    def angle(self, other: _Trial) -> float:
+        """Between the axes of two."""
+        return float(np.arctan2(np.linalg.norm(np.cross(self.axis, other.axis)), self.axis @ other.axis))
+
+    def unexplained(self, before: _Trial) -> float:
+        """The shear that even more harmonics would leave, if they reduce it as these did those before."""
+        return self.shear * min(1.0, self.shear / before.shear if before.shear > 0.0 else 1.0)
+
+    def spin(self, before: _Trial, lengths: float) -> Spin:
+        """The spin, with errors from fewer harmonics, the noise, the shear and the error of lengths."""
+        J, left = self.J, self.unexplained(before)
+        error = abs(J - before.J) + self.noise + SPIN.squared * left**2 * J
+        vector, small = _three(self.vector), max(SPIN.symmetric, SPIN.lengths * lengths)
+        if error >= J:
+            how = "J is zero within its error, and has no axis"
+            return Spin(Estimate(J, error), None, None, vector, self.shear, how)
+        how = (
+            "of the three rotations that shear the surface least, the one with the largest J; the surface is "
+        )
+        if self.largest_shear <= small:
+            how += "round within its error, and only K(., n) tells the axis"
+        elif self.shear <= small:
+            how += "symmetric about this axis"
+        else:
+            how += f"not symmetric about this axis, shear {self.shear:.1e}"
+        turn = self.angle(before) + self.noise / J + SPIN.lengths * lengths + left
+        return Spin(Estimate(J, error), _three(self.axis), min(turn, np.pi), vector, self.shear, how)
+
+
+def _three(vector: Sequence[float] | Floats) -> tuple[float, float, float]:
+    x, y, z = map(float, vector)
+    return x, y, z
