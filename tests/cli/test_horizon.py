@@ -83,6 +83,11 @@ def test_a_grid_needs_no_geometry_and_without_matplotlib_there_is_no_picture(run
     status, out, err = run("grid.npz", "--vertices", 60, "--json")
     assert (status, err) == (0, "")
     found = strict(out)
+    assert found["hawking"] is None and found["liu_yau"] is None
+    assert "not taken for a horizon, as its k is not known: if it is one, --marginal" in found["notes"][0]
+    status, out, err = run("grid.npz", "--marginal", "--vertices", 60, "--json")
+    assert (status, err) == (0, "")
+    found = strict(out)
     check(found, 0.5)
     assert found["brown_york"] is None and found["horizon"] == {}
     assert "Brown-York" in found["notes"][0]
@@ -140,6 +145,26 @@ def test_the_expansion_tells_that_a_surface_is_no_horizon(run):
     assert found["horizon"]["largest_expansion"] == pytest.approx(
         2.0 / 3.0 * (1.0 - np.sqrt(2.0 / 3.0)), rel=1e-6
     )
+
+
+def test_the_expansion_or_an_option_decides_what_is_a_horizon(run):
+    Path("near.gp").write_text(shape_text(lambda u: np.full(len(u), 2.001)))
+    options = ["near.gp", "--geometry", "kerr-schild", "--vertices", 60]
+    exact = 2.001 * (1.0 - np.sqrt(1.0 - 2.0 / 2.001))
+    for option, marginal, liu_yau, error in (
+        ((), True, 2.001, 0.1),
+        (("--marginal",), True, 2.001, 3e-3),
+        (("--not-marginal",), False, exact, 1e-9),
+    ):
+        status, out, _ = run(*options, *option, "--json")
+        assert status == 0
+        found = strict(out)
+        assert found["horizon"]["marginal"] is marginal
+        assert found["liu_yau"] == pytest.approx(liu_yau, rel=1e-9)
+        assert found["errors"]["liu_yau"] < error
+        assert any("taken for a horizon" in note for note in found["notes"]) is marginal
+    status, _, err = run(*options, "--marginal", "--not-marginal")
+    assert status == 2 and "not allowed with" in err
 
 
 @pytest.mark.parametrize("scale", [1e-3, 1e6])

@@ -28,6 +28,7 @@ from isoembed.metric.polyhedral import PolyhedralMetric
 from isoembed.relativity.energies.embedded import CONVENTIONS, embed_surface
 from isoembed.relativity.energies.mesh_energies import mesh_energies
 from isoembed.relativity.energies.report import energy_table, mesh_report, unembedded_report, wang_yau_report
+from isoembed.relativity.horizons.expansion import judged
 from isoembed.relativity.horizons.grid_file import read_metric_or_grid
 from isoembed.relativity.spacetimes.surface_data import SurfaceData
 from isoembed.smooth.axisymmetric import AxisymmetricEmbedding
@@ -36,7 +37,7 @@ from isoembed.smooth.two_metric import TwoMetric
 from isoembed.surface.smooth_integrals import Lengths
 
 OF_METRIC = ("merge", "mean_curvature", "momentum", "normal_momentum", "lengths")
-OF_SMOOTH = ("best_fit", "band", "wang_yau")
+OF_SMOOTH = ("best_fit", "band", "wang_yau", "marginal")
 
 
 def configure(parser: argparse.ArgumentParser) -> None:
@@ -71,6 +72,9 @@ def configure(parser: argparse.ArgumentParser) -> None:
         "distances of points in Euclidean space, as in meshes and from isoembed surface (by default, but for "
         "meshes, they are taken for geodesics' with errors wide enough for both)",
     )
+    parser.add_argument(
+        "--marginal", action="store_true", help="on a grid: the surface is a horizon, k^2 = p^2"
+    )
     add_spacetime_options(parser)
     add_vertices_option(parser)
     add_json_option(parser)
@@ -101,7 +105,7 @@ def run(options: argparse.Namespace) -> int:
     number = vertices(options)
     outputs = Outputs.of(options, output=SURFACE_ENDINGS, band=SURFACE_ENDINGS)
     if options.spacetime is not None:
-        refuse_given(options, ("input", *OF_METRIC), "does not go with a --spacetime")
+        refuse_given(options, ("input", *OF_METRIC, "marginal"), "does not go with a --spacetime")
         return _smooth(options, outputs, closed_form(options), number)
     refuse_given(options, OF_SPACETIME, "needs a --spacetime")
     if options.input is None:
@@ -159,7 +163,7 @@ def _on_grid(options: argparse.Namespace, data: SurfaceData) -> SurfaceData:
     data = replace(data, **given)  # type: ignore[arg-type] # by the names of fields
     if data.momentum is not None and data.mean_curvature is None:
         raise UsageError("the momentum is of use only with the mean curvature: give --mean-curvature, too")
-    return data
+    return judged(data, True) if options.marginal else data
 
 
 def _on_nodes(metric: TwoMetric, values: Floats, name: str, path: Path) -> Callable[[Floats], Floats]:

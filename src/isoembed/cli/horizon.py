@@ -61,6 +61,21 @@ def configure(parser: argparse.ArgumentParser) -> None:
         metavar=("X", "Y", "Z"),
         help="an axis to tell the angular momentum about, besides the one that is found",
     )
+    decision = parser.add_mutually_exclusive_group()
+    decision.add_argument(
+        "--marginal",
+        action="store_const",
+        const=True,
+        help="the surfaces are horizons, k^2 = p^2 (by default their expansion decides, and a metric "
+        "without k is none)",
+    )
+    decision.add_argument(
+        "--not-marginal",
+        dest="marginal",
+        action="store_const",
+        const=False,
+        help="they are none: k and p are taken as they are",
+    )
     parser.add_argument("--time", type=float, metavar="T", help="which slice of a SpECTRE file with several")
     parser.add_argument("--surface", metavar="NAME", help="which surface of a SpECTRE file with several")
     add_output_option(
@@ -193,4 +208,4 @@ def _horizon(name: str, options: argparse.Namespace, geometry: ThreeGeometry | N
         raise UsageError(f"{name} holds a metric of its own: it needs no --geometry")
     if isinstance(found, CoordinateShape) and geometry is None:
         raise UsageError(f"{found.contents}: name it with --geometry")
-    return Horizon.of(found, geometry, axis=options.axis, name=name)
+    return Horizon.of(found, geometry, axis=options.axis, marginal=options.marginal, name=name)

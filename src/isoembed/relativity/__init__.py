@@ -20,8 +20,9 @@ from isoembed.relativity.horizons.ahfinderdirect import read_ahfinderdirect
 from isoembed.relativity.horizons.circumferences import Circumferences
 from isoembed.relativity.horizons.coordinate_shape import CoordinateShape
 from isoembed.relativity.horizons.curvature_check import CurvatureCheck
+from isoembed.relativity.horizons.expansion import ExpansionTest, expansion_test
 from isoembed.relativity.horizons.grid_file import read_grid_data, read_metric_grid, read_metric_or_grid
-from isoembed.relativity.horizons.horizon import Horizon, expansion_test
+from isoembed.relativity.horizons.horizon import Horizon
 from isoembed.relativity.horizons.horizon_file import read_horizon
 from isoembed.relativity.horizons.horizon_format import HorizonFormat
 from isoembed.relativity.horizons.horizon_shape import HorizonShape
@@ -59,6 +60,7 @@ __all__ = [
     "EmbeddedHorizon",
     "EmbeddedSurface",
     "Energies",
+    "ExpansionTest",
     "Horizon",
     "HorizonFormat",
     "HorizonShape",

@@ -58,7 +58,8 @@ def smooth_energies(data: SurfaceData, embedding: SmoothEmbedding, spin: Spin | 
     n = max(QUADRATURE.fewest, int(QUADRATURE.density * embedding.harmonics.degree))
     values, notes = _integrated(data, n, symmetric)
     reference = 2.0 * embedding.integrated_mean_curvature
-    error = 2.0 * embedding.curvature_error + (QUADRATURE.rounding + data.lengths_error.mean) * abs(reference)
+    relative = QUADRATURE.rounding + data.lengths_error.mean + data.displacement
+    error = 2.0 * embedding.curvature_error + relative * abs(reference)
     if embedding.converged and embedding.least_curvature < 0.0:
         notes.append(
             f"the Gaussian curvature is negative in places, least {embedding.least_curvature:.3g}: other "
@@ -105,7 +106,7 @@ def _integrated(data: SurfaceData, n: int, symmetric: bool) -> tuple[dict[str, E
 
     The heights of the nodes become more until no integral changes, or they are many.
     """
-    relative = QUADRATURE.rounding + data.lengths_error.mean
+    relative = QUADRATURE.rounding + data.lengths_error.mean + data.displacement
     most = QUADRATURE.highest_symmetric if symmetric else QUADRATURE.highest
     settled: dict[str, Estimate] = {}
     before: dict[str, Estimate] = {}
@@ -135,6 +136,7 @@ class _Nodes:
     k_error: Uncertainty
     p_error: Uncertainty
     marginal: bool
+    doubtful: bool
 
     @classmethod
     def of(cls, data: SurfaceData, n: int, around: int) -> _Nodes:
@@ -142,7 +144,8 @@ class _Nodes:
         k = None if data.mean_curvature is None else _at(data.mean_curvature, u, "the mean curvature")
         p = np.zeros(len(u)) if data.momentum is None else _at(data.momentum, u, "the momentum")
         dA = weights * area_density(data.metric.tensor(u))
-        return cls(u, dA, k, p, error_of(data.mean_curvature), error_of(data.momentum), data.marginal)
+        errors = error_of(data.mean_curvature), error_of(data.momentum)
+        return cls(u, dA, k, p, *errors, data.marginal, data.doubtful)
 
     def integrals(self, relative: float) -> tuple[dict[str, Estimate], list[str]]:
         """The integrals by their names in `Integrals`, and what hinders others."""
@@ -153,10 +156,14 @@ class _Nodes:
             values["k"] = Estimate(_sum(self.dA, self.k), error)
         else:
             notes.append("k is not given: there is no Brown-York energy")
-        if self.marginal:
+        if self.marginal and not (self.doubtful and self.k is not None):
             return {**values, "norm": Estimate(0.0, 0.0), "squared": Estimate(0.0, 0.0)}, notes
         if self.k is None:
             return values, notes
+        if self.marginal:
+            size = np.abs(self.k**2 - self.p**2)
+            values["squared"] = Estimate(0.0, _sum(self.dA, size))
+            return {**values, "norm": Estimate(0.0, _sum(self.dA, np.sqrt(size)))}, notes
         squared, smooth = self.k**2 - self.p**2, 2.0 * relative * (self.k**2 + self.p**2)
         # What averages out in k and p remains in their squares.
         spread = QUADRATURE.scatter**2 * (self.k_error.pointwise**2 + self.p_error.pointwise**2)

@@ -113,13 +113,17 @@ class EmbeddedHorizon:
         table = energy_table(self.report) + (f"\n{check['message']}" if check else "")
         if not horizon:
             return table
-        moment = "".join(
-            f"{name} {horizon[name]:.9g}: " for name in ("time", "iteration") if horizon[name] is not None
-        )
+        if "points" in horizon:
+            moment = "".join(
+                f"{name} {horizon[name]:.9g}: " for name in ("time", "iteration") if horizon[name] is not None
+            )
+            table += (
+                f"\n{moment}{horizon['points']} points, fitted to {horizon['misfit']:.1e} of a mean radius "
+                f"{horizon['mean_coordinate_radius']:.6g} in coordinates"
+            )
         return (
-            f"{table}\n{moment}{horizon['points']} points, fitted to {horizon['misfit']:.1e} of "
-            f"a mean radius {horizon['mean_coordinate_radius']:.6g} in coordinates; the expansion of "
-            f"outgoing rays, 0 on a horizon, is at most {horizon['largest_expansion']:.1e}"
+            f"{table}\nthe expansion of outgoing rays, 0 on a horizon, is at most "
+            f"{horizon['largest_expansion']:.1e} +- {horizon['expansion_error']:.0e}"
             + ("" if horizon["marginal"] else ": in this geometry it is no horizon")
         )
 

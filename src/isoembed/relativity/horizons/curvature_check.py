@@ -16,8 +16,8 @@ from isoembed.arrays import Floats
 from isoembed.meshing.sphere import fibonacci_directions
 from isoembed.relativity.horizons.coordinate_shape import CoordinateShape
 from isoembed.relativity.spacetimes.surface_data import SurfaceData, error_of
+from isoembed.smooth.scattered_fit import fitted
 from isoembed.smooth.spectral_curvature import spectral_curvature
-from isoembed.smooth.transforms import fitted
 from isoembed.thresholds import threshold
 
 
@@ -93,7 +93,7 @@ class CurvatureCheck:
         u /= np.linalg.norm(u, axis=1)[:, None]
         if len(u) < CURVATURE_CHECK.fewest:
             return None
-        _, _, noise = fitted(u, given[known], np.ones(len(u)))
+        noise = fitted(u, given[known], np.ones(len(u))).misfit
         return cls._between(field, given[known], noise, u, data)
 
     @classmethod

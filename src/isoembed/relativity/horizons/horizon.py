@@ -1,4 +1,4 @@
-"""Horizon test: whether the expansion of outgoing light rays vanishes on a surface from a file."""
+"""Horizons from files: their data in the slice, and what the file and the expansion say of them."""
 
 from __future__ import annotations
 
@@ -6,49 +6,13 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from typing import Any
 
-import numpy as np
-
 from isoembed.errors import InvalidParameter
-from isoembed.meshing.sphere import gauss_rule
 from isoembed.relativity.horizons.coordinate_shape import CoordinateShape
 from isoembed.relativity.horizons.curvature_check import CurvatureCheck
+from isoembed.relativity.horizons.expansion import expansion_test, judged
 from isoembed.relativity.spacetimes.star_surface import StarSurface
 from isoembed.relativity.spacetimes.surface_data import SurfaceData
 from isoembed.relativity.spacetimes.three_geometry import ThreeGeometry
-from isoembed.thresholds import threshold
-
-
-@dataclass(frozen=True)
-class HorizonThresholds:
-    """Thresholds of the horizon test."""
-
-    nodes: tuple[int, int] = threshold((48, 96), "count", "Heights and angles at which a surface is tested.")
-    marginal: float = threshold(
-        0.1, "over the mean radius", "Expansion below which it is a horizon; a sphere in flat space has 2."
-    )
-
-
-HORIZON = HorizonThresholds()
-
-
-def expansion_test(surface: StarSurface, geometry: ThreeGeometry) -> dict[str, Any]:
-    """Test whether a surface is a horizon of a slice.
-
-    Returns
-    -------
-    dict
-        The ``mean_coordinate_radius``; the ``largest_expansion`` of outgoing light rays in absolute value, 0
-        on a horizon; and ``marginal``, whether that is so small that the surface is one: a horizon that was
-        found on a coarse grid is, what expands like a sphere in flat space is not.
-    """
-    u, weights = gauss_rule(*HORIZON.nodes)
-    mean = float(np.average(surface.radius(u), weights=weights))
-    expansion = float(np.abs(surface.expansion(geometry, u)).max())
-    return {
-        "mean_coordinate_radius": mean,
-        "largest_expansion": expansion,
-        "marginal": expansion * mean < HORIZON.marginal,
-    }
 
 
 @dataclass(frozen=True)
@@ -59,7 +23,7 @@ class Horizon:
     ----------
     data : SurfaceData
     facts : dict
-        What the file and the expansion say of it as a horizon, for JSON; empty of a metric on a grid.
+        What the file and the expansion say of it as a horizon, for JSON; empty of a metric without k.
     curvature_check : CurvatureCheck or None
         How far the curvature in the file is from that of the metric in use, where the file has it.
     """
@@ -75,6 +39,7 @@ class Horizon:
         geometry: ThreeGeometry | None = None,
         *,
         axis: Sequence[float] | None = None,
+        marginal: bool | None = None,
         name: str = "",
     ) -> Horizon:
         """The surface that a file holds.
@@ -87,6 +52,8 @@ class Horizon:
             The slice; a grid has its metric, coordinates need one.
         axis : sequence of 3 floats, optional
             That the angular momentum is asked about; by default it is found.
+        marginal : bool, optional
+            Whether it is a horizon; by default `expansion_test` decides, and a metric without k is none.
         name : str
 
         Raises
@@ -97,18 +64,23 @@ class Horizon:
         if isinstance(found, SurfaceData):
             if geometry is not None:
                 raise InvalidParameter(f"{name} holds a metric of its own: it needs no geometry")
-            return cls(replace(found, marginal=True, name=name), {}, CurvatureCheck.of(found))
+            data = judged(replace(found, name=name), marginal)
+            known = found.mean_curvature is not None
+            facts = {**expansion_test(found).report, "marginal": data.marginal} if known else {}
+            return cls(data, facts, CurvatureCheck.of(data))
         if geometry is None:
             raise InvalidParameter(f"{found.contents}: name its geometry")
         surface = StarSurface.from_points(
             found.points, found.center.tolist(), found.faces if found.is_hull else None
         )
-        data, test = surface.data(geometry, axis, name=name), expansion_test(surface, geometry)
+        data = surface.data(geometry, axis, name=name)
+        test = expansion_test(data)
+        data = judged(data, marginal)
         facts = {
             **{"time": found.time, "iteration": found.iteration},
             **{"points": len(found.points), "center": list(found.center)},
-            "mean_coordinate_radius": test["mean_coordinate_radius"],
-            **{"misfit": surface.misfit, **test},
+            **{"mean_coordinate_radius": surface.mean_radius, "misfit": surface.misfit},
+            **test.report,
+            "marginal": data.marginal,
         }
-        check = CurvatureCheck.of(data, found)
-        return cls(replace(data, marginal=test["marginal"]), facts, check)
+        return cls(data, facts, CurvatureCheck.of(data, found))

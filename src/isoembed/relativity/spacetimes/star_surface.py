@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -14,11 +14,14 @@ from isoembed.errors import InvalidParameter
 from isoembed.meshing.sphere import fibonacci_directions, gauss_rule
 from isoembed.relativity.spacetimes.checks import numbers, positive_number, vector, written
 from isoembed.relativity.spacetimes.surface_data import SurfaceData
+from isoembed.relativity.spacetimes.surface_errors import SurfaceErrors
 from isoembed.relativity.spacetimes.surface_frame import SurfaceFrame, differential
 from isoembed.relativity.spacetimes.three_geometry import ThreeGeometry
 from isoembed.smooth.harmonics import Harmonics
-from isoembed.smooth.transforms import analyzed, fitted, trimmed
+from isoembed.smooth.scattered_fit import deviating, fitted, white
+from isoembed.smooth.transforms import analyzed, trimmed
 from isoembed.smooth.two_metric import area_density
+from isoembed.smooth.uncertain import UncertainFunction
 from isoembed.thresholds import threshold
 
 
@@ -56,6 +59,11 @@ class StarSurface:
     misfit : float
         How far r is from what it was made from, a length, root-mean-square: from the function at directions
         that were not used, or from the points.
+    deviations : ndarray, shape (N, size), optional
+        Of points: by what the coefficients may be off, drawn at random, in the harmonics of
+        `isoembed.smooth.scattered_fit.deviating`; without them, noise of the size of the misfit.
+    notes : tuple of str
+        Which points were left out, for reports.
 
     Raises
     ------
@@ -67,6 +75,8 @@ class StarSurface:
     harmonics: Harmonics
     coefficients: Floats
     misfit: float = 0.0
+    deviations: Floats | None = None
+    notes: tuple[str, ...] = ()
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "center", vector("the center", self.center))
@@ -161,8 +171,8 @@ class StarSurface:
     ) -> StarSurface:
         """Least squares fit of harmonics to points, weighted by the solid angles that they stand for.
 
-        The degree is the one of least generalized cross-validation, at most 40; see
-        `isoembed.smooth.transforms.fitted`.
+        The degree is the one of least generalized cross-validation, at most 40.  Single outliers are left
+        out, and named in the ``notes``; see `isoembed.smooth.scattered_fit.fitted`.
 
         Parameters
         ----------
@@ -192,8 +202,18 @@ class StarSurface:
         u = d / r[:, None]
         weights = _solid_angles(u, _hull(u) if faces is None else faces)
         used = weights > 0.0
-        coefficients, harmonics, misfit = fitted(u[used], r[used], weights[used])
-        return cls(c, harmonics, coefficients, misfit)
+        fit = fitted(u[used], r[used], weights[used])
+        notes = tuple(
+            f"point {i} at {written(x[i])} was left out: it lies {abs(apart):.3g} farther "
+            f"{'out' if apart > 0.0 else 'in'} than the others say ({abs(apart) / r[i]:.2g} of its radius)"
+            for i, apart in zip(np.flatnonzero(used)[fit.left_out], fit.apart, strict=True)
+        )
+        return cls(c, fit.harmonics, fit.coefficients, fit.misfit, fit.deviations, notes)
+
+    @property
+    def mean_radius(self) -> float:
+        """The mean of the radius over all directions."""
+        return float(self.coefficients[0] / np.sqrt(4.0 * np.pi))
 
     def radius(self, u: Floats) -> Floats:
         """The radius (n,) in the directions u (n, 3)."""
@@ -215,6 +235,16 @@ class StarSurface:
         u = _directions(u)
         r, slope, hessian = self.harmonics.derivatives(u, self.coefficients)
         return SurfaceFrame(geometry, u, np.array(self.center) + r[:, None] * u, r, slope, hessian)
+
+    def _deviating(self, geometry: ThreeGeometry, u: Floats) -> Iterator[SurfaceFrame]:
+        """Frames of surfaces that this one might be, for errors."""
+        r, slope, hessian = self.harmonics.derivatives(u, self.coefficients)
+        harmonics = deviating(self.harmonics)
+        drawn = white(self.harmonics, self.misfit) if self.deviations is None else self.deviations
+        for deviation in drawn:
+            dr, d_slope, d_hessian = harmonics.derivatives(u, deviation)
+            x = np.array(self.center) + (r + dr)[:, None] * u
+            yield SurfaceFrame(geometry, u, x, r + dr, slope + d_slope, hessian + d_hessian)
 
     def metric(self, geometry: ThreeGeometry) -> InducedMetric:
         """The metric that the geometry induces on the surface."""
@@ -289,23 +319,35 @@ class StarSurface:
             surface; the message names a point.
         """
         moves = not geometry.time_symmetric
-        frame = self.frame(geometry, gauss_rule(*STAR.nodes)[0])
+        u, weights = gauss_rule(*STAR.nodes)
+        frame = self.frame(geometry, u)
         frame.mean_curvature()
         if moves:
             frame.momentum()
-        mean = self.coefficients[0] / np.sqrt(4.0 * np.pi)
+        errors = SurfaceErrors.of(frame, self._deviating(geometry, u), weights)
+        lengths = self.misfit / self.mean_radius if self.deviations is None else errors.lengths
         about = None if axis is None else _unit("the axis", axis)
         J = 0.0 if not moves else about and self.angular_momentum(geometry, about)
+
+        def momentum(u: Floats) -> Floats:
+            return self.momentum(geometry, u)
+
+        def normal_momentum(u: Floats) -> Floats:
+            return self.normal_momentum(geometry, u)
+
         return SurfaceData(
             metric=self.metric(geometry),
-            mean_curvature=lambda u: self.mean_curvature(geometry, u),
-            momentum=(lambda u: self.momentum(geometry, u)) if moves else None,
-            normal_momentum=(lambda u: self.normal_momentum(geometry, u)) if moves else None,
+            mean_curvature=UncertainFunction(
+                lambda u: self.mean_curvature(geometry, u), errors.mean_curvature
+            ),
+            momentum=UncertainFunction(momentum, errors.momentum) if moves else None,
+            normal_momentum=UncertainFunction(normal_momentum, errors.normal_momentum) if moves else None,
             angular_momentum=J,
             marginal=marginal,
-            relative_error=float(self.misfit / mean) + geometry.relative_error(frame.x),
+            relative_error=lengths + geometry.relative_error(frame.x),
             shape=self.points,
             name=name,
+            notes=self.notes,
             axis=about,
             torque=(lambda u: self.frame(geometry, u).torque()) if moves else None,
         )

@@ -58,6 +58,11 @@ class SurfaceData:
         Q, in units of length.
     marginal : bool
         The surface is a horizon: k^2 = p^2 by definition, whatever the two are by computation.
+    doubtful : bool
+        The surface is marginal, but may also be none: what k^2 - p^2 is by computation is its error.
+    displacement : float
+        Of a marginal surface, which may be a little off: by how much lengths on the horizon itself may
+        differ, over the lengths.
     relative_error : float, optional
         By how much lengths are uncertain in the mean, over the lengths; by default what a grid says of
         itself, and nothing for other metrics.
@@ -95,6 +100,8 @@ class SurfaceData:
     angular_momentum: float | None = None
     charge: float = 0.0
     marginal: bool = False
+    doubtful: bool = False
+    displacement: float = 0.0
     relative_error: float = None  # type: ignore[assignment] # a number once the data are made
     shape: Callable[[Floats], Floats] | None = None
     gaussian_curvature: Callable[[Floats], Floats] | None = None
@@ -187,7 +194,7 @@ class SurfaceData:
             "p": error_of(self.momentum).pointwise,
             "j": error_of(self.normal_momentum).pointwise,
         }
-        if not any(errors.values()):
+        if not (isinstance(self.metric, GridMetric) and any(errors.values())):
             return
         u = fibonacci_directions(SURFACE_DATA.directions)
         radius = float(np.sqrt(np.mean(area_density(self.metric.tensor(u)))))

@@ -1,0 +1,164 @@
+"""Horizon test: whether the expansion of outgoing light rays is zero, nearly zero, or not zero."""
+
+from __future__ import annotations
+
+from dataclasses import asdict, dataclass, replace
+from typing import Any
+
+import numpy as np
+
+from isoembed.errors import InvalidParameter
+from isoembed.meshing.sphere import gauss_rule
+from isoembed.relativity.spacetimes.surface_data import SurfaceData, error_of
+from isoembed.smooth.grid_metric import GridMetric
+from isoembed.smooth.harmonics import Harmonics
+from isoembed.smooth.two_metric import area_density
+from isoembed.thresholds import threshold
+
+
+@dataclass(frozen=True)
+class ExpansionThresholds:
+    """Thresholds of the horizon test."""
+
+    nodes: tuple[int, int] = threshold((48, 96), "count", "Heights and angles at which a surface is tested.")
+    rounding: float = threshold(1e-12, "largest k", "Expansion that is rounding.")
+    pointwise: float = threshold(2.0, "relative", "Largest expansion over its error that is none.")
+    together: float = threshold(
+        0.4, "relative", "Error of the displacement over the sum of those of k and p (measured: 0.27)."
+    )
+    smooth: int = threshold(2, "count", "Degree of the harmonics whose part of k^2 - p^2 displaces.")
+    near: float = threshold(
+        0.01,
+        "over the radius",
+        "Displacement of what is taken for a horizon: it makes a tenth of the Kijowski-Liu-Yau energy.",
+    )
+    margin: float = threshold(
+        2.0, "relative", "Error of lengths over the displacement: spin makes it larger."
+    )
+
+
+EXPANSION = ExpansionThresholds()
+
+
+@dataclass(frozen=True)
+class ExpansionTest:
+    """What the expansion of outgoing light rays says of a surface as a horizon.
+
+    Attributes
+    ----------
+    largest_expansion : float
+        ``theta_+ = k - p`` in absolute value; 0 on a horizon.
+    expansion_error : float
+    displacement : float
+        By how much the horizon is displaced from the surface, over its radius: the part of
+        ``(k^2 - p^2) A / 16 pi`` in harmonics of degree 0, 1 and 2.  In Schwarzschild, in any slice, that is
+        1 - 2 M / R for a sphere of areal radius R.
+    displacement_error : float
+    """
+
+    largest_expansion: float
+    expansion_error: float
+    displacement: float
+    displacement_error: float
+
+    @property
+    def is_zero(self) -> bool:
+        """Whether the expansion vanishes within its error, and that is not large."""
+        return (
+            self.largest_expansion <= EXPANSION.pointwise * self.expansion_error
+            and self.displacement <= self.displacement_error <= EXPANSION.near
+        )
+
+    @property
+    def is_small(self) -> bool:
+        """Whether the horizon is near, or may be, so that the surface is taken for it."""
+        return self.displacement <= max(EXPANSION.near, self.displacement_error)
+
+    @property
+    def report(self) -> dict[str, Any]:
+        """Plain numbers, for JSON."""
+        return asdict(self)
+
+
+def expansion_test(data: SurfaceData) -> ExpansionTest:
+    """Test whether a surface is a horizon of its slice.
+
+    Parameters
+    ----------
+    data : SurfaceData
+        With its mean curvature.
+
+    Raises
+    ------
+    InvalidParameter
+        There is no mean curvature.
+    """
+    if data.mean_curvature is None:
+        raise InvalidParameter("whether a surface is a horizon cannot be told without its mean curvature")
+    u, weights = gauss_rule(*EXPANSION.nodes)
+    k = np.asarray(data.mean_curvature(u))
+    p = np.zeros(len(u)) if data.momentum is None else np.asarray(data.momentum(u))
+    if isinstance(data.metric, GridMetric):
+        p = np.abs(p)  # files do not say which sign they mean
+    dA = weights * area_density(data.metric.tensor(u))
+    mean = dA.sum() / (4.0 * np.pi)
+    smooth = Harmonics(EXPANSION.smooth, EXPANSION.smooth).values(u) * (dA / np.sqrt(4.0 * np.pi))[:, None]
+    errors = error_of(data.mean_curvature), error_of(data.momentum)
+    sizes = float(np.abs(k).max()), float(np.abs(p).max())
+    lengths = 2.0 * data.lengths_error.mean * sum(sizes)
+    lengths += EXPANSION.rounding * (sum(sizes) + 1.0 / float(np.sqrt(mean)))
+    pointwise, average = (
+        lengths + sum(getattr(error, name) for error in errors) for name in ("pointwise", "mean")
+    )
+    # (k^2 - p^2) A / 16 pi, where A / 16 pi = mean / 4
+    displaced = 0.25 * float(np.linalg.norm((k**2 - p**2) @ smooth))
+    return ExpansionTest(
+        largest_expansion=float(np.abs(k - p).max()),
+        expansion_error=pointwise,
+        displacement=displaced,
+        displacement_error=EXPANSION.rounding
+        + EXPANSION.together * 0.25 * float(mean) * max(sum(sizes), average) * average,
+    )
+
+
+def judged(data: SurfaceData, marginal: bool | None) -> SurfaceData:
+    """The data of a surface as one that is a horizon or not, with errors and a note to fit.
+
+    Parameters
+    ----------
+    data : SurfaceData
+    marginal : bool, optional
+        Whether it is one; by default `expansion_test` decides.  Without a mean curvature it is none.
+    """
+    if data.mean_curvature is None:
+        if marginal is not None:
+            return replace(data, marginal=marginal)
+        return _noted(
+            data,
+            "not taken for a horizon, as its k is not known: if it is one, --marginal (marginal=True) gives "
+            "its Hawking and its Kijowski-Liu-Yau energy",
+        )
+    test = expansion_test(data)
+    expansion = f"the expansion is {test.largest_expansion:.2g} +- {test.expansion_error:.1g}"
+    away = f"the horizon is displaced by about {test.displacement:.1g} of its radius"
+    if not (test.is_small if marginal is None else marginal):
+        if marginal is None:
+            data = _noted(data, f"no horizon: {expansion}, and {away}; k and p are taken as they are")
+        return replace(data, marginal=False)
+    data = replace(data, marginal=True, displacement=EXPANSION.margin * test.displacement)
+    if test.is_zero:
+        return data
+    if marginal:
+        return _noted(data, f"taken for a horizon, as was said, but {expansion}: {away}")
+    return replace(
+        _noted(
+            data,
+            f"taken for a horizon that is a little off: {expansion}, and {away}; the errors hold that it may "
+            "be none; --marginal and --not-marginal (marginal=True, False) decide",
+        ),
+        doubtful=True,
+    )
+
+
+def _noted(data: SurfaceData, note: str) -> SurfaceData:
+    return replace(data, notes=(*data.notes, note))

@@ -1,0 +1,80 @@
+"""Errors of a surface's metric, curvature and momentum, from ways in which the surface may lie elsewhere."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from dataclasses import dataclass
+
+import numpy as np
+
+from isoembed.arrays import Floats
+from isoembed.relativity.spacetimes.surface_frame import SurfaceFrame
+from isoembed.smooth.harmonics import Harmonics
+from isoembed.smooth.two_metric import area_density
+from isoembed.smooth.uncertain import Uncertainty
+from isoembed.thresholds import threshold
+
+
+@dataclass(frozen=True)
+class SurfaceErrorThresholds:
+    """Thresholds of the errors of surfaces."""
+
+    sure: float = threshold(3.0, "standard deviations", "Stated error.")
+    smooth: int = threshold(2, "count", "Degree of the weights with which averages are as wrong as stated.")
+
+
+ERRORS = SurfaceErrorThresholds()
+
+
+@dataclass(frozen=True)
+class SurfaceErrors:
+    """How uncertain the data of a surface are because the surface is.
+
+    Attributes
+    ----------
+    lengths : float
+        Relative, in the mean.
+    mean_curvature, momentum, normal_momentum : Uncertainty
+        Those of k, of p and of K(., n).
+    """
+
+    lengths: float
+    mean_curvature: Uncertainty
+    momentum: Uncertainty
+    normal_momentum: Uncertainty
+
+    @classmethod
+    def of(cls, frame: SurfaceFrame, deviating: Iterable[SurfaceFrame], weights: Floats) -> SurfaceErrors:
+        """Errors from samples.
+
+        Parameters
+        ----------
+        frame : SurfaceFrame
+            At the nodes of a quadrature over the unit sphere.
+        deviating : iterable of SurfaceFrame
+            Of surfaces that it might be, drawn at random, in the same directions.
+        weights : ndarray, shape (n,)
+            Of the quadrature.
+        """
+        base = _quantities(frame)
+        changes = np.array([_quantities(other) - base for other in deviating])  # (N, 6, n)
+        smooth = Harmonics(ERRORS.smooth, ERRORS.smooth).values(frame.u) * (
+            weights[:, None] / np.sqrt(4.0 * np.pi)
+        )
+        points = np.sqrt(np.mean(changes**2, axis=0))
+        means = np.sqrt(np.mean(np.sum((changes @ smooth) ** 2, axis=2), axis=0))
+
+        def uncertainty(part: slice) -> Uncertainty:
+            pointwise = float(np.linalg.norm(points[part], axis=0).max())
+            return Uncertainty(ERRORS.sure * pointwise, ERRORS.sure * float(np.linalg.norm(means[part])))
+
+        lengths = ERRORS.sure * float(means[0])
+        return cls(lengths, uncertainty(slice(1, 2)), uncertainty(slice(2, 3)), uncertainty(slice(3, 6)))
+
+
+def _quantities(frame: SurfaceFrame) -> Floats:
+    """Logarithms of lengths, k, p and K(., n) of a surface, (6, n)."""
+    lengths = 0.5 * np.log(area_density(frame.q))
+    if frame.geometry.time_symmetric:
+        return np.stack([lengths, frame.mean_curvature(), *np.zeros((4, len(lengths)))])
+    return np.stack([lengths, frame.mean_curvature(), frame.momentum(), *frame.normal_momentum().T])

@@ -1,0 +1,220 @@
+"""Harmonics fitted to scattered values: by least squares, without single outliers, with what is uncertain."""
+
+from __future__ import annotations
+
+from bisect import bisect_left
+from dataclasses import dataclass
+
+import numpy as np
+from scipy.linalg import qr, solve_triangular, svdvals
+from scipy.spatial import cKDTree
+
+from isoembed.arrays import Floats, Indices, Mask
+from isoembed.smooth.harmonics import Harmonics
+from isoembed.thresholds import threshold
+
+
+@dataclass(frozen=True)
+class FitThresholds:
+    """Thresholds of the fit of harmonics to scattered values."""
+
+    first_degree: int = threshold(8, "count", "Highest degree tried first; it is doubled while it is needed.")
+    highest_degree: int = threshold(40, "count", "Highest degree that is fitted.")
+    determined: float = threshold(0.1, "relative", "Least singular value of a fit over the largest.")
+    outlying: float = threshold(8.0, "standard deviations", "Miss of an outlier; noise has 5 at most.")
+    rounding: float = threshold(1e-9, "largest value", "Misses below which nothing is an outlier.")
+    outliers: float = threshold(0.02, "of the values", "More are no outliers, but how the values are.")
+    fewest: int = threshold(40, "count", "Values among which an outlier can be told.")
+    neighbors: int = threshold(12, "count", "Nearest values, of which an outlier is no outlier either.")
+    alone: int = threshold(3, "count", "Nearest values among which an outlier is the only one.")
+    leverage: float = threshold(0.9, "relative", "Largest weight of a value in the fit at its own place.")
+    deviations: int = threshold(12, "count", "Random deviations by which errors are estimated.")
+    missing: int = threshold(2, "count", "Degrees above the fit's that deviations have.")
+
+
+FIT = FitThresholds()
+
+
+@dataclass(frozen=True)
+class ScatteredFit:
+    """Harmonics fitted to scattered values.
+
+    Attributes
+    ----------
+    coefficients : ndarray, shape (size,)
+    harmonics : Harmonics
+    misfit : float
+        Root mean square of what is missed of the values that were not left out.
+    deviations : ndarray, shape (N, size of the harmonics of two degrees more)
+        By what the coefficients may be off, drawn at random, in those of ``deviating(harmonics)``.
+    left_out : ndarray of int, shape (k,)
+        Outliers: values that alone are far from what all others say.
+    apart : ndarray, shape (k,)
+        How far.
+    """
+
+    coefficients: Floats
+    harmonics: Harmonics
+    misfit: float
+    deviations: Floats
+    left_out: Indices
+    apart: Floats
+
+
+def deviating(harmonics: Harmonics) -> Harmonics:
+    """The harmonics that errors of a fit are told in: some degrees more, and all orders."""
+    degree = harmonics.degree + FIT.missing
+    return Harmonics(degree, degree)
+
+
+def white(harmonics: Harmonics, size: float) -> Floats:
+    """Random deviations (N, size of `deviating`) of this root mean square, alike in all harmonics."""
+    count = deviating(harmonics).size
+    drawn = np.random.default_rng(0).normal(size=(FIT.deviations, count))
+    return drawn * (size * np.sqrt(4.0 * np.pi / count))
+
+
+def fitted(u: Floats, values: Floats, weights: Floats) -> ScatteredFit:
+    """Harmonics fitted to scattered values by weighted least squares, without single outliers.
+
+    Parameters
+    ----------
+    u : ndarray, shape (n, 3)
+        Directions.
+    values, weights : ndarray, shape (n,)
+
+    Notes
+    -----
+    The degree is the one of least generalized cross-validation [1]: what follows is noise.  It is lower where
+    holes between the directions would leave coefficients undetermined.
+
+    An outlier is missed by the fit to the others by more than eight times what these are usually missed by,
+    everywhere and nearby.  If there are more than one in fifty, none is left out.
+
+    The deviations are fits to the residuals with random signs [2], each the residual of the fit to all other
+    values; and in the two degrees that follow, random ones as large as their coefficients would be.  Where
+    these are not determined the coefficients are as large as all residuals.
+
+    References
+    ----------
+    [1] G. Golub, M. Heath and G. Wahba, Technometrics 21 (1979) 215.
+    [2] C. F. J. Wu, Ann. Stat. 14 (1986) 1261.
+    """
+    kept = np.ones(len(u), dtype=bool)
+    first = fit = _LeastSquares.of(u, values, weights)
+    while len(u) >= FIT.fewest:
+        out = _outliers(fit, kept, u, values, weights)
+        if not out.any():
+            break
+        kept &= ~out
+        if np.count_nonzero(~kept) > max(1.0, FIT.outliers * len(u)):
+            fit, kept[:] = first, True
+            break
+        fit = _LeastSquares.of(u[kept], values[kept], weights[kept])
+    return ScatteredFit(
+        fit.coefficients,
+        fit.harmonics,
+        fit.misfit,
+        fit.deviations(),
+        np.flatnonzero(~kept),
+        fit.missed(u[~kept], values[~kept]),
+    )
+
+
+@dataclass(frozen=True)
+class _LeastSquares:
+    """A fit of harmonics, with its table (n, size) of orthonormal columns in the order of the degrees."""
+
+    coefficients: Floats
+    harmonics: Harmonics
+    misfit: float
+    Q: Floats
+    R: Floats
+    root: Floats
+    residuals: Floats
+    following: Floats
+
+    @classmethod
+    def of(cls, u: Floats, values: Floats, weights: Floats) -> _LeastSquares:
+        m = len(u)
+        most = max(0, min(FIT.highest_degree, int(np.sqrt(0.5 * m)) - 1))
+        highest = min(most, FIT.first_degree)
+        root = np.sqrt(weights * (4.0 * np.pi / weights.sum()))
+        while True:
+            harmonics = Harmonics(highest, highest)
+            by_degree = np.argsort(harmonics.labels[0], kind="stable")
+            # One factorization serves all degrees: those of lower degree are its leading columns.
+            table = root[:, None] * harmonics.values(u)[:, by_degree]
+            Q, R = qr(table, mode="economic", overwrite_a=True)
+            b = Q.T @ (root * values)
+            left = float(np.sum((root * values - Q @ b) ** 2))
+            sizes = (np.arange(highest + 1) + 1) ** 2
+            squares = left + np.concatenate([np.cumsum(b[::-1] ** 2)[::-1], [0.0]])[sizes]
+            validation = squares / (1.0 - sizes / m) ** 2
+            # As good as the least of all, but for chance.
+            best = int(np.argmax(validation <= (1.0 + np.sqrt(8.0 / m)) * validation.min()))
+            if highest == most or best <= 3 * highest // 4:
+                break
+            highest = min(2 * highest, most)
+
+        def undetermined(l: int) -> bool:
+            singular = svdvals(R[: sizes[l], : sizes[l]])
+            return bool(singular[-1] < FIT.determined * singular[0])
+
+        degree = bisect_left(range(best + 1), True, key=undetermined) - 1  # the highest that is determined
+        size = sizes[degree]
+        Q, R, chosen = Q[:, :size], R[:size, :size], Harmonics(degree, degree)
+        coefficients = _sorted(solve_triangular(R, b[:size]), chosen)
+        own = np.minimum(np.einsum("ij,ij->i", Q, Q), FIT.leverage)
+        residuals = (root * values - Q @ b[:size]) / (root * (1.0 - own))
+        misfit = float(np.sqrt(squares[degree] / (4.0 * np.pi)))
+        following = b[size : (degree + 1 + FIT.missing) ** 2] if degree == best else b[:0]
+        return cls(coefficients, chosen, misfit, Q, R, root, residuals, following)
+
+    def missed(self, u: Floats, values: Floats) -> Floats:
+        """How far values (n,) in the directions u (n, 3) lie above the fit."""
+        return values - self.harmonics.values(u) @ self.coefficients
+
+    def deviations(self) -> Floats:
+        """See `ScatteredFit`."""
+        random = np.random.default_rng(0)
+        m, size = self.Q.shape
+        signs = random.choice((-1.0, 1.0), (m, FIT.deviations))
+        drawn = solve_triangular(self.R, self.Q.T @ ((self.root * self.residuals)[:, None] * signs))
+        more = deviating(self.harmonics)
+        beyond = random.normal(size=(more.size - size, FIT.deviations))
+        if len(self.following) > 0:
+            beyond *= np.sqrt(np.mean(self.following**2))
+        else:
+            beyond *= np.linalg.norm(self.root * self.residuals) / np.sqrt(len(beyond))
+        return _sorted(np.concatenate([drawn, beyond]), more).T
+
+
+def _sorted(by_degree: Floats, harmonics: Harmonics) -> Floats:
+    """Coefficients in the order of the harmonics from one in which the degrees follow each other."""
+    coefficients = np.empty_like(by_degree)
+    coefficients[np.argsort(harmonics.labels[0], kind="stable")] = by_degree
+    return coefficients
+
+
+def _outliers(fit: _LeastSquares, kept: Mask, u: Floats, values: Floats, weights: Floats) -> Mask:
+    """Which of the values (n,) that were kept are outliers."""
+    out = np.zeros(len(u), dtype=bool)
+    out[kept] = np.abs(fit.residuals) > _usual(fit, values)
+    rest = kept & ~out
+    if not out.any() or np.count_nonzero(rest) < FIT.fewest // 2:
+        return np.zeros_like(out)
+    without = _LeastSquares.of(u[rest], values[rest], weights[rest])
+    # Where a shape is not resolved all values nearby are missed, or several that are side by side.
+    distances, near = cKDTree(u[rest]).query(u[out], FIT.neighbors)
+    nearby = FIT.outlying * np.sqrt(np.mean(without.residuals[near] ** 2, axis=1))
+    missed = np.abs(without.missed(u[out], values[out]))
+    other = cKDTree(u[out]).query(u[out], 2)[0][:, 1]  # infinite of one alone
+    out[out] = (missed > np.maximum(nearby, _usual(without, values))) & (other > distances[:, FIT.alone - 1])
+    return out
+
+
+def _usual(fit: _LeastSquares, values: Floats) -> float:
+    """What no value is missed by."""
+    deviation = 1.4826 * float(np.median(np.abs(fit.residuals)))  # if they are normal, the standard deviation
+    return max(FIT.outlying * deviation, FIT.rounding * float(np.abs(values).max()))

@@ -1,0 +1,170 @@
+"""Horizons, near-horizons and none: spheres in Kerr-Schild coordinates, of which all energies are known."""
+
+from dataclasses import replace
+from functools import cache
+
+import numpy as np
+import pytest
+
+from horizons import IMC
+from isoembed.errors import InvalidParameter
+from isoembed.relativity import (
+    Horizon,
+    KerrNewmanSphere,
+    KerrSchild,
+    StarSurface,
+    SurfaceData,
+    embed_surface,
+    expansion_test,
+    read_horizon,
+)
+from isoembed.relativity.horizons.coordinate_shape import CoordinateShape
+from isoembed.relativity.horizons.expansion import judged
+from isoembed.smooth import GridMetric
+from isoembed.smooth.uncertain import UncertainFunction, Uncertainty
+from places import SHARED
+
+HOLE = KerrSchild(1.0, (0.0, 0.0, 0.0))
+
+
+def scattered(n, seed=1):
+    u = np.random.default_rng(seed).normal(size=(n, 3))
+    return u / np.linalg.norm(u, axis=1, keepdims=True)
+
+
+def sphere(r, noise=0.0, geometry=HOLE, **options):
+    u = scattered(300)
+    r = r * (1.0 + noise * np.random.default_rng(2).normal(size=(len(u), 1)))
+    return Horizon.of(CoordinateShape.star_shaped(r * u, "sphere", np.zeros(3)), geometry, **options)
+
+
+@cache
+def round_sphere():
+    return embed_surface(StarSurface.sphere((0.0, 0.0, 0.0), 2.0).data(HOLE), vertices=60)
+
+
+def energies(data):
+    return embed_surface(data, start=round_sphere()).energies
+
+
+def held(estimate, exact, largest=np.inf):
+    assert abs(estimate.value - exact) <= estimate.error <= largest
+
+
+@pytest.mark.parametrize("noise", [0.0, 1e-6])
+@pytest.mark.parametrize("r", [2.0001, 2.001, 2.01])
+def test_a_horizon_that_is_a_little_off_has_the_errors_of_both_readings(r, noise):
+    horizon = sphere(r, noise)
+    data, facts = horizon.data, horizon.facts
+    assert data.marginal and data.doubtful and facts["marginal"]
+    assert facts["displacement"] == pytest.approx(1.0 - 2.0 / r, rel=0.1)
+    assert "taken for a horizon that is a little off" in data.notes[0]
+    found = energies(data)
+    for m, liu_yau in ((1.0, 2.0), (0.5 * r, r * (1.0 - np.sqrt(1.0 - 2.0 / r)))):
+        held(found.irreducible_mass, m, 5.0 * (r - 2.0))
+        held(found.hawking, 1.0, 5.0 * (r - 2.0))
+        held(found.liu_yau, liu_yau, 4.0 * np.sqrt(r - 2.0))
+        held(found.integrated_mean_curvature, 8.0 * np.pi * m)
+
+
+@pytest.mark.parametrize("r", [2.05, 2.14, 3.0])
+def test_what_is_farther_away_is_no_horizon(r):
+    horizon = sphere(r)
+    assert not (horizon.data.marginal or horizon.facts["marginal"])
+    found = energies(horizon.data)
+    assert found.christodoulou_mass is None
+    held(found.hawking, 1.0, 1e-11)
+    held(found.liu_yau, r * (1.0 - np.sqrt(1.0 - 2.0 / r)), 1e-11)
+    assert found.notes[0].startswith("no horizon: the expansion is")
+
+
+@pytest.mark.parametrize("noise", [0.0, 1e-8, 1e-4])
+def test_a_horizon_is_one_within_the_noise_of_its_points(noise):
+    horizon = sphere(2.0, noise)
+    assert horizon.data.marginal and horizon.data.notes == ()
+    assert horizon.facts["largest_expansion"] <= horizon.facts["expansion_error"] <= 3e-12 + 20.0 * noise
+    found = energies(horizon.data)
+    held(found.liu_yau, 2.0, 1e-12 + 9.0 * noise)
+    held(found.hawking, 1.0, 1e-12 + 9.0 * noise)
+
+
+def test_much_noise_hides_no_near_horizon():
+    """The error of k anywhere is larger than the expansion, that of its mean is not."""
+    data = sphere(2.01, 1e-3).data
+    test = expansion_test(replace(data, marginal=False))
+    assert test.displacement_error < test.displacement
+    assert not test.is_zero
+
+
+def test_it_can_be_said_instead():
+    said = sphere(2.14, marginal=True).data
+    assert said.marginal and not said.doubtful
+    assert "taken for a horizon, as was said, but the expansion is 0.044" in said.notes[0]
+    held(energies(said).liu_yau, 2.0)
+    denied = sphere(2.001, marginal=False).data
+    assert not denied.marginal and denied.notes == ()
+    held(energies(denied).liu_yau, 2.001 * (1.0 - np.sqrt(1.0 - 2.0 / 2.001)), 1e-10)
+
+
+def test_a_metric_without_k_is_no_horizon_unless_it_is_said():
+    grid = SurfaceData(GridMetric.sampled(KerrNewmanSphere(4.0), 16, 4))
+    data = Horizon.of(grid).data
+    assert not data.marginal
+    assert "not taken for a horizon, as its k is not known" in data.notes[0]
+    found = energies(data)
+    assert (found.hawking, found.liu_yau) == (None, None)
+    said = Horizon.of(grid, marginal=True).data
+    assert said.marginal and said.notes == ()
+    with pytest.raises(InvalidParameter, match="cannot be told without its mean curvature"):
+        expansion_test(data)
+
+
+@pytest.mark.parametrize("scale", [1e-3, 1.0, 1e6])
+def test_units(scale):
+    data = sphere(2.001 * scale, geometry=KerrSchild(scale, (0.0, 0.0, 0.0))).data
+    test = expansion_test(data)
+    assert test.displacement == pytest.approx(1.0 - 2.0 / 2.001, rel=1e-9)
+    assert scale * test.largest_expansion == pytest.approx(3.5e-4, rel=0.01)
+
+
+def test_errors_of_k_and_p_make_that_of_the_expansion():
+    metric = KerrNewmanSphere(2.5)
+
+    def uncertain(value, pointwise, mean):
+        return UncertainFunction(lambda u: np.full(len(u), value), Uncertainty(pointwise, mean))
+
+    data = SurfaceData(metric, uncertain(0.4, 0.03, 3e-3), uncertain(0.38, 0.02, 2e-3))
+    test = expansion_test(data)
+    assert test.largest_expansion == pytest.approx(0.02)
+    assert test.expansion_error == pytest.approx(0.05)
+    assert test.displacement == pytest.approx((0.4**2 - 0.38**2) * 2.5**2 / 4.0)
+    assert test.displacement_error == pytest.approx(0.4 * 5e-3 * 0.78 * 2.5**2 / 4.0)
+    assert not judged(data, None).marginal
+    nearer = replace(data, momentum=uncertain(0.399, 0.02, 2e-3))
+    assert judged(nearer, None).marginal and not judged(nearer, None).doubtful
+
+
+@pytest.mark.parametrize("m", [100, 300, 600])
+def test_well_sampled_horizons_stay_exact(m):
+    hole = KerrSchild(1.0, (0.0, 0.36, 0.48))
+    u = scattered(m, seed=3)
+    shape = CoordinateShape.star_shaped(hole.spheroid(hole.horizon)(u)[:, None] * u, "", np.zeros(3))
+    horizon = Horizon.of(shape, hole, axis=(0.0, 0.36, 0.48))
+    assert horizon.data.marginal and not horizon.data.doubtful
+    assert horizon.data.relative_error < {100: 1e-4, 300: 1e-9, 600: 1e-11}[m]
+
+
+@pytest.mark.shared
+@pytest.mark.slow
+@pytest.mark.parametrize("marginal", [None, True])
+def test_the_horizon_that_the_einstein_toolkit_found(marginal):
+    spin = (0.0, -0.6 * np.sin(0.4), 0.6 * np.cos(0.4))
+    hole = KerrSchild(1.0, spin)
+    shape = read_horizon(SHARED / "real" / "einsteintoolkit" / "EinsteinExact_KS-tilted-EE.h.t0.ah1.gp")
+    found = embed_surface(Horizon.of(shape, hole, axis=spin, marginal=marginal).data).energies
+    exact = StarSurface.from_radius(hole.spheroid(hole.horizon))
+    assert exact.misfit < 1e-14
+    m = np.sqrt(0.5 + 0.5 * np.sqrt(1.0 - 0.36))
+    held(found.irreducible_mass, m, 5e-3)
+    held(found.hawking, m, 5e-3)
+    held(found.liu_yau, IMC[0.6] / (4.0 * np.pi), 0.1 if marginal is None else 5e-3)
