@@ -9,7 +9,8 @@ import pytest
 
 from horizons import IMC, check, shape_text, write_grid, write_kerr
 from isoembed.cli import horizon as command
-from isoembed.io import read_metric
+from isoembed.io import InputFile, read_metric
+from isoembed.io.vtk import read_polydata
 from isoembed.relativity import KerrSchild
 from isoembed.relativity.energies import report as energy_report
 from places import SHARED
@@ -73,6 +74,16 @@ def test_what_is_written(run):
     is_kerr(strict(Path("deep/found/h.t0.ah1.json").read_text()), 0.5)
     assert read_metric("deep/found/h.t0.ah1.vtk").triangulation.n_vertices == 100
     assert Path("deep/found/h.t0.ah1.png").read_bytes().startswith(b"\x89PNG")
+    with InputFile(Path("deep/found/h.t0.ah1.vtk")) as file:
+        shown = read_polydata(file)
+    assert {"theta_plus", "theta_minus", "angular_momentum_density"} < set(shown.fields)
+    assert np.abs(shown.fields["theta_plus"]).max() < 1e-4 and shown.fields["theta_minus"].max() < -0.1
+    # z is z in both spaces, and the angles about it are the same.
+    at, there = (
+        points[:, 0] + 1j * points[:, 1] for points in (shown.points, shown.fields["slice_coordinates"])
+    )
+    assert np.abs((at / there).imag).max() < 1e-6 and (at / there).real.min() > 0.5
+    assert b"CYCLE 1 1 double" in Path("deep/found/h.t0.ah1.vtk").read_bytes()
     for words in ("h.t0.ah1.gp\n", "Kijowski-Liu-Yau energy", "points, fitted to", "0 on a horizon"):
         assert words in out
 

@@ -150,7 +150,10 @@ def _draw(drawn: dict[Path, tuple[Panel, dict[str, Any]]]) -> None:
     scale = Scale.of([panel for panel, _ in drawn.values()])
     label = "mean curvature  $H = (k_1 + k_2)/2$,  1/length"
     for path, (panel, report) in drawn.items():
-        picture = placed_figure(panel, label=label, caption=_caption(report), scale=scale)
+        arrow = report["spin"] and report["spin"]["axis"]
+        picture = placed_figure(
+            panel, label=label, caption=_caption(report), arrow=arrow, name="spin", scale=scale
+        )
         write_atomically({path: figure_writer(path, picture)})
 
 

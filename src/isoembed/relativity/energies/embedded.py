@@ -11,7 +11,7 @@ from isoembed.errors import InvalidMetric, InvalidParameter
 from isoembed.relativity.energies.energies import Energies
 from isoembed.relativity.energies.quadrature import smooth_energies
 from isoembed.relativity.horizons.horizon_shape import shape_report
-from isoembed.relativity.horizons.spin import Spin, find_spin, spin_report
+from isoembed.relativity.horizons.spin import Spin, find_spin, spin_report, torques
 from isoembed.relativity.spacetimes.surface_data import SurfaceData
 from isoembed.smooth.embedding import SmoothEmbedding
 from isoembed.smooth.solve import embed_smooth
@@ -94,8 +94,10 @@ class EmbeddedSurface:
             ``vertices`` (V, 3) in Euclidean space and ``faces`` (F, 3); at the vertices (V,) the
             ``mean_curvature`` H and the ``gaussian_curvature`` there, and the ``residual``, the relative
             error of lengths.  Where k is given, ``k`` and ``p`` in the slice, and the expansions of outgoing
-            and ingoing light rays, ``theta_plus`` = k - p and ``theta_minus`` = -(k + p); where the points in
-            the slice are known, these, as ``slice_coordinates`` (V, 3).
+            and ingoing light rays, ``theta_plus`` = k - p and ``theta_minus`` = -(k + p).  Where there is a
+            spin, the ``angular_momentum_density`` K(phi, n) / 8 pi, phi the rotation about its axis in the
+            coordinates of the slice.  Where the points in the slice are known, these, as
+            ``slice_coordinates`` (V, 3).
         """
         triangulation = self.embedding.triangulated(vertices)
         u = triangulation.directions
@@ -110,6 +112,8 @@ class EmbeddedSurface:
             k = self.data.mean_curvature(u)
             p = np.zeros(len(u)) if self.data.momentum is None else self.data.momentum(u)
             tables |= {"k": k, "p": p, "theta_plus": k - p, "theta_minus": -(k + p)}
+        if self.spin is not None and self.spin.axis is not None:
+            tables["angular_momentum_density"] = torques(self.data, u) @ self.spin.axis / (8.0 * np.pi)
         if self.data.shape is not None:
             tables["slice_coordinates"] = self.data.shape(u)
         return tables

@@ -153,6 +153,16 @@ def spin_report(data: SurfaceData, spin: Spin | None) -> dict[str, Any] | None:
     return found
 
 
+def torques(data: SurfaceData, u: Floats) -> Floats:
+    """K(., n) of the rotations about x, y and z (n, 3): 8 pi times the densities of their angular momenta.
+
+    They are rotations of the coordinates of the slice or, where these are not known, of the directions u.
+    """
+    if data.torque is not None:
+        return data.torque(u)
+    return np.zeros_like(u) if data.normal_momentum is None else np.cross(u, data.normal_momentum(u))
+
+
 @dataclass(frozen=True)
 class _Trial:
     """The rotation about which J is largest, in harmonics of one degree.
@@ -193,7 +203,7 @@ class _Trial:
         noise = SPIN.rounding + error * float(dA @ np.linalg.norm(phi, axis=1))
         noise += SPIN.lengths * lengths * float(dA @ np.abs(np.einsum("ni,ni->n", j, phi)))
         axis = (dA * (three.potentials @ along)) @ (u if data.shape is None else data.shape(u))
-        vector = dA @ (np.cross(u, j) if data.torque is None else data.torque(u))
+        vector = dA @ torques(data, u)
         unit = three.area / (4.0 * np.pi)
         return cls(
             *(unit * J, unit * noise, axis / np.linalg.norm(axis)),
