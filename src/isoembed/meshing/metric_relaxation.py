@@ -26,6 +26,9 @@ class MetricMeshThresholds:
     sweeps: int = threshold(30, "count", "Sweeps of all vertices.")
     touches: int = threshold(300, "count", "Sweeps of the vertices near angles outside the window.")
     patience: int = threshold(40, "count", "Such sweeps in a row after which fewer triangles should be bad.")
+    spent: float = threshold(
+        50.0, "edges", "Geodesics measured after which it ends: no smooth metric asks so many."
+    )
     stuck: int = threshold(8, "count", "Such sweeps in vain after which vertices move one edge farther away.")
     flip_rounds: int = threshold(5, "count", "Flips and measurements in turn: these may ask flips back.")
 
@@ -86,15 +89,16 @@ class MetricMesh:
             mesh._move(density, everywhere, sweep < METRIC_MESH.optimal)
 
         mesh, least, moved = best.copy(), np.inf, everywhere
-        fewest, stale = len(mesh.tables.corners), 0
+        fewest, stale, spent = len(mesh.tables.corners), 0, 0
         for touch in range(METRIC_MESH.touches + 1):
-            mesh._flip(moved)
+            spent += mesh._flip(moved)
             beyond_each = mesh._beyond()
             beyond, bad = float(beyond_each.max()), int(np.count_nonzero(beyond_each > 0.0))
             fewest, stale = (bad, 0) if bad < fewest else (fewest, stale + 1)
             if beyond < least:
                 best, least = mesh.copy(), beyond
-            if bad == 0 or stale == METRIC_MESH.patience:
+            much = spent > METRIC_MESH.spent * len(mesh.tables.corners) / 2.0
+            if bad == 0 or stale == METRIC_MESH.patience or much:
                 break
             moved = mesh._about(beyond_each > 0.0, RELAXATION.rings + stale // METRIC_MESH.stuck)
             # Each kind of step frees what the other is stuck in.
@@ -110,21 +114,25 @@ class MetricMesh:
                 break
             end_lengths(self.u, q, self.tables)
 
-    def _measure(self, h: Indices) -> None:
-        """Measure the edges of half-edges."""
+    def _measure(self, h: Indices) -> int:
+        """Measure the edges of half-edges, and count them."""
         corners, twins, lengths, _ = self.tables
         h = np.unique(np.minimum(h, twins[h]))
         lengths[h] = lengths[twins[h]] = self.distances(self.u[corners[h]], self.u[corners[twins[h]]])
+        return len(h)
 
-    def _flip(self, moved: Mask) -> None:
-        """Flip to Delaunay by geodesic lengths, those between vertices that have not moved being known."""
-        h = np.flatnonzero(moved[self.tables.corners])
+    def _flip(self, moved: Mask) -> int:
+        """Flip to Delaunay by geodesic lengths, those between vertices that have not moved being known.
+
+        Returns how many were measured.
+        """
+        h, measured = np.flatnonzero(moved[self.tables.corners]), 0
         for _ in range(METRIC_MESH.flip_rounds):
-            self._measure(h)
+            measured += self._measure(h)
             h = flip_to_delaunay(self.u, self.tables)
             if len(h) == 0:
-                return
-        self._measure(h)
+                return measured
+        return measured + self._measure(h)
 
     def _beyond(self) -> Floats:
         """Excess (F,) of each triangle's angles beyond the window."""

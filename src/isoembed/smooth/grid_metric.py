@@ -11,6 +11,8 @@ from numpy.typing import ArrayLike
 from isoembed.arrays import Floats, Mask
 from isoembed.errors import InvalidMetric
 from isoembed.smooth.double_fourier import DOUBLE_FOURIER, DoubleFourier, around, inner_nodes
+from isoembed.smooth.poles import PoleSight
+from isoembed.smooth.smoothness import check_series
 from isoembed.smooth.spectrum import Spectrum
 from isoembed.smooth.two_metric import TwoMetric, angle_components, are_definite, from_angles, is_axisymmetric
 from isoembed.smooth.uncertain import UncertainFunction, Uncertainty
@@ -59,7 +61,8 @@ class GridMetric:
     ------
     InvalidMetric
         The arrays do not fit together, the nodes are not such a grid, or the components at a node are not
-        finite or not positive definite; the message names the first such node.
+        finite or not positive definite; the message names the first such node.  Or they are those of no
+        smooth tensor: the message says what is seen at the poles, and the mistake that explains it.
     """
 
     theta: Floats
@@ -70,6 +73,13 @@ class GridMetric:
     _field: DoubleFourier
 
     def __init__(
+        self, theta: ArrayLike, phi: ArrayLike, q_tt: ArrayLike, q_tp: ArrayLike, q_pp: ArrayLike
+    ) -> None:
+        self._fill(theta, phi, q_tt, q_tp, q_pp)
+        self.at_poles()
+        self._check_between()
+
+    def _fill(
         self, theta: ArrayLike, phi: ArrayLike, q_tt: ArrayLike, q_tp: ArrayLike, q_pp: ArrayLike
     ) -> None:
         inner, m = inner_nodes(theta), around(phi)
@@ -86,7 +96,6 @@ class GridMetric:
         sin = np.sin(self.theta[inner])[:, None]
         Q = np.stack([self.q_tt[inner], self.q_tp[inner] / sin, self.q_pp[inner] / sin**2], axis=2)
         object.__setattr__(self, "_field", DoubleFourier(self.theta[inner], self.phi[:m], Q[:, :m]))
-        self._check_between()
 
     @classmethod
     def sampled(cls, metric: TwoMetric, n: int, m: int) -> GridMetric:
@@ -95,13 +104,23 @@ class GridMetric:
         Raises
         ------
         InvalidMetric
-            The grid is too coarse for it.
+            The grid is too coarse for it, or it is no smooth tensor.
         """
+        grid = cls._sampled(metric, n, m)
+        grid.at_poles()
+        return grid
+
+    @classmethod
+    def _sampled(cls, metric: TwoMetric, n: int, m: int) -> GridMetric:
+        """Samples of a metric in which mistakes have been looked for."""
         theta, phi = (np.arange(n) + 0.5) * (np.pi / n), np.arange(m) * (2.0 * np.pi / m)
         sin, cos = np.sin(theta)[:, None], np.cos(theta)[:, None]
         u = np.stack(np.broadcast_arrays(sin * np.cos(phi), sin * np.sin(phi), cos), axis=2).reshape(-1, 3)
         Q = angle_components(u, metric.tensor(u)).reshape(n, m, 2, 2)
-        return cls(theta, phi, Q[..., 0, 0], sin * Q[..., 0, 1], sin**2 * Q[..., 1, 1])
+        grid = cls.__new__(cls)
+        grid._fill(theta, phi, Q[..., 0, 0], sin * Q[..., 0, 1], sin**2 * Q[..., 1, 1])
+        grid._check_between()
+        return grid
 
     def __repr__(self) -> str:
         return f"GridMetric({len(self.theta)} x {len(self.phi)} nodes)"
@@ -113,10 +132,10 @@ class GridMetric:
 
     @cached_property
     def error(self) -> Uncertainty:
-        """Relative errors of lengths, from the spectrum: truncation, noise, and what phi does not resolve."""
+        """Relative errors of lengths: truncation, noise, what phi does not resolve, conflicts at the poles."""
         error = _error(self._field, np.stack([self.q_tt, self.q_tp, self.q_pp]))
-        half = 0.5 / self._size
-        return Uncertainty(half * error.pointwise, half * error.mean)
+        half, odds = 0.5 / self._size, 0.5 * self.at_poles().jump
+        return Uncertainty(half * error.pointwise + odds, half * error.mean + 0.5 * odds)
 
     @property
     def notes(self) -> tuple[str, ...]:
@@ -129,6 +148,16 @@ class GridMetric:
             f"{count} angles phi would not show what turns as fast in phi as the metric does in theta, and "
             "the errors allow for it: for a metric that is symmetric about the z-axis, give one angle phi",
         )
+
+    def at_poles(self) -> PoleSight:
+        """How the metric looks at the poles.
+
+        Raises
+        ------
+        InvalidMetric
+            It is no smooth tensor there; the message says what was seen, and the mistake that explains it.
+        """
+        return check_series(self._field.theta, self._field.phi, self._field.values)
 
     def tensor(self, u: Floats) -> Floats:
         """The metric (n, 3, 3) at the unit vectors u (n, 3); see `TwoMetric`."""
@@ -242,7 +271,7 @@ class GridMetric:
 def sampled_on_grid(metric: TwoMetric) -> TwoMetric:
     """The metric on a fine grid: good enough for meshes, and quick where the metric is slow."""
     try:
-        return GridMetric.sampled(metric, *(GRID.symmetric_nodes if is_axisymmetric(metric) else GRID.nodes))
+        return GridMetric._sampled(metric, *(GRID.symmetric_nodes if is_axisymmetric(metric) else GRID.nodes))
     except InvalidMetric:  # too coarse a grid for it
         return metric
 

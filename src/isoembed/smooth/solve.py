@@ -13,9 +13,11 @@ from isoembed.meshing.sphere import angles_of, gauss_rule
 from isoembed.smooth.axisymmetric import AxisymmetricEmbedding
 from isoembed.smooth.embedding import MEASURE, SmoothEmbedding
 from isoembed.smooth.gaussian_curvature import gaussian_curvature
+from isoembed.smooth.grid_metric import GridMetric
 from isoembed.smooth.harmonics import Harmonics
 from isoembed.smooth.isometry import ISOMETRY, gauss_newton
 from isoembed.smooth.orientation import oriented
+from isoembed.smooth.smoothness import check_rings, check_within
 from isoembed.smooth.transforms import resized
 from isoembed.smooth.triangulation import SphereMesh, graded_mesh
 from isoembed.smooth.two_metric import TwoMetric, is_axisymmetric
@@ -82,7 +84,8 @@ def embed_smooth(
     Raises
     ------
     InvalidMetric
-        The metric is not positive definite somewhere.
+        The metric is not positive definite somewhere, or not smooth at the poles, which nothing comes near
+        to within the tolerance; the message says what is seen there.
     NotEmbedded
         The tolerance was missed, or the metric is symmetric about the z-axis and is not that of a surface of
         revolution.  The message says what is in the way, if it can be seen, or whether more harmonics would
@@ -100,6 +103,10 @@ def embed_smooth(
     for name, value in (("tolerance", tolerance), ("accuracy", accuracy)):
         if not 0 < value < np.inf:
             raise InvalidParameter(f"the {name} is {value!r}, not a positive finite number")
+    if start is None:
+        sight = metric.at_poles() if isinstance(metric, GridMetric) else check_rings(metric)
+        if not best_fit:
+            check_within(sight, tolerance)
     symmetric = is_axisymmetric(metric)
     ladder = [Harmonics(L, 1 if symmetric else L) for L in SOLVE.degrees]
     ladder = [h for h in ladder if 3 * h.size <= SOLVE.unknowns]

@@ -16,7 +16,8 @@ from isoembed.meshing.surface_mesh import SURFACE_MESH, checked_count
 from isoembed.metric.polyhedral import PolyhedralMetric
 from isoembed.smooth.gaussian_curvature import gaussian_curvature
 from isoembed.smooth.geodesics import definite_tensor, geodesic_lengths, in_own_unit
-from isoembed.smooth.grid_metric import sampled_on_grid
+from isoembed.smooth.grid_metric import GridMetric, sampled_on_grid
+from isoembed.smooth.smoothness import check_rings
 from isoembed.smooth.two_metric import TwoMetric, area_density
 from isoembed.thresholds import threshold
 
@@ -101,7 +102,8 @@ def triangulate_metric(
         Neither or both of `vertices` and `size` are given, there would be fewer than 12 vertices or more than
         ten million, or so few that triangles have no area, `size` is not positive, or `grading` is negative.
     InvalidMetric
-        The metric is not positive definite somewhere; the message names theta, phi and the value.
+        The metric is not positive definite somewhere; the message names theta, phi and the value.  Or it is
+        not smooth at the poles; the message says what is seen there.
 
     Notes
     -----
@@ -123,6 +125,8 @@ def triangulate_metric(
         if vertices is None
         else checked_count("the number of vertices", vertices, SURFACE_MESH.fewest, SPHERE_MESH.most)
     )
+    if not isinstance(metric, GridMetric):  # grids have been looked at
+        check_rings(metric)
     unit, own = in_own_unit(metric)
     area, density = _densities(own, grading, n)
     if size is not None:

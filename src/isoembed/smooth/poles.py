@@ -1,0 +1,159 @@
+"""Smoothness of a metric at the poles: what is seen there that no smooth tensor has.
+
+In the orthonormal frame (e_theta, e_phi) the mean T = (Q_tt + Q_pp) / 2 of a smooth tensor is a function, and
+S = (Q_tt - Q_pp) / 2 +- i Q_tp has the spin weights +-2: at a pole its part with exp(i m phi) falls like
+sin^|m - s| theta [1]_.  What falls less is a conflict.
+
+References
+----------
+.. [1] J. N. Goldberg et al., "Spin-s spherical harmonics and eth", J. Math. Phys. 8 (1967), 2155-2161.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from math import factorial
+
+import numpy as np
+from numpy.typing import NDArray
+
+from isoembed.arrays import Floats
+from isoembed.smooth.double_fourier import DoubleFourier
+from isoembed.thresholds import threshold
+
+Modes = NDArray[np.complex128]
+
+
+@dataclass(frozen=True)
+class PoleThresholds:
+    """Thresholds of what is seen of a metric at the poles."""
+
+    tail: float = threshold(3.0, "relative", "Error of a series at a pole, over n highest coefficients.")
+    orders: int = threshold(5, "count", "Orders in the distance from a pole that are looked at, from 0 on.")
+    reach: float = threshold(0.1, "radians", "Distance from the pole at which they are compared.")
+    least: float = threshold(1e-9, "relative", "Least size of a tensor at a pole, over that elsewhere.")
+    rings: tuple[float, ...] = threshold((2.0, 3.0, 4.0), "scales", "Distances of rings from a pole.")
+    scales: tuple[float, ...] = threshold(
+        (0.03, 0.01, 1e-3, 1e-4, 1e-5, 1e-6),
+        "radians",
+        "Their scales, in turn; components by angles have three.",
+    )
+
+
+POLES = PoleThresholds()
+
+
+@dataclass(frozen=True)
+class PoleSight:
+    """Components of a metric in the frame, as they are seen at the poles theta = 0 and pi.
+
+    Attributes
+    ----------
+    conflicts, doubts : ndarray, shape (2, orders)
+        What no smooth tensor has of each order in the distance from a pole, at a tenth of a radian, relative
+        to the tensor at the pole; and what of it the truncation of a series can make.
+    means : ndarray, shape (2, 2)
+        Q_tt and Q_pp at the poles, in the mean over phi.
+    """
+
+    conflicts: Floats
+    doubts: Floats
+    means: Floats
+
+    @property
+    def conflict(self) -> float:
+        """The largest beyond doubt."""
+        return float(np.max(np.where(self.conflicts > self.doubts, self.conflicts, 0.0)))
+
+    @property
+    def jump(self) -> float:
+        """The largest beyond doubt of order 0: lengths at a pole are at odds by half of it or more."""
+        return float(np.max(np.where(self.conflicts > self.doubts, self.conflicts, 0.0)[:, 0]))
+
+    @property
+    def misfits(self) -> Floats:
+        """Conflict and doubt of each order together, at most 1: how far this is from a smooth tensor."""
+        return np.minimum(np.max(self.conflicts + self.doubts, axis=0), 1.0)
+
+    @property
+    def worst(self) -> int:
+        """The pole with the larger conflict: 0 for theta = 0, 1 for pi."""
+        return int(np.argmax(np.max(self.conflicts, axis=1)))
+
+    @property
+    def is_cone(self) -> bool:
+        """Whether it is that the means differ at the worst pole."""
+        conflicts, (tt, pp) = self.conflicts[self.worst], self.means[self.worst]
+        return bool(4.0 * abs(tt - pp) > np.max(conflicts) * abs(tt + pp))
+
+
+def series_sights(theta: Floats, phi: Floats, Q: Floats) -> list[PoleSight]:
+    """How the poles look in Fourier series of h alternatives for components Q (n, m, h, 3) at nodes."""
+    n, m, h, _ = Q.shape
+    a = DoubleFourier(theta, phi, Q.reshape(n, m, 3 * h)).coefficients
+    sizes, orders = np.abs(a), a.shape[1]
+    high = np.max(sizes[n - max(2, n // 10) :], axis=(0, 1))
+    if orders > 2:
+        high = np.maximum(high, np.max(sizes[:, orders - max(2, orders // 10) :], axis=(0, 1)))
+    j = np.arange(POLES.orders)
+    doubts = POLES.tail * n * np.max(high.reshape(h, 3), axis=1)[:, None] * (n * POLES.reach) ** j
+    a = a[:, : (m + 1) // 2]  # of what has m / 2 periods only one half is known
+    taylor = np.zeros((2, POLES.orders, *a.shape[1:]), dtype=np.complex128)
+    for order in j:
+        parity = order % 2
+        k = np.arange(n) + parity  # of cosines for even orders, of sines for odd ones
+        slopes = (-1.0) ** (order // 2) * (k * POLES.reach) ** order / factorial(order)
+        for pole, sign in enumerate((1.0, -1.0)):
+            taylor[pole, order, parity::2] = np.tensordot(slopes * sign**k, a[:, parity::2], axes=1)
+    parts = np.moveaxis(taylor.reshape(*taylor.shape[:3], h, 3), 3, 0)
+    least = POLES.least * np.max(np.abs(Q), axis=(0, 1, 3))
+    return [_seen(parts[i], doubts[i], float(least[i])) for i in range(h)]
+
+
+def _seen(taylor: Modes, doubts: Floats, least: float) -> PoleSight:
+    """From the terms (2, orders, modes, 3) of Taylor's series in the distance from each pole."""
+    means = taylor[:, 0, 0, ::2].real
+    size = np.maximum(np.abs(means.mean(axis=1)), least)[:, None]
+    conflicts = np.array([[_forbidden(part, j, p) for j, part in enumerate(taylor[p])] for p in range(2)])
+    return PoleSight(conflicts / size, doubts / size, means)
+
+
+def ring_sights(Q: Floats) -> list[PoleSight]:
+    """How the poles look from rings with h alternatives for components Q (2, s, r, m, h, 3) on them.
+
+    There are the r rings of `POLES.rings` times each of the s `POLES.scales`, or the first of them.  A
+    conflict is the least of all scales: sharp tips are smooth where they are looked at closely.
+    """
+    m = Q.shape[3]
+    modes = np.fft.rfft(Q, axis=3)[:, :, :, : (m + 1) // 2] / m
+    modes[:, :, :, 1:] *= 2.0
+    rings = np.array(POLES.rings)
+    # Even functions of the distance, extrapolated to 0.
+    weights = np.linalg.solve(np.vander(rings**2, increasing=True).T, np.eye(len(rings))[0])
+    plain = np.linalg.solve(np.vander(rings, increasing=True).T, np.eye(len(rings))[0])
+    sights = []
+    for i in range(Q.shape[4]):
+        conflicts, means = np.full((2, POLES.orders), np.inf), np.empty((2, 2))
+        for p, k in np.ndindex(modes.shape[:2]):
+            parts = modes[p, k, ..., i, :]
+            means[p] = (weights @ parts[:, 0]).real[::2]
+            shrink = POLES.reach / (POLES.scales[k] * rings)
+            orders = [np.tensordot(weights * shrink**j, parts, axes=1) for j in range(POLES.orders)]
+            orders[0][1::2] = np.tensordot(plain, parts[:, 1::2], axes=1)  # odd parts that do not vanish
+            found = np.array([_forbidden(part, j, p) for j, part in enumerate(orders)])
+            conflicts[p] = np.minimum(conflicts[p], found / np.abs(means[p].mean()))
+        sights.append(PoleSight(conflicts, np.zeros_like(conflicts), means))
+    return sights
+
+
+def _forbidden(modes: Modes, order: int, pole: int) -> float:
+    """The largest part of components (modes, 3) of some order in the distance from a pole that falls faster.
+
+    The order's parity is that of m; but where there is a part without it, of order 0, that is forbidden, too.
+    It is twice the amplitude: where q_tt and q_pp / sin^2 theta differ by a percent, a percent.
+    """
+    m = np.arange(order % 2, len(modes), 2 if order else 1)
+    tt, tp, pp = modes[m].T
+    T, D, turned = 0.5 * (tt + pp), 0.5 * (tt - pp), (1j if pole == 0 else -1j) * tp
+    parts = ((T, m), (D - turned, np.abs(m - 2)), (D + turned, m + 2))
+    return 2.0 * max(np.max(np.abs(part[falls > order]), initial=0.0) for part, falls in parts)

@@ -1,0 +1,259 @@
+"""Refusal of metrics that are no smooth tensors, by what is seen at the poles, with the mistake behind it."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+
+from isoembed.arrays import Floats
+from isoembed.errors import InvalidMetric
+from isoembed.smooth.geodesics import definite_tensor
+from isoembed.smooth.poles import POLES, PoleSight, ring_sights, series_sights
+from isoembed.smooth.two_metric import TWO_METRIC, AngleMetric, TwoMetric, angle_components
+from isoembed.thresholds import threshold
+
+
+@dataclass(frozen=True)
+class SmoothnessThresholds:
+    """Thresholds of the smoothness that is asked of a metric."""
+
+    conflict: float = threshold(5e-3, "relative", "Conflict beyond doubt from which on there is no tensor.")
+    steps: float = threshold(1.0 / 3.0, "relative", "The same, over the squared step of a coarse grid.")
+    visible: float = threshold(1e-6, "relative", "Least misfit of which a mistake may be the cause.")
+    repaired: float = threshold(30.0, "relative", "A mistake is the cause if its repair divides it by this.")
+    strained: float = threshold(
+        8.0, "relative", "Conflict over the tolerance of lengths that no surface meets."
+    )
+    alike: float = threshold(0.5, "relative", "Ratio of q_tt and q_pp that is told of the pole itself.")
+    degrees: float = threshold(1e-3, "relative", "Deviation of its logarithm from that of a degree squared.")
+    zero: float = threshold(1e-12, "relative", "Largest q_tp that is none.")
+    around: int = threshold(32, "count", "Directions on a ring.")
+    first: float = threshold(0.1, "radians", "Angle phi of the first.")
+    seam: float = threshold(1e-9, "radians", "Distances from phi = 0 and 2 pi at which components are alike.")
+    torn: float = threshold(1e-3, "relative", "Difference there that is more than their slope.")
+    latitude: float = threshold(
+        3.0, "relative", "Largest q_pp near the equator, over cos^2 theta and others."
+    )
+
+
+SMOOTHNESS = SmoothnessThresholds()
+Repair = Callable[[Floats, Floats], Floats]
+
+
+def _powers(tp: int, pp: int) -> Repair:
+    """Q_tp and Q_pp times powers of sin theta."""
+    return lambda Q, sin: np.stack([Q[..., 0], Q[..., 1] * sin**tp, Q[..., 2] * sin**pp], axis=-1)
+
+
+def _left_out(Q: Floats, sin: Floats) -> Floats:
+    """What of Q_tt and Q_pp no Q_tp can repair, if that is 0; phi runs along the last axis but one."""
+    if np.max(np.abs(Q[..., 1])) > SMOOTHNESS.zero * np.max(np.abs(Q)):
+        return Q
+    half = 0.5 * (Q[..., 0] - Q[..., 2]).mean(axis=-1, keepdims=True)
+    T = 0.5 * (Q[..., 0] + Q[..., 2])
+    return np.stack([T + half, Q[..., 1], T - half], axis=-1)
+
+
+EXCHANGED = "q_tt and q_pp look exchanged"
+DEGREES = "they differ by (180 / pi)^2: angles are in radians, not in degrees"
+LATITUDE = (
+    "q_pp vanishes at the equator instead of the poles: theta counts from the north pole and is no latitude"
+)
+# What may have been done to the components, how it is undone, and what is said of it.
+MISTAKES: tuple[tuple[Repair, str], ...] = (
+    (
+        lambda Q, sin: Q * [1.0, -1.0, 1.0],
+        "q_tp does not fit q_tt and q_pp: with the other sign it would",
+    ),
+    (_left_out, "q_tp is 0, and it does not fit q_tt and q_pp, which another q_tp would: it was left out"),
+    (_powers(0, 2), "q_pp looks like a component in an orthonormal frame: multiply it by sin^2 theta"),
+    (
+        _powers(1, 2),
+        "q_tp and q_pp look like components in an orthonormal frame: multiply them by sin theta and "
+        "sin^2 theta",
+    ),
+    (_powers(1, 0), "q_tp looks like a component in an orthonormal frame: multiply it by sin theta"),
+    (_powers(0, 1), "q_pp falls like sin theta, not like sin^2 theta: multiply it by sin theta"),
+    (_powers(0, -2), "q_pp has the factor sin^2 theta twice"),
+    (_powers(-1, -2), "q_tp and q_pp have the factors sin theta and sin^2 theta twice"),
+    (_powers(-1, 0), "q_tp has the factor sin theta twice"),
+    (
+        lambda Q, sin: np.stack([Q[..., 2] * sin**2, Q[..., 1], Q[..., 0] / sin**2], axis=-1),
+        EXCHANGED,
+    ),
+)
+
+
+@dataclass(frozen=True)
+class _Look:
+    """Components in the frame, and what a sentence says of them.
+
+    Attributes
+    ----------
+    Q : ndarray, shape (..., m, 3)
+        At places with m angles phi.
+    sin : ndarray
+        Of theta there, broadcast over Q_tt.
+    near : ndarray, shape (2, 3)
+        theta nearest to each pole, and Q_tt and Q_pp there in the mean over phi.
+    equator : tuple of float
+        cos^2 theta and q_pp, nearest to the equator.
+    reservation : str
+        What may look like a cone.
+    """
+
+    Q: Floats
+    sin: Floats
+    near: Floats
+    equator: tuple[float, float]
+    reservation: str = ""
+
+    @property
+    def latitude(self) -> bool:
+        """Whether q_pp falls to the equator as it should to the poles."""
+        square, q_pp = self.equator
+        return bool(
+            q_pp <= SMOOTHNESS.latitude * square * np.min(np.sin(self.near[:, 0]) ** 2 * self.near[:, 2])
+        )
+
+
+def check_series(theta: Floats, phi: Floats, Q: Floats) -> PoleSight:
+    """See the poles through the Fourier series of components Q (n, m, 3) in the frame at nodes.
+
+    Raises
+    ------
+    InvalidMetric
+        They are the components of no smooth tensor.
+    """
+    n, m, _ = Q.shape
+    step = max(np.pi / n, 2.0 * np.pi / m if m > 1 else 0.0)
+    near = np.array([[theta[k], *Q[k, :, ::2].mean(axis=0)] for k in (0, -1)])
+    k = int(np.argmin(np.abs(theta - 0.5 * np.pi)))
+    equator = np.cos(theta[k]) ** 2, np.sin(theta[k]) ** 2 * Q[k, :, 2].mean()
+    return _checked(
+        lambda Q: series_sights(theta, phi, Q),
+        _Look(Q, np.sin(theta)[:, None], near, equator, ", or a tip too sharp for so few nodes"),
+        max(SMOOTHNESS.conflict, SMOOTHNESS.steps * step**2),
+    )
+
+
+def check_rings(metric: TwoMetric) -> PoleSight:
+    """See the poles of a metric, which can be evaluated anywhere, from rings about them.
+
+    Raises
+    ------
+    InvalidMetric
+        It is no smooth tensor.
+    """
+    if isinstance(metric, AngleMetric):
+        _check_seam(metric)
+    # Nearer to a pole, components by angles are extrapolated.
+    near = TWO_METRIC.pole if isinstance(metric, AngleMetric) else 0.0
+    scales = np.array([scale for scale in POLES.scales if scale >= near])
+    radii = np.multiply.outer(scales, POLES.rings)
+    phi = SMOOTHNESS.first + 2.0 * np.pi / SMOOTHNESS.around * np.arange(SMOOTHNESS.around)
+    theta = np.append(np.stack([radii, np.pi - radii]), 0.5 * np.pi - radii[0, 0])
+    sin = np.append(np.stack([np.sin(radii)] * 2), np.cos(radii[0, 0]))  # not rounded, near pi
+    flat = sin[:, None]
+    u = np.stack(np.broadcast_arrays(flat * np.cos(phi), flat * np.sin(phi), np.cos(theta)[:, None]), axis=2)
+    u = u.reshape(-1, 3)
+    Q = angle_components(u, definite_tensor(metric, u)).reshape(len(theta), len(phi), 4)[..., [0, 1, 3]]
+    means = Q.mean(axis=1)
+    last = radii.size - len(POLES.rings)
+    near_poles = np.array([[theta[k], *means[k, ::2]] for k in (last, radii.size + last)])
+    look = _Look(
+        Q[:-1].reshape(2, *radii.shape, len(phi), 3),
+        np.sin(radii)[:, :, None],
+        near_poles,
+        (np.cos(theta[-1]) ** 2, sin[-1] ** 2 * means[-1, 2]),
+    )
+    return _checked(ring_sights, look, SMOOTHNESS.conflict)
+
+
+def _check_seam(metric: AngleMetric) -> None:
+    """Refuse components that are not those of the same points a turn later."""
+    theta: Floats = np.linspace(0.0, np.pi, SMOOTHNESS.around + 1)[1:-1]
+    ends = [np.full_like(theta, phi) for phi in (SMOOTHNESS.seam, 2.0 * np.pi - SMOOTHNESS.seam)]
+    start, stop = (np.broadcast_arrays(*metric.components(theta, phi), theta)[:3] for phi in ends)
+    sin = np.sin(theta)
+    size = max(np.max(np.abs(start[0])), np.max(np.abs(start[2]) / sin**2))
+    for name, before, after, power in zip(("q_tt", "q_tp", "q_pp"), start, stop, range(3), strict=True):
+        torn = ~(np.abs(np.subtract(after, before)) <= SMOOTHNESS.torn * size * sin**power)
+        if torn.any():
+            i = int(np.argmax(torn))
+            raise InvalidMetric(
+                f"{name} is {before[i]:.6g} at phi = 0 and {after[i]:.6g} at phi = 2 pi, for theta = "
+                f"{theta[i]:.4g}: that is the same point (angles are in radians)"
+            )
+
+
+def _checked(sights: Callable[[Floats], list[PoleSight]], look: _Look, allowed: float) -> PoleSight:
+    """The sight of components in which no conflict larger than allowed, and no mistake, is seen."""
+    (given,) = sights(look.Q[..., None, :])
+    if np.max(given.misfits) <= SMOOTHNESS.visible:
+        return given
+    with np.errstate(all="ignore"):
+        repaired = sights(np.stack([repair(look.Q, look.sin) for repair, _ in MISTAKES], axis=-2))
+    cause = _cause(given.misfits, np.array([sight.misfits for sight in repaired]))
+    if look.latitude and cause != EXCHANGED:
+        cause = LATITUDE
+    if not cause and given.conflict <= allowed:
+        return given
+    if not cause and given.is_cone:
+        cause = DEGREES if _by_degrees(given) else f"a cone{look.reservation}"
+    raise InvalidMetric(f"the metric is not smooth at the poles: {_seen(given, look)}; {cause}".rstrip("; "))
+
+
+def _by_degrees(given: PoleSight) -> bool:
+    """Whether q_tt and q_pp differ at a pole by the square of a degree in radians."""
+    ratio = np.abs(given.means[:, 1] / given.means[:, 0])
+    return bool(
+        np.any(np.abs(np.abs(np.log(ratio)) / np.log(np.radians(1.0) ** -2) - 1.0) < SMOOTHNESS.degrees)
+    )
+
+
+def _cause(given: Floats, repaired: Floats) -> str:
+    """The first of the mistakes whose repair lessens the misfits (orders,) from the lowest order on."""
+    for order, misfit in enumerate(given):
+        least = np.max(repaired[:, : order + 1], axis=1)
+        good = (misfit > SMOOTHNESS.visible) & (least * SMOOTHNESS.repaired < misfit)
+        if good.any():
+            # Several are as good where there is no q_tp: the first of them is the simplest.
+            best = np.min(least[good])
+            return MISTAKES[int(np.argmax(good & (least <= max(2.0 * best, SMOOTHNESS.visible))))][1]
+    return ""
+
+
+def check_within(sight: PoleSight, tolerance: float) -> None:
+    """Refuse what no smooth surface has to within a relative error of lengths.
+
+    Raises
+    ------
+    InvalidMetric
+        The message says what is seen at the poles.
+    """
+    if sight.jump > SMOOTHNESS.strained * tolerance:
+        raise InvalidMetric(
+            f"the metric is not smooth at the poles: {_seen(sight)}; no smooth surface has such lengths to "
+            f"within {tolerance:.2g}"
+        )
+
+
+def _seen(sight: PoleSight, look: _Look | None = None) -> str:
+    """What no smooth tensor has, in a clause."""
+    pole = sight.worst
+    at, (tt, pp) = f"theta = {'pi' if pole else '0'}", sight.means[pole]
+    jump, largest = sight.conflicts[pole, 0], np.max(sight.conflicts[pole])
+    if not sight.is_cone:
+        size = jump if jump > SMOOTHNESS.visible else largest
+        return f"at {at} the components change with phi by {size:.2g} of their size as no tensor's do"
+    doubtful = jump <= sight.doubts[pole, 0]
+    if look and (doubtful or not SMOOTHNESS.alike * abs(tt) < abs(pp) < abs(tt) / SMOOTHNESS.alike):
+        theta, tt, pp = look.near[pole]
+        at = f"theta = {theta:.4g}"
+    return (
+        f"there q_tt and q_pp / sin^2 theta are equal in the mean over phi, but they are {tt:.6g} and "
+        f"{pp:.6g} at {at}"
+    )
