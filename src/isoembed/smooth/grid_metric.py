@@ -132,7 +132,7 @@ class GridMetric:
 
     @cached_property
     def error(self) -> Uncertainty:
-        """Relative errors of lengths: truncation, noise, what phi does not resolve, conflicts at the poles."""
+        """Relative errors of lengths: truncation, noise, what phi does not resolve, conflict at the poles."""
         error = _error(self._field, np.stack([self.q_tt, self.q_tp, self.q_pp]))
         half, odds = 0.5 / self._size, 0.5 * self.at_poles().jump
         return Uncertainty(half * error.pointwise + odds, half * error.mean + 0.5 * odds)
