@@ -319,6 +319,22 @@ def test_read_only_and_brief():
     assert np.isfinite(g.q_tt).all()
 
 
+def test_a_symmetric_one_form_is_interpolated_from_one_meridian():
+    """Its Cartesian components turn with phi."""
+    theta, phi = (np.arange(16) + 0.5) * np.pi / 16, [0.7]
+    t = theta[:, None]
+    grid = GridMetric(theta, phi, np.ones((16, 1)), np.zeros((16, 1)), np.sin(t) ** 2)
+    u = np.random.default_rng(0).normal(size=(50, 3))
+    u /= np.linalg.norm(u, axis=1)[:, None]
+    # (2 + z) times that of the rotation about z, and the gradient of z^2
+    form = grid.one_form(-2.0 * np.cos(t) * np.sin(t), (2.0 + np.cos(t)) * np.sin(t) ** 2, "j")
+    x, y, z = u.T
+    expected = (2.0 + z)[:, None] * np.stack([-y, x, 0 * x], axis=1)
+    expected += 2.0 * z[:, None] * (np.array([0.0, 0.0, 1.0]) - z[:, None] * u)
+    np.testing.assert_allclose(form(u), expected, atol=1e-13)
+    assert form.error.pointwise < 1e-12
+
+
 def test_a_one_form_is_interpolated_over_the_poles():
     """That of the gradient of a polynomial, from its coordinate components."""
     n, m = 16, 24

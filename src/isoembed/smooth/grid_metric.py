@@ -173,7 +173,7 @@ class GridMetric:
             They have another shape, or one of them is not finite; the message calls them by the name.
         """
         given = self._given(values, name)
-        series = self._series(given[..., None])
+        series = self._series(given[..., None], self.phi)
         return UncertainFunction(
             lambda u: series.at(np.asarray(u, dtype=np.float64))[:, 0], _error(series, given)
         )
@@ -191,13 +191,17 @@ class GridMetric:
         InvalidMetric
             As `function`.
         """
+        # Where it is symmetric about z its Cartesian components are not: they take more than one angle, and
+        # as many as degrees in theta for the estimate of the error to see that there is nothing between them.
+        n = 2 * len(self.theta)
+        angles = self.phi if len(self.phi) > 1 else self.phi + 2.0 * np.pi / n * np.arange(n)
         sin, cos = np.sin(self.theta)[:, None], np.cos(self.theta)[:, None]
-        e_theta = np.stack(np.broadcast_arrays(cos * np.cos(self.phi), cos * np.sin(self.phi), -sin), axis=2)
-        e_phi = np.stack(np.broadcast_arrays(-np.sin(self.phi), np.cos(self.phi), 0.0 * sin), axis=2)
+        e_theta = np.stack(np.broadcast_arrays(cos * np.cos(angles), cos * np.sin(angles), -sin), axis=2)
+        e_phi = np.stack(np.broadcast_arrays(-np.sin(angles), np.cos(angles), 0.0 * sin), axis=2)
         theta, phi = self._given(meridional, name), self._given(azimuthal, name)
         # Cartesian components are smooth over the poles, those along the angles are not.
         away = np.where(sin > 0.0, sin, 1.0)
-        series = self._series(theta[..., None] * e_theta + (phi / away)[..., None] * e_phi)
+        series = self._series(theta[..., None] * e_theta + (phi / away)[..., None] * e_phi, angles)
 
         def vectors(u: Floats) -> Floats:
             v = series.at(np.asarray(u, dtype=np.float64))
@@ -227,10 +231,10 @@ class GridMetric:
             raise InvalidMetric(f"{name} is {given[i, j]} at theta[{i}], phi[{j}]")
         return given
 
-    def _series(self, values: Floats) -> DoubleFourier:
-        """The series of values (n, m, c) at the nodes."""
-        inner, m = inner_nodes(self.theta), around(self.phi)
-        return DoubleFourier(self.theta[inner], self.phi[:m], values[inner, :m])
+    def _series(self, values: Floats, phi: Floats) -> DoubleFourier:
+        """The series of values (n, m, c) at the heights of the nodes and the angles phi."""
+        inner, m = inner_nodes(self.theta), around(phi)
+        return DoubleFourier(self.theta[inner], phi[:m], values[inner, :m])
 
     def _check_nodes(self, inner: Mask, m: int) -> None:
         tt, tp, pp = self.q_tt, self.q_tp, self.q_pp
