@@ -7,6 +7,7 @@ import pytest
 from scipy.spatial.transform import Rotation
 
 from isoembed.errors import InvalidParameter
+from isoembed.meshing.sphere import directions_at
 from isoembed.relativity.energies.quadrature import intrinsic_energies
 from isoembed.relativity.horizons.horizon import Horizon
 from isoembed.relativity.horizons.horizon_file import read_horizon
@@ -19,7 +20,9 @@ from isoembed.relativity.spacetimes.kerr_schild import KerrSchild
 from isoembed.relativity.spacetimes.painleve_gullstrand import PainleveGullstrand
 from isoembed.relativity.spacetimes.star_surface import StarSurface
 from isoembed.relativity.spacetimes.surface_data import SurfaceData
+from isoembed.smooth.grid_metric import GridMetric
 from isoembed.smooth.harmonics import Harmonics
+from isoembed.smooth.two_metric import angle_frame
 from isoembed.smooth.uncertain import UncertainFunction, Uncertainty
 from places import SHARED
 
@@ -197,6 +200,31 @@ def on_a_grid(hole, spacing):
 def test_on_a_grid_it_is_right_to_its_error(spacing, largest):
     hole = KerrSchild(1.0, tuple(0.6 * TILTED))
     check(find_spin(horizon(hole).data(on_a_grid(hole, spacing))), 0.6, TILTED, largest, 2.0 * largest)
+
+
+def kerr_on_nodes(sphere, n, m, noise):
+    """Data at the nodes of a grid in theta and phi, with noise in q and in j."""
+    grid = GridMetric.sampled(sphere, n, m)
+    theta, phi = np.meshgrid(grid.theta, grid.phi, indexing="ij")
+    u = directions_at(np.cos(theta), phi).reshape(-1, 3)
+    frame = angle_frame(u)
+    along, around = (np.einsum("ni,ni->n", sphere.normal_momentum(u), e).reshape(theta.shape) for e in frame)
+    rng = np.random.default_rng(7)
+    q = [
+        part * (1.0 + size * rng.normal(size=theta.shape))
+        for part, size in zip((grid.q_tt, grid.q_tp, grid.q_pp), (noise[0], 0.0, noise[0]), strict=True)
+    ]
+    j = along, around * np.sin(theta) * (1.0 + noise[1] * rng.normal(size=theta.shape))
+    return SurfaceData.from_grid(grid.theta, grid.phi, q, j=j)
+
+
+@pytest.mark.parametrize("nodes", [(24, 48), (24, 1), (12, 24)])
+@pytest.mark.parametrize("noise", [(0.0, 0.0), (1e-6, 0.0), (1e-4, 0.0), (0.0, 1e-3), (1e-6, 1e-2)])
+@pytest.mark.parametrize("a", [0.1, -0.9])
+def test_on_nodes_in_theta_and_phi_it_is_right_to_its_error(a, nodes, noise):
+    found = find_spin(kerr_on_nodes(KerrNewmanSphere(2.5, 1.0, a), *nodes, noise))
+    total = 1e-10 + sum(noise)
+    check(found, abs(a), (0, 0, np.sign(a)), 10.0 * total, 20.0 * total / abs(a))
 
 
 @pytest.mark.parametrize("noise", [0.0, 1e-6, 1e-2])

@@ -28,6 +28,8 @@ SHOWN = {
     "wang_yau": "Wang-Yau energy",
 }
 
+SMALL = 1e-6  # of a vector, in the text
+
 
 def energy_table(report: dict[str, Any]) -> str:
     """Energies of a report with their errors, a line each, and its notes."""
@@ -38,12 +40,19 @@ def energy_table(report: dict[str, Any]) -> str:
             lines.append(f"{shown:{width}}  {report[name]:<22.15g} +- {report['errors'][name]:.0e}")
     if spin := report.get("spin"):
         lines.append(f"{'angular momentum J':{width}}  {spin['J']:<22.15g} +- {spin['error']:.0e}")
-    if spin and spin["axis"]:
-        axis = ", ".join(f"{round(x, 6) + 0.0:g}" for x in spin["axis"])
-        lines.append(f"{'its axis':{width}}  {f'({axis})':<22} +- {spin['axis_error']:.0e} radians")
+        if spin["axis"]:
+            lines.append(
+                f"{'its axis':{width}}  {_triple(spin['axis']):<22} +- {spin['axis_error']:.0e} radians"
+            )
+            lines.append(f"{'J about x, y and z':{width}}  {_triple(spin['vector'])}")
     lines += shape_lines(report)
     lines += ["", *(f"note: {note}" for note in report["notes"])]
     return "\n".join([*lines, CONVENTIONS["units"]])
+
+
+def _triple(x: list[float]) -> str:
+    size = max(map(abs, x))
+    return "(" + ", ".join(f"{c:.6g}" if abs(c) > SMALL * size else "0" for c in x) + ")"
 
 
 def unembedded_report(data: SurfaceData, error: NotEmbedded) -> dict[str, Any]:
