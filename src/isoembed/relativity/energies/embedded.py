@@ -33,6 +33,7 @@ class SurfaceThresholds:
     """Thresholds of the embedding of a surface for its energies."""
 
     settled: float = threshold(1e-12, "relative", "Change of int H dA by more harmonics that is none.")
+    sought: float = threshold(0.01, "relative", "Accuracy of int H dA over the error of lengths at points.")
     rougher: float = threshold(100.0, "relative", "Error of short lengths over that of points.")
     smallest: float = threshold(1e-200, "squared length", "Squares of smaller ones are no numbers.")
     largest: float = threshold(1e200, "squared length", "Squares of larger ones are no numbers.")
@@ -163,7 +164,7 @@ def embed_surface(
         shape=data.shape,
         vertices=vertices,
         tolerance=max(tolerance, SURFACE.rougher * uncertain.mean, 2.0 * uncertain.pointwise),
-        accuracy=max(SURFACE.settled, uncertain.mean),
+        accuracy=max(SURFACE.settled, uncertain.mean, SURFACE.sought * uncertain.pointwise),
         best_fit=best_fit,
     )
     return EmbeddedSurface(data, embedding)
