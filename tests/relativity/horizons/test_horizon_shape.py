@@ -5,6 +5,7 @@ import pytest
 from scipy.special import ellipe
 
 from isoembed.errors import NotEmbedded
+from isoembed.meshing.sphere import gauss_rule
 from isoembed.relativity import (
     HorizonShape,
     KerrNewmanHorizon,
@@ -12,14 +13,17 @@ from isoembed.relativity import (
     KerrSchild,
     StarSurface,
     SurfaceData,
-    embed_surface,
     energy_table,
+    find_spin,
     unembedded_report,
 )
 from isoembed.relativity.horizons.circumferences import Circumferences
+from isoembed.relativity.horizons.horizon_shape import shape_lines, shape_report
 from isoembed.relativity.horizons.invariant_coordinate import InvariantCoordinate
 from isoembed.relativity.horizons.multipoles import Multipoles
 from isoembed.smooth import AngleMetric
+from isoembed.smooth.transforms import analyzed
+from isoembed.smooth.two_metric import PulledBack
 
 SPINS = (0.0, 0.3, 0.6, 0.9, 0.99)
 
@@ -111,10 +115,8 @@ def test_beyond_the_limit_of_embedding_too():
 
 
 def test_of_horizons_only():
-    assert "multipoles" not in embed_surface(KerrNewmanSphere(3.0).data()).report
-    assert embed_surface(KerrNewmanHorizon(1.0, 0.3).data()).report["multipoles"]["J"][1] == pytest.approx(
-        0.3
-    )
+    assert "multipoles" not in unembedded_report(KerrNewmanSphere(3.0).data(), NotEmbedded("no reason", None))
+    assert shape_lines({"name": "a sphere"}) == []
 
 
 def test_without_the_spin_there_are_the_moments_of_the_shape():
@@ -141,7 +143,7 @@ def test_the_longest_circle_is_not_the_one_that_halves_the_area():
         return rho_theta**2 + z_theta**2, 0.0, rho**2
 
     metric = AngleMetric(components)
-    found = Circumferences.of(metric, InvariantCoordinate.about_z(metric))
+    found = Circumferences.of(metric, InvariantCoordinate.about(metric))
     x, weights = np.polynomial.legendre.leggauss(100)
     theta = 0.5 * np.pi * (1.0 + x)
     _, rho_theta, z_theta = pear(theta)
@@ -151,9 +153,70 @@ def test_the_longest_circle_is_not_the_one_that_halves_the_area():
     assert found.equatorial.value < longest - 1e-4
 
 
+TILTED = (0.3, -0.5, 0.4)
+
+
+def test_tilted():
+    geometry, a = KerrSchild(1.0, TILTED), float(np.linalg.norm(TILTED))
+    surface = StarSurface.from_radius(geometry.spheroid(geometry.horizon))
+    data = surface.data(geometry, marginal=True)
+    shape = HorizonShape.of(data, find_spin(data))
+    assert shape.circumferences.equatorial.value == pytest.approx(4.0 * np.pi, abs=1e-12)
+    assert shape.circumferences.polar.value == pytest.approx(polar(a), abs=1e-12)
+    expected = moments(a)
+    assert np.abs(values(shape.multipoles.shape) - expected.real).max() < 1e-12
+    assert np.abs(values(shape.multipoles.rotation) - expected.imag).max() < 1e-12
+    assert shape.multipoles.spin[1].value == pytest.approx(a, abs=1e-12)
+
+
+BOOST, VELOCITY = np.array([0.96, 0.0, 0.28]), 0.3
+SPHEROID = np.diag([1.0, 1.0, 1.4])
+PERIMETER = 4.0 * 1.4 * ellipe(1.0 - 1.0 / 1.4**2)
+
+
+def boosted(w):
+    """Directions as they are seen by an observer in motion, and the differential: a conformal map."""
+    s, g = np.sqrt(1.0 - VELOCITY**2), 1.0 / (1.0 + VELOCITY * (w @ BOOST))
+    along = np.outer(BOOST, BOOST)
+    u = g[:, None] * (s * w + ((1.0 - s) * (w @ BOOST) + VELOCITY)[:, None] * BOOST)
+    matrix = s * np.eye(3) + (1.0 - s) * along - VELOCITY * u[:, :, None] * BOOST
+    return u, g[:, None, None] * matrix
+
+
+def test_a_symmetry_that_is_none_of_the_directions():
+    """A spheroid, seen so that its poles are not opposite to one another."""
+    upright = InvariantCoordinate.about(PulledBack(lambda u: np.broadcast_to(SPHEROID, (len(u), 3, 3))))
+    metric = PulledBack(lambda w: SPHEROID @ boosted(w)[1])
+    u, weights = gauss_rule(49, 98)
+    zeta = InvariantCoordinate.of_potential(
+        *analyzed(upright.derivatives(boosted(u)[0])[0], u, weights, 48), 1e-14
+    )
+    north, south = zeta.poles
+    assert np.abs(boosted(np.stack([north, south]))[0] - [[0, 0, 1], [0, 0, -1]]).max() < 1e-11
+    assert north @ south > -0.9
+    found = Circumferences.of(metric, zeta)
+    assert found.equatorial.value == pytest.approx(2.0 * np.pi, abs=1e-12)
+    assert found.longest.value == pytest.approx(2.0 * np.pi, abs=1e-11)
+    assert found.polar.value == pytest.approx(PERIMETER, abs=1e-11)
+    assert found.polar_bounds == pytest.approx((PERIMETER, PERIMETER), abs=1e-9)
+
+
+def test_without_a_symmetry_meridians_are_bounded():
+    axes = np.array([1.3, 1.0, 1.1])
+    metric = PulledBack(lambda u: np.broadcast_to(np.diag(axes), (len(u), 3, 3)))
+    found = HorizonShape.of(SurfaceData(metric, marginal=True)).circumferences
+    short, long = (4.0 * 1.3 * ellipe(1.0 - (b / 1.3) ** 2) for b in (1.0, 1.1))
+    low, high = found.polar_bounds
+    assert (low, high) == pytest.approx((short, long), abs=1e-5)  # both are meridians
+    assert short < found.polar.value < long
+    assert found.equatorial.value == pytest.approx(4.4 * ellipe(1.0 - (1.0 / 1.1) ** 2), rel=1e-9)
+    report = SurfaceData(metric, marginal=True)
+    assert "without symmetry" in shape_lines(shape_report(report, None))[0]
+
+
 def test_uncertain_lengths_make_uncertain_numbers():
     data = KerrNewmanHorizon(1.0, 0.7).data()
-    zeta = InvariantCoordinate.about_z(data.metric)
+    zeta = InvariantCoordinate.about(data.metric)
     rough = SurfaceData(data.metric, normal_momentum=data.normal_momentum, marginal=True, relative_error=1e-5)
     assert Circumferences.of(data.metric, zeta, 1e-5).polar.error > 1e-4
     assert errors(Multipoles.of(rough, zeta).mass).min() > 1e-5

@@ -75,7 +75,7 @@ class EmbeddedSurface:
             "name": self.data.name,
             **self.energies.report,
             "spin": spin_report(self.data, self.spin),
-            **shape_report(self.data),
+            **shape_report(self.data, self.spin),
             "embedding": {
                 "degree": found.harmonics.degree,
                 "order": found.harmonics.order,

@@ -64,7 +64,7 @@ def unembedded_report(data: SurfaceData, error: NotEmbedded) -> dict[str, Any]:
         "name": data.name,
         **intrinsic_energies(data, spin).report,
         "spin": spin_report(data, spin),
-        **shape_report(data),
+        **shape_report(data, spin),
     }
 
 

@@ -63,6 +63,9 @@ class Rotations:
     shearing, size : ndarray, shape (3, 3)
         Of their combination with weights c the root of ``A / 4 pi int |shear|^2 dA`` is the length of
         ``shearing @ c``, and that of ``int |phi|^2 dA`` the length of ``size @ c``, both over A / 4 pi.
+    harmonics : Harmonics
+    coefficients : ndarray, shape (harmonics.size, 3)
+        Of the potentials.
     """
 
     area: float
@@ -72,6 +75,8 @@ class Rotations:
     fields: Floats
     shearing: Floats
     size: Floats
+    harmonics: Harmonics
+    coefficients: Floats
 
     def shear(self, c: Floats) -> float:
         """``sqrt(A / 4 pi int |shear|^2 dA / int |phi|^2 dA)`` of a combination, with weights c (3,).
@@ -79,6 +84,12 @@ class Rotations:
         0 for a symmetry; sqrt(2) for the fields that come after the rotations on a round sphere.
         """
         return float(np.linalg.norm(self.shearing @ c) / np.linalg.norm(self.size @ c))
+
+    @property
+    def least_sheared(self) -> Floats:
+        """The weights (3,), of length one, of the rotation that has the least shear of all."""
+        weights = np.linalg.solve(self.size, svd(self.shearing @ np.linalg.inv(self.size))[2][-1])
+        return np.asarray(weights / np.linalg.norm(weights))
 
     @property
     def least_shears(self) -> Floats:
@@ -127,16 +138,18 @@ def rotations(metric: TwoMetric, degree: int, axisymmetric: bool) -> Rotations:
     S = (root * _trace_free(second)).reshape(-1, Y.shape[1])
     _, found = eigh(S.T @ S, G.T @ G, subset_by_index=[0, KILLING.candidates - 1])
     z = Y @ found
-    z -= dA @ z / (4.0 * np.pi)
+    means = dA @ z / (4.0 * np.pi)
+    z -= means
     root = np.sqrt(dA)[:, None]
     moments = np.linalg.norm(z.T @ (dA[:, None] * u), axis=1) / np.linalg.norm(root * z, axis=0)
     three = np.argsort(moments)[-3:]
     basis = np.linalg.inv(qr(root * z[:, three], mode="r")[0][:3]) * np.sqrt(4.0 * np.pi / 3.0)
     found = found[:, three] @ basis
+    coefficients = np.vstack([-np.sqrt(4.0 * np.pi) * means[three] @ basis, found])
     slope = first @ found
     fields = e[:, 0, :, None] * slope[:, 1, None, :] - e[:, 1, :, None] * slope[:, 0, None, :]
     shearing, size = (qr(part @ found, mode="r")[0][:3] for part in (S, G))
-    return Rotations(area, u, dA, z[:, three] @ basis, fields, shearing, size)
+    return Rotations(area, u, dA, z[:, three] @ basis, fields, shearing, size, harmonics, coefficients)
 
 
 def _bend(u: Floats, weights: Floats, q: Floats, e: Floats, heights: int) -> Floats:

@@ -30,7 +30,7 @@ class CircumferenceThresholds:
     steps: int = threshold(30, "count", "Newton steps towards a circle, at most.")
     near: float = threshold(4e-15, "absolute", "Miss of zeta that is none.")
     step: float = threshold(1e-3, "radians", "Between circles whose parabola tells the longest.")
-    finer: int = threshold(8, "relative", "Places where the longest circle is sought, over the circles.")
+    finer: int = threshold(8, "relative", "Places where extremes are sought, over the nodes.")
 
 
 CIRCUMFERENCE = CircumferenceThresholds()
@@ -155,6 +155,9 @@ class _Atlas:
         theta = 0.5 * np.pi * (1.0 + x)
         levels, fall = self._on_meridian(theta)
         speed, slope = self.circles(levels, theta, self.around(m))
+        # A Fourier series between the nodes, so that extremes are not missed.
+        finer = CIRCUMFERENCE.finer * slope.shape[1]
+        slope = np.fft.irfft(np.fft.rfft(slope, axis=1), finer, axis=1) * CIRCUMFERENCE.finer
         rate = (0.5 * np.pi * weights * fall)[:, None] / slope
         bounds = 2.0 * float(rate.min(axis=1).sum()), 2.0 * float(rate.max(axis=1).sum())
         # Their lengths as a polynomial in x tell the place of the longest.

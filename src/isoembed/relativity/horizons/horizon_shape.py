@@ -5,11 +5,27 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Any
 
+import numpy as np
+
+from isoembed.relativity.horizons.approximate_killing import rotations
 from isoembed.relativity.horizons.circumferences import Circumferences
 from isoembed.relativity.horizons.invariant_coordinate import InvariantCoordinate
 from isoembed.relativity.horizons.multipoles import Multipoles
+from isoembed.relativity.horizons.spin import Spin
 from isoembed.relativity.spacetimes.surface_data import SurfaceData
-from isoembed.smooth.two_metric import is_axisymmetric
+from isoembed.smooth.transforms import resized
+from isoembed.thresholds import threshold
+
+
+@dataclass(frozen=True)
+class HorizonShapeThresholds:
+    """Thresholds of the choice of an axis."""
+
+    upright: float = threshold(0.9, "cosine", "Above this the axis of a spin is that of a symmetry about z.")
+    degrees: tuple[int, int] = threshold((12, 16), "count", "Degrees of rotations where there is no spin.")
+
+
+HORIZON_SHAPE = HorizonShapeThresholds()
 
 
 @dataclass(frozen=True)
@@ -26,17 +42,23 @@ class HorizonShape:
     multipoles: Multipoles
 
     @classmethod
-    def of(cls, data: SurfaceData) -> HorizonShape | None:
-        """The shape of a horizon; None if it has no axis.
+    def of(cls, data: SurfaceData, spin: Spin | None = None) -> HorizonShape:
+        """The shape of a horizon.
 
         Parameters
         ----------
         data : SurfaceData
             Of which the metric and ``normal_momentum`` are used, and J and Q where they are given.
+        spin : Spin, optional
+            Of the surface, from `find_spin`; without it, poles are those of the rotation that shears the
+            metric least.
+
+        Raises
+        ------
+        InvalidMetric
+            The metric is not positive definite.
         """
-        if not is_axisymmetric(data.metric):
-            return None
-        zeta = InvariantCoordinate.about_z(data.metric, data.relative_error)
+        zeta = _coordinate(data, spin)
         return cls(
             Circumferences.of(data.metric, zeta, data.relative_error),
             Multipoles.of(data, zeta),
@@ -48,10 +70,31 @@ class HorizonShape:
         return {"circumferences": self.circumferences.report, "multipoles": self.multipoles.report}
 
 
-def shape_report(data: SurfaceData) -> dict[str, Any]:
-    """The report of a horizon's shape; empty of another surface."""
-    shape = HorizonShape.of(data) if data.marginal else None
-    return shape.report if shape else {}
+def shape_report(data: SurfaceData, spin: Spin | None) -> dict[str, Any]:
+    """The report of the shape of a horizon with this spin; empty of another surface."""
+    return HorizonShape.of(data, spin).report if data.marginal else {}
+
+
+def _coordinate(data: SurfaceData, spin: Spin | None) -> InvariantCoordinate:
+    """That of the symmetry about the spin, or about z, or of what comes nearest to a symmetry."""
+    metric, error = data.metric, data.relative_error
+    turning = None if spin is None else spin.zeta
+    upright = InvariantCoordinate.about(metric, relative_error=error)
+    if turning is None:
+        return upright or _least_sheared(data)
+    if upright is not None and abs(turning.axis[2]) > HORIZON_SHAPE.upright:
+        return upright
+    return InvariantCoordinate.about(metric, turning.axis.tolist(), error) or turning
+
+
+def _least_sheared(data: SurfaceData) -> InvariantCoordinate:
+    """That of the rotation which shears the metric least, towards the side where its axis has most."""
+    few, more = (rotations(data.metric, degree, False) for degree in HORIZON_SHAPE.degrees)
+    before, potential = (three.coefficients @ three.least_sheared for three in (few, more))
+    before = resized(before[:, None], few.harmonics, more.harmonics)[:, 0]
+    change = min(float(np.linalg.norm(potential - sign * before)) for sign in (1.0, -1.0))
+    zeta = InvariantCoordinate.of_potential(potential, more.harmonics, change + data.relative_error)
+    return zeta if zeta.axis[np.argmax(np.abs(zeta.axis))] > 0.0 else zeta.reversed()
 
 
 def shape_lines(report: dict[str, Any]) -> list[str]:

@@ -11,7 +11,8 @@ References
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.polynomial import legendre
@@ -20,7 +21,7 @@ from isoembed.arrays import Floats
 from isoembed.meshing.sphere import fibonacci_directions, gauss_rule
 from isoembed.smooth.harmonics import Harmonics
 from isoembed.smooth.transforms import analyzed, trimmed
-from isoembed.smooth.two_metric import TwoMetric, area_density
+from isoembed.smooth.two_metric import TwoMetric, area_density, is_axisymmetric
 from isoembed.thresholds import threshold
 
 
@@ -39,6 +40,25 @@ class InvariantCoordinateThresholds:
 INVARIANT = InvariantCoordinateThresholds()
 
 
+@dataclass(frozen=True)
+class Turned:
+    """A metric as it is for directions w whose components are along other axes; a `TwoMetric`.
+
+    Attributes
+    ----------
+    metric : TwoMetric
+    frame : ndarray, shape (3, 3)
+        The other axes: u is ``w @ frame``.
+    """
+
+    metric: TwoMetric
+    frame: Floats
+
+    def tensor(self, w: Floats) -> Floats:
+        """See `TwoMetric`."""
+        return self.frame @ self.metric.tensor(w @ self.frame) @ self.frame.T
+
+
 @dataclass(frozen=True, eq=False)
 class InvariantCoordinate:
     """A function zeta of the direction that goes from one pole of a surface to the other.
@@ -47,26 +67,45 @@ class InvariantCoordinate:
     ----------
     harmonics : Harmonics
     coefficients : ndarray, shape (harmonics.size,)
-        Of zeta.
+        Of zeta as a function of the components of directions in the frame.
     error : float
         How uncertain zeta is.
+    frame : ndarray, shape (3, 3)
+        Three axes at right angles.
     axisymmetric : bool
-        The metric is symmetric about the z-axis, and zeta a function of the height alone.
+        The metric is symmetric about the third axis, and zeta a function of the height along it alone.
     """
 
     harmonics: Harmonics
     coefficients: Floats
     error: float
+    frame: Floats
     axisymmetric: bool
 
     @classmethod
-    def about_z(cls, metric: TwoMetric, relative_error: float = 0.0) -> InvariantCoordinate:
-        """That of a metric which is symmetric about the z-axis, from the area of its caps."""
+    def about(
+        cls, metric: TwoMetric, axis: Sequence[float] = (0.0, 0.0, 1.0), relative_error: float = 0.0
+    ) -> InvariantCoordinate | None:
+        """That of a metric which is symmetric about an axis, from the area of caps; None if it is not.
+
+        Parameters
+        ----------
+        metric : TwoMetric
+        axis : three floats
+            A unit vector.
+        relative_error : float
+            The uncertainty of lengths.
+        """
+        # Rounding in a frame that is that of the coordinates would be seen as less symmetry.
+        frame = np.eye(3) if tuple(axis) == (0.0, 0.0, 1.0) else np.roll(_frame(np.array(axis)), -1, axis=0)
+        turned = Turned(metric, frame)
+        if not is_axisymmetric(turned):
+            return None
         t = INVARIANT
         degree = t.first_degree
         while True:
             u, weights = gauss_rule(degree + 1, 2)
-            density, harmonics = analyzed(area_density(metric.tensor(u)), u, weights, degree, 0)
+            density, harmonics = analyzed(area_density(turned.tensor(u)), u, weights, degree, 0)
             sizes = np.abs(density) / density[0]
             tail = float(sizes[3 * degree // 4 :].max())
             if tail <= max(t.settled, relative_error) or 2 * degree > t.highest_degree:
@@ -77,23 +116,46 @@ class InvariantCoordinate:
         ends = legendre.legval([-1.0, 1.0], series)
         series[0] -= 0.5 * (ends[0] + ends[1])
         norms = np.sqrt(4.0 * np.pi / (2 * np.arange(len(series)) + 1))
-        return cls(Harmonics(len(series) - 1, 0), series * norms, t.settled + tail + relative_error, True)
+        error = t.settled + tail + relative_error
+        return cls(Harmonics(len(series) - 1, 0), series * norms, error, frame, True)
+
+    @classmethod
+    def of_potential(cls, coefficients: Floats, harmonics: Harmonics, error: float) -> InvariantCoordinate:
+        """That of a rotation whose potential over A / 4 pi is given, and how uncertain that is."""
+        return cls(harmonics, coefficients, error, np.eye(3), False)
 
     def derivatives(self, u: Floats) -> tuple[Floats, Floats]:
         """Zeta (n,) and its gradient (n, 3) on the unit sphere, at unit vectors u (n, 3)."""
-        value, gradient, _ = self.harmonics.derivatives(u, self.coefficients)
-        return value, gradient
+        value, gradient, _ = self.harmonics.derivatives(u @ self.frame.T, self.coefficients)
+        return value, gradient @ self.frame
+
+    def rule(self, n: int, around: int) -> tuple[Floats, Floats]:
+        """Nodes (n * around, 3) and weights of a `gauss_rule` about the third axis of the frame."""
+        w, weights = gauss_rule(n, around)
+        return w @ self.frame, weights
+
+    @property
+    def axis(self) -> Floats:
+        """The unit vector (3,) along which zeta rises, in the mean over directions."""
+        degrees, orders = self.harmonics.labels
+        (x,), (y,), (z,) = (self.coefficients[(degrees == 1) & (orders == m)] for m in (1, -1, 0))
+        axis = np.array([x, y, z]) @ self.frame
+        return np.asarray(axis / np.linalg.norm(axis))
+
+    def reversed(self) -> InvariantCoordinate:
+        """That with the poles exchanged."""
+        return replace(self, coefficients=-self.coefficients)
 
     @property
     def poles(self) -> tuple[Floats, Floats]:
         """The directions (3,) where zeta is greatest and where it is least."""
         if self.axisymmetric:
-            return np.array([0.0, 0.0, 1.0]), np.array([0.0, 0.0, -1.0])
+            return self.frame[2], -self.frame[2]
         return self._summit(1.0), self._summit(-1.0)
 
     def _summit(self, sign: float) -> Floats:
         u = fibonacci_directions(self.harmonics.size)
-        u = u[[int(np.argmax(sign * self.derivatives(u)[0]))]]
+        u = u[[int(np.argmax(sign * self.harmonics.derivatives(u, self.coefficients)[0]))]]
         for _ in range(INVARIANT.steps):
             _, slope, bend = self.harmonics.derivatives(u, self.coefficients)
             # Along u, where the Hessian is nothing, its part is filled in.
@@ -102,4 +164,11 @@ class InvariantCoordinate:
             u /= np.linalg.norm(u)
             if np.linalg.norm(step) <= INVARIANT.pole:
                 break
-        return np.asarray(u[0])
+        return np.asarray(u[0] @ self.frame)
+
+
+def _frame(axis: Floats) -> Floats:
+    """An axis and two more at right angles to it and to one another, as rows."""
+    across = np.cross(axis, np.eye(3)[np.argmin(np.abs(axis))])
+    across /= np.linalg.norm(across)
+    return np.stack([axis, across, np.cross(axis, across)])

@@ -21,7 +21,6 @@ import numpy as np
 from numpy.polynomial import legendre
 
 from isoembed.arrays import Floats
-from isoembed.meshing.sphere import gauss_rule
 from isoembed.relativity.horizons.invariant_coordinate import InvariantCoordinate
 from isoembed.relativity.spacetimes.surface_data import SurfaceData
 from isoembed.smooth.spectral_curvature import spectral_curvature
@@ -124,7 +123,7 @@ def _moments(
     data: SurfaceData, zeta: InvariantCoordinate, K: Callable[[Floats], Floats], n: int
 ) -> tuple[Floats, float]:
     """I_l and L_l (2, order + 1), and the area, from n heights of nodes."""
-    u, weights = gauss_rule(n, MULTIPOLES.around if zeta.axisymmetric else 2 * n)
+    u, weights = zeta.rule(n, MULTIPOLES.around if zeta.axisymmetric else 2 * n)
     dA = weights * area_density(data.metric.tensor(u))
     value, gradient = zeta.derivatives(u)
     l = np.arange(MULTIPOLES.order + 1)

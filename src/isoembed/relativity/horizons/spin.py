@@ -17,7 +17,7 @@ References
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Any
 
 import numpy as np
@@ -25,7 +25,10 @@ import numpy as np
 from isoembed.arrays import Floats
 from isoembed.errors import InvalidParameter
 from isoembed.relativity.horizons.approximate_killing import Rotations, rotations
+from isoembed.relativity.horizons.invariant_coordinate import InvariantCoordinate
 from isoembed.relativity.spacetimes.surface_data import SurfaceData
+from isoembed.smooth.harmonics import Harmonics
+from isoembed.smooth.transforms import resized
 from isoembed.smooth.two_metric import is_axisymmetric
 from isoembed.smooth.uncertain import UncertainFunction
 from isoembed.surface.estimate import Estimate
@@ -80,6 +83,8 @@ class Spin:
         `isoembed.relativity.horizons.approximate_killing.Rotations.shear`.
     method : str
         How the axis was found, in words.
+    zeta : InvariantCoordinate or None
+        That of the rotation about the axis, or None without an axis.
     """
 
     J: Estimate
@@ -88,6 +93,7 @@ class Spin:
     vector: tuple[float, float, float]
     shear: float | None
     method: str
+    zeta: InvariantCoordinate | None = field(default=None, repr=False, compare=False)
 
     def misses(self, about: float) -> bool:
         """Whether J about some axis, of either sign, is not the magnitude, whatever their errors."""
@@ -176,6 +182,9 @@ class _Trial:
     largest_shear : float
         The largest of the stationary shears.
     vector : ndarray, shape (3,)
+    harmonics : Harmonics
+    potential : ndarray, shape (harmonics.size,)
+        Of the rotation, over A / 4 pi.
     """
 
     J: float
@@ -184,6 +193,8 @@ class _Trial:
     shear: float
     largest_shear: float
     vector: Floats
+    harmonics: Harmonics
+    potential: Floats
 
     @classmethod
     def of(cls, data: SurfaceData, momentum: Callable[[Floats], Floats], three: Rotations) -> _Trial:
@@ -208,6 +219,7 @@ class _Trial:
         return cls(
             *(unit * J, unit * noise, axis / np.linalg.norm(axis)),
             *(three.shear(along), float(three.least_shears[-1]), unit * vector),
+            *(three.harmonics, three.coefficients @ along),
         )
 
     def angle(self, other: _Trial) -> float:
@@ -217,6 +229,13 @@ class _Trial:
     def unexplained(self, before: _Trial) -> float:
         """The shear that even more harmonics would leave, if they reduce it as these did those before."""
         return self.shear * min(1.0, self.shear / before.shear if before.shear > 0.0 else 1.0)
+
+    def change(self, before: _Trial) -> float:
+        """What more harmonics may make of the potential: not more than the shear that they leave."""
+        difference = (
+            self.potential - resized(before.potential[:, None], before.harmonics, self.harmonics)[:, 0]
+        )
+        return min(float(np.linalg.norm(difference)), self.shear)
 
     def spin(self, before: _Trial, lengths: float) -> Spin:
         """The spin, with errors from fewer harmonics, the noise, the shear and the error of lengths."""
@@ -236,7 +255,8 @@ class _Trial:
         else:
             how += f"not symmetric about this axis, shear {self.shear:.1e}"
         turn = self.angle(before) + self.noise / J + SPIN.lengths * lengths + left
-        return Spin(Estimate(J, error), _three(self.axis), min(turn, np.pi), vector, self.shear, how)
+        zeta = InvariantCoordinate.of_potential(self.potential, self.harmonics, self.change(before) + lengths)
+        return Spin(Estimate(J, error), _three(self.axis), min(turn, np.pi), vector, self.shear, how, zeta)
 
 
 def _three(vector: Sequence[float] | Floats) -> tuple[float, float, float]:
