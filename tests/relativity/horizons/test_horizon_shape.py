@@ -5,8 +5,10 @@ import pytest
 from scipy.special import ellipe
 
 from isoembed.errors import NotEmbedded
-from isoembed.meshing.sphere import gauss_rule
+from isoembed.meshing.sphere import fibonacci_directions, gauss_rule
 from isoembed.relativity import (
+    CoordinateShape,
+    Horizon,
     HorizonShape,
     KerrNewmanHorizon,
     KerrNewmanSphere,
@@ -220,3 +222,26 @@ def test_uncertain_lengths_make_uncertain_numbers():
     rough = SurfaceData(data.metric, normal_momentum=data.normal_momentum, marginal=True, relative_error=1e-5)
     assert Circumferences.of(data.metric, zeta, 1e-5).polar.error > 1e-4
     assert errors(Multipoles.of(rough, zeta).mass).min() > 1e-5
+
+
+def test_a_surface_that_is_a_little_off_the_horizon():
+    geometry = KerrSchild(1.0, (0.0, 0.0, 0.6))
+    spheroid = geometry.spheroid(geometry.horizon)
+    surface = StarSurface.from_radius(lambda u: spheroid(u) * (1.001 + 0.001 * u[:, 2] ** 2))
+    data = Horizon.of(surface_points(surface), geometry, marginal=True).data
+    assert 0.0 < data.displacement < 0.02
+    shape = HorizonShape.of(data, find_spin(data))
+    for found, exact in (
+        (shape.circumferences.equatorial, 4.0 * np.pi),
+        (shape.circumferences.polar, polar(0.6)),
+    ):
+        assert 1e-3 < abs(found.value - exact) <= found.error
+    assert np.all(
+        np.abs(values(shape.multipoles.shape) - moments(0.6).real) <= errors(shape.multipoles.shape)
+    )
+    assert abs(shape.multipoles.spin[1].value - 0.6) <= shape.multipoles.spin[1].error < 1e-9
+
+
+def surface_points(surface):
+    u = fibonacci_directions(800)
+    return CoordinateShape.star_shaped(surface.points(u), "points", np.zeros(3))

@@ -22,7 +22,10 @@ class HorizonShapeThresholds:
     """Thresholds of the choice of an axis."""
 
     upright: float = threshold(0.9, "cosine", "Above this the axis of a spin is that of a symmetry about z.")
-    degrees: tuple[int, int] = threshold((12, 16), "count", "Degrees of rotations where there is no spin.")
+    degrees: tuple[int, ...] = threshold(
+        (8, 12, 16), "count", "Degrees of rotations where there is no spin, one after the other."
+    )
+    settled: float = threshold(1e-6, "relative", "Change of a potential by more harmonics that is none.")
 
 
 HORIZON_SHAPE = HorizonShapeThresholds()
@@ -60,7 +63,7 @@ class HorizonShape:
         """
         zeta = _coordinate(data, spin)
         return cls(
-            Circumferences.of(data.metric, zeta, data.relative_error),
+            Circumferences.of(data.metric, zeta, data.relative_error + data.displacement),
             Multipoles.of(data, zeta),
         )
 
@@ -89,10 +92,15 @@ def _coordinate(data: SurfaceData, spin: Spin | None) -> InvariantCoordinate:
 
 def _least_sheared(data: SurfaceData) -> InvariantCoordinate:
     """That of the rotation which shears the metric least, towards the side where its axis has most."""
-    few, more = (rotations(data.metric, degree, False) for degree in HORIZON_SHAPE.degrees)
-    before, potential = (three.coefficients @ three.least_sheared for three in (few, more))
-    before = resized(before[:, None], few.harmonics, more.harmonics)[:, 0]
-    change = min(float(np.linalg.norm(potential - sign * before)) for sign in (1.0, -1.0))
+    few = rotations(data.metric, HORIZON_SHAPE.degrees[0], False)
+    for degree in HORIZON_SHAPE.degrees[1:]:
+        more = rotations(data.metric, degree, False)
+        before, potential = (three.coefficients @ three.least_sheared for three in (few, more))
+        before = resized(before[:, None], few.harmonics, more.harmonics)[:, 0]
+        change = min(float(np.linalg.norm(potential - sign * before)) for sign in (1.0, -1.0))
+        if change <= HORIZON_SHAPE.settled:
+            break
+        few = more
     zeta = InvariantCoordinate.of_potential(potential, more.harmonics, change + data.relative_error)
     return zeta if zeta.axis[np.argmax(np.abs(zeta.axis))] > 0.0 else zeta.reversed()
 
@@ -105,7 +113,7 @@ def shape_lines(report: dict[str, Any]) -> list[str]:
     low, high = found["polar_bounds"]
     lengths = [_written(name, found[name], found["errors"][name]) for name in ("equatorial", "polar")]
     if high - low > 2.0 * found["errors"]["polar"]:
-        lengths.append(f"from {low:.6g} to {high:.6g} without symmetry")
+        lengths.append(f"from {low:.8g} to {high:.8g} without symmetry")
     shown = ("M", "J") if multipoles["M"] else ("I",)
     moments = [
         _written(f"{name}_{n}", multipoles[name][n], multipoles["errors"][name][n])

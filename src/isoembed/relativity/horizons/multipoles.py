@@ -13,7 +13,7 @@ References
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any
 
@@ -87,27 +87,38 @@ class Multipoles:
         errors[0] += K.error.mean * area
         if isinstance(data.normal_momentum, UncertainFunction):
             errors[1] += l * (l + 1) * np.pi * data.normal_momentum.error.mean
-        shape, rotation = (
-            tuple(Estimate(*pair) for pair in zip(*rows, strict=True))
-            for rows in zip(moments, errors, strict=True)
-        )
-        return cls._scaled(data, np.sqrt(area / (4.0 * np.pi)), shape, rotation)
+        return cls._scaled(data, np.sqrt(area / (4.0 * np.pi)), moments, errors)
 
     @classmethod
-    def _scaled(
-        cls, data: SurfaceData, R: float, shape: tuple[Estimate, ...], rotation: tuple[Estimate, ...]
-    ) -> Multipoles:
-        """With the masses and spins, as far as these are known."""
-        found = None if data.normal_momentum is None else _dimensional(rotation, R / (4.0 * np.pi), R, data)
+    def _scaled(cls, data: SurfaceData, R: float, moments: Floats, errors: Floats) -> Multipoles:
+        """With the masses and spins, as far as these are known.
+
+        If the horizon is displaced from the surface, its multipoles are others, but for J_1.
+        """
+        l = np.arange(len(moments[0]))
+        displaced = l * (l + 1) * data.displacement
+        shape, rotation = (_estimates(*pair) for pair in zip(moments, errors + displaced, strict=True))
+        scale = np.sqrt(4.0 * np.pi / (2 * l + 1)) * R**l
+        lengths = (l + 2) * (data.relative_error + MULTIPOLES.rounding)
+        moved = (l + 1) * data.displacement
+        spins = scale * R / (4.0 * np.pi) * moments[1]
+        uncertain = scale * R / (4.0 * np.pi) * (errors[1] + np.where(l == 1, 0.0, displaced))
+        uncertain += (lengths + np.where(l == 1, 0.0, moved)) * np.abs(spins)
+        found = None if data.normal_momentum is None else _estimates(spins, uncertain)
         known = data.angular_momentum if found is None or data.charge else found[1].value
         if known is None:
             return cls(shape, None, None, None)
         m = 0.5 * R
         mass = np.hypot(m + data.charge**2 / (4.0 * m), known / (2.0 * m))
-        masses = _dimensional(shape, mass / (2.0 * np.pi), R, data)
+        masses = scale * mass / (2.0 * np.pi) * moments[0]
+        uncertain_masses = scale * mass / (2.0 * np.pi) * (errors[0] + displaced)
+        uncertain_masses += (lengths + moved + abs(known) / (2.0 * m * mass) ** 2 * uncertain[1]) * np.abs(
+            masses
+        )
+        heavy = _estimates(masses, uncertain_masses)
         if found is None and known != 0.0:
-            return cls(shape, None, masses, None)
-        return cls(shape, rotation, masses, found or rotation)
+            return cls(shape, None, heavy, None)
+        return cls(shape, rotation, heavy, found or rotation)
 
     @property
     def report(self) -> dict[str, Any]:
@@ -137,13 +148,5 @@ def _moments(
     return np.stack([shape, norms * (slopes @ (weights * around))]), float(dA.sum())
 
 
-def _dimensional(
-    moments: Sequence[Estimate], factor: float, R: float, data: SurfaceData
-) -> tuple[Estimate, ...]:
-    """Moments times ``sqrt(4 pi / (2 n + 1)) factor R^n``, with what lengths are uncertain."""
-    result = []
-    for n, moment in enumerate(moments):
-        scaled = moment.scaled(np.sqrt(4.0 * np.pi / (2 * n + 1)) * factor * R**n)
-        uncertain = (n + 2) * (data.relative_error + MULTIPOLES.rounding) * abs(scaled.value)
-        result.append(Estimate(scaled.value, scaled.error + uncertain))
-    return tuple(result)
+def _estimates(values: Floats, errors: Floats) -> tuple[Estimate, ...]:
+    return tuple(Estimate(*pair) for pair in zip(values, errors, strict=True))
