@@ -111,11 +111,9 @@ class Multipoles:
         m = 0.5 * R
         mass = np.hypot(m + data.charge**2 / (4.0 * m), known / (2.0 * m))
         masses = scale * mass / (2.0 * np.pi) * moments[0]
-        uncertain_masses = scale * mass / (2.0 * np.pi) * (errors[0] + displaced)
-        uncertain_masses += (lengths + moved + abs(known) / (2.0 * m * mass) ** 2 * uncertain[1]) * np.abs(
-            masses
-        )
-        heavy = _estimates(masses, uncertain_masses)
+        of_mass = abs(known) / (2.0 * m * mass) ** 2 * uncertain[1]
+        uncertain = scale * mass / (2.0 * np.pi) * (errors[0] + displaced)
+        heavy = _estimates(masses, uncertain + (lengths + moved + of_mass) * np.abs(masses))
         if found is None and known != 0.0:
             return cls(shape, None, heavy, None)
         return cls(shape, rotation, heavy, found or rotation)
