@@ -204,3 +204,19 @@ def test_the_horizon_that_the_einstein_toolkit_found(run):
     assert abs(found["integrated_mean_curvature"] / IMC[0.6] - 1.0) < 3e-3
     assert found["christodoulou_mass"] == pytest.approx(1.0, abs=5e-3)
     assert found["horizon"]["points"] == 1946
+
+
+def test_the_picture_of_a_file_with_any_name_says_when_it_was(run, monkeypatch):
+    captions = []
+    drawn = command.placed_figure
+    monkeypatch.setattr(
+        command, "placed_figure", lambda panel, **o: captions.append(o["caption"]) or drawn(panel, **o)
+    )
+    name = f"h_$^{{{'x' * 60}.t{7}.gp"
+    write_kerr(name, (0.0, 0.0, 0.0))
+    status, _, err = run(name, *KERR_SCHILD, "-o", "found")
+    assert (status, err) == (0, "")
+    first, second = captions[0].split("\n")
+    assert first == rf"h_\$^{{{'x' * 44}…     iteration 7"
+    assert second.startswith("area 50.265")
+    assert len(os.listdir("found")) == 3
