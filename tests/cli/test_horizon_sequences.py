@@ -24,7 +24,7 @@ def test_a_sequence_begins_each_from_the_one_before(run, monkeypatch):
     monkeypatch.setattr(solve, "graded_mesh", lambda *a, **o: meshes.append(1) or graded_mesh(*a, **o))
     write_grid("a.npz", 0.5)
     write_grid("b.npz", 0.6)
-    status, out, err = run("a.npz", "b.npz", "--vertices", 60, "--json", "-o", "found")
+    status, out, err = run("a.npz", "b.npz", "--marginal", "--vertices", 60, "--json", "-o", "found")
     assert (status, err) == (0, "") and len(meshes) == 1
     first, second = strict(out)
     check(first, 0.5)
@@ -44,7 +44,7 @@ def test_where_one_does_not_embed_the_others_are_answered(run, monkeypatch, orde
     for name in order:
         write_grid(f"{name}.npz", spins[name])
     files = [f"{name}.npz" for name in order]
-    status, out, err = run(*files, "--vertices", 60, *form, "-o", "found")
+    status, out, err = run(*files, "--marginal", "--vertices", 60, *form, "-o", "found")
     assert status == 3
     assert err.startswith("isoembed: error: bad.npz: no surface of revolution has this metric")
     assert err.count("\n") == 1
