@@ -57,20 +57,21 @@ def test_of_kerrs_horizon_in_boyer_lindquist_coordinates(a):
 @pytest.mark.parametrize("a", SPINS)
 def test_of_kerrs_horizon_in_kerr_schild_coordinates(a):
     hole = KerrSchild(1.0, (0.0, 0.0, a))
-    check(find_spin(horizon(hole).data(hole)), a, (0, 0, 1), 1e-10, 1e-8)
+    data = horizon(hole).data(hole, marginal=True)
+    found = find_spin(data)
+    check(found, a, (0, 0, 1), 1e-10, 1e-8)
+    energies = intrinsic_energies(data, found)
+    assert abs(energies.christodoulou_mass.value - 1.0) <= energies.christodoulou_mass.error <= 1e-10
+    assert abs(energies.dimensionless_spin.value - a) <= energies.dimensionless_spin.error <= 1e-10
 
 
 @pytest.mark.parametrize("a", [1e-6, 0.3, 0.9, pytest.param(0.99, marks=pytest.mark.slow)])
 def test_of_a_tilted_horizon(a):
     hole = KerrSchild(1.0, tuple(a * TILTED))
-    data = horizon(hole).data(hole, marginal=True)
-    found = find_spin(data)
+    found = find_spin(horizon(hole).data(hole))
     check(found, a, TILTED, 1e-10, 2e-7)
     assert abs(found.J.value - a) < 1e-11 and angle(found.axis, TILTED) < 1e-10
     np.testing.assert_allclose(found.vector, a * TILTED, atol=1e-10)
-    energies = intrinsic_energies(data, found)
-    assert abs(energies.christodoulou_mass.value - 1.0) <= energies.christodoulou_mass.error <= 1e-10
-    assert abs(energies.dimensionless_spin.value - a) <= energies.dimensionless_spin.error <= 1e-10
 
 
 def test_of_surfaces_that_are_no_horizons():
@@ -172,8 +173,8 @@ def test_a_charged_horizon_keeps_the_part_of_its_field():
 
 
 def test_an_axis_that_is_given_does_not_change_the_mass():
-    hole = KerrSchild(1.0, tuple(0.6 * TILTED))
-    for axis, J, notes in (((0, 0, 2), 0.6 * TILTED[2], 1), (-2.0 * TILTED, -0.6, 0)):
+    hole = KerrSchild(1.0, (0.0, 0.0, 0.6))
+    for axis, J, notes in (((0.0, 3.0, 4.0), 0.48, 1), ((0.0, 0.0, -2.0), -0.6, 0)):
         data = horizon(hole).data(hole, axis=axis, marginal=True)
         found = find_spin(data)
         energies = intrinsic_energies(data, found)
@@ -182,7 +183,7 @@ def test_an_axis_that_is_given_does_not_change_the_mass():
         assert given["J"] == pytest.approx(J, abs=1e-11)
         assert np.linalg.norm(given["axis"]) == pytest.approx(1.0, abs=1e-15)
         assert len(energies.notes) == notes
-        assert all("about the axis that was given J is 0.552637" in note for note in energies.notes)
+        assert all("about the axis that was given J is 0.48, and 0.6" in note for note in energies.notes)
 
 
 def on_a_grid(hole, spacing):
@@ -219,8 +220,9 @@ def kerr_on_nodes(sphere, n, m, noise):
 
 
 @pytest.mark.parametrize("nodes", [(24, 48), (24, 1), (12, 24)])
-@pytest.mark.parametrize("noise", [(0.0, 0.0), (1e-6, 0.0), (1e-4, 0.0), (0.0, 1e-3), (1e-6, 1e-2)])
-@pytest.mark.parametrize("a", [0.1, -0.9])
+@pytest.mark.parametrize(
+    ("a", "noise"), [(0.1, (1e-6, 0.0)), (0.1, (0.0, 1e-3)), (-0.9, (0.0, 0.0)), (-0.9, (1e-4, 1e-2))]
+)
 def test_on_nodes_in_theta_and_phi_it_is_right_to_its_error(a, nodes, noise):
     found = find_spin(kerr_on_nodes(KerrNewmanSphere(2.5, 1.0, a), *nodes, noise))
     total = 1e-10 + sum(noise)
@@ -228,7 +230,7 @@ def test_on_nodes_in_theta_and_phi_it_is_right_to_its_error(a, nodes, noise):
 
 
 @pytest.mark.parametrize("noise", [0.0, 1e-6, 1e-2])
-@pytest.mark.parametrize("n", [80, 400])
+@pytest.mark.parametrize("n", [80, 300])
 def test_of_points_it_is_right_to_its_error(n, noise):
     rng = np.random.default_rng(n)
     u = rng.normal(size=(n, 3))
