@@ -238,7 +238,7 @@ def test_of_points_it_is_right_to_its_error(n, noise):
     hole = KerrSchild(1.0, tuple(0.6 * TILTED))
     r = hole.spheroid(hole.horizon)(u) * (1.0 + noise * rng.normal(size=n))
     found = find_spin(StarSurface.from_points(r[:, None] * u, ORIGIN).data(hole))
-    check(found, 0.6, TILTED, 2e-4 + 20.0 * noise, 1e-3 + 50.0 * noise)
+    check(found, 0.6, TILTED, 1e-5 + noise, 2e-4 + 10.0 * noise)
 
 
 def test_errors_of_the_momentum_are_in_it():

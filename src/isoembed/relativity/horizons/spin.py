@@ -26,7 +26,7 @@ from isoembed.arrays import Floats
 from isoembed.errors import InvalidParameter
 from isoembed.relativity.horizons.approximate_killing import Rotations, rotations
 from isoembed.relativity.horizons.invariant_coordinate import InvariantCoordinate
-from isoembed.relativity.spacetimes.surface_data import SurfaceData
+from isoembed.relativity.spacetimes.surface_data import SurfaceData, error_of
 from isoembed.smooth.harmonics import Harmonics
 from isoembed.smooth.transforms import resized
 from isoembed.smooth.two_metric import is_axisymmetric
@@ -208,11 +208,14 @@ class _Trial:
         J = float(np.linalg.norm(each))
         along = each / J if J > 0.0 else np.array([1.0, 0.0, 0.0])
         phi = three.fields @ along
-        lengths, error = data.relative_error, SPIN.momentum * data.relative_error
-        if isinstance(momentum, UncertainFunction):
-            error += momentum.error.mean
-        noise = SPIN.rounding + error * float(dA @ np.linalg.norm(phi, axis=1))
-        noise += SPIN.lengths * lengths * float(dA @ np.abs(np.einsum("ni,ni->n", j, phi)))
+        noise = SPIN.rounding
+        if isinstance(data.torque, UncertainFunction):
+            noise += 0.5 * data.torque.error.mean
+        else:
+            error = SPIN.momentum * data.relative_error + error_of(momentum).mean
+            noise += error * float(dA @ np.linalg.norm(phi, axis=1))
+            density = dA * np.einsum("ni,ni->n", j, phi)
+            noise += SPIN.lengths * data.relative_error * float(np.abs(density).sum())
         axis = (dA * (three.potentials @ along)) @ (u if data.shape is None else data.shape(u))
         vector = dA @ torques(data, u)
         unit = three.area / (4.0 * np.pi)

@@ -36,12 +36,16 @@ class SurfaceErrors:
         Relative, in the mean.
     mean_curvature, momentum, normal_momentum : Uncertainty
         Those of k, of p and of K(., n).
+    torque : Uncertainty
+        That of the torques of `SurfaceData`.  In the mean over the surface they are much better known: around
+        a symmetry J does not change with the surface.
     """
 
     lengths: float
     mean_curvature: Uncertainty
     momentum: Uncertainty
     normal_momentum: Uncertainty
+    torque: Uncertainty
 
     @classmethod
     def of(cls, frame: SurfaceFrame, deviating: Iterable[SurfaceFrame], weights: Floats) -> SurfaceErrors:
@@ -57,7 +61,7 @@ class SurfaceErrors:
             Of the quadrature.
         """
         base = _quantities(frame)
-        changes = np.array([_quantities(other) - base for other in deviating])  # (N, 6, n)
+        changes = np.array([_quantities(other) - base for other in deviating])  # (N, 9, n)
         smooth = Harmonics(ERRORS.smooth, ERRORS.smooth).values(frame.u) * (
             weights[:, None] / np.sqrt(4.0 * np.pi)
         )
@@ -69,12 +73,20 @@ class SurfaceErrors:
             return Uncertainty(ERRORS.sure * pointwise, ERRORS.sure * float(np.linalg.norm(means[part])))
 
         lengths = ERRORS.sure * float(means[0])
-        return cls(lengths, uncertainty(slice(1, 2)), uncertainty(slice(2, 3)), uncertainty(slice(3, 6)))
+        density = np.exp(2.0 * base[0])
+        totals = np.sqrt(np.mean(np.sum((changes[:, 6:] @ weights) ** 2, axis=1))) / (weights @ density)
+        largest = (np.linalg.norm(points[6:], axis=0) / density).max()
+        return cls(
+            *(lengths, uncertainty(slice(1, 2)), uncertainty(slice(2, 3)), uncertainty(slice(3, 6))),
+            Uncertainty(ERRORS.sure * float(largest), ERRORS.sure * float(totals)),
+        )
 
 
 def _quantities(frame: SurfaceFrame) -> Floats:
-    """Logarithms of lengths, k, p and K(., n) of a surface, (6, n)."""
-    lengths = 0.5 * np.log(area_density(frame.q))
+    """Logarithms of lengths, k, p, K(., n) and the densities of torques of a surface, (9, n)."""
+    density = area_density(frame.q)
+    lengths = 0.5 * np.log(density)
     if frame.geometry.time_symmetric:
-        return np.stack([lengths, frame.mean_curvature(), *np.zeros((4, len(lengths)))])
-    return np.stack([lengths, frame.mean_curvature(), frame.momentum(), *frame.normal_momentum().T])
+        return np.stack([lengths, frame.mean_curvature(), *np.zeros((7, len(lengths)))])
+    torques = density * frame.torque().T
+    return np.stack([lengths, frame.mean_curvature(), frame.momentum(), *frame.normal_momentum().T, *torques])
