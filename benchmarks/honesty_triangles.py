@@ -12,7 +12,7 @@ from isoembed.relativity import KerrNewmanSphere, mesh_energies
 from isoembed.smooth import triangulate_metric
 
 MESHES = ("isotropic", "irregular", "graded", "geodesic", "Kerr")
-SIZES = (60, 150, 400, 1000)
+SIZES = (12, 20, 60, 150, 400, 1000)
 NOISE = (1e-10, 1e-8, 1e-6, 1e-4, 1e-2, 0.1)
 OF_LENGTHS = (1e-10, 1e-8, 1e-6, 1e-5, 1e-4, 1e-3)
 AXES = (2.0, 2.3, 2.6)  # of the chords' ellipsoid
@@ -95,9 +95,9 @@ def case(kind, n, name, body, disturbed=None, said=True, **options):
     return Case("triangles", f"{kind} {n}: {name}", found, solve)
 
 
-def noise(level, which):
+def noise(level, which, seed=0):
     def disturbed(k, p):
-        rng = np.random.default_rng(5)
+        rng = np.random.default_rng([5, seed])
         size = level * np.abs(k).max()
         k = k + size * rng.normal(size=len(k)) * ("k" in which)
         return k, p + size * rng.normal(size=len(k)) * ("p" in which)
@@ -132,7 +132,9 @@ def cases(seeds):
         yield case(kind, 400, "kind of lengths not said", bodies(kind), said=False)
         for level in NOISE:
             for which in ("k", "kp") if kind != "Kerr" else ("k",):
-                yield case(kind, 400, f"{level:g} in {which}", bodies(kind), noise(level, which))
+                for seed in range(seeds):
+                    name = f"{level:g} in {which}, draw {seed}"
+                    yield case(kind, 400, name, bodies(kind), noise(level, which, seed))
         yield case(kind, 60, "0.001 in k", bodies(kind), noise(1e-3, "k"))
         yield case(kind, 1000, "0.001 in k", bodies(kind), noise(1e-3, "k"))
         for level in OF_LENGTHS:

@@ -27,6 +27,7 @@ from isoembed.surface import curvature, measures
 from isoembed.surface.chords import chord_lengths
 from isoembed.surface.estimate import Estimate
 from isoembed.surface.shape_operator import SHAPES, normal_curvatures, second_derivatives, shape_operators
+from isoembed.surface.smoothness import misfits
 
 Lengths = Literal["geodesic", "chord"]
 
@@ -61,7 +62,8 @@ class SmoothIntegrals:
     cubics instead of quartics: the error of the fits, in its mean and from triangle to triangle, and the size
     of the next order of the expansion.  It is no bound.  On smooth surfaces that the mesh resolves it is
     1 to 50 times the error, or more where errors happen to cancel; where curvatures change by their own size
-    within an edge it means little.
+    within an edge it means little.  Where there are too few vertices for a fit, as in solids with a dozen, it
+    is the whole times the squared deficits there over their sum.
     """
 
     triangulation: Triangulation
@@ -151,6 +153,9 @@ class SmoothIntegrals:
         sum_{i<j} f_ij l_ij^2``, f_ij the second derivatives of the function along the edges: that is what
         linear interpolation misses.
 
+        The error holds, besides, three standard deviations of the sum of `misfits`, the noise of the values,
+        each times a third of the triangles at its vertex: noise averages out.
+
         Parameters
         ----------
         values : array_like, shape (V,)
@@ -184,7 +189,30 @@ class SmoothIntegrals:
             means * cubic - missed[1],
             np.abs(means) * sizes + np.abs(missed[0]),
         )
+        noise = self._cells * self.misfits(data)
+        estimate += Estimate(0.0, SHAPES.deviations * float(np.linalg.norm(noise)))
         return _scaled(estimate, size, self._unit, self._unit)
+
+    def misfits(self, values: ArrayLike) -> Floats:
+        """Values (V,) less the quartics that are fitted to their neighbors' alone, (V,).
+
+        Of a smooth function it is what the triangulation does not resolve; the noise of others, and the error
+        of a value that is wrong.
+        """
+        given = _checked(values, (self.triangulation.n_vertices,), "values")
+        size = float(np.abs(given).max()) or 1.0
+        columns = np.stack([given / size, *np.zeros((2, len(given)))], axis=1)
+        return size * misfits(self.triangulation, self._points, columns, QUARTIC)[:, 0]
+
+    def sum_at_vertices(self, values: Floats) -> float:
+        """The sum of values (V,), each times a third of the area of the triangles at its vertex."""
+        return float(self._cells @ values) * self._unit * self._unit
+
+    @cached_property
+    def _cells(self) -> Floats:
+        """A third of the area of the triangles at each vertex, (V,)."""
+        t = self.triangulation
+        return np.bincount(t.faces.ravel(), np.repeat(measures.face_areas(t.faces, self._points) / 3, 3))
 
     @cached_property
     def _unit(self) -> float:
@@ -198,6 +226,15 @@ class SmoothIntegrals:
     @cached_property
     def _quartic(self) -> _Bulges:
         return _Bulges.of(self.triangulation, self._points, QUARTIC)
+
+    @cached_property
+    def _unseen(self) -> float:
+        """Part of an integral that is uncertain because not even a quadric fits about some vertices.
+
+        An inscribed polyhedron is smaller than a round sphere by a quarter of the deficits at its vertices.
+        """
+        unfitted = ~self._quartic.operators.any(axis=(1, 2))
+        return float(np.sum(_deficits(self.triangulation, self._points)[unfitted] ** 2)) / (4 * np.pi)
 
     @cached_property
     def _cubic(self) -> _Bulges:
@@ -230,7 +267,7 @@ class SmoothIntegrals:
     def _estimate(self, raw: float, quartic: Floats, cubic: Floats, sizes: Floats) -> Estimate:
         lost = quartic - cubic
         error = abs(float(lost.sum())) + float(np.sqrt(SHAPES.alike * np.sum(lost**2)))
-        error += SHAPES.next_order * float(sizes @ self._quartic.turns)
+        error += SHAPES.next_order * float(sizes @ self._quartic.turns) + self._unseen * abs(raw)
         return Estimate(raw + float(quartic.sum()), error)
 
 

@@ -46,6 +46,14 @@ def fit_residuals(triangulation: Triangulation, vertices: Floats, degree: int = 
     return csr_array(vstack([block.matrix(n) for block in blocks], format="csr"))
 
 
+def misfits(triangulation: Triangulation, vertices: Floats, values: Floats, degree: int = 4) -> Floats:
+    """Values (V, 3) at the vertices less the polynomials fitted to their neighbors' alone, (V, 3).
+
+    Of smooth functions they shrink with a power of the edge length; noise they are, and a little more.
+    """
+    return _fit_errors(_residuals(Surroundings.of(triangulation, vertices), degree), values)
+
+
 def _residuals(surface: Surroundings, degree: int = 3) -> Iterator[FitResiduals]:
     """`fit_residuals` of some vertices after the other: the charts of all at once take much memory."""
     least = FITS.two_rings if degree <= 3 else FITS.three_rings

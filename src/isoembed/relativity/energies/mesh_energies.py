@@ -1,13 +1,29 @@
 """Energies of a surface that is given as a polyhedral metric, with data at its vertices."""
 
+from __future__ import annotations
+
+from dataclasses import dataclass
+
 import numpy as np
 from numpy.typing import ArrayLike
 
+from isoembed.arrays import Floats
 from isoembed.errors import InvalidParameter
 from isoembed.relativity.energies.energies import Energies, Integrals, norm_hindrance
 from isoembed.surface.embedding import Embedding
 from isoembed.surface.estimate import Estimate
 from isoembed.surface.smooth_integrals import Lengths, SmoothIntegrals
+from isoembed.thresholds import threshold
+
+
+@dataclass(frozen=True)
+class MeshNoiseThresholds:
+    """Thresholds of the noise of data at vertices."""
+
+    most: float = threshold(6.0, "medians", "Of the noise at a vertex: four standard deviations.")
+
+
+MESH_NOISE = MeshNoiseThresholds()
 
 
 def mesh_energies(
@@ -38,6 +54,8 @@ def mesh_energies(
     Notes
     -----
     The integrals are of fourth order in the edge length, with the errors that `SmoothIntegrals` estimates.
+    What k and p at a vertex differ by from fits to their neighbors is taken for noise: in integrals it averages
+    out, but its square enters those of k^2 - p^2 and its root.
     """
     n = embedding.triangulation.n_vertices
     given = {"mean curvature": mean_curvature, "momentum": momentum}
@@ -52,7 +70,9 @@ def mesh_energies(
     if lengths is None:
         others, _ = _integrals(embedding, mean_curvature, momentum, "chord")
         for name, part in parts.items():
-            parts[name] = Estimate(part.value, part.error + abs(part.value - others[name].value))
+            other = others[name]
+            error = max(part.error, other.error + abs(part.value - other.value))
+            parts[name] = Estimate(part.value, error)
         notes.append("the lengths are taken for those of geodesics; the errors are wide enough for chords")
     return Energies.of(
         Integrals(**parts), angular_momentum=angular_momentum, charge=charge, notes=tuple(notes)
@@ -69,9 +89,49 @@ def _integrals(
         return parts, ["k is not given: the irreducible mass is the only energy"]
     k = np.asarray(mean_curvature, dtype=np.float64)
     p = np.zeros_like(k) if momentum is None else np.asarray(momentum, dtype=np.float64)
-    squared = k**2 - p**2
-    parts |= {"k": smooth.integral(k), "squared": smooth.integral(squared)}
-    hindrance = norm_hindrance(k, squared, "vertex {}".format)
+    squared, noise = k**2 - p**2, _Noise.of(smooth, k, p)
+    parts |= {"k": smooth.integral(k), "squared": _biased(smooth, squared, noise.squares)}
+    hindrance = norm_hindrance(k, squared, "vertex {}".format, noise.typical)
     if hindrance:
         return parts, [hindrance]
-    return {**parts, "norm": smooth.integral(np.sqrt(squared))}, []
+    return {**parts, "norm": _biased(smooth, np.sqrt(np.maximum(squared, 0.0)), noise.of_root(squared))}, []
+
+
+@dataclass(frozen=True)
+class _Noise:
+    """The errors of k and p at the vertices, from what they differ by from fits to their neighbors.
+
+    Attributes
+    ----------
+    squares : ndarray, shape (V,)
+        The squares of both: the mean of k^2 - p^2 is off by them.
+    squared : ndarray, shape (V,)
+        The error of k^2 - p^2.
+    typical : tuple of float
+        The errors of k and of k^2 - p^2 at all but a few of the vertices.
+    """
+
+    squares: Floats
+    squared: Floats
+    typical: tuple[float, float]
+
+    @classmethod
+    def of(cls, smooth: SmoothIntegrals, k: Floats, p: Floats) -> _Noise:
+        of_k, of_p = smooth.misfits(k), smooth.misfits(p)
+        squares = of_k**2 + of_p**2
+        squared = 2.0 * np.hypot(k * of_k, p * of_p) + squares
+        return cls(
+            squares, squared, tuple(MESH_NOISE.most * float(np.median(np.abs(x))) for x in (of_k, squared))
+        )
+
+    def of_root(self, squared: Floats) -> Floats:
+        """By how much the mean of the root of k^2 - p^2 (V,) is off."""
+        low, middle, high = (
+            np.sqrt(np.maximum(squared + shift, 0.0)) for shift in (-self.squared, 0.0, self.squared)
+        )
+        shifted = np.sqrt(np.maximum(squared, 0.0) + self.squares) - middle
+        return np.abs(middle - 0.5 * (low + high)) + shifted
+
+
+def _biased(smooth: SmoothIntegrals, values: Floats, bias: Floats) -> Estimate:
+    return smooth.integral(values) + Estimate(0.0, smooth.sum_at_vertices(bias))
