@@ -16,11 +16,11 @@ from collections import Counter
 from dataclasses import dataclass
 from pathlib import Path
 
+import numpy as np
+
 import honesty_grids
 import honesty_surfaces
 import honesty_triangles
-import numpy as np
-
 from isoembed import InvalidMetric, InvalidParameter, NotEmbedded
 
 ROUNDING = 1e-13
@@ -92,9 +92,7 @@ def summary(counts, rows):
         )
     print(f"the worst {min(WORST, len(high))} of {len(high)} above 1:")
     for r in high[:WORST]:
-        print(
-            f"  {r.ratio:8.3g}  true {r.true:.1e}  stated {r.stated:.1e}  {r.energy}: {r.kind}, {r.name}"
-        )
+        print(f"  {r.ratio:8.3g}  true {r.true:.1e}  stated {r.stated:.1e}  {r.energy}: {r.kind}, {r.name}")
 
 
 def main():

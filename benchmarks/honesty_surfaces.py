@@ -2,12 +2,21 @@
 
 from collections.abc import Callable
 from dataclasses import dataclass
-from functools import cache
+from functools import cache, cached_property
 
 import numpy as np
-from honesty_grids import Case, truth
-from honesty_truth import INTRINSIC, Body, boosted, isotropic, kerr_horizon, kerr_sphere, rotation, schwarzschild
 
+from honesty_grids import Case, truth
+from honesty_truth import (
+    INTRINSIC,
+    Body,
+    boosted,
+    isotropic,
+    kerr_horizon,
+    kerr_sphere,
+    rotation,
+    schwarzschild,
+)
 from isoembed.meshing.sphere import fibonacci_directions
 from isoembed.relativity import (
     BoostedSchwarzschild,
@@ -25,7 +34,7 @@ SPACINGS = (0.4, 0.2, 0.1)
 SPIN = (0.0, -0.6 * np.sin(0.4), 0.6 * np.cos(0.4))
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(eq=False)
 class Scene:
     """A body as a surface of a slice; `k_known` is False where the body's k is that of another slice."""
 
@@ -42,12 +51,12 @@ class Scene:
     def data(self, surface, geometry=None):
         return surface.data(geometry or self.geometry, marginal=self.body.marginal)
 
-    @cache
+    @cached_property
     def start(self):
         return embed_surface(self.data(StarSurface.from_radius(self.radius, self.center)))
 
     def energies(self, data, embedded):
-        return embed_surface(data, start=self.start()).energies if embedded else intrinsic_energies(data)
+        return embed_surface(data, start=self.start).energies if embedded else intrinsic_energies(data)
 
 
 def scenes():
@@ -147,7 +156,7 @@ def slices():
     known = scenes()
     for name in ("egg", "sphere off the hole", "sphere in Kerr-Schild", "tilted Kerr horizon", "boosted"):
         scene = known[name]
-        reach = float(np.abs(scene.center).max() + scene.radius(fibonacci_directions(50)).max()) + 0.1
+        reach = float(np.abs(scene.center).max() + scene.radius(fibonacci_directions(50)).max()) + 0.3
         for spacing in SPACINGS:
             for level in (0.0, 1e-8, 1e-5, 1e-3) if spacing == 0.2 else (0.0,):
                 yield case(
@@ -156,7 +165,7 @@ def slices():
                     scene,
                     lambda s=scene: StarSurface.from_radius(s.radius, s.center),
                     lambda s=scene, h=spacing, r=reach, e=level: sampled(s.geometry, h, r, e),
-                    embedded=name in ("egg", "sphere in Kerr-Schild"),
+                    embedded=name in ("egg", "sphere in Kerr-Schild") and level < 1e-6,
                 )
 
 

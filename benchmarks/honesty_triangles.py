@@ -3,9 +3,9 @@
 from functools import cache
 
 import numpy as np
-from honesty_grids import Case, truth
-from honesty_truth import Ellipsoid, kerr_sphere, wave
 
+from honesty_grids import Case, truth
+from honesty_truth import Ellipsoid, Placing, kerr_sphere, peaked, wave
 from isoembed import PolyhedralMetric, embed
 from isoembed.meshing.sphere import fibonacci_directions, hull_faces
 from isoembed.relativity import KerrNewmanSphere, mesh_energies
@@ -60,7 +60,9 @@ def embedded(kind, n, noise=0.0, unit=1.0, order=0):
         i, j = metric.edges.T
         lengths = {
             frozenset(pair): length
-            for pair, length in zip(zip(label[i].tolist(), label[j].tolist(), strict=True), metric.lengths)
+            for pair, length in zip(
+                zip(label[i].tolist(), label[j].tolist(), strict=True), metric.lengths, strict=True
+            )
         }
         u = u[old]
         new = PolyhedralMetric.from_mesh(u, faces)
@@ -91,8 +93,7 @@ def case(kind, n, name, body, disturbed=None, said=True, **options):
             k, p = disturbed(k, p)
         return mesh_energies(embedding, k, p, lengths=lengths if said else None)
 
-    found = {key: value and value * (unit**2 if key == "area" else unit) for key, value in truth(body).items()}
-    return Case("triangles", f"{kind} {n}: {name}", found, solve)
+    return Case("triangles", f"{kind} {n}: {name}", Placing(unit).scaled(truth(body)), solve)
 
 
 def noise(level, which, seed=0):
@@ -118,10 +119,15 @@ def outlier(size, of_p=False):
 def rough():
     """k that a mesh resolves badly: peaks, waves and kinks."""
     for width in (0.1, 0.3):
-        yield f"peak {width}", lambda u, w=width: 1.0 + 0.3 / (1.0 + ((u[:, 0] - 0.5) / w) ** 2)
+        yield f"peak {width}", peaked(width)
     for fold in (8, 16):
         yield f"wave {fold}", lambda u, f=fold: 1.0 + 0.2 * wave(u, f)
     yield "kink", lambda u: 1.0 + 0.3 * np.abs(u @ [0.6, 0.0, 0.8])
+
+
+def nearly_null(least):
+    """p that comes as near to k."""
+    return lambda u: smooth_k(u) * (1.0 - least - 0.3 * u[:, 2] ** 2)
 
 
 def cases(seeds):
@@ -153,6 +159,6 @@ def cases(seeds):
             for n in (150, 400, 1000):
                 yield case(kind, n, name, body)
         for least in (1e-1, 1e-2, 1e-3):
-            body = known(kind, smooth_k, lambda u, e=least: smooth_k(u) * (1.0 - e - 0.3 * u[:, 2] ** 2), "null")
+            body = known(kind, smooth_k, nearly_null(least), "null")
             yield case(kind, 400, f"k^2 - p^2 down to {2 * least:g}", body)
             yield case(kind, 400, f"k^2 - p^2 down to {2 * least:g}, 1e-4 in k", body, noise(1e-4, "k"))

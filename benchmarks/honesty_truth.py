@@ -100,7 +100,10 @@ def schwarzschild(r, slice_="static"):
 
 def kerr_horizon(a):
     r = 1.0 + np.sqrt(1.0 - a * a)
-    sigma = lambda t: r * r + (a * np.cos(t)) ** 2
+
+    def sigma(t):
+        return r * r + (a * np.cos(t)) ** 2
+
     return Body(f"Kerr horizon {a:g}", sigma, lambda t: (r * r + a * a) ** 2 / sigma(t), marginal=True)
 
 
@@ -157,14 +160,16 @@ def boosted(rho, speed):
     """
     psi, N = 1.0 + 0.5 / rho, (rho - 0.5) / (rho + 0.5)
     R = psi**2 * rho
-    R_n = (rho - 0.5) / (rho + 0.5)  # dR / d(proper radius)
-    N_n = 1.0 / ((rho + 0.5) ** 2 * psi**2)
-    slope = lambda t: speed * rho * np.sin(t)
+    radial_slope = (rho - 0.5) / (rho + 0.5)  # dR / d(proper radius)
+    lapse_slope = 1.0 / ((rho + 0.5) ** 2 * psi**2)
+
+    def slope(t):
+        return speed * rho * np.sin(t)
 
     def norm2(t):
         f, g = slope(t), slope(t + 1j * STEP).imag / STEP
         along = R * R - (N * f) ** 2
-        radial = R_n / R + (R * R_n - N * N_n * f**2) / along
+        radial = radial_slope / R + (R * radial_slope - N * lapse_slope * f**2) / along
         # The mean curvature of the graph within the cylinder; f / sin(theta) is smooth.
         W = np.sqrt(along) / R
         inside = N * (speed * rho * np.cos(t) + g + N**2 * f**2 * g / (R * W) ** 2) / (R * R * W)
@@ -181,11 +186,12 @@ def boosted(rho, speed):
 
 def kinked(power, size, of_k=False):
     """A sphere whose equator is a kink of this power, in its metric or in k alone."""
-    bump = lambda t: 1.0 + size * (np.cos(t) * np.sign(np.cos(t).real)) ** power
-    round_ = lambda t: 1.0 + 0.0 * t
-    # E - rho'^2 stays positive: a bulge at the poles makes the sphere flatter there.
+
+    def bump(t):
+        return 1.0 + size * (np.cos(t) * np.sign(np.cos(t).real)) ** power
+
     if of_k:
-        return Body(f"kink {power} in k", round_, round_, bump)
+        return ball(1.0, bump, name=f"kink {power} in k")
     return Body(f"kink {power} in q", lambda t: bump(t) ** 2, lambda t: bump(t) ** 2, lambda t: 1.5 + 0.0 * t)
 
 
@@ -279,7 +285,9 @@ def dot(a, b):
 def directions(theta, phi):
     """Unit vectors (n m, 3) at the nodes of a grid, and (n, m)."""
     t, f = np.meshgrid(theta, phi, indexing="ij")
-    return np.stack([np.sin(t) * np.cos(f), np.sin(t) * np.sin(f), np.cos(t)], axis=-1).reshape(-1, 3), t.shape
+    return np.stack([np.sin(t) * np.cos(f), np.sin(t) * np.sin(f), np.cos(t)], axis=-1).reshape(
+        -1, 3
+    ), t.shape
 
 
 def wave(u, fold, phase=0.0):
@@ -288,3 +296,8 @@ def wave(u, fold, phase=0.0):
     for _ in range(fold):
         a, b = a * u[:, 0] - b * u[:, 1], a * u[:, 1] + b * u[:, 0]
     return a
+
+
+def peaked(width):
+    """A function of the direction that is high at x = 1/2."""
+    return lambda u: 1.0 + 0.3 / (1.0 + ((u[:, 0] - 0.5) / width) ** 2)

@@ -19,6 +19,7 @@ from isoembed.gallery import (
     triangulate,
 )
 from isoembed.mesh.triangulation import Triangulation
+from isoembed.meshing.sphere import hull_faces
 from isoembed.smooth.geodesics import geodesic_lengths
 from isoembed.smooth.two_metric import AngleMetric, PulledBack
 from isoembed.surface import curvature, measures
@@ -164,7 +165,14 @@ def test_too_few_neighbors_for_any_fit():
     t = Triangulation(faces)
     assert not shape_operators(t, x).any()
     volume = SmoothIntegrals(t, x, "chord").volume
-    assert (volume.value, volume.error) == (pytest.approx(8 / 3), 0.0)
+    assert volume.value == pytest.approx(8 / 3) and volume.error == pytest.approx(np.pi * 8 / 3)
+
+
+@pytest.mark.parametrize("vertices", [12, 20, 32])
+def test_a_dozen_vertices_do_not_tell_a_surface(vertices):
+    u = fibonacci(vertices)
+    area = SmoothIntegrals(Triangulation(hull_faces(u)), u * AXES, "chord").area
+    assert abs(area.value - ELLIPSOID.area) <= area.error <= 1.5 * area.value
 
 
 @pytest.mark.parametrize(

@@ -29,7 +29,7 @@ class ShapeThresholds:
     steep: float = threshold(0.5, "squared cosine", "Edges that rise more cut through a tip.")
     dependent: float = threshold(1e-6, "relative", "Left of a column; with less, the fit is not determined.")
     next_order: float = threshold(0.1, "(kappa l)^2", "Of a correction: what comes next.")
-    deviations: float = threshold(3.0, "standard deviations", "Of noise in values that are integrated.")
+    deviations: float = threshold(2.5, "standard deviations", "Of noise in values that are integrated.")
     alike: float = threshold(36.0, "faces", "About a vertex: in them the errors of the fits are alike.")
 
 

@@ -153,8 +153,8 @@ class SmoothIntegrals:
         sum_{i<j} f_ij l_ij^2``, f_ij the second derivatives of the function along the edges: that is what
         linear interpolation misses.
 
-        The error holds, besides, three standard deviations of the sum of `misfits`, the noise of the values,
-        each times a third of the triangles at its vertex: noise averages out.
+        The error is at least 5/2 times the root of the sum of squares of `misfits`, each times a third of the
+        triangles at its vertex: noise in the values averages out.
 
         Parameters
         ----------
@@ -189,8 +189,8 @@ class SmoothIntegrals:
             means * cubic - missed[1],
             np.abs(means) * sizes + np.abs(missed[0]),
         )
-        noise = self._cells * self.misfits(data)
-        estimate += Estimate(0.0, SHAPES.deviations * float(np.linalg.norm(noise)))
+        noise = SHAPES.deviations * float(np.linalg.norm(self._cells * self.misfits(data)))
+        estimate = Estimate(estimate.value, max(estimate.error, noise))
         return _scaled(estimate, size, self._unit, self._unit)
 
     def misfits(self, values: ArrayLike) -> Floats:
@@ -212,7 +212,8 @@ class SmoothIntegrals:
     def _cells(self) -> Floats:
         """A third of the area of the triangles at each vertex, (V,)."""
         t = self.triangulation
-        return np.bincount(t.faces.ravel(), np.repeat(measures.face_areas(t.faces, self._points) / 3, 3))
+        flat = measures.face_areas(t.faces, self._points)
+        return np.asarray(np.bincount(t.faces.ravel(), np.repeat(flat / 3, 3)), dtype=np.float64)
 
     @cached_property
     def _unit(self) -> float:

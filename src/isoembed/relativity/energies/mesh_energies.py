@@ -54,8 +54,8 @@ def mesh_energies(
     Notes
     -----
     The integrals are of fourth order in the edge length, with the errors that `SmoothIntegrals` estimates.
-    What k and p at a vertex differ by from fits to their neighbors is taken for noise: in integrals it averages
-    out, but its square enters those of k^2 - p^2 and its root.
+    What k and p at a vertex differ by from fits to their neighbors is taken for noise: in integrals it
+    averages out, but its square enters those of k^2 - p^2 and its root.
     """
     n = embedding.triangulation.n_vertices
     given = {"mean curvature": mean_curvature, "momentum": momentum}
@@ -120,9 +120,8 @@ class _Noise:
         of_k, of_p = smooth.misfits(k), smooth.misfits(p)
         squares = of_k**2 + of_p**2
         squared = 2.0 * np.hypot(k * of_k, p * of_p) + squares
-        return cls(
-            squares, squared, tuple(MESH_NOISE.most * float(np.median(np.abs(x))) for x in (of_k, squared))
-        )
+        of_most = MESH_NOISE.most * np.median(np.abs([of_k, squared]), axis=1)
+        return cls(squares, squared, (float(of_most[0]), float(of_most[1])))
 
     def of_root(self, squared: Floats) -> Floats:
         """By how much the mean of the root of k^2 - p^2 (V,) is off."""
