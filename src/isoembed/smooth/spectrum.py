@@ -130,7 +130,7 @@ def _noise(size: Floats) -> float:
     n, m, _ = size.shape
     if m == 1:
         high = size[n // 2 :].max(axis=(1, 2))
-        return float(min(high[::2].max(), high[1::2].max()))
+        return float(min(high[::2].max(), high[1::2].max())) if n > 2 else np.inf
     k, order = np.arange(n)[:, None] / n, np.arange(m) / m
     corner = size[k**2 + order**2 > SPECTRUM.corner]
     return float(np.sqrt(np.mean(corner**2, axis=0).max())) if len(corner) else np.inf

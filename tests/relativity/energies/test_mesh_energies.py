@@ -87,6 +87,70 @@ def test_chords_are_other_lengths_than_geodesics():
     assert abs(wrong.area.value - AREA[SCHWARZSCHILD]) > 10.0 * abs(chords.area.value - AREA[SCHWARZSCHILD])
 
 
+def test_lengths_of_which_it_is_not_said_what_they_are():
+    u, embedding = embedded(SCHWARZSCHILD, 400)
+    chords = embed(embedding.metric.with_lengths(chord_lengths(u, embedding)))
+    for given in (embedding, chords):
+        found = mesh_energies(given)
+        assert abs(found.area.value - AREA[SCHWARZSCHILD]) <= found.area.error
+        assert (
+            abs(found.integrated_mean_curvature.value - CURVATURE[SCHWARZSCHILD])
+            <= found.integrated_mean_curvature.error
+        )
+
+
+def moving(u):
+    """k and p of Schwarzschild in a flat slice."""
+    return np.full(len(u), 2.0 / 3.0), np.full(len(u), 2.0 * np.sqrt(2.0 / 3.0) / 3.0)
+
+
+def misses(found, exact):
+    """True errors over stated ones, by name."""
+    return {
+        name: abs(getattr(found, name).value - value) / getattr(found, name).error
+        for name, value in exact.items()
+    }
+
+
+FLAT = {"hawking": 1.0, "brown_york": 0.0, "liu_yau": BROWN_YORK[SCHWARZSCHILD]}
+
+
+@pytest.mark.parametrize("noise", [1e-4, 1e-2, 0.1])
+def test_noise_of_k_and_p_at_the_vertices(noise):
+    """It averages out in int k, but not in the squares and not in their root."""
+    u, embedding = embedded(SCHWARZSCHILD, 400)
+    k, p = moving(u)
+    worst = 0.0
+    for seed in range(10):
+        draw = np.random.default_rng(seed).normal(size=(2, len(u)))
+        found = mesh_energies(embedding, k + noise * draw[0], p + noise * draw[1], lengths="geodesic")
+        assert found.brown_york.error < max(3e-3, noise)
+        worst = max(worst, *misses(found, FLAT).values())
+    assert 0.1 < worst < 1.0 or (noise < 1e-3 and worst < 1.0)
+
+
+@pytest.mark.parametrize("size", [0.2, 3.0])
+def test_one_vertex_is_wrong(size):
+    u, embedding = embedded(SCHWARZSCHILD, 400)
+    k, p = moving(u)
+    k[11] *= 1.0 + size
+    found = mesh_energies(embedding, k, p, lengths="geodesic")
+    assert max(misses(found, FLAT).values()) < 1.0
+
+
+def test_noise_where_the_mean_curvature_vector_is_nearly_null():
+    """k^2 - p^2 is below zero at vertices, by noise, and has a root for all that."""
+    u, embedding = embedded(SCHWARZSCHILD, 400)
+    rng = np.random.default_rng(2)
+    k, p = np.full(len(u), 1.0), np.full(len(u), 1.0 - 1e-4)
+    norm = AREA[SCHWARZSCHILD] * np.sqrt(2e-4 - 1e-8)
+    exact = CURVATURE[SCHWARZSCHILD] / (4.0 * np.pi) - norm / (8.0 * np.pi)
+        8.0 * np.pi
+    )
+    found = mesh_energies(embedding, k + 1e-3 * rng.normal(size=len(u)), p, lengths="geodesic")
+    assert found.notes == () and abs(found.liu_yau.value - exact) <= found.liu_yau.error < 1.0
+
+
 def chord_lengths(u, embedding):
     i, j = embedding.metric.edges.T
     return 3.0 * np.linalg.norm(u[i] - u[j], axis=1)
