@@ -136,5 +136,6 @@ def test_two_nodes_say_nothing_of_noise():
     theta = np.linspace(0.0, np.pi, 4)[:, None]
     one = np.ones((4, 1))
     q = [one, 0.0 * one, np.sin(theta) ** 2]
-    data = SurfaceData.from_grid(theta[:, 0], [0.0], q, k=2.0 * one)
-    assert holds(intrinsic_energies(data).area, 4.0 * np.pi)
+    assert holds(intrinsic_energies(SurfaceData.from_grid(theta[:, 0], [0.0], q)).area, 4.0 * np.pi)
+    with pytest.raises(InvalidMetric, match="k is uncertain by .* the grid is too coarse"):
+        SurfaceData.from_grid(theta[:, 0], [0.0], q, k=2.0 * one)

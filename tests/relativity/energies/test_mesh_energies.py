@@ -145,8 +145,6 @@ def test_noise_where_the_mean_curvature_vector_is_nearly_null():
     k, p = np.full(len(u), 1.0), np.full(len(u), 1.0 - 1e-4)
     norm = AREA[SCHWARZSCHILD] * np.sqrt(2e-4 - 1e-8)
     exact = CURVATURE[SCHWARZSCHILD] / (4.0 * np.pi) - norm / (8.0 * np.pi)
-        8.0 * np.pi
-    )
     found = mesh_energies(embedding, k + 1e-3 * rng.normal(size=len(u)), p, lengths="geodesic")
     assert found.notes == () and abs(found.liu_yau.value - exact) <= found.liu_yau.error < 1.0
 
