@@ -137,5 +137,5 @@ def test_two_nodes_say_nothing_of_noise():
     one = np.ones((4, 1))
     q = [one, 0.0 * one, np.sin(theta) ** 2]
     assert holds(intrinsic_energies(SurfaceData.from_grid(theta[:, 0], [0.0], q)).area, 4.0 * np.pi)
-    with pytest.raises(InvalidMetric, match="k is uncertain by .* the grid is too coarse"):
+    with pytest.raises(InvalidMetric, match=r"k is uncertain by .* the grid is too coarse"):
         SurfaceData.from_grid(theta[:, 0], [0.0], q, k=2.0 * one)
