@@ -37,7 +37,7 @@ class ExpansionThresholds:
     )
 
 
-EXPANSION = ExpansionThresholds()
+HORIZON_TEST = ExpansionThresholds()
 
 
 @dataclass(frozen=True)
@@ -65,14 +65,14 @@ class ExpansionTest:
     def is_zero(self) -> bool:
         """Whether the expansion vanishes within its error, and that is not large."""
         return (
-            self.largest_expansion <= EXPANSION.pointwise * self.expansion_error
-            and self.displacement <= self.displacement_error <= EXPANSION.near
+            self.largest_expansion <= HORIZON_TEST.pointwise * self.expansion_error
+            and self.displacement <= self.displacement_error <= HORIZON_TEST.near
         )
 
     @property
     def is_small(self) -> bool:
         """Whether the horizon is near, or may be, so that the surface is taken for it."""
-        return self.displacement <= max(EXPANSION.near, self.displacement_error)
+        return self.displacement <= max(HORIZON_TEST.near, self.displacement_error)
 
     @property
     def report(self) -> dict[str, Any]:
@@ -95,18 +95,20 @@ def expansion_test(data: SurfaceData) -> ExpansionTest:
     """
     if data.mean_curvature is None:
         raise InvalidParameter("whether a surface is a horizon cannot be told without its mean curvature")
-    u, weights = gauss_rule(*EXPANSION.nodes)
+    u, weights = gauss_rule(*HORIZON_TEST.nodes)
     k = np.asarray(data.mean_curvature(u))
     p = np.zeros(len(u)) if data.momentum is None else np.asarray(data.momentum(u))
     if isinstance(data.metric, GridMetric):
         p = np.abs(p)  # files do not say which sign they mean
     dA = weights * area_density(data.metric.tensor(u))
     mean = dA.sum() / (4.0 * np.pi)
-    smooth = Harmonics(EXPANSION.smooth, EXPANSION.smooth).values(u) * (dA / np.sqrt(4.0 * np.pi))[:, None]
+    smooth = (
+        Harmonics(HORIZON_TEST.smooth, HORIZON_TEST.smooth).values(u) * (dA / np.sqrt(4.0 * np.pi))[:, None]
+    )
     errors = error_of(data.mean_curvature), error_of(data.momentum)
     sizes = float(np.abs(k).max()), float(np.abs(p).max())
     lengths = 2.0 * data.lengths_error.mean * sum(sizes)
-    lengths += EXPANSION.rounding * (sum(sizes) + 1.0 / float(np.sqrt(mean)))
+    lengths += HORIZON_TEST.rounding * (sum(sizes) + 1.0 / float(np.sqrt(mean)))
     pointwise, average = (
         lengths + sum(getattr(error, name) for error in errors) for name in ("pointwise", "mean")
     )
@@ -116,8 +118,8 @@ def expansion_test(data: SurfaceData) -> ExpansionTest:
         largest_expansion=float(np.abs(k - p).max()),
         expansion_error=pointwise,
         displacement=displaced,
-        displacement_error=EXPANSION.rounding
-        + EXPANSION.together * 0.25 * float(mean) * max(sum(sizes), average) * average,
+        displacement_error=HORIZON_TEST.rounding
+        + HORIZON_TEST.together * 0.25 * float(mean) * max(sum(sizes), average) * average,
     )
 
 
@@ -145,7 +147,7 @@ def judged(data: SurfaceData, marginal: bool | None) -> SurfaceData:
         if marginal is None:
             data = _noted(data, f"no horizon: {expansion}, and {away}; k and p are taken as they are")
         return replace(data, marginal=False)
-    data = replace(data, marginal=True, displacement=EXPANSION.margin * test.displacement)
+    data = replace(data, marginal=True, displacement=HORIZON_TEST.margin * test.displacement)
     if test.is_zero:
         return data
     if marginal:
