@@ -97,6 +97,18 @@ def test_what_is_not_resolved_deviates_as_much_as_it_is_missed():
     assert error(fit, wrinkled) < 3.0 * np.abs(drawn).max()
 
 
+def test_wrinkles_beyond_a_gap_in_the_degrees_are_no_noise():
+    u, wrinkles = scattered(400), Harmonics(12, 12)
+    coefficients = np.where(wrinkles.labels[0] > 9, 0.01, 0.0)
+
+    def wrinkled(u):
+        return smooth(u) + wrinkles.values(u) @ coefficients
+
+    fit = fit_of(u, wrinkled(u))
+    assert fit.harmonics.degree == 12
+    assert error(fit, wrinkled) < 1e-12
+
+
 def test_white_deviations():
     harmonics = Harmonics(6, 2)
     drawn = white(harmonics, 1e-3) @ deviating(harmonics).values(scattered(400)).T

@@ -20,6 +20,9 @@ class FitThresholds:
 
     first_degree: int = threshold(8, "count", "Highest degree tried first; it is doubled while it is needed.")
     highest_degree: int = threshold(40, "count", "Highest degree that is fitted.")
+    alike: float = threshold(
+        5.0, "over the root of their number", "Correlation of neighbors that noise may have."
+    )
     determined: float = threshold(0.1, "relative", "Least singular value of a fit over the largest.")
     outlying: float = threshold(8.0, "standard deviations", "Miss of an outlier; noise has 5 at most.")
     rounding: float = threshold(1e-9, "largest value", "Misses below which nothing is an outlier.")
@@ -86,7 +89,8 @@ def fitted(u: Floats, values: Floats, weights: Floats) -> ScatteredFit:
     Notes
     -----
     The degree is the one of least generalized cross-validation [1]: what follows is noise.  It is lower where
-    holes between the directions would leave coefficients undetermined.
+    holes between the directions would leave coefficients undetermined.  Degrees are tried until residuals of
+    neighbors are unlike.
 
     An outlier is missed by the fit to the others by more than eight times what these are usually missed by,
     everywhere and nearby.  If there are more than one in fifty, none is left out.
@@ -147,13 +151,14 @@ class _LeastSquares:
             table = root[:, None] * harmonics.values(u)[:, by_degree]
             Q, R = qr(table, mode="economic", overwrite_a=True)
             b = Q.T @ (root * values)
-            left = float(np.sum((root * values - Q @ b) ** 2))
+            rest = root * values - Q @ b
+            left = float(np.sum(rest**2))
             sizes = (np.arange(highest + 1) + 1) ** 2
             squares = left + np.concatenate([np.cumsum(b[::-1] ** 2)[::-1], [0.0]])[sizes]
             validation = squares / (1.0 - sizes / m) ** 2
             # As good as the least of all, but for chance.
             best = int(np.argmax(validation <= (1.0 + np.sqrt(8.0 / m)) * validation.min()))
-            if highest == most or best <= 3 * highest // 4:
+            if highest == most or (best <= 3 * highest // 4 and _is_noise(rest / root, u, values)):
                 break
             highest = min(2 * highest, most)
 
@@ -195,6 +200,15 @@ def _sorted(by_degree: Floats, harmonics: Harmonics) -> Floats:
     coefficients = np.empty_like(by_degree)
     coefficients[np.argsort(harmonics.labels[0], kind="stable")] = by_degree
     return coefficients
+
+
+def _is_noise(rest: Floats, u: Floats, values: Floats) -> bool:
+    """Whether what is left of values (n,) is unlike at neighbors, or negligible."""
+    square = float(np.mean(rest**2))
+    if square <= (FIT.rounding * float(np.abs(values).max())) ** 2:
+        return True
+    nearest = cKDTree(u).query(u, 2)[1][:, 1]
+    return float(np.mean(rest * rest[nearest])) <= FIT.alike / np.sqrt(len(u)) * square
 
 
 def _outliers(fit: _LeastSquares, kept: Mask, u: Floats, values: Floats, weights: Floats) -> Mask:

@@ -144,6 +144,21 @@ def test_errors_of_k_and_p_make_that_of_the_expansion():
     assert judged(nearer, None).marginal and not judged(nearer, None).doubtful
 
 
+def test_an_outlier_is_named_and_its_error_is_gone():
+    u = scattered(600, seed=4)
+    points = 2.5 * u
+    points[17] *= 1.2
+    data = Horizon.of(CoordinateShape.star_shaped(points, "", np.zeros(3)), HOLE).data
+    x, y, z = points[17]
+    said = (
+        f"point 17 at ({x:.9g}, {y:.9g}, {z:.9g}) was left out: it lies 0.5 farther out than the others say"
+    )
+    assert data.notes[0].startswith(said)
+    found = energies(data)
+    held(found.area, 25.0 * np.pi, 1e-10)
+    held(found.liu_yau, 2.5 * (1.0 - np.sqrt(1.0 - 2.0 / 2.5)), 1e-10)
+
+
 @pytest.mark.parametrize("m", [100, 300, 600])
 def test_well_sampled_horizons_stay_exact(m):
     hole = KerrSchild(1.0, (0.0, 0.36, 0.48))

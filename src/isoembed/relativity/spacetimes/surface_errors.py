@@ -21,6 +21,7 @@ class SurfaceErrorThresholds:
 
     sure: float = threshold(3.0, "standard deviations", "Stated error.")
     smooth: int = threshold(2, "count", "Degree of the weights with which averages are as wrong as stated.")
+    decay: float = threshold(0.5, "relative", "Weights of one degree over those of the degree below.")
 
 
 ERRORS = SurfaceErrorThresholds()
@@ -62,9 +63,9 @@ class SurfaceErrors:
         """
         base = _quantities(frame)
         changes = np.array([_quantities(other) - base for other in deviating])  # (N, 9, n)
-        smooth = Harmonics(ERRORS.smooth, ERRORS.smooth).values(frame.u) * (
-            weights[:, None] / np.sqrt(4.0 * np.pi)
-        )
+        harmonics = Harmonics(ERRORS.smooth, ERRORS.smooth)
+        smooth = weights[:, None] * harmonics.values(frame.u)
+        smooth *= ERRORS.decay ** harmonics.labels[0] / np.sqrt(4.0 * np.pi)
         points = np.sqrt(np.mean(changes**2, axis=0))
         means = np.sqrt(np.mean(np.sum((changes @ smooth) ** 2, axis=2), axis=0))
 
