@@ -98,7 +98,7 @@ def test_what_is_not_resolved_deviates_as_much_as_it_is_missed():
 
 
 def test_wrinkles_beyond_a_gap_in_the_degrees_are_no_noise():
-    u, wrinkles = scattered(400), Harmonics(12, 12)
+    u, wrinkles = scattered(600), Harmonics(12, 12)
     coefficients = np.where(wrinkles.labels[0] > 9, 0.01, 0.0)
 
     def wrinkled(u):

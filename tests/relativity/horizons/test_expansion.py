@@ -151,7 +151,7 @@ def test_an_outlier_is_named_and_its_error_is_gone():
     data = Horizon.of(CoordinateShape.star_shaped(points, "", np.zeros(3)), HOLE).data
     x, y, z = points[17]
     said = (
-        f"point 17 at ({x:.9g}, {y:.9g}, {z:.9g}) was left out: it lies 0.5 farther out than the others say"
+        f"point 17 at ({x:.6g}, {y:.6g}, {z:.6g}) was left out: it lies 0.5 farther out than the others say"
     )
     assert data.notes[0].startswith(said)
     found = energies(data)
