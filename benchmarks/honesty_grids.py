@@ -19,6 +19,7 @@ from honesty_truth import (
     peaked,
     rotation,
     schwarzschild,
+    spinning,
     wave,
 )
 from isoembed.relativity import SurfaceData, embed_surface
@@ -53,9 +54,10 @@ class Arrays:
     k: np.ndarray | None
     p: np.ndarray | None
     marginal: bool
+    j: list | None
 
     def data(self):
-        data = SurfaceData.from_grid(self.theta, self.phi, self.q, self.k, self.p)
+        data = SurfaceData.from_grid(self.theta, self.phi, self.q, self.k, self.p, self.j)
         return replace(data, marginal=self.marginal)
 
 
@@ -74,7 +76,8 @@ def arrays(body, placing, theta, phi):
     k = None if body.k is None else placing.values(body, body.k, theta, phi)
     p = None if k is None else placing.values(body, body.p, theta, phi)
     p = None if p is None or not p.any() else p
-    return Arrays(theta, phi, placing.components(body, theta, phi), k, p, body.marginal)
+    j = placing.one_form(body, theta, phi) if getattr(body, "j", None) else None
+    return Arrays(theta, phi, placing.components(body, theta, phi), k, p, body.marginal, j)
 
 
 @cache
@@ -150,7 +153,7 @@ def rotated():
         (isotropic(2.0, 0.0, 0.2), "rotated", Placing(rotation=rotation(3))),
         (kerr_horizon(0.7), "rotated", Placing(rotation=rotation(4))),
         (schwarzschild(4.0), "warped", Placing(warp=0.05)),
-        (kerr_sphere(3.0, 0.5), "warped", Placing(warp=0.2)),
+        (kerr_sphere(3.0, 0.5), "warped", Placing(warp=0.1)),
         (boosted(3.0, 0.4), "rotated", Placing(rotation=rotation(5))),
         (Ellipsoid("ellipsoid 1, 1.1, 1.2", (1.0, 1.1, 1.2)), "rotated", Placing(rotation=rotation(6))),
     ]
@@ -174,9 +177,30 @@ def noise(rng, level, which):
             else values + level * np.abs(a.k).max() * rng.normal(size=shape)
             for name, values in (("k", a.k), ("p", a.p))
         )
-        return replace(a, q=q, k=k, p=p)
+        j = a.j
+        if "j" in which:
+            size = level * np.abs(a.j).max()
+            j = [c + size * sin**i * rng.normal(size=shape) for i, c in enumerate(a.j)]
+        return replace(a, q=q, k=k, p=p, j=j)
 
     return disturbed
+
+
+def spins():
+    """Horizons with K(., n), from which the angular momentum and its axis are found."""
+    for a in (0.1, 0.6):
+        for name, placing in (
+            ("upright", Placing()),
+            ("rotated", Placing(rotation=rotation(9))),
+            ("rotated, 1e6", Placing(1e6, rotation(9))),
+        ):
+            for n in (6, 9, 16):
+                yield case("spin", name, spinning(a), placing, nodes("cell-centered", n, 2 * n))
+        for level in NOISE:
+            rng = np.random.default_rng(11)
+            name, placing = f"rotated, {level:.0e} in j", Placing(rotation=rotation(9))
+            disturbed = noise(rng, level, "j")
+            yield case("spin", name, spinning(a), placing, nodes("cell-centered", 16, 32), disturbed)
 
 
 def noisy(seeds):
@@ -304,6 +328,7 @@ def cases(seeds):
     yield from on_nodes()
     yield from in_units()
     yield from rotated()
+    yield from spins()
     yield from noisy(seeds)
     yield from with_kinks()
     yield from in_single_precision()

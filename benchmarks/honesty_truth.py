@@ -5,13 +5,21 @@ true.  Nothing of isoembed is used here.
 """
 
 from collections.abc import Callable
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 
 STEP = 1e-30  # of complex differentiation
 NODES = 300  # in each of two halves of the meridian
-ENERGIES = ("area", "integrated_mean_curvature", "irreducible_mass", "hawking", "brown_york", "liu_yau")
+ENERGIES = (
+    "area",
+    "integrated_mean_curvature",
+    "irreducible_mass",
+    "christodoulou_mass",
+    "hawking",
+    "brown_york",
+    "liu_yau",
+)
 INTRINSIC = ("area", "irreducible_mass", "hawking")  # without an embedding
 POWERS = {"area": 2}  # of the unit of length; the others have the first
 
@@ -25,7 +33,7 @@ class Body:
     """A surface ds^2 = E dtheta^2 + P sin^2(theta) dphi^2, with k and p.
 
     Functions of theta, all but k and p of complex ones, too.  `marginal`: k^2 = p^2 is taken for granted.
-    `norm2`: k^2 - p^2, where k itself is not known.
+    `norm2`: k^2 - p^2, where k itself is not known.  `j`: K(d_phi, n) over sin^2, which tells the mass.
     """
 
     name: str
@@ -35,6 +43,8 @@ class Body:
     p: Callable = nothing
     norm2: Callable | None = None
     marginal: bool = False
+    j: Callable | None = None
+    mass: float | None = None
 
     def product(self, w, a, b):
         """Of vectors (n, 3) tangent at w, unit vectors, in the metric."""
@@ -65,7 +75,8 @@ class Body:
         norm2 = self.norm2(theta) if self.norm2 else None if k is None else k**2 - self.p(theta) ** 2
         # int rho d psi, psi the angle of the meridian, is - int psi d rho.
         H = np.pi * float(w @ (fall - np.arctan2(fall, slope) * slope))
-        return energies_of(dA, H, k, 0.0 * dA if self.marginal else norm2)
+        found = energies_of(dA, H, k, 0.0 * dA if self.marginal else norm2)
+        return found | {"christodoulou_mass": self.mass}
 
 
 def energies_of(dA, integrated_mean_curvature, k, norm2):
@@ -77,6 +88,7 @@ def energies_of(dA, integrated_mean_curvature, k, norm2):
         "area": area,
         "integrated_mean_curvature": integrated_mean_curvature,
         "irreducible_mass": m,
+        "christodoulou_mass": None,
         "hawking": None if norm2 is None else m * (1.0 - float(dA @ norm2) / (16.0 * np.pi)),
         "brown_york": None if k is None else reference - float(dA @ k) / (8.0 * np.pi),
         "liu_yau": None
@@ -105,6 +117,19 @@ def kerr_horizon(a):
         return r * r + (a * np.cos(t)) ** 2
 
     return Body(f"Kerr horizon {a:g}", sigma, lambda t: (r * r + a * a) ** 2 / sigma(t), marginal=True)
+
+
+def spinning(a):
+    """The horizon with K(., n), too."""
+    body, r = kerr_horizon(a), 1.0 + np.sqrt(1.0 - a * a)
+
+    def j(t):
+        s, sigma = np.sin(t) ** 2, body.E(t)
+        A = (r * r + a * a) ** 2
+        dragging = a * (2.0 - 2.0 * r * (4.0 * r * (r * r + a * a) - 2.0 * a * a * (r - 1.0) * s) / A) / A
+        return -0.5 * (A / sigma) ** 1.5 * dragging / np.sqrt(sigma)
+
+    return replace(body, name=f"spinning hole {a:g}", j=j, mass=1.0)
 
 
 def kerr_sphere(r, a):
@@ -233,6 +258,15 @@ class Placing:
         """The body's k or p on the grid (n, m)."""
         u, shape = directions(theta, phi)
         return body.values(function, self.moved(u)).reshape(shape) / self.unit
+
+    def one_form(self, body, theta, phi):
+        """Components of the body's K(., n) for theta and phi on the grid, each (n, m)."""
+        u, shape = directions(theta, phi)
+        along, _ = directions(theta + np.pi / 2, phi)
+        around = np.stack([-u[:, 1], u[:, 0], 0.0 * u[:, 2]], axis=1)
+        w = self.moved(u)
+        form = body.values(body.j, w)[:, None] * np.stack([-w[:, 1], w[:, 0], 0.0 * w[:, 2]], axis=1)
+        return [dot(form, self.moved(u + 1j * STEP * v).imag / STEP).reshape(shape) for v in (along, around)]
 
     def scaled(self, truth):
         """Energies in this unit."""
