@@ -46,6 +46,11 @@ def test_beyond_smarrs_limit(run):
     assert found["status"] == "not embedded" and found["message"] in err
     assert found["brown_york"] is found["liu_yau"] is found["integrated_mean_curvature"] is None
     r = 1.0 + np.sqrt(1.0 - 0.81)
+    check(found, dimensionless_spin=0.9)
+    spin = found["spin"]
+    assert abs(spin["J"] - 0.9) <= spin["error"] <= 1e-12
+    assert np.hypot(*spin["axis"][:2]) <= spin["axis_error"] <= 1e-12
+    assert spin["method"].endswith("symmetric about this axis")
     check(
         found, area=4.0 * np.pi * (r**2 + 0.81), christodoulou_mass=1.0, hawking=np.sqrt((r**2 + 0.81) / 4.0)
     )
