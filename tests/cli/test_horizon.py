@@ -116,7 +116,10 @@ REFUSED = [
     (["grid.npz", "--geometry", "kerr-schild"], "grid.npz holds a metric of its own: it needs no --geometry"),
     (["h.gp", "./h.gp", *KERR_SCHILD], "have the same name: h"),
     (["h.gp", "h.npz", *KERR_SCHILD], "h.gp and h.npz have the same name: h"),
-    (["h.gp", "--geometry", "flat"], "flat"),
+    (
+        ["h.gp", "--geometry", "flat"],
+        "--geometry flat: there are kerr-schild, isotropic, painleve-gullstrand",
+    ),
     (["h.gp", "--geometry", "no.h5"], "there is no file no.h5"),
     (["h.gp", "--geometry", "isotropic", "--spin", 0, 0, 0.5], "isotropic has no spin: take kerr-schild"),
     (["h.gp", "--geometry", "painleve-gullstrand", "--spin", 0, 0.1, 0], "has no spin: take kerr-schild"),
@@ -220,3 +223,24 @@ def test_the_picture_of_a_file_with_any_name_says_when_it_was(run, monkeypatch):
     assert first == rf"h_\$^{{{'x' * 44}…     iteration 7"
     assert second.startswith("area 50.265")
     assert len(os.listdir("found")) == 3
+
+
+def test_refusals_of_files_with_several_name_the_option(run):
+    """A Python user is told the parameter, see tests/relativity/horizons/test_spectre.py."""
+    from scattered import lattice, write_hdf5
+
+    h5py = pytest.importorskip("h5py")
+    points = {f"InertialCoordinates_{axis}": x for axis, x in zip("xyz", lattice(40).T, strict=True)}
+    for name, surfaces, times in (("times.h5", ["AhA"], (0.5, 1.5)), ("surfaces.h5", ["AhA", "AhB"], (0.5,))):
+        for surface in surfaces:
+            for k, time in enumerate(times):
+                group = f"{surface}.vol/ObservationId{k}"
+                write_hdf5(name, points, group)
+                with h5py.File(name, "a") as file:
+                    file[group].attrs["observation_value"] = time
+    status, _, err = run("times.h5", *KERR_SCHILD)
+    assert status == 2
+    assert "AhA holds 2 observations: choose one of t = 0.5, 1.5, by --time" in err
+    status, _, err = run("surfaces.h5", *KERR_SCHILD)
+    assert status == 2
+    assert "holds several surfaces: choose one of AhA, AhB, by --surface" in err

@@ -353,3 +353,27 @@ def test_a_one_form_is_interpolated_over_the_poles():
     np.testing.assert_allclose(grid.one_form(along, around_, "j")(u), expected, atol=1e-13)
     with pytest.raises(InvalidMetric, match="j"):
         grid.one_form(along[:-1], around_, "j")
+
+
+class TestAnglesInSinglePrecision:
+    @pytest.mark.parametrize("kind", THETA)
+    @pytest.mark.parametrize("start, closed", [(0.0, False), (0.0, True), (-np.pi + np.pi / 46, False)])
+    def test_of_usual_grids_are_made_exact(self, kind, start, closed):
+        exact = grid(ellipsoid, 24, 46, kind, start, closed)
+        single = [angles.astype(np.float32) for angles in (exact.theta, exact.phi)]
+        restored = GridMetric(*single, exact.q_tt, exact.q_tp, exact.q_pp)
+        assert np.allclose(restored.theta, exact.theta, rtol=0.0, atol=1e-15)
+        assert np.allclose(restored.phi, exact.phi, rtol=0.0, atol=2e-15)
+        assert error(restored, ellipsoid) < 2e-14
+
+    def test_of_other_grids_are_accepted(self):
+        exact = grid(ellipsoid, 24, 46, start=0.31)
+        accepted = GridMetric(exact.theta, exact.phi.astype(np.float32), exact.q_tt, exact.q_tp, exact.q_pp)
+        assert error(accepted, ellipsoid) < 1e-6
+
+    def test_numbers_that_differ_are_told_apart(self):
+        exact = grid(ellipsoid, 24, 46)
+        phi = exact.phi + 2.5e-6 * (np.arange(46) == 29)
+        with pytest.raises(InvalidMetric, match=r"phi\[29\] = 3\.9611\d+ is not 3\.9611\d+: 46") as said:
+            GridMetric(exact.theta, phi, exact.q_tt, exact.q_tp, exact.q_pp)
+        assert "in radians" in str(said.value)

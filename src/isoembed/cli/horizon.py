@@ -10,7 +10,7 @@ from isoembed.cli.outputs import Outputs
 from isoembed.cli.screen import UsageError, print_aside, print_error, print_json, print_out
 from isoembed.cli.status import NOT_EMBEDDED, OK
 from isoembed.io import FileError, mesh_writer, report_writer
-from isoembed.io.files import check_target, input_ending, write_atomically
+from isoembed.io.files import AmbiguousFileError, check_target, input_ending, write_atomically
 from isoembed.io.hdf5 import HDF5_ENDINGS
 from isoembed.plot.picture import Panel, figure_writer
 from isoembed.plot.placed import Scale, placed_figure
@@ -179,7 +179,11 @@ def _geometry(options: argparse.Namespace) -> ThreeGeometry | None:
         for given in ("mass", "spin"):
             if getattr(options, given) is not None:
                 raise UsageError(f"--{given} needs a --geometry among {', '.join(GEOMETRIES)}")
-        return None if name is None else read_cartesian_grid(name)
+        if name is None:
+            return None
+        if not input_ending(name):
+            raise UsageError(f"--geometry {name}: there are {', '.join(GEOMETRIES)}, or a file of a 3-metric")
+        return read_cartesian_grid(name)
     if name == "kerr-schild":
         horizon_radius(mass, spin)  # refuses a spin beyond the mass
         return KerrSchild(mass, spin)
@@ -198,11 +202,15 @@ def _stems(files: list[str]) -> list[str]:
 
 
 def _read(name: str, options: argparse.Namespace) -> CoordinateShape | SurfaceData:
-    if options.time is None and options.surface is None:
-        return read_horizon(name)
-    if input_ending(name) not in HDF5_ENDINGS:
-        raise UsageError(f"--time and --surface are for SpECTRE's HDF5 files, and {name} is none")
-    return read_spectre(name, options.surface, options.time)
+    try:
+        if options.time is None and options.surface is None:
+            return read_horizon(name)
+        if input_ending(name) not in HDF5_ENDINGS:
+            raise UsageError(f"--time and --surface are for SpECTRE's HDF5 files, and {name} is none")
+        return read_spectre(name, options.surface, options.time)
+    except AmbiguousFileError as error:
+        option = {"surface": "--surface", "observation": "--time"}[error.parameter]
+        raise UsageError(f"{error.sentence}, by {option}") from None
 
 
 def _horizon(name: str, options: argparse.Namespace, geometry: ThreeGeometry | None) -> Horizon:

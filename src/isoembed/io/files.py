@@ -23,6 +23,22 @@ class FileError(ValueError):
     """A file that cannot be read or written, or is not what its ending says."""
 
 
+class AmbiguousFileError(FileError):
+    """A file that holds several of what one is wanted of.
+
+    Attributes
+    ----------
+    sentence : str
+        What it holds.
+    parameter : str
+        The parameter that chooses one; the message ends with it.
+    """
+
+    def __init__(self, sentence: str, parameter: str) -> None:
+        super().__init__(f"{sentence}, by {parameter}")
+        self.sentence, self.parameter = sentence, parameter
+
+
 def ending(path: str | os.PathLike[str]) -> str:
     """Ending of a file name in lower case, with its dot."""
     return Path(path).suffix.lower()

@@ -1,11 +1,13 @@
 """Groups of HDF5 files and their arrays."""
 
+from collections.abc import Collection
 from typing import Any
 
 import numpy as np
 
 from isoembed.io.expansion import check_expansion
 
+LISTED = 8  # names that a refusal enumerates
 HDF5_ENDINGS = (".h5", ".hdf5", ".he5")
 
 
@@ -28,6 +30,22 @@ def array_of(data: Any, path: object) -> Any:
     """
     check_expansion(f"{data.name} of {path}", data.nbytes, data.id.get_storage_size())
     return data[()]
+
+
+def listing(file: Any) -> str:
+    """The data sets of a file by their paths, the first of many, or its groups where there are none."""
+    sets: list[str] = []
+    groups: list[str] = []
+    file.visititems(lambda name, item: (groups if hasattr(item, "items") else sets).append(name))
+    if not sets:
+        return f"no data sets, but the groups {enumerated(groups)}" if groups else "nothing"
+    return f"the data sets {enumerated(sets)}"
+
+
+def enumerated(names: Collection[str]) -> str:
+    """The first of some names, and how many there are more."""
+    first = ", ".join(list(names)[:LISTED])
+    return first if len(names) <= LISTED else f"{first} and {len(names) - LISTED} more"
 
 
 def groups_in(file: Any) -> dict[str, Any]:

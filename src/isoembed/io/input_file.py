@@ -17,7 +17,7 @@ import numpy as np
 
 from isoembed.io.expansion import check_expansion, largest_expansion
 from isoembed.io.files import FileError, Tables, input_ending, open_input
-from isoembed.io.hdf5 import HDF5_ENDINGS, groups_in, numbers_in
+from isoembed.io.hdf5 import HDF5_ENDINGS, enumerated, groups_in, listing, numbers_in
 
 GZIP = b"\x1f\x8b"
 
@@ -100,6 +100,14 @@ class InputFile(os.PathLike[str]):
             return {"": _archive(self._stream, str(self))}
         with self.hdf5() as file:
             return {name: numbers_in(group, self) for name, group in groups_in(file).items()}
+
+    @property
+    def contents(self) -> str:
+        """What a ``.npz`` archive or an HDF5 file holds, for refusals."""
+        if self.ending not in HDF5_ENDINGS:
+            return enumerated(self.arrays[""]) or "nothing"
+        with self.hdf5() as file:
+            return listing(file)
 
     @contextlib.contextmanager
     def hdf5(self) -> Iterator[Any]:

@@ -13,6 +13,7 @@ from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
+from numpy.polynomial import legendre
 from numpy.typing import ArrayLike, NDArray
 
 from isoembed.arrays import Floats, Mask
@@ -29,6 +30,10 @@ class DoubleFourierThresholds:
     """Thresholds of series on grids, and of the table from which values between the nodes are made."""
 
     pole: float = threshold(1e-6, "radians", "Distance from a pole within which a node counts as the pole.")
+    single: float = threshold(4.0, "roundings", "Deviation of angles in single precision from exact ones.")
+    legendre: float = threshold(
+        0.1, "radians", "Times 1/n: deviation of Gauss-Legendre nodes from even ones."
+    )
     uneven: float = threshold(1e-6, "steps", "Deviation of the angles phi from uniform ones.")
     condition: float = threshold(1e4, "relative", "Condition of a series that its nodes do not determine.")
     finer: int = threshold(8, "relative", "Nodes of the table over those of the grid; half for large tables.")
@@ -131,11 +136,16 @@ def inner_nodes(theta: ArrayLike) -> Mask:
     bad = ~((theta >= -DOUBLE_FOURIER.pole) & (theta <= np.pi + DOUBLE_FOURIER.pole))
     if bad.any():
         i = int(np.argmax(bad))
-        raise InvalidMetric(f"theta[{i}] = {theta[i]:.6g} is not between 0 and pi")
+        raise InvalidMetric(
+            f"theta[{i}] = {theta[i]:.6g} is not between 0 and pi: it counts from the north pole, in radians"
+        )
     falls = np.diff(theta) <= 0.0
     if falls.any():
         i = int(np.argmax(falls))
-        raise InvalidMetric(f"theta[{i + 1}] = {theta[i + 1]:.6g} is not above theta[{i}] = {theta[i]:.6g}")
+        raise InvalidMetric(
+            f"theta[{i + 1}] = {theta[i + 1]:.6g} is not above theta[{i}] = {theta[i]:.6g}: the angles "
+            "increase, from the north pole on"
+        )
     inner = (theta > DOUBLE_FOURIER.pole) & (theta < np.pi - DOUBLE_FOURIER.pole)
     if inner.sum() < 2:
         raise InvalidMetric(f"there are {inner.sum()} nodes theta besides the poles, fewer than 2")
@@ -157,14 +167,60 @@ def around(phi: ArrayLike) -> int:
     m = len(phi) - 1 if closed else len(phi)
     step = 2.0 * np.pi / m
     expected = phi[0] + step * np.arange(m)
-    bad = ~(np.abs(phi[:m] - expected) < DOUBLE_FOURIER.uneven * step)
+    bad = ~(np.abs(phi[:m] - expected) <= DOUBLE_FOURIER.uneven * step + _rounding(expected))
     if bad.any():
         j = int(np.argmax(bad))
         raise InvalidMetric(
-            f"phi[{j}] = {phi[j]:.6g} is not {expected[j]:.6g}: "
-            f"{m} uniform angles phi from {phi[0]:.6g} once around are needed"
+            f"phi[{j}] = {distinct(phi[j], expected[j])} is not {distinct(expected[j], phi[j])}: "
+            f"{m} uniform angles phi from {phi[0]:.6g} once around are needed, in radians"
         )
     return m
+
+
+def exact_theta(theta: ArrayLike) -> Floats:
+    """The angles theta (n,); those in single precision of a usual grid are replaced by its exact ones."""
+    given = one_dimensional(theta, "theta")
+    n = len(given)
+    one_to_n = np.arange(1.0, n + 1.0)
+    grids = [
+        (one_to_n - 0.5) * (np.pi / n),
+        np.linspace(0.0, np.pi, n) if n > 1 else given,
+        one_to_n * (np.pi / (n + 1)),
+    ]
+    if np.max(np.abs(given - (one_to_n - 0.25) * (np.pi / (n + 0.5)))) < DOUBLE_FOURIER.legendre / n:
+        grids.append(np.asarray(np.arccos(legendre.leggauss(n)[0])[::-1]))
+    return next((exact for exact in grids if _is_rounded(given, exact)), given)
+
+
+def exact_phi(phi: ArrayLike) -> Floats:
+    """The angles phi (m,); those in single precision of a usual grid are replaced by its exact ones."""
+    given = one_dimensional(phi, "phi")
+    m = len(given)
+    for steps in (m, m - 1):  # without and with the end point
+        if steps > 0:
+            half = np.pi / steps
+            exact = np.round(given[0] / half) * half + 2.0 * half * np.arange(m)
+            if _is_rounded(given, exact):
+                return exact
+    return given
+
+
+def _is_rounded(given: Floats, exact: Floats) -> bool:
+    """Whether angles are exact ones in single precision, or what was computed in it."""
+    single = np.all(given == given.astype(np.float32))
+    return bool(single and np.all(np.abs(given - exact) <= _rounding(exact)))
+
+
+def _rounding(angles: Floats) -> Floats:
+    """Deviations (n,) of angles in single precision."""
+    return DOUBLE_FOURIER.single * float(np.finfo(np.float32).eps) * np.maximum(np.abs(angles), 1.0)
+
+
+def distinct(value: float, other: float) -> str:
+    """A number with as many digits as tell it from another one."""
+    return next(
+        (f"{value:.{d}g}" for d in (6, 9, 12) if f"{value:.{d}g}" != f"{other:.{d}g}"), f"{value:.17g}"
+    )
 
 
 def one_dimensional(angles: ArrayLike, name: str) -> Floats:

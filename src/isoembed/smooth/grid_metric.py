@@ -10,7 +10,14 @@ from numpy.typing import ArrayLike
 
 from isoembed.arrays import Floats, Mask
 from isoembed.errors import InvalidMetric
-from isoembed.smooth.double_fourier import DOUBLE_FOURIER, DoubleFourier, around, inner_nodes
+from isoembed.smooth.double_fourier import (
+    DOUBLE_FOURIER,
+    DoubleFourier,
+    around,
+    exact_phi,
+    exact_theta,
+    inner_nodes,
+)
 from isoembed.smooth.poles import PoleSight
 from isoembed.smooth.smoothness import check_series
 from isoembed.smooth.spectrum import Spectrum
@@ -55,7 +62,8 @@ class GridMetric:
     Attributes
     ----------
     theta, phi, q_tt, q_tp, q_pp : ndarray
-        As given, read-only.
+        As given, read-only; but angles in single precision are the exact ones that they round, where these
+        are those of a usual grid.
 
     Raises
     ------
@@ -83,7 +91,7 @@ class GridMetric:
         self, theta: ArrayLike, phi: ArrayLike, q_tt: ArrayLike, q_tp: ArrayLike, q_pp: ArrayLike
     ) -> None:
         inner, m = inner_nodes(theta), around(phi)
-        angles = {"theta": np.array(theta, dtype=np.float64), "phi": np.array(phi, dtype=np.float64)}
+        angles = {"theta": exact_theta(theta), "phi": exact_phi(phi)}
         shape = (len(angles["theta"]), len(angles["phi"]))
         q = {
             name: _component(values, name, shape)
@@ -298,5 +306,6 @@ def _component(values: ArrayLike, name: str, shape: tuple[int, int]) -> Floats:
         raise InvalidMetric(
             f"{name} has the shape {array.shape} and the type {array.dtype}, "
             f"not {shape} numbers for {shape[0]} angles theta and {shape[1]} angles phi"
+            + (": it looks transposed" if array.shape == shape[::-1] else "")
         )
     return array.astype(np.float64)

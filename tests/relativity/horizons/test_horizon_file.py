@@ -267,3 +267,42 @@ def test_the_surface_of_others():
     assert is_closed_and_outward(shape.points, shape.faces, shape.center)
     assert {"shape", "repsi2", "renprho", "renpmu"} <= set(shape.fields)
     np.testing.assert_allclose(np.linalg.norm(shape.points - shape.center, axis=1), 0.2528, rtol=1e-3)
+
+
+class TestOfHDF5FilesWithoutASurface:
+    def refusal(self, path):
+        with pytest.raises(FileError) as refused:
+            read_horizon(path)
+        return str(refused.value)
+
+    def test_the_data_sets_of_all_groups_are_named(self, tmp_path):
+        path = tmp_path / "a.h5"
+        for group in ("deep/er", "b"):
+            write_hdf5(path, {"mass": np.ones(3)}, group)
+        assert "holds the data sets b/mass, deep/er/mass: neither a metric" in self.refusal(path)
+
+    def test_of_many_the_first_are_named(self, tmp_path):
+        path = tmp_path / "a.h5"
+        write_hdf5(path, {f"x{k:02d}": np.ones(3) for k in range(12)}, "g")
+        assert "g/x07 and 4 more: neither" in self.refusal(path)
+
+    def test_groups_are_named_where_there_is_nothing_else(self, tmp_path):
+        with h5py.File(tmp_path / "a.h5", "w") as file:
+            file.create_group("one/two")
+        assert "holds no data sets, but the groups one, one/two: neither" in self.refusal(tmp_path / "a.h5")
+        with h5py.File(tmp_path / "b.h5", "w"):
+            pass
+        assert "holds nothing: neither" in self.refusal(tmp_path / "b.h5")
+
+    @pytest.mark.parametrize(
+        "group, name, kind",
+        [
+            ("AhA.dir", "ArealMass.dat", "it looks like SpEC's Horizons.h5, which has the masses"),
+            ("", "ADMBASE::gxx it=0 tl=0 rl=0 c=0", "it looks like output of Carpet"),
+            ("Norms.dat", "x", "tables *.dat are histories of numbers"),
+        ],
+    )
+    def test_known_kinds_are_named(self, group, name, kind, tmp_path):
+        path = tmp_path / "Horizons.h5"
+        write_hdf5(path, {name: np.ones((4, 2))}, group or "/")
+        assert kind in self.refusal(path)

@@ -73,9 +73,9 @@ def test_choices(tmp_path):
 @pytest.mark.parametrize(
     "choice, message",
     [
-        ((), "holds several surfaces: choose one of AhA, AhB"),
+        ((), "holds several surfaces: choose one of AhA, AhB, by surface"),
         (("AhC",), "holds no surface AhC, but AhA, AhB"),
-        (("AhA",), "AhA holds 2 observations: choose one of t = 0.1, 0.3"),
+        (("AhA",), "AhA holds 2 observations: choose one of t = 0.1, 0.3, by observation"),
         (("AhA", 2), "AhA holds no observation 2, but 2, t = 0.1, 0.3"),
         (("AhA", 2.0), "AhA holds no observation t = 2, but t = 0.1, 0.3"),
     ],

@@ -148,7 +148,8 @@ def embed_surface(
     Where lengths are uncertain (``data.lengths_error``), no more digits are sought than they have.
     """
     if not isinstance(data, SurfaceData):
-        raise InvalidParameter(f"the data are a {type(data).__name__}, not SurfaceData: take its data()")
+        instead = "take its data()" if hasattr(data, "data") else "for a metric alone, SurfaceData(metric)"
+        raise InvalidParameter(f"the data are a {type(data).__name__}, not SurfaceData: {instead}")
     if not (start is None or isinstance(start, EmbeddedSurface)):
         raise InvalidParameter(f"start is a {type(start).__name__}, not an EmbeddedSurface")
     trace = np.trace(data.metric.tensor(np.eye(3)), axis1=1, axis2=2)

@@ -63,7 +63,8 @@ def smooth_energies(data: SurfaceData, embedding: SmoothEmbedding, spin: Spin | 
     if embedding.converged and embedding.least_curvature < 0.0:
         notes.append(
             f"the Gaussian curvature is negative in places, least {embedding.least_curvature:.3g}: other "
-            "embeddings, with other energies, cannot be excluded"
+            "embeddings, with other energies, cannot be excluded (a dimple and its reflection have the same "
+            "metric, for one, and either may have been found)"
         )
     if not embedding.converged:
         error += embedding.residual * abs(reference)

@@ -14,6 +14,7 @@ from isoembed.relativity.energies.time_function import TimeFunction, TimeRaisedM
 from isoembed.relativity.energies.wang_yau_functional import EmbeddedTime, Functional
 from isoembed.relativity.spacetimes.surface_data import SurfaceData, error_of
 from isoembed.smooth.embedding import SmoothEmbedding
+from isoembed.smooth.grid_metric import GridMetric
 from isoembed.smooth.harmonics import Harmonics
 from isoembed.smooth.orientation import oriented
 from isoembed.smooth.solve import embed_smooth
@@ -315,6 +316,10 @@ class _Search:
             notes.append(f"tau is not admissible: K + det D^2 tau / W^2 is {found.admissible:.3g} somewhere")
         if least is not None and least < 0.0:
             notes.append("the second derivatives are not all positive: this may be no minimum")
+        if self.data.normal_momentum is None and isinstance(self.data.metric, GridMetric):
+            notes.append(
+                "neither p nor K(., n) is given: they are taken to be 0, as in a time-symmetric slice"
+            )
         tau = found.time_function
         metric = TimeRaisedMetric(self.data.metric, tau)
         X = oriented(metric, self.harmonics, found.X, self.data.shape)

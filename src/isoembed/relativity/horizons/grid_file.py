@@ -7,7 +7,7 @@ import numpy as np
 
 from isoembed.errors import InvalidMetric
 from isoembed.io.files import FileError, Tables, check_ending, input_ending
-from isoembed.io.hdf5 import HDF5_ENDINGS
+from isoembed.io.hdf5 import HDF5_ENDINGS, enumerated
 from isoembed.io.input_file import InputFile, opened
 from isoembed.io.metric import read_metric
 from isoembed.metric.polyhedral import PolyhedralMetric
@@ -107,7 +107,7 @@ def read_metric_or_grid(
     if input_ending(path) not in ARRAY_ENDINGS:
         return read_metric(path, merge=merge)
     with opened(path) as file:
-        is_grid = file.ending != ".npz" or holds_metric_grid(file)
+        is_grid = file.ending != ".npz" or holds_metric_grid(file) or "theta" in file.arrays[""]
         return read_grid_data(file) if is_grid else read_metric(file, merge=merge)
 
 
@@ -128,7 +128,7 @@ def _tables(file: InputFile) -> Tables:
         raise FileError(f"{file} holds {len(found)} metrics, in the groups {', '.join(found)}: leave one")
     missing = [name for name in NEEDED if name not in tables]
     if missing:
-        there = ", ".join(tables) or "nothing"
+        there = enumerated(tables) if tables else file.contents
         raise FileError(f"{file} holds {there}: {' and '.join(missing)} missing from a metric on a grid")
     return tables
 

@@ -1,6 +1,7 @@
 """Horizon files of any format."""
 
 import os
+import re
 from importlib.metadata import entry_points
 from itertools import chain
 from typing import Any
@@ -26,6 +27,23 @@ from isoembed.surface.measures import volume
 
 POINTS = ("points", "vertices")
 CENTERS = ("center", "origin")
+# Files that have no surface, by the names in them, and what is said of them.
+UNREAD = (
+    (
+        r"\bAh[A-Z]\.dir/",
+        "; it looks like SpEC's Horizons.h5, which has the masses, spins and centers of horizons over time, "
+        "but no surface: the coordinates of its points are in other files",
+    ),
+    (
+        r"::\w+ it=\d+ tl=\d+",
+        "; it looks like output of Carpet on its grids: a slice for --geometry is made of it by "
+        "interpolation onto one Cartesian grid",
+    ),
+    (
+        r"\.dat\b",
+        "; tables *.dat are histories of numbers, not surfaces",
+    ),
+)
 
 
 def read_horizon(path: str | os.PathLike[str]) -> CoordinateShape | SurfaceData:
@@ -59,9 +77,10 @@ def read_horizon(path: str | os.PathLike[str]) -> CoordinateShape | SurfaceData:
             if known.recognizes(file):
                 return known.read(file)
         if file.ending in ARRAY_ENDINGS:
-            there = ", ".join(file.arrays[""]) or "nothing"
+            there = file.contents
+            kind = next((what for names, what in UNREAD if re.search(names, there)), "")
             raise FileError(
-                f"{file} holds {there}: neither a metric (theta, phi, q_tt, q_tp, q_pp) nor points"
+                f"{file} holds {there}: neither a metric (theta, phi, q_tt, q_tp, q_pp) nor points{kind}"
             )
     raise FileError(
         f"{file} is neither a shape file of AHFinderDirect, nor of a kind that the endings "

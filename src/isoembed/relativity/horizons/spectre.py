@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from isoembed.arrays import Indices
-from isoembed.io.files import FileError
+from isoembed.io.files import AmbiguousFileError, FileError
 from isoembed.io.hdf5 import HDF5_ENDINGS, groups_in, numbers_in
 from isoembed.io.input_file import InputFile, opened
 from isoembed.relativity.horizons.coordinate_shape import CoordinateShape
@@ -102,7 +102,7 @@ def _chosen_surface(surfaces: dict[str, Any], surface: str | None, source: str) 
     there = ", ".join(surfaces) or "nothing"
     name = surface.removesuffix(".vol") if surface is not None else next(iter(surfaces), "")
     if surface is None and len(surfaces) > 1:
-        raise FileError(f"{source} holds several surfaces: choose one of {there}")
+        raise AmbiguousFileError(f"{source} holds several surfaces: choose one of {there}", "surface")
     if name not in surfaces:
         wanted = f"no surface {name}" if surface is not None else "no groups *.vol"
         raise FileError(f"{source} holds {wanted}, but {there}")
@@ -121,8 +121,12 @@ def _chosen_observation(group: Any, observation: float | None, source: str) -> t
     times = np.array([time for time, _ in timed])
     listed = ", ".join(f"{time:g}" for time in times) or "none"
     if observation is None:
-        if len(timed) != 1:
-            raise FileError(f"{source} holds {len(timed)} observations: choose one of t = {listed}")
+        if not timed:
+            raise FileError(f"{source} holds no observation: no group in it has an observation_value")
+        if len(timed) > 1:
+            raise AmbiguousFileError(
+                f"{source} holds {len(timed)} observations: choose one of t = {listed}", "observation"
+            )
         k = 0
     elif isinstance(observation, numbers.Integral):
         if not -len(timed) <= observation < len(timed):

@@ -118,6 +118,11 @@ class StarSurface:
         -----
         What is missed, where it is more than rounding, is the ``misfit``.
         """
+        if not callable(radius):
+            raise InvalidParameter(
+                f"the radius is a {type(radius).__name__}, not a function of unit vectors u (n, 3); values r "
+                "in some directions u are for from_points(center + r u, center), and a number is for sphere"
+            )
         apart = fibonacci_directions(STAR.directions)
         expected = _radii(radius, apart)
         found: list[tuple[float, tuple[Harmonics, Floats, float]]] = []
