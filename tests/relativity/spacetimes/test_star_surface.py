@@ -254,6 +254,11 @@ class TestFromRadius:
         assert 20 < surface.harmonics.degree < 60
         np.testing.assert_allclose(surface.radius(u), ellipsoid(u) ** 8, rtol=1e-13)
 
+    @pytest.mark.parametrize("radius", [2.0, np.ones((8, 16)), [1.0, 2.0]])
+    def test_of_a_number_or_an_array(self, radius):
+        with pytest.raises(InvalidParameter, match=r"not a function of unit vectors u .*for from_points"):
+            StarSurface.from_radius(radius)
+
     def test_rotation_symmetry_is_seen(self):
         hole = KerrSchild(1.0, (0, 0, 0.9))
         assert StarSurface.from_radius(hole.spheroid(hole.horizon)).harmonics.order == 0

@@ -1,0 +1,41 @@
+"""What is given instead of data, and what is assumed of data that are left out."""
+
+import numpy as np
+import pytest
+
+from isoembed.errors import InvalidParameter
+from isoembed.relativity import KerrNewmanHorizon, SurfaceData, embed_surface, wang_yau
+from isoembed.smooth import AngleMetric, GridMetric
+
+THETA, PHI = (np.arange(12) + 0.5) * np.pi / 12, np.zeros(1)
+ONE = np.ones((12, 1))
+GRID = GridMetric(THETA, PHI, ONE, 0.0 * ONE, np.sin(THETA)[:, None] ** 2)
+
+
+@pytest.mark.parametrize(
+    "given, sentence",
+    [
+        (GRID, "a GridMetric, not SurfaceData: for a metric alone, SurfaceData\\(metric\\)"),
+        (KerrNewmanHorizon(), "a KerrNewmanHorizon, not SurfaceData: take its data\\(\\)"),
+    ],
+)
+def test_a_refusal_says_what_to_give_instead(given, sentence):
+    with pytest.raises(InvalidParameter, match=sentence):
+        embed_surface(given)
+
+
+def test_that_p_and_j_are_taken_to_be_0_is_said():
+    found = wang_yau(SurfaceData(GRID, 1.5 * ONE))
+    assert "neither p nor K(., n) is given: they are taken to be 0" in found.notes[0]
+    zero = np.zeros((2, 12, 1))
+    assert not wang_yau(SurfaceData(GRID, 1.5 * ONE, 0.0 * ONE, zero)).notes
+
+
+def test_that_a_dimple_may_be_a_reflected_one_is_said():
+    def components(theta, phi):  # r^2 = 1 + 0.8 cos 2 theta, a waist
+        r2, slope = 1.0 + 0.8 * np.cos(2.0 * theta), -0.8 * np.sin(2.0 * theta)
+        return r2 + slope**2 / r2 + 0.0 * phi, 0.0, r2 * np.sin(theta) ** 2
+
+    found = embed_surface(SurfaceData(AngleMetric(components)), vertices=300)
+    assert found.embedding.least_curvature < 0.0
+    assert any("a dimple and its reflection have the same metric" in note for note in found.energies.notes)
