@@ -28,7 +28,7 @@ class SpectralCurvatureThresholds:
     highest_symmetric: int = threshold(512, "count", "The same for axisymmetric metrics.")
     settled: float = threshold(1e-15, "relative", "Size of the highest harmonics that are rounding.")
     nothing: float = threshold(5e-17, "relative", "Size of harmonics that are left out.")
-    uncertain: float = threshold(0.1, "error of lengths", "The same two, where lengths are uncertain.")
+    uncertain: float = threshold(0.1, "error of lengths", "The same, where lengths are uncertain.")
     rounding: float = threshold(2e-15, "relative", "Rounding in the harmonics of a metric.")
 
 
@@ -92,7 +92,7 @@ def _series(metric: TwoMetric, relative_error: float) -> tuple[Harmonics, Floats
         harmonics, coefficients = found[0][1], np.column_stack([c for c, _ in found])
         sizes = np.abs(coefficients).max(axis=1)
         size, high = sizes.max(), harmonics.labels[0] > 3 * degree // 4
-        if sizes[high].max() <= max(t.settled, t.uncertain * relative_error) * size:
+        if sizes[high].max() <= max(t.settled, relative_error) * size:
             needed = sizes > max(t.nothing, t.uncertain * relative_error) * size
             fewer = trimmed(sizes, harmonics, needed)[1]
             return fewer, resized(coefficients, harmonics, fewer), True

@@ -23,9 +23,10 @@ from isoembed.relativity.horizons.circumferences import Circumferences
 from isoembed.relativity.horizons.horizon_shape import shape_lines, shape_report
 from isoembed.relativity.horizons.invariant_coordinate import InvariantCoordinate
 from isoembed.relativity.horizons.multipoles import Multipoles
-from isoembed.smooth import AngleMetric
+from isoembed.smooth import AngleMetric, GridMetric
 from isoembed.smooth.transforms import analyzed
 from isoembed.smooth.two_metric import PulledBack
+from isoembed.smooth.uncertain import Uncertainty
 
 SPINS = (0.0, 0.3, 0.6, 0.9, 0.99)
 
@@ -220,7 +221,7 @@ def test_uncertain_lengths_make_uncertain_numbers():
     data = KerrNewmanHorizon(1.0, 0.7).data()
     zeta = InvariantCoordinate.about(data.metric)
     rough = SurfaceData(data.metric, normal_momentum=data.normal_momentum, marginal=True, relative_error=1e-5)
-    assert Circumferences.of(data.metric, zeta, 1e-5).polar.error > 1e-4
+    assert Circumferences.of(data.metric, zeta, Uncertainty(1e-4, 1e-5)).polar.error > 1e-4
     assert errors(Multipoles.of(rough, zeta).mass).min() > 1e-5
 
 
@@ -245,3 +246,13 @@ def test_a_surface_that_is_a_little_off_the_horizon():
 def surface_points(surface):
     u = fibonacci_directions(800)
     return CoordinateShape.star_shaped(surface.points(u), "points", np.zeros(3))
+
+
+@pytest.mark.parametrize(("a", "n"), [(0.3, 8), (0.6, 12), (0.9, 12), (0.9, 16)])
+def test_errors_hold_on_coarse_grids(a, n):
+    grid = GridMetric.sampled(KerrNewmanHorizon(1.0, a), n, 2 * n)
+    shape = HorizonShape.of(SurfaceData(grid, marginal=True))
+    around = shape.circumferences
+    assert 0.0 < abs(around.equatorial.value - 4.0 * np.pi) <= around.equatorial.error < 1e-3
+    assert abs(around.polar.value - polar(a)) <= around.polar.error < 1e-4
+    assert np.all(np.abs(values(shape.multipoles.shape) - moments(a).real) <= errors(shape.multipoles.shape))

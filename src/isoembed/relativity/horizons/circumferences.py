@@ -11,7 +11,9 @@ from scipy.optimize import minimize_scalar
 
 from isoembed.arrays import Floats
 from isoembed.relativity.horizons.invariant_coordinate import InvariantCoordinate
+from isoembed.relativity.spacetimes.surface_data import EXACT
 from isoembed.smooth.two_metric import TwoMetric, area_density, orthonormal_frame
+from isoembed.smooth.uncertain import Uncertainty
 from isoembed.surface.estimate import Estimate
 from isoembed.thresholds import threshold
 
@@ -27,6 +29,9 @@ class CircumferenceThresholds:
     around: int = threshold(4, "count", "Nodes on a circle there.")
     settled: float = threshold(1e-13, "relative", "Change by more nodes that is none.")
     rounding: float = threshold(1e-14, "relative", "Rounding in sums over nodes.")
+    circle: float = threshold(
+        2.0, "relative", "Error of circles over the root of those at points and in the mean."
+    )
     steps: int = threshold(30, "count", "Newton steps towards a circle, at most.")
     near: float = threshold(4e-15, "absolute", "Miss of zeta that is none.")
     step: float = threshold(1e-3, "radians", "Between circles whose parabola tells the longest.")
@@ -59,15 +64,17 @@ class Circumferences:
     polar_bounds: tuple[float, float]
 
     @classmethod
-    def of(cls, metric: TwoMetric, zeta: InvariantCoordinate, relative_error: float = 0.0) -> Circumferences:
+    def of(
+        cls, metric: TwoMetric, zeta: InvariantCoordinate, relative_error: Uncertainty = EXACT
+    ) -> Circumferences:
         """The circumferences of a metric with an invariant coordinate.
 
         Parameters
         ----------
         metric : TwoMetric
         zeta : InvariantCoordinate
-        relative_error : float
-            The uncertainty of lengths.
+        relative_error : Uncertainty
+            Of lengths.  Meridians in the mean average it over the surface, circles of latitude one way only.
         """
         t, atlas = CIRCUMFERENCE, _Atlas.of(metric, zeta)
         most = t.highest_symmetric if zeta.axisymmetric else t.highest
@@ -79,8 +86,10 @@ class Circumferences:
             if np.all(change <= t.settled * values) or t.denser * n > most:
                 break
             n, before = int(t.denser * n), values
-        relative = t.rounding + relative_error + zeta.error
-        equatorial, polar = (Estimate(v, c + relative * v) for v, c in zip(values, change, strict=True))
+        mean = relative_error.mean
+        circle = max(mean, t.circle * float(np.sqrt(relative_error.pointwise * mean)))
+        errors = change + (t.rounding + zeta.error + np.array([circle, mean])) * values
+        equatorial, polar = (Estimate(*pair) for pair in zip(values, errors, strict=True))
         longest, bounds = atlas.extremes(n)
         longest = Estimate(max(longest.value, equatorial.value), longest.error + equatorial.error)
         return cls(equatorial, longest, polar, bounds)

@@ -14,6 +14,7 @@ from isoembed.relativity.horizons.multipoles import Multipoles
 from isoembed.relativity.horizons.spin import Spin
 from isoembed.relativity.spacetimes.surface_data import SurfaceData
 from isoembed.smooth.transforms import resized
+from isoembed.smooth.uncertain import Uncertainty
 from isoembed.thresholds import threshold
 
 
@@ -61,11 +62,9 @@ class HorizonShape:
         InvalidMetric
             The metric is not positive definite.
         """
-        zeta = _coordinate(data, spin)
-        return cls(
-            Circumferences.of(data.metric, zeta, data.relative_error + data.displacement),
-            Multipoles.of(data, zeta),
-        )
+        zeta, known, moved = _coordinate(data, spin), data.lengths_error, data.displacement
+        lengths = Uncertainty(known.pointwise + moved, known.mean + moved)
+        return cls(Circumferences.of(data.metric, zeta, lengths), Multipoles.of(data, zeta))
 
     @property
     def report(self) -> dict[str, Any]:

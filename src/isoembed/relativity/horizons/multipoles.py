@@ -40,6 +40,9 @@ class MultipoleThresholds:
     highest: int = threshold(96, "count", "Heights of nodes after which there are no more.")
     highest_symmetric: int = threshold(1000, "count", "The same for metrics symmetric about z.")
     around: int = threshold(8, "count", "Nodes on a circle there.")
+    steeper: float = threshold(
+        0.125, "over n^2", "Growth of the error that uncertain lengths make in the n-th multipole."
+    )
     settled: float = threshold(1e-13, "absolute", "Change of a geometric multipole that is none.")
     rounding: float = threshold(5e-14, "absolute", "Rounding in a geometric multipole.")
 
@@ -82,11 +85,12 @@ class Multipoles:
                 break
             n, before = int(t.denser * n), moments
         l = np.arange(t.order + 1)
-        relative = data.relative_error + zeta.error
-        errors = change + t.rounding + l * (l + 1) * relative
+        # By parts twice; and what is only seen by higher multipoles is less certain than the mean.
+        steep = l * (l + 1) * (1.0 + t.steeper * l**2)
+        errors = change + t.rounding + steep * (data.relative_error + zeta.error)
         errors[0] += K.error.mean * area
         if isinstance(data.normal_momentum, UncertainFunction):
-            errors[1] += l * (l + 1) * np.pi * data.normal_momentum.error.mean
+            errors[1] += steep * np.pi * data.normal_momentum.error.mean
         return cls._scaled(data, np.sqrt(area / (4.0 * np.pi)), moments, errors)
 
     @classmethod
