@@ -69,13 +69,18 @@ class DoubleFourier:
     values: Floats
 
     def __post_init__(self) -> None:
-        condition = max(np.linalg.cond(series) for series in self._series(self.theta))
+        condition = self.condition
         if not condition < DOUBLE_FOURIER.condition:
             raise InvalidMetric(
                 f"the {len(self.theta)} nodes theta = {self.theta[0]:.6g} ... {self.theta[-1]:.6g} do not "
                 f"determine a Fourier series (condition {condition:.1g}): cell-centered, uniform and "
                 "Gauss-Legendre nodes from pole to pole do"
             )
+
+    @cached_property
+    def condition(self) -> float:
+        """That of the series at the nodes in theta: sqrt(2) if these are cell-centered, more for others."""
+        return float(max(np.linalg.cond(series) for series in self._series(self.theta)))
 
     def _series(self, theta: Floats) -> tuple[Floats, Floats]:
         """The cosines for even m and the sines for odd m, each (len(theta), n)."""

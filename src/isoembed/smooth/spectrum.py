@@ -73,7 +73,9 @@ class Spectrum:
         ends = [(by_degree, size[0].size)] + ([(by_order, size[:, 0].size)] if m > 1 else [])
         unseen, aliased = _unseen(by_degree, by_order)
         tail = max(unseen, *(_end(values) for values, _ in ends))
-        falling = max(_end(values) * _fall(values, samples) for values, samples in ends)
+        # What nodes miss aliases onto averages the more, the worse they determine the series.
+        alias = functions.condition / np.sqrt(2.0)  # 1 for cell-centered ones
+        falling = alias * max(_end(values) * _fall(values, samples) for values, samples in ends)
         mean = float(min(tail, max(SPECTRUM.sum * falling, aliased, _noise(size))))
         error = Uncertainty(
             largest * SPECTRUM.scatter * max(tail, _scatter(size)), largest * SPECTRUM.sure * mean
