@@ -107,15 +107,3 @@ def test_nothing_is_exact():
     theta, phi = nodes(8, 16)
     found = Spectrum.of(DoubleFourier(theta, phi, np.zeros((8, 16, 2))))
     assert found.tail == found.error.mean == found.error.pointwise == 0.0
-
-
-@pytest.mark.parametrize("n", range(9, 20))
-def test_nodes_without_the_poles_miss_more(n):
-    """They do not tell cos((n + 1) theta) from lower degrees; cell-centered ones hardly do harm."""
-    theta = np.linspace(0.0, np.pi, n + 2)[1:-1]
-    values = 1.0 / (3.44 + np.cos(theta) ** 2)[:, None, None]
-    series = DoubleFourier(theta, [0.0], values)
-    z, weights = np.polynomial.legendre.leggauss(60)
-    u = np.stack([np.sqrt(1.0 - z * z), 0.0 * z, z], axis=1)
-    miss = abs(weights @ (series.at(u)[:, 0] - 1.0 / (3.44 + z * z))) / 2.0
-    assert miss <= Spectrum.of(series).error.mean + 1e-14
