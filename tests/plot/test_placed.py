@@ -44,10 +44,20 @@ def test_lengths_axes_and_values_can_be_read_off():
     assert tuple(picture.get_size_inches()) == SIZE
 
 
-@pytest.mark.parametrize(("unit", "length"), [(1.1e-4, "0.0001"), (1.1, "1"), (2.4, "2"), (1.1e6, "1e+06")])
+@pytest.mark.parametrize(
+    ("unit", "length"),
+    [(1.1e-4, "0.0001"), (1.1, "1"), (2.4, "2"), (1.1e6, "1e+06"), (1.1e-150, "1e-150"), (1.1e12, "1e+12")],
+)
 def test_the_bar_is_of_a_round_length_in_any_unit(unit, length):
     picture = placed_figure(Panel(unit * VERTICES, FACES, VERTICES[:, 2]), label="")
     assert length in texts(picture)
+
+
+def test_a_bar_just_below_a_power_of_ten():
+    half = np.nextafter(1000.0, 0.0)
+    assert np.log10(half) == 3.0
+    picture = placed_figure(PANEL, label="", scale=Scale(2.0 * half, (-1.0, 1.0), (-1.0, 1.0)))
+    assert "500" in texts(picture)
 
 
 def test_a_sequence_has_one_scale():

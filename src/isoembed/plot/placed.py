@@ -122,8 +122,8 @@ def _draw_triad(axes: Axes) -> None:
 
 def _draw_length(axes: Axes, reach: float) -> None:
     """Draw a bar of a round length: 1, 2 or 5 times a power of ten."""
-    power = 10.0 ** np.floor(np.log10(0.5 * reach))
-    length = max(m for m in (1, 2, 5) if m * power <= 0.5 * reach) * power
+    power = 10.0 ** np.floor(np.log10(0.5 * reach))  # the next one, if the logarithm is rounded up
+    length = max(m for m in (0.5, 1, 2, 5) if m * power <= 0.5 * reach) * power
     right, up = BAR
     left = right - length / reach
     axes.plot([left, right], [up, up], color=INK, linewidth=2.5, solid_capstyle="butt")
