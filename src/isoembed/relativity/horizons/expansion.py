@@ -123,7 +123,7 @@ def expansion_test(data: SurfaceData) -> ExpansionTest:
     )
 
 
-def judged(data: SurfaceData, marginal: bool | None) -> SurfaceData:
+def judged(data: SurfaceData, marginal: bool | None, test: ExpansionTest | None = None) -> SurfaceData:
     """The data of a surface as one that is a horizon or not, with errors and a note to fit.
 
     Parameters
@@ -131,6 +131,8 @@ def judged(data: SurfaceData, marginal: bool | None) -> SurfaceData:
     data : SurfaceData
     marginal : bool, optional
         Whether it is one; by default `expansion_test` decides.  Without a mean curvature it is none.
+    test : ExpansionTest, optional
+        That of the data, if it is at hand.
     """
     if data.mean_curvature is None:
         if marginal is not None:
@@ -140,7 +142,7 @@ def judged(data: SurfaceData, marginal: bool | None) -> SurfaceData:
             "not taken for a horizon, as its k is not known: if it is one, --marginal (marginal=True) gives "
             "its Hawking and its Kijowski-Liu-Yau energy",
         )
-    test = expansion_test(data)
+    test = test or expansion_test(data)
     expansion = f"the expansion is {test.largest_expansion:.2g} +- {test.expansion_error:.1g}"
     away = f"the horizon is displaced by about {test.displacement:.1g} of its radius"
     if not (test.is_small if marginal is None else marginal):

@@ -64,9 +64,9 @@ class Horizon:
         if isinstance(found, SurfaceData):
             if geometry is not None:
                 raise InvalidParameter(f"{name} holds a metric of its own: it needs no geometry")
-            data = judged(replace(found, name=name), marginal)
-            known = found.mean_curvature is not None
-            facts = {**expansion_test(found).report, "marginal": data.marginal} if known else {}
+            test = None if found.mean_curvature is None else expansion_test(found)
+            data = judged(replace(found, name=name), marginal, test)
+            facts = {**test.report, "marginal": data.marginal} if test else {}
             return cls(data, facts, CurvatureCheck.of(data))
         if geometry is None:
             raise InvalidParameter(f"{found.contents}: name its geometry")
@@ -75,7 +75,7 @@ class Horizon:
         )
         data = surface.data(geometry, axis, name=name)
         test = expansion_test(data)
-        data = judged(data, marginal)
+        data = judged(data, marginal, test)
         facts = {
             **{"time": found.time, "iteration": found.iteration},
             **{"points": len(found.points), "center": list(found.center)},
