@@ -1,5 +1,7 @@
 """The curvature that files bring, against that of the metric in use."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
@@ -48,6 +50,13 @@ def test_the_right_geometry_agrees(unit):
     assert found.agrees and not found.notes
     assert found.relative < 1e-8
     assert found.rms <= found.expected
+
+
+def test_a_curvature_of_zero_is_beyond_errors():
+    shape = replace(kerr(), fields={"RicciScalar": np.zeros(500)})
+    found = check(shape, KerrSchild(1.0, SPIN))
+    assert not found.agrees and found.notes
+    assert found.rms == found.size and "beyond their errors" in found.report["message"]
 
 
 @pytest.mark.parametrize(

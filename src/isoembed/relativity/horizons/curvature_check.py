@@ -51,7 +51,7 @@ class CurvatureCheck:
     largest, rms : float
         The largest difference at the points of the file and its root mean square, in 1/length^2.
     size : float
-        The root mean square of the file's curvature.
+        The root mean square of K of the metric in use: never zero, by Gauss and Bonnet.
     expected : float
         The root mean square that errors explain: of K, from what lengths are uncertain, and the noise of the
         field, what smooth functions leave of it.
@@ -101,9 +101,10 @@ class CurvatureCheck:
         cls, field: str, given: Floats, noise: float, u: Floats, data: SurfaceData
     ) -> CurvatureCheck:
         K = spectral_curvature(data.metric, data.lengths_error.mean)
-        difference = K(u) - given
+        own = K(u)
+        difference = own - given
         largest = float(np.abs(difference).max())
-        return cls(field, largest, _rms(difference), _rms(given), K.error.pointwise + noise)
+        return cls(field, largest, _rms(difference), _rms(own), K.error.pointwise + noise)
 
     @property
     def agrees(self) -> bool:
