@@ -1,5 +1,7 @@
 """Circumferences and multipoles of horizons, against closed forms of Kerr's."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from scipy.special import ellipe
@@ -108,6 +110,20 @@ def test_charge_is_in_the_mass():
     assert multipoles.mass[0].value == pytest.approx(1.0, abs=1e-13)
 
 
+def test_rotation_of_a_charged_horizon_without_its_spin():
+    data = replace(KerrNewmanHorizon(1.0, 0.5, 0.6).data(), angular_momentum=None)
+    multipoles = HorizonShape.of(data).multipoles
+    assert multipoles.mass is None
+    assert multipoles.rotation[0].value == pytest.approx(0.0, abs=1e-13)
+    assert multipoles.spin[1].value == pytest.approx(find_spin(data).J.value, rel=1e-12)
+
+
+def test_no_square_of_a_mass_underflows():
+    mass = HorizonShape.of(KerrNewmanHorizon(1e-100, 5e-101).data()).multipoles.mass[0]
+    assert mass.value == pytest.approx(1e-100, rel=1e-12)
+    assert 0.0 < mass.error < 1e-110
+
+
 def test_beyond_the_limit_of_embedding_too():
     report = unembedded_report(KerrNewmanHorizon(1.0, 0.95).data(), NotEmbedded("beyond the limit", None))
     assert report["circumferences"]["equatorial"] == pytest.approx(4.0 * np.pi, abs=1e-12)
@@ -154,6 +170,19 @@ def test_the_longest_circle_is_not_the_one_that_halves_the_area():
     longest = 2.0 * np.pi * pear(np.linspace(0.5, 2.5, 2_000_001))[0].max()
     assert found.longest.value == pytest.approx(longest, abs=1e-11)
     assert found.equatorial.value < longest - 1e-4
+    assert found.polar_bounds == (found.polar.value, found.polar.value)
+
+
+def test_circles_that_are_all_equally_long():
+    def components(theta, phi):  # rho^2 = 1 - cos^64 theta, which is 1 to rounding about the equator
+        c, s = np.cos(theta), np.sin(theta)
+        squared = s**2 * sum(c ** (2 * i) for i in range(32))
+        steepness = 32.0 * np.abs(c) ** 63 * s / np.sqrt(np.maximum(squared, 1e-300))
+        return steepness**2 + 4.0 * s**2, 0.0, squared
+
+    metric = AngleMetric(components)
+    found = Circumferences.of(metric, InvariantCoordinate.about(metric))
+    assert abs(found.longest.value - 2.0 * np.pi) <= found.longest.error
 
 
 TILTED = (0.3, -0.5, 0.4)

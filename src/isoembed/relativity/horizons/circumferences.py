@@ -90,9 +90,11 @@ class Circumferences:
         circle = max(mean, t.circle * float(np.sqrt(relative_error.pointwise * mean)))
         errors = change + (t.rounding + zeta.error + np.array([circle, mean])) * values
         equatorial, polar = (Estimate(*pair) for pair in zip(values, errors, strict=True))
-        longest, bounds = atlas.extremes(n)
+        longest, (low, high) = atlas.extremes(n)
         longest = Estimate(max(longest.value, equatorial.value), longest.error + equatorial.error)
-        return cls(equatorial, longest, polar, bounds)
+        if zeta.axisymmetric:
+            low = high = polar.value
+        return cls(equatorial, longest, polar, (min(low, polar.value), max(high, polar.value)))
 
     @property
     def report(self) -> dict[str, Any]:
@@ -180,7 +182,10 @@ class _Atlas:
         start = 0.5 * np.pi * (1.0 + place) + CIRCUMFERENCE.step * np.arange(-1.0, 2.0)
         speed, _ = self.circles(self._on_meridian(start)[0], start, self.around(n))
         below, there, above = 2.0 * np.pi * speed.mean(axis=1)
-        shift = (above - below) ** 2 / (8.0 * (below - 2.0 * there + above))
+        bend = below - 2.0 * there + above
+        if bend >= 0.0:  # by rounding, where circles are equally long
+            return Estimate(max(below, there, above), abs(above - below) + bend), bounds
+        shift = (above - below) ** 2 / (8.0 * bend)
         return Estimate(there - shift, abs(shift)), bounds
 
     def _on_meridian(self, theta: Floats) -> tuple[Floats, Floats]:

@@ -111,11 +111,11 @@ class Multipoles:
         found = None if data.normal_momentum is None else _estimates(spins, uncertain)
         known = data.angular_momentum if found is None or data.charge else found[1].value
         if known is None:
-            return cls(shape, None, None, None)
+            return cls(shape, None if found is None else rotation, None, found)
         m = 0.5 * R
         mass = np.hypot(m + data.charge**2 / (4.0 * m), known / (2.0 * m))
         masses = scale * mass / (2.0 * np.pi) * moments[0]
-        of_mass = abs(known) / (2.0 * m * mass) ** 2 * uncertain[1]
+        of_mass = abs(known) / (2.0 * m * mass) * (uncertain[1] / (2.0 * m * mass))
         uncertain = scale * mass / (2.0 * np.pi) * (errors[0] + displaced)
         heavy = _estimates(masses, uncertain + (lengths + moved + of_mass) * np.abs(masses))
         if found is None and known != 0.0:
