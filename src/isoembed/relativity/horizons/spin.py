@@ -77,7 +77,7 @@ class Spin:
         In radians.
     vector : three floats
         J about the axes x, y and z of these coordinates, the rotations being those of the coordinates: by
-        ``torque`` of the data, or of the directions u.
+        ``torque`` of the data, or of the directions u.  Zero where K(., n) is not known.
     shear : float or None
         How much the rotation about the axis shears the surface, 0 for a symmetry: see
         `isoembed.relativity.horizons.approximate_killing.Rotations.shear`.
@@ -112,7 +112,7 @@ def find_spin(data: SurfaceData) -> Spin | None:
     Returns
     -------
     Spin or None
-        None where K(., n) is not known.
+        None where neither K(., n) nor J is known.
 
     Notes
     -----
@@ -124,7 +124,8 @@ def find_spin(data: SurfaceData) -> Spin | None:
         if data.angular_momentum is None:
             return None
         J = Estimate(abs(data.angular_momentum), 0.0)
-        return Spin(J, None, None, (0.0, 0.0, 0.0), None, "K(., n) vanishes")
+        how = "J is given, and K(., n) is not" if J.value > 0.0 else "K(., n) vanishes"
+        return Spin(J, None, None, (0.0, 0.0, 0.0), None, how)
     axisymmetric = is_axisymmetric(data.metric)
     first, *others = SPIN.symmetric_degrees if axisymmetric else SPIN.degrees
     trial = _Trial.of(data, data.normal_momentum, rotations(data.metric, first, axisymmetric))
