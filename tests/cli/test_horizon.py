@@ -129,6 +129,7 @@ REFUSED = [
     (["h.gp", "--geometry", "kerr-schild", "--mass", "nan"], "the mass"),
     (["h.gp", "--geometry", "kerr-schild", "--spin", 0, 0], "--spin: expected 3 arguments"),
     (["h.gp", *KERR_SCHILD, "--axis", 0, 0, 0], "--axis 0 0 0 is no axis"),
+    (["grid.npz", "--axis", 0, 0, 1], "grid.npz holds no coordinates that an --axis could be given in"),
     (["h.gp", *KERR_SCHILD[:2], "--vertices", 11], "--vertices must be at least 12, not 11"),
     (["bad.gp", *KERR_SCHILD], "bad.gp"),
     (["grid.npz", "bad.gp", "-o", "found"], "bad.gp"),

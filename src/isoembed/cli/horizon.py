@@ -217,6 +217,8 @@ def _horizon(name: str, options: argparse.Namespace, geometry: ThreeGeometry | N
     found = _read(name, options)
     if isinstance(found, SurfaceData) and geometry is not None:
         raise UsageError(f"{name} holds a metric of its own: it needs no --geometry")
+    if isinstance(found, SurfaceData) and options.axis is not None:
+        raise UsageError(f"{name} holds no coordinates that an --axis could be given in")
     if isinstance(found, CoordinateShape) and geometry is None:
         raise UsageError(f"{found.contents}: name it with --geometry")
     return Horizon.of(found, geometry, axis=options.axis, marginal=options.marginal, name=name)

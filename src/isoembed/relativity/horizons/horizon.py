@@ -51,7 +51,8 @@ class Horizon:
         geometry : ThreeGeometry, optional
             The slice; a grid has its metric, coordinates need one.
         axis : sequence of 3 floats, optional
-            That the angular momentum is asked about; by default it is found.
+            That the angular momentum is asked about, in the coordinates of a slice, besides the one that is
+            found.
         marginal : bool, optional
             Whether it is a horizon; by default `expansion_test` decides, and a metric without k is none.
         name : str
@@ -59,11 +60,13 @@ class Horizon:
         Raises
         ------
         InvalidParameter
-            The geometry is missing, or there is a metric already.
+            The geometry is missing, or there is a metric already; or there is an axis without coordinates.
         """
         if isinstance(found, SurfaceData):
             if geometry is not None:
                 raise InvalidParameter(f"{name} holds a metric of its own: it needs no geometry")
+            if axis is not None:
+                raise InvalidParameter(f"{name} holds no coordinates that an axis could be given in")
             test = None if found.mean_curvature is None else expansion_test(found)
             data = judged(replace(found, name=name), marginal, test)
             facts = {**test.report, "marginal": data.marginal} if test else {}
