@@ -1,5 +1,7 @@
 """Functions on the sphere of directions that know how uncertain they are."""
 
+from __future__ import annotations
+
 from collections.abc import Callable
 from dataclasses import dataclass
 
@@ -20,6 +22,12 @@ class Uncertainty:
 
     pointwise: float = 0.0
     mean: float = 0.0
+
+    def __add__(self, other: Uncertainty) -> Uncertainty:
+        return Uncertainty(self.pointwise + other.pointwise, self.mean + other.mean)
+
+
+EXACT = Uncertainty()
 
 
 @dataclass(frozen=True)

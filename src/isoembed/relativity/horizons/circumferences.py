@@ -11,9 +11,8 @@ from scipy.optimize import minimize_scalar
 
 from isoembed.arrays import Floats
 from isoembed.relativity.horizons.invariant_coordinate import InvariantCoordinate
-from isoembed.relativity.spacetimes.surface_data import EXACT
 from isoembed.smooth.two_metric import TwoMetric, area_density, orthonormal_frame
-from isoembed.smooth.uncertain import Uncertainty
+from isoembed.smooth.uncertain import EXACT, Uncertainty
 from isoembed.surface.estimate import Estimate
 from isoembed.thresholds import threshold
 

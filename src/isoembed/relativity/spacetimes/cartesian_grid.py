@@ -6,10 +6,11 @@ A file, .npz or HDF5, holds arrays of one shape (nx, ny, nz), [i, j, k] being th
 are data sets of the root group, and origin and spacing may be attributes of it.
 """
 
+from __future__ import annotations
+
 import os
-from collections.abc import Iterable, Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
-from itertools import pairwise
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -21,7 +22,7 @@ from isoembed.io.hdf5 import HDF5_ENDINGS, array_of
 from isoembed.io.input_file import InputFile
 from isoembed.kernel import kernel
 from isoembed.relativity.spacetimes.checks import numbers, positive_number, refuse_points, vector, written
-from isoembed.relativity.spacetimes.three_geometry import extent
+from isoembed.relativity.spacetimes.three_geometry import ThreeGeometry
 from isoembed.thresholds import threshold
 
 PLACE = ("origin", "spacing")
@@ -38,9 +39,7 @@ class InterpolationThresholds:
     nodes: int = threshold(8, "count", "Points of the Lagrange interpolation along each axis.")
     outside: float = threshold(1e-9, "spacings", "How far beyond the grid a point may lie.")
     asymmetry: float = threshold(1e-10, "largest entry", "Entries ij and ji that differ by more are refused.")
-    smooth: float = threshold(
-        5.0, "relative", "How much less the last two points may help in smooth data (measured: 4)."
-    )
+    noise: float = threshold(10.0, "relative", "Error over the change by two points more.")
 
 
 INTERPOLATION = InterpolationThresholds()
@@ -107,55 +106,104 @@ class CartesianGrid:
         InvalidParameter
             A point lies outside the grid.
         """
-        return self._interpolated(self.gamma, x, INTERPOLATION.nodes)
+        return self._through(INTERPOLATION.nodes).metric(x)
 
     def gradient(self, x: Floats) -> Floats:
         """See `ThreeGeometry`."""
-        return self._differentiated(x, INTERPOLATION.nodes)
+        return self._through(INTERPOLATION.nodes).gradient(x)
 
     def extrinsic_curvature(self, x: Floats) -> Floats:
         """See `ThreeGeometry`."""
-        if self.K is None:
-            return np.zeros((len(x), 3, 3))
-        return self._interpolated(self.K, x, INTERPOLATION.nodes)
+        return self._through(INTERPOLATION.nodes).extrinsic_curvature(x)
 
-    def relative_error(self, x: Floats) -> float:
-        """See `ThreeGeometry`: what interpolation through two, four, six and eight points tells.
+    def error(self, quantity: Callable[[ThreeGeometry], Floats]) -> Floats:
+        """See `ThreeGeometry`: what interpolation through ten points tells, of noise a tenth.
 
-        It knows of no error that is smooth on the grid, nor of noise below the terms of seventh order.
+        It knows of no error that is smooth on the grid.
         """
-        nodes = range(2, INTERPOLATION.nodes + 1, 2)
-        size, distance = extent(x, self.metric(x))
-        error = _rest(self._interpolated(self.gamma, x, n) for n in nodes)
-        error += distance * _rest(self._differentiated(x, n) for n in nodes)
-        if self.K is not None:
-            error += distance * _rest(self._interpolated(self.K, x, n) for n in nodes)
-        return 0.5 * error / size
+        return np.asarray(INTERPOLATION.noise * (quantity(_Wider(self)) - quantity(self)))
 
-    def _interpolated(self, fields: Floats, x: Floats, nodes: int) -> Floats:
-        start, s = self._located(x, nodes)
-        return _contracted(fields, start, _lagrange(s, nodes)[0])[:, ENTRY]
+    def _through(self, nodes: int) -> _Interpolation:
+        return _Interpolation(self, nodes)
 
-    def _differentiated(self, x: Floats, nodes: int) -> Floats:
-        start, s = self._located(x, nodes)
-        weights, slopes = _lagrange(s, nodes)
+
+@dataclass(frozen=True, eq=False)
+class _Interpolation:
+    """A slice on a grid, by polynomials through some points along each axis."""
+
+    grid: CartesianGrid
+    nodes: int
+
+    @property
+    def time_symmetric(self) -> bool:
+        return self.grid.time_symmetric
+
+    def metric(self, x: Floats) -> Floats:
+        start, s = self._located(x)
+        return _contracted(self.grid.gamma, start, _lagrange(s, self.nodes)[0])[:, ENTRY]
+
+    def gradient(self, x: Floats) -> Floats:
+        start, s = self._located(x)
+        weights, slopes = _lagrange(s, self.nodes)
         out = np.empty((len(s), 3, 3, 3))
-        for k, h in enumerate(np.array(self.spacing)):
+        for k, h in enumerate(np.array(self.grid.spacing)):
             along = weights.copy()
             along[:, k] = slopes[:, k] / h
-            out[:, k] = _contracted(self.gamma, start, along)[:, ENTRY]
+            out[:, k] = _contracted(self.grid.gamma, start, along)[:, ENTRY]
         return out
 
-    def _located(self, x: Floats, nodes: int) -> tuple[Indices, Floats]:
-        """The first of some points along each axis (n, 3), and the distance from it in spacings."""
-        origin, spacing, shape = np.array(self.origin), np.array(self.spacing), np.array(self.gamma.shape[1:])
+    def extrinsic_curvature(self, x: Floats) -> Floats:
+        if self.grid.K is None:
+            return np.zeros((len(x), 3, 3))
+        start, s = self._located(x)
+        return _contracted(self.grid.K, start, _lagrange(s, self.nodes)[0])[:, ENTRY]
+
+    def error(self, quantity: Callable[[ThreeGeometry], Floats]) -> Floats:
+        return self.grid.error(quantity)
+
+    def _located(self, x: Floats) -> tuple[Indices, Floats]:
+        """The first of the points along each axis (n, 3), and the distance from it in spacings."""
+        origin, spacing = np.array(self.grid.origin), np.array(self.grid.spacing)
+        shape = np.array(self.grid.gamma.shape[1:])
         t = (x - origin) / spacing
         beyond = INTERPOLATION.outside
         outside = ((t < -beyond) | (t > shape - 1.0 + beyond) | np.isnan(t)).any(axis=1)
         box = f"from {written(origin)} to {written(origin + (shape - 1) * spacing)}"
         refuse_points(outside, x, f"lies outside the grid, which reaches {box}")
-        start = np.clip(np.floor(t).astype(np.int64) - (nodes // 2 - 1), 0, shape - nodes)
+        start = np.clip(np.floor(t).astype(np.int64) - (self.nodes // 2 - 1), 0, shape - self.nodes)
         return start, t - start
+
+
+@dataclass(frozen=True, eq=False)
+class _Wider:
+    """A slice on a grid, through two points more where they are there, and through two less elsewhere."""
+
+    grid: CartesianGrid
+
+    @property
+    def time_symmetric(self) -> bool:
+        return self.grid.time_symmetric
+
+    def metric(self, x: Floats) -> Floats:
+        return self._values(_Interpolation.metric, x)
+
+    def gradient(self, x: Floats) -> Floats:
+        return self._values(_Interpolation.gradient, x)
+
+    def extrinsic_curvature(self, x: Floats) -> Floats:
+        return self._values(_Interpolation.extrinsic_curvature, x)
+
+    def error(self, quantity: Callable[[ThreeGeometry], Floats]) -> Floats:
+        return self.grid.error(quantity)
+
+    def _values(self, field: Callable[[_Interpolation, Floats], Floats], x: Floats) -> Floats:
+        less, more = INTERPOLATION.nodes - 2, INTERPOLATION.nodes + 2
+        values = field(_Interpolation(self.grid, less), x)
+        if min(self.grid.gamma.shape[1:]) >= more:
+            wider = field(_Interpolation(self.grid, more), x)
+            there = np.isfinite(wider.reshape(len(x), -1)).all(axis=1)
+            values[there] = wider[there]
+        return values
 
 
 def read_cartesian_grid(path: str | os.PathLike[str]) -> CartesianGrid:
@@ -223,15 +271,6 @@ def _six(what: str, given: ArrayLike) -> Floats:
     array = np.ascontiguousarray(array).view()
     array.setflags(write=False)
     return array
-
-
-def _rest(approximations: Iterable[Floats]) -> float:
-    """The largest error of the last of four approximations, from how they approach each other."""
-    first, second, third = (float(np.abs(b - a).max(initial=0.0)) for a, b in pairwise(approximations))
-    # Smooth data go on as they have begun, or half as well; noise does not fall further.
-    if 0.0 < third <= second and third * first <= INTERPOLATION.smooth * second**2:
-        return third * min(1.0, 2.0 * third / second)
-    return third
 
 
 def _lagrange(s: Floats, nodes: int) -> tuple[Floats, Floats]:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -21,7 +21,7 @@ from isoembed.smooth.harmonics import Harmonics
 from isoembed.smooth.scattered_fit import deviating, fitted, white
 from isoembed.smooth.transforms import analyzed, trimmed
 from isoembed.smooth.two_metric import area_density
-from isoembed.smooth.uncertain import UncertainFunction, Uncertainty
+from isoembed.smooth.uncertain import EXACT, UncertainFunction, Uncertainty
 from isoembed.thresholds import threshold
 
 
@@ -304,7 +304,7 @@ class StarSurface:
     ) -> SurfaceData:
         """Data of which quasi-local energies are computed.
 
-        Their ``relative_error`` is the misfit over the mean radius and what the geometry says of its own.
+        Their errors are what the misfit makes, and what the geometry says of its own.
 
         Parameters
         ----------
@@ -329,12 +329,11 @@ class StarSurface:
         frame.mean_curvature()
         if moves:
             frame.momentum()
-        errors = SurfaceErrors.of(frame, self._deviating(geometry, u), weights)
-        lengths = self.misfit / self.mean_radius if self.deviations is None else errors.lengths
-        of_slice = geometry.relative_error(frame.x)
-        # K is as uncertain as k, by this share of 2 / r (`ThreeGeometry.relative_error`), and torques by r
-        # times that.  In the mean over the surface a twelfth of it was the most that was seen on grids.
-        of_torque = Uncertainty(errors.torque.pointwise + 2.0 * of_slice, errors.torque.mean + 0.5 * of_slice)
+        errors = SurfaceErrors.of_surface(frame, self._deviating(geometry, u), weights)
+        if self.deviations is None:
+            miss = self.misfit / self.mean_radius
+            errors = replace(errors, lengths=Uncertainty(miss, miss))
+        errors += SurfaceErrors.of_slice(frame, weights)
         about = None if axis is None else _unit("the axis", axis)
         J = 0.0 if not moves else about and self.angular_momentum(geometry, about)
 
@@ -348,7 +347,7 @@ class StarSurface:
             return self.frame(geometry, u).torque()
 
         return SurfaceData(
-            metric=self.metric(geometry),
+            metric=InducedMetric(self, geometry, errors.lengths),
             mean_curvature=UncertainFunction(
                 lambda u: self.mean_curvature(geometry, u), errors.mean_curvature
             ),
@@ -356,12 +355,11 @@ class StarSurface:
             normal_momentum=UncertainFunction(normal_momentum, errors.normal_momentum) if moves else None,
             angular_momentum=J,
             marginal=marginal,
-            relative_error=lengths + of_slice,
             shape=self.points,
             name=name,
             notes=self.notes,
             axis=about,
-            torque=UncertainFunction(torque, of_torque) if moves else None,
+            torque=UncertainFunction(torque, errors.torque) if moves else None,
         )
 
 
@@ -373,10 +371,13 @@ class InducedMetric:
     ----------
     surface : StarSurface
     geometry : ThreeGeometry
+    error : Uncertainty
+        Of lengths, relative.
     """
 
     surface: StarSurface
     geometry: ThreeGeometry
+    error: Uncertainty = EXACT
 
     def tensor(self, u: Floats) -> Floats:
         """See `isoembed.smooth.TwoMetric`."""

@@ -13,7 +13,7 @@ from isoembed.errors import InvalidMetric, InvalidParameter
 from isoembed.meshing.sphere import fibonacci_directions
 from isoembed.smooth.grid_metric import GridMetric
 from isoembed.smooth.two_metric import TwoMetric, area_density
-from isoembed.smooth.uncertain import UncertainFunction, Uncertainty
+from isoembed.smooth.uncertain import EXACT, UncertainFunction, Uncertainty
 from isoembed.thresholds import threshold
 
 
@@ -26,7 +26,6 @@ class SurfaceDataThresholds:
 
 
 SURFACE_DATA = SurfaceDataThresholds()
-EXACT = Uncertainty()
 
 
 @dataclass(frozen=True)
@@ -117,8 +116,7 @@ class SurfaceData:
         if isinstance(self.metric, GridMetric):
             object.__setattr__(self, "notes", tuple(dict.fromkeys((*self.metric.notes, *self.notes))))
         if self.relative_error is None:
-            known = self.metric.error.mean if isinstance(self.metric, GridMetric) else 0.0
-            object.__setattr__(self, "relative_error", known)
+            object.__setattr__(self, "relative_error", self._metric_error.mean)
         self._check_resolved()
 
     @classmethod
@@ -167,8 +165,13 @@ class SurfaceData:
     @property
     def lengths_error(self) -> Uncertainty:
         """Relative errors of lengths."""
-        known = self.metric.error.pointwise if isinstance(self.metric, GridMetric) else 0.0
-        return Uncertainty(max(self.relative_error, known), self.relative_error)
+        return Uncertainty(max(self.relative_error, self._metric_error.pointwise), self.relative_error)
+
+    @property
+    def _metric_error(self) -> Uncertainty:
+        """What the metric says of its own lengths: those of grids and of surfaces in slices do."""
+        error: Uncertainty = getattr(self.metric, "error", EXACT)
+        return error
 
     def _function(
         self, given: Callable[[Floats], Floats] | ArrayLike | None, field: str, name: str

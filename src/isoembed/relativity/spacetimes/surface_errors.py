@@ -1,9 +1,9 @@
-"""Errors of a surface's metric, curvature and momentum, from ways in which the surface may lie elsewhere."""
+"""Errors of a surface's metric, curvature and momentum, as it may lie elsewhere and its slice be another."""
 
 from __future__ import annotations
 
 from collections.abc import Iterable
-from dataclasses import dataclass
+from dataclasses import dataclass, fields, replace
 
 import numpy as np
 
@@ -21,6 +21,7 @@ class SurfaceErrorThresholds:
 
     sure: float = threshold(3.0, "standard deviations", "Stated error.")
     smooth: int = threshold(2, "count", "Degree of the weights with which averages are as wrong as stated.")
+    scattered: float = threshold(0.1, "relative", "Averages of errors over their sizes, at least.")
     decay: float = threshold(0.5, "relative", "Weights of one degree over those of the degree below.")
 
 
@@ -29,12 +30,12 @@ ERRORS = SurfaceErrorThresholds()
 
 @dataclass(frozen=True)
 class SurfaceErrors:
-    """How uncertain the data of a surface are because the surface is.
+    """How uncertain the data of a surface are because the surface or its slice is.
 
     Attributes
     ----------
-    lengths : float
-        Relative, in the mean.
+    lengths : Uncertainty
+        Relative.
     mean_curvature, momentum, normal_momentum : Uncertainty
         Those of k, of p and of K(., n).
     torque : Uncertainty
@@ -42,15 +43,17 @@ class SurfaceErrors:
         a symmetry J does not change with the surface.
     """
 
-    lengths: float
+    lengths: Uncertainty
     mean_curvature: Uncertainty
     momentum: Uncertainty
     normal_momentum: Uncertainty
     torque: Uncertainty
 
     @classmethod
-    def of(cls, frame: SurfaceFrame, deviating: Iterable[SurfaceFrame], weights: Floats) -> SurfaceErrors:
-        """Errors from samples.
+    def of_surface(
+        cls, frame: SurfaceFrame, deviating: Iterable[SurfaceFrame], weights: Floats
+    ) -> SurfaceErrors:
+        """Errors from surfaces that it might be.
 
         Parameters
         ----------
@@ -62,25 +65,45 @@ class SurfaceErrors:
             Of the quadrature.
         """
         base = _quantities(frame)
-        changes = np.array([_quantities(other) - base for other in deviating])  # (N, 9, n)
+        changes = np.array([_quantities(other) - base for other in deviating])
+        return cls._of(frame, ERRORS.sure * changes, weights)
+
+    @classmethod
+    def of_slice(cls, frame: SurfaceFrame, weights: Floats) -> SurfaceErrors:
+        """Errors from what the slice says of its own, with arguments as of `of_surface`."""
+        changes = frame.geometry.error(lambda geometry: _quantities(replace(frame, geometry=geometry)))
+        return cls._of(frame, changes[None], weights, ERRORS.scattered)
+
+    @classmethod
+    def _of(
+        cls, frame: SurfaceFrame, changes: Floats, weights: Floats, scattered: float = 0.0
+    ) -> SurfaceErrors:
+        """Errors from changes (N, 9, n) of the quantities at the nodes of a quadrature."""
         harmonics = Harmonics(ERRORS.smooth, ERRORS.smooth)
         smooth = weights[:, None] * harmonics.values(frame.u)
         smooth *= ERRORS.decay ** harmonics.labels[0] / np.sqrt(4.0 * np.pi)
         points = np.sqrt(np.mean(changes**2, axis=0))
         means = np.sqrt(np.mean(np.sum((changes @ smooth) ** 2, axis=2), axis=0))
+        means = np.maximum(means, scattered * np.sqrt(points**2 @ weights / (4.0 * np.pi)))
 
         def uncertainty(part: slice) -> Uncertainty:
             pointwise = float(np.linalg.norm(points[part], axis=0).max())
-            return Uncertainty(ERRORS.sure * pointwise, ERRORS.sure * float(np.linalg.norm(means[part])))
+            return Uncertainty(pointwise, float(np.linalg.norm(means[part])))
 
-        lengths = ERRORS.sure * float(means[0])
-        density = np.exp(2.0 * base[0])
-        totals = np.sqrt(np.mean(np.sum((changes[:, 6:] @ weights) ** 2, axis=1))) / (weights @ density)
+        density = area_density(frame.q)
+        totals = np.sqrt(np.mean(np.sum((changes[:, 6:] @ weights) ** 2, axis=1)))
+        totals = max(totals, 4.0 * np.pi * float(np.linalg.norm(means[6:])) * (scattered > 0.0))
         largest = (np.linalg.norm(points[6:], axis=0) / density).max()
         return cls(
-            *(lengths, uncertainty(slice(1, 2)), uncertainty(slice(2, 3)), uncertainty(slice(3, 6))),
-            Uncertainty(ERRORS.sure * float(largest), ERRORS.sure * float(totals)),
+            lengths=uncertainty(slice(1)),
+            mean_curvature=uncertainty(slice(1, 2)),
+            momentum=uncertainty(slice(2, 3)),
+            normal_momentum=uncertainty(slice(3, 6)),
+            torque=Uncertainty(float(largest), float(totals / (weights @ density))),
         )
+
+    def __add__(self, other: SurfaceErrors) -> SurfaceErrors:
+        return SurfaceErrors(*(getattr(self, f.name) + getattr(other, f.name) for f in fields(SurfaceErrors)))
 
 
 def _quantities(frame: SurfaceFrame) -> Floats:

@@ -5,6 +5,8 @@ Signs are those of Alcubierre and of Baumgarte and Shapiro:
 ``theta_+ = k - K_ij (gamma^ij - n^i n^j)``.
 """
 
+from __future__ import annotations
+
 from abc import ABC, abstractmethod
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
@@ -58,11 +60,18 @@ class ThreeGeometry(Protocol):
         """``K_ij`` (n, 3, 3) at the points x (n, 3)."""
         ...
 
-    def relative_error(self, x: Floats) -> float:
-        """Uncertainty of the three at the points x (n, 3) of a surface, as a relative error of lengths.
+    def error(self, quantity: Callable[[ThreeGeometry], Floats]) -> Floats:
+        """Errors of a quantity that is computed from the slice, with their signs as far as they are known.
 
-        That is half an error of the metric over the metric.  One of the gradient, or of K, counts as what it
-        makes over the distance of the points from their mean: the mean curvature is as uncertain.
+        Parameters
+        ----------
+        quantity : callable
+            Takes a slice, this one or the same to another accuracy, and returns an array (c, n): c quantities
+            at n points.
+
+        Returns
+        -------
+        ndarray, shape (c, n)
         """
         ...
 
@@ -87,9 +96,9 @@ class AnalyticGeometry(ABC):
         """See `ThreeGeometry`."""
         return np.zeros((len(x), 3, 3))
 
-    def relative_error(self, x: Floats) -> float:
+    def error(self, quantity: Callable[[ThreeGeometry], Floats]) -> Floats:
         """Zero: see `ThreeGeometry`."""
-        return 0.0
+        return np.zeros_like(quantity(self))
 
 
 class _Callables:
@@ -156,13 +165,10 @@ class CallableGeometry(_Callables):
         """See `ThreeGeometry`."""
         return self._differentiated(x, (45.0 / 60.0, -9.0 / 60.0, 1.0 / 60.0))
 
-    def relative_error(self, x: Floats) -> float:
-        """See `ThreeGeometry`: what differences of eighth order tell, of noise a tenth; and rounding."""
-        eighth = self._differentiated(x, (4.0 / 5.0, -1.0 / 5.0, 4.0 / 105.0, -1.0 / 280.0))
-        change = float(np.abs(eighth - self.gradient(x)).max(initial=0.0))
-        rounding = float(np.finfo(np.float64).eps) / (DIFFERENCES.step * self.length)
-        size, distance = extent(x, self.metric(x))
-        return 0.5 * distance * (DIFFERENCES.noise * change / size + rounding)
+    def error(self, quantity: Callable[[ThreeGeometry], Floats]) -> Floats:
+        """See `ThreeGeometry`: what differences of eighth order tell, of noise and rounding a tenth."""
+        eighth = _EighthOrder(self.gamma, self.length, self.K)
+        return np.asarray(DIFFERENCES.noise * (quantity(eighth) - quantity(self)))
 
     def _differentiated(self, x: Floats, weights: Sequence[float]) -> Floats:
         """The gradient (n, 3, 3, 3) from differences over one, two, ... steps to both sides."""
@@ -175,10 +181,9 @@ class CallableGeometry(_Callables):
         return out / h
 
 
-def extent(x: Floats, gamma: Floats) -> tuple[float, float]:
-    """The least size of a metric (n, 3, 3) at points x (n, 3), and their largest distance from their mean."""
-    size = np.linalg.norm(gamma, axis=(1, 2)).min()
-    return float(size), float(np.linalg.norm(x - x.mean(axis=0), axis=1).max())
+class _EighthOrder(CallableGeometry):
+    def gradient(self, x: Floats) -> Floats:
+        return self._differentiated(x, (4.0 / 5.0, -1.0 / 5.0, 4.0 / 105.0, -1.0 / 280.0))
 
 
 def complex_step(f: Callable[[Numbers], Numbers], x: Floats) -> Floats:
