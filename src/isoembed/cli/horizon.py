@@ -74,7 +74,7 @@ def configure(parser: argparse.ArgumentParser) -> None:
         dest="marginal",
         action="store_const",
         const=False,
-        help="they are none: k and p are taken as they are",
+        help="the surfaces are no horizons: k and p are taken as they are",
     )
     parser.add_argument("--time", type=float, metavar="T", help="which slice of a SpECTRE file with several")
     parser.add_argument("--surface", metavar="NAME", help="which surface of a SpECTRE file with several")

@@ -30,9 +30,9 @@ from isoembed.thresholds import threshold
 class GridThresholds:
     """Thresholds of metrics on grids."""
 
-    unseen: float = threshold(0.2, "relative", "Share of phi in an error, from which on it is said.")
-    distinct: int = threshold(8, "count", "Values, all of single precision, that are so by no chance.")
-    exact: float = threshold(1e-11, "relative", "Errors below which nothing is said of them.")
+    unseen: float = threshold(0.2, "relative", "Share of phi in an error from which on a note says so.")
+    distinct: int = threshold(8, "count", "Distinct values of single precision, which are so by no chance.")
+    exact: float = threshold(1e-11, "relative", "Error of the same kind below which there is no note.")
     seam: float = threshold(1e-6, "relative", "Largest difference of the columns phi = 0 and phi = 2 pi.")
     nodes: tuple[int, int] = threshold((96, 192), "count", "Nodes in theta and phi that sample a metric.")
     symmetric_nodes: tuple[int, int] = threshold((768, 1), "count", "The same for an axisymmetric metric.")
@@ -120,7 +120,7 @@ class GridMetric:
 
     @classmethod
     def _sampled(cls, metric: TwoMetric, n: int, m: int) -> GridMetric:
-        """Samples of a metric in which mistakes have been looked for."""
+        """Samples of a metric whose poles have been checked."""
         theta, phi = (np.arange(n) + 0.5) * (np.pi / n), np.arange(m) * (2.0 * np.pi / m)
         sin, cos = np.sin(theta)[:, None], np.cos(theta)[:, None]
         u = np.stack(np.broadcast_arrays(sin * np.cos(phi), sin * np.sin(phi), cos), axis=2).reshape(-1, 3)
@@ -147,7 +147,7 @@ class GridMetric:
 
     @property
     def notes(self) -> tuple[str, ...]:
-        """What must be known to read the errors."""
+        """Remarks on the errors, for reports."""
         count, spectrum = around(self.phi), self._spectrum
         said = max(GRID.unseen * spectrum.error.mean, GRID.exact * spectrum.largest)
         if count == 1 or spectrum.unseen < said:

@@ -50,8 +50,8 @@ class PoleSight:
     Attributes
     ----------
     conflicts, doubts : ndarray, shape (2, orders)
-        What no smooth tensor has of each order in the distance from a pole, at a tenth of a radian, relative
-        to the tensor at the pole; and what of it the truncation of a series can make.
+        The parts of each order in the distance from a pole that no smooth tensor has, at a tenth of a radian,
+        relative to the tensor at the pole; and how large truncation of a series can make them.
     means : ndarray, shape (2, 2)
         Q_tt and Q_pp at the poles, in the mean over phi.
     """
@@ -62,12 +62,12 @@ class PoleSight:
 
     @property
     def conflict(self) -> float:
-        """The largest beyond doubt."""
+        """The largest conflict beyond doubt."""
         return float(np.max(np.where(self.conflicts > self.doubts, self.conflicts, 0.0)))
 
     @property
     def jump(self) -> float:
-        """The largest beyond doubt of order 0: lengths at a pole are at odds by half of it or more."""
+        """The largest conflict of order 0 beyond doubt: lengths at a pole disagree by half of it or more."""
         return float(np.max(np.where(self.conflicts > self.doubts, self.conflicts, 0.0)[:, 0]))
 
     @property
@@ -82,7 +82,7 @@ class PoleSight:
 
     @property
     def is_cone(self) -> bool:
-        """Whether it is that the means differ at the worst pole."""
+        """Whether the conflict at the worst pole is that the means of Q_tt and Q_pp differ."""
         conflicts, (tt, pp) = self.conflicts[self.worst], self.means[self.worst]
         return bool(4.0 * abs(tt - pp) > np.max(conflicts) * abs(tt + pp))
 
@@ -111,7 +111,7 @@ def series_sights(theta: Floats, phi: Floats, Q: Floats) -> list[PoleSight]:
 
 
 def _seen(taylor: Modes, doubts: Floats, least: float) -> PoleSight:
-    """From the terms (2, orders, modes, 3) of Taylor's series in the distance from each pole."""
+    """Sight from the terms (2, orders, modes, 3) of Taylor's series in the distance from each pole."""
     means = taylor[:, 0, 0, ::2].real
     size = np.maximum(np.abs(means.mean(axis=1)), least)[:, None]
     conflicts = np.array([[_forbidden(part, j, p) for j, part in enumerate(taylor[p])] for p in range(2)])

@@ -1,4 +1,4 @@
-"""Harmonics fitted to scattered values: by least squares, without single outliers, with what is uncertain."""
+"""Harmonics fitted to scattered values: by least squares, without single outliers, with their errors."""
 
 from __future__ import annotations
 
@@ -49,11 +49,11 @@ class ScatteredFit:
     misfit : float
         Root mean square of what is missed of the values that were not left out.
     deviations : ndarray, shape (N, size of the harmonics of two degrees more)
-        By what the coefficients may be off, drawn at random, in those of ``deviating(harmonics)``.
+        Possible errors, drawn at random: coefficients in the harmonics of ``deviating(harmonics)``.
     left_out : ndarray of int, shape (k,)
         Outliers: values that alone are far from what all others say.
     apart : ndarray, shape (k,)
-        How far.
+        How far each lies above the fit.
     """
 
     coefficients: Floats
@@ -65,7 +65,7 @@ class ScatteredFit:
 
 
 def deviating(harmonics: Harmonics) -> Harmonics:
-    """The harmonics that errors of a fit are told in: some degrees more, and all orders."""
+    """The harmonics of the errors of a fit: some degrees more, and all orders."""
     degree = harmonics.degree + FIT.missing
     return Harmonics(degree, degree)
 

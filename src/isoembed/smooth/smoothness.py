@@ -48,7 +48,7 @@ def _powers(tp: int, pp: int) -> Repair:
 
 
 def _left_out(Q: Floats, sin: Floats) -> Floats:
-    """What of Q_tt and Q_pp no Q_tp can repair, if that is 0; phi runs along the last axis but one."""
+    """Components without what a missing Q_tp explains, if it is 0; phi runs along the last axis but one."""
     if np.max(np.abs(Q[..., 1])) > SMOOTHNESS.zero * np.max(np.abs(Q)):
         return Q
     half = 0.5 * (Q[..., 0] - Q[..., 2]).mean(axis=-1, keepdims=True)
@@ -88,7 +88,7 @@ MISTAKES: tuple[tuple[Repair, str], ...] = (
 
 @dataclass(frozen=True)
 class _Look:
-    """Components in the frame, and what a sentence says of them.
+    """Components in the frame, and the values that a refusal quotes.
 
     Attributes
     ----------
@@ -101,7 +101,7 @@ class _Look:
     equator : tuple of float
         cos^2 theta and q_pp, nearest to the equator.
     reservation : str
-        What may look like a cone.
+        Words on what else may look like a cone.
     """
 
     Q: Floats
@@ -190,7 +190,7 @@ def _check_seam(metric: AngleMetric) -> None:
 
 
 def _checked(sights: Callable[[Floats], list[PoleSight]], look: _Look, allowed: float) -> PoleSight:
-    """The sight of components in which no conflict larger than allowed, and no mistake, is seen."""
+    """Sight of components, refused with a conflict larger than allowed or a mistake that explains one."""
     (given,) = sights(look.Q[..., None, :])
     if np.max(given.misfits) <= SMOOTHNESS.visible:
         return given
@@ -242,7 +242,7 @@ def check_within(sight: PoleSight, tolerance: float) -> None:
 
 
 def _seen(sight: PoleSight, look: _Look | None = None) -> str:
-    """What no smooth tensor has, in a clause."""
+    """Clause on what is seen that no smooth tensor has."""
     pole = sight.worst
     at, (tt, pp) = f"theta = {'pi' if pole else '0'}", sight.means[pole]
     jump, largest = sight.conflicts[pole, 0], np.max(sight.conflicts[pole])

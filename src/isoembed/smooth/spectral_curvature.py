@@ -102,7 +102,7 @@ def _series(metric: TwoMetric, relative_error: float) -> tuple[Harmonics, Floats
 
 
 def _everywhere(harmonics: Harmonics) -> Floats:
-    """Directions that miss nothing, from pole to pole."""
+    """Directions dense enough for all harmonics, from pole to pole."""
     if harmonics.order == harmonics.degree:
         return fibonacci_directions(harmonics.size)
     theta = np.linspace(0.0, np.pi, 4 * harmonics.degree)

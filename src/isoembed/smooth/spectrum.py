@@ -1,4 +1,4 @@
-"""Errors of functions on grids, told by their Fourier coefficients.
+"""Errors of functions on grids, estimated from their Fourier coefficients.
 
 The coefficients of a smooth function fall with their degree, those of noise do not.  What is beyond the grid
 is estimated from the highest degrees that are on it.  Averages over the sphere see less of it than values at
@@ -24,8 +24,8 @@ class SpectrumThresholds:
     """Thresholds of the errors of functions on grids."""
 
     end: float = threshold(0.1, "relative", "Share of the degrees that are the highest.")
-    few: float = threshold(0.25, "relative", "The same where these are few coefficients to tell noise by.")
-    fewest: int = threshold(2, "count", "Degrees that are the highest, at least: symmetry makes others zero.")
+    few: float = threshold(0.25, "relative", "The same with one angle phi, where these are few coefficients.")
+    fewest: int = threshold(2, "count", "Least number of highest degrees: symmetry makes some of them zero.")
     band: float = threshold(0.125, "relative", "Share of the degrees in a band whose fall is measured.")
     chance: float = threshold(2.0, "relative", "How far the largest of many coefficients is left to chance.")
     corner: float = threshold(1.25, "relative", "Squares of k and m over those of the grid: noise alone.")
@@ -62,7 +62,7 @@ class Spectrum:
 
     @classmethod
     def of(cls, functions: DoubleFourier) -> Spectrum:
-        """What the coefficients of functions say of them."""
+        """Spectrum of functions from their Fourier coefficients."""
         size = np.abs(functions.coefficients)
         largest = float(size.max())
         if largest == 0.0:

@@ -1,4 +1,4 @@
-"""Functions on the sphere of directions that know how uncertain they are."""
+"""Functions on the sphere of directions with their errors."""
 
 from __future__ import annotations
 
@@ -15,9 +15,9 @@ class Uncertainty:
     Attributes
     ----------
     pointwise : float
-        The largest anywhere.
+        The largest error at any point.
     mean : float
-        That of averages over the sphere with smooth weights: noise averages out, what is smooth does not.
+        The error of averages over the sphere with smooth weights: noise averages out, smooth errors do not.
     """
 
     pointwise: float = 0.0

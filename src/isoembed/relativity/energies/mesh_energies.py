@@ -99,7 +99,7 @@ def _integrals(
 
 @dataclass(frozen=True)
 class _Noise:
-    """The errors of k and p at the vertices, from what they differ by from fits to their neighbors.
+    """Errors of k and p at the vertices: their differences from fits to their neighbors.
 
     Attributes
     ----------
@@ -133,4 +133,5 @@ class _Noise:
 
 
 def _biased(smooth: SmoothIntegrals, values: Floats, bias: Floats) -> Estimate:
+    """The integral of values (V,), and in its error that of their bias (V,)."""
     return smooth.integral(values) + Estimate(0.0, smooth.sum_at_vertices(bias))

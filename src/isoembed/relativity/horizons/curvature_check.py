@@ -27,8 +27,8 @@ class CurvatureCheckThresholds:
 
     apart: float = threshold(5.0, "expected", "Root-mean-square difference that errors do not explain.")
     directions: int = threshold(400, "count", "Directions at which functions are compared.")
-    fewest: int = threshold(8, "count", "Points fewer than these tell nothing.")
-    never: float = threshold(0.05, "relative", "Root-mean-square difference that nothing excuses.")
+    fewest: int = threshold(8, "count", "Least number of points that are compared.")
+    never: float = threshold(0.05, "relative", "Root-mean-square difference that no error excuses.")
 
 
 CURVATURE_CHECK = CurvatureCheckThresholds()
@@ -53,8 +53,8 @@ class CurvatureCheck:
     size : float
         The root mean square of K of the metric in use: never zero, by Gauss and Bonnet.
     expected : float
-        The root mean square that errors explain: of K, from what lengths are uncertain, and the noise of the
-        field, what smooth functions leave of it.
+        The difference that errors explain: that of K by uncertain lengths, and the noise of the field, which
+        is what a fit of smooth functions leaves.
     """
 
     field: str

@@ -124,7 +124,7 @@ def expansion_test(data: SurfaceData) -> ExpansionTest:
 
 
 def judged(data: SurfaceData, marginal: bool | None, test: ExpansionTest | None = None) -> SurfaceData:
-    """The data of a surface as one that is a horizon or not, with errors and a note to fit.
+    """Data of a surface that is taken for a horizon or not, with errors and notes accordingly.
 
     Parameters
     ----------

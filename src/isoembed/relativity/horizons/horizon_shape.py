@@ -1,4 +1,4 @@
-"""What a horizon is like within itself: its circumferences and multipoles, which need no embedding."""
+"""Intrinsic shape of a horizon: its circumferences and multipoles, which need no embedding."""
 
 from __future__ import annotations
 
@@ -78,7 +78,7 @@ def shape_report(data: SurfaceData, spin: Spin | None) -> dict[str, Any]:
 
 
 def _coordinate(data: SurfaceData, spin: Spin | None) -> InvariantCoordinate:
-    """That of the symmetry about the spin, or about z, or of what comes nearest to a symmetry."""
+    """Invariant coordinate of the symmetry about the spin or z, or of the rotation nearest to a symmetry."""
     metric, error = data.metric, data.relative_error
     turning = None if spin is None else spin.zeta
     upright = InvariantCoordinate.about(metric, relative_error=error)
@@ -90,7 +90,7 @@ def _coordinate(data: SurfaceData, spin: Spin | None) -> InvariantCoordinate:
 
 
 def _least_sheared(data: SurfaceData) -> InvariantCoordinate:
-    """That of the rotation which shears the metric least, towards the side where its axis has most."""
+    """Invariant coordinate of the rotation of least shear; the largest component of its axis is positive."""
     few = rotations(data.metric, HORIZON_SHAPE.degrees[0], False)
     for degree in HORIZON_SHAPE.degrees[1:]:
         more = rotations(data.metric, degree, False)

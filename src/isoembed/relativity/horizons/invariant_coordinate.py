@@ -86,7 +86,7 @@ class InvariantCoordinate:
     def about(
         cls, metric: TwoMetric, axis: Sequence[float] = (0.0, 0.0, 1.0), relative_error: float = 0.0
     ) -> InvariantCoordinate | None:
-        """That of a metric which is symmetric about an axis, from the area of caps; None if it is not.
+        """Coordinate of a metric that is symmetric about an axis, from the area of caps; None if it is not.
 
         Parameters
         ----------
@@ -121,7 +121,7 @@ class InvariantCoordinate:
 
     @classmethod
     def of_potential(cls, coefficients: Floats, harmonics: Harmonics, error: float) -> InvariantCoordinate:
-        """That of a rotation whose potential over A / 4 pi is given, and how uncertain that is."""
+        """Coordinate of a rotation from its potential over A / 4 pi, and the error of that."""
         return cls(harmonics, coefficients, error, np.eye(3), False)
 
     def derivatives(self, u: Floats) -> tuple[Floats, Floats]:
@@ -143,7 +143,7 @@ class InvariantCoordinate:
         return np.asarray(axis / np.linalg.norm(axis))
 
     def reversed(self) -> InvariantCoordinate:
-        """That with the poles exchanged."""
+        """The coordinate with the poles exchanged."""
         return replace(self, coefficients=-self.coefficients)
 
     @property

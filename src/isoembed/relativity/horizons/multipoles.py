@@ -95,9 +95,9 @@ class Multipoles:
 
     @classmethod
     def _scaled(cls, data: SurfaceData, R: float, moments: Floats, errors: Floats) -> Multipoles:
-        """With the masses and spins, as far as these are known.
+        """Multipoles from the geometric ones, as far as the mass and the spin are known.
 
-        If the horizon is displaced from the surface, its multipoles are others, but for J_1.
+        Their errors hold a displacement of the horizon from the surface, which changes all but J_1.
         """
         l = np.arange(len(moments[0]))
         displaced = l * (l + 1) * data.displacement

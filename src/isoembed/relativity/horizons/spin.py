@@ -1,12 +1,12 @@
 """Spin of a surface: its angular momentum and the axis of it, from the metric and K(., n) on the surface.
 
-``J = 1 / 8 pi int K(phi, n) dA`` about a rotation phi.  Which rotation is that about the spin's axis?  Where
-the surface has one symmetry it is that, and J about the others vanishes.  Where the surface is nearly round,
-or has its shape from tides, the rotation that shears it least has little to do with the spin.  In both cases
-J is largest, among the three of `approximate_killing.rotations`, about the axis of the spin.  So the one with
-the largest J is taken, and its shear tells how good it is.  J is linear in the rotation: the largest is the
-length of the vector of the three J's, and no coordinates enter.  They do where the axis gets a direction:
-that is a moment of the potential, which noise hardly moves, as that of the curl of j in [1]_.
+``J = 1 / 8 pi int K(phi, n) dA`` about a rotation phi.  Where the surface has one symmetry, phi is that, and
+J about other axes vanishes.  Where the surface is nearly round, or has its shape from tides, the rotation
+that shears it least has little to do with the spin.  In both cases J is largest about the axis of the spin,
+among the combinations of the three `approximate_killing.rotations`.  So the one with the largest J is taken,
+and its shear tells how good it is.  J is linear in the rotation: the largest is the length of the vector of
+the three J's, and no coordinates enter.  They do where the axis gets a direction: that is a moment of the
+potential, which noise hardly moves, as that of the curl of j in [1]_.
 
 References
 ----------
@@ -96,7 +96,7 @@ class Spin:
     zeta: InvariantCoordinate | None = field(default=None, repr=False, compare=False)
 
     def misses(self, about: float) -> bool:
-        """Whether J about some axis, of either sign, is not the magnitude, whatever their errors."""
+        """Whether J about some axis, of either sign, differs from the magnitude by more than the errors."""
         tilt = 0.0 if self.axis_error is None else 1.0 - np.cos(self.axis_error)
         return bool(abs(self.J.value - abs(about)) > 2.0 * self.J.error + tilt * self.J.value)
 
@@ -176,8 +176,9 @@ class _Trial:
 
     Attributes
     ----------
-    J, noise : float
-        And what errors of the data make of it.
+    J : float
+    noise : float
+        The error of J that comes from those of the data.
     axis : ndarray, shape (3,)
     shear : float
     largest_shear : float
@@ -231,11 +232,11 @@ class _Trial:
         return float(np.arctan2(np.linalg.norm(np.cross(self.axis, other.axis)), self.axis @ other.axis))
 
     def unexplained(self, before: _Trial) -> float:
-        """The shear that even more harmonics would leave, if they reduce it as these did those before."""
+        """The shear that even more harmonics would leave, if they reduce it by the same factor again."""
         return self.shear * min(1.0, self.shear / before.shear if before.shear > 0.0 else 1.0)
 
     def change(self, before: _Trial) -> float:
-        """What more harmonics may make of the potential: not more than the shear that they leave."""
+        """Change of the potential by even more harmonics: at most the shear that they leave."""
         difference = (
             self.potential - resized(before.potential[:, None], before.harmonics, self.harmonics)[:, 0]
         )
