@@ -63,7 +63,8 @@ def configure(parser: argparse.ArgumentParser) -> None:
         "--normal-momentum",
         type=Path,
         metavar="J.npy",
-        help="on a grid, for --wang-yau: the components of K(., n) for theta and phi, an array (2, n, m)",
+        help="on a grid, for the spin and --wang-yau: the components of K(., n) for theta and phi, an array "
+        "(2, n, m)",
     )
     parser.add_argument(
         "--lengths",

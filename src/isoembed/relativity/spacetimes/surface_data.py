@@ -49,7 +49,8 @@ class SurfaceData:
     normal_momentum : callable, optional
         Takes u and returns ``j = K(., n)``, n the outward normal in the slice, as tangent vectors (n, 3)
         whose products with velocities of u are its values; on a grid, the components (2, n, m) for theta and
-        phi.  None where it vanishes.  Of all energies only that of Wang and Yau sees it.
+        phi.  None where it vanishes or is not known.  The spin is made of it; of the energies only the
+        Christodoulou mass and that of Wang and Yau depend on it.
     angular_momentum : float, optional
         J, in units of length^2, where it is known: otherwise it is found from ``normal_momentum``, by
         `isoembed.relativity.find_spin`.
