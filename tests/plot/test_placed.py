@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 
+from isoembed.errors import InvalidParameter
 from isoembed.gallery import Ellipsoid, triangulate
 
 pytest.importorskip("matplotlib")
@@ -113,3 +114,8 @@ def test_nothing_overlaps():
         assert nearest > 1.3
     for i, box in enumerate(apart):
         assert not any(box.overlaps(other) for other in apart[:i])
+
+
+def test_an_arrow_of_no_length_is_refused():
+    with pytest.raises(InvalidParameter, match="has no direction"):
+        placed_figure(PANEL, label="", arrow=(0.0, 0.0, 0.0))

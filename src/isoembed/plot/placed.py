@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from isoembed.arrays import Floats
+from isoembed.errors import InvalidParameter
 from isoembed.plot.picture import INK, PAPER, Panel, check_drawable, color_bar, color_scale, draw
 from isoembed.plot.quantity import Quantity, face_means
 from isoembed.plot.view import Pose, View, camera
@@ -85,9 +86,13 @@ def placed_figure(
 
     Raises
     ------
+    InvalidParameter
+        The arrow is zero.
     FileError
         matplotlib is not installed.
     """
+    if arrow is not None and not any(arrow):
+        raise InvalidParameter("an arrow of 0, 0, 0 has no direction")
     check_drawable()
     from matplotlib.backends.backend_agg import FigureCanvasAgg
     from matplotlib.figure import Figure
