@@ -159,6 +159,12 @@ def test_an_outlier_is_named_and_its_error_is_gone():
     held(found.liu_yau, 2.5 * (1.0 - np.sqrt(1.0 - 2.0 / 2.5)), 1e-10)
 
 
+def test_functions_of_another_shape_are_refused():
+    data = replace(KerrNewmanSphere(4.0).data(), momentum=lambda u: u)
+    with pytest.raises(InvalidParameter, match=r"the momentum at \d+ directions has the shape \(\d+, 3\)"):
+        expansion_test(data)
+
+
 @pytest.mark.parametrize("m", [100, 300, 600])
 def test_well_sampled_horizons_stay_exact(m):
     hole = KerrSchild(1.0, (0.0, 0.36, 0.48))

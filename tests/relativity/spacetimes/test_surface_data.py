@@ -125,8 +125,10 @@ def test_refusals():
         p = TABLES["p"].copy()
         p[2, 3] = np.nan
         SurfaceData.from_grid(**(TABLES | {"p": p}))
-    with pytest.raises(InvalidMetric, match=r"j has the shape \(16, 32\), not \(2, n, m\)"):
+    with pytest.raises(InvalidMetric, match="j has 16 components, not the two for theta and phi"):
         SurfaceData.from_grid(**(TABLES | {"j": TABLES["k"]}))
+    with pytest.raises(InvalidMetric, match=r"j has the shape \(2, 32\)"):
+        SurfaceData.from_grid(**(TABLES | {"j": [TABLES["k"], TABLES["k"][:2]]}))
     with pytest.raises(InvalidMetric, match="q has 2 components"):
         SurfaceData.from_grid(**(TABLES | {"q": TABLES["q"][:2]}))
     with pytest.raises(

@@ -2,17 +2,15 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
 
 from isoembed.arrays import Floats
-from isoembed.errors import InvalidParameter
 from isoembed.meshing.sphere import gauss_rule
 from isoembed.relativity.energies.energies import Energies, Integrals, norm_hindrance
 from isoembed.relativity.horizons.spin import Spin
-from isoembed.relativity.spacetimes.surface_data import SurfaceData, error_of
+from isoembed.relativity.spacetimes.surface_data import SurfaceData, error_of, values_of
 from isoembed.smooth.embedding import SmoothEmbedding
 from isoembed.smooth.isometry import ISOMETRY
 from isoembed.smooth.two_metric import area_density, is_axisymmetric, is_symmetric_about_z
@@ -142,8 +140,8 @@ class _Nodes:
     @classmethod
     def of(cls, data: SurfaceData, n: int, around: int) -> _Nodes:
         u, weights = gauss_rule(n, around)
-        k = None if data.mean_curvature is None else _at(data.mean_curvature, u, "the mean curvature")
-        p = np.zeros(len(u)) if data.momentum is None else _at(data.momentum, u, "the momentum")
+        k = None if data.mean_curvature is None else values_of(data.mean_curvature, u, "the mean curvature")
+        p = np.zeros(len(u)) if data.momentum is None else values_of(data.momentum, u, "the momentum")
         dA = weights * area_density(data.metric.tensor(u))
         errors = error_of(data.mean_curvature), error_of(data.momentum)
         return cls(u, dA, k, p, *errors, data.marginal, data.doubtful)
@@ -203,10 +201,3 @@ class _Nodes:
 
 def _sum(weights: Floats, values: Floats) -> float:
     return float(weights @ values)
-
-
-def _at(function: Callable[[Floats], Floats], u: Floats, name: str) -> Floats:
-    values = np.asarray(function(u), dtype=np.float64)
-    if values.shape != (len(u),):
-        raise InvalidParameter(f"{name} at {len(u)} directions has the shape {values.shape}, not ({len(u)},)")
-    return values

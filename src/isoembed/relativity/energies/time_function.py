@@ -11,6 +11,7 @@ from numpy.typing import ArrayLike
 from isoembed.arrays import Floats
 from isoembed.errors import InvalidParameter
 from isoembed.meshing.sphere import fibonacci_directions, gauss_rule
+from isoembed.relativity.spacetimes.surface_data import values_of
 from isoembed.smooth.harmonics import Harmonics
 from isoembed.smooth.two_metric import TwoMetric
 from isoembed.thresholds import threshold
@@ -94,9 +95,7 @@ class TimeFunction:
 
 
 def _values(function: Callable[[Floats], ArrayLike], u: Floats) -> Floats:
-    values = np.asarray(function(u), dtype=np.float64)
-    if values.shape != (len(u),):
-        raise InvalidParameter(f"tau at {len(u)} directions has the shape {values.shape}, not ({len(u)},)")
+    values = values_of(function, u, "tau")
     if not np.isfinite(values).all():
         i = int(np.argmin(np.isfinite(values)))
         raise InvalidParameter(f"tau is {values[i]} at u = {u[i].tolist()}")

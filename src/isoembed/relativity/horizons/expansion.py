@@ -9,7 +9,7 @@ import numpy as np
 
 from isoembed.errors import InvalidParameter
 from isoembed.meshing.sphere import gauss_rule
-from isoembed.relativity.spacetimes.surface_data import SurfaceData, error_of
+from isoembed.relativity.spacetimes.surface_data import SurfaceData, error_of, values_of
 from isoembed.smooth.grid_metric import GridMetric
 from isoembed.smooth.harmonics import Harmonics
 from isoembed.smooth.two_metric import area_density
@@ -91,17 +91,17 @@ def expansion_test(data: SurfaceData) -> ExpansionTest:
     Raises
     ------
     InvalidParameter
-        There is no mean curvature.
+        There is no mean curvature, or what a function returns has another shape.
     """
     if data.mean_curvature is None:
         raise InvalidParameter("whether a surface is a horizon cannot be told without its mean curvature")
     u, weights = gauss_rule(*HORIZON_TEST.nodes)
-    k = np.asarray(data.mean_curvature(u))
-    p = np.zeros(len(u)) if data.momentum is None else np.asarray(data.momentum(u))
+    k = values_of(data.mean_curvature, u, "the mean curvature")
+    p = np.zeros(len(u)) if data.momentum is None else values_of(data.momentum, u, "the momentum")
     if isinstance(data.metric, GridMetric):
         p = np.abs(p)  # files do not say which sign they mean
     dA = weights * area_density(data.metric.tensor(u))
-    mean = dA.sum() / (4.0 * np.pi)
+    mean = float(dA.sum()) / (4.0 * np.pi)
     smooth = (
         Harmonics(HORIZON_TEST.smooth, HORIZON_TEST.smooth).values(u) * (dA / np.sqrt(4.0 * np.pi))[:, None]
     )
@@ -119,7 +119,7 @@ def expansion_test(data: SurfaceData) -> ExpansionTest:
         expansion_error=pointwise,
         displacement=displaced,
         displacement_error=HORIZON_TEST.rounding
-        + HORIZON_TEST.together * 0.25 * float(mean) * max(sum(sizes), average) * average,
+        + HORIZON_TEST.together * 0.25 * mean * max(sum(sizes), average) * average,
     )
 
 

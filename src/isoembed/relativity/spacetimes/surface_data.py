@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -186,9 +186,10 @@ class SurfaceData:
             )
         if field != "normal_momentum":
             return self.metric.function(given, name)
-        if np.ndim(given) != 3 or len(given) != 2:  # type: ignore[arg-type] # it has a length here
-            raise InvalidMetric(f"j has the shape {np.shape(given)}, not (2, n, m)")
-        meridional, azimuthal = np.asarray(given)
+        components: list[ArrayLike] = list(given) if isinstance(given, Iterable) else []
+        if len(components) != 2:
+            raise InvalidMetric(f"j has {len(components)} components, not the two for theta and phi")
+        meridional, azimuthal = components
         return self.metric.one_form(meridional, azimuthal, name)
 
     def _check_resolved(self) -> None:
@@ -209,6 +210,20 @@ class SurfaceData:
                     f"{name} is uncertain by {error:.2g} between the nodes of its grid, as its highest "
                     f"Fourier coefficients tell, and 2 / r is {2.0 / radius:.2g}: the grid is too coarse"
                 )
+
+
+def values_of(function: Callable[[Floats], ArrayLike], u: Floats, name: str) -> Floats:
+    """The values (n,) of a function at unit vectors u (n, 3).
+
+    Raises
+    ------
+    InvalidParameter
+        They have another shape; the message calls the function by the name.
+    """
+    values = np.asarray(function(u), dtype=np.float64)
+    if values.shape != (len(u),):
+        raise InvalidParameter(f"{name} at {len(u)} directions has the shape {values.shape}, not ({len(u)},)")
+    return values
 
 
 def error_of(function: Callable[[Floats], Floats] | None) -> Uncertainty:
