@@ -7,12 +7,12 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import ArrayLike
-from scipy.spatial import ConvexHull, QhullError
 
 from isoembed.arrays import Floats, Indices
 from isoembed.errors import InvalidParameter
 from isoembed.meshing.sphere import fibonacci_directions, gauss_rule
 from isoembed.relativity.spacetimes.checks import numbers, positive_number, vector, written
+from isoembed.relativity.spacetimes.point_cloud import checked_points, seen_from
 from isoembed.relativity.spacetimes.surface_data import SurfaceData
 from isoembed.relativity.spacetimes.surface_errors import SurfaceErrors
 from isoembed.relativity.spacetimes.surface_frame import SurfaceFrame, differential
@@ -193,19 +193,8 @@ class StarSurface:
             The points are too few, not finite, at the center, or do not surround it.
         """
         c = vector("the center", center)
-        x = np.asarray(points, dtype=np.float64)
-        if x.ndim != 2 or x.shape[1] != 3 or len(x) < 8:
-            raise InvalidParameter(f"points must be an array (m, 3) with m >= 8, not {x.shape}")
-        good = np.isfinite(x).all(axis=1)
-        if not good.all():
-            i = int(np.argmin(good))
-            raise InvalidParameter(f"point {i} is {written(x[i])}: that is not finite")
-        d = x - c
-        r = np.linalg.norm(d, axis=1)
-        if r.min() == 0.0:
-            raise InvalidParameter(f"point {int(np.argmin(r))} is the center {written(np.array(c))} itself")
-        u = d / r[:, None]
-        weights = _solid_angles(u, _hull(u) if faces is None else faces)
+        x = checked_points(points)
+        u, r, weights = seen_from(x, np.array(c), faces)
         used = weights > 0.0
         fit = fitted(u[used], r[used], weights[used])
         notes = tuple(
@@ -416,25 +405,3 @@ def _radii(radius: Callable[[Floats], ArrayLike], u: Floats) -> Floats:
         raise InvalidParameter(f"the radius has the shape {r.shape} for {len(u)} directions")
     _check_radius(u, r)
     return r
-
-
-def _hull(u: Floats) -> Indices:
-    """Triangles of the convex hull of directions; `InvalidParameter` where these leave a half-space empty."""
-    apart = "the points do not surround the center: a half-space has none"
-    try:
-        hull = ConvexHull(u)
-    except QhullError:
-        raise InvalidParameter(apart) from None
-    if hull.equations[:, 3].max() >= 0.0:
-        raise InvalidParameter(apart)
-    return np.asarray(hull.simplices)
-
-
-def _solid_angles(u: Floats, faces: Indices) -> Floats:
-    """A third of the spherical triangles at each direction; zero for one given twice."""
-    a, b, c = u[faces].transpose(1, 0, 2)
-    dot = 1.0 + np.einsum("ni,ni->n", a, b) + np.einsum("ni,ni->n", b, c) + np.einsum("ni,ni->n", c, a)
-    solid = 2.0 * np.arctan2(np.abs(np.einsum("ni,ni->n", a, np.cross(b, c))), dot)
-    weights = np.zeros(len(u))
-    np.add.at(weights, faces, solid[:, None] / 3.0)
-    return weights

@@ -1,0 +1,66 @@
+"""Points of a surface as they are seen from its center: directions, distances and solid angles."""
+
+import numpy as np
+from numpy.typing import ArrayLike
+from scipy.spatial import ConvexHull, QhullError
+
+from isoembed.arrays import Floats, Indices
+from isoembed.errors import InvalidParameter
+from isoembed.relativity.spacetimes.checks import written
+
+
+def checked_points(points: ArrayLike) -> Floats:
+    """Points (m, 3) as an array; `InvalidParameter` where they are too few or not finite."""
+    x = np.asarray(points, dtype=np.float64)
+    if x.ndim != 2 or x.shape[1] != 3 or len(x) < 8:
+        raise InvalidParameter(f"points must be an array (m, 3) with m >= 8, not {x.shape}")
+    good = np.isfinite(x).all(axis=1)
+    if not good.all():
+        i = int(np.argmin(good))
+        raise InvalidParameter(f"point {i} is {written(x[i])}: that is not finite")
+    return x
+
+
+def seen_from(x: Floats, center: Floats, faces: Indices | None = None) -> tuple[Floats, Floats, Floats]:
+    """Directions (m, 3), distances and solid angles (m,) of points from a center among them.
+
+    Parameters
+    ----------
+    x : ndarray, shape (m, 3)
+    center : ndarray, shape (3,)
+    faces : ndarray of int, shape (F, 3), optional
+        The convex hull of the directions, if it is at hand.
+
+    Raises
+    ------
+    InvalidParameter
+        A point is the center, or they do not surround it.
+    """
+    d = x - center
+    r = np.linalg.norm(d, axis=1)
+    if r.min() == 0.0:
+        raise InvalidParameter(f"point {int(np.argmin(r))} is the center {written(center)} itself")
+    u = d / r[:, None]
+    return u, r, _solid_angles(u, _hull(u) if faces is None else faces)
+
+
+def _hull(u: Floats) -> Indices:
+    """Triangles of the convex hull of directions; `InvalidParameter` where these leave a half-space empty."""
+    apart = "the points do not surround the center: a half-space has none"
+    try:
+        hull = ConvexHull(u)
+    except QhullError:
+        raise InvalidParameter(apart) from None
+    if hull.equations[:, 3].max() >= 0.0:
+        raise InvalidParameter(apart)
+    return np.asarray(hull.simplices)
+
+
+def _solid_angles(u: Floats, faces: Indices) -> Floats:
+    """A third of the spherical triangles at each direction; zero for one given twice."""
+    a, b, c = u[faces].transpose(1, 0, 2)
+    dot = 1.0 + np.einsum("ni,ni->n", a, b) + np.einsum("ni,ni->n", b, c) + np.einsum("ni,ni->n", c, a)
+    solid = 2.0 * np.arctan2(np.abs(np.einsum("ni,ni->n", a, np.cross(b, c))), dot)
+    weights = np.zeros(len(u))
+    np.add.at(weights, faces, solid[:, None] / 3.0)
+    return weights
