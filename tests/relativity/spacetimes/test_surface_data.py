@@ -138,3 +138,9 @@ def test_refusals():
 
 
 KERR_SPHERE = KerrNewmanSphere(3.0)
+
+
+@pytest.mark.parametrize("wrong", [-1e-3, float("nan")])
+def test_errors_of_lengths_are_not_negative(wrong):
+    with pytest.raises(InvalidParameter, match="must not be negative"):
+        SurfaceData(SURFACE, relative_error=wrong)

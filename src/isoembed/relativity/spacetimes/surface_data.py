@@ -88,7 +88,8 @@ class SurfaceData:
     Raises
     ------
     InvalidParameter
-        What is given for k, p or K(., n) is no function, and the metric is on no grid.
+        What is given for k, p or K(., n) is no function, and the metric is on no grid; or the relative error
+        is negative or not a number.
     InvalidMetric
         Arrays do not fit the grid, hold what is not finite, or their grid is too coarse for them.
     """
@@ -118,6 +119,8 @@ class SurfaceData:
             object.__setattr__(self, "notes", tuple(dict.fromkeys((*self.metric.notes, *self.notes))))
         if self.relative_error is None:
             object.__setattr__(self, "relative_error", self._metric_error.mean)
+        if not self.relative_error >= 0.0:
+            raise InvalidParameter(f"the relative_error is {self.relative_error!r}: it must not be negative")
         self._check_resolved()
 
     @classmethod
