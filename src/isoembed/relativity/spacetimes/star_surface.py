@@ -315,9 +315,6 @@ class StarSurface:
         moves = not geometry.time_symmetric
         u, weights = gauss_rule(*STAR.nodes)
         frame = self.frame(geometry, u)
-        frame.mean_curvature()
-        if moves:
-            frame.momentum()
         errors = SurfaceErrors.of_surface(frame, self._deviating(geometry, u), weights)
         if self.deviations is None:
             miss = self.misfit / self.mean_radius

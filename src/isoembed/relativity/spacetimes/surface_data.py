@@ -174,8 +174,8 @@ class SurfaceData:
     @property
     def _metric_error(self) -> Uncertainty:
         """What the metric says of its own lengths: those of grids and of surfaces in slices do."""
-        error: Uncertainty = getattr(self.metric, "error", EXACT)
-        return error
+        error = getattr(self.metric, "error", None)
+        return error if isinstance(error, Uncertainty) else EXACT
 
     def _function(
         self, given: Callable[[Floats], Floats] | ArrayLike | None, field: str, name: str

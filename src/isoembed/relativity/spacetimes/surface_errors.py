@@ -64,21 +64,26 @@ class SurfaceErrors:
         weights : ndarray, shape (n,)
             Of the quadrature.
         """
-        base = _quantities(frame)
-        changes = np.array([_quantities(other) - base for other in deviating])
-        return cls._of(frame, ERRORS.sure * changes, weights)
+        unit = _area_unit(frame)
+        base = _quantities(frame, unit)
+        changes = np.array([_quantities(other, unit) - base for other in deviating])
+        return cls._of(frame, ERRORS.sure * changes, weights, unit)
 
     @classmethod
     def of_slice(cls, frame: SurfaceFrame, weights: Floats) -> SurfaceErrors:
         """Errors from what the slice says of its own, with arguments as of `of_surface`."""
-        changes = frame.geometry.error(lambda geometry: _quantities(replace(frame, geometry=geometry)))
-        return cls._of(frame, changes[None], weights, ERRORS.scattered)
+        unit = _area_unit(frame)
+        changes = frame.geometry.error(lambda geometry: _quantities(replace(frame, geometry=geometry), unit))
+        return cls._of(frame, changes[None], weights, unit, ERRORS.scattered)
 
     @classmethod
     def _of(
-        cls, frame: SurfaceFrame, changes: Floats, weights: Floats, scattered: float = 0.0
+        cls, frame: SurfaceFrame, changes: Floats, weights: Floats, unit: float, scattered: float = 0.0
     ) -> SurfaceErrors:
-        """Errors from changes (N, 9, n) of the quantities at the nodes of a quadrature."""
+        """Errors from changes (N, 9, n) of the quantities at the nodes of a quadrature.
+
+        Averages are at least as wrong as that share of the changes.
+        """
         harmonics = Harmonics(ERRORS.smooth, ERRORS.smooth)
         smooth = weights[:, None] * harmonics.values(frame.u)
         smooth *= ERRORS.decay ** harmonics.labels[0] / np.sqrt(4.0 * np.pi)
@@ -90,9 +95,10 @@ class SurfaceErrors:
             pointwise = float(np.linalg.norm(points[part], axis=0).max())
             return Uncertainty(pointwise, float(np.linalg.norm(means[part])))
 
-        density = area_density(frame.q)
+        density = area_density(frame.q) / unit
         totals = np.sqrt(np.mean(np.sum((changes[:, 6:] @ weights) ** 2, axis=1)))
-        totals = max(totals, 4.0 * np.pi * float(np.linalg.norm(means[6:])) * (scattered > 0.0))
+        if scattered:
+            totals = max(totals, 4.0 * np.pi * float(np.linalg.norm(means[6:])))
         largest = (np.linalg.norm(points[6:], axis=0) / density).max()
         return cls(
             lengths=uncertainty(slice(1)),
@@ -106,9 +112,14 @@ class SurfaceErrors:
         return SurfaceErrors(*(getattr(self, f.name) + getattr(other, f.name) for f in fields(SurfaceErrors)))
 
 
-def _quantities(frame: SurfaceFrame) -> Floats:
+def _area_unit(frame: SurfaceFrame) -> float:
+    """The mean area over that of the unit sphere: squares of densities would under- or overflow."""
+    return float(area_density(frame.q).mean())
+
+
+def _quantities(frame: SurfaceFrame, unit: float) -> Floats:
     """Logarithms of lengths, k, p, K(., n) and the densities of torques of a surface, (9, n)."""
-    density = area_density(frame.q)
+    density = area_density(frame.q) / unit
     lengths = 0.5 * np.log(density)
     if frame.geometry.time_symmetric:
         return np.stack([lengths, frame.mean_curvature(), *np.zeros((7, len(lengths)))])
