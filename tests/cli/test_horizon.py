@@ -95,7 +95,7 @@ def test_a_grid_needs_no_geometry_and_without_matplotlib_there_is_no_picture(run
     assert (status, err) == (0, "")
     found = strict(out)
     assert found["hawking"] is None and found["liu_yau"] is None
-    assert "not taken for a horizon, as its k is not known: if it is one, --marginal" in found["notes"][0]
+    assert "not treated as a horizon, because k is unknown: if it is one, --marginal" in found["notes"][0]
     status, out, err = run("grid.npz", "--marginal", "--vertices", 60, "--json")
     assert (status, err) == (0, "")
     found = strict(out)
@@ -177,7 +177,7 @@ def test_the_expansion_or_an_option_decides_what_is_a_horizon(run):
         assert found["horizon"]["marginal"] is marginal
         assert found["liu_yau"] == pytest.approx(liu_yau, rel=1e-9)
         assert found["errors"]["liu_yau"] < error
-        assert any("taken for a horizon" in note for note in found["notes"]) is marginal
+        assert any("treated as a horizon as" in note for note in found["notes"]) is marginal
     status, _, err = run(*options, "--marginal", "--not-marginal")
     assert status == 2 and "not allowed with" in err
 

@@ -28,7 +28,7 @@ from isoembed.metric.polyhedral import PolyhedralMetric
 from isoembed.relativity.energies.embedded import CONVENTIONS, embed_surface
 from isoembed.relativity.energies.mesh_energies import mesh_energies
 from isoembed.relativity.energies.report import energy_table, mesh_report, unembedded_report, wang_yau_report
-from isoembed.relativity.horizons.expansion import judged
+from isoembed.relativity.horizons.expansion import judged, noted_near
 from isoembed.relativity.horizons.grid_file import read_metric_or_grid
 from isoembed.relativity.spacetimes.surface_data import SurfaceData
 from isoembed.smooth.axisymmetric import AxisymmetricEmbedding
@@ -164,7 +164,7 @@ def _on_grid(options: argparse.Namespace, data: SurfaceData) -> SurfaceData:
     data = replace(data, **given)  # type: ignore[arg-type] # by the names of fields
     if data.momentum is not None and data.mean_curvature is None:
         raise UsageError("the momentum is of use only with the mean curvature: give --mean-curvature, too")
-    return judged(data, True) if options.marginal else data
+    return judged(data, True) if options.marginal else noted_near(data)
 
 
 def _on_nodes(metric: TwoMetric, values: Floats, name: str, path: Path) -> Callable[[Floats], Floats]:

@@ -59,7 +59,7 @@ def configure(parser: argparse.ArgumentParser) -> None:
         type=float,
         nargs=3,
         metavar=("X", "Y", "Z"),
-        help="an axis to tell the angular momentum about, besides the one that is found",
+        help="additional axis for which to report the angular momentum",
     )
     decision = parser.add_mutually_exclusive_group()
     decision.add_argument(

@@ -27,6 +27,7 @@ class SpectrumThresholds:
     few: float = threshold(0.25, "relative", "The same with one angle phi, where these are few coefficients.")
     fewest: int = threshold(2, "count", "Least number of highest degrees: symmetry makes some of them zero.")
     band: float = threshold(0.125, "relative", "Share of the degrees in a band whose fall is measured.")
+    fastest: float = threshold(4.0, "relative", "Largest fall by one degree that is trusted.")
     chance: float = threshold(2.0, "relative", "How far the largest of many coefficients is left to chance.")
     corner: float = threshold(1.25, "relative", "Squares of k and m over those of the grid: noise alone.")
     symmetric: float = threshold(1e-12, "relative", "Dependence on phi that is none.")
@@ -97,7 +98,12 @@ def _fall(values: Floats, samples: int) -> float:
 
     Each is the largest of so many samples.  Of a narrow and a wide band, the one that falls less counts.
     """
-    n, factor = len(values), 0.0
+    n = len(values)
+    factor = SPECTRUM.fastest ** (-0.5 * n)
+    # Where both parities are there, from one degree to the next, after what ends before the grid does.
+    for last, before in zip(values[:-3:-1], values[-2:-4:-1], strict=True):
+        if SPECTRUM.symmetric < last < before:
+            factor = max(factor, float(last / before) ** (0.5 * n))
     for width in {SPECTRUM.fewest, _share(SPECTRUM.band, n)}:
         if n < 2 * width:
             return 1.0

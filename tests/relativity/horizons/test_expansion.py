@@ -58,7 +58,7 @@ def test_a_horizon_that_is_a_little_off_has_the_errors_of_both_readings(r, noise
     data, facts = horizon.data, horizon.facts
     assert data.marginal and data.doubtful and facts["marginal"]
     assert facts["displacement"] == pytest.approx(1.0 - 2.0 / r, rel=0.1)
-    assert "taken for a horizon that is a little off" in data.notes[0]
+    assert "treated as a horizon that was located inexactly" in data.notes[0]
     found = energies(data)
     for m, liu_yau in ((1.0, 2.0), (0.5 * r, r * (1.0 - np.sqrt(1.0 - 2.0 / r)))):
         held(found.irreducible_mass, m, 5.0 * (r - 2.0))
@@ -75,7 +75,7 @@ def test_what_is_farther_away_is_no_horizon(r):
     assert found.christodoulou_mass is None
     held(found.hawking, 1.0, 1e-11)
     held(found.liu_yau, r * (1.0 - np.sqrt(1.0 - 2.0 / r)), 1e-11)
-    assert found.notes[0].startswith("no horizon: the expansion is")
+    assert found.notes[0].startswith("not a horizon: the expansion is")
 
 
 @pytest.mark.parametrize("noise", [0.0, 1e-8, 1e-4])
@@ -99,7 +99,7 @@ def test_much_noise_hides_no_near_horizon():
 def test_it_can_be_said_instead():
     said = sphere(2.14, marginal=True).data
     assert said.marginal and not said.doubtful
-    assert "taken for a horizon, as was said, but the expansion is 0.044" in said.notes[0]
+    assert "treated as a horizon as requested, although the expansion is 0.044" in said.notes[0]
     held(energies(said).liu_yau, 2.0)
     denied = sphere(2.001, marginal=False).data
     assert not denied.marginal and denied.notes == ()
@@ -110,7 +110,7 @@ def test_a_metric_without_k_is_no_horizon_unless_it_is_said():
     grid = SurfaceData(GridMetric.sampled(KerrNewmanSphere(4.0), 16, 4))
     data = Horizon.of(grid).data
     assert not data.marginal
-    assert "not taken for a horizon, as its k is not known" in data.notes[0]
+    assert "not treated as a horizon, because k is unknown" in data.notes[0]
     found = energies(data)
     assert (found.hawking, found.liu_yau) == (None, None)
     said = Horizon.of(grid, marginal=True).data
@@ -150,9 +150,7 @@ def test_an_outlier_is_named_and_its_error_is_gone():
     points[17] *= 1.2
     data = Horizon.of(CoordinateShape.star_shaped(points, "", np.zeros(3)), HOLE).data
     x, y, z = points[17]
-    said = (
-        f"point 17 at ({x:.6g}, {y:.6g}, {z:.6g}) was left out: it lies 0.5 farther out than the others say"
-    )
+    said = f"point 17 at ({x:.6g}, {y:.6g}, {z:.6g}) was left out: it lies 0.5 outside the surface"
     assert data.notes[0].startswith(said)
     found = energies(data)
     held(found.area, 25.0 * np.pi, 1e-10)

@@ -135,8 +135,8 @@ class CurvatureCheck:
 
     def __str__(self) -> str:
         return (
-            f"K from {self.field} in the file and of this metric differ by at most {self.largest:.1e}, "
-            f"{self.relative:.1e} of K: " + ("within" if self.agrees else "beyond") + " their errors"
+            f"K from {self.field} in the file and of this metric differ by at most {self.largest:.1e} "
+            f"(relative: {self.relative:.1e}), " + ("within" if self.agrees else "beyond") + " their errors"
         )
 
 

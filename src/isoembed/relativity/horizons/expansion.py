@@ -26,6 +26,7 @@ class ExpansionThresholds:
     together: float = threshold(
         0.4, "relative", "Error of the displacement over the sum of those of k and p (measured: 0.27)."
     )
+    inward: float = threshold(0.1, "relative", "k + p over k - p where the former vanishes instead.")
     smooth: int = threshold(2, "count", "Degree of the harmonics whose part of k^2 - p^2 displaces.")
     near: float = threshold(
         0.01,
@@ -54,25 +55,29 @@ class ExpansionTest:
         ``(k^2 - p^2) A / 16 pi`` in harmonics of degree 0, 1 and 2.  In Schwarzschild, in any slice, that is
         1 - 2 M / R for a sphere of areal radius R.
     displacement_error : float
+    inward : bool
+        Whether k + p nearly vanishes and k - p does not: K_ij may have the opposite sign.
     """
 
     largest_expansion: float
     expansion_error: float
     displacement: float
     displacement_error: float
+    inward: bool
 
     @property
     def is_zero(self) -> bool:
         """Whether the expansion vanishes within its error, and that is not large."""
         return (
-            self.largest_expansion <= HORIZON_TEST.pointwise * self.expansion_error
+            not self.inward
+            and self.largest_expansion <= HORIZON_TEST.pointwise * self.expansion_error
             and self.displacement <= self.displacement_error <= HORIZON_TEST.near
         )
 
     @property
     def is_small(self) -> bool:
         """Whether the horizon is near, or may be, so that the surface is taken for it."""
-        return self.displacement <= max(HORIZON_TEST.near, self.displacement_error)
+        return not self.inward and self.displacement <= max(HORIZON_TEST.near, self.displacement_error)
 
     @property
     def report(self) -> dict[str, Any]:
@@ -120,6 +125,7 @@ def expansion_test(data: SurfaceData) -> ExpansionTest:
         displacement=displaced,
         displacement_error=HORIZON_TEST.rounding
         + HORIZON_TEST.together * 0.25 * mean * max(sum(sizes), average) * average,
+        inward=bool(np.abs(k + p).max() < HORIZON_TEST.inward * np.abs(k - p).max()),
     )
 
 
@@ -139,28 +145,49 @@ def judged(data: SurfaceData, marginal: bool | None, test: ExpansionTest | None 
             return replace(data, marginal=marginal)
         return _noted(
             data,
-            "not taken for a horizon, as its k is not known: if it is one, --marginal (marginal=True) gives "
+            "not treated as a horizon, because k is unknown: if it is one, --marginal (marginal=True) gives "
             "its Hawking and its Kijowski-Liu-Yau energy",
         )
     test = test or expansion_test(data)
     expansion = f"the expansion is {test.largest_expansion:.2g} +- {test.expansion_error:.1g}"
-    away = f"the horizon is displaced by about {test.displacement:.1g} of its radius"
+    away = f"the estimated displacement of the horizon is {100.0 * test.displacement:.1g} % of its radius"
+    if test.inward and marginal is None:
+        return _noted(
+            replace(data, marginal=False),
+            f"not treated as a horizon: {expansion}; k + p vanishes instead of k - p, as it does where K_ij "
+            "has the opposite sign",
+        )
     if not (test.is_small if marginal is None else marginal):
         if marginal is None:
-            data = _noted(data, f"no horizon: {expansion}, and {away}; k and p are taken as they are")
+            data = _noted(data, f"not a horizon: {expansion}, and {away}; k and p are used as given")
         return replace(data, marginal=False)
     data = replace(data, marginal=True, displacement=HORIZON_TEST.margin * test.displacement)
     if test.is_zero:
         return data
     if marginal:
-        return _noted(data, f"taken for a horizon, as was said, but {expansion}: {away}")
+        return _noted(data, f"treated as a horizon as requested, although {expansion}: {away}")
     return replace(
         _noted(
             data,
-            f"taken for a horizon that is a little off: {expansion}, and {away}; the errors hold that it may "
-            "be none; --marginal and --not-marginal (marginal=True, False) decide",
+            f"treated as a horizon that was located inexactly: {expansion}, and {away}; the errors include "
+            "the possibility that it is not a horizon; --marginal and --not-marginal (marginal=True, False) "
+            "decide",
         ),
         doubtful=True,
+    )
+
+
+def noted_near(data: SurfaceData) -> SurfaceData:
+    """Data of a surface with a note if it may be a horizon."""
+    if data.mean_curvature is None:
+        return data
+    test = expansion_test(data)
+    if not test.is_small:
+        return data
+    return _noted(
+        data,
+        f"this may be a horizon, as the expansion is {test.largest_expansion:.2g} +- "
+        f"{test.expansion_error:.1g}: if it is one, --marginal (marginal=True) gives its energies",
     )
 
 

@@ -10,6 +10,7 @@ from isoembed.errors import InvalidParameter
 from isoembed.relativity.horizons.coordinate_shape import CoordinateShape
 from isoembed.relativity.horizons.curvature_check import CurvatureCheck
 from isoembed.relativity.horizons.expansion import expansion_test, judged
+from isoembed.relativity.spacetimes.cartesian_grid import CartesianGrid
 from isoembed.relativity.spacetimes.star_surface import StarSurface
 from isoembed.relativity.spacetimes.surface_data import SurfaceData
 from isoembed.relativity.spacetimes.three_geometry import ThreeGeometry
@@ -77,6 +78,10 @@ class Horizon:
             found.points, found.center.tolist(), found.faces if found.is_hull else None
         )
         data = surface.data(geometry, axis, name=name)
+        if isinstance(geometry, CartesianGrid) and geometry.time_symmetric:
+            data = replace(
+                data, notes=(*data.notes, "the slice has no K_ij: it is taken to be time-symmetric")
+            )
         test = expansion_test(data)
         data = judged(data, marginal, test)
         facts = {

@@ -51,7 +51,10 @@ def check_slice(what: str, x: Floats, gamma: Floats) -> None:
     if not good.all():
         i = int(np.argmin(good))
         entries = ", ".join(f"{value:.6g}" for value in gamma[i][np.triu_indices(3)])
-        raise InvalidMetric(f"{what} at {written(x[i])} is not positive definite: xx, xy, ... = {entries}")
+        missing = "; data are missing there or nearby" if np.isnan(gamma[i]).any() else ""
+        raise InvalidMetric(
+            f"{what} at {written(x[i])} is not positive definite: xx, xy, ... = {entries}{missing}"
+        )
 
 
 def check_finite(what: str, x: Floats, values: Floats) -> Floats:

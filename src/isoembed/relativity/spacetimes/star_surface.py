@@ -198,8 +198,9 @@ class StarSurface:
         used = weights > 0.0
         fit = fitted(u[used], r[used], weights[used])
         notes = tuple(
-            f"point {i} at {written(x[i])} was left out: it lies {abs(apart):.3g} farther "
-            f"{'out' if apart > 0.0 else 'in'} than the others say ({abs(apart) / r[i]:.2g} of its radius)"
+            f"point {i} at {written(x[i])} was left out: it lies {abs(apart):.3g} "
+            f"{'outside' if apart > 0.0 else 'inside'} the surface that fits the others "
+            f"({100.0 * abs(apart) / r[i]:.2g} % of its radius)"
             for i, apart in zip(np.flatnonzero(used)[fit.left_out], fit.apart, strict=True)
         )
         return cls(c, fit.harmonics, fit.coefficients, fit.misfit, fit.deviations, notes)

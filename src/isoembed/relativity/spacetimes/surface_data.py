@@ -116,7 +116,13 @@ class SurfaceData:
         for field, name in named.items():
             object.__setattr__(self, field, self._function(getattr(self, field), field, name))
         if isinstance(self.metric, GridMetric):
-            object.__setattr__(self, "notes", tuple(dict.fromkeys((*self.metric.notes, *self.notes))))
+            assumed = (
+                ("K(., n) is given and p is not: p is taken to be 0",)
+                if self.mean_curvature and self.normal_momentum and not self.momentum
+                else ()
+            )
+            notes = (*self.metric.notes, *assumed, *self.notes)
+            object.__setattr__(self, "notes", tuple(dict.fromkeys(notes)))
         if self.relative_error is None:
             object.__setattr__(self, "relative_error", self._metric_error.mean)
         if not self.relative_error >= 0.0:
