@@ -46,6 +46,19 @@ def test_averages_of_smooth_functions_are_much_better_than_values():
     assert found.mean < 1e-3 * found.pointwise
 
 
+@pytest.mark.parametrize("n", [8, 10, 12, 16])
+@pytest.mark.parametrize("m", [1, 2])
+def test_a_slow_tail_behind_what_ends_before_the_grid_does(n, m):
+    """The square of 1 + w^2 / 10 has degree four: what is left falls less than the grid shows."""
+    for c, s in ((0.003, 3.0), (-0.01, 2.5), (0.001, 2.2)):
+
+        def height(u):
+            return np.sqrt(1.0 + (0.1 * u[:, 2] ** 2 + c / (s + u[:, 2])) ** 2)  # noqa: B023
+
+        mean, _, found = errors(height, n, m * n if m > 1 else 1)
+        assert mean <= found.error.mean + 1e-15
+
+
 @pytest.mark.parametrize("size", [1e-10, 1e-6, 1e-2])
 @pytest.mark.parametrize(("n", "m"), [(8, 1), (12, 24), (24, 1), (24, 48), (32, 32)])
 def test_noise_is_seen_wherever_it_begins(n, m, size):

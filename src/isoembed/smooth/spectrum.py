@@ -101,7 +101,7 @@ def _fall(values: Floats, samples: int) -> float:
     n = len(values)
     factor = SPECTRUM.fastest ** (-0.5 * n)
     # Where both parities are there, from one degree to the next, after what ends before the grid does.
-    for last, before in zip(values[:-3:-1], values[-2:-4:-1], strict=True):
+    for last, before in zip(values[:-3:-1], values[-2:-4:-1], strict=False):
         if SPECTRUM.symmetric < last < before:
             factor = max(factor, float(last / before) ** (0.5 * n))
     for width in {SPECTRUM.fewest, _share(SPECTRUM.band, n)}:

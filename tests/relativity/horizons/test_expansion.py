@@ -9,6 +9,8 @@ import pytest
 from horizons import IMC
 from isoembed.errors import InvalidParameter
 from isoembed.relativity import (
+    AnalyticCallable,
+    CartesianGrid,
     Horizon,
     KerrNewmanSphere,
     KerrSchild,
@@ -19,7 +21,7 @@ from isoembed.relativity import (
     read_horizon,
 )
 from isoembed.relativity.horizons.coordinate_shape import CoordinateShape
-from isoembed.relativity.horizons.expansion import judged
+from isoembed.relativity.horizons.expansion import judged, noted_near
 from isoembed.smooth import GridMetric
 from isoembed.smooth.uncertain import UncertainFunction, Uncertainty
 from places import SHARED
@@ -65,6 +67,24 @@ def test_a_horizon_that_is_a_little_off_has_the_errors_of_both_readings(r, noise
         held(found.hawking, 1.0, 5.0 * (r - 2.0))
         held(found.liu_yau, liu_yau, 4.0 * np.sqrt(r - 2.0))
         held(found.integrated_mean_curvature, 8.0 * np.pi * m)
+
+
+def test_extrinsic_curvature_of_the_opposite_sign_makes_no_horizon():
+    def K(x):
+        return -HOLE.extrinsic_curvature(x)
+
+    horizon = sphere(2.0, geometry=AnalyticCallable(HOLE.metric, K))
+    assert not horizon.data.marginal and horizon.facts["inward"]
+    assert "k + p vanishes instead of k - p" in horizon.data.notes[0]
+
+
+def test_a_grid_without_extrinsic_curvature_is_said_to_be_time_symmetric():
+    ticks = np.arange(20) * 0.3 - 2.85
+    x = np.stack(np.meshgrid(ticks, ticks, ticks, indexing="ij"), axis=-1)
+    gamma = np.moveaxis(HOLE.metric(x.reshape(-1, 3)).reshape(*x.shape, 3), (3, 4), (0, 1))
+    horizon = sphere(2.0, geometry=CartesianGrid(x[0, 0, 0].tolist(), 0.3, gamma))
+    assert horizon.data.notes[0] == "the slice has no K_ij: it is taken to be time-symmetric"
+    assert not horizon.data.marginal
 
 
 @pytest.mark.parametrize("r", [2.05, 2.14, 3.0])
@@ -187,3 +207,11 @@ def test_the_horizon_that_the_einstein_toolkit_found(marginal):
     held(found.irreducible_mass, m, 5e-3)
     held(found.hawking, m, 5e-3)
     held(found.liu_yau, IMC[0.6] / (4.0 * np.pi), 0.1 if marginal is None else 5e-3)
+
+
+def test_what_may_be_a_horizon_is_noted():
+    for r, near in ((2.0, True), (2.001, True), (3.0, False)):
+        data = noted_near(StarSurface.sphere((0.0, 0.0, 0.0), r).data(HOLE))
+        assert not data.marginal
+        assert [note.startswith("this may be a horizon") for note in data.notes] == [True] * near
+    assert noted_near(SurfaceData(KerrNewmanSphere(4.0))).notes == ()
