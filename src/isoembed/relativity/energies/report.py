@@ -14,6 +14,7 @@ from isoembed.relativity.horizons.horizon_shape import shape_lines, shape_report
 from isoembed.relativity.horizons.spin import find_spin, spin_report
 from isoembed.relativity.spacetimes.surface_data import SurfaceData
 from isoembed.surface.embedding import Embedding
+from isoembed.surface.estimate import Estimate
 from isoembed.surface.smooth_integrals import Lengths
 
 SHOWN = {
@@ -28,8 +29,6 @@ SHOWN = {
     "wang_yau": "Wang-Yau energy",
 }
 
-SMALL = 1e-6  # of a vector, in the text
-
 
 def energy_table(report: dict[str, Any]) -> str:
     """Energies of a report with their errors, a line each, and its notes."""
@@ -37,22 +36,28 @@ def energy_table(report: dict[str, Any]) -> str:
     lines = [report["name"], ""]
     for name, shown in SHOWN.items():
         if report.get(name) is not None:
-            lines.append(f"{shown:{width}}  {report[name]:<22.15g} +- {report['errors'][name]:.0e}")
+            lines.append(_line(shown, report[name], report["errors"][name], width))
     if spin := report.get("spin"):
-        lines.append(f"{'angular momentum J':{width}}  {spin['J']:<22.15g} +- {spin['error']:.0e}")
+        lines.append(_line("angular momentum J", spin["J"], spin["error"], width))
         if spin["axis"]:
-            lines.append(
-                f"{'its axis':{width}}  {_triple(spin['axis']):<22} +- {spin['axis_error']:.0e} radians"
-            )
-            lines.append(f"{'J about x, y and z':{width}}  {_triple(spin['vector'])}")
+            turned = spin["axis_error"]
+            lines.append(f"{'its axis':{width}}  {_triple(spin['axis'], turned)} +- {turned:.0e} radians")
+            error = spin["error"] + turned * abs(spin["J"])
+            lines.append(f"{'J about x, y and z':{width}}  {_triple(spin['vector'], error)}")
     lines += shape_lines(report)
     lines += ["", *(f"note: {note}" for note in report["notes"])]
     return "\n".join([*lines, CONVENTIONS["units"]])
 
 
-def _triple(x: list[float]) -> str:
-    size = max(map(abs, x))
-    return "(" + ", ".join(f"{c:.6g}" if abs(c) > SMALL * size else "0" for c in x) + ")"
+def _line(shown: str, value: float, error: float, width: int) -> str:
+    return f"{shown:{width}}  {Estimate(value, error).rounded:22} +- {error:.0e}"
+
+
+def _triple(x: list[float], error: float) -> str:
+    """Three numbers with one error, to one digit more than that leaves of the largest."""
+    size = max(map(abs, x)) or 1.0
+    digits = Estimate(size, error).digits
+    return "(" + ", ".join(f"{round(c / size, digits) * size + 0.0:.{digits}g}" for c in x) + ")"
 
 
 def unembedded_report(data: SurfaceData, error: NotEmbedded) -> dict[str, Any]:

@@ -15,6 +15,7 @@ from isoembed.relativity.horizons.spin import Spin
 from isoembed.relativity.spacetimes.surface_data import SurfaceData
 from isoembed.smooth.transforms import resized
 from isoembed.smooth.uncertain import Uncertainty
+from isoembed.surface.estimate import Estimate
 from isoembed.thresholds import threshold
 
 
@@ -124,4 +125,4 @@ def shape_lines(report: dict[str, Any]) -> list[str]:
 
 
 def _written(name: str, value: float, error: float) -> str:
-    return f"{name} {value:.12g} +- {error:.0e}"
+    return f"{name} {Estimate(value, error)}"

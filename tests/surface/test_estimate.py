@@ -1,0 +1,23 @@
+"""Numbers with errors, as text: to the digit after the first that is uncertain."""
+
+import pytest
+
+from isoembed.surface.estimate import Estimate
+
+
+@pytest.mark.parametrize(
+    ("value", "error", "text"),
+    [
+        (45.1207, 0.2, "45.12 +- 2e-01"),
+        (1.8088402699295326, 5e-13, "1.8088402699295 +- 5e-13"),
+        (-0.31504, 1e-2, "-0.315 +- 1e-02"),
+        (1234567.0, 3.0, "1234567 +- 3e+00"),
+        (3.9e-18, 5e-14, "4e-18 +- 5e-14"),
+        (1.2345e-200, 1e-203, "1.2345e-200 +- 1e-203"),
+        (0.0, 1e-9, "0 +- 1e-09"),
+        (1.0 / 3.0, 0.0, "0.333333333333333 +- 0e+00"),
+        (float("nan"), 1.0, "nan +- 1e+00"),
+    ],
+)
+def test_digits(value, error, text):
+    assert str(Estimate(value, error)) == text
