@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from scipy.special import sph_harm_y
 
-from isoembed.meshing.sphere import gauss_rule
+from isoembed.meshing.sphere import fibonacci_directions, gauss_rule
 from isoembed.smooth.harmonics import Harmonics
 
 POLES = np.array([[0.0, 0.0, 1.0], [0.0, 0.0, -1.0]])
@@ -82,3 +82,13 @@ def test_gradients_are_tangent_and_agree_with_derivatives():
 def test_an_impossible_order_is_refused(degree, order):
     with pytest.raises(ValueError, match=f"the order {order} is not between 0 and the degree {degree}"):
         Harmonics(degree, order)
+
+
+def test_derivatives_of_several_functions() -> None:
+    harmonics = Harmonics(7, 5)
+    C = np.random.default_rng(3).normal(size=(harmonics.size, 2))
+    u = fibonacci_directions(30)
+    several = harmonics.derivatives(u, C)
+    for c in range(2):
+        for both, one in zip(several, harmonics.derivatives(u, C[:, c]), strict=True):
+            assert np.array_equal(both[:, c], one)

@@ -74,20 +74,25 @@ class Harmonics:
         return np.ascontiguousarray(Y.T), first
 
     def derivatives(self, u: Floats, coefficients: Floats) -> tuple[Floats, Floats, Floats]:
-        """Values (n,), gradients (n, 3) and Hessians (n, 3, 3) of a function on the sphere at u (n, 3).
+        """Values, gradients and Hessians of functions on the sphere at u (n, 3), covariant and tangent.
 
-        The function is given by its coefficients (size,); the derivatives are covariant and tangent.
+        For coefficients (size,) they are (n,), (n, 3) and (n, 3, 3); for those of c functions, (size, c),
+        they are (n, c), (n, c, 3) and (n, c, 3, 3).
         """
         degrees, orders = self.labels
-        table = np.zeros((self.order + 1, self.degree + 1), dtype=np.complex128)
+        several = coefficients.reshape(self.size, -1)
+        table = np.zeros((self.order + 1, self.degree + 1, several.shape[1]), dtype=np.complex128)
         sine = orders < 0
         # c Re w^m + s Im w^m = Re (c - i s) w^m
-        table.real[orders[~sine], degrees[~sine]] = coefficients[~sine]
-        table.imag[-orders[sine], degrees[sine]] = -coefficients[sine]
-        values, gradient, hessian = _summed(u, table, *_recurrence(self.degree, self.order))
-        radial = np.einsum("ni,ni->n", u, gradient)
+        table.real[orders[~sine], degrees[~sine]] = several[~sine]
+        table.imag[-orders[sine], degrees[sine]] = -several[sine]
+        values, gradient, hessian = _summed(u, table, *recurrence(self.degree, self.order))
+        radial = np.einsum("ni,nci->nc", u, gradient)
         P = np.eye(3) - u[:, :, None] * u[:, None, :]
-        return values, gradient - radial[:, None] * u, P @ hessian @ P - radial[:, None, None] * P
+        gradient -= radial[:, :, None] * u[:, None, :]
+        hessian = P[:, None] @ hessian @ P[:, None] - radial[:, :, None, None] * P[:, None]
+        shape = (len(u), *coefficients.shape[1:])
+        return values.reshape(shape), gradient.reshape(*shape, 3), hessian.reshape(*shape, 3, 3)
 
     def second_along(self, u: Floats, tangents: Floats, coefficients: Floats | None = None) -> Floats:
         """Hessians (n, k, k, c) on the unit sphere, in pairs of tangents (n, k, 3) at u (n, 3).
@@ -143,7 +148,7 @@ class Harmonics:
     def _polynomials(self, z: Floats, derivatives: int) -> list[Floats]:
         """``Pi_lm(z)`` and its derivatives, each (degree + 1, order + 1, n), by the recurrence in l."""
         L, M = self.degree, self.order
-        a, b, sectoral = _recurrence(L, M)
+        a, b, sectoral = recurrence(L, M)
         tables = [np.zeros((L + 1, M + 1, len(z))) for _ in range(derivatives + 1)]
         tables[0][np.arange(M + 1), np.arange(M + 1)] = sectoral[:, None]
         for l in range(1, L + 1):
@@ -158,7 +163,7 @@ class Harmonics:
         return tables
 
 
-def _recurrence(degree: int, order: int) -> tuple[Floats, Floats, Floats]:
+def recurrence(degree: int, order: int) -> tuple[Floats, Floats, Floats]:
     """Tables (order + 1, degree + 1) for ``P_l = a z P_l-1 - b P_l-2``, and ``P_mm`` (order + 1,)."""
     l, m = np.arange(degree + 1.0), np.arange(order + 1.0)[:, None]
     above = l > m
@@ -173,12 +178,14 @@ def _recurrence(degree: int, order: int) -> tuple[Floats, Floats, Floats]:
 
 @kernel
 def _summed(u, table, a, b, sectoral):  # type: ignore[no-untyped-def]
-    """Sums of harmonics at u (n, 3), with the derivatives of their extension to R^3: (n,), (n, 3), (n, 3, 3).
+    """Sums of harmonics at u (n, 3), with the derivatives of their extension to R^3.
 
-    No table of harmonics at directions is made, which would take most of the time.
+    They are (n, c), (n, c, 3) and (n, c, 3, 3).  No table of harmonics at directions is made, which would
+    take most of the time.
     """
-    n, orders, degrees = len(u), table.shape[0], table.shape[1]
-    value, gradient, hessian = np.zeros(n), np.zeros((n, 3)), np.zeros((n, 3, 3))
+    n, orders, degrees, count = len(u), table.shape[0], table.shape[1], table.shape[2]
+    value, gradient, hessian = np.zeros((n, count)), np.zeros((n, count, 3)), np.zeros((n, count, 3, 3))
+    f0, f1, f2 = np.empty((3, count), np.complex128)
     for i in range(n):
         z = u[i, 2]
         w = complex(u[i, 0], u[i, 1])
@@ -186,30 +193,31 @@ def _summed(u, table, a, b, sectoral):  # type: ignore[no-untyped-def]
         for m in range(orders):
             p0, p1, p2 = sectoral[m], 0.0, 0.0
             before0, before1, before2 = 0.0, 0.0, 0.0
-            f0, f1, f2 = p0 * table[m, m], 0.0j, 0.0j
+            for c in range(count):
+                f0[c], f1[c], f2[c] = p0 * table[m, m, c], 0.0j, 0.0j
             for l in range(m + 1, degrees):
                 next0 = a[m, l] * z * p0 - b[m, l] * before0
                 next1 = a[m, l] * (z * p1 + p0) - b[m, l] * before1
                 next2 = a[m, l] * (z * p2 + 2.0 * p1) - b[m, l] * before2
                 before0, before1, before2 = p0, p1, p2
                 p0, p1, p2 = next0, next1, next2
-                f0 += p0 * table[m, l]
-                f1 += p1 * table[m, l]
-                f2 += p2 * table[m, l]
-            value[i] += (f0 * w0).real
-            gradient[i, 0] += (f0 * w1).real
-            gradient[i, 1] -= (f0 * w1).imag
-            gradient[i, 2] += (f1 * w0).real
-            hessian[i, 0, 0] += (f0 * w2).real
-            hessian[i, 0, 1] -= (f0 * w2).imag
-            hessian[i, 0, 2] += (f1 * w1).real
-            hessian[i, 1, 2] -= (f1 * w1).imag
-            hessian[i, 2, 2] += (f2 * w0).real
+                for c in range(count):
+                    f0[c] += p0 * table[m, l, c]
+                    f1[c] += p1 * table[m, l, c]
+                    f2[c] += p2 * table[m, l, c]
+            for c in range(count):
+                value[i, c] += (f0[c] * w0).real
+                gradient[i, c, 0] += (f0[c] * w1).real
+                gradient[i, c, 1] -= (f0[c] * w1).imag
+                gradient[i, c, 2] += (f1[c] * w0).real
+                hessian[i, c, 0, 0] += (f0[c] * w2).real
+                hessian[i, c, 0, 1] -= (f0[c] * w2).imag
+                hessian[i, c, 0, 2] += (f1[c] * w1).real
+                hessian[i, c, 1, 2] -= (f1[c] * w1).imag
+                hessian[i, c, 2, 2] += (f2[c] * w0).real
             w0, w1, w2 = w0 * w, w1 * w + w0, w2 * w + 2.0 * w1
-        hessian[i, 1, 1] = -hessian[i, 0, 0]
-        hessian[i, 1, 0], hessian[i, 2, 0], hessian[i, 2, 1] = (
-            hessian[i, 0, 1],
-            hessian[i, 0, 2],
-            hessian[i, 1, 2],
-        )
+        for c in range(count):
+            h = hessian[i, c]
+            h[1, 1] = -h[0, 0]
+            h[1, 0], h[2, 0], h[2, 1] = h[0, 1], h[0, 2], h[1, 2]
     return value, gradient, hessian

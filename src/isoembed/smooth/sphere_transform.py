@@ -1,0 +1,192 @@
+"""Fast synthesis of spherical harmonics at the nodes of a Gauss rule, with derivatives, and its adjoint.
+
+A sum of harmonics is a Fourier series along each circle of latitude, whose coefficients are Legendre sums:
+FFTs and one matrix product for each order take O(L^3) operations for the L^2 coefficients at L^2 nodes, where
+a table of harmonics at nodes takes O(L^4).  Adjoints are the transposes of the same products, exact to
+rounding, which least squares need.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy import fft
+
+from isoembed.arrays import Floats
+from isoembed.meshing.sphere import gauss_rule
+from isoembed.smooth.harmonics import Harmonics, recurrence
+
+Complexes = NDArray[np.complex128]
+Tables = list[Floats]
+"""One matrix (n, degrees) for each order m >= 0."""
+
+
+@dataclass(frozen=True, eq=False)
+class SphereTransform:
+    """Harmonics at the nodes of `isoembed.meshing.sphere.gauss_rule`.
+
+    Attributes
+    ----------
+    harmonics : Harmonics
+    n, around : int
+        Heights and angles about the axis, more than twice the order.
+
+    Notes
+    -----
+    Libraries for this, ducc0 and SHTns, are under the GPL, which the core does not link; pyshtools has no
+    adjoints.  With derivatives of three functions to degree 128 and back, 194 x 388 nodes, one iteration of
+    least squares takes 26 ms here and 17 ms with ducc0 on the same core.
+    """
+
+    harmonics: Harmonics
+    n: int
+    around: int
+
+    def __post_init__(self) -> None:
+        if self.around <= 2 * self.harmonics.order:
+            raise ValueError(f"{self.around} angles are too few for the order {self.harmonics.order}")
+
+    @cached_property
+    def rule(self) -> tuple[Floats, Floats]:
+        """The nodes (N, 3), circle by circle from south to north, and the weights (N,)."""
+        return gauss_rule(self.n, self.around)
+
+    @property
+    def u(self) -> Floats:
+        """The nodes (N, 3), N = n * around."""
+        return self.rule[0]
+
+    @property
+    def weights(self) -> Floats:
+        """The weights (N,), which sum to 4 pi."""
+        return self.rule[1]
+
+    def values(self, coefficients: Floats) -> Floats:
+        """The values (N, c) of functions with the coefficients (size, c)."""
+        return self._synthesis(coefficients, [(self._value, False)])[:, 0]
+
+    def gradients(self, coefficients: Floats) -> Floats:
+        """Derivatives (N, 2, c) along e_theta and e_phi of functions with the coefficients (size, c)."""
+        return self._synthesis(coefficients, self._first)
+
+    def hessians(self, coefficients: Floats) -> Floats:
+        """Covariant second derivatives (N, 3, c) on the unit sphere: theta theta, theta phi, phi phi."""
+        return self._synthesis(coefficients, self._second)
+
+    def adjoint_values(self, f: Floats) -> Floats:
+        """Sums over the nodes (size, c) of functions f (N, c) times the harmonics."""
+        return self._adjoint(f[:, None], [(self._value, False)])
+
+    def adjoint_gradients(self, f: Floats) -> Floats:
+        """Sums over the nodes (size, c) of vector fields f (N, 2, c) times the harmonics' `gradients`."""
+        return self._adjoint(f, self._first)
+
+    def adjoint_hessians(self, f: Floats) -> Floats:
+        """Sums over the nodes (size, c) of f (N, 3, c) times the harmonics' `hessians`."""
+        return self._adjoint(f, self._second)
+
+    def analysis(self, f: Floats) -> Floats:
+        """Coefficients (size, c) of functions with the values f (N, c), where the nodes suffice for these."""
+        return self.adjoint_values(self.weights[:, None] * f)
+
+    @cached_property
+    def _heights(self) -> tuple[Floats, Floats]:
+        """Cosine and sine (n, 1) of theta on the circles."""
+        z = self.u[:: self.around, 2, None]
+        return z, np.sqrt((1.0 - z) * (1.0 + z))
+
+    def _legendre(self, derivatives: int) -> list[Tables]:
+        """``Pi_lm(z) sin^m`` and its derivatives in z of Pi, one matrix (n, degrees) for each order."""
+        z, s = self._heights
+        a, b, sectoral = recurrence(self.harmonics.degree, self.harmonics.order)
+        tables: list[Tables] = [[] for _ in range(derivatives + 1)]
+        for m in range(self.harmonics.order + 1):
+            rows = np.zeros((derivatives + 1, self.harmonics.degree - m + 1, self.n))
+            rows[0, 0] = sectoral[m] * s[:, 0] ** m
+            for k in range(1, rows.shape[1]):
+                for d in range(derivatives + 1):
+                    rows[d, k] = z[:, 0] * rows[d, k - 1]
+                    if d:
+                        rows[d, k] += d * rows[d - 1, k - 1]
+                    rows[d, k] *= a[m, m + k]
+                    if k > 1:
+                        rows[d, k] -= b[m, m + k] * rows[d, k - 2]
+            for d, table in enumerate(tables):
+                table.append(np.ascontiguousarray(rows[d].T))
+        return tables
+
+    @cached_property
+    def _value(self) -> Tables:
+        return self._legendre(0)[0]
+
+    @cached_property
+    def _first(self) -> list[tuple[Tables, bool]]:
+        """Tables of the derivatives along e_theta and e_phi; the latter are for i times the coefficients."""
+        z, s = self._heights
+        P, D = self._legendre(1)
+        along = [m * z / s * p - s * d for m, (p, d) in enumerate(zip(P, D, strict=True))]
+        across = [m / s * p for m, p in enumerate(P)]
+        return [(along, False), (across, True)]
+
+    @property
+    def _second(self) -> list[tuple[Tables, bool]]:
+        """Tables of the second derivatives, which are needed too seldom to be kept."""
+        z, s = self._heights
+        tt, tp, pp = [], [], []
+        for m, (p, d, dd) in enumerate(zip(*self._legendre(2), strict=True)):
+            p /= s**2
+            tt.append(s**2 * dd - (2 * m + 1) * z * d + m * ((m - 1) * z**2 - s**2) * p)
+            tp.append(m * ((m - 1) * z * p - d))
+            pp.append(-z * d - m * (m - 1 + s**2) * p)
+        return [(tt, False), (tp, True), (pp, False)]
+
+    def _synthesis(self, coefficients: Floats, kinds: list[tuple[Tables, bool]]) -> Floats:
+        """Sums (N, kinds, c) of the tables' functions."""
+        c = coefficients.shape[1]
+        spectrum = np.zeros((self.n, self.harmonics.order + 1, len(kinds), c), dtype=np.complex128)
+        for m, a in enumerate(self._by_order(coefficients)):
+            for k, (tables, turned) in enumerate(kinds):
+                part = (tables[m] @ a).view(np.complex128)
+                spectrum[:, m, k] = 1j * part if turned else part
+        spectrum[:, 1:] *= 0.5
+        values = fft.irfft(spectrum, self.around, axis=1, norm="forward")
+        return values.reshape(-1, len(kinds), c)
+
+    def _adjoint(self, f: Floats, kinds: list[tuple[Tables, bool]]) -> Floats:
+        """The transpose of `_synthesis`."""
+        c = f.shape[2]
+        spectrum = fft.rfft(f.reshape(self.n, self.around, len(kinds), c), axis=1)
+        result = np.empty((self.harmonics.size, c))
+        begin = 0
+        for m in range(self.harmonics.order + 1):
+            total = np.zeros((self.harmonics.degree - m + 1, 2 * c))
+            for k, (tables, turned) in enumerate(kinds):
+                part = -1j * spectrum[:, m, k] if turned else spectrum[:, m, k]
+                total += tables[m].T @ np.ascontiguousarray(part).view(np.float64)
+            both = total.view(np.complex128)
+            if m == 0:
+                result[: len(both)] = both.real
+                begin = len(both)
+            else:
+                result[begin : begin + 2 * len(both) : 2] = both.real
+                result[begin + 1 : begin + 2 * len(both) : 2] = -both.imag
+                begin += 2 * len(both)
+        return result
+
+    def _by_order(self, coefficients: Floats) -> list[Floats]:
+        """For each order the complex coefficients as real numbers, (degrees, 2 c)."""
+        parts, begin = [], 0
+        for m in range(self.harmonics.order + 1):
+            count = self.harmonics.degree - m + 1
+            if m == 0:
+                both = coefficients[:count].astype(np.complex128)
+                begin = count
+            else:
+                rows = coefficients[begin : begin + 2 * count]
+                both = rows[::2] - 1j * rows[1::2]
+                begin += 2 * count
+            parts.append(both.view(np.float64))
+        return parts
