@@ -44,6 +44,7 @@ from isoembed.relativity.spacetimes.kerr import (
 from isoembed.relativity.spacetimes.kerr_schild import KerrSchild
 from isoembed.relativity.spacetimes.painleve_gullstrand import PainleveGullstrand
 from isoembed.relativity.spacetimes.star_surface import StarSurface
+from isoembed.relativity.spacetimes.surface import Surface
 from isoembed.relativity.spacetimes.surface_data import SurfaceData
 from isoembed.relativity.spacetimes.three_geometry import AnalyticCallable, CallableGeometry, ThreeGeometry
 
@@ -75,6 +76,7 @@ __all__ = [
     "Spin",
     "StarSurface",
     "Superposed",
+    "Surface",
     "SurfaceData",
     "ThreeGeometry",
     "TimeFunction",

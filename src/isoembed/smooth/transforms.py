@@ -18,7 +18,7 @@ def resized(coefficients: Floats, old: Harmonics, new: Harmonics) -> Floats:
 
 
 def trimmed(coefficients: Floats, harmonics: Harmonics, needed: Mask) -> tuple[Floats, Harmonics]:
-    """Coefficients (size,) in the lowest degree and order that hold all of those that are needed."""
+    """Coefficients (size, ...) in the lowest degree and order that hold all of those that are needed."""
     degrees, orders = harmonics.labels
     fewer = Harmonics(int(degrees[needed].max()), int(np.abs(orders[needed]).max()))
     kept = (degrees <= fewer.degree) & (np.abs(orders) <= fewer.order)

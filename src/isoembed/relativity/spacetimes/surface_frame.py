@@ -1,7 +1,4 @@
-"""Local geometry of a star-shaped surface in a slice: its metric, normal, curvature and momentum.
-
-Derivatives are covariant ones of the unit sphere, along tangent vectors: no direction is singular.
-"""
+"""Local geometry of a surface in a slice: its metric, normal, curvature and momentum."""
 
 from dataclasses import dataclass
 from functools import cached_property
@@ -10,37 +7,39 @@ import numpy as np
 
 from isoembed.arrays import Floats
 from isoembed.relativity.spacetimes.checks import check_finite, check_slice
+from isoembed.relativity.spacetimes.surface_jet import SurfaceJet
 from isoembed.relativity.spacetimes.three_geometry import ThreeGeometry
 from isoembed.smooth.two_metric import orthonormal_frame, projected
 
 
 @dataclass(frozen=True)
 class SurfaceFrame:
-    """A surface ``X(u) = center + r(u) u`` to second order, at n directions.
+    """A surface in a slice at n directions u of the unit sphere that is mapped onto it.
 
     Attributes
     ----------
     geometry : ThreeGeometry
-    u, x : ndarray, shape (n, 3)
-        The directions and the points.
-    r : ndarray, shape (n,)
-    slope : ndarray, shape (n, 3)
-        The gradient of r on the unit sphere.
-    hessian : ndarray, shape (n, 3, 3)
-        Its covariant second derivatives there.
+    u : ndarray, shape (n, 3)
+    jet : SurfaceJet
+        The map at u.
+    center : ndarray, shape (3,)
+        About which torques are.
     """
 
     geometry: ThreeGeometry
     u: Floats
-    x: Floats
-    r: Floats
-    slope: Floats
-    hessian: Floats
+    jet: SurfaceJet
+    center: Floats
+
+    @property
+    def x(self) -> Floats:
+        """The points (n, 3)."""
+        return self.jet.x
 
     @cached_property
     def q(self) -> Floats:
         """The metric (n, 3, 3) that the slice induces."""
-        return projected(self._differential.transpose(0, 2, 1) @ self._gamma @ self._differential, self.u)
+        return projected(self.jet.first.transpose(0, 2, 1) @ self._gamma @ self.jet.first, self.u)
 
     @cached_property
     def normal(self) -> tuple[Floats, Floats]:
@@ -58,9 +57,7 @@ class SurfaceFrame:
         """
         lower, upper = self.normal
         inverse = self._e.transpose(0, 2, 1) @ self._e  # of q
-        bent = np.einsum("nij,nij->n", inverse, self.hessian) - self.r * np.einsum("nii->n", inverse)
-        turned = np.einsum("nij,nj->ni", inverse, self.slope)
-        flat = np.einsum("ni,ni->n", lower, bent[:, None] * self.u + 2.0 * turned)
+        flat = np.einsum("ni,ni->n", lower, np.einsum("nijk,njk->ni", self.jet.second, inverse))
         gradient = check_finite("the gradient of the 3-metric", self.x, self.geometry.gradient(self.x))
         along = np.einsum("nkj,nkji->ni", self._tangent, gradient)
         across = np.einsum("nijk,njk->ni", gradient, self._tangent)
@@ -77,16 +74,12 @@ class SurfaceFrame:
 
     def normal_momentum(self) -> Floats:
         """``K(., n)`` as tangent vectors (n, 3) of the unit sphere: see `SurfaceData`."""
-        pulled = np.einsum("nki,nk->ni", self._differential, self.curvature_along_normal)
+        pulled = np.einsum("nki,nk->ni", self.jet.first, self.curvature_along_normal)
         return pulled - np.einsum("ni,ni->n", pulled, self.u)[:, None] * self.u
 
     def torque(self) -> Floats:
         """``K(e x (X - center), n)`` (n, 3), e the unit vectors along x, y and z: see `SurfaceData`."""
-        return np.cross(self.r[:, None] * self.u, self.curvature_along_normal)
-
-    @cached_property
-    def _differential(self) -> Floats:
-        return differential(self.u, self.r, self.slope)
+        return np.cross(self.x - self.center, self.curvature_along_normal)
 
     @cached_property
     def _gamma(self) -> Floats:
@@ -106,14 +99,9 @@ class SurfaceFrame:
     @cached_property
     def _images(self) -> Floats:
         """Their images (n, 2, 3) in the slice."""
-        return self._e @ self._differential.transpose(0, 2, 1)
+        return self._e @ self.jet.first.transpose(0, 2, 1)
 
     @cached_property
     def _tangent(self) -> Floats:
         """``gamma^ij - n^i n^j`` (n, 3, 3)."""
         return self._images.transpose(0, 2, 1) @ self._images
-
-
-def differential(u: Floats, r: Floats, slope: Floats) -> Floats:
-    """The derivative dX (n, 3, 3) of ``X = r u``: ``dX @ v`` is that along a tangent vector v."""
-    return u[:, :, None] * slope[:, None, :] + r[:, None, None] * np.eye(3)

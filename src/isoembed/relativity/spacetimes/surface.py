@@ -1,0 +1,236 @@
+"""Closed surfaces in a slice, as maps of the unit sphere that are known to second order."""
+
+from __future__ import annotations
+
+from abc import ABC, abstractmethod
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from isoembed.arrays import Floats
+from isoembed.errors import InvalidParameter
+from isoembed.meshing.sphere import gauss_rule
+from isoembed.relativity.spacetimes.checks import numbers, vector
+from isoembed.relativity.spacetimes.surface_data import SurfaceData
+from isoembed.relativity.spacetimes.surface_errors import SurfaceErrors
+from isoembed.relativity.spacetimes.surface_frame import SurfaceFrame
+from isoembed.relativity.spacetimes.surface_jet import SurfaceJet
+from isoembed.relativity.spacetimes.three_geometry import ThreeGeometry
+from isoembed.smooth.harmonics import Harmonics
+from isoembed.smooth.two_metric import area_density
+from isoembed.smooth.uncertain import EXACT, UncertainFunction, Uncertainty
+from isoembed.thresholds import threshold
+
+
+@dataclass(frozen=True)
+class SurfaceThresholds:
+    """Thresholds of what surfaces tell of themselves."""
+
+    nodes: tuple[int, int] = threshold(
+        (24, 48), "count", "Heights and angles at which a surface and its slice tell their errors."
+    )
+    settled: float = threshold(1e-13, "relative", "Change of an angular momentum by more nodes that is none.")
+    most_nodes: int = threshold(128, "count", "Heights of nodes with which an angular momentum is final.")
+
+
+SURFACE = SurfaceThresholds()
+
+
+class Surface(ABC):
+    """A closed surface X(u), u the unit vectors: a smooth map of the unit sphere with the outside outside.
+
+    Attributes
+    ----------
+    center : three floats
+        About which torques are.
+    harmonics : Harmonics
+        In which it is given.
+    misfit : float
+        How far it is from what it was made from, a length, root-mean-square.
+    deviations : ndarray, shape (N, ...), optional
+        By what its coefficients may be off, drawn at random; without them, noise of the size of the misfit.
+    notes : tuple of str
+        For reports.
+    """
+
+    center: Sequence[float]
+    harmonics: Harmonics
+    misfit: float
+    deviations: Floats | None
+    notes: tuple[str, ...]
+
+    @property
+    @abstractmethod
+    def mean_radius(self) -> float:
+        """Its size in the coordinates of the slice, a length."""
+
+    @abstractmethod
+    def jet(self, u: Floats) -> SurfaceJet:
+        """The map to second order in the directions u (n, 3)."""
+
+    @abstractmethod
+    def deviating(self, u: Floats) -> Iterator[SurfaceJet]:
+        """Maps that this one might be, for errors."""
+
+    def points(self, u: Floats) -> Floats:
+        """The points X (n, 3) in the directions u (n, 3)."""
+        return self.jet(as_directions(u)).x
+
+    def differential(self, u: Floats) -> Floats:
+        """The differential dX (n, 3, 3): ``dX @ v`` is the derivative of X along a tangent vector v."""
+        return self.jet(as_directions(u)).first
+
+    def frame(self, geometry: ThreeGeometry, u: Floats) -> SurfaceFrame:
+        """The local geometry of the surface in a slice, in the directions u (n, 3)."""
+        u = as_directions(u)
+        return SurfaceFrame(geometry, u, self.jet(u), np.array(self.center))
+
+    def metric(self, geometry: ThreeGeometry) -> InducedMetric:
+        """The metric that the geometry induces on the surface."""
+        return InducedMetric(self, geometry)
+
+    def mean_curvature(self, geometry: ThreeGeometry, u: Floats) -> Floats:
+        """``k = k1 + k2`` (n,) for the outward normal, in the directions u (n, 3); 2 / r on a flat sphere."""
+        return self.frame(geometry, u).mean_curvature()
+
+    def momentum(self, geometry: ThreeGeometry, u: Floats) -> Floats:
+        """``p = K_ij (gamma^ij - n^i n^j)`` (n,) in the directions u (n, 3)."""
+        return self.frame(geometry, u).momentum()
+
+    def normal_momentum(self, geometry: ThreeGeometry, u: Floats) -> Floats:
+        """``K(., n)`` as tangent vectors (n, 3) of the unit sphere at u (n, 3): see `SurfaceData`."""
+        return self.frame(geometry, u).normal_momentum()
+
+    def expansion(self, geometry: ThreeGeometry, u: Floats) -> Floats:
+        """``theta_+ = k - p`` (n,) of the light rays that leave outward; zero on an apparent horizon."""
+        frame = self.frame(geometry, u)
+        return frame.mean_curvature() - frame.momentum()
+
+    def angular_momentum(self, geometry: ThreeGeometry, axis: Sequence[float]) -> float:
+        """``J = 1 / (8 pi) int K_ij phi^i n^j dA``, a length squared, with ``phi = axis x (x - center)``.
+
+        It means something where phi is a symmetry of the surface, or nearly so.  The axis is found by
+        `isoembed.relativity.find_spin`.
+
+        Parameters
+        ----------
+        geometry : ThreeGeometry
+        axis : three floats
+            Of any length but zero.
+        """
+        a = np.array(_unit("the axis", axis))
+        n, before = self.harmonics.degree + 8, np.inf
+        while True:
+            u, weights = gauss_rule(n, 2 * n)
+            frame = self.frame(geometry, u)
+            density = frame.torque() @ a * weights * area_density(frame.q) / (8.0 * np.pi)
+            J, size = float(density.sum()), float(np.abs(density).sum())
+            if abs(J - before) <= SURFACE.settled * size or n > SURFACE.most_nodes:
+                return J
+            n, before = 2 * n, J
+
+    def data(
+        self,
+        geometry: ThreeGeometry,
+        axis: Sequence[float] | None = None,
+        marginal: bool = False,
+        name: str = "",
+    ) -> SurfaceData:
+        """Data of which quasi-local energies are computed.
+
+        Their errors are what the misfit makes, and what the geometry says of its own.
+
+        Parameters
+        ----------
+        geometry : ThreeGeometry
+        axis : three floats, optional
+            The axis that the angular momentum is asked about.  By default it is found: see
+            `isoembed.relativity.find_spin`.
+        marginal : bool
+            The surface is a horizon: the mean curvature vector is null by definition.
+        name : str
+            For reports.
+
+        Raises
+        ------
+        InvalidMetric
+            The slice's metric is not positive definite, or its extrinsic curvature not finite, on the
+            surface; the message names a point.
+        """
+        moves = not geometry.time_symmetric
+        u, weights = gauss_rule(*SURFACE.nodes)
+        frame = self.frame(geometry, u)
+        others = (replace(frame, jet=jet) for jet in self.deviating(u))
+        errors = SurfaceErrors.of_surface(frame, others, weights)
+        if self.deviations is None:
+            miss = self.misfit / self.mean_radius
+            errors = replace(errors, lengths=Uncertainty(miss, miss))
+        errors += SurfaceErrors.of_slice(frame, weights)
+        about = None if axis is None else _unit("the axis", axis)
+        J = 0.0 if not moves else about and self.angular_momentum(geometry, about)
+
+        def momentum(u: Floats) -> Floats:
+            return self.momentum(geometry, u)
+
+        def normal_momentum(u: Floats) -> Floats:
+            return self.normal_momentum(geometry, u)
+
+        def torque(u: Floats) -> Floats:
+            return self.frame(geometry, u).torque()
+
+        return SurfaceData(
+            metric=InducedMetric(self, geometry, errors.lengths),
+            mean_curvature=UncertainFunction(
+                lambda u: self.mean_curvature(geometry, u), errors.mean_curvature
+            ),
+            momentum=UncertainFunction(momentum, errors.momentum) if moves else None,
+            normal_momentum=UncertainFunction(normal_momentum, errors.normal_momentum) if moves else None,
+            angular_momentum=J,
+            marginal=marginal,
+            shape=self.points,
+            name=name,
+            notes=self.notes,
+            axis=about,
+            torque=UncertainFunction(torque, errors.torque) if moves else None,
+        )
+
+
+@dataclass(frozen=True)
+class InducedMetric:
+    """The metric that a slice induces on a surface; a `isoembed.smooth.TwoMetric`.
+
+    Attributes
+    ----------
+    surface : Surface
+    geometry : ThreeGeometry
+    error : Uncertainty
+        Of lengths, relative.
+    """
+
+    surface: Surface
+    geometry: ThreeGeometry
+    error: Uncertainty = EXACT
+
+    def tensor(self, u: Floats) -> Floats:
+        """See `isoembed.smooth.TwoMetric`."""
+        return self.surface.frame(self.geometry, u).q
+
+
+def _unit(what: str, given: Sequence[float]) -> tuple[float, float, float]:
+    """A vector of length one along a given one."""
+    x = np.array(vector(what, given))
+    if not x.any():
+        raise InvalidParameter(f"{what} must not be zero")
+    x /= np.abs(x).max()
+    a, b, c = map(float, x / np.linalg.norm(x))
+    return a, b, c
+
+
+def as_directions(u: ArrayLike) -> Floats:
+    """The directions as an array (n, 3); `InvalidParameter` where they are none."""
+    array = numbers(u)
+    if array.ndim != 2 or array.shape[1] != 3:
+        raise InvalidParameter(f"directions must be unit vectors (n, 3), not an array {array.shape}")
+    return array
