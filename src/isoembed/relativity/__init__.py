@@ -42,6 +42,7 @@ from isoembed.relativity.spacetimes.kerr import (
     smarr_limit,
 )
 from isoembed.relativity.spacetimes.kerr_schild import KerrSchild
+from isoembed.relativity.spacetimes.mapped_surface import MappedSurface
 from isoembed.relativity.spacetimes.painleve_gullstrand import PainleveGullstrand
 from isoembed.relativity.spacetimes.star_surface import StarSurface
 from isoembed.relativity.spacetimes.surface import Surface
@@ -71,6 +72,7 @@ __all__ = [
     "KerrNewmanHorizon",
     "KerrNewmanSphere",
     "KerrSchild",
+    "MappedSurface",
     "Multipoles",
     "PainleveGullstrand",
     "Spin",

@@ -70,11 +70,11 @@ def deviating(harmonics: Harmonics) -> Harmonics:
     return Harmonics(degree, degree)
 
 
-def white(harmonics: Harmonics, size: float) -> Floats:
-    """Random deviations (N, size of `deviating`) of this root mean square, alike in all harmonics."""
+def white(harmonics: Harmonics, size: float, *functions: int) -> Floats:
+    """Random deviations (N, size of `deviating`, *functions) of this root mean square, alike in harmonics."""
     count = deviating(harmonics).size
-    drawn = np.random.default_rng(0).normal(size=(FIT.deviations, count))
-    return drawn * (size * np.sqrt(4.0 * np.pi / count))
+    drawn = np.random.default_rng(0).normal(size=(FIT.deviations, count, *functions))
+    return drawn * (size * np.sqrt(4.0 * np.pi * FIT.deviations / drawn.size))
 
 
 def fitted(u: Floats, values: Floats, weights: Floats) -> ScatteredFit:

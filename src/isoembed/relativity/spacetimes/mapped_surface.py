@@ -1,0 +1,211 @@
+"""Surfaces in a slice that need not be star-shaped: the coordinates by direction in spherical harmonics."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from isoembed.arrays import Floats
+from isoembed.errors import InvalidParameter
+from isoembed.meshing.sphere import fibonacci_directions, gauss_rule
+from isoembed.relativity.spacetimes.checks import numbers, vector, written
+from isoembed.relativity.spacetimes.surface import Surface
+from isoembed.relativity.spacetimes.surface_jet import SurfaceJet
+from isoembed.smooth.harmonics import Harmonics
+from isoembed.smooth.projection import PROJECTION, project
+from isoembed.smooth.scattered_fit import deviating, white
+from isoembed.smooth.two_metric import angle_frame
+from isoembed.thresholds import threshold
+
+
+@dataclass(frozen=True)
+class MappedSurfaceThresholds:
+    """Thresholds of the check that a map is an immersion."""
+
+    denser: float = threshold(2.0, "relative", "Heights of nodes at which it is checked over the degree.")
+    fewest: int = threshold(24, "count", "Heights of nodes at which it is checked, at least.")
+    singular: float = threshold(1e-9, "mean", "Area over that of the unit sphere that is none.")
+    turned: float = threshold(0.0, "cosine", "Of the angle of normals at neighbors; below, a map is folded.")
+
+
+MAPPED = MappedSurfaceThresholds()
+
+
+@dataclass(frozen=True, eq=False)
+class MappedSurface(Surface):
+    """The surface X(u), u the unit vectors, with coordinates X in spherical harmonics.
+
+    Attributes
+    ----------
+    harmonics : Harmonics
+    coefficients : ndarray, shape (harmonics.size, 3)
+        Those of X, lengths.
+    center : three floats, optional
+        About which torques are; by default the centroid of the area in the coordinates.
+    misfit : float
+        How far X is from what it was made from, a length, root-mean-square: from the map at directions that
+        were not used, or from the vertices of a mesh.
+    deviations : ndarray, shape (N, size, 3), optional
+        Of meshes: by what the coefficients may be off, drawn at random, in the harmonics of
+        `isoembed.smooth.scattered_fit.deviating`; without them, noise of the size of the misfit.
+    notes : tuple of str
+        Which vertices were left out, for reports.
+
+    Raises
+    ------
+    InvalidParameter
+        The map is no immersion, or turns the sphere inside out; the message names a direction.
+    """
+
+    harmonics: Harmonics
+    coefficients: Floats
+    center: Sequence[float] = None  # type: ignore[assignment] # three floats once the surface is made
+    misfit: float = 0.0
+    deviations: Floats | None = None
+    notes: tuple[str, ...] = ()
+
+    def __post_init__(self) -> None:
+        coefficients = np.array(self.coefficients, dtype=np.float64)
+        if coefficients.shape != (self.harmonics.size, 3):
+            raise InvalidParameter(
+                f"{self.harmonics.size} harmonics take coefficients ({self.harmonics.size}, 3), "
+                f"not {coefficients.shape}"
+            )
+        coefficients.setflags(write=False)
+        object.__setattr__(self, "coefficients", coefficients)
+        _check_immersion(self._nodes)
+        center = self._nodes.centroid if self.center is None else self.center
+        object.__setattr__(self, "center", vector("the center", center))
+
+    @classmethod
+    def from_map(
+        cls, function: Callable[[Floats], ArrayLike], center: Sequence[float] | None = None
+    ) -> MappedSurface:
+        """Projection of a map onto harmonics, up to the degree where only rounding or noise is left.
+
+        Parameters
+        ----------
+        function : callable
+            Takes unit vectors u (n, 3) and returns points X (n, 3); smooth, with the outside outside.
+        center : three floats, optional
+            About which torques are; by default the centroid of the area in the coordinates.
+
+        Raises
+        ------
+        InvalidParameter
+            Points are not finite, harmonics up to degree 128 miss them by more than a millionth, or the map
+            is no immersion; the message says which.
+
+        Notes
+        -----
+        What is missed, where it is more than rounding, is the ``misfit``.
+        """
+        if not callable(function):
+            raise InvalidParameter(
+                f"the map is a {type(function).__name__}, not a function of unit vectors u (n, 3); the "
+                "vertices and faces of a mesh are for from_mesh"
+            )
+        middle = _mapped(function, fibonacci_directions(PROJECTION.directions)).mean(axis=0)
+        fit = project(lambda u: _mapped(function, u) - middle, "the map")
+        coefficients = fit.coefficients.copy()
+        coefficients[0] += np.sqrt(4.0 * np.pi) * middle
+        return cls(fit.harmonics, coefficients, center, fit.misfit)  # type: ignore[arg-type] # see above
+
+    @property
+    def mean_radius(self) -> float:
+        """The radius of the sphere with the same area in the coordinates."""
+        return float(np.sqrt(self._nodes.area / (4.0 * np.pi)))
+
+    def jet(self, u: Floats) -> SurfaceJet:
+        """See `Surface`."""
+        return SurfaceJet(*self.harmonics.derivatives(u, self.coefficients))
+
+    def deviating(self, u: Floats) -> Iterator[SurfaceJet]:
+        """See `Surface`."""
+        jet, harmonics = self.jet(u), deviating(self.harmonics)
+        drawn = white(self.harmonics, self.misfit, 3) if self.deviations is None else self.deviations
+        for deviation in drawn:
+            x, first, second = harmonics.derivatives(u, deviation)
+            yield SurfaceJet(jet.x + x, jet.first + first, jet.second + second)
+
+    @cached_property
+    def _nodes(self) -> _Nodes:
+        n = max(MAPPED.fewest, int(MAPPED.denser * self.harmonics.degree))
+        u, weights = gauss_rule(n, 2 * n)
+        jet = self.jet(u)
+        e_theta, e_phi = (np.einsum("nij,nj->ni", jet.first, e) for e in angle_frame(u))
+        return _Nodes(n, u, weights, jet.x, np.cross(e_theta, e_phi))
+
+
+@dataclass(frozen=True)
+class _Nodes:
+    """A map at the nodes of a rule of n x 2 n: points x, and normals whose length is the area's density."""
+
+    n: int
+    u: Floats
+    weights: Floats
+    x: Floats
+    normals: Floats
+
+    @cached_property
+    def densities(self) -> Floats:
+        """The area over that of the unit sphere."""
+        return np.linalg.norm(self.normals, axis=1)
+
+    @property
+    def area(self) -> float:
+        """In the coordinates."""
+        return float(self.weights @ self.densities)
+
+    @property
+    def centroid(self) -> Floats:
+        """Of the area."""
+        return np.asarray((self.weights * self.densities) @ self.x / self.area)
+
+    @property
+    def volume(self) -> float:
+        """Enclosed; negative where the sphere is inside out."""
+        heights = np.einsum("ni,ni->n", self.x - self.x.mean(axis=0), self.normals)
+        return float(self.weights @ heights) / 3.0
+
+
+def _check_immersion(nodes: _Nodes) -> None:
+    """Refuse maps that are singular, folded or inside out."""
+    singular = ~(nodes.densities > MAPPED.singular * nodes.densities.mean())
+    if singular.any():
+        where = written(nodes.u[int(np.argmax(singular))])
+        raise InvalidParameter(
+            f"the map is no immersion: its differential is singular in the direction {where}"
+        )
+    unit = (nodes.normals / nodes.densities[:, None]).reshape(nodes.n, -1, 3)
+    around = np.einsum("abi,abi->ab", unit, np.roll(unit, -1, axis=1))
+    across = np.einsum("abi,abi->ab", unit[:-1], unit[1:])
+    for cosines in (around, across):
+        if cosines.min() < MAPPED.turned:
+            where = written(nodes.u[int(np.argmin(cosines))])
+            raise InvalidParameter(
+                f"the map is no immersion: its normal turns around near the direction {where}, "
+                "where it is folded or has an edge"
+            )
+    if nodes.volume <= 0.0:
+        raise InvalidParameter(
+            f"the map turns the sphere inside out: it encloses the volume {nodes.volume:.6g}; "
+            "composed with a reflection of the sphere it does not"
+        )
+
+
+def _mapped(function: Callable[[Floats], ArrayLike], u: Floats) -> Floats:
+    x = numbers(function(u))
+    if x.shape != (len(u), 3):
+        raise InvalidParameter(f"the map has the shape {x.shape} for {len(u)} directions, not ({len(u)}, 3)")
+    good = np.isfinite(x).all(axis=1)
+    if not good.all():
+        i = int(np.argmin(good))
+        raise InvalidParameter(
+            f"the map is {written(x[i])} in the direction {written(u[i])}: that is not finite"
+        )
+    return x
