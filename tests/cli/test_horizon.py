@@ -118,13 +118,26 @@ REFUSED = [
     (["h.gp", "h.npz", *KERR_SCHILD], "h.gp and h.npz have the same name: h"),
     (
         ["h.gp", "--geometry", "flat"],
-        "--geometry flat: there are kerr-schild, isotropic, painleve-gullstrand",
+        "the geometry flat: there are brill-lindquist, kerr-schild, boyer-lindquist, isotropic, ",
     ),
     (["h.gp", "--geometry", "no.h5"], "there is no file no.h5"),
-    (["h.gp", "--geometry", "isotropic", "--spin", 0, 0, 0.5], "isotropic has no spin: take kerr-schild"),
-    (["h.gp", "--geometry", "painleve-gullstrand", "--spin", 0, 0.1, 0], "has no spin: take kerr-schild"),
-    (["h.gp", "--mass", 2], "--mass needs a --geometry among kerr-schild, isotropic, painleve-gullstrand"),
-    (["h.gp", "--spin", 0, 0, 0.5], "--spin needs a --geometry among"),
+    (
+        ["h.gp", "--geometry", "isotropic", "--spin", 0, 0, 0.5],
+        "--spin does not go with the geometry isotropic, which takes --mass and --center",
+    ),
+    (
+        ["h.gp", "--geometry", "painleve-gullstrand", "--spin", 0, 0.1, 0],
+        "--spin does not go with the geometry painleve-gullstrand",
+    ),
+    (
+        ["h.gp", "--geometry", "slice.h5", "--mass", 2],
+        "--mass does not go with the geometry slice.h5, a file",
+    ),
+    (["h.gp", "--geometry", "boosted"], "the geometry boosted needs --velocity"),
+    (["h.gp", "--mass", 2], "--mass needs a --geometry"),
+    (["h.gp", "--spin", 0, 0, 0.5], "--spin needs a --geometry"),
+    (["h.gp", "--masses", 1, 1], "--masses needs a --geometry"),
+    (["--masses", 1, 1, "h.gp", *KERR_SCHILD], "'h.gp' is not a number (files come before the options)"),
     (["h.gp", "--geometry", "kerr-schild", "--mass", -1], "the mass"),
     (["h.gp", "--geometry", "kerr-schild", "--mass", "nan"], "the mass"),
     (["h.gp", "--geometry", "kerr-schild", "--spin", 0, 0], "--spin: expected 3 arguments"),
@@ -180,6 +193,23 @@ def test_the_expansion_or_an_option_decides_what_is_a_horizon(run):
         assert any(note.startswith("treated as a horizon") for note in found["notes"]) is marginal
     status, _, err = run(*options, "--marginal", "--not-marginal")
     assert status == 2 and "not allowed with" in err
+
+
+def test_a_horizon_in_a_slice_that_is_moved_and_its_wang_yau_energy(run):
+    """In isotropic coordinates, around another center; outside of it, the least energy is that of tau = 0."""
+    center = (1.0, -2.0, 0.5)
+    for name, radius in (("h", 0.5), ("outside", 1.0)):
+        Path(f"{name}.gp").write_text(shape_text(lambda u, r=radius: np.full(len(u), r), center))
+    arguments = ["--geometry", "isotropic", "--center", *center, "--vertices", 60, "--wang-yau", "--json"]
+    status, out, err = run("h.gp", "outside.gp", *arguments)
+    assert (status, err) == (0, "")
+    horizon, outside = strict(out)
+    assert horizon["horizon"]["marginal"] and horizon["liu_yau"] == pytest.approx(2.0, rel=1e-12)
+    assert "minimum" not in horizon
+    R = 2.25
+    exact = R * (1.0 - np.sqrt(1.0 - 2.0 / R))
+    assert abs(outside["wang_yau"] - exact) <= outside["errors"]["wang_yau"] <= 1e-9
+    assert outside["minimum"]["least_second_derivative"] > 0.0
 
 
 @pytest.mark.parametrize("scale", [1e-3, 1e6])

@@ -5,6 +5,7 @@ Exit status: 0 done, 2 the input or the command line is wrong, 3 no embedding wi
 """
 
 import argparse
+import re
 import sys
 import warnings
 from collections.abc import Iterator, Sequence
@@ -34,7 +35,11 @@ COMMANDS = {
 
 
 class Parser(argparse.ArgumentParser):
-    """A parser whose complaints are one line."""
+    """A parser whose complaints are one line, and to which -1e-3 is a number."""
+
+    def __init__(self, *args: Any, **options: Any) -> None:
+        super().__init__(*args, **options)
+        self._negative_number_matcher = re.compile(r"-(\d+\.?\d*|\.\d+)(e[-+]?\d+)?$", re.IGNORECASE)
 
     def _print_message(self, message: str, file: Any = None) -> None:
         """Print the help, or the version: as an answer."""

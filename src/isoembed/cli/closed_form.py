@@ -15,7 +15,9 @@ def add_spacetime_options(parser: argparse.ArgumentParser) -> None:
     """Add the options that name a surface of a closed-form spacetime."""
     parser.add_argument("--spacetime", choices=("kerr", "schwarzschild"), help="a closed-form spacetime")
     parser.add_argument("--mass", type=float, metavar="M", help="its mass (default 1)")
-    parser.add_argument("--spin", type=float, metavar="A", help="its spin a = J/M, a length (default 0)")
+    parser.add_argument(
+        "--spin", type=float, nargs="+", metavar="A", help="its spin a = J/M, a length (default 0)"
+    )
     parser.add_argument("--charge", type=float, metavar="Q", help="its charge, a length (default 0)")
     parser.add_argument(
         "--surface",
@@ -55,9 +57,13 @@ def closed_form(options: argparse.Namespace) -> SurfaceData:
     """
     if options.surface is None:
         raise UsageError(f"which --surface? There are {SURFACES}")
-    if options.spacetime == "schwarzschild" and (options.spin or options.charge):
-        raise UsageError("a Schwarzschild black hole has neither spin nor charge: take --spacetime kerr")
     given = {name: value for name in OF_SPACETIME if (value := getattr(options, name)) is not None}
+    if "spin" in given:
+        if len(given["spin"]) > 1:
+            raise UsageError("--spin takes one number with a --spacetime, whose holes spin about z")
+        (given["spin"],) = given["spin"]
+    if options.spacetime == "schwarzschild" and (given.get("spin") or options.charge):
+        raise UsageError("a Schwarzschild black hole has neither spin nor charge: take --spacetime kerr")
     try:
         return kerr_surface(**given)
     except InvalidParameter as error:  # where the message begins with a parameter's name, it is an option's

@@ -1,4 +1,4 @@
-"""``isoembed energy``: quasi-local energies of a closed-form surface, or of one from a file."""
+"""``isoembed energy``: quasi-local energies of closed forms, surfaces from files, and spheres in a slice."""
 
 import argparse
 from collections.abc import Callable
@@ -13,13 +13,16 @@ from isoembed.cli.closed_form import OF_SPACETIME, add_spacetime_options, closed
 from isoembed.cli.numbers import read_numbers
 from isoembed.cli.options import (
     add_json_option,
+    add_marginal_options,
     add_merge_option,
     add_output_option,
     add_vertices_option,
+    marginal,
     vertices,
 )
 from isoembed.cli.outputs import Outputs
 from isoembed.cli.screen import UsageError, print_error, print_json, print_out
+from isoembed.cli.slices import OF_SLICE, add_geometry_option, add_slice_options, slice_label, slice_named
 from isoembed.cli.status import NOT_EMBEDDED, OK
 from isoembed.errors import InvalidMetric, NotEmbedded
 from isoembed.io import MESH_ENDINGS, SURFACE_ENDINGS, mesh_writer, surface_writer
@@ -30,6 +33,7 @@ from isoembed.relativity.energies.mesh_energies import mesh_energies
 from isoembed.relativity.energies.report import energy_table, mesh_report, unembedded_report, wang_yau_report
 from isoembed.relativity.horizons.expansion import judged, noted_near
 from isoembed.relativity.horizons.grid_file import read_metric_or_grid
+from isoembed.relativity.spacetimes.star_surface import StarSurface
 from isoembed.relativity.spacetimes.surface_data import SurfaceData
 from isoembed.smooth.axisymmetric import AxisymmetricEmbedding
 from isoembed.smooth.grid_metric import GridMetric
@@ -37,7 +41,9 @@ from isoembed.smooth.two_metric import TwoMetric
 from isoembed.surface.smooth_integrals import Lengths
 
 OF_METRIC = ("merge", "mean_curvature", "momentum", "normal_momentum", "lengths")
-OF_SMOOTH = ("best_fit", "band", "wang_yau", "marginal")
+IN_SLICE = ("geometry", *(name for name in OF_SLICE if name not in OF_SPACETIME))
+OF_DECISION = ("marginal", "not_marginal")
+OF_SMOOTH = ("best_fit", "band", "wang_yau", *OF_DECISION)
 
 
 def configure(parser: argparse.ArgumentParser) -> None:
@@ -47,7 +53,8 @@ def configure(parser: argparse.ArgumentParser) -> None:
         nargs="?",
         metavar="METRIC",
         help="a surface of your own: a metric on triangles (.npz or .json with faces, edges, lengths, or a "
-        "mesh), or on a grid (.npz .h5 .hdf5 with theta, phi, q_tt, q_tp, q_pp, and maybe k, p, j_t, j_p)",
+        "mesh), or on a grid (.npz .h5 .hdf5 with theta, phi, q_tt, q_tp, q_pp, and maybe k, p, j_t, j_p); "
+        "with --sphere the slice, as a --geometry",
     )
     add_merge_option(parser)
     parser.add_argument(
@@ -73,10 +80,17 @@ def configure(parser: argparse.ArgumentParser) -> None:
         "distances of points in Euclidean space, as in meshes and from isoembed surface (by default, but for "
         "meshes, they are taken for geodesics' with errors wide enough for both)",
     )
-    parser.add_argument(
-        "--marginal", action="store_true", help="on a grid: the surface is a horizon, k^2 = p^2"
-    )
+    add_marginal_options(parser, "on a grid or in a slice: the surface is", "by default it is none")
     add_spacetime_options(parser)
+    parser.add_argument(
+        "--sphere",
+        type=float,
+        nargs=4,
+        metavar=("X", "Y", "Z", "R"),
+        help="the coordinate sphere with this center and radius, in a slice of spacetime",
+    )
+    add_geometry_option(parser, "the slice of a --sphere")
+    add_slice_options(parser)
     add_vertices_option(parser)
     add_json_option(parser)
     add_output_option(
@@ -105,12 +119,18 @@ def run(options: argparse.Namespace) -> int:
     """Compute the energies; return the exit status."""
     number = vertices(options)
     outputs = Outputs.of(options, output=SURFACE_ENDINGS, band=SURFACE_ENDINGS)
+    if options.sphere is not None:
+        return _smooth(options, outputs, _sphere(options), number)
     if options.spacetime is not None:
-        refuse_given(options, ("input", *OF_METRIC, "marginal"), "does not go with a --spacetime")
+        refuse_given(options, ("input", *OF_METRIC, *OF_DECISION), "does not go with a --spacetime")
+        refuse_given(options, IN_SLICE, "does not go with a --spacetime: it needs a --sphere")
         return _smooth(options, outputs, closed_form(options), number)
+    refuse_given(options, IN_SLICE, "needs a --sphere, the surface in the slice")
     refuse_given(options, OF_SPACETIME, "needs a --spacetime")
     if options.input is None:
-        raise UsageError("which surface? Give a METRIC, or a --spacetime and a --surface")
+        raise UsageError(
+            "which surface? Give a METRIC, or a --spacetime and a --surface, or a --geometry and a --sphere"
+        )
     metric = read_metric_or_grid(options.input, merge=options.merge)
     if isinstance(metric, SurfaceData):
         return _smooth(options, outputs, _on_grid(options, metric), number)
@@ -150,6 +170,29 @@ def _write_band(outputs: Outputs, data: SurfaceData) -> None:
     outputs.write(band=lambda path: mesh_writer(path, *max(bands, key=lambda band: band.area).mesh()))
 
 
+def _sphere(options: argparse.Namespace) -> SurfaceData:
+    """The coordinate sphere in a slice that the options name."""
+    refuse_given(
+        options, ("spacetime", "charge", "surface", "slice", *OF_METRIC), "does not go with a --sphere"
+    )
+    if (options.geometry is None) == (options.input is None):
+        raise UsageError("a --sphere lies in one slice: give a --geometry, or a file")
+    name = options.geometry or options.input
+    geometry = slice_named(name, options)
+    *center, radius = options.sphere
+    where = ", ".join(f"{x:.9g}" for x in center)
+    data = StarSurface.sphere(center, radius).data(
+        geometry, name=f"sphere of radius {radius:.9g} about ({where}) in {slice_label(name, options)}"
+    )
+    return _decided(options, data)
+
+
+def _decided(options: argparse.Namespace, data: SurfaceData) -> SurfaceData:
+    """The data of a surface that is taken for a horizon where the options say so."""
+    said = marginal(options)
+    return noted_near(data) if said is None else judged(data, said)
+
+
 def _on_grid(options: argparse.Namespace, data: SurfaceData) -> SurfaceData:
     """The surface of a metric on a grid, with what the options add."""
     refuse_given(options, ("lengths", "merge"), "is for a METRIC of triangles")
@@ -164,7 +207,7 @@ def _on_grid(options: argparse.Namespace, data: SurfaceData) -> SurfaceData:
     data = replace(data, **given)  # type: ignore[arg-type] # by the names of fields
     if data.momentum is not None and data.mean_curvature is None:
         raise UsageError("the momentum is of use only with the mean curvature: give --mean-curvature, too")
-    return judged(data, True) if options.marginal else noted_near(data)
+    return _decided(options, data)
 
 
 def _on_nodes(metric: TwoMetric, values: Floats, name: str, path: Path) -> Callable[[Floats], Floats]:

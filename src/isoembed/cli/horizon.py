@@ -5,9 +5,24 @@ from importlib.util import find_spec
 from pathlib import Path
 from typing import Any
 
-from isoembed.cli.options import add_json_option, add_output_option, add_vertices_option, vertices
+from isoembed.cli.closed_form import refuse_given
+from isoembed.cli.options import (
+    add_json_option,
+    add_marginal_options,
+    add_output_option,
+    add_vertices_option,
+    marginal,
+    vertices,
+)
 from isoembed.cli.outputs import Outputs
 from isoembed.cli.screen import UsageError, print_aside, print_error, print_json, print_out
+from isoembed.cli.slices import (
+    OF_SLICE,
+    add_geometry_option,
+    add_hole_options,
+    add_slice_options,
+    slice_named,
+)
 from isoembed.cli.status import NOT_EMBEDDED, OK
 from isoembed.io import FileError, mesh_writer, report_writer
 from isoembed.io.files import AmbiguousFileError, check_target, input_ending, write_atomically
@@ -19,14 +34,9 @@ from isoembed.relativity.horizons.coordinate_shape import CoordinateShape
 from isoembed.relativity.horizons.horizon import Horizon
 from isoembed.relativity.horizons.horizon_file import read_horizon
 from isoembed.relativity.horizons.spectre import read_spectre
-from isoembed.relativity.spacetimes.cartesian_grid import read_cartesian_grid
-from isoembed.relativity.spacetimes.conformally_flat import IsotropicSchwarzschild
-from isoembed.relativity.spacetimes.kerr_schild import KerrSchild, horizon_radius
-from isoembed.relativity.spacetimes.painleve_gullstrand import PainleveGullstrand
 from isoembed.relativity.spacetimes.surface_data import SurfaceData
 from isoembed.relativity.spacetimes.three_geometry import ThreeGeometry
 
-GEOMETRIES = ("kerr-schild", "isotropic", "painleve-gullstrand")
 WRITTEN = ("vtk", "json", "png")
 LONGEST = 50  # letters of a name in a picture
 
@@ -40,20 +50,9 @@ def configure(parser: argparse.ArgumentParser) -> None:
         help="horizons: AHFinderDirect's h.t*.ah*.gp, SpECTRE's or other HDF5, .npz, VTK, or a metric on a "
         "grid; several are taken as a sequence, and each is embedded from the one before",
     )
-    parser.add_argument(
-        "--geometry",
-        metavar="GEOMETRY",
-        help="the 3-metric of the slice, which most horizon files lack: a file (.h5 .hdf5 .npz) with "
-        f"gxx ... gzz, and kxx ... kzz, on a Cartesian grid; or one of {', '.join(GEOMETRIES)}",
-    )
-    parser.add_argument("--mass", type=float, metavar="M", help="of the closed-form geometry (default 1)")
-    parser.add_argument(
-        "--spin",
-        type=float,
-        nargs=3,
-        metavar=("AX", "AY", "AZ"),
-        help="the vector a = J/M of the closed-form geometry, a length (default 0 0 0)",
-    )
+    add_geometry_option(parser, "the 3-metric of the slice, which most horizon files lack")
+    add_hole_options(parser)
+    add_slice_options(parser)
     parser.add_argument(
         "--axis",
         type=float,
@@ -61,20 +60,10 @@ def configure(parser: argparse.ArgumentParser) -> None:
         metavar=("X", "Y", "Z"),
         help="additional axis for which to report the angular momentum",
     )
-    decision = parser.add_mutually_exclusive_group()
-    decision.add_argument(
-        "--marginal",
-        action="store_const",
-        const=True,
-        help="the surfaces are horizons, k^2 = p^2 (by default their expansion decides, and a metric "
-        "without k is none)",
-    )
-    decision.add_argument(
-        "--not-marginal",
-        dest="marginal",
-        action="store_const",
-        const=False,
-        help="the surfaces are no horizons: k and p are taken as they are",
+    add_marginal_options(
+        parser,
+        "the surfaces are",
+        "by default their expansion decides, and a metric without k is none",
     )
     parser.add_argument("--time", type=float, metavar="T", help="which slice of a SpECTRE file with several")
     parser.add_argument("--surface", metavar="NAME", help="which surface of a SpECTRE file with several")
@@ -84,6 +73,9 @@ def configure(parser: argparse.ArgumentParser) -> None:
         metavar="FOLDER",
     )
     add_vertices_option(parser)
+    parser.add_argument(
+        "--wang-yau", action="store_true", help="add the Wang-Yau energy, the least over all time functions"
+    )
     add_json_option(parser, "print JSON: an object, or a list of them")
 
 
@@ -95,16 +87,10 @@ def run(options: argparse.Namespace) -> int:
     geometry = _geometry(options)
     stems = _stems(options.files)
     horizons = [_horizon(name, options, geometry) for name in options.files]
-    if options.output:
-        try:
-            options.output.mkdir(parents=True, exist_ok=True)
-        except OSError as error:
-            raise FileError(f"cannot make the folder {options.output}: {error.strerror}") from None
-        for stem in stems:
-            for path in _outputs(options, stem).values():
-                check_target(path)
+    _make_folder(options, stems)
     reports, drawn, status = [], dict[Path, tuple[Panel, dict[str, Any]]](), OK
-    for stem, found in zip(stems, embed_horizons(horizons, number), strict=True):
+    found_ones = embed_horizons(horizons, number, wang_yau=options.wang_yau)
+    for stem, found in zip(stems, found_ones, strict=True):
         reports.append(found.report)
         if options.output:
             outputs = _outputs(options, stem)
@@ -121,6 +107,18 @@ def run(options: argparse.Namespace) -> int:
     if drawn:
         _draw(drawn)
     return status
+
+
+def _make_folder(options: argparse.Namespace, stems: list[str]) -> None:
+    """Make the folder that is asked for, and see that files can be written there."""
+    if options.output:
+        try:
+            options.output.mkdir(parents=True, exist_ok=True)
+        except OSError as error:
+            raise FileError(f"cannot make the folder {options.output}: {error.strerror}") from None
+        for stem in stems:
+            for path in _outputs(options, stem).values():
+                check_target(path)
 
 
 def _outputs(options: argparse.Namespace, stem: str) -> Outputs:
@@ -173,23 +171,11 @@ def _caption(report: dict[str, Any]) -> str:
 
 
 def _geometry(options: argparse.Namespace) -> ThreeGeometry | None:
-    name, mass = options.geometry, 1.0 if options.mass is None else options.mass
-    spin = options.spin or (0.0, 0.0, 0.0)
-    if name not in GEOMETRIES:
-        for given in ("mass", "spin"):
-            if getattr(options, given) is not None:
-                raise UsageError(f"--{given} needs a --geometry among {', '.join(GEOMETRIES)}")
-        if name is None:
-            return None
-        if not input_ending(name):
-            raise UsageError(f"--geometry {name}: there are {', '.join(GEOMETRIES)}, or a file of a 3-metric")
-        return read_cartesian_grid(name)
-    if name == "kerr-schild":
-        horizon_radius(mass, spin)  # refuses a spin beyond the mass
-        return KerrSchild(mass, spin)
-    if any(spin):
-        raise UsageError(f"the geometry {name} has no spin: take kerr-schild")
-    return IsotropicSchwarzschild(mass) if name == "isotropic" else PainleveGullstrand(mass)
+    """The slice, if one is named, and refusals of options that do not go together."""
+    if options.geometry is None:
+        refuse_given(options, OF_SLICE, "needs a --geometry")
+        return None
+    return slice_named(options.geometry, options)
 
 
 def _stems(files: list[str]) -> list[str]:
@@ -221,4 +207,4 @@ def _horizon(name: str, options: argparse.Namespace, geometry: ThreeGeometry | N
         raise UsageError(f"{name} holds no coordinates that an --axis could be given in")
     if isinstance(found, CoordinateShape) and geometry is None:
         raise UsageError(f"{found.contents}: name it with --geometry")
-    return Horizon.of(found, geometry, axis=options.axis, marginal=options.marginal, name=name)
+    return Horizon.of(found, geometry, axis=options.axis, marginal=marginal(options), name=name)

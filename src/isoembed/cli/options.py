@@ -63,6 +63,22 @@ def add_vertices_option(parser: argparse.ArgumentParser) -> None:
     )
 
 
+def add_marginal_options(parser: argparse.ArgumentParser, subject: str, otherwise: str) -> None:
+    """Add the options that say whether a surface is a horizon."""
+    decision = parser.add_mutually_exclusive_group()
+    decision.add_argument(
+        "--marginal", action="store_true", help=f"{subject} a horizon, k^2 = p^2 ({otherwise})"
+    )
+    decision.add_argument(
+        "--not-marginal", action="store_true", help=f"{subject} no horizon: k and p are taken as they are"
+    )
+
+
+def marginal(options: argparse.Namespace) -> bool | None:
+    """Whether the surface is a horizon, if that is said."""
+    return True if options.marginal else False if options.not_marginal else None
+
+
 def vertices(options: argparse.Namespace) -> int:
     """How many vertices the mesh of a smooth surface has.
 

@@ -48,6 +48,7 @@ from isoembed.relativity.spacetimes.star_surface import StarSurface
 from isoembed.relativity.spacetimes.surface import Surface
 from isoembed.relativity.spacetimes.surface_data import SurfaceData
 from isoembed.relativity.spacetimes.three_geometry import AnalyticCallable, CallableGeometry, ThreeGeometry
+from isoembed.relativity.spacetimes.translated import Translated
 
 __all__ = [
     "AnalyticCallable",
@@ -82,6 +83,7 @@ __all__ = [
     "SurfaceData",
     "ThreeGeometry",
     "TimeFunction",
+    "Translated",
     "WangYau",
     "embed_horizons",
     "embed_surface",

@@ -142,7 +142,9 @@ class EmbeddedHorizon:
         )
 
 
-def embed_horizons(horizons: Iterable[Horizon], vertices: int = 1000) -> Iterator[EmbeddedHorizon]:
+def embed_horizons(
+    horizons: Iterable[Horizon], vertices: int = 1000, *, wang_yau: bool = False
+) -> Iterator[EmbeddedHorizon]:
     """Embeddings of a sequence of horizons, each from the one before or, where that fails, from a mesh.
 
     Parameters
@@ -150,6 +152,8 @@ def embed_horizons(horizons: Iterable[Horizon], vertices: int = 1000) -> Iterato
     horizons : iterable of Horizon
     vertices : int
         Of the mesh.
+    wang_yau : bool
+        Whether to report the least Wang-Yau energy, too.
 
     Yields
     ------
@@ -163,7 +167,8 @@ def embed_horizons(horizons: Iterable[Horizon], vertices: int = 1000) -> Iterato
         except NotEmbedded as error:
             yield EmbeddedHorizon(None, _of_horizon(horizon, unembedded_report(horizon.data, error)))
         else:
-            yield EmbeddedHorizon(before, _of_horizon(horizon, before.report))
+            report = wang_yau_report(before)[0] if wang_yau else before.report
+            yield EmbeddedHorizon(before, _of_horizon(horizon, report))
 
 
 def _of_horizon(horizon: Horizon, report: dict[str, Any]) -> dict[str, Any]:

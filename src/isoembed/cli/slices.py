@@ -1,0 +1,198 @@
+"""Slices of spacetime from the options that name them: closed forms, and files of grids."""
+
+import argparse
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from isoembed.cli.screen import UsageError
+from isoembed.errors import InvalidParameter
+from isoembed.io.files import input_ending
+from isoembed.relativity.spacetimes.boosted import BoostedSchwarzschild, Superposed
+from isoembed.relativity.spacetimes.boyer_lindquist import BoyerLindquist
+from isoembed.relativity.spacetimes.cartesian_grid import read_cartesian_grid
+from isoembed.relativity.spacetimes.conformally_flat import BrillLindquist, IsotropicSchwarzschild
+from isoembed.relativity.spacetimes.kerr_schild import KerrSchild, horizon_radius
+from isoembed.relativity.spacetimes.painleve_gullstrand import PainleveGullstrand
+from isoembed.relativity.spacetimes.three_geometry import ThreeGeometry
+from isoembed.relativity.spacetimes.translated import Translated
+
+OF_SLICE = ("mass", "spin", "center", "velocity", "masses", "positions", "velocities")
+DEFAULTS = {"mass": 1.0, "spin": (0.0, 0.0, 0.0)}
+
+
+@dataclass(frozen=True)
+class ClosedForm:
+    """A slice in closed form, and the options that make it.
+
+    Attributes
+    ----------
+    make : callable
+        Takes what was given, by the names of the options.
+    takes, needs : tuple of str
+        Options that may be given, and those that must be.
+    """
+
+    make: Callable[..., ThreeGeometry]
+    takes: tuple[str, ...] = ()
+    needs: tuple[str, ...] = ()
+
+
+def _kerr_schild(mass: float, spin: Sequence[float]) -> ThreeGeometry:
+    geometry = KerrSchild(mass, spin)
+    horizon_radius(mass, spin)  # refuses a spin beyond the mass
+    return geometry
+
+
+def _superposed(masses: Sequence[float], positions: list[Any], velocities: list[Any]) -> ThreeGeometry:
+    if not len(masses) == len(positions) == len(velocities):
+        raise UsageError(
+            f"{len(masses)} masses at {len(positions)} positions with {len(velocities)} velocities: there "
+            "must be one of each for every hole"
+        )
+    holes = []
+    for k, hole in enumerate(zip(masses, velocities, positions, strict=True)):
+        try:
+            holes.append(BoostedSchwarzschild(*hole))
+        except InvalidParameter as error:
+            raise InvalidParameter(f"hole {k}: {error}") from None
+    return Superposed(holes)
+
+
+CLOSED_FORMS = {
+    "brill-lindquist": ClosedForm(BrillLindquist, needs=("masses", "positions")),
+    "kerr-schild": ClosedForm(_kerr_schild, takes=("mass", "spin", "center")),
+    "boyer-lindquist": ClosedForm(BoyerLindquist, takes=("mass", "spin", "center")),
+    "isotropic": ClosedForm(IsotropicSchwarzschild, takes=("mass", "center")),
+    "painleve-gullstrand": ClosedForm(PainleveGullstrand, takes=("mass", "center")),
+    "boosted": ClosedForm(BoostedSchwarzschild, takes=("mass", "center"), needs=("velocity",)),
+    "superposed": ClosedForm(_superposed, needs=("masses", "positions", "velocities")),
+}
+
+
+def add_geometry_option(parser: argparse.ArgumentParser, purpose: str) -> None:
+    """Add the option that names a slice."""
+    parser.add_argument(
+        "--geometry",
+        metavar="GEOMETRY",
+        help=f"{purpose}: a file (.h5 .hdf5 .npz) with gxx ... gzz, and kxx ... kzz, on a Cartesian grid; or "
+        f"one of {', '.join(CLOSED_FORMS)}",
+    )
+
+
+def add_hole_options(parser: argparse.ArgumentParser) -> None:
+    """Add the mass and the spin of a closed form with one hole."""
+    parser.add_argument("--mass", type=float, metavar="M", help="of the closed-form geometry (default 1)")
+    parser.add_argument(
+        "--spin",
+        type=float,
+        nargs=3,
+        metavar=("AX", "AY", "AZ"),
+        help="the vector a = J/M of kerr-schild or boyer-lindquist, a length (default 0 0 0)",
+    )
+
+
+def add_slice_options(parser: argparse.ArgumentParser) -> None:
+    """Add the options of closed forms besides mass and spin."""
+    coordinates = ("X", "Y", "Z")
+    parser.add_argument(
+        "--center", type=float, nargs=3, metavar=coordinates, help="where the one hole is (default 0 0 0)"
+    )
+    parser.add_argument(
+        "--velocity",
+        type=float,
+        nargs=3,
+        metavar=("VX", "VY", "VZ"),
+        help="of a boosted hole, over that of light",
+    )
+    parser.add_argument(
+        "--masses",
+        type=_number,
+        nargs="+",
+        metavar="M",
+        help="of brill-lindquist or superposed holes, as many as there are",
+    )
+    parser.add_argument(
+        "--positions", type=_number, nargs="+", metavar="X Y Z", help="theirs, three numbers for each"
+    )
+    parser.add_argument(
+        "--velocities",
+        type=_number,
+        nargs="+",
+        metavar="VX VY VZ",
+        help="those of superposed holes, three numbers for each",
+    )
+
+
+def slice_named(name: str, options: argparse.Namespace) -> ThreeGeometry:
+    """The slice of this name, a closed form or a file, with what the options say of it.
+
+    Raises
+    ------
+    UsageError, InvalidParameter, FileError
+        There is none, or an option does not go with it.
+    """
+    form, given = CLOSED_FORMS.get(name), _given(options)
+    if form is None:
+        if not input_ending(name):
+            raise UsageError(f"the geometry {name}: there are {', '.join(CLOSED_FORMS)}, or a file")
+        for option in given:
+            raise UsageError(f"--{option} does not go with the geometry {name}, a file")
+        return read_cartesian_grid(name)
+    known = (*form.needs, *form.takes)
+    for option in given:
+        if option not in known:
+            raise UsageError(f"--{option} does not go with the geometry {name}, which takes {_listed(known)}")
+    for option in form.needs:
+        if option not in given:
+            raise UsageError(f"the geometry {name} needs --{option}")
+    center = given.pop("center", None)
+    geometry = form.make(**{key: DEFAULTS[key] for key in form.takes if key in DEFAULTS} | given)
+    return geometry if center is None else Translated(geometry, center)
+
+
+def slice_label(name: str, options: argparse.Namespace) -> str:
+    """The slice in words, for reports: its name, and the options that were given."""
+    given = {option: value for option in OF_SLICE if (value := getattr(options, option)) is not None}
+    words = (f"{option} {' '.join(f'{x:.9g}' for x in np.ravel(value))}" for option, value in given.items())
+    return ", ".join([name, *words])
+
+
+def slice_stem(name: str) -> str:
+    """The slice in the name of a file."""
+    return Path(name).name.removesuffix(".gz").removesuffix(input_ending(name))
+
+
+def _given(options: argparse.Namespace) -> dict[str, Any]:
+    """What is given of a slice, by the names of the options; several vectors as a list."""
+    given = {name: value for name in OF_SLICE if (value := getattr(options, name)) is not None}
+    for name in given.keys() & {"positions", "velocities"}:
+        given[name] = _triples(name, given[name])
+    if (spin := given.get("spin")) is not None:
+        if len(spin) not in (1, 3):
+            raise UsageError(f"--spin takes one number, along z, or three, not {len(spin)}")
+        given["spin"] = [0.0, 0.0, *spin][-3:]
+    return given
+
+
+def _triples(name: str, flat: list[float]) -> list[list[float]]:
+    if len(flat) % 3:
+        raise UsageError(f"--{name} takes three numbers for each hole: {len(flat)} are not that")
+    return [flat[k : k + 3] for k in range(0, len(flat), 3)]
+
+
+def _number(text: str) -> float:
+    try:
+        return float(text)
+    except ValueError:
+        raise argparse.ArgumentTypeError(
+            f"{text!r} is not a number (files come before the options)"
+        ) from None
+
+
+def _listed(options: Sequence[str]) -> str:
+    *others, last = (f"--{option}" for option in options)
+    return f"{', '.join(others)} and {last}" if others else last
