@@ -1,0 +1,197 @@
+"""Triangulations laid out on the unit sphere with little distortion of lengths, angles and areas.
+
+A conformal layout has angles, but gives long arms of a surface hardly any room on the sphere, and functions
+on the surface high frequencies there.  From it the symmetric Dirichlet energy is minimized, the mean of
+``s1^2 + s2^2 + s1^-2 + s2^-2`` over the surface, s1 and s2 being the factors by which a triangle is
+stretched: it is infinite where a triangle collapses, so that no triangle turns over.
+
+References
+----------
+J. Smith and S. Schaefer, Bijective parameterization with free boundaries, ACM TOG 34 (2015).
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from functools import cached_property
+
+import numpy as np
+from scipy.sparse import coo_array, csc_array, diags_array
+
+from isoembed.arrays import Floats
+from isoembed.linalg import SingularMatrix, SymmetricFactor, analyze, dissect
+from isoembed.mesh.triangulation import Triangulation
+from isoembed.metric.conformal_sphere import conformal_sphere
+from isoembed.metric.curvature import Triangles
+from isoembed.metric.delaunay import delaunay
+from isoembed.metric.polyhedral import PolyhedralMetric
+from isoembed.progress.stages import Log, StageRecorder
+from isoembed.thresholds import threshold
+
+
+@dataclass(frozen=True)
+class LayoutThresholds:
+    """Thresholds of layouts of little distortion."""
+
+    steps: int = threshold(200, "count", "Steps of the minimization at most.")
+    memory: int = threshold(8, "count", "Last steps that tell its second derivatives.")
+    often: int = threshold(10, "count", "Steps after which the matrix that precedes them is made again.")
+    least: float = threshold(0.05, "cotangents", "Weight of an edge in it, at least.")
+    shift: float = threshold(1e-3, "relative", "What is added to its diagonal, over the weights' mean.")
+    enough: float = threshold(1e-4, "relative", "Part of the expected decrease that a step must make.")
+    shortest: float = threshold(1e-10, "relative", "Shorter steps end it.")
+    settled: float = threshold(1e-5, "relative", "Decrease of the energy by one step that ends it.")
+
+
+LAYOUT = LayoutThresholds()
+
+
+def sphere_layout(metric: PolyhedralMetric) -> Floats:
+    """Unit vectors (V, 3) of the vertices such that the triangles are little distorted and look outward.
+
+    Parameters
+    ----------
+    metric : PolyhedralMetric
+
+    Returns
+    -------
+    ndarray, shape (V, 3)
+        Of its Delaunay triangulation all triangles look outward, wherever that has a discretely conformal
+        layout without further flips; otherwise the conformal layout is returned as it is.
+    """
+    fine = delaunay(metric)
+    u = conformal_sphere(fine, StageRecorder("layout", Log())).points
+    if np.median(_orientations(fine.triangulation, u)) < 0.0:
+        u = -u
+    return least_distorted(fine, u)
+
+
+def least_distorted(metric: PolyhedralMetric, u: Floats) -> Floats:
+    """Unit vectors (V, 3) of the least symmetric Dirichlet energy of the triangles.
+
+    Parameters
+    ----------
+    metric : PolyhedralMetric
+    u : ndarray, shape (V, 3)
+        Unit vectors to begin with.  If some triangle does not look outward, they are returned as they are.
+
+    Notes
+    -----
+    L-BFGS, preconditioned by the Laplacian of the surface with the energy's weights.
+    """
+    energy = _Distortion(metric)
+    value, slope, weights = energy.at(u)
+    if not np.isfinite(value):
+        return u
+    memory = _Memory()
+    for step in range(LAYOUT.steps):
+        if step % LAYOUT.often == 0 or step < LAYOUT.often:
+            try:
+                factor = energy.preconditioner(weights)
+            except SingularMatrix:
+                return u
+        search = _tangent(memory.direction(slope, factor), u)
+        decrease = float(np.sum(search * slope))
+        if decrease <= 0.0:
+            memory, search = _Memory(), slope
+            decrease = float(np.sum(slope * slope))
+        length = 1.0
+        while True:
+            v = u - length * search
+            v /= np.linalg.norm(v, axis=1, keepdims=True)
+            new, new_slope, weights = energy.at(v)
+            if new <= value - LAYOUT.enough * length * decrease:
+                break
+            length /= 2.0
+            if length < LAYOUT.shortest:
+                return u
+        memory.add(v - u, new_slope - slope)
+        settled = value - new <= LAYOUT.settled * value
+        u, value, slope = v, new, new_slope
+        if settled:
+            break
+    return u
+
+
+class _Distortion:
+    """The symmetric Dirichlet energy of maps of a metric's triangles to the unit sphere, of equal area."""
+
+    def __init__(self, metric: PolyhedralMetric) -> None:
+        triangles = Triangles.of(metric.normalized.face_lengths)
+        self.triangulation, self.faces = metric.triangulation, metric.faces
+        # A corner lies at faces[f, c]; the side across from it is that from c + 1 to c + 2.
+        self.cotangents = triangles.cotangents
+        self.areas = triangles.areas * (4.0 * np.pi / triangles.areas.sum())
+
+    def at(self, u: Floats) -> tuple[float, Floats, Floats]:
+        """The energy, its derivatives (V, 3) along the sphere, and the triangles' weights (F,) in it.
+
+        The energy is infinite where a triangle does not look outward.
+        """
+        if not (_orientations(self.triangulation, u) > 0.0).all():
+            return np.inf, np.zeros_like(u), np.zeros(len(self.faces))
+        corners = u[self.faces]
+        sides = np.roll(corners, -2, axis=1) - np.roll(corners, -1, axis=1)
+        normals = np.cross(sides[:, 0], sides[:, 1])
+        areas = 0.5 * np.linalg.norm(normals, axis=1)
+        dirichlet = 0.5 * np.einsum("fc,fci,fci->f", self.cotangents, sides, sides)
+        inverse = (self.areas / areas) ** 2
+        weights = 1.0 + inverse
+        pulls = (weights[:, None] * self.cotangents)[:, :, None] * sides
+        # Of the derivative of an area: half of the unit normal times the side across.
+        pushes = np.cross(normals[:, None], sides) * (-0.5 * dirichlet * inverse / areas**2)[:, None, None]
+        forces = np.roll(pulls, 2, axis=1) - np.roll(pulls, 1, axis=1) + pushes
+        slope = np.zeros_like(u)
+        np.add.at(slope, self.faces, forces)
+        return float(dirichlet @ weights), _tangent(slope, u), weights
+
+    def preconditioner(self, weights: Floats) -> SymmetricFactor:
+        """The factorized Laplacian of the surface with these weights of the triangles."""
+        across = np.maximum(np.roll(self.cotangents, 1, axis=1), LAYOUT.least) * weights[:, None]
+        i, j = self.faces, np.roll(self.faces, -1, axis=1)
+        n = self.triangulation.n_vertices
+        half = coo_array((across.ravel(), (i.ravel(), j.ravel())), shape=(n, n)).tocsr()
+        edges = half + half.T
+        diagonal = edges.sum(axis=1) + LAYOUT.shift * weights.mean()
+        matrix = csc_array(diags_array(diagonal) - edges)
+        matrix.sort_indices()
+        return self._solver.factor(2.0 * matrix.data)
+
+    @cached_property
+    def _solver(self):  # type: ignore[no-untyped-def]
+        graph = self.triangulation.adjacency + diags_array(np.ones(self.triangulation.n_vertices))
+        return analyze(csc_array(graph), dissect(self.triangulation.adjacency).vertex_order())
+
+
+@dataclass
+class _Memory:
+    """Last steps and changes of the slope."""
+
+    pairs: list[tuple[Floats, Floats]] = field(default_factory=list)
+
+    def add(self, step: Floats, change: Floats) -> None:
+        if np.sum(step * change) > 0.0:
+            self.pairs = [*self.pairs, (step, change)][-LAYOUT.memory :]
+
+    def direction(self, slope: Floats, factor: SymmetricFactor) -> Floats:
+        """The two-loop recursion of L-BFGS."""
+        q, shares = slope.copy(), []
+        for step, change in reversed(self.pairs):
+            share = np.sum(step * q) / np.sum(step * change)
+            shares.append(share)
+            q -= share * change
+        z = factor.solve(q)
+        for (step, change), share in zip(self.pairs, reversed(shares), strict=True):
+            z += step * (share - np.sum(change * z) / np.sum(step * change))
+        return z
+
+
+def _orientations(triangulation: Triangulation, u: Floats) -> Floats:
+    """Six times the volumes (F,) of the tetrahedra from the center: positive of what looks outward."""
+    a, b, c = u[triangulation.faces].transpose(1, 0, 2)
+    return np.einsum("fi,fi->f", a, np.cross(b, c))
+
+
+def _tangent(vectors: Floats, u: Floats) -> Floats:
+    """The parts of vectors (n, 3) that are tangent to the unit sphere at u (n, 3)."""
+    return vectors - np.einsum("ni,ni->n", vectors, u)[:, None] * u
