@@ -1,4 +1,4 @@
-"""How a request can end badly: no metric, a parameter that makes no sense, no embedding, an interruption.
+"""How a request can end badly: no metric, a bad parameter, no embedding, no horizon, an interruption.
 
 And what is said about a mesh that is taken all the same.
 """
@@ -53,6 +53,30 @@ class NotEmbedded(RuntimeError):  # noqa: N818 - the contract's name
 
 class NoMinimum(RuntimeError):  # noqa: N818 - as the others
     """The search for a least energy ended where the energy still falls; the message says how fast."""
+
+
+class NoHorizon(RuntimeError):  # noqa: N818 - as the others
+    """No horizon, or no surface of the expansion asked for, was found; a sentence says why.
+
+    Parameters
+    ----------
+    message : str
+    least : float, optional
+        The least ``c R / 2`` of the surfaces of constant expansion c and areal radius R that were met on the
+        way, which is 1 for spheres in flat space and 0 on a horizon.
+
+    Attributes
+    ----------
+    least : float or None
+        As given.
+    """
+
+    def __init__(self, message: str, least: float | None = None) -> None:
+        super().__init__(message, least)  # both, for pickle
+        self.least = least
+
+    def __str__(self) -> str:
+        return str(self.args[0])
 
 
 class Interrupted(KeyboardInterrupt):

@@ -21,6 +21,12 @@ from isoembed.relativity.horizons.circumferences import Circumferences
 from isoembed.relativity.horizons.coordinate_shape import CoordinateShape
 from isoembed.relativity.horizons.curvature_check import CurvatureCheck
 from isoembed.relativity.horizons.expansion import ExpansionTest, expansion_test
+from isoembed.relativity.horizons.finder import (
+    FoundHorizon,
+    constant_expansion,
+    find_horizon,
+    find_horizons,
+)
 from isoembed.relativity.horizons.grid_file import read_grid_data, read_metric_grid, read_metric_or_grid
 from isoembed.relativity.horizons.horizon import Horizon
 from isoembed.relativity.horizons.horizon_file import read_horizon
@@ -64,6 +70,7 @@ __all__ = [
     "EmbeddedSurface",
     "Energies",
     "ExpansionTest",
+    "FoundHorizon",
     "Horizon",
     "HorizonFormat",
     "HorizonShape",
@@ -85,11 +92,14 @@ __all__ = [
     "TimeFunction",
     "Translated",
     "WangYau",
+    "constant_expansion",
     "embed_horizons",
     "embed_surface",
     "embeddability",
     "energy_table",
     "expansion_test",
+    "find_horizon",
+    "find_horizons",
     "find_spin",
     "kerr_surface",
     "mesh_energies",

@@ -131,9 +131,9 @@ class SphereTransform:
         across = [m / s * p for m, p in enumerate(P)]
         return [(along, False), (across, True)]
 
-    @property
+    @cached_property
     def _second(self) -> list[tuple[Tables, bool]]:
-        """Tables of the second derivatives, which are needed too seldom to be kept."""
+        """Tables of the second derivatives."""
         z, s = self._heights
         tt, tp, pp = [], [], []
         for m, (p, d, dd) in enumerate(zip(*self._legendre(2), strict=True)):

@@ -62,6 +62,11 @@ class BoostedSchwarzschild(AnalyticGeometry):
         return not any(self.velocity)
 
     @property
+    def black_holes(self) -> tuple[tuple[float, Sequence[float]], ...]:
+        """The mass and the position of each."""
+        return ((self.mass, self.position),)
+
+    @property
     def lorentz_factor(self) -> float:
         """``W = (1 - v^2)^(-1/2)``."""
         speed = float(np.linalg.norm(self.velocity))
@@ -141,6 +146,11 @@ class Superposed(AnalyticGeometry):
     def time_symmetric(self) -> bool:
         """See `ThreeGeometry`."""
         return all(hole.time_symmetric for hole in self.holes)
+
+    @property
+    def black_holes(self) -> tuple[tuple[float, Sequence[float]], ...]:
+        """The mass and the position of each."""
+        return tuple(each for hole in self.holes for each in getattr(hole, "black_holes", ()))
 
     def metric(self, x: Numbers) -> Numbers:
         """See `ThreeGeometry`; x may be complex."""

@@ -98,6 +98,12 @@ class CartesianGrid:
         """See `ThreeGeometry`."""
         return self.K is None
 
+    @property
+    def box(self) -> tuple[Floats, Floats]:
+        """The corners of the grid, each (3,)."""
+        origin = np.array(self.origin)
+        return origin, origin + (np.array(self.gamma.shape[1:]) - 1) * np.array(self.spacing)
+
     def metric(self, x: Floats) -> Floats:
         """See `ThreeGeometry`.
 

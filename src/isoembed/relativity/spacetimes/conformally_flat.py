@@ -16,13 +16,13 @@ class _Punctures(AnalyticGeometry):
 
     @property
     @abstractmethod
-    def _holes(self) -> tuple[tuple[float, Sequence[float]], ...]:
+    def black_holes(self) -> tuple[tuple[float, Sequence[float]], ...]:
         """The mass and the position of each."""
 
     def conformal_factor(self, x: Numbers) -> Numbers:
         """The factor psi (n,) at the points x (n, 3), which may be complex."""
         psi = np.ones(len(x), dtype=x.dtype)
-        for mass, position in self._holes:
+        for mass, position in self.black_holes:
             d = (x - np.array(position)) / mass
             r2 = np.einsum("ni,ni->n", d, d)
             refuse_points(r2.real <= 0.0, x, "is a puncture")
@@ -50,7 +50,8 @@ class IsotropicSchwarzschild(_Punctures):
         object.__setattr__(self, "mass", positive_number("the mass", self.mass))
 
     @property
-    def _holes(self) -> tuple[tuple[float, Sequence[float]], ...]:
+    def black_holes(self) -> tuple[tuple[float, Sequence[float]], ...]:
+        """The mass and the position of each."""
         return ((self.mass, (0.0, 0.0, 0.0)),)
 
 
@@ -84,5 +85,6 @@ class BrillLindquist(_Punctures):
         object.__setattr__(self, "positions", positions)
 
     @property
-    def _holes(self) -> tuple[tuple[float, Sequence[float]], ...]:
+    def black_holes(self) -> tuple[tuple[float, Sequence[float]], ...]:
+        """The mass and the position of each."""
         return tuple(zip(self.masses, self.positions, strict=True))

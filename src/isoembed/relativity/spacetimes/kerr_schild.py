@@ -41,6 +41,11 @@ class KerrSlice(AnalyticGeometry):
         return horizon_radius(self.mass, self.spin)
 
     @property
+    def black_holes(self) -> tuple[tuple[float, Sequence[float]], ...]:
+        """The mass and the position of each."""
+        return ((self.mass, (0.0, 0.0, 0.0)),)
+
+    @property
     def _a(self) -> Floats:
         """The spin over the mass."""
         return np.array(self.spin) / self.mass

@@ -1,5 +1,6 @@
 """Schwarzschild's black hole in slices that are flat."""
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -26,6 +27,11 @@ class PainleveGullstrand(AnalyticGeometry):
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "mass", positive_number("the mass", self.mass))
+
+    @property
+    def black_holes(self) -> tuple[tuple[float, Sequence[float]], ...]:
+        """The mass and the position of each."""
+        return ((self.mass, (0.0, 0.0, 0.0)),)
 
     def metric(self, x: Numbers) -> Numbers:
         """See `ThreeGeometry`."""

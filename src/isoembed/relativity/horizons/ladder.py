@@ -1,0 +1,194 @@
+"""Surfaces of constant expansion in higher and higher degree, until their expansion is right to rounding."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import partial
+
+import numpy as np
+
+from isoembed.meshing.sphere import gauss_rule
+from isoembed.relativity.horizons.newton import NoConvergence, Solution, solve
+from isoembed.relativity.horizons.surface_family import SurfaceFamily
+from isoembed.relativity.horizons.surface_level import Level, Shape
+from isoembed.relativity.spacetimes.star_surface import StarSurface
+from isoembed.relativity.spacetimes.three_geometry import ThreeGeometry
+from isoembed.smooth.harmonics import Harmonics
+from isoembed.smooth.sphere_transform import SphereTransform
+from isoembed.smooth.transforms import analyzed, resized
+from isoembed.smooth.two_metric import is_symmetric_about_z
+from isoembed.thresholds import threshold
+
+
+@dataclass(frozen=True)
+class LadderThresholds:
+    """Thresholds of the degree in which a surface of constant expansion is found."""
+
+    nodes: float = threshold(1.5, "relative", "Circles of latitude over the degree: aliasing is cut off.")
+    apart: int = threshold(5, "count", "Circles more than the degree where the expansion is tested.")
+    first: int = threshold(8, "count", "First degree.")
+    growth: float = threshold(1.4, "relative", "By which the degree grows, at least.")
+    highest: int = threshold(128, "count", "Highest degree.")
+    symmetric: int = threshold(512, "count", "Highest degree with symmetry about z.")
+    rounding: float = threshold(1e-13, "over the areal radius", "Expansion that is rounding.")
+    stalled: float = threshold(0.5, "relative", "Decrease of the expansion from degree to degree, at least.")
+    patience: int = threshold(2, "count", "Degrees in a row without it that end the search.")
+    off: float = threshold(0.01, "mean radius", "Distance of the center from the centroid that is moved.")
+    trials: int = threshold(6, "count", "Degrees in which a first solution is looked for.")
+
+
+LADDER = LadderThresholds()
+
+
+@dataclass(frozen=True, eq=False)
+class Rung:
+    """A surface of constant expansion in one degree.
+
+    Attributes
+    ----------
+    surface : StarSurface
+    level : Level
+    solution : Solution
+    residual : float
+        The largest difference from the expansion that was asked for, over the areal radius, at nodes that
+        were not used.
+    """
+
+    surface: StarSurface
+    level: Level
+    solution: Solution
+    residual: float
+
+
+def level_of(geometry: ThreeGeometry, surface: StarSurface) -> Level:
+    """The star-shaped surfaces about the same center and in the same harmonics."""
+    harmonics = surface.harmonics
+    n = int(LADDER.nodes * harmonics.degree) + 2
+    return _level(geometry, surface, n, 2 * n if harmonics.order else 1)
+
+
+def shape_apart(geometry: ThreeGeometry, surface: StarSurface) -> tuple[Level, Shape]:
+    """The surface at nodes that are not those of `level_of`."""
+    n = surface.harmonics.degree + LADDER.apart
+    n += n == int(LADDER.nodes * surface.harmonics.degree) + 2
+    level = _level(geometry, surface, n, 2 * n + 1 if surface.harmonics.order else 1)
+    return level, level.shape(surface.coefficients)
+
+
+def in_degree(surface: StarSurface, degree: int, symmetric: bool) -> StarSurface:
+    """The surface with its radius cut off, or filled up with zeros."""
+    harmonics = Harmonics(degree, 0 if symmetric else degree)
+    c = resized(surface.coefficients[:, None], surface.harmonics, harmonics)
+    return StarSurface(surface.center, harmonics, c[:, 0])
+
+
+def is_symmetric(geometry: ThreeGeometry, surface: StarSurface) -> bool:
+    """Whether surface and slice are symmetric about the z-axis, as far as the expansion tells."""
+    if surface.harmonics.order or any(surface.center[:2]):
+        return False
+    spheroid = np.zeros(Harmonics(2, 0).size)
+    spheroid[[0, 2]] = surface.coefficients[0] * np.array([1.0, 0.1])
+    others = (surface, StarSurface(surface.center, Harmonics(2, 0), spheroid))
+    return all(is_symmetric_about_z(partial(other.expansion, geometry)) for other in others)
+
+
+def climbed(
+    geometry: ThreeGeometry, start: StarSurface, expansion: float, *, symmetric: bool
+) -> tuple[Rung, int, str]:
+    """Surface of constant expansion near a given one, in the degree that it needs.
+
+    Parameters
+    ----------
+    geometry : ThreeGeometry
+    start : StarSurface
+    expansion : float
+    symmetric : bool
+        About z: slice and surface.
+
+    Returns
+    -------
+    Rung
+        The one of the least residual.
+    int
+        Newton's steps in all degrees.
+    str
+        Why it ended: ``"rounding"``, ``"stalled"`` or ``"exhausted"``.
+
+    Raises
+    ------
+    NoConvergence, InvalidMetric, InvalidParameter
+        See `isoembed.relativity.horizons.newton.solve`.
+    """
+    highest = LADDER.symmetric if symmetric else LADDER.highest
+    degree, steps, waited = max(LADDER.first, min(start.harmonics.degree, highest)), 0, 0
+    best: Rung | None = None
+    surface = start
+    while True:
+        surface = in_degree(surface, degree, symmetric)
+        level = level_of(geometry, surface)
+        try:
+            enough = 0.0 if best is None else 1e-3 * LADDER.rounding
+            solution = solve(level, surface.coefficients, expansion, enough)
+        except NoConvergence:
+            if best is not None:
+                return best, steps, "stalled"
+            if degree >= LADDER.first * LADDER.growth**LADDER.trials:
+                raise
+            degree = _next(degree)
+            continue
+        steps += solution.steps
+        surface = StarSurface(surface.center, surface.harmonics, solution.shape.f)
+        apart, shape = shape_apart(geometry, surface)
+        residual = apart.areal_radius(shape) * float(np.abs(shape.local.expansion - expansion).max())
+        waited = 0 if best is None or residual <= LADDER.stalled * best.residual else waited + 1
+        if best is None or residual < best.residual:
+            best = Rung(surface, level, solution, residual)
+        if residual <= LADDER.rounding:
+            return best, steps, "rounding"
+        if waited >= LADDER.patience:
+            return best, steps, "stalled"
+        if degree >= highest:
+            return best, steps, "exhausted"
+        degree = min(highest, _next(degree))
+        surface = recentered(surface, symmetric)
+
+
+def recentered(surface: StarSurface, symmetric: bool) -> StarSurface:
+    """The same surface about its centroid, as right as its harmonics are, if the center is off it."""
+    degree = surface.harmonics.degree
+    n = 2 * degree + 4
+    u, weights = gauss_rule(n, 2 * n)
+    r, slope, _ = surface.harmonics.derivatives(u, surface.coefficients)
+    volume = weights * r**3 / 3.0
+    off = (volume * 0.75 * r) @ u / volume.sum()
+    if symmetric:
+        off[:2] = 0.0
+    if np.linalg.norm(off) <= LADDER.off * surface.mean_radius:
+        return surface
+    # From the new center: the ray off + t u meets the surface.
+    u, weights = gauss_rule(degree + 1, 2 * degree + 2)
+    t = surface.radius(u)
+    for _ in range(50):
+        w = off + t[:, None] * u
+        size = np.linalg.norm(w, axis=1)
+        v = w / size[:, None]
+        r, slope, _ = surface.harmonics.derivatives(v, surface.coefficients)
+        along = np.einsum("ni,ni->n", v, u)
+        rate = along - np.einsum("ni,ni->n", slope, u) / size
+        change = (size - r) / np.maximum(rate, 0.1)
+        t = t - change
+        if np.abs(change).max() <= 1e-14 * size.max():
+            break
+    coefficients, harmonics = analyzed(t, u, weights, degree, surface.harmonics.order)
+    return StarSurface((np.array(surface.center) + off).tolist(), harmonics, coefficients)
+
+
+def _level(geometry: ThreeGeometry, surface: StarSurface, n: int, around: int) -> Level:
+    transform = SphereTransform(surface.harmonics, n, around)
+    return Level(geometry, transform, SurfaceFamily.star(surface.center, transform.u))
+
+
+def _next(degree: int) -> int:
+    """The next degree: 8, 12, 16, 24, 32, 48, ..."""
+    power = 1 << (degree.bit_length() - 1)
+    return 2 * power if degree >= 3 * power // 2 else 3 * power // 2

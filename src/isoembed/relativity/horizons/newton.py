@@ -1,0 +1,137 @@
+"""Newton's method for surfaces of constant expansion in a family, in spherical harmonics."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from isoembed.arrays import Floats
+from isoembed.errors import InvalidMetric, InvalidParameter
+from isoembed.relativity.horizons.surface_level import Equations, Level, Shape
+from isoembed.thresholds import threshold
+
+
+@dataclass(frozen=True)
+class NewtonThresholds:
+    """Thresholds of Newton's method for surfaces of constant expansion."""
+
+    steps: int = threshold(30, "count", "Most steps.")
+    longest: float = threshold(0.3, "radius", "Longest step, at any point.")
+    shortest: float = threshold(1.0 / 64.0, "relative", "Shortest part of a step that is tried.")
+    decrease: float = threshold(0.2, "relative", "Decrease of the residual over that of a linear one.")
+    again: float = threshold(0.02, "relative", "Decrease with which a linearization is used again.")
+    rounding: float = threshold(1e-9, "radius", "Residual below which one that falls no more is rounding.")
+    exact: float = threshold(1e-15, "radius", "Residual that cannot be improved.")
+
+
+NEWTON = NewtonThresholds()
+
+
+class NoConvergence(ArithmeticError):  # noqa: N818 - as the package's others
+    """Newton's method ended where the residual falls no more; the message says where."""
+
+
+@dataclass(frozen=True, eq=False)
+class Solution:
+    """A surface whose expansion is constant, but for what the harmonics do not resolve.
+
+    Attributes
+    ----------
+    shape : Shape
+    expansion : float
+    equations : Equations
+        At a surface nearby.
+    steps : int
+    """
+
+    shape: Shape
+    expansion: float
+    equations: Equations
+    steps: int
+
+
+def solve(level: Level, f: Floats, expansion: float | None, enough: float = 0.0) -> Solution:
+    """Surface of constant expansion near a given one.
+
+    Parameters
+    ----------
+    level : Level
+    f : ndarray, shape (size,)
+        Coefficients of the first surface.
+    expansion : float, optional
+        Without it the mean of f is held, and the expansion found.
+    enough : float
+        Residual, as a displacement over the radius, at which to stop.
+
+    Raises
+    ------
+    NoConvergence
+        There is none near by, or not where the slice is known.
+    InvalidMetric, InvalidParameter
+        The slice is not known on the first surface.
+    """
+    free = expansion is None
+    shape = level.shape(f)
+    if expansion is None:
+        expansion = float(level.transform.weights @ shape.local.expansion / (4.0 * np.pi))
+    equations, size = _linearized(level, shape, free), np.inf
+    for step in range(NEWTON.steps):
+        before, right = size, _residual(equations, shape, expansion)
+        size = float(np.linalg.norm(right)) / _size(shape)
+        if size <= max(enough, NEWTON.exact) or (size <= NEWTON.rounding and size > 0.5 * before):
+            return Solution(shape, expansion, equations, step)
+        change = equations.solved(right)
+        rate = float(change[0]) if free else 0.0
+        if free:
+            change[0] = 0.0
+        try:
+            part, shape, left = _moved(level, shape, change, expansion, rate, equations)
+        except NoConvergence:
+            if size <= NEWTON.rounding:
+                return Solution(shape, expansion, equations, step)
+            raise
+        expansion -= part * rate
+        if left > NEWTON.again * size:
+            equations = _linearized(level, shape, free)
+    raise NoConvergence(f"the residual is still {size:.2g} after {NEWTON.steps} steps")
+
+
+def _linearized(level: Level, shape: Shape, free: bool) -> Equations:
+    equations = level.equations(shape)
+    if equations.linear.tilt.min() <= 0.0:
+        raise NoConvergence("the surface folds over")
+    return replace(equations, free=free)
+
+
+def _moved(
+    level: Level, shape: Shape, change: Floats, expansion: float, rate: float, equations: Equations
+) -> tuple[float, Shape, float]:
+    """Part of a step that makes the residual smaller, the surface there and its residual over the radius."""
+    radius = _size(shape)
+    size = float(np.linalg.norm(_residual(equations, shape, expansion))) / radius
+    longest = float(np.abs(level.transform.values(change[:, None])).max())
+    part = min(1.0, NEWTON.longest * radius / longest) if longest > 0.0 else 1.0
+    why = f"the residual {size:.2g} falls no more"
+    while part >= NEWTON.shortest:
+        try:
+            trial = level.shape(shape.f - part * change)
+        except (InvalidMetric, InvalidParameter) as error:
+            why = str(error)
+        else:
+            left = float(np.linalg.norm(_residual(equations, trial, expansion - part * rate))) / radius
+            if left <= (1.0 - NEWTON.decrease * part) * size:
+                return part, trial, left
+        part *= 0.5
+    raise NoConvergence(why)
+
+
+def _residual(equations: Equations, shape: Shape, expansion: float) -> Floats:
+    """The projection (size,) of what the expansion is more than the given one."""
+    return equations.projected((shape.local.expansion - expansion)[:, None])[:, 0]
+
+
+def _size(shape: Shape) -> float:
+    """The radius of a surface in coordinates."""
+    x = shape.surface.value
+    return float(np.sqrt(np.mean(np.sum((x - x.mean(axis=0)) ** 2, axis=1))))
