@@ -21,6 +21,7 @@ _HOME = {
     "InvalidMetric": "isoembed.errors",
     "InvalidParameter": "isoembed.errors",
     "MeshNote": "isoembed.errors",
+    "NoHorizon": "isoembed.errors",
     "NoMinimum": "isoembed.errors",
     "NotEmbedded": "isoembed.errors",
     "Triangulation": "isoembed.mesh.triangulation",
@@ -53,6 +54,7 @@ if TYPE_CHECKING:
     from isoembed.errors import InvalidMetric as InvalidMetric
     from isoembed.errors import InvalidParameter as InvalidParameter
     from isoembed.errors import MeshNote as MeshNote
+    from isoembed.errors import NoHorizon as NoHorizon
     from isoembed.errors import NoMinimum as NoMinimum
     from isoembed.errors import NotEmbedded as NotEmbedded
     from isoembed.gluing.net import glue as glue

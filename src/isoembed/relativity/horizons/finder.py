@@ -240,9 +240,9 @@ def _least(sweep: Sweep) -> str:
     least = sweep.least
     center = ", ".join(f"{x:.4g}" for x in least.surface.center)
     return (
-        f"there is no horizon: on the way inwards the surfaces of constant expansion c and areal radius R have "
-        f"c R / 2 >= {least.fall:.6g}, at R = {least.areal_radius:.6g} around ({center}), where it ended: "
-        f"{sweep.why}"
+        "there is no horizon: of the surfaces of constant expansion c and areal radius R, from the first one "
+        f"on, the least c R / 2 is {least.fall:.6g}, at R = {least.areal_radius:.6g} around ({center}), and "
+        f"on a horizon it is 0; they ended because {sweep.why}"
     )
 
 
@@ -284,9 +284,7 @@ def _uncertain(geometry: ThreeGeometry, rung: Rung, equations: Equations, expans
 
     by_slice = equations.projected(geometry.error(theta).T)[:, 0]
     level, apart = shape_apart(geometry, surface)
-    left = replace(level.equations(apart), low=equations.low).projected(
-        (apart.local.expansion - expansion)[:, None]
-    )[:, 0]
+    left = level.equations(apart).projected((apart.local.expansion - expansion)[:, None])[:, 0]
     deviations = np.stack([equations.solved(by_slice), equations.solved(left)]) * np.sqrt(2.0)
     harmonics = surface.harmonics
     misfit = float(np.sqrt(np.mean(np.sum(deviations**2, axis=1)) / (4.0 * np.pi)))

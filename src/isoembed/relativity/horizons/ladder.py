@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from functools import partial
+from functools import lru_cache, partial
 
 import numpy as np
 
@@ -34,6 +34,7 @@ class LadderThresholds:
     stalled: float = threshold(0.5, "relative", "Decrease of the expansion from degree to degree, at least.")
     patience: int = threshold(2, "count", "Degrees in a row without it that end the search.")
     off: float = threshold(0.01, "mean radius", "Distance of the center from the centroid that is moved.")
+    moves: int = threshold(3, "count", "How often the center is moved.")
     trials: int = threshold(6, "count", "Degrees in which a first solution is looked for.")
 
 
@@ -122,7 +123,7 @@ def climbed(
     highest = LADDER.symmetric if symmetric else LADDER.highest
     degree, steps, waited = max(LADDER.first, min(start.harmonics.degree, highest)), 0, 0
     best: Rung | None = None
-    surface = start
+    surface, moves = start, 0
     while True:
         surface = in_degree(surface, degree, symmetric)
         level = level_of(geometry, surface)
@@ -138,6 +139,10 @@ def climbed(
             continue
         steps += solution.steps
         surface = StarSurface(surface.center, surface.harmonics, solution.shape.f)
+        centered = recentered(surface, symmetric)
+        if centered is not surface and moves < LADDER.moves:
+            surface, moves = centered, moves + 1
+            continue
         apart, shape = shape_apart(geometry, surface)
         residual = apart.areal_radius(shape) * float(np.abs(shape.local.expansion - expansion).max())
         waited = 0 if best is None or residual <= LADDER.stalled * best.residual else waited + 1
@@ -150,7 +155,6 @@ def climbed(
         if degree >= highest:
             return best, steps, "exhausted"
         degree = min(highest, _next(degree))
-        surface = recentered(surface, symmetric)
 
 
 def recentered(surface: StarSurface, symmetric: bool) -> StarSurface:
@@ -184,8 +188,14 @@ def recentered(surface: StarSurface, symmetric: bool) -> StarSurface:
 
 
 def _level(geometry: ThreeGeometry, surface: StarSurface, n: int, around: int) -> Level:
-    transform = SphereTransform(surface.harmonics, n, around)
+    transform = _transform(surface.harmonics, n, around)
     return Level(geometry, transform, SurfaceFamily.star(surface.center, transform.u))
+
+
+@lru_cache(maxsize=4)
+def _transform(harmonics: Harmonics, n: int, around: int) -> SphereTransform:
+    """A transform with its tables, which one surface after the other needs."""
+    return SphereTransform(harmonics, n, around)
 
 
 def _next(degree: int) -> int:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from functools import cached_property
+from functools import cached_property, lru_cache
 
 import numpy as np
 from scipy.linalg import lu_factor, lu_solve
@@ -28,7 +28,7 @@ class LevelThresholds:
     """Thresholds of linear equations for surfaces in harmonics."""
 
     dense: int = threshold(300, "count", "Harmonics up to which equations are solved directly.")
-    block: int = threshold(10, "count", "Degree of those whose equations precondition more of them.")
+    block: int = threshold(8, "count", "Degree of those whose equations precondition more of them.")
     krylov: int = threshold(100, "count", "Most iterations, without a restart.")
     linear: float = threshold(1e-8, "relative", "Residual of linear equations.")
 
@@ -82,12 +82,7 @@ class Level:
     def equations(self, shape: Shape) -> Equations:
         """Those for changes of f that change the expansion as asked for."""
         linear = linearized(self.geometry, self.family, shape.surface, shape.fields, shape.local)
-        return Equations(self.transform, self.low, linear)
-
-    @cached_property
-    def low(self) -> LowDegrees:
-        """The harmonics whose equations are solved directly."""
-        return LowDegrees.of(self.transform)
+        return Equations(self.transform, LowDegrees.of(self.transform), linear)
 
 
 @dataclass(frozen=True, eq=False)
@@ -102,8 +97,9 @@ class LowDegrees:
     hessians: Floats
     place: Indices
 
-    @classmethod
-    def of(cls, transform: SphereTransform) -> LowDegrees:
+    @staticmethod
+    @lru_cache(maxsize=1)
+    def of(transform: SphereTransform) -> LowDegrees:
         """All that a transform has if they are few, and otherwise some."""
         T, harmonics = transform, transform.harmonics
         if harmonics.size > LEVEL.dense:
@@ -112,7 +108,7 @@ class LowDegrees:
         places = {label: i for i, label in enumerate(zip(*harmonics.labels, strict=True))}
         place = np.array([places[label] for label in zip(*T.harmonics.labels, strict=True)])
         one = np.eye(T.harmonics.size)
-        return cls(T.values(one), T.gradients(one), T.hessians(one), place)
+        return LowDegrees(T.values(one), T.gradients(one), T.hessians(one), place)
 
 
 @dataclass(frozen=True, eq=False)

@@ -34,7 +34,8 @@ class SweepThresholds:
     smallest: float = threshold(1e-3, "first radius", "Mean radius at which the sweep ends.")
     turned: float = threshold(1.2, "relative", "Rise of c R / 2 over its least value that ends the sweep.")
     flat: float = threshold(1e-6, "relative", "Change of c R / 2 that is none.")
-    settled: float = threshold(1e-9, "relative", "Change of the least expansion that is none.")
+    settled: float = threshold(1e-11, "over the areal radius", "Change of the least expansion that is none.")
+    sign: float = threshold(0.1, "relative", "The same with which its sign is known.")
     near: float = threshold(0.3, "c R / 2", "Least value that is found in higher degrees.")
     refinements: int = threshold(20, "count", "Most steps to the least expansion in one degree.")
 
@@ -122,7 +123,7 @@ def swept(geometry: ThreeGeometry, start: StarSurface, *, symmetric: bool) -> Sw
         except (NoConvergence, InvalidMetric, InvalidParameter) as error:
             factor = np.sqrt(factor)
             if factor > SWEEP.shortest:
-                return _ended(geometry, leaves, str(error), symmetric)
+                return _ended(geometry, leaves, f"no smaller one was found: {error}", symmetric)
             continue
         leaves.append(leaf)
         if (leaf.expansion <= 0.0) != outward:
@@ -132,7 +133,7 @@ def swept(geometry: ThreeGeometry, start: StarSurface, *, symmetric: bool) -> Sw
         if abs(leaf.fall) > SWEEP.turned * abs(least.fall) and least is not leaves[0]:
             return _ended(geometry, leaves, "it grows again", symmetric)
         if not SWEEP.smallest < leaf.surface.mean_radius / largest < 1.0 / SWEEP.smallest:
-            return _ended(geometry, leaves, "the surfaces are as small as points", symmetric)
+            return _ended(geometry, leaves, "they have become as small as points", symmetric)
 
 
 def leaf_of(geometry: ThreeGeometry, guess: StarSurface, *, symmetric: bool) -> Leaf:
@@ -161,8 +162,17 @@ def leaf_of(geometry: ThreeGeometry, guess: StarSurface, *, symmetric: bool) -> 
     )
 
 
-def least_expansion(geometry: ThreeGeometry, leaf: Leaf, *, symmetric: bool) -> Leaf:
+def least_expansion(geometry: ThreeGeometry, leaf: Leaf, *, symmetric: bool, settled: float) -> Leaf:
     """The surface of the least expansion of those near a given one.
+
+    Parameters
+    ----------
+    geometry : ThreeGeometry
+    leaf : Leaf
+    symmetric : bool
+        About z: slice and surface.
+    settled : float
+        Relative change of the least expansion with the degree that is none.
 
     Raises
     ------
@@ -177,7 +187,7 @@ def least_expansion(geometry: ThreeGeometry, leaf: Leaf, *, symmetric: bool) -> 
             return leaf
         finer = in_degree(leaf.surface, min(highest, 3 * degree // 2), symmetric)
         new = _minimized(geometry, leaf_of(geometry, finer, symmetric=symmetric), symmetric)
-        if abs(new.expansion - leaf.expansion) <= SWEEP.settled / new.areal_radius:
+        if abs(new.expansion - leaf.expansion) <= settled * abs(new.expansion):
             return new
         leaf = new
 
@@ -193,7 +203,7 @@ def _minimized(geometry: ThreeGeometry, leaf: Leaf, symmetric: bool) -> Leaf:
         step = -b.rate * (fb - fa) / (b.rate - a.rate)
         step = float(np.clip(step, -0.1 * fb, 0.1 * fb))
         a, b = b, leaf_of(geometry, b.moved(1.0 + step / fb), symmetric=symmetric)
-        if abs(step * b.rate) <= 0.1 * SWEEP.settled / b.areal_radius:
+        if abs(step * b.rate) <= SWEEP.settled / b.areal_radius:
             break
     return b
 
@@ -203,7 +213,7 @@ def _ended(geometry: ThreeGeometry, leaves: list[Leaf], why: str, symmetric: boo
     least = min(leaves, key=lambda leaf: abs(leaf.fall))
     if 0.0 < least.fall < SWEEP.near and least is not leaves[0]:
         try:
-            finer = least_expansion(geometry, least, symmetric=symmetric)
+            finer = least_expansion(geometry, least, symmetric=symmetric, settled=SWEEP.sign)
         except (NoConvergence, InvalidMetric, InvalidParameter):
             return Sweep(None, least, why)
         before = leaves[leaves.index(least) - 1]

@@ -1,0 +1,128 @@
+"""Horizons that are found: masses and stability of closed forms, a table of pairs of holes, failures."""
+
+import numpy as np
+import pytest
+
+from isoembed.errors import InvalidParameter, NoHorizon
+from isoembed.meshing.sphere import gauss_rule
+from isoembed.relativity.horizons.finder import constant_expansion, find_horizon, find_horizons
+from isoembed.relativity.spacetimes.boosted import BoostedSchwarzschild
+from isoembed.relativity.spacetimes.conformally_flat import BrillLindquist, IsotropicSchwarzschild
+from isoembed.relativity.spacetimes.kerr_schild import KerrSchild
+from isoembed.relativity.spacetimes.painleve_gullstrand import PainleveGullstrand
+from isoembed.relativity.spacetimes.star_surface import StarSurface
+from isoembed.relativity.spacetimes.three_geometry import AnalyticCallable, CallableGeometry
+
+FLAT = AnalyticCallable(lambda x: np.tile(np.eye(3), (len(x), 1, 1)))
+
+
+def pair(d, masses=(0.5, 0.5), *, tilt=0.0, center=(0.0, 0.0, 0.0)):
+    """Two holes at a distance, on an axis that is tilted from z towards x."""
+    half = 0.5 * d * np.array([np.sin(tilt), 0.0, np.cos(tilt)])
+    return BrillLindquist(masses, (half + center, -half + center))
+
+
+def largest_expansion(horizon):
+    """At points of its own: a second computation, by harmonics that are summed one by one."""
+    u, _ = gauss_rule(17, 35)
+    return np.abs(horizon.surface.expansion(horizon.geometry, u)).max()
+
+
+@pytest.mark.parametrize(
+    "geometry",
+    [IsotropicSchwarzschild(2.0), PainleveGullstrand(2.0), KerrSchild(2.0, (0.0, 0.0, 0.0))],
+    ids=lambda geometry: type(geometry).__name__,
+)
+def test_schwarzschild(geometry):
+    horizon = find_horizon(geometry)
+    assert horizon.irreducible_mass == pytest.approx(2.0, rel=1e-14)
+    # L = -Laplacian + 1 / R^2 where the slice is time-symmetric; d theta / dn = 1 / 4 M^2 in all three.
+    assert horizon.stability == pytest.approx(1.0, abs=1e-9)
+    assert horizon.outer
+    assert largest_expansion(horizon) < 1e-13
+
+
+@pytest.mark.parametrize("spin", [(0.0, 0.0, 0.9), (0.3, -0.4, 0.5)])
+def test_kerr_up_and_tilted(spin):
+    geometry = KerrSchild(1.0, spin)
+    horizon = find_horizon(geometry)
+    exact = StarSurface.from_radius(geometry.spheroid(geometry.horizon))
+    u, _ = gauss_rule(9, 19)
+    assert np.abs(horizon.surface.points(u) - exact.points(u)).max() < 1e-12
+    assert horizon.irreducible_mass == pytest.approx(np.sqrt(0.5 * geometry.horizon), rel=1e-13)
+    assert 0.0 < horizon.stability < 1.0
+
+
+def test_a_hole_in_motion_has_the_area_of_one_at_rest():
+    horizon = find_horizon(BoostedSchwarzschild(1.0, (0.2, 0.3, 0.1), (1.0, 2.0, 3.0)))
+    assert horizon.area == pytest.approx(16.0 * np.pi, rel=1e-12)
+    assert horizon.residual < 1e-12
+
+
+@pytest.mark.parametrize(
+    ("d", "masses", "mass"),
+    [
+        (0.5, (0.5, 0.5), 0.998248418),
+        (0.6, (0.5, 0.5), 0.996294662),
+        (0.7, (0.5, 0.5), 0.992722898),
+        (0.765, (0.5, 0.5), 0.988481603),
+        (0.5, (0.2, 0.8), 0.999007214),
+    ],
+)
+def test_common_horizons_of_two_holes(d, masses, mass):
+    horizon = find_horizon(pair(d, masses))
+    assert horizon.irreducible_mass == pytest.approx(mass, abs=6e-10)
+    assert horizon.outer
+    assert horizon.residual < 1e-12
+    assert horizon.surface.harmonics.order == 0
+
+
+def test_the_same_off_the_axis():
+    upright, tilted = find_horizon(pair(0.5)), find_horizon(pair(0.5, tilt=0.7, center=(0.1, 0.2, 0.3)))
+    assert tilted.area == pytest.approx(upright.area, rel=1e-13)
+    assert tilted.stability == pytest.approx(upright.stability, abs=1e-10)
+
+
+def test_two_separate_horizons():
+    horizons = find_horizons(pair(1.0))
+    assert [horizon.irreducible_mass for horizon in horizons] == pytest.approx([0.624999260] * 2, abs=6e-10)
+    assert "2 separate outermost horizons" in find_horizon(pair(1.0, (0.4, 0.6))).notes[0]
+
+
+def test_the_horizon_near_a_guess():
+    horizon = find_horizon(pair(0.5), StarSurface.sphere((0.0, 0.0, 0.25), 0.15))
+    assert horizon.irreducible_mass == pytest.approx(0.749986858, abs=6e-10)
+
+
+def test_units_do_not_matter():
+    horizons = [find_horizon(pair(0.5 * L, (0.5 * L, 0.5 * L))) for L in (1e-3, 1.0, 1e6)]
+    masses = [h.irreducible_mass / L for h, L in zip(horizons, (1e-3, 1.0, 1e6), strict=True)]
+    assert masses == pytest.approx([masses[1]] * 3, rel=1e-13)
+    assert [h.stability for h in horizons] == pytest.approx([horizons[1].stability] * 3, rel=1e-9)
+
+
+def test_surfaces_of_constant_expansion():
+    # theta = 2 / r (1 - sqrt(2 M / r))
+    sphere = constant_expansion(PainleveGullstrand(1.0), 0.05, StarSurface.sphere((0.0, 0.0, 0.1), 2.2))
+    r = sphere.surface.mean_radius
+    u, _ = gauss_rule(9, 19)
+    assert 2.0 / r * (1.0 - np.sqrt(2.0 / r)) == pytest.approx(0.05, abs=1e-12)
+    assert np.abs(np.linalg.norm(sphere.surface.points(u), axis=1) - r).max() < 1e-11
+
+
+def star(x):
+    """A ball of constant density in isotropic coordinates, more compact than M / R = 0.3."""
+    r2 = np.einsum("ni,ni->n", x, x)
+    return (1.0 + 0.2 / np.sqrt(0.3 + r2))[:, None, None] ** 4 * np.eye(3)
+
+
+@pytest.mark.parametrize(("geometry", "least"), [(FLAT, 1.0), (AnalyticCallable(star), 0.7)])
+def test_no_horizon(geometry, least):
+    with pytest.raises(NoHorizon, match="there is no horizon") as failure:
+        find_horizon(geometry, StarSurface.sphere((0.0, 0.0, 0.0), 3.0))
+    assert failure.value.least == pytest.approx(least, abs=0.1)
+
+
+def test_where_to_look_is_not_known():
+    with pytest.raises(InvalidParameter, match="give a guess"):
+        find_horizon(CallableGeometry(star, 1.0))
