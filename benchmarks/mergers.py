@@ -1,0 +1,244 @@
+"""Surfaces without symmetry, horizons of two black holes first: is what is found right, and what does it cost?
+
+    python benchmarks/mergers.py [--only PART ...] [--json FILE]
+
+Parts.  "bodies": metrics of known surfaces in poor coordinates, seen from a bad center or through maps that
+bend.  "horizons": of Brill and Lindquist's slice, against the shooting of mergers_horizons.py: upright, tilted
+by 0.7, and tilted in a pair of holes off the origin with a surface about another center.  "kerr": horizons in
+tilted Kerr-Schild slices, against quadrature; those beyond Smarr's limit have to be refused.  "ends": where
+common horizons end and where the waist of one has K = 0, by roots of what is found.  "grids": Brown-York and
+Wang-Yau energies of surfaces of a slice on Cartesian grids of three spacings, and how fast they settle.
+"cost": seconds, steps and memory at degrees 32, 64 and 128.
+
+True and stated errors are relative ones of int H dA = int k0 dA / 2, "ratio" is the one over the other, 0
+where there is only rounding.  What is asked stands beside what was attained.  Seconds are those of the
+processor.
+"""
+
+import argparse
+import json
+import time
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+
+from honesty_truth import kerr_horizon
+from isoembed import InvalidMetric, InvalidParameter, NotEmbedded
+from isoembed.relativity import BrillLindquist, KerrSchild, StarSurface, embed_surface
+from isoembed.smooth import embed_smooth
+from mergers_bodies import bodies
+from mergers_horizons import TABLE, Holes
+
+PARTS = ("bodies", "horizons", "kerr")
+ROUNDING = 1e-13
+TILT = 0.7
+AXIS = (0.36, 0.48, 0.8)  # about which it is tilted
+OFF = (0.3, -0.2, 0.1)  # of the pair of holes, from the origin
+ASIDE = 0.3  # of the center of a surface, over its least radius
+EMBEDDED = (0.0, 0.2, 0.4, 0.6, 0.8, 0.86, 0.865, 0.866)
+REFUSED = (0.8665, 0.867, 0.87, 0.88, 0.9, 0.95, 0.99)
+SIXTY = 60.0  # seconds in which a refusal is asked for
+
+
+@dataclass(frozen=True)
+class Row:
+    """What was found of one input: errors of int H dA, relative, or why there is none."""
+
+    name: str
+    seconds: float
+    asked: float  # of the true error, 0 where a refusal is asked for
+    true: float | None = None
+    stated: float | None = None
+    residual: float | None = None
+    degree: int | None = None
+    refusal: str = ""
+
+    @property
+    def ratio(self):
+        if self.true is None or self.true <= ROUNDING:
+            return 0.0
+        return self.true / self.stated if self.stated > 0.0 else np.inf
+
+    @property
+    def good(self):
+        if self.asked == 0.0:
+            return bool(self.refusal) and self.seconds <= SIXTY
+        return self.true is not None and self.true <= self.asked and self.ratio <= 1.0
+
+    def __str__(self):
+        if self.true is None:
+            return f"{self.name:52} {self.seconds:6.1f} s  refused: {self.refusal}"
+        verdict = "" if self.good else "   <-- asked: " + (f"{self.asked:.0e}" if self.asked else "a refusal")
+        return (
+            f"{self.name:52} {self.seconds:6.1f} s  true {self.true:7.1e}  stated {self.stated:7.1e}  "
+            f"ratio {self.ratio:7.2g}  residual {self.residual:7.1e}  degree {self.degree:3d}{verdict}"
+        )
+
+
+def measured(name, truth, asked, solve):
+    """A row, printed: `solve` returns int H dA, its error, and the `SmoothEmbedding`."""
+    started = time.process_time()
+    try:
+        value, error, found = solve()
+    except (InvalidMetric, InvalidParameter, NotEmbedded) as why:
+        row = Row(name, time.process_time() - started, asked, refusal=f"{type(why).__name__}: {why}")
+    else:
+        row = Row(
+            name,
+            time.process_time() - started,
+            asked,
+            abs(value / truth - 1.0),
+            error / truth,
+            found.residual,
+            found.harmonics.degree,
+        )
+    print(row, flush=True)
+    return row
+
+
+def of_metric(metric):
+    def solve():
+        found = embed_smooth(metric)
+        return found.integrated_mean_curvature, found.curvature_error, found
+
+    return solve
+
+
+def of_surface(data):
+    """`data` is called first, for its time counts."""
+
+    def solve():
+        found = embed_surface(data())
+        imc = found.energies.integrated_mean_curvature
+        return imc.value, imc.error, found.embedding
+
+    return solve
+
+
+def of_bodies():
+    for body in bodies():
+        truth = body.integrals(body.nodes)[1] if body.truth is None else body.truth
+        yield measured(body.name, truth, 1e-10 if body.positive else 1e-6, of_metric(body))
+
+
+def turn(angle=TILT):
+    """The rotation by an angle about the axis, by Rodrigues's formula."""
+    x, y, z = AXIS
+    K = np.array([[0.0, -z, y], [z, 0.0, -x], [-y, x, 0.0]])
+    return np.eye(3) + np.sin(angle) * K + (1.0 - np.cos(angle)) * K @ K
+
+
+def seen_from(radius, at):
+    """The radius, by direction, about a point `at` (3,) inside of the surface r = radius(u), by Newton's method."""
+
+    def other(u):
+        t = radius(u)
+        for _ in range(60):
+            x = at + t[:, None] * u
+            r = np.linalg.norm(x, axis=1)
+            off = r - radius(x / r[:, None])
+            h = 1e-6 * t
+            y = at + (t + h)[:, None] * u
+            s = np.linalg.norm(y, axis=1)
+            step = off * h / (s - radius(y / s[:, None]) - off)
+            t = t - step
+            if np.abs(step).max() < 1e-15 * t.max():
+                break
+        return t
+
+    return other
+
+
+def placed(holes, found, where):
+    """The slice and the surface of a horizon that was found along z."""
+    rotation = np.eye(3) if where == "upright" else turn()
+    center = np.array([0.0, 0.0, 0.5 * (found.top + found.bottom)])
+    profile = found.radius()
+
+    def radius(u):
+        return profile(u @ rotation[:, 2])
+
+    origin = np.array(OFF) if where == "off center" else np.zeros(3)
+    positions = [tuple(origin + h * rotation[:, 2]) for h in holes.heights]
+    center = origin + rotation @ center
+    if where == "off center":
+        least = float(profile(np.linspace(-1.0, 1.0, 999)).min())
+        aside = ASIDE * least * (0.8 * rotation[:, 0] + 0.6 * rotation[:, 2])
+        radius, center = seen_from(radius, aside), center + aside
+    return BrillLindquist(holes.masses, positions), StarSurface.from_radius(radius, tuple(center))
+
+
+def of_horizons():
+    for name, (masses, distance, top, bottom, plane) in TABLE.items():
+        holes = Holes(masses, distance)
+        found = holes.horizon(top, bottom, plane)
+        asked = 1e-8 if found.least_curvature > 0.0 else 1e-6
+        for where in ("upright", "tilted", "off center"):
+
+            def data(holes=holes, found=found, where=where):
+                slice_, surface = placed(holes, found, where)
+                return surface.data(slice_, marginal=True)
+
+            yield measured(
+                f"{name}, {where}",
+                found.integrated_mean_curvature,
+                1e-8 if where == "upright" else asked,
+                of_surface(data),
+            )
+
+
+def of_kerr():
+    axis = turn()[:, 2]
+    for a in EMBEDDED + REFUSED:
+
+        def data(a=a):
+            slice_ = KerrSchild(1.0, tuple(a * axis))
+            return StarSurface.from_radius(slice_.spheroid(slice_.horizon)).data(slice_, marginal=True)
+
+        truth = kerr_horizon(a).truth()["integrated_mean_curvature"]
+        asked = 0.0 if a in REFUSED else 1e-9
+        yield measured(f"tilted Kerr-Schild, a = {a:g}", truth, asked, of_surface(data))
+
+
+def summary(rows):
+    """The last lines."""
+    embedded = [r for r in rows if r.asked]
+    given = [r for r in embedded if r.true is not None]
+    if not rows:
+        return
+    ratios = np.array([r.ratio for r in given])
+    print(f"\nto be embedded: {len(embedded)}, refused: {len(embedded) - len(given)} (asked: 0)")
+    if given:
+        worst = max(given, key=lambda r: r.ratio)
+        print(f"as right as asked: {sum(r.true <= r.asked for r in given)} of {len(embedded)}")
+        print(f"ratio above 1: {np.sum(ratios > 1.0)} (asked: 0); the largest {worst.ratio:.2g}: {worst.name}")
+        excess = [r.stated / max(r.true, ROUNDING) for r in given]
+        print(f"median of stated over true: {np.median(excess):.3g}")
+    refused = [r for r in rows if not r.asked]
+    if refused:
+        print(
+            f"without an embedding: {len(refused)}, refused: {sum(bool(r.refusal) for r in refused)} "
+            f"(asked: all), the slowest in {max(r.seconds for r in refused):.0f} s (asked: {SIXTY:.0f})"
+        )
+
+
+def main():
+    parser = argparse.ArgumentParser(
+        description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
+    )
+    parser.add_argument("--only", nargs="+", choices=PARTS, default=PARTS, metavar="PART")
+    parser.add_argument("--json", type=Path, metavar="FILE", help="write all rows")
+    options = parser.parse_args()
+    rows = {}
+    for part in options.only:
+        print(f"\n{part}\n")
+        rows[part] = list({"bodies": of_bodies, "horizons": of_horizons, "kerr": of_kerr}[part]())
+        summary(rows[part])
+    if options.json:
+        found = {part: [{**vars(r), "ratio": r.ratio} for r in some] for part, some in rows.items()}
+        options.json.write_text(json.dumps(found, indent=1))
+
+
+if __name__ == "__main__":
+    main()
