@@ -25,7 +25,7 @@ import numpy as np
 
 from honesty_truth import kerr_horizon
 from isoembed import InvalidMetric, InvalidParameter, NotEmbedded
-from isoembed.relativity import BrillLindquist, KerrSchild, StarSurface, embed_surface
+from isoembed.relativity import BrillLindquist, KerrSchild, MappedSurface, StarSurface, embed_surface
 from isoembed.smooth import embed_smooth
 from mergers_bodies import bodies
 from mergers_horizons import TABLE, Holes
@@ -38,6 +38,7 @@ OFF = (0.3, -0.2, 0.1)  # of the pair of holes, from the origin
 ASIDE = 0.3  # of the center of a surface, over its least radius
 EMBEDDED = (0.0, 0.2, 0.4, 0.6, 0.8, 0.86, 0.865, 0.866)
 REFUSED = (0.8665, 0.867, 0.87, 0.88, 0.9, 0.95, 0.99)
+MAPPED = ("equal, d = 0.5, inner",)  # as rho and z by the length of the meridian
 SIXTY = 60.0  # seconds in which a refusal is asked for
 
 
@@ -150,23 +151,32 @@ def seen_from(radius, at):
     return other
 
 
-def placed(holes, found, where):
-    """The slice and the surface of a horizon that was found along z."""
+def placed(holes, found, where, mapped=False):
+    """The slice and the surface of a horizon that was found along z; mapped where no radius is smooth enough."""
     rotation = np.eye(3) if where == "upright" else turn()
-    center = np.array([0.0, 0.0, 0.5 * (found.top + found.bottom)])
+    origin = np.array(OFF) if where == "off center" else np.zeros(3)
+    slice_ = BrillLindquist(holes.masses, [tuple(origin + h * rotation[:, 2]) for h in holes.heights])
+    aside = ASIDE * (0.8 * rotation[:, 0] + 0.6 * rotation[:, 2]) if where == "off center" else np.zeros(3)
+    if mapped:
+        across, along = found.meridian()
+
+        def point(u):
+            v = u @ rotation + aside @ rotation
+            v /= np.linalg.norm(v, axis=1)[:, None]
+            R = across(v[:, 2])
+            return origin + np.stack([R * v[:, 0], R * v[:, 1], along(v[:, 2])], axis=1) @ rotation.T
+
+        return slice_, MappedSurface.from_map(point)
     profile = found.radius()
+    aside = aside * float(profile(np.linspace(-1.0, 1.0, 999)).min())
+    center = origin + 0.5 * (found.top + found.bottom) * rotation[:, 2]
 
     def radius(u):
         return profile(u @ rotation[:, 2])
 
-    origin = np.array(OFF) if where == "off center" else np.zeros(3)
-    positions = [tuple(origin + h * rotation[:, 2]) for h in holes.heights]
-    center = origin + rotation @ center
-    if where == "off center":
-        least = float(profile(np.linspace(-1.0, 1.0, 999)).min())
-        aside = ASIDE * least * (0.8 * rotation[:, 0] + 0.6 * rotation[:, 2])
-        radius, center = seen_from(radius, aside), center + aside
-    return BrillLindquist(holes.masses, positions), StarSurface.from_radius(radius, tuple(center))
+    if aside.any():
+        return slice_, StarSurface.from_radius(seen_from(radius, aside), tuple(center + aside))
+    return slice_, StarSurface.from_radius(radius, tuple(center))
 
 
 def of_horizons():
@@ -176,8 +186,8 @@ def of_horizons():
         asked = 1e-8 if found.least_curvature > 0.0 else 1e-6
         for where in ("upright", "tilted", "off center"):
 
-            def data(holes=holes, found=found, where=where):
-                slice_, surface = placed(holes, found, where)
+            def data(holes=holes, found=found, where=where, name=name):
+                slice_, surface = placed(holes, found, where, name in MAPPED)
                 return surface.data(slice_, marginal=True)
 
             yield measured(

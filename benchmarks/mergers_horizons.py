@@ -16,6 +16,7 @@ from scipy.optimize import brentq, minimize_scalar, root
 TOLERANCE = 1e-13  # of the integration
 START = 1e-5  # distance from the axis, over the distance from the nearest hole
 LONGEST = 5.0  # arc length, over the sum of the masses
+WAIST = 0.4
 SHORT = 0.01  # steps where values between them count
 ENDS = 0.766197428  # of common horizons, equal masses whose sum is 1
 FLAT_WAIST = 0.62783144  # the least distance with K = 0
@@ -180,28 +181,52 @@ class Horizon:
         change = -sin * turn + 2.0 * (cos / psi - rho * forward / psi**2) * forward + 2.0 * rho / psi * bend
         return -change / (psi**4 * rho)
 
+    def _points(self, off, theta):
+        """rho and z on both curves where a function off(rho, z, s, theta) vanishes, s the part of the length."""
+        upper, lower = self._curves
+        first, last = upper.y[0, 0], lower.y[0, 0]  # as far as the axis is from where they begin
+        middle = first + upper.t[-1]
+        length = middle + lower.t[-1] + last
+
+        def at(s):
+            side, curve, s = (1, upper, s - first) if s <= middle else (-1, lower, length - last - s)
+            rho, z = curve.sol(s)[:2]
+            return rho, side * z
+
+        found = [brentq(lambda s, t=t: off(*at(s), s / length, t), 0.0, length, xtol=1e-15) for t in theta]
+        return np.array([at(s) for s in found]).T
+
     def radius(self, degree=200, center=None):
         """The radius about a point of the axis as a polynomial in the cosine z of the direction."""
         center = 0.5 * (self.top + self.bottom) if center is None else center
         theta = np.pi * (np.arange(degree) + 0.5) / degree
-        r = np.empty(degree)
-        upper, lower = self._curves
-        for i, t in enumerate(theta):
-            rho, z = upper.y[0, -1], self.plane - center
-            side, curve = (1, upper) if np.arctan2(rho, z) > t else (-1, lower)
+        rho, z = self._points(
+            lambda rho, z, _, t: rho * np.cos(t) - (z - center) * np.sin(t), theta
+        )
+        return interpolated(np.hypot(rho, z - center))
 
-            def off(s, side=side, curve=curve, t=t):
-                rho, z = curve.sol(s)[:2]
-                return rho * np.cos(t) - (side * z - center) * np.sin(t)
+    def meridian(self, degree=200):
+        """rho / sin(theta) and z, polynomials in cos(theta), theta growing with the length of the curve.
 
-            s = brentq(off, 0.0, curve.t[-1], xtol=1e-15)
-            rho, z = curve.sol(s)[:2]
-            r[i] = np.hypot(rho, side * z - center)
-        k = np.arange(degree)
-        c = 2.0 / degree * np.cos(np.outer(k, theta)) @ r
-        c[0] *= 0.5
-        last = int(np.flatnonzero(np.abs(c) > 2e-15 * c[0])[-1]) + 1
-        return lambda z: chebyshev.chebval(z, c[:last])
+        It grows 1 + WAIST times as fast halfway as on the average.
+        """
+        theta = np.pi * (np.arange(degree) + 0.5) / degree
+
+        def off(rho, z, s, t):
+            return s - 0.5 * WAIST / np.pi * np.sin(2.0 * np.pi * s) - t / np.pi
+
+        rho, z = self._points(off, theta)
+        return interpolated(rho / np.sin(theta)), interpolated(z)
+
+
+def interpolated(values):
+    """The polynomial in cos(theta) with these values at cell-centered theta, without its rounding."""
+    n = len(values)
+    theta = np.pi * (np.arange(n) + 0.5) / n
+    c = 2.0 / n * np.cos(np.outer(np.arange(n), theta)) @ values
+    c[0] *= 0.5
+    last = int(np.flatnonzero(np.abs(c) > 2e-15 * np.abs(c).max())[-1]) + 1
+    return lambda z: chebyshev.chebval(z, c[:last])
 
 
 def last_distance():
