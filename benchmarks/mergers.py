@@ -1,14 +1,11 @@
-"""Surfaces without symmetry, horizons of two black holes first: is what is found right, and what does it cost?
+"""Surfaces without symmetry, horizons of mergers first: what is right, and what does it cost?
 
     python benchmarks/mergers.py [--only PART ...] [--json FILE]
 
 Parts.  "bodies": metrics of known surfaces in poor coordinates, seen from a bad center or through maps that
-bend.  "horizons": of Brill and Lindquist's slice, against the shooting of mergers_horizons.py: upright, tilted
-by 0.7, and tilted in a pair of holes off the origin with a surface about another center.  "kerr": horizons in
-tilted Kerr-Schild slices, against quadrature; those beyond Smarr's limit have to be refused.  "ends": where
-common horizons end and where the waist of one has K = 0, by roots of what is found.  "grids": Brown-York and
-Wang-Yau energies of surfaces of a slice on Cartesian grids of three spacings, and how fast they settle.
-"cost": seconds, steps and memory at degrees 32, 64 and 128.
+bend.  "horizons": of Brill and Lindquist's slice, against the shooting of mergers_horizons.py: upright,
+tilted by 0.7, and tilted in a pair of holes off the origin with a surface about another center.  "kerr":
+horizons in tilted Kerr-Schild slices, against quadrature; those beyond Smarr's limit have to be refused.
 
 True and stated errors are relative ones of int H dA = int k0 dA / 2, "ratio" is the one over the other, 0
 where there is only rounding.  What is asked stands beside what was attained.  Seconds are those of the
@@ -131,7 +128,7 @@ def turn(angle=TILT):
 
 
 def seen_from(radius, at):
-    """The radius, by direction, about a point `at` (3,) inside of the surface r = radius(u), by Newton's method."""
+    """The radius about a point `at` (3,) inside of the surface r = radius(u), by Newton's method."""
 
     def other(u):
         t = radius(u)
@@ -152,7 +149,7 @@ def seen_from(radius, at):
 
 
 def placed(holes, found, where, mapped=False):
-    """The slice and the surface of a horizon that was found along z; mapped where no radius is smooth enough."""
+    """The slice and the surface of a horizon that was found along z."""
     rotation = np.eye(3) if where == "upright" else turn()
     origin = np.array(OFF) if where == "off center" else np.zeros(3)
     slice_ = BrillLindquist(holes.masses, [tuple(origin + h * rotation[:, 2]) for h in holes.heights])
@@ -222,7 +219,9 @@ def summary(rows):
     if given:
         worst = max(given, key=lambda r: r.ratio)
         print(f"as right as asked: {sum(r.true <= r.asked for r in given)} of {len(embedded)}")
-        print(f"ratio above 1: {np.sum(ratios > 1.0)} (asked: 0); the largest {worst.ratio:.2g}: {worst.name}")
+        print(
+            f"ratio above 1: {np.sum(ratios > 1.0)} (asked: 0); the largest {worst.ratio:.2g}: {worst.name}"
+        )
         excess = [r.stated / max(r.true, ROUNDING) for r in given]
         print(f"median of stated over true: {np.median(excess):.3g}")
     refused = [r for r in rows if not r.asked]

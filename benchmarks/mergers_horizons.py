@@ -120,9 +120,7 @@ class Horizon:
     @cached_property
     def _curves(self):
         step = SHORT * (self.top - self.bottom)
-        return [
-            self.holes.shot(h, side, self.plane, step) for h, side in ((self.top, 1), (self.bottom, -1))
-        ]
+        return [self.holes.shot(h, side, self.plane, step) for h, side in ((self.top, 1), (self.bottom, -1))]
 
     @property
     def area(self):
@@ -182,7 +180,7 @@ class Horizon:
         return -change / (psi**4 * rho)
 
     def _points(self, off, theta):
-        """rho and z on both curves where a function off(rho, z, s, theta) vanishes, s the part of the length."""
+        """rho and z on both curves where off(rho, z, s, theta) vanishes, s the part of the length."""
         upper, lower = self._curves
         first, last = upper.y[0, 0], lower.y[0, 0]  # as far as the axis is from where they begin
         middle = first + upper.t[-1]
@@ -200,9 +198,7 @@ class Horizon:
         """The radius about a point of the axis as a polynomial in the cosine z of the direction."""
         center = 0.5 * (self.top + self.bottom) if center is None else center
         theta = np.pi * (np.arange(degree) + 0.5) / degree
-        rho, z = self._points(
-            lambda rho, z, _, t: rho * np.cos(t) - (z - center) * np.sin(t), theta
-        )
+        rho, z = self._points(lambda rho, z, _, t: rho * np.cos(t) - (z - center) * np.sin(t), theta)
         return interpolated(np.hypot(rho, z - center))
 
     def meridian(self, degree=200):
@@ -230,7 +226,7 @@ def interpolated(values):
 
 
 def last_distance():
-    """The largest distance with a common horizon, equal masses whose sum is 1: the largest over its height."""
+    """The largest distance with a common horizon, equal masses whose sum is 1, and its height."""
 
     def distance(height):
         def off(d):
