@@ -14,6 +14,7 @@ from numpy.typing import ArrayLike
 from isoembed.arrays import Floats, Mask
 from isoembed.errors import InvalidMetric
 from isoembed.meshing.sphere import angles_of, fibonacci_directions
+from isoembed.smooth.uncertain import EXACT, Uncertainty
 from isoembed.thresholds import threshold
 
 
@@ -102,10 +103,13 @@ class PulledBack:
         Takes unit vectors u (n, 3) and returns dX (n, 3, 3): ``dX @ v`` is the derivative of X along v.
     ambient : callable, optional
         Takes the same u and returns the 3-metric (n, 3, 3) at X(u); by default the Euclidean one.
+    error : Uncertainty
+        Of lengths, relative.
     """
 
     differential: Callable[[Floats], Floats]
     ambient: Callable[[Floats], Floats] | None = None
+    error: Uncertainty = EXACT
 
     def tensor(self, u: Floats) -> Floats:
         """See `TwoMetric`."""

@@ -1,0 +1,108 @@
+"""Axes of symmetry of metrics, wherever they point: turned onto z, a metric is that of a surface of revolution."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from isoembed.arrays import Floats
+from isoembed.meshing.sphere import fibonacci_directions
+from isoembed.smooth.geodesics import definite_tensor
+from isoembed.smooth.sphere_map import SphereMap, metric_in
+from isoembed.smooth.two_metric import TwoMetric, angle_frame, area_density, is_axisymmetric
+from isoembed.thresholds import threshold
+
+
+@dataclass(frozen=True)
+class SymmetryThresholds:
+    """Thresholds of the search for an axis of symmetry."""
+
+    directions: int = threshold(150, "count", "Directions at which the metric is compared.")
+    step: float = threshold(1e-3, "radians", "Step of the differences for gradients.")
+    candidate: float = threshold(1e-3, "relative", "Change about an axis over that about others.")
+    turns: tuple[float, float] = threshold((1.1, 2.9), "radians", "Angles by which it is turned about the axis.")
+    tilt: float = threshold(1e-4, "radians", "Step of the differences for the tilt of the axis.")
+    polished: int = threshold(3, "count", "Newton steps by which the axis gets its digits.")
+
+
+SYMMETRY = SymmetryThresholds()
+
+
+def axis_of_symmetry(metric: TwoMetric) -> Floats | None:
+    """A rotation R (3, 3) that takes the z-axis to an axis of symmetry of a metric; None if it has none.
+
+    ``metric_in(metric, SphereMap.linear(R))`` is then symmetric about z as `is_axisymmetric` sees it.  Of a
+    metric that is symmetric about z itself, such as that of a sphere, R is the unit matrix.
+
+    Raises
+    ------
+    InvalidMetric
+        The metric is not positive definite at one of the directions that are looked at.
+
+    Notes
+    -----
+    Of a function f that is symmetric about a, ``a . (u x grad f) = 0`` for all u: the axis is the null vector
+    of as many equations as there are directions.  The area density and the trace are such functions.
+    """
+    if is_axisymmetric(metric):
+        return np.eye(3)
+    u = fibonacci_directions(SYMMETRY.directions)
+    _, sizes, axes = np.linalg.svd(_turning(metric, u))
+    if sizes[2] > SYMMETRY.candidate * sizes[1]:
+        return None
+    axis = _polished(metric, u, axes[2])
+    R = _onto(axis if axis[2] >= 0.0 else -axis)
+    return R if is_axisymmetric(metric_in(metric, SphereMap.linear(R))) else None
+
+
+def _invariants(metric: TwoMetric, u: Floats) -> Floats:
+    """Two functions (n, 2) that know nothing of the frame: of the area density, and of the trace over it."""
+    q = definite_tensor(metric, u)
+    density = area_density(q)
+    return np.stack([np.log(density), np.trace(q, axis1=1, axis2=2) / density], axis=1)
+
+
+def _turning(metric: TwoMetric, u: Floats) -> Floats:
+    """``u x grad f`` (2 n, 3) of both invariants f: how they change under rotations about x, y and z."""
+    rows = []
+    for e in angle_frame(u):
+        slope = np.zeros((len(u), 2))
+        for k, weight in ((1.0, 8.0), (2.0, -1.0)):
+            for sign in (-1.0, 1.0):
+                angle = sign * k * SYMMETRY.step
+                moved = np.cos(angle) * u + np.sin(angle) * e
+                slope += sign * weight / (12.0 * SYMMETRY.step) * _invariants(metric, moved)
+        rows.append(np.cross(u, e)[:, None, :] * slope[:, :, None])
+    return (rows[0] + rows[1]).reshape(-1, 3)
+
+
+def _polished(metric: TwoMetric, u: Floats, axis: Floats) -> Floats:
+    """The axis nearby about which the invariants change least."""
+
+    def changes(axis: Floats) -> Floats:
+        axis = axis / np.linalg.norm(axis)
+        values = [_invariants(metric, _turned(u, axis, angle)) for angle in (0.0, *SYMMETRY.turns)]
+        return np.diff(values, axis=0).ravel()
+
+    for _ in range(SYMMETRY.polished):
+        tilts = SYMMETRY.tilt * _onto(axis).T[:2]
+        slopes = np.stack([changes(axis + t) - changes(axis - t) for t in tilts], axis=1) / 2.0
+        axis = axis - np.linalg.lstsq(slopes, changes(axis), rcond=None)[0] @ tilts
+        axis /= np.linalg.norm(axis)
+    return axis
+
+
+def _turned(u: Floats, axis: Floats, angle: float) -> Floats:
+    """Rodrigues' rotation of u (n, 3)."""
+    along = (u @ axis)[:, None] * axis
+    return along + np.cos(angle) * (u - along) + np.sin(angle) * np.cross(axis, u)
+
+
+def _onto(axis: Floats) -> Floats:
+    """The least rotation (3, 3) that takes z to a unit vector; the half turn about x if that is -z."""
+    x, y, z = axis
+    if z < 0.0:
+        return _onto(-axis) @ np.diag([1.0, -1.0, -1.0])
+    c = 1.0 / (1.0 + z)
+    return np.array([[1.0 - c * x * x, -c * x * y, x], [-c * x * y, 1.0 - c * y * y, y], [-x, -y, z]])
