@@ -35,8 +35,8 @@ SPHERE_MAP = SphereMapThresholds()
 class SphereMap:
     """The diffeomorphism ``u = F(v) = G(v) / |G(v)|`` of the sphere of directions, G in harmonics.
 
-    The new directions v name the same points as the old ones u = F(v).  Linear maps seen from any point inside
-    are of degree 1: ``u ~ A v - c``, rotations among them.
+    The new directions v name the same points as the old ones u = F(v).  Linear maps seen from any point
+    inside are of degree 1: ``u ~ A v - c``, rotations among them.
 
     Attributes
     ----------
@@ -67,8 +67,8 @@ class SphereMap:
         if not jacobian.min() > 0.0:
             i = int(np.argmin(jacobian))
             raise InvalidParameter(
-                f"the map of the sphere folds: its Jacobian is {jacobian[i]:.3g} in the direction "
-                f"{', '.join(f'{x:.6g}' for x in v[i])}"
+                f"the map of the sphere folds: its Jacobian is {jacobian[i]:.3g} "
+                f"in the direction {_written(v[i])}"
             )
 
     @classmethod
@@ -84,13 +84,13 @@ class SphereMap:
         return self._evaluated(v)[0]
 
     def differential(self, v: Floats) -> Floats:
-        """The differential dF (n, 3, 3): ``dF @ w`` is the derivative along a tangent vector w, ``dF @ v = 0``."""
+        """The differential dF (n, 3, 3): ``dF @ w`` is the derivative along w; ``dF @ v = 0``."""
         return self._evaluated(v)[1]
 
     def jacobian(self, v: Floats) -> Floats:
         """The area (n,) of the images of small areas over these, negative where the map reverses them."""
-        u, dF = self._evaluated(v)
-        return np.linalg.det(dF + u[:, :, None] * v[:, None, :])
+        u, slope = self._evaluated(v)
+        return np.linalg.det(_extended(slope, u, v))
 
     def inverse(self, u: Floats) -> Floats:
         """The new directions v (n, 3) of the old ones, F(v) = u, by Newton's method.
@@ -103,43 +103,32 @@ class SphereMap:
         u = np.asarray(u, dtype=np.float64)
         tree, starts = self._starts
         v = starts[tree.query(u)[1]]
-        image, dF = self._evaluated(v)
-        distance = np.linalg.norm(u - image, axis=1)
-        length = np.ones(len(u))
+        missed = np.linalg.norm(u - self.forward(v), axis=1)
+        part = np.ones(len(u))  # of a Newton step
         active = np.arange(len(u))
         for _ in range(SPHERE_MAP.steps):
-            # Of the error, the part that is tangent to the sphere at the image.
-            error = u[active] - image[active]
-            error -= np.einsum("ni,ni->n", error, image[active])[:, None] * image[active]
-            step = np.linalg.solve(
-                dF[active] + image[active][:, :, None] * v[active][:, None, :], error[:, :, None]
-            )[:, :, 0]
-            trial = v[active] + length[active, None] * step
-            trial /= np.linalg.norm(trial, axis=1)[:, None]
-            found, slope = self._evaluated(trial)
-            apart = np.linalg.norm(u[active] - found, axis=1)
-            better = apart < distance[active]
-            good = active[better]
-            v[good], image[good], dF[good] = trial[better], found[better], slope[better]
-            distance[good] = apart[better]
-            length[active] = np.where(better, np.minimum(1.0, 2.0 * length[active]), 0.5 * length[active])
-            done = (distance[active] <= SPHERE_MAP.exact) | (
-                ~better & (np.linalg.norm(error, axis=1) <= SPHERE_MAP.failed)
-            )
-            active = active[~done]
             if not active.size:
                 break
-        if not distance.max(initial=0.0) <= SPHERE_MAP.failed:
-            i = int(np.argmax(distance))
+            image, slope = self._evaluated(v[active])
+            error = u[active] - image
+            error -= np.einsum("ni,ni->n", error, image)[:, None] * image
+            step = np.linalg.solve(_extended(slope, image, v[active]), error[:, :, None])[:, :, 0]
+            trial = v[active] + part[active, None] * step
+            trial /= np.linalg.norm(trial, axis=1)[:, None]
+            misses = np.linalg.norm(u[active] - self.forward(trial), axis=1)
+            nearer = misses < missed[active]
+            v[active[nearer]] = trial[nearer]
+            part[active] *= np.where(nearer, 2.0, 0.5)
+            part = np.minimum(part, 1.0)
+            rounding = ~nearer & (missed[active] <= SPHERE_MAP.failed)
+            missed[active[nearer]] = misses[nearer]
+            active = active[~rounding & (missed[active] > SPHERE_MAP.exact)]
+        if not missed.max(initial=0.0) <= SPHERE_MAP.failed:
+            i = int(np.argmax(missed))
             raise InvalidParameter(
-                f"the map of the sphere could not be inverted: it misses {', '.join(f'{x:.6g}' for x in u[i])}"
-                f" by {distance[i]:.3g}"
+                f"the map of the sphere could not be inverted: {_written(u[i])} is missed by {missed[i]:.3g}"
             )
         return v
-
-    def turned(self, R: Floats) -> SphereMap:
-        """The map followed by the rotation R (3, 3)."""
-        return SphereMap(self.harmonics, self.coefficients @ np.asarray(R).T)
 
     @cached_property
     def _starts(self) -> tuple[cKDTree, Floats]:
@@ -149,13 +138,13 @@ class SphereMap:
     def _evaluated(self, v: Floats) -> tuple[Floats, Floats]:
         """F (n, 3) and dF (n, 3, 3)."""
         v = np.asarray(v, dtype=np.float64)
-        G, dG = np.empty((len(v), 3)), np.empty((len(v), 3, 3))
+        G, slope = np.empty((len(v), 3)), np.empty((len(v), 3, 3))
         for i, c in enumerate(self.coefficients.T):
-            G[:, i], dG[:, i], _ = self.harmonics.derivatives(v, np.ascontiguousarray(c))
+            G[:, i], slope[:, i], _ = self.harmonics.derivatives(v, np.ascontiguousarray(c))
         length = np.linalg.norm(G, axis=1)
         u = G / length[:, None]
-        dG -= u[:, :, None] * np.einsum("ni,nij->nj", u, dG)[:, None, :]
-        return u, dG / length[:, None, None]
+        slope -= u[:, :, None] * np.einsum("ni,nij->nj", u, slope)[:, None, :]
+        return u, slope / length[:, None, None]
 
 
 def metric_in(metric: TwoMetric, coordinates: SphereMap) -> PulledBack:
@@ -166,3 +155,12 @@ def metric_in(metric: TwoMetric, coordinates: SphereMap) -> PulledBack:
         lambda v: metric.tensor(coordinates.forward(v)),
         error if isinstance(error, Uncertainty) else EXACT,
     )
+
+
+def _extended(slope: Floats, u: Floats, v: Floats) -> Floats:
+    """The differential (n, 3, 3), and u itself along v: invertible where the map is."""
+    return slope + u[:, :, None] * v[:, None, :]
+
+
+def _written(u: Floats) -> str:
+    return f"({', '.join(f'{x:.6g}' for x in u)})"

@@ -1,4 +1,4 @@
-"""Axes of symmetry of metrics, wherever they point: turned onto z, a metric is that of a surface of revolution."""
+"""Axes of symmetry of metrics, wherever they point."""
 
 from __future__ import annotations
 
@@ -21,7 +21,9 @@ class SymmetryThresholds:
     directions: int = threshold(150, "count", "Directions at which the metric is compared.")
     step: float = threshold(1e-3, "radians", "Step of the differences for gradients.")
     candidate: float = threshold(1e-3, "relative", "Change about an axis over that about others.")
-    turns: tuple[float, float] = threshold((1.1, 2.9), "radians", "Angles by which it is turned about the axis.")
+    turns: tuple[float, float] = threshold(
+        (1.1, 2.9), "radians", "Angles by which it is turned about the axis."
+    )
     tilt: float = threshold(1e-4, "radians", "Step of the differences for the tilt of the axis.")
     polished: int = threshold(3, "count", "Newton steps by which the axis gets its digits.")
 

@@ -4,10 +4,18 @@ import numpy as np
 import pytest
 
 from isoembed.errors import InvalidMetric, InvalidParameter
-from isoembed.relativity import KerrNewmanSphere, KerrSchild, StarSurface, SurfaceData, read_grid_data
+from isoembed.meshing.sphere import fibonacci_directions, gauss_rule
+from isoembed.relativity import (
+    KerrNewmanSphere,
+    KerrSchild,
+    StarSurface,
+    SurfaceData,
+    read_grid_data,
+)
 from isoembed.relativity.energies.quadrature import intrinsic_energies
 from isoembed.smooth import GridMetric, UncertainFunction, Uncertainty
-from isoembed.smooth.two_metric import angle_frame
+from isoembed.smooth.sphere_map import SphereMap
+from isoembed.smooth.two_metric import angle_frame, area_density
 
 KERR = KerrSchild(1.0, (0.3, 0.0, 0.4))
 SURFACE = StarSurface.from_radius(KERR.spheroid(3.0)).data(KERR)
@@ -144,3 +152,29 @@ KERR_SPHERE = KerrNewmanSphere(3.0)
 def test_errors_of_lengths_are_not_negative(wrong):
     with pytest.raises(InvalidParameter, match="must not be negative"):
         SurfaceData(SURFACE, relative_error=wrong)
+
+
+def test_a_surface_in_other_directions_is_the_same_surface():
+    coordinates = SphereMap.linear(np.array([[1.3, 0.2, 0.0], [0.0, 1.0, -0.1], [0.1, 0.0, 0.8]]))
+    moved = SURFACE.in_coordinates(coordinates)
+    found = intrinsic_energies(moved)
+    for one, other in ((found.area, EXACT.area), (found.hawking, EXACT.hawking)):
+        assert abs(one.value - other.value) <= 1e-12 * other.value
+    nodes, weights = gauss_rule(40, 80)
+    J, exact = (
+        (weights * area_density(data.metric.tensor(nodes))) @ data.torque(nodes) for data in (moved, SURFACE)
+    )
+    np.testing.assert_allclose(J, exact, atol=1e-11)
+    v = fibonacci_directions(20)
+    u = coordinates.forward(v)
+    np.testing.assert_array_equal(moved.shape(v), SURFACE.shape(u))
+    w = np.cross(v, [0.2, 0.5, -0.4])
+    np.testing.assert_allclose(
+        np.einsum("ni,ni->n", moved.normal_momentum(v), w),
+        np.einsum("ni,nij,nj->n", SURFACE.normal_momentum(u), coordinates.differential(v), w),
+        atol=1e-15,
+    )
+    on_grid = SurfaceData.from_grid(**TABLES)
+    again = on_grid.in_coordinates(coordinates)
+    assert again.lengths_error == on_grid.lengths_error
+    assert again.momentum.error == on_grid.momentum.error and again.notes == on_grid.notes

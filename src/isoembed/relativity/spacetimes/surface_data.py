@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+from functools import partial
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -12,6 +13,7 @@ from isoembed.arrays import Floats
 from isoembed.errors import InvalidMetric, InvalidParameter
 from isoembed.meshing.sphere import fibonacci_directions
 from isoembed.smooth.grid_metric import GridMetric
+from isoembed.smooth.sphere_map import SphereMap, metric_in
 from isoembed.smooth.two_metric import TwoMetric, area_density
 from isoembed.smooth.uncertain import EXACT, UncertainFunction, Uncertainty
 from isoembed.thresholds import threshold
@@ -172,6 +174,26 @@ class SurfaceData:
             raise InvalidMetric(f"q has {len(q)} components, not the three q_tt, q_tp and q_pp")
         return cls(GridMetric(theta, phi, *q), k, p, j, name=name)  # type: ignore[arg-type] # arrays: see above
 
+    def in_coordinates(self, coordinates: SphereMap) -> SurfaceData:
+        """The same surface as functions of the new directions v of a map u = F(v), with the same errors."""
+
+        def scalar(function: Callable[[Floats], Floats] | None) -> Callable[[Floats], Floats] | None:
+            return _composed(function, lambda f, v: f(coordinates.forward(v)))
+
+        def one_form(f: Callable[[Floats], Floats], v: Floats) -> Floats:
+            return np.einsum("nki,nk->ni", coordinates.differential(v), f(coordinates.forward(v)))
+
+        return replace(
+            self,
+            metric=metric_in(self.metric, coordinates),
+            mean_curvature=scalar(self.mean_curvature),
+            momentum=scalar(self.momentum),
+            normal_momentum=_composed(self.normal_momentum, one_form),
+            shape=scalar(self.shape),
+            gaussian_curvature=scalar(self.gaussian_curvature),
+            torque=scalar(self.torque),
+        )
+
     @property
     def lengths_error(self) -> Uncertainty:
         """Relative errors of lengths."""
@@ -219,6 +241,18 @@ class SurfaceData:
                     f"{name} is uncertain by {error:.2g} between the nodes of its grid, as its highest "
                     f"Fourier coefficients tell, and 2 / r is {2.0 / radius:.2g}: the grid is too coarse"
                 )
+
+
+def _composed(
+    function: Callable[[Floats], Floats] | None,
+    change: Callable[[Callable[[Floats], Floats], Floats], Floats],
+) -> Callable[[Floats], Floats] | None:
+    """``change(function, .)``, which keeps the errors of the function, if there is one."""
+    if function is None:
+        return None
+    if isinstance(function, UncertainFunction):
+        return UncertainFunction(partial(change, function.values), function.error)
+    return partial(change, function)
 
 
 def values_of(function: Callable[[Floats], ArrayLike], u: Floats, name: str) -> Floats:
