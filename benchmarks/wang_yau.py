@@ -35,6 +35,7 @@ from isoembed.relativity import (
     embed_surface,
     wang_yau,
 )
+from isoembed.relativity.energies.second_variation import SecondVariation
 from isoembed.relativity.energies.wang_yau_functional import Functional
 from isoembed.relativity.spacetimes.boosted import BoostedSchwarzschild, Superposed
 from isoembed.smooth import Harmonics, PulledBack, embed_smooth
@@ -132,7 +133,7 @@ def spheres():
     embedding, X, tau = embed_smooth(data.metric), Harmonics(16, 16), Harmonics(8, 8)
     functional = Functional.of(data, embedding, TimeFunction.zero(), X, tau)
     start = resized(embedding.coefficients, embedding.harmonics, X)
-    hessian = 0.5 * c**2 * np.diag(functional.hessian(np.zeros(tau.size - 1), start))
+    hessian = 0.5 * c**2 * np.diag(SecondVariation.of(functional).at(np.zeros(tau.size - 1), start))
     for l in range(1, 9):
         found = hessian[tau.labels[0][1:] == l]
         true = c**2 * l * (l + 1) * (1.0 - 2.0 * f + l * (l + 1) / (2.0 * f)) / (16.0 * np.pi * r)

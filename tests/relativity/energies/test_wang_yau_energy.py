@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from isoembed.errors import InvalidParameter, NoMinimum, NotEmbedded
-from isoembed.relativity import KerrNewmanHorizon, KerrNewmanSphere, TimeFunction, wang_yau
+from isoembed.relativity import KerrNewmanSphere, TimeFunction, wang_yau
 from isoembed.relativity.energies import wang_yau_energy
 from isoembed.relativity.energies.wang_yau_energy import WANG_YAU
 from isoembed.smooth import Harmonics, embed_smooth
@@ -79,7 +79,7 @@ def test_inadmissible_time_functions(monkeypatch):
     ):
         wang_yau(data, saddle(4.8), embedding=embedding)
     # Just beyond: K < 0 at a few points, and X still follows.
-    beyond = wang_yau(data, saddle(4.22), embedding=embedding)
+    beyond = wang_yau(data, saddle(4.26), embedding=embedding)
     assert beyond.admissible < 0.0
     assert len(beyond.notes) == 1 and "tau is not admissible: K + det D^2 tau / W^2 is -" in beyond.notes[0]
     assert not wang_yau(data, saddle(2.0), embedding=embedding).notes
@@ -100,9 +100,6 @@ def test_refuses_data():
         wang_yau(replace(data, mean_curvature=lambda u: np.full(len(u), -k)), embedding=embedding)
     with pytest.raises(InvalidParameter, match=r"k = nan does not exceed"):
         wang_yau(replace(data, mean_curvature=lambda u: np.full(len(u), np.nan)), embedding=embedding)
-    horizon = KerrNewmanHorizon(1.0, 0.5).data()
-    with pytest.raises(InvalidParameter, match="the mean curvature vector of a horizon has no norm"):
-        wang_yau(horizon)
 
 
 @pytest.mark.parametrize("tau", [3, "best", ("optimal",)])

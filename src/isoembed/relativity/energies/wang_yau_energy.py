@@ -10,6 +10,8 @@ from numpy.typing import ArrayLike, NDArray
 from isoembed.arrays import Floats
 from isoembed.errors import InvalidParameter, NoMinimum, NotEmbedded
 from isoembed.relativity.energies.energies import ENERGY
+from isoembed.relativity.energies.quadrature import smooth_energies
+from isoembed.relativity.energies.second_variation import SecondVariation
 from isoembed.relativity.energies.time_function import TimeFunction, TimeRaisedMetric
 from isoembed.relativity.energies.wang_yau_functional import EmbeddedTime, Functional
 from isoembed.relativity.spacetimes.surface_data import SurfaceData, error_of
@@ -31,6 +33,7 @@ class WangYauThresholds:
         16, "count", "Least degree of X: what a time function adds needs some harmonics."
     )
     highest_degree: int = threshold(24, "count", "Highest degree of X: many harmonics cost much.")
+    second_degree: int = threshold(12, "count", "Highest degree of X for second derivatives.")
     coarser: float = threshold(0.75, "relative", "Degree of the X that tells the error, over that of X.")
     strained: float = threshold(1e-3, "relative", "Error of a length above which X has lost its surface.")
     steps: int = threshold(30, "count", "Newton steps after which the search ends.")
@@ -181,8 +184,41 @@ def wang_yau(
             if time is None or not np.any(time.coefficients[1:]):
                 raise
             at, embedding = time, embed_smooth(TimeRaisedMetric(data.metric, time))
+    if data.marginal:
+        return _limit(data, embedding, time)
     search = _Search(data, embedding, at)
     return search.minimum(degrees, accuracy) if time is None else search.given(time)
+
+
+def _limit(data: SurfaceData, embedding: SmoothEmbedding, time: TimeFunction | None) -> WangYau:
+    """The energy to which that of surfaces tends that tend to a horizon: |H| = 0 there."""
+    if time is not None and np.any(time.coefficients[1:]):
+        raise InvalidParameter(
+            "the mean curvature vector of a horizon is null: the energy of surfaces that tend to it grows "
+            "without bound for every tau but 0, for which it tends to int k0 dA / 8 pi"
+        )
+    energy = smooth_energies(data, embedding).liu_yau
+    assert energy is not None
+    notes = [
+        "of a horizon: the limit int k0 dA / 8 pi of the least energies of surfaces that tend to it, whose "
+        "tau tends to 0 (Zhao, Andersson and Yau, arXiv:2406.10751)"
+    ]
+    if embedding.least_curvature <= 0.0:
+        notes.append(_inadmissible(embedding.least_curvature))
+    return WangYau(
+        energy=energy,
+        tau=TimeFunction.zero(),
+        embedding=embedding,
+        admissible=embedding.least_curvature,
+        gradient=0.0,
+        least_second_derivative=None,
+        embeddings=1,
+        notes=tuple(notes),
+    )
+
+
+def _inadmissible(least: float) -> str:
+    return f"tau is not admissible: K + det D^2 tau / W^2 is {least:.3g} somewhere"
 
 
 def _time_function(tau: TimeFunction | Floats | Callable[[Floats], ArrayLike] | str | None) -> TimeFunction:
@@ -225,24 +261,29 @@ class _Search:
 
     def minimum(self, degrees: tuple[int, ...], accuracy: float) -> WangYau:
         """The least energy, in more and more harmonics."""
-        X, tau, energy = self.start, self.at, self.given(self.at).energy.value
+        highest = Harmonics(max(degrees), max(degrees))
+        functional = self.functional(self.harmonics, highest)
+        few = min(self.harmonics.degree, WANG_YAU.second_degree)
+        coarse = self.functional(Harmonics(few, few), highest)
+        at = functional.with_time(self.at.harmonics).embedded(self.at.coefficients[1:], self.start)
         for degree in degrees:
-            functional = self.functional(self.harmonics, Harmonics(degree, degree))
-            t = resized(tau.coefficients[:, None], tau.harmonics, functional.time)[1:, 0]
-            found, eigenvalues = self._newton(EmbeddedTime(functional, t, X))
-            X, tau = found.X, found.time_function
-            change, energy = abs(found.energy - energy), found.energy
+            time = Harmonics(degree, degree)
+            t = resized(at.time_function.coefficients[:, None], at.functional.tau.harmonics, time)[1:, 0]
+            start = EmbeddedTime(functional.with_time(time), t, at.X)
+            found, eigenvalues = self._newton(start, SecondVariation.of(coarse.with_time(time)))
+            change, at = abs(found.energy - at.energy), found
             if change <= accuracy * self.scale:
                 break
         least = float(eigenvalues.min())
         if abs(least) <= WANG_YAU.flat * eigenvalues.max():
             least = 0.0  # a boost, in Minkowski space
-        return self._result(found, change, least)
+        return self._result(at, change, least)
 
-    def _newton(self, at: EmbeddedTime) -> tuple[EmbeddedTime, Floats]:
+    def _newton(self, at: EmbeddedTime, second: SecondVariation) -> tuple[EmbeddedTime, Floats]:
         """Newton's method, downhill also where the second derivatives are negative; and their eigenvalues."""
+        fewer = second.functional.X.harmonics
         for _ in range(WANG_YAU.steps):
-            eigenvalues, modes = np.linalg.eigh(at.hessian)
+            eigenvalues, modes = np.linalg.eigh(second.at(at.tau, resized(at.X, self.harmonics, fewer)))
             sizes = np.maximum(np.abs(eigenvalues), WANG_YAU.flat * np.abs(eigenvalues).max())
             step = -modes @ ((modes.T @ at.gradient) / sizes)
             foretold = -float(at.gradient @ step)
@@ -261,13 +302,15 @@ class _Search:
         return at, eigenvalues
 
     def _line_search(self, at: EmbeddedTime, step: Floats, foretold: float) -> EmbeddedTime | None:
-        """A time function along a step that is admissible, embeds and has so much less energy, if any is."""
+        """A time function along a step, as admissible, that embeds and has so much less energy, if any."""
         length = 1.0
+        convex = at.admissible > 0.0
         while length >= WANG_YAU.shortest:
             self.embeddings += 1
             there = at.functional.embedded(at.tau + length * step, at.X)
             enough = at.energy - WANG_YAU.decrease * length * foretold
-            if there.misfit <= WANG_YAU.strained and there.admissible > 0.0 and there.energy <= enough:
+            followed = there.misfit <= WANG_YAU.strained and not (convex and there.admissible <= 0.0)
+            if followed and there.energy <= enough:
                 return there
             length *= 0.5
         return None
@@ -301,7 +344,7 @@ class _Search:
             )
         lower = Harmonics(*(2 * (int(WANG_YAU.coarser * self.harmonics.degree),)))
         self.embeddings += 1
-        coarse = self.functional(lower, found.functional.time).embedded(
+        coarse = self.functional(lower, found.functional.tau.harmonics).embedded(
             found.tau, resized(found.X, self.harmonics, lower)
         )
         error = abs(coarse.energy - found.energy) + change
@@ -313,7 +356,7 @@ class _Search:
         )
         notes = []
         if found.admissible <= 0.0:
-            notes.append(f"tau is not admissible: K + det D^2 tau / W^2 is {found.admissible:.3g} somewhere")
+            notes.append(_inadmissible(found.admissible))
         if least is not None and least < 0.0:
             notes.append("the second derivatives are not all positive: this may be no minimum")
         if self.data.normal_momentum is None and isinstance(self.data.metric, GridMetric):

@@ -16,7 +16,7 @@ M.-T. Wang and S.-T. Yau, Phys. Rev. Lett. 102 (2009) 021101; Commun. Math. Phys
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import NamedTuple
 
@@ -29,7 +29,9 @@ from isoembed.relativity.spacetimes.surface_data import SurfaceData
 from isoembed.smooth.embedding import SmoothEmbedding
 from isoembed.smooth.harmonics import Harmonics
 from isoembed.smooth.isometry import IsometrySystem, MetricSamples, strains
+from isoembed.smooth.sphere_transform import SphereTransform
 from isoembed.smooth.transforms import resized
+from isoembed.smooth.two_metric import angle_frame
 from isoembed.smooth.uncertain import Uncertainty
 from isoembed.thresholds import threshold
 
@@ -38,10 +40,7 @@ from isoembed.thresholds import threshold
 class FunctionalThresholds:
     """Thresholds of the Wang-Yau functional."""
 
-    density: float = threshold(1.6, "relative", "Heights of nodes over the degree of the embedding.")
-    step: float = threshold(
-        1e-5, "radius of the area", "Step of differences of curvatures: ten digits are left."
-    )
+    density: float = threshold(2.0, "relative", "Heights of nodes over the degree of the embedding.")
 
 
 FUNCTIONAL = FunctionalThresholds()
@@ -56,37 +55,44 @@ class Shape(NamedTuple):
     curvature: Floats  # (n,) Gauss's
 
 
+class Slope(NamedTuple):
+    """A time function's derivatives in q at the nodes, and what E is made of."""
+
+    gradient: Floats  # (n, 2) along the frames
+    laplacian: Floats  # (n,)
+    W: Floats  # (n,)
+    S: Floats  # (n,)
+    theta: Floats  # (n,)
+
+
 @dataclass(frozen=True)
 class Functional:
     """E(tau) for tau in the harmonics of one basis, X in others.
 
     Attributes
     ----------
-    harmonics, time : Harmonics
-        Of X, and of the time functions tau.
     system : IsometrySystem
-        Of q: the equations for X at the nodes.
-    first, second : ndarray, shapes (n, 2, size), (n, 3, size)
-        The derivatives of the harmonics of X along the frames, the second ones covariant on the sphere.
+        Of q: the equations for X.
+    X, tau : SphereTransform
+        Of X, and of the time functions, at the same n nodes.
+    frames : ndarray, shape (n, 2, 2)
+        Frames that are orthonormal in q, in their components along e_theta and e_phi.
     areas : ndarray, shape (n,)
-    gradients : ndarray, shape (n, 2, m)
-        Of tau's harmonics, without the constant one, along the frames.
-    hessians : ndarray, shape (n, 3, m)
-        Their covariant second derivatives in q.
+    drift : ndarray, shape (n, 2)
+        The Laplacian in q is the trace of the sphere's second derivatives along the frames, less this
+        vector's product with the gradient.
     H, psi : ndarray, shape (n,)
         The norm of the mean curvature vector, and the angle between it and the normal in the slice.
     j : ndarray, shape (n, 2)
         K(., n) of the slice along the frames.
     """
 
-    harmonics: Harmonics
-    time: Harmonics
     system: IsometrySystem
-    first: Floats
-    second: Floats
+    X: SphereTransform
+    tau: SphereTransform
+    frames: Floats
     areas: Floats
-    gradients: Floats
-    hessians: Floats
+    drift: Floats
     H: Floats
     psi: Floats
     j: Floats
@@ -118,34 +124,34 @@ class Functional:
         InvalidParameter
             k is not given, or the mean curvature vector is not spacelike and outward; the message says where.
         """
-        n = int(np.ceil(FUNCTIONAL.density * (harmonics.degree + 1)))
+        n = max(int(np.ceil(FUNCTIONAL.density * (harmonics.degree + 1))), time.degree + 1)
         samples = MetricSamples.of(data.metric, n, 2 * n)
-        u, e = samples.u, samples.frames
-        k, p, j = _physical(data, u, e)
-        X0 = resized(embedding.coefficients, embedding.harmonics, harmonics)
-        first = harmonics.along(u, e)[1]
-        second = _pairs(harmonics.second_along(u, e))
-        gradients = time.along(u, e)[1][:, :, 1:]
-        flat = _pairs(time.second_along(u, e))[:, :, 1:]
+        k, p, j = _physical(data, samples.u, samples.frames)
+        frames = samples.frames @ np.stack(angle_frame(samples.u), axis=2)
+        transform = SphereTransform(harmonics, n, 2 * n)
         # (tau, X0) has the metric q in Minkowski space: the tangent part of its second derivatives is how q's
         # derivative differs from that of the sphere.
-        drift = np.einsum("npc,nac->npa", second @ X0, first @ X0)
-        slope = at.harmonics.along(u, e)[1] @ at.coefficients
-        bend = _pairs(at.harmonics.second_along(u, e, at.coefficients[:, None])[..., 0])
-        drift -= bend[:, :, None] * slope[:, None, :]
+        X0 = resized(embedding.coefficients, embedding.harmonics, harmonics)
+        trace = traced(frames, transform.hessians(X0))
+        drift = np.einsum("nac,nc->na", frames @ transform.gradients(X0), trace)
+        start = SphereTransform(at.harmonics, n, 2 * n)
+        slope = frames @ start.gradients(at.coefficients[:, None])
+        drift -= slope[:, :, 0] * traced(frames, start.hessians(at.coefficients[:, None]))
         return cls(
-            harmonics=harmonics,
-            time=time,
             system=IsometrySystem.of(harmonics, samples),
-            first=first,
-            second=second,
+            X=transform,
+            tau=SphereTransform(time, n, 2 * n),
+            frames=frames,
             areas=samples.areas,
-            gradients=gradients,
-            hessians=flat - drift @ gradients,
+            drift=drift,
             H=np.sqrt((k - p) * (k + p)),
             psi=np.arctanh(p / k),
             j=j,
         )
+
+    def with_time(self, harmonics: Harmonics) -> Functional:
+        """The same for time functions in other harmonics, of no higher degree."""
+        return replace(self, tau=replace(self.tau, harmonics=harmonics))
 
     def embedded(self, tau: Floats, start: Floats) -> EmbeddedTime:
         """The embedding for tau (m,), from the coefficients (size, 3) of X for a tau nearby."""
@@ -153,26 +159,53 @@ class Functional:
 
     def stretch(self, tau: Floats) -> Floats:
         """Strains (n, 3) that d tau d tau adds to the metric."""
-        g1, g2 = (self.gradients @ tau).T
+        g1, g2 = self.gradient(tau).T
         return np.stack([g1**2, np.sqrt(2.0) * g1 * g2, g2**2], axis=1)
+
+    def gradient(self, tau: Floats) -> Floats:
+        """The derivatives (n, 2) along the frames of tau (m,), given without the constant harmonic."""
+        return np.asarray((self.frames @ self.tau.gradients(_whole(tau)))[:, :, 0])
+
+    def slope(self, tau: Floats) -> Slope:
+        """What E is made of, for tau (m,)."""
+        gradient = self.gradient(tau)
+        laplacian = traced(self.frames, self.tau.hessians(_whole(tau)))[:, 0]
+        laplacian -= np.einsum("na,na->n", self.drift, gradient)
+        W = np.sqrt(1.0 + np.einsum("na,na->n", gradient, gradient))
+        S = np.hypot(self.H * W, laplacian)
+        return Slope(gradient, laplacian, W, S, -np.arcsinh(laplacian / (self.H * W)))
+
+    def derivatives(self, flow: Floats, weight: Floats) -> Floats:
+        """Integrals (m,) of a flow (n, 2) times gradients of harmonics, and weight (n,) times Laplacians."""
+        flow = self.areas[:, None] * (flow - weight[:, None] * self.drift)
+        first = np.einsum("na,nab->nb", flow, self.frames)
+        second = (self.areas * weight)[:, None] * _trace_weights(self.frames)
+        result = self.tau.adjoint_gradients(first[:, :, None])
+        result += self.tau.adjoint_hessians(second[:, :, None])
+        return np.asarray(result[1:, 0])
 
     def shape(self, X: Floats) -> Shape:
         """Curvatures of the map with these coefficients, (size, 3)."""
-        X1, X2 = np.moveaxis(self.first @ X, 1, 0)
+        X1, X2 = np.moveaxis(self.tangents(X), 1, 0)
         g11, g12, g22 = ((a * b).sum(axis=1) for a, b in ((X1, X1), (X1, X2), (X2, X2)))
         normals = np.cross(X1, X2)
         stretch = np.linalg.norm(normals, axis=1)
-        h11, h12, h22 = -np.einsum("npc,nc->pn", self.second @ X, normals / stretch[:, None])
+        second = paired(self.frames, self.X.hessians(X))
+        h11, h12, h22 = -np.einsum("npc,nc->pn", second, normals / stretch[:, None])
         det = stretch**2
         k0 = (g22 * h11 - 2.0 * g12 * h12 + g11 * h22) / det
         # k0 g^ab - h^ab is the matrix of cofactors of h, over det g.
         conjugate = np.stack([h22, -h12, h11], axis=1) / stretch[:, None]
         return Shape(k0, stretch, conjugate, (h11 * h22 - h12**2) / det)
 
+    def tangents(self, X: Floats) -> Floats:
+        """The derivatives (n, 2, 3) along the frames of the map with these coefficients, (size, 3)."""
+        return np.asarray(self.frames @ self.X.gradients(X))
+
 
 @dataclass(frozen=True)
 class EmbeddedTime:
-    """A time function tau with its embedding X, and E(tau) with its derivatives.
+    """A time function tau with its embedding X, and E(tau) with its first derivatives.
 
     Attributes
     ----------
@@ -189,107 +222,72 @@ class EmbeddedTime:
     @property
     def time_function(self) -> TimeFunction:
         """The time function, its constant harmonic being 0."""
-        return TimeFunction(self.functional.time, np.concatenate([[0.0], self.tau]))
+        return TimeFunction(self.functional.tau.harmonics, _whole(self.tau)[:, 0])
 
-    @property
+    @cached_property
     def misfit(self) -> float:
         """The largest relative error of a length at the nodes."""
-        off = strains(self.functional.first @ self.X) - self.functional.stretch(self.tau)
-        return 0.5 * float((np.abs(off).max(axis=1) / self._fields[2] ** 2).max())
+        return 0.5 * float((np.abs(self._off).max(axis=1) / self.slope.W**2).max())
 
-    @property
+    @cached_property
     def reference(self) -> float:
-        """Int k0 dA0 / 8 pi."""
-        return float(self.functional.areas @ (self._shape.stretch * self._shape.k0)) / (8.0 * np.pi)
+        """Int k0 dA0 / 8 pi, corrected to first order in what X misses of the metric."""
+        shape, off = self.shape, self._off
+        missed = np.einsum("np,np->n", shape.conjugate * [1.0, np.sqrt(2.0), 1.0], off)
+        return float(self.functional.areas @ (shape.stretch * shape.k0 - 0.5 * missed)) / (8.0 * np.pi)
 
     @cached_property
     def energy(self) -> float:
         """E(tau)."""
-        f = self.functional
-        slope, laplacian, _, S, theta = self._fields
-        physical = S + (theta - f.psi) * laplacian - np.einsum("na,na->n", f.j, slope)
-        return float(f.areas @ (self._shape.stretch * self._shape.k0 - physical)) / (8.0 * np.pi)
+        f, s = self.functional, self.slope
+        physical = s.S + (s.theta - f.psi) * s.laplacian - np.einsum("na,na->n", f.j, s.gradient)
+        return self.reference - float(f.areas @ physical) / (8.0 * np.pi)
 
     @cached_property
     def gradient(self) -> Floats:
         """The derivatives (m,) of E; X changes with tau, but int k0 dA0 by its conjugate alone."""
-        f = self.functional
-        slope, _, W, S, theta = self._fields
-        flow = _applied(self._shape.conjugate, slope) - (S / W**2)[:, None] * slope + f.j
-        gradient = np.einsum("n,na,nam->m", f.areas, flow, f.gradients)
-        gradient -= (f.areas * (theta - f.psi)) @ _traces(f.hessians)
-        return np.asarray(gradient / (8.0 * np.pi))
-
-    @cached_property
-    def hessian(self) -> Floats:
-        """The second derivatives (m, m) of E; X follows tau by the linearized isometry equations."""
-        P, A = self.functional.gradients, self.functional.areas
-        slope, laplacian, W, S, _ = self._fields
-        total = np.einsum("n,nam,nal->ml", A, _applied(self._shape.conjugate, P), P, optimize=True)
-        if np.any(self.tau):
-            total += self._response(slope)
-        dW = np.einsum("na,nam->nm", slope, P) / W[:, None]
-        turn = _traces(self.functional.hessians) - (laplacian / W)[:, None] * dW  # -S d theta
-        total += (turn.T * (A / S)) @ turn
-        weight = A * S / W**2
-        total -= np.einsum("n,nam,nal->ml", weight, P, P, optimize=True) - (dW.T * weight) @ dW
-        return np.asarray(0.5 * (total + total.T) / (8.0 * np.pi))
+        f, s = self.functional, self.slope
+        flow = applied(self.shape.conjugate, s.gradient) - (s.S / s.W**2)[:, None] * s.gradient + f.j
+        return f.derivatives(flow, f.psi - s.theta) / (8.0 * np.pi)
 
     def error(self, k: Uncertainty, p: Uncertainty, j: Uncertainty) -> float:
         """Error of E(tau) by those of k, p and K(., n)."""
-        f = self.functional
-        slope, laplacian, W, _, _ = self._fields
+        f, s = self.functional, self.slope
         cosh, sinh = np.cosh(f.psi), np.abs(np.sinh(f.psi))
         norm = cosh * k.mean + sinh * p.mean
         # What averages out remains in squares.
         norm += 0.25 * (k.pointwise**2 + p.pointwise**2) / f.H
         angle = (cosh * p.mean + sinh * k.mean) / f.H
-        total = W * norm + np.abs(laplacian) * angle + np.linalg.norm(slope, axis=1) * j.mean / f.system.unit
+        total = s.W * norm + np.abs(s.laplacian) * angle
+        total += np.linalg.norm(s.gradient, axis=1) * j.mean / f.system.unit
         return float(f.areas @ total) / (8.0 * np.pi)
 
-    @property
+    @cached_property
     def admissible(self) -> float:
         """The least ``K + det D^2 tau / W^2`` at the nodes; tau is admissible if it is positive."""
-        return float((self._shape.curvature * self._fields[2] ** 2).min())
-
-    def _response(self, slope: Floats) -> Floats:
-        """Part (m, m) of the second derivatives of int k0 dA0 that is due to the change of X with tau."""
-        f = self.functional
-        g1, g2 = slope.T[:, :, None]
-        P1, P2 = f.gradients[:, 0], f.gradients[:, 1]
-        strains = np.stack([2.0 * g1 * P1, np.sqrt(2.0) * (g1 * P2 + g2 * P1), 2.0 * g2 * P2], axis=1)
-        changes = f.system.deformations(self.X, np.moveaxis(strains, 2, 0))
-        sizes = np.abs(changes).max(axis=(1, 2))
-        added = np.empty((len(self.tau),) * 2)
-        for m, (change, size) in enumerate(zip(changes, sizes, strict=True)):
-            step = FUNCTIONAL.step * f.system.unit / size
-            ahead, behind = (f.shape(self.X + s * change).conjugate for s in (step, -step))
-            flow = _applied((ahead - behind) / (2.0 * step), slope)
-            added[m] = np.einsum("n,na,nal->l", f.areas, flow, f.gradients)
-        return added
+        return float((self.shape.curvature * self.slope.W**2).min())
 
     @cached_property
-    def _shape(self) -> Shape:
+    def _off(self) -> Floats:
+        """By how much the metric (n, 3) of X is too large, as `strains` has it."""
+        f = self.functional
+        return strains(f.tangents(self.X)) - f.stretch(self.tau)
+
+    @cached_property
+    def shape(self) -> Shape:
+        """Curvatures of X."""
         return self.functional.shape(self.X)
 
     @cached_property
-    def _fields(self) -> tuple[Floats, Floats, Floats, Floats, Floats]:
-        """The gradient (n, 2) along the frames and the Laplacian of tau; W, S and theta (n,)."""
-        f = self.functional
-        slope, laplacian = f.gradients @ self.tau, _traces(f.hessians) @ self.tau
-        W = np.sqrt(1.0 + (slope**2).sum(axis=1))
-        return slope, laplacian, W, np.hypot(f.H * W, laplacian), -np.arcsinh(laplacian / (f.H * W))
+    def slope(self) -> Slope:
+        """Derivatives of tau."""
+        return self.functional.slope(self.tau)
 
 
 def _physical(data: SurfaceData, u: Floats, frames: Floats) -> tuple[Floats, Floats, Floats]:
     """The curvature k and momentum p (n,) of the data and, along the frames (n, 2), K(., n)."""
     if data.mean_curvature is None:
         raise InvalidParameter("the Wang-Yau energy needs the mean curvature k of the surface")
-    if data.marginal:
-        raise InvalidParameter(
-            "the mean curvature vector of a horizon has no norm: only tau = 0 has a Wang-Yau energy, which "
-            "is that of Kijowski, Liu and Yau"
-        )
     if data.momentum is not None and data.normal_momentum is None:
         raise InvalidParameter("with a momentum, the Wang-Yau energy needs the normal_momentum K(., n), too")
     k = data.mean_curvature(u)
@@ -306,17 +304,40 @@ def _physical(data: SurfaceData, u: Floats, frames: Floats) -> tuple[Floats, Flo
     return k, p, np.einsum("nai,ni->na", frames, data.normal_momentum(u))
 
 
-def _pairs(tensors: Floats) -> Floats:
-    """The components 11, 12, 22 of symmetric tensors (n, 2, 2, ...), (n, 3, ...)."""
-    return np.stack([tensors[:, 0, 0], tensors[:, 0, 1], tensors[:, 1, 1]], axis=1)
+def _whole(tau: Floats) -> Floats:
+    """Coefficients (size, 1) with a constant harmonic, 0."""
+    return np.concatenate([[0.0], tau])[:, None]
 
 
-def _traces(pairs: Floats) -> Floats:
-    return np.asarray(pairs[:, 0] + pairs[:, 2])
+def paired(frames: Floats, tensors: Floats) -> Floats:
+    """Symmetric tensors (n, 3, c) as 11, 12, 22 along frames (n, 2, 2) whose components are given."""
+    (a, b), (c, d) = frames.transpose(1, 2, 0)[..., None]
+    tt, tp, pp = np.moveaxis(tensors, 1, 0)
+    return np.stack(
+        [
+            a * a * tt + 2.0 * a * b * tp + b * b * pp,
+            a * c * tt + (a * d + b * c) * tp + b * d * pp,
+            c * c * tt + 2.0 * c * d * tp + d * d * pp,
+        ],
+        axis=1,
+    )
 
 
-def _applied(pairs: Floats, vectors: Floats) -> Floats:
-    """Symmetric tensors (n, 3) times vectors (n, 2) or (n, 2, m)."""
-    a, b, c = (part.reshape(-1, *(1,) * (vectors.ndim - 2)) for part in pairs.T)
+def traced(frames: Floats, tensors: Floats) -> Floats:
+    """Traces (n, c) over frames (n, 2, 2) of symmetric tensors (n, 3, c)."""
+    return np.asarray(np.einsum("np,npc->nc", _trace_weights(frames), tensors))
+
+
+def _trace_weights(frames: Floats) -> Floats:
+    """Weights (n, 3) of the components of a symmetric tensor in its trace over frames."""
+    first, second = frames[:, :, 0], frames[:, :, 1]
+    parts = (first * first, 2.0 * first * second, second * second)
+    return np.stack([part.sum(axis=1) for part in parts], axis=1)
+
+
+def applied(pairs: Floats, vectors: Floats) -> Floats:
+    """Symmetric tensors (n, 3) or (n, 3, m) times vectors (n, 2) or (n, 2, m)."""
+    extra = (1,) * (vectors.ndim - pairs.ndim)
+    a, b, c = (part.reshape(*part.shape, *extra) for part in np.moveaxis(pairs, 1, 0))
     v, w = vectors[:, 0], vectors[:, 1]
     return np.stack([a * v + b * w, b * v + c * w], axis=1)
