@@ -27,7 +27,7 @@ def near(found, **exact):
     ("slice_", "sphere"),
     [
         (["isotropic"], (0, 0, 0, 2)),
-        (["--geometry", "isotropic", "--center", 1, -2, -5e-3], (1, -2, -5e-3, 2)),
+        (["--geometry", "isotropic", "--center", 1, -2, "-5e-3"], (1, -2, "-.5E-2", 2)),
         (["brill-lindquist", "--masses", 1, "--positions", 3, 0, 0], (3, 0, 0, 2)),
         (["boosted", "--velocity", 0, 0, 0, "--center", 0, 0, 1], (0, 0, 1, 2)),
         (

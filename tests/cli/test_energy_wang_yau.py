@@ -29,13 +29,19 @@ def test_the_wang_yau_energy_is_the_least(report, tmp_path):
     np.testing.assert_allclose(written["tau"], 0.0, atol=1e-9)
 
 
+def test_of_a_horizon_the_wang_yau_energy_is_the_limit(report):
+    """Int k0 dA / 8 pi, as the energy of Kijowski, Liu and Yau."""
+    horizon = ["--spacetime", "kerr", "--spin", 0.5, "--surface", "horizon"]
+    found = report(*horizon, "--wang-yau", "--vertices", 60)
+    assert abs(found["wang_yau"] - 1.9337681253680011) <= found["errors"]["wang_yau"] <= 1e-10
+    assert "arXiv:2406.10751" in found["minimum"]["notes"][0]
+
+
 def test_where_there_is_no_wang_yau_energy_the_reason_is_said(report):
-    found = report(
-        "--spacetime", "kerr", "--spin", 0.5, "--surface", "horizon", "--wang-yau", "--vertices", 60
-    )
+    found = report("isotropic", "--sphere", 0, 0, 0, 0.4, "--wang-yau", "--vertices", 60)
     assert found["wang_yau"] is None and found["errors"]["wang_yau"] is None
-    assert "only tau = 0 has a Wang-Yau energy" in found["notes"][-1]
-    assert found["liu_yau"] is not None
+    assert "needs a spacelike, outward mean curvature vector" in found["notes"][-1]
+    assert found["hawking"] is not None
 
 
 def test_the_wang_yau_energy_of_a_surface_on_a_grid(run, report):

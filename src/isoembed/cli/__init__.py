@@ -1,7 +1,7 @@
 """The command ``isoembed``: one file a subcommand, each imported when it is called for.
 
-Exit status: 0 done, 2 the input or the command line is wrong, 3 no embedding within the tolerance,
-130 interrupted by Ctrl-C, 143 by SIGTERM.
+Exit status: 0 done, 2 the input or the command line is wrong, 3 no embedding within the tolerance, or no
+horizon, 130 interrupted by Ctrl-C, 143 by SIGTERM.
 """
 
 import argparse
@@ -23,7 +23,7 @@ COMMANDS = {
     "embed": "find the surface in R^3 that has the given edge lengths",
     "energy": "compute quasi-local energies of a surface in spacetime (Hawking, Brown-York, Liu-Yau, ...)",
     "glue": "build a solid from a paper net: polygons whose sides are glued together",
-    "horizon": "embed horizons from files and compute their energies",
+    "horizon": "embed horizons, from files or found in a slice, and compute their energies",
     "inspect": "say what kind of metric a file holds, and what that means for its embedding",
     "nets": "solve classic nets: the Latin cross, tetramonohedra, pita forms, D-forms, ...",
     "reproduce": "make the figures and numbers of the paper again, in one report",
@@ -56,8 +56,8 @@ def build_parser(arguments: Sequence[str]) -> Parser:
     parser = Parser(
         prog="isoembed",
         description="From the triangles and edge lengths of a closed surface to the surface in R^3.",
-        epilog="Exit status: 0 done; 2 wrong input or command line; 3 no embedding within the tolerance; "
-        "130 interrupted by Ctrl-C, 143 by SIGTERM.",
+        epilog="Exit status: 0 done; 2 wrong input or command line; 3 no embedding within the tolerance, or "
+        "no horizon; 130 interrupted by Ctrl-C, 143 by SIGTERM.",
         allow_abbrev=False,
     )
     parser.add_argument("--version", action="version", version=f"isoembed {__version__}")

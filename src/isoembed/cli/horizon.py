@@ -1,4 +1,4 @@
-"""``isoembed horizon``: from horizon files to embeddings, energies, pictures and files for ParaView."""
+"""``isoembed horizon``: from horizons, in files or found, to embeddings, energies, pictures and files."""
 
 import argparse
 from importlib.util import find_spec
@@ -21,9 +21,12 @@ from isoembed.cli.slices import (
     add_geometry_option,
     add_hole_options,
     add_slice_options,
+    slice_label,
     slice_named,
+    slice_stem,
 )
 from isoembed.cli.status import NOT_EMBEDDED, OK
+from isoembed.errors import NoHorizon
 from isoembed.io import FileError, mesh_writer, report_writer
 from isoembed.io.files import AmbiguousFileError, check_target, input_ending, write_atomically
 from isoembed.io.hdf5 import HDF5_ENDINGS
@@ -31,12 +34,15 @@ from isoembed.plot.picture import Panel, figure_writer
 from isoembed.plot.placed import Scale, placed_figure
 from isoembed.relativity.energies.report import EmbeddedHorizon, embed_horizons
 from isoembed.relativity.horizons.coordinate_shape import CoordinateShape
+from isoembed.relativity.horizons.finder import find_horizon
 from isoembed.relativity.horizons.horizon import Horizon
 from isoembed.relativity.horizons.horizon_file import read_horizon
 from isoembed.relativity.horizons.spectre import read_spectre
+from isoembed.relativity.spacetimes.star_surface import StarSurface
 from isoembed.relativity.spacetimes.surface_data import SurfaceData
 from isoembed.relativity.spacetimes.three_geometry import ThreeGeometry
 
+OF_FILES = ("time", "surface", "marginal", "not_marginal")
 WRITTEN = ("vtk", "json", "png")
 LONGEST = 50  # letters of a name in a picture
 
@@ -45,10 +51,22 @@ def configure(parser: argparse.ArgumentParser) -> None:
     """Add the options of ``isoembed horizon``."""
     parser.add_argument(
         "files",
-        nargs="+",
+        nargs="*",
         metavar="FILE",
         help="horizons: AHFinderDirect's h.t*.ah*.gp, SpECTRE's or other HDF5, .npz, VTK, or a metric on a "
         "grid; several are taken as a sequence, and each is embedded from the one before",
+    )
+    parser.add_argument(
+        "--find",
+        action="store_true",
+        help="instead of files: find the outermost horizon of the --geometry, or the one near the --guess",
+    )
+    parser.add_argument(
+        "--guess",
+        type=float,
+        nargs=4,
+        metavar=("X", "Y", "Z", "R"),
+        help="center and radius of the sphere that --find starts from",
     )
     add_geometry_option(parser, "the 3-metric of the slice, which most horizon files lack")
     add_hole_options(parser)
@@ -84,13 +102,17 @@ def run(options: argparse.Namespace) -> int:
     number = vertices(options)
     if options.axis and not any(options.axis):
         raise UsageError("--axis 0 0 0 is no axis")
-    geometry = _geometry(options)
-    stems = _stems(options.files)
-    horizons = [_horizon(name, options, geometry) for name in options.files]
-    _make_folder(options, stems)
+    try:
+        horizons = _sought(options) if options.find else _given(options)
+    except NoHorizon as error:
+        print_error(str(error))
+        if options.json:
+            message = {"message": str(error), "least_expansion": error.least}
+            print_json({"status": "no horizon", "name": _found_name(options), **message})
+        return NOT_EMBEDDED
     reports, drawn, status = [], dict[Path, tuple[Panel, dict[str, Any]]](), OK
-    found_ones = embed_horizons(horizons, number, wang_yau=options.wang_yau)
-    for stem, found in zip(stems, found_ones, strict=True):
+    embedded = embed_horizons(horizons.values(), number, wang_yau=options.wang_yau)
+    for stem, found in zip(horizons, embedded, strict=True):
         reports.append(found.report)
         if options.output:
             outputs = _outputs(options, stem)
@@ -103,10 +125,48 @@ def run(options: argparse.Namespace) -> int:
         elif not options.json:
             (print_aside if options.output else print_out)(str(found))
     if options.json:
-        print_json(reports if len(options.files) > 1 else reports[0])
+        print_json(reports if len(reports) > 1 else reports[0])
     if drawn:
         _draw(drawn)
     return status
+
+
+def _given(options: argparse.Namespace) -> dict[str, Horizon]:
+    """The horizons in files, by names for what is written of them."""
+    if not options.files:
+        raise UsageError("which horizon? Give a FILE, or --find and a --geometry")
+    refuse_given(options, ("guess",), "needs --find")
+    geometry = None
+    if options.geometry is None:
+        refuse_given(options, OF_SLICE, "needs a --geometry")
+    else:
+        geometry = slice_named(options.geometry, options)
+    stems = _stems(options.files)
+    horizons = [_horizon(name, options, geometry) for name in options.files]
+    _make_folder(options, stems)
+    return dict(zip(stems, horizons, strict=True))
+
+
+def _sought(options: argparse.Namespace) -> dict[str, Horizon]:
+    """The horizon that is found, by a name for what is written of it."""
+    if options.files:
+        raise UsageError(f"--find takes no FILE, and {options.files[0]} is given")
+    refuse_given(options, OF_FILES, "is for files, not for what --find finds")
+    if options.geometry is None:
+        raise UsageError("--find needs a --geometry to find a horizon in")
+    geometry, guess, near = slice_named(options.geometry, options), None, ""
+    if options.guess is not None:
+        *center, radius = options.guess
+        guess = StarSurface.sphere(center, radius)
+        near = "".join(f"_{x:.9g}" for x in options.guess)
+    stem = f"{slice_stem(options.geometry)}-horizon{near}"
+    _make_folder(options, [stem])
+    return {stem: Horizon.found(find_horizon(geometry, guess), axis=options.axis, name=_found_name(options))}
+
+
+def _found_name(options: argparse.Namespace) -> str:
+    near = "" if options.guess is None else " near ({:.9g}, {:.9g}, {:.9g}; {:.9g})".format(*options.guess)
+    return f"horizon{near} in {slice_label(options.geometry, options)}"
 
 
 def _make_folder(options: argparse.Namespace, stems: list[str]) -> None:
@@ -168,14 +228,6 @@ def _caption(report: dict[str, Any]) -> str:
     first = [name.replace("$", r"\$"), *(f"{key} {value:.9g}" for key, value in _moment(report).items())]
     second = [f"area {report['area']:.8g}", rf"$\int\! H\,dA = {report['integrated_mean_curvature']:.8g}$"]
     return "\n".join("     ".join(words) for words in (first, second))
-
-
-def _geometry(options: argparse.Namespace) -> ThreeGeometry | None:
-    """The slice, if one is named, and refusals of options that do not go together."""
-    if options.geometry is None:
-        refuse_given(options, OF_SLICE, "needs a --geometry")
-        return None
-    return slice_named(options.geometry, options)
 
 
 def _stems(files: list[str]) -> list[str]:

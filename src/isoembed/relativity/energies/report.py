@@ -135,6 +135,12 @@ class EmbeddedHorizon:
                 f"\n{moment}{horizon['points']} points, fitted to {horizon['misfit']:.1e} of a mean radius "
                 f"{horizon['mean_coordinate_radius']:.6g} in coordinates"
             )
+        if "stability" in horizon:
+            stable = "stable, as outermost horizons are" if horizon["outer"] else "unstable: an inner horizon"
+            table += (
+                f"\nfound in harmonics of degree {horizon['degree']}; the least eigenvalue of the stability "
+                f"operator is {horizon['stability']:.6g} / R^2, R the areal radius: {stable}"
+            )
         return (
             f"{table}\nthe expansion of outgoing rays, 0 on a horizon, is at most "
             f"{horizon['largest_expansion']:.1e} +- {horizon['expansion_error']:.0e}"

@@ -9,7 +9,14 @@ import numpy as np
 
 from isoembed.errors import InvalidMetric, InvalidParameter, NoHorizon
 from isoembed.relativity.horizons.expansion_operator import Fields, LocalSurface
-from isoembed.relativity.horizons.ladder import Rung, climbed, is_symmetric, shape_apart
+from isoembed.relativity.horizons.ladder import (
+    Rung,
+    climbed,
+    in_degree,
+    is_symmetric,
+    level_of,
+    shape_apart,
+)
 from isoembed.relativity.horizons.newton import NoConvergence
 from isoembed.relativity.horizons.search_places import Place, places_of
 from isoembed.relativity.horizons.stability import principal_eigenvalue
@@ -30,6 +37,7 @@ class FinderThresholds:
     marginal: float = threshold(
         1e-9, "relative", "Stability eigenvalue above minus this that is not negative."
     )
+    first: int = threshold(8, "count", "Degree in which a guess is looked at.")
     smaller: float = threshold(0.8, "relative", "First sphere over the one before, that was too large.")
     spheres: int = threshold(6, "count", "First spheres that are tried.")
     large: float = threshold(1e-3, "relative", "Expansion over 1 / R above which a surface is no horizon.")
@@ -145,10 +153,16 @@ def find_horizon(geometry: ThreeGeometry, guess: StarSurface | None = None) -> F
         )
         return replace(first, notes=(*first.notes, note))
     symmetric = is_symmetric(geometry, guess)
+    fine = in_degree(guess, max(FINDER.first, guess.harmonics.degree), symmetric)
+    level_of(geometry, fine).shape(fine.coefficients)  # refuses a guess that leaves the slice
     try:
         return _found(geometry, guess, 0.0, symmetric)
     except (NoConvergence, InvalidMetric, InvalidParameter):
+        pass
+    try:
         return _from_sweep(geometry, guess, symmetric)
+    except (NoConvergence, InvalidMetric, InvalidParameter) as error:
+        raise NoHorizon(f"no horizon was found from the guess: {error}") from None
 
 
 def find_horizons(geometry: ThreeGeometry) -> tuple[FoundHorizon, ...]:

@@ -1,4 +1,4 @@
-"""Horizons from files: their data in the slice, and what the file and the expansion say of them."""
+"""Horizons, from files or found: their data in the slice, and what the file and the expansion say of them."""
 
 from __future__ import annotations
 
@@ -10,6 +10,7 @@ from isoembed.errors import InvalidParameter
 from isoembed.relativity.horizons.coordinate_shape import CoordinateShape
 from isoembed.relativity.horizons.curvature_check import CurvatureCheck
 from isoembed.relativity.horizons.expansion import expansion_test, judged
+from isoembed.relativity.horizons.finder import FoundHorizon
 from isoembed.relativity.spacetimes.cartesian_grid import CartesianGrid
 from isoembed.relativity.spacetimes.star_surface import StarSurface
 from isoembed.relativity.spacetimes.surface_data import SurfaceData
@@ -18,13 +19,14 @@ from isoembed.relativity.spacetimes.three_geometry import ThreeGeometry
 
 @dataclass(frozen=True)
 class Horizon:
-    """Surface from a file in its slice.
+    """Surface in its slice, from a file or found.
 
     Attributes
     ----------
     data : SurfaceData
     facts : dict
-        What the file and the expansion say of it as a horizon, for JSON; empty of a metric without k.
+        What the file or the finder, and the expansion say of it as a horizon, for JSON; empty of a metric
+        without k.
     curvature_check : CurvatureCheck or None
         How far the curvature in the file is from that of the metric in use, where the file has it.
     """
@@ -92,3 +94,25 @@ class Horizon:
             "marginal": data.marginal,
         }
         return cls(data, facts, CurvatureCheck.of(data, found))
+
+    @classmethod
+    def found(cls, found: FoundHorizon, *, axis: Sequence[float] | None = None, name: str = "") -> Horizon:
+        """The surface that was found in a slice.
+
+        Parameters
+        ----------
+        found : FoundHorizon
+            From `isoembed.relativity.find_horizon`.
+        axis : sequence of 3 floats, optional
+            As of `of`.
+        name : str
+        """
+        data = found.data(axis, name)
+        facts = {
+            **{"center": list(found.surface.center), "mean_coordinate_radius": found.surface.mean_radius},
+            **{"degree": found.degree, "residual": found.residual},
+            **{"stability": found.stability, "outer": found.outer},
+            **expansion_test(data).report,
+            "marginal": data.marginal,
+        }
+        return cls(data, facts)

@@ -32,6 +32,12 @@ class Translated:
         """See `ThreeGeometry`."""
         return self.geometry.time_symmetric
 
+    @property
+    def black_holes(self) -> tuple[tuple[float, Sequence[float]], ...]:
+        """The mass and the position of each, where the slice says that."""
+        holes = getattr(self.geometry, "black_holes", ())
+        return tuple((mass, tuple(np.add(position, self.center).tolist())) for mass, position in holes)
+
     def metric(self, x: Floats) -> Floats:
         """See `ThreeGeometry`."""
         return self.geometry.metric(x - np.array(self.center))

@@ -1,0 +1,187 @@
+"""``isoembed horizon --find``: horizons of closed forms and of files, found, embedded and reported."""
+
+import os
+from functools import partial
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from horizons import check
+from isoembed.cli import horizon as command
+from isoembed.relativity import AnalyticCallable, KerrSchild
+from slice_files import write_slice
+from strict_json import strict
+
+FEW = ["--vertices", 60]
+KEYS = {"area", "integrated_mean_curvature", "irreducible_mass", "hawking", "liu_yau", "spin", "embedding"}
+
+
+@pytest.fixture
+def run(call):
+    """Call ``isoembed horizon --find`` in an empty folder."""
+    return partial(call, "horizon", "--find", "--geometry")
+
+
+@pytest.fixture
+def found(run):
+    """Call it where it succeeds; return the object."""
+
+    def found(*arguments):
+        status, out, err = run(*arguments, *FEW, "--json")
+        assert (status, err) == (0, "")
+        report = strict(out)
+        assert report["status"] == "embedded" and set(report) >= KEYS
+        assert report["horizon"]["marginal"] and report["horizon"]["residual"] < 1e-3
+        return report
+
+    return found
+
+
+def two_holes(masses, d, tilt=0.0, center=(0.0, 0.0, 0.0)):
+    """Two holes at the distance d, on an axis that is tilted in the plane of x and z."""
+    half = 0.5 * d * np.array([np.sin(tilt), 0.0, np.cos(tilt)])
+    positions = [*(np.array(center) + half), *(np.array(center) - half)]
+    return ["brill-lindquist", "--masses", *masses, "--positions", *positions]
+
+
+@pytest.mark.parametrize(
+    ("arguments", "mass", "liu_yau"),
+    [
+        (two_holes((0.5, 0.5), 0.5), 0.998248418, 2.01920982),
+        pytest.param(two_holes((0.2, 0.8), 0.5), 0.999007214, 2.01382715, marks=pytest.mark.slow),
+        ([*two_holes((0.5, 0.5), 1.0), "--guess", 0, 0, 0.5, 0.3], 0.624999260, 1.25000897),
+        pytest.param(
+            two_holes((0.5, 0.5), 0.5, 0.7, (0.3, -0.2, 0.1)), 0.998248418, 2.01920982, marks=pytest.mark.slow
+        ),
+        pytest.param(two_holes((0.5, 0.5), 0.6), 0.996294662, 2.04072244, marks=pytest.mark.slow),
+    ],
+    ids=("equal", "unequal", "individual", "tilted", "wider"),
+)
+def test_two_holes(found, arguments, mass, liu_yau):
+    """The masses and energies by shooting, in nine digits."""
+    report = found(*arguments)
+    for name, exact in (("irreducible_mass", mass), ("hawking", mass), ("liu_yau", liu_yau)):
+        assert abs(report[name] - exact) <= 1e-8
+        assert report["errors"][name] <= 1e-9
+    assert report["horizon"]["outer"] and 0.0 < report["horizon"]["stability"] < 1.0
+    assert report["horizon"]["residual"] < 1e-12 and report["horizon"]["degree"] >= 16
+    near = " near (0, 0, 0.5; 0.3)" if "--guess" in arguments else ""
+    assert report["name"].startswith(f"horizon{near} in brill-lindquist, masses 0.")
+
+
+@pytest.mark.parametrize("scale", [1e-3, 1e6])
+def test_one_hole_in_any_unit(found, scale):
+    at = (1.0 * scale, -2.0 * scale, 3.0 * scale)
+    report = found("isotropic", "--mass", scale, "--center", *at)
+    np.testing.assert_allclose(report["horizon"]["center"], at, rtol=1e-12)
+    assert abs(report["liu_yau"] - 2.0 * scale) <= report["errors"]["liu_yau"] <= 1e-11 * scale
+    assert report["horizon"]["mean_coordinate_radius"] == pytest.approx(0.5 * scale, rel=1e-12)
+    assert report["horizon"]["stability"] == pytest.approx(1.0, rel=1e-9)
+
+
+@pytest.mark.slow
+def test_a_tilted_kerr_hole_and_one_in_motion(found):
+    report = found("kerr-schild", "--spin", 0.0, 0.36, -0.48, "--center", 1, 2, 3, "--axis", 0, 0, 1)
+    check(report, 0.6, 1e-10)
+    np.testing.assert_allclose(report["spin"]["vector"], [0.0, 0.36, -0.48], atol=1e-9)
+    assert report["spin"]["given_axis"]["J"] == pytest.approx(-0.48, abs=1e-9)
+    report = found("boosted", "--velocity", 0.1, 0.2, 0.3)
+    assert abs(report["liu_yau"] - 2.0) <= report["errors"]["liu_yau"] <= 1e-10
+
+
+@pytest.mark.slow
+def test_a_horizon_in_a_file(found):
+    """Kerr, a = 0.5, on a grid of spacing 1/4: what is stated holds what is missed."""
+    write_slice("slice.npz", KerrSchild(1.0, (0.0, 0.0, 0.5)), half=3.125, points=26)
+    check(found("slice.npz", "--guess", 0, 0, 0, 2), 0.5, 1e-2)
+
+
+def test_what_is_written_and_said(run):
+    status, out, err = run("isotropic", "--guess", 0, 0, 0, 0.6, *FEW, "--wang-yau", "-o", "deep/found")
+    assert (status, err) == (0, "")
+    stem = "isotropic-horizon_0_0_0_0.6"
+    assert sorted(os.listdir("deep/found")) == [f"{stem}.{ending}" for ending in ("json", "png", "vtk")]
+    report = strict(Path(f"deep/found/{stem}.json").read_text())
+    assert abs(report["hawking"] - 1.0) <= report["errors"]["hawking"] and report["horizon"]["outer"]
+    assert out.startswith("horizon near (0, 0, 0; 0.6) in isotropic\n")
+    assert "the least eigenvalue of the stability operator is 1 / R^2, R the areal radius: stable" in out
+    assert "the expansion of outgoing rays, 0 on a horizon, is at most" in out
+
+
+def test_where_there_is_no_horizon_the_reason_is_said(run):
+    flat = AnalyticCallable(lambda x: np.tile(np.eye(3), (len(x), 1, 1)))
+    write_slice("flat.npz", flat, half=2.0, points=8)
+    status, out, err = run("flat.npz", "--json")
+    assert status == 3
+    report = strict(out)
+    assert report["status"] == "no horizon" and report["name"] == "horizon in flat.npz"
+    assert report["least_expansion"] == pytest.approx(1.0, abs=1e-6)  # c R / 2 of spheres
+    assert err == f"isoembed: error: {report['message']}\n" and "there is no horizon" in err
+    status, out, err = run("isotropic", "--guess", 0, 0, 3, 1)
+    assert (status, out) == (3, "") and err.startswith("isoembed: error: no horizon was found from the guess")
+
+
+@pytest.mark.slow
+def test_a_horizon_that_does_not_embed_is_reported(run):
+    status, out, err = run("kerr-schild", "--spin", 0, 0, 0.9, *FEW, "--json")
+    assert status == 3 and "no surface of revolution has this metric" in err
+    report = strict(out)
+    assert report["status"] == "not embedded" and report["horizon"]["outer"]
+    assert report["irreducible_mass"] == pytest.approx(np.sqrt(0.5 * (1.0 + np.sqrt(0.19))), rel=1e-9)
+
+
+GUESS = ["--guess", 0, 0, 0, 0.5]
+
+
+@pytest.mark.parametrize(
+    ("arguments", "sentence"),
+    [
+        (["isotropic", "h.gp"], "--find takes no FILE, and h.gp is given"),
+        (["isotropic", *GUESS[:-1], 0], "the radius must be positive, not 0"),
+        (["isotropic", *GUESS[:-1], -1], "the radius must be positive, not -1"),
+        (["isotropic", *GUESS[:-1], "nan"], "the radius must be positive, not nan"),
+        (["isotropic", *GUESS[:-1]], "--guess: expected 4 arguments"),
+        (["isotropic", "--guess", "inf", 0, 0, 1], "the center must be three finite numbers"),
+        (["isotropic", "--time", 1], "--time is for files, not for what --find finds"),
+        (["isotropic", "--surface", "AhA"], "--surface is for files, not for what --find finds"),
+        (["isotropic", "--marginal"], "--marginal is for files, not for what --find finds"),
+        (["isotropic", "--not-marginal"], "--not-marginal is for files, not for what --find finds"),
+        (["isotropic", "--mass", 0], "the mass must be positive, not 0"),
+        (["flat"], "the geometry flat: there are brill-lindquist, kerr-schild, "),
+        (["no.h5"], "there is no file no.h5"),
+        (["slice.npz", "--guess", 0, 0, 2, 2], "lies outside the grid, which reaches from (-3, -3, -3)"),
+        (["slice.npz", "--masses", 1, 1], "--masses does not go with the geometry slice.npz, a file"),
+        (["brill-lindquist", "--masses", 1, 1], "the geometry brill-lindquist needs --positions"),
+        (
+            ["brill-lindquist", "--masses", 1, "--positions", 0, 0, 1, 0, 0, 0],
+            "1 masses at 2 positions: there must be one for each",
+        ),
+        (
+            ["brill-lindquist", "--masses", 1, -1, "--positions", 0, 0, 1, 0, 0, 0],
+            "mass 1 must be positive, not -1",
+        ),
+        (["kerr-schild", "--spin", 0, 1.2, 0], "there is no horizon: the spin 1.2 exceeds the mass 1"),
+        (["isotropic", "--axis", 0, 0, 0], "--axis 0 0 0 is no axis"),
+        (["isotropic", "--vertices", 11], "--vertices must be at least 12, not 11"),
+    ],
+)
+def test_refusals(run, monkeypatch, arguments, sentence):
+    monkeypatch.setattr(command, "embed_horizons", lambda *_, **__: pytest.fail("it computed"))
+    write_slice("slice.npz", KerrSchild(1.0, (0.0, 0.0, 0.5)), half=3.0, points=10)
+    status, _, err = run(*arguments)
+    assert status == 2
+    assert sentence in err
+
+
+@pytest.mark.parametrize(
+    ("arguments", "sentence"),
+    [
+        ([], "which horizon? Give a FILE, or --find and a --geometry"),
+        (["--find"], "--find needs a --geometry to find a horizon in"),
+        (["h.gp", *GUESS], "--guess needs --find"),
+    ],
+)
+def test_files_and_finding_exclude_each_other(call, arguments, sentence):
+    status, _, err = call("horizon", *arguments)
+    assert status == 2 and sentence in err
