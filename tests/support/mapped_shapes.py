@@ -2,6 +2,8 @@
 
 import numpy as np
 
+from isoembed.meshing.sphere import fibonacci_directions, hull_faces
+
 
 def banana(u, spine=1.5, axes=(3.0, 0.8, 0.7)):
     """An ellipsoid bent around a circle with this radius in the x-z plane."""
@@ -65,3 +67,11 @@ def differences(shape, u, step=2.0**-11):
     dot = lambda a, b: np.einsum("ni,ni->n", a, b)  # noqa: E731
     E, F, G = dot(X1, X1), dot(X1, X2), dot(X2, X2)
     return n, -(E * dot(vv, n) - 2 * F * dot(uv, n) + G * dot(uu, n)) / (E * G - F**2)
+
+
+def mesh(shape, n, seed=0, irregular=0.3):
+    """Vertices (n, 3) on a shape, the triangles between them, and the directions that they are images of."""
+    u = fibonacci_directions(n)
+    u = u + irregular / np.sqrt(n) * np.random.default_rng(seed).normal(size=(n, 3))
+    u /= np.linalg.norm(u, axis=1, keepdims=True)
+    return shape(u), hull_faces(u), u

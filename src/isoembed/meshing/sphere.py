@@ -54,3 +54,13 @@ def hull_faces(u: Floats) -> Indices:
     inward = np.einsum("ij,ij->i", np.cross(a, b), c) < 0.0
     faces[inward] = faces[inward][:, [0, 2, 1]]
     return faces
+
+
+def solid_angles(u: Floats, faces: Indices) -> Floats:
+    """A third of the spherical triangles at each direction (n,); zero for one in no triangle of any area."""
+    a, b, c = u[faces].transpose(1, 0, 2)
+    dot = 1.0 + np.einsum("ni,ni->n", a, b) + np.einsum("ni,ni->n", b, c) + np.einsum("ni,ni->n", c, a)
+    solid = 2.0 * np.arctan2(np.abs(np.einsum("ni,ni->n", a, np.cross(b, c))), dot)
+    weights = np.zeros(len(u))
+    np.add.at(weights, faces, solid[:, None] / 3.0)
+    return weights

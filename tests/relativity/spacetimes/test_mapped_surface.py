@@ -1,5 +1,7 @@
 """Surfaces that are maps of the sphere: the same numbers as star-shaped ones, and closed forms of others."""
 
+from functools import cache
+
 import numpy as np
 import pytest
 from hypothesis import given, settings
@@ -7,7 +9,8 @@ from hypothesis import strategies as st
 from scipy.spatial.transform import Rotation
 
 import mapped_shapes
-from isoembed.errors import InvalidParameter
+import zoo
+from isoembed.errors import InvalidMetric, InvalidParameter
 from isoembed.meshing.sphere import fibonacci_directions, gauss_rule
 from isoembed.relativity.spacetimes.conformally_flat import BrillLindquist, IsotropicSchwarzschild
 from isoembed.relativity.spacetimes.kerr_schild import KerrSchild
@@ -155,3 +158,74 @@ class TestRefusals:
             MappedSurface(Harmonics(1, 1), np.ones(4))
         with pytest.raises(InvalidParameter, match="the center must be three finite numbers"):
             MappedSurface.from_map(mapped_shapes.ellipsoid, (0, 0))
+
+
+@cache
+def banana():
+    """A banana beside a black hole: a mesh, the slice, the surface from the mesh, and that in closed form."""
+    x, faces, _ = mapped_shapes.mesh(mapped_shapes.banana, 800)
+    hole = BrillLindquist([1.0, 0.5], [(0, 0.0, -0.6), (0.3, 0, 5)])
+    return x, faces, hole, MappedSurface.from_mesh(x, faces), MappedSurface.from_map(mapped_shapes.banana)
+
+
+def integrals(surface, geometry):
+    """The area and the integral of k."""
+    u, weights = gauss_rule(48, 96)
+    frame = surface.frame(geometry, u)
+    areas = weights * area_density(frame.q)
+    return areas.sum(), areas @ frame.mean_curvature()
+
+
+class TestMeshes:
+    def test_integrals_are_as_stated(self):
+        *_, hole, surface, exact = banana()
+        (area, total), (true, true_total) = integrals(surface, hole), integrals(exact, hole)
+        data = surface.data(hole)
+        lengths, k = data.lengths_error.mean, data.mean_curvature.error.mean
+        assert abs(area / true - 1) < 2 * lengths < 1e-5
+        assert abs(total - true_total) < k * true + 2 * lengths * abs(true_total)
+        assert k < 1e-4
+
+    def test_labels_turns_and_scales(self):
+        x, faces, hole, surface, _ = banana()
+        A, K = integrals(surface, hole)
+        order = np.random.default_rng(2).permutation(len(x))
+        again = MappedSurface.from_mesh(x[order], np.argsort(order)[faces[:, ::-1]])
+        np.testing.assert_allclose(integrals(again, hole), (A, K), rtol=1e-6)
+        Q, unit = Rotation.random(random_state=1).as_matrix(), 1e6
+        moved = BrillLindquist([unit * m for m in hole.masses], unit * np.array(hole.positions) @ Q.T)
+        scaled = MappedSurface.from_mesh(unit * x @ Q.T, faces)
+        np.testing.assert_allclose(integrals(scaled, moved), (A * unit**2, K * unit), rtol=1e-6)
+
+    def test_of_a_horizon(self):
+        horizon = StarSurface.from_radius(HOLE.spheroid(HOLE.horizon))
+        x, faces, _ = mapped_shapes.mesh(lambda u: horizon.points(turned(u)), 300)
+        found = MappedSurface.from_mesh(x, faces)
+        stated = found.data(HOLE).mean_curvature.error.pointwise
+        assert np.abs(found.expansion(HOLE, U)).max() < max(2 * stated, 1e-9)
+        assert found.angular_momentum(HOLE, HOLE.spin) == pytest.approx(np.sqrt(0.7), rel=1e-9)
+
+    def test_noise_is_within_the_errors(self):
+        x, faces, hole, _, exact = banana()
+        noisy = MappedSurface.from_mesh(x + 1e-3 * np.random.default_rng(5).normal(size=x.shape), faces)
+        data, (area, _), (true, _) = noisy.data(hole), integrals(noisy, hole), integrals(exact, hole)
+        assert abs(area / true - 1) < 2 * data.lengths_error.mean < 1e-2
+
+    @pytest.mark.parametrize(
+        ("change", "error", "sentence"),
+        [
+            (lambda x, f: (x[:, :2], f), InvalidParameter, r"points must be an array \(m, 3\)"),
+            (lambda x, f: (x + [[0, 0, 0], [np.inf, 0, 0]] * 6, f), InvalidParameter, "point 1 is .*inf"),
+            (lambda x, f: (np.concatenate([x, x]), f), InvalidMetric, "24 vertices, but 12 in faces"),
+            (lambda x, f: (x, f[1:]), InvalidMetric, "edge"),
+        ],
+    )
+    def test_refusals(self, change, error, sentence):
+        x, faces = zoo.icosahedron()
+        with pytest.raises(error, match=sentence):
+            MappedSurface.from_mesh(*change(x, faces))
+
+    def test_too_few_vertices(self):
+        x, faces, _ = mapped_shapes.mesh(mapped_shapes.peanut, 200)
+        with pytest.raises(InvalidParameter, match="200 vertices are too few or too scattered for a smooth"):
+            MappedSurface.from_mesh(x, faces)

@@ -10,15 +10,19 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from isoembed.arrays import Floats
-from isoembed.errors import InvalidParameter
+from isoembed.errors import InvalidMetric, InvalidParameter
+from isoembed.mesh.triangulation import Triangulation
 from isoembed.meshing.sphere import fibonacci_directions, gauss_rule
 from isoembed.relativity.spacetimes.checks import numbers, vector, written
+from isoembed.relativity.spacetimes.point_cloud import checked_points
 from isoembed.relativity.spacetimes.surface import Surface
 from isoembed.relativity.spacetimes.surface_jet import SurfaceJet
 from isoembed.smooth.harmonics import Harmonics
+from isoembed.smooth.mesh_fit import fit_mesh
 from isoembed.smooth.projection import PROJECTION, project
 from isoembed.smooth.scattered_fit import deviating, white
 from isoembed.smooth.two_metric import angle_frame
+from isoembed.surface.measures import volume
 from isoembed.thresholds import threshold
 
 
@@ -114,6 +118,43 @@ class MappedSurface(Surface):
         coefficients = fit.coefficients.copy()
         coefficients[0] += np.sqrt(4.0 * np.pi) * middle
         return cls(fit.harmonics, coefficients, center, fit.misfit)  # type: ignore[arg-type] # see above
+
+    @classmethod
+    def from_mesh(
+        cls, vertices: ArrayLike, faces: ArrayLike, center: Sequence[float] | None = None
+    ) -> MappedSurface:
+        """Least squares fit of harmonics to a closed triangle mesh whose vertices lie on a smooth surface.
+
+        The degree is the one of least generalized cross-validation, at most 48; see
+        `isoembed.smooth.mesh_fit.fit_mesh`.
+
+        Parameters
+        ----------
+        vertices : array_like, shape (V, 3)
+        faces : array_like of int, shape (F, 3)
+            Triangles, all oriented alike, of genus 0.
+        center : three floats, optional
+            About which torques are; by default the centroid of the area in the coordinates.
+
+        Raises
+        ------
+        InvalidParameter
+            A vertex is not finite, or the surface that fits is no immersion: the mesh is too coarse for it.
+        InvalidMetric
+            The faces are no triangulated sphere, or a triangle is degenerate; the message names it.
+        """
+        x, triangles = checked_points(vertices), Triangulation(faces)
+        if triangles.n_vertices != len(x):
+            raise InvalidMetric(f"there are {len(x)} vertices, but {triangles.n_vertices} in faces")
+        inward = volume(triangles.faces, x / np.abs(x).max()) < 0.0
+        fit = fit_mesh(x, triangles.faces[:, ::-1].copy() if inward else triangles.faces)
+        about = None if center is None else vector("the center", center)
+        try:
+            return cls(fit.harmonics, fit.coefficients, about, fit.misfit, fit.deviations)  # type: ignore[arg-type]
+        except InvalidParameter as error:
+            raise InvalidParameter(
+                f"{len(x)} vertices are too few or too scattered for a smooth surface through them: {error}"
+            ) from None
 
     @property
     def mean_radius(self) -> float:

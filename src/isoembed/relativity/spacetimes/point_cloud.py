@@ -6,6 +6,7 @@ from scipy.spatial import ConvexHull, QhullError
 
 from isoembed.arrays import Floats, Indices
 from isoembed.errors import InvalidParameter
+from isoembed.meshing.sphere import solid_angles
 from isoembed.relativity.spacetimes.checks import written
 
 
@@ -41,7 +42,7 @@ def seen_from(x: Floats, center: Floats, faces: Indices | None = None) -> tuple[
     if r.min() == 0.0:
         raise InvalidParameter(f"point {int(np.argmin(r))} is the center {written(center)} itself")
     u = d / r[:, None]
-    return u, r, _solid_angles(u, _hull(u) if faces is None else faces)
+    return u, r, solid_angles(u, _hull(u) if faces is None else faces)
 
 
 def _hull(u: Floats) -> Indices:
@@ -54,13 +55,3 @@ def _hull(u: Floats) -> Indices:
     if hull.equations[:, 3].max() >= 0.0:
         raise InvalidParameter(apart)
     return np.asarray(hull.simplices)
-
-
-def _solid_angles(u: Floats, faces: Indices) -> Floats:
-    """A third of the spherical triangles at each direction; zero for one given twice."""
-    a, b, c = u[faces].transpose(1, 0, 2)
-    dot = 1.0 + np.einsum("ni,ni->n", a, b) + np.einsum("ni,ni->n", b, c) + np.einsum("ni,ni->n", c, a)
-    solid = 2.0 * np.arctan2(np.abs(np.einsum("ni,ni->n", a, np.cross(b, c))), dot)
-    weights = np.zeros(len(u))
-    np.add.at(weights, faces, solid[:, None] / 3.0)
-    return weights
