@@ -16,6 +16,7 @@ from isoembed.io import write_metric
 from isoembed.metric.polyhedral import PolyhedralMetric
 from isoembed.relativity import KerrNewmanSphere
 from isoembed.smooth import GridMetric, solve, triangulate_metric
+from strict_json import strict
 
 KERR = KerrNewmanSphere(3.0, 1.0, 0.8)
 BROWN_YORK = 1.2196541460073282
@@ -255,6 +256,23 @@ def test_a_grid_that_is_no_metric(run, grid):
     np.savez("bad.npz", **tables)
     status, _, err = run("bad.npz")
     assert status == 2 and "q_tt missing from a metric on a grid" in err
+
+
+@pytest.mark.parametrize(("factor", "agrees"), [(1.0, True), (1.2, False)])
+def test_the_curvature_in_a_file_is_compared(run, grid, factor, agrees):
+    with np.load("grid.npz") as archive:
+        tables = dict(archive)
+    theta, phi = np.meshgrid(tables["theta"], tables["phi"], indexing="ij")
+    u = np.stack([np.sin(theta) * np.cos(phi), np.sin(theta) * np.sin(phi), np.cos(theta)], axis=2)
+    K = KERR.gaussian_curvature(u.reshape(-1, 3)).reshape(theta.shape)
+    np.savez("grid.npz", **tables, gaussian_curvature=factor * K)
+    status, out, err = run("grid.npz", "--vertices", 60, "--json")
+    assert (status, err) == (0, "")
+    found = strict(out)
+    assert found["curvature_check"]["agrees"] is agrees
+    assert any("is not that of the metric in use" in note for note in found["notes"]) is not agrees
+    status, out, _ = run("grid.npz", "--vertices", 60)
+    assert status == 0 and "K from gaussian_curvature in the file and of this metric differ by" in out
 
 
 def test_the_band_of_what_is_not_symmetric_is_refused(run, monkeypatch):

@@ -144,7 +144,7 @@ REFUSED = [
     (["grid.npz", "--axis", 0, 0, 1], "grid.npz holds no coordinates that an --axis could be given in"),
     (["h.gp", *KERR_SCHILD[:2], "--vertices", 11], "--vertices must be at least 12, not 11"),
     (["bad.gp", *KERR_SCHILD], "bad.gp"),
-    (["grid.npz", "bad.gp", "-o", "found"], "bad.gp"),
+    (["no.gp", "bad.gp", "-o", "found"], "there is no file no.gp; bad.gp"),
     (["grid.npz", "-o", "h.gp"], "cannot make the folder h.gp"),
     (["grid.npz", "-o", "h.gp/found"], "cannot make the folder h.gp/found"),
 ]

@@ -5,9 +5,11 @@ from dataclasses import replace
 from functools import partial
 from pathlib import Path
 
+import numpy as np
 import pytest
 
 from horizons import check, write_grid
+from isoembed.relativity.energies import embedded
 from isoembed.smooth import solve
 from strict_json import strict
 
@@ -32,6 +34,35 @@ def test_a_sequence_begins_each_from_the_one_before(run, monkeypatch):
     assert [first["name"], second["name"]] == ["a.npz", "b.npz"]
     assert len(os.listdir("found")) == 6
     assert strict(Path("found/b.json").read_text()) == second
+
+
+def test_where_one_is_refused_the_others_are_answered(run):
+    write_grid("a.npz", 0.5)
+    write_grid("flat.npz", 0.5)
+    with np.load("flat.npz") as archive:
+        tables = dict(archive) | {"q_tt": 0.0 * archive["q_tt"]}
+    np.savez("flat.npz", **tables)
+    Path("bad.gp").write_text("# N_patches = 6\n# origin = 0 0 0\n")
+    files = ["no.npz", "a.npz", "bad.gp", "flat.npz"]
+    status, out, err = run(*files, "--marginal", "--vertices", 60, "--json", "-o", "found")
+    assert status == 3
+    lines = err.splitlines()
+    assert len(lines) == 3 and lines[0] == "isoembed: error: there is no file no.npz"
+    assert "bad.gp" in lines[1] and "flat.npz" in lines[2]
+    reports = strict(out)
+    assert [report["name"] for report in reports] == files
+    assert [report["status"] for report in reports] == ["refused", "embedded", "refused", "refused"]
+    check(reports[1], 0.5)
+    assert reports[0]["message"] == "there is no file no.npz"
+    assert sorted(os.listdir("found")) == ["a.json", "a.png", "a.vtk"]
+
+
+def test_where_all_are_refused_nothing_is_done(run, monkeypatch):
+    """By the embedding, which finds one of the metrics beyond the range of numbers."""
+    write_grid("a.npz", 0.5)
+    monkeypatch.setattr(embedded, "SURFACE", replace(embedded.SURFACE, largest=1e-100))
+    status, _, err = run("a.npz", "--marginal", "--json")
+    assert status == 2 and "isoembed: error: a.npz: squares of lengths of about" in err
 
 
 @pytest.mark.parametrize(

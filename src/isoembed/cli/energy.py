@@ -30,7 +30,14 @@ from isoembed.io.files import input_ending
 from isoembed.metric.polyhedral import PolyhedralMetric
 from isoembed.relativity.energies.embedded import CONVENTIONS, embed_surface
 from isoembed.relativity.energies.mesh_energies import mesh_energies
-from isoembed.relativity.energies.report import energy_table, mesh_report, unembedded_report, wang_yau_report
+from isoembed.relativity.energies.report import (
+    checked_report,
+    energy_table,
+    mesh_report,
+    unembedded_report,
+    wang_yau_report,
+)
+from isoembed.relativity.horizons.curvature_check import CurvatureCheck
 from isoembed.relativity.horizons.expansion import judged, noted_near
 from isoembed.relativity.horizons.grid_file import read_metric_or_grid
 from isoembed.relativity.spacetimes.star_surface import StarSurface
@@ -144,17 +151,23 @@ def _smooth(options: argparse.Namespace, outputs: Outputs, data: SurfaceData, nu
         print_error(str(error))
         if options.band:
             _write_band(outputs, data)
-        _show(options, {**unembedded_report(data, error), "conventions": CONVENTIONS})
+        report = {**unembedded_report(data, error), "conventions": CONVENTIONS}
+        _show(options, _with_check(data, report))
         return NOT_EMBEDDED
     report, least = wang_yau_report(surface) if options.wang_yau else (surface.report, None)
     if options.band:
         why = "the whole surface embeds" if surface.embedding.converged else "the best fit was asked for"
         print_error(f"{options.band} is not written: {why}")
     try:
-        _show(options, report)
+        _show(options, _with_check(data, report))
     finally:
         outputs.write(output=lambda path: mesh_writer(path, **(least or surface).mesh(number)))
     return OK
+
+
+def _with_check(data: SurfaceData, report: dict[str, Any]) -> dict[str, Any]:
+    """The report with how the curvature in the file compares, if it is there."""
+    return report if data.gaussian_curvature is None else checked_report(report, CurvatureCheck.of(data))
 
 
 def _write_band(outputs: Outputs, data: SurfaceData) -> None:

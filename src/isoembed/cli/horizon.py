@@ -25,8 +25,8 @@ from isoembed.cli.slices import (
     slice_named,
     slice_stem,
 )
-from isoembed.cli.status import NOT_EMBEDDED, OK
-from isoembed.errors import NoHorizon
+from isoembed.cli.status import NOT_EMBEDDED, OK, WRONG
+from isoembed.errors import InvalidMetric, InvalidParameter, NoHorizon
 from isoembed.io import FileError, mesh_writer, report_writer
 from isoembed.io.files import AmbiguousFileError, check_target, input_ending, write_atomically
 from isoembed.io.hdf5 import HDF5_ENDINGS
@@ -110,29 +110,35 @@ def run(options: argparse.Namespace) -> int:
             message = {"message": str(error), "least_expansion": error.least}
             print_json({"status": "no horizon", "name": _found_name(options), **message})
         return NOT_EMBEDDED
-    reports, drawn, status = [], dict[Path, tuple[Panel, dict[str, Any]]](), OK
-    embedded = embed_horizons(horizons.values(), number, wang_yau=options.wang_yau)
-    for stem, found in zip(horizons, embedded, strict=True):
+    reports, drawn = [], dict[Path, tuple[Panel, dict[str, Any]]]()
+    there = (horizon for horizon in horizons.values() if isinstance(horizon, Horizon))
+    embedded = embed_horizons(there, number, wang_yau=options.wang_yau)
+    for stem, horizon in horizons.items():
+        found = next(embedded) if isinstance(horizon, Horizon) else horizon
         reports.append(found.report)
-        if options.output:
+        refused = found.report["status"] == "refused"
+        if options.output and not refused:
             outputs = _outputs(options, stem)
             panel = _write(outputs, found, number)
             if panel is not None:
                 drawn[outputs["png"]] = panel, found.report
         if found.surface is None:
-            print_error(f"{found.report['name']}: {found.report['message']}")
-            status = NOT_EMBEDDED
+            name, message = found.report["name"], found.report["message"]
+            print_error(message if refused and name in message else f"{name}: {message}")
         elif not options.json:
             (print_aside if options.output else print_out)(str(found))
+    outcomes = {report["status"] for report in reports}
+    if outcomes == {"refused"}:
+        return WRONG
     if options.json:
         print_json(reports if len(reports) > 1 else reports[0])
     if drawn:
         _draw(drawn)
-    return status
+    return OK if outcomes == {"embedded"} else NOT_EMBEDDED
 
 
-def _given(options: argparse.Namespace) -> dict[str, Horizon]:
-    """The horizons in files, by names for what is written of them."""
+def _given(options: argparse.Namespace) -> dict[str, Horizon | EmbeddedHorizon]:
+    """The horizons in files, by names for what is written of them; some may be refused, not all."""
     if not options.files:
         raise UsageError("which horizon? Give a FILE, or --find and a --geometry")
     refuse_given(options, ("guess",), "needs --find")
@@ -142,12 +148,21 @@ def _given(options: argparse.Namespace) -> dict[str, Horizon]:
     else:
         geometry = slice_named(options.geometry, options)
     stems = _stems(options.files)
-    horizons = [_horizon(name, options, geometry) for name in options.files]
+    horizons: dict[str, Horizon | EmbeddedHorizon] = {}
+    refusals: list[Exception] = []
+    for stem, name in zip(stems, options.files, strict=True):
+        try:
+            horizons[stem] = _horizon(name, options, geometry)
+        except (FileError, InvalidMetric, InvalidParameter) as error:
+            refusals.append(error)
+            horizons[stem] = EmbeddedHorizon.refused(name, error)
+    if len(refusals) == len(stems):
+        raise FileError("; ".join(map(str, refusals)))
     _make_folder(options, stems)
-    return dict(zip(stems, horizons, strict=True))
+    return horizons
 
 
-def _sought(options: argparse.Namespace) -> dict[str, Horizon]:
+def _sought(options: argparse.Namespace) -> dict[str, Horizon | EmbeddedHorizon]:
     """The horizon that is found, by a name for what is written of it."""
     if options.files:
         raise UsageError(f"--find takes no FILE, and {options.files[0]} is given")

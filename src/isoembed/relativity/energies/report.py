@@ -1,14 +1,17 @@
 """Reports of energies: of embedded surfaces, of those that do not embed, of triangles and of horizons."""
 
+from __future__ import annotations
+
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
 from typing import Any
 
-from isoembed.errors import InvalidParameter, NoMinimum, NotEmbedded
+from isoembed.errors import InvalidMetric, InvalidParameter, NoMinimum, NotEmbedded
 from isoembed.relativity.energies.embedded import CONVENTIONS, EmbeddedSurface, embed_surface
 from isoembed.relativity.energies.energies import Energies
 from isoembed.relativity.energies.quadrature import intrinsic_energies
 from isoembed.relativity.energies.wang_yau_energy import WangYau, wang_yau
+from isoembed.relativity.horizons.curvature_check import CurvatureCheck
 from isoembed.relativity.horizons.horizon import Horizon
 from isoembed.relativity.horizons.horizon_shape import shape_lines, shape_report
 from isoembed.relativity.horizons.spin import find_spin, spin_report
@@ -46,7 +49,10 @@ def energy_table(report: dict[str, Any]) -> str:
             lines.append(f"{'J about x, y and z':{width}}  {_triple(spin['vector'], error)}")
     lines += shape_lines(report)
     lines += ["", *(f"note: {note}" for note in report["notes"])]
-    return "\n".join([*lines, CONVENTIONS["units"]])
+    lines.append(CONVENTIONS["units"])
+    if check := report.get("curvature_check"):
+        lines.append(check["message"])
+    return "\n".join(lines)
 
 
 def _line(shown: str, value: float, error: float, width: int) -> str:
@@ -104,6 +110,7 @@ def wang_yau_report(surface: EmbeddedSurface) -> tuple[dict[str, Any], WangYau |
     report["wang_yau"], report["errors"]["wang_yau"] = found.energy.value, found.energy.error
     report["error_estimate"] = max(report["error_estimate"], found.energy.error)
     report["minimum"] = found.report
+    report["notes"] += found.notes
     return report, found
 
 
@@ -114,7 +121,7 @@ class EmbeddedHorizon:
     Attributes
     ----------
     surface : EmbeddedSurface or None
-        None where there is no embedding: the message of the report says why.
+        None where there is no embedding, or the file is refused: the message of the report says why.
     report : dict
         Plain numbers, for JSON.
     """
@@ -122,9 +129,13 @@ class EmbeddedHorizon:
     surface: EmbeddedSurface | None
     report: dict[str, Any]
 
+    @classmethod
+    def refused(cls, name: str, error: Exception) -> EmbeddedHorizon:
+        """The place in a sequence of what is no surface, or has no metric."""
+        return cls(None, {"status": "refused", "message": str(error), "name": name})
+
     def __str__(self) -> str:
-        horizon, check = self.report["horizon"], self.report["curvature_check"]
-        table = energy_table(self.report) + (f"\n{check['message']}" if check else "")
+        horizon, table = self.report["horizon"], energy_table(self.report)
         if not horizon:
             return table
         if "points" in horizon:
@@ -164,7 +175,7 @@ def embed_horizons(
     Yields
     ------
     EmbeddedHorizon
-        One for each; those that do not embed do not end the sequence.
+        One for each; those that do not embed, or are refused, do not end the sequence.
     """
     before: EmbeddedSurface | None = None
     for horizon in horizons:
@@ -172,20 +183,22 @@ def embed_horizons(
             before = _embedded(horizon.data, before, vertices)
         except NotEmbedded as error:
             yield EmbeddedHorizon(None, _of_horizon(horizon, unembedded_report(horizon.data, error)))
+        except (InvalidMetric, InvalidParameter) as error:
+            yield EmbeddedHorizon.refused(horizon.data.name, error)
         else:
             report = wang_yau_report(before)[0] if wang_yau else before.report
             yield EmbeddedHorizon(before, _of_horizon(horizon, report))
 
 
+def checked_report(report: dict[str, Any], check: CurvatureCheck | None) -> dict[str, Any]:
+    """The report of a surface with how its curvature compares with that in its file, if it is there."""
+    notes = report["notes"] + list(check.notes if check else ())
+    return {**report, "notes": notes, "curvature_check": check and check.report}
+
+
 def _of_horizon(horizon: Horizon, report: dict[str, Any]) -> dict[str, Any]:
     """The report with what the file says."""
-    check = horizon.curvature_check
-    return {
-        **report,
-        "notes": report["notes"] + list(check.notes if check else ()),
-        "horizon": horizon.facts,
-        "curvature_check": check and check.report,
-    }
+    return {**checked_report(report, horizon.curvature_check), "horizon": horizon.facts}
 
 
 def _embedded(data: SurfaceData, before: EmbeddedSurface | None, vertices: int) -> EmbeddedSurface:
