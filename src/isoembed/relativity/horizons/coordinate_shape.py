@@ -192,7 +192,8 @@ def triangulate_star_shaped(
     if hull.equations[hole, 3] > -np.cos(STAR_SHAPE.hole):
         raise FileError(
             f"{source}: there are no points around the direction {_triple(hull.equations[hole, :3])} "
-            f"from the center {_triple(center)}: the surface is not complete"
+            f"from the center {_triple(center)}: the surface is not complete, or not star-shaped about it, "
+            "which takes triangles (faces) between the points"
         )
     faces = hull.simplices.astype(np.int64)
     inward = np.einsum("fi,fi->f", v[faces[:, 0]], np.cross(v[faces[:, 1]], v[faces[:, 2]])) < 0

@@ -64,7 +64,9 @@ class CurvatureCheck:
     expected: float
 
     @classmethod
-    def of(cls, data: SurfaceData, found: CoordinateShape | None = None) -> CurvatureCheck | None:
+    def of(
+        cls, data: SurfaceData, found: CoordinateShape | None = None, directions: Floats | None = None
+    ) -> CurvatureCheck | None:
         """The check of a surface from a file.
 
         Parameters
@@ -72,7 +74,9 @@ class CurvatureCheck:
         data : SurfaceData
             The surface in its slice, with a ``gaussian_curvature`` if there is nothing more.
         found : CoordinateShape, optional
-            The points that it was made of, and fields there; its directions are those from the center.
+            The points that it was made of, and fields there.
+        directions : ndarray, shape (V, 3), optional
+            Those of the points; by default as seen from the center.
 
         Returns
         -------
@@ -89,7 +93,7 @@ class CurvatureCheck:
         if given is None:
             return None
         known = np.isfinite(given)
-        u = found.points[known] - found.center
+        u = (found.points - found.center if directions is None else directions)[known]
         u /= np.linalg.norm(u, axis=1)[:, None]
         if len(u) < CURVATURE_CHECK.fewest:
             return None

@@ -8,11 +8,12 @@ from typing import Any
 
 from isoembed.errors import InvalidParameter
 from isoembed.relativity.horizons.coordinate_shape import CoordinateShape
+from isoembed.relativity.horizons.coordinate_surface import coordinate_surface
 from isoembed.relativity.horizons.curvature_check import CurvatureCheck
 from isoembed.relativity.horizons.expansion import expansion_test, judged
 from isoembed.relativity.horizons.finder import FoundHorizon
 from isoembed.relativity.spacetimes.cartesian_grid import CartesianGrid
-from isoembed.relativity.spacetimes.star_surface import StarSurface
+from isoembed.relativity.spacetimes.mapped_surface import MappedSurface
 from isoembed.relativity.spacetimes.surface_data import SurfaceData
 from isoembed.relativity.spacetimes.three_geometry import ThreeGeometry
 
@@ -63,7 +64,8 @@ class Horizon:
         Raises
         ------
         InvalidParameter
-            The geometry is missing, or there is a metric already; or there is an axis without coordinates.
+            The geometry is missing, or there is a metric already; there is an axis without coordinates; or
+            the points are not star-shaped and there are no triangles.
         """
         if isinstance(found, SurfaceData):
             if geometry is not None:
@@ -76,9 +78,7 @@ class Horizon:
             return cls(data, facts, CurvatureCheck.of(data))
         if geometry is None:
             raise InvalidParameter(f"{found.contents}: name its geometry")
-        surface = StarSurface.from_points(
-            found.points, found.center.tolist(), found.faces if found.is_hull else None
-        )
+        surface = coordinate_surface(found)
         data = surface.data(geometry, axis, name=name)
         if isinstance(geometry, CartesianGrid) and geometry.time_symmetric:
             data = replace(
@@ -88,12 +88,13 @@ class Horizon:
         data = judged(data, marginal, test)
         facts = {
             **{"time": found.time, "iteration": found.iteration},
-            **{"points": len(found.points), "center": list(found.center)},
+            **{"points": len(found.points), "center": list(surface.center)},
             **{"mean_coordinate_radius": surface.mean_radius, "misfit": surface.misfit},
             **test.report,
             "marginal": data.marginal,
         }
-        return cls(data, facts, CurvatureCheck.of(data, found))
+        directions = surface.directions if isinstance(surface, MappedSurface) else None
+        return cls(data, facts, CurvatureCheck.of(data, found, directions))
 
     @classmethod
     def found(cls, found: FoundHorizon, *, axis: Sequence[float] | None = None, name: str = "") -> Horizon:

@@ -57,7 +57,9 @@ class MappedSurface(Surface):
         Of meshes: by what the coefficients may be off, drawn at random, in the harmonics of
         `isoembed.smooth.scattered_fit.deviating`; without them, noise of the size of the misfit.
     notes : tuple of str
-        Which vertices were left out, for reports.
+        For reports.
+    directions : ndarray, shape (V, 3), optional
+        Of meshes: unit vectors at which the surface is nearest to the vertices.
 
     Raises
     ------
@@ -71,6 +73,7 @@ class MappedSurface(Surface):
     misfit: float = 0.0
     deviations: Floats | None = None
     notes: tuple[str, ...] = ()
+    directions: Floats | None = None
 
     def __post_init__(self) -> None:
         coefficients = np.array(self.coefficients, dtype=np.float64)
@@ -150,7 +153,14 @@ class MappedSurface(Surface):
         fit = fit_mesh(x, triangles.faces[:, ::-1].copy() if inward else triangles.faces)
         about = None if center is None else vector("the center", center)
         try:
-            return cls(fit.harmonics, fit.coefficients, about, fit.misfit, fit.deviations)  # type: ignore[arg-type]
+            return cls(
+                fit.harmonics,
+                fit.coefficients,
+                about,  # type: ignore[arg-type] # see above
+                fit.misfit,
+                fit.deviations,
+                directions=fit.directions,
+            )
         except InvalidParameter as error:
             raise InvalidParameter(
                 f"{len(x)} vertices are too few or too scattered for a smooth surface through them: {error}"
