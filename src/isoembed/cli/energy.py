@@ -87,7 +87,7 @@ def configure(parser: argparse.ArgumentParser) -> None:
         "distances of points in Euclidean space, as in meshes and from isoembed surface (by default, but for "
         "meshes, they are taken for geodesics' with errors wide enough for both)",
     )
-    add_marginal_options(parser, "on a grid or in a slice: the surface is", "by default it is none")
+    add_marginal_options(parser, "of a surface on a grid or in a slice", "by default it is none")
     add_spacetime_options(parser)
     parser.add_argument(
         "--sphere",

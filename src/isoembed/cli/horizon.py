@@ -79,9 +79,7 @@ def configure(parser: argparse.ArgumentParser) -> None:
         help="additional axis for which to report the angular momentum",
     )
     add_marginal_options(
-        parser,
-        "the surfaces are",
-        "by default their expansion decides, and a metric without k is none",
+        parser, "of each file", "by default its expansion decides, and a metric without k is none"
     )
     parser.add_argument("--time", type=float, metavar="T", help="which slice of a SpECTRE file with several")
     parser.add_argument("--surface", metavar="NAME", help="which surface of a SpECTRE file with several")
