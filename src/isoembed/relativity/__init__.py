@@ -26,6 +26,7 @@ from isoembed.relativity.horizons.finder import (
     constant_expansion,
     find_horizon,
     find_horizons,
+    inner_horizon,
 )
 from isoembed.relativity.horizons.grid_file import read_grid_data, read_metric_grid, read_metric_or_grid
 from isoembed.relativity.horizons.horizon import Horizon
@@ -101,6 +102,7 @@ __all__ = [
     "find_horizon",
     "find_horizons",
     "find_spin",
+    "inner_horizon",
     "kerr_surface",
     "mesh_energies",
     "mesh_report",

@@ -1,9 +1,8 @@
-"""Horizons that are found: masses and stability of closed forms, a table of pairs of holes, failures."""
+"""Horizons that are found: masses and stability of closed forms, a table of pairs of holes."""
 
 import numpy as np
 import pytest
 
-from isoembed.errors import InvalidParameter, NoHorizon
 from isoembed.meshing.sphere import gauss_rule
 from isoembed.relativity.horizons.finder import constant_expansion, find_horizon, find_horizons
 from isoembed.relativity.spacetimes.boosted import BoostedSchwarzschild
@@ -11,9 +10,6 @@ from isoembed.relativity.spacetimes.conformally_flat import BrillLindquist, Isot
 from isoembed.relativity.spacetimes.kerr_schild import KerrSchild
 from isoembed.relativity.spacetimes.painleve_gullstrand import PainleveGullstrand
 from isoembed.relativity.spacetimes.star_surface import StarSurface
-from isoembed.relativity.spacetimes.three_geometry import AnalyticCallable, CallableGeometry
-
-FLAT = AnalyticCallable(lambda x: np.tile(np.eye(3), (len(x), 1, 1)))
 
 
 def pair(d, masses=(0.5, 0.5), *, tilt=0.0, center=(0.0, 0.0, 0.0)):
@@ -104,25 +100,7 @@ def test_units_do_not_matter():
 def test_surfaces_of_constant_expansion():
     # theta = 2 / r (1 - sqrt(2 M / r))
     sphere = constant_expansion(PainleveGullstrand(1.0), 0.05, StarSurface.sphere((0.0, 0.0, 0.1), 2.2))
-    r = sphere.surface.mean_radius
     u, _ = gauss_rule(9, 19)
+    r = float(np.linalg.norm(sphere.surface.points(u), axis=1).mean())
     assert 2.0 / r * (1.0 - np.sqrt(2.0 / r)) == pytest.approx(0.05, abs=1e-12)
     assert np.abs(np.linalg.norm(sphere.surface.points(u), axis=1) - r).max() < 1e-11
-
-
-def star(x):
-    """A ball of constant density in isotropic coordinates, more compact than M / R = 0.3."""
-    r2 = np.einsum("ni,ni->n", x, x)
-    return (1.0 + 0.2 / np.sqrt(0.3 + r2))[:, None, None] ** 4 * np.eye(3)
-
-
-@pytest.mark.parametrize(("geometry", "least"), [(FLAT, 1.0), (AnalyticCallable(star), 0.7)])
-def test_no_horizon(geometry, least):
-    with pytest.raises(NoHorizon, match="there is no horizon") as failure:
-        find_horizon(geometry, StarSurface.sphere((0.0, 0.0, 0.0), 3.0))
-    assert failure.value.least == pytest.approx(least, abs=0.1)
-
-
-def test_where_to_look_is_not_known():
-    with pytest.raises(InvalidParameter, match="give a guess"):
-        find_horizon(CallableGeometry(star, 1.0))

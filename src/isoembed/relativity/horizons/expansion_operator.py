@@ -182,7 +182,8 @@ def _displaced(geometry: ThreeGeometry, x: Floats, D: Floats, fields: Fields) ->
     for steps, weight in ((1, 45.0 / 60.0), (2, -9.0 / 60.0), (3, 1.0 / 60.0)):
         for sign in (1.0, -1.0):
             moved = x + sign * steps * h * D
-            gradient += sign * weight / h * geometry.gradient(moved)
+            there = check_finite("the gradient of the 3-metric", moved, geometry.gradient(moved))
+            gradient += sign * weight / h * there
             K += sign * weight / h * curvature_at(geometry, moved)
     i_step = 1j * OPERATOR.complex_step
     along = np.einsum("nk,nkij->nij", D, fields.gradient)

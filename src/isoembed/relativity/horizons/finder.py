@@ -8,7 +8,6 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from isoembed.errors import InvalidMetric, InvalidParameter, NoHorizon
-from isoembed.relativity.horizons.expansion_operator import Fields, LocalSurface
 from isoembed.relativity.horizons.ladder import (
     Rung,
     climbed,
@@ -21,7 +20,7 @@ from isoembed.relativity.horizons.newton import NoConvergence
 from isoembed.relativity.horizons.search_places import Place, places_of
 from isoembed.relativity.horizons.stability import principal_eigenvalue
 from isoembed.relativity.horizons.surface_level import Equations
-from isoembed.relativity.horizons.sweep import Sweep, swept
+from isoembed.relativity.horizons.sweep import Sweep, leaf_of, swept
 from isoembed.relativity.spacetimes.star_surface import StarSurface
 from isoembed.relativity.spacetimes.surface_data import SurfaceData
 from isoembed.relativity.spacetimes.three_geometry import ThreeGeometry
@@ -40,7 +39,9 @@ class FinderThresholds:
     first: int = threshold(8, "count", "Degree in which a guess is looked at.")
     smaller: float = threshold(0.8, "relative", "First sphere over the one before, that was too large.")
     spheres: int = threshold(6, "count", "First spheres that are tried.")
-    large: float = threshold(1e-3, "relative", "Expansion over 1 / R above which a surface is no horizon.")
+    inside: float = threshold(0.98, "relative", "Mean radius just inside of a horizon over its own, at most.")
+    together: float = threshold(0.9999, "relative", "The same, where an inner horizon is not told apart.")
+    off: float = threshold(0.01, "radius", "Distance by which a surface may be off to be the one asked for.")
 
 
 FINDER = FinderThresholds()
@@ -227,6 +228,47 @@ def constant_expansion(geometry: ThreeGeometry, expansion: float, guess: StarSur
         ) from None
 
 
+def inner_horizon(outer: FoundHorizon) -> FoundHorizon:
+    """Marginally outer trapped surface inside of another one that belongs to it.
+
+    Between both the surfaces of constant expansion are trapped.  They approach each other, and vanish where
+    the stability of both is zero, as two holes with a common horizon are moved apart.
+
+    Parameters
+    ----------
+    outer : FoundHorizon
+        A stable one.
+
+    Raises
+    ------
+    NoHorizon
+        None was found; the message says what ended the search.
+    """
+    geometry, surface = outer.geometry, outer.surface
+    symmetric = is_symmetric(geometry, surface)
+    try:
+        trapped = _trapped(geometry, surface, symmetric)
+        factor = trapped.mean_radius / surface.mean_radius
+        sweep = swept(geometry, trapped, symmetric=symmetric, factor=factor)
+        if sweep.horizon is None:
+            raise NoConvergence(sweep.why)
+        return _found(geometry, sweep.horizon, 0.0, symmetric)
+    except (NoConvergence, InvalidMetric, InvalidParameter) as error:
+        raise NoHorizon(f"there is no inner horizon where it was looked for: {error}") from None
+
+
+def _trapped(geometry: ThreeGeometry, surface: StarSurface, symmetric: bool) -> StarSurface:
+    """A surface of constant negative expansion a little inside of a horizon."""
+    factor = FINDER.inside
+    while factor < FINDER.together:
+        smaller = replace(surface, coefficients=factor * surface.coefficients, deviations=None)
+        leaf = leaf_of(geometry, smaller, symmetric=symmetric)
+        if leaf.expansion < 0.0:
+            return leaf.surface
+        factor = float(np.sqrt(factor))
+    raise NoConvergence("the surfaces of constant expansion just inside of it are not trapped")
+
+
 def _around(geometry: ThreeGeometry, place: Place) -> FoundHorizon:
     """The outermost horizon inside of a large sphere."""
     radius = place.radius
@@ -263,10 +305,6 @@ def _least(sweep: Sweep) -> str:
 def _found(geometry: ThreeGeometry, start: StarSurface, expansion: float, symmetric: bool) -> FoundHorizon:
     """The surface near a guess, with what it may be off."""
     rung, steps, ended = climbed(geometry, start, expansion, symmetric=symmetric)
-    if rung.residual > FINDER.large:
-        raise NoConvergence(
-            f"in degree {rung.surface.harmonics.degree} the expansion is still {rung.residual:.2g} / R"
-        )
     shape = rung.solution.shape
     equations = rung.level.equations(shape)
     R = rung.level.areal_radius(shape)
@@ -276,8 +314,15 @@ def _found(geometry: ThreeGeometry, start: StarSurface, expansion: float, symmet
             f"in degree {rung.surface.harmonics.degree}, the highest, the expansion is still "
             f"{rung.residual:.2g} / R, R the areal radius",
         )
+    surface = _uncertain(geometry, rung, equations, expansion)
+    off = surface.misfit / surface.mean_radius
+    if off > FINDER.off:
+        raise NoConvergence(
+            f"the expansion is still {rung.residual:.2g} / R, R the areal radius, in degree "
+            f"{rung.surface.harmonics.degree}, and the slice may displace the surface by {100.0 * off:.2g} %"
+        )
     return FoundHorizon(
-        surface=_uncertain(geometry, rung, equations, expansion),
+        surface=surface,
         geometry=geometry,
         expansion=expansion,
         residual=rung.residual,
@@ -291,12 +336,7 @@ def _found(geometry: ThreeGeometry, start: StarSurface, expansion: float, symmet
 def _uncertain(geometry: ThreeGeometry, rung: Rung, equations: Equations, expansion: float) -> StarSurface:
     """The surface with deviations: how far the slice's error and what is left of the expansion move it."""
     surface, shape = rung.surface, rung.solution.shape
-
-    def theta(slice_: ThreeGeometry) -> np.ndarray:
-        fields = Fields.of(slice_, shape.surface.value)
-        return LocalSurface.of(fields, shape.surface.first, shape.surface.second).expansion[None]
-
-    by_slice = equations.projected(geometry.error(theta).T)[:, 0]
+    by_slice = equations.projected(rung.level.expansion_errors(shape)[:, None])[:, 0]
     level, apart = shape_apart(geometry, surface)
     left = level.equations(apart).projected((apart.local.expansion - expansion)[:, None])[:, 0]
     deviations = np.stack([equations.solved(by_slice), equations.solved(left)]) * np.sqrt(2.0)

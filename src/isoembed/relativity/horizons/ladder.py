@@ -30,7 +30,8 @@ class LadderThresholds:
     growth: float = threshold(1.4, "relative", "By which the degree grows, at least.")
     highest: int = threshold(128, "count", "Highest degree.")
     symmetric: int = threshold(512, "count", "Highest degree with symmetry about z.")
-    rounding: float = threshold(1e-13, "over the areal radius", "Expansion that is rounding.")
+    rounding: float = threshold(1e-12, "over the areal radius", "Expansion that is rounding.")
+    noise: float = threshold(0.1, "relative", "Expansion over the slice's error that is as small as that.")
     stalled: float = threshold(0.5, "relative", "Decrease of the expansion from degree to degree, at least.")
     patience: int = threshold(2, "count", "Degrees in a row without it that end the search.")
     off: float = threshold(0.01, "mean radius", "Distance of the center from the centroid that is moved.")
@@ -89,7 +90,11 @@ def is_symmetric(geometry: ThreeGeometry, surface: StarSurface) -> bool:
         return False
     spheroid = np.zeros(Harmonics(2, 0).size)
     spheroid[[0, 2]] = surface.coefficients[0] * np.array([1.0, 0.1])
-    others = (surface, StarSurface(surface.center, Harmonics(2, 0), spheroid))
+    larger = 1.1 * surface.coefficients  # on a horizon itself there is rounding only
+    others = [
+        StarSurface(surface.center, surface.harmonics, larger),
+        StarSurface(surface.center, Harmonics(2, 0), spheroid),
+    ]
     return all(is_symmetric_about_z(partial(other.expansion, geometry)) for other in others)
 
 
@@ -113,7 +118,7 @@ def climbed(
     int
         Newton's steps in all degrees.
     str
-        Why it ended: ``"rounding"``, ``"stalled"`` or ``"exhausted"``.
+        Why it ended: ``"enough"``, ``"stalled"`` or ``"exhausted"``.
 
     Raises
     ------
@@ -148,8 +153,9 @@ def climbed(
         waited = 0 if best is None or residual <= LADDER.stalled * best.residual else waited + 1
         if best is None or residual < best.residual:
             best = Rung(surface, level, solution, residual)
-        if residual <= LADDER.rounding:
-            return best, steps, "rounding"
+        known = float(np.abs(apart.expansion_errors(shape)).max()) * apart.areal_radius(shape)
+        if residual <= max(LADDER.rounding, LADDER.noise * known):
+            return best, steps, "enough"
         if waited >= LADDER.patience:
             return best, steps, "stalled"
         if degree >= highest:

@@ -16,12 +16,13 @@ from isoembed.thresholds import threshold
 class NewtonThresholds:
     """Thresholds of Newton's method for surfaces of constant expansion."""
 
-    steps: int = threshold(30, "count", "Most steps.")
+    steps: int = threshold(15, "count", "Most steps.")
     longest: float = threshold(0.3, "radius", "Longest step, at any point.")
-    shortest: float = threshold(1.0 / 64.0, "relative", "Shortest part of a step that is tried.")
+    shortest: float = threshold(1.0 / 16.0, "relative", "Shortest part of a step that is tried.")
     decrease: float = threshold(0.2, "relative", "Decrease of the residual over that of a linear one.")
-    again: float = threshold(0.02, "relative", "Decrease with which a linearization is used again.")
+    again: float = threshold(0.1, "relative", "Decrease with which a linearization is used again.")
     rounding: float = threshold(1e-9, "radius", "Residual below which one that falls no more is rounding.")
+    noise: float = threshold(0.02, "relative", "Residual over that of the slice's error at which to stop.")
     exact: float = threshold(1e-15, "radius", "Residual that cannot be improved.")
 
 
@@ -43,12 +44,15 @@ class Solution:
     equations : Equations
         At a surface nearby.
     steps : int
+    noise : float
+        Displacement by the slice's error, over the radius, root-mean-square, where it is smooth.
     """
 
     shape: Shape
     expansion: float
     equations: Equations
     steps: int
+    noise: float
 
 
 def solve(level: Level, f: Floats, expansion: float | None, enough: float = 0.0) -> Solution:
@@ -76,11 +80,13 @@ def solve(level: Level, f: Floats, expansion: float | None, enough: float = 0.0)
     if expansion is None:
         expansion = float(level.transform.weights @ shape.local.expansion / (4.0 * np.pi))
     equations, size = _linearized(level, shape, free), np.inf
+    noise = float(np.linalg.norm(equations.projected(level.expansion_errors(shape)[:, None]))) / _size(shape)
+    enough = max(enough, NEWTON.noise * noise, NEWTON.exact)
     for step in range(NEWTON.steps):
         before, right = size, _residual(equations, shape, expansion)
         size = float(np.linalg.norm(right)) / _size(shape)
-        if size <= max(enough, NEWTON.exact) or (size <= NEWTON.rounding and size > 0.5 * before):
-            return Solution(shape, expansion, equations, step)
+        if size <= enough or (size <= NEWTON.rounding and size > 0.5 * before):
+            return Solution(shape, expansion, equations, step, noise)
         change = equations.solved(right)
         rate = float(change[0]) if free else 0.0
         if free:
@@ -89,7 +95,7 @@ def solve(level: Level, f: Floats, expansion: float | None, enough: float = 0.0)
             part, shape, left = _moved(level, shape, change, expansion, rate, equations)
         except NoConvergence:
             if size <= NEWTON.rounding:
-                return Solution(shape, expansion, equations, step)
+                return Solution(shape, expansion, equations, step, noise)
             raise
         expansion -= part * rate
         if left > NEWTON.again * size:

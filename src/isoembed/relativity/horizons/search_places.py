@@ -22,7 +22,7 @@ class PlaceThresholds:
 
     masses: float = threshold(3.0, "mass", "Distance of the sphere from the outermost hole.")
     gap: float = threshold(0.45, "relative", "The same over the distance to the nearest hole outside.")
-    within: float = threshold(0.95, "relative", "The sphere over the largest one in a grid.")
+    within: float = threshold(0.9, "relative", "The sphere over the largest one in a grid.")
 
 
 PLACES = PlaceThresholds()

@@ -75,6 +75,15 @@ class Level:
         fields = Fields.of(self.geometry, surface.value)
         return Shape(f, surface, fields, LocalSurface.of(fields, surface.first, surface.second))
 
+    def expansion_errors(self, shape: Shape) -> Floats:
+        """Errors (n,) of the expansion, as the slice tells them."""
+
+        def expansion(geometry: ThreeGeometry) -> Floats:
+            fields = Fields.of(geometry, shape.surface.value)
+            return LocalSurface.of(fields, shape.surface.first, shape.surface.second).expansion[None]
+
+        return self.geometry.error(expansion)[0]
+
     def areal_radius(self, shape: Shape) -> float:
         """The root of the area over 4 pi."""
         return float(np.sqrt(self.transform.weights @ shape.local.density / (4.0 * np.pi)))

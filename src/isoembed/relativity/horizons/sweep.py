@@ -30,13 +30,16 @@ class SweepThresholds:
     tail: float = threshold(1e-4, "mean radius", "Coefficients of high degree that ask for a higher one.")
     step: float = threshold(0.85, "relative", "Mean radius over the one before.")
     shortest: float = threshold(0.99, "relative", "Step beyond which it is not made smaller.")
-    residual: float = threshold(1e-9, "radius", "Residual at which a surface on the way is good enough.")
+    residual: float = threshold(1e-6, "radius", "Residual at which a surface on the way is good enough.")
+    precise: float = threshold(1e-12, "radius", "Residual at which one of least expansion is.")
     smallest: float = threshold(1e-3, "first radius", "Mean radius at which the sweep ends.")
     turned: float = threshold(1.2, "relative", "Rise of c R / 2 over its least value that ends the sweep.")
     flat: float = threshold(1e-6, "relative", "Change of c R / 2 that is none.")
     settled: float = threshold(1e-11, "over the areal radius", "Change of the least expansion that is none.")
+    noisy: float = threshold(0.01, "radius", "Displacement by the slice's error that is worth mentioning.")
     sign: float = threshold(0.1, "relative", "The same with which its sign is known.")
     near: float = threshold(0.3, "c R / 2", "Least value that is found in higher degrees.")
+    apart: float = threshold(1e-3, "relative", "Difference of mean radii of which a rate is made.")
     refinements: int = threshold(20, "count", "Most steps to the least expansion in one degree.")
 
 
@@ -56,6 +59,8 @@ class Leaf:
         The derivative of the expansion in the coefficient of degree zero.
     tangent : ndarray
         That of all coefficients.
+    noise : float
+        See `isoembed.relativity.horizons.newton.Solution`.
     """
 
     surface: StarSurface
@@ -63,6 +68,7 @@ class Leaf:
     areal_radius: float
     rate: float
     tangent: Floats
+    noise: float
 
     @property
     def fall(self) -> float:
@@ -96,8 +102,14 @@ class Sweep:
     why: str = ""
 
 
-def swept(geometry: ThreeGeometry, start: StarSurface, *, symmetric: bool) -> Sweep:
-    """Sweep from a surface inwards to a horizon, or outwards from a trapped one.
+def swept(
+    geometry: ThreeGeometry,
+    start: StarSurface,
+    *,
+    symmetric: bool,
+    factor: float = SWEEP.step,
+) -> Sweep:
+    """Sweep from a surface to a horizon: to where the expansion changes its sign.
 
     Parameters
     ----------
@@ -105,6 +117,8 @@ def swept(geometry: ThreeGeometry, start: StarSurface, *, symmetric: bool) -> Sw
     start : StarSurface
     symmetric : bool
         About z: slice and surface.
+    factor : float
+        The second mean radius over the first one.
 
     Raises
     ------
@@ -113,30 +127,32 @@ def swept(geometry: ThreeGeometry, start: StarSurface, *, symmetric: bool) -> Sw
     """
     start = in_degree(start, max(SWEEP.first, start.harmonics.degree), symmetric)
     leaves = [leaf_of(geometry, start, symmetric=symmetric)]
-    outward = leaves[0].expansion <= 0.0
-    factor, largest = SWEEP.step, leaves[0].surface.mean_radius
+    trapped = leaves[0].expansion <= 0.0
+    largest = leaves[0].surface.mean_radius
     while True:
         last = leaves[-1]
         try:
-            guess = last.moved(1.0 / factor if outward else factor)
+            guess = last.moved(factor)
             leaf = leaf_of(geometry, recentered(guess, symmetric), symmetric=symmetric)
         except (NoConvergence, InvalidMetric, InvalidParameter) as error:
             factor = np.sqrt(factor)
             if factor > SWEEP.shortest:
-                return _ended(geometry, leaves, f"no smaller one was found: {error}", symmetric)
+                return _ended(geometry, leaves, f"no smaller one was found: {error}{_noisy(last)}", symmetric)
             continue
         leaves.append(leaf)
-        if (leaf.expansion <= 0.0) != outward:
+        if (leaf.expansion <= 0.0) != trapped:
             return Sweep(_crossing(last, leaf), leaf)
         factor = max(SWEEP.step, factor**1.5)
         least = min(leaves, key=lambda leaf: abs(leaf.fall))
-        if abs(leaf.fall) > SWEEP.turned * abs(least.fall) and least is not leaves[0]:
+        if not trapped and abs(leaf.fall) > SWEEP.turned * abs(least.fall) and least is not leaves[0]:
             return _ended(geometry, leaves, "it grows again", symmetric)
         if not SWEEP.smallest < leaf.surface.mean_radius / largest < 1.0 / SWEEP.smallest:
             return _ended(geometry, leaves, "they have become as small as points", symmetric)
 
 
-def leaf_of(geometry: ThreeGeometry, guess: StarSurface, *, symmetric: bool) -> Leaf:
+def leaf_of(
+    geometry: ThreeGeometry, guess: StarSurface, *, symmetric: bool, enough: float = SWEEP.residual
+) -> Leaf:
     """The surface of constant expansion with the mean radius of a given one near by.
 
     Raises
@@ -146,10 +162,11 @@ def leaf_of(geometry: ThreeGeometry, guess: StarSurface, *, symmetric: bool) -> 
     """
     while True:
         level = level_of(geometry, guess)
-        solution = solve(level, guess.coefficients, None, SWEEP.residual)
+        solution = solve(level, guess.coefficients, None, enough)
         f, harmonics = solution.shape.f, guess.harmonics
         high = harmonics.labels[0] > 0.75 * harmonics.degree
-        if np.abs(f[high]).max() <= SWEEP.tail * f[0] or harmonics.degree >= SWEEP.highest[int(symmetric)]:
+        tail = np.abs(f[high]).max() / f[0]
+        if tail <= max(SWEEP.tail, solution.noise) or harmonics.degree >= SWEEP.highest[int(symmetric)]:
             break
         guess = in_degree(StarSurface(guess.center, harmonics, f), 3 * harmonics.degree // 2, symmetric)
     rate, tangent = _tangent(solution)
@@ -159,6 +176,7 @@ def leaf_of(geometry: ThreeGeometry, guess: StarSurface, *, symmetric: bool) -> 
         level.areal_radius(solution.shape),
         rate,
         tangent,
+        solution.noise,
     )
 
 
@@ -186,7 +204,9 @@ def least_expansion(geometry: ThreeGeometry, leaf: Leaf, *, symmetric: bool, set
         if degree >= highest:
             return leaf
         finer = in_degree(leaf.surface, min(highest, 3 * degree // 2), symmetric)
-        new = _minimized(geometry, leaf_of(geometry, finer, symmetric=symmetric), symmetric)
+        new = _minimized(
+            geometry, leaf_of(geometry, finer, symmetric=symmetric, enough=SWEEP.precise), symmetric
+        )
         if abs(new.expansion - leaf.expansion) <= settled * abs(new.expansion):
             return new
         leaf = new
@@ -195,14 +215,14 @@ def least_expansion(geometry: ThreeGeometry, leaf: Leaf, *, symmetric: bool, set
 def _minimized(geometry: ThreeGeometry, leaf: Leaf, symmetric: bool) -> Leaf:
     """Root of the rate of the expansion by the secant method, in one degree."""
     a = leaf
-    b = leaf_of(geometry, a.moved(1.0 + 1e-3), symmetric=symmetric)
+    b = leaf_of(geometry, a.moved(1.0 + SWEEP.apart), symmetric=symmetric, enough=SWEEP.precise)
     for _ in range(SWEEP.refinements):
         fa, fb = a.surface.coefficients[0], b.surface.coefficients[0]
         if a.rate == b.rate:
             break
         step = -b.rate * (fb - fa) / (b.rate - a.rate)
         step = float(np.clip(step, -0.1 * fb, 0.1 * fb))
-        a, b = b, leaf_of(geometry, b.moved(1.0 + step / fb), symmetric=symmetric)
+        a, b = b, leaf_of(geometry, b.moved(1.0 + step / fb), symmetric=symmetric, enough=SWEEP.precise)
         if abs(step * b.rate) <= SWEEP.settled / b.areal_radius:
             break
     return b
@@ -216,11 +236,24 @@ def _ended(geometry: ThreeGeometry, leaves: list[Leaf], why: str, symmetric: boo
             finer = least_expansion(geometry, least, symmetric=symmetric, settled=SWEEP.sign)
         except (NoConvergence, InvalidMetric, InvalidParameter):
             return Sweep(None, least, why)
-        before = leaves[leaves.index(least) - 1]
         if finer.expansion <= 0.0:
-            return Sweep(_crossing(before, finer), finer)
+            return Sweep(_outside(geometry, finer, symmetric), finer)
         least = finer
     return Sweep(None, least, why)
+
+
+def _noisy(leaf: Leaf) -> str:
+    if leaf.noise <= SWEEP.noisy:
+        return ""
+    return f"; the slice may displace the surface by {100.0 * leaf.noise:.2g} % there"
+
+
+def _outside(geometry: ThreeGeometry, least: Leaf, symmetric: bool) -> StarSurface:
+    """A guess of the surface of expansion 0 outside of one of the least expansion, which is negative."""
+    larger = leaf_of(geometry, least.moved(1.0 + SWEEP.apart), symmetric=symmetric, enough=SWEEP.precise)
+    curvature = (larger.rate - least.rate) / (SWEEP.apart * least.surface.coefficients[0])
+    distance = np.sqrt(-2.0 * least.expansion / abs(curvature))
+    return least.moved(1.0 + float(distance) / least.surface.coefficients[0])
 
 
 def _crossing(a: Leaf, b: Leaf) -> StarSurface:
