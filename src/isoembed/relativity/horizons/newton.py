@@ -13,7 +13,7 @@ from isoembed.thresholds import threshold
 
 
 @dataclass(frozen=True)
-class NewtonThresholds:
+class HorizonNewtonThresholds:
     """Thresholds of Newton's method for surfaces of constant expansion."""
 
     steps: int = threshold(15, "count", "Most steps.")
@@ -26,7 +26,7 @@ class NewtonThresholds:
     exact: float = threshold(1e-15, "radius", "Residual that cannot be improved.")
 
 
-NEWTON = NewtonThresholds()
+HORIZON_NEWTON = HorizonNewtonThresholds()
 
 
 class NoConvergence(ArithmeticError):  # noqa: N818 - as the package's others
@@ -81,11 +81,11 @@ def solve(level: Level, f: Floats, expansion: float | None, enough: float = 0.0)
         expansion = float(level.transform.weights @ shape.local.expansion / (4.0 * np.pi))
     equations, size = _linearized(level, shape, free), np.inf
     noise = float(np.linalg.norm(equations.projected(level.expansion_errors(shape)[:, None]))) / _size(shape)
-    enough = max(enough, NEWTON.noise * noise, NEWTON.exact)
-    for step in range(NEWTON.steps):
+    enough = max(enough, HORIZON_NEWTON.noise * noise, HORIZON_NEWTON.exact)
+    for step in range(HORIZON_NEWTON.steps):
         before, right = size, _residual(equations, shape, expansion)
         size = float(np.linalg.norm(right)) / _size(shape)
-        if size <= enough or (size <= NEWTON.rounding and size > 0.5 * before):
+        if size <= enough or (size <= HORIZON_NEWTON.rounding and size > 0.5 * before):
             return Solution(shape, expansion, equations, step, noise)
         change = equations.solved(right)
         rate = float(change[0]) if free else 0.0
@@ -94,13 +94,13 @@ def solve(level: Level, f: Floats, expansion: float | None, enough: float = 0.0)
         try:
             part, shape, left = _moved(level, shape, change, expansion, rate, equations)
         except NoConvergence:
-            if size <= NEWTON.rounding:
+            if size <= HORIZON_NEWTON.rounding:
                 return Solution(shape, expansion, equations, step, noise)
             raise
         expansion -= part * rate
-        if left > NEWTON.again * size:
+        if left > HORIZON_NEWTON.again * size:
             equations = _linearized(level, shape, free)
-    raise NoConvergence(f"the residual is still {size:.2g} after {NEWTON.steps} steps")
+    raise NoConvergence(f"the residual is still {size:.2g} after {HORIZON_NEWTON.steps} steps")
 
 
 def _linearized(level: Level, shape: Shape, free: bool) -> Equations:
@@ -117,16 +117,16 @@ def _moved(
     radius = _size(shape)
     size = float(np.linalg.norm(_residual(equations, shape, expansion))) / radius
     longest = float(np.abs(level.transform.values(change[:, None])).max())
-    part = min(1.0, NEWTON.longest * radius / longest) if longest > 0.0 else 1.0
+    part = min(1.0, HORIZON_NEWTON.longest * radius / longest) if longest > 0.0 else 1.0
     why = f"the residual {size:.2g} falls no more"
-    while part >= NEWTON.shortest:
+    while part >= HORIZON_NEWTON.shortest:
         try:
             trial = level.shape(shape.f - part * change)
         except (InvalidMetric, InvalidParameter) as error:
             why = str(error)
         else:
             left = float(np.linalg.norm(_residual(equations, trial, expansion - part * rate))) / radius
-            if left <= (1.0 - NEWTON.decrease * part) * size:
+            if left <= (1.0 - HORIZON_NEWTON.decrease * part) * size:
                 return part, trial, left
         part *= 0.5
     raise NoConvergence(why)

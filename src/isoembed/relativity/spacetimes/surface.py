@@ -35,7 +35,7 @@ class SurfaceThresholds:
     most_nodes: int = threshold(128, "count", "Heights of nodes with which an angular momentum is final.")
 
 
-SURFACE = SurfaceThresholds()
+SLICE_SURFACE = SurfaceThresholds()
 
 
 class Surface(ABC):
@@ -127,7 +127,7 @@ class Surface(ABC):
             frame = self.frame(geometry, u)
             density = frame.torque() @ a * weights * area_density(frame.q) / (8.0 * np.pi)
             J, size = float(density.sum()), float(np.abs(density).sum())
-            if abs(J - before) <= SURFACE.settled * size or n > SURFACE.most_nodes:
+            if abs(J - before) <= SLICE_SURFACE.settled * size or n > SLICE_SURFACE.most_nodes:
                 return J
             n, before = 2 * n, J
 
@@ -160,7 +160,7 @@ class Surface(ABC):
             surface; the message names a point.
         """
         moves = not geometry.time_symmetric
-        u, weights = gauss_rule(*SURFACE.nodes)
+        u, weights = gauss_rule(*SLICE_SURFACE.nodes)
         frame = self.frame(geometry, u)
         others = (replace(frame, jet=jet) for jet in self.deviating(u))
         errors = SurfaceErrors.of_surface(frame, others, weights)
