@@ -40,7 +40,7 @@ from isoembed.relativity import (
     read_metric_grid,
 )
 from isoembed.smooth import Harmonics, SmoothEmbedding, triangulate_metric
-from isoembed.smooth.isometry import gauss_newton
+from isoembed.smooth.gauss_newton import gauss_newton
 from isoembed.smooth.transforms import resized
 from isoembed.smooth.two_metric import area_density, orthonormal_frame
 from isoembed.surface.chords import chord_lengths

@@ -22,7 +22,7 @@ from isoembed.smooth import (
     embed_smooth,
     solve,
 )
-from isoembed.smooth.isometry import gauss_newton
+from isoembed.smooth.gauss_newton import gauss_newton
 from isoembed.smooth.transforms import resized
 from isoembed.smooth.two_metric import TwoMetric, area_density, is_axisymmetric
 

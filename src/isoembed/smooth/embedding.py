@@ -11,9 +11,10 @@ from isoembed.arrays import Floats
 from isoembed.meshing.sphere import fibonacci_directions
 from isoembed.smooth.grid_metric import sampled_on_grid
 from isoembed.smooth.harmonics import Harmonics
-from isoembed.smooth.isometry import MetricSamples, around, strains
+from isoembed.smooth.isometry import around, strains
+from isoembed.smooth.sphere_transform import SphereTransform
 from isoembed.smooth.triangulation import SphereMesh, triangulate_metric
-from isoembed.smooth.two_metric import TwoMetric, orthonormal_frame
+from isoembed.smooth.two_metric import TwoMetric, angle_frame, area_density, orthonormal_frame
 from isoembed.thresholds import threshold
 
 
@@ -25,10 +26,15 @@ class MeasureThresholds:
     more: int = threshold(2, "count", "Heights of nodes more than the degree, to begin with.")
     denser: float = threshold(1.4, "relative", "Heights of nodes over those before.")
     settled: float = threshold(1e-13, "relative", "Change of int H with which the nodes suffice.")
-    negligible: float = threshold(0.01, "relative", "The same, of the change from lower degree.")
+    negligible: float = threshold(0.01, "relative", "The same, over the correction of first order.")
     scattered: int = threshold(1000, "count", "Directions beside the nodes at which it is measured.")
     highest: int = threshold(1000, "count", "Heights of nodes after which there are no more.")
-    most: int = threshold(15_000_000, "count", "Harmonics at nodes after which there are no more.")
+    most: int = threshold(500_000, "count", "Nodes after which there are no more.")
+    falling: float = threshold(0.9, "relative", "Change over the one before that is not rounding.")
+    first_order: float = threshold(0.03, "relative", "Error over the correction of first order.")
+    stiff: float = threshold(10.0, "relative", "Displacements over strains, where K > 0 everywhere.")
+    flat: float = threshold(0.05, "round sphere's", "Gaussian curvature that is small.")
+    soft: float = threshold(100.0, "relative", "Displacements over strains, where K is small or negative.")
 
 
 MEASURE = MeasureThresholds()
@@ -76,32 +82,32 @@ class SmoothEmbedding:
 
     def points(self, u: Floats) -> Floats:
         """The points X(u) (n, 3) in the directions u (n, 3)."""
-        return self.harmonics.values(u) @ self.coefficients
+        return self.harmonics.derivatives(u, self.coefficients)[0]
 
     def normals(self, u: Floats) -> Floats:
         """The outward unit normals (n, 3)."""
-        return self._shape(u, self._frames(u))[0]
+        return self._shape(u)[0]
 
     def mean_curvature(self, u: Floats) -> Floats:
         """H = (k1 + k2) / 2 (n,) of the surface in the metric's frames; relativity writes k0 = 2 H."""
-        return self._shape(u, self._frames(u))[1]
+        return self._shape(u)[1]
 
     def gaussian_curvature(self, u: Floats) -> Floats:
         """K = k1 k2 (n,) of the surface."""
-        return self._shape(u, self._frames(u))[2]
+        return self._shape(u)[2]
 
     def strain(self, u: Floats) -> Floats:
         """The largest relative error (n,) of a squared length at u."""
-        _, B = self.harmonics.along(u, self._frames(u))
-        s = strains(B @ self.coefficients)
+        _, gradients, _ = self.harmonics.derivatives(u, self.coefficients)
+        s = strains(np.einsum("nai,nci->nac", self._frames(u), gradients))
         middle, half = 0.5 * (s[:, 0] + s[:, 2]), 0.5 * (s[:, 0] - s[:, 2])
         return np.abs(middle) + np.sqrt(half**2 + 0.5 * s[:, 1] ** 2)
 
     @cached_property
     def residual(self) -> float:
         """The largest relative error of a length, at directions where the equations were not solved."""
-        u = np.concatenate([self._measured.u, fibonacci_directions(MEASURE.scattered)])
-        return 0.5 * float(self.strain(u).max())
+        apart = 0.5 * float(self.strain(fibonacci_directions(MEASURE.scattered)).max())
+        return max(apart, self._measured.residual)
 
     @property
     def converged(self) -> bool:
@@ -115,7 +121,11 @@ class SmoothEmbedding:
 
     @property
     def integrated_mean_curvature(self) -> float:
-        """The integral of H = (k1 + k2) / 2 over the surface; that of k0 is twice as much."""
+        """The integral of H = (k1 + k2) / 2 over the surface; that of k0 is twice as much.
+
+        Of first order in what the surface's metric g lacks to the given one, q, it is that of a surface which
+        has q: ``int (H g^ab - b^ab / 2) (q - g)_ab / 2 dA`` is added, b being the second fundamental form.
+        """
         return self._measured.integrated_mean_curvature
 
     @property
@@ -145,65 +155,107 @@ class SmoothEmbedding:
     def unsettled(self) -> float:
         """Change of `integrated_mean_curvature` that more harmonics or nodes may make.
 
-        It is the change from lower degree and at least what the strains make, their square; nothing where
-        these are rounding.  The change from fewer nodes adds to it.
+        It is what soft motions may make of the strains in second order, but no more than the change from
+        lower degree, and a part of the correction of first order; nothing of these where the strains are
+        rounding.  The change from fewer nodes adds to it.
         """
-        value = self.integrated_mean_curvature
+        measured = self._measured
         if self.residual <= MEASURE.rounding:
-            return self._measured.change
-        strained = max(abs(value - self.coarser), self.residual**2 * abs(value))
-        return strained + self._measured.change
+            return measured.change
+        value = measured.integrated_mean_curvature
+        relative = measured.least_curvature * measured.area / (4.0 * np.pi)
+        softness = MEASURE.soft if relative < MEASURE.flat else MEASURE.stiff
+        moved = min(abs(value - self.coarser), (softness * measured.strain) ** 2 * abs(value))
+        return MEASURE.first_order * abs(measured.correction) + moved + measured.change
 
     @cached_property
     def _measured(self) -> _Measures:
         """Measures by quadrature with more and more nodes, until the integral of H settles."""
-        before = np.inf
+        before = change = np.inf
         n = MEASURE.more + self.harmonics.degree
         while True:
             n = int(np.ceil(MEASURE.denser * n))
-            samples = MetricSamples.of(self.metric, n, around(n, self.harmonics))
-            normals, H, K = self._shape(samples.u, samples.frames)
-            value = float(samples.areas @ H)
-            change = abs(value - before)
-            nodes = MEASURE.denser**2 * len(samples.u)
-            # Where lower degree was far from this one, so is this from what it will be.
-            enough = max(MEASURE.settled, self._rounding) * abs(value)
-            if np.isfinite(self.coarser):
-                enough = max(enough, MEASURE.negligible * abs(value - self.coarser))
-            if change <= enough or n > MEASURE.highest or nodes * self.harmonics.size > MEASURE.most:
-                heights = np.einsum("ni,ni->n", self.points(samples.u), normals)
-                return _Measures(
-                    u=samples.u,
-                    area=float(samples.areas.sum()),
-                    integrated_mean_curvature=value,
-                    change=change,
-                    volume=float(samples.areas @ heights) / 3.0,
-                    least_curvature=float(K.min()),
-                )
+            measures = self._measures(n, abs(before))
+            value = measures.integrated_mean_curvature
+            # Where the correction is large, more nodes are of no use.
+            enough = max(MEASURE.settled * abs(value), MEASURE.negligible * abs(measures.correction))
+            last = n > MEASURE.highest or n * around(n, self.harmonics) > MEASURE.most
+            if measures.change <= enough or measures.change > MEASURE.falling * change or last:
+                return measures
+            change = measures.change
             before = value
+
+    def _measures(self, n: int, before: float) -> _Measures:
+        """Measures by quadrature at n heights, after another one's integral of H."""
+        transform = SphereTransform(self.harmonics, n, around(n, self.harmonics))
+        q = self.metric.tensor(transform.u)
+        frames = orthonormal_frame(transform.u, q)
+        areas = transform.weights * area_density(q)
+        frames = np.einsum("nai,nbi->nab", frames, np.stack(angle_frame(transform.u), axis=1))
+        tangents = frames @ transform.gradients(self.coefficients)
+        normals = np.cross(tangents[:, 0], tangents[:, 1])
+        stretch = np.linalg.norm(normals, axis=1)
+        normals /= stretch[:, None]
+        pairs = -np.einsum("npi,ni->np", transform.hessians(self.coefficients), normals)
+        second = frames @ pairs[:, [[0, 1], [1, 2]]] @ frames.transpose(0, 2, 1)
+        g = tangents @ tangents.transpose(0, 2, 1)
+        # In two dimensions the inverse is the matrix of cofactors over the determinant, stretch^2.
+        inverse = _cofactors(g) / stretch[:, None, None] ** 2
+        shape = inverse @ second
+        H = 0.5 * np.einsum("naa->n", shape)
+        lacking = np.eye(2) - g
+        weights = H[:, None, None] * inverse - 0.5 * shape @ inverse
+        surface_areas = areas * stretch
+        value = float(surface_areas @ H)
+        correction = 0.5 * float(surface_areas @ np.einsum("nab,nab->n", weights, lacking))
+        squares = np.einsum("nab,nab->n", lacking, lacking)
+        heights = np.einsum("ni,ni->n", transform.values(self.coefficients), normals)
+        return _Measures(
+            area=float(areas.sum()),
+            integrated_mean_curvature=value + correction,
+            correction=correction,
+            change=abs(value + correction - before),
+            volume=float(surface_areas @ heights) / 3.0,
+            least_curvature=float(np.min(second[:, 0, 0] * second[:, 1, 1] - second[:, 0, 1] ** 2)),
+            strain=float(np.sqrt(areas @ squares / areas.sum())),
+            residual=0.5 * float(np.abs(np.linalg.eigvalsh(lacking)).max()),
+        )
 
     def _frames(self, u: Floats) -> Floats:
         return orthonormal_frame(u, self.metric.tensor(u))
 
-    def _shape(self, u: Floats, frames: Floats) -> tuple[Floats, Floats, Floats]:
+    def _shape(self, u: Floats) -> tuple[Floats, Floats, Floats]:
         """Normals (n, 3), H and K (n,)."""
-        _, B = self.harmonics.along(u, frames)
-        X1, X2 = np.moveaxis(B @ self.coefficients, 1, 0)
-        normals = np.cross(X1, X2)
+        frames = self._frames(u)
+        _, gradients, hessians = self.harmonics.derivatives(u, self.coefficients)
+        tangents = np.einsum("nai,nci->nac", frames, gradients)
+        normals = np.cross(tangents[:, 0], tangents[:, 1])
         normals /= np.linalg.norm(normals, axis=1)[:, None]
-        second = self.harmonics.second_along(u, frames, self.coefficients)
-        h = -np.einsum("nabi,ni->nab", second, normals)
+        h = -np.einsum("nai,nbj,ncij,nc->nab", frames, frames, hessians, normals, optimize=True)
         H = 0.5 * (h[:, 0, 0] + h[:, 1, 1])
         return normals, H, h[:, 0, 0] * h[:, 1, 1] - h[:, 0, 1] ** 2
 
 
 @dataclass(frozen=True)
 class _Measures:
-    """Measures of a surface by quadrature at the nodes u (n, 3)."""
+    """Measures of a surface by quadrature."""
 
-    u: Floats
     area: float
     integrated_mean_curvature: float
-    change: float  # of int H, from the rule before
+    correction: float  # of first order, that it contains
+    change: float  # from the rule before
     volume: float
     least_curvature: float
+    strain: float  # root mean square
+    residual: float
+
+
+def _cofactors(matrices: Floats) -> Floats:
+    """Cofactors (n, 2, 2) of symmetric matrices."""
+    return np.stack(
+        [
+            np.stack([matrices[:, 1, 1], -matrices[:, 0, 1]], axis=1),
+            np.stack([-matrices[:, 0, 1], matrices[:, 0, 0]], axis=1),
+        ],
+        axis=1,
+    )

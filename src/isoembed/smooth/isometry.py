@@ -81,16 +81,6 @@ def strains(tangents: Floats) -> Floats:
     )
 
 
-def gauss_newton(metric: TwoMetric, harmonics: Harmonics, coefficients: Floats) -> Floats:
-    """Coefficients (size, 3) of the map whose squared strains, integrated over the area, are least.
-
-    The search begins at coefficients of a map that is roughly right; that of the constant harmonic is kept.
-    """
-    n = int(np.ceil(ISOMETRY.oversampled * (harmonics.degree + 1)))
-    samples = MetricSamples.of(metric, n, around(n, harmonics))
-    return IsometrySystem.of(harmonics, samples).solved(coefficients)
-
-
 @dataclass(frozen=True)
 class IsometrySystem:
     """The equations X_a . X_b = delta_ab, or another right side, at the nodes of a rule.

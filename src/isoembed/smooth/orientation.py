@@ -9,9 +9,9 @@ from dataclasses import dataclass
 import numpy as np
 
 from isoembed.arrays import Floats
-from isoembed.meshing.sphere import gauss_rule
 from isoembed.smooth.harmonics import Harmonics
 from isoembed.smooth.isometry import around
+from isoembed.smooth.sphere_transform import SphereTransform
 from isoembed.smooth.two_metric import TwoMetric, area_density
 from isoembed.surface.alignment import best_rotation
 from isoembed.thresholds import threshold
@@ -48,11 +48,13 @@ def oriented(
         Takes directions u (n, 3) and returns points (n, 3), in any unit; by default the directions.
     """
     n = int(np.ceil(ORIENTATION.nodes * (harmonics.degree + 1)))
-    u, weights = gauss_rule(n, around(n, harmonics))
-    areas = weights * area_density(metric.tensor(u))
+    transform = SphereTransform(harmonics, n, around(n, harmonics))
+    u = transform.u
+    areas = transform.weights * area_density(metric.tensor(u))
     areas /= areas.sum()
-    values, onto = harmonics.values(u), u if shape is None else shape(u)
+    points, onto = transform.values(coefficients), u if shape is None else shape(u)
+    centroid = areas @ points
     found = coefficients.copy()
     # The constant harmonic is one over the root of 4 pi.
-    found[0] -= np.sqrt(4.0 * np.pi) * (areas @ values @ coefficients)
-    return found @ best_rotation(values @ found, onto - areas @ onto, areas)
+    found[0] -= np.sqrt(4.0 * np.pi) * centroid
+    return found @ best_rotation(points - centroid, onto - areas @ onto, areas)

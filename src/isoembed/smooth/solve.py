@@ -1,8 +1,9 @@
 """Smooth embeddings of smooth metrics: a mesh finds the branch, spherical harmonics the digits."""
 
 from collections.abc import Callable
-from dataclasses import dataclass
-from functools import partial
+from dataclasses import dataclass, replace
+from functools import cached_property, partial
+from itertools import pairwise
 
 import numpy as np
 
@@ -12,15 +13,17 @@ from isoembed.errors import InvalidMetric, InvalidParameter, NotEmbedded
 from isoembed.meshing.sphere import angles_of, gauss_rule
 from isoembed.smooth.axisymmetric import AxisymmetricEmbedding
 from isoembed.smooth.embedding import MEASURE, SmoothEmbedding
+from isoembed.smooth.gauss_newton import gauss_newton
 from isoembed.smooth.gaussian_curvature import gaussian_curvature
 from isoembed.smooth.grid_metric import GridMetric
 from isoembed.smooth.harmonics import Harmonics
-from isoembed.smooth.isometry import ISOMETRY, gauss_newton
+from isoembed.smooth.isometry import ISOMETRY
 from isoembed.smooth.orientation import oriented
 from isoembed.smooth.smoothness import check_rings, check_within
 from isoembed.smooth.transforms import resized
 from isoembed.smooth.triangulation import SphereMesh, graded_mesh
 from isoembed.smooth.two_metric import TwoMetric, is_axisymmetric
+from isoembed.smooth.uncertain import EXACT
 from isoembed.thresholds import threshold
 
 
@@ -29,10 +32,16 @@ class SolveThresholds:
     """Thresholds of the embedding in more and more harmonics."""
 
     degrees: tuple[int, ...] = threshold((8, 12, 16, 24, 32, 48, 64, 96, 128, 192), "count", "In turn.")
-    unknowns: int = threshold(3300, "count", "Most coefficients; more take minutes.")
-    rough: float = threshold(1e-2, "mean edge lengths", "Error of the mesh, with which it is on a branch.")
+    rough: float = threshold(1e-4, "mean edge lengths", "Error of the mesh, with which it is on a branch.")
+    carried: float = threshold(1e-3, "relative", "Error of lengths from which higher degrees go on.")
+    spread: float = threshold(0.05, "relative", "Weight of the last degree against points, in a fit.")
+    power: float = threshold(3.0, "exponent", "Growth of that weight with the degree.")
+    target: float = threshold(1e-4, "relative", "Strains over the root of the accuracy of int H dA.")
+    exact: float = threshold(1e-10, "relative", "Error of lengths that never stands for no embedding.")
+    uncertain: float = threshold(10.0, "relative", "The same over the error of the metric.")
     falling: float = threshold(0.6, "relative", "Residual over the one before that is a decrease.")
     hindered: int = threshold(32, "count", "Highest degree of the best fit to what has no embedding.")
+    in_vain: int = threshold(3, "count", "Degrees in turn without a decrease that are enough.")
     determined: int = threshold(3, "count", "Vertices for each harmonic that is fitted to them.")
     high: int = threshold(48, "count", "Least degree in which a surface of revolution is projected.")
     sampled: tuple[int, int] = threshold((48, 96), "count", "Nodes at which the curvature is looked at.")
@@ -55,8 +64,7 @@ def embed_smooth(
 
     A triangulation of the metric is embedded (`isoembed.embed`), its vertices are fitted in spherical
     harmonics, and Gauss-Newton steps on the isometry equations with more and more harmonics make it exact,
-    until int H dA has settled or the harmonics number a thousand.  Metrics that are symmetric
-    about the z-axis need few harmonics of high degree and are cheap.
+    until int H dA has settled.  Metrics that are symmetric about the z-axis need few harmonics and are cheap.
 
     Parameters
     ----------
@@ -109,7 +117,6 @@ def embed_smooth(
             check_within(sight, tolerance)
     symmetric = is_axisymmetric(metric)
     ladder = [Harmonics(L, 1 if symmetric else L) for L in SOLVE.degrees]
-    ladder = [h for h in ladder if 3 * h.size <= SOLVE.unknowns]
     profile = _profile(metric) if symmetric else None
     hindrance = "" if profile is None or profile.embeds else profile.explanation
     if hindrance:
@@ -142,20 +149,20 @@ class _Goal:
     mesh: SphereMesh | None
 
     def approached(
-        self, ladder: list[Harmonics], origin: Callable[[Harmonics], Floats | None]
+        self, ladder: list[Harmonics], origin: Callable[[Harmonics], Floats]
     ) -> tuple[SmoothEmbedding, list[float]]:
         """The best embedding in harmonics of growing degree, and the residuals on the way.
 
         Each begins from the one before, or, where that is far off, from the origin as far as this tells them.
         """
         residuals: list[float] = []
-        last, C, old = np.inf, None, ladder[0]
+        last, C, old, carried = np.inf, None, ladder[0], False
         for harmonics in ladder:
-            anew = origin(harmonics) if C is None or residuals[-1] > SOLVE.rough else None
-            if anew is not None:
-                C, old = anew, harmonics
-            assert C is not None
-            C = gauss_newton(self.metric, harmonics, resized(C, old, harmonics))
+            if C is None or not carried:
+                C, old = origin(harmonics), harmonics
+            C = gauss_newton(
+                self.metric, harmonics, resized(C, old, harmonics), SOLVE.target * np.sqrt(self.accuracy)
+            )
             C, old = oriented(self.metric, harmonics, C, self.shape), harmonics
             surface = SmoothEmbedding(
                 self.metric, harmonics, C, self.tolerance, last, self.hindrance, self.mesh
@@ -165,21 +172,55 @@ class _Goal:
             settled = surface.unsettled <= self.accuracy * abs(last) or surface.residual <= MEASURE.rounding
             if surface.converged and settled:
                 break
+            if self._has_stalled(residuals, harmonics):
+                stays = ", ".join(f"{r:.1e}" for r in residuals[-SOLVE.in_vain :])
+                hindrance = (
+                    f"no surface was found: with more and more harmonics the lengths stay off by {stays}"
+                )
+                return replace(
+                    surface, hindrance=f"{hindrance}; {_sign_of_curvature(self.metric)}"
+                ), residuals
+            carried = surface.residual <= SOLVE.carried and not self._has_left(surface)
         return surface, residuals
 
+    def _has_stalled(self, residuals: list[float], harmonics: Harmonics) -> bool:
+        """Whether more harmonics are in vain and K < 0 somewhere, so that there need not be a surface."""
+        uncertain = getattr(self.metric, "error", EXACT).pointwise
+        if (
+            residuals[-1] <= max(SOLVE.exact, SOLVE.uncertain * uncertain)
+            or harmonics.degree < SOLVE.hindered
+        ):
+            return False
+        falls = [after < SOLVE.falling * before for before, after in pairwise(residuals[-SOLVE.in_vain :])]
+        return not any(falls) and self._least_curvature < 0.0
 
-def _from_mesh(mesh: SphereMesh) -> Callable[[Harmonics], Floats | None]:
-    """A fit of any harmonics to the embedded vertices of a triangulation; None where these are too few."""
+    def _has_left(self, surface: SmoothEmbedding) -> bool:
+        """Whether K < 0 on the surface and not in the metric: few harmonics may favor another one."""
+        return surface.least_curvature < 0.0 < self._least_curvature
+
+    @cached_property
+    def _least_curvature(self) -> float:
+        u, _ = gauss_rule(*SOLVE.sampled)
+        return float(gaussian_curvature(self.metric, u).min())
+
+
+def _from_mesh(mesh: SphereMesh) -> Callable[[Harmonics], Floats]:
+    """A fit of any harmonics to the embedded vertices of a triangulation, as far as these tell them."""
     try:
         embedding = embed(mesh.metric, tolerance=SOLVE.rough)
     except NotEmbedded as error:
         embedding = error.embedding  # the isometry equations decide
 
-    def fitted(harmonics: Harmonics) -> Floats | None:
-        if len(mesh.directions) < SOLVE.determined * harmonics.size:
-            return None
-        values = harmonics.values(mesh.directions)
-        return np.asarray(np.linalg.lstsq(values, embedding.vertices, rcond=None)[0])
+    degree = int(np.sqrt(len(mesh.directions) / SOLVE.determined)) - 1
+
+    def fitted(harmonics: Harmonics) -> Floats:
+        fewer = Harmonics(min(degree, harmonics.degree), min(degree, harmonics.order))
+        # Where directions are far apart, high degrees would be anything between them.
+        weights = (fewer.labels[0] / degree) ** SOLVE.power * SOLVE.spread
+        weights *= np.sqrt(len(mesh.directions) / (4.0 * np.pi))
+        rows = np.concatenate([fewer.values(mesh.directions), np.diag(weights)])
+        points = np.concatenate([embedding.vertices, np.zeros((fewer.size, 3))])
+        return resized(np.linalg.lstsq(rows, points, rcond=None)[0], fewer, harmonics)
 
     return fitted
 
@@ -208,7 +249,7 @@ def _diagnosis(best: SmoothEmbedding, residuals: list[float], profile: Axisymmet
         f"with more and more harmonics the lengths are off by {trend}, and {best.tolerance:.0e} is allowed"
     )
     if best.hindrance:
-        return f"{best.hindrance}; {missed}"
+        return best.hindrance if profile is None else f"{best.hindrance}; {missed}"
     if len(residuals) > 1 and residuals[-1] < SOLVE.falling * residuals[-2]:
         missed += ": the metric has details that are too fine for so few"
     if profile is not None:

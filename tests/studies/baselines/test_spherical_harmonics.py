@@ -8,8 +8,8 @@ import pytest
 from isoembed.errors import InvalidParameter
 from isoembed.gallery import Ellipsoid
 from isoembed.meshing.sphere import fibonacci_directions
+from isoembed.smooth.gauss_newton import gauss_newton
 from isoembed.smooth.harmonics import Harmonics
-from isoembed.smooth.isometry import gauss_newton
 from isoembed.smooth.two_metric import PulledBack
 from isoembed.studies.baselines.spherical_harmonics import fit_harmonics, projected, sphere
 from isoembed.studies.baselines.subjects import Problem, paper_subjects, star_shaped

@@ -7,8 +7,8 @@ from functools import cache
 from typing import Any, TypeVar
 
 from isoembed.errors import InvalidParameter
+from isoembed.smooth.gauss_newton import gauss_newton
 from isoembed.smooth.harmonics import Harmonics
-from isoembed.smooth.isometry import gauss_newton
 from isoembed.studies.baselines.embedding_flow import embedding_flow
 from isoembed.studies.baselines.spherical_harmonics import HarmonicMap, fit_harmonics, projected, sphere
 from isoembed.studies.baselines.subjects import Problem, Subject

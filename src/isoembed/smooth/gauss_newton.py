@@ -1,0 +1,41 @@
+"""The map whose metric is nearest to a given one, by the Gauss-Newton method."""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from isoembed.arrays import Floats
+from isoembed.smooth.harmonics import Harmonics
+from isoembed.smooth.isometry import ISOMETRY, IsometrySystem, MetricSamples, around
+from isoembed.smooth.matrix_free import MATRIX_FREE, MatrixFreeIsometry
+from isoembed.smooth.sphere_transform import SphereTransform
+from isoembed.smooth.two_metric import TwoMetric
+from isoembed.thresholds import threshold
+
+
+@dataclass(frozen=True)
+class GaussNewtonThresholds:
+    """Thresholds of the choice of a linear solver."""
+
+    direct: int = threshold(1800, "count", "Coefficients up to which matrices are made: few or symmetric.")
+
+
+GAUSS_NEWTON = GaussNewtonThresholds()
+
+
+def gauss_newton(
+    metric: TwoMetric, harmonics: Harmonics, coefficients: Floats, target: float = 0.0
+) -> Floats:
+    """Coefficients (size, 3) of the map whose squared strains, integrated over the area, are least.
+
+    The search begins at coefficients of a map that is roughly right; that of the constant harmonic is kept.
+    It may end where the root mean square of the strains is at most the target.
+    """
+    if 3 * harmonics.size <= GAUSS_NEWTON.direct:
+        n = int(np.ceil(ISOMETRY.oversampled * (harmonics.degree + 1)))
+        samples = MetricSamples.of(metric, n, around(n, harmonics))
+        return IsometrySystem.of(harmonics, samples).solved(coefficients)
+    n = int(np.ceil(MATRIX_FREE.oversampled * (harmonics.degree + 1)))
+    transform = SphereTransform(harmonics, n, around(n, harmonics))
+    samples = MetricSamples.of(metric, n, transform.around)
+    return MatrixFreeIsometry.of(transform, samples).solved(coefficients, target=target)

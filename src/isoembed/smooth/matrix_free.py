@@ -1,0 +1,190 @@
+"""The isometry equations in many harmonics, by the Gauss-Newton method with conjugate gradients.
+
+No matrix is made: the derivatives of the strains and their adjoint are fast transforms.  The unknowns are
+scaled by their degree, which makes the round sphere's equations well conditioned in all degrees; conjugate
+gradients for least squares (CGLS) then take a few hundred iterations, more where the Gaussian curvature is
+negative.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+
+from isoembed.arrays import Floats
+from isoembed.smooth.isometry import MetricSamples, strains
+from isoembed.smooth.sphere_transform import SphereTransform
+from isoembed.smooth.two_metric import angle_frame
+from isoembed.thresholds import threshold
+
+
+@dataclass(frozen=True)
+class MatrixFreeThresholds:
+    """Thresholds of the Gauss-Newton method without matrices."""
+
+    oversampled: float = threshold(1.5, "relative", "Nodes over coefficients, each way.")
+    damping: float = threshold(1.0, "error of lengths", "Size of strains whose modes are damped by a half.")
+    residual: float = threshold(0.05, "relative", "Residual of a linear solve that suffices.")
+    gradient: float = threshold(1e-3, "relative", "Gradient of a linear solve that suffices.")
+    exact: float = threshold(1e-9, "relative", "The same of deformations, which no later step mends.")
+    iterations: int = threshold(600, "count", "Most conjugate gradients in one step.")
+    steps: int = threshold(40, "count", "Most steps.")
+    shortest: float = threshold(1e-2, "steps", "Least part of a step that is tried.")
+    stalled: float = threshold(0.8, "relative", "Error over the one before that is no progress.")
+    unresolved: float = threshold(0.5, "relative", "Error over what the last degrees hold that is enough.")
+    last: int = threshold(3, "count", "Degrees at the end that tell what the next ones would hold.")
+    rounding: float = threshold(1e-14, "relative", "Error of lengths that is rounding.")
+
+
+MATRIX_FREE = MatrixFreeThresholds()
+
+
+@dataclass(frozen=True, eq=False)
+class MatrixFreeIsometry:
+    """The equations ``X_a . X_b = delta_ab``, or another right side, at the nodes of a transform.
+
+    Attributes
+    ----------
+    transform : SphereTransform
+    unit : float
+        The radius of the sphere with the metric's area: in it all numbers here are.
+    frames : ndarray, shape (n, 2, 2)
+        Vectors that are orthonormal in the metric, by their components along e_theta and e_phi.
+    root : ndarray, shape (n,)
+        The roots of the nodes' shares in the area.
+    """
+
+    transform: SphereTransform
+    unit: float
+    frames: Floats
+    root: Floats
+
+    @classmethod
+    def of(cls, transform: SphereTransform, samples: MetricSamples) -> MatrixFreeIsometry:
+        """The equations of a metric that is sampled at the transform's nodes."""
+        area = float(samples.areas.sum())
+        unit = float(np.sqrt(area / (4.0 * np.pi)))
+        angles = np.stack(angle_frame(samples.u), axis=1)
+        frames = unit * np.einsum("nai,nbi->nab", samples.frames, angles)
+        return cls(transform, unit, frames, np.sqrt(samples.areas / area))
+
+    def solved(self, coefficients: Floats, stretch: Floats | float = 0.0, target: float = 0.0) -> Floats:
+        """Coefficients (size, 3) of X near given ones for which the strains come nearest to a stretch.
+
+        Parameters
+        ----------
+        coefficients : ndarray, shape (size, 3)
+        stretch : ndarray, shape (n, 3), or 0
+            In the form that `isoembed.smooth.isometry.strains` has.
+        target : float
+            Root mean square of the strains that is enough.
+
+        Notes
+        -----
+        Steps are damped as by Levenberg and Marquardt, the more the larger the strains.  They end where the
+        strains are no larger than what the next degrees would hold: with too few harmonics the least strains
+        may be those of another surface.
+        """
+        C = coefficients / self.unit
+        tangents, residuals = self._strained(C, stretch)
+        error = float(np.linalg.norm(residuals))
+        enough = max(target, MATRIX_FREE.rounding)
+        for _ in range(MATRIX_FREE.steps):
+            if error <= max(enough, MATRIX_FREE.unresolved * self._beyond(C)):
+                break
+            damping = error / MATRIX_FREE.damping / np.sqrt(4.0 * np.pi)
+            step = self._least_squares(tangents, -residuals[..., None], damping)[..., 0]
+            length = 1.0
+            while True:
+                trial = C + length * step
+                tangents, residuals = self._strained(trial, stretch)
+                attained = float(np.linalg.norm(residuals))
+                if attained < error or length < MATRIX_FREE.shortest:
+                    break
+                length *= 0.5
+            if not attained < error:
+                break
+            stalled = attained > MATRIX_FREE.stalled * error
+            C, error = trial, attained
+            if stalled:
+                break
+        C[0] = coefficients[0] / self.unit
+        return self.unit * C
+
+    def deformations(self, coefficients: Floats, strains: Floats) -> Floats:
+        """Changes (k, size, 3) of the coefficients (size, 3) of X that make changes (k, n, 3) of the strains.
+
+        They are of first order, without a translation or rotation.
+        """
+        tangents = self._tangents(coefficients / self.unit)
+        right = np.moveaxis(self.root[:, None] * strains, 0, 2)
+        return self.unit * np.moveaxis(self._least_squares(tangents, right, 0.0), 2, 0)
+
+    def _tangents(self, C: Floats) -> Floats:
+        """Derivatives (n, 2, 3) along the frames."""
+        return np.asarray(self.frames @ self.transform.gradients(C))
+
+    def _strained(self, C: Floats, stretch: Floats | float) -> tuple[Floats, Floats]:
+        tangents = self._tangents(C)
+        return tangents, self.root[:, None] * (strains(tangents) - stretch)
+
+    def _beyond(self, C: Floats) -> float:
+        """The strains that the last degrees hold, root mean square, as much as the next ones would hold."""
+        degrees = self.transform.harmonics.labels[0]
+        last = degrees > degrees.max() - MATRIX_FREE.last
+        return 2.0 * float(np.linalg.norm(degrees[last, None] * C[last])) / np.sqrt(4.0 * np.pi)
+
+    @cached_property
+    def _scale(self) -> Floats:
+        """Coefficients (size, 1) of unit strains: one over the degree, and no translation."""
+        degrees = self.transform.harmonics.labels[0].astype(np.float64)[:, None]
+        return np.divide(1.0, degrees, out=np.zeros_like(degrees), where=degrees > 0.0)
+
+    def _least_squares(self, tangents: Floats, right: Floats, damping: float) -> Floats:
+        """Changes (size, 3, k) of the coefficients whose strains come nearest to right sides (n, 3, k).
+
+        The method of conjugate gradients for least squares, all right sides at a time.
+        """
+        X1, X2 = tangents[:, 0], tangents[:, 1]
+        W = np.zeros((len(X1), 3, 2, 3))
+        W[:, 0, 0], W[:, 2, 1] = 2.0 * X1, 2.0 * X2
+        W[:, 1, 0], W[:, 1, 1] = np.sqrt(2.0) * X2, np.sqrt(2.0) * X1
+        W = np.einsum("nsac,nab->nsbc", W, self.root[:, None, None] * self.frames).reshape(len(X1), 3, 6)
+        count = right.shape[2]
+        scale, size = self._scale[..., None], self.transform.harmonics.size
+        with np.errstate(divide="ignore"):
+            damp = np.where(scale > 0.0, damping / scale, 0.0)
+
+        def strained(y: Floats) -> Floats:
+            slopes = self.transform.gradients((scale * y).reshape(size, 3 * count))
+            return np.einsum("nsk,nkj->nsj", W, slopes.reshape(-1, 6, count))
+
+        def adjoint(r: Floats) -> Floats:
+            slopes = np.einsum("nsk,nsj->nkj", W, r).reshape(-1, 2, 3 * count)
+            return scale * self.transform.adjoint_gradients(slopes).reshape(size, 3, count)
+
+        def squares(a: Floats) -> Floats:
+            return np.einsum("isj,isj->j", a, a)
+
+        y = np.zeros((size, 3, count))
+        rest, held = right.copy(), np.zeros_like(y)
+        gradient = adjoint(rest)
+        along, square = gradient, squares(gradient)
+        tight = MATRIX_FREE.gradient if damping else MATRIX_FREE.exact
+        small = tight**2 * square
+        near = (MATRIX_FREE.residual if damping else MATRIX_FREE.exact) ** 2 * squares(right)
+        for _ in range(MATRIX_FREE.iterations):
+            moved, pulled = strained(along), damp * along
+            length = square / np.maximum(squares(moved) + squares(pulled), np.finfo(np.float64).tiny)
+            y = y + length * along
+            rest, held = rest - length * moved, held - length * pulled
+            gradient = adjoint(rest) + damp * held
+            before, square = square, squares(gradient)
+            if np.all((square <= small) | (squares(rest) + squares(held) <= near)):
+                break
+            along = (
+                gradient + np.divide(square, before, out=np.zeros_like(square), where=before > 0.0) * along
+            )
+        return np.asarray(scale * y)
