@@ -296,9 +296,9 @@ def _least(sweep: Sweep) -> str:
     least = sweep.least
     center = ", ".join(f"{x:.4g}" for x in least.surface.center)
     return (
-        "there is no horizon: of the surfaces of constant expansion c and areal radius R, from the first one "
-        f"on, the least c R / 2 is {least.fall:.6g}, at R = {least.areal_radius:.6g} around ({center}), and "
-        f"on a horizon it is 0; they ended because {sweep.why}"
+        "no horizon was found: of the surfaces of constant expansion c and areal radius R, from the first "
+        f"one on, the least c R / 2 is {least.fall:.6g}, at R = {least.areal_radius:.6g} around ({center}), "
+        f"and on a horizon it is 0; they ended because {sweep.why}"
     )
 
 

@@ -12,7 +12,6 @@ from isoembed.relativity.horizons.coordinate_surface import coordinate_surface
 from isoembed.relativity.horizons.curvature_check import CurvatureCheck
 from isoembed.relativity.horizons.expansion import expansion_test, judged
 from isoembed.relativity.horizons.finder import FoundHorizon
-from isoembed.relativity.spacetimes.cartesian_grid import CartesianGrid
 from isoembed.relativity.spacetimes.mapped_surface import MappedSurface
 from isoembed.relativity.spacetimes.surface_data import SurfaceData
 from isoembed.relativity.spacetimes.three_geometry import ThreeGeometry
@@ -80,10 +79,6 @@ class Horizon:
             raise InvalidParameter(f"{found.contents}: name its geometry")
         surface = coordinate_surface(found)
         data = surface.data(geometry, axis, name=name)
-        if isinstance(geometry, CartesianGrid) and geometry.time_symmetric:
-            data = replace(
-                data, notes=(*data.notes, "the slice has no K_ij: it is taken to be time-symmetric")
-            )
         test = expansion_test(data)
         data = judged(data, marginal, test)
         facts = {

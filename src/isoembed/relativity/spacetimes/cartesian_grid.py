@@ -99,6 +99,11 @@ class CartesianGrid:
         return self.K is None
 
     @property
+    def notes(self) -> tuple[str, ...]:
+        """What must be known to read the numbers of surfaces in it."""
+        return ("the slice has no K_ij: it is taken to be time-symmetric",) if self.time_symmetric else ()
+
+    @property
     def box(self) -> tuple[Floats, Floats]:
         """The corners of the grid, each (3,)."""
         origin = np.array(self.origin)

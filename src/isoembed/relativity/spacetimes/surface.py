@@ -191,7 +191,7 @@ class Surface(ABC):
             marginal=marginal,
             shape=self.points,
             name=name,
-            notes=self.notes,
+            notes=(*self.notes, *getattr(geometry, "notes", ())),
             axis=about,
             torque=UncertainFunction(torque, errors.torque) if moves else None,
         )
