@@ -36,6 +36,7 @@ class WangYauThresholds:
     second_degree: int = threshold(12, "count", "Highest degree of X for second derivatives.")
     coarser: float = threshold(0.75, "relative", "Degree of the X that tells the error, over that of X.")
     strained: float = threshold(1e-3, "relative", "Error of a length above which X has lost its surface.")
+    rougher: float = threshold(2.0, "relative", "The same over the surface's own, where data are rough.")
     steps: int = threshold(30, "count", "Newton steps after which the search ends.")
     decrease: float = threshold(
         1e-4, "foretold decrease", "Decrease of the energy for which a step is taken."
@@ -242,6 +243,7 @@ class _Search:
         self.harmonics = Harmonics(degree, degree)  # of X
         self.embeddings = 1
         self.scale = float(np.sqrt(base.area / (16.0 * np.pi)))
+        self.strained = max(WANG_YAU.strained, WANG_YAU.rougher * base.residual)
 
     @property
     def start(self) -> Floats:
@@ -309,7 +311,7 @@ class _Search:
             self.embeddings += 1
             there = at.functional.embedded(at.tau + length * step, at.X)
             enough = at.energy - WANG_YAU.decrease * length * foretold
-            followed = there.misfit <= WANG_YAU.strained and not (convex and there.admissible <= 0.0)
+            followed = there.misfit <= self.strained and not (convex and there.admissible <= 0.0)
             if followed and there.energy <= enough:
                 return there
             length *= 0.5
@@ -321,7 +323,7 @@ class _Search:
         while done < 1.0:
             self.embeddings += 1
             there = functional.embedded(min(1.0, done + step) * t, X)
-            if there.misfit <= WANG_YAU.strained:
+            if there.misfit <= self.strained:
                 X, done = there.X, min(1.0, done + step)
             elif step > WANG_YAU.shortest:
                 step *= 0.5
@@ -336,7 +338,7 @@ class _Search:
 
     def _result(self, found: EmbeddedTime, change: float = 0.0, least: float | None = None) -> WangYau:
         """The energy with its error: `change` is that from the tau of lower degree."""
-        if found.misfit > WANG_YAU.strained:
+        if found.misfit > self.strained:
             raise NotEmbedded(
                 f"q + d tau d tau is missed by {found.misfit:.1e} by harmonics up to degree "
                 f"{self.harmonics.degree}",
