@@ -28,7 +28,7 @@ class MatrixFreeThresholds:
     damping: float = threshold(1.0, "error of lengths", "Size of strains whose modes are damped by a half.")
     residual: float = threshold(0.05, "relative", "Residual of a linear solve that suffices.")
     gradient: float = threshold(1e-3, "relative", "Gradient of a linear solve that suffices.")
-    exact: float = threshold(1e-9, "relative", "The same of deformations, which no later step mends.")
+    exact: float = threshold(1e-5, "relative", "The same of deformations, which no later step mends.")
     iterations: int = threshold(600, "count", "Most conjugate gradients in one step.")
     steps: int = threshold(40, "count", "Most steps.")
     shortest: float = threshold(1e-2, "steps", "Least part of a step that is tried.")
@@ -154,8 +154,7 @@ class MatrixFreeIsometry:
         W = np.einsum("nsac,nab->nsbc", W, self.root[:, None, None] * self.frames).reshape(len(X1), 3, 6)
         count = right.shape[2]
         scale, size = self._scale[..., None], self.transform.harmonics.size
-        with np.errstate(divide="ignore"):
-            damp = np.where(scale > 0.0, damping / scale, 0.0)
+        damp = np.divide(damping, scale, out=np.zeros_like(scale), where=scale > 0.0)
 
         def strained(y: Floats) -> Floats:
             slopes = self.transform.gradients((scale * y).reshape(size, 3 * count))

@@ -31,7 +31,7 @@ def test_second_variation_of_spheres():
 
 def test_derivatives_are_those_of_differences():
     _, data, embedding = minkowski()
-    X, tau = Harmonics(10, 10), Harmonics(3, 3)
+    X, tau = Harmonics(20, 20), Harmonics(3, 3)
     functional = Functional.of(data, embedding, TimeFunction.zero(), X, tau)
     rng = np.random.default_rng(2)
     t, v, h = 0.05 * rng.normal(size=tau.size - 1), rng.normal(size=tau.size - 1), 1e-4

@@ -32,7 +32,7 @@ class WangYauThresholds:
     least_degree: int = threshold(
         16, "count", "Least degree of X: what a time function adds needs some harmonics."
     )
-    highest_degree: int = threshold(24, "count", "Highest degree of X: many harmonics cost much.")
+    highest_degree: int = threshold(96, "count", "Highest degree of X: many harmonics cost much.")
     second_degree: int = threshold(12, "count", "Highest degree of X for second derivatives.")
     coarser: float = threshold(0.75, "relative", "Degree of the X that tells the error, over that of X.")
     strained: float = threshold(1e-3, "relative", "Error of a length above which X has lost its surface.")
@@ -45,6 +45,7 @@ class WangYauThresholds:
     flat: float = threshold(
         1e-9, "largest second derivative", "Second derivative that is none (boosts, in Minkowski space)."
     )
+    found: float = threshold(1e-12, "irreducible mass", "Foretold decrease at which a minimum is found.")
     stationary: float = threshold(
         1e-9, "irreducible mass", "Decrease that Newton's step may still foretell at a minimum."
     )
@@ -256,10 +257,12 @@ class _Search:
 
     def given(self, tau: TimeFunction) -> WangYau:
         """The energy of a given time function, reached from that of the base."""
-        functional = self.functional(self.harmonics, tau.harmonics)
         t = tau.coefficients[1:]
-        near = tau is self.at or not np.any(t)
-        return self._result(functional.embedded(t, self.start) if near else self._continued(functional, t))
+        if tau is self.at or not np.any(t):
+            if self.base.harmonics.order < self.base.harmonics.degree:  # symmetric about the z-axis
+                self.harmonics = Harmonics(self.harmonics.degree, self.base.harmonics.order)
+            return self._result(EmbeddedTime(self.functional(self.harmonics, tau.harmonics), t, self.start))
+        return self._result(self._continued(self.functional(self.harmonics, tau.harmonics), t))
 
     def minimum(self, degrees: tuple[int, ...], accuracy: float) -> WangYau:
         """The least energy, in more and more harmonics."""
@@ -267,7 +270,7 @@ class _Search:
         functional = self.functional(self.harmonics, highest)
         few = min(self.harmonics.degree, WANG_YAU.second_degree)
         coarse = self.functional(Harmonics(few, few), highest)
-        at = functional.with_time(self.at.harmonics).embedded(self.at.coefficients[1:], self.start)
+        at = EmbeddedTime(functional.with_time(self.at.harmonics), self.at.coefficients[1:], self.start)
         for degree in degrees:
             time = Harmonics(degree, degree)
             t = resized(at.time_function.coefficients[:, None], at.functional.tau.harmonics, time)[1:, 0]
@@ -289,7 +292,7 @@ class _Search:
             sizes = np.maximum(np.abs(eigenvalues), WANG_YAU.flat * np.abs(eigenvalues).max())
             step = -modes @ ((modes.T @ at.gradient) / sizes)
             foretold = -float(at.gradient @ step)
-            if foretold <= ENERGY.rounding * self.scale:
+            if foretold <= WANG_YAU.found * self.scale:
                 break
             lower = self._line_search(at, step, foretold)
             if lower is None:
@@ -314,6 +317,8 @@ class _Search:
             followed = there.misfit <= self.strained and not (convex and there.admissible <= 0.0)
             if followed and there.energy <= enough:
                 return there
+            if foretold <= WANG_YAU.stationary * self.scale:
+                break  # rounding is left
             length *= 0.5
         return None
 
@@ -338,17 +343,18 @@ class _Search:
 
     def _result(self, found: EmbeddedTime, change: float = 0.0, least: float | None = None) -> WangYau:
         """The energy with its error: `change` is that from the tau of lower degree."""
+        found = found.refined()
         if found.misfit > self.strained:
             raise NotEmbedded(
                 f"q + d tau d tau is missed by {found.misfit:.1e} by harmonics up to degree "
                 f"{self.harmonics.degree}",
                 self.base,
             )
-        lower = Harmonics(*(2 * (int(WANG_YAU.coarser * self.harmonics.degree),)))
+        degree = int(WANG_YAU.coarser * self.harmonics.degree)
+        lower = Harmonics(degree, min(degree, self.harmonics.order))
         self.embeddings += 1
-        coarse = self.functional(lower, found.functional.tau.harmonics).embedded(
-            found.tau, resized(found.X, self.harmonics, lower)
-        )
+        fewer = self.functional(lower, found.functional.tau.harmonics)
+        coarse = fewer.embedded(found.tau, resized(found.X, self.harmonics, lower)).refined()
         error = abs(coarse.energy - found.energy) + change
         error += (ENERGY.rounding + self.data.lengths_error.mean) * (abs(found.energy) + found.reference)
         error += found.error(

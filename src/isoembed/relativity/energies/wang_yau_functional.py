@@ -28,7 +28,8 @@ from isoembed.relativity.energies.time_function import TimeFunction
 from isoembed.relativity.spacetimes.surface_data import SurfaceData
 from isoembed.smooth.embedding import SmoothEmbedding
 from isoembed.smooth.harmonics import Harmonics
-from isoembed.smooth.isometry import IsometrySystem, MetricSamples, strains
+from isoembed.smooth.isometry import MetricSamples, strains
+from isoembed.smooth.matrix_free import MatrixFreeIsometry
 from isoembed.smooth.sphere_transform import SphereTransform
 from isoembed.smooth.transforms import resized
 from isoembed.smooth.two_metric import angle_frame
@@ -41,6 +42,7 @@ class FunctionalThresholds:
     """Thresholds of the Wang-Yau functional."""
 
     density: float = threshold(2.0, "relative", "Heights of nodes over the degree of the embedding.")
+    lengths: float = threshold(1e-10, "relative", "Error of lengths that suffices: that of E is its square.")
 
 
 FUNCTIONAL = FunctionalThresholds()
@@ -71,7 +73,7 @@ class Functional:
 
     Attributes
     ----------
-    system : IsometrySystem
+    system : MatrixFreeIsometry
         Of q: the equations for X.
     X, tau : SphereTransform
         Of X, and of the time functions, at the same n nodes.
@@ -87,7 +89,7 @@ class Functional:
         K(., n) of the slice along the frames.
     """
 
-    system: IsometrySystem
+    system: MatrixFreeIsometry
     X: SphereTransform
     tau: SphereTransform
     frames: Floats
@@ -138,7 +140,7 @@ class Functional:
         slope = frames @ start.gradients(at.coefficients[:, None])
         drift -= slope[:, :, 0] * traced(frames, start.hessians(at.coefficients[:, None]))
         return cls(
-            system=IsometrySystem.of(harmonics, samples),
+            system=MatrixFreeIsometry.of(transform, samples),
             X=transform,
             tau=SphereTransform(time, n, 2 * n),
             frames=frames,
@@ -155,7 +157,7 @@ class Functional:
 
     def embedded(self, tau: Floats, start: Floats) -> EmbeddedTime:
         """The embedding for tau (m,), from the coefficients (size, 3) of X for a tau nearby."""
-        return EmbeddedTime(self, tau, self.system.solved(start, self.stretch(tau)))
+        return EmbeddedTime(self, tau, self.system.solved(start, self.stretch(tau), FUNCTIONAL.lengths))
 
     def stretch(self, tau: Floats) -> Floats:
         """Strains (n, 3) that d tau d tau adds to the metric."""
@@ -218,6 +220,13 @@ class EmbeddedTime:
     functional: Functional
     tau: Floats
     X: Floats
+
+    def refined(self) -> EmbeddedTime:
+        """The same with an X whose metric is nearer, where one more linear solve finds it."""
+        f = self.functional
+        change = f.system.deformations(self.X, -self._off[None])[0]
+        nearer = EmbeddedTime(f, self.tau, self.X + change)
+        return nearer if nearer.misfit < self.misfit else self
 
     @property
     def time_function(self) -> TimeFunction:
