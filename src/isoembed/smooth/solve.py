@@ -174,12 +174,11 @@ class _Goal:
                 break
             if self._has_stalled(residuals, harmonics):
                 stays = ", ".join(f"{r:.1e}" for r in residuals[-SOLVE.in_vain :])
-                hindrance = (
+                stalled = (
                     f"no surface was found: with more and more harmonics the lengths stay off by {stays}"
                 )
-                return replace(
-                    surface, hindrance=f"{hindrance}; {_sign_of_curvature(self.metric)}"
-                ), residuals
+                known = self.hindrance or f"{stalled}; {_sign_of_curvature(self.metric)}"
+                return replace(surface, hindrance=known), residuals
             carried = surface.residual <= SOLVE.carried and not self._has_left(surface)
         return surface, residuals
 

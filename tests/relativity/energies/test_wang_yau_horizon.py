@@ -20,7 +20,7 @@ from isoembed.smooth import PulledBack, embed_smooth
 from spacelike import round_sphere
 
 
-@pytest.mark.parametrize("distance", [1e-3, 1e-7, 1e-12])
+@pytest.mark.parametrize("distance", [1e-3, 1e-12])
 def test_spheres_of_schwarzschild(distance):
     r = 2.0 * (1.0 + distance)
     data = round_sphere(r)
@@ -66,12 +66,12 @@ def test_the_least_energy_tends_to_that_of_the_horizon():
 
 def test_a_steep_time_costs_more_and_more():
     energies = []
-    for distance in (1e-3, 1e-5, 1e-7):
+    for distance in (1e-5, 1e-7):
         data = round_sphere(2.0 * (1.0 + distance))
         embedding = embed_smooth(data.metric, vertices=100)
         energies.append(wang_yau(data, lambda u: 0.2 * u[:, 2], embedding=embedding).energy.value)
     # Like the logarithm of |H|: by int |lap tau| dA / 8 pi = .1 for each factor e of |H|.
-    np.testing.assert_allclose(np.diff(energies), 0.1 * np.log(10.0), rtol=0.06)
+    np.testing.assert_allclose(np.diff(energies), 0.1 * np.log(10.0), rtol=0.01)
 
 
 def test_a_horizon():
@@ -100,6 +100,7 @@ def test_a_horizon_with_negative_curvature_is_not_admissible():
     assert found.admissible < 0.0 and "tau is not admissible: K + det D^2 tau" in found.notes[1]
 
 
+@pytest.mark.slow
 def test_a_surface_near_a_horizon_that_does_not_embed_has_no_energy():
     data = KerrNewmanSphere(1.45, 1.0, 0.9).data()  # beyond sqrt(3) / 2
     with pytest.raises(NotEmbedded, match=r"no surface of revolution has this metric for theta < 0\.521"):
