@@ -3,12 +3,15 @@ their embedding to many digits in spherical harmonics, which begins with the emb
 """
 
 from isoembed.smooth.axisymmetric import AxisymmetricEmbedding, Band
+from isoembed.smooth.coordinates import fitting_coordinates
 from isoembed.smooth.embedding import SmoothEmbedding
 from isoembed.smooth.gaussian_curvature import gaussian_curvature
 from isoembed.smooth.geodesics import geodesic_lengths
 from isoembed.smooth.grid_metric import GridMetric
 from isoembed.smooth.harmonics import Harmonics
 from isoembed.smooth.solve import embed_smooth
+from isoembed.smooth.sphere_map import SphereMap, metric_in
+from isoembed.smooth.symmetry import axis_of_symmetry
 from isoembed.smooth.triangulation import SphereMesh, triangulate_metric
 from isoembed.smooth.two_metric import AngleMetric, PulledBack, TwoMetric
 from isoembed.smooth.uncertain import UncertainFunction, Uncertainty
@@ -21,12 +24,16 @@ __all__ = [
     "Harmonics",
     "PulledBack",
     "SmoothEmbedding",
+    "SphereMap",
     "SphereMesh",
     "TwoMetric",
     "UncertainFunction",
     "Uncertainty",
+    "axis_of_symmetry",
     "embed_smooth",
+    "fitting_coordinates",
     "gaussian_curvature",
     "geodesic_lengths",
+    "metric_in",
     "triangulate_metric",
 ]

@@ -65,18 +65,6 @@ def fitting_coordinates(u: Floats, faces: Indices, points: Floats) -> SphereMap 
     The energy ``sum (l (l + 1) / 2)^3 |X_lm|^2`` is made least among maps of low degree, by the Gauss-Newton
     method; X_lm smooth the vertices, as seen in the directions v.  Reparametrization by such energies is due
     to S. K. Veerapaneni, A. Rahimian, G. Biros, D. Zorin, J. Comput. Phys. 230 (2011) 5610.
-
-    The largest of the |X_lm| of degree 8, 16, 24, 32 and 48 over all, of bodies whose X is known, with u and
-    with the v that a mesh of 1000 vertices leads to:
-
-    =========================================  ====  ====  =====  =====  =====
-    ellipsoid (3,2,1) as r(u): u               3e-2  9e-4  4e-5   2e-6   6e-9
-    ellipsoid (3,2,1) as r(u): v, degree 1     2e-7  0
-    ellipsoid (5,2,1) as r(u): u               7e-2  7e-3  1e-3   2e-4   5e-6
-    ellipsoid (5,2,1) as r(u): v, degree 1     5e-7  0
-    (3,2,1) as r(u) about (1.2,.6,.3): u       3e-2  1e-3  8e-5   5e-6   2e-8
-    (3,2,1) as r(u) about (1.2,.6,.3): v       2e-5  3e-9  7e-13  0
-    =========================================  ====  ====  =====  =====  =====
     """
     vertices = _Vertices.of(u, faces, points)
     best = given = vertices.smoothed(SphereMap.linear(np.eye(3)))

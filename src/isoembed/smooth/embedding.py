@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 
 import numpy as np
@@ -12,6 +12,7 @@ from isoembed.meshing.sphere import fibonacci_directions
 from isoembed.smooth.grid_metric import sampled_on_grid
 from isoembed.smooth.harmonics import Harmonics
 from isoembed.smooth.isometry import around, strains
+from isoembed.smooth.sphere_map import SphereMap, metric_in
 from isoembed.smooth.sphere_transform import SphereTransform
 from isoembed.smooth.triangulation import SphereMesh, triangulate_metric
 from isoembed.smooth.two_metric import TwoMetric, angle_frame, area_density, orthonormal_frame
@@ -56,6 +57,9 @@ class SmoothEmbedding:
         The integral of H of the best map of lower degree, infinite if there is none.
     hindrance : str
         Why no surface has the metric, where that is known.
+    coordinates : SphereMap, optional
+        The map u = F(v) to the metric's directions u from those of the harmonics, v, in which the surface
+        needs fewer of them.  By default they are the same.
     mesh : SphereMesh, optional
         The triangulation that the embedding began with.
     """
@@ -66,6 +70,7 @@ class SmoothEmbedding:
     tolerance: float
     coarser: float
     hindrance: str = ""
+    coordinates: SphereMap | None = None
     mesh: SphereMesh | None = field(default=None, repr=False)
 
     def triangulated(self, vertices: int) -> SphereMesh:
@@ -80,33 +85,37 @@ class SmoothEmbedding:
             return self.mesh
         return triangulate_metric(sampled_on_grid(self.metric), vertices)
 
+    @property
+    def in_own_directions(self) -> SmoothEmbedding:
+        """The same surface and metric as functions of the directions of the harmonics."""
+        if self.coordinates is None:
+            return self
+        return replace(self, metric=self._metric, coordinates=None, mesh=None)
+
     def points(self, u: Floats) -> Floats:
-        """The points X(u) (n, 3) in the directions u (n, 3)."""
-        return self.harmonics.derivatives(u, self.coefficients)[0]
+        """The points X (n, 3) in the directions u (n, 3)."""
+        return self.harmonics.derivatives(self._own(u), self.coefficients)[0]
 
     def normals(self, u: Floats) -> Floats:
         """The outward unit normals (n, 3)."""
-        return self._shape(u)[0]
+        return self._shape(self._own(u))[0]
 
     def mean_curvature(self, u: Floats) -> Floats:
         """H = (k1 + k2) / 2 (n,) of the surface in the metric's frames; relativity writes k0 = 2 H."""
-        return self._shape(u)[1]
+        return self._shape(self._own(u))[1]
 
     def gaussian_curvature(self, u: Floats) -> Floats:
         """K = k1 k2 (n,) of the surface."""
-        return self._shape(u)[2]
+        return self._shape(self._own(u))[2]
 
     def strain(self, u: Floats) -> Floats:
         """The largest relative error (n,) of a squared length at u."""
-        _, gradients, _ = self.harmonics.derivatives(u, self.coefficients)
-        s = strains(np.einsum("nai,nci->nac", self._frames(u), gradients))
-        middle, half = 0.5 * (s[:, 0] + s[:, 2]), 0.5 * (s[:, 0] - s[:, 2])
-        return np.abs(middle) + np.sqrt(half**2 + 0.5 * s[:, 1] ** 2)
+        return self._strain(self._own(u))
 
     @cached_property
     def residual(self) -> float:
         """The largest relative error of a length, at directions where the equations were not solved."""
-        apart = 0.5 * float(self.strain(fibonacci_directions(MEASURE.scattered)).max())
+        apart = 0.5 * float(self._strain(fibonacci_directions(MEASURE.scattered)).max())
         return max(apart, self._measured.residual)
 
     @property
@@ -188,7 +197,7 @@ class SmoothEmbedding:
     def _measures(self, n: int, before: float) -> _Measures:
         """Measures by quadrature at n heights, after another one's integral of H."""
         transform = SphereTransform(self.harmonics, n, around(n, self.harmonics))
-        q = self.metric.tensor(transform.u)
+        q = self._metric.tensor(transform.u)
         frames = orthonormal_frame(transform.u, q)
         areas = transform.weights * area_density(q)
         frames = np.einsum("nai,nbi->nab", frames, np.stack(angle_frame(transform.u), axis=1))
@@ -221,8 +230,23 @@ class SmoothEmbedding:
             residual=0.5 * float(np.abs(np.linalg.eigvalsh(lacking)).max()),
         )
 
+    @cached_property
+    def _metric(self) -> TwoMetric:
+        """As a function of the directions of the harmonics, as all that follows is."""
+        return metric_in(self.metric, self.coordinates)
+
+    def _own(self, u: Floats) -> Floats:
+        """The directions of the harmonics (n, 3) for those of the metric."""
+        return u if self.coordinates is None else self.coordinates.inverse(u)
+
     def _frames(self, u: Floats) -> Floats:
-        return orthonormal_frame(u, self.metric.tensor(u))
+        return orthonormal_frame(u, self._metric.tensor(u))
+
+    def _strain(self, u: Floats) -> Floats:
+        _, gradients, _ = self.harmonics.derivatives(u, self.coefficients)
+        s = strains(np.einsum("nai,nci->nac", self._frames(u), gradients))
+        middle, half = 0.5 * (s[:, 0] + s[:, 2]), 0.5 * (s[:, 0] - s[:, 2])
+        return np.abs(middle) + np.sqrt(half**2 + 0.5 * s[:, 1] ** 2)
 
     def _shape(self, u: Floats) -> tuple[Floats, Floats, Floats]:
         """Normals (n, 3), H and K (n,)."""

@@ -12,6 +12,7 @@ from isoembed.arrays import Floats
 from isoembed.errors import InvalidMetric, InvalidParameter, NotEmbedded
 from isoembed.meshing.sphere import angles_of, gauss_rule
 from isoembed.smooth.axisymmetric import AxisymmetricEmbedding
+from isoembed.smooth.coordinates import fitting_coordinates
 from isoembed.smooth.embedding import MEASURE, SmoothEmbedding
 from isoembed.smooth.gauss_newton import gauss_newton
 from isoembed.smooth.gaussian_curvature import gaussian_curvature
@@ -20,9 +21,12 @@ from isoembed.smooth.harmonics import Harmonics
 from isoembed.smooth.isometry import ISOMETRY
 from isoembed.smooth.orientation import oriented
 from isoembed.smooth.smoothness import check_rings, check_within
+from isoembed.smooth.sphere_map import SphereMap, metric_in
+from isoembed.smooth.sphere_transform import SphereTransform
+from isoembed.smooth.symmetry import axis_of_symmetry
 from isoembed.smooth.transforms import resized
 from isoembed.smooth.triangulation import SphereMesh, graded_mesh
-from isoembed.smooth.two_metric import TwoMetric, is_axisymmetric
+from isoembed.smooth.two_metric import TwoMetric
 from isoembed.smooth.uncertain import EXACT
 from isoembed.thresholds import threshold
 
@@ -44,6 +48,7 @@ class SolveThresholds:
     in_vain: int = threshold(3, "count", "Degrees in turn without a decrease that are enough.")
     determined: int = threshold(3, "count", "Vertices for each harmonic that is fitted to them.")
     high: int = threshold(48, "count", "Least degree in which a surface of revolution is projected.")
+    written: int = threshold(12, "decimals", "Rounding of an axis of symmetry in sentences.")
     sampled: tuple[int, int] = threshold((48, 96), "count", "Nodes at which the curvature is looked at.")
 
 
@@ -64,7 +69,7 @@ def embed_smooth(
 
     A triangulation of the metric is embedded (`isoembed.embed`), its vertices are fitted in spherical
     harmonics, and Gauss-Newton steps on the isometry equations with more and more harmonics make it exact,
-    until int H dA has settled.  Metrics that are symmetric about the z-axis need few harmonics and are cheap.
+    until int H dA has settled.  Metrics that are symmetric about an axis need few harmonics and are cheap.
 
     Parameters
     ----------
@@ -95,7 +100,7 @@ def embed_smooth(
         The metric is not positive definite somewhere, or not smooth at the poles, which nothing comes near
         to within the tolerance; the message says what is seen there.
     NotEmbedded
-        The tolerance was missed, or the metric is symmetric about the z-axis and is not that of a surface of
+        The tolerance was missed, or the metric is symmetric about an axis and is not that of a surface of
         revolution.  The message says what is in the way, if it can be seen, or whether more harmonics would
         help; the exception holds the best attempt.
 
@@ -115,19 +120,27 @@ def embed_smooth(
         sight = metric.at_poles() if isinstance(metric, GridMetric) else check_rings(metric)
         if not best_fit:
             check_within(sight, tolerance)
-    symmetric = is_axisymmetric(metric)
+    turn = axis_of_symmetry(metric)
+    symmetric = turn is not None
+    coordinates = None if turn is None or np.array_equal(turn, np.eye(3)) else SphereMap.linear(turn)
     ladder = [Harmonics(L, 1 if symmetric else L) for L in SOLVE.degrees]
-    profile = _profile(metric) if symmetric else None
-    hindrance = "" if profile is None or profile.embeds else profile.explanation
+    profile = _profile(metric_in(metric, coordinates)) if symmetric else None
+    hindrance = "" if profile is None or profile.embeds else _about(coordinates) + profile.explanation
     if hindrance:
         ladder = [h for h in ladder if h.degree <= SOLVE.hindered]
     if start is None:
         mesh = graded_mesh(metric, max(vertices, SOLVE.determined * ladder[0].size))
-        origin, first = _from_mesh(mesh), 0
+        points = _embedded(mesh)
+        if not symmetric:
+            coordinates = fitting_coordinates(mesh.directions, mesh.faces, points)
+        v = mesh.directions if coordinates is None else coordinates.inverse(mesh.directions)
+        origin, first = _from_points(v, points), 0
     else:
-        mesh, origin = None, partial(resized, start.coefficients, start.harmonics)
+        if not symmetric:
+            coordinates = start.coordinates
+        mesh, origin = None, partial(_in_directions_of, coordinates, start)
         first = max(0, sum(h.degree < start.harmonics.degree for h in ladder) - 1)
-    goal = _Goal(metric, shape, tolerance, accuracy, hindrance, mesh)
+    goal = _Goal(metric, coordinates, shape, tolerance, accuracy, hindrance, mesh)
     best, residuals = goal.approached(ladder[first:], origin)
     if not best.converged and profile is not None and profile.embeds:
         high = [h for h in ladder if h.degree >= SOLVE.high] or ladder[-1:]
@@ -139,9 +152,13 @@ def embed_smooth(
 
 @dataclass(frozen=True)
 class _Goal:
-    """Goal of an embedding: the metric, how well it is to be met, and what the surface is turned to."""
+    """Goal of an embedding: the metric, how well it is to be met, and what the surface is turned to.
+
+    The harmonics are those of the directions v of the coordinates u = F(v).
+    """
 
     metric: TwoMetric
+    coordinates: SphereMap | None
     shape: Callable[[Floats], Floats] | None
     tolerance: float
     accuracy: float
@@ -155,24 +172,25 @@ class _Goal:
 
         Each begins from the one before, or, where that is far off, from the origin as far as this tells them.
         """
+        metric, shape = metric_in(self.metric, self.coordinates), _composed(self.shape, self.coordinates)
         residuals: list[float] = []
         last, C, old, carried = np.inf, None, ladder[0], False
         for harmonics in ladder:
             if C is None or not carried:
                 C, old = origin(harmonics), harmonics
             C = gauss_newton(
-                self.metric, harmonics, resized(C, old, harmonics), SOLVE.target * np.sqrt(self.accuracy)
+                metric, harmonics, resized(C, old, harmonics), SOLVE.target * np.sqrt(self.accuracy)
             )
-            C, old = oriented(self.metric, harmonics, C, self.shape), harmonics
+            C, old = oriented(metric, harmonics, C, shape), harmonics
             surface = SmoothEmbedding(
-                self.metric, harmonics, C, self.tolerance, last, self.hindrance, self.mesh
+                self.metric, harmonics, C, self.tolerance, last, self.hindrance, self.coordinates, self.mesh
             )
             last = surface.integrated_mean_curvature
             residuals.append(surface.residual)
             settled = surface.unsettled <= self.accuracy * abs(last) or surface.residual <= MEASURE.rounding
             if surface.converged and settled:
                 break
-            if self._has_stalled(residuals, harmonics):
+            if not self.hindrance and self._has_stalled(residuals, harmonics):
                 stays = ", ".join(f"{r:.1e}" for r in residuals[-SOLVE.in_vain :])
                 stalled = (
                     f"no surface was found: with more and more harmonics the lengths stay off by {stays}"
@@ -203,22 +221,54 @@ class _Goal:
         return float(gaussian_curvature(self.metric, u).min())
 
 
-def _from_mesh(mesh: SphereMesh) -> Callable[[Harmonics], Floats]:
-    """A fit of any harmonics to the embedded vertices of a triangulation, as far as these tell them."""
-    try:
-        embedding = embed(mesh.metric, tolerance=SOLVE.rough)
-    except NotEmbedded as error:
-        embedding = error.embedding  # the isometry equations decide
+def _about(coordinates: SphereMap | None) -> str:
+    """What theta is in sentences about the surface of revolution, where it is not from z."""
+    if coordinates is None:
+        return ""
+    axis = coordinates.forward(np.array([[0.0, 0.0, 1.0]]))[0]
+    written = ", ".join(f"{x:.6g}" for x in np.round(axis, SOLVE.written) + 0.0)
+    return f"with theta from the axis of symmetry ({written}), "
 
-    degree = int(np.sqrt(len(mesh.directions) / SOLVE.determined)) - 1
+
+def _composed(
+    shape: Callable[[Floats], Floats] | None, coordinates: SphereMap | None
+) -> Callable[[Floats], Floats] | None:
+    """The shape as a function of the coordinates' directions; by default the given directions are it."""
+    if coordinates is None:
+        return shape
+    if shape is None:
+        return coordinates.forward
+    return lambda v: shape(coordinates.forward(v))
+
+
+def _in_directions_of(coordinates: SphereMap | None, start: SmoothEmbedding, harmonics: Harmonics) -> Floats:
+    """Coefficients (size, 3) of a surface in harmonics of the coordinates' directions."""
+    if start.coordinates is coordinates:
+        return resized(start.coefficients, start.harmonics, harmonics)
+    transform = SphereTransform(harmonics, 2 * harmonics.degree, 4 * harmonics.degree)
+    u = transform.u if coordinates is None else coordinates.forward(transform.u)
+    return transform.analysis(start.points(u))
+
+
+def _embedded(mesh: SphereMesh) -> Floats:
+    """The vertices (V, 3) of the embedded triangulation, or of the best attempt: the equations decide."""
+    try:
+        return embed(mesh.metric, tolerance=SOLVE.rough).vertices
+    except NotEmbedded as error:
+        return np.asarray(error.embedding.vertices)
+
+
+def _from_points(directions: Floats, vertices: Floats) -> Callable[[Harmonics], Floats]:
+    """A fit of any harmonics to points in some directions, as far as these tell them."""
+    degree = int(np.sqrt(len(directions) / SOLVE.determined)) - 1
 
     def fitted(harmonics: Harmonics) -> Floats:
         fewer = Harmonics(min(degree, harmonics.degree), min(degree, harmonics.order))
         # Where directions are far apart, high degrees would be anything between them.
         weights = (fewer.labels[0] / degree) ** SOLVE.power * SOLVE.spread
-        weights *= np.sqrt(len(mesh.directions) / (4.0 * np.pi))
-        rows = np.concatenate([fewer.values(mesh.directions), np.diag(weights)])
-        points = np.concatenate([embedding.vertices, np.zeros((fewer.size, 3))])
+        weights *= np.sqrt(len(directions) / (4.0 * np.pi))
+        rows = np.concatenate([fewer.values(directions), np.diag(weights)])
+        points = np.concatenate([vertices, np.zeros((fewer.size, 3))])
         return resized(np.linalg.lstsq(rows, points, rcond=None)[0], fewer, harmonics)
 
     return fitted

@@ -25,6 +25,9 @@ class SphereMapThresholds:
     starts: int = threshold(4000, "count", "Directions whose images the inverse begins at.")
     steps: int = threshold(60, "count", "Most Newton steps of the inverse.")
     exact: float = threshold(1e-15, "radians", "Newton step that is the last, in the old directions.")
+    even: float = threshold(
+        1e-13, "relative", "Difference of lengths of columns that are those of a rotation."
+    )
     failed: float = threshold(1e-9, "radians", "Error of the inverse that is a failure.")
 
 
@@ -78,6 +81,15 @@ class SphereMap:
         # Degree 1 is z, x and y, times the root of 3 / 4 pi.
         axes = np.linalg.inv(harmonics.values(np.eye(3))[:, 1:])
         return cls(harmonics, np.vstack([np.zeros(3), axes @ np.asarray(A, dtype=np.float64).T]))
+
+    @cached_property
+    def rotation(self) -> Floats | None:
+        """The rotation (3, 3) that the map is; None if it is another one."""
+        if self.harmonics.degree != 1 or self.coefficients[0].any():
+            return None
+        squares = self.coefficients.T @ self.coefficients
+        even = np.abs(squares / squares[0, 0] - np.eye(3)).max() <= SPHERE_MAP.even
+        return self.forward(np.eye(3)).T if even else None
 
     def forward(self, v: Floats) -> Floats:
         """The old directions F(v) (n, 3) of the new ones v (n, 3)."""
@@ -147,8 +159,10 @@ class SphereMap:
         return u, slope / length[:, None, None]
 
 
-def metric_in(metric: TwoMetric, coordinates: SphereMap) -> PulledBack:
-    """The same metric as a function of the new directions; errors of its lengths are handed on."""
+def metric_in(metric: TwoMetric, coordinates: SphereMap | None) -> TwoMetric:
+    """The same metric as a function of the new directions, if there are any; errors are handed on."""
+    if coordinates is None:
+        return metric
     error = getattr(metric, "error", None)
     return PulledBack(
         coordinates.differential,

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
@@ -13,6 +14,7 @@ from isoembed.relativity.horizons.spin import Spin
 from isoembed.relativity.spacetimes.surface_data import SurfaceData, error_of, values_of
 from isoembed.smooth.embedding import SmoothEmbedding
 from isoembed.smooth.isometry import ISOMETRY
+from isoembed.smooth.sphere_map import SphereMap
 from isoembed.smooth.two_metric import area_density, is_axisymmetric, is_symmetric_about_z
 from isoembed.smooth.uncertain import Uncertainty
 from isoembed.surface.estimate import Estimate
@@ -52,9 +54,12 @@ def smooth_energies(data: SurfaceData, embedding: SmoothEmbedding, spin: Spin | 
     The quadrature's error is the change from fewer nodes; that of int k0 dA is twice the
     embedding's ``curvature_error``; and every integral is uncertain by what the lengths are.
     """
-    symmetric = embedding.harmonics.order < embedding.harmonics.degree and _lies_symmetrically(data)
+    coordinates = embedding.coordinates
+    symmetric = embedding.harmonics.order < embedding.harmonics.degree and _lies_symmetrically(
+        data, coordinates
+    )
     n = max(QUADRATURE.fewest, int(QUADRATURE.density * embedding.harmonics.degree))
-    values, notes = _integrated(data, n, symmetric)
+    values, notes = _integrated(data, n, symmetric, coordinates)
     reference = 2.0 * embedding.integrated_mean_curvature
     relative = QUADRATURE.rounding + data.lengths_error.mean + data.displacement
     error = 2.0 * embedding.curvature_error + relative * abs(reference)
@@ -76,10 +81,16 @@ def intrinsic_energies(data: SurfaceData, spin: Spin | None = None) -> Energies:
     return _energies(data, *_integrated(data, QUADRATURE.fewest, symmetric), spin)
 
 
-def _lies_symmetrically(data: SurfaceData) -> bool:
-    """Whether k and p are symmetric about the z-axis."""
+def _lies_symmetrically(data: SurfaceData, coordinates: SphereMap | None = None) -> bool:
+    """Whether k and p are symmetric about the z-axis, that of the coordinates if there are any."""
+
+    def symmetric(function: Callable[[Floats], Floats]) -> bool:
+        if coordinates is None:
+            return is_symmetric_about_z(function)
+        return is_symmetric_about_z(lambda v: function(coordinates.forward(v)))
+
     functions = (data.mean_curvature, data.momentum)
-    return all(function is None or is_symmetric_about_z(function) for function in functions)
+    return all(function is None or symmetric(function) for function in functions)
 
 
 def _energies(
@@ -100,17 +111,21 @@ def _energies(
     )
 
 
-def _integrated(data: SurfaceData, n: int, symmetric: bool) -> tuple[dict[str, Estimate], list[str]]:
+def _integrated(
+    data: SurfaceData, n: int, symmetric: bool, coordinates: SphereMap | None = None
+) -> tuple[dict[str, Estimate], list[str]]:
     """The integrals over the surface by their names in `Integrals`, and what hinders others.
 
-    The heights of the nodes become more until no integral changes, or they are many.
+    The heights of the nodes, which are even in the coordinates, become more until no integral changes, or
+    they are many.
     """
     relative = QUADRATURE.rounding + data.lengths_error.mean + data.displacement
     most = QUADRATURE.highest_symmetric if symmetric else QUADRATURE.highest
     settled: dict[str, Estimate] = {}
     before: dict[str, Estimate] = {}
     while True:
-        values, notes = _Nodes.of(data, n, ISOMETRY.around if symmetric else 2 * n).integrals(relative)
+        nodes = _Nodes.of(data, *_rule(n, ISOMETRY.around if symmetric else 2 * n, coordinates))
+        values, notes = nodes.integrals(relative)
         last = QUADRATURE.density * n > most
         for name in values.keys() - settled.keys():
             value, error = values[name].value, values[name].error
@@ -122,6 +137,14 @@ def _integrated(data: SurfaceData, n: int, symmetric: bool) -> tuple[dict[str, E
         if last or settled.keys() == values.keys():
             return settled, notes
         n, before = int(QUADRATURE.density * n), values
+
+
+def _rule(n: int, around: int, coordinates: SphereMap | None) -> tuple[Floats, Floats]:
+    """Nodes u (n around, 3) and weights of a rule for integrals over the unit sphere."""
+    v, weights = gauss_rule(n, around)
+    if coordinates is None:
+        return v, weights
+    return coordinates.forward(v), weights * coordinates.jacobian(v)
 
 
 @dataclass(frozen=True)
@@ -138,8 +161,7 @@ class _Nodes:
     doubtful: bool
 
     @classmethod
-    def of(cls, data: SurfaceData, n: int, around: int) -> _Nodes:
-        u, weights = gauss_rule(n, around)
+    def of(cls, data: SurfaceData, u: Floats, weights: Floats) -> _Nodes:
         k = None if data.mean_curvature is None else values_of(data.mean_curvature, u, "the mean curvature")
         p = np.zeros(len(u)) if data.momentum is None else values_of(data.momentum, u, "the momentum")
         dA = weights * area_density(data.metric.tensor(u))

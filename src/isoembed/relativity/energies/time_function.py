@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -13,6 +13,7 @@ from isoembed.errors import InvalidParameter
 from isoembed.meshing.sphere import fibonacci_directions, gauss_rule
 from isoembed.relativity.spacetimes.surface_data import values_of
 from isoembed.smooth.harmonics import Harmonics
+from isoembed.smooth.sphere_map import SphereMap
 from isoembed.smooth.two_metric import TwoMetric
 from isoembed.thresholds import threshold
 
@@ -22,6 +23,7 @@ class TimeFunctionThresholds:
     """Thresholds of the projection of time functions on harmonics."""
 
     directions: int = threshold(1000, "count", "Directions at which a projection is checked.")
+    degree: int = threshold(16, "count", "Degree of the harmonics that functions are projected on.")
     missed: float = threshold(1e-7, "largest value", "Miss of harmonics that is too much.")
 
 
@@ -37,10 +39,13 @@ class TimeFunction:
     harmonics : Harmonics
     coefficients : ndarray, shape (size,)
         In the unit of length.  That of the constant harmonic has no consequences.
+    coordinates : SphereMap, optional
+        The map u = F(v) from the directions v of the harmonics, if they are others: see `SmoothEmbedding`.
     """
 
     harmonics: Harmonics
     coefficients: Floats
+    coordinates: SphereMap | None = None
 
     def __post_init__(self) -> None:
         if np.shape(self.coefficients) != (self.harmonics.size,):
@@ -65,7 +70,7 @@ class TimeFunction:
         return cls(Harmonics(degree, degree), np.asarray(coefficients, dtype=np.float64))
 
     @classmethod
-    def of(cls, function: Callable[[Floats], ArrayLike], degree: int = 16) -> TimeFunction:
+    def of(cls, function: Callable[[Floats], ArrayLike], degree: int = TIME_FUNCTION.degree) -> TimeFunction:
         """Projection of a function of the directions u (n, 3), with values (n,), on harmonics up to a degree.
 
         Raises
@@ -85,13 +90,36 @@ class TimeFunction:
             )
         return tau
 
+    def in_coordinates(self, coordinates: SphereMap | None) -> TimeFunction:
+        """The same function of the directions v of a map u = F(v), or of u itself, in harmonics of these.
+
+        Raises
+        ------
+        InvalidParameter
+            Harmonics of twice the usual degree miss it.
+        """
+        if self.coordinates is coordinates:
+            return self if coordinates is None else replace(self, coordinates=None)
+        if coordinates is None:
+            return TimeFunction.of(self.values, 2 * TIME_FUNCTION.degree)
+        rotated = self.coordinates is None and coordinates.rotation is not None
+        degree = self.harmonics.degree if rotated else 2 * TIME_FUNCTION.degree
+        return TimeFunction.of(lambda v: self.values(coordinates.forward(v)), degree)
+
     def values(self, u: Floats) -> Floats:
         """Tau (n,) in the directions u (n, 3)."""
-        return self.harmonics.values(u) @ self.coefficients
+        v = u if self.coordinates is None else self.coordinates.inverse(u)
+        return self.harmonics.values(v) @ self.coefficients
 
     def gradient(self, u: Floats) -> Floats:
         """The tangent vectors (n, 3) whose products with velocities of u are the rates of change of tau."""
-        return self.harmonics.gradients(u)[1] @ self.coefficients
+        if self.coordinates is None:
+            return self.harmonics.gradients(u)[1] @ self.coefficients
+        v = self.coordinates.inverse(u)
+        slope = self.harmonics.gradients(v)[1] @ self.coefficients
+        # dF takes v to 0; what is added to it makes it invertible and concerns no tangent vector.
+        full = self.coordinates.differential(v) + u[:, :, None] * v[:, None, :]
+        return np.asarray(np.linalg.solve(full.transpose(0, 2, 1), slope[:, :, None])[:, :, 0])
 
 
 def _values(function: Callable[[Floats], ArrayLike], u: Floats) -> Floats:

@@ -1,7 +1,7 @@
 """The Wang-Yau quasi-local energy: for a time function, or for the one that makes it least."""
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any, Literal
 
 import numpy as np
@@ -20,7 +20,9 @@ from isoembed.smooth.grid_metric import GridMetric
 from isoembed.smooth.harmonics import Harmonics
 from isoembed.smooth.orientation import oriented
 from isoembed.smooth.solve import embed_smooth
+from isoembed.smooth.sphere_map import SphereMap
 from isoembed.smooth.transforms import resized
+from isoembed.smooth.two_metric import TwoMetric
 from isoembed.surface.estimate import Estimate
 from isoembed.thresholds import threshold
 
@@ -188,8 +190,35 @@ def wang_yau(
             at, embedding = time, embed_smooth(TimeRaisedMetric(data.metric, time))
     if data.marginal:
         return _limit(data, embedding, time)
-    search = _Search(data, embedding, at)
-    return search.minimum(degrees, accuracy) if time is None else search.given(time)
+    coordinates = embedding.coordinates
+    own = at.in_coordinates(coordinates)
+    search = _Search(_in_directions_of(embedding, data), embedding.in_own_directions, own)
+    if time is None:
+        found = search.minimum(degrees, accuracy)
+    else:
+        found = search.given(own if time is at else time.in_coordinates(coordinates))
+    return found if coordinates is None else _returned(found, data.metric, coordinates)
+
+
+def _in_directions_of(embedding: SmoothEmbedding, data: SurfaceData) -> SurfaceData:
+    """The data as functions of the directions of an embedding's harmonics."""
+    F = embedding.coordinates
+    if F is None:
+        return data
+    moved = data.in_coordinates(F)
+    return moved if data.shape is not None else replace(moved, shape=F.forward)
+
+
+def _returned(found: WangYau, metric: TwoMetric, coordinates: SphereMap) -> WangYau:
+    """A result in the given directions u, of one in those of a map u = F(v)."""
+    R, notes = coordinates.rotation, found.notes
+    if R is None:
+        tau = replace(found.tau, coordinates=coordinates)
+        notes += ("tau is in harmonics of the directions v of the embedding, u = F(v)",)
+    else:
+        tau = found.tau.in_coordinates(SphereMap.linear(R.T))
+    embedding = replace(found.embedding, metric=TimeRaisedMetric(metric, tau), coordinates=coordinates)
+    return replace(found, tau=tau, embedding=embedding, notes=notes)
 
 
 def _limit(data: SurfaceData, embedding: SmoothEmbedding, time: TimeFunction | None) -> WangYau:
