@@ -43,6 +43,17 @@ class Turned:
 
 
 @dataclass(frozen=True)
+class Disturbed:
+    """A metric whose symmetry about z is broken: some dx^2 more."""
+
+    metric: TwoMetric
+
+    def tensor(self, u):
+        slope = [1.0, 0.0, 0.0] - u[:, :1] * u
+        return self.metric.tensor(u) + 0.02 * slope[:, :, None] * slope[:, None, :]
+
+
+@dataclass(frozen=True)
 class Scaled:
     """A metric in another unit of length."""
 
@@ -134,7 +145,7 @@ def test_kerr_horizons(a):
 def test_a_horizon_about_another_axis():
     metric = Turned(KerrNewmanHorizon(1.0, 0.5), OBLIQUE)
     found = embed_smooth(metric, vertices=200)
-    assert found.harmonics.order == found.harmonics.degree
+    assert found.harmonics.order == 1
     check(found, *KERR[0.5])
 
 
@@ -395,13 +406,13 @@ def test_beyond_smarrs_limit_the_reason_names_the_band(few):
 @pytest.mark.slow
 def test_of_a_metric_without_symmetry_the_sign_of_the_curvature_is_told(few):
     with pytest.raises(NotEmbedded, match=r"curvature is negative in places, least -0\.04.* is not known$"):
-        embed_smooth(Turned(KerrNewmanHorizon(1.0, 0.9), OBLIQUE), vertices=200)
+        embed_smooth(Disturbed(KerrNewmanHorizon(1.0, 0.9)), vertices=200)
 
 
 def test_details_that_are_too_fine(monkeypatch):
     monkeypatch.setattr(solve, "SOLVE", replace(solve.SOLVE, degrees=(4, 6)))
     with pytest.raises(NotEmbedded, match=r"too fine for so few; where it was looked at .* is positive"):
-        embed_smooth(Turned(KerrNewmanHorizon(1.0, 0.8), OBLIQUE), vertices=100)
+        embed_smooth(Disturbed(KerrNewmanHorizon(1.0, 0.8)), vertices=100)
 
 
 @pytest.mark.slow
