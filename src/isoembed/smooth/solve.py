@@ -190,7 +190,7 @@ class _Goal:
             settled = surface.unsettled <= self.accuracy * abs(last) or surface.residual <= MEASURE.rounding
             if surface.converged and settled:
                 break
-            if not self.hindrance and self._has_stalled(residuals, harmonics):
+            if self._has_stalled(residuals, harmonics):
                 stays = ", ".join(f"{r:.1e}" for r in residuals[-SOLVE.in_vain :])
                 stalled = (
                     f"no surface was found: with more and more harmonics the lengths stay off by {stays}"
