@@ -18,10 +18,10 @@ from functools import cached_property
 import numpy as np
 from scipy.sparse import coo_array, csc_array, diags_array
 
-from isoembed.arrays import Floats
+from isoembed.arrays import Floats, Indices
 from isoembed.linalg import SingularMatrix, SymmetricFactor, analyze, dissect
 from isoembed.mesh.triangulation import Triangulation
-from isoembed.metric.conformal_sphere import conformal_sphere
+from isoembed.metric.conformal_sphere import ConformalSphere, conformal_factors, conformal_sphere
 from isoembed.metric.curvature import Triangles
 from isoembed.metric.delaunay import delaunay
 from isoembed.metric.polyhedral import PolyhedralMetric
@@ -33,6 +33,7 @@ from isoembed.thresholds import threshold
 class LayoutThresholds:
     """Thresholds of layouts of little distortion."""
 
+    change: float = threshold(1.0, "log factor", "Change of the metric at a time, at most.")
     steps: int = threshold(200, "count", "Steps of the minimization at most.")
     memory: int = threshold(8, "count", "Last steps that tell its second derivatives.")
     often: int = threshold(10, "count", "Steps after which the matrix that precedes them is made again.")
@@ -61,7 +62,7 @@ def sphere_layout(metric: PolyhedralMetric) -> Floats:
     """
     fine = delaunay(metric)
     u = conformal_sphere(fine, StageRecorder("layout", Log())).points
-    if np.median(_orientations(fine.triangulation, u)) < 0.0:
+    if np.median(orientations(fine.faces, u)) < 0.0:
         u = -u
     return least_distorted(fine, u)
 
@@ -77,12 +78,29 @@ def least_distorted(metric: PolyhedralMetric, u: Floats) -> Floats:
 
     Notes
     -----
+    On the way the metric changes from nearly that of the sphere, by conformal factors, to the given one: what
+    is crowded on the sphere takes its room little by little.
+    """
+    if not are_outward(metric.faces, u):
+        return u
+    factors = conformal_factors(metric.normalized, ConformalSphere(u, True))
+    stages = max(1, int(np.ceil(np.ptp(factors) / LAYOUT.change)))
+    i, j = metric.edges.T
+    exponents = 0.5 * (factors[i] + factors[j])
+    for part in np.arange(stages - 1, -1, -1) / stages:
+        lengths = metric.normalized.lengths * np.exp(part * exponents)
+        triangles = Triangles.of(lengths[metric.triangulation.face_edges])
+        if triangles.excess.min() > 0.0:
+            u = _minimized(_Distortion(metric.triangulation, triangles), u)
+    return u
+
+
+def _minimized(energy: _Distortion, u: Floats) -> Floats:
+    """Unit vectors (V, 3) of the least energy near u (V, 3).
+
     L-BFGS, preconditioned by the Laplacian of the surface with the energy's weights.
     """
-    energy = _Distortion(metric)
     value, slope, weights = energy.at(u)
-    if not np.isfinite(value):
-        return u
     memory = _Memory()
     for step in range(LAYOUT.steps):
         if step % LAYOUT.often == 0 or step < LAYOUT.often:
@@ -114,11 +132,10 @@ def least_distorted(metric: PolyhedralMetric, u: Floats) -> Floats:
 
 
 class _Distortion:
-    """The symmetric Dirichlet energy of maps of a metric's triangles to the unit sphere, of equal area."""
+    """The symmetric Dirichlet energy of maps of triangles to the unit sphere, of equal area."""
 
-    def __init__(self, metric: PolyhedralMetric) -> None:
-        triangles = Triangles.of(metric.normalized.face_lengths)
-        self.triangulation, self.faces = metric.triangulation, metric.faces
+    def __init__(self, triangulation: Triangulation, triangles: Triangles) -> None:
+        self.triangulation, self.faces = triangulation, triangulation.faces
         # A corner lies at faces[f, c]; the side across from it is that from c + 1 to c + 2.
         self.cotangents = triangles.cotangents
         self.areas = triangles.areas * (4.0 * np.pi / triangles.areas.sum())
@@ -128,7 +145,7 @@ class _Distortion:
 
         The energy is infinite where a triangle does not look outward.
         """
-        if not (_orientations(self.triangulation, u) > 0.0).all():
+        if not are_outward(self.faces, u):
             return np.inf, np.zeros_like(u), np.zeros(len(self.faces))
         corners = u[self.faces]
         sides = np.roll(corners, -2, axis=1) - np.roll(corners, -1, axis=1)
@@ -186,10 +203,15 @@ class _Memory:
         return z
 
 
-def _orientations(triangulation: Triangulation, u: Floats) -> Floats:
+def are_outward(faces: Indices, u: Floats) -> bool:
+    """Whether all triangles (F, 3) between unit vectors (V, 3) look outward."""
+    return bool((orientations(faces, u) > 0.0).all())
+
+
+def orientations(faces: Indices, u: Floats) -> Floats:
     """Six times the volumes (F,) of the tetrahedra from the center: positive of what looks outward."""
-    a, b, c = u[triangulation.faces].transpose(1, 0, 2)
-    return np.einsum("fi,fi->f", a, np.cross(b, c))
+    a, b, c = u[faces].transpose(1, 0, 2)
+    return np.asarray(np.einsum("fi,fi->f", a, np.cross(b, c)))
 
 
 def _tangent(vectors: Floats, u: Floats) -> Floats:

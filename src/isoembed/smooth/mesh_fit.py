@@ -14,8 +14,8 @@ from scipy.linalg.lapack import dtrcon
 from scipy.sparse.linalg import LinearOperator, lsmr
 
 from isoembed.arrays import Floats, Indices
-from isoembed.meshing.sphere import solid_angles
-from isoembed.meshing.sphere_layout import sphere_layout
+from isoembed.meshing.sphere import hull_faces, solid_angles
+from isoembed.meshing.sphere_layout import are_outward, least_distorted, orientations, sphere_layout
 from isoembed.metric.curvature import area
 from isoembed.metric.polyhedral import PolyhedralMetric
 from isoembed.smooth.harmonics import Harmonics
@@ -45,6 +45,7 @@ class MeshFitThresholds:
         0.8, "relative", "Misfit over that of the fit before, above which it is the last."
     )
     farthest: float = threshold(0.5, "mean spacing", "Way of a vertex on the sphere in one round, at most.")
+    halvings: int = threshold(30, "count", "Of the ways around triangles that would turn over, at most.")
     solved: float = threshold(1e-4, "relative", "Error of the least squares of one round.")
     iterations: int = threshold(200, "count", "Iterations of least squares, at most.")
     rounding: float = threshold(1e-13, "mean radius", "Misfit that is rounding.")
@@ -107,7 +108,7 @@ def fit_mesh(vertices: Floats, faces: Indices) -> MeshFit:
     unit = float(np.sqrt(area(metric) / (4.0 * np.pi)))
     middle = vertices.mean(axis=0)
     x = (vertices - middle) / unit
-    u = sphere_layout(metric)
+    u, faces = _laid_out(metric, x)
     fit = _Fit(x, u, solid_angles(u, faces), np.ones(len(x)), Harmonics(0, 0), np.zeros((1, 3)))
     fits: list[_Fit] = []
     for degree in MESH_FIT.degrees:
@@ -128,6 +129,16 @@ def fit_mesh(vertices: Floats, faces: Indices) -> MeshFit:
     return MeshFit(coefficients, fit.harmonics, unit * fit.misfit, deviations, fit.u)
 
 
+def _laid_out(metric: PolyhedralMetric, x: Floats) -> tuple[Floats, Indices]:
+    """Directions of the vertices x (V, 3), and triangles between them that look outward."""
+    u = sphere_layout(metric)
+    if are_outward(metric.faces, u):
+        return u, metric.faces
+    # Conformal layouts of long thin bodies are those of other triangles: these are Delaunay on the sphere.
+    faces = hull_faces(u)
+    return least_distorted(PolyhedralMetric.from_mesh(x, faces), u), faces
+
+
 def _relaxed(fit: _Fit, faces: Indices) -> _Fit:
     """The fit, vertices having been moved on the sphere until it gets no better."""
     for _ in range(MESH_FIT.rounds):
@@ -139,6 +150,19 @@ def _relaxed(fit: _Fit, faces: Indices) -> _Fit:
         if enough:
             break
     return fit
+
+
+def _moved(u: Floats, step: Floats, faces: Indices) -> Floats:
+    """Unit vectors moved by a step (V, 3), by less of it around triangles that would turn over."""
+    share = np.ones((len(u), 1))
+    for _ in range(MESH_FIT.halvings):
+        v = u + share * step
+        v /= np.linalg.norm(v, axis=1, keepdims=True)
+        over = orientations(faces, v) <= 0.0
+        if not over.any():
+            return v
+        share[np.unique(faces[over])] *= 0.5
+    return u
 
 
 @dataclass(frozen=True)
@@ -243,8 +267,7 @@ class _Fit:
         length = np.linalg.norm(step, axis=1)
         farthest = MESH_FIT.farthest * np.sqrt(4.0 * np.pi / len(self.x))
         step *= (farthest / np.maximum(length, farthest))[:, None]
-        u = self.u + step
-        u /= np.linalg.norm(u, axis=1, keepdims=True)
+        u = _moved(self.u, step, faces)
         return replace(self, u=u, angles=solid_angles(u, faces))
 
     def deviations(self) -> Floats:

@@ -22,6 +22,7 @@ from isoembed.smooth.mesh_fit import fit_mesh
 from isoembed.smooth.projection import PROJECTION, project
 from isoembed.smooth.scattered_fit import deviating, white
 from isoembed.smooth.two_metric import angle_frame
+from isoembed.surface.intersection import self_intersections
 from isoembed.surface.measures import volume
 from isoembed.thresholds import threshold
 
@@ -33,7 +34,7 @@ class MappedSurfaceThresholds:
     denser: float = threshold(2.0, "relative", "Heights of nodes at which it is checked over the degree.")
     fewest: int = threshold(24, "count", "Heights of nodes at which it is checked, at least.")
     singular: float = threshold(1e-9, "mean", "Area over that of the unit sphere that is none.")
-    turned: float = threshold(0.0, "cosine", "Of the angle of normals at neighbors; below, a map is folded.")
+    most: int = threshold(400, "count", "Heights, at most, until normals at neighbors look the same way.")
 
 
 MAPPED = MappedSurfaceThresholds()
@@ -151,6 +152,8 @@ class MappedSurface(Surface):
             raise InvalidMetric(f"there are {len(x)} vertices, but {triangles.n_vertices} in faces")
         inward = volume(triangles.faces, x / np.abs(x).max()) < 0.0
         fit = fit_mesh(x, triangles.faces[:, ::-1].copy() if inward else triangles.faces)
+        crossing = self_intersections(triangles.faces, x)
+        notes = tuple(f"the mesh meets itself: faces {i} and {j} for one" for i, j in crossing[:1])
         about = None if center is None else vector("the center", center)
         try:
             return cls(
@@ -159,7 +162,8 @@ class MappedSurface(Surface):
                 about,  # type: ignore[arg-type] # see above
                 fit.misfit,
                 fit.deviations,
-                directions=fit.directions,
+                notes,
+                fit.directions,
             )
         except InvalidParameter as error:
             raise InvalidParameter(
@@ -185,11 +189,13 @@ class MappedSurface(Surface):
 
     @cached_property
     def _nodes(self) -> _Nodes:
+        """Nodes so dense that normals at neighbors look the same way, if there are any."""
         n = max(MAPPED.fewest, int(MAPPED.denser * self.harmonics.degree))
-        u, weights = gauss_rule(n, 2 * n)
-        jet = self.jet(u)
-        e_theta, e_phi = (np.einsum("nij,nj->ni", jet.first, e) for e in angle_frame(u))
-        return _Nodes(n, u, weights, jet.x, np.cross(e_theta, e_phi))
+        while True:
+            nodes = _Nodes.of(self.jet, n)
+            if 2 * n > MAPPED.most or nodes.turned is None:
+                return nodes
+            n *= 2
 
 
 @dataclass(frozen=True)
@@ -201,6 +207,31 @@ class _Nodes:
     weights: Floats
     x: Floats
     normals: Floats
+
+    @classmethod
+    def of(cls, jet: Callable[[Floats], SurfaceJet], n: int) -> _Nodes:
+        """The nodes of n circles."""
+        u, weights = gauss_rule(n, 2 * n)
+        there = jet(u)
+        e_theta, e_phi = (np.einsum("nij,nj->ni", there.first, e) for e in angle_frame(u))
+        return cls(n, u, weights, there.x, np.cross(e_theta, e_phi))
+
+    @cached_property
+    def singular(self) -> Floats | None:
+        """A direction in which the differential is singular, if there is any."""
+        singular = ~(self.densities > MAPPED.singular * self.densities.mean())
+        return self.u[int(np.argmax(singular))] if singular.any() else None
+
+    @cached_property
+    def turned(self) -> Floats | None:
+        """A direction from which to the next the normal turns around, if there is any."""
+        normals = self.normals.reshape(self.n, -1, 3)
+        around = np.einsum("abi,abi->ab", normals, np.roll(normals, -1, axis=1))
+        across = np.einsum("abi,abi->ab", normals[:-1], normals[1:])
+        for products in (around, across):
+            if products.min() < 0.0:
+                return self.u[int(np.argmin(products))]
+        return None
 
     @cached_property
     def densities(self) -> Floats:
@@ -226,22 +257,16 @@ class _Nodes:
 
 def _check_immersion(nodes: _Nodes) -> None:
     """Refuse maps that are singular, folded or inside out."""
-    singular = ~(nodes.densities > MAPPED.singular * nodes.densities.mean())
-    if singular.any():
-        where = written(nodes.u[int(np.argmax(singular))])
+    if nodes.singular is not None:
         raise InvalidParameter(
-            f"the map is no immersion: its differential is singular in the direction {where}"
+            "the map is no immersion: its differential is singular in the direction "
+            + written(nodes.singular)
         )
-    unit = (nodes.normals / nodes.densities[:, None]).reshape(nodes.n, -1, 3)
-    around = np.einsum("abi,abi->ab", unit, np.roll(unit, -1, axis=1))
-    across = np.einsum("abi,abi->ab", unit[:-1], unit[1:])
-    for cosines in (around, across):
-        if cosines.min() < MAPPED.turned:
-            where = written(nodes.u[int(np.argmin(cosines))])
-            raise InvalidParameter(
-                f"the map is no immersion: its normal turns around near the direction {where}, "
-                "where it is folded or has an edge"
-            )
+    if nodes.turned is not None:
+        raise InvalidParameter(
+            f"the map is no immersion: its normal turns around near the direction {written(nodes.turned)}, "
+            "where it is folded or has an edge"
+        )
     if nodes.volume <= 0.0:
         raise InvalidParameter(
             f"the map turns the sphere inside out: it encloses the volume {nodes.volume:.6g}; "
