@@ -61,6 +61,18 @@ surface = relativity.embed_surface(relativity.kerr_surface("horizon", spin=0.5),
 io.write_report("new.json", surface.report)
 io.write_atomically({"new.npz": io.mesh_writer("new.npz", **surface.mesh(60))})
 """,
+    "energy isotropic --sphere 0 0 0 2 --vertices 60 --json > new.json": """
+from isoembed import io, relativity
+sphere, slice_ = relativity.StarSurface.sphere((0, 0, 0), 2.0), relativity.IsotropicSchwarzschild(1.0)
+data = sphere.data(slice_, name="sphere of radius 2 about (0, 0, 0) in isotropic")
+io.write_report("new.json", relativity.embed_surface(data, vertices=60).report)
+""",
+    "horizon --find --geometry isotropic --vertices 60 > new.txt": """
+from pathlib import Path
+from isoembed.relativity import Horizon, IsotropicSchwarzschild, embed_horizons, find_horizon
+found = Horizon.found(find_horizon(IsotropicSchwarzschild(1.0)), name="horizon in isotropic")
+Path("new.txt").write_text(f"{next(embed_horizons([found], vertices=60))}\\n")
+""",
     "horizon one.npz two.npz --vertices 60 > new.txt": """
 from pathlib import Path
 from isoembed.relativity import Horizon, embed_horizons, read_horizon
