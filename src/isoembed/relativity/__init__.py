@@ -22,12 +22,12 @@ from isoembed.relativity.horizons.coordinate_shape import CoordinateShape
 from isoembed.relativity.horizons.curvature_check import CurvatureCheck
 from isoembed.relativity.horizons.expansion import ExpansionTest, expansion_test
 from isoembed.relativity.horizons.finder import (
-    FoundHorizon,
     constant_expansion,
     find_horizon,
     find_horizons,
     inner_horizon,
 )
+from isoembed.relativity.horizons.found_horizon import FoundHorizon
 from isoembed.relativity.horizons.grid_file import read_grid_data, read_metric_grid, read_metric_or_grid
 from isoembed.relativity.horizons.horizon import Horizon
 from isoembed.relativity.horizons.horizon_file import read_horizon

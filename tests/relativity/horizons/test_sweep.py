@@ -1,12 +1,10 @@
-"""Surfaces of constant expansion through a fold: where common horizons end, and the inner ones."""
+"""Surfaces of constant expansion through a fold: where common horizons end."""
 
 import pytest
 
-from isoembed.errors import NoHorizon
-from isoembed.relativity.horizons.finder import find_horizon, find_horizons, inner_horizon
+from isoembed.relativity.horizons.finder import find_horizon, find_horizons
 from isoembed.relativity.horizons.sweep import leaf_of, least_expansion
-from isoembed.relativity.spacetimes.conformally_flat import BrillLindquist, IsotropicSchwarzschild
-from isoembed.relativity.spacetimes.kerr_schild import KerrSchild
+from isoembed.relativity.spacetimes.conformally_flat import BrillLindquist
 
 
 def pair(d):
@@ -41,29 +39,3 @@ def test_stability_falls_to_zero_with_a_square_root():
 def test_beyond_the_end_there_are_two():
     assert len(find_horizons(pair(0.7661))) == 1
     assert len(find_horizons(pair(0.7663))) == 2
-
-
-def test_the_inner_common_horizon():
-    outer = find_horizon(pair(0.7))
-    inner = inner_horizon(outer)
-    assert inner.stability < 0.0
-    assert not inner.outer
-    assert inner.area > outer.area
-    assert inner.residual < 1e-11
-    # Both are one where they end.
-    near = find_horizon(pair(0.7661974))
-    assert inner_horizon(near).area == pytest.approx(near.area, rel=1e-6)
-    assert inner_horizon(near).stability == pytest.approx(-near.stability, rel=0.01)
-
-
-def test_the_inner_horizon_of_kerr():
-    geometry = KerrSchild(1.0, (0.0, 0.0, 0.8))
-    inner = inner_horizon(find_horizon(geometry))
-    r = 1.0 - 0.6
-    assert inner.irreducible_mass == pytest.approx((0.5 * r) ** 0.5, rel=1e-12)
-    assert not inner.outer
-
-
-def test_a_hole_without_an_inner_horizon():
-    with pytest.raises(NoHorizon, match="there is no inner horizon where it was looked for"):
-        inner_horizon(find_horizon(IsotropicSchwarzschild(1.0)))

@@ -2,30 +2,20 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
-import numpy as np
-
 from isoembed.errors import InvalidMetric, InvalidParameter, NoHorizon
-from isoembed.relativity.horizons.ladder import (
-    Rung,
-    climbed,
-    in_degree,
-    is_symmetric,
-    level_of,
-    shape_apart,
-)
+from isoembed.meshing.sphere import gauss_rule
+from isoembed.relativity.horizons.found_horizon import FoundHorizon, mapped_horizon, star_horizon
+from isoembed.relativity.horizons.ladder import is_symmetric
+from isoembed.relativity.horizons.mapped_ladder import swept_mapped
 from isoembed.relativity.horizons.newton import NoConvergence
 from isoembed.relativity.horizons.search_places import Place, places_of
-from isoembed.relativity.horizons.stability import principal_eigenvalue
-from isoembed.relativity.horizons.surface_level import Equations
-from isoembed.relativity.horizons.sweep import Sweep, leaf_of, swept
+from isoembed.relativity.horizons.sheet import Sheet
+from isoembed.relativity.horizons.sweep import Sweep, swept
 from isoembed.relativity.spacetimes.star_surface import StarSurface
-from isoembed.relativity.spacetimes.surface_data import SurfaceData
+from isoembed.relativity.spacetimes.surface import Surface
 from isoembed.relativity.spacetimes.three_geometry import ThreeGeometry
-from isoembed.smooth.scattered_fit import deviating
-from isoembed.smooth.transforms import resized
 from isoembed.thresholds import threshold
 
 
@@ -33,90 +23,26 @@ from isoembed.thresholds import threshold
 class FinderThresholds:
     """Thresholds of the horizon finder."""
 
-    marginal: float = threshold(
-        1e-9, "relative", "Stability eigenvalue above minus this that is not negative."
-    )
-    first: int = threshold(8, "count", "Degree in which a guess is looked at.")
+    nodes: tuple[int, int] = threshold((16, 32), "count", "Heights and angles at which a guess is tried.")
+    sheet: int = threshold(24, "count", "First degree of surfaces inside of a horizon.")
     smaller: float = threshold(0.8, "relative", "First sphere over the one before, that was too large.")
     spheres: int = threshold(6, "count", "First spheres that are tried.")
-    inside: float = threshold(0.98, "relative", "Mean radius just inside of a horizon over its own, at most.")
-    together: float = threshold(0.9999, "relative", "The same, where an inner horizon is not told apart.")
-    off: float = threshold(0.01, "radius", "Distance by which a surface may be off to be the one asked for.")
 
 
 FINDER = FinderThresholds()
 
 
-@dataclass(frozen=True, eq=False)
-class FoundHorizon:
-    """A surface of constant expansion in a slice; a marginally outer trapped surface where that is 0.
-
-    Attributes
-    ----------
-    surface : StarSurface
-        With what it may be off, for the errors of its data.
-    geometry : ThreeGeometry
-        The slice.
-    expansion : float
-        What was asked for: 0 for a horizon.
-    residual : float
-        The largest difference of the expansion from that, times the areal radius, at points that were not
-        used to find it.
-    stability : float
-        The least eigenvalue of the stability operator, times the squared areal radius: 1 for a horizon of
-        Schwarzschild.
-    area : float
-    iterations : int
-        Newton's steps, in all degrees.
-    notes : tuple of str
-        What one should know.
-
-    References
-    ----------
-    Andersson, Mars and Simon, Phys. Rev. Lett. 95 (2005) 111102, on the stability operator.
-    """
-
-    surface: StarSurface
-    geometry: ThreeGeometry
-    expansion: float
-    residual: float
-    stability: float
-    area: float
-    iterations: int
-    notes: tuple[str, ...] = ()
-
-    @property
-    def degree(self) -> int:
-        """The degree of the surface's harmonics."""
-        return self.surface.harmonics.degree
-
-    @property
-    def outer(self) -> bool:
-        """Whether it is stable, as outermost horizons are; an inner horizon is not."""
-        return self.stability >= -FINDER.marginal
-
-    @property
-    def irreducible_mass(self) -> float:
-        """The root of the area over 16 pi."""
-        return float(np.sqrt(self.area / (16.0 * np.pi)))
-
-    def data(self, axis: Sequence[float] | None = None, name: str = "") -> SurfaceData:
-        """Data of which quasi-local energies are computed: see `StarSurface.data`."""
-        data = self.surface.data(self.geometry, axis, self.expansion == 0.0, name)
-        return replace(data, notes=(*data.notes, *self.notes))
-
-
-def find_horizon(geometry: ThreeGeometry, guess: StarSurface | None = None) -> FoundHorizon:
+def find_horizon(geometry: ThreeGeometry, guess: Surface | None = None) -> FoundHorizon:
     """Marginally outer trapped surface: the outermost one, or the one near a guess.
 
     Parameters
     ----------
     geometry : ThreeGeometry
         Any slice.
-    guess : StarSurface, optional
-        A surface near the one that is looked for, such as a sphere; if Newton's method does not lead from it
-        to a horizon, surfaces of constant expansion do, one inside the other.  By default they begin at a
-        large sphere around all black holes of a closed form, or at the largest one in a grid.
+    guess : StarSurface or MappedSurface, optional
+        A surface near the one that is looked for, such as a sphere; if Newton's method does not lead from one
+        that is star-shaped to a horizon, surfaces of constant expansion do, one inside the other.  By default
+        they begin at a large sphere around all black holes of a closed form, or at the largest one in a grid.
 
     Returns
     -------
@@ -133,7 +59,8 @@ def find_horizon(geometry: ThreeGeometry, guess: StarSurface | None = None) -> F
     Notes
     -----
     Newton's method for the radius in spherical harmonics, with the exact linearization of the expansion; the
-    degree grows until the expansion is zero to rounding, or to the error of the slice.
+    degree grows until the expansion is zero to rounding, or to the error of the slice.  From a mapped surface
+    the displacement along its normals is sought instead, in coordinates that are made to fit.
 
     Examples
     --------
@@ -153,17 +80,17 @@ def find_horizon(geometry: ThreeGeometry, guess: StarSurface | None = None) -> F
             f"{first.area:.6g}; the others have {others}"
         )
         return replace(first, notes=(*first.notes, note))
-    symmetric = is_symmetric(geometry, guess)
-    fine = in_degree(guess, max(FINDER.first, guess.harmonics.degree), symmetric)
-    level_of(geometry, fine).shape(fine.coefficients)  # refuses a guess that leaves the slice
+    guess.expansion(geometry, gauss_rule(*FINDER.nodes)[0])  # refuses a guess that leaves the slice
     try:
-        return _found(geometry, guess, 0.0, symmetric)
-    except (NoConvergence, InvalidMetric, InvalidParameter):
-        pass
-    try:
-        return _from_sweep(geometry, guess, symmetric)
+        return _near(geometry, guess, 0.0)
     except (NoConvergence, InvalidMetric, InvalidParameter) as error:
-        raise NoHorizon(f"no horizon was found from the guess: {error}") from None
+        why = str(error)
+    if isinstance(guess, StarSurface):
+        try:
+            return _from_sweep(geometry, guess, is_symmetric(geometry, guess))
+        except (NoConvergence, InvalidMetric, InvalidParameter) as error:
+            why = str(error)
+    raise NoHorizon(f"no horizon was found from the guess: {why}")
 
 
 def find_horizons(geometry: ThreeGeometry) -> tuple[FoundHorizon, ...]:
@@ -195,7 +122,7 @@ def find_horizons(geometry: ThreeGeometry) -> tuple[FoundHorizon, ...]:
     return tuple(sorted(found, key=lambda horizon: -horizon.area))
 
 
-def constant_expansion(geometry: ThreeGeometry, expansion: float, guess: StarSurface) -> FoundHorizon:
+def constant_expansion(geometry: ThreeGeometry, expansion: float, guess: Surface) -> FoundHorizon:
     """Surface of constant expansion, k - p = c, near a given one.
 
     Parameters
@@ -203,7 +130,7 @@ def constant_expansion(geometry: ThreeGeometry, expansion: float, guess: StarSur
     geometry : ThreeGeometry
     expansion : float
         c, in 1/length.
-    guess : StarSurface
+    guess : StarSurface or MappedSurface
 
     Raises
     ------
@@ -219,9 +146,8 @@ def constant_expansion(geometry: ThreeGeometry, expansion: float, guess: StarSur
     >>> abs(near.surface.mean_radius * 0.01 / 2 + (2 / near.surface.mean_radius) ** 0.5 - 1) < 1e-12
     True
     """
-    symmetric = is_symmetric(geometry, guess)
     try:
-        return _found(geometry, guess, expansion, symmetric)
+        return _near(geometry, guess, expansion)
     except (NoConvergence, InvalidMetric, InvalidParameter) as error:
         raise NoHorizon(
             f"no surface of expansion {expansion:.6g} was found near the guess: {error}"
@@ -245,28 +171,19 @@ def inner_horizon(outer: FoundHorizon) -> FoundHorizon:
         None was found; the message says what ended the search.
     """
     geometry, surface = outer.geometry, outer.surface
-    symmetric = is_symmetric(geometry, surface)
     try:
-        trapped = _trapped(geometry, surface, symmetric)
-        factor = trapped.mean_radius / surface.mean_radius
-        sweep = swept(geometry, trapped, symmetric=symmetric, factor=factor)
-        if sweep.horizon is None:
-            raise NoConvergence(sweep.why)
-        return _found(geometry, sweep.horizon, 0.0, symmetric)
+        start = Sheet.of(surface, FINDER.sheet, symmetric=is_symmetric(geometry, surface)).even()
+        return mapped_horizon(geometry, swept_mapped(geometry, start), 0.0)
     except (NoConvergence, InvalidMetric, InvalidParameter) as error:
         raise NoHorizon(f"there is no inner horizon where it was looked for: {error}") from None
 
 
-def _trapped(geometry: ThreeGeometry, surface: StarSurface, symmetric: bool) -> StarSurface:
-    """A surface of constant negative expansion a little inside of a horizon."""
-    factor = FINDER.inside
-    while factor < FINDER.together:
-        smaller = replace(surface, coefficients=factor * surface.coefficients, deviations=None)
-        leaf = leaf_of(geometry, smaller, symmetric=symmetric)
-        if leaf.expansion < 0.0:
-            return leaf.surface
-        factor = float(np.sqrt(factor))
-    raise NoConvergence("the surfaces of constant expansion just inside of it are not trapped")
+def _near(geometry: ThreeGeometry, guess: Surface, expansion: float) -> FoundHorizon:
+    """The surface near a guess, by Newton's method alone."""
+    symmetric = is_symmetric(geometry, guess)
+    if isinstance(guess, StarSurface):
+        return star_horizon(geometry, guess, expansion, symmetric=symmetric)
+    return mapped_horizon(geometry, Sheet.of(guess, guess.harmonics.degree, symmetric=symmetric), expansion)
 
 
 def _around(geometry: ThreeGeometry, place: Place) -> FoundHorizon:
@@ -287,7 +204,7 @@ def _from_sweep(geometry: ThreeGeometry, start: StarSurface, symmetric: bool) ->
     if sweep.horizon is None:
         raise NoHorizon(_least(sweep), sweep.least.fall)
     try:
-        return _found(geometry, sweep.horizon, 0.0, symmetric)
+        return star_horizon(geometry, sweep.horizon, 0.0, symmetric=symmetric)
     except (NoConvergence, InvalidMetric, InvalidParameter) as error:
         raise NoHorizon(f"the expansion falls below zero, but no horizon was found there: {error}") from None
 
@@ -299,51 +216,4 @@ def _least(sweep: Sweep) -> str:
         "no horizon was found: of the surfaces of constant expansion c and areal radius R, from the first "
         f"one on, the least c R / 2 is {least.fall:.6g}, at R = {least.areal_radius:.6g} around ({center}), "
         f"and on a horizon it is 0; they ended because {sweep.why}"
-    )
-
-
-def _found(geometry: ThreeGeometry, start: StarSurface, expansion: float, symmetric: bool) -> FoundHorizon:
-    """The surface near a guess, with what it may be off."""
-    rung, steps, ended = climbed(geometry, start, expansion, symmetric=symmetric)
-    shape = rung.solution.shape
-    equations = rung.level.equations(shape)
-    R = rung.level.areal_radius(shape)
-    notes: tuple[str, ...] = ()
-    if ended == "exhausted":
-        notes = (
-            f"in degree {rung.surface.harmonics.degree}, the highest, the expansion is still "
-            f"{rung.residual:.2g} / R, R the areal radius",
-        )
-    surface = _uncertain(geometry, rung, equations, expansion)
-    off = surface.misfit / surface.mean_radius
-    if off > FINDER.off:
-        raise NoConvergence(
-            f"the expansion is still {rung.residual:.2g} / R, R the areal radius, in degree "
-            f"{rung.surface.harmonics.degree}, and the slice may displace the surface by {100.0 * off:.2g} %"
-        )
-    return FoundHorizon(
-        surface=surface,
-        geometry=geometry,
-        expansion=expansion,
-        residual=rung.residual,
-        stability=principal_eigenvalue(equations, R) * R * R,
-        area=4.0 * np.pi * R * R,
-        iterations=steps,
-        notes=notes,
-    )
-
-
-def _uncertain(geometry: ThreeGeometry, rung: Rung, equations: Equations, expansion: float) -> StarSurface:
-    """The surface with deviations: how far the slice's error and what is left of the expansion move it."""
-    surface, shape = rung.surface, rung.solution.shape
-    by_slice = equations.projected(rung.level.expansion_errors(shape)[:, None])[:, 0]
-    level, apart = shape_apart(geometry, surface)
-    left = level.equations(apart).projected((apart.local.expansion - expansion)[:, None])[:, 0]
-    deviations = np.stack([equations.solved(by_slice), equations.solved(left)]) * np.sqrt(2.0)
-    harmonics = surface.harmonics
-    misfit = float(np.sqrt(np.mean(np.sum(deviations**2, axis=1)) / (4.0 * np.pi)))
-    return replace(
-        surface,
-        misfit=misfit,
-        deviations=resized(deviations.T, harmonics, deviating(harmonics)).T,
     )

@@ -11,7 +11,7 @@ from isoembed.relativity.horizons.coordinate_shape import CoordinateShape
 from isoembed.relativity.horizons.coordinate_surface import coordinate_surface
 from isoembed.relativity.horizons.curvature_check import CurvatureCheck
 from isoembed.relativity.horizons.expansion import expansion_test, judged
-from isoembed.relativity.horizons.finder import FoundHorizon
+from isoembed.relativity.horizons.found_horizon import FoundHorizon
 from isoembed.relativity.spacetimes.mapped_surface import MappedSurface
 from isoembed.relativity.spacetimes.surface_data import SurfaceData
 from isoembed.relativity.spacetimes.three_geometry import ThreeGeometry

@@ -7,11 +7,12 @@ from functools import lru_cache, partial
 
 import numpy as np
 
-from isoembed.meshing.sphere import gauss_rule
+from isoembed.meshing.sphere import fibonacci_directions, gauss_rule
 from isoembed.relativity.horizons.newton import NoConvergence, Solution, solve
 from isoembed.relativity.horizons.surface_family import SurfaceFamily
 from isoembed.relativity.horizons.surface_level import Level, Shape
 from isoembed.relativity.spacetimes.star_surface import StarSurface
+from isoembed.relativity.spacetimes.surface import Surface
 from isoembed.relativity.spacetimes.three_geometry import ThreeGeometry
 from isoembed.smooth.harmonics import Harmonics
 from isoembed.smooth.sphere_transform import SphereTransform
@@ -36,6 +37,8 @@ class LadderThresholds:
     patience: int = threshold(2, "count", "Degrees in a row without it that end the search.")
     off: float = threshold(0.01, "mean radius", "Distance of the center from the centroid that is moved.")
     moves: int = threshold(3, "count", "How often the center is moved.")
+    directions: int = threshold(200, "count", "Directions in which symmetry about z is looked for.")
+    twist: float = threshold(1e-12, "mean radius", "Displacement around z that is none.")
     trials: int = threshold(6, "count", "Degrees in which a first solution is looked for.")
 
 
@@ -84,18 +87,29 @@ def in_degree(surface: StarSurface, degree: int, symmetric: bool) -> StarSurface
     return StarSurface(surface.center, harmonics, c[:, 0])
 
 
-def is_symmetric(geometry: ThreeGeometry, surface: StarSurface) -> bool:
+def is_symmetric(geometry: ThreeGeometry, surface: Surface) -> bool:
     """Whether surface and slice are symmetric about the z-axis, as far as the expansion tells."""
-    if surface.harmonics.order or any(surface.center[:2]):
+    center, R = surface.center, surface.mean_radius
+    if isinstance(surface, StarSurface):
+        upright = surface.harmonics.order == 0 and not any(center[:2])
+    else:
+        upright = surface.harmonics.order <= 1 and _is_upright(surface)
+    if not upright:
         return False
     spheroid = np.zeros(Harmonics(2, 0).size)
-    spheroid[[0, 2]] = surface.coefficients[0] * np.array([1.0, 0.1])
-    larger = 1.1 * surface.coefficients  # on a horizon itself there is rounding only
-    others = [
-        StarSurface(surface.center, surface.harmonics, larger),
-        StarSurface(surface.center, Harmonics(2, 0), spheroid),
-    ]
+    spheroid[[0, 2]] = R * np.sqrt(4.0 * np.pi) * np.array([1.0, 0.1])
+    on_axis = (0.0, 0.0, center[2])
+    # Not the surface itself, which may be a horizon: there is rounding only.
+    others = [StarSurface.sphere(on_axis, 1.1 * R), StarSurface(on_axis, Harmonics(2, 0), spheroid)]
     return all(is_symmetric_about_z(partial(other.expansion, geometry)) for other in others)
+
+
+def _is_upright(surface: Surface) -> bool:
+    """Whether the angle phi of a point of a mapped surface is that of its direction."""
+    u = fibonacci_directions(LADDER.directions)
+    x = surface.points(u)
+    twist = x[:, 0] * u[:, 1] - x[:, 1] * u[:, 0]
+    return bool(np.abs(twist).max() <= LADDER.twist * surface.mean_radius)
 
 
 def climbed(
