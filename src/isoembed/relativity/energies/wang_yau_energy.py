@@ -162,9 +162,10 @@ def wang_yau(
     Raises
     ------
     InvalidParameter
-        The mean curvature vector is not spacelike and outward somewhere: the energy is not real there.
+        The mean curvature vector is not spacelike and outward somewhere: the energy is not real there.  Or
+        the surface is a horizon, and tau not 0.
     NotEmbedded
-        The surface, or the one that a given tau makes, does not embed, or harmonics of degree 24 miss it.
+        The surface, or the one that a given tau makes, does not embed, or harmonics of degree 96 miss it.
     NoMinimum
         The search ended where the energy still falls.
 
@@ -173,9 +174,13 @@ def wang_yau(
     Signature - + + +, H the trace of the second fundamental form.  The error is the change when X is embedded
     in 3/4 of its harmonics, and that from the next lower degree of tau.
 
+    Of a horizon the energy is the limit ``int k0 dA / 8 pi`` of the least energies of surfaces that tend to
+    it, whose tau tends to 0; another tau is refused, as its energy has no limit (Zhao, Andersson and Yau).
+
     References
     ----------
-    M.-T. Wang and S.-T. Yau, Phys. Rev. Lett. 102 (2009) 021101; Commun. Math. Phys. 288 (2009) 919.
+    M.-T. Wang and S.-T. Yau, Phys. Rev. Lett. 102 (2009) 021101; Commun. Math. Phys. 288 (2009) 919;
+    B. Zhao, L. Andersson and S.-T. Yau, arXiv:2406.10751.
     """
     if not degrees or min(degrees) < 1:
         raise InvalidParameter(f"the degrees of tau are {degrees}: there must be some, and all at least 1")
