@@ -145,6 +145,10 @@ SPHERE = ["--sphere", 0, 0, 0, 2]
         (["isotropic", "--sphere", 0, 0, 0, 0], "the radius must be positive, not 0"),
         (["isotropic", "--sphere", 0, 0, 0], "--sphere: expected 4 arguments"),
         (["isotropic", "--sphere", "nan", 0, 0, 1], "the center must be three finite numbers"),
+        (
+            [*BRILL, "--masses", 1, 1, "--positions", 0, 0, 5, 1.2, 0, 1.6, *SPHERE],
+            "the surface passes through the black hole at (1.2, 0, 1.6)",
+        ),
         (["boyer-lindquist", *SPHERE], "does not lie outside the horizon r = 2"),
         (["isotropic", *SPHERE, "--spacetime", "kerr"], "--spacetime does not go with a --sphere"),
         (["isotropic", *SPHERE, "--charge", 0.5], "--charge does not go with a --sphere"),

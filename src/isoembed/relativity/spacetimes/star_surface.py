@@ -13,8 +13,10 @@ from isoembed.errors import InvalidParameter
 from isoembed.meshing.sphere import gauss_rule
 from isoembed.relativity.spacetimes.checks import positive_number, vector, written
 from isoembed.relativity.spacetimes.point_cloud import checked_points, seen_from
-from isoembed.relativity.spacetimes.surface import Surface, as_directions
+from isoembed.relativity.spacetimes.surface import SLICE_SURFACE, Surface, as_directions
+from isoembed.relativity.spacetimes.surface_data import SurfaceData
 from isoembed.relativity.spacetimes.surface_jet import SurfaceJet
+from isoembed.relativity.spacetimes.three_geometry import ThreeGeometry
 from isoembed.smooth.harmonics import Harmonics
 from isoembed.smooth.projection import project
 from isoembed.smooth.scattered_fit import deviating, fitted, white
@@ -163,6 +165,33 @@ class StarSurface(Surface):
     def radius(self, u: Floats) -> Floats:
         """The radius (n,) in the directions u (n, 3)."""
         return self.harmonics.derivatives(as_directions(u), self.coefficients)[0]
+
+    def data(
+        self,
+        geometry: ThreeGeometry,
+        axis: Sequence[float] | None = None,
+        marginal: bool = False,
+        name: str = "",
+    ) -> SurfaceData:
+        """See `Surface.data`.
+
+        Raises
+        ------
+        InvalidMetric
+            See there.
+        InvalidParameter
+            The surface passes through a black hole of the slice: no node may fall on it.
+        """
+        for _, position in getattr(geometry, "black_holes", ()):
+            away = np.subtract(position, self.center)
+            distance = float(np.linalg.norm(away))
+            if distance > 0.0:
+                (r,) = self.radius(away[None] / distance)
+                if abs(r - distance) <= SLICE_SURFACE.through * distance:
+                    raise InvalidParameter(
+                        f"the surface passes through the black hole at {written(position)}"
+                    )
+        return super().data(geometry, axis, marginal, name)
 
     def jet(self, u: Floats) -> SurfaceJet:
         """See `Surface`."""

@@ -33,6 +33,7 @@ class SurfaceThresholds:
     )
     settled: float = threshold(1e-13, "relative", "Change of an angular momentum by more nodes that is none.")
     most_nodes: int = threshold(128, "count", "Heights of nodes with which an angular momentum is final.")
+    through: float = threshold(1e-9, "relative", "Distance of a black hole from a surface that is none.")
 
 
 SLICE_SURFACE = SurfaceThresholds()
