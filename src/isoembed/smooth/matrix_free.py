@@ -24,16 +24,17 @@ from isoembed.thresholds import threshold
 class MatrixFreeThresholds:
     """Thresholds of the Gauss-Newton method without matrices."""
 
-    oversampled: float = threshold(1.5, "relative", "Nodes over coefficients, each way.")
+    oversampled: float = threshold(1.3, "relative", "Nodes over coefficients, each way.")
     damping: float = threshold(1.0, "error of lengths", "Size of strains whose modes are damped by a half.")
+    easing: float = threshold(0.2, "relative", "Damping over the one before, after a whole step.")
     residual: float = threshold(0.05, "relative", "Residual of a linear solve that suffices.")
     gradient: float = threshold(1e-3, "relative", "Gradient of a linear solve that suffices.")
     exact: float = threshold(1e-5, "relative", "The same of deformations, which no later step mends.")
     iterations: int = threshold(600, "count", "Most conjugate gradients in one step.")
     steps: int = threshold(40, "count", "Most steps.")
     shortest: float = threshold(1e-2, "steps", "Least part of a step that is tried.")
-    stalled: float = threshold(0.8, "relative", "Error over the one before that is no progress.")
-    unresolved: float = threshold(0.5, "relative", "Error over what the last degrees hold that is enough.")
+    stalled: float = threshold(0.95, "relative", "Error over the one before that is no progress.")
+    unresolved: float = threshold(1.0, "relative", "Error over what the last degrees hold that is enough.")
     last: int = threshold(3, "count", "Degrees at the end that tell what the next ones would hold.")
     rounding: float = threshold(1e-14, "relative", "Error of lengths that is rounding.")
 
@@ -90,11 +91,11 @@ class MatrixFreeIsometry:
         C = coefficients / self.unit
         tangents, residuals = self._strained(C, stretch)
         error = float(np.linalg.norm(residuals))
-        enough = max(target, MATRIX_FREE.rounding)
+        enough, eased = max(target, MATRIX_FREE.rounding), 1.0
         for _ in range(MATRIX_FREE.steps):
             if error <= max(enough, MATRIX_FREE.unresolved * self._beyond(C)):
                 break
-            damping = error / MATRIX_FREE.damping / np.sqrt(4.0 * np.pi)
+            damping = eased * error / MATRIX_FREE.damping / np.sqrt(4.0 * np.pi)
             step = self._least_squares(tangents, -residuals[..., None], damping)[..., 0]
             length = 1.0
             while True:
@@ -108,6 +109,7 @@ class MatrixFreeIsometry:
                 break
             stalled = attained > MATRIX_FREE.stalled * error
             C, error = trial, attained
+            eased *= MATRIX_FREE.easing if length == 1.0 else 1.0
             if stalled:
                 break
         C[0] = coefficients[0] / self.unit
