@@ -41,7 +41,7 @@ class SolveThresholds:
     spread: float = threshold(0.05, "relative", "Weight of the last degree against points, in a fit.")
     power: float = threshold(3.0, "exponent", "Growth of that weight with the degree.")
     target: float = threshold(1e-4, "relative", "Strains over the root of the accuracy of int H dA.")
-    exact: float = threshold(1e-10, "relative", "Error of lengths that never stands for no embedding.")
+    exact: float = threshold(1e-6, "relative", "Error of lengths that never stands for no embedding.")
     uncertain: float = threshold(10.0, "relative", "The same over the error of the metric.")
     falling: float = threshold(0.6, "relative", "Residual over the one before that is a decrease.")
     hindered: int = threshold(32, "count", "Highest degree of the best fit to what has no embedding.")
@@ -190,26 +190,23 @@ class _Goal:
             settled = surface.unsettled <= self.accuracy * abs(last) or surface.residual <= MEASURE.rounding
             if surface.converged and settled:
                 break
-            if self._has_stalled(residuals, harmonics):
-                stays = ", ".join(f"{r:.1e}" for r in residuals[-SOLVE.in_vain :])
-                stalled = (
-                    f"no surface was found: with more and more harmonics the lengths stay off by {stays}"
-                )
-                known = self.hindrance or f"{stalled}; {_sign_of_curvature(self.metric)}"
-                return replace(surface, hindrance=known), residuals
+            if _are_in_vain(residuals) and harmonics.degree >= SOLVE.hindered:
+                return self._judged(surface, residuals), residuals
             carried = surface.residual <= SOLVE.carried and not self._has_left(surface)
         return surface, residuals
 
-    def _has_stalled(self, residuals: list[float], harmonics: Harmonics) -> bool:
-        """Whether more harmonics are in vain and K < 0 somewhere, so that there need not be a surface."""
+    def _judged(self, surface: SmoothEmbedding, residuals: list[float]) -> SmoothEmbedding:
+        """A surface that more harmonics are in vain for: with K < 0 somewhere there need not be one."""
         uncertain = getattr(self.metric, "error", EXACT).pointwise
-        if (
-            residuals[-1] <= max(SOLVE.exact, SOLVE.uncertain * uncertain)
-            or harmonics.degree < SOLVE.hindered
-        ):
-            return False
-        falls = [after < SOLVE.falling * before for before, after in pairwise(residuals[-SOLVE.in_vain :])]
-        return not any(falls) and self._least_curvature < 0.0
+        enough = max(SOLVE.exact, SOLVE.uncertain * uncertain)
+        if surface.residual <= enough or surface.hindrance or self._least_curvature >= 0.0:
+            return surface
+        stays = ", ".join(f"{r:.1e}" for r in residuals[-SOLVE.in_vain :])
+        return replace(
+            surface,
+            hindrance="no surface was found: with more and more harmonics the lengths stay off by "
+            f"{stays}; {_sign_of_curvature(self.metric)}",
+        )
 
     def _has_left(self, surface: SmoothEmbedding) -> bool:
         """Whether K < 0 on the surface and not in the metric: few harmonics may favor another one."""
@@ -219,6 +216,12 @@ class _Goal:
     def _least_curvature(self) -> float:
         u, _ = gauss_rule(*SOLVE.sampled)
         return float(gaussian_curvature(self.metric, u).min())
+
+
+def _are_in_vain(residuals: list[float]) -> bool:
+    """Whether more and more harmonics have not brought lengths nearer."""
+    last = residuals[-SOLVE.in_vain :]
+    return len(last) == SOLVE.in_vain and all(b >= SOLVE.falling * a for a, b in pairwise(last))
 
 
 def _about(coordinates: SphereMap | None) -> str:
