@@ -42,6 +42,7 @@ class FunctionalThresholds:
     """Thresholds of the Wang-Yau functional."""
 
     density: float = threshold(2.0, "relative", "Heights of nodes over the degree of the embedding.")
+    exact: float = threshold(1e-12, "relative", "Error of lengths that needs no further solve.")
     lengths: float = threshold(1e-10, "relative", "Error of lengths that suffices: that of E is its square.")
 
 
@@ -131,16 +132,18 @@ class Functional:
         k, p, j = _physical(data, samples.u, samples.frames)
         frames = samples.frames @ np.stack(angle_frame(samples.u), axis=2)
         transform = SphereTransform(harmonics, n, 2 * n)
+        system = MatrixFreeIsometry.of(transform, samples)
+        start = SphereTransform(at.harmonics, n, 2 * n)
+        slope = (frames @ start.gradients(at.coefficients[:, None]))[:, :, 0]
         # (tau, X0) has the metric q in Minkowski space: the tangent part of its second derivatives is how q's
         # derivative differs from that of the sphere.
         X0 = resized(embedding.coefficients, embedding.harmonics, harmonics)
+        X0 = _nearer(system, frames, X0, _stretch(slope))
         trace = traced(frames, transform.hessians(X0))
         drift = np.einsum("nac,nc->na", frames @ transform.gradients(X0), trace)
-        start = SphereTransform(at.harmonics, n, 2 * n)
-        slope = frames @ start.gradients(at.coefficients[:, None])
-        drift -= slope[:, :, 0] * traced(frames, start.hessians(at.coefficients[:, None]))
+        drift -= slope * traced(frames, start.hessians(at.coefficients[:, None]))
         return cls(
-            system=MatrixFreeIsometry.of(transform, samples),
+            system=system,
             X=transform,
             tau=SphereTransform(time, n, 2 * n),
             frames=frames,
@@ -161,8 +164,7 @@ class Functional:
 
     def stretch(self, tau: Floats) -> Floats:
         """Strains (n, 3) that d tau d tau adds to the metric."""
-        g1, g2 = self.gradient(tau).T
-        return np.stack([g1**2, np.sqrt(2.0) * g1 * g2, g2**2], axis=1)
+        return _stretch(self.gradient(tau))
 
     def gradient(self, tau: Floats) -> Floats:
         """The derivatives (n, 2) along the frames of tau (m,), given without the constant harmonic."""
@@ -224,9 +226,8 @@ class EmbeddedTime:
     def refined(self) -> EmbeddedTime:
         """The same with an X whose metric is nearer, where one more linear solve finds it."""
         f = self.functional
-        change = f.system.deformations(self.X, -self._off[None])[0]
-        nearer = EmbeddedTime(f, self.tau, self.X + change)
-        return nearer if nearer.misfit < self.misfit else self
+        X = _nearer(f.system, f.frames, self.X, f.stretch(self.tau))
+        return self if X is self.X else EmbeddedTime(f, self.tau, X)
 
     @property
     def time_function(self) -> TimeFunction:
@@ -311,6 +312,25 @@ def _physical(data: SurfaceData, u: Floats, frames: Floats) -> tuple[Floats, Flo
     if data.normal_momentum is None:
         return k, p, np.zeros((len(u), 2))
     return k, p, np.einsum("nai,ni->na", frames, data.normal_momentum(u))
+
+
+def _nearer(system: MatrixFreeIsometry, frames: Floats, X: Floats, stretch: Floats) -> Floats:
+    """Coefficients (size, 3) of a map whose strains are nearer to a stretch than X's, or X if it is near."""
+
+    def off(X: Floats) -> Floats:
+        return strains(frames @ system.transform.gradients(X)) - stretch
+
+    before = off(X)
+    if np.abs(before).max() <= FUNCTIONAL.exact:
+        return X
+    nearer = X + system.deformations(X, -before[None])[0]
+    return nearer if np.linalg.norm(off(nearer)) < np.linalg.norm(before) else X
+
+
+def _stretch(gradient: Floats) -> Floats:
+    """Strains (n, 3) that d tau d tau adds, of the gradient (n, 2) along frames."""
+    g1, g2 = gradient.T
+    return np.stack([g1**2, np.sqrt(2.0) * g1 * g2, g2**2], axis=1)
 
 
 def _whole(tau: Floats) -> Floats:
