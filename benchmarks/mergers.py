@@ -3,9 +3,12 @@
     python benchmarks/mergers.py [--only PART ...] [--json FILE]
 
 Parts.  "bodies": metrics of known surfaces in poor coordinates, seen from a bad center or through maps that
-bend.  "horizons": of Brill and Lindquist's slice, against the shooting of mergers_horizons.py: upright,
-tilted by 0.7, and tilted in a pair of holes off the origin with a surface about another center.  "kerr":
-horizons in tilted Kerr-Schild slices, against quadrature; those beyond Smarr's limit have to be refused.
+bend.  "horizons": of Brill and Lindquist's slice, found there, against the shooting of mergers_horizons.py:
+upright; tilted by 0.7, the pair of holes off the origin; and tilted, not found but given as a radius about a
+poor center, or as a map that is seen from one.  "mass" is the relative error of the irreducible mass.  "ends":
+the distance at which common horizons end and that at which the waist of one has K = 0, by the roots of what is
+found.  "kerr": horizons in tilted Kerr-Schild slices, against quadrature; those beyond Smarr's limit have to
+be refused.
 
 True and stated errors are relative ones of int H dA = int k0 dA / 2, "ratio" is the one over the other, 0
 where there is only rounding.  What is asked stands beside what was attained.  Seconds are those of the
@@ -16,23 +19,35 @@ import argparse
 import json
 import time
 from dataclasses import dataclass
+from functools import partial
 from pathlib import Path
 
 import numpy as np
+from scipy.optimize import brentq
 
 from honesty_truth import kerr_horizon
 from isoembed import InvalidMetric, InvalidParameter, NotEmbedded
-from isoembed.relativity import BrillLindquist, KerrSchild, MappedSurface, StarSurface, embed_surface
+from isoembed.errors import NoHorizon
+from isoembed.relativity import (
+    BrillLindquist,
+    KerrSchild,
+    MappedSurface,
+    StarSurface,
+    embed_surface,
+    find_horizon,
+)
 from isoembed.smooth import embed_smooth
 from mergers_bodies import bodies
-from mergers_horizons import TABLE, Holes
+from mergers_horizons import TABLE, Holes, flat_waist, last_distance
 
-PARTS = ("bodies", "horizons", "kerr")
+PARTS = ("bodies", "horizons", "ends", "kerr")
 ROUNDING = 1e-13
 TILT = 0.7
 AXIS = (0.36, 0.48, 0.8)  # about which it is tilted
 OFF = (0.3, -0.2, 0.1)  # of the pair of holes, from the origin
 ASIDE = 0.3  # of the center of a surface, over its least radius
+DISTANCES = (0.7655, 0.7658, 0.766, 0.7661)  # near the end of common horizons
+ROOT = 1e-6  # asked of distances
 EMBEDDED = (0.0, 0.2, 0.4, 0.6, 0.8, 0.86, 0.865, 0.866)
 REFUSED = (0.8665, 0.867, 0.87, 0.88, 0.9, 0.95, 0.99)
 MAPPED = ("equal, d = 0.5, inner",)  # as rho and z by the length of the meridian
@@ -50,6 +65,7 @@ class Row:
     stated: float | None = None
     residual: float | None = None
     degree: int | None = None
+    mass: float | None = None
     refusal: str = ""
 
     @property
@@ -67,19 +83,35 @@ class Row:
     def __str__(self):
         if self.true is None:
             return f"{self.name:52} {self.seconds:6.1f} s  refused: {self.refusal}"
+        mass = "" if self.mass is None else f"  mass {self.mass:7.1e}"
         verdict = "" if self.good else "   <-- asked: " + (f"{self.asked:.0e}" if self.asked else "a refusal")
         return (
             f"{self.name:52} {self.seconds:6.1f} s  true {self.true:7.1e}  stated {self.stated:7.1e}  "
-            f"ratio {self.ratio:7.2g}  residual {self.residual:7.1e}  degree {self.degree:3d}{verdict}"
+            f"ratio {self.ratio:7.2g}  residual {self.residual:7.1e}  degree {self.degree:3d}{mass}{verdict}"
         )
 
 
-def measured(name, truth, asked, solve):
-    """A row, printed: `solve` returns int H dA, its error, and the `SmoothEmbedding`."""
+@dataclass(frozen=True)
+class Root:
+    """A distance that was found, and the true one."""
+
+    name: str
+    value: float
+    truth: float
+    seconds: float
+
+    def __str__(self):
+        off = abs(self.value - self.truth)
+        verdict = "" if off <= ROOT else f"   <-- asked: {ROOT:.0e}"
+        return f"{self.name:52} {self.seconds:6.1f} s  {self.value:.9f}  true {self.truth:.9f}  off {off:.1e}{verdict}"
+
+
+def measured(name, truth, asked, solve, mass=None):
+    """A row, printed: `solve` returns int H dA, its error, the `SmoothEmbedding` and the irreducible mass."""
     started = time.process_time()
     try:
-        value, error, found = solve()
-    except (InvalidMetric, InvalidParameter, NotEmbedded) as why:
+        value, error, found, irreducible = solve()
+    except (InvalidMetric, InvalidParameter, NoHorizon, NotEmbedded) as why:
         row = Row(name, time.process_time() - started, asked, refusal=f"{type(why).__name__}: {why}")
     else:
         row = Row(
@@ -90,6 +122,7 @@ def measured(name, truth, asked, solve):
             error / truth,
             found.residual,
             found.harmonics.degree,
+            None if mass is None else abs(irreducible / mass - 1.0),
         )
     print(row, flush=True)
     return row
@@ -98,7 +131,7 @@ def measured(name, truth, asked, solve):
 def of_metric(metric):
     def solve():
         found = embed_smooth(metric)
-        return found.integrated_mean_curvature, found.curvature_error, found
+        return found.integrated_mean_curvature, found.curvature_error, found, None
 
     return solve
 
@@ -109,7 +142,7 @@ def of_surface(data):
     def solve():
         found = embed_surface(data())
         imc = found.energies.integrated_mean_curvature
-        return imc.value, imc.error, found.embedding
+        return imc.value, imc.error, found.embedding, found.energies.irreducible_mass.value
 
     return solve
 
@@ -148,51 +181,82 @@ def seen_from(radius, at):
     return other
 
 
-def placed(holes, found, where, mapped=False):
-    """The slice and the surface of a horizon that was found along z."""
-    rotation = np.eye(3) if where == "upright" else turn()
-    origin = np.array(OFF) if where == "off center" else np.zeros(3)
-    slice_ = BrillLindquist(holes.masses, [tuple(origin + h * rotation[:, 2]) for h in holes.heights])
-    aside = ASIDE * (0.8 * rotation[:, 0] + 0.6 * rotation[:, 2]) if where == "off center" else np.zeros(3)
-    if mapped:
-        across, along = found.meridian()
+def slice_of(holes, rotation, origin):
+    return BrillLindquist(holes.masses, [tuple(origin + h * rotation[:, 2]) for h in holes.heights])
+
+
+def given(name, holes, truth, where):
+    """Data of a horizon that is given: about a poor center, or mapped where no radius is smooth enough."""
+    upright = where == "upright"
+    rotation, origin = (np.eye(3), np.zeros(3)) if upright else (turn(), np.array(OFF))
+    slice_ = slice_of(holes, rotation, origin)
+    aside = ASIDE * (0.8 * rotation[:, 0] + 0.6 * rotation[:, 2]) * (where == "poor center")
+    if name in MAPPED:
+        across, along = truth.meridian()
 
         def point(u):
-            v = u @ rotation + aside @ rotation
+            v = (u + aside) @ rotation
             v /= np.linalg.norm(v, axis=1)[:, None]
             R = across(v[:, 2])
             return origin + np.stack([R * v[:, 0], R * v[:, 1], along(v[:, 2])], axis=1) @ rotation.T
 
-        return slice_, MappedSurface.from_map(point)
-    profile = found.radius()
+        return MappedSurface.from_map(point).data(slice_, marginal=True)
+    profile = truth.radius()
     aside = aside * float(profile(np.linspace(-1.0, 1.0, 999)).min())
-    center = origin + 0.5 * (found.top + found.bottom) * rotation[:, 2]
+    center = origin + 0.5 * (truth.top + truth.bottom) * rotation[:, 2]
+    seen = seen_from(lambda u: profile(u @ rotation[:, 2]), aside)
+    return StarSurface.from_radius(seen, tuple(center + aside)).data(slice_, marginal=True)
 
-    def radius(u):
-        return profile(u @ rotation[:, 2])
 
-    if aside.any():
-        return slice_, StarSurface.from_radius(seen_from(radius, aside), tuple(center + aside))
-    return slice_, StarSurface.from_radius(radius, tuple(center))
+def searched(name, holes, truth, where):
+    """Data of the horizon that is found, the outermost one or one near a sphere."""
+    rotation, origin = (np.eye(3), np.zeros(3)) if where == "upright" else (turn(), np.array(OFF))
+    guess = None
+    if "individual" in name:
+        center = origin + 0.5 * (truth.top + truth.bottom) * rotation[:, 2]
+        guess = StarSurface.sphere(tuple(center), 0.5 * (truth.top - truth.bottom))
+    return find_horizon(slice_of(holes, rotation, origin), guess).data()
 
 
 def of_horizons():
     for name, (masses, distance, top, bottom, plane) in TABLE.items():
         holes = Holes(masses, distance)
-        found = holes.horizon(top, bottom, plane)
-        asked = 1e-8 if found.least_curvature > 0.0 else 1e-6
-        for where in ("upright", "tilted", "off center"):
-
-            def data(holes=holes, found=found, where=where, name=name):
-                slice_, surface = placed(holes, found, where, name in MAPPED)
-                return surface.data(slice_, marginal=True)
-
+        truth = holes.horizon(top, bottom, plane)
+        asked = 1e-8 if truth.least_curvature > 0.0 else 1e-6
+        for where in ("upright", "tilted", "poor center"):
+            how = given if where == "poor center" or name in MAPPED else searched
             yield measured(
                 f"{name}, {where}",
-                found.integrated_mean_curvature,
+                truth.integrated_mean_curvature,
                 1e-8 if where == "upright" else asked,
-                of_surface(data),
+                of_surface(partial(how, name, holes, truth, where)),
+                truth.irreducible_mass,
             )
+
+
+def pair(distance, rotation):
+    return find_horizon(slice_of(Holes((0.5, 0.5), distance), rotation, np.zeros(3)))
+
+
+def of_ends():
+    """The end of common horizons and the flat waist, each upright and tilted."""
+    for where, rotation in (("upright", np.eye(3)), ("tilted", turn())):
+        started = time.process_time()
+        # The distance is an even function, to lowest order, of the stability eigenvalue, which vanishes there.
+        d = np.array(DISTANCES)
+        eigenvalues = np.array([pair(x, rotation).stability for x in d])
+        powers = np.stack([eigenvalues**n for n in (0, 2, 3, 4)], axis=1)
+        end = np.linalg.solve(powers, d)[0]
+        yield Root(f"end of common horizons, {where}", end, last_distance()[0], time.process_time() - started)
+
+        started = time.process_time()
+        equator = rotation[:, :1].T
+
+        def curvature(x, rotation=rotation, equator=equator):
+            return float(embed_surface(pair(x, rotation).data()).embedding.gaussian_curvature(equator)[0])
+
+        flat = brentq(curvature, 0.62, 0.635, xtol=1e-9)
+        yield Root(f"K = 0 on the waist, {where}", flat, flat_waist(), time.process_time() - started)
 
 
 def of_kerr():
@@ -242,11 +306,17 @@ def main():
     rows = {}
     for part in options.only:
         print(f"\n{part}\n")
-        rows[part] = list({"bodies": of_bodies, "horizons": of_horizons, "kerr": of_kerr}[part]())
-        summary(rows[part])
+        if part == "ends":
+            rows[part] = []
+            for root in of_ends():
+                print(root, flush=True)
+                rows[part].append(vars(root))
+            continue
+        some = list({"bodies": of_bodies, "horizons": of_horizons, "kerr": of_kerr}[part]())
+        summary(some)
+        rows[part] = [{**vars(r), "ratio": r.ratio} for r in some]
     if options.json:
-        found = {part: [{**vars(r), "ratio": r.ratio} for r in some] for part, some in rows.items()}
-        options.json.write_text(json.dumps(found, indent=1))
+        options.json.write_text(json.dumps(rows, indent=1))
 
 
 if __name__ == "__main__":
