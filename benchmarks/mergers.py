@@ -4,11 +4,13 @@
 
 Parts.  "bodies": metrics of known surfaces in poor coordinates, seen from a bad center or through maps that
 bend.  "horizons": of Brill and Lindquist's slice, found there, against the shooting of mergers_horizons.py:
-upright; tilted by 0.7, the pair of holes off the origin; and tilted, not found but given as a radius about a
-poor center, or as a map that is seen from one.  "mass" is the relative error of the irreducible mass.  "ends":
-the distance at which common horizons end and that at which the waist of one has K = 0, by the roots of what is
-found.  "kerr": horizons in tilted Kerr-Schild slices, against quadrature; those beyond Smarr's limit have to
-be refused.
+upright; tilted by 0.7, the pair of holes off the origin; and tilted, not found but given as a radius about
+a poor center, or as a map that is seen from one.  "mass" is the relative error of the irreducible mass.
+"ends": the distance at which common horizons end and that at which the waist of one has K = 0, by roots of
+what is found.  "kerr": horizons in tilted Kerr-Schild slices, against quadrature; those beyond Smarr's limit
+have to be refused.  "grids": Brown-York and least Wang-Yau energies of a surface without symmetry in a tilted
+Kerr-Schild slice on Cartesian grids, against those in the closed form, and with which power of the spacing
+they settle.
 
 True and stated errors are relative ones of int H dA = int k0 dA / 2, "ratio" is the one over the other, 0
 where there is only rounding.  What is asked stands beside what was attained.  Seconds are those of the
@@ -18,13 +20,14 @@ processor.
 import argparse
 import json
 import time
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import partial
 from pathlib import Path
 
 import numpy as np
 from scipy.optimize import brentq
 
+from honesty_surfaces import sampled
 from honesty_truth import kerr_horizon
 from isoembed import InvalidMetric, InvalidParameter, NotEmbedded
 from isoembed.errors import NoHorizon
@@ -35,12 +38,13 @@ from isoembed.relativity import (
     StarSurface,
     embed_surface,
     find_horizon,
+    wang_yau,
 )
 from isoembed.smooth import embed_smooth
 from mergers_bodies import bodies
 from mergers_horizons import TABLE, Holes, flat_waist, last_distance
 
-PARTS = ("bodies", "horizons", "ends", "kerr")
+PARTS = ("bodies", "horizons", "ends", "kerr", "grids")
 ROUNDING = 1e-13
 TILT = 0.7
 AXIS = (0.36, 0.48, 0.8)  # about which it is tilted
@@ -51,6 +55,8 @@ ROOT = 1e-6  # asked of distances
 EMBEDDED = (0.0, 0.2, 0.4, 0.6, 0.8, 0.86, 0.865, 0.866)
 REFUSED = (0.8665, 0.867, 0.87, 0.88, 0.9, 0.95, 0.99)
 MAPPED = ("equal, d = 0.5, inner",)  # as rho and z by the length of the meridian
+SPIN, CENTER, REACH = 0.6, (0.2, 0.1, -0.15), 3.9  # of the surface on grids
+SPACINGS = (0.4, 0.2, 0.1)
 SIXTY = 60.0  # seconds in which a refusal is asked for
 
 
@@ -103,7 +109,33 @@ class Root:
     def __str__(self):
         off = abs(self.value - self.truth)
         verdict = "" if off <= ROOT else f"   <-- asked: {ROOT:.0e}"
-        return f"{self.name:52} {self.seconds:6.1f} s  {self.value:.9f}  true {self.truth:.9f}  off {off:.1e}{verdict}"
+        times = f"{self.name:52} {self.seconds:6.1f} s"
+        return f"{times}  {self.value:.9f}  true {self.truth:.9f}  off {off:.1e}{verdict}"
+
+
+@dataclass(frozen=True)
+class GridRow:
+    """An energy on a grid; the power of the spacing is that since the grid before."""
+
+    energy: str
+    spacing: float
+    value: float
+    truth: float
+    stated: float
+    seconds: float
+    power: float | None = None
+
+    @property
+    def off(self):
+        return abs(self.value - self.truth)
+
+    def __str__(self):
+        power = "" if self.power is None else f"  power {self.power:.1f}"
+        verdict = "" if self.off <= self.stated else "   <-- outside"
+        return (
+            f"{self.energy:12} spacing {self.spacing:4g}  {self.seconds:6.1f} s  {self.value:.12f}  "
+            f"off {self.off:7.1e}  stated {self.stated:7.1e}{power}{verdict}"
+        )
 
 
 def measured(name, truth, asked, solve, mass=None):
@@ -242,7 +274,7 @@ def of_ends():
     """The end of common horizons and the flat waist, each upright and tilted."""
     for where, rotation in (("upright", np.eye(3)), ("tilted", turn())):
         started = time.process_time()
-        # The distance is an even function, to lowest order, of the stability eigenvalue, which vanishes there.
+        # The stability eigenvalue vanishes there; d is stationary as a function of it.
         d = np.array(DISTANCES)
         eigenvalues = np.array([pair(x, rotation).stability for x in d])
         powers = np.stack([eigenvalues**n for n in (0, 2, 3, 4)], axis=1)
@@ -257,6 +289,30 @@ def of_ends():
 
         flat = brentq(curvature, 0.62, 0.635, xtol=1e-9)
         yield Root(f"K = 0 on the waist, {where}", flat, flat_waist(), time.process_time() - started)
+
+
+def of_grids():
+    """Energies of one surface in a slice on grids, against those in its closed form."""
+    slice_ = KerrSchild(1.0, tuple(SPIN * turn()[:, 2]))
+    surface = StarSurface.from_radius(lambda u: 3.0 + 0.2 * u[:, 0] * u[:, 1] + 0.1 * u[:, 2] ** 3, CENTER)
+
+    def energies(geometry, start=None):
+        data = surface.data(geometry)
+        found = embed_surface(data, start=start)
+        least = wang_yau(data, "optimal", embedding=found.embedding).energy
+        return found, {"Brown-York": found.energies.brown_york, "Wang-Yau": least}
+
+    start, truth = energies(slice_)
+    before = {}
+    for spacing in SPACINGS:
+        started = time.process_time()
+        _, found = energies(sampled(slice_, spacing, REACH, 0.0), start)
+        seconds = time.process_time() - started
+        for name, energy in found.items():
+            row = GridRow(name, spacing, energy.value, truth[name].value, energy.error, seconds)
+            power = np.log(before[name] / row.off) / np.log(2.0) if name in before else None
+            before[name] = row.off
+            yield replace(row, power=power)
 
 
 def of_kerr():
@@ -306,11 +362,11 @@ def main():
     rows = {}
     for part in options.only:
         print(f"\n{part}\n")
-        if part == "ends":
+        if part in ("ends", "grids"):
             rows[part] = []
-            for root in of_ends():
-                print(root, flush=True)
-                rows[part].append(vars(root))
+            for row in of_ends() if part == "ends" else of_grids():
+                print(row, flush=True)
+                rows[part].append(vars(row))
             continue
         some = list({"bodies": of_bodies, "horizons": of_horizons, "kerr": of_kerr}[part]())
         summary(some)
