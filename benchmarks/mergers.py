@@ -10,7 +10,9 @@ a poor center, or as a map that is seen from one.  "mass" is the relative error 
 what is found.  "kerr": horizons in tilted Kerr-Schild slices, against quadrature; those beyond Smarr's limit
 have to be refused.  "grids": Brown-York and least Wang-Yau energies of a surface without symmetry in a tilted
 Kerr-Schild slice on Cartesian grids, against those in the closed form, and with which power of the spacing
-they settle.
+they settle.  "cost": one solve each at degrees 32, 64 and 128, from a surface that is off by a percent, how
+often the strains' adjoint was taken, the most memory of the process, and with which power of (L + 1)^2 the
+seconds grow.
 
 True and stated errors are relative ones of int H dA = int k0 dA / 2, "ratio" is the one over the other, 0
 where there is only rounding.  What is asked stands beside what was attained.  Seconds are those of the
@@ -20,11 +22,13 @@ processor.
 import argparse
 import json
 import time
-from dataclasses import dataclass, replace
+from contextlib import contextmanager
+from dataclasses import replace
 from functools import partial
 from pathlib import Path
 
 import numpy as np
+from isoembed.smooth.gauss_newton import gauss_newton
 from scipy.optimize import brentq
 
 from honesty_surfaces import sampled
@@ -40,102 +44,25 @@ from isoembed.relativity import (
     find_horizon,
     wang_yau,
 )
-from isoembed.smooth import embed_smooth
+from isoembed.smooth import Harmonics, SmoothEmbedding, embed_smooth
+from isoembed.smooth.sphere_transform import SphereTransform
 from mergers_bodies import bodies
 from mergers_horizons import TABLE, Holes, flat_waist, last_distance
+from mergers_rows import CostRow, GridRow, Root, Row, summary
 
-PARTS = ("bodies", "horizons", "ends", "kerr", "grids")
-ROUNDING = 1e-13
+PARTS = ("bodies", "horizons", "ends", "kerr", "grids", "cost")
 TILT = 0.7
 AXIS = (0.36, 0.48, 0.8)  # about which it is tilted
 OFF = (0.3, -0.2, 0.1)  # of the pair of holes, from the origin
 ASIDE = 0.3  # of the center of a surface, over its least radius
 DISTANCES = (0.7655, 0.7658, 0.766, 0.7661)  # near the end of common horizons
-ROOT = 1e-6  # asked of distances
 EMBEDDED = (0.0, 0.2, 0.4, 0.6, 0.8, 0.86, 0.865, 0.866)
 REFUSED = (0.8665, 0.867, 0.87, 0.88, 0.9, 0.95, 0.99)
 MAPPED = ("equal, d = 0.5, inner",)  # as rho and z by the length of the meridian
+PRICED = ("ellipsoid (3, 2, 1) as r(u)", "waist without symmetry")
+DEGREES, LOW, DISTURBED = (32, 64, 128), 6, 0.01
 SPIN, CENTER, REACH = 0.6, (0.2, 0.1, -0.15), 3.9  # of the surface on grids
 SPACINGS = (0.4, 0.2, 0.1)
-SIXTY = 60.0  # seconds in which a refusal is asked for
-
-
-@dataclass(frozen=True)
-class Row:
-    """What was found of one input: errors of int H dA, relative, or why there is none."""
-
-    name: str
-    seconds: float
-    asked: float  # of the true error, 0 where a refusal is asked for
-    true: float | None = None
-    stated: float | None = None
-    residual: float | None = None
-    degree: int | None = None
-    mass: float | None = None
-    refusal: str = ""
-
-    @property
-    def ratio(self):
-        if self.true is None or self.true <= ROUNDING:
-            return 0.0
-        return self.true / self.stated if self.stated > 0.0 else np.inf
-
-    @property
-    def good(self):
-        if self.asked == 0.0:
-            return bool(self.refusal) and self.seconds <= SIXTY
-        return self.true is not None and self.true <= self.asked and self.ratio <= 1.0
-
-    def __str__(self):
-        if self.true is None:
-            return f"{self.name:52} {self.seconds:6.1f} s  refused: {self.refusal}"
-        mass = "" if self.mass is None else f"  mass {self.mass:7.1e}"
-        verdict = "" if self.good else "   <-- asked: " + (f"{self.asked:.0e}" if self.asked else "a refusal")
-        return (
-            f"{self.name:52} {self.seconds:6.1f} s  true {self.true:7.1e}  stated {self.stated:7.1e}  "
-            f"ratio {self.ratio:7.2g}  residual {self.residual:7.1e}  degree {self.degree:3d}{mass}{verdict}"
-        )
-
-
-@dataclass(frozen=True)
-class Root:
-    """A distance that was found, and the true one."""
-
-    name: str
-    value: float
-    truth: float
-    seconds: float
-
-    def __str__(self):
-        off = abs(self.value - self.truth)
-        verdict = "" if off <= ROOT else f"   <-- asked: {ROOT:.0e}"
-        times = f"{self.name:52} {self.seconds:6.1f} s"
-        return f"{times}  {self.value:.9f}  true {self.truth:.9f}  off {off:.1e}{verdict}"
-
-
-@dataclass(frozen=True)
-class GridRow:
-    """An energy on a grid; the power of the spacing is that since the grid before."""
-
-    energy: str
-    spacing: float
-    value: float
-    truth: float
-    stated: float
-    seconds: float
-    power: float | None = None
-
-    @property
-    def off(self):
-        return abs(self.value - self.truth)
-
-    def __str__(self):
-        power = "" if self.power is None else f"  power {self.power:.1f}"
-        verdict = "" if self.off <= self.stated else "   <-- outside"
-        return (
-            f"{self.energy:12} spacing {self.spacing:4g}  {self.seconds:6.1f} s  {self.value:.12f}  "
-            f"off {self.off:7.1e}  stated {self.stated:7.1e}{power}{verdict}"
-        )
 
 
 def measured(name, truth, asked, solve, mass=None):
@@ -315,6 +242,55 @@ def of_grids():
             yield replace(row, power=power)
 
 
+def of_cost():
+    """Solves of one degree each, from the true surface with its lowest harmonics disturbed."""
+    for body in bodies():
+        if body.name not in PRICED:
+            continue
+        before = None
+        for L in DEGREES:
+            harmonics = Harmonics(L, L)
+            nodes = SphereTransform(harmonics, 2 * L, 4 * L)
+            C = nodes.analysis(np.stack(body.X(*nodes.u.T), axis=1))
+            rng = np.random.default_rng(L)
+            low = harmonics.labels[0] <= LOW
+            C[low] += DISTURBED * rng.normal(size=(low.sum(), 3)) * np.abs(C).max() / (LOW + 1)
+            with counted(SphereTransform, "adjoint_gradients") as calls, peak() as memory:
+                started = time.process_time()
+                C = gauss_newton(body, harmonics, C)
+                seconds = time.process_time() - started
+            power = np.log(seconds / before[1]) / np.log(((L + 1) / (before[0] + 1)) ** 2) if before else None
+            before = L, seconds
+            strain = SmoothEmbedding(body, harmonics, C, np.inf, np.inf).residual
+            yield CostRow(body.name, L, seconds, len(calls), memory[0], strain, power)
+
+
+@contextmanager
+def counted(owner, method):
+    """A list that grows with each call of a method."""
+    calls, original = [], getattr(owner, method)
+
+    def wrapped(self, *arguments):
+        calls.append(1)
+        return original(self, *arguments)
+
+    setattr(owner, method, wrapped)
+    try:
+        yield calls
+    finally:
+        setattr(owner, method, original)
+
+
+@contextmanager
+def peak():
+    """A list with the most memory that the process held meanwhile, in GB."""
+    Path("/proc/self/clear_refs").write_text("5")  # of Linux
+    memory = []
+    yield memory
+    status = Path("/proc/self/status").read_text()
+    memory.append(int(status.split("VmHWM:")[1].split()[0]) / 1e6)
+
+
 def of_kerr():
     axis = turn()[:, 2]
     for a in EMBEDDED + REFUSED:
@@ -328,30 +304,6 @@ def of_kerr():
         yield measured(f"tilted Kerr-Schild, a = {a:g}", truth, asked, of_surface(data))
 
 
-def summary(rows):
-    """The last lines."""
-    embedded = [r for r in rows if r.asked]
-    given = [r for r in embedded if r.true is not None]
-    if not rows:
-        return
-    ratios = np.array([r.ratio for r in given])
-    print(f"\nto be embedded: {len(embedded)}, refused: {len(embedded) - len(given)} (asked: 0)")
-    if given:
-        worst = max(given, key=lambda r: r.ratio)
-        print(f"as right as asked: {sum(r.true <= r.asked for r in given)} of {len(embedded)}")
-        print(
-            f"ratio above 1: {np.sum(ratios > 1.0)} (asked: 0); the largest {worst.ratio:.2g}: {worst.name}"
-        )
-        excess = [r.stated / max(r.true, ROUNDING) for r in given]
-        print(f"median of stated over true: {np.median(excess):.3g}")
-    refused = [r for r in rows if not r.asked]
-    if refused:
-        print(
-            f"without an embedding: {len(refused)}, refused: {sum(bool(r.refusal) for r in refused)} "
-            f"(asked: all), the slowest in {max(r.seconds for r in refused):.0f} s (asked: {SIXTY:.0f})"
-        )
-
-
 def main():
     parser = argparse.ArgumentParser(
         description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
@@ -362,9 +314,9 @@ def main():
     rows = {}
     for part in options.only:
         print(f"\n{part}\n")
-        if part in ("ends", "grids"):
+        if part in ("ends", "grids", "cost"):
             rows[part] = []
-            for row in of_ends() if part == "ends" else of_grids():
+            for row in {"ends": of_ends, "grids": of_grids, "cost": of_cost}[part]():
                 print(row, flush=True)
                 rows[part].append(vars(row))
             continue
