@@ -64,5 +64,5 @@ def test_a_horizon_that_nearly_has_none_is_embedded():
 @pytest.mark.slow
 @pytest.mark.parametrize("spin", [0.87, 0.9])
 def test_beyond_smarrs_limit_no_axis_embeds_a_horizon(spin):
-    with pytest.raises(NotEmbedded, match="surface of revolution"):
+    with pytest.raises(NotEmbedded, match="no surface was found|revolution"):
         embed_surface(kerr(spin))
