@@ -1,6 +1,7 @@
 """Horizons without symmetry about z, found and embedded, against numbers of other computations.
 
-Those of two black holes at rest are by shooting (benchmarks/mergers_horizons.py), those of Kerr in closed form.
+Those of two black holes at rest are by shooting (benchmarks/mergers_horizons.py), those of
+Kerr by a closed form.
 """
 
 import numpy as np
@@ -64,5 +65,5 @@ def test_a_horizon_that_nearly_has_none_is_embedded():
 @pytest.mark.slow
 @pytest.mark.parametrize("spin", [0.87, 0.9])
 def test_beyond_smarrs_limit_no_axis_embeds_a_horizon(spin):
-    with pytest.raises(NotEmbedded, match="no surface was found|revolution"):
+    with pytest.raises(NotEmbedded, match=r"no surface was found|revolution"):
         embed_surface(kerr(spin))
