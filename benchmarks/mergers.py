@@ -10,9 +10,9 @@ a poor center, or as a map that is seen from one.  "mass" is the relative error 
 what is found.  "kerr": horizons in tilted Kerr-Schild slices, against quadrature; those beyond Smarr's limit
 have to be refused.  "grids": Brown-York and least Wang-Yau energies of a surface without symmetry in a tilted
 Kerr-Schild slice on Cartesian grids, against those in the closed form, and with which power of the spacing
-they settle.  "cost": one solve each at degrees 32, 64 and 128, from a surface that is off by some thousandths, how
-often the strains' adjoint was taken, the most memory of the process, and with which power of (L + 1)^2 the
-seconds grow.
+they settle.  "cost": one solve each at degrees 32, 64 and 128, from a surface that is off by some
+thousandths, how often the strains' adjoint was taken, the most memory of the process, and with which power of
+(L + 1)^2 the seconds grow.
 
 True and stated errors are relative ones of int H dA = int k0 dA / 2, "ratio" is the one over the other, 0
 where there is only rounding.  What is asked stands beside what was attained.  Seconds are those of the
