@@ -40,6 +40,8 @@ class MeshFitThresholds:
     determined: float = threshold(1e-4, "relative", "Reciprocal condition of a fit, at least.")
     held_out: float = threshold(0.1, "relative", "Share of vertices that tell how far a fit misses others.")
     doubt: float = threshold(2.0, "relative", "Miss of others over that of the vertices, at least.")
+    poor: float = threshold(1e-4, "mean radius", "Misfit above which it is begun again in higher degree.")
+    later: int = threshold(6, "count", "That degree.")
     rounds: int = threshold(8, "count", "Fits of one degree, vertices being moved on the sphere, at most.")
     gain: float = threshold(
         0.8, "relative", "Misfit over that of the fit before, above which it is the last."
@@ -109,20 +111,15 @@ def fit_mesh(vertices: Floats, faces: Indices) -> MeshFit:
     middle = vertices.mean(axis=0)
     x = (vertices - middle) / unit
     u, faces = _laid_out(metric, x)
-    fit = _Fit(x, u, solid_angles(u, faces), np.ones(len(x)), Harmonics(0, 0), np.zeros((1, 3)))
-    fits: list[_Fit] = []
-    for degree in MESH_FIT.degrees:
-        fit = fit.raised(degree)
-        if fits and not fit.is_possible:
-            break
-        fit = _relaxed(fit.moved(fit.least(fit.missed)), faces)
-        fits.append(fit)
-        best = min(range(len(fits)), key=lambda i: fits[i].validation)
-        if fit.misfit <= MESH_FIT.rounding or best < len(fits) - MESH_FIT.worse:
-            break
-    # As good as the best of all, but for chance.
-    enough = (1.0 + np.sqrt(8.0 / len(x))) * min(fit.validation for fit in fits)
-    fit = next(fit for fit in fits if fit.validation <= enough)
+    start = _Fit(x, u, solid_angles(u, faces), np.ones(len(x)), Harmonics(0, 0), np.zeros((1, 3)))
+    fit = _best_degree(start, MESH_FIT.degrees, faces)
+    assert fit is not None
+    if fit.misfit > MESH_FIT.poor:
+        # Shapes that low degrees cannot follow may be left with vertices in wrong places.
+        later = tuple(degree for degree in MESH_FIT.degrees if degree >= MESH_FIT.later)
+        again = _best_degree(start, later, faces)
+        if again is not None and again.chance * again.validation < fit.validation:
+            fit = again
     coefficients = unit * fit.coefficients
     coefficients[0] += np.sqrt(4.0 * np.pi) * middle
     deviations = unit * fit.missed_elsewhere(faces) * fit.deviations()
@@ -137,6 +134,28 @@ def _laid_out(metric: PolyhedralMetric, x: Floats) -> tuple[Floats, Indices]:
     # Conformal layouts of long thin bodies are those of other triangles: these are Delaunay on the sphere.
     faces = hull_faces(u)
     return least_distorted(PolyhedralMetric.from_mesh(x, faces), u), faces
+
+
+def _best_degree(fit: _Fit, degrees: tuple[int, ...], faces: Indices) -> _Fit | None:
+    """The fit of the degree that generalized cross-validation chooses, each begun at the one before.
+
+    None if the vertices are too few for the first degree, which is not 1.
+    """
+    fits: list[_Fit] = []
+    for degree in degrees:
+        fit = fit.raised(degree)
+        if degree > 1 and not fit.is_possible:
+            break
+        fit = _relaxed(fit.moved(fit.least(fit.missed)), faces)
+        fits.append(fit)
+        best = min(range(len(fits)), key=lambda i: fits[i].validation)
+        if fit.misfit <= MESH_FIT.rounding or best < len(fits) - MESH_FIT.worse:
+            break
+    if not fits:
+        return None
+    # As good as the best of all, but for chance.
+    enough = fit.chance * min(fit.validation for fit in fits)
+    return next(fit for fit in fits if fit.validation <= enough)
 
 
 def _relaxed(fit: _Fit, faces: Indices) -> _Fit:
@@ -230,6 +249,11 @@ class _Fit:
     def validation(self) -> float:
         """The score of generalized cross-validation."""
         return (self.misfit / (1.0 - self._freedom / len(self.x))) ** 2
+
+    @property
+    def chance(self) -> float:
+        """Scores that differ by this factor may do so by chance."""
+        return 1.0 + float(np.sqrt(8.0 / len(self.x)))
 
     @property
     def _freedom(self) -> int:

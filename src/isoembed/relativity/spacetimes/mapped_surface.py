@@ -29,11 +29,12 @@ from isoembed.thresholds import threshold
 
 @dataclass(frozen=True)
 class MappedSurfaceThresholds:
-    """Thresholds of the check that a map is an immersion."""
+    """Thresholds of the check that a map is an immersion, and that a mesh is on one."""
 
     denser: float = threshold(2.0, "relative", "Heights of nodes at which it is checked over the degree.")
     fewest: int = threshold(24, "count", "Heights of nodes at which it is checked, at least.")
     singular: float = threshold(1e-9, "mean", "Area over that of the unit sphere that is none.")
+    apart: float = threshold(0.05, "mean radius", "Misfit above which vertices are not on a smooth surface.")
     most: int = threshold(400, "count", "Heights, at most, until normals at neighbors look the same way.")
 
 
@@ -155,8 +156,9 @@ class MappedSurface(Surface):
         crossing = self_intersections(triangles.faces, x)
         notes = tuple(f"the mesh meets itself: faces {i} and {j} for one" for i, j in crossing[:1])
         about = None if center is None else vector("the center", center)
+        scattered = f"{len(x)} vertices are too few or too scattered for a smooth surface through them"
         try:
-            return cls(
+            surface = cls(
                 fit.harmonics,
                 fit.coefficients,
                 about,  # type: ignore[arg-type] # see above
@@ -166,9 +168,11 @@ class MappedSurface(Surface):
                 fit.directions,
             )
         except InvalidParameter as error:
-            raise InvalidParameter(
-                f"{len(x)} vertices are too few or too scattered for a smooth surface through them: {error}"
-            ) from None
+            raise InvalidParameter(f"{scattered}: {error}") from None
+        relative = surface.misfit / surface.mean_radius
+        if relative > MAPPED.apart:
+            raise InvalidParameter(f"{scattered}: it misses them by {100.0 * relative:.2g} % of its radius")
+        return surface
 
     @property
     def mean_radius(self) -> float:
