@@ -39,7 +39,7 @@ class LadderThresholds:
     moves: int = threshold(3, "count", "How often the center is moved.")
     directions: int = threshold(200, "count", "Directions in which symmetry about z is looked for.")
     twist: float = threshold(1e-12, "mean radius", "Displacement around z that is none.")
-    trials: int = threshold(6, "count", "Degrees in which a first solution is looked for.")
+    trials: int = threshold(2, "count", "Degrees in which a first solution is looked for.")
 
 
 LADDER = LadderThresholds()

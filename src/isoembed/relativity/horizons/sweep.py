@@ -33,7 +33,7 @@ class SweepThresholds:
     residual: float = threshold(1e-6, "radius", "Residual at which a surface on the way is good enough.")
     precise: float = threshold(1e-12, "radius", "Residual at which one of least expansion is.")
     smallest: float = threshold(1e-3, "first radius", "Mean radius at which the sweep ends.")
-    turned: float = threshold(1.2, "relative", "Rise of c R / 2 over its least value that ends the sweep.")
+    turned: float = threshold(1.05, "relative", "Rise of c R / 2 over its least value that ends the sweep.")
     flat: float = threshold(1e-6, "relative", "Change of c R / 2 that is none.")
     settled: float = threshold(1e-11, "over the areal radius", "Change of the least expansion that is none.")
     noisy: float = threshold(0.01, "radius", "Displacement by the slice's error that is worth mentioning.")
@@ -102,14 +102,8 @@ class Sweep:
     why: str = ""
 
 
-def swept(
-    geometry: ThreeGeometry,
-    start: StarSurface,
-    *,
-    symmetric: bool,
-    factor: float = SWEEP.step,
-) -> Sweep:
-    """Sweep from a surface to a horizon: to where the expansion changes its sign.
+def swept(geometry: ThreeGeometry, start: StarSurface, *, symmetric: bool) -> Sweep:
+    """Sweep from a surface inwards to a horizon, or outwards from a trapped one.
 
     Parameters
     ----------
@@ -117,8 +111,6 @@ def swept(
     start : StarSurface
     symmetric : bool
         About z: slice and surface.
-    factor : float
-        The second mean radius over the first one.
 
     Raises
     ------
@@ -127,23 +119,23 @@ def swept(
     """
     start = in_degree(start, max(SWEEP.first, start.harmonics.degree), symmetric)
     leaves = [leaf_of(geometry, start, symmetric=symmetric)]
-    trapped = leaves[0].expansion <= 0.0
+    least, trapped, factor = leaves[0], leaves[0].expansion <= 0.0, SWEEP.step
     largest = leaves[0].surface.mean_radius
     while True:
         last = leaves[-1]
         try:
-            guess = last.moved(factor)
+            guess = last.moved(1.0 / factor if trapped else factor)
             leaf = leaf_of(geometry, recentered(guess, symmetric), symmetric=symmetric)
         except (NoConvergence, InvalidMetric, InvalidParameter) as error:
             factor = np.sqrt(factor)
-            if factor > SWEEP.shortest:
+            if factor > SWEEP.shortest or abs(last.fall) > abs(least.fall):
                 return _ended(geometry, leaves, f"no smaller one was found: {error}{_noisy(last)}", symmetric)
             continue
         leaves.append(leaf)
+        least = min(leaves, key=lambda leaf: abs(leaf.fall))
         if (leaf.expansion <= 0.0) != trapped:
             return Sweep(_crossing(last, leaf), leaf)
         factor = max(SWEEP.step, factor**1.5)
-        least = min(leaves, key=lambda leaf: abs(leaf.fall))
         if not trapped and abs(leaf.fall) > SWEEP.turned * abs(least.fall) and least is not leaves[0]:
             return _ended(geometry, leaves, "it grows again", symmetric)
         if not SWEEP.smallest < leaf.surface.mean_radius / largest < 1.0 / SWEEP.smallest:
@@ -168,7 +160,8 @@ def leaf_of(
         tail = np.abs(f[high]).max() / f[0]
         if tail <= max(SWEEP.tail, solution.noise) or harmonics.degree >= SWEEP.highest[int(symmetric)]:
             break
-        guess = in_degree(StarSurface(guess.center, harmonics, f), 3 * harmonics.degree // 2, symmetric)
+        degree = min(SWEEP.highest[int(symmetric)], 3 * harmonics.degree // 2)
+        guess = in_degree(StarSurface(guess.center, harmonics, f), degree, symmetric)
     rate, tangent = _tangent(solution)
     return Leaf(
         StarSurface(guess.center, harmonics, f),
