@@ -10,7 +10,10 @@ speed .6; E(0) and the least E with their differences from W M and M (W Lorentz'
 "kerr": surfaces r = const; tau = 0 is critical there, E(0) stands beside the Brown-York energy, and the least
 second derivative, times r, says whether it is a minimum.  "extreme": r -> r_+ for spins near M; the curvature
 at the poles, and the energy or what is said instead.  "pair": coordinate spheres around two boosted holes
-that meet head-on, superposed (no solution of the constraints), and the optimal tau over R.
+that meet head-on, superposed (no solution of the constraints), and the optimal tau over R.  "horizon":
+surfaces of constant expansion c that tend to a horizon, R its areal radius.  "grid": a surface without
+symmetry around two holes in motion, in their slice on Cartesian grids of three spacings: errors as root mean
+squares over three places of the grid, and the rates at which they fall.
 
 Each number stands beside its error, where the true one is known, and the error that was estimated.  Seconds
 are those of the processor; "in embeddings" counts them in cold embeddings of the same surface.
@@ -28,11 +31,16 @@ from isoembed import NotEmbedded
 from isoembed.errors import InvalidParameter
 from isoembed.meshing.sphere import gauss_rule
 from isoembed.relativity import (
+    BrillLindquist,
+    CartesianGrid,
     KerrNewmanSphere,
+    KerrSchild,
     StarSurface,
     SurfaceData,
     TimeFunction,
+    constant_expansion,
     embed_surface,
+    find_horizon,
     wang_yau,
 )
 from isoembed.relativity.energies.second_variation import SecondVariation
@@ -42,13 +50,15 @@ from isoembed.smooth import Harmonics, PulledBack, embed_smooth
 from isoembed.smooth.transforms import resized
 from isoembed.smooth.two_metric import orthonormal_frame, projected
 
-PARTS = ("spheres", "minkowski", "boosted", "kerr", "extreme", "pair")
+PARTS = ("spheres", "minkowski", "boosted", "kerr", "extreme", "pair", "horizon", "grid")
 SPHERES = ((4.0, 0.0), (4.0, 0.5), (4.0, 1.0), (4.0, 2.0), (1000.0, 1.0))
 TABLE = {10.0: (1.21576, 1.04726), 100.0: (1.24423, 1.00473), 1000.0: (1.24939, 1.00047)}  # known before
 SPEED = 0.6
 SPINS, RADII = (0.5, 0.8), (3.0, 6.0, 10.0, 30.0, 100.0)
 EXTREME, BEYOND = (0.9, 0.99, 0.999), (1.01, 1.1, 1.2, 1.5, 2.0)  # r over r_+
 PAIR = ((1.0, -0.4, 3.0), (0.5, 0.3, -3.0))  # mass, speed along z, z
+EXPANSIONS = (1e-2, 1e-4, 1e-6)  # times R
+SPACINGS, SHIFTS = (0.48, 0.36, 0.27), (0.0, 0.3, 0.7)  # and of a spacing
 SMALL = 0.1  # numbers that are written as errors
 
 
@@ -335,6 +345,83 @@ def pair():
     return rows
 
 
+def horizon():
+    """Toward horizons in slices with and without K_ij."""
+    axis, rows = np.array([0.0, np.sin(0.7), np.cos(0.7)]), []
+    slices = {"Kerr, spin .5": KerrSchild(1.0, (0.3, 0.0, 0.4))}
+    for d in (0.5, 0.7):
+        slices[f"Brill-Lindquist, d = {d}"] = BrillLindquist((0.5, 0.5), (0.5 * d * axis, -0.5 * d * axis))
+    for name, slice_ in slices.items():
+        found = find_horizon(slice_)
+        R = np.sqrt(found.area / (4.0 * np.pi))
+        surface = embed_surface(found.data())
+        limit = wang_yau(surface.data, "optimal", embedding=surface.embedding).energy
+        for c in EXPANSIONS:
+            data = constant_expansion(slice_, c / R, found.surface).data()
+            near = embed_surface(data, start=surface)
+            taken, least = seconds_of(wang_yau, data, "optimal", embedding=near.embedding)
+            rows.append(
+                {
+                    "horizon": name,
+                    "c R": f"{c:g}",
+                    "Liu-Yau": near.energies.liu_yau.value,
+                    "Wang-Yau": least.energy.value,
+                    "stated": least.energy.error,
+                    "limit less that": limit.value - least.energy.value,
+                    "tau / R": float(np.abs(least.tau.coefficients).max() / R),
+                    "seconds": round(taken, 1),
+                }
+            )
+        rows.append({"horizon": name, "c R": "0", "Wang-Yau": limit.value, "stated": limit.error})
+    show("Surfaces of constant expansion c that tend to a horizon", rows)
+    return rows
+
+
+def grid():
+    """A slice with K_ij on grids."""
+    holes = Superposed(
+        [
+            BoostedSchwarzschild(1.0, (0.0, 0.2, 0.3), (0.3, 0.0, -0.9)),
+            BoostedSchwarzschild(0.6, (0.1, -0.3, -0.2), (-0.4, 0.2, 1.1)),
+        ]
+    )
+    center = np.array([0.2, -0.1, 0.3])
+
+    def radius(u):
+        x, y, z = u.T
+        return 4.5 * (1.0 + 0.05 * x * y + 0.04 * z**3 - 0.05 * (x**4 - y**3 * z) + 0.03 * x)
+
+    def sampled(h, shift):
+        axes = [np.arange(c - 6.0 + shift * h, c + 6.0 + h, h) for c in center]
+        x = np.stack(np.meshgrid(*axes, indexing="ij"), axis=-1)
+        tensors = (tensor(x.reshape(-1, 3)).T for tensor in (holes.metric, holes.extrinsic_curvature))
+        return CartesianGrid(x[0, 0, 0], h, *(tensor.reshape(3, 3, *x.shape[:3]) for tensor in tensors))
+
+    surface = StarSurface.from_radius(radius, center=center)
+    true = embed_surface(surface.data(holes))
+
+    def energies(found):
+        least = wang_yau(found.data, "optimal", embedding=found.embedding, degrees=(2, 4)).energy
+        return found.energies.brown_york, found.energies.liu_yau, least
+
+    rows, before = [], None
+    names, exact = ("Brown-York", "Liu-Yau", "Wang-Yau"), energies(true)
+    for h in SPACINGS:
+        there = [energies(embed_surface(surface.data(sampled(h, shift)), start=true)) for shift in SHIFTS]
+        off = np.array([[e.value - t.value for e, t in zip(one, exact, strict=True)] for one in there])
+        stated = np.array([[e.error for e in one] for one in there])
+        error = np.sqrt(np.mean(off**2, axis=0))
+        for k, name in enumerate(names):
+            row = {"spacing": f"{h:g}", "energy": name, "error": float(error[k])}
+            row |= {"stated": float(stated[:, k].min()), "held": bool(np.all(np.abs(off) <= stated))}
+            if before is not None:
+                row["rate"] = round(float(np.log(before[k] / error[k]) / np.log(4.0 / 3.0)), 1)
+            rows.append(row)
+        before = error
+    show("Two holes in motion, a surface without symmetry on Cartesian grids", rows)
+    return rows
+
+
 def main():
     parser = argparse.ArgumentParser(
         description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
@@ -349,6 +436,8 @@ def main():
         "kerr": kerr,
         "extreme": extreme,
         "pair": pair,
+        "horizon": horizon,
+        "grid": grid,
     }
     embed_smooth(round_sphere(4.0).metric)  # compiles, or loads what was compiled
     result = {}
