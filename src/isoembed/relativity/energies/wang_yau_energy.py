@@ -47,7 +47,8 @@ class WangYauThresholds:
     flat: float = threshold(
         1e-9, "largest second derivative", "Second derivative that is none (boosts, in Minkowski space)."
     )
-    found: float = threshold(1e-12, "irreducible mass", "Foretold decrease at which a minimum is found.")
+    found: float = threshold(1e-18, "irreducible mass", "Foretold decrease at which a minimum is found.")
+    flatter: float = threshold(0.3, "relative", "Gradient over the one before, where energies are rounded.")
     stationary: float = threshold(
         1e-9, "irreducible mass", "Decrease that Newton's step may still foretell at a minimum."
     )
@@ -352,7 +353,9 @@ class _Search:
             if followed and there.energy <= enough:
                 return there
             if foretold <= WANG_YAU.stationary * self.scale:
-                break  # rounding is left
+                # Of the energy rounding is left; tau still has digits to gain.
+                flatter = np.linalg.norm(there.gradient) <= WANG_YAU.flatter * np.linalg.norm(at.gradient)
+                return there if followed and flatter else None
             length *= 0.5
         return None
 

@@ -43,7 +43,7 @@ class FunctionalThresholds:
 
     density: float = threshold(2.0, "relative", "Heights of nodes over the degree of the embedding.")
     exact: float = threshold(1e-12, "relative", "Error of lengths that needs no further solve.")
-    lengths: float = threshold(1e-10, "relative", "Error of lengths that suffices: that of E is its square.")
+    lengths: float = threshold(1e-12, "relative", "Error of lengths that suffices: that of E is its square.")
 
 
 FUNCTIONAL = FunctionalThresholds()
