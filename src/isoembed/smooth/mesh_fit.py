@@ -39,7 +39,7 @@ class MeshFitThresholds:
     sideways: float = threshold(0.1, "relative", "Weight of a distance along the surface.")
     determined: float = threshold(1e-4, "relative", "Reciprocal condition of a fit, at least.")
     held_out: float = threshold(0.1, "relative", "Share of vertices that tell how far a fit misses others.")
-    doubt: float = threshold(2.0, "relative", "Miss of others over that of the vertices, at least.")
+    doubt: float = threshold(4.0, "relative", "Miss of others over that of the vertices, at least.")
     poor: float = threshold(1e-4, "mean radius", "Misfit above which it is begun again in higher degree.")
     later: int = threshold(6, "count", "That degree.")
     rounds: int = threshold(8, "count", "Fits of one degree, vertices being moved on the sphere, at most.")
