@@ -33,7 +33,8 @@ class MatrixFreeThresholds:
     iterations: int = threshold(600, "count", "Most conjugate gradients in one step.")
     steps: int = threshold(40, "count", "Most steps.")
     shortest: float = threshold(1e-2, "steps", "Least part of a step that is tried.")
-    stalled: float = threshold(0.95, "relative", "Error over the one before that is no progress.")
+    slow: float = threshold(0.8, "relative", "Error over the one before that is slow progress.")
+    patience: int = threshold(2, "count", "Slow steps in a row that are the last.")
     unresolved: float = threshold(1.0, "relative", "Error over what the last degrees hold that is enough.")
     last: int = threshold(3, "count", "Degrees at the end that tell what the next ones would hold.")
     rounding: float = threshold(1e-14, "relative", "Error of lengths that is rounding.")
@@ -91,7 +92,7 @@ class MatrixFreeIsometry:
         C = coefficients / self.unit
         tangents, residuals = self._strained(C, stretch)
         error = float(np.linalg.norm(residuals))
-        enough, eased = max(target, MATRIX_FREE.rounding), 1.0
+        enough, eased, slow = max(target, MATRIX_FREE.rounding), 1.0, 0
         for _ in range(MATRIX_FREE.steps):
             if error <= max(enough, MATRIX_FREE.unresolved * self._beyond(C)):
                 break
@@ -107,10 +108,10 @@ class MatrixFreeIsometry:
                 length *= 0.5
             if not attained < error:
                 break
-            stalled = attained > MATRIX_FREE.stalled * error
+            slow = slow + 1 if attained > MATRIX_FREE.slow * error else 0
             C, error = trial, attained
             eased *= MATRIX_FREE.easing if length == 1.0 else 1.0
-            if stalled:
+            if slow == MATRIX_FREE.patience:
                 break
         C[0] = coefficients[0] / self.unit
         return self.unit * C

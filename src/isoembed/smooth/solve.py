@@ -190,7 +190,8 @@ class _Goal:
             settled = surface.unsettled <= self.accuracy * abs(last) or surface.residual <= MEASURE.rounding
             if surface.converged and settled:
                 break
-            if _are_in_vain(residuals) and harmonics.degree >= SOLVE.hindered:
+            patience = 2 if surface.converged and surface.residual <= SOLVE.exact else SOLVE.in_vain
+            if _are_in_vain(residuals, patience) and harmonics.degree >= SOLVE.hindered:
                 return self._judged(surface, residuals), residuals
             carried = surface.residual <= SOLVE.carried and not self._has_left(surface)
         return surface, residuals
@@ -218,10 +219,10 @@ class _Goal:
         return float(gaussian_curvature(self.metric, u).min())
 
 
-def _are_in_vain(residuals: list[float]) -> bool:
-    """Whether more and more harmonics have not brought lengths nearer."""
-    last = residuals[-SOLVE.in_vain :]
-    return len(last) == SOLVE.in_vain and all(b >= SOLVE.falling * a for a, b in pairwise(last))
+def _are_in_vain(residuals: list[float], count: int) -> bool:
+    """Whether so many degrees in turn have not brought lengths nearer."""
+    last = residuals[-count:]
+    return len(last) == count and all(b >= SOLVE.falling * a for a, b in pairwise(last))
 
 
 def _about(coordinates: SphereMap | None) -> str:
