@@ -35,7 +35,7 @@ class MeasureThresholds:
     first_order: float = threshold(0.03, "relative", "Error over the correction of first order.")
     stiff: float = threshold(10.0, "relative", "Displacements over strains, where K > 0 everywhere.")
     flat: float = threshold(0.05, "round sphere's", "Gaussian curvature that is small.")
-    soft: float = threshold(100.0, "relative", "Displacements over strains, where K is small or negative.")
+    soft: float = threshold(50.0, "relative", "Displacements over strains, where K is small or negative.")
 
 
 MEASURE = MeasureThresholds()

@@ -23,6 +23,11 @@ class GaussNewtonThresholds:
 GAUSS_NEWTON = GaussNewtonThresholds()
 
 
+def is_direct(harmonics: Harmonics) -> bool:
+    """Whether the coefficients are few enough for matrices."""
+    return 3 * harmonics.size <= GAUSS_NEWTON.direct
+
+
 def gauss_newton(
     metric: TwoMetric, harmonics: Harmonics, coefficients: Floats, target: float = 0.0
 ) -> Floats:
@@ -31,7 +36,7 @@ def gauss_newton(
     The search begins at coefficients of a map that is roughly right; that of the constant harmonic is kept.
     It may end where the root mean square of the strains is at most the target.
     """
-    if 3 * harmonics.size <= GAUSS_NEWTON.direct:
+    if is_direct(harmonics):
         n = int(np.ceil(ISOMETRY.oversampled * (harmonics.degree + 1)))
         samples = MetricSamples.of(metric, n, around(n, harmonics))
         return IsometrySystem.of(harmonics, samples).solved(coefficients)

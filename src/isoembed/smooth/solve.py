@@ -14,7 +14,7 @@ from isoembed.meshing.sphere import angles_of, gauss_rule
 from isoembed.smooth.axisymmetric import AxisymmetricEmbedding
 from isoembed.smooth.coordinates import fitting_coordinates
 from isoembed.smooth.embedding import MEASURE, SmoothEmbedding
-from isoembed.smooth.gauss_newton import gauss_newton
+from isoembed.smooth.gauss_newton import gauss_newton, is_direct
 from isoembed.smooth.gaussian_curvature import gaussian_curvature
 from isoembed.smooth.grid_metric import GridMetric
 from isoembed.smooth.harmonics import Harmonics
@@ -41,6 +41,7 @@ class SolveThresholds:
     spread: float = threshold(0.05, "relative", "Weight of the last degree against points, in a fit.")
     power: float = threshold(3.0, "exponent", "Growth of that weight with the degree.")
     target: float = threshold(1e-4, "relative", "Strains over the root of the accuracy of int H dA.")
+    soft: float = threshold(1e-10, "relative", "Accuracy of int H dA where K < 0: more takes minutes.")
     exact: float = threshold(1e-6, "relative", "Error of lengths that never stands for no embedding.")
     uncertain: float = threshold(10.0, "relative", "The same over the error of the metric.")
     falling: float = threshold(0.6, "relative", "Residual over the one before that is a decrease.")
@@ -85,7 +86,8 @@ def embed_smooth(
         Largest relative error of a length that counts as an embedding.  The error of int H dA is about its
         square.
     accuracy : float
-        Of int H dA, relative to it: where two degrees agree so well, no higher one is tried.
+        Of int H dA, relative to it: where it is known so well, no higher degree is tried.  Where K < 0 and
+        the metric has no symmetry, 1e-10 is enough.
     best_fit : bool
         Return the surface that comes nearest to the metric, in the mean square of its strains, even if it
         misses the tolerance.
@@ -174,20 +176,20 @@ class _Goal:
         """
         metric, shape = metric_in(self.metric, self.coordinates), _composed(self.shape, self.coordinates)
         residuals: list[float] = []
-        last, C, old, carried = np.inf, None, ladder[0], False
+        last, C, old, carried, accuracy = np.inf, None, ladder[0], False, self.accuracy
         for harmonics in ladder:
             if C is None or not carried:
                 C, old = origin(harmonics), harmonics
-            C = gauss_newton(
-                metric, harmonics, resized(C, old, harmonics), SOLVE.target * np.sqrt(self.accuracy)
-            )
+            C = gauss_newton(metric, harmonics, resized(C, old, harmonics), SOLVE.target * np.sqrt(accuracy))
             C, old = oriented(metric, harmonics, C, shape), harmonics
             surface = SmoothEmbedding(
                 self.metric, harmonics, C, self.tolerance, last, self.hindrance, self.coordinates, self.mesh
             )
             last = surface.integrated_mean_curvature
             residuals.append(surface.residual)
-            settled = surface.unsettled <= self.accuracy * abs(last) or surface.residual <= MEASURE.rounding
+            if not is_direct(harmonics) and surface.least_curvature < 0.0:
+                accuracy = max(self.accuracy, SOLVE.soft)
+            settled = surface.unsettled <= accuracy * abs(last) or surface.residual <= MEASURE.rounding
             if surface.converged and settled:
                 break
             patience = 2 if surface.converged and surface.residual <= SOLVE.exact else SOLVE.in_vain
