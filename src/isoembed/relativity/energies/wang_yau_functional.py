@@ -237,7 +237,13 @@ class EmbeddedTime:
     @cached_property
     def misfit(self) -> float:
         """The largest relative error of a length at the nodes."""
-        return 0.5 * float((np.abs(self._off).max(axis=1) / self.slope.W**2).max())
+        (a, b, c), s = self._off.T, self.slope
+        off = np.stack([a, b / np.sqrt(2.0), b / np.sqrt(2.0), c], axis=1).reshape(-1, 2, 2)
+        # The inverse root of the metric 1 + d tau d tau.
+        root = (
+            np.eye(2) - s.gradient[:, :, None] * s.gradient[:, None, :] / (s.W * (s.W + 1.0))[:, None, None]
+        )
+        return 0.5 * float(np.abs(np.linalg.eigvalsh(root @ off @ root)).max())
 
     @cached_property
     def reference(self) -> float:
