@@ -9,9 +9,10 @@ import numpy as np
 
 from isoembed.arrays import Floats
 from isoembed.errors import InvalidParameter
-from isoembed.meshing.sphere import fibonacci_directions, gauss_rule
+from isoembed.meshing.sphere import fibonacci_directions
 from isoembed.smooth.harmonics import Harmonics
-from isoembed.smooth.transforms import analyzed, trimmed
+from isoembed.smooth.sphere_transform import SphereTransform
+from isoembed.smooth.transforms import trimmed
 from isoembed.thresholds import threshold
 
 
@@ -70,12 +71,11 @@ def project(function: Callable[[Floats], Floats], what: str) -> Projection:
     found: list[tuple[float, Projection]] = []
     degree = PROJECTION.first_degree
     while degree <= PROJECTION.highest_degree:
-        u, weights = gauss_rule(degree + 1, 2 * degree + 2)
-        values = function(u)
-        coefficients = np.column_stack([analyzed(column, u, weights, degree)[0] for column in values.T])
+        harmonics = Harmonics(degree, degree)
+        transform = SphereTransform(harmonics, degree + 1, 2 * degree + 2)
+        coefficients = transform.analysis(function(transform.u))
         sizes = np.linalg.norm(coefficients, axis=1)
         sizes /= np.linalg.norm(sizes)
-        harmonics = Harmonics(degree, degree)
         tail = float(sizes[harmonics.labels[0] > 3 * degree // 4].max())
         coefficients, harmonics = trimmed(coefficients, harmonics, sizes > PROJECTION.rounding / 4.0)
         errors = np.linalg.norm(harmonics.values(apart) @ coefficients - expected, axis=1)

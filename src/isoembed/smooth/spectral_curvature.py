@@ -9,11 +9,12 @@ from dataclasses import dataclass
 import numpy as np
 
 from isoembed.arrays import Floats
-from isoembed.meshing.sphere import directions_at, fibonacci_directions, gauss_rule
+from isoembed.meshing.sphere import directions_at, fibonacci_directions
 from isoembed.smooth.gaussian_curvature import brioschi
 from isoembed.smooth.geodesics import in_own_unit
 from isoembed.smooth.harmonics import Harmonics
-from isoembed.smooth.transforms import analyzed, resized, trimmed
+from isoembed.smooth.sphere_transform import SphereTransform
+from isoembed.smooth.transforms import resized, trimmed
 from isoembed.smooth.two_metric import TwoMetric, angle_frame, is_axisymmetric
 from isoembed.smooth.uncertain import UncertainFunction, Uncertainty
 from isoembed.thresholds import threshold
@@ -27,6 +28,7 @@ class SpectralCurvatureThresholds:
     highest_degree: int = threshold(64, "count", "Degree after which there is none.")
     highest_symmetric: int = threshold(512, "count", "The same for axisymmetric metrics.")
     settled: float = threshold(1e-15, "relative", "Size of the highest harmonics that are rounding.")
+    around: int = threshold(32, "count", "Angles about the z-axis, at least: rounding averages out.")
     nothing: float = threshold(5e-17, "relative", "Size of harmonics that are left out.")
     uncertain: float = threshold(0.1, "error of lengths", "The same, where lengths are uncertain.")
     rounding: float = threshold(2e-15, "relative", "Rounding in the harmonics of a metric.")
@@ -85,17 +87,16 @@ def _series(metric: TwoMetric, relative_error: float) -> tuple[Harmonics, Floats
     t, symmetric = SPECTRAL_CURVATURE, is_axisymmetric(metric)
     degree, most = t.first_degree, t.highest_symmetric if symmetric else t.highest_degree
     while True:
-        order = ORDER if symmetric else degree
-        u, weights = gauss_rule(degree + 1, 2 * order + 2)
-        components = metric.tensor(u)[:, PAIRS[0], PAIRS[1]]
-        found = [analyzed(values, u, weights, degree, order) for values in components.T]
-        harmonics, coefficients = found[0][1], np.column_stack([c for c, _ in found])
+        harmonics = Harmonics(degree, ORDER if symmetric else degree)
+        transform = SphereTransform(harmonics, degree + 1, max(2 * harmonics.order + 2, t.around))
+        coefficients = transform.analysis(metric.tensor(transform.u)[:, PAIRS[0], PAIRS[1]])
         sizes = np.abs(coefficients).max(axis=1)
         size, high = sizes.max(), harmonics.labels[0] > 3 * degree // 4
         if sizes[high].max() <= max(t.settled, relative_error) * size:
             needed = sizes > max(t.nothing, t.uncertain * relative_error) * size
-            fewer = trimmed(sizes, harmonics, needed)[1]
-            return fewer, resized(coefficients, harmonics, fewer), True
+            coefficients[sizes <= t.nothing * size] = 0.0  # rounding, whose second derivatives are loud
+            coefficients, harmonics = trimmed(coefficients, harmonics, needed)
+            return harmonics, coefficients, True
         if 2 * degree > most:
             return harmonics, coefficients, False
         degree *= 2
@@ -112,9 +113,8 @@ def _everywhere(harmonics: Harmonics) -> Floats:
 def _curvature(u: Floats, harmonics: Harmonics, coefficients: Floats) -> Floats:
     u = np.asarray(u, dtype=np.float64)
     q, slope, bend = (np.empty((len(u), 3, 3, *more)) for more in ((), (3,), (3, 3)))
-    for i, j, c in zip(*PAIRS, coefficients.T, strict=True):
-        q[:, i, j], slope[:, i, j], bend[:, i, j] = harmonics.derivatives(u, np.ascontiguousarray(c))
-        q[:, j, i], slope[:, j, i], bend[:, j, i] = q[:, i, j], slope[:, i, j], bend[:, i, j]
+    for tensor, components in zip((q, slope, bend), harmonics.derivatives(u, coefficients), strict=True):
+        tensor[:, PAIRS[0], PAIRS[1]] = tensor[:, PAIRS[1], PAIRS[0]] = components
     e, f = angle_frame(u)
     parts = ((e, e), (e, f), (f, f))
     metric = np.stack([np.einsum("ni,nij,nj->n", a, q, b) for a, b in parts])

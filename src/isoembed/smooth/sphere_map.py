@@ -150,9 +150,7 @@ class SphereMap:
     def _evaluated(self, v: Floats) -> tuple[Floats, Floats]:
         """F (n, 3) and dF (n, 3, 3)."""
         v = np.asarray(v, dtype=np.float64)
-        G, slope = np.empty((len(v), 3)), np.empty((len(v), 3, 3))
-        for i, c in enumerate(self.coefficients.T):
-            G[:, i], slope[:, i], _ = self.harmonics.derivatives(v, np.ascontiguousarray(c))
+        G, slope, _ = self.harmonics.derivatives(v, self.coefficients)
         length = np.linalg.norm(G, axis=1)
         u = G / length[:, None]
         slope -= u[:, :, None] * np.einsum("ni,nij->nj", u, slope)[:, None, :]

@@ -10,10 +10,11 @@ from numpy.typing import ArrayLike
 
 from isoembed.arrays import Floats
 from isoembed.errors import InvalidParameter
-from isoembed.meshing.sphere import fibonacci_directions, gauss_rule
+from isoembed.meshing.sphere import fibonacci_directions
 from isoembed.relativity.spacetimes.surface_data import values_of
 from isoembed.smooth.harmonics import Harmonics
 from isoembed.smooth.sphere_map import SphereMap
+from isoembed.smooth.sphere_transform import SphereTransform
 from isoembed.smooth.two_metric import TwoMetric
 from isoembed.thresholds import threshold
 
@@ -79,8 +80,8 @@ class TimeFunction:
             Its values have another shape or are not finite, or the harmonics miss it.
         """
         harmonics = Harmonics(degree, degree)
-        u, weights = gauss_rule(2 * degree + 2, 4 * degree + 4)
-        tau = cls(harmonics, harmonics.values(u).T @ (weights * _values(function, u)))
+        transform = SphereTransform(harmonics, 2 * degree + 2, 4 * degree + 4)
+        tau = cls(harmonics, transform.analysis(_values(function, transform.u)[:, None])[:, 0])
         u = fibonacci_directions(TIME_FUNCTION.directions)
         values = _values(function, u)
         missed = float(np.abs(tau.values(u) - values).max())

@@ -22,7 +22,8 @@ from scipy.linalg import eigh, qr, svd
 from isoembed.arrays import Floats
 from isoembed.meshing.sphere import gauss_rule
 from isoembed.smooth.harmonics import Harmonics
-from isoembed.smooth.transforms import analyzed, trimmed
+from isoembed.smooth.sphere_transform import SphereTransform
+from isoembed.smooth.transforms import trimmed
 from isoembed.smooth.two_metric import TwoMetric, area_density, orthonormal_frame
 from isoembed.thresholds import threshold
 
@@ -132,7 +133,7 @@ def rotations(metric: TwoMetric, degree: int, axisymmetric: bool) -> Rotations:
     Y, first = harmonics.along(u, e)
     Y, first = Y[:, 1:], first[:, :, 1:]  # constants move nothing
     second = harmonics.second_along(u, e)[..., 1:]
-    second -= np.einsum("nabc,ncs->nabs", _bend(u, weights, q, e, n), first, optimize=True)
+    second -= np.einsum("nabc,ncs->nabs", _bend(u, q, e, n), first, optimize=True)
     root = np.sqrt(dA)[:, None, None]
     G = (root * first).reshape(-1, Y.shape[1])
     S = (root * _trace_free(second)).reshape(-1, Y.shape[1])
@@ -152,21 +153,18 @@ def rotations(metric: TwoMetric, degree: int, axisymmetric: bool) -> Rotations:
     return Rotations(area, u, dA, z[:, three] @ basis, fields, shearing, size, harmonics, coefficients)
 
 
-def _bend(u: Floats, weights: Floats, q: Floats, e: Floats, heights: int) -> Floats:
+def _bend(u: Floats, q: Floats, e: Floats, heights: int) -> Floats:
     """C^c_ab (n, 2, 2, 2) of ``D_a D_b z = nabla_a nabla_b z - C^c_ab D_c z`` in a frame, by a, b and c.
 
     D is the derivative of q, nabla that of the unit sphere.
     """
-    order = min(heights, len(u) // heights // 2) - 1
-    along = np.zeros((len(u), 2, 3, 3))
-    for i in range(3):
-        for j in range(i + 1):
-            coefficients, harmonics = analyzed(q[:, i, j], u, weights, heights - 1, order)
-            needed = np.abs(coefficients) > KILLING.rounding * np.abs(q).max()
-            if needed.any():
-                coefficients, harmonics = trimmed(coefficients, harmonics, needed)
-                gradient = harmonics.derivatives(u, coefficients)[1]
-                along[:, :, i, j] = along[:, :, j, i] = np.einsum("nak,nk->na", e, gradient)
+    around = len(u) // heights
+    harmonics = Harmonics(heights - 1, min(heights, around // 2) - 1)
+    coefficients = SphereTransform(harmonics, heights, around).analysis(q.reshape(len(u), 9))
+    needed = np.abs(coefficients).max(axis=1) > KILLING.rounding * np.abs(q).max()
+    coefficients, harmonics = trimmed(coefficients, harmonics, needed)
+    gradients = harmonics.derivatives(u, coefficients)[1].reshape(len(u), 3, 3, 3)
+    along = np.einsum("nak,nijk->naij", e, gradients)
     D = e[:, None] @ along @ e[:, None].transpose(0, 1, 3, 2)  # (nabla_a q)_bc
     return np.asarray(0.5 * (D + D.transpose(0, 2, 1, 3) - D.transpose(0, 2, 3, 1)))
 

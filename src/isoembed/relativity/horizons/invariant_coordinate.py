@@ -20,7 +20,8 @@ from numpy.polynomial import legendre
 from isoembed.arrays import Floats
 from isoembed.meshing.sphere import fibonacci_directions, gauss_rule
 from isoembed.smooth.harmonics import Harmonics
-from isoembed.smooth.transforms import analyzed, trimmed
+from isoembed.smooth.sphere_transform import SphereTransform
+from isoembed.smooth.transforms import trimmed
 from isoembed.smooth.two_metric import TwoMetric, area_density, is_axisymmetric
 from isoembed.thresholds import threshold
 
@@ -104,8 +105,9 @@ class InvariantCoordinate:
         t = INVARIANT
         degree = t.first_degree
         while True:
-            u, weights = gauss_rule(degree + 1, 2)
-            density, harmonics = analyzed(area_density(turned.tensor(u)), u, weights, degree, 0)
+            harmonics = Harmonics(degree, 0)
+            transform = SphereTransform(harmonics, degree + 1, 2)
+            density = transform.analysis(area_density(turned.tensor(transform.u))[:, None])[:, 0]
             sizes = np.abs(density) / density[0]
             tail = float(sizes[3 * degree // 4 :].max())
             if tail <= max(t.settled, relative_error) or 2 * degree > t.highest_degree:

@@ -16,7 +16,7 @@ from isoembed.relativity.spacetimes.surface import Surface
 from isoembed.relativity.spacetimes.three_geometry import ThreeGeometry
 from isoembed.smooth.harmonics import Harmonics
 from isoembed.smooth.sphere_transform import SphereTransform
-from isoembed.smooth.transforms import analyzed, resized
+from isoembed.smooth.transforms import resized
 from isoembed.smooth.two_metric import is_symmetric_about_z
 from isoembed.thresholds import threshold
 
@@ -55,7 +55,7 @@ class Rung:
     level : Level
     solution : Solution
     residual : float
-        The largest difference from the expansion that was asked for, over the areal radius, at nodes that
+        The largest difference from the expansion that was asked for, times the areal radius, at nodes that
         were not used.
     """
 
@@ -182,7 +182,7 @@ def recentered(surface: StarSurface, symmetric: bool) -> StarSurface:
     degree = surface.harmonics.degree
     n = 2 * degree + 4
     u, weights = gauss_rule(n, 2 * n)
-    r, slope, _ = surface.harmonics.derivatives(u, surface.coefficients)
+    r = surface.radius(u)
     volume = weights * r**3 / 3.0
     off = (volume * 0.75 * r) @ u / volume.sum()
     if symmetric:
@@ -190,7 +190,8 @@ def recentered(surface: StarSurface, symmetric: bool) -> StarSurface:
     if np.linalg.norm(off) <= LADDER.off * surface.mean_radius:
         return surface
     # From the new center: the ray off + t u meets the surface.
-    u, weights = gauss_rule(degree + 1, 2 * degree + 2)
+    transform = _transform(surface.harmonics, degree + 1, 2 * degree + 2)
+    u = transform.u
     t = surface.radius(u)
     for _ in range(50):
         w = off + t[:, None] * u
@@ -203,8 +204,8 @@ def recentered(surface: StarSurface, symmetric: bool) -> StarSurface:
         t = t - change
         if np.abs(change).max() <= 1e-14 * size.max():
             break
-    coefficients, harmonics = analyzed(t, u, weights, degree, surface.harmonics.order)
-    return StarSurface((np.array(surface.center) + off).tolist(), harmonics, coefficients)
+    coefficients = transform.analysis(t[:, None])[:, 0]
+    return StarSurface((np.array(surface.center) + off).tolist(), surface.harmonics, coefficients)
 
 
 def _level(geometry: ThreeGeometry, surface: StarSurface, n: int, around: int) -> Level:

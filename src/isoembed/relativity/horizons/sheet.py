@@ -53,7 +53,7 @@ class Sheet:
     def of(cls, surface: Surface, degree: int, *, symmetric: bool) -> Sheet:
         """Projection of a surface, in its own directions."""
         T = _transform(degree, 2 * max(degree, surface.harmonics.degree) + 4, symmetric)
-        return cls(degree, symmetric, _analyzed(T, surface.points(T.u)))
+        return cls(degree, symmetric, T.analysis(surface.points(T.u)))
 
     @property
     def harmonics(self) -> Harmonics:
@@ -85,14 +85,14 @@ class Sheet:
     def normals(self) -> Sheet:
         """The unit normals of flat space, in the same harmonics."""
         T = _transform(self.degree, 2 * self.degree + 4, self.symmetric)
-        return replace(self, coefficients=_analyzed(T, _normals(T, self.coefficients)))
+        return replace(self, coefficients=T.analysis(_normals(T, self.coefficients)))
 
     def moved(self, direction: Sheet, f: Floats, harmonics: Harmonics) -> Sheet:
         """The map ``X + f D`` in the same harmonics, f (size,) in given ones."""
         T = _transform(self.degree, 2 * self.degree + 4, self.symmetric)
         shift = SphereTransform(harmonics, T.n, T.around).values(f[:, None])
         x = T.values(self.coefficients) + shift * T.values(direction.coefficients)
-        return replace(self, coefficients=_analyzed(T, x))
+        return replace(self, coefficients=T.analysis(x))
 
     def even(self) -> Sheet:
         """The same surface, nearly, in coordinates in which it needs fewer harmonics.
@@ -134,7 +134,7 @@ class Sheet:
         rho, z = np.repeat(on_meridian[:, 0], AROUND), np.repeat(on_meridian[:, 2], AROUND)
         phi = np.arctan2(T.u[:, 1], T.u[:, 0])
         x = np.stack([rho * np.cos(phi), rho * np.sin(phi), z], axis=1)
-        return replace(self, coefficients=_analyzed(T, x))
+        return replace(self, coefficients=T.analysis(x))
 
 
 def harmonics_of(degree: int, symmetric: bool) -> Harmonics:
@@ -145,12 +145,6 @@ def harmonics_of(degree: int, symmetric: bool) -> Harmonics:
 @lru_cache(maxsize=4)
 def _transform(degree: int, n: int, symmetric: bool) -> SphereTransform:
     return SphereTransform(harmonics_of(degree, symmetric), n, AROUND if symmetric else 2 * n)
-
-
-def _analyzed(T: SphereTransform, x: Floats) -> Floats:
-    """Coefficients, corrected once: the weights of long rules have lost two digits."""
-    c = T.analysis(x)
-    return c + T.analysis(x - T.values(c))
 
 
 def _normals(T: SphereTransform, coefficients: Floats) -> Floats:

@@ -143,7 +143,8 @@ class Equations:
 
     def projected(self, theta: Floats) -> Floats:
         """The projection (size, c) of changes of the expansion (N, c)."""
-        return self.transform.analysis(self.linear.scale[:, None] * theta)
+        weights = self.transform.weights * self.linear.scale
+        return self.transform.adjoint_values(weights[:, None] * theta)
 
     def applied(self, f: Floats) -> Floats:
         """The projection (size,) for unknowns f (size,)."""
