@@ -15,7 +15,8 @@ from isoembed.relativity.energies.report import (
     wang_yau_report,
 )
 from isoembed.relativity.energies.time_function import TimeFunction
-from isoembed.relativity.energies.wang_yau_energy import WangYau, wang_yau
+from isoembed.relativity.energies.wang_yau_energy import wang_yau
+from isoembed.relativity.energies.wang_yau_result import WangYau
 from isoembed.relativity.horizons.ahfinderdirect import read_ahfinderdirect
 from isoembed.relativity.horizons.circumferences import Circumferences
 from isoembed.relativity.horizons.coordinate_shape import CoordinateShape

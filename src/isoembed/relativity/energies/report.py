@@ -10,7 +10,8 @@ from isoembed.errors import InvalidMetric, InvalidParameter, NoMinimum, NotEmbed
 from isoembed.relativity.energies.embedded import CONVENTIONS, EmbeddedSurface, embed_surface
 from isoembed.relativity.energies.energies import Energies
 from isoembed.relativity.energies.quadrature import intrinsic_energies
-from isoembed.relativity.energies.wang_yau_energy import WangYau, wang_yau
+from isoembed.relativity.energies.wang_yau_energy import wang_yau
+from isoembed.relativity.energies.wang_yau_result import WangYau
 from isoembed.relativity.horizons.curvature_check import CurvatureCheck
 from isoembed.relativity.horizons.horizon import Horizon
 from isoembed.relativity.horizons.horizon_shape import shape_lines, shape_report

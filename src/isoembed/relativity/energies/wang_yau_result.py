@@ -1,0 +1,88 @@
+"""The Wang-Yau energy of a surface, with its time function and its image in Minkowski space."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+from numpy.typing import NDArray
+
+from isoembed.relativity.energies.time_function import TimeFunction
+from isoembed.smooth.embedding import SmoothEmbedding
+from isoembed.surface.estimate import Estimate
+
+
+@dataclass(frozen=True)
+class WangYau:
+    """The Wang-Yau energy of a surface.
+
+    Attributes
+    ----------
+    energy : Estimate
+        E(tau), in the unit of length.
+    tau : TimeFunction
+    embedding : SmoothEmbedding
+        Of ``q + d tau d tau``: with tau it is the surface in Minkowski space, (tau, X).
+    admissible : float
+        The least ``K + det D^2 tau / (1 + |grad tau|^2)``; tau is admissible where it is positive.
+    gradient : float
+        The norm of the derivatives of E by tau's coefficients, which are lengths; 0 at a critical tau.
+    least_second_derivative : float or None
+        The least eigenvalue of the second derivatives: positive at a minimum, 0 where E does not change to
+        second order (boosts, in Minkowski space); None if tau was given.
+    embeddings : int
+        How many embeddings it took.
+    notes : tuple of str
+        What must be known to read the number.
+    """
+
+    energy: Estimate
+    tau: TimeFunction
+    embedding: SmoothEmbedding
+    admissible: float
+    gradient: float
+    least_second_derivative: float | None
+    embeddings: int
+    notes: tuple[str, ...] = ()
+
+    def mesh(self, vertices: int) -> dict[str, NDArray[Any]]:
+        """A triangulation of the surface in Minkowski space, nearly equilateral in its projection.
+
+        Returns
+        -------
+        dict of str to ndarray
+            ``vertices`` (V, 3), the projection X, and ``faces`` (F, 3); at the vertices (V,) ``tau`` and the
+            ``mean_curvature`` H0 of the projection.
+        """
+        triangulation = self.embedding.triangulated(vertices)
+        u = triangulation.directions
+        return {
+            "vertices": self.embedding.points(u),
+            "faces": triangulation.faces,
+            "tau": self.tau.values(u),
+            "mean_curvature": self.embedding.mean_curvature(u),
+        }
+
+    @property
+    def report(self) -> dict[str, Any]:
+        """Plain numbers, for JSON."""
+        degrees, orders = self.tau.harmonics.labels
+        return {
+            "wang_yau": self.energy.value,
+            "error": self.energy.error,
+            "admissible": self.admissible,
+            "gradient": self.gradient,
+            "least_second_derivative": self.least_second_derivative,
+            "embeddings": self.embeddings,
+            "tau": [
+                {"degree": int(l), "order": int(m), "coefficient": float(c)}
+                for l, m, c in zip(degrees, orders, self.tau.coefficients, strict=True)
+                if l > 0
+            ],
+            "notes": list(self.notes),
+        }
+
+
+def inadmissible(least: float) -> str:
+    """A note of a least ``K + det D^2 tau / W^2`` that is not positive."""
+    return f"tau is not admissible: K + det D^2 tau / W^2 is {least:.3g} somewhere"
