@@ -6,22 +6,17 @@ Where on the sphere a vertex belongs is not known and does not matter: only dist
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
-from functools import cached_property
 
 import numpy as np
-from scipy.linalg import cho_solve, cholesky, solve_triangular
-from scipy.linalg.lapack import dtrcon
-from scipy.sparse.linalg import LinearOperator, lsmr
 
 from isoembed.arrays import Floats, Indices
 from isoembed.meshing.sphere import hull_faces, solid_angles
-from isoembed.meshing.sphere_layout import are_outward, least_distorted, orientations, sphere_layout
+from isoembed.meshing.sphere_layout import are_outward, least_distorted, sphere_layout
 from isoembed.metric.curvature import area
 from isoembed.metric.polyhedral import PolyhedralMetric
 from isoembed.smooth.harmonics import Harmonics
-from isoembed.smooth.scattered_fit import FIT, deviating
-from isoembed.smooth.transforms import resized
-from isoembed.smooth.two_metric import angle_frame
+from isoembed.smooth.scattered_fit import FIT
+from isoembed.smooth.vertex_fit import VertexFit
 from isoembed.thresholds import threshold
 
 
@@ -34,10 +29,6 @@ class MeshFitThresholds:
         "count",
         "Degrees that are tried, one after the other.",
     )
-    fullest: float = threshold(0.6, "vertices", "Degrees of freedom, at most.")
-    table: int = threshold(100_000_000, "count", "Harmonics at vertices, at most: it bounds the memory.")
-    sideways: float = threshold(0.1, "relative", "Weight of a distance along the surface.")
-    determined: float = threshold(1e-4, "relative", "Reciprocal condition of a fit, at least.")
     held_out: float = threshold(0.1, "relative", "Share of vertices that tell how far a fit misses others.")
     doubt: float = threshold(4.0, "relative", "Miss of others over that of the vertices, at least.")
     poor: float = threshold(1e-4, "mean radius", "Misfit above which it is begun again in higher degree.")
@@ -46,10 +37,6 @@ class MeshFitThresholds:
     gain: float = threshold(
         0.8, "relative", "Misfit over that of the fit before, above which it is the last."
     )
-    farthest: float = threshold(0.5, "mean spacing", "Way of a vertex on the sphere in one round, at most.")
-    halvings: int = threshold(30, "count", "Of the ways around triangles that would turn over, at most.")
-    solved: float = threshold(1e-4, "relative", "Error of the least squares of one round.")
-    iterations: int = threshold(200, "count", "Iterations of least squares, at most.")
     rounding: float = threshold(1e-13, "mean radius", "Misfit that is rounding.")
     worse: int = threshold(2, "count", "Degrees in a row that fit no better, after which there are no more.")
 
@@ -111,7 +98,7 @@ def fit_mesh(vertices: Floats, faces: Indices) -> MeshFit:
     middle = vertices.mean(axis=0)
     x = (vertices - middle) / unit
     u, faces = _laid_out(metric, x)
-    start = _Fit(x, u, solid_angles(u, faces), np.ones(len(x)), Harmonics(0, 0), np.zeros((1, 3)))
+    start = VertexFit(x, u, solid_angles(u, faces), np.ones(len(x)), Harmonics(0, 0), np.zeros((1, 3)))
     fit = _best_degree(start, MESH_FIT.degrees, faces)
     assert fit is not None
     if fit.misfit > MESH_FIT.poor:
@@ -122,7 +109,7 @@ def fit_mesh(vertices: Floats, faces: Indices) -> MeshFit:
             fit = again
     coefficients = unit * fit.coefficients
     coefficients[0] += np.sqrt(4.0 * np.pi) * middle
-    deviations = unit * fit.missed_elsewhere(faces) * fit.deviations()
+    deviations = unit * _missed_elsewhere(fit, faces) * fit.deviations()
     return MeshFit(coefficients, fit.harmonics, unit * fit.misfit, deviations, fit.u)
 
 
@@ -136,12 +123,12 @@ def _laid_out(metric: PolyhedralMetric, x: Floats) -> tuple[Floats, Indices]:
     return least_distorted(PolyhedralMetric.from_mesh(x, faces), u), faces
 
 
-def _best_degree(fit: _Fit, degrees: tuple[int, ...], faces: Indices) -> _Fit | None:
+def _best_degree(fit: VertexFit, degrees: tuple[int, ...], faces: Indices) -> VertexFit | None:
     """The fit of the degree that generalized cross-validation chooses, each begun at the one before.
 
     None if the vertices are too few for the first degree, which is not 1.
     """
-    fits: list[_Fit] = []
+    fits: list[VertexFit] = []
     for degree in degrees:
         fit = fit.raised(degree)
         if degree > 1 and not fit.is_possible:
@@ -158,7 +145,7 @@ def _best_degree(fit: _Fit, degrees: tuple[int, ...], faces: Indices) -> _Fit | 
     return next(fit for fit in fits if fit.validation <= enough)
 
 
-def _relaxed(fit: _Fit, faces: Indices) -> _Fit:
+def _relaxed(fit: VertexFit, faces: Indices) -> VertexFit:
     """The fit, vertices having been moved on the sphere until it gets no better."""
     for _ in range(MESH_FIT.rounds):
         better = fit.nearer().corrected(faces)
@@ -171,184 +158,13 @@ def _relaxed(fit: _Fit, faces: Indices) -> _Fit:
     return fit
 
 
-def _moved(u: Floats, step: Floats, faces: Indices) -> Floats:
-    """Unit vectors moved by a step (V, 3), by less of it around triangles that would turn over."""
-    share = np.ones((len(u), 1))
-    for _ in range(MESH_FIT.halvings):
-        v = u + share * step
-        v /= np.linalg.norm(v, axis=1, keepdims=True)
-        over = orientations(faces, v) <= 0.0
-        if not over.any():
-            return v
-        share[np.unique(faces[over])] *= 0.5
-    return u
-
-
-@dataclass(frozen=True)
-class _Fit:
-    """Harmonics for vertices x (V, 3) at directions u (V, 3), their solid angles (V,), and which are used."""
-
-    x: Floats
-    u: Floats
-    angles: Floats
-    used: Floats
-    harmonics: Harmonics
-    coefficients: Floats
-
-    @cached_property
-    def table(self) -> Floats:
-        """The harmonics (V, size)."""
-        return self.harmonics.values(self.u)
-
-    @cached_property
-    def _tangents(self) -> tuple[Floats, Floats]:
-        """Two tangent vectors of the sphere (V, 2, 3), and their images (V, 2, 3)."""
-        e = np.stack(angle_frame(self.u), axis=1)
-        first = self.harmonics.derivatives(self.u, self.coefficients)[1]
-        return e, e @ first.transpose(0, 2, 1)
-
-    @cached_property
-    def normals(self) -> Floats:
-        """Unit normals (V, 3) of the surface."""
-        n = np.cross(self._tangents[1][:, 0], self._tangents[1][:, 1])
-        length = np.linalg.norm(n, axis=1, keepdims=True)
-        return n / np.where(length > 0.0, length, 1.0)
-
-    @cached_property
-    def missed(self) -> Floats:
-        """Vectors (V, 3) from the surface to the vertices."""
-        return self.x - self.table @ self.coefficients
-
-    @cached_property
-    def distances(self) -> Floats:
-        """Their lengths (V,) along the normals."""
-        return np.einsum("ni,ni->n", self.missed, self.normals)
-
-    @cached_property
-    def misfit(self) -> float:
-        """Root mean square of the distances."""
-        return float(np.sqrt(np.average(self.distances**2, weights=self.weights)))
-
-    @property
-    def weights(self) -> Floats:
-        """Of the vertices (V,)."""
-        return self.angles * self.used
-
-    def missed_elsewhere(self, faces: Indices) -> float:
-        """How far vertices are missed by a fit to the others, over how far they are missed by this one."""
-        used = np.ones(len(self.x))
-        used[np.random.default_rng(0).random(len(self.x)) < MESH_FIT.held_out] = 0.0
-        without = replace(self, used=used)
-        if not without.is_determined:
-            return 1.0 / (1.0 - FIT.leverage)
-        without = _relaxed(without.moved(without.least(without.missed)), faces)
-        missed = np.average(without.distances**2, weights=self.angles * (1.0 - used))
-        return max(MESH_FIT.doubt, float(np.sqrt(missed)) / max(self.misfit, MESH_FIT.rounding))
-
-    @property
-    def validation(self) -> float:
-        """The score of generalized cross-validation."""
-        return (self.misfit / (1.0 - self._freedom / len(self.x))) ** 2
-
-    @property
-    def chance(self) -> float:
-        """Scores that differ by this factor may do so by chance."""
-        return 1.0 + float(np.sqrt(8.0 / len(self.x)))
-
-    @property
-    def _freedom(self) -> int:
-        """Degrees of freedom of distances along the normals, which add two degrees to the harmonics or so."""
-        return deviating(self.harmonics).size
-
-    @property
-    def is_possible(self) -> bool:
-        """Whether the vertices are enough to determine all coefficients, and not too many for the memory."""
-        count = len(self.x)
-        if self._freedom > MESH_FIT.fullest * count or self.harmonics.size * count > MESH_FIT.table:
-            return False
-        return self.is_determined
-
-    def raised(self, degree: int) -> _Fit:
-        """The same in harmonics of another degree."""
-        harmonics = Harmonics(degree, degree)
-        coefficients = resized(self.coefficients, self.harmonics, harmonics)
-        return replace(self, harmonics=harmonics, coefficients=coefficients)
-
-    def moved(self, change: Floats) -> _Fit:
-        """With coefficients that differ by a change (size, 3)."""
-        return replace(self, coefficients=self.coefficients + change)
-
-    def nearer(self) -> _Fit:
-        """A step of Gauss and Newton to the least distances along the normals."""
-        return self.moved(self._least_along(self.missed))
-
-    def corrected(self, faces: Indices) -> _Fit:
-        """The same surface with the vertices moved to where it is nearest to them."""
-        e, images = self._tangents
-        q = images @ images.transpose(0, 2, 1)
-        pulled = np.einsum("nai,ni->na", images, self.missed)
-        step = np.einsum("na,nai->ni", np.linalg.solve(q, pulled[:, :, None])[:, :, 0], e)
-        length = np.linalg.norm(step, axis=1)
-        farthest = MESH_FIT.farthest * np.sqrt(4.0 * np.pi / len(self.x))
-        step *= (farthest / np.maximum(length, farthest))[:, None]
-        u = _moved(self.u, step, faces)
-        return replace(self, u=u, angles=solid_angles(u, faces))
-
-    def deviations(self) -> Floats:
-        """See `MeshFit`."""
-        random = np.random.default_rng(0)
-        more = deviating(self.harmonics)
-        signs = random.choice((-1.0, 1.0), (FIT.deviations, len(self.x), 1))
-        signed = signs * self.distances[:, None] * self.normals
-        drawn = np.array([resized(self.least(v), self.harmonics, more) for v in signed])
-        higher = more.labels[0] > self.harmonics.degree
-        following = self.raised(more.degree)
-        size = self.misfit * np.sqrt(4.0 * np.pi / np.count_nonzero(higher))
-        if following.is_determined:
-            size = float(np.sqrt(np.mean(following.least(self.missed)[higher] ** 2)))
-        drawn[:, higher] = size * random.normal(size=drawn[:, higher].shape)
-        return drawn
-
-    @cached_property
-    def _root(self) -> Floats:
-        return np.sqrt(self.weights)[:, None]
-
-    @cached_property
-    def _triangle(self) -> Floats:
-        """The upper triangle R (size, size) of the weighted table, ``R^T R`` being its normal matrix."""
-        rows = self._root * self.table
-        return np.asarray(cholesky(rows.T @ rows))
-
-    @property
-    def is_determined(self) -> bool:
-        """Whether the vertices determine all coefficients."""
-        try:
-            R = self._triangle
-        except np.linalg.LinAlgError:
-            return False
-        return float(dtrcon(R)[0]) >= MESH_FIT.determined
-
-    def least(self, vectors: Floats) -> Floats:
-        """Coefficients (size, 3) of the least squares fit to vectors (V, 3)."""
-        pulled = self.table.T @ (self.weights[:, None] * vectors)
-        return np.asarray(cho_solve((self._triangle, False), pulled))
-
-    def _least_along(self, vectors: Floats) -> Floats:
-        """The same with a low weight of what is along the surface; iterations after a change by R."""
-        R, n = self._triangle, self.normals
-
-        def weighted(v: Floats) -> Floats:
-            along = np.einsum("ni,ni->n", v, n)[:, None] * n
-            return self._root * (MESH_FIT.sideways * v + (1.0 - MESH_FIT.sideways) * along)
-
-        def forward(c: Floats) -> Floats:
-            return weighted(self.table @ solve_triangular(R, c.reshape(-1, 3))).ravel()
-
-        def backward(v: Floats) -> Floats:
-            return solve_triangular(R, self.table.T @ weighted(v.reshape(-1, 3)), trans="T").ravel()
-
-        shape = (self.x.size, 3 * self.harmonics.size)
-        operator = LinearOperator(shape, matvec=forward, rmatvec=backward, dtype=np.float64)
-        tolerance, most = MESH_FIT.solved, MESH_FIT.iterations
-        found = lsmr(operator, weighted(vectors).ravel(), atol=tolerance, btol=tolerance, maxiter=most)
-        return np.asarray(solve_triangular(R, found[0].reshape(-1, 3)))
+def _missed_elsewhere(fit: VertexFit, faces: Indices) -> float:
+    """How far vertices are missed by a fit to the others, over how far they are missed by this one."""
+    used = np.ones(len(fit.x))
+    used[np.random.default_rng(0).random(len(fit.x)) < MESH_FIT.held_out] = 0.0
+    without = replace(fit, used=used)
+    if not without.is_determined:
+        return 1.0 / (1.0 - FIT.leverage)
+    without = _relaxed(without.moved(without.least(without.missed)), faces)
+    missed = np.average(without.distances**2, weights=fit.angles * (1.0 - used))
+    return max(MESH_FIT.doubt, float(np.sqrt(missed)) / max(fit.misfit, MESH_FIT.rounding))

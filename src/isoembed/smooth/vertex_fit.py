@@ -1,0 +1,224 @@
+"""Harmonics fitted to vertices at given directions, and vertices moved to the directions that suit them.
+
+Distances along the surface hardly count: only those along its normals tell how well it fits.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from functools import cached_property
+
+import numpy as np
+from scipy.linalg import cho_solve, cholesky, solve_triangular
+from scipy.linalg.lapack import dtrcon
+from scipy.sparse.linalg import LinearOperator, lsmr
+
+from isoembed.arrays import Floats, Indices
+from isoembed.meshing.sphere import solid_angles
+from isoembed.meshing.sphere_layout import orientations
+from isoembed.smooth.harmonics import Harmonics
+from isoembed.smooth.scattered_fit import FIT, deviating
+from isoembed.smooth.transforms import resized
+from isoembed.smooth.two_metric import angle_frame
+from isoembed.thresholds import threshold
+
+
+@dataclass(frozen=True)
+class VertexFitThresholds:
+    """Thresholds of the fit of harmonics to vertices."""
+
+    fullest: float = threshold(0.6, "vertices", "Degrees of freedom, at most.")
+    table: int = threshold(100_000_000, "count", "Harmonics at vertices, at most: it bounds the memory.")
+    sideways: float = threshold(0.1, "relative", "Weight of a distance along the surface.")
+    determined: float = threshold(1e-4, "relative", "Reciprocal condition of a fit, at least.")
+    farthest: float = threshold(0.5, "mean spacing", "Way of a vertex on the sphere in one round, at most.")
+    halvings: int = threshold(30, "count", "Of the ways around triangles that would turn over, at most.")
+    solved: float = threshold(1e-4, "relative", "Error of the least squares of one round.")
+    iterations: int = threshold(200, "count", "Iterations of least squares, at most.")
+
+
+VERTEX_FIT = VertexFitThresholds()
+
+
+@dataclass(frozen=True)
+class VertexFit:
+    """Harmonics for the vertices of a mesh.
+
+    Attributes
+    ----------
+    x, u : ndarray, shape (V, 3)
+        The vertices, and their directions.
+    angles : ndarray, shape (V,)
+        The solid angles that the directions stand for.
+    used : ndarray, shape (V,)
+        1 for the vertices that count, and 0 for others.
+    harmonics : Harmonics
+    coefficients : ndarray, shape (size, 3)
+    """
+
+    x: Floats
+    u: Floats
+    angles: Floats
+    used: Floats
+    harmonics: Harmonics
+    coefficients: Floats
+
+    @cached_property
+    def table(self) -> Floats:
+        """The harmonics (V, size)."""
+        return self.harmonics.values(self.u)
+
+    @cached_property
+    def _tangents(self) -> tuple[Floats, Floats]:
+        """Two tangent vectors of the sphere (V, 2, 3), and their images (V, 2, 3)."""
+        e = np.stack(angle_frame(self.u), axis=1)
+        first = self.harmonics.derivatives(self.u, self.coefficients)[1]
+        return e, e @ first.transpose(0, 2, 1)
+
+    @cached_property
+    def normals(self) -> Floats:
+        """Unit normals (V, 3) of the surface."""
+        n = np.cross(self._tangents[1][:, 0], self._tangents[1][:, 1])
+        length = np.linalg.norm(n, axis=1, keepdims=True)
+        return n / np.where(length > 0.0, length, 1.0)
+
+    @cached_property
+    def missed(self) -> Floats:
+        """Vectors (V, 3) from the surface to the vertices."""
+        return self.x - self.table @ self.coefficients
+
+    @cached_property
+    def distances(self) -> Floats:
+        """Their lengths (V,) along the normals."""
+        return np.einsum("ni,ni->n", self.missed, self.normals)
+
+    @cached_property
+    def misfit(self) -> float:
+        """Root mean square of the distances."""
+        return float(np.sqrt(np.average(self.distances**2, weights=self.weights)))
+
+    @property
+    def weights(self) -> Floats:
+        """Of the vertices (V,)."""
+        return self.angles * self.used
+
+    @property
+    def validation(self) -> float:
+        """The score of generalized cross-validation."""
+        return (self.misfit / (1.0 - self._freedom / len(self.x))) ** 2
+
+    @property
+    def chance(self) -> float:
+        """Scores that differ by this factor may do so by chance."""
+        return 1.0 + float(np.sqrt(8.0 / len(self.x)))
+
+    @property
+    def _freedom(self) -> int:
+        """Degrees of freedom of distances along the normals, which add two degrees to the harmonics or so."""
+        return deviating(self.harmonics).size
+
+    @property
+    def is_possible(self) -> bool:
+        """Whether the vertices are enough to determine all coefficients, and not too many for the memory."""
+        count = len(self.x)
+        if self._freedom > VERTEX_FIT.fullest * count or self.harmonics.size * count > VERTEX_FIT.table:
+            return False
+        return self.is_determined
+
+    def raised(self, degree: int) -> VertexFit:
+        """The same in harmonics of another degree."""
+        harmonics = Harmonics(degree, degree)
+        coefficients = resized(self.coefficients, self.harmonics, harmonics)
+        return replace(self, harmonics=harmonics, coefficients=coefficients)
+
+    def moved(self, change: Floats) -> VertexFit:
+        """With coefficients that differ by a change (size, 3)."""
+        return replace(self, coefficients=self.coefficients + change)
+
+    def nearer(self) -> VertexFit:
+        """A step of Gauss and Newton to the least distances along the normals."""
+        return self.moved(self._least_along(self.missed))
+
+    def corrected(self, faces: Indices) -> VertexFit:
+        """The same surface with the vertices moved to where it is nearest to them."""
+        e, images = self._tangents
+        q = images @ images.transpose(0, 2, 1)
+        pulled = np.einsum("nai,ni->na", images, self.missed)
+        step = np.einsum("na,nai->ni", np.linalg.solve(q, pulled[:, :, None])[:, :, 0], e)
+        length = np.linalg.norm(step, axis=1)
+        farthest = VERTEX_FIT.farthest * np.sqrt(4.0 * np.pi / len(self.x))
+        step *= (farthest / np.maximum(length, farthest))[:, None]
+        u = _moved(self.u, step, faces)
+        return replace(self, u=u, angles=solid_angles(u, faces))
+
+    def deviations(self) -> Floats:
+        """Possible errors (N, size of ``deviating(harmonics)``, 3), drawn at random: coefficients."""
+        random = np.random.default_rng(0)
+        more = deviating(self.harmonics)
+        signs = random.choice((-1.0, 1.0), (FIT.deviations, len(self.x), 1))
+        signed = signs * self.distances[:, None] * self.normals
+        drawn = np.array([resized(self.least(v), self.harmonics, more) for v in signed])
+        higher = more.labels[0] > self.harmonics.degree
+        following = self.raised(more.degree)
+        size = self.misfit * np.sqrt(4.0 * np.pi / np.count_nonzero(higher))
+        if following.is_determined:
+            size = float(np.sqrt(np.mean(following.least(self.missed)[higher] ** 2)))
+        drawn[:, higher] = size * random.normal(size=drawn[:, higher].shape)
+        return drawn
+
+    @cached_property
+    def _root(self) -> Floats:
+        return np.sqrt(self.weights)[:, None]
+
+    @cached_property
+    def _triangle(self) -> Floats:
+        """The upper triangle R (size, size) of the weighted table, ``R^T R`` being its normal matrix."""
+        rows = self._root * self.table
+        return np.asarray(cholesky(rows.T @ rows))
+
+    @property
+    def is_determined(self) -> bool:
+        """Whether the vertices determine all coefficients."""
+        try:
+            R = self._triangle
+        except np.linalg.LinAlgError:
+            return False
+        return float(dtrcon(R)[0]) >= VERTEX_FIT.determined
+
+    def least(self, vectors: Floats) -> Floats:
+        """Coefficients (size, 3) of the least squares fit to vectors (V, 3)."""
+        pulled = self.table.T @ (self.weights[:, None] * vectors)
+        return np.asarray(cho_solve((self._triangle, False), pulled))
+
+    def _least_along(self, vectors: Floats) -> Floats:
+        """The same with a low weight of what is along the surface; iterations after a change by R."""
+        R, n = self._triangle, self.normals
+
+        def weighted(v: Floats) -> Floats:
+            along = np.einsum("ni,ni->n", v, n)[:, None] * n
+            return self._root * (VERTEX_FIT.sideways * v + (1.0 - VERTEX_FIT.sideways) * along)
+
+        def forward(c: Floats) -> Floats:
+            return weighted(self.table @ solve_triangular(R, c.reshape(-1, 3))).ravel()
+
+        def backward(v: Floats) -> Floats:
+            return solve_triangular(R, self.table.T @ weighted(v.reshape(-1, 3)), trans="T").ravel()
+
+        shape = (self.x.size, 3 * self.harmonics.size)
+        operator = LinearOperator(shape, matvec=forward, rmatvec=backward, dtype=np.float64)
+        tolerance, most = VERTEX_FIT.solved, VERTEX_FIT.iterations
+        found = lsmr(operator, weighted(vectors).ravel(), atol=tolerance, btol=tolerance, maxiter=most)
+        return np.asarray(solve_triangular(R, found[0].reshape(-1, 3)))
+
+
+def _moved(u: Floats, step: Floats, faces: Indices) -> Floats:
+    """Unit vectors moved by a step (V, 3), by less of it around triangles that would turn over."""
+    share = np.ones((len(u), 1))
+    for _ in range(VERTEX_FIT.halvings):
+        v = u + share * step
+        v /= np.linalg.norm(v, axis=1, keepdims=True)
+        over = orientations(faces, v) <= 0.0
+        if not over.any():
+            return v
+        share[np.unique(faces[over])] *= 0.5
+    return u
