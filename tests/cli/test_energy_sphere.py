@@ -47,7 +47,7 @@ def test_a_sphere_around_one_hole_at_rest(report, slice_, sphere):
     assert not found["notes"]
 
 
-@pytest.mark.parametrize("scale", [1e-5, 1e6])
+@pytest.mark.parametrize("scale", [1e-5, pytest.param(1e6, marks=pytest.mark.slow)])
 def test_units_and_the_wang_yau_energy(report, scale):
     """Of a sphere in a slice that falls: that of the slice at rest, in any unit."""
     arguments = ["painleve-gullstrand", "--mass", scale, "--sphere", 0, 0, 0, 4 * scale, "--wang-yau"]
@@ -56,6 +56,7 @@ def test_units_and_the_wang_yau_energy(report, scale):
     assert abs(found["wang_yau"] - exact) <= found["errors"]["wang_yau"] <= 1e-9 * scale
 
 
+@pytest.mark.slow
 def test_the_spin_is_a_vector_or_along_z(report):
     """What is printed is what Python computes, and turning the hole changes nothing."""
     upright = report("kerr-schild", "--spin", 0.5, "--sphere", 0, 0, 0, 3, *FEW)
@@ -79,6 +80,7 @@ def test_a_sphere_in_a_file(report):
     assert same == found
 
 
+@pytest.mark.slow
 def test_what_is_a_horizon_is_said_by_options(report):
     arguments = ["isotropic", "--sphere", 0, 0, 0, 0.5, *FEW]
     undecided = report(*arguments)

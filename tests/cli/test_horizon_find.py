@@ -70,7 +70,7 @@ def test_two_holes(found, arguments, mass, liu_yau):
     assert report["name"].startswith(f"horizon{near} in brill-lindquist, masses 0.")
 
 
-@pytest.mark.parametrize("scale", [1e-3, 1e6])
+@pytest.mark.parametrize("scale", [1e-3, pytest.param(1e6, marks=pytest.mark.slow)])
 def test_one_hole_in_any_unit(found, scale):
     at = (1.0 * scale, -2.0 * scale, 3.0 * scale)
     report = found("isotropic", "--mass", scale, "--center", *at)

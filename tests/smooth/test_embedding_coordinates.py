@@ -75,6 +75,7 @@ def test_it_lies_as_the_directions_do():
     np.testing.assert_allclose(found.points(U), points(U), atol=1e-9)
 
 
+@pytest.mark.slow
 def test_a_start_is_in_coordinates_of_its_own():
     first = embed_smooth(seen_from((3.0, 2.0, 1.0), (0.0, 0.0, 0.0))[1], vertices=300)
     points, metric = seen_from((3.0, 2.1, 1.0), (0.0, 0.0, 0.0))
@@ -95,7 +96,7 @@ def test_a_tilted_axis_costs_as_little_as_z():
     np.testing.assert_allclose(found.points(U @ metric.Q.T), exact.points(U) @ metric.Q.T, atol=1e-11)
 
 
-@pytest.mark.parametrize("spin", [0.867, 0.9])
+@pytest.mark.parametrize("spin", [0.867, pytest.param(0.9, marks=pytest.mark.slow)])
 def test_a_tilted_horizon_is_refused_exactly(spin):
     with pytest.raises(
         NotEmbedded,

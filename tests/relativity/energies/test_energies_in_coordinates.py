@@ -99,7 +99,7 @@ def test_time_functions_in_other_directions():
     )
 
 
-@pytest.mark.parametrize("a", [0.867, 0.9])
+@pytest.mark.parametrize("a", [0.867, pytest.param(0.9, marks=pytest.mark.slow)])
 def test_tilted_horizons_beyond_the_limit_are_refused(a):
     slice_ = KerrSchild(1.0, tuple(a * TILTED))
     data = StarSurface.from_radius(slice_.spheroid(slice_.horizon)).data(slice_, marginal=True)

@@ -64,6 +64,7 @@ def test_the_least_energy_tends_to_that_of_the_horizon():
     assert missing[1] < 2e-3 and steep[1] < 1e-3
 
 
+@pytest.mark.slow
 def test_a_steep_time_costs_more_and_more():
     energies = []
     for distance in (1e-5, 1e-7):

@@ -37,6 +37,9 @@ class LadderThresholds:
     patience: int = threshold(2, "count", "Degrees in a row without it that end the search.")
     off: float = threshold(0.01, "mean radius", "Distance of the center from the centroid that is moved.")
     moves: int = threshold(3, "count", "How often the center is moved.")
+    rays: int = threshold(50, "count", "Most of Newton's steps to where rays from the new center meet it.")
+    grazing: float = threshold(0.1, "relative", "Cosine of rays to normals, at least, in these.")
+    met: float = threshold(1e-14, "relative", "Step that is the last of these.")
     directions: int = threshold(200, "count", "Directions in which symmetry about z is looked for.")
     twist: float = threshold(1e-12, "mean radius", "Displacement around z that is none.")
     trials: int = threshold(2, "count", "Degrees in which a first solution is looked for.")
@@ -193,16 +196,16 @@ def recentered(surface: StarSurface, symmetric: bool) -> StarSurface:
     transform = _transform(surface.harmonics, degree + 1, 2 * degree + 2)
     u = transform.u
     t = surface.radius(u)
-    for _ in range(50):
+    for _ in range(LADDER.rays):
         w = off + t[:, None] * u
         size = np.linalg.norm(w, axis=1)
         v = w / size[:, None]
         r, slope, _ = surface.harmonics.derivatives(v, surface.coefficients)
         along = np.einsum("ni,ni->n", v, u)
         rate = along - np.einsum("ni,ni->n", slope, u) / size
-        change = (size - r) / np.maximum(rate, 0.1)
+        change = (size - r) / np.maximum(rate, LADDER.grazing)
         t = t - change
-        if np.abs(change).max() <= 1e-14 * size.max():
+        if np.abs(change).max() <= LADDER.met * size.max():
             break
     coefficients = transform.analysis(t[:, None])[:, 0]
     return StarSurface((np.array(surface.center) + off).tolist(), surface.harmonics, coefficients)
