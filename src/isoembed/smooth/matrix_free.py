@@ -25,16 +25,19 @@ class MatrixFreeThresholds:
     """Thresholds of the Gauss-Newton method without matrices."""
 
     oversampled: float = threshold(1.3, "relative", "Nodes over coefficients, each way.")
-    damping: float = threshold(1.0, "error of lengths", "Size of strains whose modes are damped by a half.")
+    damping: float = threshold(
+        1.0, "error of lengths", "Strains in the last degree that are damped by a half."
+    )
+    smoothing: float = threshold(2.0, "exponent", "Growth of the damping with the degree over the last.")
     easing: float = threshold(0.2, "relative", "Damping over the one before, after a whole step.")
     residual: float = threshold(0.05, "relative", "Residual of a linear solve that suffices.")
     gradient: float = threshold(1e-3, "relative", "Gradient of a linear solve that suffices.")
     exact: float = threshold(1e-5, "relative", "The same of deformations, which no later step mends.")
-    iterations: int = threshold(600, "count", "Most conjugate gradients in one step.")
+    iterations: int = threshold(2000, "count", "Most conjugate gradients in one step.")
     steps: int = threshold(40, "count", "Most steps.")
     shortest: float = threshold(1e-2, "steps", "Least part of a step that is tried.")
     slow: float = threshold(0.8, "relative", "Error over the one before that is slow progress.")
-    patience: int = threshold(2, "count", "Slow steps in a row that are the last.")
+    patience: int = threshold(3, "count", "Slow steps in a row that are the last.")
     unresolved: float = threshold(1.0, "relative", "Error over what the last degrees hold that is enough.")
     last: int = threshold(3, "count", "Degrees at the end that tell what the next ones would hold.")
     rounding: float = threshold(1e-14, "relative", "Error of lengths that is rounding.")
@@ -85,9 +88,10 @@ class MatrixFreeIsometry:
 
         Notes
         -----
-        Steps are damped as by Levenberg and Marquardt, the more the larger the strains.  They end where the
-        strains are no larger than what the next degrees would hold: with too few harmonics the least strains
-        may be those of another surface.
+        High degrees are damped, the more the larger the strains are: where K < 0 they hold motions that
+        hardly strain the surface, which noise and too few harmonics would fill.  Steps end where the strains
+        are no larger than what the next degrees would hold: with too few harmonics the least strains may be
+        those of another surface.
         """
         C = coefficients / self.unit
         tangents, residuals = self._strained(C, stretch)
@@ -97,7 +101,7 @@ class MatrixFreeIsometry:
             if error <= max(enough, MATRIX_FREE.unresolved * self._beyond(C)):
                 break
             damping = eased * error / MATRIX_FREE.damping / np.sqrt(4.0 * np.pi)
-            step = self._least_squares(tangents, -residuals[..., None], damping)[..., 0]
+            step = self._least_squares(C, tangents, -residuals[..., None], damping)[..., 0]
             length = 1.0
             while True:
                 trial = C + length * step
@@ -121,9 +125,9 @@ class MatrixFreeIsometry:
 
         They are of first order, without a translation or rotation.
         """
-        tangents = self._tangents(coefficients / self.unit)
+        C = coefficients / self.unit
         right = np.moveaxis(self.root[:, None] * strains, 0, 2)
-        return self.unit * np.moveaxis(self._least_squares(tangents, right, 0.0), 2, 0)
+        return self.unit * np.moveaxis(self._least_squares(C, self._tangents(C), right, 0.0), 2, 0)
 
     def _tangents(self, C: Floats) -> Floats:
         """Derivatives (n, 2, 3) along the frames."""
@@ -145,10 +149,11 @@ class MatrixFreeIsometry:
         degrees = self.transform.harmonics.labels[0].astype(np.float64)[:, None]
         return np.divide(1.0, degrees, out=np.zeros_like(degrees), where=degrees > 0.0)
 
-    def _least_squares(self, tangents: Floats, right: Floats, damping: float) -> Floats:
-        """Changes (size, 3, k) of the coefficients whose strains come nearest to right sides (n, 3, k).
+    def _least_squares(self, C: Floats, tangents: Floats, right: Floats, damping: float) -> Floats:
+        """Changes (size, 3, k) of the coefficients C whose strains come nearest to right sides (n, 3, k).
 
-        The method of conjugate gradients for least squares, all right sides at a time.
+        The method of conjugate gradients for least squares, all right sides at a time.  What the changed
+        coefficients hold in high degrees is damped.
         """
         X1, X2 = tangents[:, 0], tangents[:, 1]
         W = np.zeros((len(X1), 3, 2, 3))
@@ -157,7 +162,8 @@ class MatrixFreeIsometry:
         W = np.einsum("nsac,nab->nsbc", W, self.root[:, None, None] * self.frames).reshape(len(X1), 3, 6)
         count = right.shape[2]
         scale, size = self._scale[..., None], self.transform.harmonics.size
-        damp = np.divide(damping, scale, out=np.zeros_like(scale), where=scale > 0.0)
+        degrees = self.transform.harmonics.labels[0][:, None, None]
+        damp = damping * degrees * (degrees / degrees.max()) ** MATRIX_FREE.smoothing
 
         def strained(y: Floats) -> Floats:
             slopes = self.transform.gradients((scale * y).reshape(size, 3 * count))
@@ -171,8 +177,8 @@ class MatrixFreeIsometry:
             return np.einsum("isj,isj->j", a, a)
 
         y = np.zeros((size, 3, count))
-        rest, held = right.copy(), np.zeros_like(y)
-        gradient = adjoint(rest)
+        rest, held = right.copy(), np.broadcast_to(-damp * degrees * C[..., None], y.shape)
+        gradient = adjoint(rest) + damp * held
         along, square = gradient, squares(gradient)
         tight = MATRIX_FREE.gradient if damping else MATRIX_FREE.exact
         small = tight**2 * square

@@ -3,7 +3,6 @@
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 from functools import cached_property, partial
-from itertools import pairwise
 
 import numpy as np
 
@@ -46,7 +45,8 @@ class SolveThresholds:
     uncertain: float = threshold(10.0, "relative", "The same over the error of the metric.")
     falling: float = threshold(0.6, "relative", "Residual over the one before that is a decrease.")
     hindered: int = threshold(32, "count", "Highest degree of the best fit to what has no embedding.")
-    in_vain: int = threshold(3, "count", "Degrees in turn without a decrease that are enough.")
+    standing: float = threshold(0.5, "relative", "The same over several degrees, before a surface is found.")
+    in_vain: int = threshold(3, "count", "Degrees in turn that tell whether there is a surface.")
     determined: int = threshold(3, "count", "Vertices for each harmonic that is fitted to them.")
     high: int = threshold(48, "count", "Least degree in which a surface of revolution is projected.")
     written: int = threshold(12, "decimals", "Rounding of an axis of symmetry in sentences.")
@@ -192,11 +192,17 @@ class _Goal:
             settled = surface.unsettled <= accuracy * abs(last) or surface.residual <= MEASURE.rounding
             if surface.converged and settled:
                 break
-            patience = 2 if surface.converged and surface.residual <= SOLVE.exact else SOLVE.in_vain
-            if _are_in_vain(residuals, patience) and harmonics.degree >= SOLVE.hindered:
+            if harmonics.degree >= SOLVE.hindered and self._is_in_vain(surface, residuals):
                 return self._judged(surface, residuals), residuals
             carried = surface.residual <= SOLVE.carried and not self._has_left(surface)
         return surface, residuals
+
+    def _is_in_vain(self, surface: SmoothEmbedding, residuals: list[float]) -> bool:
+        """Whether more harmonics hardly bring lengths nearer; once a surface is found, one degree tells."""
+        if surface.converged and surface.residual <= SOLVE.exact:
+            return len(residuals) > 1 and residuals[-1] >= SOLVE.falling * residuals[-2]
+        before = residuals[: 1 - SOLVE.in_vain]
+        return bool(before) and residuals[-1] >= SOLVE.standing * before[-1]
 
     def _judged(self, surface: SmoothEmbedding, residuals: list[float]) -> SmoothEmbedding:
         """A surface that more harmonics are in vain for: with K < 0 somewhere there need not be one."""
@@ -219,12 +225,6 @@ class _Goal:
     def _least_curvature(self) -> float:
         u, _ = gauss_rule(*SOLVE.sampled)
         return float(gaussian_curvature(self.metric, u).min())
-
-
-def _are_in_vain(residuals: list[float], count: int) -> bool:
-    """Whether so many degrees in turn have not brought lengths nearer."""
-    last = residuals[-count:]
-    return len(last) == count and all(b >= SOLVE.falling * a for a, b in pairwise(last))
 
 
 def _about(coordinates: SphereMap | None) -> str:
