@@ -32,6 +32,7 @@ class MeasureThresholds:
     highest: int = threshold(1000, "count", "Heights of nodes after which there are no more.")
     most: int = threshold(500_000, "count", "Nodes after which there are no more.")
     falling: float = threshold(0.9, "relative", "Change over the one before that is not rounding.")
+    lower: float = threshold(3.0, "relative", "Error over the change from lower degree, at most.")
     first_order: float = threshold(0.03, "relative", "Error over the correction of first order.")
     stiff: float = threshold(10.0, "relative", "Displacements over strains, where K > 0 everywhere.")
     flat: float = threshold(0.05, "round sphere's", "Gaussian curvature that is small.")
@@ -164,9 +165,9 @@ class SmoothEmbedding:
     def unsettled(self) -> float:
         """Change of `integrated_mean_curvature` that more harmonics or nodes may make.
 
-        It is what soft motions may make of the strains in second order, but no more than the change from
-        lower degree, and a part of the correction of first order; nothing of these where the strains are
-        rounding.  The change from fewer nodes adds to it.
+        It is what soft motions may make of the strains in second order, but no more than three times the
+        change from lower degree, and a part of the correction of first order; nothing of these where the
+        strains are rounding.  The change from fewer nodes adds to it.
         """
         measured = self._measured
         if self.residual <= MEASURE.rounding:
@@ -174,7 +175,8 @@ class SmoothEmbedding:
         value = measured.integrated_mean_curvature
         relative = measured.least_curvature * measured.area / (4.0 * np.pi)
         softness = MEASURE.soft if relative < MEASURE.flat else MEASURE.stiff
-        moved = min(abs(value - self.coarser), (softness * measured.strain) ** 2 * abs(value))
+        lower = MEASURE.lower * abs(value - self.coarser)
+        moved = min(lower, (softness * measured.strain) ** 2 * abs(value))
         return MEASURE.first_order * abs(measured.correction) + moved + measured.change
 
     @cached_property
