@@ -36,9 +36,10 @@ class SphereTransform:
 
     Notes
     -----
-    Libraries for this, ducc0 and SHTns, are under the GPL, which the core does not link; pyshtools has no
-    adjoints.  With derivatives of three functions to degree 128 and back, 194 x 388 nodes, one iteration of
-    least squares takes 26 ms here and 17 ms with ducc0 on the same core.
+    Of the libraries for this ducc0 is under the GPL and SHTns under CeCILL, which the core does not link;
+    pyshtools has no adjoints of derivatives.  Derivatives of three functions and back, on 1.5 times as many
+    heights as degrees, take 1.9, 1.2 and 2.2 times as long as with ducc0 0.42 at the degrees 64, 128 and 192,
+    on one core.
     """
 
     harmonics: Harmonics
