@@ -84,21 +84,21 @@ class MatrixFreeIsometry:
         stretch : ndarray, shape (n, 3), or 0
             In the form that `isoembed.smooth.isometry.strains` has.
         target : float
-            Root mean square of the strains that is enough.
+            Root mean square of the strains that is enough; so is then what the next degrees would hold.
+            With 0 the least strains are sought.
 
         Notes
         -----
         High degrees are damped, the more the larger the strains are: where K < 0 they hold motions that
-        hardly strain the surface, which noise and too few harmonics would fill.  Steps end where the strains
-        are no larger than what the next degrees would hold: with too few harmonics the least strains may be
-        those of another surface.
+        hardly strain the surface, which noise and too few harmonics would fill.  With too few harmonics the
+        least strains may be those of another surface.
         """
         C = coefficients / self.unit
         tangents, residuals = self._strained(C, stretch)
         error = float(np.linalg.norm(residuals))
         enough, eased, slow = max(target, MATRIX_FREE.rounding), 1.0, 0
         for _ in range(MATRIX_FREE.steps):
-            if error <= max(enough, MATRIX_FREE.unresolved * self._beyond(C)):
+            if error <= enough or (target and error <= MATRIX_FREE.unresolved * self._beyond(C)):
                 break
             damping = eased * error / MATRIX_FREE.damping / np.sqrt(4.0 * np.pi)
             step = self._least_squares(C, tangents, -residuals[..., None], damping)[..., 0]

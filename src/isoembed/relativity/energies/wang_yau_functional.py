@@ -43,7 +43,6 @@ class FunctionalThresholds:
 
     density: float = threshold(2.0, "relative", "Heights of nodes over the degree of the embedding.")
     exact: float = threshold(1e-12, "relative", "Error of lengths that needs no further solve.")
-    lengths: float = threshold(1e-12, "relative", "Error of lengths that suffices: that of E is its square.")
 
 
 FUNCTIONAL = FunctionalThresholds()
@@ -160,7 +159,7 @@ class Functional:
 
     def embedded(self, tau: Floats, start: Floats) -> EmbeddedTime:
         """The embedding for tau (m,), from the coefficients (size, 3) of X for a tau nearby."""
-        return EmbeddedTime(self, tau, self.system.solved(start, self.stretch(tau), FUNCTIONAL.lengths))
+        return EmbeddedTime(self, tau, self.system.solved(start, self.stretch(tau)))
 
     def stretch(self, tau: Floats) -> Floats:
         """Strains (n, 3) that d tau d tau adds to the metric."""
