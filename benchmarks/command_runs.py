@@ -1,0 +1,156 @@
+"""One run of ``isoembed embed`` on a mesh in a file, in a process of its own, and what it took."""
+
+import json
+import os
+import resource
+import shutil
+import subprocess
+import sys
+import tempfile
+import time
+from functools import partial
+from pathlib import Path
+
+import numpy as np
+
+from isoembed import PolyhedralMetric
+from isoembed.io import write_metric
+from stages import aligned
+
+THREADS = ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS")
+
+
+def kept_mesh(path, make):
+    """The path, with a mesh in it: the one that is there, or else one that is made, its labels shuffled."""
+    if not path.exists():
+        vertices, faces = make()
+        rng = np.random.default_rng(1)
+        label = rng.permutation(len(vertices))
+        shuffled = np.empty_like(vertices)
+        shuffled[label] = vertices
+        np.savez(path, vertices=shuffled, faces=label[faces][rng.permutation(len(faces))])
+    return path
+
+
+def read_mesh(path):
+    """Vertices and faces."""
+    with np.load(path) as kept:
+        return kept["vertices"], kept["faces"]
+
+
+def run(command, threads, seconds=resource.RLIM_INFINITY):
+    """Run it alone, to its end or for so many seconds of the processor.
+
+    Its exit status, seconds of the processor and of the clock, peak memory in MB, and what it said.
+    """
+    begin = time.perf_counter()
+    child = subprocess.Popen(
+        command,
+        env={**os.environ, **dict.fromkeys(THREADS, str(threads))},
+        stderr=subprocess.PIPE,
+        text=True,
+        preexec_fn=partial(resource.setrlimit, resource.RLIMIT_CPU, (seconds, seconds)),
+    )
+    message = child.stderr.read()
+    _, status, used = os.wait4(child.pid, 0)
+    child.returncode = os.waitstatus_to_exitcode(status)
+    clock = time.perf_counter() - begin
+    return child.returncode, used.ru_utime + used.ru_stime, clock, used.ru_maxrss / 1024, message
+
+
+def measure(path, most, backend=None, threads=1, seconds=resource.RLIM_INFINITY):
+    """Embed the lengths of a mesh.
+
+    Parameters
+    ----------
+    path : Path
+        Of the mesh.
+    most : int
+        Edges up to which one factorization of J J^T is timed.
+    backend : str, optional
+        By default what is chosen by default.
+    threads : int
+    seconds : int
+        Of the processor, after which the run is ended.
+    """
+    vertices, faces = read_mesh(path)
+    metric = PolyhedralMetric.from_mesh(vertices, faces)
+    row = {"n": len(vertices), "backend": backend or "default", "threads": threads}
+    with tempfile.TemporaryDirectory() as scratch:
+        inside = Path(scratch)
+        write_metric(inside / "metric.npz", metric)
+        isoembed = shutil.which("isoembed", path=Path(sys.executable).parent) or "isoembed"
+        files = ["-o", str(inside / "surface.npz"), "--report", str(inside / "report.json"), "--keep"]
+        command = [isoembed, "embed", str(inside / "metric.npz"), *files, "--quiet"]
+        command += ["--parameter", f"backend={backend}"] if backend else []
+        status, cpu, clock, peak, message = run(command, threads, seconds)
+        row |= {"status": status, "cpu": cpu, "clock": clock, "peak": peak}
+        if not (inside / "report.json").exists():
+            return row | {"failed": message.strip() or f"ended after {cpu:.0f} CPU s"}
+        report = json.loads((inside / "report.json").read_text())
+        with np.load(inside / "surface.npz") as found:
+            error = aligned(found["vertices"], vertices)
+    return row | {
+        "one": one_in_own_process(path, backend, threads) if metric.triangulation.n_edges <= most else None,
+        "factorizations": sum(stage["factorizations"] for stage in report["stages"]),
+        "stages": report["stages"],
+        "residual": report["residual"]["max"],
+        "aligned": error,
+        "inverted": report["convexity"]["inverted_vertices"],
+    }
+
+
+def one_in_own_process(path, backend, threads):
+    """Seconds of the processor of one numeric factorization of J J^T, in a process of its own."""
+    mesh = f"*read_mesh({str(path.resolve())!r})"
+    call = f"from command_runs import *; print(one_factorization({mesh}, {backend!r}))"
+    environment = {**os.environ, **dict.fromkeys(THREADS, str(threads))}
+    here = Path(__file__).parent
+    return float(subprocess.check_output([sys.executable, "-c", call], env=environment, cwd=here, text=True))
+
+
+def one_factorization(vertices, faces, backend):
+    """Least seconds of the processor of two numeric factorizations of J J^T."""
+    from isoembed.surface.rigidity import LengthSystem
+
+    metric = PolyhedralMetric.from_mesh(vertices, faces)
+    system = LengthSystem(metric.triangulation, backend=backend)
+    J = system._matrix(vertices / metric.unit, metric.lengths / metric.unit)
+    seconds = []
+    for _ in range(2):
+        start = time.process_time()
+        system._factor(J)
+        seconds.append(time.process_time() - start)
+    return min(seconds)
+
+
+HEAD = (
+    f"{'surface':<24} {'N':>9} {'backend':>8} {'thr.':>4} {'cpu s':>7} {'clock s':>7} {'one':>6} "
+    f"{'cpu/one':>9} {'fact.':>5} {'MB':>6} {'edge error':>10} {'aligned':>8} {'inv.':>4}  stages, s"
+)
+
+
+def show(name, row, remark=""):
+    """Print a row."""
+    start = f"{name:<24} {row['n']:>9,} {row['backend']:>8} {row['threads']:>4} "
+    if "failed" in row:
+        print(start + row["failed"] + remark, flush=True)
+        return
+    one = "" if row["one"] is None else f"{row['one']:.2f}"
+    ratio = "" if row["one"] is None else f"{row['cpu'] / row['one']:.1f}"
+    stages = ", ".join(f"{s['name']} {s['seconds']:.2f} ({s['factorizations']})" for s in row["stages"])
+    print(
+        start + f"{row['cpu']:>7.1f} {row['clock']:>7.1f} {one:>6} {ratio:>9} {row['factorizations']:>5} "
+        f"{row['peak']:>6.0f} {row['residual']:>10.0e} {row['aligned']:>8.0e} {row['inverted']:>4}  {stages}"
+        + ("" if row["status"] == 0 else f"  EXIT {row['status']}")
+        + remark,
+        flush=True,
+    )
+
+
+def exponent(rows):
+    """Slope of the processor's seconds over N, logarithmic, from 40,000 to 640,000 or what there is of it."""
+    rows = [row for row in rows if "failed" not in row and 40_000 <= row["n"] <= 640_000]
+    if len(rows) < 2:
+        return None
+    return float(np.polyfit(np.log([row["n"] for row in rows]), np.log([row["cpu"] for row in rows]), 1)[0])
