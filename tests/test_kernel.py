@@ -41,7 +41,7 @@ def call(place, **environment):
     """Call the kernel in a process; return where its code is kept, and whether it was there before."""
     usual = {key: value for key, value in os.environ.items() if not key.startswith(("NUMBA", "XDG"))}
     places = {"HOME": place / "home", "TMPDIR": place / "temporary", "PYTHONDONTWRITEBYTECODE": "1"}
-    paths = {"PYTHONPATH": Path(isoembed.__file__).parents[1], "OMP_NUM_THREADS": "1"}
+    paths = {"PYTHONPATH": Path(isoembed.__file__).parents[1], "ISOEMBED_KERNELS": "compiled"}
     done = subprocess.run(
         [sys.executable, "-c", SCRIPT, place / "source"],
         env=usual | {key: str(value) for key, value in (places | paths | environment).items()},

@@ -5,6 +5,7 @@ import sys
 import pytest
 from numba import njit
 
+import isoembed.kernel.compiler  # noqa: F401 -- numba's events are heard
 from isoembed.cli import compilation
 from isoembed.cli.compilation import compilation_said
 

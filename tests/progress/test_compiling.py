@@ -4,6 +4,7 @@ import time
 
 from numba import njit
 
+import isoembed.kernel.compiler  # noqa: F401 -- numba's events are heard
 from isoembed.progress.compiling import COMPILING, Compiling, working_clock
 from isoembed.progress.stages import COMPILATION, Log
 

@@ -1,8 +1,7 @@
 """Random flips."""
 
-from numba import njit
-
 from isoembed.intrinsic.flips import flip
+from isoembed.kernel import kernel
 
 
 def scramble(mesh, flips, rng, thinnest=1e-3):
@@ -10,7 +9,7 @@ def scramble(mesh, flips, rng, thinnest=1e-3):
     return flip_some(mesh, rng.integers(0, mesh.corners.size, flips), thinnest)
 
 
-@njit
+@kernel
 def flip_some(mesh, tried, thinnest):
     """Flip the edges of these half-edges where that leaves no thin triangle; return how many were."""
     flips = 0

@@ -3,30 +3,23 @@
 import sys
 from collections.abc import Iterator
 from contextlib import contextmanager
-from typing import Any
-
-from numba.core import event
 
 from isoembed.cli.screen import print_error
-from isoembed.progress.compiling import COMPILING, KIND
+from isoembed.progress.compiling import COMPILING
 
 PATIENCE = 2.0  # seconds
 
 
-class Notice(event.Listener):
+class _Notice:
     """Says once that functions are being compiled, when that has taken some time."""
 
     def __init__(self) -> None:
         self._before, self._said = COMPILING.seconds, False
 
-    def on_start(self, _: Any) -> None:
-        """Begin to compile a function."""
+    def __call__(self) -> None:
         if not self._said and COMPILING.seconds > self._before + PATIENCE:
             self._said = True
             print_error("functions are being compiled, once, which takes a minute or two", "note")
-
-    def on_end(self, _: Any) -> None:
-        """End."""
 
 
 @contextmanager
@@ -35,9 +28,9 @@ def compilation_said(quiet: bool) -> Iterator[None]:
     if quiet or sys.stderr is None or not sys.stderr.isatty():
         yield
         return
-    notice = Notice()
-    event.register(KIND, notice)
+    notice = _Notice()
+    COMPILING.watchers.append(notice)
     try:
         yield
     finally:
-        event.unregister(KIND, notice)
+        COMPILING.watchers.remove(notice)

@@ -11,13 +11,12 @@ from dataclasses import dataclass
 from typing import Any, NamedTuple
 
 import numpy as np
-from numba.extending import overload
 
 from isoembed.arrays import Floats, Indices
 from isoembed.intrinsic.flips import Tracked, flip, flip_tracked
 from isoembed.intrinsic.halfedges import HalfEdges, following, preceding
 from isoembed.intrinsic.trigonometry import apex, twice_area
-from isoembed.kernel import kernel
+from isoembed.kernel import kernel, with_numba
 from isoembed.thresholds import compiled, threshold
 
 
@@ -43,25 +42,34 @@ END, FREE = -1, -2  # on the stack: nothing below, and not on it
 BLOCKED, LEFT, FLIPPED = -1, 0, 1
 
 
+_ATTEMPTS: dict[type | None, Callable] = {}  # by the kind of their rules
+
+
 def attempt(h: int, mesh: NamedTuple, rule: NamedTuple) -> int:
-    """Flip the edge of a half-edge if a rule demands it; for compiled functions.
+    """Flip the edge of a half-edge if a rule demands it; for kernels.
 
     Returns
     -------
     int
         `FLIPPED`; `LEFT` if it is not to be flipped; `BLOCKED` if it is, but cannot be.
     """
-    raise NotImplementedError
+    return int(_ATTEMPTS[type(rule)](h, mesh, rule))
+
+
+@with_numba
+def _compile_attempt() -> None:
+    from numba.extending import overload
+
+    @overload(attempt, strict=False)  # it would compare annotations
+    def choose(h: Any, mesh: Any, rule: Any) -> Callable | None:
+        return _ATTEMPTS.get(getattr(rule, "instance_class", None))
 
 
 def attempts(kind: type) -> Callable[[Callable], Callable]:
     """Decorator that makes a function of ``(h, mesh, rule)`` the `attempt` of a kind of rules."""
 
     def register(function: Callable) -> Callable:
-        @overload(attempt, strict=False)  # it would compare annotations
-        def choose(h: Any, mesh: Any, rule: Any) -> Callable | None:
-            return function if getattr(rule, "instance_class", None) is kind else None
-
+        _ATTEMPTS[kind] = function
         return function
 
     return register

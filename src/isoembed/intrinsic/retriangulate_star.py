@@ -157,7 +157,7 @@ def _slenderness(h: int, lengths: Floats) -> float:
     """Longest side over height of the triangle of a half-edge: how its angles magnify errors of lengths."""
     a, b, c = lengths[h], lengths[following(h)], lengths[preceding(h)]
     longest, area = max(a, b, c), twice_area(a, b, c)
-    return longest * longest / area if area > 0 else 1e300
+    return longest * longest / area if area > 0 else np.inf
 
 
 @kernel

@@ -1,25 +1,26 @@
 """Time spent compiling: numba compiles a function on its first call, once for all if it can keep the code."""
 
 import time
+from collections.abc import Callable
 from typing import Any
 
-from numba.core import event
-
-KIND = "numba:compile"
-"""The kind of events of numba's compiler."""
+from isoembed.kernel import with_numba
 
 
-class Compiling(event.Listener):
+class Compiling:
     """Listener to numba's compiler.
 
     Attributes
     ----------
     functions : int
         That were compiled so far, those that were found compiled not among them.
+    watchers : list of callable
+        Called whenever it begins to compile one.
     """
 
     def __init__(self) -> None:
         self.functions = 0
+        self.watchers: list[Callable[[], None]] = []
         self._open = 0  # one within another: a function and those that it calls
         self._spent: tuple[float, float | None] = (0.0, None)  # until now, and since when it is compiling
 
@@ -39,6 +40,8 @@ class Compiling(event.Listener):
         if not self._open:
             self._spent = self._spent[0], time.perf_counter()
         self._open += 1
+        for watcher in self.watchers:
+            watcher()
 
     def on_end(self, _: Any) -> None:
         """End, be it with an error."""
@@ -51,7 +54,15 @@ class Compiling(event.Listener):
 COMPILING = Compiling()
 """That of this process."""
 
-event.register(KIND, COMPILING)
+
+@with_numba
+def _listen() -> None:
+    from numba.core import event
+
+    class Listener(event.Listener):
+        on_start, on_end = staticmethod(COMPILING.on_start), staticmethod(COMPILING.on_end)
+
+    event.register("numba:compile", Listener())
 
 
 def working_clock() -> float:

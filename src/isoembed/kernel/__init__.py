@@ -1,0 +1,50 @@
+"""Functions that are compiled when it pays, and until then run as the Python that they are."""
+
+from collections.abc import Callable
+from typing import Any
+
+from isoembed.kernel.choice import Kernel
+from isoembed.kernel.numba_hooks import with_numba
+
+__all__ = ["kernel", "with_numba"]
+
+
+def kernel(function: Callable[..., Any] | None = None, **options: Any) -> Any:
+    """Decorator of functions that numba compiles when it pays.
+
+    To compile a function takes numba .06 s and .01 s for each of its lines, many times what the function
+    itself takes for a few hundred vertices.  So it runs as Python until that took as long as compiling it
+    would, or until a call is expected to (`isoembed.kernel.worth`), and compiled from then on.  Compiled code
+    is kept for later processes: in the folder that ``NUMBA_CACHE_DIR`` names, else beside the source, else in
+    the user's cache folder, else, where all of these cannot be written to, as to services without a home, in
+    a folder below the temporary one.  To load it is cheap, and done sooner.  A kernel that compiled ones call
+    is compiled with them.  numba is not imported before it is needed.
+
+    Either way a kernel does the same.  For Python, this decorator sees to it that
+
+    - floats among the arguments become NumPy's, of which no error is raised: a division by zero is infinite
+      or NaN, as it is in compiled code.  (As an exception it would be another way out of a function, on which
+      numba counts the references to every array of a named tuple: to flip 100,000 vertices to Delaunay then
+      takes 40 % longer than with loose arrays.)
+    - what is returned are Python's numbers, alone or in a tuple.
+
+    Whoever writes a kernel sees to it that
+
+    - no Python number is divided by one that may be zero: one of the two is an element of an array, an
+      argument that is a float or what a function of NumPy returned.  No function is one of `math`.
+    - nothing rests on the overflow of integers: numba adds int32 as int64, NumPy does not.
+    - arguments are arrays, numbers and named tuples of them, which do not hold named tuples, and are not
+      given by name.
+
+    The environment variable ``ISOEMBED_KERNELS`` is for tests: ``interpreted`` has only those calls compiled
+    that would take seconds, ``compiled`` all of them.
+
+    Parameters
+    ----------
+    function : callable
+    **options
+        Of `numba.njit`.
+    """
+    if function is None:
+        return lambda function: Kernel(function, options)
+    return Kernel(function, options)

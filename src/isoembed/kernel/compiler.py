@@ -1,0 +1,79 @@
+"""Compiled functions: numba's, and how their code is kept.  To import this imports numba."""
+
+import pickle
+from collections.abc import Callable
+from contextlib import suppress
+from pathlib import Path
+from typing import Any
+
+from numba.core.caching import CompileResultCacheImpl, FunctionCache, InTreeCacheLocator
+from numba.core.registry import CPUDispatcher
+
+from isoembed.kernel.numba_hooks import tell_numba
+from isoembed.kernel.place import writable_place
+from isoembed.kernel.worth import NotWorth
+
+_Numbas: Any = CPUDispatcher  # which has more than its stubs say
+
+
+class Dispatcher(_Numbas):
+    """That of numba, which asks before it compiles or loads anything for a call from Python."""
+
+    kernel: Any = None
+
+    def _compile_for_args(self, *args: Any, **named: Any) -> Any:
+        if self.kernel is None:
+            return super()._compile_for_args(*args, **named)
+        if not self.kernel.pays(args):
+            raise NotWorth
+        entry = super()._compile_for_args(*args, **named)
+        self.kernel.account.seconds = 0.0
+        return entry
+
+
+def dispatcher(kernel: Any) -> Dispatcher:
+    """Return the dispatcher of a kernel; nothing calls it from C."""
+    always = {"nopython": True, "error_model": "numpy", "no_cfunc_wrapper": True}
+    made = Dispatcher(kernel.py_func, targetoptions=always | kernel.targetoptions)
+    made.kernel = kernel
+    with suppress(OSError, RuntimeError):  # there is no place for it
+        made._cache = _Cache(kernel.py_func)
+    return made
+
+
+class _Locator(InTreeCacheLocator):
+    @classmethod
+    def from_function(cls, py_func: Callable[..., Any], py_file: str) -> "_Locator | None":
+        place = writable_place(Path(py_file).parent)
+        if place is None or not Path(py_file).exists():
+            return None
+        self = cls(py_func, py_file)
+        self._cache_path = str(place)
+        return self
+
+
+class _Implementation(CompileResultCacheImpl):
+    _locator_classes = [_Locator]  # noqa: RUF012
+
+
+class _Cache(FunctionCache):
+    """The kept code of a function.  If it cannot be read or written, the function is compiled anew."""
+
+    _impl_class = _Implementation
+
+    def load_overload(self, *compiled_for: Any) -> Any:
+        try:
+            return super().load_overload(*compiled_for)
+        except OSError:  # closed to us
+            return None
+        except (EOFError, pickle.UnpicklingError):  # cut short
+            with suppress(OSError):
+                self.flush()
+            return None
+
+    def save_overload(self, *compiled: Any) -> None:
+        with suppress(OSError, EOFError, pickle.UnpicklingError):  # a full disk, and what it left
+            super().save_overload(*compiled)
+
+
+tell_numba()

@@ -1,0 +1,76 @@
+"""When it pays to compile a function: who rents until the rent is the price pays at most twice the least."""
+
+from dataclasses import dataclass
+from types import CodeType
+from typing import Any
+
+import numpy as np
+
+from isoembed.thresholds import threshold
+
+
+class NotWorth(Exception):  # noqa: N818 -- no error
+    """To compile a function for arguments of these types does not pay yet."""
+
+
+@dataclass(frozen=True)
+class KernelThresholds:
+    """What compiled code costs, and what it costs to do without."""
+
+    compiling: float = threshold(0.06, "seconds", "To compile a function takes this ...")
+    line: float = threshold(0.015, "seconds", "... and this for each of its lines.")
+    loading: float = threshold(0.01, "seconds", "To load a function that was compiled before.")
+    importing: float = threshold(0.25, "seconds", "To import numba, once for all functions of a process.")
+    interpreting: float = threshold(
+        3e-7, "seconds a line and element", "What a call is expected to take before one was measured."
+    )
+    size: int = threshold(
+        200_000, "elements", "For a larger array a function is compiled, whatever it took for small ones."
+    )
+    patience: float = threshold(3.0, "seconds", "Longer calls are compiled where no others are, in tests.")
+
+
+KERNEL = KernelThresholds()
+
+
+@dataclass
+class Account:
+    """What calls of a function took as Python.
+
+    Attributes
+    ----------
+    seconds : float
+        All of them, since the function was last compiled.
+    """
+
+    seconds: float = 0.0
+    _largest: int = 0
+    _rate: float = 0.0  # seconds an element of the largest
+
+    def enter(self, seconds: float, size: int) -> None:
+        """Add a call for so many elements."""
+        self.seconds += seconds
+        if size >= self._largest:
+            self._largest, self._rate = size, seconds / size
+
+    def expected(self, size: int, lines: int) -> float:
+        """Seconds that a call will take: for so many elements, of a function that has so many lines."""
+        if size > KERNEL.size:
+            return float("inf")
+        return size * (self._rate if self._largest else KERNEL.interpreting * lines)
+
+
+def elements(args: tuple[Any, ...]) -> int:
+    """Elements of the largest array among arguments and in tuples of them; one, if there is none."""
+    largest = 1
+    for arg in args:
+        if isinstance(arg, np.ndarray):
+            largest = max(largest, arg.size)
+        elif isinstance(arg, tuple):
+            largest = max(largest, elements(arg))
+    return largest
+
+
+def source_lines(code: CodeType) -> int:
+    """Lines of a function on which something is done."""
+    return len({line for _, _, line in code.co_lines()})
