@@ -149,7 +149,7 @@ from isoembed.linalg import analyze
 def status(key):
     with open("/proc/self/status") as lines:
         return next(int(line.split()[1]) * 1024 for line in lines if line.startswith(key))
-small, order = grid(60)
+small, order = grid({150 if backend == "multifrontal" else 60})
 analyze(small, order, {backend!r}, definite={definite}).factor(small.data)  # compiled, and libraries loaded
 matrix, order = grid(280)
 before = status("VmRSS")

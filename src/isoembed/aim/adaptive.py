@@ -81,7 +81,7 @@ class Aim(Method):
     best_fit : bool
         Whether to return the smooth surface that comes nearest to the lengths, a `FittedSurface`, where none
         is found that has them.
-    backend : {"superlu", "cholmod", "pardiso"}, optional
+    backend : {"multifrontal", "superlu", "pardiso"}, optional
         Who factors the matrices; by default the fastest that is installed.
     """
 

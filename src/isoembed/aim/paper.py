@@ -62,7 +62,7 @@ class Paper(Method):
         Annealing ends when no vertex moves more than this.
     max_iterations : int
         Newton steps of one annealing.
-    backend : {"superlu", "cholmod", "pardiso"}, optional
+    backend : {"multifrontal", "superlu", "pardiso"}, optional
         Who factors the symmetric matrices; by default the fastest that is installed.
 
     Examples

@@ -65,7 +65,7 @@ class Alexandrov(Method):
         conformal change of the lengths, and the report says what changed.  Where deficits only little above
         the noise show that so small ones belong to the body, only negative ones are lifted to zero.  By
         default only rounding is forgiven.
-    backend : {"superlu", "cholmod", "pardiso"}, optional
+    backend : {"multifrontal", "superlu", "pardiso"}, optional
         Who factors the matrices; by default the fastest that is installed.
 
     References

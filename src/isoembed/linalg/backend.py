@@ -1,24 +1,23 @@
 """Backends: which are installed and which is chosen; what they have in common, their errors."""
 
 from dataclasses import dataclass
-from importlib.metadata import version
 from importlib.util import find_spec
 from typing import Protocol
 
 from isoembed.arrays import Floats, Indices32
 from isoembed.errors import InvalidParameter
 
-_BACKENDS = {"pardiso": "mkl", "cholmod": "cholmod", "superlu": ""}
-"""The fastest first: each with the extra that installs it."""
+_BACKENDS = {"multifrontal": "", "pardiso": "mkl", "superlu": ""}
+"""The one to use first: each with the extra that installs it."""
 
 
 def available_backends() -> tuple[str, ...]:
-    """Names of the backends that are installed, the fastest first. Imports none of them."""
+    """Names of the backends that are installed, the default first. Imports none of them."""
     return tuple(name for name in _BACKENDS if _installed(name))
 
 
 def chosen_backend(backend: str | None) -> str:
-    """The named backend, or the fastest that is installed.
+    """The named backend, or the default.
 
     Raises
     ------
@@ -37,12 +36,7 @@ def chosen_backend(backend: str | None) -> str:
 
 
 def _installed(backend: str) -> bool:
-    if backend == "superlu":
-        return True
-    if backend == "pardiso":
-        return find_spec("pypardiso") is not None
-    # scikit-sparse 0.5 has another interface.
-    return find_spec("sksparse") is not None and version("scikit-sparse").startswith("0.4.")
+    return backend != "pardiso" or find_spec("pypardiso") is not None
 
 
 class SingularMatrix(ArithmeticError):  # noqa: N818  (named for what it says, as InvalidMetric is)

@@ -10,10 +10,12 @@ import scipy.sparse as sp
 from numpy.typing import ArrayLike
 
 from isoembed.arrays import Floats, Indices
+from isoembed.linalg import multifrontal, superlu
 from isoembed.linalg.backend import Numeric, SingularMatrix, Solves, Symbolic, chosen_backend
 from isoembed.linalg.elimination import first_asymmetry, first_gap, inverse, permuted, symbolic_analysis
 from isoembed.linalg.memory import require_memory
 from isoembed.linalg.superlu import checked_lu
+from isoembed.linalg.supernodes import find_supernodes
 from isoembed.linalg.symmetric import FACTORIZATION, SymmetricMatrix
 
 
@@ -29,8 +31,8 @@ def analyze(
         Build it from connectivity, because scipy's products drop entries that happen to be zero.
     order : (n,) int
         Elimination order, such as `Dissection.edge_order`: ``order[k]`` is the k-th unknown to eliminate.
-    backend : {"pardiso", "cholmod", "superlu"}, optional
-        By default the fastest that is installed.
+    backend : {"multifrontal", "pardiso", "superlu"}, optional
+        By default the first.
     definite : bool
         Whether the matrices must be positive definite. If not, they are factored as L D L^T with a diagonal
         D, down the diagonal in the order given (PARDISO exchanges unknowns within a dense block). That is
@@ -79,10 +81,14 @@ class Solver:
         self._indptr, self._indices, self._source = permuted(
             self.pattern.indptr, self.pattern.indices, self._order, True
         )
-        library = import_module(f"isoembed.linalg.{backend}")
-        self._symbolic: Symbolic = library.Symbolic(
-            self._indptr, self._indices, int(elimination.counts.sum()), definite
-        )
+        count = int(elimination.counts.sum())
+        self._symbolic: Symbolic
+        if backend == "multifrontal" and count > FACTORIZATION.small:
+            nodes = find_supernodes(self.pattern.indptr, self.pattern.indices, elimination)
+            self._symbolic = multifrontal.Symbolic(self._indptr, self._indices, count, definite, nodes)
+        else:
+            library = import_module(f"isoembed.linalg.{backend}") if backend == "pardiso" else superlu
+            self._symbolic = library.Symbolic(self._indptr, self._indices, count, definite)
         self._require_memory()
 
     def factor(self, data: ArrayLike) -> SymmetricFactor:

@@ -13,6 +13,9 @@ from isoembed.thresholds import compiled, threshold
 class FactorizationThresholds:
     """Thresholds of factorizations and of iterative refinement."""
 
+    small: int = threshold(
+        2**18, "entries", "Where L has no more, SuperLU is soon done, and nothing has to be compiled for it."
+    )
     equilibrations: int = threshold(5, "count", "Passes: 24 decades between neighbors become less than one.")
     largest_growth: float = threshold(
         2.0**46, "relative", "A scaled inverse larger than this leaves less than two digits to a solution."

@@ -1,0 +1,149 @@
+"""L D L^T of sparse symmetric matrices by dense fronts.
+
+The front of a supernode is a symmetric matrix on its columns and the rows below them: the sum of entries of A
+and of what its children pass on. Its columns are eliminated, and what that leaves of the rows below is passed
+on to its parent. As every supernode comes after its children, what waits for a parent lies on a stack (Duff,
+Reid, The multifrontal solution of indefinite sparse symmetric linear, ACM Trans. Math. Softw. 9, 1983).
+
+Pivots are taken down the diagonal, in the order given.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from isoembed.arrays import Floats, Indices32
+from isoembed.kernel import kernel
+from isoembed.linalg import backend
+from isoembed.linalg.fronts import beginning, eliminate_columns, extend, room_to_multiply
+from isoembed.linalg.supernodes import Supernodes
+
+
+@dataclass(eq=False)
+class Symbolic(backend.Symbolic):
+    """A pattern in elimination order, and its supernodes."""
+
+    nodes: Supernodes
+
+    @property
+    def needs(self) -> int:
+        """Bytes that the next factors will take."""
+        return 8 * (self.nodes.entries + self.nodes.room)
+
+    def factor(self, data: Floats) -> "Numeric":
+        """Factorize the matrix with these entries; raises SingularMatrix."""
+        L, stack = np.empty(self.nodes.entries), np.empty(self.nodes.room)
+        least = 0.0 if self.definite else -np.inf
+        negative = _eliminate(self.nodes, self.indptr, self.indices, data, L, stack, least)
+        if negative < 0:
+            raise self.refusal()
+        return Numeric(self.nodes, L, negative)
+
+
+@dataclass(frozen=True, eq=False)
+class Numeric:
+    """The factors of one matrix: the trapezoids of its supernodes one after the other, in each D and L."""
+
+    _nodes: Supernodes
+    _L: Floats
+    negative_pivots: int
+
+    def solve(self, b: Floats) -> Floats:
+        """Solve for b (n,) or (n, k)."""
+        x = np.array(b.T, order="C", ndmin=2)
+        _substitute(self._nodes, self._L, x)
+        return x.reshape(b.T.shape).T
+
+
+@kernel
+def _eliminate(
+    nodes: Supernodes,
+    indptr: Indices32,
+    indices: Indices32,
+    data: Floats,
+    L: Floats,
+    stack: Floats,
+    least: float,
+) -> int:
+    """Fill L; the number of negative pivots, or -1 where one is zero or not larger than the least."""
+    starts, ends = nodes.starts, nodes.ends
+    place = np.empty(indptr.size - 1, dtype=np.int64)  # in the front, of its rows
+    places, room = np.empty(nodes.widest, dtype=np.int64), room_to_multiply(nodes.widest)
+    waiting = np.empty(starts.size, dtype=np.int64)  # supernodes, in the order of the stack
+    waits = top = done = negative = 0
+    for s in range(starts.size - 1):
+        k, below = starts[s + 1] - starts[s], ends[s + 1] - ends[s]
+        m = k + below
+        for i in range(k):
+            place[starts[s] + i] = i
+        for i in range(below):
+            place[nodes.rows[ends[s] + i]] = k + i
+        front = stack[top : top + beginning(m, m)]
+        for i in range(front.size):
+            front[i] = 0.0
+        for j in range(k):
+            at = beginning(j, m) - j
+            for p in range(indptr[starts[s] + j], indptr[starts[s] + j + 1]):
+                front[at + place[indices[p]]] = data[p]
+        bottom = top
+        for _ in range(nodes.children[s]):
+            waits -= 1
+            c = waiting[waits]
+            size = ends[c + 1] - ends[c]
+            for i in range(size):
+                places[i] = place[nodes.rows[ends[c] + i]]
+            extend(front, m, stack[bottom - beginning(size, size) : bottom], places[:size])
+            bottom -= beginning(size, size)
+        if not eliminate_columns(front, k, m, least, room):
+            return -1
+        for j in range(k):
+            at = beginning(j, m)
+            pivot, scale = front[at], 1.0 / front[at]
+            negative += int(pivot < 0)
+            L[done] = pivot
+            for i in range(1, m - j):
+                L[done + i] = front[at + i] * scale
+            done += m - j
+        at = beginning(k, m)
+        for i in range(front.size - at):
+            stack[bottom + i] = front[at + i]
+        top = bottom + front.size - at
+        waiting[waits] = s
+        waits += 1
+    return negative
+
+
+@kernel(fastmath={"contract", "reassoc"})
+def _substitute(nodes: Supernodes, L: Floats, x: Floats) -> None:
+    """Solve for every row of x, (columns, n), in its place."""
+    starts, ends, count = nodes.starts, nodes.ends, nodes.starts.size - 1
+    v = np.empty(nodes.widest)
+    done = 0
+    for s in range(count):
+        k, m = starts[s + 1] - starts[s], starts[s + 1] - starts[s] + ends[s + 1] - ends[s]
+        for c in range(len(x)):
+            for i in range(m):
+                v[i] = x[c, starts[s] + i] if i < k else 0.0
+            for j in range(k):
+                at = done + beginning(j, m)
+                rest, column, known = v[j + 1 : m], L[at + 1 : at + m - j], v[j]
+                for i in range(rest.size):
+                    rest[i] -= known * column[i]
+                x[c, starts[s] + j] = known / L[at]
+            for i in range(k, m):
+                x[c, nodes.rows[ends[s] + i - k]] += v[i]
+        done += beginning(k, m)
+    for s in range(count - 1, -1, -1):
+        k, m = starts[s + 1] - starts[s], starts[s + 1] - starts[s] + ends[s + 1] - ends[s]
+        done -= beginning(k, m)
+        for c in range(len(x)):
+            for i in range(m):
+                v[i] = x[c, starts[s] + i if i < k else nodes.rows[ends[s] + i - k]]
+            for j in range(k - 1, -1, -1):
+                at = done + beginning(j, m)
+                rest, column = v[j + 1 : m], L[at + 1 : at + m - j]
+                total = 0.0
+                for i in range(rest.size):
+                    total += rest[i] * column[i]
+                v[j] -= total
+                x[c, starts[s] + j] = v[j]

@@ -1,0 +1,136 @@
+"""Supernodes: neighboring columns of L that are stored on the same rows, and eliminated together.
+
+The rows of a column of L below the diagonal are its parent in the elimination tree and some of the parent's
+rows. So columns that all lie below the last of them have entries on one another's rows and on those of the
+last only: they are stored as a dense trapezoid, in which some zeros are stored too.
+"""
+
+from dataclasses import dataclass
+from typing import NamedTuple
+
+import numpy as np
+
+from isoembed.arrays import Indices, Indices32
+from isoembed.kernel import kernel
+from isoembed.linalg.elimination import NONE, Elimination, inverse
+from isoembed.thresholds import compiled, threshold
+
+
+@dataclass(frozen=True)
+class SupernodeThresholds:
+    """Thresholds of the amalgamation of supernodes."""
+
+    front: float = threshold(2000.0, "multiplications", "What a front costs, however small it is.")
+    stored: float = threshold(30.0, "multiplications", "What an entry of L costs that is stored.")
+    passed: float = threshold(16.0, "multiplications", "What an entry costs that is passed on to a parent.")
+
+
+SUPERNODES = SupernodeThresholds()
+_T = compiled(SUPERNODES)
+
+
+class Supernodes(NamedTuple):
+    """The supernodes of a factor L, each after its children.
+
+    Attributes
+    ----------
+    starts : ndarray of int64, shape (S + 1,)
+        The first column of each, and last the number of columns.
+    children : ndarray of int64, shape (S,)
+        How many supernodes each is the parent of.
+    ends : ndarray of int64, shape (S + 1,)
+        The rows below the columns of supernode s are ``rows[ends[s] : ends[s + 1]]``, sorted.
+    rows : ndarray of int32
+    entries : int
+        Of L, with the zeros that are stored.
+    widest : int
+        Rows of the largest front.
+    room : int
+        Entries of the front that is being eliminated and of all that waits for its parent, at most.
+    """
+
+    starts: Indices
+    children: Indices
+    ends: Indices
+    rows: Indices32
+    entries: int
+    widest: int
+    room: int
+
+
+@kernel
+def find_supernodes(indptr: Indices32, indices: Indices32, elimination: Elimination) -> Supernodes:
+    """Find the supernodes of a symmetric pattern, both triangles in compressed columns."""
+    order, parent, counts = elimination
+    n = parent.size
+    starts = _amalgamated(parent, counts)
+    count = starts.size - 1
+    home = np.empty(n, dtype=np.int32)
+    above = np.full(count, NONE, dtype=np.int32)
+    children, ends = np.zeros(count, dtype=np.int64), np.zeros(count + 1, dtype=np.int64)
+    for s in range(count):
+        for j in range(starts[s], starts[s + 1]):
+            home[j] = s
+        ends[s + 1] = ends[s] + counts[starts[s + 1] - 1] - 1
+    entries = widest = waiting = room = 0
+    ready = np.zeros(count, dtype=np.int64)  # entries that the children pass on
+    for s in range(count):
+        k, below = starts[s + 1] - starts[s], ends[s + 1] - ends[s]
+        m = k + below
+        entries += k * m - k * (k - 1) // 2
+        widest = max(widest, m)
+        room = max(room, waiting + m * (m + 1) // 2)
+        passed = below * (below + 1) // 2
+        waiting += passed - ready[s]
+        if below > 0:
+            above[s] = home[parent[starts[s + 1] - 1]]
+            children[above[s]] += 1
+            ready[above[s]] += passed
+    # Row i has entries in the supernodes of its entries in A, and in those on the way up to its own.
+    place = inverse(order)
+    rows = np.empty(ends[count], dtype=np.int32)
+    end, met = ends[:-1].copy(), np.full(count, NONE, dtype=np.int32)
+    for i in range(n):
+        met[home[i]] = i
+        for p in range(indptr[order[i]], indptr[order[i] + 1]):
+            j = place[indices[p]]
+            s = home[min(i, j)]
+            while met[s] != i:
+                met[s] = i
+                rows[end[s]] = i
+                end[s] += 1
+                s = above[s]
+    return Supernodes(starts, children, ends, rows, entries, widest, room)
+
+
+@kernel
+def _amalgamated(parent: Indices32, counts: Indices) -> Indices:
+    """The first columns of supernodes, and the number of columns.
+
+    A supernode begins as one column, and takes in the one before while that is a child and this pays.
+    """
+    n = parent.size
+    starts, tops = np.empty((2, n + 1), dtype=np.int64)
+    found = 0
+    for column in range(n):
+        start, below = column, counts[column] - 1
+        cost = _cost(1, below)
+        while found > 0 and NONE < parent[tops[found - 1]] <= column:
+            before, top = starts[found - 1], tops[found - 1]
+            together = _cost(column + 1 - before, below)
+            if together > cost + _cost(top + 1 - before, counts[top] - 1):
+                break
+            start, cost = before, together
+            found -= 1
+        starts[found], tops[found] = start, column
+        found += 1
+    starts[found] = n
+    return starts[: found + 1].copy()
+
+
+@kernel
+def _cost(k: int, below: int) -> float:
+    """What a front of k columns costs, in multiplications."""
+    m = k + below
+    stored = 0.5 * _T.stored * k * (m + below)
+    return _T.front + stored + 0.5 * k * (m * m - m * k + k * k / 3.0) + 0.5 * _T.passed * below * below

@@ -1,0 +1,71 @@
+"""Elimination in dense fronts, against NumPy."""
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from isoembed.linalg.fronts import beginning, eliminate_columns, extend, room_to_multiply
+
+
+def triangle(matrix):
+    """The upper triangle, row after row."""
+    return np.concatenate([matrix[j, j:] for j in range(len(matrix))])
+
+
+def random_symmetric(m, seed, negative=0):
+    """Diagonally dominant: as many eigenvalues are negative as entries of the diagonal."""
+    rng = np.random.default_rng(seed)
+    matrix = rng.uniform(-1, 1, (m, m))
+    diagonal = rng.uniform(m, 2 * m, m)
+    diagonal[rng.permutation(m)[:negative]] *= -1
+    return np.triu(matrix, 1) + np.triu(matrix, 1).T + np.diag(diagonal)
+
+
+def eliminated(matrix, k, least):
+    """The front after k columns are eliminated, and whether that went well."""
+    m = len(matrix)
+    front = triangle(matrix)
+    done = eliminate_columns(front, k, m, least, room_to_multiply(m))
+    return front, done
+
+
+@pytest.mark.parametrize(
+    ("m", "k"),
+    [(1, 1), (2, 1), (5, 3), (9, 4), (9, 9), (30, 13), (80, 16), (81, 16), (90, 21), (140, 66), (150, 150)],
+)
+@pytest.mark.parametrize("negative", [0, 1])
+def test_rows_and_what_is_left_are_those_of_dense_elimination(m, k, negative):
+    matrix = random_symmetric(m, 10 * m + k, negative)
+    front, done = eliminated(matrix, k, -np.inf)
+    assert done
+    left = matrix[k:, k:] - matrix[k:, :k] @ np.linalg.solve(matrix[:k, :k], matrix[:k, k:])
+    np.testing.assert_allclose(front[beginning(k, m) :], triangle(left) if k < m else [], atol=1e-11 * m)
+    L, D = np.zeros((m, k)), np.zeros(k)
+    for j in range(k):
+        row = front[beginning(j, m) : beginning(j + 1, m)]
+        D[j], L[j:, j] = row[0], row / row[0]
+    np.testing.assert_allclose((L * D) @ L[:k].T, matrix[:, :k], atol=1e-11 * m)
+
+
+@given(st.integers(2, 12), st.integers(0, 10**6))
+def test_a_pivot_that_is_not_positive_is_refused_where_it_must_be(m, seed):
+    matrix = random_symmetric(m, seed, 1)
+    assert not eliminated(matrix, m, 0.0)[1]
+    assert eliminated(matrix, m, -np.inf)[1]
+    matrix[:] = matrix[0, 0]
+    assert not eliminated(matrix, m, -np.inf)[1]  # the second pivot is zero
+    matrix[-1, -1] = np.nan
+    assert not eliminated(matrix, m, -np.inf)[1]
+
+
+@given(st.integers(1, 8), st.integers(0, 8), st.integers(0, 10**6))
+def test_what_is_passed_on_is_added_in_its_place(size, more, seed):
+    rng = np.random.default_rng(seed)
+    m = size + more
+    places = np.sort(rng.permutation(m)[:size])
+    matrix, passed = random_symmetric(m, seed), random_symmetric(size, seed + 1)
+    front = triangle(matrix)
+    extend(front, m, triangle(passed), places)
+    matrix[np.ix_(places, places)] += passed
+    assert np.array_equal(front, triangle(matrix))

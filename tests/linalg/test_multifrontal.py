@@ -1,0 +1,77 @@
+"""Multifrontal factors of random sparse matrices, against NumPy and other libraries."""
+
+import numpy as np
+import pytest
+import scipy.sparse as sp
+from hypothesis import given
+from hypothesis import strategies as st
+
+import isoembed.linalg.factor as factor_module
+from grids import grid
+from isoembed.linalg import analyze
+from isoembed.linalg.symmetric import FactorizationThresholds
+from patterns import random_pattern
+
+
+@pytest.fixture(autouse=True)
+def always_multifrontal(monkeypatch):
+    monkeypatch.setattr(factor_module, "FACTORIZATION", FactorizationThresholds(small=0))
+
+
+def random_matrix(n, density, definite, rng):
+    """Dominated by its diagonal, so that it has accurate factors in any order."""
+    matrix = np.where(random_pattern(n, density, rng), rng.uniform(-1, 1, (n, n)), 0)
+    matrix = np.triu(matrix, 1) + np.triu(matrix, 1).T
+    signs = np.ones(n) if definite else rng.choice([-1, 1], n)
+    return matrix + np.diag(signs * (1 + np.abs(matrix).sum(axis=1)))
+
+
+@given(st.integers(1, 40), st.floats(0.0, 0.5), st.booleans(), st.integers(0, 10**6))
+def test_random_sparse_matrices(n, density, definite, seed):
+    rng = np.random.default_rng(seed)
+    matrix, order, b = random_matrix(n, density, definite, rng), rng.permutation(n), rng.normal(size=(n, 3))
+    csc = sp.csc_array(matrix)
+    factor = analyze(csc, order, definite=definite).factor(csc.data)
+    exact = np.linalg.solve(matrix, b)
+    for sweeps in (0, 2):
+        np.testing.assert_allclose(factor.solve(b, sweeps), exact, atol=1e-13)
+        np.testing.assert_allclose(factor.solve(b[:, 1], sweeps), exact[:, 1], atol=1e-13)
+    assert factor.negative_pivots == int((np.linalg.eigvalsh(matrix) < 0).sum())
+
+
+def shifted(side, shift):
+    """A Laplacian of a grid, less a multiple of the identity, and an order."""
+    matrix, order = grid(side)
+    return sp.csc_matrix(matrix - shift * sp.eye_array(side**2)), order
+
+
+@pytest.mark.parametrize("shift", [0.0, 1.2])
+def test_superlu_gives_the_same(shift):
+    matrix, order = shifted(50, shift)
+    b = np.random.default_rng(0).normal(size=(2500, 2))
+    ours, theirs = (
+        analyze(matrix, order, name, definite=not shift).factor(matrix.data)
+        for name in ("multifrontal", "superlu")
+    )
+    assert ours.negative_pivots == theirs.negative_pivots
+    np.testing.assert_allclose(
+        ours.solve(b), theirs.solve(b), rtol=0, atol=1e-9 * np.abs(ours.solve(b)).max()
+    )
+
+
+def test_cholmod_gives_the_same():
+    cholmod = pytest.importorskip("sksparse.cholmod")
+    matrix, order = shifted(50, 0.0)
+    b = np.random.default_rng(0).normal(size=2500)
+    theirs = cholmod.cholesky(matrix)
+    np.testing.assert_allclose(analyze(matrix, order).factor(matrix.data).solve(b), theirs(b), atol=1e-11)
+
+
+def test_relabelling_changes_nothing():
+    matrix, order = shifted(12, 1.3)
+    names = np.random.default_rng(0).permutation(144)
+    relabelled, place = sp.csc_matrix(matrix[names][:, names]), np.argsort(names)
+    b = np.random.default_rng(1).normal(size=144)
+    x = analyze(matrix, order, definite=False).factor(matrix.data).solve(b, 0)
+    y = analyze(relabelled, place[order], definite=False).factor(relabelled.data).solve(b[names], 0)
+    assert np.array_equal(y, x[names])

@@ -1,0 +1,54 @@
+"""Supernodes, against elimination of dense patterns."""
+
+import numpy as np
+import scipy.sparse as sp
+from hypothesis import given
+from hypothesis import strategies as st
+
+from grids import grid
+from isoembed.linalg.elimination import symbolic_analysis
+from isoembed.linalg.supernodes import find_supernodes
+from patterns import eliminated_pattern, random_pattern
+
+
+def triangular(m):
+    return m * (m + 1) // 2
+
+
+@given(st.integers(1, 40), st.floats(0.0, 0.5), st.integers(0, 10**6))
+def test_rows_are_all_that_the_columns_have_below(n, density, seed):
+    rng = np.random.default_rng(seed)
+    pattern = random_pattern(n, density, rng)
+    csc = sp.csc_matrix(pattern.astype(float))
+    elimination = symbolic_analysis(csc.indptr, csc.indices, rng.permutation(n))
+    nodes = find_supernodes(csc.indptr, csc.indices, elimination)
+    L = eliminated_pattern(pattern[np.ix_(elimination.order, elimination.order)])
+    assert nodes.starts[0] == 0
+    assert nodes.starts[-1] == n
+    assert (np.diff(nodes.starts) > 0).all()
+    entries = widest = room = 0
+    waiting = []
+    for s, (first, last) in enumerate(zip(nodes.starts[:-1], nodes.starts[1:], strict=True)):
+        rows = nodes.rows[nodes.ends[s] : nodes.ends[s + 1]]
+        expected = last + np.flatnonzero(L[last:, first:last].any(axis=1))
+        assert np.array_equal(rows, expected)
+        m = last - first + rows.size
+        entries += triangular(m) - triangular(rows.size)
+        widest = max(widest, m)
+        room = max(room, triangular(m) + sum(triangular(child.size) for child in waiting))
+        # What its children pass on has a place in its front.
+        for _ in range(nodes.children[s]):
+            child = waiting.pop()
+            assert first <= child[0] < last
+            assert np.isin(child, np.append(np.arange(first, last), rows)).all()
+        waiting.append(rows)
+    assert all(rows.size == 0 for rows in waiting)
+    assert (nodes.entries, nodes.widest, nodes.room) == (entries, widest, room)
+
+
+def test_few_fronts_and_few_zeros():
+    matrix, order = grid(60)
+    elimination = symbolic_analysis(matrix.indptr, matrix.indices, order)
+    nodes = find_supernodes(matrix.indptr, matrix.indices, elimination)
+    assert nodes.children.size < 0.1 * order.size
+    assert nodes.entries < 1.5 * elimination.counts.sum()
