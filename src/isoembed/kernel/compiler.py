@@ -10,7 +10,7 @@ from numba.core.caching import CompileResultCacheImpl, FunctionCache, InTreeCach
 from numba.core.registry import CPUDispatcher
 
 from isoembed.kernel.numba_hooks import tell_numba
-from isoembed.kernel.place import writable_place
+from isoembed.kernel.place import place_of
 from isoembed.kernel.worth import NotWorth
 
 _Numbas: Any = CPUDispatcher  # which has more than its stubs say
@@ -44,7 +44,7 @@ def dispatcher(kernel: Any) -> Dispatcher:
 class _Locator(InTreeCacheLocator):
     @classmethod
     def from_function(cls, py_func: Callable[..., Any], py_file: str) -> "_Locator | None":
-        place = writable_place(Path(py_file).parent)
+        place = place_of(Path(py_file).parent)
         if place is None or not Path(py_file).exists():
             return None
         self = cls(py_func, py_file)

@@ -24,14 +24,19 @@ def is_kept(function: Callable[..., Any]) -> bool:
 
 
 @lru_cache
-def writable_place(parent: Path) -> Path | None:
-    """The first of the places for the files of a folder that can be written to; it is made.  Or None."""
-    for place in _places(parent):
-        with suppress(OSError):
-            place.mkdir(parents=True, exist_ok=True)
-            tempfile.TemporaryFile(dir=place).close()
-            return place
-    return None
+def place_of(parent: Path) -> Path | None:
+    """Where the code of the files of a folder is kept: the first of the places that can be written to."""
+    return next(filter(_is_writable, _places(parent)), None)
+
+
+def _is_writable(place: Path) -> bool:
+    while not place.exists() and place != place.parent:  # it will be made
+        place = place.parent
+    try:
+        tempfile.TemporaryFile(dir=place).close()
+    except OSError:
+        return False
+    return True
 
 
 @lru_cache
@@ -42,11 +47,11 @@ def _time(source: Path) -> float:
 @lru_cache
 def _indices(parent: Path) -> dict[str, float]:
     """Names and times of what is kept of the files of a folder."""
-    found: dict[str, float] = {}
-    for place in _places(parent):
-        with suppress(OSError), os.scandir(place) as entries:
-            found |= {entry.name: entry.stat().st_mtime for entry in entries if entry.name.endswith(".nbi")}
-    return found
+    place = place_of(parent)
+    if place is None or not place.exists():
+        return {}
+    with os.scandir(place) as entries:
+        return {entry.name: entry.stat().st_mtime for entry in entries if entry.name.endswith(".nbi")}
 
 
 def _places(parent: Path) -> Iterator[Path]:
