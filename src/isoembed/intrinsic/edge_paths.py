@@ -128,7 +128,8 @@ def _set_out(
         number[halfedges[e]] = e
     first, angles = np.empty(halfedges.size, dtype=np.int64), np.empty(halfedges.size)
     n = original.corners.max() + 1
-    old, new = leaving_halfedges(original.corners, n), leaving_halfedges(final.corners, n)
+    old = leaving_halfedges(original.corners, n)
+    new = leaving_halfedges(final.corners, final.corners.max() + 1)
     for v in range(n):
         total = angle_around(new[v], polygons)
         # Both go counterclockwise, so that the search begins where the last one ended.
