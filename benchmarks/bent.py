@@ -9,7 +9,8 @@ nearly equilateral triangles, irregular ones are of blue noise.
 Every row is as in ``million.py``, with the default of everything and one thread.  At its end it says where a
 limit is missed: on seconds of the processor and memory, by size, and on the distance to the discarded
 coordinates, a millionth of the diameter.  A run is ended at five times its limit of seconds.  Last come
-counts of the rows that are aligned, and that are within all limits.
+counts of the rows that are aligned, and that are within all limits.  A small run before the first row
+compiles what it needs; what is compiled later on is among the stages.
 """
 
 import argparse
@@ -32,6 +33,7 @@ KINDS = {"regular": None, "irregular": 0}
 LARGE = ("ergosphere 0.3", "ergosphere 0.1", "ergosphere 0.02", "peanut", "trefoil")
 LARGEST = ("ergosphere 0.3",)
 EDGES = 600_000  # above, one factorization of J J^T is not timed: SuperLU takes minutes
+SMALL = 2000  # vertices
 PATIENCE = 5  # limits of seconds
 EXPONENT = 1.2
 
@@ -93,6 +95,7 @@ def main():
     with tempfile.TemporaryDirectory() as scratch:
         folder = options.meshes or Path(scratch)
         folder.mkdir(parents=True, exist_ok=True)
+        measure(kept_mesh(Path(scratch) / "small.npz", partial(triangulate, BODIES["peanut"], SMALL)), 0)
         for body, kind, sizes in wanted(options.sizes, options.bodies, options.kinds):
             name, batch = f"{body}, {kind}", []
             for n in sizes:
