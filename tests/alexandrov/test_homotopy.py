@@ -101,6 +101,6 @@ def test_newton_gives_up_far_from_a_solution():
 def test_the_pins_see_the_apex_at_right_angles():
     vertices, faces = zoo.icosphere(3)
     tables, _ = problem(vertices, faces, scrambled=0)
-    pins = independent_directions(Polytope.over(tables, np.ones(len(vertices))))
+    pins = independent_directions(Polytope.over(tables, np.ones(len(vertices))), vertices)
     products = vertices[pins] @ vertices[pins].T
     assert np.abs(products - np.eye(3)).max() < 0.2

@@ -8,6 +8,7 @@ import zoo
 from isoembed import GluedMetric, PolyhedralMetric, embed
 from isoembed.alexandrov.pins import independent_directions, rough_directions
 from isoembed.alexandrov.polytope import Polytope
+from isoembed.linalg import dissect
 
 
 def polytope(vertices, faces):
@@ -28,7 +29,7 @@ def bipyramid(n, up, down):
 def test_without_curvature_the_directions_are_those_of_the_body(axes):
     points = np.random.default_rng(0).normal(size=(50, 3))
     p, expected = polytope(*zoo.outward_hull(points / np.linalg.norm(points, axis=1, keepdims=True) * axes))
-    found = rough_directions(p.tables.corners, p.tables.twins, p.tables.lengths, p.radii)
+    found = rough_directions(p, dissect(p.jacobian()))
     rotation, _ = orthogonal_procrustes(found, expected)
     assert np.abs(found @ rotation - expected).max() < 1e-9
     assert np.linalg.det(rotation) > 0
@@ -37,7 +38,16 @@ def test_without_curvature_the_directions_are_those_of_the_body(axes):
 @pytest.mark.parametrize(("up", "down"), [(7, 0.001), (5, 5), (9.5, 0.5)])
 def test_pins_of_a_hexagonal_bipyramid_are_not_coplanar(up, down):
     p, directions = polytope(*bipyramid(6, up, down))
-    assert abs(np.linalg.det(directions[independent_directions(p)])) > 0.3
+    pins = independent_directions(p, rough_directions(p, dissect(p.jacobian())))
+    assert abs(np.linalg.det(directions[pins])) > 0.3
+
+
+@pytest.mark.parametrize("axes", [(3, 2, 1), (10, 1, 1), (1, 1, 0.05)])
+def test_pins_of_large_bodies_are_not_coplanar(axes):
+    points = np.random.default_rng(0).normal(size=(3000, 3))
+    p, directions = polytope(*zoo.outward_hull(points / np.linalg.norm(points, axis=1, keepdims=True) * axes))
+    pins = independent_directions(p, rough_directions(p, dissect(p.jacobian())))
+    assert abs(np.linalg.det(directions[pins])) > 0.1
 
 
 @pytest.mark.parametrize("n", [5, 6, 7])

@@ -134,6 +134,8 @@ class _Search:
     ----------
     start : ndarray, shape (V, 3)
         A convex surface near the one that is sought.
+    numbers : ndarray of int, shape (V,)
+        The vertices in the order of the `convexification`, in which what is near is near in memory.
     surfaces : list of Embedding
         What was found, in order.
     """
@@ -143,7 +145,9 @@ class _Search:
     def __init__(self, metric: PolyhedralMetric, tolerance: float, log: Log, backend: str | None) -> None:
         self.metric, self.tolerance, self.log, self.backend = metric, tolerance, log, backend
         self.good = max(tolerance, LENGTHS_NEWTON.exact)  # below that, the tolerance is beyond rounding
-        self.convexification = Convexification(GluedMetric.of(metric), backend)
+        tables = GluedMetric.of(metric).half_edges(directed=False)
+        self.numbers = tables.order_in_memory()
+        self.convexification = Convexification(GluedMetric.flipped(tables.in_order(self.numbers)), backend)
         self.kept = _kept(log)
         self.surfaces: list[Embedding] = []
 
@@ -176,14 +180,19 @@ class _Search:
             start = None if convex is None else radii_start(given, convex, log, self.backend)
         if start is None:
             return None
-        polyhedron = self.polyhedron(start) if convexification.is_convex and start.ndim == 2 else None
-        if polyhedron is not None:
-            return polyhedron
-        solution = newton_on_radii(given, start, log, self.backend)
+        if convexification.is_convex and start.ndim == 2:
+            polyhedron = self.polyhedron(self.in_given_order(start))
+            if polyhedron is not None:
+                return polyhedron
+        solution = newton_on_radii(given, start, log, self.backend, self.numbers)
         if solution is None or not solution.branch_deviation < RADII_NEWTON.trusted:
             return None
         found = self.surface(solution.vertices)
         return found if found.residual <= self.good else None
+
+    def in_given_order(self, vertices: Floats) -> Floats:
+        """What the convexification has by its own numbers."""
+        return vertices[np.argsort(self.numbers)]
 
     def polyhedron(self, vertices: Floats) -> Embedding | None:
         """The polyhedron of a convex metric, if it has the given triangles, or others of its faces."""
@@ -210,9 +219,10 @@ class _Search:
             method = Alexandrov(backend=self.backend)
             try:
                 found = method.run(convex.normalized, ADAPTIVE.placed, self.log)
-                return convex.unit * found.vertices
+                return self.in_given_order(convex.unit * found.vertices)
             except NotEmbedded as failure:
-                return convex.unit * failure.embedding.vertices[: self.metric.triangulation.n_vertices]
+                found = failure.embedding
+                return self.in_given_order(convex.unit * found.vertices[: self.numbers.size])
             except InvalidMetric:  # so thin that fewer than three vertices have a deficit beyond rounding
                 pass
         faces = self.metric.faces

@@ -8,17 +8,19 @@ to scale: there are no Moebius maps to pin.
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
-from functools import cached_property
+from functools import cache, cached_property
 from typing import cast
 
 import numpy as np
-from scipy.sparse import csc_array, csr_array, diags_array
+from scipy.sparse import csc_array, diags_array
 from scipy.sparse.linalg import cg
 
 from isoembed.arrays import Floats
 from isoembed.errors import InvalidMetric
 from isoembed.intrinsic.delaunay import make_delaunay
+from isoembed.intrinsic.vertex_matrix import vertex_matrix
 from isoembed.linalg import SingularMatrix, Solver, analyze, dissect
 from isoembed.metric.conformal import equivalent
 from isoembed.metric.convexity import deficit_rounding
@@ -117,18 +119,20 @@ class Convexification:
 
     def _changed(self, margin: float, recorder: StageRecorder) -> GluedMetric | None:
         """Follow the conformal change; None where it stops short."""
-        reached, goal = self._delaunay, self._diffused(margin, recorder)
-        if goal is None:
+        diffused = self._diffused(margin, recorder)
+        if diffused is None:
             return None
+        reached, (goal, step) = self._delaunay, diffused
         least = CONVEXIFICATION.enough * margin * reached.shares
-        for _ in range(CONVEXIFICATION.steps):
+        for count in range(CONVEXIFICATION.steps):
             missing = goal - reached.metric.deficits
             recorder.show(residual=float(np.abs(missing).max()))
             if (reached.metric.deficits >= least).all():
                 return reached.metric
-            step = reached.solved(missing)
+            if count > 0:
+                step = reached.solved(missing)
+                recorder.factorizations += 1
             recorder.iterations += 1
-            recorder.factorizations += 1
             s = 1.0
             while (trial := reached.changed(s * step)) is None or (
                 np.linalg.norm(goal - trial.metric.deficits) > (1 - s / 10) * np.linalg.norm(missing)
@@ -139,39 +143,51 @@ class Convexification:
             reached = trial if s == 1.0 else _Delaunay.of(trial.metric, self._backend)
         return None
 
-    def _diffused(self, margin: float, recorder: StageRecorder) -> Floats | None:
-        """The deficits after the first time at which they all have the margin, if rounding allows."""
+    def _diffused(self, margin: float, recorder: StageRecorder) -> tuple[Floats, Floats] | None:
+        """The deficits after the first time at which they all have the margin, if rounding allows.
+
+        With them comes Newton's first step to them, which needs no factor: from
+        ``(M + tau K) M^-1 delta(tau) = delta(0)`` follows ``K u = delta(tau) - delta(0)`` for
+        ``u = -tau M^-1 delta(tau)``.
+        """
         triangles = self._delaunay
         shape = triangles.metric.triangles
-        mass = triangles.shares / (4 * np.pi) * shape.areas.sum() * shape.unit**2
+        shares = triangles.shares
+        mass = shares / (4 * np.pi) * shape.areas.sum() * shape.unit**2
         last = triangles.metric.mean_length**2 * 2.0**CONVEXIFICATION.doublings
         while self._tau < last:
             recorder.iterations += 1
             sources = triangles.metric.deficits / self._tau
-            diffused = mass * triangles.steady(mass / self._tau, sources, recorder)
-            if (diffused >= margin * triangles.shares).all():
-                return diffused
+            density = triangles.steady(mass / self._tau, sources, recorder)
+            diffused = mass * density
+            if (diffused >= margin * shares).all():
+                step = -self._tau * density
+                return diffused, step - step.mean()
             self._tau *= 2
         return None
 
 
 @dataclass(frozen=True)
 class _Delaunay:
-    """A metric on its Delaunay triangles, and who solves Laplace's equations on them."""
+    """A metric on its Delaunay triangles, and who factors its Laplacians: made when first asked for."""
 
     metric: GluedMetric
-    solver: Solver
+    solver: Callable[[], Solver]
 
     @classmethod
     def of(cls, metric: GluedMetric, backend: str | None) -> _Delaunay:
-        tables = metric.half_edges()
+        tables = metric.half_edges(directed=False)
         make_delaunay(tables, np.zeros(metric.n_vertices))
-        metric = GluedMetric(tables.faces, tables.twins, tables.face_lengths)
-        pattern = _pattern(metric)
-        pairs = csr_array(pattern)
-        pairs.setdiag(0)
-        pairs.eliminate_zeros()
-        return cls(metric, analyze(pattern, dissect(pairs).vertex_order(), backend))
+
+        @cache
+        def solver() -> Solver:
+            nothing = np.zeros(tables.corners.size), np.zeros(metric.n_vertices)
+            pattern = vertex_matrix(
+                tables.corners, tables.twins, *nothing
+            )  # the Laplacian's values may vanish
+            return analyze(pattern, dissect(pattern).vertex_order(), backend)
+
+        return cls(GluedMetric.flipped(tables), solver)
 
     @property
     def shares(self) -> Floats:
@@ -183,7 +199,6 @@ class _Delaunay:
     def shifted(self, diagonal: Floats) -> csc_array:
         """The Laplacian with this added to its diagonal, in the pattern of the solver."""
         K = cotangent_laplacian(self.metric)
-        K.sort_indices()
         on_diagonal = K.indices == np.repeat(np.arange(len(diagonal)), np.diff(K.indptr))
         K.data[on_diagonal] += diagonal  # a sum of matrices would drop entries that vanish
         return K
@@ -195,13 +210,13 @@ class _Delaunay:
         found, failed = cg(matrix, sources, rtol=t.diffused, maxiter=t.most, M=jacobi)
         if failed:
             recorder.factorizations += 1
-            return self.solver.factor(matrix.data).solve(sources)
+            return self.solver().factor(matrix.data).solve(sources)
         return cast(Floats, found)
 
     def solved(self, missing: Floats) -> Floats:
         """The conformal factors that add this to the deficits, to first order."""
         matrix = self.shifted(np.full(len(missing), CONVEXIFICATION.pinned))
-        step: Floats = self.solver.factor(matrix.data).solve(missing)
+        step: Floats = self.solver().factor(matrix.data).solve(missing)
         step -= step.mean()
         return step
 
@@ -211,13 +226,3 @@ class _Delaunay:
             return _Delaunay(equivalent(self.metric, u), self.solver)
         except InvalidMetric:
             return None
-
-
-def _pattern(metric: GluedMetric) -> csc_array:
-    """Where the Laplacian has entries: from connectivity, as its values may vanish."""
-    i, j = metric.faces.ravel(), np.roll(metric.faces, -1, axis=1).ravel()
-    n = metric.n_vertices
-    ends = (np.concatenate([i, i]), np.concatenate([i, j]))
-    pattern = csc_array((np.ones(2 * i.size), ends), shape=(n, n))
-    pattern.data[:] = 1.0
-    return pattern

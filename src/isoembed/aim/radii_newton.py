@@ -14,10 +14,10 @@ import numpy as np
 from isoembed.aim.adiabatic_pullback import extrapolated
 from isoembed.alexandrov.doubly_covered import FLAT_LIMIT
 from isoembed.alexandrov.homotopy import HOMOTOPY, Waypoint, follow_path
-from isoembed.alexandrov.newton import NEWTON, Solution, forcing_term, pinned
+from isoembed.alexandrov.newton import Solution, forcing_term, pinned
 from isoembed.alexandrov.placement import placed, realized
 from isoembed.alexandrov.polytope import Polytope
-from isoembed.arrays import Floats, Mask
+from isoembed.arrays import Floats, Indices, Mask
 from isoembed.intrinsic.halfedges import HalfEdges
 from isoembed.linalg import SingularMatrix
 from isoembed.metric.convexity import deficit_rounding
@@ -33,11 +33,12 @@ class RadiiNewtonThresholds:
 
     parts: int = threshold(4, "count", "Steps of the way to a metric that is not convex.")
     converging: float = threshold(0.5, "relative", "Share of the curvatures that each step leaves at most.")
-    nearly: float = threshold(1e-6, "radians", "Curvatures that end a step on the way.")
+    nearly: float = threshold(1e-4, "mean deficits", "Curvatures that end a step on the way.")
     closely: float = threshold(1e-9, "radians", "Curvatures that do not fall any more, but may be rounding.")
     settled: float = threshold(1e-12, "radians", "Curvatures that are left to the polish.")
     steps: int = threshold(20, "count", "Newton steps at most, for each step of the way.")
     loosest: float = threshold(1e-3, "relative", "Largest residual of Newton's linear equations.")
+    stale: int = threshold(4, "GMRES iterations", "More of them ask for a fresh factorization afterwards.")
     nudge: float = threshold(1e-3, "mean edge lengths", "Change of height to see curvature bend.")
     trusted: float = threshold(0.25, "heights on a sphere", "Largest branch deviation that is trusted.")
     resolved: float = threshold(0.1, "deficits", "Curvature of a vertex at which its height is decided.")
@@ -89,33 +90,37 @@ def radii_start(
     """
     if (convex.deficits <= deficit_rounding(convex.faces, convex.face_lengths)).any():
         return None
-    tables = convex.half_edges()
-    order = tables.order_in_memory()
-    back, deficits, kept = np.argsort(order), convex.deficits[order], log.resumed_at("polytopes")
+    deficits, kept = convex.deficits, log.resumed_at("polytopes")
     close = np.minimum(HOMOTOPY.close * deficits.max(), RADII_NEWTON.resolved * deficits)
     with log.stage("polytopes") as recorder:
         recorder.show(level=f"{given.n_vertices:,} vertices")
         path = follow_path(
-            tables.in_order(order),
+            convex.half_edges(directed=False),
             deficits,
             recorder,
             backend,
             lambda here: recorder.keep(**here.arrays()),
             None if kept is None else Waypoint.of_arrays(kept),
+            close,
         )
         for found in path:
+            p = found.polytope if isinstance(found, Solution) else found
+            if convex is given and (np.abs(p.curvatures) <= close).all():
+                return p.radii
             if isinstance(found, Solution):
                 vertices = realized(found, recorder) if convex is given else placed(found)
-                return (vertices - vertices.mean(axis=0))[back]
-            if convex is given and (np.abs(found.curvatures) <= close).all():
-                return found.radii[back]
-            if found.lowest < FLAT_LIMIT.thin:
+                return vertices - vertices.mean(axis=0)
+            if p.lowest < FLAT_LIMIT.thin:
                 return None
     return None
 
 
 def newton_on_radii(
-    given: GluedMetric, start: Floats, log: Log, backend: str | None = None
+    given: GluedMetric,
+    start: Floats,
+    log: Log,
+    backend: str | None = None,
+    numbers: Indices | None = None,
 ) -> RadiiSolution | None:
     """Realize a metric that is convex or nearly so.
 
@@ -128,6 +133,8 @@ def newton_on_radii(
     log : Log
     backend : str, optional
         As in `isoembed.linalg.analyze`.
+    numbers : ndarray of int, shape (V,), optional
+        Other numbers of the vertices, by which they are shown and returned.
 
     Returns
     -------
@@ -140,19 +147,19 @@ def newton_on_radii(
     ``l(t) = l(0)^{1-t} l(1)^t`` in a few steps, l(1) being the distances of the vertices: where a surface is
     nearly flat, one step would be decided by chance.
     """
-    tables = given.half_edges()
-    order = tables.order_in_memory()
     with log.stage("leap") as recorder:
         recorder.show(level=f"{given.n_vertices:,} vertices")
         recorder.keep(start=start)
         try:
-            found = _followed(tables.in_order(order), start[order], recorder, backend)
+            found = _followed(given.half_edges(directed=False), start, recorder, backend)
         except SingularMatrix:
             return None
         if found is None:
             return None
         solution, branch_deviation = found
-        vertices = outward(given.faces, realized(solution, recorder)[np.argsort(order)])
+        vertices = outward(given.faces, realized(solution, recorder))
+        if numbers is not None:
+            vertices = vertices[np.argsort(numbers)]
         recorder.show(vertices=vertices)
     return RadiiSolution(vertices, branch_deviation)
 
@@ -163,12 +170,15 @@ def _followed(
     """From radii in one step, or from vertices in several; and the branch deviation."""
     ends = tables.corners, tables.corners[tables.twins]
     if start.ndim == 1:
-        steps, ratio = 1, np.ones(tables.lengths.size)
+        steps, ratio, directions = 1, np.ones(tables.lengths.size), None
     else:
         steps = RADII_NEWTON.parts
         ratio = np.linalg.norm(start[ends[0]] - start[ends[1]], axis=1) / tables.lengths
+        directions = start / np.linalg.norm(start, axis=1)[:, None]
         start = np.linalg.norm(start, axis=1)
     degrees, round_height = np.bincount(ends[0]), np.mean(tables.lengths**2) / (2 * start.mean())
+
+    nearly = RADII_NEWTON.nearly * 4 * np.pi / start.size
 
     def heights(radii: Floats) -> Floats:
         return radii - np.bincount(ends[0], radii[ends[1]]) / degrees
@@ -180,8 +190,8 @@ def _followed(
         p = Polytope.on(tables._replace(lengths=tables.lengths * ratio**t), extrapolated(known[-3:], t))
         if p is None:
             return None
-        state = pinned(p, recorder, backend) if state is None else state.refactorized(p, recorder)
-        found = _without_curvature(state, RADII_NEWTON.settled if t == 0 else RADII_NEWTON.nearly, recorder)
+        state = pinned(p, recorder, backend, directions) if state is None else replace(state, polytope=p)
+        found = _without_curvature(state, RADII_NEWTON.settled if t == 0 else nearly, recorder)
         if found is None:
             return None
         state, expected = found
@@ -248,6 +258,6 @@ def _without_curvature(
         recorder.iterations += 1
         recorder.show(residual=float(np.abs(q.curvatures).max()))
         p, forcing = q, forcing_term(ratio, RADII_NEWTON.loosest)
-        stale = iterations > NEWTON.stale
+        stale = iterations > RADII_NEWTON.stale
         state = state.refactorized(p, recorder) if stale else replace(state, polytope=p)
     return state, first

@@ -18,14 +18,13 @@ from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
-from scipy.sparse import csc_array
 
 from isoembed.alexandrov.newton import NEWTON, Solution, analyzed, newton
 from isoembed.alexandrov.polytope import Polytope
 from isoembed.arrays import Floats
 from isoembed.intrinsic.delaunay import make_delaunay
 from isoembed.intrinsic.halfedges import HalfEdges
-from isoembed.linalg import Factor, SingularMatrix
+from isoembed.linalg import Factor, SingularMatrix, dissect
 from isoembed.linalg.krylov import gmres
 from isoembed.metric.curvature import Triangles
 from isoembed.progress.stages import StageRecorder
@@ -56,6 +55,8 @@ class HomotopyThresholds:
     lenient: int = threshold(20, "steps", "From here on a step with an older factorization is not halved.")
     close: float = threshold(3e-3, "largest deficits", "Largest curvature at which Newton's method is tried.")
     closest: float = threshold(1e-9, "largest deficits", "After failures, down to this.")
+    beyond: float = threshold(0.01, "relative", "Of that, where the path is to be followed farther.")
+    enough: float = threshold(0.01, "relative", "Of where that ends, for the end of Newton's method.")
     most_steps: int = threshold(1000, "count", "Steps of a path at most.")
     creep: int = threshold(50, "count", "Steps in which the odds or the norm have to fall.")
     crept_odds: float = threshold(0.9, "relative", "Of the odds of epsilon may be left after these.")
@@ -121,6 +122,7 @@ def follow_path(
     backend: str | None = None,
     keep: Callable[[Waypoint], None] = lambda _: None,
     resumed: Waypoint | None = None,
+    near: Floats | None = None,
 ) -> Iterator[Polytope | Solution]:
     """Yield the polytopes of the path, and at last, if one start arrives, the solution.
 
@@ -138,6 +140,9 @@ def follow_path(
         Takes every waypoint, before the work that follows it.
     resumed : Waypoint, optional
         To go on from, exactly as the path that kept it.
+    near : ndarray, shape (V,), optional
+        Curvatures to which the path is followed before Newton's method begins, if need be some way beyond
+        `HomotopyThresholds.close`; that may then end at a share of them.
     """
     tables = tables.copy()
     make_delaunay(tables, np.zeros(deficits.size))
@@ -157,7 +162,7 @@ def follow_path(
         if here is None:
             continue
         try:
-            arrived = yield from _attempt(here, deficits, recorder, backend, keep)
+            arrived = yield from _attempt(here, deficits, recorder, backend, keep, near)
         except SingularMatrix:
             continue
         if arrived:
@@ -170,19 +175,23 @@ def _attempt(
     recorder: StageRecorder,
     backend: str | None,
     keep: Callable[[Waypoint], None],
+    near: Floats | None,
 ) -> Generator[Polytope | Solution, None, bool]:
     """Go on to the solution, trying Newton's method whenever it may work; return if it did."""
     while here.close >= HOMOTOPY.closest:
         path = _path(here, deficits, recorder, backend, keep)
         for p in path:
             yield p
-            if np.abs(p.curvatures).max() <= here.close * deficits.max():
+            largest, close = np.abs(p.curvatures).max(), here.close * deficits.max()
+            if largest <= close and (
+                near is None or largest <= HOMOTOPY.beyond * close or (np.abs(p.curvatures) <= near).all()
+            ):
                 break
         else:
             return False
         path.close()  # lets its factor go, which is as large as the next one
         keep(Waypoint(p, here.start, here.close))
-        solution = newton(p, deficits, recorder, backend)
+        solution = newton(p, deficits, recorder, backend, None if near is None else HOMOTOPY.enough * near)
         if solution is not None:
             yield solution
             return True
@@ -207,7 +216,7 @@ def _path(
         if inverse is None:
             here = replace(here, polytope=p, count=count)
             keep(here)
-            inverse, fresh = _factor(-p.jacobian(), recorder, backend), True
+            inverse, fresh = _factor(p, recorder, backend), True
         if count % HOMOTOPY.creep == 0:
             odds, norm = _odds(epsilon), float(np.linalg.norm(p.curvatures))
             if odds > HOMOTOPY.crept_odds * here.odds and norm > HOMOTOPY.crept_norm * here.norm:
@@ -265,9 +274,11 @@ def _lowered(epsilon: float, step: float) -> float:
     return odds / (1 + odds)
 
 
-def _factor(matrix: csc_array, recorder: StageRecorder, backend: str | None) -> Factor:
+def _factor(p: Polytope, recorder: StageRecorder, backend: str | None) -> Factor:
     recorder.factorizations += 1
-    return analyzed(matrix, backend).factor(matrix.data)
+    matrix = p.jacobian()
+    matrix.data *= -1
+    return analyzed(matrix, dissect(matrix), backend).factor(matrix.data)
 
 
 def _solved(p: Polytope, inverse: Factor, b: Floats) -> tuple[Floats, int]:

@@ -10,10 +10,10 @@ from dataclasses import dataclass, replace
 import numpy as np
 from scipy.sparse import csc_array
 
-from isoembed.alexandrov.pins import independent_directions
+from isoembed.alexandrov.pins import independent_directions, rough_directions
 from isoembed.alexandrov.polytope import Polytope
 from isoembed.arrays import Floats, Indices
-from isoembed.linalg import Factor, Solver, analyze, dissect
+from isoembed.linalg import Dissection, Factor, Solver, analyze, dissect
 from isoembed.linalg.krylov import gmres
 from isoembed.progress.stages import StageRecorder
 from isoembed.thresholds import threshold
@@ -58,17 +58,10 @@ class Solution:
     solver: Solver
     factor: Factor
 
-    @property
-    def free(self) -> Floats:
-        """1 where a radius may change, 0 at the pins, shape (V,)."""
-        return _free(self.polytope, self.pins)
-
     def refactorized(self, p: Polytope, recorder: StageRecorder) -> Solution:
         """Factor another polytope of the same triangles, lengths and radii being others."""
         recorder.factorizations += 1
-        return replace(
-            self, polytope=p, factor=self.solver.factor(_pinned_matrix(p, _free(p, self.pins)).data)
-        )
+        return replace(self, polytope=p, factor=self.solver.factor(_pinned_matrix(p, self.pins).data))
 
     def solve(self, b: Floats, tolerance: float) -> tuple[Floats, int]:
         """``(-d kappa / d r)^-1 b`` with the pins left at zero; and the iterations that it took.
@@ -79,18 +72,26 @@ class Solution:
         tolerance : float
             Relative residual.
         """
-        free = self.free if b.ndim == 1 else self.free[:, None]
+
+        def kept_at_pins(v: Floats) -> Floats:
+            v[self.pins] = 0.0
+            return v
+
         return gmres(
-            lambda v: free * -self.polytope.times_jacobian(v),
+            lambda v: kept_at_pins(-self.polytope.times_jacobian(v)),
             lambda v: self.factor.solve(v, sweeps=0),
-            free * b,
+            kept_at_pins(b.copy()),
             tolerance,
             NEWTON.most_iterations,
         )
 
 
 def newton(
-    p: Polytope, deficits: Floats, recorder: StageRecorder, backend: str | None = None
+    p: Polytope,
+    deficits: Floats,
+    recorder: StageRecorder,
+    backend: str | None = None,
+    enough: Floats | None = None,
 ) -> Solution | None:
     """Newton's method with three radii pinned, which fixes the apex; None if it does not converge.
 
@@ -101,10 +102,14 @@ def newton(
     deficits : ndarray, shape (V,)
     recorder : StageRecorder
     backend : str, optional
+    enough : ndarray, shape (V,), optional
+        Curvatures at which it may end before they vanish.
     """
     state, fresh = pinned(p, recorder, backend), True
     forcing, done = NEWTON.loosest, False
     for _ in range(NEWTON.steps):
+        if enough is not None and (np.abs(p.curvatures) <= enough).all():
+            return state
         largest = float(np.abs(p.curvatures).max())
         done = largest <= min(NEWTON.exact, max(NEWTON.floor * float(deficits.min()), NEWTON.rounding))
         size = np.linalg.norm(p.curvatures)
@@ -124,7 +129,7 @@ def newton(
                 break
             if fresh:
                 return None
-            state, fresh = _pinned_at(p, state.pins, recorder, backend), True
+            state, fresh = _pinned_at(p, state.pins, dissect(p.jacobian()), recorder, backend), True
             continue
         recorder.iterations += 1
         recorder.show(t=0.0, residual=float(np.abs(p.curvatures).max()))
@@ -143,39 +148,53 @@ def forcing_term(ratio: float, loosest: float) -> float:
     return float(np.clip(ratio**2, NEWTON.tightest, loosest))
 
 
-def pinned(p: Polytope, recorder: StageRecorder, backend: str | None = None) -> Solution:
+def pinned(
+    p: Polytope, recorder: StageRecorder, backend: str | None = None, directions: Floats | None = None
+) -> Solution:
     """Pin three radii of a polytope and factor what is left, whatever its curvatures.
+
+    Parameters
+    ----------
+    p : Polytope
+    recorder : StageRecorder
+    backend : str, optional
+    directions : ndarray, shape (V, 3), optional
+        Of the vertices from the apex, if they are known.
 
     Raises
     ------
     SingularMatrix
     """
-    return _pinned_at(p, independent_directions(p), recorder, backend)
+    dissection = dissect(p.jacobian())
+    if directions is None:
+        directions = rough_directions(p, dissection)
+    return _pinned_at(p, independent_directions(p, directions), dissection, recorder, backend)
 
 
-def _pinned_at(p: Polytope, pins: Indices, recorder: StageRecorder, backend: str | None) -> Solution:
-    matrix = _pinned_matrix(p, _free(p, pins))
+def _pinned_at(
+    p: Polytope, pins: Indices, dissection: Dissection, recorder: StageRecorder, backend: str | None
+) -> Solution:
+    matrix = _pinned_matrix(p, pins)
     recorder.factorizations += 1
-    solver = analyzed(matrix, backend)
+    solver = analyzed(matrix, dissection, backend)
     return Solution(p, pins, solver, solver.factor(matrix.data))
 
 
-def _free(p: Polytope, pins: Indices) -> Floats:
-    free = np.ones(p.radii.size)
-    free[pins] = 0.0
-    return free
-
-
-def _pinned_matrix(p: Polytope, free: Floats) -> csc_array:
-    """``-d kappa / d r`` with the rows and columns of unfree vertices replaced by those of the identity."""
-    matrix = -p.jacobian()
-    column = np.repeat(np.arange(free.size), np.diff(matrix.indptr))
-    matrix.data *= free[matrix.indices] * free[column]
-    matrix.data[(matrix.indices == column) & (free[column] == 0)] = 1.0
+def _pinned_matrix(p: Polytope, pins: Indices) -> csc_array:
+    """``-d kappa / d r`` with the rows and columns of the pins replaced by those of the identity."""
+    matrix = p.jacobian()
+    matrix.data *= -1
+    for pin in pins.tolist():
+        column = slice(*matrix.indptr[pin : pin + 2])
+        rows = matrix.indices[column]
+        for row in rows.tolist():
+            across = slice(*matrix.indptr[row : row + 2])
+            matrix.data[across][matrix.indices[across] == pin] = 0.0
+        matrix.data[column] = rows == pin
     return matrix
 
 
-def analyzed(matrix: csc_array, backend: str | None) -> Solver:
+def analyzed(matrix: csc_array, dissection: Dissection, backend: str | None) -> Solver:
     """The solver of ``-d kappa / d r``, or of what pins leave of it, in the order of its own triangles."""
     # The triangles change with every flip, and with them the separators: an old order would fill in.
-    return analyze(matrix, dissect(matrix).vertex_order(), backend, definite=False)
+    return analyze(matrix, dissection.vertex_order(), backend, definite=False)

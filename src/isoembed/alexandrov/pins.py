@@ -10,39 +10,50 @@ from isoembed.arrays import Floats, Indices
 from isoembed.intrinsic.halfedges import following, preceding
 from isoembed.intrinsic.trigonometry import twice_area
 from isoembed.kernel import kernel
+from isoembed.linalg import Dissection
 from isoembed.thresholds import threshold
 
 
 @dataclass(frozen=True)
 class PinsThresholds:
-    """Threshold of the choice of the pins."""
+    """Thresholds of the choice of the pins."""
 
+    built: int = threshold(1000, "vertices", "Of bodies built pyramid by pyramid for their directions.")
     tie: float = threshold(1e-3, "relative", "By which the farthest vertex has the longest direction.")
 
 
 PINS = PinsThresholds()
 
 
-def independent_directions(p: Polytope) -> Indices:
+def independent_directions(p: Polytope, directions: Floats) -> Indices:
     """Pivots of a QR decomposition of the directions from the apex to the vertices, shape (3,).
 
     Three that are chosen by the angles between them may be in one plane with the apex: 68 + 146 + 146 degrees
     are a full turn.
     """
-    tables = p.tables
-    directions = rough_directions(tables.corners, tables.twins, tables.lengths, p.radii)
     # All are of length 1: the farthest is the first, not one that rounding or the numbering picks.
     longer = directions * (1 + PINS.tie * p.radii / p.radii.max())[:, None]
     _, pivots = qr(longer.T, mode="r", pivoting=True, check_finite=False)
     return np.sort(pivots[:3]).astype(np.int64)
 
 
-@kernel
-def rough_directions(corners: Indices, twins: Indices, lengths: Floats, r: Floats) -> Floats:
-    """Unit vectors from the apex, shape (V, 3), pyramid built on pyramid, breadth first.
+def rough_directions(p: Polytope, dissection: Dissection) -> Floats:
+    """Unit vectors from the apex, shape (V, 3): no more than a sketch.
 
-    As the curvatures are not zero, and errors grow from pyramid to pyramid, they are no more than a sketch.
+    Pyramid is built on pyramid as long as errors do not grow too much from one to the next.  Beyond, the
+    vertices are where they were put when the triangles were dissected.
     """
+    tables = p.tables
+    if p.radii.size <= PINS.built:
+        return _built(tables.corners, tables.twins, tables.lengths, p.radii)
+    places = np.empty_like(dissection.position)
+    places[dissection.labels] = dissection.position - dissection.position.mean(axis=0)
+    return places / np.linalg.norm(places, axis=1)[:, None]
+
+
+@kernel
+def _built(corners: Indices, twins: Indices, lengths: Floats, r: Floats) -> Floats:
+    """Unit vectors from the apex, shape (V, 3), pyramid built on pyramid, breadth first."""
     x = np.zeros((r.size, 3))
     placed = np.zeros(r.size, dtype=np.bool_)
     seen = np.zeros(corners.size // 3, dtype=np.bool_)

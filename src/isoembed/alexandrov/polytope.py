@@ -19,12 +19,13 @@ from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.sparse import coo_array, csc_array
+from scipy.sparse import csc_array
 
 from isoembed.arrays import Floats, Indices
 from isoembed.intrinsic.delaunay import make_delaunay, non_delaunay_edges
 from isoembed.intrinsic.halfedges import HalfEdges
 from isoembed.intrinsic.trigonometry import twice_area
+from isoembed.intrinsic.vertex_matrix import vertex_matrix
 from isoembed.kernel import kernel
 
 
@@ -97,12 +98,7 @@ class Polytope:
 
     def jacobian(self) -> csc_array:
         """``d kappa / d r`` as a sparse matrix, (V, V), symmetric, with its whole diagonal."""
-        n = self.radii.size
-        i, j = self.tables.corners, self.tables.corners[self.tables.twins]
-        every = np.arange(n)
-        rows, columns = np.concatenate([i, every]), np.concatenate([j, every])
-        values = np.concatenate([self.coupling, self.diagonal])
-        return coo_array((values, (rows, columns)), shape=(n, n)).tocsc()
+        return vertex_matrix(self.tables.corners, self.tables.twins, self.coupling, self.diagonal)
 
 
 @kernel

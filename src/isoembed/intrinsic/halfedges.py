@@ -10,8 +10,6 @@ from __future__ import annotations
 from typing import NamedTuple
 
 import numpy as np
-from scipy.sparse import coo_array
-from scipy.sparse.csgraph import reverse_cuthill_mckee
 
 from isoembed.arrays import Floats, Indices
 from isoembed.intrinsic.trigonometry import angle_between, apex, from_frame
@@ -50,10 +48,15 @@ class HalfEdges(NamedTuple):
         face_lengths : ndarray, shape (F, 3)
             Length of each half-edge.
         """
-        corners = np.array(faces, dtype=np.int64).ravel()
-        mesh = cls(corners, np.array(twins), np.array(face_lengths).ravel(), np.zeros(corners.size))
+        mesh = cls.without_directions(faces, twins, face_lengths)
         set_directions(mesh)
         return mesh
+
+    @classmethod
+    def without_directions(cls, faces: Indices, twins: Indices, face_lengths: Floats) -> HalfEdges:
+        """Copy the triangles of a metric for those who ask for no directions: all are zero."""
+        corners = np.array(faces, dtype=np.int64).ravel()
+        return cls(corners, np.array(twins), np.array(face_lengths).ravel(), np.zeros(corners.size))
 
     def copy(self) -> HalfEdges:
         """Copy of all tables."""
@@ -61,9 +64,7 @@ class HalfEdges(NamedTuple):
 
     def order_in_memory(self) -> Indices:
         """Order of the vertices in which neighbors have near numbers, shape (V,)."""
-        n = self.corners.size // 6 + 2
-        graph = coo_array((np.ones(self.corners.size), self.ends), shape=(n, n)).tocsr()
-        return reverse_cuthill_mckee(graph, symmetric_mode=True).astype(np.int64)
+        return _breadth_first(self.corners, self.twins)
 
     def in_order(self, order: Indices) -> HalfEdges:
         """Copy with other numbers for vertices and faces, so that what is near is near in memory.
@@ -76,8 +77,7 @@ class HalfEdges(NamedTuple):
         number = np.empty_like(order)
         number[order] = np.arange(order.size)
         corners = number[self.corners]
-        faces = np.argsort(corners.reshape(-1, 3).min(axis=1), kind="stable")
-        return self._replace(corners=corners).of_faces(faces)
+        return self._replace(corners=corners).of_faces(_by_lowest_corner(corners))
 
     def of_faces(self, faces: Indices) -> HalfEdges:
         """Copy of some faces, in this order, which are glued to no others."""
@@ -133,6 +133,46 @@ def leaving_halfedges(corners: Indices, n: int) -> Indices:
     for h in range(corners.size):
         leaving[corners[h]] = h
     return leaving
+
+
+@kernel
+def _breadth_first(corners: Indices, twins: Indices) -> Indices:
+    """The vertices in order of their distance from the first, counted in edges, shape (V,)."""
+    n = corners.size // 6 + 2
+    leaving = leaving_halfedges(corners, n)
+    order = np.empty(n, dtype=np.int64)
+    met = np.zeros(n, dtype=np.bool_)
+    order[0], met[0] = 0, True
+    count = 1
+    for k in range(n):
+        start = h = leaving[order[k]]
+        while True:
+            v = corners[twins[h]]
+            if not met[v]:
+                met[v] = True
+                order[count] = v
+                count += 1
+            h = twins[preceding(h)]
+            if h == start:
+                break
+    return order
+
+
+@kernel
+def _by_lowest_corner(corners: Indices) -> Indices:
+    """The faces, ordered by their lowest vertices and then by their numbers, shape (F,)."""
+    count = corners.size // 3
+    place = np.zeros(count // 2 + 3, dtype=np.int64)
+    for f in range(count):
+        place[min(corners[3 * f], min(corners[3 * f + 1], corners[3 * f + 2])) + 1] += 1
+    for v in range(1, place.size):
+        place[v] += place[v - 1]
+    order = np.empty(count, dtype=np.int64)
+    for f in range(count):
+        lowest = min(corners[3 * f], min(corners[3 * f + 1], corners[3 * f + 2]))
+        order[place[lowest]] = f
+        place[lowest] += 1
+    return order
 
 
 @kernel

@@ -17,7 +17,7 @@ from isoembed.mesh.checks import check_euler, check_numbering, index_array
 from isoembed.mesh.joining import reached_faces
 from isoembed.mesh.triangulation import frozen
 from isoembed.metric.curvature import Triangles
-from isoembed.metric.polyhedral import METRIC, PolyhedralMetric
+from isoembed.metric.polyhedral import METRIC, PolyhedralMetric, first_broken
 from isoembed.metric.simplicial import simplicial
 
 
@@ -150,8 +150,21 @@ class GluedMetric:
         ------
         InvalidMetric
         """
-        checked = GluedMetric(self.faces, self.twins, face_lengths)
-        return GluedMetric._made(self.faces, self.twins, checked.face_lengths, self.seams)
+        lengths = _length_table(face_lengths, self.n_faces)
+        _check_triangles(self.faces, lengths)
+        return GluedMetric._made(self.faces, self.twins, _matched(self.twins, lengths), self.seams)
+
+    @classmethod
+    def flipped(cls, tables: HalfEdges) -> GluedMetric:
+        """The triangles that flips, or other numbers, have made of those of a metric; without seams.
+
+        Raises
+        ------
+        InvalidMetric
+            Rounding broke one of them.
+        """
+        _check_triangles(tables.faces, tables.face_lengths)
+        return cls._made(tables.faces, tables.twins, tables.face_lengths)
 
     @cached_property
     def normalized(self) -> GluedMetric:
@@ -174,9 +187,10 @@ class GluedMetric:
         total = np.bincount(self.faces.ravel(), self.triangles.angles.ravel())
         return frozen(2 * np.pi - cast(Floats, total))
 
-    def half_edges(self) -> HalfEdges:
-        """Copy of the triangles as half-edges, which may be flipped."""
-        return HalfEdges.of(self.faces, self.twins, self.face_lengths)
+    def half_edges(self, directed: bool = True) -> HalfEdges:
+        """Copy of the triangles as half-edges, which may be flipped; without directions, these are zero."""
+        made = HalfEdges.of if directed else HalfEdges.without_directions
+        return made(self.faces, self.twins, self.face_lengths)
 
     def simplicial(self) -> PolyhedralMetric:
         """The same metric on a simplicial complex, so that it can be written to a file.
@@ -259,10 +273,9 @@ def _check_ends(faces: Indices, twins: Indices) -> None:
 
 
 def _check_triangles(faces: Indices, lengths: Floats) -> None:
-    a, b, c = np.sort(lengths, axis=1).T
-    broken = ~(c - b < a)  # a difference of neighbors neither over- nor underflows
-    if broken.any():
-        f = int(np.argmax(broken))
+    f = int(first_broken(np.arange(lengths.size).reshape(-1, 3), lengths.ravel(), 0.0))
+    if f >= 0:
+        a, b, c = np.sort(lengths, axis=1).T
         raise InvalidMetric(
             f"face {f} {faces[f].tolist()} breaks the triangle inequality: "
             f"its sides are {float(a[f])!r}, {float(b[f])!r} and {float(c[f])!r}"

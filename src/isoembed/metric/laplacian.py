@@ -1,8 +1,12 @@
 """The cotangent Laplacian: of linear finite elements, and the derivative of the deficits."""
 
-import numpy as np
-from scipy.sparse import coo_array, csc_array
+from typing import cast
 
+import numpy as np
+from scipy.sparse import csc_array
+
+from isoembed.arrays import Floats
+from isoembed.intrinsic.vertex_matrix import vertex_matrix
 from isoembed.metric.glued import GluedMetric
 
 
@@ -25,6 +29,5 @@ def cotangent_laplacian(metric: GluedMetric, least: float = -np.inf) -> csc_arra
     """
     across = np.roll(metric.triangles.cotangents, 1, axis=1).ravel()
     weights = np.maximum((across + across[metric.twins]) / 2, least)
-    i, j = metric.faces.ravel(), np.roll(metric.faces, -1, axis=1).ravel()  # every edge, in both directions
-    values, ends = np.concatenate([weights, -weights]), (np.concatenate([i, i]), np.concatenate([i, j]))
-    return coo_array((values, ends), shape=(metric.n_vertices, metric.n_vertices)).tocsc()
+    corners = metric.faces.ravel()
+    return vertex_matrix(corners, metric.twins, -weights, cast(Floats, np.bincount(corners, weights)))

@@ -276,7 +276,7 @@ def _check_lengths(triangulation: Triangulation, lengths: Floats) -> None:
     if len(lengths) != triangulation.n_edges:
         raise InvalidMetric(f"there are {triangulation.n_edges} edges but {len(lengths)} lengths")
     _check_positive(triangulation.edges, lengths)
-    f = _first_broken(triangulation.face_edges, lengths, 0.0)
+    f = first_broken(triangulation.face_edges, lengths, 0.0)
     if f >= 0:
         a, b, c = sorted(lengths[triangulation.face_edges[f]].tolist())
         raise InvalidMetric(
@@ -286,7 +286,7 @@ def _check_lengths(triangulation: Triangulation, lengths: Floats) -> None:
 
 
 @kernel
-def _first_broken(face_edges: Indices, lengths: Floats, margin: float) -> int:
+def first_broken(face_edges: Indices, lengths: Floats, margin: float) -> int:
     """The first face that breaks the triangle inequality up to a share of its longest side, or -1."""
     for f in range(len(face_edges)):
         a, b, c = lengths[face_edges[f, 0]], lengths[face_edges[f, 1]], lengths[face_edges[f, 2]]
@@ -307,7 +307,7 @@ def _low_kept(triangulation: Triangulation, points: Floats) -> Floats:
     """
     t = triangulation
     lengths = edge_lengths(t.edges, points)
-    if _first_broken(t.face_edges, lengths, LOW.margin / 2) < 0:
+    if first_broken(t.face_edges, lengths, LOW.margin / 2) < 0:
         return lengths
     for _ in range(LOW.passes):  # the side of one may be the longest of another
         sides = lengths[t.face_edges]
