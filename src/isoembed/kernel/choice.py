@@ -1,5 +1,6 @@
 """A function, and the choice between its compiled code and Python."""
 
+import atexit
 import os
 import sys
 import threading
@@ -10,11 +11,14 @@ from typing import Any
 
 import numpy as np
 
+from isoembed.kernel import ledger
 from isoembed.kernel.place import is_kept
-from isoembed.kernel.worth import KERNEL, Account, NotWorth, elements, source_lines
+from isoembed.kernel.worth import KERNEL, Account, NotWorth, elements, lasting, source_lines
 
 WHEN = os.environ.get("ISOEMBED_KERNELS", "")
 """To compile: ``compiled`` at once, ``interpreted`` what would take seconds, otherwise what pays."""
+
+_clock = time.thread_time
 
 
 class _Thread(threading.local):
@@ -23,6 +27,7 @@ class _Thread(threading.local):
 
 _THREAD = _Thread()
 _ALL = Account()
+_interpreted: list["Kernel"] = []
 
 
 class Kernel:
@@ -34,14 +39,12 @@ class Kernel:
         As it was written.
     targetoptions : dict
         Options of numba, which looks for them here.
-    account : Account
     """
 
     def __init__(self, function: Callable[..., Any], options: dict[str, Any]) -> None:
         update_wrapper(self, function)
         self.py_func = function
         self.targetoptions = options
-        self.account = Account()
         self._run: Callable[..., Any] = self._choose
 
     def __call__(self, *args: Any) -> Any:
@@ -56,6 +59,17 @@ class Kernel:
 
     def __repr__(self) -> str:
         return f"kernel({self.py_func!r})"
+
+    @property
+    def name(self) -> str:
+        """Under which it is known to other processes."""
+        return f"{self.py_func.__module__}.{self.py_func.__qualname__}"
+
+    @cached_property
+    def account(self) -> Account:
+        """What it took as Python."""
+        _interpreted.append(self)
+        return Account(ledger.earlier().get(self.name, 0.0))
 
     @cached_property
     def dispatcher(self) -> Any:
@@ -83,7 +97,7 @@ class Kernel:
         if WHEN == "interpreted":
             return expected > KERNEL.patience
         importing = 0.0 if "numba" in sys.modules else max(0.0, KERNEL.importing - _ALL.seconds)
-        return self.account.seconds + expected > self._price + importing
+        return self.account.earlier + self.account.seconds + expected > self._price + importing
 
     def _choose(self, *args: Any) -> Any:
         if not self.pays(args):
@@ -94,14 +108,14 @@ class Kernel:
     def _interpret(self, args: tuple[Any, ...]) -> Any:
         if _THREAD.interpreting:
             return self.py_func(*args)
-        begun = time.thread_time()
+        begun = _clock()
         _THREAD.interpreting = True
         try:
             with np.errstate(all="ignore"):
                 result = self.py_func(*[np.float64(arg) if type(arg) is float else arg for arg in args])
         finally:
             _THREAD.interpreting = False
-            seconds, size = time.thread_time() - begun, elements(args)
+            seconds, size = _clock() - begun, elements(args)
             for account in (self.account, _ALL):
                 account.enter(seconds, size)
         return _plain(result)
@@ -130,6 +144,21 @@ class Kernel:
             return KERNEL.loading
         new = [kernel.py_func.__code__ for kernel in self._with_callees if not is_kept(kernel.py_func)]
         return sum(KERNEL.compiling + KERNEL.line * source_lines(code) for code in new)
+
+
+@atexit.register
+def _write() -> None:
+    """Let later processes know what compiled code would have saved this one."""
+    if WHEN:
+        return
+    numba = "numba" in sys.modules
+    spent = {
+        kernel.name: lasting(kernel.account.seconds, _ALL.seconds, numba)
+        for kernel in _interpreted
+        if not is_kept(kernel.py_func)
+    }
+    compiled = {kernel.name for kernel in _interpreted if kernel.account.compiled}
+    ledger.write({name: seconds for name, seconds in spent.items() if seconds > 0}, compiled)
 
 
 def _plain(result: Any) -> Any:

@@ -27,7 +27,7 @@ class Dispatcher(_Numbas):
         if not self.kernel.pays(args):
             raise NotWorth
         entry = super()._compile_for_args(*args, **named)
-        self.kernel.account.seconds = 0.0
+        self.kernel.account.close()
         return entry
 
 
