@@ -81,8 +81,11 @@ import numpy as np
 from isoembed.linalg import OutOfMemory, analyze
 from isoembed.linalg.memory import available_memory
 import scipy.sparse as sp
-dense = sp.csc_matrix(np.ones((800, 800)))  # too large for SuperLU
-analyze(dense, np.arange(800)).factor((np.eye(800) + 1).ravel())  # compiled
+import isoembed.linalg.factor as factor
+from isoembed.linalg.symmetric import FactorizationThresholds
+factor.FACTORIZATION = FactorizationThresholds(small=0)
+dense = sp.csc_matrix(np.ones((30, 30)))
+analyze(dense, np.arange(30)).factor((np.eye(30) + 1).ravel())  # compiled
 size = int(open("/proc/self/statm").read().split()[0]) * resource.getpagesize()
 resource.setrlimit(resource.RLIMIT_AS, (size + 100_000_000, resource.RLIM_INFINITY))
 print(available_memory())
@@ -96,7 +99,10 @@ try:
 except OutOfMemory as error:
     print(error)
 """
-    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
+    compiled = os.environ | {"ISOEMBED_KERNELS": "compiled"}
+    done = subprocess.run(
+        [sys.executable, "-c", code], env=compiled, capture_output=True, text=True, check=True
+    )
     free, sentence = done.stdout.splitlines()
     assert 90 * MB < int(free) <= 100 * MB
     assert sentence.startswith("the factors of a matrix of 6000 unknowns need about ")
@@ -147,10 +153,13 @@ import sys
 sys.path.insert(0, {str(SUPPORT)!r})
 from grids import grid
 from isoembed.linalg import analyze
+import isoembed.linalg.factor as factor
+from isoembed.linalg.symmetric import FactorizationThresholds
+factor.FACTORIZATION = FactorizationThresholds(small=0)
 def status(key):
     with open("/proc/self/status") as lines:
         return next(int(line.split()[1]) * 1024 for line in lines if line.startswith(key))
-small, order = grid({150 if backend == "multifrontal" else 60})
+small, order = grid(60)
 analyze(small, order, {backend!r}, definite={definite}).factor(small.data)  # compiled, and libraries loaded
 matrix, order = grid(280)
 before = status("VmRSS")

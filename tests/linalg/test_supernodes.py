@@ -50,5 +50,5 @@ def test_few_fronts_and_few_zeros():
     matrix, order = grid(60)
     elimination = symbolic_analysis(matrix.indptr, matrix.indices, order)
     nodes = find_supernodes(matrix.indptr, matrix.indices, elimination)
-    assert nodes.children.size < 0.1 * order.size
+    assert nodes.children.size < order.size / 8
     assert nodes.entries < 1.5 * elimination.counts.sum()

@@ -48,7 +48,8 @@ def _bisected(graph: Graph, position: Floats, separated: bool) -> tuple[Indices,
         size = end - start
         if size <= _T.leaf:
             continue
-        members[:size] = order[start:end]
+        for k in range(size):
+            members[k] = order[start + k]
         _measure(members[:size], position, height)
         _cut(graph, members[:size], cell, height, heights[:size], table)
         separate(graph, members[:size], cell, min(int(_T.width * np.sqrt(size)), _T.widest), band)
@@ -146,8 +147,9 @@ def _cut(
     # Bin 0 is below low, bins 1, 2, .. lie between low and high.
     bins = min(_T.places, max(4, size // 4))
     scale = bins / (high - low)
-    inside, change = table
-    inside[:], change[:] = 0, 0  # vertices in a bin, and severed edges above it less those below
+    inside, change = table  # vertices in a bin, and severed edges above it less those below
+    for b in range(bins + 1):
+        inside[b] = change[b] = 0
     for v in members:
         if height[v] < low:
             inside[0] += 1
