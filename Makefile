@@ -12,7 +12,10 @@ SPHINX := $(VENV)/.installed-docs
 export OMP_NUM_THREADS ?= 1
 export OPENBLAS_NUM_THREADS ?= 1
 
-.PHONY: help demo reproduce test test-slow lint lint-page bench docs clean
+# Tests of the rooms where loops are: `make test` compiles what pays, which hangs on the machine.
+ROOMS := kernel mesh linalg intrinsic metric surface alexandrov gluing smooth meshing
+
+.PHONY: help demo reproduce test test-slow test-interpreted test-compiled lint lint-page bench docs clean
 .DELETE_ON_ERROR:
 
 help:
@@ -20,6 +23,7 @@ help:
 	@echo 'make reproduce  make the figures and numbers of the paper again, in reproduction/'
 	@echo 'make test       run the tests, but for the slow ones'
 	@echo 'make test-slow  run the slow ones: pages of the documentation, whole studies'
+	@echo 'make test-interpreted, make test-compiled  run those of the loops with none compiled, and with all'
 	@echo 'make lint       check style, types and the order of the rooms; make lint-page the script of a page, with npm'
 	@echo 'make bench      measure cost against size'
 	@echo 'make docs       build the documentation in site/, the tutorials executed'
@@ -36,6 +40,9 @@ test: $(INSTALLED)
 
 test-slow: $(INSTALLED)
 	$(BIN)/python -m pytest -q --numprocesses auto --dist worksteal -m slow
+
+test-interpreted test-compiled: test-%: $(INSTALLED)
+	ISOEMBED_KERNELS=$* $(BIN)/python -m pytest -q --numprocesses auto --dist loadfile -m "not slow" $(ROOMS:%=tests/%)
 
 lint: $(LINTERS)
 	$(BIN)/ruff check .
