@@ -2,9 +2,11 @@
 
 import argparse
 import sys
-from collections.abc import Callable, Collection
+from collections.abc import Callable, Collection, Mapping
 from contextlib import nullcontext
+from functools import cache
 from pathlib import Path
+from typing import Any
 
 import isoembed
 from isoembed.cli.options import add_json_option, add_output_option, add_quiet_option
@@ -87,14 +89,18 @@ def answer(
     if failure is None or options.keep:
         beside["output"] = lambda path: surface_writer(path, embedding)
         beside |= picture_writers(options, embedding, film)
-    report = embedding.report if failure is None else {**embedding.report, "message": failure}
+
+    @cache
+    def report() -> Mapping[str, Any]:  # it takes a while: only if it is asked for
+        return embedding.report if failure is None else {**embedding.report, "message": failure}
+
     try:
-        outputs.write(report=lambda _: report_writer(report), **beside)
+        outputs.write(report=lambda _: report_writer(report()), **beside)
     finally:
         if failure is not None:
             print_error(failure)
         if options.json:
-            print_json(report)
+            print_json(report())
         elif not options.quiet:
             say = print_out if failure is None and not outputs else print_aside
             if not options.output:

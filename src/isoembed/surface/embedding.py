@@ -317,8 +317,8 @@ class Embedding:
         """Report of what was asked, done and reached: the JSON object that the command writes.
 
         A number that is infinite (the volume of a body 1e150 across) is None.  So is the smallest singular
-        value where J J^T is large, beyond 100,000 vertices or some 2,000 edges at one of them: it alone
-        costs more than in proportion to the size.
+        value where J J^T is large, beyond 20,000 vertices or some 900 edges at one of them: it alone costs as
+        much as all else.
         """
         triangulation = self.triangulation
         is_small = np.sum(triangulation.degrees**2) <= RIGIDITY.reported

@@ -28,7 +28,7 @@ class RigidityThresholds:
     vectors: int = threshold(8, "count", "Kept between restarts of Lanczos' iteration.")
     eigenvalue: float = threshold(1e-3, "relative", "Of 1 / (J J^T), the largest: a measure, not a solution.")
     reported: int = threshold(
-        4_000_000, "entries of J J^T", "Of 100,000 vertices: more are not factored only for a report."
+        800_000, "entries of J J^T", "Of 20,000 vertices: more are not factored only for a report."
     )
     entry: int = threshold(25, "bytes", "Of an entry of J J^T, with its place in elimination order.")
 
