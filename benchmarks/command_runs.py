@@ -100,26 +100,47 @@ def measure(path, most, backend=None, threads=1, seconds=resource.RLIM_INFINITY)
     }
 
 
-def one_in_own_process(path, backend, threads):
-    """Seconds of the processor of one numeric factorization of J J^T, in a process of its own."""
+def one_in_own_process(path, backend, threads, of="edges"):
+    """Seconds of the processor of one factorization, `of_edges` or `of_vertices`, in a process of its own."""
     mesh = f"*read_mesh({str(path.resolve())!r})"
-    call = f"from command_runs import *; print(one_factorization({mesh}, {backend!r}))"
+    call = f"from command_runs import *; print(of_{of}({mesh}, {backend!r}))"
     environment = {**os.environ, **dict.fromkeys(THREADS, str(threads))}
     here = Path(__file__).parent
     return float(subprocess.check_output([sys.executable, "-c", call], env=environment, cwd=here, text=True))
 
 
-def one_factorization(vertices, faces, backend):
+def of_edges(vertices, faces, backend):
     """Least seconds of the processor of two numeric factorizations of J J^T."""
     from isoembed.surface.rigidity import LengthSystem
 
     metric = PolyhedralMetric.from_mesh(vertices, faces)
     system = LengthSystem(metric.triangulation, backend=backend)
     J = system._matrix(vertices / metric.unit, metric.lengths / metric.unit)
+    return least_seconds(lambda: system._factor(J))
+
+
+def of_vertices(vertices, faces, backend):
+    """Least seconds of the processor of two numeric factorizations of ``-d kappa / d r`` at the surface."""
+    from isoembed import GluedMetric
+    from isoembed.alexandrov.newton import pinned
+    from isoembed.alexandrov.polytope import Polytope
+    from isoembed.progress.stages import Log
+
+    metric = PolyhedralMetric.from_mesh(vertices, faces)
+    x = (vertices - vertices.mean(axis=0)) / metric.unit
+    radii = np.linalg.norm(x, axis=1)
+    p = Polytope.on(GluedMetric.of(metric.normalized).half_edges(directed=False), radii)
+    with Log().stage("one") as recorder:
+        solution = pinned(p, recorder, backend, x / radii[:, None])
+        return least_seconds(lambda: solution.refactorized(p, recorder))
+
+
+def least_seconds(work):
+    """Of the processor, of two times."""
     seconds = []
     for _ in range(2):
         start = time.process_time()
-        system._factor(J)
+        work()
         seconds.append(time.process_time() - start)
     return min(seconds)
 

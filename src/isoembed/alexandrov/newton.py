@@ -13,7 +13,7 @@ from scipy.sparse import csc_array
 from isoembed.alexandrov.pins import independent_directions, rough_directions
 from isoembed.alexandrov.polytope import Polytope
 from isoembed.arrays import Floats, Indices
-from isoembed.linalg import Dissection, Factor, Solver, analyze, dissect
+from isoembed.linalg import Dissection, Factor, SingularMatrix, Solver, analyze, dissect
 from isoembed.linalg.krylov import gmres
 from isoembed.progress.stages import StageRecorder
 from isoembed.thresholds import threshold
@@ -38,6 +38,28 @@ class NewtonThresholds:
 NEWTON = NewtonThresholds()
 
 
+@dataclass(eq=False)
+class Preconditioner:
+    """The last factor of ``-d kappa / d r`` nearby, rows and columns of the pins replaced by the identity's.
+
+    A new one takes its place: large bodies have no room for two.
+    """
+
+    solver: Solver
+    factor: Factor | None = None
+
+    def renew(self, data: Floats) -> None:
+        """Factor another matrix of the same triangles."""
+        self.factor = None
+        self.factor = self.solver.factor(data)
+
+    def solve(self, b: Floats) -> Floats:
+        """What the last factor makes of b, (V,) or (V, n)."""
+        if self.factor is None:
+            raise SingularMatrix("the last matrix had no factors")
+        return self.factor.solve(b, sweeps=0)
+
+
 @dataclass(frozen=True, eq=False)
 class Solution:
     """A polytope without curvature, and the means to place it.
@@ -47,21 +69,19 @@ class Solution:
     polytope : Polytope
     pins : ndarray of int, shape (3,)
         Vertices in independent directions from the apex.
-    solver : Solver
-        Of the triangles of the polytope that was factored.
-    factor : Factor
-        Of ``-d kappa / d r`` nearby, the rows and columns of the pins replaced by those of the identity.
+    inverse : Preconditioner
+        Shared by all solutions that follow from one another without flips.
     """
 
     polytope: Polytope
     pins: Indices
-    solver: Solver
-    factor: Factor
+    inverse: Preconditioner
 
     def refactorized(self, p: Polytope, recorder: StageRecorder) -> Solution:
         """Factor another polytope of the same triangles, lengths and radii being others."""
         recorder.factorizations += 1
-        return replace(self, polytope=p, factor=self.solver.factor(_pinned_matrix(p, self.pins).data))
+        self.inverse.renew(_pinned_matrix(p, self.pins).data)
+        return replace(self, polytope=p)
 
     def solve(self, b: Floats, tolerance: float) -> tuple[Floats, int]:
         """``(-d kappa / d r)^-1 b`` with the pins left at zero; and the iterations that it took.
@@ -79,7 +99,7 @@ class Solution:
 
         return gmres(
             lambda v: kept_at_pins(-self.polytope.times_jacobian(v)),
-            lambda v: self.factor.solve(v, sweeps=0),
+            self.inverse.solve,
             kept_at_pins(b.copy()),
             tolerance,
             NEWTON.most_iterations,
@@ -176,8 +196,9 @@ def _pinned_at(
 ) -> Solution:
     matrix = _pinned_matrix(p, pins)
     recorder.factorizations += 1
-    solver = analyzed(matrix, dissection, backend)
-    return Solution(p, pins, solver, solver.factor(matrix.data))
+    inverse = Preconditioner(analyzed(matrix, dissection, backend))
+    inverse.renew(matrix.data)
+    return Solution(p, pins, inverse)
 
 
 def _pinned_matrix(p: Polytope, pins: Indices) -> csc_array:
