@@ -1,6 +1,6 @@
 """The exact polyhedron against the number of vertices, and against random bodies.
 
-    python benchmarks/alexandrov.py [--sizes N ...] [--backends NAME ...] [--sweep SEEDS] [--json FILE]
+    python benchmarks/alexandrov.py [--sizes N ...] [--sweep SEEDS] [--json FILE]
 
 Sizes: the convex hull of N Fibonacci points on the (3, 2, 1) ellipsoid, from a scrambled triangulation of its
 metric, in a process of its own for every row.  Printed are the seconds of the whole embedding and of its
@@ -72,7 +72,7 @@ def scrambled(vertices, faces, seed, thinnest):
     return GluedMetric(mesh.faces, mesh.twins, mesh.face_lengths)
 
 
-def one_factorization(polyhedron, backend):
+def one_factorization(polyhedron):
     """Least seconds of three: order, analyze and factor ``d kappa / d r`` at the solution."""
     from isoembed import GluedMetric
     from isoembed.alexandrov.newton import pinned
@@ -86,33 +86,32 @@ def one_factorization(polyhedron, backend):
     with Log().stage("factor") as recorder:
         for _ in range(3):
             start = time.perf_counter()
-            pinned(p, recorder, backend)
+            pinned(p, recorder)
             seconds.append(time.perf_counter() - start)
     return min(seconds)
 
 
-def measure(n, backend):
+def measure(n):
     """Measure one row of the table of sizes."""
     import isoembed
 
     small, faces = outward_hull(fibonacci(200))  # compiles
-    isoembed.embed(scrambled(small, faces, 0, 0.05), method=isoembed.Alexandrov(backend=backend))
+    isoembed.embed(scrambled(small, faces, 0, 0.05), method=isoembed.Alexandrov())
     vertices, faces = outward_hull(fibonacci(n))
     metric = scrambled(vertices, faces, 0, 0.05)
     before = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss
     seconds = []
     for _ in range(3 if n <= 20_000 else 1):
         start = time.perf_counter()
-        polyhedron = isoembed.embed(metric, method=isoembed.Alexandrov(backend=backend))
+        polyhedron = isoembed.embed(metric, method=isoembed.Alexandrov())
         seconds.append(time.perf_counter() - start)
     peak = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss
     return {
         "vertices": n,
-        "backend": backend,
         "seconds": min(seconds),
         "stages": {stage.name: stage.seconds for stage in polyhedron.stages},
         "factorizations": sum(stage.factorizations for stage in polyhedron.stages),
-        "one": one_factorization(polyhedron, backend),
+        "one": one_factorization(polyhedron),
         "residual": polyhedron.residual,
         "aligned": aligned(polyhedron.vertices, vertices),
         "peak_mb": peak / 1024,
@@ -120,24 +119,23 @@ def measure(n, backend):
     }
 
 
-def sizes_table(sizes, backends):
+def sizes_table(sizes):
     """Measure and print the table of sizes."""
     rows = []
-    print(f"{'backend':8} {'N':>8} {'seconds':>8} {'factor.':>7} {'total/one':>9} {'exponent':>8} "
+    print(f"{'N':>8} {'seconds':>8} {'factor.':>7} {'total/one':>9} {'exponent':>8} "
           f"{'residual':>8} {'aligned':>8} {'peak MB':>8}  stages")  # fmt: skip
-    for backend in backends:
-        last = None
-        for n in sizes:
-            command = [sys.executable, __file__, "--row", str(n), backend]
-            done = subprocess.run(command, check=True, capture_output=True, text=True, env=ONE_THREAD)
-            row = json.loads(done.stdout)
-            rows.append(row)
-            exponent = "" if last is None else f"{growth(last, row):.2f}"
-            stages = ", ".join(f"{name} {seconds:.2f}" for name, seconds in row["stages"].items())
-            print(f"{backend:8} {n:8d} {row['seconds']:8.2f} {row['factorizations']:7d} "
-                  f"{row['seconds'] / row['one']:9.1f} {exponent:>8} {row['residual']:8.0e} "
-                  f"{row['aligned']:8.0e} {row['peak_mb']:8.0f}  {stages}", flush=True)  # fmt: skip
-            last = row
+    last = None
+    for n in sizes:
+        command = [sys.executable, __file__, "--row", str(n)]
+        done = subprocess.run(command, check=True, capture_output=True, text=True, env=ONE_THREAD)
+        row = json.loads(done.stdout)
+        rows.append(row)
+        exponent = "" if last is None else f"{growth(last, row):.2f}"
+        stages = ", ".join(f"{name} {seconds:.2f}" for name, seconds in row["stages"].items())
+        print(f"{n:8d} {row['seconds']:8.2f} {row['factorizations']:7d} "
+              f"{row['seconds'] / row['one']:9.1f} {exponent:>8} {row['residual']:8.0e} "
+              f"{row['aligned']:8.0e} {row['peak_mb']:8.0f}  {stages}", flush=True)  # fmt: skip
+        last = row
     return rows
 
 
@@ -194,17 +192,14 @@ def main():
         description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
     )
     parser.add_argument("--sizes", type=int, nargs="*", default=list(SIZES[:4]))
-    parser.add_argument("--backends", nargs="*", default=None)
     parser.add_argument("--sweep", type=int, default=60, metavar="SEEDS")
     parser.add_argument("--json", type=Path)
-    parser.add_argument("--row", nargs=2, help=argparse.SUPPRESS)
+    parser.add_argument("--row", type=int, help=argparse.SUPPRESS)
     options = parser.parse_args()
     if options.row:
-        print(json.dumps(measure(int(options.row[0]), options.row[1])))
+        print(json.dumps(measure(options.row)))
         return
-    from isoembed.linalg import available_backends
-
-    rows = sizes_table(options.sizes, options.backends or available_backends())
+    rows = sizes_table(options.sizes)
     rows += sweep(options.sweep) if options.sweep else []
     if options.json:
         options.json.write_text(json.dumps(rows, indent=1))

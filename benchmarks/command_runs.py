@@ -58,7 +58,7 @@ def run(command, threads, seconds=resource.RLIM_INFINITY):
     return child.returncode, used.ru_utime + used.ru_stime, clock, used.ru_maxrss / 1024, message
 
 
-def measure(path, most, backend=None, threads=1, seconds=resource.RLIM_INFINITY):
+def measure(path, most, threads=1, seconds=resource.RLIM_INFINITY):
     """Embed the lengths of a mesh.
 
     Parameters
@@ -67,22 +67,19 @@ def measure(path, most, backend=None, threads=1, seconds=resource.RLIM_INFINITY)
         Of the mesh.
     most : int
         Edges up to which one factorization of J J^T is timed.
-    backend : str, optional
-        By default what is chosen by default.
     threads : int
     seconds : int
         Of the processor, after which the run is ended.
     """
     vertices, faces = read_mesh(path)
     metric = PolyhedralMetric.from_mesh(vertices, faces)
-    row = {"n": len(vertices), "backend": backend or "default", "threads": threads}
+    row = {"n": len(vertices), "threads": threads}
     with tempfile.TemporaryDirectory() as scratch:
         inside = Path(scratch)
         write_metric(inside / "metric.npz", metric)
         isoembed = shutil.which("isoembed", path=Path(sys.executable).parent) or "isoembed"
         files = ["-o", str(inside / "surface.npz"), "--report", str(inside / "report.json"), "--keep"]
         command = [isoembed, "embed", str(inside / "metric.npz"), *files, "--quiet"]
-        command += ["--parameter", f"backend={backend}"] if backend else []
         status, cpu, clock, peak, message = run(command, threads, seconds)
         row |= {"status": status, "cpu": cpu, "clock": clock, "peak": peak}
         if not (inside / "report.json").exists():
@@ -91,7 +88,7 @@ def measure(path, most, backend=None, threads=1, seconds=resource.RLIM_INFINITY)
         with np.load(inside / "surface.npz") as found:
             error = aligned(found["vertices"], vertices)
     return row | {
-        "one": one_in_own_process(path, backend, threads) if metric.triangulation.n_edges <= most else None,
+        "one": one_in_own_process(path, threads) if metric.triangulation.n_edges <= most else None,
         "factorizations": sum(stage["factorizations"] for stage in report["stages"]),
         "stages": report["stages"],
         "residual": report["residual"]["max"],
@@ -100,26 +97,26 @@ def measure(path, most, backend=None, threads=1, seconds=resource.RLIM_INFINITY)
     }
 
 
-def one_in_own_process(path, backend, threads, of="edges"):
+def one_in_own_process(path, threads, of="edges"):
     """Seconds of the processor of one factorization, `of_edges` or `of_vertices`, in a process of its own."""
     mesh = f"*read_mesh({str(path.resolve())!r})"
-    call = f"from command_runs import *; print(of_{of}({mesh}, {backend!r}))"
+    call = f"from command_runs import *; print(of_{of}({mesh}))"
     environment = {**os.environ, **dict.fromkeys(THREADS, str(threads))}
     here = Path(__file__).parent
     return float(subprocess.check_output([sys.executable, "-c", call], env=environment, cwd=here, text=True))
 
 
-def of_edges(vertices, faces, backend):
+def of_edges(vertices, faces):
     """Least seconds of the processor of two numeric factorizations of J J^T."""
     from isoembed.surface.rigidity import LengthSystem
 
     metric = PolyhedralMetric.from_mesh(vertices, faces)
-    system = LengthSystem(metric.triangulation, backend=backend)
+    system = LengthSystem(metric.triangulation)
     J = system._matrix(vertices / metric.unit, metric.lengths / metric.unit)
     return least_seconds(lambda: system._factor(J))
 
 
-def of_vertices(vertices, faces, backend):
+def of_vertices(vertices, faces):
     """Least seconds of the processor of two numeric factorizations of ``-d kappa / d r`` at the surface."""
     from isoembed import GluedMetric
     from isoembed.alexandrov.newton import pinned
@@ -131,7 +128,7 @@ def of_vertices(vertices, faces, backend):
     radii = np.linalg.norm(x, axis=1)
     p = Polytope.on(GluedMetric.of(metric.normalized).half_edges(directed=False), radii)
     with Log().stage("one") as recorder:
-        solution = pinned(p, recorder, backend, x / radii[:, None])
+        solution = pinned(p, recorder, x / radii[:, None])
         return least_seconds(lambda: solution.refactorized(p, recorder))
 
 
@@ -146,14 +143,14 @@ def least_seconds(work):
 
 
 HEAD = (
-    f"{'surface':<24} {'N':>9} {'backend':>8} {'thr.':>4} {'cpu s':>7} {'clock s':>7} {'one':>6} "
+    f"{'surface':<24} {'N':>9} {'thr.':>4} {'cpu s':>7} {'clock s':>7} {'one':>6} "
     f"{'cpu/one':>9} {'fact.':>5} {'MB':>6} {'edge error':>10} {'aligned':>8} {'inv.':>4}  stages, s"
 )
 
 
 def show(name, row, remark=""):
     """Print a row."""
-    start = f"{name:<24} {row['n']:>9,} {row['backend']:>8} {row['threads']:>4} "
+    start = f"{name:<24} {row['n']:>9,} {row['threads']:>4} "
     if "failed" in row:
         print(start + row["failed"] + remark, flush=True)
         return

@@ -1,19 +1,26 @@
-"""Cost of the sparse solver on J J^T of an ellipsoid: ``python benchmarks/linalg.py [N ...]``.
+"""Cost of the sparse solver on an ellipsoid: ``python benchmarks/linalg.py [N ...]``.
 
-Seconds of the processor are the best of three. Ratios are to one SuperLU factorization ordered by our
-dissection; fill is the entries of L + U per entry of the matrix. The first factorization of a pattern may
-include an analysis. A solve is one without refinement. Memory is what the factors are foreseen to take.
+Matrices: J J^T on the edges; a Laplacian on the vertices, less a little, which makes it indefinite; and J^T J
+with a penalty, on the coordinates. Each is ordered by our dissection, analyzed, factored and solved, by dense
+fronts and by SuperLU; and by PARDISO where pypardiso is installed, which orders and analyzes every time.
+
+Seconds of the processor are the best of three, the ratio is to the fronts' factorization, a solve is without
+refinement, and memory is what the factors are foreseen to take. At last come exponents of all of them.
 """
 
+import os
 import sys
 import time
+from importlib.util import find_spec
 
 import numpy as np
 import scipy.sparse as sp
-from scipy.sparse.linalg import splu
 from scipy.spatial import ConvexHull
 
-from isoembed.linalg import analyze, available_backends, dissect
+os.environ["ISOEMBED_KERNELS"] = "compiled"
+import isoembed.linalg.factor as factor_module
+from isoembed.linalg import analyze, dissect
+from isoembed.linalg.symmetric import FactorizationThresholds
 
 
 def rigidity(n):
@@ -42,6 +49,23 @@ def gram(edges, jacobian):
     return matrix
 
 
+def laplacian(graph):
+    """The graph's Laplacian, less a multiple of the identity that leaves few negative eigenvalues."""
+    shift = 30 / graph.shape[0]
+    matrix = sp.csc_array(sp.diags_array(graph.sum(axis=1) - shift) - graph)
+    matrix.sort_indices()
+    return matrix
+
+
+def penalized(graph, jacobian):
+    """J^T J + P, P a Laplacian on each coordinate, with all entries of neighbors stored."""
+    pattern = sp.csc_array(sp.kron(graph + sp.eye_array(graph.shape[0]), np.ones((3, 3))))
+    penalty = sp.kron(laplacian(graph) + sp.eye_array(graph.shape[0]), np.eye(3))
+    matrix = sp.csc_array(jacobian.T @ jacobian + penalty + 1e-300 * pattern)
+    matrix.sort_indices()
+    return matrix
+
+
 def best(function, *arguments):
     """Least seconds of three runs, and the result."""
     seconds = []
@@ -52,47 +76,65 @@ def best(function, *arguments):
     return min(seconds), result
 
 
-def eliminate(matrix, ordering):
-    """SuperLU down the diagonal, in an order of its own or in that of the matrix ("NATURAL")."""
-    return splu(
-        matrix, permc_spec=ordering, diag_pivot_thresh=0.0, options={"SymmetricMode": ordering != "COLAMD"}
-    )
+def ours(matrix, order, definite, small):
+    """Seconds to analyze, factor and solve, and bytes that the factors take; by fronts or by SuperLU."""
+    factor_module.FACTORIZATION = FactorizationThresholds(small=small)
+    b = np.random.default_rng(0).normal(size=order.size)
+    analyzing, solver = best(lambda: analyze(matrix, order, definite=definite))
+    factoring, factor = best(solver.factor, matrix.data)
+    solving, _ = best(factor.solve, b, 0)
+    return analyzing, factoring, solving, solver.needs
+
+
+def pardiso(matrix):
+    """The same by PARDISO, in an order of its own; the memory is not known."""
+    import pypardiso
+
+    rows, b = sp.csr_matrix(matrix), np.random.default_rng(0).normal(size=matrix.shape[0])
+    solver = pypardiso.PyPardisoSolver(mtype=11)
+    factoring, _ = best(lambda: solver.factorize(rows))
+    solving, _ = best(solver.solve, rows, b)
+    return 0.0, factoring, solving, 0
 
 
 def report(n):
+    """Print the table of one size; return seconds by matrix and by who factors."""
     edges, graph, jacobian = rigidity(n)
-    matrix = gram(edges, jacobian)
-    dissecting, order = best(lambda: dissect(graph).edge_order(edges))
-    unit, lu = best(eliminate, sp.csc_array(matrix[order][:, order]), "NATURAL")
-    print(
-        f"\nN = {n}: J J^T has {len(edges)} rows and {matrix.nnz} entries; a factorization takes {unit:.3f} s"
-    )
-    print(f"{'order':14} order + factor     ratio      fill  / minimum degree")
-    rows = [("dissection", dissecting + unit, lu.nnz)]
-    for name in ("MMD_AT_PLUS_A", "COLAMD"):
-        seconds, lu = best(eliminate, matrix, name)
-        rows.append((name, seconds, lu.nnz))
-    for name, seconds, entries in rows:
-        print(f"{name:14} {seconds:12.3f} s {seconds / unit:9.2f} {entries / matrix.nnz:9.2f} ", end="")
-        print(f"{entries / rows[1][2]:9.2f}")
+    dissecting, dissection = best(dissect, graph)
+    vertex, _ = best(lambda: dissect(graph).vertex_order())
+    edge, order = best(lambda: dissect(graph).edge_order(edges))
+    print(f"\nN = {n}: coordinates of the dissection {dissecting:.3f} s, ", end="")
+    print(f"with the order of the vertices {vertex:.3f}, of the edges {edge:.3f}")
+    heads = ("analyze", "factor", "solve", "ratio", "MB")
+    print(f"{'matrix':10} {'by':8} {'rows':>9}", *(f"{head:>8}" for head in heads))
+    matrices = {
+        "J J^T": (gram(edges, jacobian), order, True),
+        "Laplacian": (laplacian(graph), dissection.vertex_order(), False),
+        "J^T J + P": (penalized(graph, jacobian), dissection.block_order(3), True),
+    }
+    found = {}
+    for name, (matrix, order, definite) in matrices.items():
+        rows = {"fronts": ours(matrix, order, definite, 0), "SuperLU": ours(matrix, order, definite, 10**12)}
+        if find_spec("pypardiso"):
+            rows["PARDISO"] = pardiso(matrix)
+        for who, (*seconds, size) in rows.items():
+            numbers = *seconds, seconds[1] / rows["fronts"][1]
+            shown = *(f"{number:8.4f}" for number in numbers), f"{size / 1e6:8.1f}"
+            print(f"{name:10} {who:8} {order.size:9}", *shown, flush=True)
+            found[name, who] = *seconds, size
+    return found
 
-    heads = ("dissect", "analyze", "first", "factor", "solve")
-    print(f"{'backend':12}", *(f"{head:>8}" for head in heads), "s   the same / factorization", " " * 8, "MB")
-    b = np.random.default_rng(0).normal(size=len(edges))
-    for name in reversed(available_backends()):
-        analyze(matrix, order, name).factor(matrix.data).solve(b)  # compiled and loaded
-        analyzing, solver = best(analyze, matrix, order, name)
-        megabytes = solver.needs / 1e6
-        start = time.process_time()
-        solver.factor(matrix.data)
-        first = time.process_time() - start
-        factoring, factor = best(solver.factor, matrix.data)
-        solving, _ = best(factor.solve, b, 0)
-        seconds = (dissecting, analyzing, first, factoring, solving)
-        ratios = (f"{t / unit:6.3f}" for t in seconds)
-        print(f"{name:12}", *(f"{t:8.4f}" for t in seconds), "  ", *ratios, f"{megabytes:8.0f}")
+
+def main(sizes):
+    """Measure all sizes, and the exponents between the first and the last."""
+    tables = [report(n) for n in sizes]
+    if len(sizes) > 1:
+        print(f"\nexponents from {sizes[0]} to {sizes[-1]}: analyze, factor, solve, memory")
+    for key, first in tables[0].items() if len(sizes) > 1 else ():
+        pairs = zip(first, tables[-1][key], strict=True)
+        powers = [np.log(b / a) / np.log(sizes[-1] / sizes[0]) if a > 0 else np.nan for a, b in pairs]
+        print(f"{key[0]:12} {key[1]:9}", *(f"{power:8.2f}" for power in powers))
 
 
 if __name__ == "__main__":
-    for size in [int(n) for n in sys.argv[1:]] or [3_000, 12_000, 40_000]:
-        report(size)
+    main([int(n) for n in sys.argv[1:]] or [3_000, 12_000, 40_000])

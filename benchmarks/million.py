@@ -1,7 +1,7 @@
 """The default method from 10,000 vertices to a million, through the command: files in, files out.
 
-    python benchmarks/million.py [--sizes N ...] [--backends NAME ...] [--threads T ...] [--only PART ...]
-                                 [--meshes DIR] [--json FILE]
+    python benchmarks/million.py [--sizes N ...] [--threads T ...] [--only PART ...] [--meshes DIR]
+                                 [--json FILE]
 
 Parts: "sizes", the paper's ellipsoid and drum in nearly equilateral, unstructured triangles; "poor", the
 ellipsoid at 40,000 vertices in triangles whose least angle is a hundredth of a degree (vertices strewn at
@@ -11,13 +11,12 @@ Every row is one run of ``isoembed embed`` in a process of its own, from a metri
 report in files: seconds of the processor and of the clock, start-up, input and output among them; the peak of
 memory; what the stages took and their factorizations; the largest edge error, the distance to the discarded
 coordinates over the diameter, and the inverted vertices.  "one" is the time of the processor for one numeric
-factorization of J J^T, the edges x edges matrix of Newton's method on the lengths, at the surface and by the
-same backend (not above --most edges).  After a row of "sizes" stand the seconds of one numeric
-factorization of ``-d kappa / d r``, the vertices x vertices matrix of Newton's method on the radii, what the
-run takes over that, and which limits are missed: 1.2 s for the ellipsoid at 51,200 vertices, 45 s and 3 GB at
-a million, 45 s for the drum at 640,000, and edge errors of 1e-12.  Stages are in seconds of the clock.  The
-exponent is that of the processor's seconds, from 40,000 to 640,000 vertices.  With --meshes, meshes made once
-are kept in a folder.
+factorization of J J^T, the edges x edges matrix of Newton's method on the lengths, at the surface (not above
+--most edges).  After a row of "sizes" stand the seconds of one numeric factorization of ``-d kappa / d r``,
+the vertices x vertices matrix of Newton's method on the radii, what the run takes over that, and which limits
+are missed: 1.2 s for the ellipsoid at 51,200 vertices, 45 s and 3 GB at a million, 45 s for the drum at
+640,000, and edge errors of 1e-12.  Stages are in seconds of the clock.  The exponent is that of the
+processor's seconds, from 40,000 to 640,000 vertices.  With --meshes, meshes made once are kept in a folder.
 Surfaces where K < 0 are those of ``bent.py``.
 """
 
@@ -31,7 +30,6 @@ import numpy as np
 
 from command_runs import HEAD, exponent, kept_mesh, measure, one_in_own_process, show
 from isoembed.gallery import Drum, Ellipsoid, triangulate
-from isoembed.linalg import available_backends
 
 POOR = 40_000
 SURFACES = {
@@ -84,7 +82,6 @@ def main():
         description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
     )
     parser.add_argument("--sizes", type=int, nargs="+", default=(10_000, 40_000))
-    parser.add_argument("--backends", nargs="+", default=available_backends())
     parser.add_argument("--threads", type=int, nargs="+", default=(1,))
     parser.add_argument("--only", nargs="+", choices=PARTS, default=PARTS)
     parser.add_argument("--most", type=int, default=2_000_000, help="edges, for the column one")
@@ -101,18 +98,17 @@ def main():
         for part, name, sizes in wanted:
             if part not in arguments.only:
                 continue
-            for backend in arguments.backends:
-                for threads in arguments.threads:
-                    batch = []
-                    for n in sizes:
-                        path = kept_mesh(folder / f"{name}_{n}.npz", partial(SURFACES[name], n))
-                        batch.append({"name": name, **measure(path, arguments.most, backend, threads)})
-                        if part == "sizes" and "failed" not in batch[-1]:
-                            batch[-1]["n_by_n"] = one_in_own_process(path, backend, threads, "vertices")
-                        show(name, batch[-1], remark(name, batch[-1]) if "n_by_n" in batch[-1] else "")
-                    if (slope := exponent(batch)) is not None:
-                        print(f"{name}, {backend}, {threads} thread(s): exponent {slope:.2f}", flush=True)
-                    rows += batch
+            for threads in arguments.threads:
+                batch = []
+                for n in sizes:
+                    path = kept_mesh(folder / f"{name}_{n}.npz", partial(SURFACES[name], n))
+                    batch.append({"name": name, **measure(path, arguments.most, threads)})
+                    if part == "sizes" and "failed" not in batch[-1]:
+                        batch[-1]["n_by_n"] = one_in_own_process(path, threads, "vertices")
+                    show(name, batch[-1], remark(name, batch[-1]) if "n_by_n" in batch[-1] else "")
+                if (slope := exponent(batch)) is not None:
+                    print(f"{name}, {threads} thread(s): exponent {slope:.2f}", flush=True)
+                rows += batch
     if arguments.json:
         arguments.json.write_text(json.dumps(rows, indent=1))
 

@@ -48,7 +48,6 @@ from isoembed.gallery import (
     triangulate,
 )
 from isoembed.io import read_metric, write_metric
-from isoembed.linalg import chosen_backend
 from isoembed.metric.curvature import negative_deficits
 from stages import aligned, one_factorization
 
@@ -351,8 +350,7 @@ def main():
     options = parser.parse_args()
     if (options.cases is None) != (options.truth is None):
         parser.error("--cases and --truth belong together")
-    print(f"factored by {chosen_backend(None)}")
-    result = {"backend": chosen_backend(None)}
+    result = {}
     if options.command:
         result |= command()
     warm_up()

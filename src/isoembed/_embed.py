@@ -34,8 +34,8 @@ class Method(ABC):
     """A way to embed metrics, with its parameters: what `embed` takes as ``method=``.
 
     Derive a frozen dataclass from it.  Its fields, each with a default, are the parameters, which the command
-    sets with ``--parameter NAME=VALUE``; one called ``backend`` says who computes, not what.  A package makes
-    its method known by an entry point of the group ``isoembed.methods``.
+    sets with ``--parameter NAME=VALUE``.  A package makes its method known by an entry point of the group
+    ``isoembed.methods``.
 
     Attributes
     ----------

@@ -21,7 +21,6 @@ from isoembed.gallery import (
     KerrHorizon,
     triangulate,
 )
-from isoembed.linalg import available_backends
 from isoembed.metric.polyhedral import PolyhedralMetric
 from isoembed.progress.stages import Log
 from sprinkled import box
@@ -194,12 +193,6 @@ def test_another_realization_is_reported():
     ]
 
 
-@pytest.mark.parametrize("backend", available_backends())
-def test_every_backend(backend):
-    vertices, faces = smooth_bodies.ellipsoid(100)
-    assert recovered(vertices, faces, backend=backend)[1] < 1e-9
-
-
 def noisy(amount):
     metric = PolyhedralMetric.from_mesh(*smooth_bodies.ellipsoid(100))
     return metric.with_lengths(
@@ -241,8 +234,3 @@ def test_without_a_convex_metric_it_begins_on_the_sphere(monkeypatch):
     surface, error = recovered(*triangulate(CassiniPeanut(), 300))
     assert "sphere" in [stage.name for stage in surface.stages]
     assert error < 1e-9
-
-
-def test_an_unknown_backend_is_refused():
-    with pytest.raises(ValueError, match="unknown backend 'umfpack'"):
-        Aim(backend="umfpack")

@@ -5,14 +5,12 @@ import pytest
 
 import isoembed
 import smooth_bodies
-import zoo
 from isoembed.aim.adiabatic_pullback import pull_back
 from isoembed.aim.anneal import anneal_on_sphere
 from isoembed.aim.embedding_tree import embedding_tree
 from isoembed.aim.paper import Paper
 from isoembed.aim.paths import path_factors, path_times
 from isoembed.errors import NotEmbedded
-from isoembed.linalg import available_backends
 from isoembed.metric.conformal import rescaled
 from isoembed.metric.polyhedral import PolyhedralMetric
 from isoembed.surface.rigidity import LengthSystem
@@ -50,7 +48,6 @@ def test_the_papers_bodies(body, tolerance):
         {"root": 395},
         {"Tsteps": 3},
         {"sphere": False},
-        {"backend": "superlu"},
     ],
     ids=str,
 )
@@ -169,7 +166,6 @@ def test_progress_follows_the_pull_back():
         ({"max_iterations": 0}, "max_iterations is 0, not positive"),
         ({"root": -1}, "root is -1, which is negative"),
         ({"step_tolerance": -1e-9}, "step_tolerance is -1e-09, which is negative"),
-        ({"backend": "umfpack"}, "unknown backend 'umfpack'"),
     ],
     ids=str,
 )
@@ -215,10 +211,3 @@ def test_the_diagnosis_names_the_time_of_the_pull_back():
     assert any(
         f"the pull-back lost the surface at t = {t} t_f" in message for t in ("0.75", "0.5", "0.25", "0")
     )
-
-
-@pytest.mark.parametrize("backend", available_backends())
-def test_every_backend(backend):
-    vertices, faces = zoo.icosphere(2)
-    surface = embedded((vertices * [1.5, 1, 1], faces), backend=backend)
-    assert smooth_bodies.misfit(surface.vertices, vertices * [1.5, 1, 1]) < 1e-8

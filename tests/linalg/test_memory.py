@@ -7,13 +7,16 @@ import sys
 import numpy as np
 import pytest
 
+import isoembed.linalg.factor as factor_module
 import isoembed.linalg.memory as memory
 from grids import grid
-from isoembed.linalg import OutOfMemory, analyze, available_backends
+from isoembed.linalg import OutOfMemory, analyze
 from isoembed.linalg.memory import UNKNOWN, MemoryThresholds, available_memory, readable, require_memory
+from isoembed.linalg.symmetric import FactorizationThresholds
 from places import SUPPORT
 
 MB = 1_000_000
+SMALL = (0, 10**9)  # by fronts, and by SuperLU
 
 
 @pytest.fixture
@@ -109,30 +112,32 @@ except OutOfMemory as error:
     assert sentence.endswith(" MB are free")
 
 
-@pytest.mark.parametrize("backend", available_backends())
-def test_what_does_not_fit_is_refused_when_analyzed_and_when_factored(monkeypatch, backend):
+@pytest.mark.parametrize("small", SMALL)
+def test_what_does_not_fit_is_refused_when_analyzed_and_when_factored(monkeypatch, small):
     matrix, order = grid(30)
+    monkeypatch.setattr(factor_module, "FACTORIZATION", FactorizationThresholds(small=small))
     monkeypatch.setattr(memory, "MEMORY", MemoryThresholds(unasked=0))
-    solver = analyze(matrix, order, backend)
+    solver = analyze(matrix, order)
     monkeypatch.setattr(memory, "available_memory", lambda: 39_000)
     sentence = r"^the factors of a matrix of 900 unknowns need about \d+ kB of memory, and 39.0 kB are free$"
     with pytest.raises(OutOfMemory, match=sentence):
         solver.factor(matrix.data)
     with pytest.raises(MemoryError, match=sentence):
-        analyze(matrix, order, backend)
+        analyze(matrix, order)
     monkeypatch.setattr(memory, "available_memory", lambda: 10**9)
     b = np.ones(900)
     assert matrix @ solver.factor(matrix.data).solve(b) == pytest.approx(b)
 
 
-@pytest.mark.parametrize("backend", available_backends())
-def test_a_loop_that_replaces_its_factors_is_not_refused(monkeypatch, backend):
+@pytest.mark.parametrize("small", SMALL)
+def test_a_loop_that_replaces_its_factors_is_not_refused(monkeypatch, small):
     matrix, order = grid(30)
-    solver = analyze(matrix, order, backend)
+    monkeypatch.setattr(factor_module, "FACTORIZATION", FactorizationThresholds(small=small))
+    solver = analyze(matrix, order)
     needs = solver.needs
-    solver.factor(matrix.data)  # let go at once: PARDISO keeps its room, the others give it back
+    solver.factor(matrix.data)  # let go at once
     monkeypatch.setattr(memory, "MEMORY", MemoryThresholds(unasked=0))
-    monkeypatch.setattr(memory, "available_memory", lambda: 0 if backend == "pardiso" else needs)
+    monkeypatch.setattr(memory, "available_memory", lambda: needs)
     solver.factor(matrix.data)
 
 
@@ -146,8 +151,8 @@ def test_small_factors_ask_nobody(monkeypatch):
 
 @pytest.mark.skipif(not sys.platform.startswith("linux"), reason="reads Linux's record of the peak")
 @pytest.mark.parametrize("definite", [True, False])
-@pytest.mark.parametrize("backend", available_backends())
-def test_the_estimates_are_of_what_is_taken(backend, definite):
+@pytest.mark.parametrize("small", SMALL)
+def test_the_estimates_are_of_what_is_taken(small, definite):
     code = f"""
 import sys
 sys.path.insert(0, {str(SUPPORT)!r})
@@ -155,15 +160,15 @@ from grids import grid
 from isoembed.linalg import analyze
 import isoembed.linalg.factor as factor
 from isoembed.linalg.symmetric import FactorizationThresholds
-factor.FACTORIZATION = FactorizationThresholds(small=0)
+factor.FACTORIZATION = FactorizationThresholds(small={small})
 def status(key):
     with open("/proc/self/status") as lines:
         return next(int(line.split()[1]) * 1024 for line in lines if line.startswith(key))
 small, order = grid(60)
-analyze(small, order, {backend!r}, definite={definite}).factor(small.data)  # compiled, and libraries loaded
+analyze(small, order, definite={definite}).factor(small.data)  # compiled, and libraries loaded
 matrix, order = grid(280)
 before = status("VmRSS")
-solver = analyze(matrix, order, {backend!r}, definite={definite})
+solver = analyze(matrix, order, definite={definite})
 needs = solver.needs
 factor = solver.factor(matrix.data)
 print(needs, status("VmHWM") - before)

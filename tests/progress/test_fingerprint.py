@@ -53,10 +53,9 @@ def test_of_a_metric_its_unit_does_not_matter_but_all_else_does(metric):
     assert len(digests) == 5
 
 
-def test_who_factors_does_not_matter():
+def test_methods_are_described_by_their_parameters():
     metric = PolyhedralMetric.from_mesh(*zoo.tetrahedron())
     there = fingerprint(metric, Aim(), 1e-10)
-    assert fingerprint(metric, Aim(backend="superlu"), 1e-10) == there
     assert there.method == "Aim(best_fit=False)"
     assert there.version == isoembed.__version__
     assert fingerprint(metric, Alexandrov(repair=1e-3), 1e-10).method == "Alexandrov(repair=0.001)"

@@ -28,7 +28,6 @@ class Counting(Method):
     number: int = int(signal.SIGINT)
     wait: bool = False
     keeps: bool = True
-    backend: str | None = None
 
     name: ClassVar[str] = "counting"
 

@@ -31,7 +31,6 @@ from isoembed.aim.regularized_energy import RegularizedEnergy
 from isoembed.alexandrov.method import Alexandrov
 from isoembed.arrays import Floats
 from isoembed.errors import InvalidMetric, InvalidParameter, NotEmbedded
-from isoembed.linalg import chosen_backend
 from isoembed.metric.conformal_sphere import conformal_sphere
 from isoembed.metric.curvature import area
 from isoembed.metric.delaunay import delaunay
@@ -81,19 +80,15 @@ class Aim(Method):
     best_fit : bool
         Whether to return the smooth surface that comes nearest to the lengths, a `FittedSurface`, where none
         is found that has them.
-    backend : {"multifrontal", "superlu", "pardiso"}, optional
-        Who factors the matrices; by default the fastest that is installed.
     """
 
     best_fit: bool = False
-    backend: str | None = None
 
     name: ClassVar[str] = "aim"
 
     def __post_init__(self) -> None:
         if not isinstance(self.best_fit, bool):
             raise InvalidParameter(f"best_fit is {self.best_fit!r}, not True or False")
-        chosen_backend(self.backend)
 
     def run(self, metric: PolyhedralMetric, tolerance: float, log: Log) -> Embedding:
         """Embed the metric.
@@ -104,7 +99,7 @@ class Aim(Method):
             The smoothest of the surfaces that were found to have these lengths; if there is none, the nearest
             attempt, with a diagnosis, or the best fit.
         """
-        search = _Search(metric, tolerance, log, self.backend)
+        search = _Search(metric, tolerance, log)
         exact = search.newton_on_radii()
         if exact is not None:
             return exact.with_stages(log.stages)
@@ -142,24 +137,24 @@ class _Search:
 
     start: Floats
 
-    def __init__(self, metric: PolyhedralMetric, tolerance: float, log: Log, backend: str | None) -> None:
-        self.metric, self.tolerance, self.log, self.backend = metric, tolerance, log, backend
+    def __init__(self, metric: PolyhedralMetric, tolerance: float, log: Log) -> None:
+        self.metric, self.tolerance, self.log = metric, tolerance, log
         self.good = max(tolerance, LENGTHS_NEWTON.exact)  # below that, the tolerance is beyond rounding
         tables = GluedMetric.of(metric).half_edges(directed=False)
         self.numbers = tables.order_in_memory()
-        self.convexification = Convexification(GluedMetric.flipped(tables.in_order(self.numbers)), backend)
+        self.convexification = Convexification(GluedMetric.flipped(tables.in_order(self.numbers)))
         self.kept = _kept(log)
         self.surfaces: list[Embedding] = []
 
     @cached_property
     def system(self) -> LengthSystem:
         """The equations for the lengths."""
-        return LengthSystem(self.metric.triangulation, backend=self.backend)
+        return LengthSystem(self.metric.triangulation)
 
     @cached_property
     def energy(self) -> RegularizedEnergy:
         """The regularized energy about the start."""
-        return RegularizedEnergy(self.metric, self.start, self.backend)
+        return RegularizedEnergy(self.metric, self.start)
 
     def surface(self, vertices: Floats) -> Embedding:
         """The surface with these vertices."""
@@ -177,14 +172,14 @@ class _Search:
         else:
             with log.stage("nearest waypoint") as recorder:
                 convex = convexification.metric(CONVEXIFICATION.near, recorder)
-            start = None if convex is None else radii_start(given, convex, log, self.backend)
+            start = None if convex is None else radii_start(given, convex, log)
         if start is None:
             return None
         if convexification.is_convex and start.ndim == 2:
             polyhedron = self.polyhedron(self.in_given_order(start))
             if polyhedron is not None:
                 return polyhedron
-        solution = newton_on_radii(given, start, log, self.backend, self.numbers)
+        solution = newton_on_radii(given, start, log, self.numbers)
         if solution is None or not solution.branch_deviation < RADII_NEWTON.trusted:
             return None
         found = self.surface(solution.vertices)
@@ -216,7 +211,7 @@ class _Search:
         with self.log.stage("waypoint") as recorder:
             convex = self.convexification.metric(CONVEXIFICATION.far, recorder)
         if convex is not None:
-            method = Alexandrov(backend=self.backend)
+            method = Alexandrov()
             try:
                 found = method.run(convex.normalized, ADAPTIVE.placed, self.log)
                 return self.in_given_order(convex.unit * found.vertices)
@@ -227,7 +222,7 @@ class _Search:
                 pass
         faces = self.metric.faces
         with self.log.stage("sphere") as recorder:
-            x = outward(faces, conformal_sphere(delaunay(self.metric), recorder, self.backend).points)
+            x = outward(faces, conformal_sphere(delaunay(self.metric), recorder).points)
             return x * np.sqrt(area(self.metric) / area(PolyhedralMetric.from_mesh(x, faces)))
 
     def newton_on_lengths(self) -> bool:

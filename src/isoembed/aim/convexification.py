@@ -57,8 +57,6 @@ class Convexification:
     ----------
     given : GluedMetric
         Of mean edge length 1 or so.
-    backend : str, optional
-        As in `isoembed.linalg.analyze`.
 
     Notes
     -----
@@ -70,8 +68,8 @@ class Convexification:
     same conformal class, but nothing asks for that.
     """
 
-    def __init__(self, given: GluedMetric, backend: str | None = None) -> None:
-        self.given, self._backend = given, backend
+    def __init__(self, given: GluedMetric) -> None:
+        self.given = given
 
     @cached_property
     def is_convex(self) -> bool:
@@ -110,7 +108,7 @@ class Convexification:
 
     @cached_property
     def _delaunay(self) -> _Delaunay:
-        return _Delaunay.of(self.given, self._backend)
+        return _Delaunay.of(self.given)
 
     @cached_property
     def _tau(self) -> float:
@@ -140,7 +138,7 @@ class Convexification:
                 s /= 2
                 if s < CONVEXIFICATION.shortest:
                     return None
-            reached = trial if s == 1.0 else _Delaunay.of(trial.metric, self._backend)
+            reached = trial if s == 1.0 else _Delaunay.of(trial.metric)
         return None
 
     def _diffused(self, margin: float, recorder: StageRecorder) -> tuple[Floats, Floats] | None:
@@ -175,7 +173,7 @@ class _Delaunay:
     solver: Callable[[], Solver]
 
     @classmethod
-    def of(cls, metric: GluedMetric, backend: str | None) -> _Delaunay:
+    def of(cls, metric: GluedMetric) -> _Delaunay:
         tables = metric.half_edges(directed=False)
         make_delaunay(tables, np.zeros(metric.n_vertices))
 
@@ -185,7 +183,7 @@ class _Delaunay:
             pattern = vertex_matrix(
                 tables.corners, tables.twins, *nothing
             )  # the Laplacian's values may vanish
-            return analyze(pattern, dissect(pattern).vertex_order(), backend)
+            return analyze(pattern, dissect(pattern).vertex_order())
 
         return cls(GluedMetric.flipped(tables), solver)
 

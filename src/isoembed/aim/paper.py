@@ -14,7 +14,6 @@ from isoembed.aim.paths import path_factors, path_times
 from isoembed.aim.uniformize import Uniformization, newton_uniformization, ricci_flow
 from isoembed.arrays import Floats
 from isoembed.errors import InvalidMetric, InvalidParameter
-from isoembed.linalg import chosen_backend
 from isoembed.metric.conformal import rescaled
 from isoembed.metric.polyhedral import PolyhedralMetric
 from isoembed.progress.stages import Log, StageRecorder
@@ -62,8 +61,6 @@ class Paper(Method):
         Annealing ends when no vertex moves more than this.
     max_iterations : int
         Newton steps of one annealing.
-    backend : {"multifrontal", "superlu", "pardiso"}, optional
-        Who factors the symmetric matrices; by default the fastest that is installed.
 
     Examples
     --------
@@ -84,7 +81,6 @@ class Paper(Method):
     convexity: Convexity = "corrected"
     step_tolerance: float = 1e-8
     max_iterations: int = 50
-    backend: str | None = None
 
     name: ClassVar[str] = "paper"
     shows_path: ClassVar[bool] = True
@@ -112,7 +108,6 @@ class Paper(Method):
                 "path is 'flow', but flow is 'newton', which has no history: name an integrator"
             )
         path_times(self.path, self.Tsteps, self.alpha)
-        chosen_backend(self.backend)
 
     def run(self, metric: PolyhedralMetric, tolerance: float, log: Log) -> Embedding:
         """Embed the metric; the answer may miss the tolerance, and says where the method lost it."""
@@ -124,11 +119,11 @@ class Paper(Method):
         with log.stage("embedding tree") as recorder:  # 2.2
             vertices = embedding_tree(uniform.metric, uniform.radius, self.root, recorder).vertices
             recorder.show(t=1.0, vertices=vertices)
-        system = LengthSystem(metric.triangulation, backend=self.backend)
+        system = LengthSystem(metric.triangulation)
         with log.stage("anneal A") as recorder:
             if self.sphere:
                 vertices = anneal_on_sphere(
-                    VertexSystem(metric.triangulation, backend=self.backend),
+                    VertexSystem(metric.triangulation),
                     vertices,
                     uniform.metric.lengths,
                     uniform.radius,
@@ -167,7 +162,7 @@ class Paper(Method):
     def uniformize(self, metric: PolyhedralMetric, recorder: StageRecorder) -> Uniformization:
         """Section 2.1: conformal factors to the uniform metric."""
         if self.flow == "newton":
-            return newton_uniformization(metric, recorder, epsilon=self.epsilon, backend=self.backend)
+            return newton_uniformization(metric, recorder, epsilon=self.epsilon)
         return ricci_flow(metric, recorder, integrator=self.flow, epsilon=self.epsilon, t_f=self.t_f)
 
     def anneal(

@@ -65,9 +65,7 @@ class RadiiSolution:
     branch_deviation: float
 
 
-def radii_start(
-    given: GluedMetric, convex: GluedMetric, log: Log, backend: str | None = None
-) -> Floats | None:
+def radii_start(given: GluedMetric, convex: GluedMetric, log: Log) -> Floats | None:
     """Lead a polytope over a convex metric to where Newton's method may begin.
 
     Parameters
@@ -77,8 +75,6 @@ def radii_start(
     convex : GluedMetric
         A convex metric near it, on the same vertices; it may be the given one.
     log : Log
-    backend : str, optional
-        As in `isoembed.linalg.analyze`.
 
     Returns
     -------
@@ -98,7 +94,6 @@ def radii_start(
             convex.half_edges(directed=False),
             deficits,
             recorder,
-            backend,
             lambda here: recorder.keep(**here.arrays()),
             None if kept is None else Waypoint.of_arrays(kept),
             close,
@@ -119,7 +114,6 @@ def newton_on_radii(
     given: GluedMetric,
     start: Floats,
     log: Log,
-    backend: str | None = None,
     numbers: Indices | None = None,
 ) -> RadiiSolution | None:
     """Realize a metric that is convex or nearly so.
@@ -131,8 +125,6 @@ def newton_on_radii(
     start : ndarray, shape (V,) or (V, 3)
         Radii or vertices, from `radii_start`.
     log : Log
-    backend : str, optional
-        As in `isoembed.linalg.analyze`.
     numbers : ndarray of int, shape (V,), optional
         Other numbers of the vertices, by which they are shown and returned.
 
@@ -151,7 +143,7 @@ def newton_on_radii(
         recorder.show(level=f"{given.n_vertices:,} vertices")
         recorder.keep(start=start)
         try:
-            found = _followed(given.half_edges(directed=False), start, recorder, backend)
+            found = _followed(given.half_edges(directed=False), start, recorder)
         except SingularMatrix:
             return None
         if found is None:
@@ -164,9 +156,7 @@ def newton_on_radii(
     return RadiiSolution(vertices, branch_deviation)
 
 
-def _followed(
-    tables: HalfEdges, start: Floats, recorder: StageRecorder, backend: str | None
-) -> tuple[Solution, float] | None:
+def _followed(tables: HalfEdges, start: Floats, recorder: StageRecorder) -> tuple[Solution, float] | None:
     """From radii in one step, or from vertices in several; and the branch deviation."""
     ends = tables.corners, tables.corners[tables.twins]
     if start.ndim == 1:
@@ -190,7 +180,7 @@ def _followed(
         p = Polytope.on(tables._replace(lengths=tables.lengths * ratio**t), extrapolated(known[-3:], t))
         if p is None:
             return None
-        state = pinned(p, recorder, backend, directions) if state is None else replace(state, polytope=p)
+        state = pinned(p, recorder, directions) if state is None else replace(state, polytope=p)
         found = _without_curvature(state, RADII_NEWTON.settled if t == 0 else nearly, recorder)
         if found is None:
             return None

@@ -58,11 +58,9 @@ class RegularizedEnergy:
         Gives K.
     vertices : ndarray, shape (V, 3)
         Of a surface near enough for its charts to be smooth on those sought; gives R.
-    backend : str, optional
-        As in `isoembed.linalg.analyze`.
     """
 
-    def __init__(self, metric: PolyhedralMetric, vertices: Floats, backend: str | None = None) -> None:
+    def __init__(self, metric: PolyhedralMetric, vertices: Floats) -> None:
         self.triangulation = metric.triangulation
         self._lengths = edge_lengths_about(self.triangulation, metric.lengths)
         K = csr_array(
@@ -70,7 +68,7 @@ class RegularizedEnergy:
             / (REGULARIZED_ENERGY.rho * metric.mean_length)
         )
         self._KK = csr_array(K.T @ K)
-        self._system = VertexSystem(self.triangulation, self._KK, backend)
+        self._system = VertexSystem(self.triangulation, self._KK)
         self._regularize_by(fit_residuals(self.triangulation, vertices))
 
     def finer(self, vertices: Floats) -> RegularizedEnergy:

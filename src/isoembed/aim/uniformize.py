@@ -180,7 +180,6 @@ def newton_uniformization(
     *,
     epsilon: float,
     max_iterations: int = UNIFORMIZATION.steps,
-    backend: str | None = None,
 ) -> Uniformization:
     """Solve ``epsilon_a - kbar A*_a = 0``, the flow's fixed point, by Newton's method.
 
@@ -197,8 +196,6 @@ def newton_uniformization(
     epsilon : float
         Stop when the root mean square of ``k_a / kbar - 1``, the Moebius modes apart, is below it.
     max_iterations : int
-    backend : str, optional
-        As in `isoembed.linalg.analyze`, for the symmetric matrices of the layout.
 
     Returns
     -------
@@ -206,7 +203,7 @@ def newton_uniformization(
         Of the given metric's area.
     """
     triangles = delaunay(metric.normalized)
-    sphere = conformal_sphere(triangles, recorder, backend)
+    sphere = conformal_sphere(triangles, recorder)
     C = np.column_stack([np.ones(len(sphere.points)), sphere.points])
     state = _start(metric, conformal_factors(triangles.normalized, sphere), C)
     for _ in range(max_iterations):

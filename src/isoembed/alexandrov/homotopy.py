@@ -119,7 +119,6 @@ def follow_path(
     tables: HalfEdges,
     deficits: Floats,
     recorder: StageRecorder,
-    backend: str | None = None,
     keep: Callable[[Waypoint], None] = lambda _: None,
     resumed: Waypoint | None = None,
     near: Floats | None = None,
@@ -134,8 +133,6 @@ def follow_path(
         All positive; V is at least 4.
     recorder : StageRecorder
         Counts steps and factorizations.
-    backend : str, optional
-        As in `isoembed.linalg.analyze`.
     keep : callable, optional
         Takes every waypoint, before the work that follows it.
     resumed : Waypoint, optional
@@ -162,7 +159,7 @@ def follow_path(
         if here is None:
             continue
         try:
-            arrived = yield from _attempt(here, deficits, recorder, backend, keep, near)
+            arrived = yield from _attempt(here, deficits, recorder, keep, near)
         except SingularMatrix:
             continue
         if arrived:
@@ -173,13 +170,12 @@ def _attempt(
     here: Waypoint,
     deficits: Floats,
     recorder: StageRecorder,
-    backend: str | None,
     keep: Callable[[Waypoint], None],
     near: Floats | None,
 ) -> Generator[Polytope | Solution, None, bool]:
     """Go on to the solution, trying Newton's method whenever it may work; return if it did."""
     while here.close >= HOMOTOPY.closest:
-        path = _path(here, deficits, recorder, backend, keep)
+        path = _path(here, deficits, recorder, keep)
         for p in path:
             yield p
             largest, close = np.abs(p.curvatures).max(), here.close * deficits.max()
@@ -191,7 +187,7 @@ def _attempt(
             return False
         path.close()  # lets its factor go, which is as large as the next one
         keep(Waypoint(p, here.start, here.close))
-        solution = newton(p, deficits, recorder, backend, None if near is None else HOMOTOPY.enough * near)
+        solution = newton(p, deficits, recorder, None if near is None else HOMOTOPY.enough * near)
         if solution is not None:
             yield solution
             return True
@@ -203,7 +199,6 @@ def _path(
     here: Waypoint,
     deficits: Floats,
     recorder: StageRecorder,
-    backend: str | None,
     keep: Callable[[Waypoint], None],
 ) -> Generator[Polytope, None, None]:
     """Lead the curvatures toward zero along ``epsilon delta``."""
@@ -216,7 +211,7 @@ def _path(
         if inverse is None:
             here = replace(here, polytope=p, count=count)
             keep(here)
-            inverse, fresh = _factor(p, recorder, backend), True
+            inverse, fresh = _factor(p, recorder), True
         if count % HOMOTOPY.creep == 0:
             odds, norm = _odds(epsilon), float(np.linalg.norm(p.curvatures))
             if odds > HOMOTOPY.crept_odds * here.odds and norm > HOMOTOPY.crept_norm * here.norm:
@@ -274,11 +269,11 @@ def _lowered(epsilon: float, step: float) -> float:
     return odds / (1 + odds)
 
 
-def _factor(p: Polytope, recorder: StageRecorder, backend: str | None) -> Factor:
+def _factor(p: Polytope, recorder: StageRecorder) -> Factor:
     recorder.factorizations += 1
     matrix = p.jacobian()
     matrix.data *= -1
-    return analyzed(matrix, dissect(matrix), backend).factor(matrix.data)
+    return analyzed(matrix, dissect(matrix)).factor(matrix.data)
 
 
 def _solved(p: Polytope, inverse: Factor, b: Floats) -> tuple[Floats, int]:

@@ -25,7 +25,6 @@ from isoembed.intrinsic.edge_paths import edge_paths
 from isoembed.intrinsic.flat_vertices import remove_flat_vertices
 from isoembed.intrinsic.halfedges import HalfEdges
 from isoembed.intrinsic.insert_vertices import insert_vertices
-from isoembed.linalg import chosen_backend
 from isoembed.metric.convexity import deficit_rounding, flattening_advice
 from isoembed.metric.glued import GluedMetric
 from isoembed.metric.polyhedral import PolyhedralMetric
@@ -65,8 +64,6 @@ class Alexandrov(Method):
         conformal change of the lengths, and the report says what changed.  Where deficits only little above
         the noise show that so small ones belong to the body, only negative ones are lifted to zero.  By
         default only rounding is forgiven.
-    backend : {"multifrontal", "superlu", "pardiso"}, optional
-        Who factors the matrices; by default the fastest that is installed.
 
     References
     ----------
@@ -76,7 +73,6 @@ class Alexandrov(Method):
     """
 
     repair: float = 0.0
-    backend: str | None = None
 
     name: ClassVar[str] = "alexandrov"
     keeps_triangles: ClassVar[bool] = False
@@ -84,7 +80,6 @@ class Alexandrov(Method):
     takes_doubly_covered: ClassVar[bool] = True
 
     def __post_init__(self) -> None:
-        chosen_backend(self.backend)
         if not (math.isfinite(self.repair) and self.repair >= 0):
             raise InvalidParameter(f"repair is {self.repair}, not a number of radians from 0 on")
 
@@ -113,7 +108,7 @@ class Alexandrov(Method):
                     f"polyhedron has at least 3: face {int(np.argmin(given.triangles.areas))} is too thin"
                 )
             search = _Search(metric, flat, repair if repair.vertices.size else None, tolerance, log)
-            answer = search.answer(self.backend)
+            answer = search.answer()
             if isinstance(answer, ConvexPolyhedron) and answer.converged:
                 break
         if isinstance(answer, ConvexPolyhedron) and answer.converged:
@@ -131,7 +126,7 @@ class _Search:
     tolerance: float
     log: Log
 
-    def answer(self, backend: str | None) -> Embedding:
+    def answer(self) -> Embedding:
         """The polyhedron, or an attempt."""
         given, log = GluedMetric.of(self.metric), self.log
         original = given.half_edges()
@@ -151,7 +146,6 @@ class _Search:
                 tables,
                 given.deficits[curved],
                 recorder,
-                backend,
                 lambda here: recorder.keep(**here.arrays(), **watch.arrays(here.polytope), **belongs),
                 None if kept is None else Waypoint.of_arrays(kept),
             )

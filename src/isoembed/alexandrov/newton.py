@@ -110,7 +110,6 @@ def newton(
     p: Polytope,
     deficits: Floats,
     recorder: StageRecorder,
-    backend: str | None = None,
     enough: Floats | None = None,
 ) -> Solution | None:
     """Newton's method with three radii pinned, which fixes the apex; None if it does not converge.
@@ -121,11 +120,10 @@ def newton(
         Near to a solution.
     deficits : ndarray, shape (V,)
     recorder : StageRecorder
-    backend : str, optional
     enough : ndarray, shape (V,), optional
         Curvatures at which it may end before they vanish.
     """
-    state, fresh = pinned(p, recorder, backend), True
+    state, fresh = pinned(p, recorder), True
     forcing, done = NEWTON.loosest, False
     for _ in range(NEWTON.steps):
         if enough is not None and (np.abs(p.curvatures) <= enough).all():
@@ -149,7 +147,7 @@ def newton(
                 break
             if fresh:
                 return None
-            state, fresh = _pinned_at(p, state.pins, dissect(p.jacobian()), recorder, backend), True
+            state, fresh = _pinned_at(p, state.pins, dissect(p.jacobian()), recorder), True
             continue
         recorder.iterations += 1
         recorder.show(t=0.0, residual=float(np.abs(p.curvatures).max()))
@@ -168,16 +166,13 @@ def forcing_term(ratio: float, loosest: float) -> float:
     return float(np.clip(ratio**2, NEWTON.tightest, loosest))
 
 
-def pinned(
-    p: Polytope, recorder: StageRecorder, backend: str | None = None, directions: Floats | None = None
-) -> Solution:
+def pinned(p: Polytope, recorder: StageRecorder, directions: Floats | None = None) -> Solution:
     """Pin three radii of a polytope and factor what is left, whatever its curvatures.
 
     Parameters
     ----------
     p : Polytope
     recorder : StageRecorder
-    backend : str, optional
     directions : ndarray, shape (V, 3), optional
         Of the vertices from the apex, if they are known.
 
@@ -188,15 +183,13 @@ def pinned(
     dissection = dissect(p.jacobian())
     if directions is None:
         directions = rough_directions(p, dissection)
-    return _pinned_at(p, independent_directions(p, directions), dissection, recorder, backend)
+    return _pinned_at(p, independent_directions(p, directions), dissection, recorder)
 
 
-def _pinned_at(
-    p: Polytope, pins: Indices, dissection: Dissection, recorder: StageRecorder, backend: str | None
-) -> Solution:
+def _pinned_at(p: Polytope, pins: Indices, dissection: Dissection, recorder: StageRecorder) -> Solution:
     matrix = _pinned_matrix(p, pins)
     recorder.factorizations += 1
-    inverse = Preconditioner(analyzed(matrix, dissection, backend))
+    inverse = Preconditioner(analyzed(matrix, dissection))
     inverse.renew(matrix.data)
     return Solution(p, pins, inverse)
 
@@ -215,7 +208,7 @@ def _pinned_matrix(p: Polytope, pins: Indices) -> csc_array:
     return matrix
 
 
-def analyzed(matrix: csc_array, dissection: Dissection, backend: str | None) -> Solver:
+def analyzed(matrix: csc_array, dissection: Dissection) -> Solver:
     """The solver of ``-d kappa / d r``, or of what pins leave of it, in the order of its own triangles."""
     # The triangles change with every flip, and with them the separators: an old order would fill in.
-    return analyze(matrix, dissection.vertex_order(), backend, definite=False)
+    return analyze(matrix, dissection.vertex_order(), definite=False)

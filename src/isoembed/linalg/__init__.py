@@ -10,13 +10,12 @@ Looked at in November 2026 and not taken:
 - no wheels for Linux, macOS and Windows: scikit-sparse (CHOLMOD, compiled against headers of SuiteSparse),
   scikit-umfpack, petsc4py, PyMUMPS, python-mumps (Linux and NumPy 1 only), pyspral, cmeel-spral (no Python);
 - the licence: kvxopt, cholespy and sksparse_minimal (GPL; the last two bring CHOLMOD, for definite matrices),
-  pypardiso and the like (proprietary; as fast as what is here);
+  pypardiso and the like (PARDISO, proprietary; no faster than what is here);
 - no elimination order can be given: rslab (J J^T of 480,000 unknowns: 8.5 s for its own order and 1.8 s a
   factorization, or .9 and 3.3 s; here 1.1 s), feral-solver (120,000: 2 and .6 s; here .2 s);
 - column by column: qdldl; one maker's processors: macldlt (Apple), nvmath (NVIDIA).
 """
 
-from isoembed.linalg.backend import SingularMatrix, available_backends, chosen_backend
 from isoembed.linalg.dissection import Dissection, dissect
 from isoembed.linalg.factor import (
     Factor,
@@ -26,6 +25,7 @@ from isoembed.linalg.factor import (
     factor_general,
 )
 from isoembed.linalg.memory import OutOfMemory
+from isoembed.linalg.symbolic import SingularMatrix
 
 __all__ = [
     "Dissection",
@@ -35,8 +35,6 @@ __all__ = [
     "Solver",
     "SymmetricFactor",
     "analyze",
-    "available_backends",
-    "chosen_backend",
     "dissect",
     "factor_general",
 ]

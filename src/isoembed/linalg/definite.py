@@ -24,9 +24,9 @@ from scipy.sparse.linalg import SuperLU
 
 from isoembed.arrays import Floats, Indices, Indices32
 from isoembed.kernel import kernel
-from isoembed.linalg.backend import SingularMatrix
 from isoembed.linalg.rounding import GUARD, UNDERFLOW, U, gamma
 from isoembed.linalg.superlu import has_row_exchanges, symmetric_lu
+from isoembed.linalg.symbolic import SingularMatrix
 from isoembed.thresholds import compiled, threshold
 
 

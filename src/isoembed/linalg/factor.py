@@ -1,27 +1,24 @@
-"""Factorizations for every backend: analyze a pattern once, factor its matrices, solve with refinement."""
+"""Factorizations: analyze a pattern once, factor its matrices, solve with refinement."""
 
 from __future__ import annotations
 
 from functools import cached_property
-from importlib import import_module
 
 import numpy as np
 import scipy.sparse as sp
 from numpy.typing import ArrayLike
 
 from isoembed.arrays import Floats, Indices
-from isoembed.linalg import multifrontal, superlu
-from isoembed.linalg.backend import Numeric, SingularMatrix, Solves, Symbolic, chosen_backend
 from isoembed.linalg.elimination import first_asymmetry, first_gap, inverse, permuted, symbolic_analysis
 from isoembed.linalg.memory import require_memory
-from isoembed.linalg.superlu import checked_lu
+from isoembed.linalg.multifrontal import Fronts
+from isoembed.linalg.superlu import Columns, checked_lu
 from isoembed.linalg.supernodes import find_supernodes
+from isoembed.linalg.symbolic import Numeric, SingularMatrix, Solves, Symbolic
 from isoembed.linalg.symmetric import FACTORIZATION, SymmetricMatrix
 
 
-def analyze(
-    pattern: sp.sparray | sp.spmatrix, order: ArrayLike, backend: str | None = None, *, definite: bool = True
-) -> Solver:
+def analyze(pattern: sp.sparray | sp.spmatrix, order: ArrayLike, *, definite: bool = True) -> Solver:
     """Prepare to factor symmetric matrices of one pattern.
 
     Parameters
@@ -31,13 +28,10 @@ def analyze(
         Build it from connectivity, because scipy's products drop entries that happen to be zero.
     order : (n,) int
         Elimination order, such as `Dissection.edge_order`: ``order[k]`` is the k-th unknown to eliminate.
-    backend : {"multifrontal", "pardiso", "superlu"}, optional
-        By default the first.
     definite : bool
         Whether the matrices must be positive definite. If not, they are factored as L D L^T with a diagonal
-        D, down the diagonal in the order given (PARDISO exchanges unknowns within a dense block). That is
-        good for matrices with few negative eigenvalues; a pivot that is zero or lost in rounding is refused
-        even where the matrix is regular.
+        D, down the diagonal in the order given. That is good for matrices with few negative eigenvalues; a
+        pivot that is zero or lost in rounding is refused even where the matrix is regular.
 
     Returns
     -------
@@ -46,11 +40,11 @@ def analyze(
     Raises
     ------
     ValueError
-        If the backend is unknown or not installed, or pattern or order are not as described.
+        If pattern or order are not as described.
     OutOfMemory
         If the factors would need more memory than is free.
     """
-    return Solver(pattern, order, chosen_backend(backend), definite)
+    return Solver(pattern, order, definite)
 
 
 class Solver:
@@ -61,16 +55,12 @@ class Solver:
     pattern : CSC, (n, n)
         The pattern, rows sorted within columns; its entries are all 1. The data for `factor` align with its
         ``.data``.
-    backend : str
-        Who does the numbers.
     definite : bool
         Whether the matrices must be positive definite.
     """
 
-    def __init__(
-        self, pattern: sp.sparray | sp.spmatrix, order: ArrayLike, backend: str, definite: bool
-    ) -> None:
-        self.backend, self.definite = backend, definite
+    def __init__(self, pattern: sp.sparray | sp.spmatrix, order: ArrayLike, definite: bool) -> None:
+        self.definite = definite
         self.pattern = _checked(pattern)
         n = self.pattern.shape[0]
         order = np.array(order, dtype=np.int64)
@@ -83,12 +73,11 @@ class Solver:
         )
         count = int(elimination.counts.sum())
         self._symbolic: Symbolic
-        if backend == "multifrontal" and count > FACTORIZATION.small:
-            nodes = find_supernodes(self.pattern.indptr, self.pattern.indices, elimination)
-            self._symbolic = multifrontal.Symbolic(self._indptr, self._indices, count, definite, nodes)
+        if count <= FACTORIZATION.small:
+            self._symbolic = Columns(self._indptr, self._indices, definite, count)
         else:
-            library = import_module(f"isoembed.linalg.{backend}") if backend == "pardiso" else superlu
-            self._symbolic = library.Symbolic(self._indptr, self._indices, count, definite)
+            nodes = find_supernodes(self.pattern.indptr, self.pattern.indices, elimination)
+            self._symbolic = Fronts(self._indptr, self._indices, definite, nodes)
         self._require_memory()
 
     def factor(self, data: ArrayLike) -> SymmetricFactor:

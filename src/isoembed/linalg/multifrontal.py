@@ -14,13 +14,13 @@ import numpy as np
 
 from isoembed.arrays import Floats, Indices32
 from isoembed.kernel import kernel
-from isoembed.linalg import backend
 from isoembed.linalg.fronts import beginning, eliminate_columns, extend, room_to_multiply
 from isoembed.linalg.supernodes import Supernodes
+from isoembed.linalg.symbolic import Symbolic
 
 
 @dataclass(eq=False)
-class Symbolic(backend.Symbolic):
+class Fronts(Symbolic):
     """A pattern in elimination order, and its supernodes."""
 
     nodes: Supernodes
@@ -30,18 +30,18 @@ class Symbolic(backend.Symbolic):
         """Bytes that the next factors will take."""
         return 8 * (self.nodes.entries + self.nodes.room)
 
-    def factor(self, data: Floats) -> "Numeric":
+    def factor(self, data: Floats) -> "FrontalFactors":
         """Factorize the matrix with these entries; raises SingularMatrix."""
         L, stack = np.empty(self.nodes.entries), np.empty(self.nodes.room)
         least = 0.0 if self.definite else -np.inf
         negative = _eliminate(self.nodes, self.indptr, self.indices, data, L, stack, least)
         if negative < 0:
             raise self.refusal()
-        return Numeric(self.nodes, L, negative)
+        return FrontalFactors(self.nodes, L, negative)
 
 
 @dataclass(frozen=True, eq=False)
-class Numeric:
+class FrontalFactors:
     """The factors of one matrix: the trapezoids of its supernodes one after the other, in each D and L."""
 
     _nodes: Supernodes

@@ -1,7 +1,8 @@
-"""SuperLU, which comes with scipy: nothing to install, but every factorization repeats the symbolic part."""
+"""SuperLU, which comes with scipy: it is compiled, but every factorization repeats the symbolic part."""
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
@@ -9,10 +10,10 @@ import scipy.sparse as sp
 from scipy.sparse.linalg import SuperLU, splu
 
 from isoembed.arrays import Floats
-from isoembed.linalg import backend
+from isoembed.linalg.symbolic import SingularMatrix, Symbolic
 
-# Where the pivots are looked at, scipy copies all entries of L and of U.
-PIVOTS_SEEN, PIVOTS_UNSEEN = backend.BytesPer(49), backend.BytesPer(32)
+# Bytes for an entry of L, as measured: where the pivots are looked at, scipy copies all of L and of U.
+PIVOTS_SEEN, PIVOTS_UNSEEN = 49, 32
 
 
 def symmetric_lu(matrix: sp.csc_matrix | sp.csc_array) -> SuperLU:
@@ -25,7 +26,7 @@ def checked_lu(matrix: sp.csc_matrix | sp.csc_array, order: str, **options: obje
     try:
         return splu(matrix, permc_spec=order, **options)
     except RuntimeError as error:
-        raise backend.SingularMatrix("the matrix is singular: elimination met a zero pivot") from error
+        raise SingularMatrix("the matrix is singular: elimination met a zero pivot") from error
 
 
 def has_row_exchanges(lu: SuperLU) -> bool:
@@ -33,13 +34,16 @@ def has_row_exchanges(lu: SuperLU) -> bool:
     return bool((lu.perm_r != lu.perm_c).any())
 
 
-class Symbolic(backend.Symbolic):
-    """A pattern in elimination order."""
+@dataclass(eq=False)
+class Columns(Symbolic):
+    """A pattern in elimination order, and the number of entries of L."""
+
+    count: int
 
     @property
-    def bytes_per(self) -> backend.BytesPer:
-        """Memory of the next factors."""
-        return PIVOTS_SEEN if self.definite else PIVOTS_UNSEEN
+    def needs(self) -> int:
+        """Bytes that the next factors will take."""
+        return (PIVOTS_SEEN if self.definite else PIVOTS_UNSEEN) * self.count
 
     @cached_property
     def _both(self) -> sp.csc_matrix:
@@ -51,7 +55,7 @@ class Symbolic(backend.Symbolic):
         both.data -= 1  # from 0 on only now: scipy drops zeros from sums
         return both
 
-    def factor(self, data: Floats) -> Numeric:
+    def factor(self, data: Floats) -> ColumnFactors:
         """Factorize the matrix with these entries; raises SingularMatrix."""
         both = self._both
         matrix = sp.csc_matrix((data[both.data], both.indices, both.indptr), shape=both.shape)
@@ -59,10 +63,10 @@ class Symbolic(backend.Symbolic):
         # This is L D L^T, and D has as many negative entries as the matrix has negative eigenvalues.
         if has_row_exchanges(lu) or (self.definite and not (lu.U.diagonal() > 0).all()):
             raise self.refusal()
-        return Numeric(lu)
+        return ColumnFactors(lu)
 
 
-class Numeric:
+class ColumnFactors:
     """The factors of one matrix."""
 
     def __init__(self, lu: SuperLU) -> None:

@@ -64,9 +64,7 @@ class ConformalSphere:
     exact: bool
 
 
-def conformal_sphere(
-    metric: PolyhedralMetric, recorder: StageRecorder, backend: str | None = None
-) -> ConformalSphere:
+def conformal_sphere(metric: PolyhedralMetric, recorder: StageRecorder) -> ConformalSphere:
     """Lay the metric out on the unit sphere.
 
     Parameters
@@ -75,8 +73,6 @@ def conformal_sphere(
         Best on Delaunay triangles: see `isoembed.metric.delaunay.delaunay`.
     recorder : StageRecorder
         Counts the Newton steps and their factorizations.
-    backend : str, optional
-        As in `isoembed.linalg.analyze`.
 
     Returns
     -------
@@ -85,7 +81,7 @@ def conformal_sphere(
     triangulation, lengths = metric.triangulation, metric.normalized.lengths
     # The star of the pole is never flipped; where that keeps triangles broken, another pole may do.
     for pole in np.argsort(-triangulation.degrees, kind="stable")[: SPHERE.poles]:
-        plane = _Plane(triangulation, lengths, int(pole), backend)
+        plane = _Plane(triangulation, lengths, int(pole))
         plane, u, exact = _flattened(plane, plane.start(recorder), recorder)
         if exact:
             break
@@ -134,11 +130,10 @@ class _Plane:
         triangulation: Triangulation,
         lengths: Floats,
         pole: int,
-        backend: str | None,
         flipped: bool = False,
     ) -> None:
         self.triangulation, self.lengths, self.pole = triangulation, lengths, pole
-        self.backend, self.flipped = backend, flipped
+        self.flipped = flipped
         n = triangulation.n_vertices
         away = (triangulation.faces != pole).all(axis=1)
         self.faces, self.face_edges = triangulation.faces[away], triangulation.face_edges[away]
@@ -155,7 +150,7 @@ class _Plane:
         position[self.inner] = np.arange(len(self.inner))
         graph = triangulation.adjacency[self.inner][:, self.inner] + eye_array(len(self.inner))
         order = position[dissect(triangulation.adjacency).vertex_order()]
-        self._solver = analyze(graph.tocsc(), order[order >= 0], backend)
+        self._solver = analyze(graph.tocsc(), order[order >= 0])
         pattern = self._solver.pattern
         row, column = pattern.indices, np.repeat(np.arange(len(self.inner)), np.diff(pattern.indptr))
         self._diagonal = row == column
@@ -229,7 +224,7 @@ class _Plane:
             return self, measures
         a, b = triangulation.edges.T
         lengths = scaled * np.exp(-(u[a] + u[b]) / 2)
-        plane = _Plane(triangulation, lengths, self.pole, self.backend, flipped=True)
+        plane = _Plane(triangulation, lengths, self.pole, flipped=True)
         return plane, plane.measure(u)
 
     def lay_out(self, u: Floats, recorder: StageRecorder) -> Points:

@@ -42,7 +42,6 @@ class Fingerprint:
         tables : iterable of ndarray
             The ``tables`` of the metric.
         method : configured method
-            Its backend is left out: every backend goes on from what another one left.
         tolerance : float
         """
         return cls(_digest(tables), _described(method), float(tolerance), __version__)
@@ -85,5 +84,5 @@ def _digest(tables: Iterable[NDArray]) -> str:
 def _described(method: object) -> str:
     if not is_dataclass(method):
         return repr(method)
-    shown = (field.name for field in fields(method) if field.repr and field.name != "backend")
+    shown = (field.name for field in fields(method) if field.repr)
     return f"{type(method).__name__}({', '.join(f'{name}={getattr(method, name)!r}' for name in shown)})"

@@ -46,16 +46,11 @@ class LengthSystem:
     triangulation : Triangulation
     dissection : Dissection, optional
         Of the vertex graph, where it is at hand.
-    backend : str, optional
-        As in `isoembed.linalg.analyze`.
     """
 
-    def __init__(
-        self, triangulation: Triangulation, dissection: Dissection | None = None, backend: str | None = None
-    ) -> None:
+    def __init__(self, triangulation: Triangulation, dissection: Dissection | None = None) -> None:
         self.triangulation = triangulation
         self._dissection = dissection or dissect(triangulation.adjacency)
-        self._backend = backend
         # The edges are held in the order in which they are eliminated: neighbors then are near in memory.
         self._order = self._dissection.edge_order(triangulation.edges)
         self._ends = triangulation.edges[self._order].astype(np.int32)
@@ -132,7 +127,7 @@ class LengthSystem:
         indptr, indices = coupled_edges(self._ends, self.triangulation.n_vertices)
         n = len(self._ends)
         pattern = csc_array((np.ones(indices.size, dtype=np.int8), indices, indptr), shape=(n, n))
-        return analyze(pattern, np.arange(n), self._backend)
+        return analyze(pattern, np.arange(n))
 
 
 class VertexSystem:
@@ -144,13 +139,9 @@ class VertexSystem:
     penalty : sparse, shape (V, V), optional
         P, symmetric; its pattern, with the triangulation's, is the pattern of every matrix of the system.
         It acts on x, y and z alike.
-    backend : str, optional
-        As in `isoembed.linalg.analyze`.
     """
 
-    def __init__(
-        self, triangulation: Triangulation, penalty: csr_array | None = None, backend: str | None = None
-    ) -> None:
+    def __init__(self, triangulation: Triangulation, penalty: csr_array | None = None) -> None:
         self.triangulation = triangulation
         n = triangulation.n_vertices
         penalty = csr_array((n, n)) if penalty is None else penalty
@@ -159,7 +150,7 @@ class VertexSystem:
         pairs = csr_array(graph - eye_array(n))
         pairs.eliminate_zeros()
         order = dissect(pairs).block_order(3)  # where P reaches beyond the neighbors, so do the separators
-        self._solver = analyze(kron(graph, np.ones((3, 3)), format="csc"), order, backend)
+        self._solver = analyze(kron(graph, np.ones((3, 3)), format="csc"), order)
         pattern = self._solver.pattern
         column = np.repeat(np.arange(3 * n), np.diff(pattern.indptr))
         self._keys = column * (3 * n) + pattern.indices
