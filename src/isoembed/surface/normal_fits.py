@@ -1,9 +1,10 @@
 """Many polynomial fits at a time, by their normal equations, where these are well conditioned.
 
 The fits are those of `local_fit`, which orthogonalizes the columns of one fit after the other.  Here the fits
-of a few hundred vertices go through the same steps side by side, so that each step is one loop over them: the
-moments of their weighted points, Cholesky's factors of the normal equations, and the weights.  The normal
-equations square the condition of a fit; a fit that they might spoil is left to the other way.
+of a few hundred vertices go through the same steps side by side, so that each step is one operation on rows
+of numbers, a number a fit (`isoembed.surface.rows`): the moments of their weighted points, Cholesky's factors
+of the normal equations, and the weights.  The normal equations square the condition of a fit; a fit that they
+might spoil is left to the other way.
 """
 
 from dataclasses import dataclass
@@ -12,6 +13,7 @@ import numpy as np
 
 from isoembed.arrays import Floats, Indices, Mask
 from isoembed.kernel import kernel
+from isoembed.surface.rows import add, copy, invert_root, multiply, subtract_product
 from isoembed.thresholds import compiled, threshold
 
 
@@ -48,161 +50,113 @@ def fewest(degree: int) -> int:
     return (degree + 1) * (degree + 2) // 2 + _T.spare
 
 
-@kernel
 def normal_weights(indptr: Indices, charts: Floats, degree: int, weights: Floats) -> Mask:
     """Fill in the weights of the points in the constant terms of the fits, where that can be done safely.
 
     The points of fit i are ``charts[indptr[i]:indptr[i + 1]]``, two coordinates each.  Returned is whether
     each fit was done; where not, its weights are to be ignored.
     """
-    n = len(indptr) - 1
-    columns = degree * (degree + 3) // 2
-    shape = (_T.most, _T.side_by_side)
-    x, y, w = np.zeros(shape), np.zeros(shape), np.zeros(shape)
-    moments = np.empty(((degree + 1) * (2 * degree + 1), _T.side_by_side))
-    powers, terms = np.empty_like(moments), np.empty((columns, _T.side_by_side))
-    factor = np.empty((columns + 1, columns + 1, _T.side_by_side))
-    inverses, rest = np.empty((columns, _T.side_by_side)), np.empty(_T.side_by_side)
-    done, sound = np.zeros(n, dtype=np.bool_), np.empty(_T.side_by_side, dtype=np.bool_)
-    for first in range(0, n, _T.side_by_side):
-        last = min(first + _T.side_by_side, n)
-        rows = _spread(indptr, charts, first, last, fewest(degree), x, y, w)
-        _set_moments(x[:rows], y[:rows], w[:rows], degree, powers, moments)
-        _factorize(moments, degree, factor, inverses, rest, sound)
-        _solve(factor, inverses, terms)
-        _evaluate(x[:rows], y[:rows], w[:rows], degree, terms, powers)
-        for i in range(first, last):
-            lane = i - first
-            done[i] = sound[lane] and rest[lane] >= _T.kept * moments[0, lane]
-            if done[i]:
-                total = 0.0
-                for k in range(indptr[i + 1] - indptr[i]):
-                    total += w[k, lane]
-                for k in range(indptr[i + 1] - indptr[i]):
-                    weights[indptr[i] + k] = w[k, lane] / total
+    counts, (abscissas, ordinates) = np.diff(indptr), charts.T.copy()
+    done = np.zeros(len(counts), dtype=np.bool_)
+    fits = np.flatnonzero((fewest(degree) <= counts) & (counts <= FITS.most))
+    for first in range(0, len(fits), FITS.side_by_side):
+        mine = fits[first : first + FITS.side_by_side]
+        k = np.arange(counts[mine].max())[:, None]
+        there = k < counts[mine]
+        at = indptr[mine] + k * there  # columns are filled up with their first point, without weight
+        x, y = abscissas.take(at), ordinates.take(at)
+        with np.errstate(over="ignore", divide="ignore", invalid="ignore"):
+            w = there / (FITS.near + x * x + y * y)
+            sound = _weigh(x, y, w, degree)
+            w /= w.sum(axis=0)
+        done[mine], weights[at[there]] = sound, w[there]
     return done
 
 
 @kernel
-def _spread(
-    indptr: Indices, charts: Floats, first: int, last: int, fewest: int, x: Floats, y: Floats, w: Floats
-) -> int:
-    """Put the points of each fit into a column, filled up with points without weight; return the rows."""
-    rows = 0
-    for i in range(first, last):
-        count = indptr[i + 1] - indptr[i]
-        if fewest <= count <= _T.most:
-            rows = max(rows, count)
-    for k in range(rows):
-        for lane in range(_T.side_by_side):
-            x[k, lane], y[k, lane], w[k, lane] = 0.0, 0.0, 0.0
-    for i in range(first, last):
-        count = indptr[i + 1] - indptr[i]
-        if fewest <= count <= _T.most:
-            for k in range(count):
-                p, q = charts[indptr[i] + k, 0], charts[indptr[i] + k, 1]
-                x[k, i - first], y[k, i - first], w[k, i - first] = p, q, 1.0 / (_T.near + p * p + q * q)
-    return rows
-
-
-@kernel
-def _set_moments(x: Floats, y: Floats, w: Floats, degree: int, powers: Floats, moments: Floats) -> None:
-    """Sum w x^(d - p) y^p over the points, at d (d + 1) / 2 + p for d up to twice the degree."""
-    for at in range(len(moments)):
-        moment = moments[at]
-        for lane in range(_T.side_by_side):
-            moment[lane] = 0.0
-    for k in range(len(x)):
-        _multiply(w[k], x[k], y[k], 2 * degree, powers)
-        for at in range(len(moments)):
-            moment, power = moments[at], powers[at]
-            for lane in range(_T.side_by_side):
-                moment[lane] += power[lane]
-
-
-@kernel
-def _copy(source: Floats, target: Floats) -> None:
-    for lane in range(_T.side_by_side):
-        target[lane] = source[lane]
+def _weigh(x: Floats, y: Floats, w: Floats, degree: int) -> Mask:
+    """Multiply the weights of points by what their fits, one a column, leave of the constant: which can."""
+    columns, lanes = degree * (degree + 3) // 2, x.shape[1]
+    moments = np.zeros(((degree + 1) * (2 * degree + 1), lanes))
+    factor, terms = np.empty((columns + 1, columns + 1, lanes)), np.empty((columns, lanes))
+    rest, sound = np.empty(lanes), np.ones(lanes, dtype=np.bool_)
+    _add_moments(x, y, w, degree, moments)
+    _factorize(moments, degree, factor, rest, sound)
+    _solve(factor, terms)
+    _evaluate(x, y, w, degree, terms)
+    for lane in range(lanes):
+        sound[lane] &= rest[lane] >= _T.kept * moments[0, lane]
+    return sound
 
 
 @kernel
 def _multiply(first: Floats, x: Floats, y: Floats, degree: int, powers: Floats) -> None:
-    """Fill in x^(d - p) y^p times the first of them."""
-    _copy(first, powers[0])
+    """Fill in x^(d - p) y^p times the first of them, at d (d + 1) / 2 + p."""
+    copy(first, powers[0])
     at = 1
     for d in range(1, degree + 1):
-        for p in range(d + 1):
-            lower, power, factor = powers[at - d - p // d], powers[at], y if p == d else x
-            for lane in range(_T.side_by_side):
-                power[lane] = lower[lane] * factor[lane]
+        for p in range(d):
+            multiply(powers[at - d], x, powers[at])
             at += 1
+        multiply(powers[at - d - 1], y, powers[at])
+        at += 1
 
 
 @kernel
-def _factorize(
-    moments: Floats, degree: int, factor: Floats, inverses: Floats, rest: Floats, sound: Mask
-) -> None:
-    """Factorize the matrices of the monomials' products; the constant comes last, and `rest` is its pivot."""
-    columns = len(inverses)
-    of_degree, of_power = np.empty(columns + 1, dtype=np.int64), np.empty(columns + 1, dtype=np.int64)
+def _add_moments(x: Floats, y: Floats, w: Floats, degree: int, moments: Floats) -> None:
+    """Sum w x^(d - p) y^p over the points, at d (d + 1) / 2 + p for d up to twice the degree."""
+    powers = np.empty_like(moments)
+    for k in range(len(x)):
+        _multiply(w[k], x[k], y[k], 2 * degree, powers)
+        for at in range(len(moments)):
+            add(powers[at], moments[at])
+
+
+@kernel
+def _factorize(moments: Floats, degree: int, factor: Floats, rest: Floats, sound: Mask) -> None:
+    """Factorize the matrices of the monomials' products; the constant comes last, and `rest` is its pivot.
+
+    In the place of its diagonal is its inverse.
+    """
+    columns = len(factor) - 1
+    of_degree, of_power = np.zeros(columns + 1, dtype=np.int64), np.zeros(columns + 1, dtype=np.int64)
     column = 0
     for d in range(1, degree + 1):
         for p in range(d + 1):
             of_degree[column], of_power[column] = d, p
             column += 1
-    of_degree[columns], of_power[columns] = 0, 0
-    for lane in range(_T.side_by_side):
-        sound[lane], rest[lane] = True, moments[0, lane]
+    copy(moments[0], rest)
     for j in range(columns):
-        inverse = inverses[j]
-        for i in range(j, columns + 1):
+        inverse = factor[j, j]
+        for i in range(columns, j - 1, -1):
             d = of_degree[i] + of_degree[j]
             product, entry = moments[d * (d + 1) // 2 + of_power[i] + of_power[j]], factor[i, j]
-            _copy(product, entry)
+            copy(product, entry)
             for k in range(j):
-                left, right = factor[i, k], factor[j, k]
-                for lane in range(_T.side_by_side):
-                    entry[lane] -= left[lane] * right[lane]
+                subtract_product(factor[i, k], factor[j, k], entry)
             if i == j:
-                for lane in range(_T.side_by_side):
-                    good = entry[lane] > _T.independent * product[lane]
-                    sound[lane] &= good
-                    inverse[lane] = 1.0 / np.sqrt(entry[lane]) if good else 0.0
-            for lane in range(_T.side_by_side):
-                entry[lane] *= inverse[lane]
-        last = factor[columns, j]
-        for lane in range(_T.side_by_side):
-            rest[lane] -= last[lane] * last[lane]
+                invert_root(product, _T.independent, inverse, sound)
+        for i in range(j + 1, columns + 1):
+            multiply(factor[i, j], inverse, factor[i, j])
+        subtract_product(factor[columns, j], factor[columns, j], rest)
 
 
 @kernel
-def _solve(factor: Floats, inverses: Floats, terms: Floats) -> None:
+def _solve(factor: Floats, terms: Floats) -> None:
     """The coefficients of the monomials in the constant's own fit."""
-    columns = len(inverses)
+    columns = len(terms)
     for j in range(columns - 1, -1, -1):
-        term, inverse = terms[j], inverses[j]
-        _copy(factor[columns, j], term)
+        copy(factor[columns, j], terms[j])
         for i in range(j + 1, columns):
-            entry, other = factor[i, j], terms[i]
-            for lane in range(_T.side_by_side):
-                term[lane] -= entry[lane] * other[lane]
-        for lane in range(_T.side_by_side):
-            term[lane] *= inverse[lane]
+            subtract_product(factor[i, j], terms[i], terms[j])
+        multiply(terms[j], factor[j, j], terms[j])
 
 
 @kernel
-def _evaluate(x: Floats, y: Floats, w: Floats, degree: int, terms: Floats, powers: Floats) -> None:
+def _evaluate(x: Floats, y: Floats, w: Floats, degree: int, terms: Floats) -> None:
     """Multiply the points' weights by what their fit leaves of the constant."""
-    ones = np.ones(_T.side_by_side)
-    left = np.empty(_T.side_by_side)
+    powers = np.empty((len(terms) + 1, x.shape[1]))
     for k in range(len(x)):
-        _multiply(ones, x[k], y[k], degree, powers)
-        _copy(ones, left)
+        _multiply(w[k], x[k], y[k], degree, powers)
         for j in range(len(terms)):
-            term, power = terms[j], powers[j + 1]
-            for lane in range(_T.side_by_side):
-                left[lane] -= term[lane] * power[lane]
-        weight = w[k]
-        for lane in range(_T.side_by_side):
-            weight[lane] *= left[lane]
+            subtract_product(terms[j], powers[j + 1], w[k])
