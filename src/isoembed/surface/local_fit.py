@@ -21,6 +21,7 @@ from isoembed.linalg.elimination import permuted
 from isoembed.mesh.triangulation import Triangulation
 from isoembed.surface.measures import edge_lengths, vertex_normals
 from isoembed.surface.normal_fits import FITS, fewest, normal_weights
+from isoembed.surface.rows import dot, subtract_multiple
 from isoembed.thresholds import compiled
 
 Graph = tuple[NDArray[Any], NDArray[Any]]  # of a vertex i: indices[indptr[i]:indptr[i + 1]]
@@ -147,25 +148,16 @@ class FitResiduals:
 
     def __matmul__(self, values: Floats) -> Floats:
         """The residuals (n, 3) of values (V, 3); those of polynomials in a vertex's chart are zero."""
-        return _residuals(self.first, self.indptr, self.indices, self.weights, values)
+        n = len(self.indptr) - 1
+        return cast(Floats, values[self.first : self.first + n] - self._fit(len(values)) @ values)
 
     def matrix(self, size: int) -> csr_array:
         """The rows of these vertices as a matrix (n, V), given V; they sum to zero."""
         n = len(self.indptr) - 1
-        own = eye_array(n, size, k=self.first, format="csr")
-        return csr_array(own - csr_array((self.weights, self.indices, self.indptr), shape=(n, size)))
+        return csr_array(eye_array(n, size, k=self.first, format="csr") - self._fit(size))
 
-
-@kernel
-def _residuals(first: int, indptr: Indices, indices: Indices, weights: Floats, values: Floats) -> Floats:
-    residuals = np.empty((len(indptr) - 1, 3))
-    for row in range(len(indptr) - 1):
-        x, y, z = values[first + row]
-        for k in range(indptr[row], indptr[row + 1]):
-            weight, value = weights[k], values[indices[k]]
-            x, y, z = x - weight * value[0], y - weight * value[1], z - weight * value[2]
-        residuals[row, 0], residuals[row, 1], residuals[row, 2] = x, y, z
-    return residuals
+    def _fit(self, size: int) -> csr_array:
+        return csr_array((self.weights, self.indices, self.indptr), shape=(len(self.indptr) - 1, size))
 
 
 @kernel
@@ -262,15 +254,4 @@ def _project_out(orthonormal: Floats, column: Floats) -> None:
     """Take what lies along orthonormal rows out of a column, twice: once leaves rounding along them."""
     for _ in range(2):
         for row in orthonormal:
-            part = dot(row, column)
-            for k in range(len(column)):
-                column[k] -= part * row[k]
-
-
-@kernel
-def dot(a: Floats, b: Floats) -> float:
-    """The product of two vectors, summed in order."""
-    total = 0.0
-    for k in range(len(a)):
-        total += a[k] * b[k]
-    return total
+            subtract_multiple(dot(row, column), row, column)

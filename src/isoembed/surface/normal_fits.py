@@ -54,7 +54,7 @@ def normal_weights(indptr: Indices, charts: Floats, degree: int, weights: Floats
     """Fill in the weights of the points in the constant terms of the fits, where that can be done safely.
 
     The points of fit i are ``charts[indptr[i]:indptr[i + 1]]``, two coordinates each.  Returned is whether
-    each fit was done; where not, its weights are to be ignored.
+    each fit was done; where not, its weights are left as they are.
     """
     counts, (abscissas, ordinates) = np.diff(indptr), charts.T.copy()
     done = np.zeros(len(counts), dtype=np.bool_)
@@ -69,7 +69,9 @@ def normal_weights(indptr: Indices, charts: Floats, degree: int, weights: Floats
             w = there / (FITS.near + x * x + y * y)
             sound = _weigh(x, y, w, degree)
             w /= w.sum(axis=0)
-        done[mine], weights[at[there]] = sound, w[there]
+        done[mine] = sound
+        there &= sound
+        weights[at[there]] = w[there]
     return done
 
 
@@ -95,7 +97,7 @@ def _multiply(first: Floats, x: Floats, y: Floats, degree: int, powers: Floats) 
     copy(first, powers[0])
     at = 1
     for d in range(1, degree + 1):
-        for p in range(d):
+        for _ in range(d):
             multiply(powers[at - d], x, powers[at])
             at += 1
         multiply(powers[at - d - 1], y, powers[at])

@@ -5,6 +5,7 @@ hundred times as long.
 """
 
 from collections.abc import Callable
+from typing import Any
 
 import numpy as np
 
@@ -32,6 +33,16 @@ def subtract_product(a: Floats, b: Floats, target: Floats) -> None:
     target -= a * b
 
 
+def subtract_multiple(factor: float, row: Floats, target: Floats) -> None:
+    """Subtract a multiple of a row from another."""
+    target -= factor * row
+
+
+def dot(a: Floats, b: Floats) -> float:
+    """The sum of the products of two rows."""
+    return float(a @ b)
+
+
 def invert_root(whole: Floats, least: float, target: Floats, sound: Mask) -> None:
     """Replace numbers by one over their square roots, if they are above a share of others; by zero if not."""
     good = target > least * whole
@@ -43,9 +54,9 @@ def invert_root(whole: Floats, least: float, target: Floats, sound: Mask) -> Non
 def _compile() -> None:
     from numba.extending import overload
 
-    def loop(function: Callable) -> Callable:
+    def loop(function: Callable, inline: Any = "always") -> Callable:  # a call takes as long as ten numbers
         def use(compiled: Callable) -> Callable:
-            overload(function, strict=False, inline="always")(lambda *_: compiled)
+            overload(function, strict=False, inline=inline)(lambda *_: compiled)
             return compiled
 
         return use
@@ -69,6 +80,18 @@ def _compile() -> None:
     def _(a, b, target):  # type: ignore[no-untyped-def]
         for i in range(len(target)):
             target[i] -= a[i] * b[i]
+
+    @loop(subtract_multiple)
+    def _(factor, row, target):  # type: ignore[no-untyped-def]
+        for i in range(len(target)):
+            target[i] -= factor * row[i]
+
+    @loop(dot, inline="never")  # numba warns of what is returned after a loop
+    def _(a, b):  # type: ignore[no-untyped-def]
+        total = 0.0
+        for i in range(len(a)):
+            total += a[i] * b[i]
+        return total
 
     @loop(invert_root)
     def _(whole, least, target, sound):  # type: ignore[no-untyped-def]

@@ -13,9 +13,10 @@ import numpy as np
 from isoembed.arrays import Floats
 from isoembed.kernel import kernel
 from isoembed.mesh.triangulation import Triangulation
-from isoembed.surface.local_fit import Graph, Surroundings, dot
+from isoembed.surface.local_fit import Graph, Surroundings
 from isoembed.surface.measures import edge_lengths, vertex_normals
 from isoembed.surface.normal_fits import FITS, fewest
+from isoembed.surface.rows import dot, subtract_multiple
 from isoembed.thresholds import compiled, threshold
 
 
@@ -197,8 +198,7 @@ def _solved(chart: Floats, known: Floats, degree: int, system: Floats) -> bool:
         scale = -1.0 / (diagonal * column[c])
         for r in range(c + 1, rows):
             part = scale * dot(column[c:], system[r, c:])
-            for k in range(c, m):
-                system[r, k] -= part * column[k]
+            subtract_multiple(part, column[c:], system[r, c:])
         column[c] = diagonal  # the reflection has done its work
     for r in range(size, rows):
         solution = system[r]
