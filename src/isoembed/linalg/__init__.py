@@ -9,7 +9,7 @@ Looked at in November 2026 and not taken:
 
 - no wheels for Linux, macOS and Windows: scikit-sparse (CHOLMOD, compiled against headers of SuiteSparse),
   scikit-umfpack, petsc4py, PyMUMPS, python-mumps (Linux and NumPy 1 only), pyspral, cmeel-spral (no Python);
-- the licence: kvxopt, cholespy and sksparse_minimal (GPL; the last two bring CHOLMOD, for definite matrices),
+- the license: kvxopt, cholespy and sksparse_minimal (GPL; the last two bring CHOLMOD, for definite matrices),
   pypardiso and the like (PARDISO, proprietary; no faster than what is here);
 - no elimination order can be given: rslab (J J^T of 480,000 unknowns: 8.5 s for its own order and 1.8 s a
   factorization, or .9 and 3.3 s; here 1.1 s), feral-solver (120,000: 2 and .6 s; here .2 s);
