@@ -48,27 +48,22 @@ def angles_from_lengths(lengths: Floats) -> Floats:
     return angles.reshape(-1, 3)
 
 
-@kernel
 def end_lengths(u: Floats, q: Floats, mesh: HalfEdges) -> None:
     """Measure all half-edges by the mean of the metric's tensors q (V, 3, 3) at their ends, in place.
 
     That is of second order in the length, and exact on round spheres.
     """
     corners, twins, lengths = mesh.corners, mesh.twins, mesh.lengths
-    for h in range(corners.size):
-        t = twins[h]
-        if t < h:
-            lengths[h] = lengths[t]
-            continue
-        i, j = corners[h], corners[t]
-        square, chord2 = 0.0, 0.0
-        for a in range(3):
-            chord2 += (u[j, a] - u[i, a]) ** 2
-            for b in range(3):
-                square += 0.5 * (q[i, a, b] + q[j, a, b]) * (u[j, a] - u[i, a]) * (u[j, b] - u[i, b])
-        half = 0.5 * np.sqrt(chord2)
-        # The tangent part of the chord is the sine of the arc.
-        lengths[h] = np.sqrt(square) * np.arcsin(half) / (half * np.sqrt(1.0 - half**2))
+    lower = np.flatnonzero(np.arange(twins.size) < twins)
+    upper = twins[lower]
+    i, j = corners[lower], corners[upper]
+    chords = u[j] - u[i]
+    half = 0.5 * np.sqrt((chords**2).sum(axis=1))
+    squares = 0.5 * np.einsum("ha,hab,hb->h", chords, q[i] + q[j], chords)
+    # The tangent part of the chord is the sine of the arc.
+    with np.errstate(divide="ignore", invalid="ignore"):  # of vertices that coincide, or are antipodes
+        lengths[lower] = np.sqrt(squares) * np.arcsin(half) / (half * np.sqrt(1.0 - half**2))
+    lengths[upper] = lengths[lower]
 
 
 @kernel
