@@ -18,7 +18,8 @@ def _worst(corners: Indices, twins: Indices, lengths: Floats, x: Floats) -> floa
     worst = 0.0
     for h in range(corners.size):
         i, j = corners[h], corners[twins[h]]
-        actual = np.sqrt((x[i, 0] - x[j, 0]) ** 2 + (x[i, 1] - x[j, 1]) ** 2 + (x[i, 2] - x[j, 2]) ** 2)
+        a, b, c = x[i, 0] - x[j, 0], x[i, 1] - x[j, 1], x[i, 2] - x[j, 2]
+        actual = np.sqrt(a * a + b * b + c * c)
         if not actual < np.inf:
             return np.inf
         worst = max(worst, abs(actual - lengths[h]))

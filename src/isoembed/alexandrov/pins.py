@@ -59,7 +59,7 @@ def _built(corners: Indices, twins: Indices, lengths: Floats, r: Floats) -> Floa
     seen = np.zeros(corners.size // 3, dtype=np.bool_)
     queue = np.empty(corners.size // 3, dtype=np.int64)
     foot = _foot(0, corners, twins, lengths, r)
-    side = np.sqrt(max(r[corners[0]] ** 2 - foot**2, 0.0))
+    side = np.sqrt(max(r[corners[0]] * r[corners[0]] - foot * foot, 0.0))
     x[corners[0]] = np.array([-foot, 0.0, side])
     x[corners[twins[0]]] = np.array([lengths[0] - foot, 0.0, side])
     placed[corners[0]] = placed[corners[twins[0]]] = True
@@ -103,7 +103,7 @@ def _across(h: int, x: Floats, corners: Indices, twins: Indices, lengths: Floats
     distance = max(np.sqrt((w**2).sum()), 1e-300)
     w /= distance
     # Where the apex is in the plane of the triangle, left of the edge: |x_k|^2 = r_k^2.
-    reach = (along - foot) ** 2 + height**2 + distance**2 - r[k] ** 2
+    reach = (along - foot) * (along - foot) + height * height + distance * distance - r[k] * r[k]
     sine = max(-1.0, min(1.0, reach / (2 * distance * max(height, 1e-300))))
     left = np.array([w[1] * e[2] - w[2] * e[1], w[2] * e[0] - w[0] * e[2], w[0] * e[1] - w[1] * e[0]])
-    return x[i] + along * e + height * (np.sqrt(1 - sine**2) * left - sine * w)
+    return x[i] + along * e + height * (np.sqrt(1 - sine * sine) * left - sine * w)

@@ -13,6 +13,7 @@ plane.
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any
@@ -132,18 +133,18 @@ def _evaluate(
         d_ki = (c * c_kj - c_ki * at_k / c) / area
         # The squared height, from the corner where least is subtracted.
         if qi <= qj and qi <= qk:
-            h2, q = qi - (c_ij / a) ** 2 - d_ij**2, qi
+            h2, q = qi - c_ij / a * (c_ij / a) - d_ij * d_ij, qi
         elif qj <= qk:
-            h2, q = qj - (c_jk / b) ** 2 - d_jk**2, qj
+            h2, q = qj - c_jk / b * (c_jk / b) - d_jk * d_jk, qj
         else:
-            h2, q = qk - (c_ki / c) ** 2 - d_ki**2, qk
+            h2, q = qk - c_ki / c * (c_ki / c) - d_ki * d_ki, qk
         lowest = min(lowest, h2 / q)
         if not h2 > 0:
             return kappa, slope, diagonal, lowest
         h = np.sqrt(h2)
-        kappa[i] -= np.arctan2(r[i] * h * area, qi * at_i - c_ij * c_ik)
-        kappa[j] -= np.arctan2(r[j] * h * area, qj * at_j - c_jk * c_ji)
-        kappa[k] -= np.arctan2(r[k] * h * area, qk * at_k - c_ki * c_kj)
+        kappa[i] -= math.atan2(r[i] * h * area, qi * at_i - c_ij * c_ik)
+        kappa[j] -= math.atan2(r[j] * h * area, qj * at_j - c_jk * c_ji)
+        kappa[k] -= math.atan2(r[k] * h * area, qk * at_k - c_ki * c_kj)
         slope[f], slope[f + 1], slope[f + 2] = d_ij / h, d_jk / h, d_ki / h
     for e in range(corners.size):
         t = twins[e]
@@ -151,9 +152,9 @@ def _evaluate(
             i, j = corners[e], corners[t]
             l = lengths[e]
             c_ij = (l * l + (r[i] - r[j]) * (r[i] + r[j])) / 2
-            w = (slope[e] + slope[t]) / (l * (r[i] ** 2 - (c_ij / l) ** 2))
+            w = (slope[e] + slope[t]) / (l * (r[i] * r[i] - c_ij / l * (c_ij / l)))
             slope[e] = slope[t] = w * r[i] * r[j]
-            both = w * (r[i] ** 2 - c_ij)  # the product of the vectors from the apex to i and j
+            both = w * (r[i] * r[i] - c_ij)  # the product of the vectors from the apex to i and j
             diagonal[i] -= both
             diagonal[j] -= both
     return kappa, slope, diagonal, lowest

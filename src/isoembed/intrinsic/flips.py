@@ -80,11 +80,11 @@ def flip(h: int, mesh: HalfEdges, thinnest: float) -> bool:
     at_j = (l - x) * v + (l - u) * y
     longest_i = max(diagonal, max(length_ki, length_im))
     longest_j = max(diagonal, max(length_mj, length_jk))
-    if not (at_i > thinnest * longest_i**2 and at_j > thinnest * longest_j**2):
+    if not (at_i > thinnest * longest_i * longest_i and at_j > thinnest * longest_j * longest_j):
         return False
     at_m, at_k = directions[mesh.twins[im]], directions[mesh.twins[jk]]  # of m -> i and k -> j
     # The angles of the better triangle tell the directions.
-    if at_i * longest_j**2 > at_j * longest_i**2:
+    if at_i * longest_j * longest_j > at_j * longest_i * longest_i:
         at_m -= angle_between(length_im, diagonal, length_ki)
         at_k = directions[ki] + angle_between(length_ki, diagonal, length_im)
     else:

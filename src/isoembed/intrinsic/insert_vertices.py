@@ -15,7 +15,7 @@ from isoembed.intrinsic.multi_edges import separated
 from isoembed.intrinsic.planar import Marks, insert
 from isoembed.intrinsic.polygons import Polygons, first_sides, lay_out, loosened
 from isoembed.intrinsic.tracing import from_corner, from_inside, place, sector, straight
-from isoembed.intrinsic.trigonometry import cross
+from isoembed.intrinsic.trigonometry import argument, cross
 from isoembed.kernel import kernel
 from isoembed.mesh.triangulation import frozen
 from isoembed.thresholds import threshold
@@ -257,5 +257,5 @@ def _locate(
         faces[v], places[v] = f, 0j
         for i in range(3):
             places[v] += barycentric[v, i] * laid.z[3 * f + i]
-        axis[v] = removal.backs[k] - np.pi + np.angle(state[1])
+        axis[v] = removal.backs[k] - np.pi + argument(state[1])
     return faces, barycentric, axis, -1

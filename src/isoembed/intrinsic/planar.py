@@ -1,5 +1,6 @@
 """New vertices in plane polygons, triangulated well."""
 
+import math
 from dataclasses import dataclass
 from typing import NamedTuple
 
@@ -167,7 +168,7 @@ def _side_at(p: complex, f: int, polygons: Polygons, size: float) -> int:
             if height > 0:
                 for along in (foot, 1 - foot):
                     way = np.hypot(along, height)
-                    detour += height**2 / (way + along) if along > 0 else way - along
+                    detour += height * height / (way + along) if along > 0 else way - along
             share = detour / _T.near_side
         if share < least:
             least, s = share, h
@@ -186,7 +187,7 @@ def _across(p: complex, s: int, t: int, polygons: Polygons) -> tuple[complex, fl
     here, there = z[following(s)] - z[s], z[t] - start
     size = dot(here, here)
     c, d = dot(there, here) / size, cross(here, there) / size
-    return from_frame(start, p - z[s], c, d), -np.arctan2(d, c)
+    return from_frame(start, p - z[s], c, d), -math.atan2(d, c)
 
 
 @kernel

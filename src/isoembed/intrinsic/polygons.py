@@ -11,6 +11,7 @@ import numpy as np
 
 from isoembed.arrays import Floats, Indices, Mask, Points
 from isoembed.intrinsic.halfedges import HalfEdges, corner_angle, following, preceding, third_corner
+from isoembed.intrinsic.trigonometry import argument
 from isoembed.kernel import kernel
 from isoembed.thresholds import compiled, threshold
 
@@ -157,7 +158,7 @@ def angle_around(h: int, polygons: Polygons) -> float:
     z, start = polygons.z, h
     total = 0.0
     while True:
-        total += np.angle((z[preceding(h)] - z[h]) * (z[following(h)] - z[h]).conjugate())
+        total += argument((z[preceding(h)] - z[h]) * (z[following(h)] - z[h]).conjugate())
         h = polygons.twins[preceding(h)]
         if h == start:
             return total

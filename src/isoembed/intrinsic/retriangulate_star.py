@@ -14,7 +14,7 @@ from isoembed.intrinsic.halfedges import (
     total_angle,
 )
 from isoembed.intrinsic.tracing import modulo
-from isoembed.intrinsic.trigonometry import angle_between, cross, dot, norm, polar, twice_area
+from isoembed.intrinsic.trigonometry import angle_between, argument, cross, dot, norm, polar, twice_area
 from isoembed.kernel import kernel
 from isoembed.thresholds import compiled
 
@@ -69,8 +69,8 @@ def retriangulate_star(
             direction[i, j], direction[j, i] = directions[g], directions[twins[g]]
     if folded:
         size[0, 1] = size[1, 0] = size[0, n - 1] = size[n - 1, 0] = norm(z[1])
-        direction[0, 1] = direction[0, n - 1] = directions[twins[h]] + np.angle(z[1])
-        turn = np.angle(-z[1]) - np.angle(z[2] - z[1])
+        direction[0, 1] = direction[0, n - 1] = directions[twins[h]] + argument(z[1])
+        turn = argument(-z[1]) - argument(z[2] - z[1])
         direction[1, 0] = direction[n - 1, 0] = direction[1, 2] + modulo(turn, 2 * np.pi)
     for t in range(n - 2):  # parts before wholes: i -> k and k -> j are known
         i, k, j = triangles[t]

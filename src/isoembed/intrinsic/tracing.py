@@ -82,7 +82,8 @@ def place(h: int, state: State, polygons: Polygons) -> complex:
 def from_corner(h: int, offset: float, polygons: Polygons) -> State:
     """The line that starts at a vertex, at an angle from a half-edge into its triangle."""
     side = polygons.z[following(h)] - polygons.z[h]
-    turn = side.conjugate() / norm(side) * polar(1.0, -offset)
+    length = norm(side)
+    turn = complex(side.real / length, -side.imag / length) * polar(1.0, -offset)
     return following(h), turn, -turn * polygons.z[h]
 
 

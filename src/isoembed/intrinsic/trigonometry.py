@@ -1,5 +1,7 @@
 """Triangles from their sides, accurate for needles and caps, and products of vectors in the plane."""
 
+import math
+
 import numpy as np
 
 from isoembed.kernel import kernel
@@ -25,7 +27,7 @@ def angle_between(a: float, b: float, across: float) -> float:
     if a < b:
         a, b = b, a
     mu = s - (a - b) if b >= s else b - (a - s)
-    return 2 * np.arctan2(
+    return 2 * math.atan2(
         np.sqrt(max(((a - b) + s) * mu, 0.0)), np.sqrt((a + (b + s)) * max((a - s) + b, 0.0))
     )
 
@@ -55,6 +57,12 @@ def norm(a: complex) -> float:
 
 
 @kernel
+def argument(a: complex) -> float:
+    """Angle from the x axis to a vector of the plane."""
+    return math.atan2(a.imag, a.real)
+
+
+@kernel
 def from_frame(origin: complex, axis: complex, x: float, y: float) -> complex:
     """Point with coordinates along an axis, and to the left of it, in its length."""
     return complex(origin.real + x * axis.real - y * axis.imag, origin.imag + x * axis.imag + y * axis.real)
@@ -63,4 +71,4 @@ def from_frame(origin: complex, axis: complex, x: float, y: float) -> complex:
 @kernel
 def polar(r: float, angle: float) -> complex:
     """Vector of the plane of this length and direction."""
-    return complex(r * np.cos(angle), r * np.sin(angle))
+    return complex(r * math.cos(angle), r * math.sin(angle))

@@ -20,7 +20,8 @@ def kernel(function: Callable[..., Any] | None = None, **options: Any) -> Any:
     a folder below the temporary one.  To load it is cheap, and done sooner.  A kernel that compiled ones call
     is compiled with them.  numba is not imported before it is needed.
 
-    Either way a kernel does the same.  For Python, this decorator sees to it that
+    Either way a kernel does the same, to the last bit, so that nothing depends on when it was compiled.  For
+    Python, this decorator sees to it that
 
     - floats among the arguments become NumPy's, of which no error is raised: a division by zero is infinite
       or NaN, as it is in compiled code.  (As an exception it would be another way out of a function, on which
@@ -31,7 +32,10 @@ def kernel(function: Callable[..., Any] | None = None, **options: Any) -> Any:
     Whoever writes a kernel sees to it that
 
     - no Python number is divided by one that may be zero: one of the two is an element of an array, an
-      argument that is a float or what a function of NumPy returned.  No function is one of `math`.
+      argument that is a float or what a function of NumPy returned.
+    - roundings are those of numba: `math` has its arc tangent, sine and cosine, and raises errors where they
+      are not finite; NumPy has its square root and `hypot`.  Squares are products, sums are loops, and no
+      complex numbers are divided, nor their `abs` taken.
     - nothing rests on the overflow of integers: numba adds int32 as int64, NumPy does not.
     - arguments are arrays, numbers and named tuples of them, which do not hold named tuples, and are not
       given by name.

@@ -171,7 +171,7 @@ def _cut(
     for b in range(bins):
         below += inside[b]
         severed += change[b]
-        cost = (severed + 1) * (1 + _T.penalty * (below / size - 0.5) ** 2)
+        cost = (severed + 1) * (1 + _T.penalty * (below / size - 0.5) * (below / size - 0.5))
         if below > 0 and cost < least:
             least, best = cost, b
     level = low + best / scale

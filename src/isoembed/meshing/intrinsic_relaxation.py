@@ -4,6 +4,7 @@ The tables over half-edges are those of `isoembed.intrinsic.halfedges`.  Vertice
 (V, 3) on the unit sphere, in which every triangle looks outward.
 """
 
+import math
 from dataclasses import dataclass
 from typing import NamedTuple
 
@@ -210,7 +211,7 @@ def _step(first: int, u: Floats, mesh: HalfEdges, density: Floats, optimal: bool
         into = preceding(h)
         j, k = corners[following(h)], corners[into]
         direction += scale * corner_angle(h, lengths)
-        qx, qy = lengths[into] * np.cos(direction), lengths[into] * np.sin(direction)
+        qx, qy = lengths[into] * math.cos(direction), lengths[into] * math.sin(direction)
         xx += px * px
         xy += px * py
         yy += py * py
@@ -225,7 +226,7 @@ def _step(first: int, u: Floats, mesh: HalfEdges, density: Floats, optimal: bool
             cx, cy = 0.5 * (qy * p2 - py * q2) / double, 0.5 * (px * q2 - qx * p2) / double
             mean = (density[v] + density[j] + density[k]) / 3.0
             if optimal:
-                mass = double * mean**2
+                mass = double * mean * mean
                 weight += mass
                 x += mass * cx
                 y += mass * cy

@@ -332,6 +332,7 @@ def edge_lengths(edges: Indices, vertices: Floats) -> Floats:
     for e in range(len(edges)):
         square = 0.0
         for k in range(vertices.shape[1]):
-            square += (vertices[edges[e, 0], k] - vertices[edges[e, 1], k]) ** 2
+            side = vertices[edges[e, 0], k] - vertices[edges[e, 1], k]
+            square += side * side
         lengths[e] = np.sqrt(square)
     return lengths

@@ -223,7 +223,7 @@ def _constant_term(chart: Floats, weights: Floats, most: int) -> None:
     root = np.empty(m)  # of the weights of least squares
     rest = np.empty(m)  # of the constant column
     for k in range(m):
-        root[k] = 1.0 / np.sqrt(_T.near + chart[k, 0] ** 2 + chart[k, 1] ** 2)
+        root[k] = 1.0 / np.sqrt(_T.near + chart[k, 0] * chart[k, 0] + chart[k, 1] * chart[k, 1])
         rest[k] = root[k]
     whole = dot(rest, rest)
     best, columns = rest.copy(), np.empty((most * (most + 3) // 2, m))

@@ -27,7 +27,8 @@ def face_areas(faces: Indices, vertices: Floats) -> Floats:
     normals = face_normals(faces, vertices)
     areas = np.empty(len(faces))
     for f in range(len(faces)):
-        areas[f] = np.sqrt(normals[f, 0] ** 2 + normals[f, 1] ** 2 + normals[f, 2] ** 2) / 2
+        a, b, c = normals[f, 0], normals[f, 1], normals[f, 2]
+        areas[f] = np.sqrt(a * a + b * b + c * c) / 2
     return areas
 
 
