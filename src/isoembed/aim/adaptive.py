@@ -24,6 +24,7 @@ from isoembed.aim.best_fit import best_fit
 from isoembed.aim.convexification import CONVEXIFICATION, Convexification
 from isoembed.aim.diagnosis import diagnosis
 from isoembed.aim.lengths_newton import LENGTHS_NEWTON, newton_on_lengths
+from isoembed.aim.levels import LEVELS, pulled_back_by_levels
 from isoembed.aim.nearby_realizations import nearby_realizations
 from isoembed.aim.radii_newton import RADII_NEWTON, newton_on_radii, radii_start
 from isoembed.aim.regularized_continuation import log_linear, regularized_continuation
@@ -36,7 +37,7 @@ from isoembed.metric.curvature import area
 from isoembed.metric.delaunay import delaunay
 from isoembed.metric.glued import GluedMetric
 from isoembed.metric.polyhedral import PolyhedralMetric
-from isoembed.progress.stages import Log
+from isoembed.progress.stages import Log, StageRecorder
 from isoembed.surface.embedding import Embedding
 from isoembed.surface.fitted import FittedSurface
 from isoembed.surface.measures import outward
@@ -253,11 +254,7 @@ class _Search:
         guided = self.kept.get("guided")
         if guided is None:
             with self.log.stage("guided pull back") as recorder:
-                path, on_the_way = (
-                    log_linear(self.metric, self.start),
-                    self.log.resumed_at("guided pull back"),
-                )
-                guided = regularized_continuation(self.energy, self.start, path, recorder, on_the_way)
+                guided = self.guided(recorder)
         with self.log.stage("polish") as recorder:
             recorder.keep(start=self.start, guided=guided)
             vertices = anneal(self.system, guided, self.metric.lengths, recorder).vertices
@@ -273,6 +270,16 @@ class _Search:
                     residual_tolerance=LENGTHS_NEWTON.exact,
                 )
             self.surfaces += [self.surface(vertices) for vertices in met]
+
+    def guided(self, recorder: StageRecorder) -> Floats:
+        """Where the guided path ends, near enough to the lengths for Newton's method."""
+        kept = self.log.resumed_at("guided pull back")
+        if self.metric.triangulation.n_vertices >= LEVELS.many:
+            found = pulled_back_by_levels(self.metric, self.system, self.start, recorder, kept)
+            if found is not None:
+                return found
+        path = log_linear(self.metric, self.start)
+        return regularized_continuation(self.energy, self.start, path, recorder, kept)
 
     def best_fit(self) -> FittedSurface | None:
         """The smooth surface that comes nearest to the lengths; it is one more start, too."""

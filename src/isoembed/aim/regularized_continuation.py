@@ -18,7 +18,6 @@ from isoembed.arrays import Floats
 from isoembed.metric.polyhedral import PolyhedralMetric
 from isoembed.progress.stages import StageRecorder
 from isoembed.surface.measures import edge_lengths
-from isoembed.surface.rigidity import length_residuals
 from isoembed.thresholds import threshold
 
 
@@ -77,9 +76,27 @@ def regularized_continuation(
     ndarray, shape (V, 3)
         Where it did not get lost, near enough to the metric at t = 0 for Newton's method.
     """
+    x, mu = guided(energy, start, lengths, recorder, kept)
+    given, close = lengths(0.0), CONTINUATION.close * energy.unit
+    found, residual = let_go(energy.finer(x), x, given, mu, recorder)
+    if residual > close:  # edges too long for quintics to know the surface
+        found = min((found, residual), let_go(energy, x, given, mu, recorder), key=lambda pair: pair[1])[0]
+    return found
+
+
+def guided(
+    energy: RegularizedEnergy,
+    start: Floats,
+    lengths: Callable[[float], Floats],
+    recorder: StageRecorder,
+    kept: Mapping[str, NDArray[Any]] | None = None,
+) -> tuple[Floats, float]:
+    """Follow a path of metrics to its end, then let K go; the surface, and the last mu.
+
+    The parameters are those of `regularized_continuation`.
+    """
     given, released = lengths(0.0), 0
-    unit = float(given.mean())
-    mu, stiffest = CONTINUATION.weight * unit**2, CONTINUATION.stiffest * unit**2
+    mu, stiffest = CONTINUATION.weight * energy.unit**2, CONTINUATION.stiffest * energy.unit**2
     known: list[tuple[float, Floats]] = []
     steps = np.linspace(1, 0, CONTINUATION.steps + 1).tolist()
     usual = len(steps) + len(CONTINUATION.letting_go) + 2 + CONTINUATION.usual_fade
@@ -108,21 +125,17 @@ def regularized_continuation(
         keep()
         recorder.show(done=min(recorder.iterations / usual, 1.0), vertices=x)
     mu *= CONTINUATION.fade
-    x = energy.relaxed(x, given, mu, 0.0, recorder)
-    found, residual = _let_go(energy.finer(x), x, given, mu, recorder)
-    if residual > CONTINUATION.close * unit:  # edges too long for quintics to know the surface
-        found = min((found, residual), _let_go(energy, x, given, mu, recorder), key=lambda pair: pair[1])[0]
-    return found
+    return energy.relaxed(x, given, mu, 0.0, recorder), mu
 
 
-def _let_go(
+def let_go(
     energy: RegularizedEnergy, x: Floats, lengths: Floats, mu: float, recorder: StageRecorder
 ) -> tuple[Floats, float]:
     """Let mu vanish; the last surface, and its residual."""
-    before, slow, close = np.inf, 0, CONTINUATION.close * float(lengths.mean())
+    before, slow, close = np.inf, 0, CONTINUATION.close * energy.unit
     for _ in range(CONTINUATION.faded):
         x = energy.relaxed(x, lengths, mu, 0.0, recorder)
-        residual = float(np.abs(length_residuals(energy.triangulation, x, lengths)).max())
+        residual = float(np.abs(energy.residuals(x, lengths)).max())
         slow = slow + 1 if residual > CONTINUATION.stalled * before else 0
         if residual <= close or slow == 2:
             break

@@ -15,6 +15,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from copy import copy
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 from scipy.sparse import csr_array, diags_array
@@ -58,18 +59,30 @@ class RegularizedEnergy:
         Gives K.
     vertices : ndarray, shape (V, 3)
         Of a surface near enough for its charts to be smooth on those sought; gives R.
+
+    Attributes
+    ----------
+    unit : float
+        The mean edge length.
     """
 
     def __init__(self, metric: PolyhedralMetric, vertices: Floats) -> None:
-        self.triangulation = metric.triangulation
-        self._lengths = edge_lengths_about(self.triangulation, metric.lengths)
-        K = csr_array(
-            cotangent_laplacian(GluedMetric.of(metric), least=REGULARIZED_ENERGY.smallest_cotangent)
-            / (REGULARIZED_ENERGY.rho * metric.mean_length)
-        )
+        units = edge_lengths_about(metric.triangulation, metric.lengths)
+        self._set_penalties(metric, vertices, units, metric.mean_length)
+
+    def _set_penalties(
+        self, metric: PolyhedralMetric, vertices: Floats, units: Floats, mean_length: float
+    ) -> None:
+        """Set R and K where edges have these lengths about each vertex, (V,), and on the mean."""
+        self.triangulation, self.unit, self._units = metric.triangulation, mean_length, units
+        laplacian = cotangent_laplacian(GluedMetric.of(metric), least=REGULARIZED_ENERGY.smallest_cotangent)
+        K = csr_array(laplacian / (REGULARIZED_ENERGY.rho * mean_length))
         self._KK = csr_array(K.T @ K)
-        self._system = VertexSystem(self.triangulation, self._KK)
         self._regularize_by(fit_residuals(self.triangulation, vertices))
+
+    @cached_property
+    def _system(self) -> VertexSystem:
+        return VertexSystem(self.triangulation, self._KK)
 
     def finer(self, vertices: Floats) -> RegularizedEnergy:
         """The same with quintic fits, applied twice, in the charts of these vertices in the place of R."""
@@ -80,13 +93,22 @@ class RegularizedEnergy:
 
     def _regularize_by(self, residuals: csr_array) -> None:
         """Take R from these residuals of fits, each row of unit norm over the edge length there."""
-        size = self._lengths * np.sqrt(residuals.multiply(residuals).sum(axis=1))
+        size = self._units * np.sqrt(residuals.multiply(residuals).sum(axis=1))
         self._R = csr_array(diags_array(1 / size) @ residuals)
         self._RT = csr_array(self._R.T)
 
     def roughness(self, vertices: Floats, w: float) -> Floats:
         """``(R^T R + w K^T K) x``, shape (V, 3): half the gradient of the penalty."""
         return self._RT @ (self._R @ vertices) + w * (self._KK @ vertices)
+
+    def residuals(self, vertices: Floats, lengths: Floats) -> Floats:
+        """The errors r of the lengths."""
+        return length_residuals(self.triangulation, vertices, lengths)
+
+    def _forces(self, vertices: Floats, lengths: Floats, r: Floats) -> Floats:
+        """``J^T r``, shape (V, 3)."""
+        rows = edge_rows(self.triangulation, vertices, lengths)
+        return self.triangulation.incidence @ (rows * r[:, None])
 
     def solver(self, vertices: Floats, lengths: Floats, mu: float, w: float) -> Callable[[Floats], Floats]:
         """Prepare to solve ``(J^T J + mu (R^T R + w K^T K)) d = g`` for d, (V, 3), by conjugate gradients.
@@ -128,6 +150,19 @@ class RegularizedEnergy:
 
         return solve
 
+    def solved(
+        self,
+        vertices: Floats,
+        lengths: Floats,
+        gradient: Floats,
+        mu: float,
+        w: float,
+        recorder: StageRecorder,
+    ) -> Floats:
+        """Solve the equations of `solver` for one gradient; raises SingularMatrix."""
+        recorder.factorizations += 1
+        return self.solver(vertices, lengths, mu, w)(gradient)
+
     def step(
         self,
         vertices: Floats,
@@ -150,16 +185,14 @@ class RegularizedEnergy:
         """
 
         def measured(x: Floats) -> tuple[Floats, Floats, float]:
-            r, pull = length_residuals(self.triangulation, x, lengths), self.roughness(x, w)
+            r, pull = self.residuals(x, lengths), self.roughness(x, w)
             return r, pull, float(r @ r + mu * np.sum(x * pull))
 
         r, pull, energy = measured(vertices)
-        rows = edge_rows(self.triangulation, vertices, lengths)
-        gradient = self.triangulation.incidence @ (rows * r[:, None]) + mu * pull
+        gradient = self._forces(vertices, lengths, r) + mu * pull
         recorder.iterations += 1
-        recorder.factorizations += 1
         try:
-            trial = vertices - self.solver(vertices, lengths, stiffness * mu, w)(gradient)
+            trial = vertices - self.solved(vertices, lengths, gradient, stiffness * mu, w, recorder)
         except SingularMatrix:
             return vertices, False
         r, _, reached = measured(trial)

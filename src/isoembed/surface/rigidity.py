@@ -6,6 +6,9 @@ The step of least norm, ``d = J^T (J J^T + mu I)^-1 r``, needs no triangle pinne
 matrix that is definite whenever the surface is infinitesimally rigid.
 """
 
+from __future__ import annotations
+
+from dataclasses import dataclass
 from functools import cached_property, partial
 from typing import cast
 
@@ -34,6 +37,27 @@ def edge_rows(triangulation: Triangulation, vertices: Floats, lengths: Floats) -
     """The nonzeros of J, ``(x_a - x_b) / l_ab``, shape (E, 3)."""
     a, b = triangulation.edges.T
     return (vertices[a] - vertices[b]) / lengths[:, None]
+
+
+@dataclass(frozen=True, eq=False)
+class LinearizedLengths:
+    """J at one surface, and how to solve with ``J J^T + damping I``; edges are in elimination order.
+
+    Attributes
+    ----------
+    J : RigidityMatrix
+    factor : SymmetricFactor
+    order : ndarray of int, shape (E,)
+        The edges in that order.
+    """
+
+    J: RigidityMatrix
+    factor: SymmetricFactor
+    order: Indices
+
+    def solve(self, r: Floats) -> Floats:
+        """Solve ``(J J^T + damping I) y = r``, (E,), by the factors as they are."""
+        return self.factor.solve(r, sweeps=0)
 
 
 class LengthSystem:
@@ -68,17 +92,33 @@ class LengthSystem:
         OutOfMemory
             Not even the factors of the coarse matrix of `two_level` fit into the memory that is free.
         """
-        J, r = self._matrix(vertices, lengths), residuals[self._order]
+        r = residuals[self._order]
         try:
-            factor = self._factor(J, mu)
+            linear = self.linearized(vertices, lengths, mu * MEAN_DIAGONAL)
         except OutOfMemory:
-            two_level = TwoLevel(J, vertices, self._dissection, mu * MEAN_DIAGONAL)
+            two_level = TwoLevel(
+                self._matrix(vertices, lengths), vertices, self._dissection, mu * MEAN_DIAGONAL
+            )
             return two_level.step(r, RIGIDITY.residual, RIGIDITY.iterations).x
-        d = J.forces(factor.solve(r, sweeps=0))
+        J = linear.J
+        d = J.forces(linear.solve(r))
         if mu > 0:
             return d
         # Refined through J: refining the solution of J J^T alone would not reduce this residual.
-        return d + J.forces(factor.solve(r - J.rates(d), sweeps=0))
+        return d + J.forces(linear.solve(r - J.rates(d)))
+
+    def linearized(self, vertices: Floats, lengths: Floats, damping: float = 0.0) -> LinearizedLengths:
+        """J where the vertices are, and the factors of ``J J^T + damping I``.
+
+        Raises
+        ------
+        SingularMatrix
+            It is singular.
+        OutOfMemory
+            The factors need more memory than is free.
+        """
+        J = self._matrix(vertices, lengths)
+        return LinearizedLengths(J, self._factor(J, damping), self._order)
 
     def smallest_singular_values(
         self, vertices: Floats, lengths: Floats, count: int
@@ -118,9 +158,9 @@ class LengthSystem:
     def _matrix(self, vertices: Floats, lengths: Floats) -> RigidityMatrix:
         return RigidityMatrix.of(self._ends, vertices, lengths[self._order])
 
-    def _factor(self, J: RigidityMatrix, mu: float = 0.0) -> SymmetricFactor:
+    def _factor(self, J: RigidityMatrix, damping: float = 0.0) -> SymmetricFactor:
         pattern = self._solver.pattern
-        return self._solver.factor(J.gram(pattern.indptr, pattern.indices, mu * MEAN_DIAGONAL))
+        return self._solver.factor(J.gram(pattern.indptr, pattern.indices, damping))
 
     @cached_property
     def _solver(self) -> Solver:

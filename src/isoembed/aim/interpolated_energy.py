@@ -1,0 +1,134 @@
+"""The regularized energy of a coarse surface, measured on fine edges of the surface that it interpolates.
+
+Where there are many vertices, the way from the convex surface to the given lengths is found for a few of
+them.  There is no metric on these: the errors r are those of *given* edges, whose ends quintics interpolate.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from scipy.sparse import csr_array
+from scipy.sparse.linalg import LinearOperator, cg
+
+from isoembed.aim.regularized_energy import REGULARIZED_ENERGY, RegularizedEnergy
+from isoembed.arrays import Floats
+from isoembed.linalg import SymmetricFactor
+from isoembed.metric.polyhedral import PolyhedralMetric
+from isoembed.progress.stages import StageRecorder
+from isoembed.surface.interpolated_rigidity import InterpolatedRigidity
+from isoembed.surface.interpolation import Stencils
+from isoembed.surface.local_fit import edge_lengths_about
+from isoembed.surface.measures import edge_lengths
+from isoembed.thresholds import threshold
+
+
+@dataclass(frozen=True)
+class InterpolatedEnergyThresholds:
+    """Thresholds of the energy of a coarse surface."""
+
+    measured: int = threshold(30, "edges", "Of a cell at most: an interpolated surface has fewer freedoms.")
+    solved: float = threshold(1e-2, "relative", "Residual of a step's linear equations, over the gradient.")
+    stale: int = threshold(25, "count", "Conjugate gradients' iterations that are worth new factors.")
+
+
+INTERPOLATED_ENERGY = InterpolatedEnergyThresholds()
+
+
+class InterpolatedEnergy(RegularizedEnergy):
+    """The energy of the chosen vertices' positions, (C, 3).
+
+    The errors are those of the strains times the coarse edge length around, three for each chosen vertex, so
+    that mu means what it does on a triangulation of these vertices.
+
+    Parameters
+    ----------
+    metric : PolyhedralMetric
+        Given.
+    stencils : Stencils
+    convex : ndarray, shape (V, 3)
+        The surface on which the vertices were chosen; gives R and K.
+    positions : ndarray, shape (V, 3)
+        In whose tangent planes is interpolated at first.
+
+    Attributes
+    ----------
+    edges : InterpolatedRigidity
+        Those measured.
+    lengths : ndarray, shape (M,)
+        Given for them.
+    """
+
+    def __init__(
+        self, metric: PolyhedralMetric, stencils: Stencils, convex: Floats, positions: Floats
+    ) -> None:
+        fine = metric.triangulation
+        self.edges = InterpolatedRigidity(fine, stencils, INTERPOLATED_ENERGY.measured)
+        self.lengths = metric.lengths[self.edges.edges]
+        chosen = convex[stencils.cells.vertices]
+        coarse = PolyhedralMetric.from_mesh(chosen, stencils.triangulation.faces)
+        stretch = edge_lengths_about(fine, edge_lengths(fine.edges, convex)) / edge_lengths_about(
+            fine, metric.lengths
+        )
+        units = edge_lengths_about(coarse.triangulation, coarse.lengths) / stretch[stencils.cells.vertices]
+        self._set_penalties(coarse, chosen, units, float(units.mean()))
+        share = 3 * len(chosen) / len(self.lengths)
+        self._weights = np.sqrt(share) * units[self.edges.of_edge] / self.lengths
+        self.in_charts_of(positions)
+
+    def in_charts_of(self, positions: Floats) -> None:
+        """Interpolate in the tangent planes of a surface (V, 3) that is nearer to the one sought."""
+        self._differences = self.edges.differences(positions)
+        self._factor: SymmetricFactor | None = None
+
+    def residuals(self, vertices: Floats, lengths: Floats) -> Floats:
+        """The errors r of the lengths of the edges that are measured."""
+        d = self._differences @ vertices
+        norm = np.sqrt(np.einsum("ij,ij->i", d, d))
+        return self._weights * (norm - lengths) * (norm + lengths) / (2 * lengths)
+
+    def _rows(self, vertices: Floats, lengths: Floats) -> Floats:
+        return (self._weights / lengths)[:, None] * (self._differences @ vertices)
+
+    def _forces(self, vertices: Floats, lengths: Floats, r: Floats) -> Floats:
+        return self._differences.T @ (self._rows(vertices, lengths) * r[:, None])
+
+    def solved(
+        self,
+        vertices: Floats,
+        lengths: Floats,
+        gradient: Floats,
+        mu: float,
+        w: float,
+        recorder: StageRecorder,
+    ) -> Floats:
+        """Solve for a step by conjugate gradients, with factors of another surface as long as they serve."""
+        rows = self._rows(vertices, lengths)
+
+        def product(d: Floats) -> Floats:
+            x = d.reshape(-1, 3)
+            stretch = np.einsum("ij,ij->i", rows, self._differences @ x)
+            forces = self._differences.T @ (rows * stretch[:, None])
+            return np.ravel(forces + mu * self.roughness(x, w))
+
+        def attempt(factor: SymmetricFactor, most: int) -> tuple[Floats, bool]:
+            d, failed = cg(
+                LinearOperator((n, n), matvec=product, dtype=np.float64),
+                gradient.ravel(),
+                rtol=INTERPOLATED_ENERGY.solved,
+                maxiter=most,
+                M=LinearOperator((n, n), matvec=lambda g: factor.solve(g, sweeps=0), dtype=np.float64),
+            )
+            return d.reshape(-1, 3), not failed
+
+        n = gradient.size
+        if self._factor is not None:
+            d, done = attempt(self._factor, INTERPOLATED_ENERGY.stale)
+            if done:
+                return d
+        self._factor = None  # its memory is free for the next
+        penalty = csr_array(mu * (self._RT @ self._R + w * self._KK))
+        recorder.factorizations += 1
+        self._factor = self.edges.factor(self._differences, rows, penalty)
+        return attempt(self._factor, REGULARIZED_ENERGY.most)[0]

@@ -1,0 +1,133 @@
+"""Pull-back by levels, where the curvature is negative and vertices are many.
+
+The guided path is followed for a few thousand well spread vertices; then comes a level with a tenth of all,
+and then Newton's method on all lengths, its steps split into smooth and rough ones.
+"""
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from isoembed.aim.interpolated_energy import InterpolatedEnergy
+from isoembed.aim.regularized_continuation import CONTINUATION, guided, let_go
+from isoembed.aim.split_newton import SplitNewton, quintic_residuals
+from isoembed.arrays import Floats
+from isoembed.metric.polyhedral import PolyhedralMetric
+from isoembed.progress.stages import StageRecorder
+from isoembed.surface.cells import Cells
+from isoembed.surface.interpolation import Stencils
+from isoembed.surface.rigidity import LengthSystem, length_residuals
+from isoembed.thresholds import threshold
+
+
+@dataclass(frozen=True)
+class LevelThresholds:
+    """Thresholds of the pull-back by levels."""
+
+    many: int = threshold(16_000, "vertices", "Fewer are pulled back at once: that is as fast.")
+    guided: int = threshold(1_700, "vertices", "Chosen for the guided path.")
+    cell: int = threshold(10, "vertices", "Of a cell of the level after it.")
+    settling: float = threshold(1e-6, "mean edge lengths^2", "mu of the coarse steps that follow others.")
+    split: tuple[float, ...] = threshold((1e-2, 1e-4), "relative", "mu of split steps, in turn.")
+    close: float = threshold(
+        1e-7, "mean edge lengths", "Residual from which Newton's method does not get lost."
+    )
+    quintic: tuple[float, ...] = threshold(
+        (1e-4, 1e-5, 1e-6, 1e-8, 1e-10), "relative", "mu of the steps that quintics hold, in turn."
+    )
+
+
+LEVELS = LevelThresholds()
+
+
+def pulled_back_by_levels(
+    metric: PolyhedralMetric,
+    system: LengthSystem,
+    start: Floats,
+    recorder: StageRecorder,
+    kept: Mapping[str, NDArray[Any]] | None = None,
+) -> Floats | None:
+    """Bring a convex surface near the lengths of a metric, smooth enough for Newton's method to end there.
+
+    Parameters
+    ----------
+    metric : PolyhedralMetric
+        Of mean edge length 1 or so.
+    system : LengthSystem
+        Of its triangulation.
+    start : ndarray, shape (V, 3)
+        A convex surface, of a metric near it.
+    recorder : StageRecorder
+    kept : mapping of str to ndarray, optional
+        What an interrupted pull-back kept, to go on from.
+
+    Returns
+    -------
+    ndarray, shape (V, 3), or None
+        None where the start is not convex.
+    """
+    n = metric.triangulation.n_vertices
+    start = start - start.mean(axis=0)
+    x = None if kept is None else kept.get("split")
+    if x is None:
+        x = _guided(metric, system, start, recorder, kept)
+    if x is None:
+        return None
+    recorder.keep(start=start, split=x)
+    recorder.show(vertices=x, level=f"{n:,} vertices")
+    stencils = _stencils(metric, start, n // LEVELS.cell)
+    if stencils is None:
+        return None
+    energy = InterpolatedEnergy(metric, stencils, start, x)
+    z = x[stencils.cells.vertices]
+    for settled in (False, True):  # the second time in better charts
+        if settled:
+            energy.in_charts_of(x)
+        z = energy.relaxed(z, energy.lengths, LEVELS.settling * energy.unit**2, 0.0, recorder)
+        split = SplitNewton(system, metric.lengths, stencils, energy.edges, x)
+        x, z = split.step(split.P @ z, z, LEVELS.split[0], recorder)
+    del energy
+    for mu in LEVELS.split[1:]:
+        x, z = split.step(x, z, mu, recorder)
+    recorder.keep(start=start, split=x)
+    R = quintic_residuals(system, x)
+    for mu in LEVELS.quintic:
+        x = split.smooth_step(x, R, mu, recorder)
+        residual = float(np.abs(length_residuals(metric.triangulation, x, metric.lengths)).max())
+        recorder.show(residual=residual / metric.mean_length, vertices=x)
+        if residual < LEVELS.close * metric.mean_length:
+            break
+    return x
+
+
+def _guided(
+    metric: PolyhedralMetric,
+    system: LengthSystem,
+    start: Floats,
+    recorder: StageRecorder,
+    kept: Mapping[str, NDArray[Any]] | None,
+) -> Floats | None:
+    """The surface at the end of the guided path, and of one step for all lengths."""
+    stencils = _stencils(metric, start, LEVELS.guided)
+    if stencils is None:
+        return None
+    energy = InterpolatedEnergy(metric, stencils, start, start)
+    ends = metric.edges[energy.edges.edges]
+    ratio = np.linalg.norm(start[ends[:, 0]] - start[ends[:, 1]], axis=1) / energy.lengths
+    ratio = np.maximum(ratio, CONTINUATION.shortest)
+    chosen = start[stencils.cells.vertices]
+    recorder.show(level=f"{len(chosen):,} of {len(start):,} vertices")
+    z, mu = guided(energy, chosen, lambda t: energy.lengths * ratio**t, recorder, kept)
+    z = let_go(energy, z, energy.lengths, mu, recorder)[0]
+    split = SplitNewton(system, metric.lengths, stencils, energy.edges, start)
+    return split.step(split.P @ z, z, LEVELS.split[0], recorder)[0]
+
+
+def _stencils(metric: PolyhedralMetric, convex: Floats, count: int) -> Stencils | None:
+    """Well spread vertices and their triangles; None where the surface is not convex."""
+    cells = Cells.of(metric.triangulation, metric.lengths, convex, count)
+    triangulation = cells.triangulation(convex)
+    return None if triangulation is None else Stencils(cells, triangulation)

@@ -1,0 +1,159 @@
+"""Newton's method on many lengths, its steps split into smooth motions and rough ones.
+
+Newton's method converges only from where rough errors are small beside the heights of vertices above their
+neighbors.  Of a surface that was found for chosen vertices, P z, the smooth errors are the larger ones.  So
+these are left free, and the others held, as long as the lengths do not need them:
+
+    ``|r|^2 + mu |x - P z|^2``
+
+of both x and z, mu falling.  A step takes one factorization of ``J J^T + mu I``: for every z the best x is
+``P z + J^T (J J^T + mu I)^-1 (...)``, and the equations that are left for z are solved by conjugate gradients.
+
+What soft rough motions remain, along lines where curvature vanishes, quintics decide:
+
+    ``|r|^2 + mu |R R x|^2``,
+
+R the differences from quintics fitted to neighbors.  Its steps are made by conjugate gradients,
+preconditioned on two levels: ``J^T J + mu I`` for the rough motions, which the same factors solve, and
+``(J P)^T J P`` for the smooth ones.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from scipy.sparse import csr_array, diags_array, eye_array
+from scipy.sparse.linalg import LinearOperator, cg
+
+from isoembed.arrays import Floats
+from isoembed.linalg import SymmetricFactor, analyze, dissect
+from isoembed.progress.stages import StageRecorder
+from isoembed.surface.interpolated_rigidity import InterpolatedRigidity
+from isoembed.surface.interpolation import Stencils
+from isoembed.surface.rigidity import LengthSystem, LinearizedLengths, length_residuals
+from isoembed.surface.smoothness import fit_residuals
+from isoembed.thresholds import threshold
+
+
+@dataclass(frozen=True)
+class SplitNewtonThresholds:
+    """Thresholds of Newton's method with smooth and rough motions."""
+
+    solved: float = threshold(3e-2, "relative", "Residual of the equations for smooth motions.")
+    most: int = threshold(30, "count", "Iterations for smooth motions at most.")
+    quintic_solved: float = threshold(1e-2, "relative", "Residual of the equations with quintics.")
+    quintic_most: int = threshold(100, "count", "Iterations with quintics at most.")
+    held: float = threshold(0.1, "mu", "What holds rough motions in the preconditioner of the latter.")
+    singular: float = threshold(1e-6, "relative", "Added to P^T P, which may be singular.")
+
+
+SPLIT_NEWTON = SplitNewtonThresholds()
+
+
+class SplitNewton:
+    """Steps that are split at one level.
+
+    Parameters
+    ----------
+    system : LengthSystem
+    lengths : ndarray, shape (E,)
+    stencils : Stencils
+    edges : InterpolatedRigidity
+        With these stencils.
+    positions : ndarray, shape (V, 3)
+        Near the surface that is sought: P interpolates in its tangent planes, and R fits there.
+    """
+
+    def __init__(
+        self,
+        system: LengthSystem,
+        lengths: Floats,
+        stencils: Stencils,
+        edges: InterpolatedRigidity,
+        positions: Floats,
+    ) -> None:
+        self._system, self._lengths = system, lengths
+        triangulation = system.triangulation
+        self.P = stencils.interpolation(positions, triangulation.faces, np.arange(triangulation.n_vertices))
+        differences = edges.differences(positions)
+        measured = lengths[edges.edges]
+        rows = np.sqrt(len(lengths) / len(measured)) * (differences @ positions[stencils.cells.vertices])
+        n = self.P.shape[1]
+        nothing = csr_array((n, n))
+        self._coarse = edges.factor(differences, rows / measured[:, None], nothing)
+        mass = csr_array(self.P.T @ self.P)
+        self._mass = _factored(csr_array(mass + SPLIT_NEWTON.singular * mass.diagonal().max() * eye_array(n)))
+
+    def step(self, x: Floats, z: Floats, mu: float, recorder: StageRecorder) -> tuple[Floats, Floats]:
+        """A Gauss-Newton step on ``|r|^2 + mu |x - P z|^2``: the next x and z."""
+        linear, r = self._linearized(x, mu, recorder)
+        J, P = linear.J, self.P
+        r = r - J.rates(x - P @ z)
+
+        def product(v: Floats) -> Floats:
+            return np.ravel(P.T @ J.forces(linear.solve(J.rates(P @ v.reshape(-1, 3)))))
+
+        def precondition(v: Floats) -> Floats:
+            return self._mass.solve(v.reshape(-1, 3), sweeps=0).ravel() + mu * self._coarse.solve(v, sweeps=0)
+
+        dz = _conjugate_gradients(
+            product,
+            precondition,
+            np.ravel(P.T @ J.forces(linear.solve(r))),
+            SPLIT_NEWTON.solved,
+            SPLIT_NEWTON.most,
+        )
+        rough = J.forces(linear.solve(r - J.rates(P @ dz)))
+        z = z - dz
+        return P @ z - rough, z
+
+    def smooth_step(self, x: Floats, R: csr_array, mu: float, recorder: StageRecorder) -> Floats:
+        """A Gauss-Newton step on ``|r|^2 + mu |R R x|^2``, R from `quintic_residuals`: the next x."""
+        held = SPLIT_NEWTON.held * mu
+        linear, r = self._linearized(x, held, recorder)
+        J, P = linear.J, self.P
+
+        def pull(v: Floats) -> Floats:
+            return R.T @ (R.T @ (R @ (R @ v)))
+
+        def product(v: Floats) -> Floats:
+            d = v.reshape(-1, 3)
+            return np.ravel(J.forces(J.rates(d)) + mu * pull(d))
+
+        def precondition(v: Floats) -> Floats:
+            d = v.reshape(-1, 3)
+            rough = (d - J.forces(linear.solve(J.rates(d)))) / held
+            return np.ravel(rough + P @ self._coarse.solve(np.ravel(P.T @ d), sweeps=0).reshape(-1, 3))
+
+        gradient = np.ravel(J.forces(r) + mu * pull(x))
+        return x - _conjugate_gradients(
+            product, precondition, gradient, SPLIT_NEWTON.quintic_solved, SPLIT_NEWTON.quintic_most
+        )
+
+    def _linearized(
+        self, x: Floats, damping: float, recorder: StageRecorder
+    ) -> tuple[LinearizedLengths, Floats]:
+        """J and the factors at x, and the residuals in their order."""
+        recorder.iterations += 1
+        recorder.factorizations += 1
+        linear = self._system.linearized(x, self._lengths, damping)
+        return linear, length_residuals(self._system.triangulation, x, self._lengths)[linear.order]
+
+
+def quintic_residuals(system: LengthSystem, positions: Floats) -> csr_array:
+    """R: differences of every vertex from quintics fitted to its neighbors, rows of unit norm, (V, V)."""
+    R = fit_residuals(system.triangulation, positions, 5)
+    return csr_array(diags_array(1 / np.sqrt(R.multiply(R).sum(axis=1))) @ R)
+
+
+def _factored(matrix: csr_array) -> SymmetricFactor:
+    matrix.sort_indices()
+    return analyze(matrix, dissect(matrix).vertex_order()).factor(matrix.data)
+
+
+def _conjugate_gradients(product, precondition, b: Floats, tolerance: float, most: int) -> Floats:  # type: ignore[no-untyped-def]
+    """Solve for (n, 3)."""
+    n = b.size
+    operator, inverse = (LinearOperator((n, n), matvec=f, dtype=np.float64) for f in (product, precondition))
+    return cg(operator, b, rtol=tolerance, maxiter=most, M=inverse)[0].reshape(-1, 3)

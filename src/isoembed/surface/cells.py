@@ -1,0 +1,126 @@
+"""Well spread vertices of a triangulation, and the cells about them: where a coarse surface is known."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import cast
+
+import numpy as np
+from scipy.sparse import csr_array
+from scipy.spatial import ConvexHull
+
+from isoembed.arrays import Floats, Indices
+from isoembed.kernel import kernel
+from isoembed.mesh.triangulation import Triangulation
+from isoembed.surface.local_fit import edge_lengths_about
+from isoembed.surface.measures import edge_lengths
+from isoembed.thresholds import threshold
+
+
+@dataclass(frozen=True)
+class CellThresholds:
+    """Thresholds of the choice of well spread vertices."""
+
+    density: float = threshold(0.82, "cells' roots", "Radius at which about the wanted number is chosen.")
+    averages: int = threshold(10, "sweeps", "Over neighbors, of the logarithm of the stretch.")
+    spreads: int = threshold(3, "sweeps", "Over neighbors, of its change from vertex to vertex.")
+    graded: float = threshold(
+        12.6, "relative", "Weight of that change over a cell: where charts are distorted, cells are smaller."
+    )
+
+
+CELLS = CellThresholds()
+
+
+@dataclass(frozen=True, eq=False)
+class Cells:
+    """Chosen vertices and the cells about them.
+
+    Attributes
+    ----------
+    vertices : ndarray of int, shape (C,)
+        Those chosen.
+    of_vertex : ndarray of int, shape (V,)
+        The cell of each vertex: the number of the chosen vertex that is nearest along the edges.
+    """
+
+    vertices: Indices
+    of_vertex: Indices
+
+    @classmethod
+    def of(cls, triangulation: Triangulation, lengths: Floats, convex: Floats, count: int) -> Cells:
+        """Choose well spread vertices: nearer to each other where edges are shorter, or charts distorted.
+
+        Parameters
+        ----------
+        triangulation : Triangulation
+        lengths : ndarray, shape (E,)
+            Of the edges.
+        convex : ndarray, shape (V, 3)
+            The surface whose charts will be used, of other lengths.
+        count : int
+            About how many are wanted.
+        """
+        a, b = triangulation.edges.T
+        n = triangulation.n_vertices
+        units = edge_lengths_about(triangulation, lengths)
+        stretch = np.log(edge_lengths_about(triangulation, edge_lengths(triangulation.edges, convex)) / units)
+        grading = 1 + CELLS.graded * np.sqrt(n / count) * _changes(triangulation, stretch)
+        hops = lengths / np.sqrt(units[a] * units[b]) * (grading[a] + grading[b]) / 2
+        graph = csr_array((np.tile(hops, 2), (np.r_[a, b], np.r_[b, a])), shape=(n, n))
+        order = np.random.default_rng(0).permutation(n)
+        radius = CELLS.density * np.sqrt(n / count)
+        chosen, cells = _chosen(graph.indptr, graph.indices, graph.data, order, radius)
+        radius *= np.sqrt(len(chosen) / count)
+        return cls(*_chosen(graph.indptr, graph.indices, graph.data, order, radius))
+
+    def triangulation(self, convex: Floats) -> Triangulation | None:
+        """The triangles of the chosen vertices' hull on a convex surface; None where it has not them all."""
+        x = convex[self.vertices] - convex.mean(axis=0)
+        hull = ConvexHull(x)
+        if len(hull.vertices) < len(x):
+            return None
+        faces = hull.simplices.astype(np.int64)
+        inward = np.linalg.det(x[faces]) < 0
+        faces[inward] = faces[inward][:, ::-1]
+        return Triangulation(faces)
+
+
+def _changes(triangulation: Triangulation, values: Floats) -> Floats:
+    """How much values, (V,), smoothed, change from a vertex to the next, smoothed."""
+    adjacency, a, b = triangulation.adjacency, *triangulation.edges.T
+    for _ in range(CELLS.averages):
+        values = (adjacency @ values + values) / (triangulation.degrees + 1)
+    changes = np.zeros(len(values))
+    for end in (a, b):
+        np.maximum.at(changes, end, np.abs(values[a] - values[b]))
+    for _ in range(CELLS.spreads):
+        changes = (adjacency @ changes + changes) / (triangulation.degrees + 1)
+    return cast(Floats, changes)
+
+
+@kernel
+def _chosen(
+    indptr: Indices, indices: Indices, hops: Floats, order: Indices, radius: float
+) -> tuple[Indices, Indices]:
+    """Vertices, in order, farther than the radius from those before; and the cell of every vertex."""
+    n = len(indptr) - 1
+    distance, cell = np.full(n, np.inf), np.full(n, -1)
+    waiting, is_waiting = np.empty(n, dtype=np.int64), np.zeros(n, dtype=np.bool_)  # round and round
+    chosen, count = np.empty(n, dtype=np.int64), 0
+    for v in order:
+        if distance[v] <= radius:
+            continue
+        chosen[count], distance[v], cell[v] = v, 0.0, count
+        waiting[0], head, size = v, 0, 1
+        while size > 0:
+            u = waiting[head]
+            head, size, is_waiting[u] = (head + 1) % n, size - 1, False
+            for p in range(indptr[u], indptr[u + 1]):
+                w, there = indices[p], distance[u] + hops[p]
+                if there < distance[w] and there <= 2 * radius:
+                    distance[w], cell[w] = there, count
+                    if not is_waiting[w]:
+                        waiting[(head + size) % n], is_waiting[w], size = w, True, size + 1
+        count += 1
+    return chosen[:count].copy(), cell

@@ -1,0 +1,102 @@
+"""Smooth interpolation from cells: quintics fitted to the values of the chosen vertices around."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+from scipy.sparse import csr_array, eye_array
+
+from isoembed.arrays import Floats, Indices
+from isoembed.kernel import kernel
+from isoembed.mesh.triangulation import Triangulation
+from isoembed.surface.cells import Cells
+from isoembed.surface.local_fit import FitResiduals, edge_lengths_about, neighborhoods
+from isoembed.surface.measures import edge_lengths, vertex_normals
+from isoembed.surface.normal_fits import FITS
+
+DEGREE = 5
+
+
+@dataclass(frozen=True, eq=False)
+class Stencils:
+    """The chosen vertices whose values are used in each cell: three rings of triangles, and its own.
+
+    Attributes
+    ----------
+    cells : Cells
+    triangulation : Triangulation
+        Of the chosen vertices.
+    """
+
+    cells: Cells
+    triangulation: Triangulation
+
+    @cached_property
+    def pattern(self) -> csr_array:
+        """The chosen vertices by cell, ascending, (C, C)."""
+        n = self.triangulation.n_vertices
+        adjacency = self.triangulation.adjacency
+        indptr, indices = neighborhoods((adjacency.indptr, adjacency.indices), FITS.three_rings)
+        around = csr_array((np.ones(len(indices)), indices, indptr), shape=(n, n))
+        pattern = csr_array(around + eye_array(n))
+        pattern.sort_indices()
+        return pattern
+
+    def interpolation(self, positions: Floats, faces: Indices, vertices: Indices) -> csr_array:
+        """Weights of the chosen vertices' values in those of some vertices, shape (n, C).
+
+        Parameters
+        ----------
+        positions : ndarray, shape (V, 3)
+            Of a smooth surface, in whose tangent planes the polynomials are fitted.
+        faces : ndarray of int, shape (F, 3)
+            Of all its vertices.
+        vertices : ndarray of int, shape (n,)
+            Where values are wanted.
+        """
+        chosen = positions[self.cells.vertices]
+        lengths = edge_lengths(self.triangulation.edges, chosen)
+        units = edge_lengths_about(self.triangulation, lengths)
+        cell = self.cells.of_vertex[vertices]
+        weights = self.pattern[cell]
+        stencils = weights.indptr, weights.indices
+        normals = vertex_normals(faces, positions)[vertices]
+        charts = _projected(
+            positions[vertices], normals, units[cell], chosen, weights.indptr, weights.indices
+        )
+        weights.data = FitResiduals.of(0, stencils, charts, DEGREE).weights
+        return weights
+
+
+@kernel
+def _projected(
+    points: Floats, normals: Floats, units: Floats, targets: Floats, indptr: Indices, indices: Indices
+) -> Floats:
+    """Targets in the tangent planes at points, in their units, (nnz, 2).
+
+    Not in polar charts: these are no smooth coordinates of a surface that is curved otherwise than a sphere.
+    """
+    charts = np.empty((len(indices), 2))
+    first, second = np.empty(3), np.empty(3)
+    for row in range(len(points)):
+        normal, here, unit = normals[row], points[row], units[row]
+        k = 0
+        for c in (1, 2):
+            if abs(normal[c]) < abs(normal[k]):
+                k = c
+        i, j = (k + 1) % 3, (k + 2) % 3
+        size = np.sqrt(normal[i] ** 2 + normal[j] ** 2)
+        first[k], first[i], first[j] = 0.0, -normal[j] / size, normal[i] / size
+        for c in range(3):
+            a, b = (c + 1) % 3, (c + 2) % 3
+            second[c] = normal[a] * first[b] - normal[b] * first[a]
+        for at in range(indptr[row], indptr[row + 1]):
+            there = targets[indices[at]]
+            x = y = 0.0
+            for c in range(3):
+                x += first[c] * (there[c] - here[c])
+                y += second[c] * (there[c] - here[c])
+            charts[at, 0], charts[at, 1] = x / unit, y / unit
+    return charts
