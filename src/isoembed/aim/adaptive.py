@@ -11,6 +11,7 @@ The paper's three steps, each of them replaced by one that does not fail:
 """
 
 from collections.abc import Mapping
+from contextlib import suppress
 from dataclasses import dataclass
 from functools import cached_property
 from typing import Any, ClassVar
@@ -32,6 +33,7 @@ from isoembed.aim.regularized_energy import RegularizedEnergy
 from isoembed.alexandrov.method import Alexandrov
 from isoembed.arrays import Floats
 from isoembed.errors import InvalidMetric, InvalidParameter, NotEmbedded
+from isoembed.linalg import SingularMatrix
 from isoembed.metric.conformal_sphere import conformal_sphere
 from isoembed.metric.curvature import area
 from isoembed.metric.delaunay import delaunay
@@ -275,9 +277,11 @@ class _Search:
         """Where the guided path ends, near enough to the lengths for Newton's method."""
         kept = self.log.resumed_at("guided pull back")
         if self.metric.triangulation.n_vertices >= LEVELS.many:
-            found = pulled_back_by_levels(self.metric, self.system, self.start, recorder, kept)
-            if found is not None:
-                return found
+            with suppress(SingularMatrix):
+                found = pulled_back_by_levels(self.metric, self.system, self.start, recorder, kept)
+                if found is not None:
+                    return found
+            kept = None
         path = log_linear(self.metric, self.start)
         return regularized_continuation(self.energy, self.start, path, recorder, kept)
 

@@ -58,6 +58,8 @@ class InterpolatedEnergy(RegularizedEnergy):
         Those measured.
     lengths : ndarray, shape (M,)
         Given for them.
+    factor : SymmetricFactor or None
+        Of the matrix of a step, the last one that was factored.
     """
 
     def __init__(
@@ -73,14 +75,15 @@ class InterpolatedEnergy(RegularizedEnergy):
         )
         units = edge_lengths_about(coarse.triangulation, coarse.lengths) / stretch[stencils.cells.vertices]
         self._set_penalties(coarse, chosen, units, float(units.mean()))
+        self._RR = csr_array(self._RT @ self._R)
         share = 3 * len(chosen) / len(self.lengths)
         self._weights = np.sqrt(share) * units[self.edges.of_edge] / self.lengths
+        self.factor: SymmetricFactor | None = None
         self.in_charts_of(positions)
 
     def in_charts_of(self, positions: Floats) -> None:
         """Interpolate in the tangent planes of a surface (V, 3) that is nearer to the one sought."""
         self._differences = self.edges.differences(positions)
-        self._factor: SymmetricFactor | None = None
 
     def residuals(self, vertices: Floats, lengths: Floats) -> Floats:
         """The errors r of the lengths of the edges that are measured."""
@@ -123,12 +126,12 @@ class InterpolatedEnergy(RegularizedEnergy):
             return d.reshape(-1, 3), not failed
 
         n = gradient.size
-        if self._factor is not None:
-            d, done = attempt(self._factor, INTERPOLATED_ENERGY.stale)
+        if self.factor is not None:
+            d, done = attempt(self.factor, INTERPOLATED_ENERGY.stale)
             if done:
                 return d
-        self._factor = None  # its memory is free for the next
-        penalty = csr_array(mu * (self._RT @ self._R + w * self._KK))
+        self.factor = None  # its memory is free for the next
+        penalty = csr_array(mu * (self._RR + w * self._KK))
         recorder.factorizations += 1
-        self._factor = self.edges.factor(self._differences, rows, penalty)
-        return attempt(self._factor, REGULARIZED_ENERGY.most)[0]
+        self.factor = self.edges.factor(self._differences, rows, penalty)
+        return attempt(self.factor, REGULARIZED_ENERGY.most)[0]

@@ -15,6 +15,7 @@ from isoembed.aim.interpolated_energy import InterpolatedEnergy
 from isoembed.aim.regularized_continuation import CONTINUATION, guided, let_go
 from isoembed.aim.split_newton import SplitNewton, quintic_residuals
 from isoembed.arrays import Floats
+from isoembed.linalg import SingularMatrix
 from isoembed.metric.polyhedral import PolyhedralMetric
 from isoembed.progress.stages import StageRecorder
 from isoembed.surface.cells import Cells
@@ -35,6 +36,7 @@ class LevelThresholds:
     close: float = threshold(
         1e-7, "mean edge lengths", "Residual from which Newton's method does not get lost."
     )
+    landed: float = threshold(1e-4, "mean edge lengths", "A larger residual after the last step is lost.")
     quintic: tuple[float, ...] = threshold(
         (1e-4, 1e-5, 1e-6, 1e-8, 1e-10), "relative", "mu of the steps that quintics hold, in turn."
     )
@@ -67,7 +69,12 @@ def pulled_back_by_levels(
     Returns
     -------
     ndarray, shape (V, 3), or None
-        None where the start is not convex.
+        None where the start is not convex, or Newton's method would not end there.
+
+    Raises
+    ------
+    SingularMatrix
+        A step cannot be solved for.
     """
     n = metric.triangulation.n_vertices
     start = start - start.mean(axis=0)
@@ -87,7 +94,7 @@ def pulled_back_by_levels(
         if settled:
             energy.in_charts_of(x)
         z = energy.relaxed(z, energy.lengths, LEVELS.settling * energy.unit**2, 0.0, recorder)
-        split = SplitNewton(system, metric.lengths, stencils, energy.edges, x)
+        split = _split(system, metric.lengths, energy, stencils, x)
         x, z = split.step(split.P @ z, z, LEVELS.split[0], recorder)
     del energy
     for mu in LEVELS.split[1:]:
@@ -100,7 +107,7 @@ def pulled_back_by_levels(
         recorder.show(residual=residual / metric.mean_length, vertices=x)
         if residual < LEVELS.close * metric.mean_length:
             break
-    return x
+    return x if residual < LEVELS.landed * metric.mean_length else None
 
 
 def _guided(
@@ -122,8 +129,19 @@ def _guided(
     recorder.show(level=f"{len(chosen):,} of {len(start):,} vertices")
     z, mu = guided(energy, chosen, lambda t: energy.lengths * ratio**t, recorder, kept)
     z = let_go(energy, z, energy.lengths, mu, recorder)[0]
-    split = SplitNewton(system, metric.lengths, stencils, energy.edges, start)
+    split = _split(system, metric.lengths, energy, stencils, start)
     return split.step(split.P @ z, z, LEVELS.split[0], recorder)[0]
+
+
+def _split(
+    system: LengthSystem, lengths: Floats, energy: InterpolatedEnergy, stencils: Stencils, charts: Floats
+) -> SplitNewton:
+    """Newton's method whose smooth motions are interpolated in these charts."""
+    if energy.factor is None:
+        raise SingularMatrix("no step of the coarse surface has factors")
+    n = system.triangulation.n_vertices
+    P = stencils.interpolation(charts, system.triangulation.faces, np.arange(n))
+    return SplitNewton(system, lengths, P, energy.factor)
 
 
 def _stencils(metric: PolyhedralMetric, convex: Floats, count: int) -> Stencils | None:

@@ -6,8 +6,8 @@ these are left free, and the others held, as long as the lengths do not need the
 
     ``|r|^2 + mu |x - P z|^2``
 
-of both x and z, mu falling.  A step takes one factorization of ``J J^T + mu I``: for every z the best x is
-``P z + J^T (J J^T + mu I)^-1 (...)``, and the equations that are left for z are solved by conjugate gradients.
+of both x and z, mu falling.  A step takes one factorization of ``J J^T + mu I``, which gives the best x for
+every z; the equations that are left for z are solved by conjugate gradients.
 
 What soft rough motions remain, along lines where curvature vanishes, quintics decide:
 
@@ -29,8 +29,6 @@ from scipy.sparse.linalg import LinearOperator, cg
 from isoembed.arrays import Floats
 from isoembed.linalg import SymmetricFactor, analyze, dissect
 from isoembed.progress.stages import StageRecorder
-from isoembed.surface.interpolated_rigidity import InterpolatedRigidity
-from isoembed.surface.interpolation import Stencils
 from isoembed.surface.rigidity import LengthSystem, LinearizedLengths, length_residuals
 from isoembed.surface.smoothness import fit_residuals
 from isoembed.thresholds import threshold
@@ -58,32 +56,17 @@ class SplitNewton:
     ----------
     system : LengthSystem
     lengths : ndarray, shape (E,)
-    stencils : Stencils
-    edges : InterpolatedRigidity
-        With these stencils.
-    positions : ndarray, shape (V, 3)
-        Near the surface that is sought: P interpolates in its tangent planes, and R fits there.
+    P : sparse, shape (V, C)
+        Interpolates smooth motions from those of C vertices.
+    coarse : SymmetricFactor
+        Of ``(J P)^T J P``, or what is near it: it preconditions.
     """
 
-    def __init__(
-        self,
-        system: LengthSystem,
-        lengths: Floats,
-        stencils: Stencils,
-        edges: InterpolatedRigidity,
-        positions: Floats,
-    ) -> None:
-        self._system, self._lengths = system, lengths
-        triangulation = system.triangulation
-        self.P = stencils.interpolation(positions, triangulation.faces, np.arange(triangulation.n_vertices))
-        differences = edges.differences(positions)
-        measured = lengths[edges.edges]
-        rows = np.sqrt(len(lengths) / len(measured)) * (differences @ positions[stencils.cells.vertices])
-        n = self.P.shape[1]
-        nothing = csr_array((n, n))
-        self._coarse = edges.factor(differences, rows / measured[:, None], nothing)
-        mass = csr_array(self.P.T @ self.P)
-        self._mass = _factored(csr_array(mass + SPLIT_NEWTON.singular * mass.diagonal().max() * eye_array(n)))
+    def __init__(self, system: LengthSystem, lengths: Floats, P: csr_array, coarse: SymmetricFactor) -> None:
+        self._system, self._lengths, self.P, self._coarse = system, lengths, P, coarse
+        mass = csr_array(P.T @ P)
+        held = SPLIT_NEWTON.singular * mass.diagonal().max() * eye_array(P.shape[1])
+        self._mass = _factored(csr_array(mass + held))
 
     def step(self, x: Floats, z: Floats, mu: float, recorder: StageRecorder) -> tuple[Floats, Floats]:
         """A Gauss-Newton step on ``|r|^2 + mu |x - P z|^2``: the next x and z."""

@@ -70,8 +70,7 @@ class Cells:
         graph = csr_array((np.tile(hops, 2), (np.r_[a, b], np.r_[b, a])), shape=(n, n))
         order = np.random.default_rng(0).permutation(n)
         radius = CELLS.density * np.sqrt(n / count)
-        chosen, cells = _chosen(graph.indptr, graph.indices, graph.data, order, radius)
-        radius *= np.sqrt(len(chosen) / count)
+        radius *= np.sqrt(len(_chosen(graph.indptr, graph.indices, graph.data, order, radius)[0]) / count)
         return cls(*_chosen(graph.indptr, graph.indices, graph.data, order, radius))
 
     def triangulation(self, convex: Floats) -> Triangulation | None:
