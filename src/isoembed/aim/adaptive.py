@@ -25,7 +25,7 @@ from isoembed.aim.best_fit import best_fit
 from isoembed.aim.convexification import CONVEXIFICATION, Convexification
 from isoembed.aim.diagnosis import diagnosis
 from isoembed.aim.lengths_newton import LENGTHS_NEWTON, newton_on_lengths
-from isoembed.aim.levels import LEVELS, pulled_back_by_levels
+from isoembed.aim.levels import goes_by_levels, pulled_back_by_levels
 from isoembed.aim.nearby_realizations import nearby_realizations
 from isoembed.aim.radii_newton import RADII_NEWTON, newton_on_radii, radii_start
 from isoembed.aim.regularized_continuation import log_linear, regularized_continuation
@@ -276,7 +276,7 @@ class _Search:
     def guided(self, recorder: StageRecorder) -> Floats:
         """Where the guided path ends, near enough to the lengths for Newton's method."""
         kept = self.log.resumed_at("guided pull back")
-        if self.metric.triangulation.n_vertices >= LEVELS.many:
+        if goes_by_levels(self.metric.triangulation, kept):
             with suppress(SingularMatrix):
                 found = pulled_back_by_levels(self.metric, self.system, self.start, recorder, kept)
                 if found is not None:

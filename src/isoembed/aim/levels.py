@@ -16,6 +16,7 @@ from isoembed.aim.regularized_continuation import CONTINUATION, guided, let_go
 from isoembed.aim.split_newton import SplitNewton, quintic_residuals
 from isoembed.arrays import Floats
 from isoembed.linalg import SingularMatrix
+from isoembed.mesh.triangulation import Triangulation
 from isoembed.metric.polyhedral import PolyhedralMetric
 from isoembed.progress.stages import StageRecorder
 from isoembed.surface.cells import Cells
@@ -43,6 +44,13 @@ class LevelThresholds:
 
 
 LEVELS = LevelThresholds()
+
+
+def goes_by_levels(triangulation: Triangulation, kept: Mapping[str, NDArray[Any]] | None) -> bool:
+    """Whether there are many vertices, and an interrupted pull-back had not given this way up."""
+    n = triangulation.n_vertices
+    given_up = kept is not None and "split" not in kept and kept["x"].shape[-2] == n
+    return n >= LEVELS.many and not given_up
 
 
 def pulled_back_by_levels(
