@@ -28,7 +28,6 @@ from isoembed.thresholds import threshold
 class InterpolatedEnergyThresholds:
     """Thresholds of the energy of a coarse surface."""
 
-    measured: int = threshold(30, "edges", "Of a cell at most: an interpolated surface has fewer freedoms.")
     solved: float = threshold(1e-2, "relative", "Residual of a step's linear equations, over the gradient.")
     stale: int = threshold(25, "count", "Conjugate gradients' iterations that are worth new factors.")
 
@@ -66,7 +65,7 @@ class InterpolatedEnergy(RegularizedEnergy):
         self, metric: PolyhedralMetric, stencils: Stencils, convex: Floats, positions: Floats
     ) -> None:
         fine = metric.triangulation
-        self.edges = InterpolatedRigidity(fine, stencils, INTERPOLATED_ENERGY.measured)
+        self.edges = InterpolatedRigidity(fine, stencils)
         self.lengths = metric.lengths[self.edges.edges]
         chosen = convex[stencils.cells.vertices]
         coarse = PolyhedralMetric.from_mesh(chosen, stencils.triangulation.faces)

@@ -147,8 +147,8 @@ def _split(
     """Newton's method whose smooth motions are interpolated in these charts."""
     if energy.factor is None:
         raise SingularMatrix("no step of the coarse surface has factors")
-    n = system.triangulation.n_vertices
-    P = stencils.interpolation(charts, system.triangulation.faces, np.arange(n))
+    cell = stencils.cells.of_vertex
+    P = stencils.interpolation(charts, system.triangulation.faces, np.arange(len(cell)), cell)
     return SplitNewton(system, lengths, P, energy.factor)
 
 

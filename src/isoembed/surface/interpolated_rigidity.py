@@ -1,13 +1,14 @@
 """Rigidity of interpolated surfaces: how edges within cells change with the values that are interpolated.
 
-The surface is ``P z``, z the values of the chosen vertices.  Of each cell some edges are measured whose ends
-both belong to it: they share a stencil, so that the products of their rows are one dense matrix a cell.
+The surface is ``P z``, z the values of the chosen vertices.  Of each cell some edges are measured: those
+inside or, if there are few, all that it has a part in.  Their ends are interpolated from the cell's stencil,
+so that the products of their rows are one dense matrix a cell.
 """
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 from functools import cached_property
-from typing import cast
 
 import numpy as np
 from scipy.sparse import csc_array, csr_array, kron
@@ -18,6 +19,18 @@ from isoembed.linalg import Solver, SymmetricFactor, analyze, dissect
 from isoembed.mesh.triangulation import Triangulation
 from isoembed.surface.interpolation import Stencils
 from isoembed.surface.rigidity_matrix import RIGIDITY
+from isoembed.thresholds import threshold
+
+
+@dataclass(frozen=True)
+class InterpolatedThresholds:
+    """Thresholds of which edges are measured."""
+
+    least: int = threshold(6, "edges", "Fewer inside a cell, and those across its border are measured, too.")
+    most: int = threshold(30, "edges", "Of a cell: an interpolated surface has fewer freedoms.")
+
+
+INTERPOLATED = InterpolatedThresholds()
 
 
 class InterpolatedRigidity:
@@ -28,35 +41,39 @@ class InterpolatedRigidity:
     triangulation : Triangulation
         Of all vertices.
     stencils : Stencils
-    most : int
-        Edges of a cell that are measured.
 
     Attributes
     ----------
     edges : ndarray of int, shape (M,)
-        Those measured, cell by cell.
+        Those measured, cell by cell; on the border of small cells some twice.
     of_edge : ndarray of int, shape (M,)
         Their cells.
     """
 
-    def __init__(self, triangulation: Triangulation, stencils: Stencils, most: int) -> None:
+    def __init__(self, triangulation: Triangulation, stencils: Stencils) -> None:
         self._triangulation, self._stencils = triangulation, stencils
         cells = stencils.cells.of_vertex[triangulation.edges]
         inner = np.flatnonzero(cells[:, 0] == cells[:, 1])
-        inner = inner[np.argsort(cells[inner, 0], kind="stable")]
-        counts = np.bincount(cells[inner, 0], minlength=len(stencils.cells.vertices))
-        rank = np.arange(len(inner)) - np.repeat(np.cumsum(counts) - counts, counts)
-        # Every so many, so that `most` are left: where the number of the next one is a new whole number.
-        share = np.minimum(most / np.maximum(np.repeat(counts, counts), 1), 1.0)
-        self.edges = inner[np.floor((rank + 1) * share) > np.floor(rank * share)]
-        self.of_edge = cells[self.edges, 0]
+        few = np.bincount(cells[inner, 0], minlength=len(stencils.cells.vertices)) < INTERPOLATED.least
+        across = [np.flatnonzero((cells[:, 0] != cells[:, 1]) & few[cells[:, end]]) for end in (0, 1)]
+        edges = np.concatenate([inner, *across])
+        of_edge = np.concatenate([cells[inner, 0], cells[across[0], 0], cells[across[1], 1]])
+        order = np.argsort(of_edge, kind="stable")
+        edges, of_edge = edges[order], of_edge[order]
+        counts = np.bincount(of_edge, minlength=len(few))
+        rank = np.arange(len(edges)) - np.repeat(np.cumsum(counts) - counts, counts)
+        # Every so many, so that few enough are left: where the number of the next is a new whole number.
+        share = np.minimum(INTERPOLATED.most / counts[of_edge], 1.0)
+        kept = np.floor((rank + 1) * share) > np.floor(rank * share)
+        self.edges, self.of_edge = edges[kept], of_edge[kept]
         self._starts = np.searchsorted(self.of_edge, np.arange(len(counts) + 1))
 
     def differences(self, positions: Floats) -> csr_array:
         """The differences of both ends of the edges, (M, C), interpolated in charts of these positions."""
         ends = self._triangulation.edges[self.edges]
-        vertices, places = np.unique(ends, return_inverse=True)
-        P = self._stencils.interpolation(positions, self._triangulation.faces, vertices)
+        n = len(self._stencils.cells.vertices)
+        pairs, places = np.unique(ends * n + self.of_edge[:, None], return_inverse=True)
+        P = self._stencils.interpolation(positions, self._triangulation.faces, pairs // n, pairs % n)
         first, second = (P[place] for place in places.reshape(ends.shape).T)
         first.data = first.data - second.data  # of one stencil
         return first
@@ -115,11 +132,6 @@ class InterpolatedRigidity:
         )
         values[diagonal] *= 1 + RIGIDITY.hold
         return self._solver.factor(values)
-
-
-def edge_vectors(differences: csr_array, values: Floats) -> Floats:
-    """The differences of interpolated values (C, 3), (M, 3)."""
-    return cast(Floats, differences @ values)
 
 
 @kernel

@@ -44,7 +44,7 @@ class Stencils:
         pattern.sort_indices()
         return pattern
 
-    def interpolation(self, positions: Floats, faces: Indices, vertices: Indices) -> csr_array:
+    def interpolation(self, positions: Floats, faces: Indices, vertices: Indices, cell: Indices) -> csr_array:
         """Weights of the chosen vertices' values in those of some vertices, shape (n, C).
 
         Parameters
@@ -55,11 +55,12 @@ class Stencils:
             Of all its vertices.
         vertices : ndarray of int, shape (n,)
             Where values are wanted.
+        cell : ndarray of int, shape (n,)
+            Whose stencil each is interpolated from: that of its own cell, or of one that it borders on.
         """
         chosen = positions[self.cells.vertices]
         lengths = edge_lengths(self.triangulation.edges, chosen)
         units = edge_lengths_about(self.triangulation, lengths)
-        cell = self.cells.of_vertex[vertices]
         weights = self.pattern[cell]
         stencils = weights.indptr, weights.indices
         normals = vertex_normals(faces, positions)[vertices]
