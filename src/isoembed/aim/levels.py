@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from isoembed.aim.interpolated_energy import InterpolatedEnergy
-from isoembed.aim.regularized_continuation import CONTINUATION, guided, let_go
+from isoembed.aim.regularized_continuation import CONTINUATION, guided
 from isoembed.aim.split_newton import SplitNewton, quintic_residuals
 from isoembed.arrays import Floats
 from isoembed.linalg import SingularMatrix
@@ -31,6 +31,7 @@ class LevelThresholds:
 
     many: int = threshold(16_000, "vertices", "Fewer are pulled back at once: that is as fast.")
     guided: int = threshold(1_700, "vertices", "Chosen for the guided path.")
+    faded: int = threshold(2, "count", "Steps after it, mu falling.")
     cell: int = threshold(10, "vertices", "Of a cell of the level after it.")
     settling: float = threshold(1e-6, "mean edge lengths^2", "mu of the coarse steps that follow others.")
     split: tuple[float, ...] = threshold((1e-2, 1e-4), "relative", "mu of split steps, in turn.")
@@ -136,7 +137,9 @@ def _guided(
     chosen = start[stencils.cells.vertices]
     recorder.show(level=f"{len(chosen):,} of {len(start):,} vertices")
     z, mu = guided(energy, chosen, lambda t: energy.lengths * ratio**t, recorder, kept)
-    z = let_go(energy, z, energy.lengths, mu, recorder)[0]
+    for _ in range(LEVELS.faded):
+        mu *= CONTINUATION.fade
+        z = energy.relaxed(z, energy.lengths, mu, 0.0, recorder)
     split = _split(system, metric.lengths, energy, stencils, start)
     return split.step(split.P @ z, z, LEVELS.split[0], recorder)[0]
 

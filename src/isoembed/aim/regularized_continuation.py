@@ -78,9 +78,9 @@ def regularized_continuation(
     """
     x, mu = guided(energy, start, lengths, recorder, kept)
     given, close = lengths(0.0), CONTINUATION.close * energy.unit
-    found, residual = let_go(energy.finer(x), x, given, mu, recorder)
+    found, residual = _let_go(energy.finer(x), x, given, mu, recorder)
     if residual > close:  # edges too long for quintics to know the surface
-        found = min((found, residual), let_go(energy, x, given, mu, recorder), key=lambda pair: pair[1])[0]
+        found = min((found, residual), _let_go(energy, x, given, mu, recorder), key=lambda pair: pair[1])[0]
     return found
 
 
@@ -128,7 +128,7 @@ def guided(
     return energy.relaxed(x, given, mu, 0.0, recorder), mu
 
 
-def let_go(
+def _let_go(
     energy: RegularizedEnergy, x: Floats, lengths: Floats, mu: float, recorder: StageRecorder
 ) -> tuple[Floats, float]:
     """Let mu vanish; the last surface, and its residual."""

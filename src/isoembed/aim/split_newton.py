@@ -41,7 +41,7 @@ class SplitNewtonThresholds:
     solved: float = threshold(3e-2, "relative", "Residual of the equations for smooth motions.")
     most: int = threshold(30, "count", "Iterations for smooth motions at most.")
     quintic_solved: float = threshold(1e-2, "relative", "Residual of the equations with quintics.")
-    quintic_most: int = threshold(100, "count", "Iterations with quintics at most.")
+    quintic_most: int = threshold(70, "count", "Iterations with quintics at most.")
     held: float = threshold(0.1, "mu", "What holds rough motions in the preconditioner of the latter.")
     singular: float = threshold(1e-6, "relative", "Added to P^T P, which may be singular.")
 

@@ -62,9 +62,9 @@ class InterpolatedRigidity:
         edges, of_edge = edges[order], of_edge[order]
         counts = np.bincount(of_edge, minlength=len(few))
         rank = np.arange(len(edges)) - np.repeat(np.cumsum(counts) - counts, counts)
-        # Every so many, so that few enough are left: where the number of the next is a new whole number.
-        share = np.minimum(INTERPOLATED.most / counts[of_edge], 1.0)
-        kept = np.floor((rank + 1) * share) > np.floor(rank * share)
+        # Every so many, so that few enough are left: where a whole number of shares is passed.
+        of, most = counts[of_edge], INTERPOLATED.most
+        kept = (of <= most) | ((rank + 1) * most // of > rank * most // of)
         self.edges, self.of_edge = edges[kept], of_edge[kept]
         self._starts = np.searchsorted(self.of_edge, np.arange(len(counts) + 1))
 

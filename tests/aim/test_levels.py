@@ -1,0 +1,77 @@
+"""Pull-back by levels."""
+
+import numpy as np
+import pytest
+
+import smooth_bodies
+from isoembed import Aim, embed
+from isoembed.aim import adaptive, levels
+from isoembed.aim.levels import LevelThresholds, goes_by_levels, pulled_back_by_levels
+from isoembed.gallery import CassiniPeanut, triangulate
+from isoembed.metric.polyhedral import PolyhedralMetric
+from isoembed.progress.stages import Log
+from isoembed.surface.rigidity import LengthSystem, length_residuals
+
+
+@pytest.fixture(scope="module")
+def peanut():
+    """Its metric, a convex surface near it, and its vertices."""
+    x, faces = triangulate(CassiniPeanut(), 3000)
+    metric = PolyhedralMetric.from_mesh(x, faces)
+    x, metric = x / metric.unit, metric.normalized
+    return metric, adaptive._Search(metric, 1e-9, Log()).convex_start(), x
+
+
+@pytest.fixture
+def small(monkeypatch):
+    """Levels of a surface of 3,000 vertices."""
+    monkeypatch.setattr(levels, "LEVELS", LevelThresholds(many=2000, guided=700, cell=4))
+
+
+def test_the_peanut_is_brought_near(peanut, small):
+    metric, start, x = peanut
+    recorder = smooth_bodies.recorder()
+    found = pulled_back_by_levels(metric, LengthSystem(metric.triangulation), start, recorder)
+    residuals = length_residuals(metric.triangulation, found, metric.lengths)
+    assert np.abs(residuals).max() < 1e-4
+    assert smooth_bodies.misfit(found, x) < 1e-4
+
+
+def test_what_is_not_convex_is_given_up(peanut, small):
+    metric, _, x = peanut
+    system = LengthSystem(metric.triangulation)
+    assert pulled_back_by_levels(metric, system, x, smooth_bodies.recorder()) is None
+
+
+def test_an_interrupted_pull_back_goes_on_from_the_fine_surface(peanut, small):
+    metric, start, x = peanut
+    system, kept = LengthSystem(metric.triangulation), {"start": start, "split": x}
+    recorder = smooth_bodies.recorder()
+    found = pulled_back_by_levels(metric, system, start, recorder, kept)
+    assert smooth_bodies.misfit(found, x) < 1e-6  # quintics differ from the peanut at this size
+    assert recorder.iterations < 12  # no guided path
+
+
+def test_only_many_vertices_go_by_levels_and_not_after_that_was_given_up(peanut, small):
+    triangulation = peanut[0].triangulation
+    n = triangulation.n_vertices
+    assert goes_by_levels(triangulation, None)
+    assert goes_by_levels(triangulation, {"x": np.zeros((2, 700, 3))})
+    assert goes_by_levels(triangulation, {"split": np.zeros((n, 3))})
+    assert not goes_by_levels(triangulation, {"x": np.zeros((2, n, 3))})
+    assert not goes_by_levels(PolyhedralMetric.from_mesh(*smooth_bodies.ellipsoid()).triangulation, None)
+
+
+def test_the_default_method_goes_by_levels(peanut, small):
+    metric, _, x = peanut
+    found = embed(metric, method=Aim())
+    assert found.converged
+    assert smooth_bodies.misfit(found.vertices, x) < 1e-9
+
+
+def test_where_levels_fail_the_path_of_all_vertices_is_followed(small, monkeypatch):
+    monkeypatch.setattr(levels, "LEVELS", LevelThresholds(many=500, landed=0.0, guided=200, cell=4))
+    x, faces = triangulate(CassiniPeanut(), 600)
+    metric = PolyhedralMetric.from_mesh(x, faces)
+    found = embed(metric, method=Aim())
+    assert smooth_bodies.misfit(found.vertices, x) < 1e-9

@@ -1,0 +1,73 @@
+"""Newton steps split into smooth and rough motions."""
+
+import numpy as np
+import pytest
+from scipy.sparse import eye_array
+
+import smooth_bodies
+from isoembed.aim import split_newton
+from isoembed.aim.split_newton import SplitNewton, quintic_residuals
+from isoembed.gallery import CassiniPeanut, triangulate
+from isoembed.metric.polyhedral import PolyhedralMetric
+from isoembed.surface.cells import Cells
+from isoembed.surface.interpolated_rigidity import InterpolatedRigidity
+from isoembed.surface.interpolation import Stencils
+from isoembed.surface.rigidity import LengthSystem, edge_rows, length_residuals
+
+
+@pytest.fixture(scope="module")
+def peanut():
+    """The equations for its lengths, its vertices, how it is interpolated, and the coarse factor."""
+    x, faces = triangulate(CassiniPeanut(), 300)
+    metric = PolyhedralMetric.from_mesh(x, faces)
+    x, metric = x / metric.unit, metric.normalized
+    triangulation = metric.triangulation
+    sphere = x / np.linalg.norm(x, axis=1)[:, None]
+    cells = Cells.of(triangulation, metric.lengths, sphere, 60)
+    stencils = Stencils(cells, cells.triangulation(sphere))
+    edges = InterpolatedRigidity(triangulation, stencils)
+    differences = edges.differences(x)
+    rows = (differences @ x[cells.vertices]) / metric.lengths[edges.edges][:, None]
+    coarse = edges.factor(differences, rows, 1e-6 * eye_array(len(cells.vertices), format="csr"))
+    P = stencils.interpolation(x, faces, np.arange(len(x)), cells.of_vertex)
+    return LengthSystem(triangulation), metric.lengths, x, P, coarse, cells
+
+
+def dense_rows(system, lengths, x):
+    rows, (a, b) = edge_rows(system.triangulation, x, lengths), system.triangulation.edges.T
+    J = np.zeros((len(a), len(x), 3))
+    J[np.arange(len(a)), a], J[np.arange(len(a)), b] = rows, -rows
+    return J.reshape(len(a), -1)
+
+
+def test_a_step_is_that_of_least_squares_in_both_unknowns(peanut, monkeypatch):
+    system, lengths, truth, P, coarse, cells = peanut
+    exact = split_newton.SplitNewtonThresholds(solved=1e-10, most=2000)
+    monkeypatch.setattr(split_newton, "SPLIT_NEWTON", exact)
+    rng, mu = np.random.default_rng(0), 1e-2
+    z = truth[cells.vertices] * [1.02, 1.0, 0.99]
+    x = P @ z + 1e-3 * rng.normal(size=truth.shape)
+    found, next_z = SplitNewton(system, lengths, P, coarse).step(x, z, mu, smooth_bodies.recorder())
+    J, r = dense_rows(system, lengths, x), length_residuals(system.triangulation, x, lengths)
+    wide = np.kron(P.toarray(), np.eye(3))
+    held = np.sqrt(mu) * np.hstack([np.eye(x.size), -wide])
+    A = np.vstack([np.hstack([J, np.zeros((len(J), z.size))]), held])
+    b = np.concatenate([J @ x.ravel() - r, np.zeros(x.size)])
+    expected = np.linalg.lstsq(A, b, rcond=1e-12)[0][: x.size].reshape(-1, 3)
+    rates = J @ (found - expected).ravel()  # rigid motions are nobody's
+    assert np.abs(rates).max() < 1e-6
+    rough = (found - P @ next_z).ravel()
+    left = J @ (found - x).ravel() + r
+    np.testing.assert_allclose(J.T @ left + mu * rough, 0.0, atol=1e-7)
+
+
+def test_quintics_hold_the_smooth_surface_among_its_neighbors(peanut):
+    system, lengths, truth, P, coarse, _ = peanut
+    rng, recorder = np.random.default_rng(1), smooth_bodies.recorder()
+    x = truth * [1.001, 1.0, 0.9995] + 3e-3 * rng.normal(size=truth.shape)
+    newton, R = SplitNewton(system, lengths, P, coarse), quintic_residuals(system, truth)
+    for mu in (1e-2, 1e-3, 1e-4, 1e-6, 1e-8):
+        x = newton.smooth_step(x, R, mu, recorder)
+    assert np.abs(length_residuals(system.triangulation, x, lengths)).max() < 1e-6
+    assert smooth_bodies.misfit(x, truth) < 1e-4
+    assert recorder.factorizations == 5
