@@ -9,7 +9,7 @@ from isoembed.aim import adaptive, levels
 from isoembed.aim.levels import LevelThresholds, goes_by_levels, pulled_back_by_levels
 from isoembed.gallery import CassiniPeanut, triangulate
 from isoembed.metric.polyhedral import PolyhedralMetric
-from isoembed.progress.stages import Log
+from isoembed.progress.stages import Log, StageRecorder
 from isoembed.surface.rigidity import LengthSystem, length_residuals
 
 
@@ -28,13 +28,20 @@ def small(monkeypatch):
     monkeypatch.setattr(levels, "LEVELS", LevelThresholds(many=2000, guided=700, cell=4))
 
 
-def test_the_peanut_is_brought_near(peanut, small):
+def test_the_peanut_is_brought_near_also_if_interrupted(peanut, small, monkeypatch):
     metric, start, x = peanut
-    recorder = smooth_bodies.recorder()
-    found = pulled_back_by_levels(metric, LengthSystem(metric.triangulation), start, recorder)
+    system, kept = LengthSystem(metric.triangulation), []
+    monkeypatch.setattr(StageRecorder, "keep", lambda _, **arrays: kept.append(arrays))
+    found = pulled_back_by_levels(metric, system, start, smooth_bodies.recorder())
     residuals = length_residuals(metric.triangulation, found, metric.lengths)
     assert np.abs(residuals).max() < 1e-4
     assert smooth_bodies.misfit(found, x) < 1e-4
+    (only,) = kept
+    assert (only["start"] == start).all()  # from which another run begins
+    recorder = smooth_bodies.recorder()
+    again = pulled_back_by_levels(metric, system, start, recorder, only)
+    assert (again == found).all()
+    assert recorder.iterations < 12  # no guided path
 
 
 def test_what_is_not_convex_is_given_up(peanut, small):
@@ -43,20 +50,10 @@ def test_what_is_not_convex_is_given_up(peanut, small):
     assert pulled_back_by_levels(metric, system, x, smooth_bodies.recorder()) is None
 
 
-def test_an_interrupted_pull_back_goes_on_from_the_fine_surface(peanut, small):
-    metric, start, x = peanut
-    system, kept = LengthSystem(metric.triangulation), {"start": start, "split": x}
-    recorder = smooth_bodies.recorder()
-    found = pulled_back_by_levels(metric, system, start, recorder, kept)
-    assert smooth_bodies.misfit(found, x) < 1e-6  # quintics differ from the peanut at this size
-    assert recorder.iterations < 12  # no guided path
-
-
 def test_only_many_vertices_go_by_levels_and_not_after_that_was_given_up(peanut, small):
     triangulation = peanut[0].triangulation
     n = triangulation.n_vertices
     assert goes_by_levels(triangulation, None)
-    assert goes_by_levels(triangulation, {"x": np.zeros((2, 700, 3))})
     assert goes_by_levels(triangulation, {"split": np.zeros((n, 3))})
     assert not goes_by_levels(triangulation, {"x": np.zeros((2, n, 3))})
     assert not goes_by_levels(PolyhedralMetric.from_mesh(*smooth_bodies.ellipsoid()).triangulation, None)

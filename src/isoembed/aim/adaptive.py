@@ -7,7 +7,8 @@ The paper's three steps, each of them replaced by one that does not fail:
    theorem (`isoembed.alexandrov`);
 3. pull back: where the given metric is convex or nearly so, Newton's method gets there at once, on the radii
    (`isoembed.aim.radii_newton`) or on the lengths (`isoembed.aim.lengths_newton`); where it does not, step by
-   step, as smooth as can be (`isoembed.aim.regularized_continuation`).
+   step, as smooth as can be (`isoembed.aim.regularized_continuation`), many vertices by levels
+   (`isoembed.aim.levels`).
 """
 
 from collections.abc import Mapping
@@ -277,7 +278,7 @@ class _Search:
         """Where the guided path ends, near enough to the lengths for Newton's method."""
         kept = self.log.resumed_at("guided pull back")
         if goes_by_levels(self.metric.triangulation, kept):
-            with suppress(SingularMatrix):
+            with suppress(SingularMatrix, InvalidMetric):  # of the chosen vertices, on needles
                 found = pulled_back_by_levels(self.metric, self.system, self.start, recorder, kept)
                 if found is not None:
                     return found

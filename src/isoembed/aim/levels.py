@@ -49,9 +49,8 @@ LEVELS = LevelThresholds()
 
 def goes_by_levels(triangulation: Triangulation, kept: Mapping[str, NDArray[Any]] | None) -> bool:
     """Whether there are many vertices, and an interrupted pull-back had not given this way up."""
-    n = triangulation.n_vertices
-    given_up = kept is not None and "split" not in kept and kept["x"].shape[-2] == n
-    return n >= LEVELS.many and not given_up
+    given_up = kept is not None and "split" not in kept
+    return triangulation.n_vertices >= LEVELS.many and not given_up
 
 
 def pulled_back_by_levels(
@@ -86,18 +85,18 @@ def pulled_back_by_levels(
         A step cannot be solved for.
     """
     n = metric.triangulation.n_vertices
-    start = start - start.mean(axis=0)
+    convex = start - start.mean(axis=0)
     x = None if kept is None else kept.get("split")
     if x is None:
-        x = _guided(metric, system, start, recorder, kept)
+        x = _guided(metric, system, convex, recorder)
     if x is None:
         return None
     recorder.keep(start=start, split=x)
     recorder.show(vertices=x, level=f"{n:,} vertices")
-    stencils = _stencils(metric, start, n // LEVELS.cell)
+    stencils = _stencils(metric, convex, n // LEVELS.cell)
     if stencils is None:
         return None
-    energy = InterpolatedEnergy(metric, stencils, start, x)
+    energy = InterpolatedEnergy(metric, stencils, convex, x)
     z = x[stencils.cells.vertices]
     for settled in (False, True):  # the second time in better charts
         if settled:
@@ -108,7 +107,6 @@ def pulled_back_by_levels(
     del energy
     for mu in LEVELS.split[1:]:
         x, z = split.step(x, z, mu, recorder)
-    recorder.keep(start=start, split=x)
     R = quintic_residuals(system, x)
     for mu in LEVELS.quintic:
         x = split.smooth_step(x, R, mu, recorder)
@@ -120,27 +118,23 @@ def pulled_back_by_levels(
 
 
 def _guided(
-    metric: PolyhedralMetric,
-    system: LengthSystem,
-    start: Floats,
-    recorder: StageRecorder,
-    kept: Mapping[str, NDArray[Any]] | None,
+    metric: PolyhedralMetric, system: LengthSystem, convex: Floats, recorder: StageRecorder
 ) -> Floats | None:
     """The surface at the end of the guided path, and of one step for all lengths."""
-    stencils = _stencils(metric, start, LEVELS.guided)
+    stencils = _stencils(metric, convex, LEVELS.guided)
     if stencils is None:
         return None
-    energy = InterpolatedEnergy(metric, stencils, start, start)
+    energy = InterpolatedEnergy(metric, stencils, convex, convex)
     ends = metric.edges[energy.edges.edges]
-    ratio = np.linalg.norm(start[ends[:, 0]] - start[ends[:, 1]], axis=1) / energy.lengths
+    ratio = np.linalg.norm(convex[ends[:, 0]] - convex[ends[:, 1]], axis=1) / energy.lengths
     ratio = np.maximum(ratio, CONTINUATION.shortest)
-    chosen = start[stencils.cells.vertices]
-    recorder.show(level=f"{len(chosen):,} of {len(start):,} vertices")
-    z, mu = guided(energy, chosen, lambda t: energy.lengths * ratio**t, recorder, kept)
+    chosen = convex[stencils.cells.vertices]
+    recorder.show(level=f"{len(chosen):,} of {len(convex):,} vertices")
+    z, mu = guided(energy, chosen, lambda t: energy.lengths * ratio**t, recorder)
     for _ in range(LEVELS.faded):
         mu *= CONTINUATION.fade
         z = energy.relaxed(z, energy.lengths, mu, 0.0, recorder)
-    split = _split(system, metric.lengths, energy, stencils, start)
+    split = _split(system, metric.lengths, energy, stencils, convex)
     return split.step(split.P @ z, z, LEVELS.split[0], recorder)[0]
 
 

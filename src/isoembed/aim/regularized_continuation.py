@@ -10,7 +10,7 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 
 from isoembed.aim.adiabatic_pullback import extrapolated
 from isoembed.aim.regularized_energy import RegularizedEnergy
@@ -76,7 +76,12 @@ def regularized_continuation(
     ndarray, shape (V, 3)
         Where it did not get lost, near enough to the metric at t = 0 for Newton's method.
     """
-    x, mu = guided(energy, start, lengths, recorder, kept)
+
+    def keep(x: list[Floats], **state: ArrayLike) -> None:
+        recorder.keep(start=start, x=x, **state)
+        recorder.show(vertices=x[-1])
+
+    x, mu = guided(energy, start, lengths, recorder, kept, keep)
     given, close = lengths(0.0), CONTINUATION.close * energy.unit
     found, residual = _let_go(energy.finer(x), x, given, mu, recorder)
     if residual > close:  # edges too long for quintics to know the surface
@@ -90,10 +95,12 @@ def guided(
     lengths: Callable[[float], Floats],
     recorder: StageRecorder,
     kept: Mapping[str, NDArray[Any]] | None = None,
+    keep: Callable[..., None] = lambda *_, **__: None,
 ) -> tuple[Floats, float]:
     """Follow a path of metrics to its end, then let K go; the surface, and the last mu.
 
-    The parameters are those of `regularized_continuation`.
+    The parameters are those of `regularized_continuation`; `keep` takes the surfaces reached, the
+    last one last, and what else `kept` is to hold.
     """
     given, released = lengths(0.0), 0
     mu, stiffest = CONTINUATION.weight * energy.unit**2, CONTINUATION.stiffest * energy.unit**2
@@ -105,8 +112,9 @@ def guided(
         released = int(kept["released"])
         steps = [t for t in steps if t < known[-1][0]]
 
-    def keep() -> None:
-        recorder.keep(start=start, mu=mu, t=[t for t, _ in known], x=[x for _, x in known], released=released)
+    def reached() -> None:
+        keep([x for _, x in known], t=[t for t, _ in known], mu=mu, released=released)
+        recorder.show(done=min(recorder.iterations / usual, 1.0))
 
     for t in steps:
         recorder.show(t=t)
@@ -116,14 +124,12 @@ def guided(
             mu *= CONTINUATION.stiffer
             x, downhill = energy.step(guess, lengths(t), mu, CONTINUATION.bending, recorder)
         known = [*known[-2:], (t, x if downhill else guess)]
-        keep()
-        recorder.show(done=min(recorder.iterations / usual, 1.0), vertices=known[-1][1])
+        reached()
     x = known[-1][1]
     for w in (CONTINUATION.bending, *CONTINUATION.letting_go)[released:]:
         x = energy.relaxed(x, given, mu, w, recorder)
         known, released = [(0.0, x)], released + 1
-        keep()
-        recorder.show(done=min(recorder.iterations / usual, 1.0), vertices=x)
+        reached()
     mu *= CONTINUATION.fade
     return energy.relaxed(x, given, mu, 0.0, recorder), mu
 

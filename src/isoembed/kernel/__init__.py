@@ -12,7 +12,7 @@ __all__ = ["kernel", "with_numba"]
 def kernel(function: Callable[..., Any] | None = None, **options: Any) -> Any:
     """Decorator of functions that numba compiles when it pays.
 
-    To compile a function takes numba .06 s and .01 s for each of its lines, many times what the function
+    To compile a function takes numba .06 s and .015 s for each of its lines, many times what the function
     itself takes for a few hundred vertices.  So it runs as Python until that took as long as compiling it
     would, or until a call is expected to (`isoembed.kernel.worth`), and compiled from then on.  Compiled code
     is kept for later processes: in the folder that ``NUMBA_CACHE_DIR`` names, else beside the source, else in

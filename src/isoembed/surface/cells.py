@@ -7,7 +7,7 @@ from typing import cast
 
 import numpy as np
 from scipy.sparse import csr_array
-from scipy.spatial import ConvexHull
+from scipy.spatial import ConvexHull, QhullError
 
 from isoembed.arrays import Floats, Indices
 from isoembed.kernel import kernel
@@ -76,7 +76,10 @@ class Cells:
     def triangulation(self, convex: Floats) -> Triangulation | None:
         """The triangles of the chosen vertices' hull on a convex surface; None where it has not them all."""
         x = convex[self.vertices] - convex.mean(axis=0)
-        hull = ConvexHull(x)
+        try:
+            hull = ConvexHull(x)
+        except QhullError:  # it is flat
+            return None
         if len(hull.vertices) < len(x):
             return None
         faces = hull.simplices.astype(np.int64)

@@ -88,7 +88,7 @@ def _projected(
             if abs(normal[c]) < abs(normal[k]):
                 k = c
         i, j = (k + 1) % 3, (k + 2) % 3
-        size = np.sqrt(normal[i] ** 2 + normal[j] ** 2)
+        size = np.sqrt(normal[i] * normal[i] + normal[j] * normal[j])
         first[k], first[i], first[j] = 0.0, -normal[j] / size, normal[i] / size
         for c in range(3):
             a, b = (c + 1) % 3, (c + 2) % 3
