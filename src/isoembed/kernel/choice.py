@@ -97,7 +97,8 @@ class Kernel:
         if WHEN == "interpreted":
             return expected > KERNEL.patience
         importing = 0.0 if "numba" in sys.modules else max(0.0, KERNEL.importing - _ALL.seconds)
-        return self.account.earlier + self.account.seconds + expected > self._price + importing
+        spent = KERNEL.again * self.account.earlier + self.account.seconds
+        return spent + expected > self._price + importing
 
     def _choose(self, *args: Any) -> Any:
         if not self.pays(args):

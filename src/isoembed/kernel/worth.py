@@ -27,6 +27,9 @@ class KernelThresholds:
     size: int = threshold(
         200_000, "elements", "For a larger array a function is compiled, whatever it took for small ones."
     )
+    again: float = threshold(
+        5.0, "relative", "Weight of seconds in earlier processes: what was run twice will be run again."
+    )
     patience: float = threshold(3.0, "seconds", "Longer calls are compiled where no others are, in tests.")
 
 
