@@ -21,7 +21,7 @@ from isoembed.linalg.elimination import permuted
 from isoembed.mesh.triangulation import Triangulation
 from isoembed.surface.measures import edge_lengths, vertex_normals
 from isoembed.surface.normal_fits import FITS, fewest, normal_weights
-from isoembed.surface.rows import dot, subtract_multiple
+from isoembed.surface.rows import dot, multiply, subtract_multiple
 from isoembed.thresholds import compiled
 
 Graph = tuple[NDArray[Any], NDArray[Any]]  # of a vertex i: indices[indptr[i]:indptr[i + 1]]
@@ -233,8 +233,9 @@ def _constant_term(chart: Floats, weights: Floats, most: int) -> None:
             break
         for power in range(degree + 1):
             column = columns[count]
-            for k in range(m):
-                column[k] = root[k] * chart[k, 0] ** (degree - power) * chart[k, 1] ** power
+            column[:] = root
+            for factor in range(degree):
+                multiply(column, chart[:, int(factor < power)], column)
             size = dot(column, column)
             _project_out(columns[:count], column)
             left = dot(column, column)

@@ -39,8 +39,8 @@ def subtract_multiple(factor: float, row: Floats, target: Floats) -> None:
 
 
 def dot(a: Floats, b: Floats) -> float:
-    """The sum of the products of two rows."""
-    return float(a @ b)
+    """The sum of the products of two rows, in their order."""
+    return float(np.cumsum(a * b)[-1]) if len(a) else 0.0
 
 
 def invert_root(whole: Floats, least: float, target: Floats, sound: Mask) -> None:
