@@ -13,7 +13,7 @@ export OMP_NUM_THREADS ?= 1
 export OPENBLAS_NUM_THREADS ?= 1
 
 # Tests of the rooms where loops are: `make test` compiles what pays, which hangs on the machine.
-ROOMS := kernel mesh linalg intrinsic metric surface alexandrov gluing smooth meshing
+ROOMS := kernel io mesh linalg intrinsic metric surface alexandrov gluing smooth meshing
 
 .PHONY: help demo reproduce test test-slow test-interpreted test-compiled lint lint-page bench docs clean
 .DELETE_ON_ERROR:

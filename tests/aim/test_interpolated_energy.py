@@ -7,7 +7,7 @@ import smooth_bodies
 from isoembed.aim.interpolated_energy import InterpolatedEnergy
 from isoembed.gallery import Ellipsoid, triangulate
 from isoembed.metric.polyhedral import PolyhedralMetric
-from isoembed.surface.cells import Cells
+from isoembed.surface.cells import VertexCells
 from isoembed.surface.interpolation import Stencils
 
 
@@ -17,7 +17,7 @@ def body():
     x, faces = triangulate(Ellipsoid((1.3, 1.1, 1)), 2000)
     metric = PolyhedralMetric.from_mesh(x, faces)
     convex = x * [1.0, 1.1, 1.2] / metric.unit
-    cells = Cells.of(metric.triangulation, metric.normalized.lengths, convex, 400)
+    cells = VertexCells.of(metric.triangulation, metric.normalized.lengths, convex, 400)
     stencils = Stencils(cells, cells.triangulation(convex))
     return metric.normalized, convex, stencils, x / metric.unit
 

@@ -6,7 +6,7 @@ import pytest
 import smooth_bodies
 from isoembed import Aim, embed
 from isoembed.aim import adaptive, levels
-from isoembed.aim.levels import LevelThresholds, goes_by_levels, pulled_back_by_levels
+from isoembed.aim.levels import PullBackLevels, goes_by_levels, pulled_back_by_levels
 from isoembed.gallery import CassiniPeanut, triangulate
 from isoembed.metric.polyhedral import PolyhedralMetric
 from isoembed.progress.stages import Log, StageRecorder
@@ -25,7 +25,7 @@ def peanut():
 @pytest.fixture
 def small(monkeypatch):
     """Levels of a surface of 3,000 vertices."""
-    monkeypatch.setattr(levels, "LEVELS", LevelThresholds(many=2000, guided=700, cell=4))
+    monkeypatch.setattr(levels, "LEVELS", PullBackLevels(many=2000, guided=700, cell=4))
 
 
 def test_the_peanut_is_brought_near_also_if_interrupted(peanut, small, monkeypatch):
@@ -67,7 +67,7 @@ def test_the_default_method_goes_by_levels(peanut, small):
 
 
 def test_where_levels_fail_the_path_of_all_vertices_is_followed(small, monkeypatch):
-    monkeypatch.setattr(levels, "LEVELS", LevelThresholds(many=500, landed=0.0, guided=200, cell=4))
+    monkeypatch.setattr(levels, "LEVELS", PullBackLevels(many=500, landed=0.0, guided=200, cell=4))
     x, faces = triangulate(CassiniPeanut(), 600)
     metric = PolyhedralMetric.from_mesh(x, faces)
     found = embed(metric, method=Aim())

@@ -9,7 +9,7 @@ from isoembed.aim import split_newton
 from isoembed.aim.split_newton import SplitNewton, quintic_residuals
 from isoembed.gallery import CassiniPeanut, triangulate
 from isoembed.metric.polyhedral import PolyhedralMetric
-from isoembed.surface.cells import Cells
+from isoembed.surface.cells import VertexCells
 from isoembed.surface.interpolated_rigidity import InterpolatedRigidity
 from isoembed.surface.interpolation import Stencils
 from isoembed.surface.rigidity import LengthSystem, edge_rows, length_residuals
@@ -23,7 +23,7 @@ def peanut():
     x, metric = x / metric.unit, metric.normalized
     triangulation = metric.triangulation
     sphere = x / np.linalg.norm(x, axis=1)[:, None]
-    cells = Cells.of(triangulation, metric.lengths, sphere, 60)
+    cells = VertexCells.of(triangulation, metric.lengths, sphere, 60)
     stencils = Stencils(cells, cells.triangulation(sphere))
     edges = InterpolatedRigidity(triangulation, stencils)
     differences = edges.differences(x)

@@ -9,7 +9,7 @@ import isoembed.kernel.compiler  # noqa: F401 -- numba's events are heard
 from isoembed.cli import compilation
 from isoembed.cli.compilation import compilation_said
 
-SENTENCE = "isoembed: note: functions are being compiled, once, which takes a minute or two\n"
+SENTENCE = "isoembed: note: functions are being compiled, once, which takes some seconds\n"
 
 
 def compile_two():

@@ -5,7 +5,7 @@ from scipy.sparse import csr_array
 
 from isoembed.gallery import Ellipsoid, triangulate
 from isoembed.mesh.triangulation import Triangulation
-from isoembed.surface.cells import Cells
+from isoembed.surface.cells import VertexCells
 from isoembed.surface.interpolated_rigidity import INTERPOLATED, InterpolatedRigidity
 from isoembed.surface.interpolation import Stencils
 from isoembed.surface.measures import edge_lengths
@@ -15,7 +15,7 @@ def rigidity(n=800, count=100):
     x, faces = triangulate(Ellipsoid((1.3, 1.1, 1)), n)
     triangulation = Triangulation(faces)
     lengths = edge_lengths(triangulation.edges, x)
-    cells = Cells.of(triangulation, lengths, x, count)
+    cells = VertexCells.of(triangulation, lengths, x, count)
     stencils = Stencils(cells, cells.triangulation(x))
     return triangulation, x, lengths, cells, InterpolatedRigidity(triangulation, stencils)
 

@@ -7,7 +7,7 @@ import pytest
 
 from isoembed.gallery import Ellipsoid, triangulate
 from isoembed.mesh.triangulation import Triangulation
-from isoembed.surface.cells import Cells
+from isoembed.surface.cells import VertexCells
 from isoembed.surface.interpolation import Stencils
 from isoembed.surface.measures import edge_lengths
 
@@ -21,7 +21,7 @@ def body(n):
 def interpolation(n, count):
     x, faces = body(n)
     triangulation = Triangulation(faces)
-    cells = Cells.of(triangulation, edge_lengths(triangulation.edges, x), x, count)
+    cells = VertexCells.of(triangulation, edge_lengths(triangulation.edges, x), x, count)
     stencils = Stencils(cells, cells.triangulation(x))
     P = stencils.interpolation(x, faces, np.arange(n), cells.of_vertex)
     return x, cells, stencils, P

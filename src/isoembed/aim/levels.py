@@ -19,14 +19,14 @@ from isoembed.linalg import SingularMatrix
 from isoembed.mesh.triangulation import Triangulation
 from isoembed.metric.polyhedral import PolyhedralMetric
 from isoembed.progress.stages import StageRecorder
-from isoembed.surface.cells import Cells
+from isoembed.surface.cells import VertexCells
 from isoembed.surface.interpolation import Stencils
 from isoembed.surface.rigidity import LengthSystem, length_residuals
 from isoembed.thresholds import threshold
 
 
 @dataclass(frozen=True)
-class LevelThresholds:
+class PullBackLevels:
     """Thresholds of the pull-back by levels."""
 
     many: int = threshold(16_000, "vertices", "Fewer are pulled back at once: that is as fast.")
@@ -44,7 +44,7 @@ class LevelThresholds:
     )
 
 
-LEVELS = LevelThresholds()
+LEVELS = PullBackLevels()
 
 
 def goes_by_levels(triangulation: Triangulation, kept: Mapping[str, NDArray[Any]] | None) -> bool:
@@ -151,6 +151,6 @@ def _split(
 
 def _stencils(metric: PolyhedralMetric, convex: Floats, count: int) -> Stencils | None:
     """Well spread vertices and their triangles; None where the surface is not convex."""
-    cells = Cells.of(metric.triangulation, metric.lengths, convex, count)
+    cells = VertexCells.of(metric.triangulation, metric.lengths, convex, count)
     triangulation = cells.triangulation(convex)
     return None if triangulation is None else Stencils(cells, triangulation)

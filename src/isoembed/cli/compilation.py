@@ -19,7 +19,7 @@ class _Notice:
     def __call__(self) -> None:
         if not self._said and COMPILING.seconds > self._before + PATIENCE:
             self._said = True
-            print_error("functions are being compiled, once, which takes a minute or two", "note")
+            print_error("functions are being compiled, once, which takes some seconds", "note")
 
 
 @contextmanager

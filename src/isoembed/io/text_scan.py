@@ -138,7 +138,7 @@ def natural(text: Bytes, i: int, separator: int = SPACE) -> tuple[int, int]:
     i = word_begin(text, i)
     begin, value = i, 0
     while ZERO <= text[i] <= NINE and i < begin + LONGEST:
-        value = 10 * value + text[i] - ZERO
+        value = 10 * value + int(text[i]) - ZERO
         i += 1
     if i == begin or (in_word(text[i]) and text[i] != separator):
         return -1, i

@@ -33,7 +33,7 @@ CELLS = CellThresholds()
 
 
 @dataclass(frozen=True, eq=False)
-class Cells:
+class VertexCells:
     """Chosen vertices and the cells about them.
 
     Attributes
@@ -48,7 +48,7 @@ class Cells:
     of_vertex: Indices
 
     @classmethod
-    def of(cls, triangulation: Triangulation, lengths: Floats, convex: Floats, count: int) -> Cells:
+    def of(cls, triangulation: Triangulation, lengths: Floats, convex: Floats, count: int) -> VertexCells:
         """Choose well spread vertices: nearer to each other where edges are shorter, or charts distorted.
 
         Parameters

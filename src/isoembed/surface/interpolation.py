@@ -11,7 +11,7 @@ from scipy.sparse import csr_array, eye_array
 from isoembed.arrays import Floats, Indices
 from isoembed.kernel import kernel
 from isoembed.mesh.triangulation import Triangulation
-from isoembed.surface.cells import Cells
+from isoembed.surface.cells import VertexCells
 from isoembed.surface.local_fit import FitResiduals, edge_lengths_about, neighborhoods
 from isoembed.surface.measures import edge_lengths, vertex_normals
 from isoembed.surface.normal_fits import FITS
@@ -25,12 +25,12 @@ class Stencils:
 
     Attributes
     ----------
-    cells : Cells
+    cells : VertexCells
     triangulation : Triangulation
         Of the chosen vertices.
     """
 
-    cells: Cells
+    cells: VertexCells
     triangulation: Triangulation
 
     @cached_property
