@@ -28,7 +28,7 @@ class KernelThresholds:
         200_000, "elements", "For a larger array a function is compiled, whatever it took for small ones."
     )
     again: float = threshold(
-        5.0, "relative", "Weight of seconds in earlier processes: what was run twice will be run again."
+        2.0, "relative", "Weight of seconds in earlier processes: what was run twice will be run again."
     )
     patience: float = threshold(3.0, "seconds", "Longer calls are compiled where no others are, in tests.")
 
