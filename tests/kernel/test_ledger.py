@@ -34,8 +34,16 @@ def test_a_damaged_ledger_is_begun_anew(file, text):
 def test_where_nothing_can_be_written_nothing_is(file, monkeypatch):
     file.parent.write_text("no folder")
     ledger.write({"a": 1.0}, set())
+    assert file.parent.read_text() == "no folder"
     monkeypatch.setattr(ledger, "_file", lambda: None)
     ledger.write({"a": 1.0}, set())
+    assert [entry.name for entry in file.parent.parent.iterdir()] == [file.parent.name]
+
+
+def test_a_file_that_cannot_be_replaced_leaves_no_other(file):
+    (file / "in the way").mkdir(parents=True)
+    ledger.write({"a": 1.0}, set())
+    assert [entry.name for entry in file.parent.iterdir()] == [file.name]
 
 
 def test_only_what_compiled_code_would_have_saved_counts():

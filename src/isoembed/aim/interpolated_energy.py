@@ -10,11 +10,11 @@ from dataclasses import dataclass
 
 import numpy as np
 from scipy.sparse import csr_array
-from scipy.sparse.linalg import LinearOperator, cg
 
 from isoembed.aim.regularized_energy import REGULARIZED_ENERGY, RegularizedEnergy
 from isoembed.arrays import Floats
 from isoembed.linalg import SymmetricFactor
+from isoembed.linalg.krylov import Approximation, conjugate_gradients
 from isoembed.metric.polyhedral import PolyhedralMetric
 from isoembed.progress.stages import StageRecorder
 from isoembed.surface.interpolated_rigidity import InterpolatedRigidity
@@ -109,28 +109,21 @@ class InterpolatedEnergy(RegularizedEnergy):
         rows = self._rows(vertices, lengths)
 
         def product(d: Floats) -> Floats:
-            x = d.reshape(-1, 3)
-            stretch = np.einsum("ij,ij->i", rows, self._differences @ x)
-            forces = self._differences.T @ (rows * stretch[:, None])
-            return np.ravel(forces + mu * self.roughness(x, w))
+            stretch = np.einsum("ij,ij->i", rows, self._differences @ d)
+            return self._differences.T @ (rows * stretch[:, None]) + mu * self.roughness(d, w)
 
-        def attempt(factor: SymmetricFactor, most: int) -> tuple[Floats, bool]:
-            d, failed = cg(
-                LinearOperator((n, n), matvec=product, dtype=np.float64),
-                gradient.ravel(),
-                rtol=INTERPOLATED_ENERGY.solved,
-                maxiter=most,
-                M=LinearOperator((n, n), matvec=lambda g: factor.solve(g, sweeps=0), dtype=np.float64),
-            )
-            return d.reshape(-1, 3), not failed
+        def attempt(factor: SymmetricFactor, most: int) -> Approximation:
+            def precondition(forces: Floats) -> Floats:
+                return factor.solve(forces.ravel(), sweeps=0).reshape(-1, 3)
 
-        n = gradient.size
+            return conjugate_gradients(product, precondition, gradient, INTERPOLATED_ENERGY.solved, most)
+
         if self.factor is not None:
-            d, done = attempt(self.factor, INTERPOLATED_ENERGY.stale)
-            if done:
-                return d
+            found = attempt(self.factor, INTERPOLATED_ENERGY.stale)
+            if found.residual <= INTERPOLATED_ENERGY.solved:
+                return found.x
         self.factor = None  # its memory is free for the next
         penalty = csr_array(mu * (self._RR + w * self._KK))
         recorder.factorizations += 1
         self.factor = self.edges.factor(self._differences, rows, penalty)
-        return attempt(self.factor, REGULARIZED_ENERGY.most)[0]
+        return attempt(self.factor, REGULARIZED_ENERGY.most).x

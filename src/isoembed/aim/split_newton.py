@@ -24,10 +24,10 @@ from dataclasses import dataclass
 
 import numpy as np
 from scipy.sparse import csr_array, diags_array, eye_array
-from scipy.sparse.linalg import LinearOperator, cg
 
 from isoembed.arrays import Floats
 from isoembed.linalg import SymmetricFactor, analyze, dissect
+from isoembed.linalg.krylov import conjugate_gradients
 from isoembed.progress.stages import StageRecorder
 from isoembed.surface.rigidity import LengthSystem, LinearizedLengths, length_residuals
 from isoembed.surface.smoothness import fit_residuals
@@ -75,18 +75,13 @@ class SplitNewton:
         r = r - J.rates(x - P @ z)
 
         def product(v: Floats) -> Floats:
-            return np.ravel(P.T @ J.forces(linear.solve(J.rates(P @ v.reshape(-1, 3)))))
+            return P.T @ J.forces(linear.solve(J.rates(P @ v)))
 
         def precondition(v: Floats) -> Floats:
-            return self._mass.solve(v.reshape(-1, 3), sweeps=0).ravel() + mu * self._coarse.solve(v, sweeps=0)
+            return self._mass.solve(v, sweeps=0) + mu * self._smooth(v)
 
-        dz = _conjugate_gradients(
-            product,
-            precondition,
-            np.ravel(P.T @ J.forces(linear.solve(r))),
-            SPLIT_NEWTON.solved,
-            SPLIT_NEWTON.most,
-        )
+        b = P.T @ J.forces(linear.solve(r))
+        dz = conjugate_gradients(product, precondition, b, SPLIT_NEWTON.solved, SPLIT_NEWTON.most).x
         rough = J.forces(linear.solve(r - J.rates(P @ dz)))
         z = z - dz
         return P @ z - rough, z
@@ -100,19 +95,21 @@ class SplitNewton:
         def pull(v: Floats) -> Floats:
             return R.T @ (R.T @ (R @ (R @ v)))
 
-        def product(v: Floats) -> Floats:
-            d = v.reshape(-1, 3)
-            return np.ravel(J.forces(J.rates(d)) + mu * pull(d))
+        def product(d: Floats) -> Floats:
+            return J.forces(J.rates(d)) + mu * pull(d)
 
-        def precondition(v: Floats) -> Floats:
-            d = v.reshape(-1, 3)
-            rough = (d - J.forces(linear.solve(J.rates(d)))) / held
-            return np.ravel(rough + P @ self._coarse.solve(np.ravel(P.T @ d), sweeps=0).reshape(-1, 3))
+        def precondition(d: Floats) -> Floats:
+            return (d - J.forces(linear.solve(J.rates(d)))) / held + P @ self._smooth(P.T @ d)
 
-        gradient = np.ravel(J.forces(r) + mu * pull(x))
-        return x - _conjugate_gradients(
+        gradient = J.forces(r) + mu * pull(x)
+        found = conjugate_gradients(
             product, precondition, gradient, SPLIT_NEWTON.quintic_solved, SPLIT_NEWTON.quintic_most
         )
+        return x - found.x
+
+    def _smooth(self, forces: Floats) -> Floats:
+        """Solve for smooth motions (C, 3) by the coarse factor."""
+        return self._coarse.solve(forces.ravel(), sweeps=0).reshape(-1, 3)
 
     def _linearized(
         self, x: Floats, damping: float, recorder: StageRecorder
@@ -133,10 +130,3 @@ def quintic_residuals(system: LengthSystem, positions: Floats) -> csr_array:
 def _factored(matrix: csr_array) -> SymmetricFactor:
     matrix.sort_indices()
     return analyze(matrix, dissect(matrix).vertex_order()).factor(matrix.data)
-
-
-def _conjugate_gradients(product, precondition, b: Floats, tolerance: float, most: int) -> Floats:  # type: ignore[no-untyped-def]
-    """Solve for (n, 3)."""
-    n = b.size
-    operator, inverse = (LinearOperator((n, n), matvec=f, dtype=np.float64) for f in (product, precondition))
-    return cg(operator, b, rtol=tolerance, maxiter=most, M=inverse)[0].reshape(-1, 3)

@@ -20,8 +20,9 @@ def kernel(function: Callable[..., Any] | None = None, **options: Any) -> Any:
     a folder below the temporary one.  To load it is cheap, and done sooner.  A kernel that compiled ones call
     is compiled with them.  numba is not imported before it is needed.
 
-    Either way a kernel does the same, to the last bit, so that nothing depends on when it was compiled.  For
-    Python, this decorator sees to it that
+    Either way a kernel does the same, to the last bit, so that nothing depends on when it was compiled.  (Not
+    so `isoembed.linalg.fronts`, which adds up in another order; its matrices are so large that it is always
+    compiled.)  For Python, this decorator sees to it that
 
     - floats among the arguments become NumPy's, of which no error is raised: a division by zero is infinite
       or NaN, as it is in compiled code.  (As an exception it would be another way out of a function, on which

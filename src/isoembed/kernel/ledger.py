@@ -31,8 +31,11 @@ def write(spent: dict[str, float], compiled: set[str]) -> None:
     with suppress(OSError):
         file.parent.mkdir(parents=True, exist_ok=True)
         new = file.with_name(f"{NAME}.{os.getpid()}")
-        new.write_text(json.dumps(now, indent=0))
-        new.replace(file)
+        try:
+            new.write_text(json.dumps(now, indent=0))
+            new.replace(file)
+        finally:
+            new.unlink(missing_ok=True)  # what a full disk left of it
 
 
 def _file() -> Path | None:

@@ -82,15 +82,15 @@ class InterpolatedRigidity:
     def pattern(self) -> csc_array:
         """Which of the chosen vertices are coupled, (C, C)."""
         stencils = self._stencils.pattern
-        pattern = csc_array(stencils.T @ stencils)
-        pattern.data[:] = 1.0
-        pattern.sort_indices()
-        return pattern
+        products = csc_array(stencils.T @ stencils)
+        products.sort_indices()
+        ones = np.ones(products.nnz, dtype=np.int8)
+        return csc_array((ones, products.indices, products.indptr), shape=products.shape)
 
     @cached_property
     def _solver(self) -> Solver:
         order = dissect(csr_array(self.pattern)).block_order(3)
-        return analyze(kron(self.pattern, np.ones((3, 3)), format="csc"), order)
+        return analyze(kron(self.pattern, np.ones((3, 3), dtype=np.int8), format="csc"), order)
 
     def factor(self, differences: csr_array, rows: Floats, penalty: csr_array) -> SymmetricFactor:
         """Factor ``(J P)^T J P + penalty``, the penalty (C, C) acting on x, y and z alike.
