@@ -1,0 +1,83 @@
+"""Moments: a horizon at a time, with its slice; and what a simulation lists of both."""
+
+import re
+from dataclasses import dataclass
+
+from isoembed.relativity.series.source import ShapeSource, SliceSource
+
+UNSAFE = re.compile(r"[^\w+.-]")  # in the name of a file
+
+
+@dataclass(frozen=True)
+class ListedShape:
+    """A horizon that is there to be read.
+
+    Attributes
+    ----------
+    series : str
+        Which of the horizons of a simulation: "ah1".
+    iteration : int or None
+        Of the simulation, where it is known.
+    time : float or None
+    source : Source
+        Reads a `CoordinateShape`, or `SurfaceData`, which has a metric of its own.
+    """
+
+    series: str
+    iteration: int | None
+    time: float | None
+    source: ShapeSource
+
+
+@dataclass(frozen=True)
+class ListedSlice:
+    """A slice that is there to be read.
+
+    Attributes
+    ----------
+    iteration : int or None
+        Of the simulation, where it is known.
+    time : float or None
+    source : SliceSource
+    """
+
+    iteration: int | None
+    time: float | None
+    source: SliceSource
+
+
+@dataclass(frozen=True)
+class Moment:
+    """A horizon of a series at a time, and the slice that it is in.
+
+    Attributes
+    ----------
+    series : str
+        Which of the horizons of a simulation: "ah1".
+    time : float or None
+    iteration : int or None
+        Of the simulation.
+    shape : Source
+        Reads a `CoordinateShape`, or `SurfaceData`.
+    slice : SliceSource or None
+        None where the horizon has a metric of its own.
+    position : int or None
+        Which of its series it is, where neither time nor iteration tell.
+    """
+
+    series: str
+    time: float | None
+    iteration: int | None
+    shape: ShapeSource
+    slice: SliceSource | None = None
+    position: int | None = None
+
+    @property
+    def label(self) -> str:
+        """Name for a file: of the series, and of the iteration, else the time, else the position."""
+        series = UNSAFE.sub("_", self.series)
+        if self.iteration is not None:
+            return f"{series}.t{self.iteration}"
+        if self.time is not None:
+            return f"{series}.T{self.time:.9g}"
+        return series if self.position is None else f"{series}.{self.position}"

@@ -1,0 +1,289 @@
+"""Sources: what can be read later, in another process, and the hash of its content.
+
+A source is pickled to a worker: it holds paths and choices, never an open file.
+"""
+
+import contextlib
+import hashlib
+import os
+import pickle
+from collections.abc import Iterator
+from dataclasses import dataclass
+from functools import cached_property, lru_cache
+from pathlib import Path
+from typing import Any, Protocol, TypeVar
+
+from isoembed.arrays import Floats
+from isoembed.errors import InvalidParameter
+from isoembed.io.files import FileError, open_input
+from isoembed.relativity.horizons.coordinate_shape import CoordinateShape
+from isoembed.relativity.spacetimes.surface_data import SurfaceData
+from isoembed.relativity.spacetimes.three_geometry import ThreeGeometry
+
+BLOCK = 1 << 20  # bytes that are hashed at once
+HELD = "memory"
+T_co = TypeVar("T_co", covariant=True)
+
+
+class Source(Protocol[T_co]):
+    """Something to read, by what says where it is."""
+
+    @property
+    def name(self) -> str:
+        """For messages and reports: the path, and what of the file."""
+        ...
+
+    def digest(self) -> str:
+        """SHA-256, in hexadecimal, of the content that `read` reads.
+
+        Raises
+        ------
+        FileError
+            It cannot be read, or changes meanwhile.
+        """
+        ...
+
+    def read(self) -> T_co:
+        """What is there.
+
+        Raises
+        ------
+        FileError, InvalidMetric
+            It cannot be read, changes meanwhile, or is not what it should be; one sentence says why.
+        """
+        ...
+
+
+ShapeSource = Source[CoordinateShape | SurfaceData]
+"""A horizon to read: its shape in the coordinates of a slice, or a surface with a metric of its own."""
+
+
+class SliceSource(Protocol):
+    """A slice to read, as far as a surface needs it."""
+
+    @property
+    def name(self) -> str:
+        """As of `Source`."""
+        ...
+
+    def digest(self) -> str:
+        """As of `Source`: of the whole slice."""
+        ...
+
+    def read(self, low: Floats, high: Floats) -> ThreeGeometry:
+        """So much of the slice as a surface needs.
+
+        Parameters
+        ----------
+        low, high : ndarray, shape (3,)
+            The corners of the box that the surface is in.  Points around it that the interpolation needs are
+            read as well.
+
+        Raises
+        ------
+        FileError
+            As of `Source`; or the slice does not cover the box.
+        """
+        ...
+
+
+@dataclass(frozen=True)
+class HeldShape:
+    """A horizon in memory.
+
+    Attributes
+    ----------
+    shape : CoordinateShape or SurfaceData
+    """
+
+    shape: CoordinateShape | SurfaceData
+
+    @property
+    def name(self) -> str:
+        """That of the file it came from, or its own."""
+        return getattr(self.shape, "source", "") or self.shape.name or HELD
+
+    def digest(self) -> str:
+        """Hash of its pickle.
+
+        Raises
+        ------
+        InvalidParameter
+            It cannot be pickled.
+        """
+        return object_digest(self.shape, f"the horizon {self.name}")
+
+    def read(self) -> CoordinateShape | SurfaceData:
+        """The horizon itself."""
+        return self.shape
+
+
+@dataclass(frozen=True)
+class HeldSlice:
+    """A slice in memory, or in closed form.
+
+    Attributes
+    ----------
+    geometry : ThreeGeometry
+    """
+
+    geometry: ThreeGeometry
+
+    @property
+    def name(self) -> str:
+        """What kind of slice it is."""
+        return type(self.geometry).__name__
+
+    def digest(self) -> str:
+        """Hash of its pickle: functions count by their names.
+
+        Raises
+        ------
+        InvalidParameter
+            It cannot be pickled.
+        """
+        return object_digest(self.geometry, f"the geometry {self.name}")
+
+    def read(self, low: Floats, high: Floats) -> ThreeGeometry:
+        """The slice itself, all of it."""
+        return self.geometry
+
+
+@dataclass(frozen=True)
+class MissingSlice:
+    """No slice where there must be one.
+
+    Attributes
+    ----------
+    why : str
+        A sentence.
+    """
+
+    why: str
+
+    @property
+    def name(self) -> str:
+        """What is missing."""
+        return "no slice"
+
+    def digest(self) -> str:
+        """Hash of the reason."""
+        return hashlib.sha256(self.why.encode()).hexdigest()
+
+    def read(self, low: Floats, high: Floats) -> ThreeGeometry:
+        """Nothing.
+
+        Raises
+        ------
+        FileError
+            Always.
+        """
+        raise FileError(self.why)
+
+
+def file_digest(path: str | os.PathLike[str]) -> str:
+    """Hash of the bytes of a file, kept as long as its size and its time of change are the same.
+
+    Raises
+    ------
+    FileError
+        It cannot be read, or changes meanwhile.
+    """
+    with unchanged(path):
+        return _hashed(Path(path), _state(path))
+
+
+@contextlib.contextmanager
+def unchanged(path: str | os.PathLike[str]) -> Iterator[None]:
+    """Block in which a file is read, and must not be changed by others.
+
+    Raises
+    ------
+    FileError
+        Its size or its time of change are not the same afterward.  This is said, too, instead of what was
+        wrong with a file that has changed.
+    """
+    before = _state(path)
+    try:
+        yield
+    except FileError:
+        if _state(path) == before:
+            raise
+    if _state(path) != before:
+        raise FileError(f"{path} has changed while it was read")
+
+
+def object_digest(thing: object, what: str) -> str:
+    """Hash of what an object is pickled to, without what it keeps to be faster.
+
+    Parameters
+    ----------
+    thing : object
+    what : str
+        Its name in the message.
+
+    Raises
+    ------
+    InvalidParameter
+        It cannot be pickled.
+    """
+    hashed = _HashedPickle()
+    pickler = _Contents(hashed, protocol=4)  # from 5 on pickles tell arrays from views of them
+    pickler.fast = True  # without references to what was pickled before: equal objects count as the same
+    try:
+        pickler.dump(thing)
+    except (pickle.PicklingError, AttributeError, TypeError, ValueError, RecursionError) as error:
+        why = " ".join(str(error).split())
+        raise InvalidParameter(
+            f"{what} cannot be sent to another process, for which its functions must be defined at the top "
+            f"of a module: {why}"
+        ) from None
+    return hashed.sha.hexdigest()
+
+
+class _HashedPickle:
+    """File that hashes what is written to it."""
+
+    def __init__(self) -> None:
+        self.sha = hashlib.sha256()
+
+    def write(self, data: bytes) -> int:
+        self.sha.update(data)
+        return len(data)
+
+
+class _Contents(pickle.Pickler):
+    """Pickler of objects without their cached properties."""
+
+    def reducer_override(self, thing: Any) -> Any:
+        kept = [
+            name
+            for base in type(thing).__mro__
+            for name, value in vars(base).items()
+            if isinstance(value, cached_property)
+        ]
+        if isinstance(thing, type) or not kept:
+            return NotImplemented
+        make, given, state, *rest = thing.__reduce_ex__(4)
+        return make, given, {name: value for name, value in state.items() if name not in kept}, *rest
+
+
+def _state(path: str | os.PathLike[str]) -> tuple[int, int] | None:
+    """Size and time of change of a file; None if there is none."""
+    try:
+        there = os.stat(path)
+    except OSError:
+        return None
+    return there.st_size, there.st_mtime_ns
+
+
+@lru_cache(maxsize=4096)
+def _hashed(path: Path, state: tuple[int, int] | None) -> str:
+    sha = hashlib.sha256()
+    with open_input(path) as file:
+        try:
+            while block := file.read(BLOCK):
+                sha.update(block)
+        except OSError as error:
+            raise FileError(f"cannot read {path}: {error.strerror}") from None
+    return sha.hexdigest()
