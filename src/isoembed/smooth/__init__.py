@@ -11,6 +11,7 @@ from isoembed.smooth.grid_metric import GridMetric
 from isoembed.smooth.harmonics import Harmonics
 from isoembed.smooth.solve import embed_smooth
 from isoembed.smooth.sphere_map import SphereMap, metric_in
+from isoembed.smooth.start import Start
 from isoembed.smooth.symmetry import axis_of_symmetry
 from isoembed.smooth.triangulation import SphereMesh, triangulate_metric
 from isoembed.smooth.two_metric import AngleMetric, PulledBack, TwoMetric
@@ -26,6 +27,7 @@ __all__ = [
     "SmoothEmbedding",
     "SphereMap",
     "SphereMesh",
+    "Start",
     "TwoMetric",
     "UncertainFunction",
     "Uncertainty",

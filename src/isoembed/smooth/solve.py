@@ -21,7 +21,7 @@ from isoembed.smooth.isometry import ISOMETRY
 from isoembed.smooth.orientation import oriented
 from isoembed.smooth.smoothness import check_rings, check_within
 from isoembed.smooth.sphere_map import SphereMap, metric_in
-from isoembed.smooth.sphere_transform import SphereTransform
+from isoembed.smooth.start import Start
 from isoembed.smooth.symmetry import axis_of_symmetry
 from isoembed.smooth.transforms import resized
 from isoembed.smooth.triangulation import SphereMesh, graded_mesh
@@ -59,7 +59,7 @@ SOLVE = SolveThresholds()
 def embed_smooth(
     metric: TwoMetric,
     *,
-    start: SmoothEmbedding | None = None,
+    start: SmoothEmbedding | Start | None = None,
     shape: Callable[[Floats], Floats] | None = None,
     vertices: int = 1000,
     tolerance: float = 1e-4,
@@ -75,8 +75,8 @@ def embed_smooth(
     Parameters
     ----------
     metric : TwoMetric
-    start : SmoothEmbedding, optional
-        Of a metric nearby, in the same directions: the mesh is left out.
+    start : SmoothEmbedding or Start, optional
+        A surface of a metric nearby, in the same directions: the mesh is left out.
     shape : callable, optional
         Takes directions u (n, 3) and returns points (n, 3), to which the surface is turned as near as a
         rotation brings it; by default the directions themselves.
@@ -138,9 +138,10 @@ def embed_smooth(
         v = mesh.directions if coordinates is None else coordinates.inverse(mesh.directions)
         origin, first = _from_points(v, points), 0
     else:
+        start = Start.of(start)
         if not symmetric:
             coordinates = start.coordinates
-        mesh, origin = None, partial(_in_directions_of, coordinates, start)
+        mesh, origin = None, partial(start.in_directions_of, coordinates)
         first = max(0, sum(h.degree < start.harmonics.degree for h in ladder) - 1)
     goal = _Goal(metric, coordinates, shape, tolerance, accuracy, hindrance, mesh)
     best, residuals = goal.approached(ladder[first:], origin)
@@ -245,15 +246,6 @@ def _composed(
     if shape is None:
         return coordinates.forward
     return lambda v: shape(coordinates.forward(v))
-
-
-def _in_directions_of(coordinates: SphereMap | None, start: SmoothEmbedding, harmonics: Harmonics) -> Floats:
-    """Coefficients (size, 3) of a surface in harmonics of the coordinates' directions."""
-    if start.coordinates is coordinates:
-        return resized(start.coefficients, start.harmonics, harmonics)
-    transform = SphereTransform(harmonics, 2 * harmonics.degree, 4 * harmonics.degree)
-    u = transform.u if coordinates is None else coordinates.forward(transform.u)
-    return transform.analysis(start.points(u))
 
 
 def _embedded(mesh: SphereMesh) -> Floats:

@@ -57,7 +57,7 @@ class SphereMap:
     coefficients: Floats
 
     def __post_init__(self) -> None:
-        coefficients = np.array(self.coefficients, dtype=np.float64)
+        coefficients = np.array(self.coefficients, dtype=np.float64, order="C")
         if coefficients.shape != (self.harmonics.size, 3):
             raise InvalidParameter(
                 f"a map in {self.harmonics.size} harmonics takes as many triples, not {coefficients.shape}"

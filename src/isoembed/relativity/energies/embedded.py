@@ -15,6 +15,7 @@ from isoembed.relativity.horizons.spin import Spin, find_spin, spin_report, torq
 from isoembed.relativity.spacetimes.surface_data import SurfaceData
 from isoembed.smooth.embedding import SmoothEmbedding
 from isoembed.smooth.solve import embed_smooth
+from isoembed.smooth.start import Start
 from isoembed.thresholds import threshold
 
 CONVENTIONS = {
@@ -123,7 +124,7 @@ class EmbeddedSurface:
 def embed_surface(
     data: SurfaceData,
     *,
-    start: EmbeddedSurface | None = None,
+    start: EmbeddedSurface | Start | None = None,
     vertices: int = 1000,
     tolerance: float = 1e-4,
     best_fit: bool = False,
@@ -133,7 +134,7 @@ def embed_surface(
     Parameters
     ----------
     data : SurfaceData
-    start : EmbeddedSurface, optional
+    start : EmbeddedSurface or isoembed.smooth.Start, optional
         One nearby, such as the one before in a sequence: it is deformed, which is several times faster.
     vertices, tolerance, best_fit
         See `isoembed.smooth.embed_smooth`.
@@ -150,8 +151,8 @@ def embed_surface(
     if not isinstance(data, SurfaceData):
         instead = "take its data()" if hasattr(data, "data") else "for a metric alone, SurfaceData(metric)"
         raise InvalidParameter(f"the data are a {type(data).__name__}, not SurfaceData: {instead}")
-    if not (start is None or isinstance(start, EmbeddedSurface)):
-        raise InvalidParameter(f"start is a {type(start).__name__}, not an EmbeddedSurface")
+    if not (start is None or isinstance(start, EmbeddedSurface | Start)):
+        raise InvalidParameter(f"start is a {type(start).__name__}, not an EmbeddedSurface or a Start")
     trace = np.trace(data.metric.tensor(np.eye(3)), axis1=1, axis2=2)
     if not np.all((trace > SURFACE.smallest) & (trace < SURFACE.largest)):
         raise InvalidMetric(
@@ -161,7 +162,7 @@ def embed_surface(
     uncertain = data.lengths_error
     embedding = embed_smooth(
         data.metric,
-        start=None if start is None else start.embedding,
+        start=start.embedding if isinstance(start, EmbeddedSurface) else start,
         shape=data.shape,
         vertices=vertices,
         tolerance=max(tolerance, SURFACE.rougher * uncertain.mean, 2.0 * uncertain.pointwise),

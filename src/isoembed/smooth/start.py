@@ -1,0 +1,83 @@
+"""Starts of embeddings: the surface nearby that is deformed, as the numbers that it takes."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from isoembed.arrays import Floats
+from isoembed.smooth.embedding import SmoothEmbedding
+from isoembed.smooth.harmonics import Harmonics
+from isoembed.smooth.sphere_map import SphereMap
+from isoembed.smooth.sphere_transform import SphereTransform
+from isoembed.smooth.transforms import resized
+
+SURFACE, COORDINATES = "surface", "coordinates"
+
+
+@dataclass(frozen=True, eq=False)
+class Start:
+    """A map X from the sphere into R^3 that an embedding is deformed from.
+
+    Attributes
+    ----------
+    harmonics : Harmonics
+    coefficients : ndarray, shape (harmonics.size, 3)
+        Of X in the harmonics.
+    coordinates : SphereMap, optional
+        The map u = F(v) to the metric's directions u from those of the harmonics, v; by default they are the
+        same.
+    """
+
+    harmonics: Harmonics
+    coefficients: Floats
+    coordinates: SphereMap | None = None
+
+    def __post_init__(self) -> None:
+        # In one order in memory, which sums may depend on: what is restored does the same to the last bit.
+        coefficients = np.array(self.coefficients, dtype=np.float64, order="C")
+        coefficients.setflags(write=False)
+        object.__setattr__(self, "coefficients", coefficients)
+
+    @classmethod
+    def of(cls, surface: SmoothEmbedding | Start) -> Start:
+        """The start that a surface is."""
+        return cls(surface.harmonics, surface.coefficients, surface.coordinates)
+
+    @classmethod
+    def restored(cls, arrays: Mapping[str, NDArray]) -> Start:
+        """The start with these `arrays`, to the last bit."""
+        coordinates = f"{COORDINATES}/degrees" in arrays
+        return cls(
+            *_restored(SURFACE, arrays), SphereMap(*_restored(COORDINATES, arrays)) if coordinates else None
+        )
+
+    @property
+    def arrays(self) -> dict[str, NDArray]:
+        """Named arrays: the ``coefficients`` and ``degrees`` of the surface and of coordinates of its own."""
+        kept = _kept(SURFACE, self.harmonics, self.coefficients)
+        if self.coordinates is not None:
+            kept |= _kept(COORDINATES, self.coordinates.harmonics, self.coordinates.coefficients)
+        return kept
+
+    def in_directions_of(self, coordinates: SphereMap | None, harmonics: Harmonics) -> Floats:
+        """Coefficients (size, 3) in some harmonics of the directions of other coordinates."""
+        if self.coordinates is coordinates:
+            return resized(self.coefficients, self.harmonics, harmonics)
+        transform = SphereTransform(harmonics, 2 * harmonics.degree, 4 * harmonics.degree)
+        u = transform.u if coordinates is None else coordinates.forward(transform.u)
+        v = u if self.coordinates is None else self.coordinates.inverse(u)
+        return transform.analysis(self.harmonics.derivatives(v, self.coefficients)[0])
+
+
+def _kept(name: str, harmonics: Harmonics, coefficients: Floats) -> dict[str, NDArray]:
+    degrees = np.array([harmonics.degree, harmonics.order])
+    return {f"{name}/coefficients": coefficients, f"{name}/degrees": degrees}
+
+
+def _restored(name: str, arrays: Mapping[str, NDArray]) -> tuple[Harmonics, Floats]:
+    degree, order = map(int, arrays[f"{name}/degrees"])
+    return Harmonics(degree, order), arrays[f"{name}/coefficients"]
