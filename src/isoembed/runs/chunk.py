@@ -1,0 +1,101 @@
+"""The tasks of one chunk, one after the other, in whatever process."""
+
+from __future__ import annotations
+
+import traceback
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from time import perf_counter
+
+from threadpoolctl import threadpool_limits
+
+from isoembed.io.files import FileError
+from isoembed.runs.result import FAILED, REFUSED, Result
+from isoembed.runs.store import Store
+from isoembed.runs.task import Task, key_of
+
+
+@dataclass(frozen=True)
+class Wish:
+    """Which tasks are done although their results are there.
+
+    Attributes
+    ----------
+    again : bool
+        All of them.
+    retry : bool
+        Those that had no answer.
+    """
+
+    again: bool = False
+    retry: bool = False
+
+
+MISSING = Wish()
+"""Only those whose results are not there."""
+
+
+@dataclass(frozen=True, eq=False)
+class Outcome:
+    """The result of a task, and how it came.
+
+    Attributes
+    ----------
+    result : Result
+    computed : bool
+        Whether it was computed, or was there before.
+    seconds : float
+        What it took.
+    complaint : str
+        Why it could not be kept.
+    """
+
+    result: Result
+    computed: bool
+    seconds: float = 0.0
+    complaint: str = ""
+
+
+def solve_chunk(tasks: Sequence[Task], store: Store | None, wish: Wish) -> list[Outcome]:
+    """See `solved`."""
+    return list(solved(tasks, store, wish))
+
+
+def solved(tasks: Sequence[Task], store: Store | None, wish: Wish) -> Iterator[Outcome]:
+    """Outcomes of the tasks of a chunk, each of which may start from the one before."""
+    before: Result | None = None
+    for task in tasks:
+        outcome = _outcome(task, before, store, wish)
+        if outcome.result.answered:
+            before = outcome.result
+        yield outcome
+
+
+def _outcome(task: Task, before: Result | None, store: Store | None, wish: Wish) -> Outcome:
+    start = perf_counter()
+    try:
+        key, unreadable = key_of(task.digest()), None
+    except FileError as error:
+        key, unreadable = key_of(str(error)), Result.without_answer(task.label, REFUSED, str(error))
+    kept = None if store is None or wish.again else store.find(task.label, key)
+    if kept is not None and (kept.answered or not wish.retry):
+        return Outcome(kept, computed=False, seconds=perf_counter() - start)
+    result = unreadable or _computed(task, before)
+    complaint = ""
+    if store is not None:
+        try:
+            store.keep(result, key)
+        except FileError as error:
+            complaint = str(error)
+    return Outcome(result, computed=True, seconds=perf_counter() - start, complaint=complaint)
+
+
+def _computed(task: Task, before: Result | None) -> Result:
+    try:
+        with threadpool_limits(1):  # the processes share the cores
+            return task.compute(before)
+    except MemoryError:
+        return Result.without_answer(task.label, FAILED, "there was not enough memory for it")
+    except Exception as error:  # a mistake of ours: it is kept with its traceback, and ends no other task
+        message = f"{type(error).__name__}: {error}"
+        return Result.without_answer(task.label, FAILED, message, traceback=traceback.format_exc())

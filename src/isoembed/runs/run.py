@@ -1,0 +1,138 @@
+"""The tasks of a run: in chunks, here or by an executor, and again where a process was killed."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable, Iterator
+from concurrent.futures import FIRST_COMPLETED, BrokenExecutor, Executor, Future, wait
+from dataclasses import dataclass
+from itertools import islice
+
+from isoembed.errors import InvalidParameter
+from isoembed.io.files import FileError
+from isoembed.runs.chunk import MISSING, Outcome, Wish, solve_chunk, solved
+from isoembed.runs.result import FAILED, Result
+from isoembed.runs.store import Store
+from isoembed.runs.task import Task, key_of
+
+CHUNK = 8  # tasks: the first of a chunk has no neighbor to start from
+
+
+@dataclass(frozen=True)
+class Shard:
+    """One part of a run, for array jobs of a batch system.
+
+    Attributes
+    ----------
+    number, of : int
+        The number of the part, from 1, and how many there are.
+    """
+
+    number: int = 1
+    of: int = 1
+
+    def __post_init__(self) -> None:
+        if not 1 <= self.number <= self.of:
+            raise InvalidParameter(f"part {self.number} of {self.of} is none: they are numbered from 1")
+
+
+WHOLE = Shard()
+
+
+def run(
+    tasks: Iterable[Task],
+    *,
+    store: Store | None = None,
+    executor: Executor | None = None,
+    chunk: int = CHUNK,
+    shard: Shard = WHOLE,
+    wish: Wish = MISSING,
+) -> Iterator[Outcome]:
+    """Outcomes of tasks, as they come: those of one chunk in their order.
+
+    Parameters
+    ----------
+    tasks : iterable of Task
+    store : Store, optional
+        Where results are kept; those that are there are not computed again.
+    executor : concurrent.futures.Executor, optional
+        By default the tasks are done here, one after the other.  A chunk whose process is killed is done once
+        more, and if that fails, too, task by task.
+    chunk : int
+        How many consecutive tasks start from each other; what is there of a chunk is taken from the store, so
+        that a run that was interrupted comes to the same.
+    shard : Shard
+        Which of the chunks are done.
+    wish : Wish
+        Which are done although their results are there.
+
+    Raises
+    ------
+    InvalidParameter
+        The chunk is not positive.
+    """
+    if chunk < 1:
+        raise InvalidParameter(f"a chunk of {chunk} tasks is none")
+    mine = islice(_chunks(tasks, chunk), shard.number - 1, None, shard.of)
+    if executor is None:
+        for part in mine:
+            yield from solved(part, store, wish)
+        return
+    under_way: dict[Future[list[Outcome]], _Attempt] = {}
+
+    def begin(attempt: _Attempt) -> None:
+        under_way[executor.submit(solve_chunk, attempt.tasks, store, wish)] = attempt
+
+    for part in mine:
+        begin(_Attempt(part))
+        yield from _finished(under_way, begin, store, timeout=0)
+    while under_way:
+        yield from _finished(under_way, begin, store, timeout=None)
+
+
+@dataclass(frozen=True)
+class _Attempt:
+    """Tasks that are done together by an executor, and how often their process was lost."""
+
+    tasks: tuple[Task, ...]
+    lost: int = 0
+
+
+def _finished(
+    under_way: dict[Future[list[Outcome]], _Attempt],
+    begin: Callable[[_Attempt], None],
+    store: Store | None,
+    timeout: float | None,
+) -> Iterator[Outcome]:
+    """Outcomes of the chunks that are done; those whose process was lost are begun again."""
+    for future in wait(under_way, timeout, FIRST_COMPLETED).done:
+        attempt = under_way.pop(future)
+        error = future.exception()
+        if error is None:
+            yield from future.result()
+        elif attempt.lost == 0:
+            begin(_Attempt(attempt.tasks, lost=1))
+        elif len(attempt.tasks) > 1:
+            for task in attempt.tasks:
+                begin(_Attempt((task,), lost=1))
+        else:
+            yield _lost(attempt.tasks[0], error, store)
+
+
+def _lost(task: Task, error: BaseException, store: Store | None) -> Outcome:
+    """The outcome of a task that cannot be sent to a process, or whose process was lost twice."""
+    why = " ".join(str(error).split()) or type(error).__name__
+    if isinstance(error, BrokenExecutor):
+        why = "the system ended its process, and that of a second attempt: most likely memory ran out"
+    result = Result.without_answer(task.label, FAILED, why)
+    try:
+        if store is not None:
+            store.keep(result, key_of(task.digest()))
+    except FileError as complaint:
+        return Outcome(result, computed=True, complaint=str(complaint))
+    return Outcome(result, computed=True)
+
+
+def _chunks(tasks: Iterable[Task], size: int) -> Iterator[tuple[Task, ...]]:
+    left = iter(tasks)
+    while part := tuple(islice(left, size)):
+        yield part

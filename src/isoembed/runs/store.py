@@ -1,0 +1,85 @@
+"""The results of a run in a folder: one file for each, whole, under its task's label and key."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Iterator
+from dataclasses import dataclass
+from pathlib import Path
+
+from isoembed.io.files import FileError, write_atomically
+from isoembed.runs.result import Result
+
+RESULTS, ENDING = "results", ".npz"
+HIDDEN = "."  # before the names of files that are being written
+
+
+@dataclass(frozen=True)
+class Store:
+    """Results in files ``<folder>/results/<label>.<key>.npz``.
+
+    Several processes may use one folder at a time.  Where there are several results of one task, of another
+    version or other options, that which was asked for last counts.
+
+    Attributes
+    ----------
+    folder : Path
+    """
+
+    folder: Path
+
+    @classmethod
+    def made(cls, folder: Path) -> Store:
+        """The store in a folder, which is made if it is not there.
+
+        Raises
+        ------
+        FileError
+            It cannot be made.
+        """
+        try:
+            (folder / RESULTS).mkdir(parents=True, exist_ok=True)
+        except OSError as error:
+            raise FileError(f"cannot make the folder {folder / RESULTS}: {error.strerror}") from None
+        return cls(folder)
+
+    def path(self, label: str, key: str) -> Path:
+        """The file of a result."""
+        return self.folder / RESULTS / f"{label}.{key}{ENDING}"
+
+    def find(self, label: str, key: str) -> Result | None:
+        """The result of this task, if it is there and can be read; from now on it is the one that counts."""
+        path = self.path(label, key)
+        try:
+            result = Result.read(path)
+            os.utime(path)
+        except (FileError, OSError):  # none, a damaged one, or one that somebody removes
+            return None
+        return result
+
+    def keep(self, result: Result, key: str) -> None:
+        """Keep a result.
+
+        Raises
+        ------
+        FileError
+            It cannot be written.
+        """
+        write_atomically({self.path(result.label, key): result.writer})
+
+    def __iter__(self) -> Iterator[Result]:
+        """One result of each task, by label; files that cannot be read are left out."""
+        latest: dict[str, tuple[int, Path]] = {}
+        for path in sorted((self.folder / RESULTS).glob(f"*{ENDING}")):
+            label = path.name.removesuffix(ENDING).rpartition(".")[0]
+            try:
+                asked = path.stat().st_mtime_ns
+            except OSError:  # it is gone
+                continue
+            if not path.name.startswith(HIDDEN) and asked >= latest.get(label, (0, path))[0]:
+                latest[label] = asked, path
+        for label in sorted(latest):
+            try:
+                yield Result.read(latest[label][1])
+            except FileError:
+                continue

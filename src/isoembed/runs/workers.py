@@ -1,0 +1,101 @@
+"""Processes that work side by side: one that is killed takes nothing else with it."""
+
+from __future__ import annotations
+
+import multiprocessing
+import os
+import queue
+import signal
+import threading
+from collections.abc import Callable
+from concurrent.futures import BrokenExecutor, Executor, Future, ProcessPoolExecutor
+from contextlib import suppress
+from typing import Any, TypeVar
+
+T = TypeVar("T")
+
+
+class Workers(Executor):
+    """An executor of processes, each in a pool of its own.
+
+    In one pool a process that is killed, as by the system where memory runs out, ends all that is under way,
+    and nobody knows which task it was.  Here it is the future whose process it was that fails, with
+    `concurrent.futures.process.BrokenProcessPool`; another process takes its place.
+
+    `submit` waits while all are busy, so that no more is in memory than is worked on.  The processes are
+    spawned, begin when there is work for them, and end with this one, however it ends.
+
+    Parameters
+    ----------
+    jobs : int, optional
+        How many processes; by default one for each core that this process may use.
+    """
+
+    def __init__(self, jobs: int | None = None) -> None:
+        self._idle: queue.SimpleQueue[_Worker] = queue.SimpleQueue()
+        self._all = [_Worker() for _ in range(jobs or cores())]
+        for worker in self._all:
+            self._idle.put(worker)
+
+    def submit(self, function: Callable[..., T], /, *args: Any, **options: Any) -> Future[T]:
+        """See `concurrent.futures.Executor.submit`."""
+        worker = self._idle.get()
+        try:
+            future = worker.submit(function, *args, **options)
+        except BaseException:
+            self._idle.put(worker)
+            raise
+        future.add_done_callback(lambda _: self._idle.put(worker))
+        return future
+
+    def shutdown(self, wait: bool = True, *, cancel_futures: bool = False) -> None:
+        """End the processes: at once, if futures are to be canceled."""
+        for worker in self._all:
+            worker.end(wait=wait, at_once=cancel_futures)
+
+
+class _Worker:
+    """A pool of one process, made anew after it was killed."""
+
+    def __init__(self) -> None:
+        self._pool: ProcessPoolExecutor | None = None
+        self._number: Future[int] | None = None
+
+    def submit(self, function: Callable[..., T], /, *args: Any, **options: Any) -> Future[T]:
+        if self._pool is not None:
+            try:
+                return self._pool.submit(function, *args, **options)
+            except BrokenExecutor:  # it was killed
+                self._pool.shutdown()
+        self._pool = ProcessPoolExecutor(1, multiprocessing.get_context("spawn"), _begin)
+        self._number = self._pool.submit(os.getpid)
+        return self._pool.submit(function, *args, **options)
+
+    def end(self, *, wait: bool, at_once: bool) -> None:
+        if self._pool is None or self._number is None:
+            return
+        if at_once:
+            # One that is killed has no number, and one that has not begun will find nothing to do.
+            with suppress(BrokenExecutor, TimeoutError, ProcessLookupError):
+                os.kill(self._number.result(timeout=0), signal.SIGTERM)
+        self._pool.shutdown(wait=wait, cancel_futures=at_once)
+
+
+def cores() -> int:
+    """How many cores this process may use."""
+    if hasattr(os, "sched_getaffinity"):
+        return len(os.sched_getaffinity(0))
+    return os.cpu_count() or 1
+
+
+def _begin() -> None:
+    """Begin in a process: Ctrl-C is its parent's business, and it ends when that is gone."""
+    signal.signal(signal.SIGINT, signal.SIG_IGN)
+    threading.Thread(target=_end_with_parent, daemon=True).start()
+
+
+def _end_with_parent() -> None:
+    parent = multiprocessing.parent_process()
+    if parent is not None:
+        parent.join()
+        os._exit(1)

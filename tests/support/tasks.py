@@ -1,0 +1,59 @@
+"""Tasks for tests of runs: what they do is written in them, so that processes can be told to die."""
+
+import hashlib
+import os
+import signal
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+
+from isoembed.io import FileError
+from isoembed.runs import Result
+
+
+@dataclass(frozen=True)
+class Square:
+    """The square of a number, and the sum of those before it in its chunk.
+
+    Where there is a folder, every call leaves a file in it.
+    """
+
+    number: int
+    calls: Path | None = None
+    fails: str = ""
+    options: str = ""
+
+    @property
+    def label(self) -> str:
+        return f"square{self.number}"
+
+    def digest(self) -> str:
+        if self.fails == "unreadable":
+            raise FileError(f"there is no file {self.label}")
+        return hashlib.sha256(f"{self.number} {self.fails} {self.options}".encode()).hexdigest()
+
+    def compute(self, before: Result | None) -> Result:
+        if self.calls is not None:
+            with (self.calls / self.label).open("a") as file:
+                file.write("x")
+        if self.fails == "no answer":
+            return Result.without_answer(self.label, "none", f"{self.number} has no square")
+        if self.fails == "memory":
+            raise MemoryError
+        if self.fails == "mistake":
+            raise ZeroDivisionError("a mistake")
+        if self.fails == "killed" or (self.fails == "killed once" and self._count() == 1):
+            os.kill(os.getpid(), signal.SIGKILL)
+        total = 0.0 if before is None else before.report["total"]
+        square = float(self.number) ** 2
+        return Result(
+            self.label,
+            "done",
+            {"square": square, "total": total + square / 3.0, "process": os.getpid()},
+            {"square": np.array([square])},
+        )
+
+    def _count(self) -> int:
+        assert self.calls is not None
+        return len((self.calls / self.label).read_text())
