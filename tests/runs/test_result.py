@@ -20,7 +20,7 @@ def test_a_result_is_read_as_it_was_written(tmp_path):
     write_atomically({path: result.writer})
     again = Result.read(path)
     assert (again.label, again.status, again.report) == ("ah1.t8", "embedded", result.report)
-    assert again.report == {"area": 1.1, "missing": None, "axis": [0.1, 2], "nested": {"n": 3}}
+    assert again.report == {"area": 1.1, "none": None, "axis": [0.1, 2], "nested": {"n": 3}}
     assert again.arrays.keys() == arrays.keys() and again.answered
     for name, array in arrays.items():
         assert again.arrays[name].dtype == array.dtype

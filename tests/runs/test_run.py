@@ -118,7 +118,7 @@ def test_no_such_shard(number, of):
 
 
 def test_no_such_chunk():
-    with pytest.raises(InvalidParameter, match="^a chunk of 0 tasks is none$"):
+    with pytest.raises(InvalidParameter, match=r"^a chunk of 0 tasks is none$"):
         next(run([], chunk=0))
 
 

@@ -9,6 +9,7 @@ from time import perf_counter
 
 from threadpoolctl import threadpool_limits
 
+from isoembed.errors import InvalidParameter
 from isoembed.io.files import FileError
 from isoembed.runs.result import FAILED, REFUSED, Result
 from isoembed.runs.store import Store
@@ -73,20 +74,21 @@ def solved(tasks: Sequence[Task], store: Store | None, wish: Wish) -> Iterator[O
 
 def _outcome(task: Task, before: Result | None, store: Store | None, wish: Wish) -> Outcome:
     start = perf_counter()
+    if store is None:
+        return Outcome(_computed(task, before), computed=True, seconds=perf_counter() - start)
+    unreadable = None
     try:
-        key, unreadable = key_of(task.digest()), None
-    except FileError as error:
+        key = key_of(task.digest())
+    except (FileError, InvalidParameter) as error:
         key, unreadable = key_of(str(error)), Result.without_answer(task.label, REFUSED, str(error))
-    kept = None if store is None or wish.again else store.find(task.label, key)
+    kept = None if wish.again else store.find(task.label, key)
     if kept is not None and (kept.answered or not wish.retry):
         return Outcome(kept, computed=False, seconds=perf_counter() - start)
-    result = unreadable or _computed(task, before)
-    complaint = ""
-    if store is not None:
-        try:
-            store.keep(result, key)
-        except FileError as error:
-            complaint = str(error)
+    result, complaint = unreadable or _computed(task, before), ""
+    try:
+        store.keep(result, key)
+    except FileError as error:
+        complaint = str(error)
     return Outcome(result, computed=True, seconds=perf_counter() - start, complaint=complaint)
 
 

@@ -24,8 +24,8 @@ class Task(Protocol):
 
         Raises
         ------
-        FileError
-            The input cannot be read.
+        FileError, InvalidParameter
+            The input cannot be read, or has no digest.
         """
         ...
 
