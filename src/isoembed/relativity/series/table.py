@@ -1,0 +1,270 @@
+"""Table of a run: a row for each horizon, sorted by series and time; CSV, and HDF5 with the harmonics."""
+
+from __future__ import annotations
+
+import csv
+import os
+import re
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from isoembed.arrays import Floats
+from isoembed.io.files import FileError, Writer, ending, write_atomically
+from isoembed.io.hdf5 import HDF5_ENDINGS
+from isoembed.io.registry import check_output
+from isoembed.runs.result import Result
+
+TABLE_ENDINGS = (".csv", *HDF5_ENDINGS)
+LENGTH, AREA, PURE = "length", "length^2", "1"
+ESTIMATES = {
+    "area": AREA,
+    "irreducible_mass": LENGTH,
+    "christodoulou_mass": LENGTH,
+    "J": AREA,
+    "dimensionless_spin": PURE,
+    "integrated_mean_curvature": LENGTH,
+    "hawking": LENGTH,
+    "brown_york": LENGTH,
+    "liu_yau": LENGTH,
+    "wang_yau": LENGTH,
+}
+"""Columns with an error, which has a column of its own after it, and their units."""
+AXIS = ("axis_x", "axis_y", "axis_z")
+LABEL = re.compile(r"(.+?)\.(?:t(\d+)|T([-+\d.e]+)|\d+)")
+HARMONICS = ("surface/", "coordinates/")
+"""Beginnings of the names of arrays that restore a surface."""
+
+
+def _units() -> dict[str, str]:
+    units = {"time": "time", "iteration": PURE}
+    for name, unit in ESTIMATES.items():
+        units |= {name: unit, f"{name}_error": unit}
+        if name == "J":
+            units |= {**dict.fromkeys(AXIS, PURE), "axis_error": "radian"}
+    return units | {"residual": PURE, "degree": PURE}
+
+
+UNITS = _units()
+"""Columns of numbers, in their order, and their units: geometric ones, G = c = 1."""
+ERRORS = {name: f"{name}_error" for name in ESTIMATES} | dict.fromkeys(AXIS, "axis_error")
+"""Where the errors of a column are."""
+TEXTS = ("status", "reason", "label")
+"""Columns of texts, which are the last ones."""
+WHOLE = ("iteration", "degree")
+
+
+@dataclass(frozen=True)
+class Row:
+    """One horizon of a table.
+
+    Attributes
+    ----------
+    series : str
+    label, status, reason : str
+        Of the result; the reason why there is no embedding, where there is none.
+    numbers : dict of str to float
+        By the names of their columns; what is not known is left out.
+    """
+
+    series: str
+    label: str
+    status: str
+    reason: str
+    numbers: dict[str, float]
+
+    @classmethod
+    def of(cls, result: Result) -> Row:
+        """The row of a result."""
+        report, numbers = result.report, dict[str, float | None]()
+        moment = report.get("moment") or _moment_in(result.label)
+        numbers |= {"time": moment["time"], "iteration": moment["iteration"]}
+        errors, spin = report.get("errors") or {}, report.get("spin")
+        for name in ESTIMATES:
+            numbers |= {name: report.get(name), f"{name}_error": errors.get(name)}
+        if spin:
+            numbers |= {"J": spin["J"], "J_error": spin["error"]}
+            if spin["axis"]:
+                numbers |= {**dict(zip(AXIS, spin["axis"], strict=True)), "axis_error": spin["axis_error"]}
+        found = report.get("embedding") or {}
+        numbers |= {name: found.get(name) for name in ("residual", "degree")}
+        known = {name: float(value) for name, value in numbers.items() if value is not None}
+        return cls(moment["series"], result.label, result.status, result.message, known)
+
+    @property
+    def place(self) -> tuple[Any, ...]:
+        """What rows are sorted by: the series, with ah2 before ah10, the time and the iteration."""
+        words = re.split(r"(\d+)", self.series)
+        natural = [(int(word), "") if word.isdigit() else (-1, word) for word in words]
+        when = [self.numbers.get(name, np.inf) for name in ("time", "iteration")]
+        return natural, self.series, when, self.label
+
+
+def _moment_in(label: str) -> dict[str, Any]:
+    """The moment that a label tells, of a result without one, as of a worker that was killed."""
+    found = LABEL.fullmatch(label)
+    if found is None:
+        return {"series": label, "time": None, "iteration": None}
+    series, iteration, time = found.groups()
+    return {
+        "series": series,
+        "time": time and float(time),
+        "iteration": iteration and int(iteration),
+    }
+
+
+@dataclass(frozen=True, eq=False)
+class SeriesTable:
+    """Numbers of all horizons of a run, with those that do not embed or failed.
+
+    Attributes
+    ----------
+    rows : tuple of Row
+        Sorted by series and time.
+    harmonics : mapping of str to mapping
+        Of the embedded ones, by label: the arrays of `isoembed.smooth.Start`, that restore the surface.
+    """
+
+    rows: tuple[Row, ...]
+    harmonics: Mapping[str, Mapping[str, NDArray[Any]]]
+
+    @classmethod
+    def of(cls, results: Iterable[Result]) -> SeriesTable:
+        """The table of results.
+
+        Parameters
+        ----------
+        results : iterable of Result
+            In any order.
+        """
+        rows, harmonics = list[Row](), dict[str, dict[str, NDArray[Any]]]()
+        for result in results:
+            rows.append(Row.of(result))
+            kept = {name: array for name, array in result.arrays.items() if name.startswith(HARMONICS)}
+            if kept:
+                harmonics[result.label] = kept
+        return cls(tuple(sorted(_dated(rows), key=lambda row: row.place)), harmonics)
+
+    @property
+    def series(self) -> dict[str, SeriesTable]:
+        """The table of each series, by its name."""
+        names = dict.fromkeys(row.series for row in self.rows)
+        return {
+            name: SeriesTable(tuple(row for row in self.rows if row.series == name), self.harmonics)
+            for name in names
+        }
+
+    def __getitem__(self, name: str) -> Floats:
+        """A column of numbers, of `UNITS`; NaN where it is not known."""
+        return np.array([row.numbers.get(name, np.nan) for row in self.rows])
+
+    @property
+    def statuses(self) -> tuple[str, ...]:
+        """The status of each row."""
+        return tuple(row.status for row in self.rows)
+
+
+def _dated(rows: Sequence[Row]) -> list[Row]:
+    """The rows, with the time of others at the same iteration where they have none."""
+    times = {
+        row.numbers["iteration"]: row.numbers["time"]
+        for row in rows
+        if row.numbers.keys() >= {"iteration", "time"}
+    }
+    known = [times.get(row.numbers.get("iteration", np.nan)) for row in rows]
+    return [
+        row if time is None else replace(row, numbers={"time": time} | row.numbers)
+        for row, time in zip(rows, known, strict=True)
+    ]
+
+
+def write_table(path: str | os.PathLike[str], results: Iterable[Result]) -> None:
+    """Write the table of a run as ``.csv`` or HDF5.
+
+    Parameters
+    ----------
+    path : path
+        Its ending says which: ``.csv``, ``.h5``, ``.hdf5`` or ``.he5``.
+    results : iterable of Result
+        In any order.  The same results make the same bytes.
+
+    Raises
+    ------
+    FileError
+        The ending is not known, the file cannot be written, or h5py is not installed.
+
+    Notes
+    -----
+    A number in CSV has as many digits, at most 17, as it takes to read the same number again; a cell is empty
+    where a number is not known.
+
+    HDF5 has a group for each series, in which every column is a data set along time with its ``unit``; where
+    there is one, the attribute ``error`` names the data set of errors.  What is not known is NaN, of whole
+    numbers -1.  The group ``surfaces`` of a series has one for each embedded horizon, by its label, with the
+    harmonics of the surface; `isoembed.smooth.Start.restored` makes them a surface again.
+    """
+    check_output(path, TABLE_ENDINGS)
+    write_atomically({Path(path): table_writer(path, SeriesTable.of(results))})
+
+
+def table_writer(path: str | os.PathLike[str], table: SeriesTable) -> Writer:
+    """Writer of a table in the format of this ending; see `write_atomically` and `write_table`."""
+    if ending(path) == ".csv":
+        return lambda temporary: _write_csv(temporary, table)
+    try:
+        import h5py  # noqa: F401
+    except ImportError:
+        raise FileError("HDF5 needs h5py: pip install 'isoembed[hdf5]'; a .csv does not") from None
+    return lambda temporary: _write_hdf5(temporary, table)
+
+
+def _write_csv(path: Path, table: SeriesTable) -> None:
+    with path.open("w", encoding="utf-8", errors="backslashreplace", newline="") as file:
+        writer = csv.writer(file, lineterminator="\n")
+        writer.writerow(["series", *UNITS, *TEXTS])
+        for row in table.rows:
+            numbers = [_written(name, row.numbers.get(name)) for name in UNITS]
+            writer.writerow([row.series, *numbers, *(getattr(row, name) for name in TEXTS)])
+
+
+def _written(name: str, value: float | None) -> str:
+    if value is None or not np.isfinite(value):
+        return ""
+    return str(int(value)) if name in WHOLE else repr(value)
+
+
+def _write_hdf5(path: Path, table: SeriesTable) -> None:
+    import h5py
+
+    with h5py.File(path, "w") as file:
+        for name, part in table.series.items():
+            group = file.create_group(name.replace("/", "|"))
+            for column, unit in UNITS.items():
+                values = part[column]
+                if column in WHOLE:
+                    values = np.where(np.isfinite(values), values, -1).astype(np.int64)
+                data = group.create_dataset(column, data=values, track_times=False)
+                data.attrs["unit"] = np.bytes_(unit)
+                if column in ERRORS:
+                    data.attrs["error"] = np.bytes_(ERRORS[column])
+            for column in TEXTS:
+                group.create_dataset(
+                    column, data=_texts([getattr(row, column) for row in part.rows]), track_times=False
+                )
+            surfaces = group.create_group("surfaces")
+            for row in part.rows:
+                for array, values in table.harmonics.get(row.label, {}).items():
+                    surfaces.create_dataset(f"{row.label}/{array}", data=values, track_times=False)
+
+
+def _texts(words: list[str]) -> NDArray[Any]:
+    """Texts of a fixed length in UTF-8."""
+    import h5py
+
+    encoded = [word.encode("utf-8", errors="backslashreplace") for word in words]
+    longest = max(map(len, encoded), default=0) or 1
+    return np.array(encoded, dtype=h5py.string_dtype("utf-8", longest))
