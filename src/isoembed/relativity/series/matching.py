@@ -1,0 +1,164 @@
+"""Matching of horizons with slices: by iteration where both have one, else by time."""
+
+import re
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from isoembed.errors import InvalidParameter
+from isoembed.relativity.series.moment import ListedShape, ListedSlice, Moment
+from isoembed.relativity.series.source import MissingSlice, SliceSource
+from isoembed.thresholds import threshold
+
+
+@dataclass(frozen=True)
+class MatchingThresholds:
+    """Thresholds of matching horizons with slices."""
+
+    time: float = threshold(0.02, "least steps", "Printed times of one moment may differ by this.")
+    same: float = threshold(1e-9, "largest times", "Times that differ by at most this are the same.")
+
+
+MATCHING = MatchingThresholds()
+
+
+def matched(shapes: Iterable[ListedShape], slices: Iterable[ListedSlice]) -> list[Moment]:
+    """Moments of horizons with the slices that they are in.
+
+    Parameters
+    ----------
+    shapes : iterable of ListedShape
+    slices : iterable of ListedSlice
+
+    Returns
+    -------
+    list of Moment
+        As `ordered` puts them.  A horizon without a slice has a `MissingSlice` that says what there is.
+
+    Raises
+    ------
+    InvalidParameter
+        Two horizons are of one series and moment, or two slices of one moment.
+    """
+    shapes = list(shapes)
+    times: dict[str, list[float]] = {}
+    for shape in shapes:
+        if shape.time is not None:
+            times.setdefault(shape.series, []).append(shape.time)
+    known = _Slices(list(slices), times.values())
+    return ordered(
+        [Moment(shape.series, shape.time, shape.iteration, shape.source, known.of(shape)) for shape in shapes]
+    )
+
+
+def ordered(moments: Iterable[Moment]) -> list[Moment]:
+    """Moments by series, and within each by time where all of them have one, else by iteration.
+
+    Raises
+    ------
+    InvalidParameter
+        Two of them have one label.
+    """
+    by_series: dict[str, list[Moment]] = {}
+    for moment in moments:
+        by_series.setdefault(moment.series, []).append(moment)
+    out: list[Moment] = []
+    for series in sorted(by_series, key=_natural):
+        there = by_series[series]
+        key = next(
+            (
+                name
+                for name in ("time", "iteration", "position")
+                if all(getattr(moment, name) is not None for moment in there)
+            ),
+            None,
+        )
+        out += sorted(there, key=lambda moment: getattr(moment, key)) if key else there
+    labels: dict[str, Moment] = {}
+    for moment in out:
+        if (other := labels.setdefault(moment.label, moment)) is not moment:
+            raise InvalidParameter(
+                f"{other.shape.name} and {moment.shape.name} are both {_when(moment)}: leave one"
+            )
+    return out
+
+
+class _Slices:
+    """Slices by their iterations and times."""
+
+    def __init__(self, slices: Sequence[ListedSlice], of_series: Iterable[Sequence[float]]) -> None:
+        self.count = len(slices)
+        self.by_iteration: dict[int, SliceSource] = {}
+        timed: list[tuple[float, SliceSource]] = []
+        for listed in slices:
+            if listed.iteration is not None:
+                other = self.by_iteration.setdefault(listed.iteration, listed.source)
+                if other is not listed.source:
+                    _refuse(other, listed.source, f"iteration {listed.iteration}")
+            if listed.time is not None:
+                timed.append((listed.time, listed.source))
+        timed.sort(key=lambda pair: pair[0])
+        self.times = np.array([time for time, _ in timed])
+        self.sources = [source for _, source in timed]
+        self.room = _room([self.times, *map(np.array, of_series)])
+        if not self.by_iteration:
+            near = np.flatnonzero(np.diff(self.times) <= MATCHING.same * _largest(self.times))
+            for k in near[:1].tolist():
+                _refuse(self.sources[k], self.sources[k + 1], f"t = {self.times[k]:.9g}")
+
+    def of(self, shape: ListedShape) -> SliceSource:
+        """The slice of a horizon, or one that says that there is none."""
+        if shape.iteration is not None and self.by_iteration:
+            return self.by_iteration.get(shape.iteration) or self._missing(shape)
+        if shape.time is not None and len(self.times):
+            nearest = int(np.argmin(np.abs(self.times - shape.time)))
+            if abs(self.times[nearest] - shape.time) <= self.room:
+                return self.sources[nearest]
+        return self._missing(shape)
+
+    def _missing(self, shape: ListedShape) -> MissingSlice:
+        here = f"no slice for {_when(shape)} ({shape.source.name})"
+        if self.count == 0:
+            return MissingSlice(f"there is {here}: there is none at all")
+        there = [
+            *([f"iterations {_range(sorted(self.by_iteration))}"] if self.by_iteration else []),
+            *([f"t = {_range(self.times.tolist())}"] if len(self.times) else []),
+        ]
+        what = f"slices are at {' and '.join(there)}" if there else "slices say neither iteration nor time"
+        return MissingSlice(f"there is {here}: {what}")
+
+
+def _refuse(one: SliceSource, other: SliceSource, when: str) -> None:
+    raise InvalidParameter(f"{one.name} and {other.name} are both slices of {when}: leave one")
+
+
+def _room(lists: Sequence[np.ndarray]) -> float:
+    """By how much times of one moment may differ, from lists each of which has them as one file says them."""
+    scale = max(_largest(times) for times in lists)
+    steps = np.concatenate([np.diff(np.unique(times)) for times in lists])
+    steps = steps[steps > MATCHING.same * scale]
+    return float(max(MATCHING.same * scale, MATCHING.time * steps.min(initial=np.inf) if len(steps) else 0.0))
+
+
+def _largest(times: np.ndarray) -> float:
+    return float(np.max(np.abs(times), initial=0.0))
+
+
+def _range(values: Sequence[float]) -> str:
+    """A few numbers in words."""
+    if len(values) <= 4:
+        return ", ".join(f"{value:.9g}" for value in values)
+    return f"{values[0]:.9g}, {values[1]:.9g}, ..., {values[-1]:.9g} ({len(values)} of them)"
+
+
+def _when(moment: Moment | ListedShape) -> str:
+    if moment.iteration is not None:
+        return f"{moment.series} at iteration {moment.iteration}"
+    return moment.series if moment.time is None else f"{moment.series} at t = {moment.time:.9g}"
+
+
+def _natural(series: str) -> list[tuple[int, int, str]]:
+    """Key by which ah2 comes before ah10."""
+    words = re.split(r"(\d+)", series)
+    return [(0, int(word), "") if word.isdigit() else (1, 0, word) for word in words]
