@@ -33,6 +33,8 @@ MARGINS = 0.9  # inches, below with the caption and above
 SHARE = 0.82  # of the width; the rest is for the color bar
 TITLE = 0.35  # inches, above panels
 GAP = 0.04  # of a panel's width, on both sides
+UNDATED = {"svg": {"Date": None}, "pdf": {"CreationDate": None}}
+"""Metadata with which the same picture makes the same bytes."""
 INK, PAPER, SEAM = "#1c2430", "white", "#e8502a"
 
 
@@ -131,7 +133,15 @@ def picture_writer(path: str | os.PathLike[str], embedding: Embedding, **drawing
 
 def figure_writer(path: str | os.PathLike[str], drawn: Figure) -> Writer:
     """Return what writes a figure in the format of this ending; see `write_atomically`."""
-    return lambda temporary: drawn.savefig(temporary, format=ending(path)[1:], dpi=DPI)
+    form = ending(path)[1:]
+
+    def write(temporary: Path) -> None:
+        from matplotlib import rc_context
+
+        with rc_context({"svg.hashsalt": "isoembed"}):
+            drawn.savefig(temporary, format=form, dpi=DPI, metadata=UNDATED.get(form))
+
+    return write
 
 
 def write_picture(

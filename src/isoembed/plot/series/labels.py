@@ -1,0 +1,46 @@
+"""What the numbers of a run are called in pictures, and the colors of its series."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+
+SYMBOLS = {
+    "area": "area\n$A$",
+    "irreducible_mass": "irreducible mass\n$M_\\mathrm{irr}$",
+    "christodoulou_mass": "Christodoulou mass\n$M$",
+    "J": "angular momentum\n$J$",
+    "dimensionless_spin": "spin\n$\\chi = J/M^2$",
+    "axis": "axis of the spin\n$\\hat s$",
+    "integrated_mean_curvature": "total mean curvature\n$\\int\\! H\\,\\mathrm{d}A$",
+    "hawking": "Hawking energy\n$E_\\mathrm{H}$",
+    "brown_york": "Brown-York energy\n$E_\\mathrm{BY}$",
+    "liu_yau": "Kijowski-Liu-Yau\nenergy  $E_\\mathrm{KLY}$",
+    "wang_yau": "Wang-Yau energy\n$E_\\mathrm{WY}$",
+    "residual": "relative error\nof lengths",
+    "degree": "degree of the\nharmonics",
+}
+"""Labels of the columns of a table, in TeX between dollar signs."""
+AXIS = {"axis": ("axis_x", "axis_y", "axis_z")}
+"""What one panel shows together."""
+COLORS = ("#0072b2", "#d55e00", "#1c2430", "#009e73", "#cc79a7", "#e69f00", "#56b4e9")
+
+
+def colors_of(series: Iterable[str]) -> dict[str, str]:
+    """Colors of series, which color-blind people tell apart: seven, and again from the first.
+
+    Okabe and Ito, "Color universal design" (2008).
+    """
+    return {name: COLORS[k % len(COLORS)] for k, name in enumerate(series)}
+
+
+def escaped(text: str) -> str:
+    """A text without mathematics, for matplotlib."""
+    return text.replace("$", r"\$")
+
+
+def power_of_ten(value: float) -> str:
+    """A size in one digit, in TeX."""
+    mantissa, _, power = f"{value:.0e}".partition("e")
+    if value == 0 or -3 < int(power) < 4:
+        return f"{value:.1g}"
+    return rf"${mantissa} \times 10^{{{int(power)}}}$"
