@@ -18,7 +18,7 @@ import zoo
 from isoembed import Embedding, PolyhedralMetric
 from isoembed.io import FileError, expansion, read_metric, write_surface
 from isoembed.io.expansion import ExpansionThresholds
-from isoembed.relativity.spacetimes.cartesian_grid import read_cartesian_grid
+from isoembed.relativity.spacetimes.slice_file import GAMMA, read_cartesian_grid
 
 VERTICES, FACES = zoo.icosphere(1)
 
@@ -56,9 +56,9 @@ def test_what_expands_too_far_is_refused(bounded, tmp_path):
 def test_a_grid_of_nothing(bounded, tmp_path):
     h5py = pytest.importorskip("h5py")
     with h5py.File(tmp_path / "a.h5", "w") as file:
-        file.create_dataset(
-            "gxx", (10**5, 10**4, 10**3), "f8", chunks=(10, 10, 10)
-        )  # of which nothing is stored
+        for name in GAMMA:  # of which nothing is stored
+            file.create_dataset(name, (10**5, 10**4, 10**3), "f8", chunks=(10, 10, 10))
+        file.attrs["origin"], file.attrs["spacing"] = np.zeros(3), 1.0
     with pytest.raises(FileError, match=r"/gxx of .*a\.h5 expands from 0 to more than 10000 bytes"):
         read_cartesian_grid(tmp_path / "a.h5")
 

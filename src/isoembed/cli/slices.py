@@ -13,10 +13,10 @@ from isoembed.errors import InvalidParameter
 from isoembed.io.files import input_ending
 from isoembed.relativity.spacetimes.boosted import BoostedSchwarzschild, Superposed
 from isoembed.relativity.spacetimes.boyer_lindquist import BoyerLindquist
-from isoembed.relativity.spacetimes.cartesian_grid import read_cartesian_grid
 from isoembed.relativity.spacetimes.conformally_flat import BrillLindquist, IsotropicSchwarzschild
 from isoembed.relativity.spacetimes.kerr_schild import KerrSchild, horizon_radius
 from isoembed.relativity.spacetimes.painleve_gullstrand import PainleveGullstrand
+from isoembed.relativity.spacetimes.slice_file import read_cartesian_grid
 from isoembed.relativity.spacetimes.three_geometry import ThreeGeometry
 from isoembed.relativity.spacetimes.translated import Translated
 

@@ -8,16 +8,17 @@ import io
 import os
 import zipfile
 import zlib
-from collections.abc import Iterator
+from collections.abc import Collection, Iterator
 from functools import cached_property
 from pathlib import Path
 from typing import Any, BinaryIO
 
 import numpy as np
+from numpy.typing import NDArray
 
 from isoembed.io.expansion import check_expansion, largest_expansion
 from isoembed.io.files import FileError, Tables, input_ending, open_input
-from isoembed.io.hdf5 import HDF5_ENDINGS, enumerated, groups_in, listing, numbers_in
+from isoembed.io.hdf5 import HDF5_ENDINGS, array_of, enumerated, groups_in, listing, numbers_in
 
 GZIP = b"\x1f\x8b"
 
@@ -97,9 +98,43 @@ class InputFile(os.PathLike[str]):
             It is damaged, or something else.
         """
         if self.ending not in HDF5_ENDINGS:
-            return {"": _archive(self._stream, str(self))}
+            return {"": _archive(self._stream, str(self))[1]}
         with self.hdf5() as file:
             return {name: numbers_in(group, self) for name, group in groups_in(file).items()}
+
+    @property
+    def names(self) -> list[str]:
+        """Names of the arrays of a ``.npz`` archive, or of all that is at the top of an HDF5 file.
+
+        Raises
+        ------
+        FileError
+            As of `arrays`.
+        """
+        if self.ending not in HDF5_ENDINGS:
+            return _archive(self._stream, str(self), ())[0]
+        with self.hdf5() as file:
+            return [*file, *file.attrs]
+
+    def some(self, wanted: Collection[str]) -> Tables:
+        """Those of some arrays that are there: no others are read.
+
+        Parameters
+        ----------
+        wanted : collection of str
+            Names of arrays of a ``.npz`` archive, or of data sets or attributes at the top of an HDF5 file.
+
+        Raises
+        ------
+        FileError
+            As of `arrays`.
+        """
+        if self.ending not in HDF5_ENDINGS:
+            return _archive(self._stream, str(self), wanted)[1]
+        with self.hdf5() as file:
+            attributes = {name: np.asarray(file.attrs[name]) for name in wanted if name in file.attrs}
+            sets = {name: file[name] for name in wanted if hasattr(file.get(name), "dtype")}
+            return attributes | {name: array_of(data, self) for name, data in sets.items()}
 
     @property
     def contents(self) -> str:
@@ -148,10 +183,16 @@ def _decompressed(stream: BinaryIO, path: Path) -> bytes:
     return data
 
 
-def _archive(stream: BinaryIO, name: str) -> Tables:
-    """Arrays of a NumPy archive by their names.  Pickled objects are never loaded: they could run code."""
+def _archive(
+    stream: BinaryIO, name: str, wanted: Collection[str] | None = None
+) -> tuple[list[str], dict[str, NDArray[Any]]]:
+    """Names of the arrays of a NumPy archive, and the arrays, or some of them, by their names.
+
+    Pickled objects are never loaded: they could run code.
+    """
     part = "the directory"
     try:
+        stream.seek(0)
         if stream.read(4) not in (b"PK\x03\x04", b"PK\x05\x06") or not zipfile.is_zipfile(stream):
             raise FileError(f"{name} is not an npz archive, or is cut short")
         stored = stream.seek(0, os.SEEK_END)
@@ -159,9 +200,9 @@ def _archive(stream: BinaryIO, name: str) -> Tables:
         tables = {}
         with np.load(stream, allow_pickle=False) as archive:
             check_expansion(name, sum(member.file_size for member in archive.zip.infolist()), stored)
-            for part in archive.files:
+            for part in archive.files if wanted is None else [*filter(wanted.__contains__, archive.files)]:
                 tables[part] = archive[part]
-        return tables
+        return archive.files, tables
     except FileError:
         raise
     except (

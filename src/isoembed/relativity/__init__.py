@@ -39,7 +39,7 @@ from isoembed.relativity.horizons.spectre import read_spectre
 from isoembed.relativity.horizons.spin import Spin, find_spin
 from isoembed.relativity.spacetimes.boosted import BoostedSchwarzschild, Superposed
 from isoembed.relativity.spacetimes.boyer_lindquist import BoyerLindquist
-from isoembed.relativity.spacetimes.cartesian_grid import CartesianGrid, read_cartesian_grid
+from isoembed.relativity.spacetimes.cartesian_grid import CartesianGrid
 from isoembed.relativity.spacetimes.closed_form import kerr_surface
 from isoembed.relativity.spacetimes.conformally_flat import BrillLindquist, IsotropicSchwarzschild
 from isoembed.relativity.spacetimes.kerr import (
@@ -52,6 +52,7 @@ from isoembed.relativity.spacetimes.kerr import (
 from isoembed.relativity.spacetimes.kerr_schild import KerrSchild
 from isoembed.relativity.spacetimes.mapped_surface import MappedSurface
 from isoembed.relativity.spacetimes.painleve_gullstrand import PainleveGullstrand
+from isoembed.relativity.spacetimes.slice_file import read_cartesian_grid
 from isoembed.relativity.spacetimes.star_surface import StarSurface
 from isoembed.relativity.spacetimes.surface import Surface
 from isoembed.relativity.spacetimes.surface_data import SurfaceData

@@ -1,4 +1,4 @@
-"""Slices on Cartesian grids: exact for polynomials, of eighth order for holes, and their files."""
+"""Slices on Cartesian grids: exact for polynomials, of eighth order for holes."""
 
 import numpy as np
 import pytest
@@ -6,16 +6,9 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from isoembed.errors import InvalidMetric, InvalidParameter
-from isoembed.io.files import FileError
 from isoembed.relativity.energies.embedded import embed_surface
 from isoembed.relativity.energies.quadrature import intrinsic_energies
-from isoembed.relativity.spacetimes.cartesian_grid import (
-    GAMMA,
-    CartesianGrid,
-    K,
-    _Interpolation,
-    read_cartesian_grid,
-)
+from isoembed.relativity.spacetimes.cartesian_grid import CartesianGrid, _Interpolation
 from isoembed.relativity.spacetimes.conformally_flat import IsotropicSchwarzschild
 from isoembed.relativity.spacetimes.kerr_schild import KerrSchild
 from isoembed.relativity.spacetimes.painleve_gullstrand import PainleveGullstrand
@@ -253,72 +246,3 @@ def test_a_surface_through_missing_points_is_refused():
     surface = StarSurface.sphere((4, 4, 4), 1.0)
     with pytest.raises(InvalidMetric, match=r"is not positive definite: xx, xy, \.\.\. = nan"):
         surface.mean_curvature(CartesianGrid((0, 0, 0), 1.0, gamma), np.array([[0, 0, 1.0]]))
-
-
-def tables(curved):
-    rng = np.random.default_rng(4)
-    arrays = {name: rng.normal(size=(8, 9, 10)) for name in (GAMMA + K if curved else GAMMA)}
-    return arrays | {"origin": np.array([1.0, 2.0, 3.0]), "spacing": np.array(0.5)}
-
-
-def write(path, arrays, attributes=False):
-    if path.suffix == ".npz":
-        np.savez(path, **arrays)
-        return
-    h5py = pytest.importorskip("h5py")
-    with h5py.File(path, "w") as file:
-        for name, array in arrays.items():
-            if attributes and name in ("origin", "spacing"):
-                file.attrs[name] = array
-            else:
-                file[name] = array
-
-
-@pytest.mark.parametrize("curved", [False, True])
-@pytest.mark.parametrize(("name", "attributes"), [("a.npz", False), ("a.h5", False), ("a.hdf5", True)])
-def test_files(tmp_path, name, attributes, curved):
-    arrays = tables(curved)
-    write(tmp_path / name, arrays, attributes)
-    grid = read_cartesian_grid(tmp_path / name)
-    assert grid.origin == (1.0, 2.0, 3.0)
-    assert grid.spacing == (0.5, 0.5, 0.5)
-    assert grid.time_symmetric is not curved
-    x = np.array([[1.0, 2.5, 4.0]])  # the grid point [0, 1, 2]
-    np.testing.assert_allclose(
-        grid.metric(x)[0][np.triu_indices(3)], [arrays[name][0, 1, 2] for name in GAMMA]
-    )
-    if curved:
-        expected = [arrays[name][0, 1, 2] for name in K]
-        np.testing.assert_allclose(grid.extrinsic_curvature(x)[0][np.triu_indices(3)], expected)
-
-
-@pytest.mark.parametrize(
-    ("spoil", "sentence"),
-    [
-        (lambda t: t.pop("gyz"), "has no gyz"),
-        (lambda t: t.pop("kyz"), "has no kyz"),
-        (lambda t: t.pop("origin"), "has no origin"),
-        (
-            lambda t: t.update(gxz=t["gxz"][:, :, 1:]),
-            r"gxz in \S+ has the shape \(8, 9, 9\), gxx \(8, 9, 10\)",
-        ),
-        (lambda t: t.update(kxx=t["kxx"] * 1j), "kxx in .* does not hold real numbers"),
-        (lambda t: t.update(spacing=np.ones(2)), r"spacing in \S+ must be three numbers or one, not 2"),
-        (lambda t: t.update(spacing=np.array(-1.0)), "the spacing in x must be positive, not -1.0"),
-        (lambda t: t.update(origin=np.array([np.inf, 0, 0])), "the origin must be three finite numbers"),
-    ],
-)
-@pytest.mark.parametrize("name", ["a.npz", "a.h5"])
-def test_files_that_lack_something(tmp_path, name, spoil, sentence):
-    arrays = tables(curved=True)
-    spoil(arrays)
-    write(tmp_path / name, arrays)
-    with pytest.raises(FileError, match=sentence):
-        read_cartesian_grid(tmp_path / name)
-
-
-def test_other_files(tmp_path):
-    with pytest.raises(FileError, match=r"the ending '\.txt', not one of \.npz"):
-        read_cartesian_grid(tmp_path / "a.txt")
-    with pytest.raises(FileError, match="there is no file"):
-        read_cartesian_grid(tmp_path / "a.npz")

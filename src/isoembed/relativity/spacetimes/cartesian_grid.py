@@ -1,33 +1,20 @@
-"""Slices that are given on a Cartesian grid, interpolated to eighth order, and files of them.
-
-A file, .npz or HDF5, holds arrays of one shape (nx, ny, nz), [i, j, k] being the point
-``origin + spacing * (i, j, k)``: ``gxx gxy gxz gyy gyz gzz`` and, unless the slice is time-symmetric,
-``kxx kxy kxz kyy kyz kzz``; besides ``origin``, three numbers, and ``spacing``, three or one.  In HDF5 they
-are data sets of the root group, and origin and spacing may be attributes of it.
-"""
+"""Slices that are given on a Cartesian grid, interpolated to eighth order."""
 
 from __future__ import annotations
 
-import os
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from isoembed.arrays import Floats, Indices
 from isoembed.errors import InvalidParameter
-from isoembed.io.files import FileError, check_ending
-from isoembed.io.hdf5 import HDF5_ENDINGS, array_of
-from isoembed.io.input_file import InputFile
 from isoembed.kernel import kernel
 from isoembed.relativity.spacetimes.checks import numbers, positive_number, refuse_points, vector, written
 from isoembed.relativity.spacetimes.three_geometry import ThreeGeometry
 from isoembed.thresholds import threshold
 
-PLACE = ("origin", "spacing")
-GAMMA = ("gxx", "gxy", "gxz", "gyy", "gyz", "gzz")
-K = ("kxx", "kxy", "kxz", "kyy", "kyz", "kzz")
 ENTRY = np.array([[0, 1, 2], [1, 3, 4], [2, 4, 5]])
 """Which of the six is which entry of a symmetric matrix."""
 
@@ -215,50 +202,6 @@ class _Wider:
             there = np.isfinite(wider.reshape(len(x), -1)).all(axis=1)
             values[there] = wider[there]
         return values
-
-
-def read_cartesian_grid(path: str | os.PathLike[str]) -> CartesianGrid:
-    """Slice from an .npz or HDF5 file; the module's description says how it is laid out.
-
-    Raises
-    ------
-    FileError
-        The file cannot be read, or lacks something; the message says what.
-    """
-    check_ending(path, (".npz", *HDF5_ENDINGS))
-    with InputFile(path) as file:
-        tables = file.arrays[""] if file.ending == ".npz" else _hdf5_tables(file)
-    time_symmetric = not any(name in tables for name in K)
-    wanted = (*PLACE, *GAMMA) if time_symmetric else (*PLACE, *GAMMA, *K)
-    for name in wanted:
-        if name not in tables:
-            raise FileError(f"{path} has no {name}")
-        if tables[name].dtype.kind not in "iuf":
-            raise FileError(f"{name} in {path} does not hold real numbers")
-        if name[0] in "gk" and tables[name].shape != tables["gxx"].shape:
-            raise FileError(f"{name} in {path} has the shape {tables[name].shape}, gxx {tables['gxx'].shape}")
-    if tables["spacing"].size not in (1, 3):
-        raise FileError(f"spacing in {path} must be three numbers or one, not {tables['spacing'].size}")
-    try:
-        return CartesianGrid(
-            tables["origin"].ravel().tolist(),
-            np.broadcast_to(tables["spacing"].ravel(), 3).tolist(),
-            np.stack([tables[name] for name in GAMMA]),
-            None if time_symmetric else np.stack([tables[name] for name in K]),
-        )
-    except InvalidParameter as error:
-        raise FileError(f"{path}: {error}") from None
-
-
-def _hdf5_tables(given: InputFile) -> dict[str, NDArray]:
-    with given.hdf5() as file:
-        tables = {name: np.asarray(file.attrs[name]) for name in PLACE if name in file.attrs}
-        sets = {
-            name: array_of(file[name], given)
-            for name in (*PLACE, *GAMMA, *K)
-            if hasattr(file.get(name), "dtype")
-        }
-        return tables | sets
 
 
 def _six(what: str, given: ArrayLike) -> Floats:
