@@ -10,7 +10,7 @@ from isoembed.runs import Result
 def test_a_result_is_read_as_it_was_written(tmp_path):
     report = {
         "area": 1.1,
-        "missing": float("nan"),
+        "none": float("nan"),
         "axis": (np.float64(0.1), 2),
         "nested": {"n": np.int64(3)},
     }
