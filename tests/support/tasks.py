@@ -3,6 +3,7 @@
 import hashlib
 import os
 import signal
+from concurrent.futures import Executor, Future
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -57,3 +58,15 @@ class Square:
     def _count(self) -> int:
         assert self.calls is not None
         return len((self.calls / self.label).read_text())
+
+
+class Here(Executor):
+    """An executor that does everything at once in this process, for tests of what is done rather than where."""
+
+    def __init__(self, jobs=None):
+        pass
+
+    def submit(self, function, /, *args, **options):
+        future = Future()
+        future.set_result(function(*args, **options))
+        return future

@@ -7,7 +7,7 @@ import isoembed
 from isoembed._embed import configuration, method_names
 from isoembed.cli.answer import add_output_options, answer, asked_for, heard_by
 from isoembed.cli.interruption import Checkpoints, add_checkpoint_options, checkpoint_file
-from isoembed.cli.options import add_merge_option
+from isoembed.cli.options import add_merge_option, add_run_options, refuse_run_options
 from isoembed.cli.parameters import configured, parameters
 from isoembed.cli.screen import UsageError
 from isoembed.errors import Interrupted
@@ -18,10 +18,12 @@ from isoembed.progress.stages import Listener
 def configure(parser: argparse.ArgumentParser) -> None:
     """Add the options of ``isoembed embed``."""
     parser.add_argument(
-        "input",
+        "inputs",
+        nargs="+",
         metavar="INPUT",
         help=f"a metric (.npz or .json with faces, edges, lengths), or a mesh ({' '.join(MESH_ENDINGS)}) "
-        "whose lengths are taken and whose coordinates are thrown away; - reads JSON from standard input",
+        "whose lengths are taken and whose coordinates are thrown away; - reads JSON from standard input; of "
+        "several, the --output is a folder",
     )
     parser.add_argument(
         "--method",
@@ -40,6 +42,7 @@ def configure(parser: argparse.ArgumentParser) -> None:
     add_merge_option(parser)
     add_output_options(parser)
     add_checkpoint_options(parser)
+    add_run_options(parser)
     parser.add_argument(
         "--repair",
         metavar="NOISE",
@@ -62,22 +65,19 @@ def configure(parser: argparse.ArgumentParser) -> None:
 
 
 def run(options: argparse.Namespace) -> int:
-    """Embed the input; return the exit status."""
+    """Embed the input, or all of them; return the exit status."""
+    if len(options.inputs) > 1 or (options.output and options.output.is_dir()):
+        from isoembed.cli.embed_files import embed_files
+
+        return embed_files(options, _method(options))
+    refuse_run_options(options, "is for several files, whose --output is a folder")
     outputs = asked_for(options)
-    left = checkpoint_file(options, outputs)
-    repair = [] if options.repair is None else [f"repair={options.repair}"]
-    known = parameters(configuration(options.method))
-    if repair and "repair" not in known:
-        raise UsageError(
-            f"--repair needs the method 'alexandrov': the method {options.method!r} has no repair"
-        )
-    if options.best_fit and "best_fit" not in known:
-        raise UsageError(f"--best-fit needs the method 'aim': the method {options.method!r} has no best fit")
-    best_fit = ["best_fit=true"] if options.best_fit else []
-    method = configured(options.method, options.parameter + repair + best_fit)
+    [source] = options.inputs
+    left = checkpoint_file(options, outputs, source)
+    method = _method(options)
     kept = read_checkpoint(options.resume) if options.resume else None
     checkpoints = Checkpoints(left, kept)
-    metric = read_metric(options.input, merge=options.merge)
+    metric = read_metric(source, merge=options.merge)
 
     def solve(progress: Listener | None) -> isoembed.Embedding:
         return isoembed.embed(
@@ -96,6 +96,20 @@ def run(options: argparse.Namespace) -> int:
         raise FileError(f"{error}{checkpoints.left()}") from None
     checkpoints.remove()
     return status
+
+
+def _method(options: argparse.Namespace) -> isoembed.Method:
+    """The method with its parameters."""
+    repair = [] if options.repair is None else [f"repair={options.repair}"]
+    known = parameters(configuration(options.method))
+    if repair and "repair" not in known:
+        raise UsageError(
+            f"--repair needs the method 'alexandrov': the method {options.method!r} has no repair"
+        )
+    if options.best_fit and "best_fit" not in known:
+        raise UsageError(f"--best-fit needs the method 'aim': the method {options.method!r} has no best fit")
+    best_fit = ["best_fit=true"] if options.best_fit else []
+    return configured(options.method, options.parameter + repair + best_fit)
 
 
 def _tolerance(text: str) -> float:

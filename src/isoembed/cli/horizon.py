@@ -6,6 +6,7 @@ from pathlib import Path
 from typing import Any
 
 from isoembed.cli.closed_form import refuse_given
+from isoembed.cli.many import stems
 from isoembed.cli.options import (
     add_json_option,
     add_marginal_options,
@@ -145,18 +146,18 @@ def _given(options: argparse.Namespace) -> dict[str, Horizon | EmbeddedHorizon]:
         refuse_given(options, OF_SLICE, "needs a --geometry")
     else:
         geometry = slice_named(options.geometry, options)
-    stems = _stems(options.files)
+    names = stems(options.files)
     horizons: dict[str, Horizon | EmbeddedHorizon] = {}
     refusals: list[Exception] = []
-    for stem, name in zip(stems, options.files, strict=True):
+    for stem, name in zip(names, options.files, strict=True):
         try:
             horizons[stem] = _horizon(name, options, geometry)
         except (FileError, InvalidMetric, InvalidParameter) as error:
             refusals.append(error)
             horizons[stem] = EmbeddedHorizon.refused(name, error)
-    if len(refusals) == len(stems):
+    if len(refusals) == len(names):
         raise FileError("; ".join(map(str, refusals)))
-    _make_folder(options, stems)
+    _make_folder(options, names)
     return horizons
 
 
@@ -241,15 +242,6 @@ def _caption(report: dict[str, Any]) -> str:
     first = [name.replace("$", r"\$"), *(f"{key} {value:.9g}" for key, value in _moment(report).items())]
     second = [f"area {report['area']:.8g}", rf"$\int\! H\,dA = {report['integrated_mean_curvature']:.8g}$"]
     return "\n".join("     ".join(words) for words in (first, second))
-
-
-def _stems(files: list[str]) -> list[str]:
-    """Names for what is written, one for each file."""
-    stems = [Path(name).name.removesuffix(".gz").rsplit(".", 1)[0] or Path(name).name for name in files]
-    for k, stem in enumerate(stems):
-        if stem in stems[:k]:
-            raise UsageError(f"{files[stems.index(stem)]} and {files[k]} have the same name: {stem}")
-    return stems
 
 
 def _read(name: str, options: argparse.Namespace) -> CoordinateShape | SurfaceData:

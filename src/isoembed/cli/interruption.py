@@ -38,7 +38,7 @@ def add_checkpoint_options(parser: argparse.ArgumentParser) -> None:
     )
 
 
-def checkpoint_file(options: argparse.Namespace, outputs: Outputs) -> Path | None:
+def checkpoint_file(options: argparse.Namespace, outputs: Outputs, source: str) -> Path | None:
     """Where a checkpoint would go, if anywhere.
 
     Raises
@@ -54,7 +54,7 @@ def checkpoint_file(options: argparse.Namespace, outputs: Outputs) -> Path | Non
     if options.checkpoint:
         check_output(path, CHECKPOINT_ENDINGS)
     others = {f"--{name}": other for name, other in outputs.items()}
-    for name, other in {"INPUT": Path(options.input), **others}.items():
+    for name, other in {"INPUT": Path(source), **others}.items():
         if other.resolve() == path.resolve():
             raise UsageError(f"{name} and the checkpoint are the same file {path}")
     return path

@@ -1,12 +1,14 @@
 """Options that several commands share."""
 
 import argparse
+import re
 from pathlib import Path
 
 from isoembed.cli.screen import UsageError
 from isoembed.metric.given_mesh import MERGING
 
 DEFAULT, FEWEST = 1000, 12  # vertices
+OF_RUNS = ("jobs", "scheduler", "shard", "chunk", "retry", "force")
 
 
 def add_output_option(
@@ -90,3 +92,59 @@ def vertices(options: argparse.Namespace) -> int:
     if options.vertices is not None and options.vertices < FEWEST:
         raise UsageError(f"--vertices must be at least {FEWEST}, not {options.vertices}")
     return DEFAULT if options.vertices is None else int(options.vertices)
+
+
+def add_run_options(parser: argparse.ArgumentParser) -> None:
+    """Add the options that say where tasks are done, and which are done again."""
+    where = parser.add_mutually_exclusive_group()
+    where.add_argument("--jobs", type=_count, metavar="N", help="how many processes (default: one a core)")
+    where.add_argument(
+        "--scheduler",
+        metavar="ADDRESS",
+        help="instead of processes here: the workers of a Dask cluster that runs, tcp://HOST:PORT",
+    )
+    parser.add_argument(
+        "--shard",
+        type=_shard,
+        metavar="I/N",
+        help="do the I-th of N parts, in an array job of a batch system; all may have the same folder",
+    )
+    parser.add_argument(
+        "--chunk",
+        type=_count,
+        metavar="N",
+        help="how many consecutive ones are done by one process, each from the one before (default: a "
+        "16th of all, at most 8)",
+    )
+    again = parser.add_mutually_exclusive_group()
+    again.add_argument("--retry", action="store_true", help="try those again that had no answer")
+    again.add_argument("--force", action="store_true", help="do all again, whether they are there or not")
+
+
+def refuse_run_options(options: argparse.Namespace, why: str) -> None:
+    """Refuse options of runs where there is none.
+
+    Raises
+    ------
+    UsageError
+    """
+    for name in OF_RUNS:
+        if getattr(options, name):
+            raise UsageError(f"--{name} {why}")
+
+
+def _count(text: str) -> int:
+    try:
+        value = int(text)
+    except ValueError:
+        raise argparse.ArgumentTypeError(f"{text!r} is not a whole number") from None
+    if value < 1:
+        raise argparse.ArgumentTypeError(f"{text} is less than 1")
+    return value
+
+
+def _shard(text: str) -> tuple[int, int]:
+    found = re.fullmatch(r"(\d+)/(\d+)", text)
+    if found is None or not 1 <= int(found[1]) <= int(found[2]):
+        raise argparse.ArgumentTypeError(f"{text!r} is not I/N with I from 1 to N, as 3/10 is")
+    return int(found[1]), int(found[2])

@@ -44,7 +44,7 @@ class Fingerprint:
         method : configured method
         tolerance : float
         """
-        return cls(_digest(tables), _described(method), float(tolerance), __version__)
+        return cls(_digest(tables), described(method), float(tolerance), __version__)
 
     def check(self, found: Fingerprint | None) -> None:
         """Refuse the fingerprint of another computation.
@@ -81,7 +81,8 @@ def _digest(tables: Iterable[NDArray]) -> str:
     return digest.hexdigest()
 
 
-def _described(method: object) -> str:
+def described(method: object) -> str:
+    """A method in words: its name and its parameters, all that decide what it computes."""
     if not is_dataclass(method):
         return repr(method)
     shown = (field.name for field in fields(method) if field.repr)

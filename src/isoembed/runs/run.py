@@ -15,6 +15,7 @@ from isoembed.runs.store import Store
 from isoembed.runs.task import Task, key_of
 
 CHUNK = 8  # tasks: the first of a chunk has no neighbor to start from
+PARTS = 16  # chunks of short runs, so that many processes have something to do
 
 
 @dataclass(frozen=True)
@@ -130,6 +131,11 @@ def _lost(task: Task, error: BaseException, store: Store | None) -> Outcome:
     except FileError as complaint:
         return Outcome(result, computed=True, complaint=str(complaint))
     return Outcome(result, computed=True)
+
+
+def chunk_of(tasks: int) -> int:
+    """How many of so many tasks are a chunk: it depends on nothing else, so that no result does."""
+    return min(max(tasks // PARTS, 1), CHUNK)
 
 
 def _chunks(tasks: Iterable[Task], size: int) -> Iterator[tuple[Task, ...]]:

@@ -8,10 +8,11 @@ import numpy as np
 import pytest
 
 from isoembed.errors import InvalidParameter
+from isoembed.io.digest import file_digest, unchanged
 from isoembed.io.files import FileError
 from isoembed.relativity import AnalyticCallable, BrillLindquist, CoordinateShape, KerrNewmanHorizon
 from isoembed.relativity.series.moment import Moment
-from isoembed.relativity.series.source import HeldShape, HeldSlice, MissingSlice, file_digest, unchanged
+from isoembed.relativity.series.source import HeldShape, HeldSlice, MissingSlice
 from isoembed.smooth.grid_metric import GridMetric
 
 CORNERS = 2.0 * np.array([*np.eye(3), *-np.eye(3)])

@@ -3,24 +3,19 @@
 A source is pickled to a worker: it holds paths and choices, never an open file.
 """
 
-import contextlib
 import hashlib
-import os
 import pickle
-from collections.abc import Iterator
 from dataclasses import dataclass
-from functools import cached_property, lru_cache
-from pathlib import Path
+from functools import cached_property
 from typing import Any, Protocol, TypeVar
 
 from isoembed.arrays import Floats
 from isoembed.errors import InvalidParameter
-from isoembed.io.files import FileError, open_input
+from isoembed.io.files import FileError
 from isoembed.relativity.horizons.coordinate_shape import CoordinateShape
 from isoembed.relativity.spacetimes.surface_data import SurfaceData
 from isoembed.relativity.spacetimes.three_geometry import ThreeGeometry
 
-BLOCK = 1 << 20  # bytes that are hashed at once
 HELD = "memory"
 T_co = TypeVar("T_co", covariant=True)
 
@@ -181,38 +176,6 @@ class MissingSlice:
         raise FileError(self.why)
 
 
-def file_digest(path: str | os.PathLike[str]) -> str:
-    """Hash of the bytes of a file, kept as long as its size and its time of change are the same.
-
-    Raises
-    ------
-    FileError
-        It cannot be read, or changes meanwhile.
-    """
-    with unchanged(path):
-        return _hashed(Path(path), _state(path))
-
-
-@contextlib.contextmanager
-def unchanged(path: str | os.PathLike[str]) -> Iterator[None]:
-    """Block in which a file is read, and must not be changed by others.
-
-    Raises
-    ------
-    FileError
-        Its size or its time of change are not the same afterward.  This is said, too, instead of what was
-        wrong with a file that has changed.
-    """
-    before = _state(path)
-    try:
-        yield
-    except FileError:
-        if _state(path) == before:
-            raise
-    if _state(path) != before:
-        raise FileError(f"{path} has changed while it was read")
-
-
 def object_digest(thing: object, what: str) -> str:
     """Hash of what an object is pickled to, without what it keeps to be faster.
 
@@ -266,24 +229,3 @@ class _Contents(pickle.Pickler):
             return NotImplemented
         make, given, state, *rest = thing.__reduce_ex__(4)
         return make, given, {name: value for name, value in state.items() if name not in kept}, *rest
-
-
-def _state(path: str | os.PathLike[str]) -> tuple[int, int] | None:
-    """Size and time of change of a file; None if there is none."""
-    try:
-        there = os.stat(path)
-    except OSError:
-        return None
-    return there.st_size, there.st_mtime_ns
-
-
-@lru_cache(maxsize=4096)
-def _hashed(path: Path, state: tuple[int, int] | None) -> str:
-    sha = hashlib.sha256()
-    with open_input(path) as file:
-        try:
-            while block := file.read(BLOCK):
-                sha.update(block)
-        except OSError as error:
-            raise FileError(f"cannot read {path}: {error.strerror}") from None
-    return sha.hexdigest()

@@ -1,0 +1,86 @@
+"""``isoembed embed`` of many files: a surface and a report for each in a folder, and a table of all."""
+
+import argparse
+import csv
+import io
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from isoembed import Method
+from isoembed.cli.many import carried_out, seen_by_all, stems
+from isoembed.cli.screen import UsageError, print_aside, print_json
+from isoembed.io import mesh_writer, report_writer, write_atomically
+from isoembed.runs import Result, Store
+from isoembed.runs.embedding_task import EmbeddingTask
+
+OF_ONE = ("report", "picture", "html", "animate", "keep", "checkpoint", "resume")
+TABLE, SURFACE = "table.csv", ".ply"
+COLUMNS = {
+    "vertices": ("input", "vertices"),
+    "negative_deficits": ("input", "negative_deficits"),
+    "residual": ("residual", "max"),
+    "area": ("area",),
+    "volume": ("volume",),
+    "integrated_mean_curvature": ("integrated_mean_curvature",),
+    "concave_edges": ("convexity", "concave_edges"),
+    "others": ("others",),
+}
+"""Numbers of the table, and where they are in the report."""
+
+
+def embed_files(options: argparse.Namespace, method: Method) -> int:
+    """Embed all files into a folder; return the exit status."""
+    for name in OF_ONE:
+        if getattr(options, name, None):
+            raise UsageError(f"--{name} is for one file: of several, all is in the folder of --output")
+    if options.output is None:
+        raise UsageError(f"{len(options.inputs)} files need an --output: the folder for their surfaces")
+    if "-" in options.inputs:
+        raise UsageError("standard input, -, is one file: it does not go with others")
+    tasks = [
+        EmbeddingTask(stem, Path(name), method, options.tolerance, options.merge)
+        for stem, name in zip(stems(options.inputs), seen_by_all(options, options.inputs), strict=True)
+    ]
+    folder = Path(*seen_by_all(options, [options.output]))
+    tally = carried_out(tasks, Store.made(folder), options, lambda result: _write(folder, result))
+    rows = [_row(result) for result in Store(folder)]
+    write_atomically({folder / TABLE: lambda path: path.write_text(_csv(rows), encoding="utf-8")})
+    if options.json:
+        print_json({**tally.report, "table": str(options.output / TABLE)})
+    elif not options.quiet:
+        print_aside(f"{tally}\nin {options.output}: {TABLE}, and NAME{SURFACE} and NAME.json of each")
+    return tally.exit_status
+
+
+def _write(folder: Path, result: Result) -> None:
+    """Write the report of a file, and its surface if there is one."""
+    writers = {folder / f"{result.label}.json": report_writer(result.report)}
+    if result.answered:
+        data = dict(result.arrays)
+        vertices, corners, sizes = (data.pop(name) for name in ("vertices", "corners", "sizes"))
+        faces: Any = np.split(corners, np.cumsum(sizes)[:-1])
+        if (sizes == 3).all():
+            faces = corners.reshape(-1, 3)
+        path = folder / f"{result.label}{SURFACE}"
+        writers[path] = mesh_writer(path, vertices, faces, **data)
+    write_atomically(writers)
+
+
+def _row(result: Result) -> dict[str, Any]:
+    row: dict[str, Any] = {"name": result.label, "status": result.status}
+    for column, place in COLUMNS.items():
+        value: Any = result.report
+        for key in place:
+            value = value.get(key) if isinstance(value, dict) else None
+        row[column] = value
+    return {**row, "message": result.message}
+
+
+def _csv(rows: list[dict[str, Any]]) -> str:
+    text = io.StringIO()
+    writer = csv.DictWriter(text, ["name", "status", *COLUMNS, "message"], lineterminator="\n")
+    writer.writeheader()
+    writer.writerows(rows)
+    return text.getvalue()

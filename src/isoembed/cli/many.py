@@ -1,0 +1,179 @@
+"""What commands do that have many tasks: where they are done, how that is watched, and what is said of it."""
+
+import argparse
+import sys
+from collections import Counter
+from collections.abc import Callable, Iterator, Sequence
+from concurrent.futures import Executor
+from contextlib import contextmanager
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any
+
+from isoembed.cli.screen import UsageError, print_error
+from isoembed.cli.status import NOT_EMBEDDED, OK, WRONG
+from isoembed.io import FileError
+from isoembed.runs import Outcome, Result, Shard, Store, Task, Wish, Workers, run
+from isoembed.runs.cluster import dask_workers
+from isoembed.runs.result import REFUSED
+from isoembed.runs.run import chunk_of
+
+TOLD = 10  # failures that are told of; all are in the table
+
+
+@dataclass
+class Tally:
+    """What became of the tasks of a run so far.
+
+    Attributes
+    ----------
+    total : int
+        How many there are.
+    statuses : Counter of str
+        How many results have which status.
+    computed : int
+        How many were not there before.
+    failures, complaints : list of str
+        Those that have no answer and why; what could not be kept.
+    """
+
+    total: int
+    statuses: Counter[str] = field(default_factory=Counter)
+    computed: int = 0
+    failures: list[str] = field(default_factory=list)
+    complaints: list[str] = field(default_factory=list)
+
+    def add(self, outcome: Outcome) -> None:
+        """Count one."""
+        result = outcome.result
+        self.statuses[result.status] += 1
+        self.computed += outcome.computed
+        if not result.answered:
+            self.failures.append(f"{result.label}: {result.message}")
+        if outcome.complaint:
+            self.complaints.append(outcome.complaint)
+
+    @property
+    def done(self) -> int:
+        """How many have a result."""
+        return self.statuses.total()
+
+    @property
+    def report(self) -> dict[str, Any]:
+        """Plain numbers, for JSON."""
+        return {
+            **{"done": self.done, "of": self.total, "computed": self.computed},
+            **{"statuses": dict(self.statuses), "failures": self.failures, "not_kept": self.complaints},
+        }
+
+    def __str__(self) -> str:
+        statuses = ", ".join(f"{number:,} {status}" for status, number in self.statuses.most_common())
+        before = f"; {self.done - self.computed:,} were there before" if self.computed < self.done else ""
+        return f"{self.done:,} of {self.total:,}: {statuses or 'none'}{before}"
+
+    @property
+    def exit_status(self) -> int:
+        """That of the command: 0 if all have an answer."""
+        if self.complaints or (self.failures and self.statuses[REFUSED] == self.done):
+            return WRONG
+        return NOT_EMBEDDED if self.failures else OK
+
+
+def carried_out(
+    tasks: Sequence[Task], store: Store, options: argparse.Namespace, hear: Callable[[Result], None]
+) -> Tally:
+    """Do tasks as the options say, and tell of failures.
+
+    Parameters
+    ----------
+    tasks : sequence of Task
+    store : Store
+    options : argparse.Namespace
+        Of `add_run_options`, and quiet.
+    hear : callable
+        Takes every result as it comes.
+
+    Raises
+    ------
+    KeyboardInterrupt
+        On Ctrl-C, with a sentence: what is done is kept.
+    """
+    shard, size = Shard(*options.shard or (1, 1)), options.chunk or chunk_of(len(tasks))
+    mine = [task for k, task in enumerate(tasks) if k // size % shard.of == shard.number - 1]
+    tally = Tally(len(mine))
+    try:
+        with _executor(options) as executor, _view(tally, quiet=options.quiet) as show:
+            wish = Wish(again=options.force, retry=options.retry)
+            for outcome in run(tasks, store=store, executor=executor, chunk=size, shard=shard, wish=wish):
+                tally.add(outcome)
+                show()
+                try:
+                    hear(outcome.result)
+                except FileError as error:  # a full disk: what there is room for is done
+                    tally.complaints.append(str(error))
+    except KeyboardInterrupt:
+        raise KeyboardInterrupt(f"interrupted: {tally}; the same command goes on with what is left") from None
+    for failure in tally.failures[:TOLD]:
+        print_error(failure)
+    if len(tally.failures) > TOLD:
+        print_error(f"{len(tally.failures) - TOLD:,} more have no answer: the table says why")
+    for complaint in tally.complaints[:1]:
+        more = f" ({len(tally.complaints):,} results could not be kept)" if len(tally.complaints) > 1 else ""
+        print_error(f"{complaint}{more}")
+    return tally
+
+
+@contextmanager
+def _executor(options: argparse.Namespace) -> Iterator[Executor]:
+    if options.scheduler is not None:
+        with dask_workers(options.scheduler) as executor:
+            yield executor
+        return
+    workers = Workers(options.jobs)
+    try:
+        yield workers
+    except BaseException:
+        workers.shutdown(wait=False, cancel_futures=True)
+        raise
+    workers.shutdown()
+
+
+@contextmanager
+def _view(tally: Tally, *, quiet: bool) -> Iterator[Callable[[], None]]:
+    """A live line on a terminal: how much is done, and how long it will still take."""
+    if quiet or sys.stderr is None or not sys.stderr.isatty():
+        yield lambda: None
+        return
+    from rich.console import Console
+    from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeRemainingColumn
+
+    columns = (BarColumn(), MofNCompleteColumn(), TextColumn("{task.description}"), TimeRemainingColumn())
+    with Progress(*columns, console=Console(stderr=True)) as progress:
+        line = progress.add_task("", total=tally.total)
+
+        def show() -> None:
+            without = len(tally.failures)
+            said = f"{without:,} without an answer" if without else ""
+            progress.update(line, completed=tally.done, description=said)
+
+        yield show
+
+
+def stems(files: Sequence[str]) -> list[str]:
+    """Names for what is written of each of some files.
+
+    Raises
+    ------
+    UsageError
+        Two have the same.
+    """
+    names = [Path(name).name.removesuffix(".gz").rsplit(".", 1)[0] or Path(name).name for name in files]
+    for k, name in enumerate(names):
+        if name in names[:k]:
+            raise UsageError(f"{files[names.index(name)]} and {files[k]} have the same name: {name}")
+    return names
+
+
+def seen_by_all(options: argparse.Namespace, paths: Sequence[str | Path]) -> list[str]:
+    """Paths that the processes which do the tasks see: those of a cluster may be anywhere."""
+    return [str(Path(path).absolute() if options.scheduler else path) for path in paths]

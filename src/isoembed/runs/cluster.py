@@ -1,0 +1,41 @@
+"""Clusters of Dask."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from concurrent.futures import Executor
+from contextlib import contextmanager
+
+from isoembed.errors import InvalidParameter
+
+PATIENCE = 10.0  # seconds to wait for a scheduler
+
+
+@contextmanager
+def dask_workers(address: str) -> Iterator[Executor]:
+    """An executor that hands tasks to the workers of a scheduler that runs already.
+
+    A worker that is lost is replaced by another one: Dask does its tasks again.  All of them must see the
+    files of the tasks and of the store under the same paths, and have isoembed installed.
+
+    Parameters
+    ----------
+    address : str
+        ``tcp://host:port``, or what else `distributed.Client` takes.
+
+    Raises
+    ------
+    InvalidParameter
+        Dask is not installed, or there is no such scheduler.
+    """
+    try:
+        from distributed import Client
+    except ImportError:
+        raise InvalidParameter("a cluster needs Dask: pip install 'isoembed[dask]'") from None
+    try:
+        client = Client(address, timeout=PATIENCE, set_as_default=False)
+    except (OSError, ValueError) as error:  # nobody answers; the address is none
+        why = " ".join(str(error).split())
+        raise InvalidParameter(f"there is no scheduler of Dask at {address}: {why}") from None
+    with client, client.get_executor(pure=False) as executor:
+        yield executor

@@ -1,0 +1,78 @@
+"""The embedding of one file of many."""
+
+from __future__ import annotations
+
+import hashlib
+import warnings
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from isoembed._embed import Method, embed
+from isoembed.errors import InvalidMetric, InvalidParameter, MeshNote, NotEmbedded
+from isoembed.io.digest import file_digest, unchanged
+from isoembed.io.files import FileError
+from isoembed.io.format import flattened
+from isoembed.io.metric import read_metric
+from isoembed.io.surface import polygon_faces, vertex_residuals
+from isoembed.progress.fingerprint import described
+from isoembed.runs.result import REFUSED, Result
+from isoembed.surface.embedding import Embedding
+
+
+@dataclass(frozen=True)
+class EmbeddingTask:
+    """A metric in a file, to be embedded.
+
+    The arrays of its result are the ``vertices``, the ``corners`` of all faces one after the other and the
+    ``sizes``, how many each face has, and at the vertices ``mean_curvature`` and ``residual``; see
+    `isoembed.io.write_surface`.
+
+    Attributes
+    ----------
+    label : str
+    path : Path
+    method : Method
+    tolerance : float
+    merge : float or None
+        As of `isoembed.io.read_metric`.
+    """
+
+    label: str
+    path: Path
+    method: Method
+    tolerance: float
+    merge: float | None = None
+
+    def digest(self) -> str:
+        """See `isoembed.runs.Task`."""
+        parts = (file_digest(self.path), self.path.suffix, described(self.method), self.tolerance, self.merge)
+        return hashlib.sha256(repr(parts).encode()).hexdigest()
+
+    def compute(self, before: Result | None) -> Result:
+        """See `isoembed.runs.Task`; nothing is taken from the one before."""
+        facts: dict[str, Any] = {"name": str(self.path)}
+        with warnings.catch_warnings(record=True) as notes:
+            warnings.simplefilter("always", MeshNote)
+            try:
+                with unchanged(self.path):
+                    metric = read_metric(self.path, merge=self.merge)
+                found = embed(metric, method=self.method, tolerance=self.tolerance)
+            except NotEmbedded as error:
+                report = {**error.embedding.report, "message": str(error), **facts}
+                return Result(self.label, error.embedding.status, report)
+            except (FileError, InvalidMetric, InvalidParameter) as error:
+                return Result.without_answer(self.label, REFUSED, str(error), **facts)
+        said = [str(note.message) for note in notes if issubclass(note.category, MeshNote)]
+        return Result(self.label, found.status, {**found.report, **facts, "notes": said}, _arrays(found))
+
+
+def _arrays(found: Embedding) -> dict[str, Any]:
+    corners, sizes = flattened(polygon_faces(found))
+    return {
+        "vertices": np.asarray(found.vertices),
+        **{"corners": corners, "sizes": sizes},
+        **{"mean_curvature": found.mean_curvature, "residual": vertex_residuals(found)},
+    }
