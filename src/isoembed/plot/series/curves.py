@@ -15,6 +15,7 @@ from isoembed.errors import InvalidParameter
 from isoembed.io.files import write_atomically
 from isoembed.io.registry import check_output
 from isoembed.plot.picture import INK, PAPER, PICTURE_ENDINGS, check_drawable, figure_writer
+from isoembed.plot.series.abscissa import Abscissa
 from isoembed.plot.series.labels import AXIS, SYMBOLS, colors_of, escaped, power_of_ten
 from isoembed.plot.series.outcomes import MARKS, draw_outcomes
 from isoembed.relativity.series.table import ERRORS, SeriesTable
@@ -86,7 +87,7 @@ def series_figure(table: SeriesTable, names: Sequence[str]) -> Figure:
     from matplotlib.backends.backend_agg import FigureCanvasAgg
     from matplotlib.figure import Figure
 
-    parts, along = table.series, _Abscissa.of(table)
+    parts, along = table.series, Abscissa.of(table)
     lost = any(status != "embedded" for status in table.statuses)
     strip = STRIP * (len(parts) + 1.5) if lost else 0.0
     heights = [PANEL] * len(shown) + ([strip] if lost else [])
@@ -149,27 +150,6 @@ def write_series_figure(path: str | os.PathLike[str], table: SeriesTable, names:
 def _known(table: SeriesTable, name: str) -> bool:
     """Whether there is a number to show."""
     return any(bool(np.isfinite(table[column]).any()) for column in AXIS.get(name, (name,)))
-
-
-@dataclass(frozen=True)
-class _Abscissa:
-    """What the axis across a figure shows: time, or iterations or positions where no time is known."""
-
-    column: str
-    label: str
-
-    @classmethod
-    def of(cls, table: SeriesTable) -> _Abscissa:
-        for column, label in (("time", "time  $t$"), ("iteration", "iteration")):
-            known = np.isfinite(table[column])
-            if known.any():
-                lost = [row.label for row, there in zip(table.rows, known, strict=True) if not there]
-                also = f"\nnot shown, of no known {column}: {escaped(', '.join(lost))}" if lost else ""
-                return cls(column, label + also)
-        return cls("", "position in the series")
-
-    def of_series(self, part: SeriesTable) -> Floats:
-        return part[self.column] if self.column else np.arange(len(part.rows), dtype=np.float64)
 
 
 @dataclass(frozen=True, eq=False)

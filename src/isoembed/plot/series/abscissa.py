@@ -1,0 +1,52 @@
+"""What the horizons of a run are put in order by: time, or what takes its place where none is known."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from isoembed.arrays import Floats
+from isoembed.plot.series.labels import escaped
+from isoembed.relativity.series.table import SeriesTable
+
+
+@dataclass(frozen=True)
+class Abscissa:
+    """Time, iterations where no time is known, or positions in the series where neither is.
+
+    Attributes
+    ----------
+    column : str
+        Of the table; empty for the position.
+    symbol : str
+        With an equals sign or a space, before a number.
+    label : str
+        Of an axis; says which horizons are not on it.
+    """
+
+    column: str
+    symbol: str
+    label: str
+
+    @classmethod
+    def of(cls, table: SeriesTable) -> Abscissa:
+        """What is known of a run."""
+        for column, symbol, label in (
+            ("time", "t = ", "time  $t$"),
+            ("iteration", "iteration ", "iteration"),
+        ):
+            known = np.isfinite(table[column])
+            if known.any():
+                lost = [row.label for row, there in zip(table.rows, known, strict=True) if not there]
+                also = f"\nnot shown, of no known {column}: {escaped(', '.join(lost))}" if lost else ""
+                return cls(column, symbol, label + also)
+        return cls("", "position ", "position in the series")
+
+    def of_series(self, part: SeriesTable) -> Floats:
+        """Where the rows of one series are; NaN where it is not known."""
+        return part[self.column] if self.column else np.arange(len(part.rows), dtype=np.float64)
+
+    def written(self, value: float) -> str:
+        """A value with its symbol."""
+        return f"{self.symbol}{value:.6g}"

@@ -1,0 +1,164 @@
+"""Embedded horizons of a run, each at its center in the slice, turned so that they follow one another."""
+
+from __future__ import annotations
+
+from collections.abc import Collection, Iterable, Mapping
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from isoembed.arrays import Floats, Indices
+from isoembed.meshing.sphere import fibonacci_directions
+from isoembed.relativity.series.table import AXIS, Row, SeriesTable
+from isoembed.runs.result import Result
+from isoembed.smooth.start import SURFACE, Start
+from isoembed.surface.alignment import best_rotation
+from isoembed.thresholds import threshold
+
+FIELD, IN_SLICE = "field/", "slice_coordinates"
+
+
+@dataclass(frozen=True)
+class PlacingThresholds:
+    """Thresholds of the places of horizons beside each other."""
+
+    directions: int = threshold(500, "count", "Directions in which one surface is turned onto another.")
+    apart: float = threshold(2.5, "radii", "Distance of horizons side by side, of which no center is known.")
+
+
+PLACING = PlacingThresholds()
+
+
+@dataclass(frozen=True, eq=False)
+class PlacedHorizon:
+    """An embedded horizon at its place.
+
+    Attributes
+    ----------
+    row : Row
+        Of the table.
+    vertices : ndarray, shape (V, 3)
+        About the ``center``.
+    faces : ndarray of int, shape (F, 3)
+    fields : mapping of str to ndarray
+        At the vertices, (V,) or (V, k).
+    center : ndarray, shape (3,)
+        In the unit of the lengths.
+    axis : ndarray, shape (3,), or None
+        Of the spin, where it has one.
+    """
+
+    row: Row
+    vertices: Floats
+    faces: Indices
+    fields: Mapping[str, NDArray[Any]]
+    center: Floats
+    axis: Floats | None
+
+    @property
+    def radius(self) -> float:
+        """The largest distance of a vertex from the center."""
+        return float(np.linalg.norm(self.vertices - self.center, axis=1).max())
+
+    def holds(self, other: PlacedHorizon) -> bool:
+        """Whether the center of a smaller one lies inside."""
+        toward, own = other.center - self.center, self.vertices - self.center
+        sizes = np.linalg.norm(own, axis=1)
+        size = sizes[np.argmax(own @ toward / sizes)]
+        return other.radius < self.radius and float(np.linalg.norm(toward)) < size
+
+
+@dataclass(frozen=True, eq=False)
+class PlacedHorizons:
+    """Embedded horizons of a run at their places.
+
+    Attributes
+    ----------
+    table : SeriesTable
+        With those that do not embed, too.
+    horizons : mapping of str to PlacedHorizon
+        By label.
+    stretch : float
+        By how much centers are farther apart than in the coordinates of the slice: as much as the horizons
+        are larger than there, so that they touch or hold each other as they do there.
+    """
+
+    table: SeriesTable
+    horizons: Mapping[str, PlacedHorizon]
+    stretch: float
+
+    @classmethod
+    def of(cls, results: Iterable[Result], fields: Collection[str] | None = None) -> PlacedHorizons:
+        """Place what is embedded of a run.
+
+        Where the points of a horizon in its slice are known, it is turned as it lies there; else onto the one
+        before in its series.  Horizons without a center stand side by side.
+
+        Parameters
+        ----------
+        results : iterable of Result
+            In any order.
+        fields : collection of str, optional
+            What to keep of the data at the vertices; by default all.
+        """
+        kept = [_without(result, fields) for result in results]
+        table = SeriesTable.of(kept)
+        there = {result.label: result for result in kept if result.answered}
+        ratios = [ratio for result in there.values() if (ratio := _ratio(result.report)) is not None]
+        stretch = float(np.median(ratios)) if ratios else 1.0
+        radii = [np.linalg.norm(result.arrays["vertices"], axis=1).max() for result in there.values()]
+        apart, parts = PLACING.apart * float(max(radii, default=0.0)), table.series
+        horizons = dict[str, PlacedHorizon]()
+        for k, part in enumerate(parts.values()):
+            aside = np.array([(k - 0.5 * (len(parts) - 1)) * apart, 0.0, 0.0])
+            before: Floats | None = None
+            for row in part.rows:
+                if (result := there.get(row.label)) is not None:
+                    turn, before = _turn(result.arrays, before)
+                    center = _horizon(result.report).get("center")
+                    place = aside if center is None else stretch * np.array(center)
+                    horizons[row.label] = _placed(row, result.arrays, turn, place)
+        return cls(table, horizons, stretch)
+
+
+def _without(result: Result, fields: Collection[str] | None) -> Result:
+    """The result with no other data at the vertices than these."""
+    if fields is None:
+        return result
+    names = {FIELD + name for name in fields}
+    kept = {
+        name: array
+        for name, array in result.arrays.items()
+        if not name.startswith(FIELD) or name in names or name == FIELD + IN_SLICE
+    }
+    return Result(result.label, result.status, result.report, kept)
+
+
+def _horizon(report: Mapping[str, Any]) -> Mapping[str, Any]:
+    return report.get("horizon") or {}
+
+
+def _ratio(report: Mapping[str, Any]) -> float | None:
+    """The areal radius over the mean one in coordinates."""
+    area, mean = report.get("area"), _horizon(report).get("mean_coordinate_radius")
+    return float(np.sqrt(area / (4.0 * np.pi)) / mean) if area and mean else None
+
+
+def _turn(arrays: Mapping[str, NDArray[Any]], before: Floats | None) -> tuple[Floats, Floats | None]:
+    """The rotation of a surface onto points of the one before, and its own points after it."""
+    if f"{SURFACE}/degrees" not in arrays or FIELD + IN_SLICE in arrays:
+        return np.eye(3), before
+    start, u = Start.restored(arrays), fibonacci_directions(PLACING.directions)
+    own = u if start.coordinates is None else start.coordinates.inverse(u)
+    points = start.harmonics.derivatives(own, start.coefficients)[0]
+    turn = np.eye(3) if before is None else best_rotation(points, before)
+    return turn, points @ turn
+
+
+def _placed(row: Row, arrays: Mapping[str, NDArray[Any]], turn: Floats, center: Floats) -> PlacedHorizon:
+    fields = {name.removeprefix(FIELD): array for name, array in arrays.items() if name.startswith(FIELD)}
+    known = AXIS[0] in row.numbers
+    axis = np.array([row.numbers[name] for name in AXIS]) @ turn if known else None
+    return PlacedHorizon(row, arrays["vertices"] @ turn + center, arrays["faces"], fields, center, axis)
