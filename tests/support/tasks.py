@@ -61,7 +61,7 @@ class Square:
 
 
 class Here(Executor):
-    """An executor that does everything at once in this process, for tests of what is done rather than where."""
+    """An executor that does everything at once in this process, for tests of what is done."""
 
     def __init__(self, jobs=None):
         pass
