@@ -3,6 +3,7 @@
 import hashlib
 import os
 import signal
+import time
 from concurrent.futures import Executor, Future
 from dataclasses import dataclass
 from pathlib import Path
@@ -58,6 +59,17 @@ class Square:
     def _count(self) -> int:
         assert self.calls is not None
         return len((self.calls / self.label).read_text())
+
+
+@dataclass(frozen=True)
+class Slow(Square):
+    """One that takes some time."""
+
+    seconds: float = 0.1
+
+    def compute(self, before: Result | None) -> Result:
+        time.sleep(self.seconds)
+        return super().compute(before)
 
 
 class Here(Executor):

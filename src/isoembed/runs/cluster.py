@@ -37,5 +37,11 @@ def dask_workers(address: str) -> Iterator[Executor]:
     except (OSError, ValueError) as error:  # nobody answers; the address is none
         why = " ".join(str(error).split())
         raise InvalidParameter(f"there is no scheduler of Dask at {address}: {why}") from None
-    with client, client.get_executor(pure=False) as executor:
-        yield executor
+    with client:
+        executor = client.get_executor(pure=False)
+        try:
+            yield executor
+        except BaseException:
+            executor.shutdown(wait=False)  # cancels what is under way
+            raise
+        executor.shutdown()
