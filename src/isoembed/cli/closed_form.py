@@ -32,21 +32,6 @@ def add_spacetime_options(parser: argparse.ArgumentParser) -> None:
     )
 
 
-def refuse_given(options: argparse.Namespace, names: tuple[str, ...], why: str) -> None:
-    """Refuse options that make no sense beside others.
-
-    Raises
-    ------
-    UsageError
-        Naming the first that is given.
-    """
-    for name in names:
-        value = getattr(options, name)
-        if value is not None and value is not False:
-            given = f"the input {options.input}" if name == "input" else f"--{name.replace('_', '-')}"
-            raise UsageError(f"{given} {why}")
-
-
 def closed_form(options: argparse.Namespace) -> SurfaceData:
     """The surface that the options name.
 

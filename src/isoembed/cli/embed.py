@@ -7,7 +7,7 @@ import isoembed
 from isoembed._embed import configuration, method_names
 from isoembed.cli.answer import add_output_options, answer, asked_for, heard_by
 from isoembed.cli.interruption import Checkpoints, add_checkpoint_options, checkpoint_file
-from isoembed.cli.options import add_merge_option, add_run_options, refuse_run_options
+from isoembed.cli.options import OF_RUNS, add_merge_option, add_run_options, refuse_given
 from isoembed.cli.parameters import configured, parameters
 from isoembed.cli.screen import UsageError
 from isoembed.errors import Interrupted
@@ -70,7 +70,7 @@ def run(options: argparse.Namespace) -> int:
         from isoembed.cli.embed_files import embed_files
 
         return embed_files(options, _method(options))
-    refuse_run_options(options, "is for several files, whose --output is a folder")
+    refuse_given(options, OF_RUNS, "is for several files, whose --output is a folder")
     outputs = asked_for(options)
     [source] = options.inputs
     left = checkpoint_file(options, outputs, source)

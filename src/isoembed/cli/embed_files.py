@@ -9,7 +9,8 @@ from typing import Any
 import numpy as np
 
 from isoembed import Method
-from isoembed.cli.many import carried_out, seen_by_all, stems
+from isoembed.cli.many import carried_out, seen_by_all
+from isoembed.cli.outputs import stems
 from isoembed.cli.screen import UsageError, print_aside, print_json
 from isoembed.io import mesh_writer, report_writer, write_atomically
 from isoembed.runs import Result, Store

@@ -9,7 +9,7 @@ from typing import Any
 import isoembed
 from isoembed.arrays import Floats
 from isoembed.cli.answer import solved
-from isoembed.cli.closed_form import OF_SPACETIME, add_spacetime_options, closed_form, refuse_given
+from isoembed.cli.closed_form import OF_SPACETIME, add_spacetime_options, closed_form
 from isoembed.cli.numbers import read_numbers
 from isoembed.cli.options import (
     add_json_option,
@@ -18,6 +18,7 @@ from isoembed.cli.options import (
     add_output_option,
     add_vertices_option,
     marginal,
+    refuse_given,
     vertices,
 )
 from isoembed.cli.outputs import Outputs

@@ -5,17 +5,16 @@ from importlib.util import find_spec
 from pathlib import Path
 from typing import Any
 
-from isoembed.cli.closed_form import refuse_given
-from isoembed.cli.many import stems
 from isoembed.cli.options import (
     add_json_option,
     add_marginal_options,
     add_output_option,
     add_vertices_option,
     marginal,
+    refuse_given,
     vertices,
 )
-from isoembed.cli.outputs import Outputs
+from isoembed.cli.outputs import Outputs, stems
 from isoembed.cli.screen import UsageError, print_aside, print_error, print_json, print_out
 from isoembed.cli.slices import (
     OF_SLICE,

@@ -10,7 +10,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
-from isoembed.cli.screen import UsageError, print_error
+from isoembed.cli.screen import print_error
 from isoembed.cli.status import NOT_EMBEDDED, OK, WRONG
 from isoembed.io import FileError
 from isoembed.runs import Outcome, Result, Shard, Store, Task, Wish, Workers, run
@@ -80,7 +80,10 @@ class Tally:
 
 
 def carried_out(
-    tasks: Sequence[Task], store: Store, options: argparse.Namespace, hear: Callable[[Result], None]
+    tasks: Sequence[Task],
+    store: Store,
+    options: argparse.Namespace,
+    hear: Callable[[Result], None] | None = None,
 ) -> Tally:
     """Do tasks as the options say, and tell of failures.
 
@@ -90,7 +93,7 @@ def carried_out(
     store : Store
     options : argparse.Namespace
         Of `add_run_options`, and quiet.
-    hear : callable
+    hear : callable, optional
         Takes every result as it comes.
 
     Raises
@@ -108,7 +111,8 @@ def carried_out(
                 tally.add(outcome)
                 show()
                 try:
-                    hear(outcome.result)
+                    if hear is not None:
+                        hear(outcome.result)
                 except FileError as error:  # a full disk: what there is room for is done
                     tally.complaints.append(str(error))
     except KeyboardInterrupt:
@@ -157,21 +161,6 @@ def _view(tally: Tally, *, quiet: bool) -> Iterator[Callable[[], None]]:
             progress.update(line, completed=tally.done, description=said)
 
         yield show
-
-
-def stems(files: Sequence[str]) -> list[str]:
-    """Names for what is written of each of some files.
-
-    Raises
-    ------
-    UsageError
-        Two have the same.
-    """
-    names = [Path(name).name.removesuffix(".gz").rsplit(".", 1)[0] or Path(name).name for name in files]
-    for k, name in enumerate(names):
-        if name in names[:k]:
-            raise UsageError(f"{files[names.index(name)]} and {files[k]} have the same name: {name}")
-    return names
 
 
 def seen_by_all(options: argparse.Namespace, paths: Sequence[str | Path]) -> list[str]:

@@ -121,16 +121,19 @@ def add_run_options(parser: argparse.ArgumentParser) -> None:
     again.add_argument("--force", action="store_true", help="do all again, whether they are there or not")
 
 
-def refuse_run_options(options: argparse.Namespace, why: str) -> None:
-    """Refuse options of runs where there is none.
+def refuse_given(options: argparse.Namespace, names: tuple[str, ...], why: str) -> None:
+    """Refuse options that make no sense beside others.
 
     Raises
     ------
     UsageError
+        Naming the first that is given.
     """
-    for name in OF_RUNS:
-        if getattr(options, name):
-            raise UsageError(f"--{name} {why}")
+    for name in names:
+        value = getattr(options, name)
+        if value is not None and value is not False:
+            given = f"the input {options.input}" if name == "input" else f"--{name.replace('_', '-')}"
+            raise UsageError(f"{given} {why}")
 
 
 def _count(text: str) -> int:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import argparse
-from collections.abc import Callable, Collection
+from collections.abc import Callable, Collection, Sequence
 from itertools import combinations
 from pathlib import Path
 
@@ -62,3 +62,18 @@ class Outputs(dict[str, Path]):
                     failures.append(f"cannot write {path}: there is not enough memory for it")
         if failures:
             raise FileError("; ".join([*failures, *(f"{path} is written" for path in written)]))
+
+
+def stems(files: Sequence[str]) -> list[str]:
+    """Names for what is written of each of some files.
+
+    Raises
+    ------
+    UsageError
+        Two have the same.
+    """
+    names = [Path(name).name.removesuffix(".gz").rsplit(".", 1)[0] or Path(name).name for name in files]
+    for k, name in enumerate(names):
+        if name in names[:k]:
+            raise UsageError(f"{files[names.index(name)]} and {files[k]} have the same name: {name}")
+    return names

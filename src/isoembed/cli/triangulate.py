@@ -4,8 +4,8 @@ import argparse
 
 import numpy as np
 
-from isoembed.cli.closed_form import OF_SPACETIME, add_spacetime_options, closed_form, refuse_given
-from isoembed.cli.options import add_output_option
+from isoembed.cli.closed_form import OF_SPACETIME, add_spacetime_options, closed_form
+from isoembed.cli.options import add_output_option, refuse_given
 from isoembed.cli.screen import UsageError, print_aside
 from isoembed.cli.status import OK
 from isoembed.io import METRIC_ENDINGS, check_output, metric_writer, write_atomically
