@@ -1,11 +1,15 @@
-"""Digests of files, and files that must not change while they are read."""
+"""Digests of files and arrays, and files that must not change while they are read."""
 
 import contextlib
 import hashlib
 import os
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from functools import lru_cache
 from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
 
 from isoembed.io.files import FileError, open_input
 
@@ -24,6 +28,15 @@ def file_digest(path: str | os.PathLike[str]) -> str:
         return _hashed(Path(path), _state(path))
 
 
+def arrays_digest(arrays: Iterable[tuple[str, NDArray[Any]]]) -> str:
+    """Hash of named arrays: their names, types, shapes and bytes."""
+    sha = hashlib.sha256()
+    for name, array in arrays:
+        sha.update(f"{name} {array.dtype.str} {array.shape} ".encode())
+        sha.update(np.ascontiguousarray(array).tobytes())
+    return sha.hexdigest()
+
+
 @contextlib.contextmanager
 def unchanged(path: str | os.PathLike[str]) -> Iterator[None]:
     """Block in which a file is read, and must not be changed by others.
@@ -37,7 +50,7 @@ def unchanged(path: str | os.PathLike[str]) -> Iterator[None]:
     before = _state(path)
     try:
         yield
-    except FileError:
+    except ValueError:  # the errors of files and of what is in them
         if _state(path) == before:
             raise
     if _state(path) != before:

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from isoembed.arrays import Indices
 from isoembed.io.files import AmbiguousFileError, FileError
-from isoembed.io.hdf5 import HDF5_ENDINGS, groups_in, numbers_in
+from isoembed.io.hdf5 import HDF5_ENDINGS, numbers_in
 from isoembed.io.input_file import InputFile, opened
 from isoembed.relativity.horizons.coordinate_shape import CoordinateShape
 from isoembed.relativity.horizons.horizon_format import HorizonFormat
@@ -55,11 +55,8 @@ def read_spectre(
         The file cannot be read, or there is no such surface or observation, or several and none is chosen;
         the message lists those that are there.
     """
-    with opened(path) as given, given.hdf5() as file:
-        group, name = _chosen_surface(_surfaces(file), surface, str(path))
-        observed, time = _chosen_observation(group, observation, f"{path}: {name}")
-        tables = numbers_in(observed, path)
-        extents = tables.get("total_extents")
+    tables, name, time = spectre_tables(path, surface, observation)
+    extents = tables.get("total_extents")
     source = f"{path} ({name} at t = {time:g})"
     absent = [axis for axis in COORDINATES if axis not in tables]
     if absent:
@@ -79,6 +76,31 @@ def read_spectre(
     return replace(shape, name=name, source=str(path))
 
 
+def spectre_tables(
+    path: str | os.PathLike[str], surface: str | None = None, observation: float | None = None
+) -> tuple[dict[str, NDArray[Any]], str, float]:
+    """All numbers that a file has of one surface at one time, the name of the surface, and the time.
+
+    Parameters and errors are those of `read_spectre`.
+    """
+    with opened(path) as given, given.hdf5() as file:
+        group, name = _chosen_surface(_surfaces(file), surface, str(path))
+        observed, time = _chosen_observation(group, observation, f"{path}: {name}")
+        return numbers_in(observed, path), name, time
+
+
+def spectre_times(path: str | os.PathLike[str]) -> dict[str, list[float]]:
+    """Times of the surfaces of a file, in order, by their names; none of a file of another kind.
+
+    Raises
+    ------
+    FileError
+        It cannot be read.
+    """
+    with opened(path) as given, given.hdf5() as file:
+        return {name: [time for time, _ in _observations(group)] for name, group in _surfaces(file).items()}
+
+
 def _recognizes(file: InputFile) -> bool:
     if file.ending not in HDF5_ENDINGS:
         return False
@@ -87,8 +109,23 @@ def _recognizes(file: InputFile) -> bool:
 
 
 def _surfaces(file: Any) -> dict[str, Any]:
-    """The groups of surface data in an open file, by their names without ``.vol``."""
-    return {name[:-4]: group for name, group in groups_in(file).items() if name.endswith(".vol")}
+    """The groups of surface data in an open file, by their names without ``.vol``; nothing in them."""
+    found: dict[str, Any] = {}
+    seen, left = {file}, [file]  # a group may be in itself
+    while left:
+        above = left.pop()
+        for name in above:
+            if hasattr(above.get(name, getlink=True), "path"):  # to a group somewhere else
+                continue
+            group = above[name]
+            if not hasattr(group, "items") or group in seen:
+                continue
+            seen.add(group)
+            if not name.endswith(".vol"):
+                left.append(group)
+            elif group.attrs.get("dimension", 2) == 2:
+                found[group.name.strip("/").removesuffix(".vol")] = group
+    return dict(sorted(found.items()))
 
 
 def _quads(extents: NDArray[np.integer]) -> Indices:
@@ -110,14 +147,7 @@ def _chosen_surface(surfaces: dict[str, Any], surface: str | None, source: str) 
 
 
 def _chosen_observation(group: Any, observation: float | None, source: str) -> tuple[Any, float]:
-    timed = sorted(
-        (
-            (float(item.attrs["observation_value"]), item)
-            for item in group.values()
-            if "observation_value" in item.attrs
-        ),
-        key=lambda pair: pair[0],
-    )
+    timed = _observations(group)
     times = np.array([time for time, _ in timed])
     listed = ", ".join(f"{time:g}" for time in times) or "none"
     if observation is None:
@@ -138,6 +168,12 @@ def _chosen_observation(group: Any, observation: float | None, source: str) -> t
             raise FileError(f"{source} holds no observation t = {observation:g}, but t = {listed}")
         k = int(near[0])
     return timed[k][1], timed[k][0]
+
+
+def _observations(group: Any) -> list[tuple[float, Any]]:
+    """The times of a surface and their groups, in order."""
+    timed = ((item.attrs.get("observation_value"), item) for item in group.values())
+    return sorted(((float(time), item) for time, item in timed if time is not None), key=lambda pair: pair[0])
 
 
 SPECTRE = HorizonFormat("SpECTRE", _recognizes, read_spectre)

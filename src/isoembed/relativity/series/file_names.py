@@ -1,0 +1,109 @@
+"""Names of files of an evolution: what they say of series, iteration and time, and patterns of them."""
+
+import glob
+import os
+import re
+import string
+from dataclasses import dataclass
+from pathlib import Path
+
+from isoembed.errors import InvalidParameter
+
+INTEGER = r"\d+"
+DECIMAL = r"[+-]?\d+(?:\.\d*)?(?:[eE][+-]?\d+)?"
+FIELDS = {"iteration": INTEGER, "time": DECIMAL}
+NUMBER = re.compile(
+    r"(?:^|[._-])(?P<word>iteration|it|time|t|n)?[_=]?(?P<number>\d+(?:\.\d+(?:[eE][+-]?\d+)?)?)(?=[._-]|$)"
+)
+
+
+@dataclass(frozen=True)
+class NameParts:
+    """What the name of a file says.
+
+    Attributes
+    ----------
+    series : str
+        What is left of the name without the number and the ending: "AhA" of ``AhA_0012.vtk``.
+    iteration : int or None
+    time : float or None
+    """
+
+    series: str
+    iteration: int | None = None
+    time: float | None = None
+
+
+def name_parts(path: str | os.PathLike[str]) -> NameParts:
+    """Series and number in the name of a file.
+
+    The last number that stands alone, or behind ``it``, ``t``, ``n``, ``iteration`` or ``time``, is the
+    iteration; behind ``time``, or with a decimal point, it is the time.  "1" of ``ah1.npz`` is a part of a
+    name.
+    """
+    name = Path(path).name.removesuffix(".gz")
+    stem = Path(name).stem if Path(name).suffix[1:2].isalpha() else name
+    numbers = list(NUMBER.finditer(stem))
+    if not numbers:
+        return NameParts(stem)
+    found = numbers[-1]
+    series = (stem[: found.start()] + stem[found.end() :]).strip("._-")
+    if found["word"] == "time" or "." in found["number"]:
+        return NameParts(series, time=float(found["number"]))
+    return NameParts(series, int(found["number"]))
+
+
+def is_pattern(text: str) -> bool:
+    """Whether there are fields like {iteration} in it."""
+    return "{" in text
+
+
+def matching_files(pattern: str) -> list[tuple[str, int | None, float | None]]:
+    """Files whose names a pattern makes, with the iteration and the time in them.
+
+    Parameters
+    ----------
+    pattern : str
+        A path with ``{iteration}`` or ``{time}``, or both, once each; a format may follow as in Python:
+        ``{iteration:06d}``, ``{time:.3f}``.
+
+    Returns
+    -------
+    list of (str, int or None, float or None)
+        By name.
+
+    Raises
+    ------
+    InvalidParameter
+        The pattern has other fields, or a format that is none.
+    """
+    try:
+        parsed = list(string.Formatter().parse(pattern))
+    except ValueError as error:
+        raise InvalidParameter(f"the pattern {pattern}: {error}") from None
+    wild, regular, formats = "", "", dict[str, str]()
+    for literal, name, spec, conversion in parsed:
+        wild, regular = wild + glob.escape(literal), regular + re.escape(literal)
+        if name is None:
+            continue
+        if name not in FIELDS or name in formats or conversion:
+            raise InvalidParameter(
+                f"the pattern {pattern} has the field {{{name}}}: "
+                "it may have {iteration} and {time}, once each"
+            )
+        formats[name] = spec or ""
+        wild, regular = wild + "*", regular + f"(?P<{name}>{FIELDS[name]})"
+        try:
+            format(0 if name == "iteration" else 0.0, spec or "")
+        except ValueError as error:
+            raise InvalidParameter(f"the pattern {pattern}: {error}") from None
+    out = []
+    for path in sorted(glob.glob(wild)):
+        if (match := re.fullmatch(regular, path)) is None:
+            continue
+        iteration = int(match["iteration"]) if "iteration" in formats else None
+        time = float(match["time"]) if "time" in formats else None
+        values = {"iteration": iteration, "time": time}
+        if all(not spec or format(values[name], spec) == match[name] for name, spec in formats.items()):
+            out.append((path, iteration, time))
+    return out
