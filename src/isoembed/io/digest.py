@@ -25,7 +25,7 @@ def file_digest(path: str | os.PathLike[str]) -> str:
         It cannot be read, or changes meanwhile.
     """
     with unchanged(path):
-        return _hashed(Path(path), _state(path))
+        return _hashed(Path(path), file_state(path))
 
 
 def arrays_digest(arrays: Iterable[tuple[str, NDArray[Any]]]) -> str:
@@ -47,18 +47,18 @@ def unchanged(path: str | os.PathLike[str]) -> Iterator[None]:
         Its size or its time of change are not the same afterward.  This is said, too, instead of what was
         wrong with a file that has changed.
     """
-    before = _state(path)
+    before = file_state(path)
     try:
         yield
     except ValueError:  # the errors of files and of what is in them
-        if _state(path) == before:
+        if file_state(path) == before:
             raise
-    if _state(path) != before:
+    if file_state(path) != before:
         raise FileError(f"{path} has changed while it was read")
 
 
-def _state(path: str | os.PathLike[str]) -> tuple[int, int] | None:
-    """Size and time of change of a file; None if there is none."""
+def file_state(path: str | os.PathLike[str]) -> tuple[int, int] | None:
+    """Size in bytes and time of change in nanoseconds of a file; None if there is none."""
     try:
         there = os.stat(path)
     except OSError:

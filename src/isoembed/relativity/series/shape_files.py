@@ -1,12 +1,14 @@
 """Files of horizons: which series and moments are in them."""
 
+import contextlib
 import os
 import re
 from collections.abc import Iterable
-from functools import cache
 from pathlib import Path
+from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from isoembed.io.files import FileError, input_ending
 from isoembed.io.hdf5 import HDF5_ENDINGS
@@ -15,13 +17,14 @@ from isoembed.io.registry import MESH_ENDINGS
 from isoembed.relativity.horizons.grid_file import ARRAY_ENDINGS
 from isoembed.relativity.horizons.spectre import spectre_times
 from isoembed.relativity.horizons.time_axis import horizon_times
-from isoembed.relativity.series.file_names import name_parts
+from isoembed.relativity.series.file_names import DECIMAL, INTEGER, name_parts
 from isoembed.relativity.series.moment import ListedShape
 from isoembed.relativity.series.shape_sources import ShapeAtIndex, ShapeFile, SpectreShape
 from isoembed.relativity.spacetimes.slice_file import GAMMA
 
 SHAPE, NUMBER = ".gp", re.compile(r"\bah\d+\b")  # of AHFinderDirect
 DIAGNOSTICS = "BH_diagnostics"
+NUMBERS = re.compile(rf"{INTEGER} {DECIMAL}")
 INSTANT = ("time", "iteration")
 
 
@@ -42,16 +45,25 @@ def shapes_in_files(paths: Iterable[str | os.PathLike[str]]) -> list[ListedShape
         There is no such file.
     """
     out: list[ListedShape] = []
-    for path in map(os.fspath, paths):
+    times: dict[Path, dict[int, float]] = {}  # by folder
+    for path in map(str, paths):
         if not os.path.exists(path):
             raise FileError(f"there is no file {path}")
-        if not Path(path).name.startswith(DIAGNOSTICS):
+        if input_ending(path) != SHAPE:
             out += _listed(path)
+        elif not Path(path).name.startswith(DIAGNOSTICS):
+            number, parts = NUMBER.search(Path(path).name), name_parts(path)
+            series = number[0] if number else parts.series
+            folder = Path(path).parent
+            if folder not in times:
+                times[folder] = _times_in(folder)
+            time = None if parts.iteration is None else times[folder].get(parts.iteration)
+            out.append(ListedShape(series, parts.iteration, time, ShapeFile(path)))
     return out
 
 
 def shape_files_in(folder: str | os.PathLike[str]) -> list[Path]:
-    """Files right inside a folder that may hold horizons, by their names and, of arrays, by what is in them."""
+    """Files right inside a folder that may hold horizons, by name."""
     return [path for path in sorted(Path(folder).iterdir()) if path.is_file() and _may_be_shape(path)]
 
 
@@ -69,32 +81,29 @@ def _may_be_shape(path: Path) -> bool:
 
 
 def _listed(path: str) -> list[ListedShape]:
-    ending, parts = input_ending(path), name_parts(path)
-    if ending == SHAPE:
-        number = NUMBER.search(Path(path).name)
-        series = number[0] if number else parts.series
-        time = None
-        if number and parts.iteration is not None:
-            time = _times(os.path.join(os.path.dirname(path), f"{DIAGNOSTICS}.{series}.gp")).get(
-                parts.iteration
-            )
-        return [ListedShape(series, parts.iteration, time, ShapeFile(path))]
+    """Horizons in one file, by its name where it does not say more."""
+    parts = name_parts(path)
     series, iteration, time = parts.series or "horizon", parts.iteration, parts.time
-    if ending in ARRAY_ENDINGS:
-        try:
-            if ending in HDF5_ENDINGS and (many := _many(path)):
+    if input_ending(path) in ARRAY_ENDINGS:
+        with contextlib.suppress(FileError):  # reading will say why
+            if many := _many(path):
                 return many
             with InputFile(path) as file:
-                there = {name: values for name, values in file.some(INSTANT).items() if values.size == 1}
+                there = file.some(INSTANT)
+            there = {name: values for name, values in there.items() if _is_number(values)}
             iteration = int(there["iteration"].item()) if "iteration" in there else iteration
             time = float(there["time"].item()) if "time" in there else time
-        except (FileError, ValueError):
-            pass  # reading will say why
     return [ListedShape(series, iteration, time, ShapeFile(path))]
+
+
+def _is_number(values: NDArray[Any]) -> bool:
+    return values.size == 1 and values.dtype.kind in "iuf" and bool(np.isfinite(values).all())
 
 
 def _many(path: str) -> list[ListedShape]:
     """Horizons of an HDF5 file that holds them at several times."""
+    if input_ending(path) not in HDF5_ENDINGS:
+        return []
     out = [
         ListedShape(surface, None, time, SpectreShape(path, surface, time))
         for surface, times in spectre_times(path).items()
@@ -103,27 +112,18 @@ def _many(path: str) -> list[ListedShape]:
     for group, (times, iterations) in horizon_times(path).items():
         series = group or name_parts(path).series
         out += [
-            ListedShape(series, iterations and iterations[k], time, ShapeAtIndex(path, group, k))
+            ListedShape(series, iterations[k] if iterations else None, time, ShapeAtIndex(path, group, k))
             for k, time in enumerate(times)
         ]
     return out
 
 
-@cache
-def _times(path: str) -> dict[int, float]:
-    """Times by iteration from the first two columns of a table of AHFinderDirect; none if there is no table."""
-    times = {}
-    try:
-        with open(path, encoding="utf-8", errors="replace") as file:
-            for line in file:
-                words = line.split(maxsplit=2)[:2]
-                if len(words) == 2 and words[0].isdigit():
-                    try:
-                        time = float(words[1])
-                    except ValueError:
-                        continue
-                    if np.isfinite(time):
-                        times[int(words[0])] = time
-    except OSError:
-        return {}
+def _times_in(folder: Path) -> dict[int, float]:
+    """Times by iteration, the first two columns of the tables of AHFinderDirect in a folder, of one run."""
+    times: dict[int, float] = {}
+    for path in sorted(folder.glob(f"{DIAGNOSTICS}*{SHAPE}")):
+        with contextlib.suppress(OSError):  # a horizon without a time, which is no fault of its own file
+            lines = path.read_text(encoding="utf-8", errors="replace").splitlines()
+            rows = (line.split(maxsplit=2)[:2] for line in lines)
+            times |= {int(row[0]): float(row[1]) for row in rows if NUMBERS.fullmatch(" ".join(row))}
     return times

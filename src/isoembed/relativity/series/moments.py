@@ -1,0 +1,143 @@
+"""Moments of a series from what a user names: files and folders of horizons, and their slices."""
+
+import os
+from collections.abc import Callable, Sequence
+
+from isoembed.errors import InvalidMetric, InvalidParameter
+from isoembed.io.files import FileError, input_ending
+from isoembed.io.hdf5 import enumerated
+from isoembed.relativity.horizons.coordinate_shape import CoordinateShape
+from isoembed.relativity.series.file_names import is_pattern
+from isoembed.relativity.series.matching import matched, ordered
+from isoembed.relativity.series.moment import ListedShape, ListedSlice, Moment
+from isoembed.relativity.series.shape_files import SHAPE, shape_files_in, shapes_in_files
+from isoembed.relativity.series.slice_files import slices_in_file, slices_in_folder, slices_of_pattern
+from isoembed.relativity.series.source import HeldSlice, MissingSlice, SliceSource
+from isoembed.relativity.spacetimes.three_geometry import ThreeGeometry
+
+Path_ = str | os.PathLike[str]
+Simulation = tuple[list[ListedShape], list[ListedSlice]]
+
+
+def moments(
+    horizons: Sequence[Path_],
+    geometry: ThreeGeometry | Path_ | None = None,
+    surface: str | None = None,
+) -> list[Moment]:
+    """Horizons and the slices that they are in, from files.
+
+    Parameters
+    ----------
+    horizons : sequence of paths
+        Files with horizons (see `isoembed.relativity.series.shape_files.shapes_in_files`), folders of them,
+        or folders of simulations of the Einstein Toolkit, which take kuibit.
+    geometry : ThreeGeometry or path, optional
+        One slice for all; a file with one slice, or with those of an evolution; a pattern of such files as
+        ``slices/gxx.{iteration}.h5``; or a folder of them or of a simulation.  Horizons and slices are
+        matched by iteration where both have one, else by time; a file with one slice that does not say when
+        it is holds for all.  By default horizons are from a simulation with slices of its own, or have
+        metrics of their own.
+    surface : str, optional
+        Which series are taken: by default all.
+
+    Returns
+    -------
+    list of Moment
+        By series, and by time within each.  A horizon without a slice has a `MissingSlice`.
+
+    Raises
+    ------
+    FileError
+        There is no such file or folder, no horizon in them, no slice for any of them, or no geometry for
+        horizons that are known by their coordinates.
+    InvalidParameter
+        Two horizons or two slices are of the same moment, or a pattern is none.
+    """
+    simulated: dict[str, Simulation] = {}
+
+    def simulation_in(folder: Path_) -> Simulation:
+        key = os.path.realpath(folder)
+        if key not in simulated:
+            simulated[key] = _simulation(folder)
+        return simulated[key]
+
+    shapes: list[ListedShape] = []
+    slices: list[ListedSlice] = []
+    for given in horizons:
+        if not os.path.isdir(given):
+            shapes += shapes_in_files([given])
+            continue
+        files = shape_files_in(given)
+        whole = geometry is None and any(input_ending(path) == SHAPE for path in files)
+        if files and not whole:
+            shapes += shapes_in_files(files)
+            continue
+        found = simulation_in(given)
+        shapes += found[0]
+        slices += found[1] if geometry is None else []
+    shapes = _chosen(shapes, horizons, surface)
+    held = None
+    if geometry is None and not slices:
+        _refuse_coordinates(shapes)
+        return ordered(_moments(shapes, None))
+    if geometry is not None:
+        held, slices = _slices(geometry, simulation_in)
+    if held is not None:
+        return ordered(_moments(shapes, held))
+    out = matched(shapes, slices)
+    missing = [moment.slice.why for moment in out if isinstance(moment.slice, MissingSlice)]
+    if len(missing) == len(out):
+        others = f"; nor is there one for the other {len(out) - 1} horizons" if len(out) > 1 else ""
+        raise FileError(missing[0] + others)
+    return out
+
+
+def _moments(shapes: list[ListedShape], slice_: SliceSource | None) -> list[Moment]:
+    return [Moment(shape.series, shape.time, shape.iteration, shape.source, slice_) for shape in shapes]
+
+
+def _chosen(shapes: list[ListedShape], horizons: Sequence[Path_], surface: str | None) -> list[ListedShape]:
+    """The horizons of one series, or all of them."""
+    if not shapes:
+        raise FileError(
+            f"there are no horizons in {enumerated([str(given) for given in horizons]) or 'no files'}"
+        )
+    chosen = [shape for shape in shapes if surface is None or shape.series == surface.removesuffix(".vol")]
+    if not chosen:
+        there = enumerated(list(dict.fromkeys(shape.series for shape in shapes)))
+        raise FileError(f"there is no horizon {surface}, but {there}")
+    return chosen
+
+
+def _slices(
+    geometry: ThreeGeometry | Path_, simulation_in: Callable[[Path_], Simulation]
+) -> tuple[SliceSource | None, list[ListedSlice]]:
+    """One slice for all, or those that there are."""
+    if not isinstance(geometry, str | os.PathLike):
+        return HeldSlice(geometry), []
+    if os.path.isdir(geometry):
+        return None, slices_in_folder(geometry) or simulation_in(geometry)[1]
+    if is_pattern(str(geometry)) and not os.path.exists(geometry):
+        return None, slices_of_pattern(str(geometry))
+    slices = slices_in_file(geometry)
+    if len(slices) == 1 and slices[0].iteration is None and slices[0].time is None:
+        return slices[0].source, []
+    return None, slices
+
+
+def _refuse_coordinates(shapes: list[ListedShape]) -> None:
+    """Refuse horizons of which none has a metric, by the first of each series."""
+    contents = []
+    for shape in {shape.series: shape for shape in reversed(shapes)}.values():
+        try:
+            found = shape.source.read()
+        except (FileError, InvalidMetric, InvalidParameter):
+            return
+        if not isinstance(found, CoordinateShape):
+            return
+        contents.append(found.contents)
+    raise FileError(f"{contents[-1]}: name it with --geometry")
+
+
+def _simulation(folder: Path_) -> Simulation:
+    raise FileError(f"there are no files of horizons or of slices in the folder {folder}")
