@@ -51,6 +51,8 @@ class CartesianGrid:
     K : ndarray, of such a shape, optional
         ``K_ij``, with the sign of `isoembed.relativity.spacetimes.three_geometry`; without it the slice is
         time-symmetric.
+    remarks : tuple of str
+        Sentences that `notes` begins with.
 
     Raises
     ------
@@ -63,6 +65,7 @@ class CartesianGrid:
     spacing: float | Sequence[float]
     gamma: Floats
     K: Floats | None = None
+    remarks: tuple[str, ...] = ()
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "origin", vector("the origin", self.origin))
@@ -88,7 +91,8 @@ class CartesianGrid:
     @property
     def notes(self) -> tuple[str, ...]:
         """What must be known to read the numbers of surfaces in it."""
-        return ("the slice has no K_ij: it is taken to be time-symmetric",) if self.time_symmetric else ()
+        assumed = ("the slice has no K_ij: it is taken to be time-symmetric",) if self.time_symmetric else ()
+        return (*self.remarks, *assumed)
 
     @property
     def box(self) -> tuple[Floats, Floats]:

@@ -1,0 +1,214 @@
+"""Files of Carpet in the folder of a simulation: which slices they hold, across processes and restarts.
+
+Names of files are those of a variable or of a group, as ``gxx.xyz.h5``, ``gxx.file_3.h5`` and
+``admbase-metric.xyz.h5``; names of data sets are as ``ADMBASE::gxx it=1024 tl=0 rl=5 c=3``.
+"""
+
+from __future__ import annotations
+
+import itertools
+import re
+from collections.abc import Iterable, Iterator
+from dataclasses import dataclass
+from functools import cached_property
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from isoembed.io.files import FileError
+from isoembed.relativity.series.carpet import CarpetPart, CarpetSlice, opened_unchanged
+from isoembed.relativity.series.grid_symmetry import symmetry_in
+from isoembed.relativity.series.moment import ListedSlice
+from isoembed.relativity.spacetimes.cartesian_grid import GAMMA, K
+
+FILE = re.compile(
+    r"(?P<stem>admbase-(?:metric|curv)|[gk](?:xx|xy|xz|yy|yz|zz))"
+    r"(?:\.xyz)?(?:\.file_(?P<process>\d+))?(?:\.xyz)?\.h5",
+    re.IGNORECASE,
+)
+DATA_SET = re.compile(
+    r"(?P<thorn>admbase)::(?P<field>\w+) it=(?P<iteration>\d+)"
+    r"(?P<tail> tl=0(?: ml=0)?(?: m=0)?(?: rl=(?P<level>\d+))?(?: c=\d+)?)",
+    re.IGNORECASE,
+)
+GHOSTS = re.compile(
+    r"^\s*(?:carpet)?iohdf5::(?:output_ghost_points|out3d_ghosts)\s*=\s*\"?(?:no|n|false|f|0)\b",
+    re.IGNORECASE | re.MULTILINE,
+)
+CONFORMAL = re.compile(r"^\s*admbase::metric_type\s*=\s*\"?static conformal", re.IGNORECASE | re.MULTILINE)
+METADATA = "Parameters and Global Attributes"
+
+
+def carpet_slices(paths: Iterable[str]) -> list[ListedSlice]:
+    """Slices in files of Carpet; of an iteration that is in several folders that of the last restart.
+
+    Parameters
+    ----------
+    paths : iterable of str
+        Files of a simulation.  Those are opened whose names say that they have the metric or the extrinsic
+        curvature at points of space.
+
+    Returns
+    -------
+    list of ListedSlice
+        By iteration.  A slice of which something is missing or damaged is among them: reading it says what.
+
+    Raises
+    ------
+    FileError
+        There are such files, but none that can be read.
+    """
+    by_folder: dict[Path, _Folder] = {}
+    for path in sorted(map(Path, paths), key=_natural):
+        if name := FILE.fullmatch(path.name):
+            by_folder.setdefault(path.parent, _Folder()).add(path, name)
+    folders = [by_folder[folder] for folder in sorted(by_folder, key=_natural)]
+    flaws = [folder.flaw for folder in folders if folder.flaw]
+    if flaws and not any(folder.files for folder in folders):
+        raise FileError(flaws[0])
+    iterations = sorted({iteration for folder in folders for iteration in folder.times})
+    return [_listed(iteration, folders) for iteration in iterations]
+
+
+def _listed(iteration: int, folders: list[_Folder]) -> ListedSlice:
+    """The slice of an iteration, each field of it from the last folder that has it, whole ones preferred."""
+    there = [folder for folder in folders if iteration in folder.times]
+    there.sort(key=lambda folder: not folder.flaw)  # stable: the last is whole if one is
+    chosen = {name: folder for folder in there for name in folder.fields(iteration)}
+    parts = [
+        part
+        for folder in there
+        for part in folder.parts(iteration, [name for name, its in chosen.items() if its is folder])
+    ]
+    flaw = next((folder.flaw for folder in chosen.values() if folder.flaw), "")
+    name = f"{parts[0].path}, iteration {iteration}"
+    if not flaw and not any(name in chosen for name in K):
+        flaw = f"{name}: there is no extrinsic curvature: write ADMBase::curv, too, kxx ... kzz"
+    source = CarpetSlice(name, iteration, tuple(parts), there[-1].symmetry, flaw)
+    return ListedSlice(iteration, there[-1].times[iteration], source)
+
+
+class _Folder:
+    """Files in one folder: those of the processes of one restart."""
+
+    def __init__(self) -> None:
+        self.files: list[_File] = []
+        self.times: dict[int, float] = {}
+        self._flaw = ""
+        self._processes: dict[str, set[int]] = {}
+
+    def add(self, path: Path, name: re.Match[str]) -> None:
+        """Take a file to the others."""
+        if name["process"]:
+            self._processes.setdefault(name["stem"], set()).add(int(name["process"]))
+        try:
+            file = _File.listed(path)
+        except FileError as error:
+            self._flaw = self._flaw or str(error)
+            return
+        self.files.append(file)
+        self.times = file.times | self.times
+        if CONFORMAL.search(file.parameters):
+            self._flaw = f"{path}: ADMBase::metric_type is static conformal: gxx ... gzz are not the metric"
+
+    @cached_property
+    def flaw(self) -> str:
+        """Why its slices cannot be read; empty if they can."""
+        wrote = max((file.processes for file in self.files), default=0)
+        for stem, processes in self._processes.items():
+            if missing := set(range(wrote)) - processes:
+                return self._flaw or (
+                    f"{self.files[0].path.parent}: the file {stem} of the process {min(missing)} is missing: "
+                    f"{wrote} processes wrote files"
+                )
+        return self._flaw
+
+    @cached_property
+    def symmetry(self) -> tuple[Any, ...]:
+        """That of the run."""
+        return symmetry_in(next((file.parameters for file in self.files if file.parameters), ""))
+
+    def fields(self, iteration: int) -> Iterator[str]:
+        """What there is of an iteration."""
+        for file in self.files:
+            yield from file.sets.get(iteration, {})
+
+    def parts(self, iteration: int, wanted: Iterable[str]) -> Iterator[CarpetPart]:
+        """What its files have of some fields at an iteration."""
+        wanted = set(wanted)
+        for file in self.files:
+            sets = file.sets.get(iteration, {})
+            fields = sorted(wanted & sets.keys())
+            for tails, alike in itertools.groupby(fields, key=lambda name: sets[name]):
+                thorn, ends = tails
+                yield CarpetPart(str(file.path), thorn, tuple(alike), ends, file.has_ghosts)
+
+
+@dataclass(frozen=True)
+class _File:
+    """What there is in a file.
+
+    Attributes
+    ----------
+    path : Path
+    times : dict of int to float
+        Those of the iterations.
+    sets : dict
+        Of an iteration and a field: the thorn, and the levels and the ends of the names of its data sets.
+    parameters : str
+        Those of the run, a line each.
+    processes : int
+        How many of the run wrote files; 0 if it does not say so.
+    """
+
+    path: Path
+    times: dict[int, float]
+    sets: dict[int, dict[str, tuple[str, tuple[tuple[int, str], ...]]]]
+    parameters: str
+    processes: int
+
+    @classmethod
+    def listed(cls, path: Path) -> _File:
+        """List the data sets of a file, without reading them."""
+        found: dict[int, dict[str, tuple[str, list[tuple[int, str]]]]] = {}
+        times, parameters, processes = {}, "", 0
+        with opened_unchanged(str(path)) as root:
+            for name in root:
+                match = DATA_SET.fullmatch(name)
+                if not match or match["field"] not in (*GAMMA, *K):
+                    continue
+                iteration = int(match["iteration"])
+                sets = found.setdefault(iteration, {}).setdefault(match["field"], (match["thorn"], []))
+                sets[1].append((int(match["level"] or 0), match["tail"]))
+                if iteration not in times:
+                    times[iteration] = float(root[name].attrs.get("time", np.nan))
+            if METADATA in root:
+                metadata = root[METADATA]
+                processes = int(metadata.attrs.get("nioprocs", 0))
+                if "All Parameters" in metadata:
+                    parameters = _text(metadata["All Parameters"][()])
+        alike: dict[Any, Any] = {}  # the same in all iterations without regridding: kept once
+        frozen = {
+            iteration: {
+                name: alike.setdefault(pair := (thorn, tuple(sorted(tails))), pair)
+                for name, (thorn, tails) in fields.items()
+            }
+            for iteration, fields in found.items()
+        }
+        return cls(path, times, frozen, parameters, processes)
+
+    @property
+    def has_ghosts(self) -> bool:
+        """Whether points of ghost zones are written, as they are by default."""
+        return not GHOSTS.search(self.parameters)
+
+
+def _text(stored: Any) -> str:
+    raw = stored if isinstance(stored, bytes) else np.asarray(stored).tobytes()
+    return raw.decode("utf-8", errors="replace").rstrip("\0")
+
+
+def _natural(path: Path) -> list[tuple[int, str]]:
+    """Order in which 10 comes after 9."""
+    return [(int(word), "") if word.isdigit() else (0, word) for word in re.split(r"(\d+)", str(path))]

@@ -1,0 +1,235 @@
+"""Slices on grids with refinement levels, each of several components: the finest level around a surface.
+
+A level is a lattice of points, of which its components hold boxes.  A box of the surface with the stencil of
+the interpolation is filled from the components of one level and from their images under the symmetry of the
+run; if a level does not have all of it, the next coarser one is taken.
+"""
+
+from __future__ import annotations
+
+import itertools
+from collections.abc import Collection, Sequence
+from dataclasses import dataclass
+from typing import Any, Protocol
+
+import numpy as np
+
+from isoembed.arrays import Floats, Indices
+from isoembed.errors import InvalidParameter
+from isoembed.io.files import FileError
+from isoembed.relativity.series.grid_symmetry import IDENTITY, AxisMap
+from isoembed.relativity.spacetimes.cartesian_grid import GAMMA, INTERPOLATION, CartesianGrid, K
+from isoembed.relativity.spacetimes.checks import written
+from isoembed.thresholds import threshold
+
+
+@dataclass(frozen=True)
+class RefinedGridThresholds:
+    """Thresholds of filling a box from the components of a refinement level."""
+
+    lattice: float = threshold(1e-3, "spacings", "Components farther than this off the lattice are refused.")
+    margin: float = threshold(0.05, "extents", "By so much more than the box is read where it is there.")
+
+
+REFINED = RefinedGridThresholds()
+
+
+@dataclass(frozen=True)
+class Component:
+    """A box of points of one refinement level.
+
+    Attributes
+    ----------
+    key : object
+        What tells it from the others of its level.
+    origin : tuple of three floats
+        Its first point that is not in a ghost zone.
+    spacing : tuple of three floats
+    shape : tuple of three ints
+        Points along each axis, without ghost zones: those between components belong to others, and those
+        around a level are interpolated from the next coarser one.
+    """
+
+    key: Any
+    origin: tuple[float, float, float]
+    spacing: tuple[float, float, float]
+    shape: tuple[int, int, int]
+
+
+class RefinedData(Protocol):
+    """Fields on refinement levels, of which parts can be read."""
+
+    name: str
+    symmetry: tuple[AxisMap, ...]
+
+    @property
+    def fields(self) -> Collection[str]:
+        """Which of gxx ... gzz and kxx ... kzz there are."""
+        ...
+
+    @property
+    def levels(self) -> Sequence[int]:
+        """Those that all fields are on, the coarsest first."""
+        ...
+
+    def components(self, level: int) -> Sequence[Component]:
+        """The components of a level, the same for all fields."""
+        ...
+
+    def values(self, field: str, level: int, component: Component, part: tuple[slice, ...]) -> Floats:
+        """A part of a field on a component, [i, j, k] along x, y and z."""
+        ...
+
+
+@dataclass(frozen=True)
+class _Block:
+    """Points of a component, or of its image: from `low` to below `high` on the lattice of the level."""
+
+    component: Component
+    map: AxisMap
+    low: Indices
+    high: Indices
+
+    def part(self, low: Indices, high: Indices) -> tuple[slice, ...]:
+        """Where the points from `low` to below `high` are in the component."""
+        slices = [slice(0)] * 3
+        for axis, (source, sign) in enumerate(zip(self.map.source, self.map.sign, strict=True)):
+            first, last = low[axis] - self.low[axis], high[axis] - self.low[axis]
+            if sign < 0:
+                first, last = self.component.shape[source] - last, self.component.shape[source] - first
+            slices[source] = slice(int(first), int(last))
+        return tuple(slices)
+
+
+def covering_grid(data: RefinedData, low: Floats, high: Floats) -> CartesianGrid:
+    """The finest level that covers a box with the stencil of the interpolation, as far as it is needed.
+
+    Parameters
+    ----------
+    data : RefinedData
+        Without kxx ... kzz the slice is taken to be time-symmetric.
+    low, high : ndarray, shape (3,)
+        Corners of the box.
+
+    Raises
+    ------
+    FileError
+        Fields are missing, no level covers the box, or components do not fit together.
+    """
+    time_symmetric = not any(name in data.fields for name in K)
+    wanted = GAMMA if time_symmetric else (*GAMMA, *K)
+    if missing := [name for name in wanted if name not in data.fields]:
+        raise FileError(f"{data.name} has no {', '.join(missing)}: gxx ... gzz and kxx ... kzz are needed")
+    for level in reversed(data.levels):
+        if (grid := _Level.of(data, level).around(low, high)) is not None:
+            return grid.filled(data, level, wanted)
+    coarsest = _Level.of(data, data.levels[0])
+    least, most = coarsest.box
+    raise FileError(
+        f"{data.name}: no refinement level covers the surface with {INTERPOLATION.nodes // 2} points around "
+        f"it, from {written(low)} to {written(high)}; the coarsest, level {data.levels[0]} with the spacing "
+        f"{written(coarsest.spacing)}, has points from {written(least)} to {written(most)}"
+    )
+
+
+@dataclass(frozen=True)
+class _Box:
+    """A box of the lattice of a level, and what it is filled from: the last of the pieces first."""
+
+    origin: Floats
+    spacing: Floats
+    low: Indices
+    shape: Indices
+    pieces: list[_Block]
+
+    def filled(self, data: RefinedData, level: int, fields: Sequence[str]) -> CartesianGrid:
+        """The grid, read; points that are not there are NaN."""
+        tables = np.full((len(fields), *self.shape), np.nan)
+        for row, name in enumerate(fields):
+            six = GAMMA if name in GAMMA else K
+            for piece in reversed(self.pieces):
+                low = np.maximum(piece.low, self.low)
+                high = np.minimum(piece.high, self.low + self.shape)
+                source, sign = piece.map.entry(six.index(name))
+                values = data.values(six[source], level, piece.component, piece.part(low, high))
+                here = tuple(slice(*ends) for ends in zip(low - self.low, high - self.low, strict=True))
+                np.multiply(piece.map.turned(values), sign, out=tables[row][here])
+        origin, spacing = (self.origin + self.spacing * self.low).tolist(), self.spacing.tolist()
+        remark = (
+            f"the slice is read from refinement level {level} of {data.levels[0]} to {data.levels[-1]}, of "
+            f"the spacing {written(self.spacing)}"
+        )
+        try:
+            return CartesianGrid(
+                origin, spacing, tables[:6], tables[6:] if len(fields) > 6 else None, (remark,)
+            )
+        except InvalidParameter as error:
+            raise FileError(f"{data.name}, refinement level {level}: {error}") from None
+
+
+@dataclass(frozen=True)
+class _Level:
+    """The lattice of a level, and the boxes of it that exist."""
+
+    origin: Floats
+    spacing: Floats
+    blocks: list[_Block]
+
+    @classmethod
+    def of(cls, data: RefinedData, level: int) -> _Level:
+        components = data.components(level)
+        origin, spacing = np.array(components[0].origin), np.array(components[0].spacing)
+        blocks = []
+        for image, component in itertools.product(data.symmetry, components):
+            shape, h = image.permuted(component.shape), image.permuted(component.spacing)
+            ends = [np.array(component.origin), component.origin + h * (np.array(component.shape) - 1)]
+            ends = [image.sign * image.permuted(end) for end in ends]
+            corner = (np.minimum(*ends) - origin) / spacing
+            low = np.rint(corner).astype(np.int64)
+            off = np.abs(np.append(corner - low, (h / spacing - 1.0) * shape))
+            if not off.max() <= REFINED.lattice:
+                kind = (
+                    "component" if image == IDENTITY else "image under the symmetry of the run of component"
+                )
+                raise FileError(
+                    f"{data.name}, refinement level {level}: the {kind} {component.key}, which begins at "
+                    f"{written(np.array(component.origin))} with the spacing "
+                    f"{written(np.array(component.spacing))}, is not on the lattice of the level, with a "
+                    f"point at {written(origin)} and the spacing {written(spacing)}"
+                )
+            blocks.append(_Block(component, image, low, low + shape))
+        return cls(origin, spacing, blocks)
+
+    @property
+    def box(self) -> tuple[Floats, Floats]:
+        """Corners of the smallest box that has all points of the level."""
+        low, high = self._ends()
+        return self.origin + self.spacing * low, self.origin + self.spacing * (high - 1)
+
+    def _ends(self) -> tuple[Indices, Indices]:
+        low = np.min([block.low for block in self.blocks], axis=0)
+        return low, np.max([block.high for block in self.blocks], axis=0)
+
+    def around(self, low: Floats, high: Floats) -> _Box | None:
+        """The box with its stencil and a margin, or None where points of the stencil do not exist."""
+        reach = INTERPOLATION.nodes // 2
+        first, last = (np.floor((x - self.origin) / self.spacing).astype(np.int64) for x in (low, high))
+        first, last = first - (reach - 1), last + reach + 1
+        # Two points more tell the error of the interpolation.
+        more = 1 + np.ceil(REFINED.margin * (high - low) / self.spacing).astype(np.int64)
+        least, most = self._ends()
+        if (first < least).any() or (last > most).any():
+            return None
+        start, stop = np.maximum(first - more, least), np.minimum(last + more, most)
+        there = np.zeros(stop - start, dtype=bool)
+        pieces = []
+        for block in self.blocks:
+            ends = zip(
+                np.maximum(block.low, start) - start, np.minimum(block.high, stop) - start, strict=True
+            )
+            here = tuple(slice(max(a, 0), max(b, 0)) for a, b in ends)
+            if not there[here].all():
+                there[here] = True
+                pieces.append(block)
+        needed = tuple(slice(*ends) for ends in zip(first - start, last - start, strict=True))
+        return _Box(self.origin, self.spacing, start, stop - start, pieces) if there[needed].all() else None

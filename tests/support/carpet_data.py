@@ -1,0 +1,116 @@
+"""HDF5 files as Carpet writes them, of slices in closed form."""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+NAMES = {"xx": (0, 0), "xy": (0, 1), "xz": (0, 2), "yy": (1, 1), "yz": (1, 2), "zz": (2, 2)}
+METRIC = [f"g{ij}" for ij in NAMES]
+CURVATURE = [f"k{ij}" for ij in NAMES]
+STALE = 1e3
+EXCISED = 0.7
+
+
+@dataclass(frozen=True)
+class Level:
+    """Points ``spacing * (i + shift)`` in boxes, each cut into pieces along one axis."""
+
+    spacing: float
+    boxes: tuple  # of pairs of corners, in coordinates
+    pieces: int = 1
+    axis: int = 0
+    shift: float = 0.0
+
+    def components(self):
+        """First indices and numbers of points, without ghost zones."""
+        for low, high in self.boxes:
+            first = np.ceil(np.array(low) / self.spacing - self.shift - 1e-9).astype(int)
+            last = np.floor(np.array(high) / self.spacing - self.shift + 1e-9).astype(int)
+            cuts = np.linspace(first[self.axis], last[self.axis] + 1, self.pieces + 1).astype(int)
+            for begin, end in zip(cuts[:-1], cuts[1:], strict=True):
+                start, stop = first.copy(), last + 1
+                start[self.axis], stop[self.axis] = begin, end
+                yield start, stop - start
+
+
+def cube(half, center=(0.0, 0.0, 0.0)):
+    """Corners of a cube."""
+    return tuple(c - half for c in center), tuple(c + half for c in center)
+
+
+def sampled(geometry, level, start, shape, names, center=(0.0, 0.0, 0.0)):
+    """Fields at points of a lattice; zero near the center, where holes have their singularities."""
+    axes = [level.spacing * (np.arange(n) + s + level.shift) for s, n in zip(start, shape, strict=True)]
+    x = np.stack(np.meshgrid(*axes, indexing="ij"), axis=-1).reshape(-1, 3)
+    there = np.linalg.norm(x - np.array(center), axis=1) > EXCISED
+    matrices = {"g": np.zeros((len(x), 3, 3)), "k": np.zeros((len(x), 3, 3))}
+    matrices["g"][there] = geometry.metric(x[there])
+    matrices["k"][there] = geometry.extrinsic_curvature(x[there])
+    return {name: matrices[name[0]][(slice(None), *NAMES[name[1:]])].reshape(shape) for name in names}
+
+
+def write_carpet(
+    folder,
+    geometry,
+    levels,
+    iteration=0,
+    time=0.0,
+    names=(*METRIC, *CURVATURE),
+    parameters="",
+    ghosts=3,
+    stale=True,
+    grouped=False,
+    processes=1,
+    kept=None,
+):
+    """Add an iteration to the files of a folder.
+
+    `stale` fills ghost zones with what must not be read; `kept` restricts components to those with points in
+    the part of space that a symmetric run has, by axis and sign.
+    """
+    import h5py
+
+    folder.mkdir(parents=True, exist_ok=True)
+    for number, level in enumerate(levels):
+        for c, (start, shape) in enumerate(_restricted(level, kept)):
+            grown, whole = start - ghosts, shape + 2 * ghosts
+            values = sampled(geometry, level, grown, tuple(whole), names)
+            inside = tuple(slice(ghosts, ghosts + n) for n in shape)
+            for name in names:
+                data = values[name]
+                if stale:
+                    data = np.full_like(values[name], STALE)
+                    data[inside] = values[name][inside]
+                with h5py.File(folder / _file(name, grouped, processes, c % processes), "a") as file:
+                    _metadata(file, parameters, processes)
+                    label = f"ADMBASE::{name} it={iteration} tl=0 rl={number} c={c}"
+                    stored = file.create_dataset(label, data=np.ascontiguousarray(data.T))
+                    stored.attrs["origin"] = level.spacing * (grown + level.shift)
+                    stored.attrs["delta"] = np.full(3, level.spacing)
+                    stored.attrs["time"] = float(time)
+                    stored.attrs["timestep"] = np.int32(iteration)
+                    stored.attrs["level"] = np.int32(number)
+                    stored.attrs["cctk_nghostzones"] = np.full(3, ghosts, dtype=np.int32)
+                    stored.attrs["iorigin"] = grown.astype(np.int32)
+
+
+def _restricted(level, kept):
+    """Components without the points of the half that a symmetric run leaves out."""
+    for start, shape in level.components():
+        start, stop = start.copy(), start + shape
+        for axis in kept or ():
+            start[axis] = max(start[axis], int(np.ceil(-level.shift)))
+        if (stop > start).all():
+            yield start, stop - start
+
+
+def _file(name, grouped, processes, process):
+    stem = name if not grouped else "admbase-metric" if name[0] == "g" else "admbase-curv"
+    return f"{stem}.xyz.h5" if processes == 1 else f"{stem}.xyz.file_{process}.h5"
+
+
+def _metadata(file, parameters, processes):
+    if "Parameters and Global Attributes" not in file:
+        group = file.create_group("Parameters and Global Attributes")
+        group.attrs["nioprocs"] = np.int32(processes)
+        group.create_dataset("All Parameters", data=np.bytes_(parameters or "ADMBase::metric_type = physical\n"))
