@@ -1,6 +1,7 @@
 """HDF5 files as Carpet writes them, of slices in closed form."""
 
 from dataclasses import dataclass
+from itertools import pairwise
 
 import numpy as np
 
@@ -27,7 +28,7 @@ class Level:
             first = np.ceil(np.array(low) / self.spacing - self.shift - 1e-9).astype(int)
             last = np.floor(np.array(high) / self.spacing - self.shift + 1e-9).astype(int)
             cuts = np.linspace(first[self.axis], last[self.axis] + 1, self.pieces + 1).astype(int)
-            for begin, end in zip(cuts[:-1], cuts[1:], strict=True):
+            for begin, end in pairwise(cuts):
                 start, stop = first.copy(), last + 1
                 start[self.axis], stop[self.axis] = begin, end
                 yield start, stop - start
@@ -113,4 +114,6 @@ def _metadata(file, parameters, processes):
     if "Parameters and Global Attributes" not in file:
         group = file.create_group("Parameters and Global Attributes")
         group.attrs["nioprocs"] = np.int32(processes)
-        group.create_dataset("All Parameters", data=np.bytes_(parameters or "ADMBase::metric_type = physical\n"))
+        group.create_dataset(
+            "All Parameters", data=np.bytes_(parameters or "ADMBase::metric_type = physical\n")
+        )

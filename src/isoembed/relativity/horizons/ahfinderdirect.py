@@ -12,7 +12,7 @@ References
 import itertools
 import os
 import re
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 
@@ -89,7 +89,29 @@ def read_ahfinderdirect(path: str | os.PathLike[str]) -> CoordinateShape:
     """
     with opened(path) as file:
         origin, arrows = _patches(file)
-    source = str(file)
+    horizon, iteration = (re.search(pattern, file.path.name) for pattern in (r"ah\d+", r"\.t(\d+)\."))
+    shape = shape_of_patches(origin, arrows, str(file))
+    return replace(
+        shape, name=horizon[0] if horizon else "", iteration=int(iteration[1]) if iteration else None
+    )
+
+
+def shape_of_patches(origin: Floats, arrows: dict[str, Floats], source: str) -> CoordinateShape:
+    """Closed surface of the patches of an inflated cube, with or without ghost zones, completed by symmetry.
+
+    Parameters
+    ----------
+    origin : ndarray, shape (3,)
+    arrows : dict of str to ndarray, shape (n, 3)
+        The points of each patch relative to the origin, by the axis that the patch is around: "+z".
+    source : str
+        For messages.
+
+    Raises
+    ------
+    FileError
+        Patches are missing that no symmetry supplies, or none of those that may completes a smooth surface.
+    """
     halves = _halves(arrows, origin, source)
     trimmed = {name: _trimmed(name, arrow, halves) for name, arrow in arrows.items()}
     for name, arrow in trimmed.items():
@@ -97,16 +119,7 @@ def read_ahfinderdirect(path: str | os.PathLike[str]) -> CoordinateShape:
             raise FileError(f"{source}: no point of the patch {name} is in the direction {name}")
     points = origin + _completed(np.concatenate(list(trimmed.values())), halves, source)
     kept, faces = triangulate_star_shaped(points, origin, source, same=PATCHES.seam)
-    horizon, iteration = (re.search(pattern, file.path.name) for pattern in (r"ah\d+", r"\.t(\d+)\."))
-    return CoordinateShape(
-        points[kept],
-        faces,
-        origin,
-        name=horizon[0] if horizon else "",
-        source=source,
-        iteration=int(iteration[1]) if iteration else None,
-        is_hull=True,
-    )
+    return CoordinateShape(points[kept], faces, origin, source=source, is_hull=True)
 
 
 def _has_header(file: InputFile) -> bool:

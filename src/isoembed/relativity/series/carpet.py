@@ -21,12 +21,13 @@ from typing import Any
 import numpy as np
 
 from isoembed.arrays import Floats
+from isoembed.io.digest import unchanged
 from isoembed.io.files import FileError
 from isoembed.io.input_file import InputFile
 from isoembed.relativity.series.grid_symmetry import IDENTITY, AxisMap
 from isoembed.relativity.series.refined_grid import Component, covering_grid
-from isoembed.relativity.series.source import unchanged
-from isoembed.relativity.spacetimes.cartesian_grid import GAMMA, CartesianGrid
+from isoembed.relativity.spacetimes.cartesian_grid import CartesianGrid
+from isoembed.relativity.spacetimes.slice_file import GAMMA
 from isoembed.thresholds import threshold
 
 PLACE = ("origin", "delta", "time")

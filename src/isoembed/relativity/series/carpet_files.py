@@ -20,7 +20,7 @@ from isoembed.io.files import FileError
 from isoembed.relativity.series.carpet import CarpetPart, CarpetSlice, opened_unchanged
 from isoembed.relativity.series.grid_symmetry import symmetry_in
 from isoembed.relativity.series.moment import ListedSlice
-from isoembed.relativity.spacetimes.cartesian_grid import GAMMA, K
+from isoembed.relativity.spacetimes.slice_file import GAMMA, K
 
 FILE = re.compile(
     r"(?P<stem>admbase-(?:metric|curv)|[gk](?:xx|xy|xz|yy|yz|zz))"
@@ -40,12 +40,12 @@ CONFORMAL = re.compile(r"^\s*admbase::metric_type\s*=\s*\"?static conformal", re
 METADATA = "Parameters and Global Attributes"
 
 
-def carpet_slices(paths: Iterable[str]) -> list[ListedSlice]:
+def carpet_slices(paths: Iterable[str | Path]) -> list[ListedSlice]:
     """Slices in files of Carpet; of an iteration that is in several folders that of the last restart.
 
     Parameters
     ----------
-    paths : iterable of str
+    paths : iterable of path
         Files of a simulation.  Those are opened whose names say that they have the metric or the extrinsic
         curvature at points of space.
 
@@ -60,10 +60,10 @@ def carpet_slices(paths: Iterable[str]) -> list[ListedSlice]:
         There are such files, but none that can be read.
     """
     by_folder: dict[Path, _Folder] = {}
-    for path in sorted(map(Path, paths), key=_natural):
+    for path in sorted(map(Path, paths), key=natural):
         if name := FILE.fullmatch(path.name):
             by_folder.setdefault(path.parent, _Folder()).add(path, name)
-    folders = [by_folder[folder] for folder in sorted(by_folder, key=_natural)]
+    folders = [by_folder[folder] for folder in sorted(by_folder, key=natural)]
     flaws = [folder.flaw for folder in folders if folder.flaw]
     if flaws and not any(folder.files for folder in folders):
         raise FileError(flaws[0])
@@ -209,6 +209,6 @@ def _text(stored: Any) -> str:
     return raw.decode("utf-8", errors="replace").rstrip("\0")
 
 
-def _natural(path: Path) -> list[tuple[int, str]]:
-    """Order in which 10 comes after 9."""
+def natural(path: Path) -> list[tuple[int, str]]:
+    """Key of the order in which 10 comes after 9."""
     return [(int(word), "") if word.isdigit() else (0, word) for word in re.split(r"(\d+)", str(path))]

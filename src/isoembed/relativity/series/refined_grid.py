@@ -18,8 +18,9 @@ from isoembed.arrays import Floats, Indices
 from isoembed.errors import InvalidParameter
 from isoembed.io.files import FileError
 from isoembed.relativity.series.grid_symmetry import IDENTITY, AxisMap
-from isoembed.relativity.spacetimes.cartesian_grid import GAMMA, INTERPOLATION, CartesianGrid, K
+from isoembed.relativity.spacetimes.cartesian_grid import INTERPOLATION, CartesianGrid
 from isoembed.relativity.spacetimes.checks import written
+from isoembed.relativity.spacetimes.slice_file import GAMMA, SLICE_FILE, K
 from isoembed.thresholds import threshold
 
 
@@ -28,7 +29,6 @@ class RefinedGridThresholds:
     """Thresholds of filling a box from the components of a refinement level."""
 
     lattice: float = threshold(1e-3, "spacings", "Components farther than this off the lattice are refused.")
-    margin: float = threshold(0.05, "extents", "By so much more than the box is read where it is there.")
 
 
 REFINED = RefinedGridThresholds()
@@ -188,13 +188,11 @@ class _Level:
             low = np.rint(corner).astype(np.int64)
             off = np.abs(np.append(corner - low, (h / spacing - 1.0) * shape))
             if not off.max() <= REFINED.lattice:
-                kind = (
-                    "component" if image == IDENTITY else "image under the symmetry of the run of component"
-                )
+                image_of = "" if image == IDENTITY else "image, by the symmetry of the run, of the "
                 raise FileError(
-                    f"{data.name}, refinement level {level}: the {kind} {component.key}, which begins at "
+                    f"{data.name}, refinement level {level}: the {image_of}component that begins at "
                     f"{written(np.array(component.origin))} with the spacing "
-                    f"{written(np.array(component.spacing))}, is not on the lattice of the level, with a "
+                    f"{written(np.array(component.spacing))} is not on the lattice of the level, with a "
                     f"point at {written(origin)} and the spacing {written(spacing)}"
                 )
             blocks.append(_Block(component, image, low, low + shape))
@@ -211,15 +209,14 @@ class _Level:
         return low, np.max([block.high for block in self.blocks], axis=0)
 
     def around(self, low: Floats, high: Floats) -> _Box | None:
-        """The box with its stencil and a margin, or None where points of the stencil do not exist."""
+        """The box with its stencil and what there is around it; None where the stencil is not whole."""
         reach = INTERPOLATION.nodes // 2
         first, last = (np.floor((x - self.origin) / self.spacing).astype(np.int64) for x in (low, high))
         first, last = first - (reach - 1), last + reach + 1
-        # Two points more tell the error of the interpolation.
-        more = 1 + np.ceil(REFINED.margin * (high - low) / self.spacing).astype(np.int64)
         least, most = self._ends()
         if (first < least).any() or (last > most).any():
             return None
+        more = SLICE_FILE.around - reach
         start, stop = np.maximum(first - more, least), np.minimum(last + more, most)
         there = np.zeros(stop - start, dtype=bool)
         pieces = []
