@@ -40,8 +40,7 @@ def animation_writer(path: str | os.PathLike[str], embedding: Embedding, frames:
     """Writer of the film in the format of this ending; see `write_atomically` and `write_animation`."""
     check_animation(path)
     images = tuple(_images(embedding, frames))
-    pixels = _drawn(embedding, images)
-    return (_write_gif if ending(path) == ".gif" else _write_mp4)(pixels)
+    return pixels_writer(path, _drawn(embedding, images), [1 / FILM.images] * len(images))
 
 
 def write_animation(path: str | os.PathLike[str], embedding: Embedding, frames: Sequence[Frame]) -> None:
@@ -144,29 +143,37 @@ def _drawn(embedding: Embedding, images: Sequence[_Image]) -> Iterator[Pixels]:
         yield np.asarray(canvas.buffer_rgba())[..., :3].copy()
 
 
-def _write_gif(pixels: Iterator[Pixels]) -> Writer:
+def pixels_writer(path: str | os.PathLike[str], pixels: Iterator[Pixels], seconds: Sequence[float]) -> Writer:
+    """Writer of a film in the format of this ending, of images that are seen for so long each."""
+    return (_write_gif if ending(path) == ".gif" else _write_mp4)(pixels, seconds)
+
+
+def _write_gif(pixels: Iterator[Pixels], seconds: Sequence[float]) -> Writer:
     def write(temporary: Path) -> None:
         from PIL import Image
 
         # An octree keeps colors that are rare, as the lightest ones of a tip are; a median cut does not.
         octree = Image.Quantize.FASTOCTREE
         first, *others = (Image.fromarray(image).quantize(256, method=octree) for image in pixels)
-        first.save(temporary, save_all=True, append_images=others, duration=1000 // FILM.images, loop=0)
+        times = [10 * round(100 * x) for x in seconds]
+        first.save(temporary, save_all=True, append_images=others, duration=times, loop=0)
 
     return write
 
 
-def _write_mp4(pixels: Iterator[Pixels]) -> Writer:
+def _write_mp4(pixels: Iterator[Pixels], seconds: Sequence[float]) -> Writer:
     def write(temporary: Path) -> None:
         from imageio_ffmpeg import write_frames
 
-        first = next(pixels)
-        size = first.shape[1], first.shape[0]
-        film = write_frames(str(temporary), size, fps=FILM.images, macro_block_size=2, quality=6)
-        film.send(None)
-        film.send(first)
-        for image in pixels:
-            film.send(image)
-        film.close()
+        shortest, film = min(seconds), None
+        for image, time in zip(pixels, seconds, strict=True):
+            if film is None:
+                size = image.shape[1], image.shape[0]
+                film = write_frames(str(temporary), size, fps=1 / shortest, macro_block_size=2, quality=6)
+                film.send(None)
+            for _ in range(round(time / shortest)):
+                film.send(image)
+        if film is not None:
+            film.close()
 
     return write

@@ -239,7 +239,12 @@ def color_bar(picture: Figure, axes: Axes, scale: ScalarMappable, values: Floats
 
 
 def draw(
-    axes: Axes, view: View, values: Floats, scale: ScalarMappable, seams: Segments | None = None
+    axes: Axes,
+    view: View,
+    values: Floats,
+    scale: ScalarMappable,
+    seams: Segments | None = None,
+    opacity: float = 1.0,
 ) -> None:
     """Draw the faces that are seen.
 
@@ -254,6 +259,8 @@ def draw(
         From `color_scale`.
     seams : Segments, optional
         Lines on the faces.
+    opacity : float
+        What is behind is seen through faces of less than 1.
     """
     from matplotlib.collections import LineCollection, PolyCollection
 
@@ -264,7 +271,12 @@ def draw(
     dark = shaded.mean(axis=1, keepdims=True) < 0.4
     rims = np.where(dark, 0.88 * shaded + 0.12, 0.8 * shaded)
     faces = PolyCollection(
-        list(view.polygons), facecolors=shaded, edgecolors=rims, linewidths=width, joinstyle="round"
+        list(view.polygons),
+        facecolors=shaded,
+        edgecolors=rims,
+        linewidths=width,
+        joinstyle="round",
+        alpha=None if opacity == 1.0 else opacity,
     )
     faces.set_rasterized(len(view.faces) > QUANTITY.rasterized)
     axes.add_collection(faces)

@@ -25,6 +25,7 @@ BAR = np.array([1.55, -1.3])  # right end of the scale of lengths, which is half
 TIP, TAIL = 1.3, 1.15  # ends of the arrow through the surface
 NAME = np.array([-1.65, 1.35])  # left end of what it is called
 ARROW = "#c8102e"
+ORIGIN = np.zeros(3)
 
 
 @dataclass(frozen=True)
@@ -106,10 +107,12 @@ def placed_figure(
     draw(axes, view, face_means(panel.values, panel.faces), colors, panel.seams)
     axes.set_xlim(WINDOW[:2])
     axes.set_ylim(WINDOW[2:])
-    _draw_triad(axes)
-    _draw_length(axes, scale.reach)
+    draw_triad(axes)
+    draw_length(axes, scale.reach)
     if arrow is not None:
-        _draw_arrow(axes, np.asarray(arrow, dtype=np.float64), panel.vertices / scale.reach, name)
+        draw_arrow(axes, np.asarray(arrow, dtype=np.float64), panel.vertices / scale.reach)
+        key = rf"$\longrightarrow$ {name}"
+        axes.text(NAME[0], NAME[1], key, ha="left", va="center", fontsize=12, color=ARROW)
     bar = picture.add_axes((0.83, 0.22, 0.022, 0.68))
     color_bar(picture, bar, colors, np.array(scale.extremes))
     bar.set_ylabel(label, color=INK, labelpad=6, fontsize=11)
@@ -117,44 +120,45 @@ def placed_figure(
     return picture
 
 
-def _draw_triad(axes: Axes) -> None:
-    """Draw the directions of x, y and z."""
+def draw_triad(axes: Axes, at: Floats = TRIAD) -> None:
+    """Draw the directions of x, y and z from a point."""
     for letter, direction in zip("xyz", camera()[:2].T, strict=True):
-        _draw_tip(axes, TRIAD, TRIAD + LENGTH * direction, INK, 1.2)
-        right, up = TRIAD + (LENGTH + 0.1) * direction
+        _draw_tip(axes, at, at + LENGTH * direction, INK, 1.2)
+        right, up = at + (LENGTH + 0.1) * direction
         axes.text(right, up, f"${letter}$", ha="center", va="center", fontsize=14, color=INK)
 
 
-def _draw_length(axes: Axes, reach: float) -> None:
-    """Draw a bar of a round length: 1, 2 or 5 times a power of ten."""
+def draw_length(axes: Axes, reach: float, end: Floats = BAR) -> None:
+    """Draw a bar of a round length to its right end: 1, 2 or 5 times a power of ten."""
     power = 10.0 ** np.floor(np.log10(0.5 * reach))  # the next one, if the logarithm is rounded up
     length = max(m for m in (0.5, 1, 2, 5) if m * power <= 0.5 * reach) * power
-    right, up = BAR
+    right, up = end
     left = right - length / reach
     axes.plot([left, right], [up, up], color=INK, linewidth=2.5, solid_capstyle="butt")
     middle = 0.5 * (left + right)
     axes.text(middle, up - 0.05, f"{length:g}", ha="center", va="top", fontsize=12, color=INK)
 
 
-def _draw_arrow(axes: Axes, along: Floats, vertices: Floats, name: str) -> None:
-    """Draw an axis through the surface, which hides what is behind it.
+def draw_arrow(axes: Axes, along: Floats, vertices: Floats, center: Floats = ORIGIN) -> None:
+    """Draw an axis through a surface about its center, which hides what is behind it.
 
     A dot is where it comes toward the viewer, a cross where it goes away.
     """
     along = along / np.linalg.norm(along)
-    sizes = np.linalg.norm(vertices, axis=1)
+    own, middle = vertices - center, camera()[:2] @ center
+    sizes = np.linalg.norm(own, axis=1)
+    radius = float(sizes.max())
     for sign, end, mark in ((1.0, TIP, "o"), (-1.0, TAIL, "X")):
         right, up, toward = sign * camera() @ along
         direction = np.array([right, up])
-        begin = sizes[np.argmax(sign * vertices @ along / sizes)] * direction
+        begin = middle + sizes[np.argmax(sign * own @ along / sizes)] * direction
         order = 3 if toward > 0.0 else 0
         axes.plot(*begin, mark, color=ARROW, markersize=9, markeredgecolor=PAPER, zorder=order)
         if sign > 0.0:
-            _draw_tip(axes, begin, end * direction, ARROW, 2.2, order)
+            _draw_tip(axes, begin, middle + end * radius * direction, ARROW, 2.2, order)
         else:
-            axes.plot(*np.stack([begin, end * direction], axis=1), color=ARROW, linewidth=2.2, zorder=order)
-    key = rf"$\longrightarrow$ {name}"
-    axes.text(NAME[0], NAME[1], key, ha="left", va="center", fontsize=12, color=ARROW)
+            ends = np.stack([begin, middle + end * radius * direction], axis=1)
+            axes.plot(*ends, color=ARROW, linewidth=2.2, zorder=order)
 
 
 def _draw_tip(axes: Axes, begin: Floats, end: Floats, color: str, width: float, order: int = 3) -> None:

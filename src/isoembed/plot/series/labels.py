@@ -9,7 +9,7 @@ SYMBOLS = {
     "irreducible_mass": "irreducible mass\n$M_\\mathrm{irr}$",
     "christodoulou_mass": "Christodoulou mass\n$M$",
     "J": "angular momentum\n$J$",
-    "dimensionless_spin": "spin\n$\\chi = J/M^2$",
+    "dimensionless_spin": "spin  $J/M^2$\n$\\chi$",
     "axis": "axis of the spin\n$\\hat s$",
     "integrated_mean_curvature": "total mean curvature\n$\\int\\! H\\,\\mathrm{d}A$",
     "hawking": "Hawking energy\n$E_\\mathrm{H}$",

@@ -81,8 +81,8 @@ class PlacedHorizons:
     horizons : mapping of str to PlacedHorizon
         By label.
     stretch : float
-        By how much centers are farther apart than in the coordinates of the slice: as much as the horizons
-        are larger than there, so that they touch or hold each other as they do there.
+        By how much centers are farther apart than in the coordinates of the slice: as much as the largest
+        horizon is larger than there, so that they hold each other, or do not, much as they do there.
     """
 
     table: SeriesTable
@@ -106,8 +106,8 @@ class PlacedHorizons:
         kept = [_without(result, fields) for result in results]
         table = SeriesTable.of(kept)
         there = {result.label: result for result in kept if result.answered}
-        ratios = [ratio for result in there.values() if (ratio := _ratio(result.report)) is not None]
-        stretch = float(np.median(ratios)) if ratios else 1.0
+        ratios = [pair for result in there.values() if (pair := _ratio(result.report)) is not None]
+        _, stretch = max(ratios, default=(0.0, 1.0))
         radii = [np.linalg.norm(result.arrays["vertices"], axis=1).max() for result in there.values()]
         apart, parts = PLACING.apart * float(max(radii, default=0.0)), table.series
         horizons = dict[str, PlacedHorizon]()
@@ -140,10 +140,13 @@ def _horizon(report: Mapping[str, Any]) -> Mapping[str, Any]:
     return report.get("horizon") or {}
 
 
-def _ratio(report: Mapping[str, Any]) -> float | None:
-    """The areal radius over the mean one in coordinates."""
+def _ratio(report: Mapping[str, Any]) -> tuple[float, float] | None:
+    """The areal radius of a horizon, and how much larger than the mean one in coordinates that is."""
     area, mean = report.get("area"), _horizon(report).get("mean_coordinate_radius")
-    return float(np.sqrt(area / (4.0 * np.pi)) / mean) if area and mean else None
+    if not area or not mean:
+        return None
+    radius = float(np.sqrt(area / (4.0 * np.pi)))
+    return radius, radius / mean
 
 
 def _turn(arrays: Mapping[str, NDArray[Any]], before: Floats | None) -> tuple[Floats, Floats | None]:

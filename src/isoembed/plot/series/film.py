@@ -1,0 +1,214 @@
+"""Film of a run: its embedded horizons at their centers, from inspiral to ringdown."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Iterable, Iterator, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from isoembed.arrays import Floats
+from isoembed.errors import InvalidParameter
+from isoembed.io.files import write_atomically
+from isoembed.io.registry import check_output
+from isoembed.plot.animation import ANIMATION_ENDINGS, Pixels, check_animation, pixels_writer
+from isoembed.plot.picture import INK, PAPER, color_bar, color_scale, draw
+from isoembed.plot.placed import TIP, draw_arrow, draw_length, draw_triad
+from isoembed.plot.quantity import Quantity, face_means
+from isoembed.plot.series.labels import colors_of, escaped
+from isoembed.plot.series.placing import PlacedHorizon, PlacedHorizons
+from isoembed.plot.series.scenes import Scene, scenes
+from isoembed.plot.view import Pose, View, camera
+from isoembed.relativity.series.table import Row
+from isoembed.runs.result import Result
+from isoembed.thresholds import threshold
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+    from matplotlib.cm import ScalarMappable
+    from matplotlib.figure import Figure
+
+CURVATURE = "mean_curvature"
+SIZE, DPI = (7.2, 6.0), 100  # inches, dots an inch: even numbers of dots
+PLACE = (0.0, 0.13, 0.86, 0.81)  # of the axes in the picture: left, bottom, width, height
+WIDE = PLACE[2] * SIZE[0] / (PLACE[3] * SIZE[1])
+LINES = 3  # below, of each column
+WRITTEN = {"irreducible_mass": "Mᵢᵣᵣ", "christodoulou_mass": "M", "dimensionless_spin": "χ"}
+
+
+@dataclass(frozen=True)
+class SeriesFilmThresholds:
+    """Thresholds of films of a run."""
+
+    images: int = threshold(240, "count", "Images of a film, at most: of more times evenly many are taken.")
+    length: float = threshold(16.0, "seconds", "What a film takes, if it has many images.")
+    step: float = threshold(0.4, "seconds", "Time from one image to the next, at most.")
+    rest: float = threshold(2.0, "seconds", "How long the last image stays.")
+    margin: float = threshold(1.15, "relative", "Size of the picture over what is in it.")
+    calm: float = threshold(0.12, "films", "Time within which the picture grows or shrinks.")
+    stretched: float = threshold(0.05, "relative", "Stretch of distances that the picture tells.")
+    veil: float = threshold(0.35, "opacity", "Of a horizon that holds others.")
+
+
+SERIES_FILM = SeriesFilmThresholds()
+
+
+def write_series_film(path: str | os.PathLike[str], results: Iterable[Result]) -> None:
+    """Write the embedded horizons of a run as a film, ``.gif`` or ``.mp4``.
+
+    Each horizon is where its center is in the slice, and turned as it lies there (`PlacedHorizons`); a common
+    horizon is seen through while it holds others.  Colors show the mean curvature in one scale.  The picture
+    follows the horizons, and a bar shows a length.  Below are the time, masses and spins, and what is lost.
+
+    Parameters
+    ----------
+    path : path
+    results : iterable of Result
+        In any order.  The same results make the same bytes.
+
+    Raises
+    ------
+    FileError
+        The ending is not known, the file cannot be written, or matplotlib, or for MP4 imageio-ffmpeg, is not
+        installed.
+    InvalidParameter
+        No horizon is embedded.
+    """
+    check_output(path, ANIMATION_ENDINGS)
+    check_animation(path)
+    placed = PlacedHorizons.of(results, [CURVATURE])
+    shown = scenes(placed, SERIES_FILM.images)
+    if not shown:
+        raise InvalidParameter("no horizon of the run is embedded: there is nothing to film")
+    each = min(SERIES_FILM.step, SERIES_FILM.length / len(shown))
+    seconds = [each] * (len(shown) - 1) + [SERIES_FILM.rest]
+    write_atomically({Path(path): pixels_writer(path, _drawn(placed, shown), seconds)})
+
+
+def _drawn(placed: PlacedHorizons, shown: Sequence[Scene]) -> Iterator[Pixels]:
+    """The images as pixels, (height, width, 3), one after the other."""
+    from matplotlib.backends.backend_agg import FigureCanvasAgg
+    from matplotlib.figure import Figure
+
+    values = np.concatenate([horizon.fields[CURVATURE] for scene in shown for horizon in scene.shown])
+    scale, colors = color_scale(*Quantity("", "", values).bounds), colors_of(placed.table.series)
+    for scene, pose in zip(shown, _poses(shown), strict=True):
+        picture = Figure(figsize=SIZE, facecolor=PAPER, dpi=DPI)
+        canvas = FigureCanvasAgg(picture)
+        axes = picture.add_axes(PLACE)
+        _draw_scene(axes, scene, pose, scale, colors)
+        axes.set_aspect("equal")
+        axes.axis("off")
+        tall = SERIES_FILM.margin
+        axes.set_xlim(-WIDE * tall, WIDE * tall)
+        axes.set_ylim(-tall, tall)
+        draw_triad(axes, tall * np.array([-0.85 * WIDE, -0.78]))
+        draw_length(axes, pose.size, tall * np.array([0.97 * WIDE, -0.9]))
+        bar = picture.add_axes((0.87, 0.24, 0.02, 0.6))
+        color_bar(picture, bar, scale, values)
+        bar.set_ylabel("mean curvature  $H$,  1/length", color=INK, labelpad=6, fontsize=10)
+        picture.text(0.43, 0.965, scene.moment, ha="center", va="center", fontsize=14, color=INK)
+        _write_below(picture, scene, colors, placed.stretch)
+        canvas.draw()
+        yield np.asarray(canvas.buffer_rgba())[..., :3].copy()
+
+
+def _poses(shown: Sequence[Scene]) -> list[Pose]:
+    """Where the viewer looks, and how much is seen: nothing leaves the picture, and it does not jump."""
+    calm = round(0.5 * SERIES_FILM.calm * len(shown))
+    boxes = _filled([_box(scene) for scene in shown])
+    low, high = boxes[:, :3], boxes[:, 3:]
+    lower, higher = -_around(-low, calm).max(axis=-1), _around(high, calm).max(axis=-1)
+    centers = _around(0.5 * (lower + higher), calm).mean(axis=-1)
+    reaches = (np.maximum(high - centers, centers - low) / (WIDE, 1.0, np.inf)).max(axis=1)
+    sizes = _around(_around(reaches, calm).max(axis=-1), calm).mean(axis=-1)
+    return [
+        Pose(camera().T @ center, np.eye(3), float(size)) for center, size in zip(centers, sizes, strict=True)
+    ]
+
+
+def _box(scene: Scene) -> Floats | None:
+    """The least and the largest coordinates right, up and toward the viewer, with the axes of spins."""
+    if not scene.shown:
+        return None
+    centers = np.array([horizon.center for horizon in scene.shown]) @ camera().T
+    reaches = [horizon.radius * (1.0 if horizon.axis is None else TIP) for horizon in scene.shown]
+    around = np.array(reaches)[:, None]  # however they are turned, so that the picture stays
+    return np.concatenate([(centers - around).min(axis=0), (centers + around).max(axis=0)])
+
+
+def _filled(boxes: Sequence[Floats | None]) -> Floats:
+    """Boxes in which those that are missing are as the one before; the first one is there."""
+    found = list[Floats]()
+    for box in boxes:
+        found.append(found[-1] if box is None else box)
+    return np.array(found)
+
+
+def _around(values: Floats, calm: int) -> Floats:
+    """Each value with so many before and after it, along a last axis."""
+    padded = np.pad(values, [(calm, calm)] + [(0, 0)] * (values.ndim - 1), "edge")
+    return np.lib.stride_tricks.sliding_window_view(padded, 2 * calm + 1, axis=0)
+
+
+def _draw_scene(axes: Axes, scene: Scene, pose: Pose, scale: ScalarMappable, colors: dict[str, str]) -> None:
+    """Draw the horizons, those that hold others over these, their spins and their names."""
+    shells = scene.shells
+    _draw_surfaces(axes, [one for one in scene.shown if one not in shells], pose, scale, 1.0)
+    for shell in shells:
+        _draw_surfaces(axes, [shell], pose, scale, SERIES_FILM.veil)
+    for horizon in scene.shown:
+        points = pose.put(np.vstack([horizon.vertices, horizon.center]))
+        if horizon.axis is not None:
+            draw_arrow(axes, horizon.axis, points[:-1], points[-1])
+        right, up = (points @ camera()[:2].T).T
+        name = escaped(horizon.row.series)
+        axes.text(
+            right[-1],
+            up[:-1].max() + 0.03,
+            name,
+            ha="center",
+            va="bottom",
+            fontsize=11,
+            fontweight="bold",
+            color=colors[horizon.row.series],
+            zorder=4,
+        )
+
+
+def _draw_surfaces(
+    axes: Axes, horizons: Sequence[PlacedHorizon], pose: Pose, scale: ScalarMappable, opacity: float
+) -> None:
+    """Draw horizons beside each other, the farthest face first."""
+    if not horizons:
+        return
+    first = np.cumsum([0] + [len(horizon.vertices) for horizon in horizons[:-1]])
+    faces = np.concatenate([horizon.faces + k for horizon, k in zip(horizons, first, strict=True)])
+    values = np.concatenate([horizon.fields[CURVATURE] for horizon in horizons])
+    view = View.of(np.concatenate([horizon.vertices for horizon in horizons]), faces, pose)
+    draw(axes, view, face_means(values, faces), scale, opacity=opacity)
+
+
+def _write_below(picture: Figure, scene: Scene, colors: dict[str, str], stretch: float) -> None:
+    """Write what is known of the horizons, a line for each series, and what is lost."""
+    rows = [horizon.row for horizon in scene.shown] + list(scene.lost)
+    lines = {row.series: _known(row) for row in rows}
+    for k, name in enumerate(colors):
+        if name in lines:
+            words = f"{escaped(name)}    {lines[name]}"
+            at = 0.04 + 0.5 * (k // LINES), 0.105 - 0.034 * (k % LINES)
+            picture.text(*at, words, ha="left", va="center", fontsize=10, color=colors[name])
+    if abs(stretch - 1.0) > SERIES_FILM.stretched:
+        words = f"distances of centers: coordinates $\\times$ {stretch:.2f}"
+        picture.text(0.98, 0.02, words, ha="right", va="center", fontsize=8, color=INK)
+
+
+def _known(row: Row) -> str:
+    """The masses and the spin of a horizon, or what became of it."""
+    if row.status != "embedded":
+        return row.status
+    known = ((symbol, row.numbers.get(name)) for name, symbol in WRITTEN.items())
+    return "    ".join(f"{symbol} = {value:.4f}" for symbol, value in known if value is not None)

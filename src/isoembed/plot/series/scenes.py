@@ -1,0 +1,104 @@
+"""What is seen of a run at one time: the horizons that are there, and those that are lost."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from dataclasses import dataclass
+
+import numpy as np
+
+from isoembed.arrays import Floats
+from isoembed.plot.series.abscissa import Abscissa
+from isoembed.plot.series.placing import PlacedHorizon, PlacedHorizons
+from isoembed.relativity.series.table import Row
+from isoembed.thresholds import threshold
+
+
+@dataclass(frozen=True)
+class SceneThresholds:
+    """Thresholds of what is seen together."""
+
+    lasting: float = threshold(
+        0.5, "spacings", "Time for which a horizon is seen before and after its own, of its series' spacing."
+    )
+    rounding: float = threshold(1e-9, "relative", "Difference of two spacings that are the same.")
+
+
+SCENE = SceneThresholds()
+
+
+@dataclass(frozen=True, eq=False)
+class Scene:
+    """The horizons of a run at one time.
+
+    Attributes
+    ----------
+    moment : str
+        The time, as it is written on a picture.
+    at : float
+    shown : tuple of PlacedHorizon
+        In the order of the series.
+    lost : tuple of Row
+        Of the series that have something at this time that is not embedded.
+    """
+
+    moment: str
+    at: float
+    shown: tuple[PlacedHorizon, ...]
+    lost: tuple[Row, ...]
+
+    @property
+    def shells(self) -> tuple[PlacedHorizon, ...]:
+        """Those that hold others, which are seen through them."""
+        return tuple(one for one in self.shown if any(one.holds(other) for other in self.shown))
+
+
+def scenes(placed: PlacedHorizons, most: int) -> tuple[Scene, ...]:
+    """Scenes of a run, from its first to its last horizon that is embedded.
+
+    There is one at each time at which there is a horizon; a series that is known at fewer times than others
+    is seen in between as it is at its nearest.
+
+    Parameters
+    ----------
+    placed : PlacedHorizons
+    most : int
+        How many, at most; of more times evenly many are taken.
+    """
+    along = Abscissa.of(placed.table)
+    tracks = [_Track.of(along.of_series(part), part.rows) for part in placed.table.series.values()]
+    times = np.unique(np.concatenate([track.times for track in tracks])) if tracks else np.empty(0)
+    found = list[Scene]()
+    for at in times.tolist():
+        rows = [row for track in tracks if (row := track.nearest(at)) is not None]
+        shown = tuple(placed.horizons[row.label] for row in rows if row.label in placed.horizons)
+        lost = tuple(row for row in rows if row.label not in placed.horizons)
+        found.append(Scene(along.written(at), at, shown, lost))
+    there = [k for k, scene in enumerate(found) if scene.shown]
+    found = found[there[0] : there[-1] + 1] if there else []
+    chosen = np.unique(np.rint(np.linspace(0, len(found) - 1, min(most, len(found)))).astype(int))
+    return tuple(found[k] for k in chosen.tolist())
+
+
+@dataclass(frozen=True, eq=False)
+class _Track:
+    """The rows of a series, at their times."""
+
+    times: Floats
+    rows: tuple[Row, ...]
+    lasting: float
+
+    @classmethod
+    def of(cls, times: Floats, rows: Iterable[Row]) -> _Track:
+        known = np.isfinite(times)
+        there = tuple(row for row, yes in zip(rows, known, strict=True) if yes)
+        steps = np.diff(times[known])
+        lasting = SCENE.lasting * float(np.median(steps)) if steps.size else 0.0
+        return cls(times[known], there, (1.0 + SCENE.rounding) * lasting)
+
+    def nearest(self, at: float) -> Row | None:
+        """The row at this time, or the nearest if that is not too far."""
+        if not self.rows:
+            return None
+        k = int(np.argmin(np.abs(self.times - at)))
+        return self.rows[k] if abs(self.times[k] - at) <= self.lasting else None
