@@ -8,6 +8,7 @@ from typing import Any
 
 from numba.core.caching import CompileResultCacheImpl, FunctionCache, InTreeCacheLocator
 from numba.core.registry import CPUDispatcher
+from numba.core.runtime import rtsys
 
 from isoembed.kernel.numba_hooks import tell_numba
 from isoembed.kernel.place import place_of
@@ -61,9 +62,13 @@ class _Cache(FunctionCache):
 
     _impl_class = _Implementation
 
-    def load_overload(self, *compiled_for: Any) -> Any:
+    def load_overload(self, signature: Any, target: Any) -> Any:
+        # numba would import all that it can compile first, .2 s that machine code has no need of.
+        rtsys.initialize(target)
         try:
-            return super().load_overload(*compiled_for)
+            with self._guard_against_spurious_io_errors():
+                return self._load_overload(signature, target)
+            return None
         except OSError:  # closed to us
             return None
         except (EOFError, pickle.UnpicklingError):  # cut short

@@ -7,7 +7,6 @@ from typing import cast
 
 import numpy as np
 from scipy.sparse import csr_array
-from scipy.spatial import ConvexHull, QhullError
 
 from isoembed.arrays import Floats, Indices
 from isoembed.kernel import kernel
@@ -75,6 +74,8 @@ class VertexCells:
 
     def triangulation(self, convex: Floats) -> Triangulation | None:
         """The triangles of the chosen vertices' hull on a convex surface; None where it has not them all."""
+        from scipy.spatial import ConvexHull, QhullError  # slow to import, and seldom needed
+
         x = convex[self.vertices] - convex.mean(axis=0)
         try:
             hull = ConvexHull(x)
