@@ -75,7 +75,7 @@ def scrambled(vertices, faces, seed, thinnest):
 def one_factorization(polyhedron):
     """Least seconds of three: order, analyze and factor ``d kappa / d r`` at the solution."""
     from isoembed import GluedMetric
-    from isoembed.alexandrov.newton import pinned
+    from isoembed.alexandrov.newton import Analyses, pinned
     from isoembed.alexandrov.polytope import Polytope
     from isoembed.progress.stages import Log
 
@@ -86,7 +86,7 @@ def one_factorization(polyhedron):
     with Log().stage("factor") as recorder:
         for _ in range(3):
             start = time.perf_counter()
-            pinned(p, recorder)
+            pinned(p, Analyses.of(tables), recorder)
             seconds.append(time.perf_counter() - start)
     return min(seconds)
 

@@ -119,16 +119,17 @@ def of_edges(vertices, faces):
 def of_vertices(vertices, faces):
     """Least seconds of the processor of two numeric factorizations of ``-d kappa / d r`` at the surface."""
     from isoembed import GluedMetric
-    from isoembed.alexandrov.newton import pinned
+    from isoembed.alexandrov.newton import Analyses, pinned
     from isoembed.alexandrov.polytope import Polytope
     from isoembed.progress.stages import Log
 
     metric = PolyhedralMetric.from_mesh(vertices, faces)
     x = (vertices - vertices.mean(axis=0)) / metric.unit
     radii = np.linalg.norm(x, axis=1)
-    p = Polytope.on(GluedMetric.of(metric.normalized).half_edges(directed=False), radii)
+    tables = GluedMetric.of(metric.normalized).half_edges(directed=False)
+    p = Polytope.on(tables, radii)
     with Log().stage("one") as recorder:
-        solution = pinned(p, recorder, x / radii[:, None])
+        solution = pinned(p, Analyses.of(tables), recorder, x / radii[:, None])
         return least_seconds(lambda: solution.refactorized(p, recorder))
 
 

@@ -13,7 +13,7 @@ from isoembed.aim.radii_newton import (
     newton_on_radii,
     radii_start,
 )
-from isoembed.alexandrov.newton import pinned
+from isoembed.alexandrov.newton import Analyses, pinned
 from isoembed.alexandrov.placement import realized
 from isoembed.alexandrov.polytope import Polytope
 from isoembed.gallery import CassiniPeanut, Ellipsoid, KerrHorizon, triangulate
@@ -36,8 +36,9 @@ def solved(metric):
     given, log = GluedMetric.of(metric), Log()
     with log.stage("waypoint") as recorder:
         convex = Convexification(given).metric(CONVEXIFICATION.near, recorder)
-    start = radii_start(given, convex, log)
-    return start, newton_on_radii(given, start, log), log
+    analyses = Analyses.of(given.half_edges())
+    start = radii_start(given, convex, analyses, log)
+    return start, newton_on_radii(given, start, analyses, log), log
 
 
 CONVEX = {
@@ -89,8 +90,8 @@ def test_it_deviates_to_second_order():
         metric = PolyhedralMetric.from_mesh(x, faces)
         convex = GluedMetric.of(metric.with_lengths(start.lengths))
         given = GluedMetric.of(metric)
-        log = Log()
-        solution = newton_on_radii(given, radii_start(given, convex, log), log)
+        analyses, log = Analyses.of(given.half_edges()), Log()
+        solution = newton_on_radii(given, radii_start(given, convex, analyses, log), analyses, log)
         missed.append(solution.branch_deviation)
     assert 3 < missed[0] / missed[1] < 5
 
@@ -113,7 +114,7 @@ def test_flat_vertices_have_no_radii():
     vertices, faces, flat = box(3)
     assert flat.any()
     metric = GluedMetric.of(in_units(vertices, faces)[1])
-    assert radii_start(metric, metric, Log()) is None
+    assert radii_start(metric, metric, Analyses.of(metric.half_edges()), Log()) is None
 
 
 @pytest.mark.parametrize("rank", [0, 10, 20, 40])
@@ -128,7 +129,8 @@ def test_a_vertex_that_went_in_comes_out(rank):
     pushed = vertices.copy()
     pushed[v] -= 2 * ((vertices[v] - vertices[ring].mean(axis=0)) @ normal) * normal
     recorder = smooth_bodies.recorder()
-    start = pinned(Polytope.on(tables, np.linalg.norm(pushed, axis=1)), recorder)
+    p = Polytope.on(tables, np.linalg.norm(pushed, axis=1))
+    start = pinned(p, Analyses.of(tables), recorder)
     inside, _ = _without_curvature(start, 1e-12, recorder)
     assert np.flatnonzero(inverted_vertices(inside.polytope)).tolist() == [v]
     outside = _reflected(inside, recorder)

@@ -6,7 +6,7 @@ import pytest
 import zoo
 from isoembed import PolyhedralMetric, embed
 from isoembed.alexandrov.homotopy import follow_path
-from isoembed.alexandrov.newton import Solution, newton
+from isoembed.alexandrov.newton import Analyses, Solution, newton
 from isoembed.alexandrov.pins import independent_directions
 from isoembed.alexandrov.placement import placed, polished
 from isoembed.alexandrov.polytope import Polytope
@@ -95,7 +95,7 @@ def test_newton_gives_up_far_from_a_solution():
     tables, epsilon = problem(*zoo.random_hull(40, 2))
     start = Polytope.over(tables, np.full(40, 50.0))
     with Log().stage("newton") as recorder:
-        assert newton(start, epsilon, recorder) is None
+        assert newton(start, epsilon, Analyses.of(tables), recorder) is None
 
 
 def test_the_pins_see_the_apex_at_right_angles():

@@ -10,6 +10,7 @@ from scipy.sparse.linalg import splu
 from scipy.spatial import ConvexHull
 
 from isoembed.linalg import dissect
+from isoembed.linalg.bisection import lift_ends
 
 
 def hull_edges(points):
@@ -205,3 +206,42 @@ def test_fill_grows_like_n_log_n(stretch):
 def test_a_graph_in_two_pieces_is_refused():
     with pytest.raises(ValueError, match="not connected: no path from vertex 0 to vertex 4"):
         dissect(sp.block_diag([np.ones((4, 4)), np.ones((4, 4))]))
+
+
+def flipped(points, edges, count):
+    """The graph with some edges of it replaced by others between their neighbors."""
+    graph = adjacency(len(points), edges).tolil()
+    for i, j in edges[np.random.default_rng(0).permutation(len(edges))[:count]]:
+        common = np.intersect1d(graph.rows[i], graph.rows[j])
+        if common.size == 2:
+            graph[i, j] = graph[j, i] = 0
+            graph[common[0], common[1]] = graph[common[1], common[0]] = 1
+    return sp.csc_array(graph)
+
+
+def test_an_order_is_kept_where_the_graph_is():
+    n = 500
+    tree = dissect(adjacency(n, hull_edges(fibonacci_sphere(n))))
+    fewer = sp.csc_array(adjacency(n, hull_edges(fibonacci_sphere(n))[: 2 * n]))
+    assert np.array_equal(tree.order_of(fewer), tree.vertex_order())
+
+
+@pytest.mark.parametrize("count", [1, 20, 100, 1500])
+def test_an_order_is_mended_where_some_edges_are_others(count):
+    points = fibonacci_sphere(2000)
+    edges = hull_edges(points)
+    tree, graph = dissect(adjacency(2000, edges)), flipped(points, edges, count)
+    mended = tree.order_of(graph)
+    assert is_permutation(mended, 2000)
+    own = fill(graph, dissect(graph).vertex_order())
+    assert fill(graph, mended) < 1.3 * own
+    assert count < 100 or fill(graph, tree.vertex_order()) > 1.3 * own
+
+
+def test_edges_join_cells_to_separators_above_them():
+    points = fibonacci_sphere(1000)
+    edges = hull_edges(points)
+    tree, graph = dissect(adjacency(1000, edges)), flipped(points, edges, 300)
+    path, depth = (places.copy() for places in tree._separated[1:])
+    assert lift_ends(graph.indptr, graph.indices, path, depth) > 0
+    assert lift_ends(graph.indptr, graph.indices, path, depth) == 0

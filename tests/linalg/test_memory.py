@@ -195,3 +195,21 @@ def test_numbers_of_bytes_are_readable():
         "3.2 PB",
         "10000 PB",
     ]
+
+
+@pytest.mark.skipif(sys.platform != "linux", reason="mallopt is glibc's")
+def test_what_is_freed_is_kept_for_arrays_to_come():
+    code = """
+import resource
+import numpy as np
+from isoembed.linalg.memory import keep_freed_memory
+keep_freed_memory()
+def faults():
+    return resource.getrusage(resource.RUSAGE_SELF).ru_minflt
+np.ones(2**22)
+before = faults()
+for _ in range(10):
+    np.ones(2**22)
+print(faults() - before)
+"""
+    assert int(subprocess.check_output([sys.executable, "-c", code], text=True)) < 2**13  # pages of one array

@@ -32,6 +32,7 @@ from isoembed.aim.radii_newton import RADII_NEWTON, newton_on_radii, radii_start
 from isoembed.aim.regularized_continuation import log_linear, regularized_continuation
 from isoembed.aim.regularized_energy import RegularizedEnergy
 from isoembed.alexandrov.method import Alexandrov
+from isoembed.alexandrov.newton import Analyses
 from isoembed.arrays import Floats
 from isoembed.errors import InvalidMetric, InvalidParameter, NotEmbedded
 from isoembed.linalg import SingularMatrix
@@ -170,20 +171,21 @@ class _Search:
         if self.kept or not convexification.negative_curvature < ADAPTIVE.little:
             return None
         log.expect(AT_ONCE)
+        analyses = Analyses.of(given.half_edges(directed=False))
         kept = log.resumed_at("leap")
         if kept is not None:
             start: Floats | None = kept["start"]
         else:
             with log.stage("nearest waypoint") as recorder:
                 convex = convexification.metric(CONVEXIFICATION.near, recorder)
-            start = None if convex is None else radii_start(given, convex, log)
+            start = None if convex is None else radii_start(given, convex, analyses, log)
         if start is None:
             return None
         if convexification.is_convex and start.ndim == 2:
             polyhedron = self.polyhedron(self.in_given_order(start))
             if polyhedron is not None:
                 return polyhedron
-        solution = newton_on_radii(given, start, log, self.numbers)
+        solution = newton_on_radii(given, start, analyses, log, self.numbers)
         if solution is None or not solution.branch_deviation < RADII_NEWTON.trusted:
             return None
         found = self.surface(solution.vertices)

@@ -14,7 +14,7 @@ import numpy as np
 from isoembed.aim.adiabatic_pullback import extrapolated
 from isoembed.alexandrov.doubly_covered import FLAT_LIMIT
 from isoembed.alexandrov.homotopy import HOMOTOPY, Waypoint, follow_path
-from isoembed.alexandrov.newton import Solution, forcing_term, pinned
+from isoembed.alexandrov.newton import Analyses, Solution, forcing_term, pinned
 from isoembed.alexandrov.placement import placed, realized
 from isoembed.alexandrov.polytope import Polytope
 from isoembed.arrays import Floats, Indices, Mask
@@ -65,7 +65,7 @@ class RadiiSolution:
     branch_deviation: float
 
 
-def radii_start(given: GluedMetric, convex: GluedMetric, log: Log) -> Floats | None:
+def radii_start(given: GluedMetric, convex: GluedMetric, analyses: Analyses, log: Log) -> Floats | None:
     """Lead a polytope over a convex metric to where Newton's method may begin.
 
     Parameters
@@ -74,6 +74,8 @@ def radii_start(given: GluedMetric, convex: GluedMetric, log: Log) -> Floats | N
         Of mean edge length 1 or so.
     convex : GluedMetric
         A convex metric near it, on the same vertices; it may be the given one.
+    analyses : Analyses
+        Of the given triangles.
     log : Log
 
     Returns
@@ -97,6 +99,7 @@ def radii_start(given: GluedMetric, convex: GluedMetric, log: Log) -> Floats | N
             lambda here: recorder.keep(**here.arrays()),
             None if kept is None else Waypoint.of_arrays(kept),
             close,
+            analyses,
         )
         for found in path:
             p = found.polytope if isinstance(found, Solution) else found
@@ -113,6 +116,7 @@ def radii_start(given: GluedMetric, convex: GluedMetric, log: Log) -> Floats | N
 def newton_on_radii(
     given: GluedMetric,
     start: Floats,
+    analyses: Analyses,
     log: Log,
     numbers: Indices | None = None,
 ) -> RadiiSolution | None:
@@ -124,6 +128,8 @@ def newton_on_radii(
         Of mean edge length 1 or so.
     start : ndarray, shape (V,) or (V, 3)
         Radii or vertices, from `radii_start`.
+    analyses : Analyses
+        Of the given triangles.
     log : Log
     numbers : ndarray of int, shape (V,), optional
         Other numbers of the vertices, by which they are shown and returned.
@@ -143,7 +149,7 @@ def newton_on_radii(
         recorder.show(level=f"{given.n_vertices:,} vertices")
         recorder.keep(start=start)
         try:
-            found = _followed(given.half_edges(directed=False), start, recorder)
+            found = _followed(given.half_edges(directed=False), start, analyses, recorder)
         except SingularMatrix:
             return None
         if found is None:
@@ -156,7 +162,9 @@ def newton_on_radii(
     return RadiiSolution(vertices, branch_deviation)
 
 
-def _followed(tables: HalfEdges, start: Floats, recorder: StageRecorder) -> tuple[Solution, float] | None:
+def _followed(
+    tables: HalfEdges, start: Floats, analyses: Analyses, recorder: StageRecorder
+) -> tuple[Solution, float] | None:
     """From radii in one step, or from vertices in several; and the branch deviation."""
     ends = tables.corners, tables.corners[tables.twins]
     if start.ndim == 1:
@@ -180,7 +188,7 @@ def _followed(tables: HalfEdges, start: Floats, recorder: StageRecorder) -> tupl
         p = Polytope.on(tables._replace(lengths=tables.lengths * ratio**t), extrapolated(known[-3:], t))
         if p is None:
             return None
-        state = pinned(p, recorder, directions) if state is None else replace(state, polytope=p)
+        state = replace(state, polytope=p) if state else pinned(p, analyses, recorder, directions)
         found = _without_curvature(state, RADII_NEWTON.settled if t == 0 else nearly, recorder)
         if found is None:
             return None

@@ -4,7 +4,7 @@ import numpy as np
 from scipy.sparse import diags_array
 from scipy.sparse.linalg import spsolve
 
-from isoembed.alexandrov.newton import pinned
+from isoembed.alexandrov.newton import Analyses, pinned
 from isoembed.alexandrov.placement import placed
 from isoembed.alexandrov.polytope import Polytope
 from isoembed.arrays import Floats, Indices
@@ -42,7 +42,7 @@ def attempted(
 
 def _placed(nearest: Polytope, recorder: StageRecorder) -> Floats:
     try:
-        return placed(pinned(nearest, recorder))
+        return placed(pinned(nearest, Analyses.of(nearest.tables), recorder))
     except SingularMatrix:
         return float(nearest.radii.mean()) * _spread(nearest.radii.size)
 

@@ -19,12 +19,12 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from isoembed.alexandrov.newton import NEWTON, Solution, analyzed, newton
+from isoembed.alexandrov.newton import NEWTON, Analyses, Solution, newton
 from isoembed.alexandrov.polytope import Polytope
 from isoembed.arrays import Floats
 from isoembed.intrinsic.delaunay import make_delaunay
 from isoembed.intrinsic.halfedges import HalfEdges
-from isoembed.linalg import Factor, SingularMatrix, dissect
+from isoembed.linalg import Factor, SingularMatrix
 from isoembed.linalg.krylov import gmres
 from isoembed.metric.curvature import Triangles
 from isoembed.progress.stages import StageRecorder
@@ -122,6 +122,7 @@ def follow_path(
     keep: Callable[[Waypoint], None] = lambda _: None,
     resumed: Waypoint | None = None,
     near: Floats | None = None,
+    analyses: Analyses | None = None,
 ) -> Iterator[Polytope | Solution]:
     """Yield the polytopes of the path, and at last, if one start arrives, the solution.
 
@@ -140,7 +141,10 @@ def follow_path(
     near : ndarray, shape (V,), optional
         Curvatures to which the path is followed before Newton's method begins, if need be some way beyond
         `HomotopyThresholds.close`; that may then end at a share of them.
+    analyses : Analyses, optional
+        Of triangulations of this metric, or of one nearby.
     """
+    analyses = analyses or Analyses.of(tables)
     tables = tables.copy()
     make_delaunay(tables, np.zeros(deficits.size))
     triangles = Triangles.of(tables.face_lengths)
@@ -159,7 +163,7 @@ def follow_path(
         if here is None:
             continue
         try:
-            arrived = yield from _attempt(here, deficits, recorder, keep, near)
+            arrived = yield from _attempt(here, deficits, analyses, recorder, keep, near)
         except SingularMatrix:
             continue
         if arrived:
@@ -169,13 +173,14 @@ def follow_path(
 def _attempt(
     here: Waypoint,
     deficits: Floats,
+    analyses: Analyses,
     recorder: StageRecorder,
     keep: Callable[[Waypoint], None],
     near: Floats | None,
 ) -> Generator[Polytope | Solution, None, bool]:
     """Go on to the solution, trying Newton's method whenever it may work; return if it did."""
     while here.close >= HOMOTOPY.closest:
-        path = _path(here, deficits, recorder, keep)
+        path = _path(here, deficits, analyses, recorder, keep)
         for p in path:
             yield p
             largest, close = np.abs(p.curvatures).max(), here.close * deficits.max()
@@ -187,7 +192,7 @@ def _attempt(
             return False
         path.close()  # lets its factor go, which is as large as the next one
         keep(Waypoint(p, here.start, here.close))
-        solution = newton(p, deficits, recorder, None if near is None else HOMOTOPY.enough * near)
+        solution = newton(p, deficits, analyses, recorder, None if near is None else HOMOTOPY.enough * near)
         if solution is not None:
             yield solution
             return True
@@ -198,6 +203,7 @@ def _attempt(
 def _path(
     here: Waypoint,
     deficits: Floats,
+    analyses: Analyses,
     recorder: StageRecorder,
     keep: Callable[[Waypoint], None],
 ) -> Generator[Polytope, None, None]:
@@ -211,7 +217,7 @@ def _path(
         if inverse is None:
             here = replace(here, polytope=p, count=count)
             keep(here)
-            inverse, fresh = _factor(p, recorder), True
+            inverse, fresh = _factor(p, analyses, recorder), True
         if count % HOMOTOPY.creep == 0:
             odds, norm = _odds(epsilon), float(np.linalg.norm(p.curvatures))
             if odds > HOMOTOPY.crept_odds * here.odds and norm > HOMOTOPY.crept_norm * here.norm:
@@ -269,11 +275,11 @@ def _lowered(epsilon: float, step: float) -> float:
     return odds / (1 + odds)
 
 
-def _factor(p: Polytope, recorder: StageRecorder) -> Factor:
+def _factor(p: Polytope, analyses: Analyses, recorder: StageRecorder) -> Factor:
     recorder.factorizations += 1
     matrix = p.jacobian()
     matrix.data *= -1
-    return analyzed(matrix, dissect(matrix)).factor(matrix.data)
+    return analyses.solver(matrix).factor(matrix.data)
 
 
 def _solved(p: Polytope, inverse: Factor, b: Floats) -> tuple[Floats, int]:

@@ -13,6 +13,8 @@ from scipy.sparse import csc_array
 from isoembed.alexandrov.pins import independent_directions, rough_directions
 from isoembed.alexandrov.polytope import Polytope
 from isoembed.arrays import Floats, Indices
+from isoembed.intrinsic.halfedges import HalfEdges
+from isoembed.intrinsic.vertex_matrix import vertex_matrix
 from isoembed.linalg import Dissection, Factor, SingularMatrix, Solver, analyze, dissect
 from isoembed.linalg.krylov import gmres
 from isoembed.progress.stages import StageRecorder
@@ -36,6 +38,41 @@ class NewtonThresholds:
 
 
 NEWTON = NewtonThresholds()
+
+
+@dataclass(eq=False)
+class Analyses:
+    """What factorizations of ``-d kappa / d r`` share while the triangles are flipped.
+
+    Attributes
+    ----------
+    dissection : Dissection
+        Of the vertices.
+    last : Solver or None
+        Of the last triangles.
+    """
+
+    dissection: Dissection
+    last: Solver | None = None
+
+    @classmethod
+    def of(cls, tables: HalfEdges) -> Analyses:
+        """Begin with any triangles of a metric."""
+        ones = np.ones(tables.corners.size)
+        count = int(tables.corners.max()) + 1
+        return cls(dissect(vertex_matrix(tables.corners, tables.twins, ones, ones[:count])))
+
+    def solver(self, matrix: csc_array) -> Solver:
+        """The solver of matrices like this one."""
+        last = self.last
+        if last is None or not (
+            np.array_equal(last.pattern.indptr, matrix.indptr)
+            and np.array_equal(last.pattern.indices, matrix.indices)
+        ):
+            del last
+            self.last = None  # large bodies have no room for two
+            self.last = last = analyze(matrix, self.dissection.order_of(matrix), definite=False)
+        return last
 
 
 @dataclass(eq=False)
@@ -109,6 +146,7 @@ class Solution:
 def newton(
     p: Polytope,
     deficits: Floats,
+    analyses: Analyses,
     recorder: StageRecorder,
     enough: Floats | None = None,
 ) -> Solution | None:
@@ -119,11 +157,12 @@ def newton(
     p : Polytope
         Near to a solution.
     deficits : ndarray, shape (V,)
+    analyses : Analyses
     recorder : StageRecorder
     enough : ndarray, shape (V,), optional
         Curvatures at which it may end before they vanish.
     """
-    state, fresh = pinned(p, recorder), True
+    state, fresh = pinned(p, analyses, recorder), True
     forcing, done = NEWTON.loosest, False
     for _ in range(NEWTON.steps):
         if enough is not None and (np.abs(p.curvatures) <= enough).all():
@@ -147,7 +186,7 @@ def newton(
                 break
             if fresh:
                 return None
-            state, fresh = _pinned_at(p, state.pins, dissect(p.jacobian()), recorder), True
+            state, fresh = _pinned_at(p, state.pins, analyses, recorder), True
             continue
         recorder.iterations += 1
         recorder.show(t=0.0, residual=float(np.abs(p.curvatures).max()))
@@ -166,12 +205,15 @@ def forcing_term(ratio: float, loosest: float) -> float:
     return float(np.clip(ratio**2, NEWTON.tightest, loosest))
 
 
-def pinned(p: Polytope, recorder: StageRecorder, directions: Floats | None = None) -> Solution:
+def pinned(
+    p: Polytope, analyses: Analyses, recorder: StageRecorder, directions: Floats | None = None
+) -> Solution:
     """Pin three radii of a polytope and factor what is left, whatever its curvatures.
 
     Parameters
     ----------
     p : Polytope
+    analyses : Analyses
     recorder : StageRecorder
     directions : ndarray, shape (V, 3), optional
         Of the vertices from the apex, if they are known.
@@ -180,16 +222,15 @@ def pinned(p: Polytope, recorder: StageRecorder, directions: Floats | None = Non
     ------
     SingularMatrix
     """
-    dissection = dissect(p.jacobian())
     if directions is None:
-        directions = rough_directions(p, dissection)
-    return _pinned_at(p, independent_directions(p, directions), dissection, recorder)
+        directions = rough_directions(p, analyses.dissection)
+    return _pinned_at(p, independent_directions(p, directions), analyses, recorder)
 
 
-def _pinned_at(p: Polytope, pins: Indices, dissection: Dissection, recorder: StageRecorder) -> Solution:
+def _pinned_at(p: Polytope, pins: Indices, analyses: Analyses, recorder: StageRecorder) -> Solution:
     matrix = _pinned_matrix(p, pins)
     recorder.factorizations += 1
-    inverse = Preconditioner(analyzed(matrix, dissection))
+    inverse = Preconditioner(analyses.solver(matrix))
     inverse.renew(matrix.data)
     return Solution(p, pins, inverse)
 
@@ -206,9 +247,3 @@ def _pinned_matrix(p: Polytope, pins: Indices) -> csc_array:
             matrix.data[across][matrix.indices[across] == pin] = 0.0
         matrix.data[column] = rows == pin
     return matrix
-
-
-def analyzed(matrix: csc_array, dissection: Dissection) -> Solver:
-    """The solver of ``-d kappa / d r``, or of what pins leave of it, in the order of its own triangles."""
-    # The triangles change with every flip, and with them the separators: an old order would fill in.
-    return analyze(matrix, dissection.vertex_order(), definite=False)

@@ -48,7 +48,8 @@ def rough_directions(p: Polytope, dissection: Dissection) -> Floats:
         return _built(tables.corners, tables.twins, tables.lengths, p.radii)
     places = np.empty_like(dissection.position)
     places[dissection.labels] = dissection.position - dissection.position.mean(axis=0)
-    return places / np.linalg.norm(places, axis=1)[:, None]
+    sizes = np.linalg.norm(places, axis=1)[:, None]
+    return places / np.where(sizes > 0, sizes, 1.0)  # zero for a vertex at the mean, which is then no pin
 
 
 @kernel

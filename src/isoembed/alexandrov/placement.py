@@ -11,7 +11,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from isoembed.alexandrov.lengths import worst_length
-from isoembed.alexandrov.newton import Solution, pinned
+from isoembed.alexandrov.newton import Analyses, Solution, pinned
 from isoembed.alexandrov.polytope import Polytope
 from isoembed.arrays import Floats, Indices
 from isoembed.errors import InvalidMetric
@@ -169,7 +169,7 @@ def relaxed_polytope(nearest: Polytope, recorder: StageRecorder) -> tuple[HalfEd
         Triangles and vertices that have the lengths of the metric and no dent; None if none are found.
     """
     try:
-        vertices = placed(pinned(nearest, recorder))
+        vertices = placed(pinned(nearest, Analyses.of(nearest.tables), recorder))
     except SingularMatrix:
         return None
     for tables in _simplicial(nearest.tables):

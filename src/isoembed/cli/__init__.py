@@ -82,6 +82,10 @@ def _loaded(name: str) -> ModuleType:
     """
     limit = _address_space()  # asked for while there is room
     try:
+        if limit is None:
+            from isoembed.linalg.memory import keep_freed_memory
+
+            keep_freed_memory()
         return import_module(f"isoembed.cli.{name}")
     except (ImportError, OSError) as error:
         if limit is None or isinstance(error, ModuleNotFoundError):

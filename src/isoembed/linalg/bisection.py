@@ -6,7 +6,7 @@ edges; then the smallest separator near the cut is found.
 
 import numpy as np
 
-from isoembed.arrays import Floats, Indices
+from isoembed.arrays import Floats, Indices, Indices32
 from isoembed.kernel import kernel
 from isoembed.linalg.separator import DISSECTION, SEPARATOR, Graph, empty_band, separate
 from isoembed.thresholds import compiled
@@ -14,12 +14,47 @@ from isoembed.thresholds import compiled
 _T = compiled(DISSECTION)
 
 
-def separator_order(graph: Graph, position: Floats) -> Indices:
-    """Elimination order of the vertices of a graph by nested dissection, (n,).
+def separators(graph: Graph, position: Floats) -> tuple[Indices, Indices, Indices]:
+    """Elimination order of the vertices of a graph by nested dissection, and where they are in its tree.
 
-    The graph is planar or nearly so; in the coordinates, (n, 3), neighbors are near.
+    Parameters
+    ----------
+    graph : Graph
+        Planar or nearly so.
+    position : ndarray, shape (n, 3)
+        Coordinates in which neighbors are near.
+
+    Returns
+    -------
+    order, path, depth : ndarray of int64, shape (n,)
+        Binary digits of the path, as many as the depth, the highest first, tell the parts of the graph taken
+        on the way to the cell of each vertex, or to the cell that it separates.
     """
-    return _bisected(graph, position, True)[0]
+    return _bisected(graph, position, True)
+
+
+@kernel
+def lift_ends(indptr: Indices32, indices: Indices32, path: Indices, depth: Indices) -> int:
+    """Where an edge of another graph joins two parts, move an end into what separates them; how often.
+
+    The deeper end goes.  Then every edge joins a vertex to one of the same cell, or of a separator above.
+    """
+    lifted = 0
+    for v in range(path.size):
+        for p in range(indptr[v], indptr[v + 1]):
+            u = indices[p]
+            if u >= v:
+                continue
+            level = min(depth[u], depth[v])
+            a, b = path[u] >> (depth[u] - level), path[v] >> (depth[v] - level)
+            if a == b:
+                continue
+            while a != b:
+                a, b, level = a >> 1, b >> 1, level - 1
+            w = v if depth[v] >= depth[u] else u
+            path[w], depth[w] = a, level
+            lifted += 1
+    return lifted
 
 
 def bisection_paths(graph: Graph, position: Floats) -> Indices:

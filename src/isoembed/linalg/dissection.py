@@ -13,7 +13,7 @@ from numpy.typing import ArrayLike
 
 from isoembed.arrays import Floats, Indices
 from isoembed.kernel import kernel
-from isoembed.linalg.bisection import bisection_paths, separator_order
+from isoembed.linalg.bisection import bisection_paths, lift_ends, separators
 from isoembed.linalg.elimination import permuted
 from isoembed.linalg.separator import DISSECTION, Graph
 from isoembed.mesh.triangulation import frozen
@@ -58,11 +58,35 @@ class Dissection:
 
     def vertex_order(self) -> Indices:
         """Elimination order of a matrix on the vertices, like a Laplacian: the separators come last."""
-        return self._vertex_order
+        return self._separated[0]
+
+    def order_of(self, adjacency: sp.csc_array) -> Indices:
+        """`vertex_order` of another graph on the same vertices, most of whose edges are those of this one.
+
+        Where an edge joins two parts, one of its ends moves into what separates them.  Where that would be
+        too many, the graph is dissected anew, in the same coordinates.
+
+        Parameters
+        ----------
+        adjacency : sparse, (V, V)
+            Symmetric, in compressed columns.
+        """
+        path, depth = (places.copy() for places in self._separated[1:])
+        lifted = lift_ends(adjacency.indptr, adjacency.indices, path, depth)
+        if lifted == 0:
+            return self.vertex_order()
+        if lifted > DISSECTION.lifted * path.size:
+            indptr, indices, _ = permuted(adjacency.indptr, adjacency.indices, self.labels, False)
+            return frozen(self.labels[separators(Graph(indptr, indices), self.position)[0]])
+        deepest = depth.max()
+        # Post-order: by the last leaf below, and there the deepest first.
+        rank = (((path + 1) << (deepest - depth)) - 1) * (deepest + 1) + deepest - depth
+        order = self.vertex_order()
+        return frozen(order[np.argsort(rank[order], kind="stable")])
 
     def block_order(self, k: int) -> Indices:
         """`vertex_order` for k unknowns a vertex, numbered ``k * vertex + component`` and kept together."""
-        return (k * self._vertex_order[:, None] + np.arange(k)).ravel()
+        return (k * self.vertex_order()[:, None] + np.arange(k)).ravel()
 
     @cached_property
     def cells(self) -> Indices:
@@ -76,8 +100,12 @@ class Dissection:
         return frozen(cells)
 
     @cached_property
-    def _vertex_order(self) -> Indices:
-        return frozen(self.labels[separator_order(self.graph, self.position)])
+    def _separated(self) -> tuple[Indices, Indices, Indices]:
+        """The order of the vertices, and of each the path and the depth in the tree."""
+        order, *places = separators(self.graph, self.position)
+        path, depth = np.empty((2, order.size), dtype=np.int64)
+        path[self.labels], depth[self.labels] = places
+        return frozen(self.labels[order]), frozen(path), frozen(depth)
 
 
 def dissect(adjacency: sp.sparray | sp.spmatrix) -> Dissection:

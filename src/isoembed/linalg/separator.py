@@ -32,6 +32,9 @@ class DissectionThresholds:
     width: float = threshold(0.05, "roots of cells", "Layers of the band on either side of a cut.")
     widest: int = threshold(6, "layers", "Layers of that band, at most.")
     largest_side: float = threshold(0.8, "cells", "Where a side would hold more, the band is not widened.")
+    lifted: float = threshold(
+        0.03, "vertices", "Moved into separators where edges change: more cost more than a dissection."
+    )
 
 
 DISSECTION = DissectionThresholds()
