@@ -12,7 +12,7 @@ from isoembed.cli import horizon as command
 from isoembed.io import InputFile, read_metric
 from isoembed.io.vtk import read_polydata
 from isoembed.relativity import KerrSchild
-from isoembed.relativity.energies import report as energy_report
+from isoembed.relativity.series import horizon_task
 from places import SHARED
 from strict_json import strict
 
@@ -152,7 +152,7 @@ REFUSED = [
 
 @pytest.mark.parametrize(("arguments", "sentence"), REFUSED)
 def test_refusals(run, monkeypatch, arguments, sentence):
-    monkeypatch.setattr(energy_report, "embed_surface", lambda *_, **__: pytest.fail("it computed"))
+    monkeypatch.setattr(horizon_task, "embed_surface", lambda *_, **__: pytest.fail("it computed"))
     write_kerr("h.gp", (0.0, 0.0, 0.5))
     write_grid("grid.npz", 0.5)
     write_grid("h.npz", 0.5)

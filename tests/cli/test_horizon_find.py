@@ -167,7 +167,7 @@ GUESS = ["--guess", 0, 0, 0, 0.5]
     ],
 )
 def test_refusals(run, monkeypatch, arguments, sentence):
-    monkeypatch.setattr(command, "embed_horizons", lambda *_, **__: pytest.fail("it computed"))
+    monkeypatch.setattr(command, "run_tasks", lambda *_, **__: pytest.fail("it computed"))
     write_slice("slice.npz", KerrSchild(1.0, (0.0, 0.0, 0.5)), half=3.0, points=10)
     status, _, err = run(*arguments)
     assert status == 2

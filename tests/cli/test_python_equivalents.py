@@ -69,15 +69,18 @@ io.write_report("new.json", relativity.embed_surface(data, vertices=60).report)
 """,
     "horizon --find --geometry isotropic --vertices 60 > new.txt": """
 from pathlib import Path
-from isoembed.relativity import Horizon, IsotropicSchwarzschild, embed_horizons, find_horizon
-found = Horizon.found(find_horizon(IsotropicSchwarzschild(1.0)), name="horizon in isotropic")
-Path("new.txt").write_text(f"{next(embed_horizons([found], vertices=60))}\\n")
+from isoembed.relativity import IsotropicSchwarzschild, embed_series, energy_table, find_horizon
+horizon = find_horizon(IsotropicSchwarzschild(1.0))
+(found,) = embed_series([(None, horizon, None)], vertices=60)
+report = found.report | {"name": "horizon in isotropic"}
+Path("new.txt").write_text(f"{energy_table(report)}\\n")
 """,
     "horizon one.npz two.npz --vertices 60 > new.txt": """
 from pathlib import Path
-from isoembed.relativity import Horizon, embed_horizons, read_horizon
-horizons = [Horizon.of(read_horizon(name), name=name) for name in ("one.npz", "two.npz")]
-Path("new.txt").write_text("".join(f"{found}\\n" for found in embed_horizons(horizons, vertices=60)))
+from isoembed.relativity import embed_series, energy_table
+moments = [(None, name, None) for name in ("one.npz", "two.npz")]
+found = embed_series(moments, vertices=60)
+Path("new.txt").write_text("".join(f"{energy_table(result.report)}\\n" for result in found))
 """,
 }
 

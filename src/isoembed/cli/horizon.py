@@ -32,15 +32,20 @@ from isoembed.io.files import AmbiguousFileError, check_target, input_ending, wr
 from isoembed.io.hdf5 import HDF5_ENDINGS
 from isoembed.plot.picture import Panel, figure_writer
 from isoembed.plot.placed import Scale, placed_figure
-from isoembed.relativity.energies.report import EmbeddedHorizon, embed_horizons
+from isoembed.relativity.energies.report import energy_table
 from isoembed.relativity.horizons.coordinate_shape import CoordinateShape
 from isoembed.relativity.horizons.finder import find_horizon
-from isoembed.relativity.horizons.horizon import Horizon
+from isoembed.relativity.horizons.horizon import GivenHorizon
 from isoembed.relativity.horizons.horizon_file import read_horizon
 from isoembed.relativity.horizons.spectre import read_spectre
+from isoembed.relativity.series.horizon_task import HorizonOptions, HorizonTask, mesh_of
+from isoembed.relativity.series.moment import Moment
+from isoembed.relativity.series.source import HeldShape, HeldSlice
 from isoembed.relativity.spacetimes.star_surface import StarSurface
 from isoembed.relativity.spacetimes.surface_data import SurfaceData
 from isoembed.relativity.spacetimes.three_geometry import ThreeGeometry
+from isoembed.runs.result import REFUSED, Result
+from isoembed.runs.run import run as run_tasks
 
 OF_FILES = ("time", "surface", "marginal", "not_marginal")
 WRITTEN = ("vtk", "json", "png")
@@ -108,34 +113,37 @@ def run(options: argparse.Namespace) -> int:
             message = {"message": str(error), "least_expansion": error.least}
             print_json({"status": "no horizon", "name": _found_name(options), **message})
         return NOT_EMBEDDED
+    axis = tuple(options.axis) if options.axis else None
+    asked = HorizonOptions(number, options.wang_yau, axis, marginal(options))
+    tasks = [HorizonTask(horizon, asked) for horizon in horizons.values() if isinstance(horizon, Moment)]
+    outcomes = run_tasks(tasks, chunk=len(tasks))
     reports, drawn = [], dict[Path, tuple[Panel, dict[str, Any]]]()
-    there = (horizon for horizon in horizons.values() if isinstance(horizon, Horizon))
-    embedded = embed_horizons(there, number, wang_yau=options.wang_yau)
     for stem, horizon in horizons.items():
-        found = next(embedded) if isinstance(horizon, Horizon) else horizon
-        reports.append(found.report)
-        refused = found.report["status"] == "refused"
+        result = next(outcomes).result if isinstance(horizon, Moment) else horizon
+        report = {key: part for key, part in result.report.items() if key != "moment"}
+        reports.append(report)
+        refused = result.status == REFUSED
         if options.output and not refused:
             outputs = _outputs(options, stem)
-            panel = _write(outputs, found, number)
+            panel = _write(outputs, result, report)
             if panel is not None:
-                drawn[outputs["png"]] = panel, found.report
-        if found.surface is None:
-            name, message = found.report["name"], found.report["message"]
-            print_error(message if refused and name in message else f"{name}: {message}")
+                drawn[outputs["png"]] = panel, report
+        if not result.answered:
+            called, why = report.get("name", stem), result.message
+            print_error(why if refused and called in why else f"{called}: {why}")
         elif not options.json:
-            (print_aside if options.output else print_out)(str(found))
-    outcomes = {report["status"] for report in reports}
-    if outcomes == {"refused"}:
+            (print_aside if options.output else print_out)(energy_table(report))
+    found = {report["status"] for report in reports}
+    if found == {REFUSED}:
         return WRONG
     if options.json:
         print_json(reports if len(reports) > 1 else reports[0])
     if drawn:
         _draw(drawn)
-    return OK if outcomes == {"embedded"} else NOT_EMBEDDED
+    return OK if found == {"embedded"} else NOT_EMBEDDED
 
 
-def _given(options: argparse.Namespace) -> dict[str, Horizon | EmbeddedHorizon]:
+def _given(options: argparse.Namespace) -> dict[str, Moment | Result]:
     """The horizons in files, by names for what is written of them; some may be refused, not all."""
     if not options.files:
         raise UsageError("which horizon? Give a FILE, or --find and a --geometry")
@@ -146,21 +154,21 @@ def _given(options: argparse.Namespace) -> dict[str, Horizon | EmbeddedHorizon]:
     else:
         geometry = slice_named(options.geometry, options)
     names = stems(options.files)
-    horizons: dict[str, Horizon | EmbeddedHorizon] = {}
+    horizons: dict[str, Moment | Result] = {}
     refusals: list[Exception] = []
     for stem, name in zip(names, options.files, strict=True):
         try:
-            horizons[stem] = _horizon(name, options, geometry)
+            horizons[stem] = _moment(_horizon(name, options, geometry), geometry, name)
         except (FileError, InvalidMetric, InvalidParameter) as error:
             refusals.append(error)
-            horizons[stem] = EmbeddedHorizon.refused(name, error)
+            horizons[stem] = Result.without_answer(stem, REFUSED, str(error), name=name)
     if len(refusals) == len(names):
         raise FileError("; ".join(map(str, refusals)))
     _make_folder(options, names)
     return horizons
 
 
-def _sought(options: argparse.Namespace) -> dict[str, Horizon | EmbeddedHorizon]:
+def _sought(options: argparse.Namespace) -> dict[str, Moment | Result]:
     """The horizon that is found, by a name for what is written of it."""
     if options.files:
         raise UsageError(f"--find takes no FILE, and {options.files[0]} is given")
@@ -174,7 +182,12 @@ def _sought(options: argparse.Namespace) -> dict[str, Horizon | EmbeddedHorizon]
         near = "".join(f"_{x:.9g}" for x in options.guess)
     stem = f"{slice_stem(options.geometry)}-horizon{near}"
     _make_folder(options, [stem])
-    return {stem: Horizon.found(find_horizon(geometry, guess), axis=options.axis, name=_found_name(options))}
+    return {stem: _moment(find_horizon(geometry, guess), None, _found_name(options))}
+
+
+def _moment(found: GivenHorizon, geometry: ThreeGeometry | None, name: str) -> Moment:
+    slice_ = None if geometry is None else HeldSlice(geometry)
+    return Moment("horizon", None, None, HeldShape(found, name), slice_)
 
 
 def _found_name(options: argparse.Namespace) -> str:
@@ -199,15 +212,15 @@ def _outputs(options: argparse.Namespace, stem: str) -> Outputs:
     return Outputs((end, options.output / f"{stem}.{end}") for end in WRITTEN)
 
 
-def _write(outputs: Outputs, found: EmbeddedHorizon, number: int) -> Panel | None:
+def _write(outputs: Outputs, result: Result, report: dict[str, Any]) -> Panel | None:
     """Write the report and the surface, and return the picture to be drawn of it."""
-    if found.surface is None:
-        outputs.write(json=lambda _: report_writer(found.report))
+    if not result.answered:
+        outputs.write(json=lambda _: report_writer(report))
         return None
-    tables = found.surface.mesh(number)
+    tables = mesh_of(result)
     outputs.write(
-        json=lambda _: report_writer(found.report),
-        vtk=lambda path: mesh_writer(path, **tables, **_moment(found.report)),
+        json=lambda _: report_writer(report),
+        vtk=lambda path: mesh_writer(path, **tables, **_when(report)),
     )
     return Panel(tables["vertices"], tables["faces"], tables["mean_curvature"])
 
@@ -228,7 +241,7 @@ def _draw(drawn: dict[Path, tuple[Panel, dict[str, Any]]]) -> None:
         write_atomically({path: figure_writer(path, picture)})
 
 
-def _moment(report: dict[str, Any]) -> dict[str, Any]:
+def _when(report: dict[str, Any]) -> dict[str, Any]:
     """The time and the iteration of a horizon, where they are known."""
     horizon = report["horizon"]
     return {name: horizon[name] for name in ("time", "iteration") if horizon.get(name) is not None}
@@ -238,7 +251,7 @@ def _caption(report: dict[str, Any]) -> str:
     """The name, the time and what is known of a horizon, in two lines."""
     name = Path(report["name"]).name
     name = name if len(name) <= LONGEST else f"{name[: LONGEST - 1]}\N{HORIZONTAL ELLIPSIS}"
-    first = [name.replace("$", r"\$"), *(f"{key} {value:.9g}" for key, value in _moment(report).items())]
+    first = [name.replace("$", r"\$"), *(f"{key} {value:.9g}" for key, value in _when(report).items())]
     second = [f"area {report['area']:.8g}", rf"$\int\! H\,dA = {report['integrated_mean_curvature']:.8g}$"]
     return "\n".join("     ".join(words) for words in (first, second))
 
@@ -255,7 +268,9 @@ def _read(name: str, options: argparse.Namespace) -> CoordinateShape | SurfaceDa
         raise UsageError(f"{error.sentence}, by {option}") from None
 
 
-def _horizon(name: str, options: argparse.Namespace, geometry: ThreeGeometry | None) -> Horizon:
+def _horizon(
+    name: str, options: argparse.Namespace, geometry: ThreeGeometry | None
+) -> CoordinateShape | SurfaceData:
     found = _read(name, options)
     if isinstance(found, SurfaceData) and geometry is not None:
         raise UsageError(f"{name} holds a metric of its own: it needs no --geometry")
@@ -263,4 +278,4 @@ def _horizon(name: str, options: argparse.Namespace, geometry: ThreeGeometry | N
         raise UsageError(f"{name} holds no coordinates that an --axis could be given in")
     if isinstance(found, CoordinateShape) and geometry is None:
         raise UsageError(f"{found.contents}: name it with --geometry")
-    return Horizon.of(found, geometry, axis=options.axis, marginal=marginal(options), name=name)
+    return found

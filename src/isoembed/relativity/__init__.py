@@ -7,8 +7,6 @@ from isoembed.relativity.energies.embedded import EmbeddedSurface, embed_surface
 from isoembed.relativity.energies.energies import Energies, Integrals
 from isoembed.relativity.energies.mesh_energies import mesh_energies
 from isoembed.relativity.energies.report import (
-    EmbeddedHorizon,
-    embed_horizons,
     energy_table,
     mesh_report,
     unembedded_report,
@@ -37,6 +35,10 @@ from isoembed.relativity.horizons.horizon_shape import HorizonShape
 from isoembed.relativity.horizons.multipoles import Multipoles
 from isoembed.relativity.horizons.spectre import read_spectre
 from isoembed.relativity.horizons.spin import Spin, find_spin
+from isoembed.relativity.series.embed_series import embed_series
+from isoembed.relativity.series.horizon_task import HorizonOptions, HorizonTask
+from isoembed.relativity.series.matching import matched
+from isoembed.relativity.series.moment import Moment
 from isoembed.relativity.spacetimes.boosted import BoostedSchwarzschild, Superposed
 from isoembed.relativity.spacetimes.boyer_lindquist import BoyerLindquist
 from isoembed.relativity.spacetimes.cartesian_grid import CartesianGrid
@@ -69,14 +71,15 @@ __all__ = [
     "Circumferences",
     "CoordinateShape",
     "CurvatureCheck",
-    "EmbeddedHorizon",
     "EmbeddedSurface",
     "Energies",
     "ExpansionTest",
     "FoundHorizon",
     "Horizon",
     "HorizonFormat",
+    "HorizonOptions",
     "HorizonShape",
+    "HorizonTask",
     "Integrals",
     "IsotropicSchwarzschild",
     "KerrNewmanErgosphere",
@@ -84,6 +87,7 @@ __all__ = [
     "KerrNewmanSphere",
     "KerrSchild",
     "MappedSurface",
+    "Moment",
     "Multipoles",
     "PainleveGullstrand",
     "Spin",
@@ -96,7 +100,7 @@ __all__ = [
     "Translated",
     "WangYau",
     "constant_expansion",
-    "embed_horizons",
+    "embed_series",
     "embed_surface",
     "embeddability",
     "energy_table",
@@ -106,6 +110,7 @@ __all__ = [
     "find_spin",
     "inner_horizon",
     "kerr_surface",
+    "matched",
     "mesh_energies",
     "mesh_report",
     "read_ahfinderdirect",

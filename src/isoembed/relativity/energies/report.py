@@ -2,18 +2,16 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator
-from dataclasses import dataclass
+from collections.abc import Iterator
 from typing import Any
 
-from isoembed.errors import InvalidMetric, InvalidParameter, NoMinimum, NotEmbedded
-from isoembed.relativity.energies.embedded import CONVENTIONS, EmbeddedSurface, embed_surface
+from isoembed.errors import InvalidParameter, NoMinimum, NotEmbedded
+from isoembed.relativity.energies.embedded import CONVENTIONS, EmbeddedSurface
 from isoembed.relativity.energies.energies import Energies
 from isoembed.relativity.energies.quadrature import intrinsic_energies
 from isoembed.relativity.energies.wang_yau_energy import wang_yau
 from isoembed.relativity.energies.wang_yau_result import WangYau
 from isoembed.relativity.horizons.curvature_check import CurvatureCheck
-from isoembed.relativity.horizons.horizon import Horizon
 from isoembed.relativity.horizons.horizon_shape import shape_lines, shape_report
 from isoembed.relativity.horizons.spin import find_spin, spin_report
 from isoembed.relativity.spacetimes.surface_data import SurfaceData
@@ -53,7 +51,32 @@ def energy_table(report: dict[str, Any]) -> str:
     lines.append(CONVENTIONS["units"])
     if check := report.get("curvature_check"):
         lines.append(check["message"])
+    if horizon := report.get("horizon"):
+        lines += _horizon_lines(horizon)
     return "\n".join(lines)
+
+
+def _horizon_lines(horizon: dict[str, Any]) -> Iterator[str]:
+    """What the file or the finder, and the expansion say of a horizon."""
+    if "points" in horizon:
+        moment = "".join(
+            f"{name} {horizon[name]:.9g}: " for name in ("time", "iteration") if horizon[name] is not None
+        )
+        yield (
+            f"{moment}{horizon['points']} points, fitted to {horizon['misfit']:.1e} of a mean radius "
+            f"{horizon['mean_coordinate_radius']:.6g} in coordinates"
+        )
+    if "stability" in horizon:
+        stable = "stable, as outermost horizons are" if horizon["outer"] else "unstable: an inner horizon"
+        yield (
+            f"found in harmonics of degree {horizon['degree']}; the least eigenvalue of the stability "
+            f"operator is {horizon['stability']:.6g} / R^2, R the areal radius: {stable}"
+        )
+    yield (
+        f"the expansion of outgoing rays, 0 on a horizon, is at most "
+        f"{horizon['largest_expansion']:.1e} +- {horizon['expansion_error']:.0e}"
+        + ("" if horizon["marginal"] else ": in this geometry it is no horizon")
+    )
 
 
 def _line(shown: str, value: float, error: float, width: int) -> str:
@@ -115,97 +138,7 @@ def wang_yau_report(surface: EmbeddedSurface) -> tuple[dict[str, Any], WangYau |
     return report, found
 
 
-@dataclass(frozen=True)
-class EmbeddedHorizon:
-    """A horizon of a sequence with its embedding; as a string, its energies and what the file was like.
-
-    Attributes
-    ----------
-    surface : EmbeddedSurface or None
-        None where there is no embedding, or the file is refused: the message of the report says why.
-    report : dict
-        Plain numbers, for JSON.
-    """
-
-    surface: EmbeddedSurface | None
-    report: dict[str, Any]
-
-    @classmethod
-    def refused(cls, name: str, error: Exception) -> EmbeddedHorizon:
-        """The place in a sequence of what is no surface, or has no metric."""
-        return cls(None, {"status": "refused", "message": str(error), "name": name})
-
-    def __str__(self) -> str:
-        horizon, table = self.report["horizon"], energy_table(self.report)
-        if not horizon:
-            return table
-        if "points" in horizon:
-            moment = "".join(
-                f"{name} {horizon[name]:.9g}: " for name in ("time", "iteration") if horizon[name] is not None
-            )
-            table += (
-                f"\n{moment}{horizon['points']} points, fitted to {horizon['misfit']:.1e} of a mean radius "
-                f"{horizon['mean_coordinate_radius']:.6g} in coordinates"
-            )
-        if "stability" in horizon:
-            stable = "stable, as outermost horizons are" if horizon["outer"] else "unstable: an inner horizon"
-            table += (
-                f"\nfound in harmonics of degree {horizon['degree']}; the least eigenvalue of the stability "
-                f"operator is {horizon['stability']:.6g} / R^2, R the areal radius: {stable}"
-            )
-        return (
-            f"{table}\nthe expansion of outgoing rays, 0 on a horizon, is at most "
-            f"{horizon['largest_expansion']:.1e} +- {horizon['expansion_error']:.0e}"
-            + ("" if horizon["marginal"] else ": in this geometry it is no horizon")
-        )
-
-
-def embed_horizons(
-    horizons: Iterable[Horizon], vertices: int = 1000, *, wang_yau: bool = False
-) -> Iterator[EmbeddedHorizon]:
-    """Embeddings of a sequence of horizons, each from the one before or, where that fails, from a mesh.
-
-    Parameters
-    ----------
-    horizons : iterable of Horizon
-    vertices : int
-        Of the mesh.
-    wang_yau : bool
-        Whether to report the least Wang-Yau energy, too.
-
-    Yields
-    ------
-    EmbeddedHorizon
-        One for each; those that do not embed, or are refused, do not end the sequence.
-    """
-    before: EmbeddedSurface | None = None
-    for horizon in horizons:
-        try:
-            before = _embedded(horizon.data, before, vertices)
-        except NotEmbedded as error:
-            yield EmbeddedHorizon(None, _of_horizon(horizon, unembedded_report(horizon.data, error)))
-        except (InvalidMetric, InvalidParameter) as error:
-            yield EmbeddedHorizon.refused(horizon.data.name, error)
-        else:
-            report = wang_yau_report(before)[0] if wang_yau else before.report
-            yield EmbeddedHorizon(before, _of_horizon(horizon, report))
-
-
 def checked_report(report: dict[str, Any], check: CurvatureCheck | None) -> dict[str, Any]:
     """The report of a surface with how its curvature compares with that in its file, if it is there."""
     notes = report["notes"] + list(check.notes if check else ())
     return {**report, "notes": notes, "curvature_check": check and check.report}
-
-
-def _of_horizon(horizon: Horizon, report: dict[str, Any]) -> dict[str, Any]:
-    """The report with what the file says."""
-    return {**checked_report(report, horizon.curvature_check), "horizon": horizon.facts}
-
-
-def _embedded(data: SurfaceData, before: EmbeddedSurface | None, vertices: int) -> EmbeddedSurface:
-    if before is not None:
-        try:
-            return embed_surface(data, start=before)
-        except NotEmbedded:
-            pass
-    return embed_surface(data, vertices=vertices)

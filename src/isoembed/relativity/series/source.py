@@ -12,8 +12,7 @@ from typing import Any, Protocol, TypeVar
 from isoembed.arrays import Floats
 from isoembed.errors import InvalidParameter
 from isoembed.io.files import FileError
-from isoembed.relativity.horizons.coordinate_shape import CoordinateShape
-from isoembed.relativity.spacetimes.surface_data import SurfaceData
+from isoembed.relativity.horizons.horizon import GivenHorizon
 from isoembed.relativity.spacetimes.three_geometry import ThreeGeometry
 
 HELD = "memory"
@@ -49,7 +48,7 @@ class Source(Protocol[T_co]):
         ...
 
 
-ShapeSource = Source[CoordinateShape | SurfaceData]
+ShapeSource = Source[GivenHorizon]
 """A horizon to read: its shape in the coordinates of a slice, or a surface with a metric of its own."""
 
 
@@ -88,15 +87,19 @@ class HeldShape:
 
     Attributes
     ----------
-    shape : CoordinateShape or SurfaceData
+    shape : CoordinateShape, SurfaceData, StarSurface, MappedSurface or FoundHorizon
+    called : str
+        By default what it says itself: the file it came from, or its name.
     """
 
-    shape: CoordinateShape | SurfaceData
+    shape: GivenHorizon
+    called: str = ""
 
     @property
     def name(self) -> str:
-        """That of the file it came from, or its own."""
-        return getattr(self.shape, "source", "") or self.shape.name or HELD
+        """What it is called."""
+        known = (self.called, *(getattr(self.shape, each, "") for each in ("source", "name")))
+        return next(filter(None, known), HELD)
 
     def digest(self) -> str:
         """Hash of its pickle.
@@ -108,7 +111,7 @@ class HeldShape:
         """
         return object_digest(self.shape, f"the horizon {self.name}")
 
-    def read(self) -> CoordinateShape | SurfaceData:
+    def read(self) -> GivenHorizon:
         """The horizon itself."""
         return self.shape
 

@@ -1,0 +1,109 @@
+"""Series of horizons from Python: moments in, results out, here or on any executor."""
+
+from __future__ import annotations
+
+import os
+import warnings
+from collections.abc import Iterable, Iterator, Sequence
+from concurrent.futures import Executor
+from pathlib import Path
+from typing import Any
+
+from isoembed.errors import InvalidParameter
+from isoembed.relativity.series.horizon_task import HorizonOptions, HorizonTask
+from isoembed.relativity.series.moment import Moment
+from isoembed.relativity.series.source import HeldShape, HeldSlice
+from isoembed.relativity.spacetimes.checks import vector
+from isoembed.runs import Result, Store, run
+
+SERIES = "horizon"
+"""Of moments that do not say which."""
+
+
+def embed_series(
+    moments: Iterable[Moment | tuple[float | None, Any, Any]],
+    *,
+    vertices: int = 1000,
+    wang_yau: bool = False,
+    axis: Sequence[float] | None = None,
+    marginal: bool | None = None,
+    folder: str | os.PathLike[str] | None = None,
+    executor: Executor | None = None,
+) -> Iterator[Result]:
+    """Embeddings and energies of many horizons, each in its own slice.
+
+    Parameters
+    ----------
+    moments : iterable of Moment or of tuples
+        As from `isoembed.relativity.matched`, or tuples (time, shape, geometry): the time, or None; a horizon
+        as `Horizon.of` takes it, or its file; its slice, or the file of a slice, or None where the horizon
+        needs none.  They are taken one after the other, as there is room for them.
+    vertices : int
+        Of the meshes.
+    wang_yau : bool
+        Whether to report the least Wang-Yau energy, too.
+    axis, marginal
+        See `Horizon.of`.
+    folder : path, optional
+        Where the results are kept, each in a file of its own: what is there already, of the same content and
+        options, is not computed again.
+    executor : concurrent.futures.Executor, optional
+        By default all is done in this process.  `isoembed.runs.Workers` has one process on each core.
+
+    Yields
+    ------
+    Result
+        One for each moment, as they come, with the ``report`` and the ``arrays`` that
+        `isoembed.relativity.HorizonTask` describes: those that do not embed, or are refused, do not end the
+        series.  Of eight consecutive moments each is embedded from the one before.
+
+    Raises
+    ------
+    InvalidParameter
+        An option is wrong, a moment is none, or two have the same label.
+    FileError
+        The folder cannot be made.
+
+    Warns
+    -----
+    UserWarning
+        A result cannot be kept, as on a full disk.
+    """
+    about = None if axis is None else vector("the axis", axis)
+    options = HorizonOptions(vertices, wang_yau, about, marginal)
+    store = None if folder is None else Store.made(Path(folder))
+    return _results(_tasks(moments, options), store, executor)
+
+
+def _results(
+    tasks: Iterable[HorizonTask], store: Store | None, executor: Executor | None
+) -> Iterator[Result]:
+    for outcome in run(tasks, store=store, executor=executor):
+        if outcome.complaint:
+            warnings.warn(outcome.complaint, stacklevel=3)
+        yield outcome.result
+
+
+def _tasks(moments: Iterable[Any], options: HorizonOptions) -> Iterator[HorizonTask]:
+    labels = set[str]()
+    for position, given in enumerate(moments):
+        moment = _moment(position, given)
+        if moment.label in labels:
+            raise InvalidParameter(
+                f"moment {position} is {moment.label}, as one before it is: each must differ in its series, "
+                "iteration or time"
+            )
+        labels.add(moment.label)
+        yield HorizonTask(moment, options)
+
+
+def _moment(position: int, given: Any) -> Moment:
+    if isinstance(given, Moment):
+        return given
+    if not (isinstance(given, Sequence) and not isinstance(given, str) and len(given) == 3):
+        raise InvalidParameter(
+            f"moment {position} is a {type(given).__name__}, not a Moment or (time, shape, geometry)"
+        )
+    time, shape, geometry = given
+    slice_ = None if geometry is None else HeldSlice(geometry)
+    return Moment(SERIES, time, None, HeldShape(shape), slice_, position)

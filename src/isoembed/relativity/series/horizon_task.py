@@ -1,0 +1,199 @@
+"""The task of a moment: its horizon is read, embedded and reported; what is in the way is a result, too."""
+
+from __future__ import annotations
+
+import hashlib
+import json
+from collections.abc import Callable
+from dataclasses import asdict, dataclass
+from typing import Any
+
+from numpy.typing import NDArray
+
+from isoembed.arrays import Floats
+from isoembed.errors import InvalidMetric, InvalidParameter, NotEmbedded
+from isoembed.io.files import FileError
+from isoembed.meshing.sphere import gauss_rule
+from isoembed.meshing.surface_mesh import SURFACE_MESH, checked_count
+from isoembed.relativity.energies.embedded import EmbeddedSurface, embed_surface
+from isoembed.relativity.energies.report import checked_report, unembedded_report, wang_yau_report
+from isoembed.relativity.horizons.coordinate_shape import CoordinateShape
+from isoembed.relativity.horizons.horizon import Horizon
+from isoembed.relativity.series.moment import Moment
+from isoembed.relativity.spacetimes.checks import vector
+from isoembed.relativity.spacetimes.surface import Surface
+from isoembed.relativity.spacetimes.surface_data import SurfaceData
+from isoembed.runs.result import FAILED, REFUSED, Result
+from isoembed.smooth.start import Start
+from isoembed.smooth.triangulation import SPHERE_MESH
+from isoembed.thresholds import threshold
+
+
+@dataclass(frozen=True)
+class TaskThresholds:
+    """Thresholds of reading the slice of a horizon."""
+
+    margin: float = threshold(0.02, "extents", "Room in the slice around the points of a horizon.")
+    nodes: tuple[int, int] = threshold((24, 48), "count", "Heights and angles of points of a surface.")
+
+
+TASK = TaskThresholds()
+
+MESH, FIELD = ("vertices", "faces"), "field/"
+"""Names of the arrays of a mesh, and what is before those of data at its vertices."""
+
+
+@dataclass(frozen=True)
+class HorizonOptions:
+    """What is done with all horizons of a series.
+
+    Attributes
+    ----------
+    vertices : int
+        Of the mesh, to begin with and as it is kept.
+    wang_yau : bool
+        Whether to find the least Wang-Yau energy, too.
+    axis : three floats, optional
+        About which the angular momentum is reported besides the one that is found.
+    marginal : bool, optional
+        Whether the surfaces are horizons; by default the expansion of each decides.
+
+    Raises
+    ------
+    InvalidParameter
+        There are too few or too many vertices, or the axis is none.
+    """
+
+    vertices: int = 1000
+    wang_yau: bool = False
+    axis: tuple[float, float, float] | None = None
+    marginal: bool | None = None
+
+    def __post_init__(self) -> None:
+        checked_count("the number of vertices", self.vertices, SURFACE_MESH.fewest, SPHERE_MESH.most)
+        if self.axis is not None and not any(vector("the axis", self.axis)):
+            raise InvalidParameter("the axis must not be zero")
+
+
+@dataclass(frozen=True)
+class HorizonTask:
+    """Embedding of the horizon of a moment; see `isoembed.runs.Task`.
+
+    The report is that of `isoembed.relativity.embed_surface` with ``horizon``, what the file and the
+    expansion say of it, and ``moment``.  The arrays are those of the mesh, ``vertices``, ``faces`` and
+    ``field/`` with each name of data at the vertices, and those of the `isoembed.smooth.Start` that the
+    surface is for the next one.
+
+    Attributes
+    ----------
+    moment : Moment
+    options : HorizonOptions
+    """
+
+    moment: Moment
+    options: HorizonOptions = HorizonOptions()
+
+    @property
+    def label(self) -> str:
+        """See `isoembed.runs.Task`."""
+        return self.moment.label
+
+    def digest(self) -> str:
+        """Of the contents of the shape and the slice, of the time, and of the options."""
+        moment = self.moment
+        there = {
+            "moment": [moment.series, moment.time, moment.iteration],
+            "shape": _digest(moment.shape.digest),
+            "slice": moment.slice and _digest(moment.slice.digest),
+            **asdict(self.options),
+        }
+        return hashlib.sha256(json.dumps(there, sort_keys=True).encode()).hexdigest()
+
+    def compute(self, before: Result | None) -> Result:
+        """See `isoembed.runs.Task`."""
+        try:
+            horizon = self._horizon()
+            try:
+                surface = self._embedded(horizon.data, before)
+            except NotEmbedded as error:
+                return self._result(unembedded_report(horizon.data, error), horizon, None)
+            report = wang_yau_report(surface)[0] if self.options.wang_yau else surface.report
+            return self._result(report, horizon, surface)
+        except (FileError, InvalidMetric, InvalidParameter) as error:
+            return self._unanswered(REFUSED, str(error))
+        except MemoryError:
+            return self._unanswered(FAILED, "there was not enough memory for it")
+
+    def _horizon(self) -> Horizon:
+        moment, options = self.moment, self.options
+        found = moment.shape.read()
+        name, geometry = moment.shape.name, None
+        if moment.slice is not None:
+            if not isinstance(found, CoordinateShape | Surface):
+                raise InvalidParameter(f"{name} holds a metric of its own: it needs no geometry")
+            geometry = moment.slice.read(*_box(found))
+        return Horizon.of(found, geometry, axis=options.axis, marginal=options.marginal, name=name)
+
+    def _embedded(self, data: SurfaceData, before: Result | None) -> EmbeddedSurface:
+        """From the one before of the same series or, where that fails, from a mesh."""
+        if before is not None and before.report["moment"]["series"] == self.moment.series:
+            try:
+                return embed_surface(data, start=Start.restored(before.arrays))
+            except NotEmbedded:
+                pass
+        return embed_surface(data, vertices=self.options.vertices)
+
+    def _result(self, report: dict[str, Any], horizon: Horizon, surface: EmbeddedSurface | None) -> Result:
+        moment = self._facts(horizon.facts)
+        # Where the file does not say when it is, the series may know.
+        facts = horizon.facts | {
+            name: moment[name] for name in ("time", "iteration") if name in horizon.facts
+        }
+        report = checked_report(report, horizon.curvature_check) | {"horizon": facts, "moment": moment}
+        if surface is None:
+            return Result(self.label, report["status"], report)
+        tables = surface.mesh(self.options.vertices)
+        arrays = {name if name in MESH else FIELD + name: values for name, values in tables.items()}
+        arrays |= Start.of(surface.embedding).arrays
+        return Result(self.label, report["status"], report, arrays)
+
+    def _unanswered(self, status: str, message: str) -> Result:
+        name = self.moment.shape.name
+        return Result.without_answer(self.label, status, message, name=name, moment=self._facts({}))
+
+    def _facts(self, of_file: dict[str, Any]) -> dict[str, Any]:
+        """Which moment it is, where necessary as the file says."""
+        moment = self.moment
+        return {
+            "series": moment.series,
+            "time": of_file.get("time") if moment.time is None else moment.time,
+            "iteration": of_file.get("iteration") if moment.iteration is None else moment.iteration,
+            "shape": moment.shape.name,
+            "slice": None if moment.slice is None else moment.slice.name,
+        }
+
+
+def mesh_of(result: Result) -> dict[str, NDArray[Any]]:
+    """The mesh of an embedded horizon as `isoembed.relativity.EmbeddedSurface.mesh` returns it."""
+    return {
+        name.removeprefix(FIELD): values
+        for name, values in result.arrays.items()
+        if name in MESH or name.startswith(FIELD)
+    }
+
+
+def _digest(digest: Callable[[], str]) -> str:
+    """The digest, or why there is none: what cannot be read now is another task when it can."""
+    try:
+        return digest()
+    except FileError as error:
+        return str(error)
+
+
+def _box(found: CoordinateShape | Surface) -> tuple[Floats, Floats]:
+    """The corners (3,) of a box with room around a horizon."""
+    directions, _ = gauss_rule(*TASK.nodes)
+    points = found.points(directions) if isinstance(found, Surface) else found.points
+    low, high = points.min(axis=0), points.max(axis=0)
+    room = TASK.margin * (high - low)
+    return low - room, high + room

@@ -1,0 +1,122 @@
+"""Series from Python: what moments are, chunks, folders and executors."""
+
+import os
+from concurrent.futures import ThreadPoolExecutor
+
+import numpy as np
+import pytest
+
+from isoembed.errors import InvalidParameter
+from isoembed.relativity import KerrNewmanHorizon, Moment, StarSurface, SurfaceData, embed_series
+from isoembed.relativity.series import horizon_task
+from isoembed.relativity.series.source import HeldShape
+from isoembed.runs import Store
+from isoembed.smooth import GridMetric, PulledBack, solve
+
+SPHERE = StarSurface.sphere((0.0, 0.0, 0.0), 1.0)
+TIMES = [0.0, 0.5, 1.0]
+
+
+def spinning_up(t):
+    """The metric of a Kerr horizon on a grid."""
+    return SurfaceData(GridMetric.sampled(KerrNewmanHorizon(1.0, 0.5 + 0.1 * t), 24, 1), marginal=True)
+
+
+def moments():
+    return [(t, spinning_up(t), None) for t in TIMES]
+
+
+@pytest.fixture(scope="module")
+def alone():
+    return list(embed_series(moments(), vertices=60))
+
+
+def test_each_is_embedded_from_the_one_before(monkeypatch, alone):
+    meshes = []
+    graded_mesh = solve.graded_mesh
+    monkeypatch.setattr(solve, "graded_mesh", lambda *a, **o: meshes.append(1) or graded_mesh(*a, **o))
+    found = embed_series(iter(moments()), vertices=60)
+    first = next(found)
+    assert first.label == "horizon.T0" and first.report["moment"]["time"] == 0.0
+    results = [first, *found]
+    assert len(results) == len(TIMES) and len(meshes) == 1
+    for t, result, other in zip(TIMES, results, alone, strict=True):
+        assert result.report == other.report and result.report["moment"]["time"] == t
+        area = KerrNewmanHorizon(1.0, 0.5 + 0.1 * t).area
+        assert abs(result.report["area"] - area) <= result.report["errors"]["area"] < 1e-6
+
+
+def test_what_was_interrupted_comes_to_the_same_bits(tmp_path, alone, monkeypatch):
+    begun = embed_series(moments(), vertices=60, folder=tmp_path / "run")
+    next(begun)
+    begun.close()
+    assert len(os.listdir(tmp_path / "run/results")) == 1
+    computed = []
+    embed_surface = horizon_task.embed_surface
+    monkeypatch.setattr(
+        horizon_task, "embed_surface", lambda *a, **o: computed.append(1) or embed_surface(*a, **o)
+    )
+    results = list(embed_series(moments(), vertices=60, folder=tmp_path / "run"))
+    assert len(computed) == 2
+    for result, other in zip(results, alone, strict=True):
+        assert result.report == other.report
+        for name, array in other.arrays.items():
+            np.testing.assert_array_equal(result.arrays[name], array)
+    assert len(list(Store(tmp_path / "run"))) == 3
+    again = next(embed_series(moments(), vertices=61, folder=tmp_path / "run"))  # another option
+    assert len(computed) == 3 and len(again.arrays["vertices"]) == 61
+
+
+def test_an_executor_gives_the_same(alone):
+    with ThreadPoolExecutor(1) as pool:
+        results = {result.label: result for result in embed_series(moments(), vertices=60, executor=pool)}
+    assert {label: result.report for label, result in results.items()} == {
+        result.label: result.report for result in alone
+    }
+
+
+def test_a_failure_does_not_end_a_series(alone):
+    first, second, third = moments()
+    results = list(embed_series([first, (second[0], SPHERE, None), third], vertices=60))
+    assert [result.status for result in results] == ["embedded", "refused", "embedded"]
+    assert "name its geometry" in results[1].message
+    # It starts from the first one.
+    value, error = (results[2].report[key] for key in ("liu_yau", "errors"))
+    assert abs(value - alone[2].report["liu_yau"]) <= error["liu_yau"] + alone[2].report["errors"]["liu_yau"]
+
+
+def test_a_moment_is_taken_as_it_is():
+    (found,) = embed_series([Moment("inner", 1.0, 7, HeldShape(SPHERE))], vertices=60)
+    assert found.label == "inner.t7" and found.status == "refused"
+
+
+@pytest.mark.parametrize(
+    ("moment", "sentence"),
+    [
+        (3.0, r"moment 0 is a float, not a Moment or \(time, shape, geometry\)"),
+        ((0.0, None), "moment 0 is a tuple, not a Moment"),
+        ("abc", "moment 0 is a str, not a Moment"),
+    ],
+)
+def test_what_is_no_moment(moment, sentence):
+    with pytest.raises(InvalidParameter, match=sentence):
+        next(embed_series([moment]))
+
+
+def test_two_of_the_same_time():
+    with pytest.raises(InvalidParameter, match=r"moment 1 is horizon\.T0\.5, as one before it is"):
+        list(embed_series([(0.5, None, None), (0.5, None, None)]))
+
+
+def test_what_cannot_be_kept_or_sent_is_said(tmp_path):
+    sphere = SurfaceData(PulledBack(lambda u: np.broadcast_to(np.eye(3), (len(u), 3, 3))))
+    assert next(embed_series([(0.0, sphere, None)], vertices=60)).answered
+    found = next(embed_series([(0.0, sphere, None)], vertices=60, folder=tmp_path))
+    assert found.status == "refused" and "cannot be sent to another process" in found.message
+
+
+def test_what_the_disk_does_not_take_is_said(tmp_path, monkeypatch):
+    found = embed_series([(0.0, SPHERE, None)], folder=tmp_path)
+    (tmp_path / "results").rmdir()
+    with pytest.warns(UserWarning, match="cannot write"):
+        assert next(found).status == "refused"
