@@ -58,3 +58,9 @@ def shape_text(radius, n=9, ghosts=0, half=None, origin=ORIGIN, only=None):
             lines.append("")
         lines.append("")
     return "\n".join(lines)
+
+
+def diagnostics_text(rows):
+    """A table BH_diagnostics of AHFinderDirect, of rows of iteration, time and area."""
+    head = [f"# column  {k} = {name}" for k, name in enumerate(("cctk_iteration", "cctk_time", "area"), 1)]
+    return "\n".join(["# apparent horizon 1/1", "#", *head, *("\t".join(map(str, row)) for row in rows), ""])

@@ -11,6 +11,7 @@ from isoembed.relativity.series.file_names import is_pattern
 from isoembed.relativity.series.matching import matched, ordered
 from isoembed.relativity.series.moment import ListedShape, ListedSlice, Moment
 from isoembed.relativity.series.shape_files import SHAPE, shape_files_in, shapes_in_files
+from isoembed.relativity.series.simulation import simulation
 from isoembed.relativity.series.slice_files import slices_in_file, slices_in_folder, slices_of_pattern
 from isoembed.relativity.series.source import HeldSlice, MissingSlice, SliceSource
 from isoembed.relativity.spacetimes.three_geometry import ThreeGeometry
@@ -58,7 +59,7 @@ def moments(
     def simulation_in(folder: Path_) -> Simulation:
         key = os.path.realpath(folder)
         if key not in simulated:
-            simulated[key] = _simulation(folder)
+            simulated[key] = simulation(folder)
         return simulated[key]
 
     shapes: list[ListedShape] = []
@@ -137,7 +138,3 @@ def _refuse_coordinates(shapes: list[ListedShape]) -> None:
             return
         contents.append(found.contents)
     raise FileError(f"{contents[-1]}: name it with --geometry")
-
-
-def _simulation(folder: Path_) -> Simulation:
-    raise FileError(f"there are no files of horizons or of slices in the folder {folder}")

@@ -1,0 +1,77 @@
+"""The folder of a simulation of the Einstein Toolkit: its horizons, and its slices.
+
+kuibit knows which files belong to a simulation, and is asked once, in the process that lists the moments.
+The data are then read with h5py: kuibit reads all levels of a field, from the first of several restarts that
+have an iteration, and keeps what it has read; a horizon needs a part of one level, in a process of its own.
+"""
+
+from __future__ import annotations
+
+import os
+import re
+from collections.abc import Iterable
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+from isoembed.io.files import FileError
+from isoembed.relativity.series.carpet_files import carpet_slices, natural
+from isoembed.relativity.series.moment import ListedShape, ListedSlice
+from isoembed.relativity.series.shape_files import shapes_in_files
+
+SHAPE = re.compile(r"h\.t\d+\.ah\d+\.gp(?:\.gz)?")
+
+
+def simulation(folder: Any) -> tuple[list[ListedShape], list[ListedSlice]]:
+    """Horizons and slices of a simulation, for `isoembed.relativity.series.matching.matched`.
+
+    Parameters
+    ----------
+    folder : path or kuibit.simdir.SimDir
+        With ``h.t*.ah*.gp`` and ``BH_diagnostics.ah*.gp`` of AHFinderDirect, and three-dimensional HDF5 files
+        of ``ADMBase::metric`` and ``ADMBase::curv``, in any subfolders.  Of what is in several of them, as
+        after restarts, the last one counts.
+
+    Returns
+    -------
+    shapes : list of ListedShape
+        One whose time AHFinderDirect does not tell has that of its slice.
+    slices : list of ListedSlice
+
+    Raises
+    ------
+    FileError
+        There is no such folder, it has neither horizons nor slices, none of its slices can be read, or kuibit
+        is not installed.
+    """
+    files = sorted(map(Path, _files(folder)), key=natural)
+    shapes = _last(shapes_in_files(path for path in files if SHAPE.fullmatch(path.name)))
+    slices = carpet_slices(files)
+    if not shapes and not slices:
+        name = getattr(folder, "path", folder)
+        raise FileError(f"there are no files of horizons or of slices in the folder {name}")
+    times = {each.iteration: each.time for each in slices}
+    timed = [
+        shape if shape.time is not None else replace(shape, time=times.get(shape.iteration))
+        for shape in shapes
+    ]
+    return timed, slices
+
+
+def _files(folder: Any) -> list[str]:
+    if hasattr(folder, "allfiles"):
+        return list(folder.allfiles)
+    if not os.path.isdir(folder):
+        raise FileError(f"there is no folder {folder}")
+    try:
+        from kuibit.simdir import SimDir
+    except ImportError:
+        raise FileError(
+            f"reading the simulation {folder} needs kuibit: pip install 'isoembed[kuibit]'"
+        ) from None
+    return list(SimDir(os.fspath(folder)).allfiles)
+
+
+def _last(shapes: Iterable[ListedShape]) -> list[ListedShape]:
+    """Of each horizon and iteration the last."""
+    return list({(shape.series, shape.iteration): shape for shape in shapes}.values())
