@@ -70,8 +70,7 @@ io.write_report("new.json", relativity.embed_surface(data, vertices=60).report)
     "horizon --find --geometry isotropic --vertices 60 > new.txt": """
 from pathlib import Path
 from isoembed.relativity import IsotropicSchwarzschild, embed_series, energy_table, find_horizon
-horizon = find_horizon(IsotropicSchwarzschild(1.0))
-(found,) = embed_series([(None, horizon, None)], vertices=60)
+(found,) = embed_series([(None, find_horizon(IsotropicSchwarzschild(1.0)), None)], vertices=60)
 report = found.report | {"name": "horizon in isotropic"}
 Path("new.txt").write_text(f"{energy_table(report)}\\n")
 """,

@@ -37,8 +37,10 @@ from isoembed.relativity.horizons.spectre import read_spectre
 from isoembed.relativity.horizons.spin import Spin, find_spin
 from isoembed.relativity.series.embed_series import embed_series
 from isoembed.relativity.series.horizon_task import HorizonOptions, HorizonTask
-from isoembed.relativity.series.matching import matched
+from isoembed.relativity.series.kuibit_data import kuibit_shape
 from isoembed.relativity.series.moment import Moment
+from isoembed.relativity.series.moments import moments
+from isoembed.relativity.series.table import write_table
 from isoembed.relativity.spacetimes.boosted import BoostedSchwarzschild, Superposed
 from isoembed.relativity.spacetimes.boyer_lindquist import BoyerLindquist
 from isoembed.relativity.spacetimes.cartesian_grid import CartesianGrid
@@ -110,9 +112,10 @@ __all__ = [
     "find_spin",
     "inner_horizon",
     "kerr_surface",
-    "matched",
+    "kuibit_shape",
     "mesh_energies",
     "mesh_report",
+    "moments",
     "read_ahfinderdirect",
     "read_cartesian_grid",
     "read_grid_data",
@@ -124,4 +127,5 @@ __all__ = [
     "unembedded_report",
     "wang_yau",
     "wang_yau_report",
+    "write_table",
 ]

@@ -6,12 +6,21 @@ from concurrent.futures import ThreadPoolExecutor
 import numpy as np
 import pytest
 
+from horizons import shape_text
 from isoembed.errors import InvalidParameter
-from isoembed.relativity import KerrNewmanHorizon, Moment, StarSurface, SurfaceData, embed_series
+from isoembed.relativity import (
+    IsotropicSchwarzschild,
+    KerrNewmanHorizon,
+    Moment,
+    StarSurface,
+    SurfaceData,
+    embed_series,
+)
 from isoembed.relativity.series import horizon_task
 from isoembed.relativity.series.source import HeldShape
 from isoembed.runs import Store
 from isoembed.smooth import GridMetric, PulledBack, solve
+from slice_files import write_slice
 
 SPHERE = StarSurface.sphere((0.0, 0.0, 0.0), 1.0)
 TIMES = [0.0, 0.5, 1.0]
@@ -103,9 +112,44 @@ def test_what_is_no_moment(moment, sentence):
         next(embed_series([moment]))
 
 
+@pytest.mark.parametrize(
+    ("moment", "sentence"),
+    [
+        ((None, [1.0], None), "the horizon of moment 0 is a list, which is none"),
+        ((None, SPHERE, 1.0), "the slice of moment 0 is a float, which is none"),
+    ],
+)
+def test_what_is_no_horizon_and_no_slice(moment, sentence):
+    with pytest.raises(InvalidParameter, match=sentence):
+        next(embed_series([moment]))
+
+
+def test_files_are_read_when_it_is_their_turn(tmp_path):
+    geometry = IsotropicSchwarzschild(1.0)
+    write_slice(tmp_path / "slice.npz", geometry, 1.0, 32)
+    (tmp_path / "h.gp").write_text(shape_text(lambda u: np.full(len(u), 0.5)))
+    (tmp_path / "bad.gp").write_text("# N_patches = 6\n# origin = 0 0 0\n")
+    given = [
+        (0.0, str(tmp_path / "h.gp"), tmp_path / "slice.npz"),
+        (1.0, tmp_path / "bad.gp", geometry),
+        (2.0, tmp_path / "h.gp", geometry),
+        (3.0, tmp_path / "no.gp", geometry),
+        (4.0, SPHERE, tmp_path / "no.npz"),
+    ]
+    results = list(embed_series(given, vertices=60))
+    assert [result.status for result in results] == ["embedded", "refused"] * 2 + ["refused"]
+    for k in (0, 2):
+        report = results[k].report
+        assert abs(report["irreducible_mass"] - 1.0) <= report["errors"]["irreducible_mass"] < 1e-3
+        assert report["name"] == str(tmp_path / "h.gp") == report["moment"]["shape"]
+    assert results[0].report["moment"]["slice"] == str(tmp_path / "slice.npz")
+    assert results[3].message == f"there is no file {tmp_path / 'no.gp'}"
+    assert results[4].message == f"there is no file {tmp_path / 'no.npz'}"
+
+
 def test_two_of_the_same_time():
     with pytest.raises(InvalidParameter, match=r"moment 1 is horizon\.T0\.5, as one before it is"):
-        list(embed_series([(0.5, None, None), (0.5, None, None)]))
+        list(embed_series([(0.5, SPHERE, None), (0.5, SPHERE, None)]))
 
 
 def test_what_cannot_be_kept_or_sent_is_said(tmp_path):

@@ -4,15 +4,19 @@ from __future__ import annotations
 
 import os
 import warnings
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from concurrent.futures import Executor
 from pathlib import Path
 from typing import Any
 
 from isoembed.errors import InvalidParameter
+from isoembed.relativity.horizons.horizon import GivenHorizon
 from isoembed.relativity.series.horizon_task import HorizonOptions, HorizonTask
+from isoembed.relativity.series.kuibit_data import GridDataSlice
 from isoembed.relativity.series.moment import Moment
-from isoembed.relativity.series.source import HeldShape, HeldSlice
+from isoembed.relativity.series.shape_sources import ShapeFile
+from isoembed.relativity.series.slice_files import GridSlice
+from isoembed.relativity.series.source import HeldShape, HeldSlice, ShapeSource, SliceSource
 from isoembed.relativity.spacetimes.checks import vector
 from isoembed.runs import Result, Store, run
 
@@ -35,9 +39,9 @@ def embed_series(
     Parameters
     ----------
     moments : iterable of Moment or of tuples
-        As from `isoembed.relativity.matched`, or tuples (time, shape, geometry): the time, or None; a horizon
-        as `Horizon.of` takes it, or its file; its slice, or the file of a slice, or None where the horizon
-        needs none.  They are taken one after the other, as there is room for them.
+        As from `isoembed.relativity.moments`, or tuples (time, shape, geometry): the time, or None; a horizon
+        as `Horizon.of` takes it, or its file; its slice, a file of one, grid data of kuibit by the names
+        gxx ... kzz, or None where the horizon needs none.  They are taken as there is room for them.
     vertices : int
         Of the meshes.
     wang_yau : bool
@@ -105,5 +109,24 @@ def _moment(position: int, given: Any) -> Moment:
             f"moment {position} is a {type(given).__name__}, not a Moment or (time, shape, geometry)"
         )
     time, shape, geometry = given
-    slice_ = None if geometry is None else HeldSlice(geometry)
-    return Moment(SERIES, time, None, HeldShape(shape), slice_, position)
+    return Moment(SERIES, time, None, _shape(position, shape), _slice(position, geometry), position)
+
+
+def _shape(position: int, given: Any) -> ShapeSource:
+    if isinstance(given, str | os.PathLike):
+        return ShapeFile(os.fspath(given))
+    if not isinstance(given, GivenHorizon):
+        raise InvalidParameter(f"the horizon of moment {position} is a {type(given).__name__}, which is none")
+    return HeldShape(given)
+
+
+def _slice(position: int, given: Any) -> SliceSource | None:
+    if given is None:
+        return None
+    if isinstance(given, str | os.PathLike):
+        return GridSlice(os.fspath(given))
+    if isinstance(given, Mapping):
+        return GridDataSlice(given)
+    if not hasattr(given, "extrinsic_curvature"):
+        raise InvalidParameter(f"the slice of moment {position} is a {type(given).__name__}, which is none")
+    return HeldSlice(given)
