@@ -18,11 +18,21 @@ interface Shades extends PackedNumbers {
   faces?: PackedNumbers; // where faces have colors of their own
 }
 
+interface Mesh {
+  faces: Packed;
+  polygons: Packed | null;
+  outlines: Packed | null;
+  solid: number; // how many triangles, the first ones, are not seen through
+}
+
 interface Frame {
   stage: string;
   t: number | null;
   residual: number | null;
-  concave: Packed;
+  told: string[];
+  pause: number; // milliseconds
+  mesh: number;
+  concave: Packed | null;
   positions: PackedNumbers;
   values: Record<string, Shades>;
 }
@@ -36,10 +46,8 @@ interface Quantity {
 }
 
 interface PageData {
-  faces: Packed;
-  edges: Packed;
-  polygons: Packed | null;
-  outlines: Packed | null;
+  meshes: Mesh[];
+  first: number; // the frame that is shown at first
   seams: PackedNumbers | null;
   pose: { center: number[]; axes: number[][]; size: number };
   alone: string;
@@ -63,8 +71,8 @@ interface Lines {
 interface Parts {
   surface: Program;
   lines: Program;
-  kind: number;
-  mantle: { made: WebGLVertexArrayObject; positions: WebGLBuffer; normals: WebGLBuffer; shades: WebGLBuffer };
+  faces: Uint32Array; // of the mesh that is in the buffers
+  mantle: { made: WebGLVertexArrayObject; positions: WebGLBuffer; normals: WebGLBuffer; shades: WebGLBuffer; faces: WebGLBuffer };
   mesh: Lines;
   creases: Lines;
   seams: Lines;

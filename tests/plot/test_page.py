@@ -54,6 +54,15 @@ def unpacked(text, entry):
     return np.where(stored == 65535, np.nan, values) if kind == np.uint16 else values
 
 
+def marked(data, arrays, bits):
+    """The edges that have their bit, as the script reads them: in the order of the triangles, each once."""
+    corners = unpacked(arrays, data["meshes"][0]["faces"]).reshape(-1, 3)
+    halves = np.column_stack([corners.ravel(), np.roll(corners, -1, axis=1).ravel()]).astype(int)
+    ends = halves[halves[:, 0] < halves[:, 1]]
+    there = np.unpackbits(unpacked(arrays, bits), bitorder="little")[: len(ends)].astype(bool)
+    return {tuple(pair) for pair in ends[there].tolist()}
+
+
 def deformed(vertices, faces, factors, **options):
     """An ellipsoid, and frames from the sphere to it."""
     metric = PolyhedralMetric.from_mesh(vertices * factors, faces)
@@ -114,8 +123,9 @@ def test_the_vertices_are_there(page, ellipsoid):
         np.testing.assert_allclose(vertices, frame.vertices, atol=1.7 * precision * np.ptp(frame.vertices))
         assert (entry["stage"] == frame.stage) == (frame is not frames[-1])
         assert entry["t"] == frame.t
-    np.testing.assert_array_equal(unpacked(arrays, data["faces"]).reshape(-1, 3), surface.faces)
-    np.testing.assert_array_equal(unpacked(arrays, data["edges"]).reshape(-1, 2), surface.metric.edges)
+    (mesh,) = data["meshes"]
+    np.testing.assert_array_equal(unpacked(arrays, mesh["faces"]).reshape(-1, 3), surface.faces)
+    assert mesh["solid"] == len(surface.faces)
     np.testing.assert_allclose(np.linalg.norm(placed, axis=1).max(), 1.0)
 
 
@@ -150,12 +160,9 @@ def test_concave_edges_are_marked(tmp_path):
     frames = [Frame("dented", 1.0, None, dented), Frame("answer", 0.0, 0.0, vertices)]
     write_page(tmp_path / "a.html", surface, frames=frames)
     _, _, data, arrays = read(tmp_path / "a.html")
-    first, last = (
-        np.unpackbits(unpacked(arrays, frame["concave"]), bitorder="little")[: len(metric.edges)].astype(bool)
-        for frame in data["frames"]
-    )
-    np.testing.assert_array_equal(first, (metric.edges == 0).any(axis=1))
-    assert not last.any()
+    first, last = (marked(data, arrays, frame["concave"]) for frame in data["frames"])
+    assert first == {(a, b) for a, b in metric.edges.tolist() if 0 in (a, b)}
+    assert not last
     share = unpacked(arrays, data["frames"][0]["values"]["concave edges"])
     assert share[0] == 1
     assert np.count_nonzero(share) == 6
@@ -326,9 +333,10 @@ def test_the_faces_and_seams_of_a_polyhedron(tmp_path):
     write_page(tmp_path / "a.html", solid)
     text, _, data, arrays = read(tmp_path / "a.html")
     assert "8 vertices, 8 faces" in text
-    np.testing.assert_array_equal(unpacked(arrays, data["polygons"]), solid.face_polygons)
-    bits = np.unpackbits(unpacked(arrays, data["outlines"]), bitorder="little")[: solid.metric.edges.shape[0]]
-    np.testing.assert_array_equal(bits, solid.polygon_edges)
+    (mesh,) = data["meshes"]
+    np.testing.assert_array_equal(unpacked(arrays, mesh["polygons"]), solid.face_polygons)
+    outlines = solid.metric.edges[solid.polygon_edges].tolist()
+    assert marked(data, arrays, mesh["outlines"]) == {tuple(pair) for pair in outlines}
     pose, ends = data["pose"], unpacked(arrays, data["seams"]).reshape(-1, 3)
     placed = ends @ np.transpose(pose["axes"]) * pose["size"] + pose["center"]
     np.testing.assert_allclose(placed, solid.seams.ends.reshape(-1, 3), atol=1e-6)
@@ -341,5 +349,6 @@ def test_the_faces_and_seams_of_a_polyhedron(tmp_path):
 
 def test_other_surfaces_have_neither(page):
     _, _, data, _ = page
-    assert data["polygons"] is data["outlines"] is data["seams"] is None
+    (mesh,) = data["meshes"]
+    assert mesh["polygons"] is mesh["outlines"] is data["seams"] is None
     assert all("faces" not in shades for shades in data["frames"][-1]["values"].values())

@@ -1,12 +1,7 @@
 """A page for the browser: one file with a surface to turn around, its colors, its film and its report."""
 
-import base64
-import hashlib
 import os
-import re
 from collections.abc import Callable, Sequence
-from html import escape
-from importlib.resources import files
 from pathlib import Path
 from typing import Any
 
@@ -20,6 +15,7 @@ from isoembed.io.files import Writer, write_atomically
 from isoembed.io.format import Polygons
 from isoembed.io.registry import check_output
 from isoembed.metric.polyhedral import PolyhedralMetric
+from isoembed.plot.browser.document import Document
 from isoembed.plot.browser.packing import Packed
 from isoembed.plot.browser.ramp import ramp
 from isoembed.plot.browser.report import number, report_html
@@ -37,16 +33,16 @@ from isoembed.plot.quantity import (
     residual,
 )
 from isoembed.plot.view import Pose, camera
-from isoembed.strict_json import plain, strict_json
+from isoembed.strict_json import plain
 from isoembed.surface.embedding import Embedding
 from isoembed.surface.measures import edge_lengths
-from isoembed.version import __version__
 
 PAGE_ENDINGS = (".html",)
 LEAPT = (
     "The method leaped to this surface: there is none on the way to it. With --method paper there are some."
 )
 ALONE = "This method has no surface before the answer."
+PAUSE = 140  # milliseconds from one frame to the next
 COLORS = 65  # the browser interpolates between them
 UNITS = {
     "mean curvature": "1 / length",
@@ -62,8 +58,7 @@ def page_writer(
     path: str | os.PathLike[str], embedding: Embedding, *, title: str = "", **contents: Any
 ) -> Writer:
     """Return what writes the page of a surface; see `write_atomically` and `write_page`."""
-    text = _page(embedding, title or Path(path).stem, **contents)
-    return lambda temporary: _write(temporary, text)
+    return _page(embedding, title or Path(path).stem, **contents).writer
 
 
 def write_page(
@@ -101,30 +96,10 @@ def write_page(
     write_atomically({Path(path): page_writer(path, embedding, frames=frames, title=title, caption=caption)})
 
 
-def _page(embedding: Embedding, title: str, *, frames: Sequence[Frame] = (), caption: str = "") -> str:
-    assets = files("isoembed.plot") / "browser"
-    style, script, page = ((assets / f"page.{kind}").read_text("utf-8") for kind in ("css", "js", "html"))
+def _page(embedding: Embedding, title: str, *, frames: Sequence[Frame] = (), caption: str = "") -> Document:
     data, arrays = _data(embedding, frames)
     report = embedding.report
-    parts = {
-        "title": escape(title),
-        "caption": escape(caption or _caption(embedding)),
-        "version": __version__,
-        "style": style,
-        "style hash": _hash(style),
-        "script": script,
-        "script hash": _hash(script),
-        "report": report_html(report),
-        "json": base64.b64encode(strict_json(report, indent=2).encode()).decode("ascii"),
-        "data": strict_json(data).replace("<", r"\u003c"),  # nothing may end the element
-        "arrays": arrays,
-    }
-    return re.sub(r"\{\{([a-z ]+)\}\}", lambda match: parts[match[1]], page)
-
-
-def _hash(text: str) -> str:
-    """What the page's policy knows its own style and script by."""
-    return "sha256-" + base64.b64encode(hashlib.sha256(text.encode()).digest()).decode("ascii")
+    return Document(title, caption or _caption(embedding), report_html(report), report, data, arrays)
 
 
 def _caption(embedding: Embedding) -> str:
@@ -140,7 +115,7 @@ def _is_its_own(embedding: Embedding) -> bool:
     return not embedding.stages and embedding.residual <= QUANTITY.exact
 
 
-def _data(embedding: Embedding, frames: Sequence[Frame]) -> tuple[dict[str, Any], str]:
+def _data(embedding: Embedding, frames: Sequence[Frame]) -> tuple[dict[str, Any], Packed]:
     """What the script shows: a JSON object, and the arrays that it points to."""
     t, packed = embedding.triangulation, Packed()
     earlier = list(frames[:-1])
@@ -151,14 +126,17 @@ def _data(embedding: Embedding, frames: Sequence[Frame]) -> tuple[dict[str, Any]
     chosen = thinned([frame.stage for frame in earlier] + [ANSWER], limit)
     pose = Pose.of(embedding.vertices)
     faceted, seams = embedding.polygons is not embedding.faces, embedding.seams.ends
+    order = np.argsort(t.edge_halfedges[:, 0])  # the script finds the edges in that of the faces
 
     def entry(
         surface: Embedding, add: Callable[[Floats], dict[str, Any]], of: Sequence[Quantity]
     ) -> dict[str, Any]:
         return {
-            "concave": packed.add(_bits(surface.concave_edges)),
+            "told": [],
+            "mesh": 0,
+            "concave": packed.add(_bits(surface.concave_edges[order])),
             "positions": add(pose.put(surface.vertices).ravel()),
-            "values": {q.name: _shades(q, add, surface.polygons) for q in of},
+            "values": {q.name: shades(q, add, surface.polygons) for q in of},
         }
 
     entries: list[dict[str, Any]] = []
@@ -168,11 +146,18 @@ def _data(embedding: Embedding, frames: Sequence[Frame]) -> tuple[dict[str, Any]
         entries.append(told | entry(surface, packed.add_short, _on_the_way(surface)))
     told = {"stage": ANSWER, "t": frames[-1].t if frames else None, "residual": embedding.residual}
     entries.append(told | entry(embedding, packed.add_floats, shown))
-    return {
+    for k, made in enumerate(entries):
+        begins = k == 0 or made["stage"] != entries[k - 1]["stage"]
+        made["pause"] = 3 * PAUSE if begins else PAUSE
+    mesh = {
         "faces": packed.add(t.faces.ravel()),
-        "edges": packed.add(t.edges.ravel()),
         "polygons": packed.add(embedding.face_polygons) if faceted else None,
-        "outlines": packed.add(_bits(embedding.polygon_edges)) if faceted else None,
+        "outlines": packed.add(_bits(embedding.polygon_edges[order])) if faceted else None,
+        "solid": t.n_faces,
+    }
+    return {
+        "meshes": [mesh],
+        "first": len(entries) - 1,
         "seams": packed.add_floats(pose.put(seams).ravel()) if len(seams) else None,
         "pose": {"center": pose.center.tolist(), "axes": pose.axes.tolist(), "size": pose.size},
         "alone": _why_alone(embedding.method) if len(frames) == 1 else "",
@@ -189,7 +174,7 @@ def _data(embedding: Embedding, frames: Sequence[Frame]) -> tuple[dict[str, Any]
             for q in shown
         ],
         "frames": entries,
-    }, packed.text
+    }, packed
 
 
 def _why_alone(method: str) -> str:
@@ -214,9 +199,7 @@ def _on_the_way(surface: Embedding) -> list[Quantity]:
         return [*found, intrinsic_curvature(shape(own, surface.vertices, surface.message))]
 
 
-def _shades(
-    quantity: Quantity, add: Callable[[Floats], dict[str, Any]], polygons: Polygons
-) -> dict[str, Any]:
+def shades(quantity: Quantity, add: Callable[[Floats], dict[str, Any]], polygons: Polygons) -> dict[str, Any]:
     """Values, of a logarithmic scale their logarithms, and where the colors begin and end."""
     values, bounds = quantity.values, np.array(quantity.bounds)
     if quantity.scale == "log":
@@ -239,7 +222,3 @@ def _plain(label: str) -> str:
     for tex, text in TEX.items():
         label = label.replace(tex, text)
     return label
-
-
-def _write(path: Path, text: str) -> None:
-    path.write_text(text, encoding="utf-8", errors="replace")  # names of files may hold any bytes

@@ -23,18 +23,32 @@ function numbers(entry) {
   return to;
 }
 
-const faces = stored(data.faces), edges = stored(data.edges), frames = data.frames;
-const last = frames.length - 1;
-const owners = data.polygons && stored(data.polygons); // the face that each triangle is part of
-const outlines = data.outlines && stored(data.outlines); // edges between faces, a bit each
+const frames = data.frames, last = frames.length - 1;
 const seams = data.seams ? numbers(data.seams) : new Float64Array(0); // ends of lines on the answer
-const n = frames[last].positions.count / 3;
+
+const meshes = data.meshes.map((entry) => {
+  const corners = Uint32Array.from(stored(entry.faces)), ends = [];
+  let solidEnds = 0; // of the triangles that nothing is seen through
+  for (let h = 0; h < corners.length; h++) { // each edge is in two triangles, once in either direction
+    const to = corners[h % 3 === 2 ? h - 2 : h + 1];
+    if (corners[h] < to) ends.push(corners[h], to);
+    if (h < 3 * entry.solid) solidEnds = ends.length;
+  }
+  return {
+    faces: corners, edges: Uint32Array.from(ends), solid: 3 * entry.solid, solidEnds,
+    owners: entry.polygons && stored(entry.polygons), // the face that each triangle is part of
+    outlines: entry.outlines && stored(entry.outlines), // edges between faces, a bit each
+  };
+});
 
 // -------------------------------------------------------------------------------------------- the state
 
+const foldable = frames.some(({ concave: bits }) => bits); // whether edges are told to be concave
 const still = data.camera; // the first view: rows right, up, toward the viewer
 const view = { turn: still.slice(), zoom: 1, x: 0, y: 0 };
-const shown = { frame: last, quantity: data.quantities[0], mesh: true, seams: true, creases: false, smooth: false };
+const shown = { frame: data.first, quantity: data.quantities[0], mesh: true, seams: true, creases: false, smooth: false };
+let { faces, edges, owners, outlines, solid, solidEnds } = meshes[frames[last].mesh]; // of the frame, like all below
+let n = frames[last].positions.count / 3;
 /** @type {Float64Array} */
 let positions;
 /** @type {Float64Array} */
@@ -43,7 +57,7 @@ let values;
 let flat; // values of the faces, where each has one color
 /** @type {PackedArray} */
 let concave; // edges, a bit each
-let low = 0, high = 1; // where the colors begin and end; of the frame, like the four above
+let low = 0, high = 1; // where the colors begin and end
 let dirty = true, hovered = -1, pointed = -1; // a vertex, a triangle
 
 // ------------------------------------------------------------------------------------------- words
@@ -68,6 +82,7 @@ const meant = (s) => (shown.quantity.scale === "log" ? 10 ** s : s); // a stored
 /** @type {HTMLCanvasElement} */
 const canvas = $("canvas");
 const FAR = 6; // the viewer's distance, in half diameters
+const VEIL = 0.4; // opacity of what is seen through
 const gl = /** @type {WebGL2RenderingContext} */ (canvas.getContext("webgl2", { antialias: true, alpha: true, stencil: true }));
 /** @type {Parts} */
 let parts;
@@ -87,7 +102,7 @@ void main() { place = turn * position; direction = turn * normal; shade = value;
 `, `#version 300 es
 precision highp float;
 in vec3 place; in vec3 direction; in vec2 shade;
-uniform sampler2D ramp; uniform bool smoothly;
+uniform sampler2D ramp; uniform bool smoothly; uniform float opacity;
 out vec4 color;
 vec3 linear(vec3 c) { return mix(c / 12.92, pow((c + 0.055) / 1.055, vec3(2.4)), step(0.04045, c)); }
 vec3 screen(vec3 c) { return mix(c * 12.92, 1.055 * pow(c, vec3(1.0 / 2.4)) - 0.055, step(0.0031308, c)); }
@@ -102,7 +117,7 @@ void main() {
   float light = 0.55 + 0.13 * n.y + 0.48 * max(dot(n, key), 0.0) + 0.12 * max(dot(n, fill), 0.0);
   float gloss = pow(max(dot(n, normalize(key + eye)), 0.0), 38.0);
   float edge = pow(1.0 - max(dot(n, eye), 0.0), 3.0);
-  color = vec4(screen(clamp(base * light * (1.0 - 0.25 * edge) + 0.10 * gloss + 0.035 * edge, 0.0, 1.0)), 1.0);
+  color = vec4(screen(clamp(base * light * (1.0 - 0.25 * edge) + 0.10 * gloss + 0.035 * edge, 0.0, 1.0)), 1.0) * opacity;
 }`];
 
 const LINES = [`#version 300 es
@@ -174,9 +189,8 @@ function build() {
     return made;
   };
   const floats = (location, size) => gl.vertexAttribPointer(location, size, gl.FLOAT, false, 0, 0);
-  const kind = edges instanceof Uint16Array ? gl.UNSIGNED_SHORT : gl.UNSIGNED_INT;
   const ends = (location, size) => {
-    gl.vertexAttribIPointer(location, size, kind, 0, 0);
+    gl.vertexAttribIPointer(location, size, gl.UNSIGNED_INT, 0, 0);
     gl.vertexAttribDivisor(location, 1);
   };
   const array = (fill) => {
@@ -184,23 +198,10 @@ function build() {
     gl.bindVertexArray(made);
     return { made, ...fill() };
   };
-  parts.kind = kind;
-  parts.mantle = array(() => {
-    const buffers = { positions: buffer(0, 3, floats), normals: buffer(1, 3, floats), shades: buffer(2, 2, floats) };
-    gl.bindBuffer(gl.ELEMENT_ARRAY_BUFFER, gl.createBuffer());
-    gl.bufferData(gl.ELEMENT_ARRAY_BUFFER, faces, gl.STATIC_DRAW);
-    return buffers;
-  });
-  const drawn = outlines ? marked(outlines) : edges;
-  parts.mesh = array(() => ({ ends: buffer(0, 2, ends), count: drawn.length / 2 }));
-  gl.bufferData(gl.ARRAY_BUFFER, drawn, gl.STATIC_DRAW);
-  const pairs = (location, size) => {
-    gl.vertexAttribIPointer(location, size, gl.UNSIGNED_INT, 0, 0);
-    gl.vertexAttribDivisor(location, 1);
-  };
-  parts.seams = array(() => ({ ends: buffer(0, 2, pairs), count: seams.length / 6 }));
-  gl.bufferData(gl.ARRAY_BUFFER, Uint32Array.from(Array(seams.length / 3).keys(), (k) => n + k), gl.STATIC_DRAW);
-  parts.creases = array(() => ({ ends: buffer(0, 2, ends), count: 0 }));
+  parts.mantle = array(() => ({
+    positions: buffer(0, 3, floats), normals: buffer(1, 3, floats), shades: buffer(2, 2, floats), faces: gl.createBuffer(),
+  }));
+  for (const name of ["mesh", "seams", "creases"]) parts[name] = array(() => ({ ends: buffer(0, 2, ends), count: 0 }));
   gl.bindVertexArray(null);
   const texture = (unit) => {
     gl.activeTexture(gl.TEXTURE0 + unit);
@@ -220,7 +221,7 @@ function marked(bits) { // the edges of these bits
   for (let e = 0; e < edges.length / 2; e++) {
     if (bits[e >> 3] & (1 << (e & 7))) found.push(edges[2 * e], edges[2 * e + 1]);
   }
-  return new KINDS[data.edges.type](found);
+  return Uint32Array.from(found);
 }
 
 function normals() {
@@ -248,6 +249,19 @@ function upload() { // the frame and its colors
     gl.bindBuffer(gl.ARRAY_BUFFER, buffer);
     gl.bufferData(gl.ARRAY_BUFFER, array, gl.DYNAMIC_DRAW);
   };
+  const draws = (lines, array) => {
+    fill(lines.ends, array);
+    lines.count = array.length / 2;
+  };
+  if (parts.faces !== faces) { // another mesh than before
+    parts.faces = faces;
+    gl.bindVertexArray(parts.mantle.made);
+    gl.bindBuffer(gl.ELEMENT_ARRAY_BUFFER, parts.mantle.faces);
+    gl.bufferData(gl.ELEMENT_ARRAY_BUFFER, faces, gl.STATIC_DRAW);
+    gl.bindVertexArray(null);
+    draws(parts.mesh, outlines ? marked(outlines) : edges.subarray(0, solidEnds));
+    draws(parts.seams, Uint32Array.from(Array(seams.length / 3).keys(), (k) => n + k));
+  }
   const rows = Math.ceil((n + seams.length / 3) / 1024), texels = new Float32Array(4096 * rows);
   for (let k = 0; k < 3 * n; k++) texels[4 * Math.floor(k / 3) + k % 3] = positions[k];
   for (let k = 0; k < seams.length; k++) texels[4 * (n + Math.floor(k / 3)) + k % 3] = seams[k];
@@ -266,9 +280,7 @@ function upload() { // the frame and its colors
   fill(parts.mantle.positions, places);
   fill(parts.mantle.normals, directions);
   fill(parts.mantle.shades, shades);
-  const creased = marked(concave);
-  fill(parts.creases.ends, creased);
-  parts.creases.count = creased.length / 2;
+  draws(parts.creases, marked(concave));
   gl.activeTexture(gl.TEXTURE1);
   gl.texImage2D(gl.TEXTURE_2D, 0, gl.RGBA32F, 1024, rows, 0, gl.RGBA, gl.FLOAT, texels);
 }
@@ -314,6 +326,7 @@ function draw() {
   const surface = common(parts.surface);
   gl.uniform1i(surface.ramp, 0);
   gl.uniform1i(surface.smoothly, shown.smooth ? 1 : 0);
+  gl.uniform1f(surface.opacity, 1);
   gl.bindVertexArray(parts.mantle.made);
   gl.depthMask(true);
   gl.disable(gl.BLEND);
@@ -322,16 +335,20 @@ function draw() {
   for (const [hidden, offset] of [[gl.FRONT, 4], [gl.BACK, 1]]) { // where a body is flat its front wins
     gl.cullFace(hidden);
     gl.polygonOffset(offset, offset);
-    if (flat) gl.drawArrays(gl.TRIANGLES, 0, faces.length);
-    else gl.drawElements(gl.TRIANGLES, faces.length, parts.kind, 0);
+    if (flat) gl.drawArrays(gl.TRIANGLES, 0, solid);
+    else gl.drawElements(gl.TRIANGLES, solid, gl.UNSIGNED_INT, 0);
+  }
+  gl.depthMask(false);
+  gl.enable(gl.BLEND);
+  if (solid < faces.length) { // what is around others is seen through
+    gl.uniform1f(surface.opacity, VEIL);
+    gl.drawElements(gl.TRIANGLES, faces.length - solid, gl.UNSIGNED_INT, 4 * solid);
   }
   gl.disable(gl.CULL_FACE);
 
   const at = common(parts.lines);
   gl.uniform1i(at.points, 1);
   gl.uniform2f(at.size, width / 2, height / 2);
-  gl.depthMask(false);
-  gl.enable(gl.BLEND);
   const lines = ({ made, count }, widths, core, casing, lift) => {
     gl.uniform1f(at.width, ratio * widths[1]);
     gl.uniform1f(at.coreWidth, ratio * widths[0]);
@@ -374,8 +391,10 @@ function tick() {
 
 function select() { // take the frame and the quantity
   const frame = frames[shown.frame], { name, scale: kind, at } = shown.quantity;
+  ({ faces, edges, owners, outlines, solid, solidEnds } = meshes[frame.mesh]);
   positions = numbers(frame.positions);
-  concave = stored(frame.concave);
+  n = positions.length / 3;
+  concave = frame.concave ? stored(frame.concave) : new Uint8Array(0);
   const of = frame.values[name] || (name === CONFORMAL && frames[last].values[name]); // the same for all
   values = of ? numbers(of) : new Float64Array(n).fill(NaN);
   [low, high] = (kind === "log" && of ? of : frames[last].values[name]).bounds;
@@ -427,13 +446,14 @@ function marks(kind) { // where the numbers stand beside the colors
 }
 
 function moment() {
-  const { stage, t, residual } = frames[shown.frame];
+  const { stage, t, residual, told } = frames[shown.frame];
   let count = 0;
   for (const eight of concave) for (let b = eight; b; b &= b - 1) count++;
   const words = [`frame ${shown.frame + 1} of ${frames.length}`];
   if (t !== null) words.push(`t = ${written(t, 3)}`);
   if (residual !== null) words.push(`length errors up to ${written(residual, 2)}${shown.frame < last ? " at this t" : ""}`);
-  words.push(`${count.toLocaleString("en-US")} concave ${count === 1 ? "edge" : "edges"}`);
+  if (foldable) words.push(`${count.toLocaleString("en-US")} concave ${count === 1 ? "edge" : "edges"}`);
+  words.push(...told);
   const name = document.createElement("b");
   name.textContent = stage;
   $("moment").replaceChildren(name, ...words.flatMap((word) => {
@@ -598,7 +618,6 @@ function point() { // mark the vertex, and say what it is
 // ------------------------------------------------------------------------------------------------ the film
 
 let playing = 0; // the time of the next frame
-const PACE = 140; // milliseconds a frame
 
 function play(now) {
   if (!playing) return;
@@ -608,7 +627,7 @@ function play(now) {
       return;
     }
     show(shown.frame + 1);
-    playing = now + (frames[shown.frame].stage === frames[shown.frame - 1].stage ? PACE : 3 * PACE);
+    playing = now + frames[shown.frame].pause;
   }
   requestAnimationFrame(play);
 }
@@ -621,7 +640,7 @@ function pause() {
 
 function start() {
   if (shown.frame === last) show(0);
-  playing = performance.now() + 3 * PACE;
+  playing = performance.now() + frames[shown.frame].pause;
   $("play").textContent = "❚❚";
   $("play").setAttribute("aria-label", "Pause");
   requestAnimationFrame(play);
@@ -660,6 +679,7 @@ if (gl) {
   });
   $("kind").textContent = owners ? "Edges" : "Triangles";
   $("paper").hidden = !seams.length;
+  $("folds").hidden = !foldable;
   for (const name of ["mesh", "seams", "creases", "smooth"]) {
     $(name).addEventListener("change", () => {
       shown[name] = $(name).checked;

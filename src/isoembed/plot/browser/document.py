@@ -1,0 +1,76 @@
+"""The text of a page: its markup with style, script, report and data, all in one file."""
+
+import base64
+import hashlib
+import re
+from collections.abc import Mapping
+from dataclasses import dataclass
+from html import escape
+from importlib.resources import files
+from pathlib import Path
+from typing import Any
+
+from isoembed.io.files import Writer
+from isoembed.plot.browser.packing import Packed
+from isoembed.strict_json import strict_json
+from isoembed.version import __version__
+
+
+@dataclass(frozen=True, eq=False)
+class Document:
+    """A page for the browser.
+
+    Attributes
+    ----------
+    title, caption : str
+        Plain text.
+    report : str
+        HTML beside the surface.
+    download : object
+        What the JSON to download holds.
+    data : mapping
+        What the script shows; see ``page-lint/page.d.ts``.
+    arrays : Packed
+        The numbers that the data point to.
+    """
+
+    title: str
+    caption: str
+    report: str
+    download: Any
+    data: Mapping[str, Any]
+    arrays: Packed
+
+    @property
+    def writer(self) -> Writer:
+        """Writer of the page; see `isoembed.io.write_atomically`."""
+        text = self._text
+        return lambda temporary: _write(temporary, text)
+
+    @property
+    def _text(self) -> str:
+        assets = files("isoembed.plot") / "browser"
+        style, script, page = ((assets / f"page.{kind}").read_text("utf-8") for kind in ("css", "js", "html"))
+        parts = {
+            "title": escape(self.title),
+            "caption": escape(self.caption),
+            "version": __version__,
+            "style": style,
+            "style hash": _hash(style),
+            "script": script,
+            "script hash": _hash(script),
+            "report": self.report,
+            "json": base64.b64encode(strict_json(self.download, indent=2).encode()).decode("ascii"),
+            "data": strict_json(self.data).replace("<", r"\u003c"),  # nothing may end the element
+            "arrays": self.arrays.text,
+        }
+        return re.sub(r"\{\{([a-z ]+)\}\}", lambda match: parts[match[1]], page)
+
+
+def _hash(text: str) -> str:
+    """What the page's policy knows its own style and script by."""
+    return "sha256-" + base64.b64encode(hashlib.sha256(text.encode()).digest()).decode("ascii")
+
+
+def _write(path: Path, text: str) -> None:
+    path.write_text(text, encoding="utf-8", errors="replace")  # names of files may hold any bytes
