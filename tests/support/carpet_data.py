@@ -117,3 +117,35 @@ def _metadata(file, parameters, processes):
         group.create_dataset(
             "All Parameters", data=np.bytes_(parameters or "ADMBase::metric_type = physical\n")
         )
+
+
+def write_carpetx(
+    folder, geometry, levels, iteration=0, time=0.0, names=(*METRIC, *CURVATURE), parameters=""
+):
+    """An openPMD file of one iteration as CarpetX writes it: axes z, y, x, no ghost zones."""
+    import openpmd_api as openpmd
+
+    folder.mkdir(parents=True, exist_ok=True)
+    series = openpmd.Series(str(folder / f"run.it{iteration:08d}.bp4"), openpmd.Access.create)
+    there = series.iterations[iteration]
+    there.time = time
+    there.set_attribute("AllParameters", parameters or "CarpetX::reflection_z = no\n")
+    for number, level in enumerate(levels):
+        components = list(level.components())
+        fields = [sampled(geometry, level, start, tuple(shape), names) for start, shape in components]
+        # A domain that is larger than the level.
+        first = np.min([start for start, _ in components], axis=0) - 2
+        last = np.max([start + shape for start, shape in components], axis=0) + 3
+        for name in names:
+            mesh = there.meshes[f"admbasex_{'metric' if name[0] == 'g' else 'curv'}_patch00_lev{number:02d}"]
+            mesh.axis_labels = ["z", "y", "x"]
+            mesh.grid_spacing = [level.spacing] * 3
+            mesh.grid_global_offset = [level.spacing * float(i) for i in first[::-1]]
+            record = mesh[f"admbasex_{name}"]
+            record.position = [level.shift] * 3
+            record.reset_dataset(openpmd.Dataset(np.dtype("float64"), list((last - first)[::-1])))
+            for (start, _), values in zip(components, fields, strict=True):
+                data = np.ascontiguousarray(values[name].T)
+                record.store_chunk(data, list((start - first)[::-1]), list(data.shape))
+                series.flush()
+    series.close()

@@ -76,16 +76,14 @@ def _listed(iteration: int, folders: list[_Folder]) -> ListedSlice:
     there = [folder for folder in folders if iteration in folder.times]
     there.sort(key=lambda folder: not folder.flaw)  # stable: the last is whole if one is
     chosen = {name: folder for folder in there for name in folder.fields(iteration)}
-    parts = [
+    parts = tuple(
         part
         for folder in there
         for part in folder.parts(iteration, [name for name, its in chosen.items() if its is folder])
-    ]
+    )
     flaw = next((folder.flaw for folder in chosen.values() if folder.flaw), "")
     name = f"{parts[0].path}, iteration {iteration}"
-    if not flaw and not any(name in chosen for name in K):
-        flaw = f"{name}: there is no extrinsic curvature: write ADMBase::curv, too, kxx ... kzz"
-    source = CarpetSlice(name, iteration, tuple(parts), there[-1].symmetry, flaw)
+    source = CarpetSlice(name, iteration, parts, there[-1].symmetry, flaw)
     return ListedSlice(iteration, there[-1].times[iteration], source)
 
 

@@ -111,7 +111,8 @@ class GridDataSlice:
         FileError
             Fields are missing, or no level covers the box.
         """
-        return covering_grid(_GridData(self.name, self.fields), low, high)
+        wanted = (*GAMMA, *K) if any(name in self.fields for name in K) else GAMMA
+        return covering_grid(_GridData(self.name, self.fields), low, high, wanted)
 
 
 class _GridData:

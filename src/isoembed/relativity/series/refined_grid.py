@@ -101,25 +101,27 @@ class _Block:
         return tuple(slices)
 
 
-def covering_grid(data: RefinedData, low: Floats, high: Floats) -> CartesianGrid:
+def covering_grid(
+    data: RefinedData, low: Floats, high: Floats, wanted: Sequence[str] = (*GAMMA, *K)
+) -> CartesianGrid:
     """The finest level that covers a box with the stencil of the interpolation, as far as it is needed.
 
     Parameters
     ----------
     data : RefinedData
-        Without kxx ... kzz the slice is taken to be time-symmetric.
     low, high : ndarray, shape (3,)
         Corners of the box.
+    wanted : sequence of str
+        The fields.  Without kxx ... kzz the slice is taken to be time-symmetric.
 
     Raises
     ------
     FileError
         Fields are missing, no level covers the box, or components do not fit together.
     """
-    time_symmetric = not any(name in data.fields for name in K)
-    wanted = GAMMA if time_symmetric else (*GAMMA, *K)
     if missing := [name for name in wanted if name not in data.fields]:
-        raise FileError(f"{data.name} has no {', '.join(missing)}: gxx ... gzz and kxx ... kzz are needed")
+        needed = "gxx ... gzz" if len(wanted) == len(GAMMA) else "gxx ... gzz and kxx ... kzz"
+        raise FileError(f"{data.name} has no {', '.join(missing)}: {needed} are needed")
     for level in reversed(data.levels):
         if (grid := _Level.of(data, level).around(low, high)) is not None:
             return grid.filled(data, level, wanted)

@@ -16,6 +16,7 @@ from typing import Any
 
 from isoembed.io.files import FileError
 from isoembed.relativity.series.carpet_files import carpet_slices, natural
+from isoembed.relativity.series.carpetx import carpetx_slices
 from isoembed.relativity.series.moment import ListedShape, ListedSlice
 from isoembed.relativity.series.shape_files import shapes_in_files
 
@@ -29,8 +30,8 @@ def simulation(folder: Any) -> tuple[list[ListedShape], list[ListedSlice]]:
     ----------
     folder : path or kuibit.simdir.SimDir
         With ``h.t*.ah*.gp`` and ``BH_diagnostics.ah*.gp`` of AHFinderDirect, and three-dimensional HDF5 files
-        of ``ADMBase::metric`` and ``ADMBase::curv``, in any subfolders.  Of what is in several of them, as
-        after restarts, the last one counts.
+        of ``ADMBase::metric`` and ``ADMBase::curv`` by Carpet, or openPMD files of those of ADMBaseX by
+        CarpetX, in any subfolders.  Of what is in several of them, as after restarts, the last one counts.
 
     Returns
     -------
@@ -46,7 +47,7 @@ def simulation(folder: Any) -> tuple[list[ListedShape], list[ListedSlice]]:
     """
     files = sorted(map(Path, _files(folder)), key=natural)
     shapes = _last(shapes_in_files(path for path in files if SHAPE.fullmatch(path.name)))
-    slices = carpet_slices(files)
+    slices = carpet_slices(files) or carpetx_slices(files)
     if not shapes and not slices:
         name = getattr(folder, "path", folder)
         raise FileError(f"there are no files of horizons or of slices in the folder {name}")
