@@ -2,7 +2,7 @@
 
 A file, which is a folder ``*.bp4`` or ``*.bp5``, holds iterations; these hold a mesh for each group of
 variables and refinement level, as ``admbasex_metric_patch00_lev02``, with a record for each variable, and
-CarpetX names its axes z, y, x [1]_.  They are read with openpmd-api, which kuibit brings along; kuibit itself
+CarpetX names its axes z, y, x [1]_.  They are read with openpmd-api, which kuibit brings along: kuibit 1.6.1
 takes the axes for x, y, z.
 
 References

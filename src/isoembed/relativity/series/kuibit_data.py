@@ -67,7 +67,8 @@ class GridDataSlice:
     """A slice of grid data of kuibit, all of it in memory: a `SliceSource`.
 
     What symmetric runs leave out is missing: kuibit's ``reflection_symmetry_undo`` and
-    ``rotation180_symmetry_undo`` complete grid data.
+    ``rotation180_symmetry_undo`` complete grid data.  Data of CarpetX have their axes the wrong way around in
+    kuibit 1.6.1: its files are read by `isoembed.relativity.series.carpetx`.
 
     Attributes
     ----------
