@@ -1,0 +1,183 @@
+"""``isoembed series``: horizons of a whole simulation, each in its own slice, to tables, plots and films."""
+
+from __future__ import annotations
+
+import argparse
+import time
+from collections.abc import Callable, Iterable
+from dataclasses import replace
+from functools import partial
+from importlib.util import find_spec
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from isoembed.cli.many import Tally, carried_out, seen_by_all
+from isoembed.cli.options import (
+    OF_RUNS,
+    add_json_option,
+    add_marginal_options,
+    add_output_option,
+    add_quiet_option,
+    add_run_options,
+    add_vertices_option,
+    marginal,
+    refuse_given,
+    vertices,
+)
+from isoembed.cli.screen import UsageError, print_aside, print_error, print_json
+from isoembed.cli.slices import (
+    CLOSED_FORMS,
+    OF_SLICE,
+    add_geometry_option,
+    add_hole_options,
+    add_slice_options,
+    slice_named,
+)
+from isoembed.cli.status import OK, WRONG
+from isoembed.io import FileError, write_atomically
+from isoembed.plot.picture import figure_writer
+from isoembed.plot.series.curves import series_figures
+from isoembed.plot.series.film import write_series_film
+from isoembed.plot.series.paraview import write_paraview
+from isoembed.relativity.series.horizon_task import HorizonOptions, HorizonTask
+from isoembed.relativity.series.moments import moments
+from isoembed.relativity.series.table import write_table
+from isoembed.relativity.spacetimes.three_geometry import ThreeGeometry
+from isoembed.runs import Result, Store
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+TABLE = "table.csv"
+PERIOD = 20.0  # seconds between two tables of what there is so far
+OF_HORIZONS = ("geometry", *OF_SLICE, "axis", "marginal", "not_marginal", "surface", "vertices", "wang_yau")
+
+
+def configure(parser: argparse.ArgumentParser) -> None:
+    """Add the options of ``isoembed series``."""
+    parser.add_argument(
+        "horizons",
+        nargs="*",
+        metavar="HORIZONS",
+        help="files of horizons, of any time and number: AHFinderDirect's h.t*.ah*.gp, SpECTRE's or other "
+        "HDF5 with one or many times, .npz, VTK; or folders, or a simulation of the Einstein Toolkit; "
+        "without, table and pictures are made again of what is in the --output",
+    )
+    add_geometry_option(
+        parser,
+        "the slices that the horizons are in, unless they have metrics of their own: a pattern of files, "
+        "'slices/{iteration}.h5' or with {time}; a folder; a file with many times; or one for all",
+    )
+    add_hole_options(parser)
+    add_slice_options(parser)
+    parser.add_argument(
+        "--axis",
+        type=float,
+        nargs=3,
+        metavar=("X", "Y", "Z"),
+        help="additional axis for which to report the angular momentum",
+    )
+    add_marginal_options(parser, "of each surface", "by default its expansion decides")
+    parser.add_argument("--surface", metavar="NAME", help="which surface of SpECTRE files, if not all")
+    add_vertices_option(parser)
+    parser.add_argument(
+        "--wang-yau", action="store_true", help="add the Wang-Yau energy, the least over all time functions"
+    )
+    add_output_option(
+        parser,
+        "where the results are kept, and table.csv, table.h5, plots and files for ParaView are made of them",
+        metavar="FOLDER",
+        required=True,
+    )
+    add_run_options(parser)
+    parser.add_argument(
+        "--film", action="store_true", help="make a film, too, and a page for the browser with a slider"
+    )
+    add_json_option(parser)
+    add_quiet_option(parser)
+
+
+def run(options: argparse.Namespace) -> int:
+    """Embed the horizons, and make table and pictures of them; return the exit status."""
+    folder = Path(*seen_by_all(options, [options.output]))
+    tally = None
+    if options.horizons:
+        tally = _embedded(options, folder)
+    else:
+        refuse_given(options, (*OF_HORIZONS, *OF_RUNS), "needs HORIZONS")
+    status, written = OK if tally is None else tally.exit_status, list[str]()
+    if options.shard is None:  # otherwise others are still at work
+        written, missing = _products(Store(folder), film=options.film)
+        for sentence in missing:
+            print_error(sentence)
+            status = WRONG
+    if options.json:
+        print_json({**(tally.report if tally else {}), "folder": str(options.output), "files": written})
+    elif not options.quiet:
+        said = [str(tally)] if tally else []
+        print_aside("\n".join([*said, *([f"in {options.output}: {', '.join(written)}"] if written else [])]))
+    return status
+
+
+def _embedded(options: argparse.Namespace, folder: Path) -> Tally:
+    """Embed the horizons that are asked for, and keep the results."""
+    axis = None if options.axis is None else tuple(options.axis)
+    what = HorizonOptions(vertices(options), options.wang_yau, axis, marginal(options))
+    listed = moments(seen_by_all(options, options.horizons), _geometry(options), surface=options.surface)
+    table = _GrowingTable(folder / TABLE) if options.shard is None else None
+    return carried_out([HorizonTask(moment, what) for moment in listed], Store.made(folder), options, table)
+
+
+def _geometry(options: argparse.Namespace) -> str | ThreeGeometry | None:
+    """A closed form, or where the slices are."""
+    if options.geometry is None:
+        refuse_given(options, OF_SLICE, "needs a --geometry")
+        return None
+    if options.geometry in CLOSED_FORMS:
+        return slice_named(options.geometry, options)
+    refuse_given(options, OF_SLICE, "needs a --geometry in closed form")
+    return seen_by_all(options, [options.geometry])[0]
+
+
+class _GrowingTable:
+    """The table of what there is so far, written again from time to time."""
+
+    def __init__(self, path: Path) -> None:
+        self._path, self._results, self._written = path, list[Result](), time.monotonic()
+
+    def __call__(self, result: Result) -> None:
+        self._results.append(replace(result, arrays={}))  # a thousand meshes are not kept in memory
+        if time.monotonic() > self._written + PERIOD:
+            write_table(self._path, self._results)
+            self._written = time.monotonic()
+
+
+def _products(store: Store, *, film: bool) -> tuple[list[str], list[str]]:
+    """Make all files of the results in a folder; return their names, and why others are missing."""
+    answered = [result.answered for result in store]
+    if not answered:
+        raise UsageError(f"there are no results in {store.folder}")
+    written, missing = list[str](), list[str]()
+
+    def make(name: str, write: Callable[[Path, Iterable[Result]], None]) -> None:
+        try:
+            write(store.folder / name, store)
+            written.append(name)
+        except FileError as error:
+            missing.append(str(error))
+
+    make(TABLE, write_table)
+    if find_spec("h5py"):
+        make("table.h5", write_table)
+    if any(answered):
+        make("horizons.pvd", write_paraview)
+        if find_spec("matplotlib"):
+            for name, figure in series_figures(store).items():
+                make(f"{name}.png", partial(_write_figure, figure))
+        if film:
+            make("horizons.mp4" if find_spec("imageio_ffmpeg") else "horizons.gif", write_series_film)
+    return written, missing
+
+
+def _write_figure(figure: Figure, path: Path, _: Iterable[Result]) -> None:
+    write_atomically({path: figure_writer(path, figure)})
