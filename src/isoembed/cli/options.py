@@ -113,8 +113,8 @@ def add_run_options(parser: argparse.ArgumentParser) -> None:
         "--chunk",
         type=_count,
         metavar="N",
-        help="how many consecutive ones are done by one process, each from the one before (default: a "
-        "16th of all, at most 8)",
+        help="how many consecutive ones are done by one process, each from the one before (default: an "
+        "8th of all, at most 8)",
     )
     again = parser.add_mutually_exclusive_group()
     again.add_argument("--retry", action="store_true", help="try those again that had no answer")

@@ -15,7 +15,7 @@ from isoembed.runs.store import Store
 from isoembed.runs.task import Task, key_of
 
 CHUNK = 8  # tasks: the first of a chunk has no neighbor to start from
-PARTS = 16  # chunks of short runs, so that many processes have something to do
+PARTS = 8  # chunks of short runs, so that many processes have something to do
 
 
 @dataclass(frozen=True)

@@ -86,6 +86,8 @@ def test_the_next_one_has_the_same_bits_from_memory_and_from_a_file(first, tmp_p
         assert results[0].report == other.report and set(results[0].arrays) == set(other.arrays)
         for name, array in results[0].arrays.items():
             np.testing.assert_array_equal(array, other.arrays[name])
+    for name in ("faces", "directions"):
+        np.testing.assert_array_equal(first.arrays[name], results[0].arrays[name])
 
 
 def test_another_series_is_no_start(first, monkeypatch):

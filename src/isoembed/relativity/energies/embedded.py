@@ -7,6 +7,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from isoembed.arrays import Floats, Indices
 from isoembed.errors import InvalidMetric, InvalidParameter
 from isoembed.relativity.energies.energies import Energies
 from isoembed.relativity.energies.quadrature import smooth_energies
@@ -102,10 +103,21 @@ class EmbeddedSurface:
             ``slice_coordinates`` (V, 3).
         """
         triangulation = self.embedding.triangulated(vertices)
-        u = triangulation.directions
+        return self.mesh_on(triangulation.directions, triangulation.faces)
+
+    def mesh_on(self, directions: Floats, faces: Indices) -> dict[str, NDArray[Any]]:
+        """The same, as `mesh`, on a given triangulation of the sphere of directions.
+
+        Parameters
+        ----------
+        directions : ndarray, shape (V, 3)
+            Such as fit a surface nearby: for meshes of a sequence that can be compared vertex by vertex.
+        faces : ndarray of int, shape (F, 3)
+        """
+        u = directions
         tables = {
             "vertices": self.embedding.points(u),
-            "faces": triangulation.faces,
+            "faces": faces,
             "mean_curvature": self.embedding.mean_curvature(u),
             "gaussian_curvature": self.embedding.gaussian_curvature(u),
             "residual": 0.5 * self.embedding.strain(u),

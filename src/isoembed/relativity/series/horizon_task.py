@@ -10,7 +10,7 @@ from typing import Any
 
 from numpy.typing import NDArray
 
-from isoembed.arrays import Floats
+from isoembed.arrays import Floats, Indices
 from isoembed.errors import InvalidMetric, InvalidParameter, NotEmbedded
 from isoembed.io.files import FileError
 from isoembed.meshing.sphere import gauss_rule
@@ -39,8 +39,9 @@ class TaskThresholds:
 
 TASK = TaskThresholds()
 
-MESH, FIELD = ("vertices", "faces"), "field/"
-"""Names of the arrays of a mesh, and what is before those of data at its vertices."""
+DIRECTIONS, FIELD = "directions", "field/"
+MESH = ("vertices", "faces")
+"""Names of arrays of a mesh; what is before those of data at its vertices."""
 
 
 @dataclass(frozen=True)
@@ -80,9 +81,9 @@ class HorizonTask:
     """Embedding of the horizon of a moment; see `isoembed.runs.Task`.
 
     The report is that of `isoembed.relativity.embed_surface` with ``horizon``, what the file and the
-    expansion say of it, and ``moment``.  The arrays are those of the mesh, ``vertices``, ``faces`` and
-    ``field/`` with each name of data at the vertices, and those of the `isoembed.smooth.Start` that the
-    surface is for the next one.
+    expansion say of it, and ``moment``.  The arrays are those of the mesh, its ``directions`` on the sphere,
+    ``vertices``, ``faces`` and ``field/`` with each name of data at the vertices, and those of the
+    `isoembed.smooth.Start` that the surface is for the next one, which has the same mesh.
 
     Attributes
     ----------
@@ -114,11 +115,14 @@ class HorizonTask:
         try:
             horizon = self._horizon()
             try:
-                surface = self._embedded(horizon.data, before)
+                surface, mesh = self._embedded(horizon.data, before)
             except NotEmbedded as error:
-                return self._result(unembedded_report(horizon.data, error), horizon, None)
+                return self._result(unembedded_report(horizon.data, error), horizon, {})
             report = wang_yau_report(surface)[0] if self.options.wang_yau else surface.report
-            return self._result(report, horizon, surface)
+            tables = surface.mesh_on(*mesh)
+            arrays = {name if name in MESH else FIELD + name: values for name, values in tables.items()}
+            arrays |= {DIRECTIONS: mesh[0], **Start.of(surface.embedding).arrays}
+            return self._result(report, horizon, arrays)
         except (FileError, InvalidMetric, InvalidParameter) as error:
             return self._unanswered(REFUSED, str(error))
         except MemoryError:
@@ -134,27 +138,27 @@ class HorizonTask:
             geometry = moment.slice.read(*_box(found))
         return Horizon.of(found, geometry, axis=options.axis, marginal=options.marginal, name=name)
 
-    def _embedded(self, data: SurfaceData, before: Result | None) -> EmbeddedSurface:
-        """From the one before of the same series or, where that fails, from a mesh."""
+    def _embedded(
+        self, data: SurfaceData, before: Result | None
+    ) -> tuple[EmbeddedSurface, tuple[Floats, Indices]]:
+        """From the one before of the same series, on its mesh, or, where that fails, from a new mesh."""
         if before is not None and before.report["moment"]["series"] == self.moment.series:
             try:
-                return embed_surface(data, start=Start.restored(before.arrays))
+                surface = embed_surface(data, start=Start.restored(before.arrays))
+                return surface, (before.arrays[DIRECTIONS], before.arrays["faces"])
             except NotEmbedded:
                 pass
-        return embed_surface(data, vertices=self.options.vertices)
+        surface = embed_surface(data, vertices=self.options.vertices)
+        mesh = surface.embedding.triangulated(self.options.vertices)
+        return surface, (mesh.directions, mesh.faces)
 
-    def _result(self, report: dict[str, Any], horizon: Horizon, surface: EmbeddedSurface | None) -> Result:
+    def _result(self, report: dict[str, Any], horizon: Horizon, arrays: dict[str, NDArray[Any]]) -> Result:
         moment = self._facts(horizon.facts)
         # Where the file does not say when it is, the series may know.
         facts = horizon.facts | {
             name: moment[name] for name in ("time", "iteration") if name in horizon.facts
         }
         report = checked_report(report, horizon.curvature_check) | {"horizon": facts, "moment": moment}
-        if surface is None:
-            return Result(self.label, report["status"], report)
-        tables = surface.mesh(self.options.vertices)
-        arrays = {name if name in MESH else FIELD + name: values for name, values in tables.items()}
-        arrays |= Start.of(surface.embedding).arrays
         return Result(self.label, report["status"], report, arrays)
 
     def _unanswered(self, status: str, message: str) -> Result:
