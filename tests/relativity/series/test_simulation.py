@@ -16,6 +16,7 @@ from isoembed.io.files import FileError  # noqa: E402
 from isoembed.relativity.series.moments import moments  # noqa: E402
 from isoembed.relativity.series.simulation import simulation  # noqa: E402
 from isoembed.relativity.spacetimes.kerr_schild import KerrSchild  # noqa: E402
+from places import SHARED  # noqa: E402
 
 HOLE = KerrSchild(1.0, (0.0, 0.0, 0.0))
 LEVELS = (Level(0.4, (cube(4.0),)),)
@@ -80,6 +81,19 @@ def test_folders_without_anything_and_no_folders_are_refused(tmp_path):
         simulation(tmp_path)
     with pytest.raises(FileError, match="there is no folder"):
         simulation(tmp_path / "none")
+
+
+@pytest.mark.shared
+def test_a_run_of_the_einstein_toolkit(tmp_path):
+    """Shapes and tables of kuibit's own tests; without AHFinderDirect the surfaces of QuasiLocalMeasures."""
+    shapes, slices = simulation(SHARED / "real" / "kuibit")
+    there = {(shape.series, shape.iteration): shape.time for shape in shapes}
+    assert there == {("ah1", 0): 0.0, ("ah1", 1024): 6.4, ("ah2", 0): 0.0}
+    assert slices == []
+    surface = tmp_path / "surface01_00000000.vtk.gz"
+    surface.write_bytes((SHARED / "real" / "kuibit" / surface.name).read_bytes())
+    [shape] = simulation(tmp_path)[0]
+    assert (shape.series, shape.iteration, len(shape.source.read().points)) == ("surface01", 0, 2812)
 
 
 def test_without_kuibit_one_sentence_says_how_to_get_it(run, monkeypatch):

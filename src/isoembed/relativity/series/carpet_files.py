@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import itertools
 import re
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
@@ -101,12 +101,12 @@ class _Folder:
         if name["process"]:
             self._processes.setdefault(name["stem"], set()).add(int(name["process"]))
         try:
-            file = _File.listed(path)
+            file = _File.listed(path, self.times)
         except FileError as error:
             self._flaw = self._flaw or str(error)
             return
         self.files.append(file)
-        self.times = file.times | self.times
+        self.times |= file.times
         if CONFORMAL.search(file.parameters):
             self._flaw = f"{path}: ADMBase::metric_type is static conformal: gxx ... gzz are not the metric"
 
@@ -151,7 +151,7 @@ class _File:
     ----------
     path : Path
     times : dict of int to float
-        Those of the iterations.
+        Those of iterations.
     sets : dict
         Of an iteration and a field: the thorn, and the levels and the ends of the names of its data sets.
     parameters : str
@@ -167,10 +167,11 @@ class _File:
     processes: int
 
     @classmethod
-    def listed(cls, path: Path) -> _File:
-        """List the data sets of a file, without reading them."""
+    def listed(cls, path: Path, known: Mapping[int, float]) -> _File:
+        """List the data sets of a file, and the times of iterations of which they are not known."""
         found: dict[int, dict[str, tuple[str, list[tuple[int, str]]]]] = {}
-        times, parameters, processes = {}, "", 0
+        times: dict[int, float] = {}
+        parameters, processes = "", 0
         with opened_unchanged(str(path)) as root:
             for name in root:
                 match = DATA_SET.fullmatch(name)
@@ -179,7 +180,7 @@ class _File:
                 iteration = int(match["iteration"])
                 sets = found.setdefault(iteration, {}).setdefault(match["field"], (match["thorn"], []))
                 sets[1].append((int(match["level"] or 0), match["tail"]))
-                if iteration not in times:
+                if iteration not in known and iteration not in times:
                     times[iteration] = float(root[name].attrs.get("time", np.nan))
             if METADATA in root:
                 metadata = root[METADATA]
@@ -196,7 +197,7 @@ class _File:
         }
         return cls(path, times, frozen, parameters, processes)
 
-    @property
+    @cached_property
     def has_ghosts(self) -> bool:
         """Whether points of ghost zones are written, as they are by default."""
         return not GHOSTS.search(self.parameters)

@@ -2,14 +2,15 @@
 
 kuibit knows which files belong to a simulation, and is asked once, in the process that lists the moments.
 The data are then read with h5py: kuibit reads all levels of a field, from the first of several restarts that
-have an iteration, and keeps what it has read; a horizon needs a part of one level, in a process of its own.
+have an iteration, and keeps what it has read.  Of 841 MB on seven levels in the files of eight processes its
+twelve fields take 4.5 s and 1.5 GB; the part of one level that a horizon needs, 76 points along each axis,
+takes 0.5 s and 0.1 GB, in a process of its own.
 """
 
 from __future__ import annotations
 
 import os
 import re
-from collections.abc import Iterable
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
@@ -20,7 +21,8 @@ from isoembed.relativity.series.carpetx import carpetx_slices
 from isoembed.relativity.series.moment import ListedShape, ListedSlice
 from isoembed.relativity.series.shape_files import shapes_in_files
 
-SHAPE = re.compile(r"h\.t\d+\.ah\d+\.gp(?:\.gz)?")
+AHFINDERDIRECT = re.compile(r"h\.t\d+\.ah\d+\.gp(?:\.gz)?")
+QUASILOCALMEASURES = re.compile(r"surface\d+_\d+\.vtk(?:\.gz)?")
 
 
 def simulation(folder: Any) -> tuple[list[ListedShape], list[ListedSlice]]:
@@ -29,7 +31,8 @@ def simulation(folder: Any) -> tuple[list[ListedShape], list[ListedSlice]]:
     Parameters
     ----------
     folder : path or kuibit.simdir.SimDir
-        With ``h.t*.ah*.gp`` and ``BH_diagnostics.ah*.gp`` of AHFinderDirect, and three-dimensional HDF5 files
+        With ``h.t*.ah*.gp`` and ``BH_diagnostics.ah*.gp`` of AHFinderDirect, or else ``surface*.vtk`` of
+        QuasiLocalMeasures; and three-dimensional HDF5 files
         of ``ADMBase::metric`` and ``ADMBase::curv`` by Carpet, or openPMD files of those of ADMBaseX by
         CarpetX, in any subfolders.  Of what is in several of them, as after restarts, the last one counts.
 
@@ -46,7 +49,7 @@ def simulation(folder: Any) -> tuple[list[ListedShape], list[ListedSlice]]:
         is not installed.
     """
     files = sorted(map(Path, _files(folder)), key=natural)
-    shapes = _last(shapes_in_files(path for path in files if SHAPE.fullmatch(path.name)))
+    shapes = _shapes(files, AHFINDERDIRECT) or _shapes(files, QUASILOCALMEASURES)
     slices = carpet_slices(files) or carpetx_slices(files)
     if not shapes and not slices:
         name = getattr(folder, "path", folder)
@@ -73,6 +76,7 @@ def _files(folder: Any) -> list[str]:
     return list(SimDir(os.fspath(folder)).allfiles)
 
 
-def _last(shapes: Iterable[ListedShape]) -> list[ListedShape]:
-    """Of each horizon and iteration the last."""
-    return list({(shape.series, shape.iteration): shape for shape in shapes}.values())
+def _shapes(files: list[Path], name: re.Pattern[str]) -> list[ListedShape]:
+    """Horizons in files of such a name, of each iteration the last."""
+    there = shapes_in_files(path for path in files if name.fullmatch(path.name))
+    return list({(shape.series, shape.iteration): shape for shape in there}.values())
