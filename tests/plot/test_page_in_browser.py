@@ -1,8 +1,6 @@
 """The page in a real browser: what is drawn, and what its controls do.  Needs Playwright and a Chromium."""
 
-import io
 import re
-import shutil
 
 import numpy as np
 import pytest
@@ -12,33 +10,23 @@ import zoo
 pytest.importorskip("playwright.sync_api", reason="pages are tried out in a browser by playwright")
 pytest.importorskip("matplotlib.image", reason="screenshots are read by matplotlib")
 
-from matplotlib.image import imread
-from playwright.sync_api import sync_playwright
-
+from browser_tab import CHROMIUM, Tab, chromium
 from isoembed import Embedding, PolyhedralMetric, embed, glue
 from isoembed.gluing.classics import LATIN_CROSS
 from isoembed.plot import Frame
 from isoembed.plot.page import write_page
 from isoembed.plot.quantity import intrinsic_curvature
 
-CHROMIUM = next(filter(None, map(shutil.which, ("chromium", "chromium-browser", "google-chrome"))), None)
 if CHROMIUM is None:
     pytest.skip("pages are tried out in Chromium, which is not installed", allow_module_level=True)
 
-ARGUMENTS = [
-    *("--headless", "--no-sandbox", "--no-first-run", "--disable-sync", "--disable-quic"),
-    *("--disable-background-networking", "--disable-component-update"),
-    *("--use-gl=angle", "--use-angle=swiftshader", "--enable-unsafe-swiftshader"),  # WebGL without a GPU
-]
 EVIL = "</script><script>throw Error('out')</script> <!-- & \u2028 \""
 
 
 @pytest.fixture(scope="module")
 def browser():
-    with sync_playwright() as playwright:
-        chromium = playwright.chromium.launch(executable_path=CHROMIUM, args=ARGUMENTS)
-        yield chromium
-        chromium.close()
+    with chromium() as started:
+        yield started
 
 
 @pytest.fixture(scope="module")
@@ -57,44 +45,6 @@ def file(tmp_path_factory):
     ]
     write_page(path, surface, frames=frames, title=EVIL)
     return path
-
-
-class Tab:
-    """A page that is open, what it asked the network for, and what went wrong in it."""
-
-    def __init__(self, browser, file, **options):
-        self.context = browser.new_context(**options)
-        self.page = self.context.new_page()
-        self.file = file
-        self.page.on("request", lambda request: self.requests.append(request.url))
-        self.page.on("console", lambda message: self.complaints.append(message.text))
-        self.page.on("pageerror", lambda error: self.complaints.append(str(error)))
-
-    def open(self):
-        """Begin anew."""
-        self.requests, self.complaints = [], []
-        self.page.emulate_media(color_scheme="light")
-        self.page.mouse.move(2, 2)
-        self.page.goto(self.file.as_uri())
-        self.restore_delaunay()
-        return self
-
-    def restore_delaunay(self):
-        """Wait until what has changed is drawn."""
-        self.page.evaluate("new Promise((f) => requestAnimationFrame(() => requestAnimationFrame(f)))")
-
-    def pixels(self):
-        """The canvas with what is behind it, (h, w, 3), 0 to 1."""
-        self.restore_delaunay()
-        return imread(io.BytesIO(self.page.locator("#canvas").screenshot()))[:, :, :3]
-
-    def shape(self):
-        """Where the surface is on the canvas, between its buttons."""
-        everything = self.pixels()[:, 70:-70]
-        return np.abs(everything - everything[5, 5]).max(axis=2) > 0.25
-
-    def text(self, selector):
-        return self.page.locator(selector).inner_text()
 
 
 @pytest.fixture(scope="module")

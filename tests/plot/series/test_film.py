@@ -51,7 +51,7 @@ def test_the_picture_does_not_jump_where_one_is_lost_for_a_moment():
     ]
     lost = missing("ah1", 20, 20, "not embedded", "K < 0")
     results = [lost if result.label == lost.label else result for result in there]
-    sizes = [pose.size for pose in _poses(scenes(PlacedHorizons.of(results), 40))]
+    sizes = [pose.size for pose in _poses(scenes(PlacedHorizons.of(results)))]
     assert min(sizes) > 0.99 * max(sizes)
 
 
@@ -64,7 +64,7 @@ def test_nothing_leaves_the_picture():
     """Also where the horizons are far apart at first."""
     results = [embedded("ah1", k, k, center=(40.0 / (k + 1), -0.3 * k, 0.0)) for k in range(20)]
     results += [embedded("ah2", k, k, center=(-40.0 / (k + 1), 0.0, 0.2 * k)) for k in range(20)]
-    shown = scenes(PlacedHorizons.of(results), 20)
+    shown = scenes(PlacedHorizons.of(results))
     poses = _poses(shown)
     for scene, pose in zip(shown, poses, strict=True):
         for horizon in scene.shown:

@@ -1,7 +1,7 @@
 """What is seen of a run at one time."""
 
 from isoembed.plot.series.placing import PlacedHorizons
-from isoembed.plot.series.scenes import scenes
+from isoembed.plot.series.scenes import evenly, scenes
 from isoembed.runs import Result
 from series_results import embedded, missing
 
@@ -11,7 +11,7 @@ HERE, THERE = (1.0, 0.0, 0.0), (-1.0, 0.0, 0.0)
 def seen(results, most=100):
     return [
         (scene.at, [horizon.row.label for horizon in scene.shown], [row.label for row in scene.lost])
-        for scene in scenes(PlacedHorizons.of(results), most)
+        for scene in evenly(scenes(PlacedHorizons.of(results)), most)
     ]
 
 
@@ -46,5 +46,5 @@ def test_of_many_times_evenly_many_are_taken():
 def test_a_horizon_around_others_is_a_shell():
     inner = [embedded("ah1", 0, 0, center=HERE), embedded("ah2", 0, 0, center=THERE)]
     common = embedded("ah3", 0, 0, center=(0, 0, 0), half_axes=(4, 3, 3))
-    (scene,) = scenes(PlacedHorizons.of([*inner, common]), 1)
+    (scene,) = scenes(PlacedHorizons.of([*inner, common]))
     assert [shell.row.series for shell in scene.shells] == ["ah3"]

@@ -453,16 +453,20 @@ function moment() {
   if (t !== null) words.push(`t = ${written(t, 3)}`);
   if (residual !== null) words.push(`length errors up to ${written(residual, 2)}${shown.frame < last ? " at this t" : ""}`);
   if (foldable) words.push(`${count.toLocaleString("en-US")} concave ${count === 1 ? "edge" : "edges"}`);
-  words.push(...told);
   const name = document.createElement("b");
   name.textContent = stage;
   $("moment").replaceChildren(name, ...words.flatMap((word) => {
     const whole = document.createElement("span"); // is not broken
     whole.textContent = word;
     return [" · ", whole];
+  }), ...told.map((line) => {
+    const whole = document.createElement("span");
+    whole.className = "told";
+    whole.textContent = line;
+    return whole;
   }));
   $("frame").value = shown.frame;
-  $("frame").setAttribute("aria-valuetext", `${stage}, ${words.join(", ")}`);
+  $("frame").setAttribute("aria-valuetext", [stage, ...words, ...told].join(", "));
 }
 
 // ------------------------------------------------------------------------------------ turning and zooming
@@ -680,6 +684,7 @@ if (gl) {
   $("kind").textContent = owners ? "Edges" : "Triangles";
   $("paper").hidden = !seams.length;
   $("folds").hidden = !foldable;
+  $("moment").style.setProperty("--told", `${1.5 * Math.max(...frames.map(({ told }) => told.length))}em`); // the surface stays
   for (const name of ["mesh", "seams", "creases", "smooth"]) {
     $(name).addEventListener("change", () => {
       shown[name] = $(name).checked;

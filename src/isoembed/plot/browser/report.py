@@ -50,8 +50,8 @@ def report_html(report: Mapping[str, Any]) -> str:
         _table("Convexity", [(_words(key), value) for key, value in convexity.items()]),
         _table("Measures, in the unit of the lengths", measures),
         _table("Smoothness", [(_words(key), value) for key, value in report["smoothness"].items()]),
-        _grid("Stages", ("stage", "seconds", "steps", "factor&shy;izations"), _stages(report["stages"])),
-        _grid("Other realizations of these lengths", columns, others),
+        grid("Stages", ("stage", "seconds", "steps", "factor&shy;izations"), _stages(report["stages"])),
+        grid("Other realizations of these lengths", columns, others),
     ]
     parts += [
         _table(_words(key).capitalize(), _flattened(report[key]))
@@ -112,8 +112,8 @@ def _table(caption: str, rows: Rows) -> str:
     return f"<table><caption>{caption}</caption>{body}</table>"
 
 
-def _grid(caption: str, heads: tuple[str, ...], rows: list[tuple[str, ...]]) -> str:
-    """A table with a line for each entry; nothing if there is none."""
+def grid(caption: str, heads: tuple[str, ...], rows: list[tuple[str, ...]]) -> str:
+    """A table of HTML with a line for each entry; nothing if there is none."""
     if not rows:
         return ""
     head = "".join(f'<th scope="col">{name}</th>' for name in heads)

@@ -1,1 +1,20 @@
-"""Pictures of a run: its numbers against time, and its horizons as ParaView, films and pages show them."""
+"""Pictures of a run: its numbers against time, and its horizons for ParaView, as films and pages.
+
+All of them are made of the results of a run, in any order, and the same results make the same bytes.
+"""
+
+from isoembed.plot.series.curves import FIGURES, series_figure, series_figures, write_series_figure
+from isoembed.plot.series.film import write_series_film
+from isoembed.plot.series.page import write_series_page
+from isoembed.plot.series.paraview import PARAVIEW_ENDINGS, write_paraview
+
+__all__ = [
+    "FIGURES",
+    "PARAVIEW_ENDINGS",
+    "series_figure",
+    "series_figures",
+    "write_paraview",
+    "write_series_figure",
+    "write_series_film",
+    "write_series_page",
+]

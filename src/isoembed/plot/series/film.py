@@ -18,11 +18,10 @@ from isoembed.plot.animation import ANIMATION_ENDINGS, Pixels, check_animation, 
 from isoembed.plot.picture import INK, PAPER, color_bar, color_scale, draw
 from isoembed.plot.placed import TIP, draw_arrow, draw_length, draw_triad
 from isoembed.plot.quantity import Quantity, face_means
-from isoembed.plot.series.labels import colors_of, escaped
+from isoembed.plot.series.labels import colors_of, escaped, known_of
 from isoembed.plot.series.placing import PlacedHorizon, PlacedHorizons
-from isoembed.plot.series.scenes import Scene, scenes
+from isoembed.plot.series.scenes import Scene, evenly, scenes
 from isoembed.plot.view import Pose, View, camera
-from isoembed.relativity.series.table import Row
 from isoembed.runs.result import Result
 from isoembed.thresholds import threshold
 
@@ -36,7 +35,6 @@ SIZE, DPI = (7.2, 6.0), 100  # inches, dots an inch: even numbers of dots
 PLACE = (0.0, 0.13, 0.86, 0.81)  # of the axes in the picture: left, bottom, width, height
 WIDE = PLACE[2] * SIZE[0] / (PLACE[3] * SIZE[1])
 LINES = 3  # below, of each column
-WRITTEN = {"irreducible_mass": "Mᵢᵣᵣ", "christodoulou_mass": "M", "dimensionless_spin": "χ"}
 
 
 @dataclass(frozen=True)
@@ -49,7 +47,6 @@ class SeriesFilmThresholds:
     rest: float = threshold(2.0, "seconds", "How long the last image stays.")
     margin: float = threshold(1.15, "relative", "Size of the picture over what is in it.")
     calm: float = threshold(0.12, "films", "Time within which the picture grows or shrinks.")
-    stretched: float = threshold(0.05, "relative", "Stretch of distances that the picture tells.")
     veil: float = threshold(0.35, "opacity", "Of a horizon that holds others.")
 
 
@@ -80,7 +77,7 @@ def write_series_film(path: str | os.PathLike[str], results: Iterable[Result]) -
     check_output(path, ANIMATION_ENDINGS)
     check_animation(path)
     placed = PlacedHorizons.of(results, [CURVATURE])
-    shown = scenes(placed, SERIES_FILM.images)
+    shown = evenly(scenes(placed), SERIES_FILM.images)
     if not shown:
         raise InvalidParameter("no horizon of the run is embedded: there is nothing to film")
     each = min(SERIES_FILM.step, SERIES_FILM.length / len(shown))
@@ -111,7 +108,7 @@ def _drawn(placed: PlacedHorizons, shown: Sequence[Scene]) -> Iterator[Pixels]:
         color_bar(picture, bar, scale, values)
         bar.set_ylabel("mean curvature  $H$,  1/length", color=INK, labelpad=6, fontsize=10)
         picture.text(0.43, 0.965, scene.moment, ha="center", va="center", fontsize=14, color=INK)
-        _write_below(picture, scene, colors, placed.stretch)
+        _write_below(picture, scene, colors, placed.note)
         canvas.draw()
         yield np.asarray(canvas.buffer_rgba())[..., :3].copy()
 
@@ -192,23 +189,13 @@ def _draw_surfaces(
     draw(axes, view, face_means(values, faces), scale, opacity=opacity)
 
 
-def _write_below(picture: Figure, scene: Scene, colors: dict[str, str], stretch: float) -> None:
+def _write_below(picture: Figure, scene: Scene, colors: dict[str, str], note: str) -> None:
     """Write what is known of the horizons, a line for each series, and what is lost."""
     rows = [horizon.row for horizon in scene.shown] + list(scene.lost)
-    lines = {row.series: _known(row) for row in rows}
+    lines = {row.series: known_of(row, "    ") for row in rows}
     for k, name in enumerate(colors):
         if name in lines:
             words = f"{escaped(name)}    {lines[name]}"
             at = 0.04 + 0.5 * (k // LINES), 0.105 - 0.034 * (k % LINES)
             picture.text(*at, words, ha="left", va="center", fontsize=10, color=colors[name])
-    if abs(stretch - 1.0) > SERIES_FILM.stretched:
-        words = f"distances of centers: coordinates $\\times$ {stretch:.2f}"
-        picture.text(0.98, 0.02, words, ha="right", va="center", fontsize=8, color=INK)
-
-
-def _known(row: Row) -> str:
-    """The masses and the spin of a horizon, or what became of it."""
-    if row.status != "embedded":
-        return row.status
-    known = ((symbol, row.numbers.get(name)) for name, symbol in WRITTEN.items())
-    return "    ".join(f"{symbol} = {value:.4f}" for symbol, value in known if value is not None)
+    picture.text(0.98, 0.02, note, ha="right", va="center", fontsize=8, color=INK)

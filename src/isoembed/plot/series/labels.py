@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 
+from isoembed.relativity.series.table import Row
+
 SYMBOLS = {
     "area": "area\n$A$",
     "irreducible_mass": "irreducible mass\n$M_\\mathrm{irr}$",
@@ -22,6 +24,8 @@ SYMBOLS = {
 """Labels of the columns of a table, in TeX between dollar signs."""
 AXIS = {"axis": ("axis_x", "axis_y", "axis_z")}
 """What one panel shows together."""
+FACTS = {"irreducible_mass": "Mᵢᵣᵣ", "christodoulou_mass": "M", "dimensionless_spin": "χ"}
+"""What is written of a horizon beside it, as plain text."""
 COLORS = ("#0072b2", "#d55e00", "#1c2430", "#009e73", "#cc79a7", "#e69f00", "#56b4e9")
 
 
@@ -44,3 +48,11 @@ def power_of_ten(value: float) -> str:
     if value == 0 or -3 < int(power) < 4:
         return f"{value:.1g}"
     return rf"${mantissa} \times 10^{{{int(power)}}}$"
+
+
+def known_of(row: Row, between: str) -> str:
+    """The masses and the spin of an embedded horizon, or what became of it."""
+    if "residual" not in row.numbers:
+        return row.status
+    known = ((symbol, row.numbers.get(name)) for name, symbol in FACTS.items())
+    return between.join(f"{symbol} = {value:.4f}" for symbol, value in known if value is not None)

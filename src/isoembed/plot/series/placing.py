@@ -25,6 +25,7 @@ class PlacingThresholds:
     """Thresholds of the places of horizons beside each other."""
 
     directions: int = threshold(500, "count", "Directions in which one surface is turned onto another.")
+    told: float = threshold(0.05, "relative", "Stretch of distances that a picture tells.")
     apart: float = threshold(2.5, "radii", "Distance of horizons side by side, of which no center is known.")
 
 
@@ -88,6 +89,13 @@ class PlacedHorizons:
     table: SeriesTable
     horizons: Mapping[str, PlacedHorizon]
     stretch: float
+
+    @property
+    def note(self) -> str:
+        """What a picture tells of distances, if they are not those of coordinates."""
+        if abs(self.stretch - 1.0) <= PLACING.told:
+            return ""
+        return f"distances of centers: coordinates \N{MULTIPLICATION SIGN} {self.stretch:.2f}"
 
     @classmethod
     def of(cls, results: Iterable[Result], fields: Collection[str] | None = None) -> PlacedHorizons:

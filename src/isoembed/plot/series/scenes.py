@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -53,17 +53,11 @@ class Scene:
         return tuple(one for one in self.shown if any(one.holds(other) for other in self.shown))
 
 
-def scenes(placed: PlacedHorizons, most: int) -> tuple[Scene, ...]:
+def scenes(placed: PlacedHorizons) -> tuple[Scene, ...]:
     """Scenes of a run, from its first to its last horizon that is embedded.
 
     There is one at each time at which there is a horizon; a series that is known at fewer times than others
     is seen in between as it is at its nearest.
-
-    Parameters
-    ----------
-    placed : PlacedHorizons
-    most : int
-        How many, at most; of more times evenly many are taken.
     """
     along = Abscissa.of(placed.table)
     tracks = [_Track.of(along.of_series(part), part.rows) for part in placed.table.series.values()]
@@ -75,9 +69,13 @@ def scenes(placed: PlacedHorizons, most: int) -> tuple[Scene, ...]:
         lost = tuple(row for row in rows if row.label not in placed.horizons)
         found.append(Scene(along.written(at), at, shown, lost))
     there = [k for k, scene in enumerate(found) if scene.shown]
-    found = found[there[0] : there[-1] + 1] if there else []
-    chosen = np.unique(np.rint(np.linspace(0, len(found) - 1, min(most, len(found)))).astype(int))
-    return tuple(found[k] for k in chosen.tolist())
+    return tuple(found[there[0] : there[-1] + 1]) if there else ()
+
+
+def evenly(shown: Sequence[Scene], most: int) -> tuple[Scene, ...]:
+    """At most so many scenes, with the first and the last."""
+    chosen = np.rint(np.linspace(0, len(shown) - 1, min(most, len(shown)))).astype(int)
+    return tuple(shown[k] for k in chosen.tolist())
 
 
 @dataclass(frozen=True, eq=False)

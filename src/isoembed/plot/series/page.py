@@ -1,0 +1,182 @@
+"""Page of a run for the browser: its embedded horizons to turn around, with time on the slider."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from isoembed.arrays import Floats
+from isoembed.errors import InvalidParameter
+from isoembed.io.files import write_atomically
+from isoembed.io.registry import check_output
+from isoembed.plot.browser.document import Document
+from isoembed.plot.browser.packing import Packed
+from isoembed.plot.browser.ramp import ramp
+from isoembed.plot.page import COLORS, PAGE_ENDINGS
+from isoembed.plot.quantity import QUANTITY, Quantity
+from isoembed.plot.series.labels import known_of
+from isoembed.plot.series.page_report import run_caption, run_report_html
+from isoembed.plot.series.placing import PlacedHorizon, PlacedHorizons
+from isoembed.plot.series.scenes import Scene, evenly, scenes
+from isoembed.plot.view import Pose, camera
+from isoembed.runs.result import Result
+from isoembed.thresholds import threshold
+
+FIELDS = {
+    "mean_curvature": ("mean curvature", "mean curvature H = (k₁ + k₂)/2", "1 / length", "linear"),
+    "gaussian_curvature": ("Gaussian curvature", "Gaussian curvature K", "1 / length²", "linear"),
+    "angular_momentum_density": ("angular momentum", "density of the angular momentum", "", "linear"),
+    "residual": ("residual", "relative error of lengths", "", "log"),
+}
+"""What a page shows of the data at the vertices, if all horizons have it: name, label, unit and scale."""
+
+
+@dataclass(frozen=True)
+class SeriesPageThresholds:
+    """Thresholds of pages of a run."""
+
+    frames: int = threshold(200, "count", "Times on the slider, at most; of more evenly many are taken.")
+    size: int = threshold(12_000_000, "bytes", "Size of all of them; as text a third more.")
+    length: float = threshold(12.0, "seconds", "What playing them takes, if they are many.")
+    pause: float = threshold(0.4, "seconds", "Time from one to the next, at most.")
+
+
+SERIES_PAGE = SeriesPageThresholds()
+
+
+def write_series_page(path: str | os.PathLike[str], results: Iterable[Result], *, title: str = "") -> None:
+    """Write the embedded horizons of a run as a page for the browser: one file, which loads nothing.
+
+    Horizons are placed as in `write_series_film`, which time on the slider goes through; beside them is a
+    table of all horizons, with those that do not embed, to download as JSON.  Positions and colors are in 16
+    bit; of many times evenly many are taken, at most 200.
+
+    Parameters
+    ----------
+    path : path
+        Ending in ``.html``.
+    results : iterable of Result
+        In any order.  The same results make the same bytes.
+    title : str
+        By default the name of the file.
+
+    Raises
+    ------
+    FileError
+        The ending is not known or the file cannot be written.
+    InvalidParameter
+        No horizon is embedded.
+    """
+    check_output(path, PAGE_ENDINGS)
+    document = _document(PlacedHorizons.of(results, FIELDS), title or Path(path).stem)
+    write_atomically({Path(path): document.writer})
+
+
+def _document(placed: PlacedHorizons, title: str) -> Document:
+    everything = scenes(placed)
+    if not everything:
+        raise InvalidParameter("no horizon of the run is embedded: there is nothing to show")
+    names = [name for name in FIELDS if all(name in one.fields for one in placed.horizons.values())]
+    shown = evenly(everything, _most(everything, len(names)))
+    packed, pose = Packed(), _pose(shown)
+    shades = [_Shade.of(name, shown) for name in names]
+    meshes = dict[bytes, int]()
+    entries, frames = list[dict[str, Any]](), list[dict[str, Any]]()
+    pause = round(1000 * min(SERIES_PAGE.pause, SERIES_PAGE.length / len(shown)))
+    for scene in shown:
+        shells = scene.shells
+        horizons = sorted(scene.shown, key=lambda one: one in shells)
+        first = np.cumsum([0] + [len(one.vertices) for one in horizons])
+        faces = np.concatenate([one.faces + k for one, k in zip(horizons, first, strict=False)] or [NO_FACES])
+        solid = sum(len(one.faces) for one in horizons if one not in shells)
+        mesh = meshes.setdefault(faces.tobytes() + bytes([len(shells)]), len(meshes))
+        if mesh == len(entries):
+            entries.append(
+                {"faces": packed.add(faces.ravel()), "polygons": None, "outlines": None, "solid": solid}
+            )
+        vertices = np.concatenate([one.vertices for one in horizons] or [NO_VERTICES])
+        frames.append(
+            {
+                **{"stage": scene.moment, "t": None, "residual": None, "told": _told(scene)},
+                **{"pause": pause, "mesh": mesh, "concave": None},
+                "positions": packed.add_short(pose.put(vertices).ravel()),
+                "values": {shade.shown: shade.packed(packed, horizons) for shade in shades},
+            }
+        )
+    data = {
+        **{"meshes": entries, "first": 0, "seams": None, "alone": ""},
+        "pose": {"center": pose.center.tolist(), "axes": pose.axes.tolist(), "size": pose.size},
+        "camera": camera().ravel().tolist(),
+        "ramp": ramp(COLORS),
+        "quantities": [
+            dict(zip(("name", "label", "unit", "scale"), FIELDS[name], strict=True)) | {"at": "vertices"}
+            for name in names
+        ],
+        "frames": frames,
+    }
+    rows = [
+        {"series": row.series, "label": row.label, "status": row.status, "reason": row.reason, **row.numbers}
+        for row in placed.table.rows
+    ]
+    caption = run_caption(placed, everything[0], everything[-1])
+    return Document(title, caption, run_report_html(placed), rows, data, packed)
+
+
+NO_FACES, NO_VERTICES = np.empty((0, 3), dtype=np.int64), np.empty((0, 3))
+
+
+def _most(shown: Sequence[Scene], fields: int) -> int:
+    """How many scenes a page takes."""
+    sizes = [
+        len(one.vertices) * (6 + 2 * fields) + one.faces.size * (2 if len(one.vertices) < 2**14 else 4)
+        for scene in shown
+        for one in scene.shown
+    ]
+    return max(1, int(min(SERIES_PAGE.frames, SERIES_PAGE.size * len(shown) // sum(sizes))))
+
+
+def _pose(shown: Sequence[Scene]) -> Pose:
+    """All of the horizons before the viewer, as they lie in their slices."""
+    horizons = [one for scene in shown for one in scene.shown]
+    low = np.min([one.vertices.min(axis=0) for one in horizons], axis=0)
+    high = np.max([one.vertices.max(axis=0) for one in horizons], axis=0)
+    center = 0.5 * (low + high)
+    size = max(float(np.linalg.norm(one.vertices - center, axis=1).max()) for one in horizons)
+    return Pose(center, np.eye(3), size)
+
+
+def _told(scene: Scene) -> list[str]:
+    """What is written of the horizons beside the time."""
+    rows = [one.row for one in scene.shown] + list(scene.lost)
+    return [f"{row.series}: {known_of(row, ', ')}" for row in sorted(rows, key=lambda row: row.place)]
+
+
+@dataclass(frozen=True, eq=False)
+class _Shade:
+    """A quantity at the vertices, and where its colors begin and end, the same at all times."""
+
+    field: str
+    shown: str
+    logarithmic: bool
+    bounds: list[float]
+
+    @classmethod
+    def of(cls, field: str, scenes_: Sequence[Scene]) -> _Shade:
+        name, _, _, scale = FIELDS[field]
+        logarithmic = scale == "log"
+        values = np.concatenate([one.fields[field] for scene in scenes_ for one in scene.shown])
+        if logarithmic:
+            bounds = Quantity("", "", np.maximum(values, QUANTITY.smallest), "log").bounds
+            return cls(field, name, True, np.log10(bounds).tolist())
+        return cls(field, name, False, list(Quantity("", "", values).bounds))
+
+    def packed(self, packed: Packed, horizons: Sequence[PlacedHorizon]) -> dict[str, Any]:
+        values: Floats = np.concatenate([one.fields[self.field] for one in horizons] or [np.empty(0)])
+        if self.logarithmic:
+            values = np.log10(np.maximum(values, QUANTITY.smallest))
+        return {**packed.add_short(values), "bounds": self.bounds}

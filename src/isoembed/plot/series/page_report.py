@@ -1,0 +1,52 @@
+"""What stands beside the horizons of a run on a page: a table for each series."""
+
+from __future__ import annotations
+
+from html import escape
+
+import numpy as np
+
+from isoembed.plot.browser.report import grid, number
+from isoembed.plot.series.abscissa import Abscissa
+from isoembed.plot.series.placing import PlacedHorizons
+from isoembed.plot.series.scenes import Scene
+
+COLUMNS = {
+    "christodoulou_mass": "<i>M</i>",
+    "dimensionless_spin": "<i>χ</i>",
+    "liu_yau": "<i>E</i><sub>KLY</sub>",
+}
+
+
+def run_report_html(placed: PlacedHorizons) -> str:
+    """The tables of the series: a row for each horizon, with what became of those that are not embedded."""
+    along = Abscissa.of(placed.table)
+    parts = []
+    for name, part in placed.table.series.items():
+        heads = (escape(along.column or "position"), *COLUMNS.values(), "")
+        rows = [
+            (
+                _short(float(at) if np.isfinite(at) else None),
+                *(_short(row.numbers.get(column)) for column in COLUMNS),
+                "" if row.label in placed.horizons else escape(row.status),
+            )
+            for at, row in zip(along.of_series(part), part.rows, strict=True)
+        ]
+        parts.append(grid(escape(name), heads, rows))
+    return "\n".join(parts)
+
+
+def run_caption(placed: PlacedHorizons, first: Scene, last: Scene) -> str:
+    """How much there is, in one line."""
+    rows, names = placed.table.rows, placed.table.series
+    words = [
+        f"{len(names):,} horizon{'s' if len(names) > 1 else ''}: {len(placed.horizons):,} of {len(rows):,} "
+        "surfaces embedded",
+        f"{first.moment} to {last.at:.6g}",
+    ]
+    return " · ".join([*words, *filter(None, [placed.note])])
+
+
+def _short(value: float | None) -> str:
+    """A number in five digits."""
+    return number(None if value is None else float(f"{value:.5g}"))
