@@ -1,0 +1,289 @@
+"""Slices that are given on elements, each the image of a cube, by values at the nodes of polynomials.
+
+Spectral and discontinuous-Galerkin codes have such data.  A point is looked for in the elements whose boxes
+it is in: Newton's method inverts the map of the element, the polynomial through the coordinates of its nodes.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import dataclass
+from functools import cached_property, lru_cache
+
+import numpy as np
+from numpy.polynomial import legendre
+from scipy.spatial import cKDTree
+
+from isoembed.arrays import Floats, Indices, Mask
+from isoembed.errors import InvalidParameter
+from isoembed.relativity.spacetimes.cartesian_grid import ENTRY
+from isoembed.relativity.spacetimes.checks import refuse_points
+from isoembed.relativity.spacetimes.three_geometry import ThreeGeometry
+from isoembed.thresholds import threshold
+
+
+@dataclass(frozen=True)
+class ElementThresholds:
+    """Thresholds of finding points in elements, and of the interpolation there."""
+
+    bulge: float = threshold(0.25, "extents", "How far an element may reach beyond the box of its nodes.")
+    steps: int = threshold(30, "count", "Steps of Newton's method that invert the map of an element.")
+    step: float = threshold(1e-12, "half edges", "A step after which the point of the cube is found.")
+    beyond: float = threshold(1e-3, "half edges", "Gaps between elements whose maps are not polynomials.")
+    away: float = threshold(2.0, "half edges", "A search that is so far from the middle has left the cube.")
+    kept: int = threshold(4, "count", "Sets of points whose elements are remembered.")
+    dropped: int = threshold(2, "degrees", "Highest degrees that are left out to tell the error.")
+
+
+ELEMENTS = ElementThresholds()
+
+
+@dataclass(frozen=True, eq=False)
+class Element:
+    """A part of a slice.
+
+    Attributes
+    ----------
+    nodes : tuple of three ndarray, of shapes (nx,), (ny,) and (nz,)
+        Between -1 and 1, along each axis of the cube.
+    points : ndarray, shape (nx, ny, nz, 3)
+        Where they are in the slice.
+    gamma : ndarray, shape (nx, ny, nz, 6)
+        ``gamma_ij`` there: xx, xy, xz, yy, yz, zz, in the coordinates of the slice.
+    K : ndarray, of such a shape, optional
+        ``K_ij``.
+    """
+
+    nodes: tuple[Floats, Floats, Floats]
+    points: Floats
+    gamma: Floats
+    K: Floats | None = None
+
+    def __post_init__(self) -> None:
+        shape = tuple(len(along) for along in self.nodes)
+        for name, last in (("points", 3), ("gamma", 6), ("K", 6)):
+            array = getattr(self, name)
+            if array is not None and array.shape != (*shape, last):
+                raise InvalidParameter(
+                    f"an element has {name} of the shape {array.shape}, not {(*shape, last)}"
+                )
+
+
+@dataclass(frozen=True, eq=False)
+class ElementGrid:
+    """A slice by its values at the nodes of elements.
+
+    Attributes
+    ----------
+    elements : sequence of Element
+        All with K_ij, or none: then the slice is time-symmetric.
+
+    Raises
+    ------
+    InvalidParameter
+        There is none, or some have K_ij and others not.
+    """
+
+    elements: Sequence[Element]
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "elements", tuple(self.elements))
+        if len({element.K is None for element in self.elements}) != 1:
+            raise InvalidParameter(
+                "the elements of a slice must all have K_ij, or none, and there must be one"
+            )
+
+    @property
+    def time_symmetric(self) -> bool:
+        """See `ThreeGeometry`."""
+        return self.elements[0].K is None
+
+    @property
+    def notes(self) -> tuple[str, ...]:
+        """What must be known to read the numbers of surfaces in it."""
+        return ("the slice has no K_ij: it is taken to be time-symmetric",) if self.time_symmetric else ()
+
+    def metric(self, x: Floats) -> Floats:
+        """See `ThreeGeometry`.
+
+        Raises
+        ------
+        InvalidParameter
+            A point is in no element.
+        """
+        return _Polynomials(self, 0).metric(x)
+
+    def gradient(self, x: Floats) -> Floats:
+        """See `ThreeGeometry`."""
+        return _Polynomials(self, 0).gradient(x)
+
+    def extrinsic_curvature(self, x: Floats) -> Floats:
+        """See `ThreeGeometry`."""
+        return _Polynomials(self, 0).extrinsic_curvature(x)
+
+    def error(self, quantity: Callable[[ThreeGeometry], Floats]) -> Floats:
+        """See `ThreeGeometry`: what is lost without the two highest degrees along each axis.
+
+        The elements converge exponentially where the slice is smooth, so that their own error is less.  That
+        of the simulation is not in it.
+        """
+        return np.asarray(quantity(_Polynomials(self, ELEMENTS.dropped)) - quantity(self))
+
+    def located(self, x: Floats) -> tuple[Indices, Floats]:
+        """Elements that points are in, and their places in the cubes.
+
+        Parameters
+        ----------
+        x : ndarray, shape (n, 3)
+
+        Returns
+        -------
+        element : ndarray of int, shape (n,)
+        place : ndarray, shape (n, 3)
+
+        Raises
+        ------
+        InvalidParameter
+            A point is in no element.
+        """
+        key = x.tobytes()
+        if key not in self._found:
+            if len(self._found) == ELEMENTS.kept:
+                del self._found[next(iter(self._found))]
+            self._found[key] = self._search(x)
+        return self._found[key]
+
+    @cached_property
+    def _found(self) -> dict[bytes, tuple[Indices, Floats]]:
+        """The last points that were located: metric, gradient and K_ij are asked for at the same ones."""
+        return {}
+
+    @cached_property
+    def _tree(self) -> cKDTree:
+        return cKDTree(np.concatenate([element.points.reshape(-1, 3) for element in self.elements]))
+
+    def _search(self, x: Floats) -> tuple[Indices, Floats]:
+        """First in the element of the nearest node, then in all in whose boxes a point is."""
+        sizes = [element.points[..., 0].size for element in self.elements]
+        bad: Mask = np.any(~np.isfinite(x), axis=1)
+        nearest = self._tree.query(np.where(bad[:, None], 0.0, x))[1]
+        which = np.searchsorted(np.cumsum(sizes), nearest, side="right")
+        which[bad] = -1
+        place = np.full((len(x), 3), np.inf)
+        for k in np.unique(which[~bad]):
+            here = np.flatnonzero(which == k)
+            place[here] = _inverted(self.elements[k], x[here])
+        left = np.flatnonzero(np.abs(place).max(axis=1, initial=0.0) > 1.0)
+        for k, element in enumerate(self.elements):
+            flat = element.points.reshape(-1, 3)
+            low, high = flat.min(axis=0), flat.max(axis=0)
+            room = ELEMENTS.bulge * (high - low)
+            in_box = np.all((x[left] >= low - room) & (x[left] <= high + room), axis=1)
+            near = left[in_box & (which[left] != k)]
+            if len(near):
+                found = _inverted(element, x[near])
+                better = np.abs(found).max(axis=1) < np.abs(place[near]).max(axis=1)
+                which[near[better]], place[near[better]] = k, found[better]
+        outside = ~(np.abs(place).max(axis=1, initial=0.0) <= 1.0 + ELEMENTS.beyond)
+        refuse_points(outside, x, f"lies in none of the {len(self.elements)} elements of the slice")
+        return which, place
+
+
+@dataclass(frozen=True, eq=False)
+class _Polynomials:
+    """A slice on elements, without the highest degrees of its polynomials."""
+
+    grid: ElementGrid
+    dropped: int
+
+    @property
+    def time_symmetric(self) -> bool:
+        return self.grid.time_symmetric
+
+    def metric(self, x: Floats) -> Floats:
+        out = np.empty((len(x), 6))
+        for element, here, place in self._parts(x):
+            out[here] = _summed(_weights(element, place, self.dropped)[0], element.gamma)
+        return out[:, ENTRY]
+
+    def gradient(self, x: Floats) -> Floats:
+        out = np.empty((len(x), 3, 6))
+        for element, here, place in self._parts(x):
+            slopes = _slopes(_weights(element, place, self.dropped), element.gamma)
+            map_slopes = _slopes(_weights(element, place, 0), element.points)
+            out[here] = np.einsum("nka,nac->nkc", np.linalg.inv(map_slopes), slopes)
+        return out[:, :, ENTRY]
+
+    def extrinsic_curvature(self, x: Floats) -> Floats:
+        out = np.zeros((len(x), 6))
+        for element, here, place in self._parts(x):
+            if element.K is not None:
+                out[here] = _summed(_weights(element, place, self.dropped)[0], element.K)
+        return out[:, ENTRY]
+
+    def error(self, quantity: Callable[[ThreeGeometry], Floats]) -> Floats:
+        return self.grid.error(quantity)
+
+    def _parts(self, x: Floats) -> Iterator[tuple[Element, Indices, Floats]]:
+        """Elements with points in them, which these are, and their places in the cube."""
+        which, place = self.grid.located(x)
+        for k in np.unique(which):
+            here = np.flatnonzero(which == k)
+            yield self.grid.elements[k], here, place[here]
+
+
+def _inverted(element: Element, x: Floats) -> Floats:
+    """Places (n, 3) in the cube of an element of points (n, 3); infinite where there is none near it."""
+    index = np.unravel_index(cKDTree(element.points.reshape(-1, 3)).query(x)[1], element.points.shape[:3])
+    start = np.stack([nodes[i] for nodes, i in zip(element.nodes, index, strict=True)], axis=1)
+    out, left, place = np.full(x.shape, np.inf), np.arange(len(x)), start
+    for _ in range(ELEMENTS.steps):
+        weights = _weights(element, place, 0)
+        miss = x[left] - _summed(weights[0], element.points)
+        step = np.einsum("nka,nk->na", np.linalg.pinv(_slopes(weights, element.points)), miss)
+        place = place + np.clip(step, -1.0, 1.0)
+        found = np.abs(step).max(axis=1) < ELEMENTS.step
+        out[left[found]] = place[found]
+        on = ~found & (np.abs(place).max(axis=1) < ELEMENTS.away)
+        left, place = left[on], place[on]
+        if len(left) == 0:
+            break
+    return out
+
+
+def _summed(weights: Sequence[Floats], values: Floats) -> Floats:
+    """Values (nx, ny, nz, c) summed (n, c) with weights (n, nx), (n, ny) and (n, nz)."""
+    nx, ny, nz, c = values.shape
+    along_z = weights[2] @ np.ascontiguousarray(np.moveaxis(values, 2, 0)).reshape(nz, -1)
+    along_y = weights[1][:, None, None, :] @ along_z.reshape(-1, nx, ny, c)
+    return np.asarray((weights[0][:, None, :] @ along_y[:, :, 0])[:, 0])
+
+
+def _slopes(weights: tuple[list[Floats], list[Floats]], values: Floats) -> Floats:
+    """Derivatives (n, 3, c) of values (nx, ny, nz, c) along the axes of the cube."""
+    of_values, of_slopes = weights
+    return np.stack(
+        [_summed([*of_values[:k], of_slopes[k], *of_values[k + 1 :]], values) for k in range(3)], axis=1
+    )
+
+
+def _weights(element: Element, place: Floats, dropped: int) -> tuple[list[Floats], list[Floats]]:
+    """Weights (n, nx), (n, ny) and (n, nz) of the values at the nodes, for a function and its derivatives."""
+    of_values, of_slopes = [], []
+    for nodes, along in zip(element.nodes, place.T, strict=True):
+        modes = legendre.legvander(along, len(nodes) - 1)
+        function, derivative = _modes(tuple(nodes), dropped)
+        of_values.append(modes @ function)
+        of_slopes.append(modes @ derivative)
+    return of_values, of_slopes
+
+
+@lru_cache(maxsize=256)
+def _modes(nodes: tuple[float, ...], dropped: int) -> tuple[Floats, Floats]:
+    """Coefficients in Legendre's polynomials of a function and its derivative, by the values at nodes."""
+    degree = len(nodes) - 1
+    coefficients = np.linalg.inv(legendre.legvander(np.array(nodes), degree))
+    coefficients[max(len(nodes) - dropped, 1) :] = 0.0
+    derived = np.zeros_like(coefficients)
+    derived[:degree] = legendre.legder(coefficients) if degree else 0.0
+    return coefficients, derived
