@@ -159,7 +159,7 @@ def metric_components(metric):
             r"no file is named like \S+: there is no folder \S+none$",
         ),
         (["h.t0.ah1.gp"], "none.npz", r"there is no file \S+none\.npz"),
-        (["h.t0.ah1.gp"], "AhA.npz", r"\S+AhA\.npz has no gxx"),
+        (["h.t0.ah1.gp"], "AhA.npz", r"\S+AhA\.npz has no gxx, nor SpatialMetric_xx"),
         (["h.t7.ah1.gp"], "gxx.{iteration}.npz", r"there is no file \S+h\.t7\.ah1\.gp"),
         (
             ["BH_diagnostics.ah1.gp"],

@@ -11,12 +11,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from isoembed.io.files import FileError, input_ending
-from isoembed.io.hdf5 import HDF5_ENDINGS
+from isoembed.io.hdf5 import HDF5_ENDINGS, groups_in
 from isoembed.io.input_file import InputFile
 from isoembed.io.registry import MESH_ENDINGS
 from isoembed.relativity.horizons.grid_file import ARRAY_ENDINGS
 from isoembed.relativity.horizons.spectre import spectre_times
-from isoembed.relativity.horizons.time_axis import horizon_times
+from isoembed.relativity.horizons.time_axis import SHAPES, horizon_times
 from isoembed.relativity.series.file_names import DECIMAL, INTEGER, name_parts
 from isoembed.relativity.series.moment import ListedShape
 from isoembed.relativity.series.shape_sources import ShapeAtIndex, ShapeFile, SpectreShape
@@ -75,7 +75,12 @@ def _may_be_shape(path: Path) -> bool:
         return ending in MESH_ENDINGS
     try:
         with InputFile(path) as file:
-            return GAMMA[0] not in file.names and not any("::" in name for name in file.names)
+            if ending not in HDF5_ENDINGS:
+                return GAMMA[0] not in file.names
+            with file.hdf5() as contents:
+                groups = groups_in(contents).values()
+                points = any(name in group for group in groups for name in SHAPES)
+            return points or bool(spectre_times(file))
     except FileError:
         return True  # reading will say why
 

@@ -1,4 +1,4 @@
-"""Files of slices on Cartesian grids: which moments are in them, and what reads each."""
+"""Files of slices: which moments are in them, and what reads each."""
 
 import contextlib
 import os
@@ -9,9 +9,10 @@ from pathlib import Path
 from isoembed.arrays import Floats
 from isoembed.io.digest import arrays_digest, file_digest, file_state, unchanged
 from isoembed.io.files import FileError, input_ending
-from isoembed.io.hdf5 import enumerated
+from isoembed.io.hdf5 import HDF5_ENDINGS, enumerated
 from isoembed.relativity.series.file_names import matching_files, name_parts
 from isoembed.relativity.series.moment import ListedSlice
+from isoembed.relativity.series.spectre_slices import spectre_slices
 from isoembed.relativity.spacetimes.slice_file import (
     SLICE_ENDINGS,
     Instant,
@@ -81,9 +82,10 @@ def slices_of_pattern(pattern: str) -> list[ListedSlice]:
 def slices_in_folder(folder: str | os.PathLike[str]) -> list[ListedSlice]:
     """Slices in the files right inside a folder, by what is in them, else by name; damaged files, too.
 
-    Empty if there are damaged files only: they may be anything.
+    Volume files of SpECTRE are taken as those of one run.  Empty if there are damaged files only: they may be
+    anything.
     """
-    whole, damaged = [], []
+    whole, damaged, others = [], [], []
     for path in sorted(Path(folder).iterdir()):
         if input_ending(path) not in SLICE_ENDINGS or not path.is_file():
             continue
@@ -94,9 +96,12 @@ def slices_in_folder(folder: str | os.PathLike[str]) -> list[ListedSlice]:
         except FileError:  # reading will say why
             damaged.append(_listed(str(path), named, named))
             continue
+        if not there and input_ending(path) in HDF5_ENDINGS:
+            others.append(path)
         for one in there:
             says = one.index is not None or one.iteration is not None or one.time is not None
             whole.append(_listed(str(path), one if says else named, one))
+    whole += spectre_slices(others)
     return whole and whole + damaged
 
 
@@ -108,10 +113,12 @@ def slices_in_file(path: str | os.PathLike[str]) -> list[ListedSlice]:
     FileError
         It cannot be read, or holds none.
     """
-    there = instants(path)
+    there = [_listed(str(path), one, one) for one in instants(path)]
+    if not there and input_ending(path) in HDF5_ENDINGS:
+        there = spectre_slices([path])
     if not there:
-        raise FileError(f"{path} has no gxx")
-    return [_listed(str(path), one, one) for one in there]
+        raise FileError(f"{path} has no gxx, nor SpatialMetric_xx on elements as SpECTRE writes them")
+    return there
 
 
 def _listed(path: str, first: Instant, second: Instant) -> ListedSlice:

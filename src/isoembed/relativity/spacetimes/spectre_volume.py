@@ -106,10 +106,11 @@ def _elements(
             if box is None or _is_near([axis[start:stop] for axis in points], *box)
         ]
         kept = np.concatenate([np.arange(*spans[k]) for k in wanted]) if wanted else np.arange(0)
-        parts = [[axis[kept] for axis in points]]
-        for name in (GAMMA, K):
-            if any(f"{name}{pair}" in group for pair in PAIRS):
-                parts.append([_component(group, name, pair, stops, path)[kept] for pair in PAIRS])
+        tensors = [name for name in (GAMMA, K) if any(f"{name}{pair}" in group for pair in PAIRS)]
+        parts = [
+            [axis[kept] for axis in points],
+            *([_component(group, name, pair, stops, path)[kept] for pair in PAIRS] for name in tensors),
+        ]
     start = 0
     for k in wanted:
         extents, basis, quadrature = (part[k] for part in layout)
