@@ -38,6 +38,7 @@ from isoembed.io import FileError, write_atomically
 from isoembed.plot.picture import figure_writer
 from isoembed.plot.series.curves import series_figures
 from isoembed.plot.series.film import write_series_film
+from isoembed.plot.series.page import write_series_page
 from isoembed.plot.series.paraview import write_paraview
 from isoembed.relativity.series.horizon_task import HorizonOptions, HorizonTask
 from isoembed.relativity.series.moments import moments
@@ -176,6 +177,7 @@ def _products(store: Store, *, film: bool) -> tuple[list[str], list[str]]:
                 make(f"{name}.png", partial(_write_figure, figure))
         if film:
             make("horizons.mp4" if find_spec("imageio_ffmpeg") else "horizons.gif", write_series_film)
+            make("horizons.html", write_series_page)
     return written, missing
 
 
