@@ -218,6 +218,19 @@ def test_fields_on_different_points_are_refused(tmp_path):
         read(tmp_path, sphere(2.0))
 
 
+def test_what_is_gone_since_the_listing_is_said(tmp_path):
+    write_carpet(tmp_path, KERR, (LEVELS[0],))
+    source = listed(tmp_path)[0].source
+    with h5py.File(tmp_path / "kxz.xyz.h5", "a") as file:
+        del file["ADMBASE::kxz it=0 tl=0 rl=0 c=0"]
+    for reading in (source.digest, lambda: source.read(*[np.full(3, x) for x in (-2.0, 2.0)])):
+        with pytest.raises(FileError, match=r"kxz\.xyz\.h5 is not a readable HDF5 file"):
+            reading()
+    (tmp_path / "kxz.xyz.h5").unlink()
+    with pytest.raises(FileError, match=r"there is no file .*kxz\.xyz\.h5"):
+        source.digest()
+
+
 def test_the_hash_is_of_the_data_of_the_iteration(tmp_path):
     write_carpet(tmp_path, KERR, (LEVELS[0],))
     before = listed(tmp_path)[0].source.digest()
