@@ -11,6 +11,7 @@ from horizons import IMC, check, shape_text, write_grid, write_kerr
 from isoembed.cli import horizon as command
 from isoembed.io import InputFile, read_metric
 from isoembed.io.vtk import read_polydata
+from isoembed.plot.series import stills
 from isoembed.relativity import KerrSchild
 from isoembed.relativity.series import horizon_task
 from places import SHARED
@@ -242,9 +243,9 @@ def test_the_horizon_that_the_einstein_toolkit_found(run):
 
 def test_the_picture_of_a_file_with_any_name_says_when_it_was(run, monkeypatch):
     captions = []
-    drawn = command.placed_figure
+    drawn = stills.placed_figure
     monkeypatch.setattr(
-        command, "placed_figure", lambda panel, **o: captions.append(o["caption"]) or drawn(panel, **o)
+        stills, "placed_figure", lambda panel, **o: captions.append(o["caption"]) or drawn(panel, **o)
     )
     name = f"h_$^{{{'x' * 60}.t{7}.gp"
     write_kerr(name, (0.0, 0.0, 0.0))

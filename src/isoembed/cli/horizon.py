@@ -30,8 +30,8 @@ from isoembed.errors import InvalidMetric, InvalidParameter, NoHorizon
 from isoembed.io import FileError, mesh_writer, report_writer
 from isoembed.io.files import AmbiguousFileError, check_target, input_ending, write_atomically
 from isoembed.io.hdf5 import HDF5_ENDINGS
-from isoembed.plot.picture import Panel, figure_writer
-from isoembed.plot.placed import Scale, placed_figure
+from isoembed.plot.picture import figure_writer
+from isoembed.plot.series.stills import horizon_figures
 from isoembed.relativity.energies.report import energy_table
 from isoembed.relativity.horizons.coordinate_shape import CoordinateShape
 from isoembed.relativity.horizons.finder import find_horizon
@@ -49,7 +49,6 @@ from isoembed.runs.run import run as run_tasks
 
 OF_FILES = ("time", "surface", "marginal", "not_marginal")
 WRITTEN = ("vtk", "json", "png")
-LONGEST = 50  # letters of a name in a picture
 
 
 def configure(parser: argparse.ArgumentParser) -> None:
@@ -117,7 +116,7 @@ def run(options: argparse.Namespace) -> int:
     asked = HorizonOptions(number, options.wang_yau, axis, marginal(options))
     tasks = [HorizonTask(horizon, asked) for horizon in horizons.values() if isinstance(horizon, Moment)]
     outcomes = run_tasks(tasks, chunk=len(tasks))
-    reports, drawn = [], dict[Path, tuple[Panel, dict[str, Any]]]()
+    reports, drawn = [], dict[Path, Result]()
     for stem, horizon in horizons.items():
         result = next(outcomes).result if isinstance(horizon, Moment) else horizon
         report = {key: part for key, part in result.report.items() if key != "moment"}
@@ -125,9 +124,9 @@ def run(options: argparse.Namespace) -> int:
         refused = result.status == REFUSED
         if options.output and not refused:
             outputs = _outputs(options, stem)
-            panel = _write(outputs, result, report)
-            if panel is not None:
-                drawn[outputs["png"]] = panel, report
+            _write(outputs, result, report)
+            if result.answered:
+                drawn[outputs["png"]] = result
         if not result.answered:
             called, why = report.get("name", stem), result.message
             print_error(why if refused and called in why else f"{called}: {why}")
@@ -212,32 +211,24 @@ def _outputs(options: argparse.Namespace, stem: str) -> Outputs:
     return Outputs((end, options.output / f"{stem}.{end}") for end in WRITTEN)
 
 
-def _write(outputs: Outputs, result: Result, report: dict[str, Any]) -> Panel | None:
-    """Write the report and the surface, and return the picture to be drawn of it."""
+def _write(outputs: Outputs, result: Result, report: dict[str, Any]) -> None:
+    """Write the report, and the surface if there is one."""
     if not result.answered:
         outputs.write(json=lambda _: report_writer(report))
-        return None
-    tables = mesh_of(result)
+        return
     outputs.write(
         json=lambda _: report_writer(report),
-        vtk=lambda path: mesh_writer(path, **tables, **_when(report)),
+        vtk=lambda path: mesh_writer(path, **mesh_of(result), **_when(report)),
     )
-    return Panel(tables["vertices"], tables["faces"], tables["mean_curvature"])
 
 
-def _draw(drawn: dict[Path, tuple[Panel, dict[str, Any]]]) -> None:
-    """Write the pictures, in one scale, so that they can be made a film, where matplotlib is installed."""
+def _draw(drawn: dict[Path, Result]) -> None:
+    """Write the pictures, in one scale, where matplotlib is installed."""
     if find_spec("matplotlib") is None:
         missing = "pictures need matplotlib, pip install 'isoembed[plot]'"
         print_error(f"{', '.join(map(str, drawn))} not written: {missing}")
         return
-    scale = Scale.of([panel for panel, _ in drawn.values()])
-    label = "mean curvature  $H = (k_1 + k_2)/2$,  1/length"
-    for path, (panel, report) in drawn.items():
-        arrow = report["spin"] and report["spin"]["axis"]
-        picture = placed_figure(
-            panel, label=label, caption=_caption(report), arrow=arrow, name="spin", scale=scale
-        )
+    for path, picture in zip(drawn, horizon_figures(list(drawn.values())), strict=True):
         write_atomically({path: figure_writer(path, picture)})
 
 
@@ -245,15 +236,6 @@ def _when(report: dict[str, Any]) -> dict[str, Any]:
     """The time and the iteration of a horizon, where they are known."""
     horizon = report["horizon"]
     return {name: horizon[name] for name in ("time", "iteration") if horizon.get(name) is not None}
-
-
-def _caption(report: dict[str, Any]) -> str:
-    """The name, the time and what is known of a horizon, in two lines."""
-    name = Path(report["name"]).name
-    name = name if len(name) <= LONGEST else f"{name[: LONGEST - 1]}\N{HORIZONTAL ELLIPSIS}"
-    first = [name.replace("$", r"\$"), *(f"{key} {value:.9g}" for key, value in _when(report).items())]
-    second = [f"area {report['area']:.8g}", rf"$\int\! H\,dA = {report['integrated_mean_curvature']:.8g}$"]
-    return "\n".join("     ".join(words) for words in (first, second))
 
 
 def _read(name: str, options: argparse.Namespace) -> CoordinateShape | SurfaceData:

@@ -18,7 +18,7 @@ from isoembed.plot.animation import ANIMATION_ENDINGS, Pixels, check_animation, 
 from isoembed.plot.picture import INK, PAPER, color_bar, color_scale, draw
 from isoembed.plot.placed import TIP, draw_arrow, draw_length, draw_triad
 from isoembed.plot.quantity import Quantity, face_means
-from isoembed.plot.series.labels import colors_of, escaped, known_of
+from isoembed.plot.series.labels import CURVATURE, colors_of, escaped, known_of
 from isoembed.plot.series.placing import PlacedHorizon, PlacedHorizons
 from isoembed.plot.series.scenes import Scene, evenly, scenes
 from isoembed.plot.view import Pose, View, camera
@@ -30,7 +30,7 @@ if TYPE_CHECKING:
     from matplotlib.cm import ScalarMappable
     from matplotlib.figure import Figure
 
-CURVATURE = "mean_curvature"
+SHOWN = "mean_curvature"
 SIZE, DPI = (7.2, 6.0), 100  # inches, dots an inch: even numbers of dots
 PLACE = (0.0, 0.13, 0.86, 0.81)  # of the axes in the picture: left, bottom, width, height
 WIDE = PLACE[2] * SIZE[0] / (PLACE[3] * SIZE[1])
@@ -76,7 +76,7 @@ def write_series_film(path: str | os.PathLike[str], results: Iterable[Result]) -
     """
     check_output(path, ANIMATION_ENDINGS)
     check_animation(path)
-    placed = PlacedHorizons.of(results, [CURVATURE])
+    placed = PlacedHorizons.of(results, [SHOWN])
     shown = evenly(scenes(placed), SERIES_FILM.images)
     if not shown:
         raise InvalidParameter("no horizon of the run is embedded: there is nothing to film")
@@ -90,7 +90,7 @@ def _drawn(placed: PlacedHorizons, shown: Sequence[Scene]) -> Iterator[Pixels]:
     from matplotlib.backends.backend_agg import FigureCanvasAgg
     from matplotlib.figure import Figure
 
-    values = np.concatenate([horizon.fields[CURVATURE] for scene in shown for horizon in scene.shown])
+    values = np.concatenate([horizon.fields[SHOWN] for scene in shown for horizon in scene.shown])
     scale, colors = color_scale(*Quantity("", "", values).bounds), colors_of(placed.table.series)
     for scene, pose in zip(shown, _poses(shown), strict=True):
         picture = Figure(figsize=SIZE, facecolor=PAPER, dpi=DPI)
@@ -106,7 +106,7 @@ def _drawn(placed: PlacedHorizons, shown: Sequence[Scene]) -> Iterator[Pixels]:
         draw_length(axes, pose.size, tall * np.array([0.97 * WIDE, -0.9]))
         bar = picture.add_axes((0.87, 0.24, 0.02, 0.6))
         color_bar(picture, bar, scale, values)
-        bar.set_ylabel("mean curvature  $H$,  1/length", color=INK, labelpad=6, fontsize=10)
+        bar.set_ylabel(CURVATURE, color=INK, labelpad=6, fontsize=10)
         picture.text(0.43, 0.965, scene.moment, ha="center", va="center", fontsize=14, color=INK)
         _write_below(picture, scene, colors, placed.note)
         canvas.draw()
@@ -184,7 +184,7 @@ def _draw_surfaces(
         return
     first = np.cumsum([0] + [len(horizon.vertices) for horizon in horizons[:-1]])
     faces = np.concatenate([horizon.faces + k for horizon, k in zip(horizons, first, strict=True)])
-    values = np.concatenate([horizon.fields[CURVATURE] for horizon in horizons])
+    values = np.concatenate([horizon.fields[SHOWN] for horizon in horizons])
     view = View.of(np.concatenate([horizon.vertices for horizon in horizons]), faces, pose)
     draw(axes, view, face_means(values, faces), scale, opacity=opacity)
 

@@ -1,0 +1,64 @@
+"""Still pictures of embedded horizons, in one scale, so that they can be compared and made a film."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping, Sequence
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from isoembed.plot.picture import Panel
+from isoembed.plot.placed import Scale, placed_figure
+from isoembed.plot.series.labels import CURVATURE, escaped
+from isoembed.plot.series.placing import FIELD
+from isoembed.runs.result import Result
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+LONGEST = 50  # letters of a name in a picture
+
+
+def horizon_figures(results: Sequence[Result]) -> Iterator[Figure]:
+    """Draw embedded horizons as they lie in their slices, each about its center, in one scale.
+
+    Colors show the mean curvature, an arrow the spin; below are name, time, area and int H dA.
+
+    Parameters
+    ----------
+    results : sequence of Result
+        Of horizons that are embedded.
+
+    Yields
+    ------
+    matplotlib.figure.Figure
+        One for each, in their order.
+
+    Raises
+    ------
+    FileError
+        matplotlib is not installed.
+    """
+    panels = [
+        Panel(result.arrays["vertices"], result.arrays["faces"], result.arrays[f"{FIELD}mean_curvature"])
+        for result in results
+    ]
+    scale = Scale.of(panels) if panels else None
+    for panel, result in zip(panels, results, strict=True):
+        spin = result.report.get("spin") or {}
+        yield placed_figure(
+            panel,
+            label=CURVATURE,
+            caption=_caption(result.report),
+            arrow=spin.get("axis"),
+            name="spin",
+            scale=scale,
+        )
+
+
+def _caption(report: Mapping[str, Any]) -> str:
+    """The name, the time and what is known of a horizon, in two lines."""
+    name, horizon = Path(report["name"]).name, report["horizon"]
+    name = name if len(name) <= LONGEST else f"{name[: LONGEST - 1]}\N{HORIZONTAL ELLIPSIS}"
+    times = [f"{key} {horizon[key]:.9g}" for key in ("time", "iteration") if horizon.get(key) is not None]
+    second = [f"area {report['area']:.8g}", rf"$\int\! H\,dA = {report['integrated_mean_curvature']:.8g}$"]
+    return "\n".join("     ".join(words) for words in ([escaped(name), *times], second))
