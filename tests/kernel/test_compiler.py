@@ -9,6 +9,7 @@ from pathlib import Path
 import pytest
 
 import isoembed
+from isoembed.kernel import numba_hooks
 
 SCRIPT = """
 import sys
@@ -37,13 +38,13 @@ def place(tmp_path):
     return tmp_path
 
 
-def call(place, **environment):
+def call(place, script=SCRIPT, **environment):
     """Call the kernel in a process; return where its code is kept, and whether it was there before."""
     usual = {key: value for key, value in os.environ.items() if not key.startswith(("NUMBA", "XDG"))}
     places = {"HOME": place / "home", "TMPDIR": place / "temporary", "PYTHONDONTWRITEBYTECODE": "1"}
     paths = {"PYTHONPATH": Path(isoembed.__file__).parents[1], "ISOEMBED_KERNELS": "compiled"}
     done = subprocess.run(
-        [sys.executable, "-c", SCRIPT, place / "source"],
+        [sys.executable, "-c", script, place / "source"],
         env=usual | {key: str(value) for key, value in (places | paths | environment).items()},
         capture_output=True,
         text=True,
@@ -87,3 +88,33 @@ def test_damaged_files_are_written_again(place, what):
     damaged.write_bytes(b"")
     assert call(place) == (path, False)
     assert call(place) == (path, True)
+
+
+def test_what_was_kept_can_be_compiled_with_others(place):
+    (place / "source" / "quartered.py").write_text(
+        MODULE.replace("halved(a)", "quartered(a)")
+        .replace("a / 2", "halved(halved(a))")
+        .replace("\n@", "\nfrom halved import halved\n\n@")
+    )
+    script = SCRIPT + "from quartered import quartered\nassert quartered(3.0) == 0.75\n"
+    kept = [call(place, script)[1] for _ in range(3)]
+    assert kept == [False, True, True]
+    (next(place.rglob("quartered.quartered*.nbi"))).unlink()
+    assert call(place, script)[1]  # compiled with a kept one, for other numbers too
+
+
+def test_what_an_interruption_leaves_is_told_the_next_time(monkeypatch):
+    told = []
+
+    def interrupted():
+        if not told:
+            told.append("begun")
+            raise KeyboardInterrupt
+
+    monkeypatch.setattr(numba_hooks, "_waiting", [interrupted, lambda: told.append("second")])
+    with pytest.raises(KeyboardInterrupt):
+        numba_hooks.tell_numba()
+    numba_hooks.tell_numba()
+    assert told == ["begun", "second"]
+    numba_hooks.with_numba(lambda: told.append("at once"))
+    assert told[-1] == "at once"

@@ -229,9 +229,7 @@ def _reflected(state: Solution, recorder: StageRecorder) -> Solution:
 
 def inverted_vertices(p: Polytope) -> Mask:
     """The vertices of which all edges are concave, shape (V,)."""
-    largest = np.full(p.radii.size, -np.inf)
-    np.maximum.at(largest, p.tables.corners, p.coupling)
-    return largest < 0
+    return np.bincount(p.tables.corners[p.coupling >= 0], minlength=p.radii.size) == 0
 
 
 def _without_curvature(

@@ -279,7 +279,7 @@ def _factor(p: Polytope, analyses: Analyses, recorder: StageRecorder) -> Factor:
     recorder.factorizations += 1
     matrix = p.jacobian()
     matrix.data *= -1
-    return analyses.solver(matrix).factor(matrix.data)
+    return analyses.solver(matrix).factor(matrix.data, single=True)
 
 
 def _solved(p: Polytope, inverse: Factor, b: Floats) -> tuple[Floats, int]:

@@ -88,7 +88,7 @@ class Preconditioner:
     def renew(self, data: Floats) -> None:
         """Factor another matrix of the same triangles."""
         self.factor = None
-        self.factor = self.solver.factor(data)
+        self.factor = self.solver.factor(data, single=True)
 
     def solve(self, b: Floats) -> Floats:
         """What the last factor makes of b, (V,) or (V, n)."""

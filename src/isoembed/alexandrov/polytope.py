@@ -94,7 +94,7 @@ class Polytope:
     def times_jacobian(self, v: Floats) -> Floats:
         """``(d kappa / d r) v`` for v of shape (V,) or (V, n)."""
         tables, columns = self.tables, v.reshape(len(v), -1)
-        product = _product(tables.corners, tables.twins, self.coupling, self.diagonal, columns)
+        product = _product(tables.corners, self.coupling, self.diagonal, columns)
         return product.reshape(v.shape)
 
     def jacobian(self) -> csc_array:
@@ -106,8 +106,11 @@ class Polytope:
 def _evaluate(
     corners: Indices, twins: Indices, lengths: Floats, r: Floats
 ) -> tuple[Floats, Floats, Floats, float]:
+    # The dihedral angles at a radius are turns of a unit vector, (x, y), and only their sum is taken: one arc
+    # tangent a vertex, and where it is near a full turn nothing cancels.
     n = r.size
-    kappa = np.full(n, 2 * np.pi)
+    x, y, full = np.ones(n), np.zeros(n), np.ones(n)  # full turns that are left
+    kappa = np.empty(n)
     slope = np.empty(corners.size)  # d / h
     diagonal = np.zeros(n)
     lowest = np.inf
@@ -142,35 +145,52 @@ def _evaluate(
         if not h2 > 0:
             return kappa, slope, diagonal, lowest
         h = np.sqrt(h2)
-        kappa[i] -= math.atan2(r[i] * h * area, qi * at_i - c_ij * c_ik)
-        kappa[j] -= math.atan2(r[j] * h * area, qj * at_j - c_jk * c_ji)
-        kappa[k] -= math.atan2(r[k] * h * area, qk * at_k - c_ki * c_kj)
+        _turn(i, qi * at_i - c_ij * c_ik, r[i] * h * area, x, y, full)
+        _turn(j, qj * at_j - c_jk * c_ji, r[j] * h * area, x, y, full)
+        _turn(k, qk * at_k - c_ki * c_kj, r[k] * h * area, x, y, full)
         slope[f], slope[f + 1], slope[f + 2] = d_ij / h, d_jk / h, d_ki / h
+    for i in range(n):
+        kappa[i] = 2 * np.pi * full[i] - math.atan2(y[i], x[i])
+    lower, count = (
+        np.empty(corners.size // 2 + 1, dtype=np.int64),
+        0,
+    )  # without a branch that is hard to foresee
     for e in range(corners.size):
+        lower[count] = e
+        count += int(e < twins[e])
+    for e in lower[:count]:
         t = twins[e]
-        if e < t:
-            i, j = corners[e], corners[t]
-            l = lengths[e]
-            c_ij = (l * l + (r[i] - r[j]) * (r[i] + r[j])) / 2
-            w = (slope[e] + slope[t]) / (l * (r[i] * r[i] - c_ij / l * (c_ij / l)))
-            slope[e] = slope[t] = w * r[i] * r[j]
-            both = w * (r[i] * r[i] - c_ij)  # the product of the vectors from the apex to i and j
-            diagonal[i] -= both
-            diagonal[j] -= both
+        i, j = corners[e], corners[t]
+        l = lengths[e]
+        c_ij = (l * l + (r[i] - r[j]) * (r[i] + r[j])) / 2
+        w = (slope[e] + slope[t]) / (l * (r[i] * r[i] - c_ij / l * (c_ij / l)))
+        slope[e] = slope[t] = w * r[i] * r[j]
+        both = w * (r[i] * r[i] - c_ij)  # the product of the vectors from the apex to i and j
+        diagonal[i] -= both
+        diagonal[j] -= both
     return kappa, slope, diagonal, lowest
 
 
 @kernel
-def _product(corners: Indices, twins: Indices, coupling: Floats, diagonal: Floats, v: Floats) -> Floats:
+def _turn(i: int, cosine: float, sine: float, x: Floats, y: Floats, full: Floats) -> None:
+    """Turn the vector of vertex i by the angle of these, whatever their size: by less than half a turn."""
+    size = np.sqrt(cosine * cosine + sine * sine)
+    c, s = cosine / size, sine / size
+    before = y[i]
+    x[i], y[i] = x[i] * c - before * s, x[i] * s + before * c
+    full[i] -= int(before >= 0 > y[i])
+
+
+@kernel
+def _product(corners: Indices, coupling: Floats, diagonal: Floats, v: Floats) -> Floats:
     result = np.empty_like(v)
     for i in range(v.shape[0]):
         for c in range(v.shape[1]):
             result[i, c] = diagonal[i] * v[i, c]
-    for h in range(corners.size):
-        t = twins[h]
-        if h < t:
-            i, j = corners[h], corners[t]
-            for c in range(v.shape[1]):
-                result[i, c] += coupling[h] * v[j, c]
-                result[j, c] += coupling[h] * v[i, c]
+    for f in range(0, corners.size, 3):  # every edge from both its faces, for one end each
+        i, j, k = corners[f], corners[f + 1], corners[f + 2]
+        for c in range(v.shape[1]):
+            result[i, c] += coupling[f] * v[j, c]
+            result[j, c] += coupling[f + 1] * v[k, c]
+            result[k, c] += coupling[f + 2] * v[i, c]
     return result

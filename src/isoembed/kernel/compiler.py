@@ -6,7 +6,9 @@ from contextlib import suppress
 from pathlib import Path
 from typing import Any
 
+from llvmlite.binding import parse_bitcode  # type: ignore[import-untyped]
 from numba.core.caching import CompileResultCacheImpl, FunctionCache, InTreeCacheLocator
+from numba.core.codegen import JITCodeLibrary
 from numba.core.registry import CPUDispatcher
 from numba.core.runtime import rtsys
 
@@ -53,8 +55,45 @@ class _Locator(InTreeCacheLocator):
         return self
 
 
+class _Library(JITCodeLibrary):
+    """Machine code that was kept; its bitcode is read when other functions are compiled with it, if ever."""
+
+    _bitcode: bytes | None = None
+
+    @classmethod
+    def _unserialize(cls, codegen: Any, kept: Any) -> Any:
+        name, kind, data = kept
+        if kind != "object":
+            return super()._unserialize(codegen, kept)
+        self = cls(codegen, name)
+        machine_code, self._bitcode = data
+        self.enable_object_caching()
+        self._set_compiled_object(machine_code)
+        self._finalize_final_module()
+        return self
+
+    def _get_module_for_linking(self) -> Any:
+        if self._bitcode is not None:
+            self._shared_module, self._bitcode = parse_bitcode(self._bitcode), None
+            self._codegen._engine._load_defined_symbols(self._shared_module)
+        return super()._get_module_for_linking()
+
+    def get_pointer_to_function(self, name: str) -> int:
+        if self._bitcode is None:
+            return super().get_pointer_to_function(name)
+        return self._codegen._engine.get_function_address(name)
+
+
 class _Implementation(CompileResultCacheImpl):
     _locator_classes = [_Locator]  # noqa: RUF012
+
+    def rebuild(self, target: Any, kept: Any) -> Any:
+        codegen = target.codegen()
+        numbas, codegen._library_class = codegen._library_class, _Library
+        try:
+            return super().rebuild(target, kept)
+        finally:
+            codegen._library_class = numbas
 
 
 class _Cache(FunctionCache):

@@ -15,8 +15,9 @@ def with_numba(tell: Callable[[], None]) -> Callable[[], None]:
 
 
 def tell_numba() -> None:
-    """Call all of them."""
+    """Call all of them; those that an interruption leaves are called the next time."""
     global _waiting
-    waiting, _waiting = _waiting, None
-    for tell in waiting or ():
-        tell()
+    while _waiting:
+        _waiting[0]()
+        del _waiting[0]
+    _waiting = None

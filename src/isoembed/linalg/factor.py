@@ -80,13 +80,16 @@ class Solver:
             self._symbolic = Fronts(self._indptr, self._indices, definite, nodes)
         self._require_memory()
 
-    def factor(self, data: ArrayLike) -> SymmetricFactor:
+    def factor(self, data: ArrayLike, *, single: bool = False) -> SymmetricFactor:
         """Factorize one matrix.
 
         Parameters
         ----------
         data : (nnz,) float
             Its entries, both triangles, in the order of ``pattern.data``.
+        single : bool
+            Whether large factors are kept in single precision, which is enough for a preconditioner: solving
+            with them waits for memory.
 
         Returns
         -------
@@ -116,7 +119,7 @@ class Solver:
                     f"the matrix is not positive definite: diagonal entry {k} is {least:.3g}"
                 )
         self._require_memory()
-        numeric = self._symbolic.factor(matrix.data)
+        numeric = self._symbolic.factor(matrix.data, single=single)
         scale = np.sqrt(diagonal) if self.definite else matrix.sizes()
         b, x = _refuse_growth(numeric, scale, scale)
         if not self.definite:

@@ -38,7 +38,7 @@ def gmres(
     ----------
     Y. Saad, A flexible inner-outer preconditioned GMRES algorithm, SIAM J. Sci. Comput. 14 (1993).
     """
-    size = np.linalg.norm(b, axis=0)
+    size = np.sqrt(_products(b, b))
     if not size.any():
         return np.zeros_like(b), 0
     columns = 1 if b.ndim == 1 else b.shape[1]
@@ -51,10 +51,10 @@ def gmres(
         w = apply(directions[k])
         # The modified Gram-Schmidt process: one vector of the basis at a time.
         for i, q in enumerate(basis):
-            products = np.einsum("i...,i...->...", q, w)
+            products = _products(q, w)
             H[:, i, k] = products
             w -= products * q
-        norm = np.linalg.norm(w, axis=0)
+        norm = np.sqrt(_products(w, w))
         H[:, k + 1, k] = norm
         y, missing = _least_squares(H[:, : k + 2, : k + 1], np.atleast_1d(size))
         if ((missing <= tolerance * size) | (norm == 0)).all():
@@ -65,6 +65,11 @@ def gmres(
     for k, direction in enumerate(directions):
         x += y[:, k].reshape(size.shape) * direction
     return x, len(directions)
+
+
+def _products(v: Floats, w: Floats) -> Floats:
+    """Of vectors, or of columns."""
+    return np.asarray(np.einsum("i...,i...->...", v, w))
 
 
 def _least_squares(H: Floats, sizes: Floats) -> tuple[Floats, Floats]:

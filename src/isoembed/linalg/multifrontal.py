@@ -12,7 +12,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from isoembed.arrays import Floats, Indices32
+from isoembed.arrays import Floats, Indices32, Singles
 from isoembed.kernel import kernel
 from isoembed.linalg.fronts import beginning, eliminate_columns, extend, room_to_multiply
 from isoembed.linalg.supernodes import Supernodes
@@ -30,9 +30,11 @@ class Fronts(Symbolic):
         """Bytes that the next factors will take."""
         return 8 * (self.nodes.entries + self.nodes.room)
 
-    def factor(self, data: Floats) -> "FrontalFactors":
+    def factor(self, data: Floats, *, single: bool = False) -> "FrontalFactors":
         """Factorize the matrix with these entries; raises SingularMatrix."""
-        L, stack = np.empty(self.nodes.entries), np.empty(self.nodes.room)
+        count = self.nodes.entries
+        L: Floats | Singles = np.empty(count, dtype=np.float32) if single else np.empty(count)
+        stack = np.empty(self.nodes.room)
         least = 0.0 if self.definite else -np.inf
         negative = _eliminate(self.nodes, self.indptr, self.indices, data, L, stack, least)
         if negative < 0:
@@ -45,7 +47,7 @@ class FrontalFactors:
     """The factors of one matrix: the trapezoids of its supernodes one after the other, in each D and L."""
 
     _nodes: Supernodes
-    _L: Floats
+    _L: Floats | Singles
     negative_pivots: int
 
     def solve(self, b: Floats) -> Floats:
@@ -61,7 +63,7 @@ def _eliminate(
     indptr: Indices32,
     indices: Indices32,
     data: Floats,
-    L: Floats,
+    L: Floats | Singles,
     stack: Floats,
     least: float,
 ) -> int:
@@ -113,37 +115,82 @@ def _eliminate(
     return negative
 
 
-@kernel(fastmath={"contract", "reassoc"})
-def _substitute(nodes: Supernodes, L: Floats, x: Floats) -> None:
+@kernel
+def _substitute(nodes: Supernodes, L: Floats | Singles, x: Floats) -> None:
     """Solve for every row of x, (columns, n), in its place."""
     starts, ends, count = nodes.starts, nodes.ends, nodes.starts.size - 1
-    v = np.empty(nodes.widest)
+    front = np.empty(nodes.widest)
     done = 0
     for s in range(count):
-        k, m = starts[s + 1] - starts[s], starts[s + 1] - starts[s] + ends[s + 1] - ends[s]
+        own, rows = slice(starts[s], starts[s + 1]), nodes.rows[ends[s] : ends[s + 1]]
+        k, m = starts[s + 1] - starts[s], starts[s + 1] - starts[s] + rows.size
+        columns = L[done : done + beginning(k, m)]
         for c in range(len(x)):
-            for i in range(m):
-                v[i] = x[c, starts[s] + i] if i < k else 0.0
-            for j in range(k):
-                at = done + beginning(j, m)
-                rest, column, known = v[j + 1 : m], L[at + 1 : at + m - j], v[j]
-                for i in range(rest.size):
-                    rest[i] -= known * column[i]
-                x[c, starts[s] + j] = known / L[at]
-            for i in range(k, m):
-                x[c, nodes.rows[ends[s] + i - k]] += v[i]
-        done += beginning(k, m)
+            v, solved = front[:m], x[c, own]
+            v[:k], v[k:] = solved, 0.0
+            _forward(columns, k, v, solved)
+            for i in range(rows.size):
+                x[c, rows[i]] += v[k + i]
+        done += columns.size
     for s in range(count - 1, -1, -1):
-        k, m = starts[s + 1] - starts[s], starts[s + 1] - starts[s] + ends[s + 1] - ends[s]
-        done -= beginning(k, m)
+        own, rows = slice(starts[s], starts[s + 1]), nodes.rows[ends[s] : ends[s + 1]]
+        k, m = starts[s + 1] - starts[s], starts[s + 1] - starts[s] + rows.size
+        columns = L[done - beginning(k, m) : done]
         for c in range(len(x)):
-            for i in range(m):
-                v[i] = x[c, starts[s] + i if i < k else nodes.rows[ends[s] + i - k]]
-            for j in range(k - 1, -1, -1):
-                at = done + beginning(j, m)
-                rest, column = v[j + 1 : m], L[at + 1 : at + m - j]
-                total = 0.0
-                for i in range(rest.size):
-                    total += rest[i] * column[i]
-                v[j] -= total
-                x[c, starts[s] + j] = v[j]
+            v, solved = front[:m], x[c, own]
+            v[:k] = solved
+            for i in range(rows.size):
+                v[k + i] = x[c, rows[i]]
+            _back(columns, k, v)
+            solved[:] = v[:k]
+        done -= columns.size
+
+
+@kernel(fastmath={"contract", "reassoc"})
+def _forward(L: Floats | Singles, k: int, v: Floats, solved: Floats) -> None:
+    """Solve with D L for the first k of v, and subtract from the others what these contribute."""
+    m = v.size
+    for j in range(0, k - k % 4, 4):  # four columns at once: v is read and written once for them
+        a, b = beginning(j, m), beginning(j + 1, m)
+        c, d = beginning(j + 2, m), beginning(j + 3, m)
+        v0 = v[j]
+        v1 = v[j + 1] - v0 * L[a + 1]
+        v2 = v[j + 2] - v0 * L[a + 2] - v1 * L[b + 1]
+        v3 = v[j + 3] - v0 * L[a + 3] - v1 * L[b + 2] - v2 * L[c + 1]
+        rest, l0, l1, l2, l3 = v[j + 4 :], L[a + 4 : b], L[b + 3 : c], L[c + 2 : d], L[d + 1 : d + m - j - 3]
+        for i in range(rest.size):
+            rest[i] -= v0 * l0[i] + v1 * l1[i] + v2 * l2[i] + v3 * l3[i]
+        solved[j], solved[j + 1] = v0 / L[a], v1 / L[b]
+        solved[j + 2], solved[j + 3] = v2 / L[c], v3 / L[d]
+    for j in range(k - k % 4, k):
+        at = beginning(j, m)
+        rest, column, known = v[j + 1 :], L[at + 1 : at + m - j], v[j]
+        for i in range(rest.size):
+            rest[i] -= known * column[i]
+        solved[j] = known / L[at]
+
+
+@kernel(fastmath={"contract", "reassoc"})
+def _back(L: Floats | Singles, k: int, v: Floats) -> None:
+    """Solve with the transpose of L for the first k of v, the others being known."""
+    m = v.size
+    for j in range(k - 1, k - k % 4 - 1, -1):
+        at = beginning(j, m)
+        rest, column, total = v[j + 1 :], L[at + 1 : at + m - j], 0.0
+        for i in range(rest.size):
+            total += rest[i] * column[i]
+        v[j] -= total
+    for j in range(k - k % 4 - 4, -1, -4):
+        a, b = beginning(j, m), beginning(j + 1, m)
+        c, d = beginning(j + 2, m), beginning(j + 3, m)
+        rest, l0, l1, l2, l3 = v[j + 4 :], L[a + 4 : b], L[b + 3 : c], L[c + 2 : d], L[d + 1 : d + m - j - 3]
+        t0 = t1 = t2 = t3 = 0.0
+        for i in range(rest.size):
+            t0 += rest[i] * l0[i]
+            t1 += rest[i] * l1[i]
+            t2 += rest[i] * l2[i]
+            t3 += rest[i] * l3[i]
+        v[j + 3] -= t3
+        v[j + 2] -= t2 + v[j + 3] * L[c + 1]
+        v[j + 1] -= t1 + v[j + 2] * L[b + 1] + v[j + 3] * L[b + 2]
+        v[j] -= t0 + v[j + 1] * L[a + 1] + v[j + 2] * L[a + 2] + v[j + 3] * L[a + 3]

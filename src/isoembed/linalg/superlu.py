@@ -55,7 +55,7 @@ class Columns(Symbolic):
         both.data -= 1  # from 0 on only now: scipy drops zeros from sums
         return both
 
-    def factor(self, data: Floats) -> ColumnFactors:
+    def factor(self, data: Floats, *, single: bool = False) -> ColumnFactors:
         """Factorize the matrix with these entries; raises SingularMatrix."""
         both = self._both
         matrix = sp.csc_matrix((data[both.data], both.indices, both.indptr), shape=both.shape)

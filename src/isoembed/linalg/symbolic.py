@@ -48,8 +48,13 @@ class Symbolic:
         """Bytes that the next factors will take."""
         raise NotImplementedError
 
-    def factor(self, data: Floats) -> Numeric:
-        """Factorize the matrix with these entries; raises SingularMatrix."""
+    def factor(self, data: Floats, *, single: bool = False) -> Numeric:
+        """Factorize the matrix with these entries, and keep them in single precision where that saves memory.
+
+        Raises
+        ------
+        SingularMatrix
+        """
         raise NotImplementedError
 
     def refusal(self) -> SingularMatrix:
