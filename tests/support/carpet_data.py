@@ -72,27 +72,34 @@ def write_carpet(
     import h5py
 
     folder.mkdir(parents=True, exist_ok=True)
+    sets = {}
     for number, level in enumerate(levels):
         for c, (start, shape) in enumerate(_restricted(level, kept)):
             grown, whole = start - ghosts, shape + 2 * ghosts
             values = sampled(geometry, level, grown, tuple(whole), names)
             inside = tuple(slice(ghosts, ghosts + n) for n in shape)
+            place = {
+                "origin": level.spacing * (grown + level.shift),
+                "delta": np.full(3, level.spacing),
+                "time": float(time),
+                "timestep": np.int32(iteration),
+                "level": np.int32(number),
+                "cctk_nghostzones": np.full(3, ghosts, dtype=np.int32),
+                "iorigin": grown.astype(np.int32),
+            }
             for name in names:
                 data = values[name]
                 if stale:
                     data = np.full_like(values[name], STALE)
                     data[inside] = values[name][inside]
-                with h5py.File(folder / _file(name, grouped, processes, c % processes), "a") as file:
-                    _metadata(file, parameters, processes)
-                    label = f"ADMBASE::{name} it={iteration} tl=0 rl={number} c={c}"
-                    stored = file.create_dataset(label, data=np.ascontiguousarray(data.T))
-                    stored.attrs["origin"] = level.spacing * (grown + level.shift)
-                    stored.attrs["delta"] = np.full(3, level.spacing)
-                    stored.attrs["time"] = float(time)
-                    stored.attrs["timestep"] = np.int32(iteration)
-                    stored.attrs["level"] = np.int32(number)
-                    stored.attrs["cctk_nghostzones"] = np.full(3, ghosts, dtype=np.int32)
-                    stored.attrs["iorigin"] = grown.astype(np.int32)
+                label = f"ADMBASE::{name} it={iteration} tl=0 rl={number} c={c}"
+                there = sets.setdefault(_file(name, grouped, processes, c % processes), [])
+                there.append((label, np.ascontiguousarray(data.T), place))
+    for file_name, there in sets.items():
+        with h5py.File(folder / file_name, "a") as file:
+            _metadata(file, parameters, processes)
+            for label, data, place in there:
+                file.create_dataset(label, data=data).attrs.update(place)
 
 
 def _restricted(level, kept):

@@ -11,6 +11,7 @@ h5py = pytest.importorskip("h5py")
 from carpet_data import CURVATURE, METRIC, Level, cube, write_carpet  # noqa: E402
 from isoembed.io.files import FileError  # noqa: E402
 from isoembed.relativity.series.carpet_files import carpet_slices  # noqa: E402
+from isoembed.relativity.series.slice_files import slices_in_file  # noqa: E402
 from isoembed.relativity.spacetimes.kerr_schild import KerrSchild  # noqa: E402
 
 KERR = KerrSchild(1.0, (0.1, 0.2, 0.5))
@@ -245,6 +246,11 @@ def test_slices_of_planes_and_checkpoints_are_left_alone(tmp_path):
     for name in ("gxx.xy.h5", "checkpoint.chkpt.it_0.file_0.h5", "alp.xyz.h5", "admbase-lapse.xyz.h5"):
         (tmp_path / name).write_bytes(b"no HDF5")
     assert listed(tmp_path) == []
+
+
+def test_one_file_is_no_slice(kerr):
+    with pytest.raises(FileError, match=r"gxx\.xyz\.h5 is a part of a slice, .*: name the folder"):
+        slices_in_file(kerr / "gxx.xyz.h5")
 
 
 def test_files_none_of_which_can_be_read_are_an_error(tmp_path):

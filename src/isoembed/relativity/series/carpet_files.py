@@ -22,7 +22,7 @@ from isoembed.relativity.series.grid_symmetry import symmetry_in
 from isoembed.relativity.series.moment import ListedSlice
 from isoembed.relativity.spacetimes.slice_file import GAMMA, K
 
-FILE = re.compile(
+CARPET_FILE = re.compile(
     r"(?P<stem>admbase-(?:metric|curv)|[gk](?:xx|xy|xz|yy|yz|zz))"
     r"(?:\.xyz)?(?:\.file_(?P<process>\d+))?(?:\.xyz)?\.h5",
     re.IGNORECASE,
@@ -61,7 +61,7 @@ def carpet_slices(paths: Iterable[str | Path]) -> list[ListedSlice]:
     """
     by_folder: dict[Path, _Folder] = {}
     for path in sorted(map(Path, paths), key=natural):
-        if name := FILE.fullmatch(path.name):
+        if name := CARPET_FILE.fullmatch(path.name):
             by_folder.setdefault(path.parent, _Folder()).add(path, name)
     folders = [by_folder[folder] for folder in sorted(by_folder, key=natural)]
     flaws = [folder.flaw for folder in folders if folder.flaw]

@@ -10,6 +10,7 @@ from isoembed.arrays import Floats
 from isoembed.io.digest import arrays_digest, file_digest, file_state, unchanged
 from isoembed.io.files import FileError, input_ending
 from isoembed.io.hdf5 import HDF5_ENDINGS, enumerated
+from isoembed.relativity.series.carpet_files import CARPET_FILE
 from isoembed.relativity.series.file_names import matching_files, name_parts
 from isoembed.relativity.series.moment import ListedSlice
 from isoembed.relativity.series.spectre_slices import spectre_slices
@@ -116,6 +117,8 @@ def slices_in_file(path: str | os.PathLike[str]) -> list[ListedSlice]:
     there = [_listed(str(path), one, one) for one in instants(path)]
     if not there and input_ending(path) in HDF5_ENDINGS:
         there = spectre_slices([path])
+    if not there and CARPET_FILE.fullmatch(Path(path).name):
+        raise FileError(f"{path} is a part of a slice, as Carpet writes it: name the folder of the run")
     if not there:
         raise FileError(f"{path} has no gxx, nor SpatialMetric_xx on elements as SpECTRE writes them")
     return there
