@@ -67,6 +67,7 @@ def test_moments_without_a_slice_say_so(run):
 def test_a_simdir_is_a_simulation(run):
     sim = SimDir(str(run))
     assert [[len(part) for part in simulation(given)] for given in (sim, run)] == [[5, 3], [5, 3]]
+    assert moments([sim]) == moments([run])
 
 
 def test_times_that_no_table_tells_are_those_of_the_slices(tmp_path):

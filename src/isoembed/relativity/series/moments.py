@@ -2,6 +2,7 @@
 
 import os
 from collections.abc import Callable, Sequence
+from typing import Any
 
 from isoembed.errors import InvalidMetric, InvalidParameter
 from isoembed.io.files import FileError, input_ending
@@ -21,7 +22,7 @@ Simulation = tuple[list[ListedShape], list[ListedSlice]]
 
 
 def moments(
-    horizons: Sequence[Path_],
+    horizons: Sequence[Any],
     geometry: ThreeGeometry | Path_ | None = None,
     surface: str | None = None,
 ) -> list[Moment]:
@@ -29,9 +30,9 @@ def moments(
 
     Parameters
     ----------
-    horizons : sequence of paths
+    horizons : sequence of paths or kuibit.simdir.SimDir
         Files with horizons (see `isoembed.relativity.series.shape_files.shapes_in_files`), folders of them,
-        or folders of simulations of the Einstein Toolkit, which take kuibit.
+        or folders of simulations of the Einstein Toolkit, which take kuibit; a SimDir is such a folder.
     geometry : ThreeGeometry or path, optional
         One slice for all; a file with one slice, or with those of an evolution; a pattern of such files as
         ``slices/gxx.{iteration}.h5``; or a folder of them or of a simulation.  Horizons and slices are
@@ -56,8 +57,8 @@ def moments(
     """
     simulated: dict[str, Simulation] = {}
 
-    def simulation_in(folder: Path_) -> Simulation:
-        key = os.path.realpath(folder)
+    def simulation_in(folder: Any) -> Simulation:
+        key = os.path.realpath(getattr(folder, "path", folder))
         if key not in simulated:
             simulated[key] = simulation(folder)
         return simulated[key]
@@ -65,10 +66,11 @@ def moments(
     shapes: list[ListedShape] = []
     slices: list[ListedSlice] = []
     for given in horizons:
-        if not os.path.isdir(given):
+        is_run = hasattr(given, "allfiles")
+        if not is_run and not os.path.isdir(given):
             shapes += shapes_in_files([given])
             continue
-        files = shape_files_in(given)
+        files = [] if is_run else shape_files_in(given)
         whole = geometry is None and any(input_ending(path) == SHAPE for path in files)
         if files and not whole:
             shapes += shapes_in_files(files)
@@ -97,11 +99,11 @@ def _moments(shapes: list[ListedShape], slice_: SliceSource | None) -> list[Mome
     return [Moment(shape.series, shape.time, shape.iteration, shape.source, slice_) for shape in shapes]
 
 
-def _chosen(shapes: list[ListedShape], horizons: Sequence[Path_], surface: str | None) -> list[ListedShape]:
+def _chosen(shapes: list[ListedShape], horizons: Sequence[Any], surface: str | None) -> list[ListedShape]:
     """The horizons of one series, or all of them."""
     if not shapes:
         raise FileError(
-            f"there are no horizons in {enumerated([str(given) for given in horizons]) or 'no files'}"
+            f"there are no horizons in {enumerated([str(getattr(given, 'path', given)) for given in horizons]) or 'no files'}"
         )
     chosen = [shape for shape in shapes if surface is None or shape.series == surface.removesuffix(".vol")]
     if not chosen:
