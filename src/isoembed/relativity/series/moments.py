@@ -102,9 +102,8 @@ def _moments(shapes: list[ListedShape], slice_: SliceSource | None) -> list[Mome
 def _chosen(shapes: list[ListedShape], horizons: Sequence[Any], surface: str | None) -> list[ListedShape]:
     """The horizons of one series, or all of them."""
     if not shapes:
-        raise FileError(
-            f"there are no horizons in {enumerated([str(getattr(given, 'path', given)) for given in horizons]) or 'no files'}"
-        )
+        names = [str(getattr(given, "path", given)) for given in horizons]
+        raise FileError(f"there are no horizons in {enumerated(names) or 'no files'}")
     chosen = [shape for shape in shapes if surface is None or shape.series == surface.removesuffix(".vol")]
     if not chosen:
         there = enumerated(list(dict.fromkeys(shape.series for shape in shapes)))
