@@ -108,6 +108,18 @@ def test_groups_processes_and_components_make_no_difference(tmp_path, kerr, grou
     np.testing.assert_array_equal(read(tmp_path, x).gamma, read(kerr, x, 128).gamma)
 
 
+def test_each_of_two_boxes_of_a_level_is_found(tmp_path):
+    centers = np.array([[2.4, 0.0, 0.0], [-2.4, 0.4, 0.0]])
+    write_carpet(tmp_path, KERR, (LEVELS[0], Level(0.1, tuple(cube(0.9, center) for center in centers), 2)))
+    for center in centers:
+        x = center + sphere(0.4)
+        grid = read(tmp_path, x)
+        assert grid.spacing == pytest.approx((0.1, 0.1, 0.1))
+        assert max(worst(grid, KERR, x)) < 1e-5
+    common = np.concatenate(centers + sphere(0.4)[:, None])
+    assert read(tmp_path, common).spacing == pytest.approx((0.4, 0.4, 0.4))
+
+
 def test_a_gap_between_boxes_is_not_covered(tmp_path):
     boxes = tuple(((-3.0, -3.0, low), (3.0, 3.0, high)) for low, high in ((-3.0, -0.2), (0.2, 3.0)))
     write_carpet(tmp_path, KERR, (LEVELS[0], Level(0.2, boxes)))

@@ -92,7 +92,7 @@ class _Folder:
 
     def __init__(self) -> None:
         self.files: list[_File] = []
-        self.times: dict[int, float] = {}
+        self.times: dict[int, float | None] = {}
         self._flaw = ""
         self._processes: dict[str, set[int]] = {}
 
@@ -150,7 +150,7 @@ class _File:
     Attributes
     ----------
     path : Path
-    times : dict of int to float
+    times : dict of int to float or None
         Those of iterations.
     sets : dict
         Of an iteration and a field: the thorn, and the levels and the ends of the names of its data sets.
@@ -161,16 +161,16 @@ class _File:
     """
 
     path: Path
-    times: dict[int, float]
+    times: dict[int, float | None]
     sets: dict[int, dict[str, tuple[str, tuple[tuple[int, str], ...]]]]
     parameters: str
     processes: int
 
     @classmethod
-    def listed(cls, path: Path, known: Mapping[int, float]) -> _File:
+    def listed(cls, path: Path, known: Mapping[int, float | None]) -> _File:
         """List the data sets of a file, and the times of iterations of which they are not known."""
         found: dict[int, dict[str, tuple[str, list[tuple[int, str]]]]] = {}
-        times: dict[int, float] = {}
+        times: dict[int, float | None] = {}
         parameters, processes = "", 0
         with opened_unchanged(str(path)) as root:
             for name in root:
@@ -181,7 +181,8 @@ class _File:
                 sets = found.setdefault(iteration, {}).setdefault(match["field"], (match["thorn"], []))
                 sets[1].append((int(match["level"] or 0), match["tail"]))
                 if iteration not in known and iteration not in times:
-                    times[iteration] = float(root[name].attrs.get("time", np.nan))
+                    time = root[name].attrs.get("time")
+                    times[iteration] = None if time is None else float(time)
             if METADATA in root:
                 metadata = root[METADATA]
                 processes = int(metadata.attrs.get("nioprocs", 0))
