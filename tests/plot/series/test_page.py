@@ -45,7 +45,7 @@ def page(tmp_path_factory):
 
 def test_a_frame_for_each_time_with_a_mesh_of_its_own(page):
     _, data, arrays = read(page)
-    assert [frame["stage"] for frame in data["frames"]] == ["t = 0", "t = 0.5", "t = 1", "t = 1.5"]
+    assert [frame["stage"] for frame in data["frames"]] == ["t = 0.00", "t = 0.50", "t = 1.00", "t = 1.50"]
     assert [frame["mesh"] for frame in data["frames"]] == [0, 1, 2, 3]
     vertices = [unpacked(arrays, frame["positions"]).size // 3 for frame in data["frames"]]
     assert vertices == [2 * 42, 2 * 162 + 42, 0, 42]
@@ -81,7 +81,7 @@ def test_colors_begin_and_end_at_the_same_values_at_all_times(page):
 def test_what_is_lost_is_told(page):
     text, data, _ = read(page)
     assert data["frames"][2]["told"] == ["ah3: not embedded"]
-    assert "3 horizons: 6 of 7 surfaces embedded · t = 0 to 1.5" in text
+    assert "3 horizons: 6 of 7 surfaces embedded · t = 0.00 to 1.50" in text
     report = json.loads(base64.b64decode(re.search(r"application/json;base64,([^\"]+)", text)[1]))
     assert [row["label"] for row in report if row["reason"]] == ["ah3.t2"]
 
@@ -103,7 +103,7 @@ def test_of_many_times_evenly_many_are_taken(tmp_path):
     write_series_page(tmp_path / "a.html", [embedded("ah1", k, k) for k in range(2 * SERIES_PAGE.frames)])
     _, data, _ = read(tmp_path / "a.html")
     assert len(data["frames"]) == SERIES_PAGE.frames
-    assert data["frames"][-1]["stage"] == f"t = {2 * SERIES_PAGE.frames - 1}"
+    assert data["frames"][-1]["stage"] == f"t = {2 * SERIES_PAGE.frames - 1}.0"
 
 
 def test_the_same_results_make_the_same_bytes(page, tmp_path):

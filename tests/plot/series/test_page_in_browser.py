@@ -44,7 +44,7 @@ def at(tab, frame):
 
 
 def test_every_time_shows_its_own_horizons(tab):
-    assert tab.text("#moment").startswith("t = 0 ")  # a run begins at its first time
+    assert tab.text("#moment").startswith("t = 0.0 ")  # a run begins at its first time
     apart, together, none, alone = (at(tab, k) for k in range(4))
     middle = apart.shape[0] // 2, apart.shape[1] // 2
     assert apart.any()
@@ -75,4 +75,4 @@ def test_what_is_lost_is_told(tab):
 def test_time_runs(tab):
     at(tab, 0)
     tab.page.locator("#play").click()
-    tab.page.get_by_text("t = 3", exact=True).wait_for(timeout=20_000)
+    tab.page.get_by_text("t = 3.0", exact=True).wait_for(timeout=20_000)

@@ -10,7 +10,11 @@ HERE, THERE = (1.0, 0.0, 0.0), (-1.0, 0.0, 0.0)
 
 def seen(results, most=100):
     return [
-        (scene.at, [horizon.row.label for horizon in scene.shown], [row.label for row in scene.lost])
+        (
+            float(scene.moment.split()[-1]),
+            [horizon.row.label for horizon in scene.shown],
+            [row.label for row in scene.lost],
+        )
         for scene in evenly(scenes(PlacedHorizons.of(results)), most)
     ]
 

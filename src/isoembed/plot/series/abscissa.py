@@ -7,6 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from isoembed.arrays import Floats
+from isoembed.io.hdf5 import enumerated
 from isoembed.plot.series.labels import escaped
 from isoembed.relativity.series.table import SeriesTable
 
@@ -39,7 +40,7 @@ class Abscissa:
             known = np.isfinite(table[column])
             if known.any():
                 lost = [row.label for row, there in zip(table.rows, known, strict=True) if not there]
-                also = f"\nnot shown, of no known {column}: {escaped(', '.join(lost))}" if lost else ""
+                also = f"\nnot shown, of no known {column}: {escaped(enumerated(lost))}" if lost else ""
                 return cls(column, symbol, label + also)
         return cls("", "position ", "position in the series")
 
@@ -47,6 +48,9 @@ class Abscissa:
         """Where the rows of one series are; NaN where it is not known."""
         return part[self.column] if self.column else np.arange(len(part.rows), dtype=np.float64)
 
-    def written(self, value: float) -> str:
-        """A value with its symbol."""
-        return f"{self.symbol}{value:.6g}"
+    def written(self, values: Floats) -> list[str]:
+        """Values, ascending, with the symbol, all to one place: a digit more than tells them apart."""
+        steps = np.diff(values)
+        step = float(np.median(steps)) if steps.size else 1.0
+        places = max(0, 1 - int(np.floor(np.log10(step)))) if self.column == "time" else 0
+        return [f"{self.symbol}{value:.{places}f}" for value in values.tolist()]

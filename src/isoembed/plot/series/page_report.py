@@ -42,7 +42,7 @@ def run_caption(placed: PlacedHorizons, first: Scene, last: Scene) -> str:
     words = [
         f"{len(names):,} horizon{'s' if len(names) > 1 else ''}: {len(placed.horizons):,} of {len(rows):,} "
         "surfaces embedded",
-        f"{first.moment} to {last.at:.6g}",
+        f"{first.moment} to {last.moment.split()[-1]}",
     ]
     return " · ".join([*words, *filter(None, [placed.note])])
 

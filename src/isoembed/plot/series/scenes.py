@@ -35,7 +35,6 @@ class Scene:
     ----------
     moment : str
         The time, as it is written on a picture.
-    at : float
     shown : tuple of PlacedHorizon
         In the order of the series.
     lost : tuple of Row
@@ -43,7 +42,6 @@ class Scene:
     """
 
     moment: str
-    at: float
     shown: tuple[PlacedHorizon, ...]
     lost: tuple[Row, ...]
 
@@ -63,11 +61,11 @@ def scenes(placed: PlacedHorizons) -> tuple[Scene, ...]:
     tracks = [_Track.of(along.of_series(part), part.rows) for part in placed.table.series.values()]
     times = np.unique(np.concatenate([track.times for track in tracks])) if tracks else np.empty(0)
     found = list[Scene]()
-    for at in times.tolist():
+    for at, moment in zip(times.tolist(), along.written(times), strict=True):
         rows = [row for track in tracks if (row := track.nearest(at)) is not None]
         shown = tuple(placed.horizons[row.label] for row in rows if row.label in placed.horizons)
         lost = tuple(row for row in rows if row.label not in placed.horizons)
-        found.append(Scene(along.written(at), at, shown, lost))
+        found.append(Scene(moment, shown, lost))
     there = [k for k, scene in enumerate(found) if scene.shown]
     return tuple(found[there[0] : there[-1] + 1]) if there else ()
 
