@@ -40,7 +40,7 @@ from isoembed.relativity.series.horizon_task import HorizonOptions, HorizonTask
 from isoembed.relativity.series.kuibit_data import kuibit_shape
 from isoembed.relativity.series.moment import Moment
 from isoembed.relativity.series.moments import moments
-from isoembed.relativity.series.table import write_table
+from isoembed.relativity.series.table import SeriesTable, write_table
 from isoembed.relativity.spacetimes.boosted import BoostedSchwarzschild, Superposed
 from isoembed.relativity.spacetimes.boyer_lindquist import BoyerLindquist
 from isoembed.relativity.spacetimes.cartesian_grid import CartesianGrid
@@ -92,6 +92,7 @@ __all__ = [
     "Moment",
     "Multipoles",
     "PainleveGullstrand",
+    "SeriesTable",
     "Spin",
     "StarSurface",
     "Superposed",
