@@ -21,7 +21,17 @@ DOCUMENTED = [
     "isoembed",
     *(
         f"isoembed.{room}"
-        for room in ("gallery", "gluing", "io", "linalg", "meshing", "plot", "relativity", "smooth")
+        for room in (
+            "gallery",
+            "gluing",
+            "io",
+            "linalg",
+            "meshing",
+            "plot",
+            "plot.series",
+            "relativity",
+            "smooth",
+        )
     ),
 ]
 """The rooms that say what is public in ``__all__``."""
