@@ -28,7 +28,7 @@ class ElementThresholds:
 
     bulge: float = threshold(0.25, "extents", "How far an element may reach beyond the box of its nodes.")
     steps: int = threshold(30, "count", "Steps of Newton's method that invert the map of an element.")
-    step: float = threshold(1e-12, "half edges", "A step after which the point of the cube is found.")
+    step: float = threshold(1e-7, "half edges", "A step of Newton's method after which the next is rounding.")
     beyond: float = threshold(1e-3, "half edges", "Gaps between elements whose maps are not polynomials.")
     away: float = threshold(2.0, "half edges", "A search that is so far from the middle has left the cube.")
     kept: int = threshold(4, "count", "Sets of points whose elements are remembered.")
@@ -160,19 +160,25 @@ class ElementGrid:
 
     @cached_property
     def _tree(self) -> cKDTree:
+        """Of the nodes of all elements."""
         return cKDTree(np.concatenate([element.points.reshape(-1, 3) for element in self.elements]))
+
+    @cached_property
+    def _trees(self) -> list[cKDTree]:
+        """Of the nodes of each."""
+        return [cKDTree(element.points.reshape(-1, 3)) for element in self.elements]
 
     def _search(self, x: Floats) -> tuple[Indices, Floats]:
         """First in the element of the nearest node, then in all in whose boxes a point is."""
-        sizes = [element.points[..., 0].size for element in self.elements]
+        first = np.cumsum([0, *(element.points[..., 0].size for element in self.elements)])
         bad: Mask = np.any(~np.isfinite(x), axis=1)
         nearest = self._tree.query(np.where(bad[:, None], 0.0, x))[1]
-        which = np.searchsorted(np.cumsum(sizes), nearest, side="right")
+        which = np.searchsorted(first, nearest, side="right") - 1
         which[bad] = -1
         place = np.full((len(x), 3), np.inf)
         for k in np.unique(which[~bad]):
             here = np.flatnonzero(which == k)
-            place[here] = _inverted(self.elements[k], x[here])
+            place[here] = _inverted(self.elements[k], x[here], nearest[here] - first[k])
         left = np.flatnonzero(np.abs(place).max(axis=1, initial=0.0) > 1.0)
         for k, element in enumerate(self.elements):
             flat = element.points.reshape(-1, 3)
@@ -181,7 +187,7 @@ class ElementGrid:
             in_box = np.all((x[left] >= low - room) & (x[left] <= high + room), axis=1)
             near = left[in_box & (which[left] != k)]
             if len(near):
-                found = _inverted(element, x[near])
+                found = _inverted(element, x[near], self._trees[k].query(x[near])[1])
                 better = np.abs(found).max(axis=1) < np.abs(place[near]).max(axis=1)
                 which[near[better]], place[near[better]] = k, found[better]
         outside = ~(np.abs(place).max(axis=1, initial=0.0) <= 1.0 + ELEMENTS.beyond)
@@ -203,22 +209,22 @@ class _Polynomials:
     def metric(self, x: Floats) -> Floats:
         out = np.empty((len(x), 6))
         for element, here, place in self._parts(x):
-            out[here] = _summed(_weights(element, place, self.dropped)[0], element.gamma)
+            out[here] = _interpolated(_weights(element, place, self.dropped), element.gamma)[0]
         return out[:, ENTRY]
 
     def gradient(self, x: Floats) -> Floats:
         out = np.empty((len(x), 3, 6))
         for element, here, place in self._parts(x):
-            slopes = _slopes(_weights(element, place, self.dropped), element.gamma)
-            map_slopes = _slopes(_weights(element, place, 0), element.points)
-            out[here] = np.einsum("nka,nac->nkc", np.linalg.inv(map_slopes), slopes)
+            _, slopes = _interpolated(_weights(element, place, self.dropped), element.gamma)
+            _, map_slopes = _interpolated(_weights(element, place, 0), element.points)
+            out[here] = np.linalg.solve(map_slopes, slopes)
         return out[:, :, ENTRY]
 
     def extrinsic_curvature(self, x: Floats) -> Floats:
         out = np.zeros((len(x), 6))
         for element, here, place in self._parts(x):
             if element.K is not None:
-                out[here] = _summed(_weights(element, place, self.dropped)[0], element.K)
+                out[here] = _interpolated(_weights(element, place, self.dropped), element.K)[0]
         return out[:, ENTRY]
 
     def error(self, quantity: Callable[[ThreeGeometry], Floats]) -> Floats:
@@ -232,15 +238,17 @@ class _Polynomials:
             yield self.grid.elements[k], here, place[here]
 
 
-def _inverted(element: Element, x: Floats) -> Floats:
-    """Places (n, 3) in the cube of an element of points (n, 3); infinite where there is none near it."""
-    index = np.unravel_index(cKDTree(element.points.reshape(-1, 3)).query(x)[1], element.points.shape[:3])
-    start = np.stack([nodes[i] for nodes, i in zip(element.nodes, index, strict=True)], axis=1)
-    out, left, place = np.full(x.shape, np.inf), np.arange(len(x)), start
+def _inverted(element: Element, x: Floats, nearest: Indices) -> Floats:
+    """Places (n, 3) in the cube of an element of points (n, 3), from the nearest of its nodes (n,).
+
+    Infinite where there is none in the cube or near it.
+    """
+    index = np.unravel_index(nearest, element.points.shape[:3])
+    place = np.stack([nodes[i] for nodes, i in zip(element.nodes, index, strict=True)], axis=1)
+    out, left = np.full(x.shape, np.inf), np.arange(len(x))
     for _ in range(ELEMENTS.steps):
-        weights = _weights(element, place, 0)
-        miss = x[left] - _summed(weights[0], element.points)
-        step = np.einsum("nka,nk->na", np.linalg.pinv(_slopes(weights, element.points)), miss)
+        there, slopes = _interpolated(_weights(element, place, 0), element.points)
+        step = _solved(slopes.transpose(0, 2, 1), x[left] - there)
         place = place + np.clip(step, -1.0, 1.0)
         found = np.abs(step).max(axis=1) < ELEMENTS.step
         out[left[found]] = place[found]
@@ -251,30 +259,35 @@ def _inverted(element: Element, x: Floats) -> Floats:
     return out
 
 
-def _summed(weights: Sequence[Floats], values: Floats) -> Floats:
-    """Values (nx, ny, nz, c) summed (n, c) with weights (n, nx), (n, ny) and (n, nz)."""
+def _solved(matrices: Floats, right: Floats) -> Floats:
+    """Solutions (n, 3) for matrices (n, 3, 3), which may be singular where a map is."""
+    try:
+        return np.asarray(np.linalg.solve(matrices, right[:, :, None])[:, :, 0], dtype=np.float64)
+    except np.linalg.LinAlgError:
+        return np.einsum("nij,nj->ni", np.linalg.pinv(matrices), right)
+
+
+def _interpolated(weights: tuple[list[Floats], list[Floats]], values: Floats) -> tuple[Floats, Floats]:
+    """Values (nx, ny, nz, c) at places (n, c), and derivatives (n, 3, c) along the axes of the cube."""
+    (x, y, z), (dx, dy, dz) = weights
     nx, ny, nz, c = values.shape
-    along_z = weights[2] @ np.ascontiguousarray(np.moveaxis(values, 2, 0)).reshape(nz, -1)
-    along_y = weights[1][:, None, None, :] @ along_z.reshape(-1, nx, ny, c)
-    return np.asarray((weights[0][:, None, :] @ along_y[:, :, 0])[:, 0])
-
-
-def _slopes(weights: tuple[list[Floats], list[Floats]], values: Floats) -> Floats:
-    """Derivatives (n, 3, c) of values (nx, ny, nz, c) along the axes of the cube."""
-    of_values, of_slopes = weights
-    return np.stack(
-        [_summed([*of_values[:k], of_slopes[k], *of_values[k + 1 :]], values) for k in range(3)], axis=1
-    )
+    flat = values.transpose(2, 0, 1, 3).reshape(nz, -1)
+    at_z, slope_z = ((w @ flat).reshape(-1, nx, ny * c) for w in (z, dz))
+    at_x, slope_x = ((w[:, None, :] @ at_z).reshape(-1, ny, c) for w in (x, dx))
+    at_x_slope_z = (x[:, None, :] @ slope_z).reshape(-1, ny, c)
+    parts = ((y, at_x), (y, slope_x), (dy, at_x), (y, at_x_slope_z))
+    value, *slopes = ((w[:, None, :] @ part)[:, 0] for w, part in parts)
+    return value, np.stack(slopes, axis=1)
 
 
 def _weights(element: Element, place: Floats, dropped: int) -> tuple[list[Floats], list[Floats]]:
     """Weights (n, nx), (n, ny) and (n, nz) of the values at the nodes, for a function and its derivatives."""
+    modes = legendre.legvander(place, max(map(len, element.nodes)) - 1)
     of_values, of_slopes = [], []
-    for nodes, along in zip(element.nodes, place.T, strict=True):
-        modes = legendre.legvander(along, len(nodes) - 1)
+    for k, nodes in enumerate(element.nodes):
         function, derivative = _modes(tuple(nodes), dropped)
-        of_values.append(modes @ function)
-        of_slopes.append(modes @ derivative)
+        of_values.append(modes[:, k, : len(nodes)] @ function)
+        of_slopes.append(modes[:, k, : len(nodes)] @ derivative)
     return of_values, of_slopes
 
 
