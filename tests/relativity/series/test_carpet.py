@@ -108,6 +108,14 @@ def test_groups_processes_and_components_make_no_difference(tmp_path, kerr, grou
     np.testing.assert_array_equal(read(tmp_path, x).gamma, read(kerr, x, 128).gamma)
 
 
+def test_files_of_their_own_for_iterations(tmp_path):
+    write_carpet(tmp_path, KERR, (LEVELS[0],))
+    for path in list(tmp_path.iterdir()):
+        path.rename(path.with_name(path.name.replace(".xyz", ".iter_0")))
+    (tmp_path / "gxx.iter_0.idx.h5").write_bytes(b"an index, which has no data")
+    assert read(tmp_path, sphere(2.6)).spacing == pytest.approx((0.4, 0.4, 0.4))
+
+
 def test_each_of_two_boxes_of_a_level_is_found(tmp_path):
     centers = np.array([[2.4, 0.0, 0.0], [-2.4, 0.4, 0.0]])
     write_carpet(tmp_path, KERR, (LEVELS[0], Level(0.1, tuple(cube(0.9, center) for center in centers), 2)))
@@ -202,7 +210,7 @@ def test_missing_fields_are_named(tmp_path, names, match):
 def test_a_missing_file_of_a_process_is_named(tmp_path):
     write_carpet(tmp_path, KERR, (LEVELS[1],), processes=3)
     (tmp_path / "gxy.xyz.file_1.h5").unlink()
-    with pytest.raises(FileError, match="the file gxy of the process 1 is missing: 3 processes wrote files"):
+    with pytest.raises(FileError, match="3 processes wrote files, but of gxy there are those of 2 only"):
         read(tmp_path, sphere(2.0))
 
 

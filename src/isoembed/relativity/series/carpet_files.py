@@ -24,7 +24,7 @@ from isoembed.relativity.spacetimes.slice_file import GAMMA, K
 
 CARPET_FILE = re.compile(
     r"(?P<stem>admbase-(?:metric|curv)|[gk](?:xx|xy|xz|yy|yz|zz))"
-    r"(?:\.xyz)?(?:\.file_(?P<process>\d+))?(?:\.xyz)?\.h5",
+    r"(?:\.xyz)?(?:\.iter_\d+)?(?:\.file_(?P<process>\d+))?(?:\.xyz)?\.h5",
     re.IGNORECASE,
 )
 DATA_SET = re.compile(
@@ -115,10 +115,10 @@ class _Folder:
         """Why its slices cannot be read; empty if they can."""
         wrote = max((file.processes for file in self.files), default=0)
         for stem, processes in self._processes.items():
-            if missing := set(range(wrote)) - processes:
+            if (there := len(processes)) < wrote:
+                folder = self.files[0].path.parent
                 return self._flaw or (
-                    f"{self.files[0].path.parent}: the file {stem} of the process {min(missing)} is missing: "
-                    f"{wrote} processes wrote files"
+                    f"{folder}: {wrote} processes wrote files, but of {stem} there are those of {there} only"
                 )
         return self._flaw
 
