@@ -79,7 +79,7 @@ def _built(corners: Indices, twins: Indices, lengths: Floats, r: Floats) -> Floa
                 queue[last] = t
                 last += 1
     for v in range(r.size):
-        x[v] /= max(np.sqrt((x[v] ** 2).sum()), 1e-300)
+        x[v] /= max(np.sqrt((x[v] * x[v]).sum()), 1e-300)
     return x
 
 
@@ -97,11 +97,12 @@ def _across(h: int, x: Floats, corners: Indices, twins: Indices, lengths: Floats
     l, b, c = lengths[h], lengths[following(h)], lengths[preceding(h)]
     along = (l + (c - b) * (c + b) / l) / 2  # of the third corner
     height = twice_area(l, b, c) / l
-    e = (x[j] - x[i]) / max(np.sqrt(((x[j] - x[i]) ** 2).sum()), 1e-300)
+    e = x[j] - x[i]
+    e /= max(np.sqrt((e * e).sum()), 1e-300)
     foot = _foot(h, corners, twins, lengths, r)
     w = x[i] + foot * e  # from the apex to the edge
     w -= (w * e).sum() * e
-    distance = max(np.sqrt((w**2).sum()), 1e-300)
+    distance = max(np.sqrt((w * w).sum()), 1e-300)
     w /= distance
     # Where the apex is in the plane of the triangle, left of the edge: |x_k|^2 = r_k^2.
     reach = (along - foot) * (along - foot) + height * height + distance * distance - r[k] * r[k]

@@ -137,7 +137,8 @@ def _star(h: int, mesh: HalfEdges) -> tuple[Indices, Indices, Indices, Points]:
     # What is missing of a full angle is the rounding of thin triangles, whose angles it moves the most.
     thin = 0.0
     for _ in range(edges):
-        thin += _slenderness(e, lengths) ** 2
+        slenderness = _slenderness(e, lengths)
+        thin += slenderness * slenderness
         e = twins[preceding(e)]
     missing = (2 * np.pi - total_angle(h, mesh)) / thin
     angle = 0.0
@@ -147,7 +148,8 @@ def _star(h: int, mesh: HalfEdges) -> tuple[Indices, Indices, Indices, Points]:
         if k >= 0:
             vertices[k], sides[k] = corners[side], side
             z[k] = polar(lengths[e], angle)
-        angle += corner_angle(e, lengths) + missing * _slenderness(e, lengths) ** 2
+        slenderness = _slenderness(e, lengths)
+        angle += corner_angle(e, lengths) + missing * (slenderness * slenderness)
         e = twins[preceding(e)]
     return vertices, faces, sides, z
 

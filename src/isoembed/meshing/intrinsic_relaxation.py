@@ -40,13 +40,14 @@ _FLIPS = compiled(INTRINSIC_FLIPS)
 _RELAXATION = compiled(RELAXATION)
 
 
-@kernel
 def angles_from_lengths(lengths: Floats) -> Floats:
-    """Angles (F, 3), in radians, 0 and pi where the lengths make no triangle."""
-    angles = np.empty(lengths.size)
-    for h in range(lengths.size):
-        angles[h] = corner_angle(h, lengths)
-    return angles.reshape(-1, 3)
+    """Angles (F, 3), in radians, 0 and pi where the lengths make no triangle: `angle_between` of arrays."""
+    sides = lengths.reshape(-1, 3)
+    third, s = np.roll(sides, 1, axis=1), np.roll(sides, -1, axis=1)
+    a, b = np.maximum(sides, third), np.minimum(sides, third)
+    mu = np.where(b >= s, s - (a - b), b - (a - s))
+    sine, cosine = (a - b + s) * mu, (a + (b + s)) * np.maximum(a - s + b, 0.0)
+    return np.asarray(2 * np.arctan2(np.sqrt(np.maximum(sine, 0.0)), np.sqrt(cosine)))
 
 
 def end_lengths(u: Floats, q: Floats, mesh: HalfEdges) -> None:
@@ -133,6 +134,11 @@ def flip_to_delaunay(u: Floats, mesh: HalfEdges) -> Indices:
 
 
 @kernel
+def _length(v: Floats) -> float:
+    return np.sqrt(v[0] * v[0] + v[1] * v[1] + v[2] * v[2])
+
+
+@kernel
 def relaxed(
     u: Floats, mesh: HalfEdges, density: Floats, moving: Mask, optimal: bool, factor: float
 ) -> Floats:
@@ -167,7 +173,7 @@ def relaxed(
         if not done[v]:
             done[v] = True
             moved[v] += _step(first, u, mesh, density, optimal, factor)
-            moved[v] /= np.sqrt(moved[v, 0] ** 2 + moved[v, 1] ** 2 + moved[v, 2] ** 2)
+            moved[v] /= _length(moved[v])
     keep = 0.5
     for attempt in range(9):
         turned = False
@@ -176,7 +182,7 @@ def relaxed(
                 turned = True
                 for v in corners[f : f + 3]:
                     moved[v] = u[v] + keep * (moved[v] - u[v])
-                    moved[v] /= np.sqrt(moved[v, 0] ** 2 + moved[v, 1] ** 2 + moved[v, 2] ** 2)
+                    moved[v] /= _length(moved[v])
         if not turned:
             return moved
         if attempt == 7:
@@ -235,7 +241,8 @@ def _step(first: int, u: Floats, mesh: HalfEdges, density: Floats, optimal: bool
                     # Signed: the circumcenter of an obtuse triangle lies outside.
                     area = side * (mx * cy - my * cx)
                     middle = 0.5 * (density[v] + density[neighbor])
-                    mass = area * ((density[v] + middle + mean) / 3.0) ** 2
+                    share = (density[v] + middle + mean) / 3.0
+                    mass = area * (share * share)
                     weight += mass
                     x += mass * (mx + cx) / 3.0
                     y += mass * (my + cy) / 3.0

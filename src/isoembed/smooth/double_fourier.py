@@ -13,14 +13,14 @@ from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
+from numpy.lib.stride_tricks import sliding_window_view
 from numpy.polynomial import legendre
 from numpy.typing import ArrayLike, NDArray
 
 from isoembed.arrays import Floats, Mask
 from isoembed.errors import InvalidMetric
-from isoembed.kernel import kernel
 from isoembed.meshing.sphere import angles_of
-from isoembed.thresholds import compiled, threshold
+from isoembed.thresholds import threshold
 
 Complexes = NDArray[np.complex128]
 
@@ -39,10 +39,10 @@ class DoubleFourierThresholds:
     finer: int = threshold(8, "relative", "Nodes of the table over those of the grid; half for large tables.")
     large: int = threshold(1 << 24, "count", "Numbers in a large table.")
     stencil: int = threshold(16, "count", "Nodes of the table, each way, of which a value is made: to 1e-12.")
+    together: int = threshold(256, "count", "Values that are made at once: their nodes fit into the cache.")
 
 
 DOUBLE_FOURIER = DoubleFourierThresholds()
-_T = compiled(DOUBLE_FOURIER)
 
 
 @dataclass(frozen=True, eq=False)
@@ -252,35 +252,31 @@ def _flat(part: Complexes) -> Complexes:
     return part.reshape(len(part), part.shape[1] * part.shape[2])
 
 
-@kernel
-def _weights(t: float, before: Floats, weights: Floats) -> None:
-    """Lagrange's, for t in [0, 1] and the nodes 1 - _T.stencil / 2, ..., _T.stencil / 2."""
-    first = 1 - _T.stencil // 2
-    before[0] = 1.0
-    for j in range(1, _T.stencil):
-        before[j] = before[j - 1] * (t - (first + j - 1)) / j
-    after = 1.0
-    for j in range(_T.stencil - 1, -1, -1):
-        weights[j] = before[j] * after
-        after *= -(t - (first + j)) / (_T.stencil - j)
+def _weights(t: Floats) -> Floats:
+    """Lagrange's (n, stencil), for t (n,) in [0, 1] and the nodes 1 - stencil / 2, ..., stencil / 2."""
+    stencil = DOUBLE_FOURIER.stencil
+    first = 1 - stencil // 2
+    weights, after = np.ones((stencil, t.size)), np.ones_like(t)
+    for j in range(1, stencil):
+        weights[j] = weights[j - 1] * (t - (first + j - 1)) / j
+    for j in range(stencil - 1, -1, -1):
+        weights[j] *= after
+        after *= -(t - (first + j)) / (stencil - j)
+    return np.ascontiguousarray(weights.T)
 
 
-@kernel
 def _interpolated(table: Floats, rows: Floats, columns: Floats) -> Floats:
-    """Values (n, c) at fractional places in the inside of a table (rows, columns, c)."""
+    """Values (n, c) at fractional places (n,) in the inside of a table (rows, columns, c)."""
     n_rows, n_columns, count = table.shape
-    margin = _T.stencil // 2
-    values = np.zeros((len(rows), count))
-    before, w_row, w_column = np.empty(_T.stencil), np.empty(_T.stencil), np.empty(_T.stencil)
-    for k in range(len(rows)):
-        i = min(int(rows[k]), n_rows - 2 * margin - 2)
-        j = min(int(columns[k]), n_columns - 2 * margin - 2)
-        _weights(rows[k] - i, before, w_row)
-        _weights(columns[k] - j, before, w_column)
-        for a in range(_T.stencil):
-            for c in range(count):
-                total = 0.0
-                for b in range(_T.stencil):
-                    total += w_column[b] * table[i + 1 + a, j + 1 + b, c]
-                values[k, c] += w_row[a] * total
+    stencil = DOUBLE_FOURIER.stencil
+    i = np.minimum(rows.astype(np.int64), n_rows - stencil - 2)
+    j = np.minimum(columns.astype(np.int64), n_columns - stencil - 2)
+    w_row, w_column = _weights(rows - i), _weights(columns - j)
+    windows = sliding_window_view(table.reshape(n_rows, -1), (stencil, stencil * count))
+    values = np.empty((len(rows), count))
+    for start in range(0, len(rows), DOUBLE_FOURIER.together):
+        some = slice(start, start + DOUBLE_FOURIER.together)
+        nodes = windows[i[some] + 1, (j[some] + 1) * count]
+        across = (w_row[some, None] @ nodes).reshape(-1, stencil, count)
+        values[some] = (w_column[some, None] @ across)[:, 0]
     return values

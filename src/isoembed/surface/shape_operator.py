@@ -145,7 +145,7 @@ def _fit(
                 _set_tensors(system[needed : needed + right, :needed], x, y, normal, tensors)
                 operators[v] = -tensors[0] / spacing[v]
                 for j in range(1, right):
-                    hessians[v, j - 1] = tensors[j] / spacing[v] ** 2
+                    hessians[v, j - 1] = tensors[j] / (spacing[v] * spacing[v])
                 break
 
 
@@ -191,7 +191,7 @@ def _solved(chart: Floats, known: Floats, degree: int, system: Floats) -> bool:
     for c in range(size):
         column = system[c]
         whole, left = dot(column, column), dot(column[c:], column[c:])
-        if left <= _T.dependent**2 * whole:
+        if left <= _T.dependent * _T.dependent * whole:
             return False
         diagonal = -np.sqrt(left) if column[c] > 0 else np.sqrt(left)
         column[c] -= diagonal
