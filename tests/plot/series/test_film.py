@@ -55,6 +55,12 @@ def test_the_picture_does_not_jump_where_one_is_lost_for_a_moment():
     assert min(sizes) > 0.99 * max(sizes)
 
 
+def test_one_horizon_is_one_image(tmp_path):
+    write_series_film(tmp_path / "one.gif", [embedded("ah1", 0, 0)])
+    with Image.open(tmp_path / "one.gif") as file:
+        assert (file.n_frames, file.size) == (1, (720, 600))
+
+
 def test_the_same_results_make_the_same_bytes(film, tmp_path):
     write_series_film(tmp_path / "again.gif", merger()[::-1])
     assert (tmp_path / "again.gif").read_bytes() == film.read_bytes()

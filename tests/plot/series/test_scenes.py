@@ -47,8 +47,9 @@ def test_of_many_times_evenly_many_are_taken():
     assert [at for at, *_ in seen(results, 5)] == [0, 5, 10, 15, 20]
 
 
-def test_a_horizon_around_others_is_a_shell():
+def test_horizons_around_others_are_shells_from_the_innermost_outward():
     inner = [embedded("ah1", 0, 0, center=HERE), embedded("ah2", 0, 0, center=THERE)]
-    common = embedded("ah3", 0, 0, center=(0, 0, 0), half_axes=(4, 3, 3))
-    (scene,) = scenes(PlacedHorizons.of([*inner, common]))
-    assert [shell.row.series for shell in scene.shells] == ["ah3"]
+    outer = embedded("ah3", 0, 0, center=(0, 0, 0), half_axes=(5, 4, 4))
+    between = embedded("ah4", 0, 0, center=(0, 0, 0), half_axes=(4, 3, 3))
+    (scene,) = scenes(PlacedHorizons.of([*inner, outer, between]))
+    assert [shell.row.series for shell in scene.shells] == ["ah4", "ah3"]

@@ -1,6 +1,6 @@
 "use strict";
 {
-// ---------------------------------------------------------------------------------------------- the data
+// -------- the data
 
 /** @type {(id: string) => any} */
 const $ = (id) => document.getElementById(id);
@@ -41,7 +41,7 @@ const meshes = data.meshes.map((entry) => {
   };
 });
 
-// -------------------------------------------------------------------------------------------- the state
+// -------- the state
 
 const foldable = frames.some(({ concave: bits }) => bits); // whether edges are told to be concave
 const still = data.camera; // the first view: rows right, up, toward the viewer
@@ -60,7 +60,7 @@ let concave; // edges, a bit each
 let low = 0, high = 1; // where the colors begin and end
 let dirty = true, hovered = -1, pointed = -1; // a vertex, a triangle
 
-// ------------------------------------------------------------------------------------------- words
+// -------- words
 
 /** @type {Record<string, string>} */
 const RAISED = { "-": "⁻", 0: "⁰", 1: "¹", 2: "²", 3: "³", 4: "⁴", 5: "⁵", 6: "⁶", 7: "⁷", 8: "⁸", 9: "⁹" };
@@ -77,7 +77,7 @@ function written(x, digits = 4) {
 
 const meant = (s) => (shown.quantity.scale === "log" ? 10 ** s : s); // a stored value
 
-// ------------------------------------------------------------------------------------------- WebGL
+// -------- WebGL
 
 /** @type {HTMLCanvasElement} */
 const canvas = $("canvas");
@@ -285,7 +285,7 @@ function upload() { // the frame and its colors
   gl.texImage2D(gl.TEXTURE_2D, 0, gl.RGBA32F, 1024, rows, 0, gl.RGBA, gl.FLOAT, texels);
 }
 
-// ------------------------------------------------------------------------------------------- the picture
+// -------- the picture
 
 function fit() { // the size of the canvas, and of the half diameter in it, in pixels
   const { clientWidth: w, clientHeight: h } = canvas, [halfWidth, halfHeight] = seen;
@@ -387,7 +387,7 @@ function tick() {
   requestAnimationFrame(tick);
 }
 
-// --------------------------------------------------------------------------------- what the colors say
+// -------- what the colors say
 
 function select() { // take the frame and the quantity
   const frame = frames[shown.frame], { name, scale: kind, at } = shown.quantity;
@@ -469,7 +469,7 @@ function moment() {
   $("frame").setAttribute("aria-valuetext", [stage, ...words, ...told].join(", "));
 }
 
-// ------------------------------------------------------------------------------------ turning and zooming
+// -------- turning and zooming
 
 function turn(across, level, twist) { // by angles about the upright axis, the level one and the line of sight
   const angle = Math.hypot(across, level, twist);
@@ -559,7 +559,7 @@ const KEYS = {
   "+": () => zoom(1.15), "=": () => zoom(1.15), "-": () => zoom(1 / 1.15), 0: reset,
 };
 
-// ------------------------------------------------------------------------------------ the vertex pointed at
+// -------- the vertex pointed at
 
 /** @type {Float32Array | null} */
 let placed = null; // the vertices on the screen: pixels from the center, and nearness
@@ -619,7 +619,7 @@ function point() { // mark the vertex, and say what it is
   Object.assign($("tip").style, { left: `${left}px`, top: `${top > 4 ? top : y + 14}px` });
 }
 
-// ------------------------------------------------------------------------------------------------ the film
+// -------- the film
 
 let playing = 0; // the time of the next frame
 
@@ -656,7 +656,7 @@ function show(frame) {
   select();
 }
 
-// ----------------------------------------------------------------------------------------------- beginning
+// -------- beginning
 
 function dark() {
   return getComputedStyle(document.documentElement).colorScheme === "dark" ||

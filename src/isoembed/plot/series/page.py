@@ -90,7 +90,7 @@ def _document(placed: PlacedHorizons, title: str) -> Document:
     pause = round(1000 * min(SERIES_PAGE.pause, SERIES_PAGE.length / len(shown)))
     for scene in shown:
         shells = scene.shells
-        horizons = sorted(scene.shown, key=lambda one: one in shells)
+        horizons = [one for one in scene.shown if one not in shells] + list(shells)
         first = np.cumsum([0] + [len(one.vertices) for one in horizons])
         faces = np.concatenate([one.faces + k for one, k in zip(horizons, first, strict=False)] or [NO_FACES])
         solid = sum(len(one.faces) for one in horizons if one not in shells)
