@@ -67,6 +67,7 @@ def test_choices(tmp_path):
     assert read_spectre(path, "AhA.vol", -1).time == 0.3
     assert read_spectre(path, "AhA", np.int64(1)).time == 0.2
     assert read_spectre(path, "AhA", 0.3).time == 0.3
+    assert read_spectre(path, "AhA", "ObservationId102").time == 0.1
     assert read_spectre(path, "Nested/AhB").time == 7.0
 
 
@@ -76,6 +77,7 @@ def test_choices(tmp_path):
         ((), "holds several surfaces: choose one of AhA, AhB, by surface"),
         (("AhC",), "holds no surface AhC, but AhA, AhB"),
         (("AhA",), "AhA holds 2 observations: choose one of t = 0.1, 0.3, by observation"),
+        (("AhA", "ObservationId6"), "AhA holds no observation ObservationId6$"),
         (("AhA", 2), "AhA holds no observation 2, but 2, t = 0.1, 0.3"),
         (("AhA", 2.0), "AhA holds no observation t = 2, but t = 0.1, 0.3"),
     ],

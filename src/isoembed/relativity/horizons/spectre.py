@@ -29,7 +29,7 @@ COORDINATES = tuple(f"InertialCoordinates_{axis}" for axis in "xyz")
 
 
 def read_spectre(
-    path: str | os.PathLike[str], surface: str | None = None, observation: float | None = None
+    path: str | os.PathLike[str], surface: str | None = None, observation: float | str | None = None
 ) -> CoordinateShape:
     """Read one surface at one time.
 
@@ -40,9 +40,9 @@ def read_spectre(
         of the collocation points (Gauss-Legendre in theta, equiangular in phi) and scalars there.
     surface : str, optional
         Its name, with or without ``.vol``; may be left out if there is one only.
-    observation : int or float, optional
+    observation : int, float or str, optional
         An int counts observations in the order of time, from 0, or from the end if it is negative; a float
-        is the time itself.  May be left out if there is one only.
+        is the time itself; a str is the name of the group.  May be left out if there is one only.
 
     Returns
     -------
@@ -77,7 +77,7 @@ def read_spectre(
 
 
 def spectre_tables(
-    path: str | os.PathLike[str], surface: str | None = None, observation: float | None = None
+    path: str | os.PathLike[str], surface: str | None = None, observation: float | str | None = None
 ) -> tuple[dict[str, NDArray[Any]], str, float]:
     """All numbers that a file has of one surface at one time, the name of the surface, and the time.
 
@@ -89,8 +89,10 @@ def spectre_tables(
         return numbers_in(observed, path), name, time
 
 
-def spectre_times(path: str | os.PathLike[str]) -> dict[str, list[float]]:
-    """Times of the surfaces of a file, in order, by their names; none of a file of another kind.
+def spectre_times(path: str | os.PathLike[str]) -> dict[str, list[tuple[float, str]]]:
+    """Times of the surfaces of a file, in order, and the names of their groups, by the names of the surfaces.
+
+    There are none in a file of another kind.
 
     Raises
     ------
@@ -98,7 +100,10 @@ def spectre_times(path: str | os.PathLike[str]) -> dict[str, list[float]]:
         It cannot be read.
     """
     with opened(path) as given, given.hdf5() as file:
-        return {name: [time for time, _ in _observations(group)] for name, group in _surfaces(file).items()}
+        return {
+            name: [(time, one.name.rsplit("/", 1)[1]) for time, one in _observations(group)]
+            for name, group in _surfaces(file).items()
+        }
 
 
 def _recognizes(file: InputFile) -> bool:
@@ -146,7 +151,11 @@ def _chosen_surface(surfaces: dict[str, Any], surface: str | None, source: str) 
     return surfaces[name], name
 
 
-def _chosen_observation(group: Any, observation: float | None, source: str) -> tuple[Any, float]:
+def _chosen_observation(group: Any, observation: float | str | None, source: str) -> tuple[Any, float]:
+    if isinstance(observation, str):
+        if observation not in group or "observation_value" not in group[observation].attrs:
+            raise FileError(f"{source} holds no observation {observation}")
+        return group[observation], float(group[observation].attrs["observation_value"])
     timed = _observations(group)
     times = np.array([time for time, _ in timed])
     listed = ", ".join(f"{time:g}" for time in times) or "none"

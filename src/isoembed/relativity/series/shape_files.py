@@ -77,10 +77,10 @@ def _may_be_shape(path: Path) -> bool:
         with InputFile(path) as file:
             if ending not in HDF5_ENDINGS:
                 return GAMMA[0] not in file.names
+            if spectre_times(file):
+                return True
             with file.hdf5() as contents:
-                groups = groups_in(contents).values()
-                points = any(name in group for group in groups for name in SHAPES)
-            return points or bool(spectre_times(file))
+                return any(name in group for group in groups_in(contents).values() for name in SHAPES)
     except FileError:
         return True  # reading will say why
 
@@ -110,11 +110,11 @@ def _many(path: str) -> list[ListedShape]:
     if input_ending(path) not in HDF5_ENDINGS:
         return []
     out = [
-        ListedShape(surface, None, time, SpectreShape(path, surface, time))
+        ListedShape(surface, None, time, SpectreShape(path, surface, time, group))
         for surface, times in spectre_times(path).items()
-        for time in times
+        for time, group in times
     ]
-    for group, (times, iterations) in horizon_times(path).items():
+    for group, (times, iterations) in ({} if out else horizon_times(path)).items():
         series = group or name_parts(path).series
         out += [
             ListedShape(series, iterations[k] if iterations else None, time, ShapeAtIndex(path, group, k))

@@ -81,11 +81,14 @@ class SpectreShape:
     path : str
     surface : str
     time : float
+    group : str
+        The name of the observation: among thousands none is looked for by its time.
     """
 
     path: str
     surface: str
     time: float
+    group: str
 
     @property
     def name(self) -> str:
@@ -95,9 +98,9 @@ class SpectreShape:
     def digest(self) -> str:
         """Hash of the data of this surface at this time: see `Source`."""
         with unchanged(self.path):
-            return arrays_digest(sorted(spectre_tables(self.path, self.surface, self.time)[0].items()))
+            return arrays_digest(sorted(spectre_tables(self.path, self.surface, self.group)[0].items()))
 
     def read(self) -> CoordinateShape | SurfaceData:
         """See `Source`."""
         with unchanged(self.path):
-            return read_spectre(self.path, self.surface, self.time)
+            return read_spectre(self.path, self.surface, self.group)
