@@ -46,6 +46,7 @@ from isoembed.relativity.spacetimes.boyer_lindquist import BoyerLindquist
 from isoembed.relativity.spacetimes.cartesian_grid import CartesianGrid
 from isoembed.relativity.spacetimes.closed_form import kerr_surface
 from isoembed.relativity.spacetimes.conformally_flat import BrillLindquist, IsotropicSchwarzschild
+from isoembed.relativity.spacetimes.element_grid import Element, ElementGrid
 from isoembed.relativity.spacetimes.kerr import (
     KerrNewmanErgosphere,
     KerrNewmanHorizon,
@@ -57,6 +58,7 @@ from isoembed.relativity.spacetimes.kerr_schild import KerrSchild
 from isoembed.relativity.spacetimes.mapped_surface import MappedSurface
 from isoembed.relativity.spacetimes.painleve_gullstrand import PainleveGullstrand
 from isoembed.relativity.spacetimes.slice_file import read_cartesian_grid
+from isoembed.relativity.spacetimes.spectre_volume import read_spectre_volume
 from isoembed.relativity.spacetimes.star_surface import StarSurface
 from isoembed.relativity.spacetimes.surface import Surface
 from isoembed.relativity.spacetimes.surface_data import SurfaceData
@@ -73,6 +75,8 @@ __all__ = [
     "Circumferences",
     "CoordinateShape",
     "CurvatureCheck",
+    "Element",
+    "ElementGrid",
     "EmbeddedSurface",
     "Energies",
     "ExpansionTest",
@@ -124,6 +128,7 @@ __all__ = [
     "read_metric_grid",
     "read_metric_or_grid",
     "read_spectre",
+    "read_spectre_volume",
     "smarr_limit",
     "unembedded_report",
     "wang_yau",
