@@ -158,7 +158,7 @@ def metric_components(metric):
             "none/gxx.{iteration}.h5",
             r"no file is named like \S+: there is no folder \S+none$",
         ),
-        (["h.t0.ah1.gp"], "none.npz", r"there is no file \S+none\.npz"),
+        (["h.t0.ah1.gp"], "none.npz", r"there is no file or folder \S+none\.npz"),
         (["h.t0.ah1.gp"], "AhA.npz", r"\S+AhA\.npz has no gxx, nor SpatialMetric_xx"),
         (["h.t7.ah1.gp"], "gxx.{iteration}.npz", r"there is no file \S+h\.t7\.ah1\.gp"),
         (
@@ -195,3 +195,33 @@ def test_what_is_there_twice(tmp_path):
         moments(paths, KerrSchild(1.0, (0, 0, 0)))
     with pytest.raises(FileError, match=r"there is no horizon AhA, but ah1"):
         moments(paths, KerrSchild(1.0, (0, 0, 0)), surface="AhA")
+
+
+def test_folders_of_something_else(tmp_path):
+    """No simulation is looked for where none can be: kuibit need not be there."""
+    write_shapes(tmp_path)
+    for name in ("empty", "slices"):
+        (tmp_path / name).mkdir()
+    write_slices(tmp_path / "slices", steps=(0,))
+    (slice_,) = (tmp_path / "slices").iterdir()
+    for given, geometry, sentence in (
+        (
+            tmp_path,
+            tmp_path / "empty",
+            r"there are no files of slices in \S+: there are no files in \S+empty$",
+        ),
+        (tmp_path / "slices", slice_, r"no files of horizons in \S+: in \S+slices there are gxx\.0\.npz$"),
+        (tmp_path / "empty", slice_, r"no files of horizons in \S+: there are no files in \S+empty$"),
+        (
+            tmp_path,
+            "kerr-shild",
+            r"there is no file or folder kerr-shild, nor a slice in closed form of that",
+        ),
+        (tmp_path, None, r"h\.t0\.ah1\.gp holds .*: name it with --geometry$"),
+    ):
+        with pytest.raises(FileError, match=sentence):
+            moments([given], geometry)
+    with pytest.raises(
+        InvalidParameter, match=r"gxx\.0\.npz holds slices, not horizons: it goes with --geometry"
+    ):
+        moments([slice_], slice_)

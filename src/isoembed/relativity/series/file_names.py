@@ -8,6 +8,8 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from isoembed.errors import InvalidParameter
+from isoembed.io.files import FileError
+from isoembed.io.hdf5 import enumerated
 
 INTEGER = r"\d+"
 DECIMAL = r"[+-]?\d+(?:\.\d*)?(?:[eE][+-]?\d+)?"
@@ -107,3 +109,25 @@ def matching_files(pattern: str) -> list[tuple[str, int | None, float | None]]:
         if all(not spec or format(values[name], spec) == match[name] for name, spec in formats.items()):
             out.append((path, iteration, time))
     return out
+
+
+def files_in(folder: str | os.PathLike[str]) -> list[Path]:
+    """Files right inside a folder, by name.
+
+    Raises
+    ------
+    FileError
+        It cannot be read.
+    """
+    try:
+        return sorted(path for path in Path(folder).iterdir() if path.is_file())
+    except OSError as error:
+        raise FileError(f"cannot read the folder {folder}: {error.strerror}") from None
+
+
+def listing_of(folder: str | os.PathLike[str]) -> str:
+    """What files are in a folder, in words, for refusals."""
+    if not os.path.isdir(folder):
+        return f"there is no folder {folder}"
+    names = [path.name for path in files_in(folder)]
+    return f"in {folder} there are {enumerated(names)}" if names else f"there are no files in {folder}"

@@ -2,13 +2,14 @@
 
 import os
 from collections.abc import Callable, Sequence
+from pathlib import Path
 from typing import Any
 
 from isoembed.errors import InvalidMetric, InvalidParameter
 from isoembed.io.files import FileError, input_ending
-from isoembed.io.hdf5 import enumerated
+from isoembed.io.hdf5 import HDF5_ENDINGS, enumerated
 from isoembed.relativity.horizons.coordinate_shape import CoordinateShape
-from isoembed.relativity.series.file_names import is_pattern
+from isoembed.relativity.series.file_names import is_pattern, listing_of
 from isoembed.relativity.series.matching import matched, ordered
 from isoembed.relativity.series.moment import ListedShape, ListedSlice, Moment
 from isoembed.relativity.series.shape_files import SHAPE, shape_files_in, shapes_in_files
@@ -17,6 +18,7 @@ from isoembed.relativity.series.slice_files import slices_in_file, slices_in_fol
 from isoembed.relativity.series.source import HeldSlice, MissingSlice, SliceSource
 from isoembed.relativity.spacetimes.three_geometry import ThreeGeometry
 
+GRIDS = (*HDF5_ENDINGS, ".bp", ".bp4", ".bp5")  # of three-dimensional data of the Einstein Toolkit
 Path_ = str | os.PathLike[str]
 Simulation = tuple[list[ListedShape], list[ListedSlice]]
 
@@ -71,10 +73,12 @@ def moments(
             shapes += shapes_in_files([given])
             continue
         files = [] if is_run else shape_files_in(given)
-        whole = geometry is None and any(input_ending(path) == SHAPE for path in files)
-        if files and not whole:
+        coordinates = any(input_ending(path) == SHAPE for path in files)
+        if files and not (geometry is None and coordinates and _holds(given, GRIDS)):
             shapes += shapes_in_files(files)
             continue
+        if not is_run and not _holds(given, (SHAPE,)):
+            raise FileError(f"there are no files of horizons in {given}: {listing_of(given)}")
         found = simulation_in(given)
         shapes += found[0]
         slices += found[1] if geometry is None else []
@@ -118,13 +122,23 @@ def _slices(
     if not isinstance(geometry, str | os.PathLike):
         return HeldSlice(geometry), []
     if os.path.isdir(geometry):
-        return None, slices_in_folder(geometry) or simulation_in(geometry)[1]
-    if is_pattern(str(geometry)) and not os.path.exists(geometry):
-        return None, slices_of_pattern(str(geometry))
+        slices = slices_in_folder(geometry)
+        if not slices and not _holds(geometry, GRIDS):
+            raise FileError(f"there are no files of slices in {geometry}: {listing_of(geometry)}")
+        return None, slices or simulation_in(geometry)[1]
+    if not os.path.exists(geometry):
+        if is_pattern(str(geometry)):
+            return None, slices_of_pattern(str(geometry))
+        raise FileError(f"there is no file or folder {geometry}, nor a slice in closed form of that name")
     slices = slices_in_file(geometry)
     if len(slices) == 1 and slices[0].iteration is None and slices[0].time is None:
         return slices[0].source, []
     return None, slices
+
+
+def _holds(folder: Path_, endings: Sequence[str]) -> bool:
+    """Whether there are files with some endings in a folder, or in folders in it."""
+    return any(input_ending(path) in endings for path in Path(folder).rglob("*"))
 
 
 def _refuse_coordinates(shapes: list[ListedShape]) -> None:

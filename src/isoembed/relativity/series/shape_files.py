@@ -10,6 +10,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from isoembed.errors import InvalidParameter
 from isoembed.io.files import FileError, input_ending
 from isoembed.io.hdf5 import HDF5_ENDINGS, groups_in
 from isoembed.io.input_file import InputFile
@@ -17,10 +18,11 @@ from isoembed.io.registry import MESH_ENDINGS
 from isoembed.relativity.horizons.grid_file import ARRAY_ENDINGS
 from isoembed.relativity.horizons.spectre import spectre_times
 from isoembed.relativity.horizons.time_axis import SHAPES, horizon_times
-from isoembed.relativity.series.file_names import DECIMAL, INTEGER, name_parts
+from isoembed.relativity.series.file_names import DECIMAL, INTEGER, files_in, name_parts
 from isoembed.relativity.series.moment import ListedShape
 from isoembed.relativity.series.shape_sources import ShapeAtIndex, ShapeFile, SpectreShape
-from isoembed.relativity.spacetimes.slice_file import GAMMA
+from isoembed.relativity.spacetimes.slice_file import instants
+from isoembed.relativity.spacetimes.spectre_volume import volume_times
 
 SHAPE, NUMBER = ".gp", re.compile(r"\bah\d+\b")  # of AHFinderDirect
 DIAGNOSTICS = "BH_diagnostics"
@@ -43,6 +45,8 @@ def shapes_in_files(paths: Iterable[str | os.PathLike[str]]) -> list[ListedShape
     ------
     FileError
         There is no such file.
+    InvalidParameter
+        A file holds slices.
     """
     out: list[ListedShape] = []
     times: dict[Path, dict[int, float]] = {}  # by folder
@@ -64,7 +68,7 @@ def shapes_in_files(paths: Iterable[str | os.PathLike[str]]) -> list[ListedShape
 
 def shape_files_in(folder: str | os.PathLike[str]) -> list[Path]:
     """Files right inside a folder that may hold horizons, by name."""
-    return [path for path in sorted(Path(folder).iterdir()) if path.is_file() and _may_be_shape(path)]
+    return [path for path in files_in(folder) if _may_be_shape(path)]
 
 
 def _may_be_shape(path: Path) -> bool:
@@ -74,9 +78,9 @@ def _may_be_shape(path: Path) -> bool:
     if ending not in ARRAY_ENDINGS:
         return ending in MESH_ENDINGS
     try:
+        if ending not in HDF5_ENDINGS:
+            return not holds_slices(path)
         with InputFile(path) as file:
-            if ending not in HDF5_ENDINGS:
-                return GAMMA[0] not in file.names
             if spectre_times(file):
                 return True
             with file.hdf5() as contents:
@@ -93,12 +97,25 @@ def _listed(path: str) -> list[ListedShape]:
         with contextlib.suppress(FileError):  # reading will say why
             if many := _many(path):
                 return many
+            if holds_slices(path):
+                raise InvalidParameter(f"{path} holds slices, not horizons: it goes with --geometry")
             with InputFile(path) as file:
                 there = file.some(INSTANT)
             there = {name: values for name, values in there.items() if _is_number(values)}
             iteration = int(there["iteration"].item()) if "iteration" in there else iteration
             time = float(there["time"].item()) if "time" in there else time
     return [ListedShape(series, iteration, time, ShapeFile(path))]
+
+
+def holds_slices(path: str | os.PathLike[str]) -> bool:
+    """Whether a file of arrays holds slices.
+
+    Raises
+    ------
+    FileError
+        It cannot be read.
+    """
+    return bool(instants(path)) or (input_ending(path) in HDF5_ENDINGS and bool(volume_times(path)))
 
 
 def _is_number(values: NDArray[Any]) -> bool:

@@ -9,9 +9,9 @@ from pathlib import Path
 from isoembed.arrays import Floats
 from isoembed.io.digest import arrays_digest, file_digest, file_state, unchanged
 from isoembed.io.files import FileError, input_ending
-from isoembed.io.hdf5 import HDF5_ENDINGS, enumerated
+from isoembed.io.hdf5 import HDF5_ENDINGS
 from isoembed.relativity.series.carpet_files import CARPET_FILE
-from isoembed.relativity.series.file_names import matching_files, name_parts
+from isoembed.relativity.series.file_names import files_in, listing_of, matching_files, name_parts
 from isoembed.relativity.series.moment import ListedSlice
 from isoembed.relativity.series.spectre_slices import spectre_slices
 from isoembed.relativity.spacetimes.slice_file import (
@@ -68,8 +68,7 @@ def slices_of_pattern(pattern: str) -> list[ListedSlice]:
     """
     found = matching_files(pattern)
     if not found:
-        folder = Path(pattern).parent
-        raise FileError(f"no file is named like {pattern}: {_there(folder)}")
+        raise FileError(f"no file is named like {pattern}: {listing_of(Path(pattern).parent)}")
     out = []
     for path, iteration, time in found:
         there = []
@@ -87,8 +86,8 @@ def slices_in_folder(folder: str | os.PathLike[str]) -> list[ListedSlice]:
     anything.
     """
     whole, damaged, others = [], [], []
-    for path in sorted(Path(folder).iterdir()):
-        if input_ending(path) not in SLICE_ENDINGS or not path.is_file():
+    for path in files_in(folder):
+        if input_ending(path) not in SLICE_ENDINGS:
             continue
         parts = name_parts(path)
         named = Instant(parts.iteration, parts.time, None)
@@ -131,14 +130,6 @@ def _listed(path: str, first: Instant, second: Instant) -> ListedSlice:
         second.time if first.time is None else first.time,
         GridSlice(path, second.index),
     )
-
-
-def _there(folder: Path) -> str:
-    """What is in a folder, in words."""
-    if not folder.is_dir():
-        return f"there is no folder {folder}"
-    names = sorted(path.name for path in folder.iterdir())
-    return f"in {folder} there are {enumerated(names)}" if names else f"{folder} is empty"
 
 
 @lru_cache(maxsize=64)
