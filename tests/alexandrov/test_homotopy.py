@@ -5,11 +5,13 @@ import pytest
 
 import zoo
 from isoembed import PolyhedralMetric, embed
-from isoembed.alexandrov.homotopy import follow_path
+from isoembed.alexandrov import homotopy
+from isoembed.alexandrov.homotopy import HOMOTOPY, follow_path
 from isoembed.alexandrov.newton import Analyses, Solution, newton
 from isoembed.alexandrov.pins import independent_directions
 from isoembed.alexandrov.placement import placed, polished
 from isoembed.alexandrov.polytope import Polytope
+from isoembed.intrinsic.flips import flip
 from isoembed.metric.curvature import deficits
 from isoembed.metric.glued import GluedMetric
 from isoembed.progress.stages import Log
@@ -104,3 +106,29 @@ def test_the_pins_see_the_apex_at_right_angles():
     pins = independent_directions(Polytope.over(tables, np.ones(len(vertices))), vertices)
     products = vertices[pins] @ vertices[pins].T
     assert np.abs(products - np.eye(3)).max() < 0.2
+
+
+def test_a_path_that_ends_within_reach_of_newtons_method(monkeypatch):
+    tables, deficits = problem(*zoo.random_hull(60, 3))
+    whole = homotopy._path
+
+    def ended(here, deficits, *rest):
+        for p in whole(here, deficits, *rest):
+            yield p
+            if np.abs(p.curvatures).max() <= HOMOTOPY.close * deficits.max():
+                return
+
+    monkeypatch.setattr(homotopy, "_path", ended)
+    with Log().stage("polytope") as recorder:
+        *_, last = follow_path(tables, deficits, recorder, near=np.full(60, 1e-9))
+    assert isinstance(last, Solution)
+
+
+def test_triangles_that_did_not_change_are_analyzed_once():
+    tables, _ = problem(*zoo.random_hull(60, 3), scrambled=0)
+    analyses, p = Analyses.of(tables), Polytope.over(tables, np.full(60, 50.0))
+    first = analyses.solver(p.jacobian())
+    assert analyses.solver(p.jacobian()) is first
+    flipped = tables.copy()
+    assert any(flip(h, flipped, 0.0) for h in range(flipped.corners.size))
+    assert analyses.solver(Polytope.on(flipped, p.radii).jacobian()) is not first

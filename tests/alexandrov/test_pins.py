@@ -1,5 +1,7 @@
 """Which three radii are pinned."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from scipy.linalg import orthogonal_procrustes
@@ -68,3 +70,16 @@ def test_prisms_with_a_low_roof_are_found(n, height, roof, roll):
     vertices, faces = zoo.outward_hull(np.roll(points, roll, axis=0))
     found = embed(PolyhedralMetric.from_mesh(vertices, faces), method="alexandrov")
     assert zoo.aligned(found.vertices, vertices) < 1e-9 * height
+
+
+def test_a_vertex_at_the_mean_has_no_direction_and_is_no_pin():
+    points = np.random.default_rng(0).normal(size=(1200, 3))
+    p, _ = polytope(*zoo.outward_hull(points / np.linalg.norm(points, axis=1, keepdims=True)))
+    dissection = dissect(p.jacobian())
+    position = dissection.position - dissection.position.mean(axis=0)
+    position[5] = 0.0
+    position[6] -= position.sum(axis=0)
+    directions = rough_directions(p, replace(dissection, position=position))
+    assert np.isfinite(directions).all()
+    pins = independent_directions(p, directions)
+    assert np.linalg.norm(directions[pins], axis=1) == pytest.approx(np.ones(3))

@@ -98,3 +98,47 @@ def test_what_is_no_polytope():
         Polytope.over(tables, np.array([9.0, 1, 1, 1, 1, 1])) is None
     )  # longer than the triangle inequality
     assert Polytope.over(tables, np.full(6, np.nan)) is None
+
+
+def curvatures_by_cosines(tables, radii):
+    """Those of the law of cosines, corner by corner."""
+
+    def cosine(a, b, across):
+        return (a * a + b * b - across * across) / (2 * a * b)
+
+    kappa = np.full(radii.size, 2 * np.pi)
+    for face, sides in zip(tables.faces, tables.face_lengths, strict=True):
+        for c in range(3):
+            i, j, k = np.roll(face, -c)
+            a, b, third = np.roll(sides, -c)  # ij, jk, ki
+            here, left, right = (
+                cosine(a, third, b),
+                cosine(radii[i], a, radii[j]),
+                cosine(radii[i], third, radii[k]),
+            )
+            kappa[i] -= np.arccos((here - left * right) / np.sqrt((1 - left**2) * (1 - right**2)))
+    return kappa
+
+
+@pytest.mark.parametrize("n", [3, 7, 60, 700])
+def test_angles_add_up_however_many_they_are(n):
+    angle = 2 * np.pi * np.arange(n) / n
+    ring = np.column_stack([np.cos(angle), np.sin(angle), 0 * angle])
+    tables = tables_of(*zoo.outward_hull(np.vstack([ring, [[0, 0, 0.4], [0, 0, -0.3]]])))
+    radii = np.random.default_rng(n).uniform(3.0, 3.0 + 0.1 / n, n + 2)
+    p = Polytope.on(tables, radii)
+    assert p.curvatures == pytest.approx(curvatures_by_cosines(tables, radii), abs=1e-9)
+
+
+def test_more_than_a_full_turn():
+    tables = tables_of(*zoo.icosphere(2))
+    lengths = np.ones(tables.corners.size)  # of six triangles, and of twelve after flips, about a vertex
+    h = int(np.argmax(np.bincount(tables.corners)[tables.corners]))
+    v = tables.corners[h]
+    far = (tables.corners != v) & (tables.corners[tables.twins] != v)
+    lengths[far & np.repeat((tables.faces == v).any(axis=1), 3)] = 1.5
+    lengths = np.maximum(lengths, lengths[tables.twins])
+    tables, radii = tables._replace(lengths=lengths), np.full(tables.corners.max() + 1, 5.0)
+    p = Polytope.on(tables, radii)
+    assert p.curvatures.min() < -0.5
+    assert p.curvatures == pytest.approx(curvatures_by_cosines(tables, radii), abs=1e-12)

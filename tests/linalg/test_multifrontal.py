@@ -39,6 +39,16 @@ def test_random_sparse_matrices(n, density, definite, seed):
     assert factor.negative_pivots == int((np.linalg.eigvalsh(matrix) < 0).sum())
 
 
+def test_factors_in_single_precision_precondition():
+    matrix, order = grid(40)
+    b = np.random.default_rng(0).normal(size=(1600, 2))
+    solver = analyze(matrix, order)
+    x = solver.factor(matrix.data).solve(b)
+    single = solver.factor(matrix.data, single=True)
+    assert 1e-9 < np.abs(single.solve(b, sweeps=0) - x).max() / np.abs(x).max() < 1e-5
+    np.testing.assert_allclose(single.solve(b), x, rtol=0, atol=1e-11 * np.abs(x).max())
+
+
 def shifted(side, shift):
     """A Laplacian of a grid, less a multiple of the identity, and an order."""
     matrix, order = grid(side)

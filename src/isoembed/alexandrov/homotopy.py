@@ -189,7 +189,8 @@ def _attempt(
             ):
                 break
         else:
-            return False
+            if near is None or largest > close:
+                return False
         path.close()  # lets its factor go, which is as large as the next one
         keep(Waypoint(p, here.start, here.close))
         solution = newton(p, deficits, analyses, recorder, None if near is None else HOMOTOPY.enough * near)
