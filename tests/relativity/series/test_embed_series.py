@@ -23,7 +23,7 @@ from isoembed.smooth import GridMetric, PulledBack, solve
 from slice_files import write_slice
 
 SPHERE = StarSurface.sphere((0.0, 0.0, 0.0), 1.0)
-TIMES = [0.0, 0.5, 1.0]
+TIMES = [0.0, 0.5]
 
 
 def spinning_up(t):
@@ -37,20 +37,20 @@ def moments():
 
 @pytest.fixture(scope="module")
 def alone():
-    return list(embed_series(moments(), vertices=60))
-
-
-def test_each_is_embedded_from_the_one_before(monkeypatch, alone):
+    """The results, one of which began from a mesh."""
     meshes = []
     graded_mesh = solve.graded_mesh
-    monkeypatch.setattr(solve, "graded_mesh", lambda *a, **o: meshes.append(1) or graded_mesh(*a, **o))
-    found = embed_series(iter(moments()), vertices=60)
-    first = next(found)
-    assert first.label == "horizon.T0" and first.report["moment"]["time"] == 0.0
-    results = [first, *found]
-    assert len(results) == len(TIMES) and len(meshes) == 1
-    for t, result, other in zip(TIMES, results, alone, strict=True):
-        assert result.report == other.report and result.report["moment"]["time"] == t
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(solve, "graded_mesh", lambda *a, **o: meshes.append(1) or graded_mesh(*a, **o))
+        results = list(embed_series(iter(moments()), vertices=60))
+    assert len(meshes) == 1
+    return results
+
+
+def test_each_is_embedded_from_the_one_before(alone):
+    assert [result.label for result in alone] == [f"horizon.T{t:g}" for t in TIMES]
+    for t, result in zip(TIMES, alone, strict=True):
+        assert result.report["moment"]["time"] == t
         area = KerrNewmanHorizon(1.0, 0.5 + 0.1 * t).area
         assert abs(result.report["area"] - area) <= result.report["errors"]["area"] < 1e-6
 
@@ -66,16 +66,15 @@ def test_what_was_interrupted_comes_to_the_same_bits(tmp_path, alone, monkeypatc
         horizon_task, "embed_surface", lambda *a, **o: computed.append(1) or embed_surface(*a, **o)
     )
     results = list(embed_series(moments(), vertices=60, folder=tmp_path / "run"))
-    assert len(computed) == 2
+    assert len(computed) == 1
     for result, other in zip(results, alone, strict=True):
         assert result.report == other.report
         for name, array in other.arrays.items():
             np.testing.assert_array_equal(result.arrays[name], array)
-    assert len(list(Store(tmp_path / "run"))) == 3
-    again = next(embed_series(moments(), vertices=61, folder=tmp_path / "run"))  # another option
-    assert len(computed) == 3 and len(again.arrays["vertices"]) == 61
+    assert len(list(Store(tmp_path / "run"))) == 2
 
 
+@pytest.mark.slow
 def test_an_executor_gives_the_same(alone):
     with ThreadPoolExecutor(1) as pool:
         results = {result.label: result for result in embed_series(moments(), vertices=60, executor=pool)}
@@ -85,13 +84,13 @@ def test_an_executor_gives_the_same(alone):
 
 
 def test_a_failure_does_not_end_a_series(alone):
-    first, second, third = moments()
-    results = list(embed_series([first, (second[0], SPHERE, None), third], vertices=60))
+    first, second = moments()
+    results = list(embed_series([first, (0.25, SPHERE, None), second], vertices=60))
     assert [result.status for result in results] == ["embedded", "refused", "embedded"]
     assert "name its geometry" in results[1].message
     # It starts from the first one.
     value, error = (results[2].report[key] for key in ("liu_yau", "errors"))
-    assert abs(value - alone[2].report["liu_yau"]) <= error["liu_yau"] + alone[2].report["errors"]["liu_yau"]
+    assert abs(value - alone[1].report["liu_yau"]) <= error["liu_yau"] + alone[1].report["errors"]["liu_yau"]
 
 
 def test_a_moment_is_taken_as_it_is():
@@ -132,19 +131,17 @@ def test_files_are_read_when_it_is_their_turn(tmp_path):
     given = [
         (0.0, str(tmp_path / "h.gp"), tmp_path / "slice.npz"),
         (1.0, tmp_path / "bad.gp", geometry),
-        (2.0, tmp_path / "h.gp", geometry),
         (3.0, tmp_path / "no.gp", geometry),
         (4.0, SPHERE, tmp_path / "no.npz"),
     ]
     results = list(embed_series(given, vertices=60))
-    assert [result.status for result in results] == ["embedded", "refused"] * 2 + ["refused"]
-    for k in (0, 2):
-        report = results[k].report
-        assert abs(report["irreducible_mass"] - 1.0) <= report["errors"]["irreducible_mass"] < 1e-3
-        assert report["name"] == str(tmp_path / "h.gp") == report["moment"]["shape"]
-    assert results[0].report["moment"]["slice"] == str(tmp_path / "slice.npz")
-    assert results[3].message == f"there is no file {tmp_path / 'no.gp'}"
-    assert results[4].message == f"there is no file {tmp_path / 'no.npz'}"
+    assert [result.status for result in results] == ["embedded", "refused", "refused", "refused"]
+    report = results[0].report
+    assert abs(report["irreducible_mass"] - 1.0) <= report["errors"]["irreducible_mass"] < 1e-3
+    assert report["name"] == str(tmp_path / "h.gp") == report["moment"]["shape"]
+    assert report["moment"]["slice"] == str(tmp_path / "slice.npz")
+    assert results[2].message == f"there is no file {tmp_path / 'no.gp'}"
+    assert results[3].message == f"there is no file {tmp_path / 'no.npz'}"
 
 
 def test_two_of_the_same_time():
