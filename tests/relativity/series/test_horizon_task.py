@@ -107,10 +107,11 @@ def test_another_series_is_no_start(begun, monkeypatch):
         HorizonTask(gridded(0.51, 1, "ah2"), FEW).compute(begun)
 
 
-def test_where_the_start_leads_nowhere_a_mesh_does(begun, monkeypatch):
+@pytest.mark.parametrize("error", [NotEmbedded("astray", None), InvalidParameter("the map folds")])
+def test_where_the_start_leads_nowhere_a_mesh_does(begun, monkeypatch, error):
     def without_start(data, *, start=None, vertices=1000):
         if start is not None:
-            raise NotEmbedded("astray", None)
+            raise error
         return embed_surface(data, vertices=vertices)
 
     monkeypatch.setattr(horizon_task, "embed_surface", without_start)

@@ -146,7 +146,7 @@ class HorizonTask:
             try:
                 surface = embed_surface(data, start=Start.restored(before.arrays))
                 return surface, (before.arrays[DIRECTIONS], before.arrays["faces"])
-            except NotEmbedded:
+            except (NotEmbedded, InvalidParameter):  # the latter of coordinates that lead too far away
                 pass
         surface = embed_surface(data, vertices=self.options.vertices)
         mesh = surface.embedding.triangulated(self.options.vertices)
