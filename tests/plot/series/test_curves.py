@@ -76,6 +76,13 @@ def test_one_wild_error_does_not_flatten_the_lines(results):
     assert "10^{6}" in picture.axes[0].get_title(loc="right")
 
 
+def test_of_two_equal_series_both_are_seen():
+    results = [embedded(name, k, k) for name in ("ah1", "ah2") for k in range(3)]
+    first, second = series_figure(SeriesTable.of(results), ["area"]).axes[0].lines[:3:2]
+    assert np.array_equal(first.get_ydata(), second.get_ydata())
+    assert first.get_linewidth() > 1.5 * second.get_linewidth()
+
+
 def test_without_times_there_are_iterations(results):
     for result in (none := [embedded("ah1", k, k) for k in (64, 128)]):
         result.report["moment"]["time"] = None

@@ -5,6 +5,7 @@ from __future__ import annotations
 import os
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
+from itertools import cycle
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -35,6 +36,7 @@ FIGURES = {
 """The figures of a run by their names, with what their panels show."""
 LOGARITHMIC = ("residual",)
 STYLES: dict[str, Any] = {"axis_x": "-", "axis_y": (0, (5, 1.5)), "axis_z": (0, (1, 1.2))}
+WIDTHS = (1.9, 0.9, 1.2)  # points, of lines of one series after the other: one is seen behind the next
 WIDTH, PANEL, STRIP = 6.4, 1.55, 0.17  # inches: of a figure, the height of a panel, and of a line of outcomes
 
 
@@ -95,9 +97,20 @@ def series_figure(table: SeriesTable, names: Sequence[str]) -> Figure:
     FigureCanvasAgg(picture)
     grid = picture.subplots(len(heights), 1, sharex=True, squeeze=False, height_ratios=heights)[:, 0]
     colors = colors_of(parts)
+    widths = dict(zip(parts, cycle(WIDTHS), strict=False))
     for name, axes in zip(shown, grid, strict=False):
         curves = [
-            _Curve(along.of_series(part), part[column], part[ERRORS.get(column, "")], colors[series], column)
+            _Curve(
+                along.of_series(part),
+                part[column],
+                part[ERRORS.get(column, "")],
+                column,
+                {
+                    "color": colors[series],
+                    "linewidth": widths[series],
+                    "markersize": 1.2 + 1.3 * widths[series],
+                },
+            )
             for series, part in parts.items()
             for column in AXIS.get(name, (name,))
         ]
@@ -108,7 +121,7 @@ def series_figure(table: SeriesTable, names: Sequence[str]) -> Figure:
         )
     picture.align_ylabels(list(grid))
     grid[-1].set_xlabel(along.label, color=INK)
-    _draw_legend(picture, parts, colors, {s for s in table.statuses if s != "embedded"}, "axis" in shown)
+    _draw_legend(picture, colors, widths, {s for s in table.statuses if s != "embedded"}, "axis" in shown)
     return picture
 
 
@@ -159,8 +172,8 @@ class _Curve:
     x: Floats
     values: Floats
     errors: Floats
-    color: str
     column: str
+    style: dict[str, Any]
 
     @property
     def known(self) -> Mask:
@@ -183,22 +196,19 @@ def _draw_panel(axes: Axes, name: str, curves: Sequence[_Curve]) -> None:
 
     for curve in curves:
         y = np.where(curve.known, curve.values, np.nan)
-        style: dict[str, Any] = {"color": curve.color, "linestyle": STYLES.get(curve.column, "-")}
-        if curve.known.sum() <= CURVE.dots:
-            style |= {"marker": "o", "markersize": 2.5}
-        axes.plot(curve.x, y, linewidth=1.2, **style)
+        marker = "o" if curve.known.sum() <= CURVE.dots else ""
+        axes.plot(curve.x, y, linestyle=STYLES.get(curve.column, "-"), marker=marker, **curve.style)
         if curve.column in ERRORS:
             edges = y - curve.band, y + curve.band
-            axes.fill_between(curve.x, *edges, color=curve.color, alpha=0.28, linewidth=0.0)
+            axes.fill_between(curve.x, *edges, color=curve.style["color"], alpha=0.28, linewidth=0.0)
             one = curve.isolated
-            axes.errorbar(
-                curve.x[one], y[one], curve.band[one], fmt="o", color=curve.color, markersize=2.5, capsize=2
-            )
+            axes.errorbar(curve.x[one], y[one], curve.band[one], fmt="o", capsize=2, **curve.style)
     if name in LOGARITHMIC:
         axes.set_yscale("log")
     else:
         axes.set_ylim(*_limits(curves))
-        axes.ticklabel_format(axis="y", useOffset=False, style="plain")
+        axes.ticklabel_format(axis="y", useOffset=False, scilimits=(-4, 5))
+        axes.yaxis.get_offset_text().set_fontsize(7)
         axes.yaxis.set_major_locator(MaxNLocator(5, integer=name == "degree"))
     axes.set_ylabel(SYMBOLS[name], color=INK, fontsize=9)
     axes.tick_params(colors=INK, labelsize=8, direction="in", top=True, right=True)
@@ -224,12 +234,15 @@ def _limits(curves: Sequence[_Curve]) -> tuple[float, float]:
 
 
 def _draw_legend(
-    picture: Figure, series: Iterable[str], colors: dict[str, str], lost: set[str], axis: bool
+    picture: Figure, colors: dict[str, str], widths: dict[str, float], lost: set[str], axis: bool
 ) -> None:
     """Draw which line is which, above the panels."""
     from matplotlib.lines import Line2D
 
-    lines = [Line2D([], [], color=colors[name], label=escaped(name)) for name in series]
+    lines = [
+        Line2D([], [], color=color, linewidth=widths[name], label=escaped(name))
+        for name, color in colors.items()
+    ]
     if axis:
         lines += [
             Line2D([], [], color=INK, linestyle=style, label=f"axis ${column[-1]}$")
