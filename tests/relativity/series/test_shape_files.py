@@ -1,5 +1,6 @@
 """Horizons of an evolution in one file, and what cannot be listed."""
 
+import os
 import pickle
 
 import numpy as np
@@ -7,6 +8,7 @@ import pytest
 
 from isoembed.io.files import FileError
 from isoembed.relativity import CoordinateShape, KerrNewmanHorizon, SurfaceData
+from isoembed.relativity.horizons.horizon_file import read_horizon
 from isoembed.relativity.horizons.time_axis import horizon_times
 from isoembed.relativity.series.shape_files import shapes_in_files
 from isoembed.smooth.grid_metric import GridMetric
@@ -171,3 +173,26 @@ def test_times_of_a_simulation():
         ("ah2", 0, 0.0),
         ("ah1", 1024, 6.4),
     ]
+
+
+@pytest.mark.parametrize("many", [False, True])
+def test_a_file_that_changes_while_it_is_read(tmp_path, monkeypatch, many):
+    path = tmp_path / "run.h5"
+    with h5py.File(path, "w") as file:
+        group = write_points(file)
+        if not many:
+            time = group["points"][0]
+            for name in list(group):
+                del group[name]
+            group["points"] = time
+    source = shapes_in_files([path])[0].source
+
+    def read_and_change(file):
+        shape = read_horizon(file)
+        os.utime(path, ns=(1, 1))
+        return shape
+
+    assert len(source.read().points) == 12
+    monkeypatch.setattr("isoembed.relativity.series.shape_sources.read_horizon", read_and_change)
+    with pytest.raises(FileError, match=r"run\.h5 has changed while it was read"):
+        source.read()

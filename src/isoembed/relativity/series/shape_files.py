@@ -17,7 +17,7 @@ from isoembed.io.input_file import InputFile
 from isoembed.io.registry import MESH_ENDINGS
 from isoembed.relativity.horizons.grid_file import ARRAY_ENDINGS
 from isoembed.relativity.horizons.spectre import spectre_times
-from isoembed.relativity.horizons.time_axis import SHAPES, horizon_times
+from isoembed.relativity.horizons.time_axis import INSTANT, SHAPES, horizon_times
 from isoembed.relativity.series.file_names import DECIMAL, INTEGER, files_in, name_parts
 from isoembed.relativity.series.moment import ListedShape
 from isoembed.relativity.series.shape_sources import ShapeAtIndex, ShapeFile, SpectreShape
@@ -27,7 +27,6 @@ from isoembed.relativity.spacetimes.spectre_volume import volume_times
 SHAPE, NUMBER = ".gp", re.compile(r"\bah\d+\b")  # of AHFinderDirect
 DIAGNOSTICS = "BH_diagnostics"
 NUMBERS = re.compile(rf"{INTEGER} {DECIMAL}")
-INSTANT = ("time", "iteration")
 
 
 def shapes_in_files(paths: Iterable[str | os.PathLike[str]]) -> list[ListedShape]:
