@@ -6,13 +6,14 @@ from scipy.sparse import eye_array
 
 import smooth_bodies
 from isoembed.aim import split_newton
-from isoembed.aim.split_newton import SplitNewton, quintic_residuals
+from isoembed.aim.split_newton import SplitNewton
 from isoembed.gallery import CassiniPeanut, triangulate
 from isoembed.metric.polyhedral import PolyhedralMetric
 from isoembed.surface.cells import VertexCells
 from isoembed.surface.interpolated_rigidity import InterpolatedRigidity
-from isoembed.surface.interpolation import Stencils
+from isoembed.surface.interpolation import CellRows, Stencils
 from isoembed.surface.rigidity import LengthSystem, edge_rows, length_residuals
+from isoembed.surface.smoothness import QuinticResiduals
 
 
 @pytest.fixture(scope="module")
@@ -29,7 +30,8 @@ def peanut():
     differences = edges.differences(x)
     rows = (differences @ x[cells.vertices]) / metric.lengths[edges.edges][:, None]
     coarse = edges.factor(differences, rows, 1e-6 * eye_array(len(cells.vertices), format="csr"))
-    P = stencils.interpolation(x, faces, np.arange(len(x)), cells.of_vertex)
+    weights = stencils.interpolation(x, faces, np.arange(len(x)), cells.of_vertex)
+    P = CellRows.of(stencils, weights, cells.of_vertex)
     return LengthSystem(triangulation), metric.lengths, x, P, coarse, cells
 
 
@@ -49,7 +51,7 @@ def test_a_step_is_that_of_least_squares_in_both_unknowns(peanut, monkeypatch):
     x = P @ z + 1e-3 * rng.normal(size=truth.shape)
     found, next_z = SplitNewton(system, lengths, P, coarse).step(x, z, mu, smooth_bodies.recorder())
     J, r = dense_rows(system, lengths, x), length_residuals(system.triangulation, x, lengths)
-    wide = np.kron(P.toarray(), np.eye(3))
+    wide = np.kron(P @ np.eye(len(z)), np.eye(3))
     held = np.sqrt(mu) * np.hstack([np.eye(x.size), -wide])
     A = np.vstack([np.hstack([J, np.zeros((len(J), z.size))]), held])
     b = np.concatenate([J @ x.ravel() - r, np.zeros(x.size)])
@@ -65,9 +67,10 @@ def test_quintics_hold_the_smooth_surface_among_its_neighbors(peanut):
     system, lengths, truth, P, coarse, _ = peanut
     rng, recorder = np.random.default_rng(1), smooth_bodies.recorder()
     x = truth * [1.001, 1.0, 0.9995] + 3e-3 * rng.normal(size=truth.shape)
-    newton, R = SplitNewton(system, lengths, P, coarse), quintic_residuals(system, truth)
+    newton = SplitNewton(system, lengths, P, coarse)
+    quintics = QuinticResiduals.of(system.triangulation, truth)
     for mu in (1e-2, 1e-3, 1e-4, 1e-6, 1e-8):
-        x = newton.smooth_step(x, R, mu, recorder)
+        x = newton.smooth_step(x, quintics, mu, recorder)
     assert np.abs(length_residuals(system.triangulation, x, lengths)).max() < 1e-6
     assert smooth_bodies.misfit(x, truth) < 1e-4
     assert recorder.factorizations == 5

@@ -8,7 +8,7 @@ import pytest
 from isoembed.gallery import Ellipsoid, triangulate
 from isoembed.mesh.triangulation import Triangulation
 from isoembed.surface.cells import VertexCells
-from isoembed.surface.interpolation import Stencils
+from isoembed.surface.interpolation import CellRows, Stencils
 from isoembed.surface.measures import edge_lengths
 
 
@@ -50,3 +50,11 @@ def test_the_unit_does_not_matter(unit):
     faces = body(2000)[1]
     other = stencils.interpolation(unit * x, faces, np.arange(len(x)), cells.of_vertex)
     np.testing.assert_allclose(other.data, P.data, atol=1e-7)
+
+
+def test_products_cell_by_cell_are_those_of_the_matrix():
+    _, cells, stencils, P = interpolation(2000, 300)
+    rows, rng = CellRows.of(stencils, P, cells.of_vertex), np.random.default_rng(0)
+    values, forces = rng.normal(size=(P.shape[1], 3)), rng.normal(size=(2000, 3))
+    np.testing.assert_allclose(rows @ values, P @ values, atol=1e-12)
+    np.testing.assert_allclose(rows.transposed(forces), P.T @ forces, atol=1e-12)

@@ -28,8 +28,8 @@ from isoembed.thresholds import threshold
 class InterpolatedEnergyThresholds:
     """Thresholds of the energy of a coarse surface."""
 
-    solved: float = threshold(1e-2, "relative", "Residual of a step's linear equations, over the gradient.")
-    stale: int = threshold(25, "count", "Conjugate gradients' iterations that are worth new factors.")
+    solved: float = threshold(1e-2, "relative", "Residual of a step's linear equations.")
+    stale: float = threshold(0.007, "iterations a chosen vertex", "New factors are worth as many.")
 
 
 INTERPOLATED_ENERGY = InterpolatedEnergyThresholds()
@@ -94,7 +94,24 @@ class InterpolatedEnergy(RegularizedEnergy):
         return (self._weights / lengths)[:, None] * (self._differences @ vertices)
 
     def _forces(self, vertices: Floats, lengths: Floats, r: Floats) -> Floats:
-        return self._differences.T @ (self._rows(vertices, lengths) * r[:, None])
+        return self._differences.transposed(self._rows(vertices, lengths) * r[:, None])
+
+    def step(
+        self,
+        vertices: Floats,
+        lengths: Floats,
+        mu: float,
+        w: float,
+        recorder: StageRecorder,
+        stiffness: float = 1.0,
+    ) -> tuple[Floats, bool]:
+        """As of other energies; where factors of another surface lead uphill, once more with new ones."""
+        before = self.factor
+        trial, downhill = super().step(vertices, lengths, mu, w, recorder, stiffness)
+        if downhill or before is None or self.factor is not before:
+            return trial, downhill
+        self.factor = None
+        return super().step(vertices, lengths, mu, w, recorder, stiffness)
 
     def solved(
         self,
@@ -110,7 +127,7 @@ class InterpolatedEnergy(RegularizedEnergy):
 
         def product(d: Floats) -> Floats:
             stretch = np.einsum("ij,ij->i", rows, self._differences @ d)
-            return self._differences.T @ (rows * stretch[:, None]) + mu * self.roughness(d, w)
+            return self._differences.transposed(rows * stretch[:, None]) + mu * self.roughness(d, w)
 
         def attempt(factor: SymmetricFactor, most: int) -> Approximation:
             def precondition(forces: Floats) -> Floats:
@@ -119,7 +136,7 @@ class InterpolatedEnergy(RegularizedEnergy):
             return conjugate_gradients(product, precondition, gradient, INTERPOLATED_ENERGY.solved, most)
 
         if self.factor is not None:
-            found = attempt(self.factor, INTERPOLATED_ENERGY.stale)
+            found = attempt(self.factor, int(INTERPOLATED_ENERGY.stale * len(vertices)))
             if found.residual <= INTERPOLATED_ENERGY.solved:
                 return found.x
         self.factor = None  # its memory is free for the next

@@ -13,15 +13,16 @@ from numpy.typing import NDArray
 
 from isoembed.aim.interpolated_energy import InterpolatedEnergy
 from isoembed.aim.regularized_continuation import CONTINUATION, guided
-from isoembed.aim.split_newton import SplitNewton, quintic_residuals
+from isoembed.aim.split_newton import SplitNewton
 from isoembed.arrays import Floats
 from isoembed.linalg import SingularMatrix
 from isoembed.mesh.triangulation import Triangulation
 from isoembed.metric.polyhedral import PolyhedralMetric
 from isoembed.progress.stages import StageRecorder
 from isoembed.surface.cells import VertexCells
-from isoembed.surface.interpolation import Stencils
+from isoembed.surface.interpolation import CellRows, Stencils
 from isoembed.surface.rigidity import LengthSystem, length_residuals
+from isoembed.surface.smoothness import QuinticResiduals
 from isoembed.thresholds import threshold
 
 
@@ -107,14 +108,22 @@ def pulled_back_by_levels(
     del energy
     for mu in LEVELS.split[1:]:
         x, z = split.step(x, z, mu, recorder)
-    R = quintic_residuals(system, x)
+    quintics = QuinticResiduals.of(metric.triangulation, x)
+    residual = _error(metric, x)
     for mu in LEVELS.quintic:
-        x = split.smooth_step(x, R, mu, recorder)
-        residual = float(np.abs(length_residuals(metric.triangulation, x, metric.lengths)).max())
-        recorder.show(residual=residual / metric.mean_length, vertices=x)
-        if residual < LEVELS.close * metric.mean_length:
+        if residual < mu:
+            continue
+        x = split.smooth_step(x, quintics, mu, recorder)
+        residual = _error(metric, x)
+        recorder.show(residual=residual, vertices=x)
+        if residual < LEVELS.close:
             break
-    return x if residual < LEVELS.landed * metric.mean_length else None
+    return x if residual < LEVELS.landed else None
+
+
+def _error(metric: PolyhedralMetric, x: Floats) -> float:
+    """The largest error of a length, in mean edge lengths."""
+    return float(np.abs(length_residuals(metric.triangulation, x, metric.lengths)).max() / metric.mean_length)
 
 
 def _guided(
@@ -145,8 +154,8 @@ def _split(
     if energy.factor is None:
         raise SingularMatrix("no step of the coarse surface has factors")
     cell = stencils.cells.of_vertex
-    P = stencils.interpolation(charts, system.triangulation.faces, np.arange(len(cell)), cell)
-    return SplitNewton(system, lengths, P, energy.factor)
+    weights = stencils.interpolation(charts, system.triangulation.faces, np.arange(len(cell)), cell)
+    return SplitNewton(system, lengths, CellRows.of(stencils, weights, cell), energy.factor)
 
 
 def _stencils(metric: PolyhedralMetric, convex: Floats, count: int) -> Stencils | None:

@@ -20,7 +20,7 @@ from isoembed.arrays import Floats
 from isoembed.linalg import SingularMatrix
 from isoembed.progress.stages import StageRecorder
 from isoembed.surface.rigidity import LengthSystem, length_residuals
-from isoembed.surface.smoothness import fine_roughness
+from isoembed.surface.smoothness import QuinticResiduals, fine_roughness
 from isoembed.thresholds import threshold
 
 
@@ -78,7 +78,8 @@ def nearby_realizations(
         predicted = _predicted(system, best, lengths)
         if not predicted:
             return met
-        expected = [fine_roughness(triangulation, best + motion) for motion in predicted]
+        charts = QuinticResiduals.of(triangulation, best)
+        expected = [charts.roughness(best + motion) for motion in predicted]
         motion = predicted[int(np.argmin(expected)) if min(expected) < roughness else 0]
         neighbor = _realized(system, best, motion, lengths, recorder, residual_tolerance)
         if neighbor is None:

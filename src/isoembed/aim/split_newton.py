@@ -22,15 +22,13 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-import numpy as np
-from scipy.sparse import csr_array, diags_array, eye_array
-
 from isoembed.arrays import Floats
-from isoembed.linalg import SymmetricFactor, analyze, dissect
+from isoembed.linalg import SymmetricFactor
 from isoembed.linalg.krylov import conjugate_gradients
 from isoembed.progress.stages import StageRecorder
+from isoembed.surface.interpolation import CellRows
 from isoembed.surface.rigidity import LengthSystem, LinearizedLengths, length_residuals
-from isoembed.surface.smoothness import fit_residuals
+from isoembed.surface.smoothness import QuinticResiduals
 from isoembed.thresholds import threshold
 
 
@@ -43,7 +41,6 @@ class SplitNewtonThresholds:
     quintic_solved: float = threshold(1e-2, "relative", "Residual of the equations with quintics.")
     quintic_most: int = threshold(70, "count", "Iterations with quintics at most.")
     held: float = threshold(0.1, "mu", "What holds rough motions in the preconditioner of the latter.")
-    singular: float = threshold(1e-6, "relative", "Added to P^T P, which may be singular.")
 
 
 SPLIT_NEWTON = SplitNewtonThresholds()
@@ -56,17 +53,15 @@ class SplitNewton:
     ----------
     system : LengthSystem
     lengths : ndarray, shape (E,)
-    P : sparse, shape (V, C)
+    P : CellRows, (V, C)
         Interpolates smooth motions from those of C vertices.
     coarse : SymmetricFactor
         Of ``(J P)^T J P``, or what is near it: it preconditions.
     """
 
-    def __init__(self, system: LengthSystem, lengths: Floats, P: csr_array, coarse: SymmetricFactor) -> None:
+    def __init__(self, system: LengthSystem, lengths: Floats, P: CellRows, coarse: SymmetricFactor) -> None:
         self._system, self._lengths, self.P, self._coarse = system, lengths, P, coarse
-        mass = csr_array(P.T @ P)
-        held = SPLIT_NEWTON.singular * mass.diagonal().max() * eye_array(P.shape[1])
-        self._mass = _factored(csr_array(mass + held))
+        self._mass = len(P.rows) / len(P.starts)  # vertices a cell
 
     def step(self, x: Floats, z: Floats, mu: float, recorder: StageRecorder) -> tuple[Floats, Floats]:
         """A Gauss-Newton step on ``|r|^2 + mu |x - P z|^2``: the next x and z."""
@@ -75,33 +70,32 @@ class SplitNewton:
         r = r - J.rates(x - P @ z)
 
         def product(v: Floats) -> Floats:
-            return P.T @ J.forces(linear.solve(J.rates(P @ v)))
+            return P.transposed(J.forces(linear.solve(J.rates(P @ v))))
 
         def precondition(v: Floats) -> Floats:
-            return self._mass.solve(v, sweeps=0) + mu * self._smooth(v)
+            return v / self._mass + mu * self._smooth(v)
 
-        b = P.T @ J.forces(linear.solve(r))
+        b = P.transposed(J.forces(linear.solve(r)))
         dz = conjugate_gradients(product, precondition, b, SPLIT_NEWTON.solved, SPLIT_NEWTON.most).x
         rough = J.forces(linear.solve(r - J.rates(P @ dz)))
         z = z - dz
         return P @ z - rough, z
 
-    def smooth_step(self, x: Floats, R: csr_array, mu: float, recorder: StageRecorder) -> Floats:
-        """A Gauss-Newton step on ``|r|^2 + mu |R R x|^2``, R from `quintic_residuals`: the next x."""
+    def smooth_step(
+        self, x: Floats, quintics: QuinticResiduals, mu: float, recorder: StageRecorder
+    ) -> Floats:
+        """A Gauss-Newton step on ``|r|^2 + mu |R R x|^2``: the next x."""
         held = SPLIT_NEWTON.held * mu
         linear, r = self._linearized(x, held, recorder)
         J, P = linear.J, self.P
 
-        def pull(v: Floats) -> Floats:
-            return R.T @ (R.T @ (R @ (R @ v)))
-
         def product(d: Floats) -> Floats:
-            return J.forces(J.rates(d)) + mu * pull(d)
+            return J.forces(J.rates(d)) + mu * quintics.pull(d)
 
         def precondition(d: Floats) -> Floats:
-            return (d - J.forces(linear.solve(J.rates(d)))) / held + P @ self._smooth(P.T @ d)
+            return (d - J.forces(linear.solve(J.rates(d)))) / held + P @ self._smooth(P.transposed(d))
 
-        gradient = J.forces(r) + mu * pull(x)
+        gradient = J.forces(r) + mu * quintics.pull(x)
         found = conjugate_gradients(
             product, precondition, gradient, SPLIT_NEWTON.quintic_solved, SPLIT_NEWTON.quintic_most
         )
@@ -119,14 +113,3 @@ class SplitNewton:
         recorder.factorizations += 1
         linear = self._system.linearized(x, self._lengths, damping)
         return linear, length_residuals(self._system.triangulation, x, self._lengths)[linear.order]
-
-
-def quintic_residuals(system: LengthSystem, positions: Floats) -> csr_array:
-    """R: differences of every vertex from quintics fitted to its neighbors, rows of unit norm, (V, V)."""
-    R = fit_residuals(system.triangulation, positions, 5)
-    return csr_array(diags_array(1 / np.sqrt(R.multiply(R).sum(axis=1))) @ R)
-
-
-def _factored(matrix: csr_array) -> SymmetricFactor:
-    matrix.sort_indices()
-    return analyze(matrix, dissect(matrix).vertex_order()).factor(matrix.data)

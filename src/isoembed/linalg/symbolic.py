@@ -26,6 +26,10 @@ class Numeric(Solves, Protocol):
         """Number of negative entries of D."""
         ...
 
+    def rounded(self) -> "Numeric":
+        """The same in single precision, where that saves memory."""
+        ...
+
 
 @dataclass(eq=False)
 class Symbolic:

@@ -17,7 +17,7 @@ from isoembed.arrays import Floats, Indices
 from isoembed.kernel import kernel
 from isoembed.linalg import Solver, SymmetricFactor, analyze, dissect
 from isoembed.mesh.triangulation import Triangulation
-from isoembed.surface.interpolation import Stencils
+from isoembed.surface.interpolation import CellRows, Stencils
 from isoembed.surface.rigidity_matrix import RIGIDITY
 from isoembed.thresholds import threshold
 
@@ -66,9 +66,8 @@ class InterpolatedRigidity:
         of, most = counts[of_edge], INTERPOLATED.most
         kept = (of <= most) | ((rank + 1) * most // of > rank * most // of)
         self.edges, self.of_edge = edges[kept], of_edge[kept]
-        self._starts = np.searchsorted(self.of_edge, np.arange(len(counts) + 1))
 
-    def differences(self, positions: Floats) -> csr_array:
+    def differences(self, positions: Floats) -> CellRows:
         """The differences of both ends of the edges, (M, C), interpolated in charts of these positions."""
         ends = self._triangulation.edges[self.edges]
         n = len(self._stencils.cells.vertices)
@@ -76,7 +75,7 @@ class InterpolatedRigidity:
         P = self._stencils.interpolation(positions, self._triangulation.faces, pairs // n, pairs % n)
         first, second = (P[place] for place in places.reshape(ends.shape).T)
         first.data = first.data - second.data  # of one stencil
-        return first
+        return CellRows.of(self._stencils, first, self.of_edge)
 
     @cached_property
     def pattern(self) -> csc_array:
@@ -92,12 +91,12 @@ class InterpolatedRigidity:
         order = dissect(csr_array(self.pattern)).block_order(3)
         return analyze(kron(self.pattern, np.ones((3, 3), dtype=np.int8), format="csc"), order)
 
-    def factor(self, differences: csr_array, rows: Floats, penalty: csr_array) -> SymmetricFactor:
+    def factor(self, differences: CellRows, rows: Floats, penalty: csr_array) -> SymmetricFactor:
         """Factor ``(J P)^T J P + penalty``, the penalty (C, C) acting on x, y and z alike.
 
         Parameters
         ----------
-        differences : sparse, shape (M, C)
+        differences : CellRows, (M, C)
             From the method of this name.
         rows : ndarray, shape (M, 3)
             The gradients of the residuals by the differences.
@@ -109,12 +108,12 @@ class InterpolatedRigidity:
         SingularMatrix
             It is not positive definite.
         """
-        pattern, stencils = self.pattern, self._stencils.pattern
+        pattern = self.pattern
         values = np.zeros(9 * pattern.nnz)
         _add_products(
-            self._starts,
-            (stencils.indptr, stencils.indices),
-            differences.data,
+            differences.starts,
+            differences.stencils,
+            differences.weights,
             rows,
             (pattern.indptr, pattern.indices),
             values,
@@ -131,7 +130,7 @@ class InterpolatedRigidity:
             np.arange(3 * n), np.diff(self._solver.pattern.indptr)
         )
         values[diagonal] *= 1 + RIGIDITY.hold
-        return self._solver.factor(values)
+        return self._solver.factor(values).rounded()
 
 
 @kernel

@@ -71,6 +71,74 @@ class Stencils:
         return weights
 
 
+@dataclass(frozen=True, eq=False)
+class CellRows:
+    """A matrix (n, C) whose rows, cell by cell, have entries at the stencil of their cell.
+
+    Products with it are those of a small dense matrix a cell.
+
+    Attributes
+    ----------
+    rows : ndarray of int, shape (n,)
+        Their numbers, cell by cell.
+    starts : ndarray of int, shape (C + 1,)
+        Those of a cell are ``rows[starts[cell] : starts[cell + 1]]``.
+    stencils : (indptr, indices)
+        Of the cells.
+    weights : ndarray, shape (nnz,)
+        The entries, in this order.
+    """
+
+    rows: Indices
+    starts: Indices
+    stencils: tuple[Indices, Indices]
+    weights: Floats
+
+    @classmethod
+    def of(cls, stencils: Stencils, weights: csr_array, cell: Indices) -> CellRows:
+        """The rows of a matrix as from `Stencils.interpolation`, with the cell of each."""
+        rows = np.argsort(cell, kind="stable")
+        pattern = stencils.pattern
+        starts = np.searchsorted(cell[rows], np.arange(pattern.shape[0] + 1))
+        return cls(rows, starts, (pattern.indptr, pattern.indices), weights[rows].data)
+
+    def __matmul__(self, values: Floats) -> Floats:
+        """The products, (n, k), with values (C, k)."""
+        return _products(self.rows, self.starts, self.stencils, self.weights, values)
+
+    def transposed(self, forces: Floats) -> Floats:
+        """The products, (C, k), of the transposed matrix with forces (n, k)."""
+        return _transposed_products(self.rows, self.starts, self.stencils, self.weights, forces)
+
+
+@kernel
+def _products(
+    rows: Indices, starts: Indices, stencils: tuple[Indices, Indices], weights: Floats, values: Floats
+) -> Floats:
+    indptr, indices = stencils
+    products, at = np.empty((len(rows), values.shape[1])), 0
+    for cell in range(len(starts) - 1):
+        mine, used = rows[starts[cell] : starts[cell + 1]], indices[indptr[cell] : indptr[cell + 1]]
+        block = weights[at : at + mine.size * used.size].reshape(mine.size, used.size)
+        products[mine] = np.dot(block, values[used])
+        at += block.size
+    return products
+
+
+@kernel
+def _transposed_products(
+    rows: Indices, starts: Indices, stencils: tuple[Indices, Indices], weights: Floats, forces: Floats
+) -> Floats:
+    indptr, indices = stencils
+    products, at = np.zeros((len(starts) - 1, forces.shape[1])), 0
+    for cell in range(len(starts) - 1):
+        mine, used = rows[starts[cell] : starts[cell + 1]], indices[indptr[cell] : indptr[cell + 1]]
+        block = weights[at : at + mine.size * used.size].reshape(mine.size, used.size)
+        products[used] += np.dot(block.T, forces[mine])
+        at += block.size
+    return products
+
+
 @kernel
 def _projected(
     points: Floats, normals: Floats, units: Floats, targets: Floats, indptr: Indices, indices: Indices

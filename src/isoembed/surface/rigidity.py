@@ -146,7 +146,7 @@ class LengthSystem:
         factor = self._factor(J)
         n = len(lengths)
         inverse = LinearOperator((n, n), matvec=partial(factor.solve, sweeps=0), dtype=np.float64)
-        start, kept = np.random.default_rng(0).standard_normal(n), min(n, RIGIDITY.vectors * count)
+        start, kept = np.random.default_rng(0).standard_normal(n), min(n, RIGIDITY.vectors + count)
         _, vectors = eigsh(inverse, k=count, which="LA", v0=start, ncv=kept, tol=RIGIDITY.eigenvalue)
         changes = np.empty((count, n))
         changes[:, self._order] = vectors.T[::-1] / np.linalg.norm(vectors.T[::-1], axis=1, keepdims=True)

@@ -25,7 +25,7 @@ class RigidityThresholds:
     aggregate: int = threshold(48, "vertices", "Of a body of the coarse level, at most.")
     degree: int = threshold(4, "degree", "Of the polynomial in J^T J that smooths.")
     smoothed: float = threshold(2.0 / 30, "eigenvalues of D^-1 J^T J", "From here to 2, the largest.")
-    vectors: int = threshold(8, "count", "Kept between restarts of Lanczos' iteration.")
+    vectors: int = threshold(8, "count", "Of Lanczos' iteration between restarts, beyond those wanted.")
     eigenvalue: float = threshold(1e-3, "relative", "Of 1 / (J J^T), the largest: a measure, not a solution.")
     reported: int = threshold(
         800_000, "entries of J J^T", "Of 20,000 vertices: more are not factored only for a report."

@@ -7,13 +7,17 @@ chart, unlike in a projection to the plane, the height of a sphere is a polynomi
 bends by more than a right angle does not fold over.
 """
 
+from __future__ import annotations
+
 from collections.abc import Iterable, Iterator
+from dataclasses import dataclass
 
 import numpy as np
 from scipy.sparse import csr_array, vstack
 
-from isoembed.arrays import Floats, Mask
+from isoembed.arrays import Floats, Indices, Mask
 from isoembed.kernel import kernel
+from isoembed.linalg.products import Rows
 from isoembed.mesh.triangulation import Triangulation
 from isoembed.surface.curvature import DIHEDRAL, dihedral_angles
 from isoembed.surface.local_fit import FitResiduals, Graph, Surroundings, edge_lengths_about, sums_at_ends
@@ -44,6 +48,60 @@ def fit_residuals(triangulation: Triangulation, vertices: Floats, degree: int = 
     n = triangulation.n_vertices
     blocks = _residuals(Surroundings.of(triangulation, vertices), degree)
     return csr_array(vstack([block.matrix(n) for block in blocks], format="csr"))
+
+
+@dataclass(frozen=True, eq=False)
+class QuinticResiduals:
+    """Differences from quintics fitted to the neighbors of each vertex, in the charts of one surface, (V, V).
+
+    Attributes
+    ----------
+    order : ndarray of int, shape (V,)
+        The vertices as they come here: neighbors are near.
+    fits : Rows
+        The weights of the neighbors.
+    units : ndarray, shape (V,)
+        The mean edge length about each vertex.
+    sizes : ndarray, shape (V, 1)
+        Of the rows of I less the fits.
+    """
+
+    order: Indices
+    fits: Rows
+    units: Floats
+    sizes: Floats
+
+    @classmethod
+    def of(cls, triangulation: Triangulation, vertices: Floats) -> QuinticResiduals:
+        """Those in the charts of a surface."""
+        order = spatial_order(vertices)
+        surface = Surroundings.of(triangulation, vertices).in_order(order)
+        blocks = list(_residuals(surface, 5))
+        degrees = np.concatenate([np.diff(block.indptr) for block in blocks])
+        indptr = np.r_[0, np.cumsum(degrees)].astype(np.int32)
+        indices = np.concatenate([block.indices.astype(np.int32) for block in blocks])
+        weights = np.concatenate([block.weights for block in blocks])
+        sizes = np.sqrt(1 + np.bincount(np.repeat(np.arange(len(order)), degrees), weights**2))
+        return cls(order, Rows(indptr, indices, weights), surface.units, sizes[:, None])
+
+    def pull(self, vectors: Floats) -> Floats:
+        """``R^T R^T R R v``, (V, 3), R these with rows of unit norm: half the gradient of ``|R R v|^2``."""
+        v = vectors[self.order]
+        for _ in range(2):
+            v = (v - self.fits @ v) / self.sizes
+        for _ in range(2):
+            v /= self.sizes
+            v -= self.fits.transposed(v)
+        pulls = np.empty_like(v)
+        pulls[self.order] = v
+        return pulls
+
+    def roughness(self, vertices: Floats) -> float:
+        """The `fine_roughness` of vertices near this surface."""
+        v = vertices[self.order]
+        for _ in range(2):
+            v = v - self.fits @ v
+        return _robust_mean(np.linalg.norm(v, axis=1) / self.units)
 
 
 def misfits(triangulation: Triangulation, vertices: Floats, values: Floats, degree: int = 4) -> Floats:
@@ -77,7 +135,12 @@ def fine_roughness(triangulation: Triangulation, vertices: Floats) -> float:
     surface = Surroundings.of(triangulation, vertices).in_order(spatial_order(vertices))
     blocks = list(_residuals(surface, 5))
     twice = np.linalg.norm(_fit_errors(blocks, _fit_errors(blocks, surface.vertices)), axis=1)
-    return float(np.mean((twice / surface.units) ** FITS.robust) ** (1 / FITS.robust))
+    return _robust_mean(twice / surface.units)
+
+
+def _robust_mean(values: Floats) -> float:
+    """Of sizes; few large ones do not outweigh all others."""
+    return float(np.mean(values**FITS.robust) ** (1 / FITS.robust))
 
 
 def roughness(triangulation: Triangulation, vertices: Floats, offsets: Floats) -> float:
