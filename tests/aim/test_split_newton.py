@@ -18,7 +18,7 @@ from isoembed.surface.smoothness import QuinticResiduals
 
 @pytest.fixture(scope="module")
 def peanut():
-    """The equations for its lengths, its vertices, how it is interpolated, and the coarse factor."""
+    """The equations for its lengths, its vertices, how it is interpolated (twice), and the coarse factor."""
     x, faces = triangulate(CassiniPeanut(), 300)
     metric = PolyhedralMetric.from_mesh(x, faces)
     x, metric = x / metric.unit, metric.normalized
@@ -32,7 +32,7 @@ def peanut():
     coarse = edges.factor(differences, rows, 1e-6 * eye_array(len(cells.vertices), format="csr"))
     weights = stencils.interpolation(x, faces, np.arange(len(x)), cells.of_vertex)
     P = CellRows.of(stencils, weights, cells.of_vertex)
-    return LengthSystem(triangulation), metric.lengths, x, P, coarse, cells
+    return LengthSystem(triangulation), metric.lengths, x, weights, P, coarse, cells
 
 
 def dense_rows(system, lengths, x):
@@ -43,7 +43,7 @@ def dense_rows(system, lengths, x):
 
 
 def test_a_step_is_that_of_least_squares_in_both_unknowns(peanut, monkeypatch):
-    system, lengths, truth, P, coarse, cells = peanut
+    system, lengths, truth, weights, P, coarse, cells = peanut
     exact = split_newton.SplitNewtonThresholds(solved=1e-10, most=2000)
     monkeypatch.setattr(split_newton, "SPLIT_NEWTON", exact)
     rng, mu = np.random.default_rng(0), 1e-2
@@ -51,7 +51,7 @@ def test_a_step_is_that_of_least_squares_in_both_unknowns(peanut, monkeypatch):
     x = P @ z + 1e-3 * rng.normal(size=truth.shape)
     found, next_z = SplitNewton(system, lengths, P, coarse).step(x, z, mu, smooth_bodies.recorder())
     J, r = dense_rows(system, lengths, x), length_residuals(system.triangulation, x, lengths)
-    wide = np.kron(P @ np.eye(len(z)), np.eye(3))
+    wide = np.kron(weights.toarray(), np.eye(3))
     held = np.sqrt(mu) * np.hstack([np.eye(x.size), -wide])
     A = np.vstack([np.hstack([J, np.zeros((len(J), z.size))]), held])
     b = np.concatenate([J @ x.ravel() - r, np.zeros(x.size)])
@@ -64,7 +64,7 @@ def test_a_step_is_that_of_least_squares_in_both_unknowns(peanut, monkeypatch):
 
 
 def test_quintics_hold_the_smooth_surface_among_its_neighbors(peanut):
-    system, lengths, truth, P, coarse, _ = peanut
+    system, lengths, truth, _, P, coarse, _ = peanut
     rng, recorder = np.random.default_rng(1), smooth_bodies.recorder()
     x = truth * [1.001, 1.0, 0.9995] + 3e-3 * rng.normal(size=truth.shape)
     newton = SplitNewton(system, lengths, P, coarse)

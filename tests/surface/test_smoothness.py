@@ -22,6 +22,7 @@ from isoembed.surface.normal_fits import FitThresholds
 from isoembed.surface.rigidity import LengthSystem, edge_rows
 from isoembed.surface.rigidity_matrix import RigidityThresholds
 from isoembed.surface.smoothness import (
+    QuinticResiduals,
     fine_roughness,
     fit_residuals,
     offsets,
@@ -323,6 +324,15 @@ def test_fine_roughness_does_not_depend_on_the_orientation(seed):
     t = Triangulation(faces)
     turned = fine_roughness(t, vertices @ zoo.rotation(seed))
     assert turned == pytest.approx(fine_roughness(t, vertices), rel=1e-8)
+
+
+def test_quintic_residuals_are_those_of_the_matrix():
+    vertices, faces = irregular_ergosphere()
+    t, v = Triangulation(faces), np.random.default_rng(0).normal(size=vertices.shape)
+    quintics, R = QuinticResiduals.of(t, vertices), fit_residuals(t, vertices, 5).toarray()
+    R /= np.linalg.norm(R, axis=1)[:, None]
+    np.testing.assert_allclose(quintics.pull(v), R.T @ R.T @ R @ R @ v, atol=1e-8)
+    assert quintics.roughness(vertices) == pytest.approx(fine_roughness(t, vertices), rel=1e-6)
 
 
 @cache

@@ -29,7 +29,9 @@ class InterpolatedEnergyThresholds:
     """Thresholds of the energy of a coarse surface."""
 
     solved: float = threshold(1e-2, "relative", "Residual of a step's linear equations.")
-    stale: float = threshold(0.007, "iterations a chosen vertex", "New factors are worth as many.")
+    stale: float = threshold(
+        1.1e-4, "iterations over the chosen vertices to the 3/2", "New factors are worth as many."
+    )
 
 
 INTERPOLATED_ENERGY = InterpolatedEnergyThresholds()
@@ -136,7 +138,8 @@ class InterpolatedEnergy(RegularizedEnergy):
             return conjugate_gradients(product, precondition, gradient, INTERPOLATED_ENERGY.solved, most)
 
         if self.factor is not None:
-            found = attempt(self.factor, int(INTERPOLATED_ENERGY.stale * len(vertices)))
+            worth = int(INTERPOLATED_ENERGY.stale * len(vertices) ** 1.5)
+            found = attempt(self.factor, min(worth, REGULARIZED_ENERGY.most))
             if found.residual <= INTERPOLATED_ENERGY.solved:
                 return found.x
         self.factor = None  # its memory is free for the next

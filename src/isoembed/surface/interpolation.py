@@ -15,6 +15,7 @@ from isoembed.surface.cells import VertexCells
 from isoembed.surface.local_fit import FitResiduals, edge_lengths_about, neighborhoods
 from isoembed.surface.measures import edge_lengths, vertex_normals
 from isoembed.surface.normal_fits import FITS
+from isoembed.surface.rows import subtract_multiple
 
 DEGREE = 5
 
@@ -103,11 +104,11 @@ class CellRows:
         return cls(rows, starts, (pattern.indptr, pattern.indices), weights[rows].data)
 
     def __matmul__(self, values: Floats) -> Floats:
-        """The products, (n, k), with values (C, k)."""
+        """The products, (n, 3), with values (C, 3)."""
         return _products(self.rows, self.starts, self.stencils, self.weights, values)
 
     def transposed(self, forces: Floats) -> Floats:
-        """The products, (C, k), of the transposed matrix with forces (n, k)."""
+        """The products, (C, 3), of the transposed matrix with forces (n, 3)."""
         return _transposed_products(self.rows, self.starts, self.stencils, self.weights, forces)
 
 
@@ -116,12 +117,17 @@ def _products(
     rows: Indices, starts: Indices, stencils: tuple[Indices, Indices], weights: Floats, values: Floats
 ) -> Floats:
     indptr, indices = stencils
-    products, at = np.empty((len(rows), values.shape[1])), 0
+    products, at = np.empty((len(rows), 3)), 0
     for cell in range(len(starts) - 1):
-        mine, used = rows[starts[cell] : starts[cell + 1]], indices[indptr[cell] : indptr[cell + 1]]
-        block = weights[at : at + mine.size * used.size].reshape(mine.size, used.size)
-        products[mine] = np.dot(block, values[used])
-        at += block.size
+        used = indices[indptr[cell] : indptr[cell + 1]]
+        for row in rows[starts[cell] : starts[cell + 1]]:
+            x = y = z = 0.0
+            for vertex in used:
+                x += weights[at] * values[vertex, 0]
+                y += weights[at] * values[vertex, 1]
+                z += weights[at] * values[vertex, 2]
+                at += 1
+            products[row, 0], products[row, 1], products[row, 2] = x, y, z
     return products
 
 
@@ -130,12 +136,18 @@ def _transposed_products(
     rows: Indices, starts: Indices, stencils: tuple[Indices, Indices], weights: Floats, forces: Floats
 ) -> Floats:
     indptr, indices = stencils
-    products, at = np.zeros((len(starts) - 1, forces.shape[1])), 0
+    products, at = np.zeros((len(starts) - 1, 3)), 0
     for cell in range(len(starts) - 1):
-        mine, used = rows[starts[cell] : starts[cell + 1]], indices[indptr[cell] : indptr[cell + 1]]
-        block = weights[at : at + mine.size * used.size].reshape(mine.size, used.size)
-        products[used] += np.dot(block.T, forces[mine])
-        at += block.size
+        used = indices[indptr[cell] : indptr[cell + 1]]
+        sums = np.zeros((3, used.size))  # rows of numbers are added up at once
+        for row in rows[starts[cell] : starts[cell + 1]]:
+            mine = weights[at : at + used.size]
+            for k in range(3):
+                subtract_multiple(-forces[row, k], mine, sums[k])
+            at += used.size
+        for i in range(used.size):
+            for k in range(3):
+                products[used[i], k] += sums[k, i]
     return products
 
 

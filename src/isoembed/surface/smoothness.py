@@ -15,9 +15,8 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.sparse import csr_array, vstack
 
-from isoembed.arrays import Floats, Indices, Mask
+from isoembed.arrays import Floats, Indices, Indices32, Mask
 from isoembed.kernel import kernel
-from isoembed.linalg.products import Rows
 from isoembed.mesh.triangulation import Triangulation
 from isoembed.surface.curvature import DIHEDRAL, dihedral_angles
 from isoembed.surface.local_fit import FitResiduals, Graph, Surroundings, edge_lengths_about, sums_at_ends
@@ -52,24 +51,30 @@ def fit_residuals(triangulation: Triangulation, vertices: Floats, degree: int = 
 
 @dataclass(frozen=True, eq=False)
 class QuinticResiduals:
-    """Differences from quintics fitted to the neighbors of each vertex, in the charts of one surface, (V, V).
+    """R: differences from quintics fitted to the neighbors of each vertex, in the charts of one surface.
+
+    The rows have unit norm.
 
     Attributes
     ----------
     order : ndarray of int, shape (V,)
         The vertices as they come here: neighbors are near.
-    fits : Rows
-        The weights of the neighbors.
+    indptr, indices : ndarray of int32
+        Their neighbors.
+    weights : ndarray, shape (nnz,)
+        Of the neighbors.
+    own : ndarray, shape (V,)
+        Of the vertices themselves.
     units : ndarray, shape (V,)
         The mean edge length about each vertex.
-    sizes : ndarray, shape (V, 1)
-        Of the rows of I less the fits.
     """
 
     order: Indices
-    fits: Rows
+    indptr: Indices32
+    indices: Indices32
+    weights: Floats
+    own: Floats
     units: Floats
-    sizes: Floats
 
     @classmethod
     def of(cls, triangulation: Triangulation, vertices: Floats) -> QuinticResiduals:
@@ -78,30 +83,30 @@ class QuinticResiduals:
         surface = Surroundings.of(triangulation, vertices).in_order(order)
         blocks = list(_residuals(surface, 5))
         degrees = np.concatenate([np.diff(block.indptr) for block in blocks])
-        indptr = np.r_[0, np.cumsum(degrees)].astype(np.int32)
         indices = np.concatenate([block.indices.astype(np.int32) for block in blocks])
         weights = np.concatenate([block.weights for block in blocks])
-        sizes = np.sqrt(1 + np.bincount(np.repeat(np.arange(len(order)), degrees), weights**2))
-        return cls(order, Rows(indptr, indices, weights), surface.units, sizes[:, None])
+        row = np.repeat(np.arange(len(order)), degrees)
+        own = 1 / np.sqrt(1 + np.bincount(row, weights**2))
+        indptr = np.r_[0, np.cumsum(degrees)].astype(np.int32)
+        return cls(order, indptr, indices, weights * own[row], own, surface.units)
 
     def pull(self, vectors: Floats) -> Floats:
-        """``R^T R^T R R v``, (V, 3), R these with rows of unit norm: half the gradient of ``|R R v|^2``."""
-        v = vectors[self.order]
-        for _ in range(2):
-            v = (v - self.fits @ v) / self.sizes
-        for _ in range(2):
-            v /= self.sizes
-            v -= self.fits.transposed(v)
-        pulls = np.empty_like(v)
-        pulls[self.order] = v
+        """``R^T R^T R R v``, (V, 3): half the gradient of ``|R R v|^2``."""
+        pulls = np.empty_like(vectors)
+        pulls[self.order] = self._transposed(self._transposed(self._times(self._times(vectors[self.order]))))
         return pulls
 
     def roughness(self, vertices: Floats) -> float:
         """The `fine_roughness` of vertices near this surface."""
-        v = vertices[self.order]
-        for _ in range(2):
-            v = v - self.fits @ v
-        return _robust_mean(np.linalg.norm(v, axis=1) / self.units)
+        size = self.own[:, None]
+        twice = self._times(self._times(vertices[self.order]) / size) / size
+        return _robust_mean(np.linalg.norm(twice, axis=1) / self.units)
+
+    def _times(self, vectors: Floats) -> Floats:
+        return _residuals_of(self.indptr, self.indices, self.weights, self.own, vectors)
+
+    def _transposed(self, vectors: Floats) -> Floats:
+        return _transposed_residuals_of(self.indptr, self.indices, self.weights, self.own, vectors)
 
 
 def misfits(triangulation: Triangulation, vertices: Floats, values: Floats, degree: int = 4) -> Floats:
@@ -177,6 +182,40 @@ def rough_edges(triangulation: Triangulation, vertices: Floats, offsets: Floats)
     )
     opposed = np.where(found > 0, meets_concave, meets_convex)
     return plain & opposed & ((found > 0) != (expected > 0))
+
+
+@kernel
+def _residuals_of(
+    indptr: Indices32, indices: Indices32, weights: Floats, own: Floats, vectors: Floats
+) -> Floats:
+    residuals = np.empty_like(vectors)
+    for v in range(len(own)):
+        x, y, z = own[v] * vectors[v, 0], own[v] * vectors[v, 1], own[v] * vectors[v, 2]
+        for p in range(indptr[v], indptr[v + 1]):
+            there = vectors[indices[p]]
+            x -= weights[p] * there[0]
+            y -= weights[p] * there[1]
+            z -= weights[p] * there[2]
+        residuals[v, 0], residuals[v, 1], residuals[v, 2] = x, y, z
+    return residuals
+
+
+@kernel
+def _transposed_residuals_of(
+    indptr: Indices32, indices: Indices32, weights: Floats, own: Floats, vectors: Floats
+) -> Floats:
+    products = np.zeros_like(vectors)
+    for v in range(len(own)):
+        x, y, z = vectors[v]
+        products[v, 0] += own[v] * x
+        products[v, 1] += own[v] * y
+        products[v, 2] += own[v] * z
+        for p in range(indptr[v], indptr[v + 1]):
+            there = products[indices[p]]
+            there[0] -= weights[p] * x
+            there[1] -= weights[p] * y
+            there[2] -= weights[p] * z
+    return products
 
 
 @kernel
