@@ -196,10 +196,6 @@ class SymmetricFactor(Factor):
         """Number of negative entries of D, which is that of negative eigenvalues; SuperLU counts slowly."""
         return self._numeric.negative_pivots
 
-    def rounded(self) -> SymmetricFactor:
-        """The same with L in single precision, for preconditioners: half the memory, and less time."""
-        return SymmetricFactor(self._matrix, self._numeric.rounded(), self._order)
-
 
 def factor_general(matrix: sp.sparray | sp.spmatrix) -> Factor:
     """Factorize a sparse matrix that need be neither symmetric nor definite: SuperLU with row exchanges.

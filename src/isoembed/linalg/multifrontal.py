@@ -50,10 +50,6 @@ class FrontalFactors:
     _L: Floats | Singles
     negative_pivots: int
 
-    def rounded(self) -> "FrontalFactors":
-        """The same in single precision."""
-        return FrontalFactors(self._nodes, self._L.astype(np.float32), self.negative_pivots)
-
     def solve(self, b: Floats) -> Floats:
         """Solve for b (n,) or (n, k)."""
         x = np.array(b.T, order="C", ndmin=2)

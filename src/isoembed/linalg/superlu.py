@@ -73,10 +73,6 @@ class ColumnFactors:
         self.solve = lu.solve
         self._lu = lu
 
-    def rounded(self) -> ColumnFactors:
-        """These: they are small, and SuperLU has one precision at a time."""
-        return self
-
     @cached_property
     def negative_pivots(self) -> int:
         """Number of negative entries of D; counted when asked for, because that copies all factors."""

@@ -26,10 +26,6 @@ class Numeric(Solves, Protocol):
         """Number of negative entries of D."""
         ...
 
-    def rounded(self) -> "Numeric":
-        """The same in single precision, where that saves memory."""
-        ...
-
 
 @dataclass(eq=False)
 class Symbolic:

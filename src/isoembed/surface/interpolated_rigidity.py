@@ -130,7 +130,7 @@ class InterpolatedRigidity:
             np.arange(3 * n), np.diff(self._solver.pattern.indptr)
         )
         values[diagonal] *= 1 + RIGIDITY.hold
-        return self._solver.factor(values).rounded()
+        return self._solver.factor(values, single=True)
 
 
 @kernel
