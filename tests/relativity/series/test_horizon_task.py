@@ -101,6 +101,16 @@ def test_the_next_one_has_the_same_bits_from_memory_and_from_a_file(begun, tmp_p
         np.testing.assert_array_equal(begun.arrays[name], results[0].arrays[name])
 
 
+@pytest.mark.slow
+def test_numbers_do_not_depend_on_the_start_beyond_their_errors(first):
+    task = HorizonTask(kerr(0.7, 1), FEW)
+    alone, started = (task.compute(before).report for before in (None, first))
+    assert alone != started
+    for name, error in alone["errors"].items():
+        if error is not None:
+            assert abs(alone[name] - started[name]) <= error + started["errors"][name] < 1e-9
+
+
 def test_another_series_is_no_start(begun, monkeypatch):
     monkeypatch.setattr(solve, "graded_mesh", lambda *_, **__: pytest.fail("a mesh was made"))
     with pytest.raises(pytest.fail.Exception):
