@@ -2,8 +2,8 @@
 
 import argparse
 import importlib
-import inspect
 import importlib.util
+import inspect
 import re
 from itertools import pairwise
 
