@@ -16,7 +16,10 @@ def numbers_in(group: Any, path: object) -> dict[str, np.ndarray]:
     return {
         name: array_of(item, path)
         for name, item in group.items()
-        if hasattr(item, "shape") and item.shape is not None and item.dtype.kind in "iuf"
+        if isinstance(name, str)  # of damaged files some are bytes
+        and hasattr(item, "shape")
+        and item.shape is not None
+        and item.dtype.kind in "iuf"
     }
 
 

@@ -16,6 +16,7 @@ from typing import Any, BinaryIO
 import numpy as np
 from numpy.typing import NDArray
 
+from isoembed.errors import InvalidMetric, InvalidParameter
 from isoembed.io.expansion import check_expansion, largest_expansion
 from isoembed.io.files import FileError, Tables, input_ending, open_input
 from isoembed.io.hdf5 import HDF5_ENDINGS, array_of, enumerated, groups_in, listing, numbers_in
@@ -161,9 +162,9 @@ class InputFile(os.PathLike[str]):
             if not hasattr(self, "_hdf5"):
                 self._hdf5 = self._closing.enter_context(h5py.File(self._stream, "r"))
             yield self._hdf5
-        except FileError:
+        except (FileError, InvalidMetric, InvalidParameter):
             raise
-        except (OSError, KeyError, RuntimeError) as error:  # h5py's ways to say that data are damaged
+        except (OSError, KeyError, RuntimeError, ValueError) as error:  # h5py's ways to say: damaged
             why = " ".join(str(error).split()).strip("'\"")
             raise FileError(f"{self} is not a readable HDF5 file: {why}") from None
 

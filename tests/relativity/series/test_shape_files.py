@@ -196,3 +196,15 @@ def test_a_file_that_changes_while_it_is_read(tmp_path, monkeypatch, many):
     monkeypatch.setattr("isoembed.relativity.series.shape_sources.read_horizon", read_and_change)
     with pytest.raises(FileError, match=r"run\.h5 has changed while it was read"):
         source.read()
+
+
+def test_names_that_are_no_text_and_links_to_nowhere(tmp_path):
+    """As in damaged files."""
+    spectre(tmp_path / "a.h5", [0.0])
+    with h5py.File(tmp_path / "a.h5", "r+") as file:
+        file[b"\xff.vol"] = np.arange(3.0)
+        file[b"AhA.vol/ObservationId0/\xff"] = np.arange(3.0)
+        file["AhA.vol/lost"] = h5py.SoftLink("/nowhere")
+    first, second = shapes_in_files([tmp_path / "a.h5"])
+    assert (first.series, second.series) == ("AhA", "AhB")
+    assert first.source.digest() == second.source.digest()

@@ -101,7 +101,7 @@ def spectre_times(path: str | os.PathLike[str]) -> dict[str, list[tuple[float, s
     """
     with opened(path) as given, given.hdf5() as file:
         return {
-            name: [(time, one.name.rsplit("/", 1)[1]) for time, one in _observations(group)]
+            name: [(time, str(one.name).rsplit("/", 1)[1]) for time, one in _observations(group)]
             for name, group in _surfaces(file).items()
         }
 
@@ -119,9 +119,7 @@ def _surfaces(file: Any) -> dict[str, Any]:
     seen, left = {file}, [file]  # a group may be in itself
     while left:
         above = left.pop()
-        for name in above:
-            if hasattr(above.get(name, getlink=True), "path"):  # to a group somewhere else
-                continue
+        for name in _inside(above):
             group = above[name]
             if not hasattr(group, "items") or group in seen:
                 continue
@@ -179,9 +177,17 @@ def _chosen_observation(group: Any, observation: float | str | None, source: str
     return timed[k][1], timed[k][0]
 
 
+def _inside(group: Any) -> list[str]:
+    """Names in a group, but for links to somewhere else and the bytes that some are in damaged files."""
+    return [
+        name for name in group if isinstance(name, str) and not hasattr(group.get(name, getlink=True), "path")
+    ]
+
+
 def _observations(group: Any) -> list[tuple[float, Any]]:
     """The times of a surface and their groups, in order."""
-    timed = ((item.attrs.get("observation_value"), item) for item in group.values())
+    there = (group[name] for name in _inside(group))
+    timed = ((item.attrs.get("observation_value"), item) for item in there)
     return sorted(((float(time), item) for time, item in timed if time is not None), key=lambda pair: pair[0])
 
 

@@ -81,7 +81,7 @@ def volume_arrays(path: str | os.PathLike[str], time: float) -> Iterator[tuple[s
     """
     with InputFile(path) as given, given.hdf5() as file:
         group = _at(file, time, path)
-        for name in sorted(group):
+        for name in sorted(map(str, group)):
             if name in LAYOUT or name.startswith((GAMMA, K, POINTS)):
                 yield name, array_of(group[name], path)
 
@@ -127,9 +127,9 @@ def _elements(
 
 def _observations(file: Any) -> Iterator[tuple[float, Any]]:
     """Times and groups of volume data in an open file."""
-    for name, volume in file.items():
-        if name.endswith(".vol") and volume.attrs.get("dimension", 3) == 3:
-            for group in volume.values():
+    for name in file:
+        if str(name).endswith(".vol") and file[name].attrs.get("dimension", 3) == 3:
+            for group in (file[name][inner] for inner in file[name]):
                 if "observation_value" in group.attrs and f"{GAMMA}xx" in group:
                     yield float(group.attrs["observation_value"]), group
 
