@@ -96,6 +96,7 @@ def test_failures_are_kept_and_tried_again_on_request(calls, store):
         "there is no file square4",
     ]
     assert "in compute" in outcomes[3].result.report["traceback"]
+    assert [outcome.result.report["number"] for outcome in outcomes[2:5]] == [2, 3, 4]
     assert outcomes[5].result.report["total"] == 25.0 / 3.0  # from square0, over what failed
     assert not any(outcome.computed for outcome in run(tasks, store=store))
     again = list(run(tasks, store=store, wish=Wish(retry=True)))
@@ -169,7 +170,7 @@ def test_a_killed_process_takes_nothing_with_it(calls, store):
         outcomes = {o.result.label: o for o in run(tasks, store=store, executor=executor, chunk=3)}
     assert len(outcomes) == 9
     [lost] = [outcome.result for outcome in outcomes.values() if not outcome.result.answered]
-    assert lost.label == "square4" and lost.status == "failed"
+    assert lost.label == "square4" and lost.status == "failed" and lost.report["number"] == 4
     assert lost.message.startswith("the system ended its process")
     first = {
         label: total for label, total in in_chunks(9, 3).items() if label in ("square0", "square1", "square2")
@@ -192,7 +193,7 @@ def test_what_cannot_be_sent_to_a_process_is_said():
 class Unsendable:
     """A task with a function in it."""
 
-    label = "unsendable"
+    label, facts = "unsendable", {}
 
     def __init__(self, task):
         self._task = lambda: task

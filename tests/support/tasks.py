@@ -30,6 +30,10 @@ class Square:
     def label(self) -> str:
         return f"square{self.number}"
 
+    @property
+    def facts(self):
+        return {"number": self.number}
+
     def digest(self) -> str:
         if self.fails == "unreadable":
             raise FileError(f"there is no file {self.label}")

@@ -80,7 +80,10 @@ def _outcome(task: Task, before: Result | None, store: Store | None, wish: Wish)
     try:
         key = key_of(task.digest())
     except (FileError, InvalidParameter) as error:
-        key, unreadable = key_of(str(error)), Result.without_answer(task.label, REFUSED, str(error))
+        key, unreadable = (
+            key_of(str(error)),
+            Result.without_answer(task.label, REFUSED, str(error), **task.facts),
+        )
     kept = None if wish.again else store.find(task.label, key)
     if kept is not None and (kept.answered or not wish.retry):
         return Outcome(kept, computed=False, seconds=perf_counter() - start)
@@ -97,7 +100,8 @@ def _computed(task: Task, before: Result | None) -> Result:
         with threadpool_limits(1):  # the processes share the cores
             return task.compute(before)
     except MemoryError:
-        return Result.without_answer(task.label, FAILED, "there was not enough memory for it")
+        return Result.without_answer(task.label, FAILED, "there was not enough memory for it", **task.facts)
     except Exception as error:  # a mistake of ours: it is kept with its traceback, and ends no other task
         message = f"{type(error).__name__}: {error}"
-        return Result.without_answer(task.label, FAILED, message, traceback=traceback.format_exc())
+        where = {"traceback": traceback.format_exc()}
+        return Result.without_answer(task.label, FAILED, message, **task.facts, **where)

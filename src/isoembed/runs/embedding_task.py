@@ -46,6 +46,11 @@ class EmbeddingTask:
     tolerance: float
     merge: float | None = None
 
+    @property
+    def facts(self) -> dict[str, Any]:
+        """See `isoembed.runs.Task`."""
+        return {"name": str(self.path)}
+
     def digest(self) -> str:
         """See `isoembed.runs.Task`."""
         parts = (file_digest(self.path), self.path.suffix, described(self.method), self.tolerance, self.merge)
@@ -53,7 +58,6 @@ class EmbeddingTask:
 
     def compute(self, before: Result | None) -> Result:
         """See `isoembed.runs.Task`; nothing is taken from the one before."""
-        facts: dict[str, Any] = {"name": str(self.path)}
         with warnings.catch_warnings(record=True) as notes:
             warnings.simplefilter("always", MeshNote)
             try:
@@ -61,12 +65,12 @@ class EmbeddingTask:
                     metric = read_metric(self.path, merge=self.merge)
                 found = embed(metric, method=self.method, tolerance=self.tolerance)
             except NotEmbedded as error:
-                report = {**error.embedding.report, "message": str(error), **facts}
+                report = {**error.embedding.report, "message": str(error), **self.facts}
                 return Result(self.label, error.embedding.status, report)
             except (FileError, InvalidMetric, InvalidParameter) as error:
-                return Result.without_answer(self.label, REFUSED, str(error), **facts)
+                return Result.without_answer(self.label, REFUSED, str(error), **self.facts)
         said = [str(note.message) for note in notes if issubclass(note.category, MeshNote)]
-        return Result(self.label, found.status, {**found.report, **facts, "notes": said}, _arrays(found))
+        return Result(self.label, found.status, {**found.report, **self.facts, "notes": said}, _arrays(found))
 
 
 def _arrays(found: Embedding) -> dict[str, Any]:

@@ -124,7 +124,7 @@ def _lost(task: Task, error: BaseException, store: Store | None) -> Outcome:
     why = " ".join(str(error).split()) or type(error).__name__
     if isinstance(error, BrokenExecutor):
         why = "the system ended its process, and that of a second attempt: most likely memory ran out"
-    result = Result.without_answer(task.label, FAILED, why)
+    result = Result.without_answer(task.label, FAILED, why, **task.facts)
     try:
         if store is not None:
             store.keep(result, key_of(task.digest()))

@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import hashlib
-from typing import Protocol
+from collections.abc import Mapping
+from typing import Any, Protocol
 
 from isoembed.runs.result import Result
 from isoembed.version import __version__
@@ -17,6 +18,11 @@ class Task(Protocol):
     @property
     def label(self) -> str:
         """Its name, which no other task of the run has, and which can be that of a file."""
+        ...
+
+    @property
+    def facts(self) -> Mapping[str, Any]:
+        """What the report of a result without an answer says of it besides status and message."""
         ...
 
     def digest(self) -> str:

@@ -6,7 +6,6 @@ import pytest
 from isoembed.errors import InvalidParameter
 from isoembed.plot.series.curves import series_figure, series_figures, write_series_figure
 from isoembed.relativity.series.table import SeriesTable
-from isoembed.runs import Result
 from series_results import embedded, missing
 
 pytest.importorskip("matplotlib.figure")
@@ -21,7 +20,7 @@ def results():
     return [
         *there,
         missing("ah1", 3, 1.5, "not embedded", "K < 0"),
-        Result.without_answer("ah2.t9", "failed", "killed"),
+        missing("ah2", 9, None, "failed", "killed"),
     ]
 
 
@@ -93,7 +92,7 @@ def test_without_times_there_are_iterations(results):
 
 def test_figures_of_a_run_are_those_with_something_to_see(results):
     assert set(series_figures(results)) == {"masses", "spin", "energies", "embedding"}
-    assert not series_figures([Result.without_answer("ah1.t3", "failed", "killed")])
+    assert not series_figures([missing("ah1", 3, None, "failed", "killed")])
 
 
 def test_what_there_is_not_is_one_sentence(results):

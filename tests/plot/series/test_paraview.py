@@ -9,7 +9,6 @@ from isoembed.io import FileError
 from isoembed.io.input_file import InputFile
 from isoembed.io.vtp import read
 from isoembed.plot.series.paraview import write_paraview
-from isoembed.runs import Result
 from series_results import embedded, missing
 
 
@@ -20,7 +19,7 @@ def results():
         embedded("ah1", 10, 0.1 + 0.2, center=(1, 0, 0), level=2),
         embedded("ah1", 2, 0.1, center=(2, 0, 0)),
         missing("ah1", 20, 0.4, "not embedded", "K < 0"),
-        Result.without_answer("ah2.t30", "failed", "killed"),
+        missing("ah2", 30, None, "failed", "killed"),
     ]
 
 

@@ -2,7 +2,6 @@
 
 from isoembed.plot.series.placing import PlacedHorizons
 from isoembed.plot.series.scenes import evenly, scenes
-from isoembed.runs import Result
 from series_results import embedded, missing
 
 HERE, THERE = (1.0, 0.0, 0.0), (-1.0, 0.0, 0.0)
@@ -34,9 +33,7 @@ def test_what_is_lost_is_told_and_not_replaced_by_its_neighbors():
 
 def test_a_run_begins_and_ends_with_an_embedded_horizon():
     lost = [missing("ah1", k, k, "failed", "killed") for k in (0, 2, 4)]
-    found = seen(
-        [*lost, *(embedded("ah1", k, k) for k in (1, 3)), Result.without_answer("ah1.5", "failed", "")]
-    )
+    found = seen([*lost, *(embedded("ah1", k, k) for k in (1, 3)), missing("ah1", None, None, "failed", "")])
     assert found == [(1, ["ah1.t1"], []), (2, [], ["ah1.t2"]), (3, ["ah1.t3"], [])]
     assert seen(lost) == []
     assert seen([]) == []

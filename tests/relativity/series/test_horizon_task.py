@@ -26,7 +26,7 @@ from isoembed.relativity import (
 )
 from isoembed.relativity.series import horizon_task
 from isoembed.relativity.series.source import HeldShape, HeldSlice, MissingSlice
-from isoembed.runs import Result
+from isoembed.runs import Result, run
 from isoembed.smooth import GridMetric, solve
 
 FEW = HorizonOptions(vertices=60)
@@ -189,7 +189,8 @@ def test_refusals(part, sentence, monkeypatch):
 
 
 def test_a_lack_of_memory_is_a_result():
-    found = HorizonTask(replace(kerr(0.5), shape=Failing(MemoryError())), FEW).compute(None)
+    task = HorizonTask(replace(kerr(0.5), shape=Failing(MemoryError())), FEW)
+    [found] = [outcome.result for outcome in run([task])]
     assert (found.status, found.message) == ("failed", "there was not enough memory for it")
     assert found.report["moment"]["series"] == "ah1"
 

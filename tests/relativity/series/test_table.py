@@ -8,7 +8,6 @@ import pytest
 
 from isoembed.io import FileError
 from isoembed.relativity.series.table import TEXTS, UNITS, SeriesTable, table_writer, write_table
-from isoembed.runs import Result
 from isoembed.smooth import Start
 from series_results import embedded, missing
 
@@ -16,7 +15,7 @@ from series_results import embedded, missing
 @pytest.fixture(scope="module")
 def results():
     """Two horizons of which one is lost, in no order."""
-    killed = Result.without_answer("ah2.t20", "failed", 'its worker, "w,1", was killed\nby the system')
+    killed = missing("ah2", 20, None, "failed", 'its worker, "w,1", was killed\nby the system')
     return [
         embedded("ah10", 20, 1.0),
         embedded("ah2", 10, 0.1 + 0.2),
@@ -65,21 +64,6 @@ def test_what_is_not_known_is_empty_and_says_why(results, tmp_path):
     assert unembedded["status"] == "not embedded"
     assert unembedded["area"] == "12.5"
     assert unembedded["liu_yau"] == unembedded["degree"] == ""
-
-
-@pytest.mark.parametrize(
-    ("label", "series", "number", "value"),
-    [
-        ("ah1.t20", "ah1", "iteration", 20.0),
-        ("ah1.T-1.5e-05", "ah1", "time", -1.5e-5),
-        ("a.b.7", "a.b", "iteration", np.nan),
-        ("horizon", "horizon", "time", np.nan),
-    ],
-)
-def test_a_result_without_a_moment_is_placed_by_its_label(label, series, number, value):
-    table = SeriesTable.of([Result.without_answer(label, "failed", "killed")])
-    assert table.rows[0].series == series
-    assert np.array_equal(table[number], [value], equal_nan=True)
 
 
 def test_hdf5_holds_the_columns_and_the_surfaces(results, tmp_path):

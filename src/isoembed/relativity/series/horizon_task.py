@@ -23,7 +23,7 @@ from isoembed.relativity.series.moment import Moment
 from isoembed.relativity.spacetimes.checks import vector
 from isoembed.relativity.spacetimes.surface import Surface
 from isoembed.relativity.spacetimes.surface_data import SurfaceData
-from isoembed.runs.result import FAILED, REFUSED, Result
+from isoembed.runs.result import REFUSED, Result
 from isoembed.smooth.start import Start
 from isoembed.smooth.triangulation import SPHERE_MESH
 from isoembed.thresholds import threshold
@@ -99,6 +99,11 @@ class HorizonTask:
         """See `isoembed.runs.Task`."""
         return self.moment.label
 
+    @property
+    def facts(self) -> dict[str, Any]:
+        """See `isoembed.runs.Task`."""
+        return {"name": self.moment.shape.name, "moment": self._when({})}
+
     def digest(self) -> str:
         """Of the contents of the shape and the slice, of the time, and of the options."""
         moment = self.moment
@@ -124,9 +129,7 @@ class HorizonTask:
             arrays |= {DIRECTIONS: mesh[0], **Start.of(surface.embedding).arrays}
             return self._result(report, horizon, arrays)
         except (FileError, InvalidMetric, InvalidParameter) as error:
-            return self._unanswered(REFUSED, str(error))
-        except MemoryError:
-            return self._unanswered(FAILED, "there was not enough memory for it")
+            return Result.without_answer(self.label, REFUSED, str(error), **self.facts)
 
     def _horizon(self) -> Horizon:
         moment, options = self.moment, self.options
@@ -153,7 +156,7 @@ class HorizonTask:
         return surface, (mesh.directions, mesh.faces)
 
     def _result(self, report: dict[str, Any], horizon: Horizon, arrays: dict[str, NDArray[Any]]) -> Result:
-        moment = self._facts(horizon.facts)
+        moment = self._when(horizon.facts)
         # Where the file does not say when it is, the series may know.
         facts = horizon.facts | {
             name: moment[name] for name in ("time", "iteration") if name in horizon.facts
@@ -161,11 +164,7 @@ class HorizonTask:
         report = checked_report(report, horizon.curvature_check) | {"horizon": facts, "moment": moment}
         return Result(self.label, report["status"], report, arrays)
 
-    def _unanswered(self, status: str, message: str) -> Result:
-        name = self.moment.shape.name
-        return Result.without_answer(self.label, status, message, name=name, moment=self._facts({}))
-
-    def _facts(self, of_file: dict[str, Any]) -> dict[str, Any]:
+    def _when(self, of_file: dict[str, Any]) -> dict[str, Any]:
         """Which moment it is, where necessary as the file says."""
         moment = self.moment
         return {

@@ -35,7 +35,6 @@ ESTIMATES = {
 }
 """Columns with an error, which has a column of its own after it, and their units."""
 AXIS = ("axis_x", "axis_y", "axis_z")
-LABEL = re.compile(r"(.+?)\.(?:t(\d+)|T([-+\d.e]+)|\d+)")
 HARMONICS = ("surface/", "coordinates/")
 """Beginnings of the names of arrays that restore a surface."""
 
@@ -81,7 +80,7 @@ class Row:
     def of(cls, result: Result) -> Row:
         """The row of a result."""
         report, numbers = result.report, dict[str, float | None]()
-        moment = report.get("moment") or _moment_in(result.label)
+        moment = report["moment"]
         numbers |= {"time": moment["time"], "iteration": moment["iteration"]}
         errors, spin = report.get("errors") or {}, report.get("spin")
         for name in ESTIMATES:
@@ -102,19 +101,6 @@ class Row:
         natural = [(int(word), "") if word.isdigit() else (-1, word) for word in words]
         when = [self.numbers.get(name, np.inf) for name in ("time", "iteration")]
         return natural, self.series, when, self.label
-
-
-def _moment_in(label: str) -> dict[str, Any]:
-    """The moment that a label tells, of a result without one, as of a worker that was killed."""
-    found = LABEL.fullmatch(label)
-    if found is None:
-        return {"series": label, "time": None, "iteration": None}
-    series, iteration, time = found.groups()
-    return {
-        "series": series,
-        "time": time and float(time),
-        "iteration": iteration and int(iteration),
-    }
 
 
 @dataclass(frozen=True, eq=False)
