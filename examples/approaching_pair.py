@@ -19,8 +19,8 @@ from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
-from evolution_files import LAYOUTS, Box, Evolution
 
+from evolution_files import LAYOUTS, Box, Evolution
 from isoembed.errors import NoHorizon
 from isoembed.relativity import BrillLindquist, StarSurface, find_horizon
 

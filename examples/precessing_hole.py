@@ -16,8 +16,8 @@ import argparse
 from pathlib import Path
 
 import numpy as np
-from evolution_files import LAYOUTS, Box, Evolution
 
+from evolution_files import LAYOUTS, Box, Evolution
 from isoembed.relativity import KerrSchild, StarSurface
 
 DURATION = 100.0
