@@ -9,6 +9,7 @@ from isoembed.cli.options import (
     add_json_option,
     add_marginal_options,
     add_output_option,
+    add_report_options,
     add_vertices_option,
     marginal,
     refuse_given,
@@ -75,13 +76,7 @@ def configure(parser: argparse.ArgumentParser) -> None:
     add_geometry_option(parser, "the 3-metric of the slice, which most horizon files lack")
     add_hole_options(parser)
     add_slice_options(parser)
-    parser.add_argument(
-        "--axis",
-        type=float,
-        nargs=3,
-        metavar=("X", "Y", "Z"),
-        help="additional axis for which to report the angular momentum",
-    )
+    add_report_options(parser)
     add_marginal_options(
         parser, "of each file", "by default its expansion decides, and a metric without k is none"
     )
@@ -93,9 +88,6 @@ def configure(parser: argparse.ArgumentParser) -> None:
         metavar="FOLDER",
     )
     add_vertices_option(parser)
-    parser.add_argument(
-        "--wang-yau", action="store_true", help="add the Wang-Yau energy, the least over all time functions"
-    )
     add_json_option(parser, "print JSON: an object, or a list of them")
 
 

@@ -76,6 +76,20 @@ def add_marginal_options(parser: argparse.ArgumentParser, what: str, otherwise: 
     )
 
 
+def add_report_options(parser: argparse.ArgumentParser) -> None:
+    """Add the options that say what is reported of horizons beyond the usual."""
+    parser.add_argument(
+        "--axis",
+        type=float,
+        nargs=3,
+        metavar=("X", "Y", "Z"),
+        help="additional axis for which to report the angular momentum",
+    )
+    parser.add_argument(
+        "--wang-yau", action="store_true", help="add the Wang-Yau energy, the least over all time functions"
+    )
+
+
 def marginal(options: argparse.Namespace) -> bool | None:
     """Whether the surface is a horizon, if that is said."""
     return True if options.marginal else False if options.not_marginal else None

@@ -18,6 +18,7 @@ from isoembed.cli.options import (
     add_marginal_options,
     add_output_option,
     add_quiet_option,
+    add_report_options,
     add_run_options,
     add_vertices_option,
     marginal,
@@ -71,19 +72,10 @@ def configure(parser: argparse.ArgumentParser) -> None:
     )
     add_hole_options(parser)
     add_slice_options(parser)
-    parser.add_argument(
-        "--axis",
-        type=float,
-        nargs=3,
-        metavar=("X", "Y", "Z"),
-        help="additional axis for which to report the angular momentum",
-    )
+    add_report_options(parser)
     add_marginal_options(parser, "of each surface", "by default its expansion decides")
     parser.add_argument("--surface", metavar="NAME", help="which surface of SpECTRE files, if not all")
     add_vertices_option(parser)
-    parser.add_argument(
-        "--wang-yau", action="store_true", help="add the Wang-Yau energy, the least over all time functions"
-    )
     add_output_option(
         parser,
         "where the results are kept, and table.csv, table.h5, plots and files for ParaView are made of them",
