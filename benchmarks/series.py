@@ -3,7 +3,7 @@
     python benchmarks/series.py [--count N] [--vertices N] [--json FILE]
 
 The horizons are those of Kerr-Schild slices of mass 1 whose spin grows from .3 to .7 while it turns about the
-z-axis at an angle of .7.  The issue's series is that of --count 1000.
+z-axis at an angle of .7.
 
 Printed are the seconds of the clock on one and on two processes, from their start to their end, and the
 ratio; the seconds of a horizon that begins from a mesh and of one that begins from the one before; the peak
