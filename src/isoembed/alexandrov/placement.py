@@ -39,7 +39,7 @@ class PlacementThresholds:
     dented: float = threshold(1e-8, "mean edge lengths", "Depth of a dent beyond what rounding makes.")
     exact: float = threshold(1e-12, "mean edge lengths", "Error of the lengths of a solution.")
     polishes: int = threshold(3, "count", "Rounds of the polish at most.")
-    polished: float = threshold(16 * 2.0**-52, "radii", "Error of the lengths at which they may end.")
+    polished: float = threshold(8 * 2.0**-52, "radii", "Error of the lengths at which they may end.")
     magnified: float = threshold(1e-6, "mean edge lengths", "Size to which errors are lifted above rounding.")
 
 

@@ -27,7 +27,7 @@ MEMORY = MemoryThresholds()
 PROC = Path("/proc")
 CGROUPS = Path("/sys/fs/cgroup")
 
-KEPT = {-3: 1 << 30, -1: -1, -2: 1 << 26}
+KEPT = {-3: 1 << 26, -1: -1, -2: 1 << 26}
 """Of mallopt: M_MMAP_THRESHOLD and M_TOP_PAD in bytes, and no M_TRIM_THRESHOLD."""
 
 
