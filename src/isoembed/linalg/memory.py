@@ -51,8 +51,9 @@ def require_memory(needed: int, what: str) -> None:
 def keep_freed_memory() -> None:
     """Have the C library keep what is freed for arrays to come, if it is glibc.
 
-    By default it gives large arrays back, and the system clears their pages when the next one touches them:
-    a fifth of all the time that a million vertices take.  To be called once, by a process that is all ours.
+    By default it gives all large arrays back, and the system clears their pages when the next one touches
+    them: a tenth of all the time that a million vertices take.  The largest are still given back, so that
+    they leave no holes.  To be called once, by a process that is all ours.
     """
     if (mallopt := _c_library("mallopt")) is not None:
         for parameter, value in KEPT.items():
