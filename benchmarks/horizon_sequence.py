@@ -6,7 +6,7 @@ Families: "pair", spheres of coordinate radius 3 about two black holes of masses
 Lindquist) that come from 1.2 to .3 apart while their line, tilted to the z-axis, turns twice; "deformed", the
 same in surfaces that are flattened along another axis; "precessing", the horizons of Kerr-Schild slices whose
 spin grows from .3 to .7 while it turns about the z-axis at an angle of .7; "kerr", horizons of spin 0 to .86,
-symmetric about z.  The issue's sequence is that of --count 100.
+symmetric about z.
 
 Printed are seconds of the clock (of the processor in brackets) for all embeddings with their energies, both
 ways, the ratio of the seconds of the processor, the largest difference of the Kijowski-Liu-Yau energies and
