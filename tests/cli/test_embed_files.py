@@ -97,6 +97,17 @@ def test_polyhedra_keep_their_faces(run, call):
     assert read_surface("out/cube.ply").volume == pytest.approx(1.0, rel=1e-6)
 
 
+def test_parts_leave_the_table_to_the_whole(run, metrics):
+    files = ["m1.npz", "m2.npz", "-o", "out", "--chunk", 1, "--json"]
+    for k in (1, 2):
+        report = strict(run(*files, "--shard", f"{k}/2")[1])
+        assert (report["of"], report["computed"], report["table"]) == (1, 1, None)
+        assert not Path("out/table.csv").exists()
+    assert strict(run(*files)[1])["computed"] == 0 and [*rows()] == ["m1", "m2"]
+    run("m3.npz", "wrong.npz", "-o", "out")
+    assert [*rows()] == ["m3", "wrong"]  # those that were asked for
+
+
 @pytest.mark.parametrize(
     ("arguments", "message"),
     [
@@ -106,6 +117,7 @@ def test_polyhedra_keep_their_faces(run, call):
         (["m1.npz", "m2.npz", "-o", "out", "--html", "x.html"], "--html is for one file"),
         (["m1.npz", "-o", "m1.ply"], "--jobs is for several files, whose --output is a folder"),
         (["m1.npz", "m2.npz", "-o", "out", "--shard", "3/2"], "'3/2' is not I/N with I from 1 to N"),
+        (["m1.json", "m2.npz", "-o", "."], "m1.json would take the place of the input m1.json: take another"),
         (["m1.npz", "m2.npz", "-o", "m1.npz"], "cannot make the folder m1.npz/results: Not a directory"),
     ],
 )

@@ -73,6 +73,12 @@ def test_a_worker_that_is_killed_changes_nothing(tmp_path, scheduler):
     assert {result.report["process"] for result in found.values()} <= {worker.pid for worker in workers}
 
 
+@pytest.mark.parametrize("address", ["foo", "", "http://x:1", "tcp://x"])
+def test_what_is_no_address(address):
+    with pytest.raises(InvalidParameter, match="is no address of a scheduler"), dask_workers(address):
+        pass
+
+
 def test_nobody_answers(monkeypatch):
     monkeypatch.setattr("isoembed.runs.cluster.PATIENCE", 0.5)
     with (

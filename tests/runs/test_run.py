@@ -130,6 +130,31 @@ def test_any_executor_does(calls, store):
     assert set(counts(calls).values()) == {1}
 
 
+def test_a_digest_may_fail_as_well(calls, store):
+    tasks = squares(calls, 4, n1="no digest", n2="digest in memory")
+    outcomes = list(run(tasks, store=store))
+    assert [outcome.result.status for outcome in outcomes] == ["done", "refused", "failed", "done"]
+    assert not any(outcome.computed for outcome in run(tasks, store=store))
+    with Lost(9) as executor:
+        lost = {o.result.label: o.result for o in run(tasks, store=Store.made(calls), executor=executor)}
+    assert lost["square1"].message == "the machine is gone"
+
+
+def test_a_cluster_that_is_gone_is_one_sentence(calls, store):
+    class Gone(Lost):
+        def submit(self, function, tasks, *others):
+            future = Future()
+            future.cancel()
+            future.set_running_or_notify_cancel()
+            return future
+
+    with (
+        Gone(0) as executor,
+        pytest.raises(InvalidParameter, match="^the executor has canceled what was under"),
+    ):
+        list(run(squares(calls, 2), store=store, executor=executor))
+
+
 def test_what_cannot_be_kept_is_said(calls, store, monkeypatch):
     monkeypatch.setattr(Store, "path", lambda self, label, key: self.folder / "gone" / label)
     [outcome] = run([Square(3)], store=store)

@@ -50,6 +50,12 @@ def test_results_come_by_label_and_unfinished_files_are_none(store):
     assert [result.label for result in store] == ["a.t2", "b.t10", "b.t9"]
 
 
+def test_the_results_of_some(store):
+    for label in ("a", "b", "c"):
+        store.keep(Result(label, "done", {}, {"x": np.ones(1)}), "0")
+    assert [result.label for result in store.of(["c", "a", "z"])] == ["a", "c"]
+
+
 def test_a_folder_that_cannot_be_made_is_one_sentence(tmp_path):
     (tmp_path / "file").write_text("")
     with pytest.raises(FileError, match=r"^cannot make the folder .*results: Not a directory$"):

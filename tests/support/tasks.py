@@ -10,6 +10,7 @@ from pathlib import Path
 
 import numpy as np
 
+from isoembed.errors import InvalidParameter
 from isoembed.io import FileError
 from isoembed.runs import Result
 
@@ -37,6 +38,10 @@ class Square:
     def digest(self) -> str:
         if self.fails == "unreadable":
             raise FileError(f"there is no file {self.label}")
+        if self.fails == "no digest":
+            raise InvalidParameter(f"{self.label} cannot be pickled")
+        if self.fails == "digest in memory":
+            raise MemoryError
         return hashlib.sha256(f"{self.number} {self.fails} {self.options}".encode()).hexdigest()
 
     def compute(self, before: Result | None) -> Result:

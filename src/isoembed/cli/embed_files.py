@@ -17,7 +17,7 @@ from isoembed.runs import Result, Store
 from isoembed.runs.embedding_task import EmbeddingTask
 
 OF_ONE = ("report", "picture", "html", "animate", "keep", "checkpoint", "resume")
-TABLE, SURFACE = "table.csv", ".ply"
+TABLE, SURFACE, REPORT = "table.csv", ".ply", ".json"
 COLUMNS = {
     "vertices": ("input", "vertices"),
     "negative_deficits": ("input", "negative_deficits"),
@@ -35,7 +35,7 @@ def embed_files(options: argparse.Namespace, method: Method) -> int:
     """Embed all files into a folder; return the exit status."""
     for name in OF_ONE:
         if getattr(options, name, None):
-            raise UsageError(f"--{name} is for one file: of several, all is in the folder of --output")
+            raise UsageError(f"--{name} is for one file and its --output: in a folder there are all reports")
     if options.output is None:
         raise UsageError(f"{len(options.inputs)} files need an --output: the folder for their surfaces")
     if "-" in options.inputs:
@@ -45,19 +45,26 @@ def embed_files(options: argparse.Namespace, method: Method) -> int:
         for stem, name in zip(stems(options.inputs), seen_by_all(options, options.inputs), strict=True)
     ]
     folder = Path(*seen_by_all(options, [options.output]))
+    inputs = {task.path.resolve(): task.path for task in tasks}
+    for name in (TABLE, *(f"{task.label}{end}" for task in tasks for end in (SURFACE, REPORT))):
+        if (same := inputs.get((folder / name).resolve())) is not None:
+            raise UsageError(f"{folder / name} would take the place of the input {same}: take another folder")
     tally = carried_out(tasks, Store.made(folder), options, lambda result: _write(folder, result))
-    rows = [_row(result) for result in Store(folder)]
-    write_atomically({folder / TABLE: lambda path: path.write_text(_csv(rows), encoding="utf-8")})
+    table = None if options.shard else str(options.output / TABLE)
+    if table:  # of parts, others are at work: the whole makes it
+        rows = [_row(result) for result in Store(folder).of({task.label for task in tasks})]
+        write_atomically({folder / TABLE: lambda path: path.write_text(_csv(rows), encoding="utf-8")})
     if options.json:
-        print_json({**tally.report, "table": str(options.output / TABLE)})
+        print_json({**tally.report, "table": table})
     elif not options.quiet:
-        print_aside(f"{tally}\nin {options.output}: {TABLE}, and NAME{SURFACE} and NAME.json of each")
+        files = f"{TABLE}, and " if table else ""
+        print_aside(f"{tally}\nin {options.output}: {files}NAME{SURFACE} and NAME{REPORT} of each")
     return tally.exit_status
 
 
 def _write(folder: Path, result: Result) -> None:
     """Write the report of a file, and its surface if there is one."""
-    writers = {folder / f"{result.label}.json": report_writer(result.report)}
+    writers = {folder / f"{result.label}{REPORT}": report_writer(result.report)}
     if result.answered:
         data = dict(result.arrays)
         vertices, corners, sizes = (data.pop(name) for name in ("vertices", "corners", "sizes"))

@@ -68,7 +68,7 @@ class Tally:
 
     def __str__(self) -> str:
         statuses = ", ".join(f"{number:,} {status}" for status, number in self.statuses.most_common())
-        before = f"; {self.done - self.computed:,} were there before" if self.computed < self.done else ""
+        before = f"; {self.done - self.computed:,} were there" if self.computed < self.done else ""
         return f"{self.done:,} of {self.total:,}: {statuses or 'none'}{before}"
 
     @property

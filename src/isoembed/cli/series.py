@@ -11,7 +11,7 @@ from importlib.util import find_spec
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from isoembed.cli.many import Tally, carried_out, seen_by_all
+from isoembed.cli.many import carried_out, seen_by_all
 from isoembed.cli.options import (
     OF_RUNS,
     add_json_option,
@@ -35,6 +35,7 @@ from isoembed.cli.slices import (
     slice_named,
 )
 from isoembed.cli.status import OK, WRONG
+from isoembed.errors import InvalidParameter
 from isoembed.io import FileError, write_atomically
 from isoembed.plot.picture import figure_writer
 from isoembed.plot.series.curves import series_figures
@@ -93,14 +94,17 @@ def configure(parser: argparse.ArgumentParser) -> None:
 def run(options: argparse.Namespace) -> int:
     """Embed the horizons, and make table and pictures of them; return the exit status."""
     folder = Path(*seen_by_all(options, [options.output]))
-    tally = None
+    tally, store = None, Store(folder)
     if options.horizons:
-        tally = _embedded(options, folder)
+        tasks = _tasks(options)
+        table = _GrowingTable(folder / TABLE) if options.shard is None else None
+        tally = carried_out(tasks, Store.made(folder), options, table)
+        store = store.of(task.label for task in tasks)
     else:
         refuse_given(options, (*OF_HORIZONS, *OF_RUNS), "needs HORIZONS")
     status, written = OK if tally is None else tally.exit_status, list[str]()
     if options.shard is None:  # otherwise others are still at work
-        written, missing = _products(Store(folder), film=options.film)
+        written, missing = _products(store, film=options.film)
         for sentence in missing:
             print_error(sentence)
             status = WRONG
@@ -112,13 +116,12 @@ def run(options: argparse.Namespace) -> int:
     return status
 
 
-def _embedded(options: argparse.Namespace, folder: Path) -> Tally:
-    """Embed the horizons that are asked for, and keep the results."""
+def _tasks(options: argparse.Namespace) -> list[HorizonTask]:
+    """The horizons that are asked for."""
     axis = None if options.axis is None else tuple(options.axis)
     what = HorizonOptions(vertices(options), options.wang_yau, axis, marginal(options))
     listed = moments(seen_by_all(options, options.horizons), _geometry(options), surface=options.surface)
-    table = _GrowingTable(folder / TABLE) if options.shard is None else None
-    return carried_out([HorizonTask(moment, what) for moment in listed], Store.made(folder), options, table)
+    return [HorizonTask(moment, what) for moment in listed]
 
 
 def _geometry(options: argparse.Namespace) -> str | ThreeGeometry | None:
@@ -156,7 +159,7 @@ def _products(store: Store, *, film: bool) -> tuple[list[str], list[str]]:
         try:
             write(store.folder / name, store)
             written.append(name)
-        except FileError as error:
+        except (FileError, InvalidParameter) as error:
             missing.append(str(error))
 
     make(TABLE, write_table)

@@ -15,6 +15,8 @@ from isoembed.runs.result import FAILED, REFUSED, Result
 from isoembed.runs.store import Store
 from isoembed.runs.task import Task, key_of
 
+MEMORY = "there was not enough memory for it"
+
 
 @dataclass(frozen=True)
 class Wish:
@@ -80,10 +82,11 @@ def _outcome(task: Task, before: Result | None, store: Store | None, wish: Wish)
     try:
         key = key_of(task.digest())
     except (FileError, InvalidParameter) as error:
-        key, unreadable = (
-            key_of(str(error)),
-            Result.without_answer(task.label, REFUSED, str(error), **task.facts),
-        )
+        key = key_of(str(error))
+        unreadable = Result.without_answer(task.label, REFUSED, str(error), **task.facts)
+    except MemoryError:
+        key = key_of(MEMORY)
+        unreadable = Result.without_answer(task.label, FAILED, MEMORY, **task.facts)
     kept = None if wish.again else store.find(task.label, key)
     if kept is not None and (kept.answered or not wish.retry):
         return Outcome(kept, computed=False, seconds=perf_counter() - start)
@@ -100,7 +103,7 @@ def _computed(task: Task, before: Result | None) -> Result:
         with threadpool_limits(1):  # the processes share the cores
             return task.compute(before)
     except MemoryError:
-        return Result.without_answer(task.label, FAILED, "there was not enough memory for it", **task.facts)
+        return Result.without_answer(task.label, FAILED, MEMORY, **task.facts)
     except Exception as error:  # a mistake of ours: it is kept with its traceback, and ends no other task
         message = f"{type(error).__name__}: {error}"
         where = {"traceback": traceback.format_exc()}

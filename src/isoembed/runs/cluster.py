@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Iterator
 from concurrent.futures import Executor
 from contextlib import contextmanager
 
 from isoembed.errors import InvalidParameter
 
+ADDRESS = re.compile(r"((tcp|tls|ucx|wss?)://)?[^/\s]+:\d+")
 PATIENCE = 10.0  # seconds to wait for a scheduler
 
 
@@ -16,18 +18,20 @@ def dask_workers(address: str) -> Iterator[Executor]:
     """An executor that hands tasks to the workers of a scheduler that runs already.
 
     A worker that is lost is replaced by another one: Dask does its tasks again.  All of them must see the
-    files of the tasks and of the store under the same paths, and have isoembed installed.
+    files of the tasks and of the store under the same paths, have isoembed installed, and one thread each.
 
     Parameters
     ----------
     address : str
-        ``tcp://host:port``, or what else `distributed.Client` takes.
+        ``tcp://host:port``.
 
     Raises
     ------
     InvalidParameter
         Dask is not installed, or there is no such scheduler.
     """
+    if not ADDRESS.fullmatch(address):
+        raise InvalidParameter(f"{address!r} is no address of a scheduler, as tcp://127.0.0.1:8786 is")
     try:
         from distributed import Client
     except ImportError:

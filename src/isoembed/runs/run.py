@@ -69,7 +69,7 @@ def run(
     Raises
     ------
     InvalidParameter
-        The chunk is not positive.
+        The chunk is not positive, or the executor, a cluster that is gone, cancels what is under way.
     """
     if chunk < 1:
         raise InvalidParameter(f"a chunk of {chunk} tasks is none")
@@ -107,6 +107,8 @@ def _finished(
     """Outcomes of the chunks that are done; those whose process was lost are begun again."""
     for future in wait(under_way, timeout, FIRST_COMPLETED).done:
         attempt = under_way.pop(future)
+        if future.cancelled():
+            raise InvalidParameter("the executor has canceled what was under way; what is done is kept")
         error = future.exception()
         if error is None:
             yield from future.result()
@@ -123,11 +125,19 @@ def _lost(task: Task, error: BaseException, store: Store | None) -> Outcome:
     """The outcome of a task that cannot be sent to a process, or whose process was lost twice."""
     why = " ".join(str(error).split()) or type(error).__name__
     if isinstance(error, BrokenExecutor):
-        why = "the system ended its process, and that of a second attempt: most likely memory ran out"
+        why = (
+            "the system ended its process, and that of a second attempt: most likely memory ran out, or what "
+            "was sent to it is of a module that it cannot import"
+        )
     result = Result.without_answer(task.label, FAILED, why, **task.facts)
+    if store is None:
+        return Outcome(result, computed=True)
     try:
-        if store is not None:
-            store.keep(result, key_of(task.digest()))
+        key = key_of(task.digest())
+    except (FileError, InvalidParameter, MemoryError):
+        key = key_of(why)
+    try:
+        store.keep(result, key)
     except FileError as complaint:
         return Outcome(result, computed=True, complaint=str(complaint))
     return Outcome(result, computed=True)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -11,7 +11,7 @@ from isoembed.io.files import FileError, write_atomically
 from isoembed.runs.result import Result
 
 RESULTS, ENDING = "results", ".npz"
-HIDDEN = "."  # before the names of files that are being written
+HIDDEN = ".isoembed-"  # before the names of files that are being written
 
 
 @dataclass(frozen=True)
@@ -24,9 +24,12 @@ class Store:
     Attributes
     ----------
     folder : Path
+    labels : frozenset of str, optional
+        The tasks whose results it has when it is gone through; by default all.
     """
 
     folder: Path
+    labels: frozenset[str] | None = None
 
     @classmethod
     def made(cls, folder: Path) -> Store:
@@ -42,6 +45,10 @@ class Store:
         except OSError as error:
             raise FileError(f"cannot make the folder {folder / RESULTS}: {error.strerror}") from None
         return cls(folder)
+
+    def of(self, labels: Iterable[str]) -> Store:
+        """The same store, with the results of these tasks alone when it is gone through."""
+        return Store(self.folder, frozenset(labels))
 
     def path(self, label: str, key: str) -> Path:
         """The file of a result."""
@@ -78,7 +85,7 @@ class Store:
                 continue
             if not path.name.startswith(HIDDEN) and asked >= latest.get(label, (0, path))[0]:
                 latest[label] = asked, path
-        for label in sorted(latest):
+        for label in sorted(latest if self.labels is None else self.labels & latest.keys()):
             try:
                 yield Result.read(latest[label][1])
             except FileError:

@@ -7,12 +7,13 @@ import os
 import queue
 import signal
 import threading
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from concurrent.futures import BrokenExecutor, Executor, Future, ProcessPoolExecutor
-from contextlib import suppress
+from contextlib import contextmanager, suppress
 from typing import Any, TypeVar
 
 T = TypeVar("T")
+PATIENCE = 10.0  # seconds that a process takes to begin, at most
 
 
 class Workers(Executor):
@@ -68,16 +69,16 @@ class _Worker:
             except BrokenExecutor:  # it was killed
                 self._pool.shutdown()
         self._pool = ProcessPoolExecutor(1, multiprocessing.get_context("spawn"), _begin)
-        self._number = self._pool.submit(os.getpid)
+        with _interruptions_ignored():
+            self._number = self._pool.submit(os.getpid)
         return self._pool.submit(function, *args, **options)
 
     def end(self, *, wait: bool, at_once: bool) -> None:
         if self._pool is None or self._number is None:
             return
         if at_once:
-            # One that is killed has no number, and one that has not begun will find nothing to do.
             with suppress(BrokenExecutor, TimeoutError, ProcessLookupError):
-                os.kill(self._number.result(timeout=0), signal.SIGTERM)
+                os.kill(self._number.result(PATIENCE), signal.SIGTERM)  # as soon as it has begun
         self._pool.shutdown(wait=wait, cancel_futures=at_once)
 
 
@@ -86,6 +87,19 @@ def cores() -> int:
     if hasattr(os, "sched_getaffinity"):
         return len(os.sched_getaffinity(0))
     return os.cpu_count() or 1
+
+
+@contextmanager
+def _interruptions_ignored() -> Iterator[None]:
+    """Begin a process that Ctrl-C does not reach: what is ignored here, it ignores from its beginning."""
+    if threading.current_thread() is not threading.main_thread():
+        yield
+        return
+    before = signal.signal(signal.SIGINT, signal.SIG_IGN)
+    try:
+        yield
+    finally:
+        signal.signal(signal.SIGINT, before)
 
 
 def _begin() -> None:

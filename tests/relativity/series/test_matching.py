@@ -29,13 +29,22 @@ def found(shapes, slices):
 
 def test_iterations_go_before_times():
     shapes = [shape("ah10", 8, 0.5), shape("ah2", 8, 0.5), shape("ah2", 0, 0.0), shape("ah2", 4)]
-    slices = [slice_(4, 0.25), slice_(8, 7.5), slice_(0)]
+    slices = [slice_(4, 0.25), slice_(8, 0.5001), slice_(0)]
     assert found(shapes, slices) == [
         ("ah2.t0", "slice-0-None"),
         ("ah2.t4", "slice-4-0.25"),
-        ("ah2.t8", "slice-8-7.5"),
-        ("ah10.t8", "slice-8-7.5"),
+        ("ah2.t8", "slice-8-0.5001"),
+        ("ah10.t8", "slice-8-0.5001"),
     ]
+
+
+def test_numbers_that_are_no_iterations_are_told_by_their_times():
+    moments = matched([shape("ah1", k, 0.5 * k) for k in range(3)], [slice_(0, 0.0), slice_(1, 32.0)])
+    assert [moment.slice.name for moment in moments] == ["slice-0-0.0", "no slice", "no slice"]
+    with pytest.raises(
+        FileError, match=r"^ah1 at iteration 1 \(.*\) is at t = 0\.5, but the slice of this .* t = 32$"
+    ):
+        moments[1].slice.read(None, None)
 
 
 def test_times_as_they_are_printed():

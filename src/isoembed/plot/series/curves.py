@@ -224,6 +224,8 @@ def _limits(curves: Sequence[_Curve]) -> tuple[float, float]:
     """The range of an axis: all values, and of the error bands what does not dwarf these."""
     values = np.concatenate([curve.values[curve.known] for curve in curves])
     bands = np.concatenate([curve.band[curve.known] for curve in curves])
+    if not values.size:  # none of them has a time
+        return 0.0, 1.0
     low, high = float(values.min()), float(values.max())
     typical = float(np.median(bands))
     span = max(high - low, CURVE.level * max(abs(low), abs(high)), 2.0 * typical) or 1.0

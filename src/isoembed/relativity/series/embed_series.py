@@ -41,7 +41,8 @@ def embed_series(
     moments : iterable of Moment or of tuples
         As from `isoembed.relativity.moments`, or tuples (time, shape, geometry): the time, or None; a horizon
         as `Horizon.of` takes it, or its file; its slice, a file of one, grid data of kuibit by the names
-        gxx ... kzz, or None where the horizon needs none.  They are taken as there is room for them.
+        gxx ... kzz, or None where the horizon needs none.  They are taken one
+        after the other; by an executor, as `isoembed.runs.Workers` has room for them, or all at once.
     vertices : int
         Of the meshes.
     wang_yau : bool
@@ -50,7 +51,8 @@ def embed_series(
         See `Horizon.of`.
     folder : path, optional
         Where the results are kept, each in a file of its own: what is there already, of the same content and
-        options, is not computed again.
+        options, is not computed again.  Of slices in code, the functions and classes count by their names:
+        take another folder when they have changed.
     executor : concurrent.futures.Executor, optional
         By default all is done in this process.  `isoembed.runs.Workers` has one process on each core.
 

@@ -90,12 +90,15 @@ class _Slices:
     def __init__(self, slices: Sequence[ListedSlice], of_series: Iterable[Sequence[float]]) -> None:
         self.count = len(slices)
         self.by_iteration: dict[int, SliceSource] = {}
+        self._dates: dict[int, float] = {}
         timed: list[tuple[float, SliceSource]] = []
         for listed in slices:
             if listed.iteration is not None:
                 other = self.by_iteration.setdefault(listed.iteration, listed.source)
                 if other is not listed.source:
                     _refuse(other, listed.source, f"iteration {listed.iteration}")
+            if listed.time is not None and listed.iteration is not None:
+                self._dates[listed.iteration] = listed.time
             if listed.time is not None:
                 timed.append((listed.time, listed.source))
         timed.sort(key=lambda pair: pair[0])
@@ -110,6 +113,12 @@ class _Slices:
     def of(self, shape: ListedShape) -> SliceSource:
         """The slice of a horizon, or one that says that there is none."""
         if shape.iteration is not None and self.by_iteration:
+            date = self._dates.get(shape.iteration)
+            if date is not None and shape.time is not None and abs(date - shape.time) > self.room:
+                return MissingSlice(
+                    f"{_when(shape)} ({shape.source.name}) is at t = {shape.time:.9g}, but the slice of this "
+                    f"iteration, {self.by_iteration[shape.iteration].name}, is at t = {date:.9g}"
+                )
             return self.by_iteration.get(shape.iteration) or self._missing(shape)
         if shape.time is not None and len(self.times):
             nearest = int(np.argmin(np.abs(self.times - shape.time)))
@@ -161,4 +170,4 @@ def _when(moment: Moment | ListedShape) -> str:
 def _natural(series: str) -> list[tuple[int, int, str]]:
     """Key by which ah2 comes before ah10."""
     words = re.split(r"(\d+)", series)
-    return [(0, int(word), "") if word.isdigit() else (1, 0, word) for word in words]
+    return [(0, int(word), "") if word.isdecimal() else (1, 0, word) for word in words]

@@ -1,8 +1,10 @@
 """Moments: a horizon at a time, with its slice; and what a simulation lists of both."""
 
+import math
 import re
 from dataclasses import dataclass
 
+from isoembed.errors import InvalidParameter
 from isoembed.relativity.series.source import ShapeSource, SliceSource
 
 UNSAFE = re.compile(r"[^\w+.-]")  # in the name of a file
@@ -63,6 +65,11 @@ class Moment:
         None where the horizon has a metric of its own.
     position : int or None
         Which of its series it is, where neither time nor iteration tell.
+
+    Raises
+    ------
+    InvalidParameter
+        The time is no finite number.
     """
 
     series: str
@@ -71,6 +78,16 @@ class Moment:
     shape: ShapeSource
     slice: SliceSource | None = None
     position: int | None = None
+
+    def __post_init__(self) -> None:
+        if self.time is not None:
+            try:
+                time = float(self.time)
+            except (TypeError, ValueError):
+                time = math.nan
+            if not math.isfinite(time):
+                raise InvalidParameter(f"the time of {self.series} is {self.time!r}, not a finite number")
+            object.__setattr__(self, "time", time)
 
     @property
     def label(self) -> str:

@@ -131,7 +131,7 @@ def _many(path: str) -> list[ListedShape]:
         for time, group in times
     ]
     for group, (times, iterations) in ({} if out else horizon_times(path)).items():
-        series = group or name_parts(path).series
+        series = group or name_parts(path).series or "horizon"
         out += [
             ListedShape(series, iterations[k] if iterations else None, time, ShapeAtIndex(path, group, k))
             for k, time in enumerate(times)

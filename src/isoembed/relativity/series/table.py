@@ -14,6 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from isoembed.arrays import Floats
+from isoembed.errors import InvalidParameter
 from isoembed.io.files import FileError, Writer, ending, write_atomically
 from isoembed.io.hdf5 import HDF5_ENDINGS
 from isoembed.io.registry import check_output
@@ -78,9 +79,17 @@ class Row:
 
     @classmethod
     def of(cls, result: Result) -> Row:
-        """The row of a result."""
+        """The row of a result.
+
+        Raises
+        ------
+        InvalidParameter
+            It is of no horizon.
+        """
         report, numbers = result.report, dict[str, float | None]()
-        moment = report["moment"]
+        moment = report.get("moment")
+        if moment is None:
+            raise InvalidParameter(f"the result {result.label} is of no horizon")
         numbers |= {"time": moment["time"], "iteration": moment["iteration"]}
         errors, spin = report.get("errors") or {}, report.get("spin")
         for name in ESTIMATES:
@@ -98,7 +107,7 @@ class Row:
     def place(self) -> tuple[Any, ...]:
         """What rows are sorted by: the series, with ah2 before ah10, the time and the iteration."""
         words = re.split(r"(\d+)", self.series)
-        natural = [(int(word), "") if word.isdigit() else (-1, word) for word in words]
+        natural = [(int(word), "") if word.isdecimal() else (-1, word) for word in words]
         when = [self.numbers.get(name, np.inf) for name in ("time", "iteration")]
         return natural, self.series, when, self.label
 
