@@ -150,7 +150,7 @@ def test_a_cluster_that_is_gone_is_one_sentence(calls, store):
 
     with (
         Gone(0) as executor,
-        pytest.raises(InvalidParameter, match="^the executor has canceled what was under"),
+        pytest.raises(InvalidParameter, match=r"^the executor has canceled what was under"),
     ):
         list(run(squares(calls, 2), store=store, executor=executor))
 
