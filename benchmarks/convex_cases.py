@@ -1,6 +1,6 @@
 """What a case of the convex sweep is, and how bodies become one."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from itertools import combinations
 
 import numpy as np
@@ -33,6 +33,8 @@ class Case:
         Of the solid, if it has one.
     size : float
         What the family is about: aspect, distance, deficit.
+    curvature : float
+        Of the triangles, and of the space that the points are in.
     """
 
     faces: np.ndarray
@@ -44,6 +46,7 @@ class Case:
     repair: float = 0.0
     name: str = ""
     size: float = 1.0
+    curvature: float = 0.0
 
 
 class Redo(Exception):  # noqa: N818
@@ -67,6 +70,22 @@ def case(rng, points, faces, core=None, shuffled=0.5, size=1.0, name="", flat=Fa
         tables = metric.faces, metric.twins, metric.face_lengths
         return Case(*tables, points, core, roundings=256.0, size=size, name=name)
     return Case(faces, None, rounded_lengths(points, faces), points, core, size=size, name=name)
+
+
+def relabeled(case, rng):
+    """The same metric with other numbers, in another unit; the new numbers of vertices; and the unit."""
+    new, unit = rng.permutation(case.faces.max() + 1), 10 ** rng.uniform(-8, 8)
+    place, turn = rng.permutation(len(case.faces)), rng.integers(3, size=len(case.faces))
+    halfedge = 3 * place[:, None] + (np.arange(3) - turn[:, None]) % 3  # of the old face and corner
+    faces, lengths = np.empty(case.faces.size, dtype=np.int64), np.empty(case.faces.size)
+    faces[halfedge], lengths[halfedge] = new[case.faces], case.lengths * unit
+    twins = None
+    if case.twins is not None:
+        twins = np.empty_like(case.twins)
+        twins[halfedge.ravel()] = halfedge.ravel()[case.twins]
+    tables = {"faces": faces.reshape(-1, 3), "twins": twins, "lengths": lengths.reshape(-1, 3)}
+    copy = replace(case, **tables, curvature=case.curvature / unit**2)
+    return copy, new, unit
 
 
 def check_sphere(faces, n):

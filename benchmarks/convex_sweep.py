@@ -81,8 +81,9 @@ def metric_of(case):
     import isoembed
 
     if case.twins is not None:
-        return isoembed.GluedMetric(case.faces, case.twins, case.lengths)
-    return isoembed.PolyhedralMetric(case.faces, case.lengths.ravel()[convex_check.sides_of(case)])
+        return isoembed.GluedMetric(case.faces, case.twins, case.lengths, curvature=case.curvature)
+    lengths = case.lengths.ravel()[convex_check.sides_of(case)]
+    return isoembed.PolyhedralMetric(case.faces, lengths, curvature=case.curvature)
 
 
 def judged(case, found):

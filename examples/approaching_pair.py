@@ -14,13 +14,12 @@ equations.  The horizons are found: ah1 and ah2 around each hole, and ah3 around
 less than 0.766197428.
 """
 
-import argparse
 from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
 
-from evolution_files import LAYOUTS, Box, Evolution
+from evolution_files import Box, Evolution, written_by_command
 from isoembed.errors import NoHorizon
 from isoembed.relativity import BrillLindquist, StarSurface, find_horizon
 
@@ -104,19 +103,5 @@ def write(folder, moments, layout, spacings=SPACINGS):
     return written
 
 
-def main():
-    """Write what is asked for."""
-    parser = argparse.ArgumentParser(
-        description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
-    )
-    parser.add_argument("folder", metavar="FOLDER")
-    parser.add_argument("--moments", type=int, default=17, metavar="N")
-    parser.add_argument("--layout", choices=LAYOUTS, default="files")
-    options = parser.parse_args()
-    if Path(options.folder).exists():
-        parser.error(f"{options.folder} is there already")
-    write(options.folder, options.moments, options.layout)
-
-
 if __name__ == "__main__":
-    main()
+    written_by_command(__doc__, write)

@@ -7,6 +7,7 @@
 Beside them are h.t<iteration>.<horizon>.gp and BH_diagnostics.<horizon>.gp as AHFinderDirect writes them.
 """
 
+import argparse
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -183,3 +184,17 @@ def _shape_text(surface: StarSurface, points: int = 25) -> str:
             numbers = (angles[k % points], angles[k // points], *row)
             lines.append("\t".join(f"{number:.15g}" for number in numbers))
     return "\n".join([*lines, ""])
+
+
+def written_by_command(description, write):
+    """Write an evolution as the command line says: its folder, how many moments, and the layout."""
+    parser = argparse.ArgumentParser(
+        description=description, formatter_class=argparse.RawDescriptionHelpFormatter
+    )
+    parser.add_argument("folder", metavar="FOLDER")
+    parser.add_argument("--moments", type=int, default=17, metavar="N")
+    parser.add_argument("--layout", choices=LAYOUTS, default="files")
+    options = parser.parse_args()
+    if Path(options.folder).exists():
+        parser.error(f"{options.folder} is there already")
+    write(options.folder, options.moments, options.layout)

@@ -12,12 +12,11 @@ form: what comes out can be checked.  The vector a turns about the z-axis at an 
 0.3 to 0.7.
 """
 
-import argparse
 from pathlib import Path
 
 import numpy as np
 
-from evolution_files import LAYOUTS, Box, Evolution
+from evolution_files import Box, Evolution, written_by_command
 from isoembed.relativity import KerrSchild, StarSurface
 
 DURATION = 100.0
@@ -50,19 +49,5 @@ def write(folder, moments, layout, spacing=SPACING):
     return written
 
 
-def main():
-    """Write what is asked for."""
-    parser = argparse.ArgumentParser(
-        description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
-    )
-    parser.add_argument("folder", metavar="FOLDER")
-    parser.add_argument("--moments", type=int, default=17, metavar="N")
-    parser.add_argument("--layout", choices=LAYOUTS, default="files")
-    options = parser.parse_args()
-    if Path(options.folder).exists():
-        parser.error(f"{options.folder} is there already")
-    write(options.folder, options.moments, options.layout)
-
-
 if __name__ == "__main__":
-    main()
+    written_by_command(__doc__, write)

@@ -23,6 +23,14 @@ interface Mesh {
   polygons: Packed | null;
   outlines: Packed | null;
   solid: number; // how many triangles, the first ones, are not seen through
+  cuts?: number; // how often triangles are cut in four, to look as they bend
+  own?: Packed | null; // for each vertex, one of the surface's own
+}
+
+interface PageSpace {
+  curvature: number; // in the unit of the positions
+  farthest: number; // radius of a sphere at infinity that is drawn, in radii of the surface
+  models: { model: "ambient" | "conformal" | "projective"; name: string }[];
 }
 
 interface Frame {
@@ -49,6 +57,7 @@ interface PageData {
   meshes: Mesh[];
   first: number; // the frame that is shown at first
   seams: PackedNumbers | null;
+  space?: PageSpace | null;
   pose: { center: number[]; axes: number[][]; size: number };
   alone: string;
   camera: number[];

@@ -18,6 +18,10 @@ from .mesh.triangulation import Triangulation as Triangulation
 from .metric.glued import GluedMetric as GluedMetric
 from .metric.polyhedral import PolyhedralMetric as PolyhedralMetric
 from .progress.stages import Checkpoint as Checkpoint
+from .space import Euclidean as Euclidean
+from .space import Hyperbolic as Hyperbolic
+from .space import Space as Space
+from .space import Spherical as Spherical
 from .surface.embedding import Embedding as Embedding
 from .surface.fitted import FittedSurface as FittedSurface
 

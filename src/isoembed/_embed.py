@@ -47,6 +47,8 @@ class Method(ABC):
         Whether the metric may be a `GluedMetric`, whose triangles need not be a simplicial complex.
     takes_doubly_covered : bool
         Whether the metric may be two triangles, of which the surface is one covered twice.
+    takes_curved : bool
+        Whether the metric may be of triangles of hyperbolic or spherical space, in which the surface then is.
     shows_path : bool
         Whether there always are surfaces before the last, which `StageRecorder.show` has been given.
     """
@@ -55,6 +57,7 @@ class Method(ABC):
     keeps_triangles: ClassVar[bool] = True
     takes_glued: ClassVar[bool] = False
     takes_doubly_covered: ClassVar[bool] = False
+    takes_curved: ClassVar[bool] = False
     shows_path: ClassVar[bool] = False
 
     @abstractmethod
@@ -91,18 +94,19 @@ def embed(
     progress: Listener | None = None,
     resume: Checkpoint | None = None,
 ) -> Embedding:
-    """Find the surface in R^3 that realizes a polyhedral metric.
+    """Find the surface that realizes a polyhedral metric, in the space whose curvature its triangles have.
 
     Parameters
     ----------
     metric : PolyhedralMetric or GluedMetric
+        Of curvature 0, unless it says otherwise: the surface then is in R^3.
     method : {"aim", "paper", "alexandrov"}, the name of an installed method, or a Method
         ``"aim"``, the default, is `isoembed.Aim`; ``"paper"`` is `isoembed.Paper`, AIM as printed.  Both keep
         the given triangles.  ``"alexandrov"`` is `isoembed.Alexandrov`, the exact convex polyhedron of a
         convex metric, on triangles of its own; a `GluedMetric` needs it.  Pass an `Aim`, a `Paper`, an
         `Alexandrov` or a `Method` of your own to set parameters.
     tolerance : float
-        Largest ``| |x_a - x_b| - l_ab |`` over the mean edge length.
+        Largest ``| |x_a - x_b| - l_ab |`` over the mean edge length; in curved space, of distances there.
     progress : callable, optional
         Receives an `isoembed.progress.stages.Progress` as the computation goes, which holds the checkpoint
         by then.  If it raises an exception, that ends the computation; a `KeyboardInterrupt` does as Ctrl-C
@@ -149,6 +153,11 @@ def embed(
     if not isinstance(metric, PolyhedralMetric | GluedMetric):
         raise InvalidParameter(
             f"the metric is a {type(metric).__name__}: make it PolyhedralMetric(faces, lengths, edges)"
+        )
+    if metric.curvature and not chosen.takes_curved:
+        raise InvalidParameter(
+            f"the metric has the curvature {metric.curvature:.6g}, and the method {chosen.name!r} embeds in "
+            'Euclidean space only: take the method "aim" or "alexandrov"'
         )
     if not isinstance(tolerance, numbers.Real) or not 0 < tolerance < math.inf:
         raise InvalidParameter(f"the tolerance is {tolerance!r}, not a positive finite number")

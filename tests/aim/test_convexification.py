@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 
+import curved_bodies
 import smooth_bodies
 import zoo
 from isoembed.aim.convexification import CONVEXIFICATION, Convexification
@@ -11,6 +12,7 @@ from isoembed.linalg import SingularMatrix
 from isoembed.metric.curvature import deficits
 from isoembed.metric.glued import GluedMetric
 from isoembed.metric.polyhedral import PolyhedralMetric
+from isoembed.space import Space
 
 
 def convexified(metric, recorder):
@@ -106,3 +108,37 @@ def test_a_larger_margin_goes_on_from_a_smaller_one():
     assert (far.faces == alone.faces).all()
     assert recorders[1].iterations < recorders[2].iterations
     assert 0 < near.deficits.min() <= far.deficits.min()
+
+
+@pytest.mark.parametrize(("curvature", "size"), [(-1.0, 0.3), (-1.0, 1.0), (1.0, 0.3), (1.0, 0.8)])
+def test_in_curved_space_it_has_a_margin_over_the_curvature_of_space_and_the_same_area(curvature, size):
+    space = Space(curvature)
+    x, faces = curved_bodies.smooth(space, CassiniPeanut(), 300, size)
+    metric, recorder = (
+        GluedMetric.of(curved_bodies.metric_of(space, x, faces).normalized),
+        smooth_bodies.recorder(),
+    )
+    convexification = Convexification(metric)
+    assert not convexification.is_convex
+    convex = convexification.metric(CONVEXIFICATION.far, recorder)
+    assert convex.curvature == metric.curvature
+    assert is_convex(convex)
+    assert recorder.factorizations <= 5
+    total = 4 * np.pi - convex.curvature * convex.triangles.areas.sum() * convex.triangles.unit**2
+    assert convex.deficits.sum() == pytest.approx(total, abs=1e-9)
+    areas = convex.triangles.areas
+    share = total / 3 * np.bincount(convex.faces.ravel(), np.repeat(areas / areas.sum(), 3))
+    assert (convex.deficits > CONVEXIFICATION.far / 4 * share).all()
+    assert np.abs(convex.deficits - metric.deficits).max() < np.abs(metric.deficits).max()
+
+
+def test_of_most_of_a_sphere_it_is_that_of_a_smaller_metric():
+    space = Space(1.0)
+    u, faces = zoo.icosphere(2)
+    waist = (1 + 0.5 * u[:, 2]) * (1 - 0.5 * np.exp(-6 * u[:, 2] ** 2)) / 2
+    x = curved_bodies.carried(space, 1.3 * u * np.c_[waist, waist, np.ones(len(u))])
+    metric = GluedMetric.of(curved_bodies.metric_of(space, x, faces))
+    convex = convexified(metric, smooth_bodies.recorder())
+    assert is_convex(convex)
+    assert convex.curvature == metric.curvature
+    assert convex.mean_length < 0.7 * metric.mean_length

@@ -40,7 +40,7 @@ def test_forces_are_the_gradient_of_the_errors(body):
         r = energy.residuals(z + s * direction, energy.lengths)
         return r @ r / 2
 
-    forces = energy._forces(z, energy.lengths, energy.residuals(z, energy.lengths))
+    forces = energy.forces(z, energy.lengths, energy.residuals(z, energy.lengths))
     slope = (half_square(1e-4) - half_square(-1e-4)) / 2e-4
     assert np.sum(forces * direction) == pytest.approx(slope, rel=1e-5)
 

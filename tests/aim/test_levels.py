@@ -51,12 +51,13 @@ def test_what_is_not_convex_is_given_up(peanut, small):
 
 
 def test_only_many_vertices_go_by_levels_and_not_after_that_was_given_up(peanut, small):
-    triangulation = peanut[0].triangulation
-    n = triangulation.n_vertices
-    assert goes_by_levels(triangulation, None)
-    assert goes_by_levels(triangulation, {"split": np.zeros((n, 3))})
-    assert not goes_by_levels(triangulation, {"x": np.zeros((2, n, 3))})
-    assert not goes_by_levels(PolyhedralMetric.from_mesh(*smooth_bodies.ellipsoid()).triangulation, None)
+    metric = peanut[0]
+    n = metric.triangulation.n_vertices
+    assert goes_by_levels(metric, None)
+    assert goes_by_levels(metric, {"split": np.zeros((n, 3))})
+    assert not goes_by_levels(metric, {"x": np.zeros((2, n, 3))})
+    assert not goes_by_levels(PolyhedralMetric.from_mesh(*smooth_bodies.ellipsoid()), None)
+    assert not goes_by_levels(PolyhedralMetric(metric.faces, metric.lengths, curvature=-0.01), None)
 
 
 def test_the_default_method_goes_by_levels(peanut, small):

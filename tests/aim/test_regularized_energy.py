@@ -3,11 +3,14 @@
 import numpy as np
 import pytest
 
+import curved_bodies
 import smooth_bodies
 import zoo
 from isoembed.aim.regularized_energy import RegularizedEnergy
 from isoembed.gallery import CassiniPeanut, triangulate
 from isoembed.metric.polyhedral import PolyhedralMetric
+from isoembed.space import Space
+from isoembed.surface.projected import Projected
 from isoembed.surface.rigidity import edge_rows, length_residuals
 
 
@@ -71,3 +74,37 @@ def test_no_step_goes_uphill_and_at_the_minimum_none_is_made():
         energies.append(energy(y))
     assert (np.diff(energies) <= 0).all()
     assert energies[-2] - energies[-1] < 1e-6 * energies[-1] < 1e-4 * energies[0]
+
+
+@pytest.mark.parametrize(("curvature", "size"), [(-1.0, 2.0), (1.0, 1.2)])
+def test_forces_and_rates_are_derivatives_in_curved_space(curvature, size):
+    space = Space(curvature)
+    x, faces = curved_bodies.smooth(space, CassiniPeanut(), 100, size)
+    metric = curved_bodies.metric_of(space, x, faces)
+    energy = RegularizedEnergy(metric, x)
+    rng = np.random.default_rng(0)
+    x, motion = x * (1 + 0.01 * rng.normal(size=(len(x), 1))), rng.normal(size=x.shape)
+    h, lengths = 1e-6, metric.lengths
+    before, after = (energy.residuals(x + s * h * motion, lengths) for s in (-1, 1))
+    assert energy.rates(x, lengths, motion) == pytest.approx((after - before) / (2 * h), rel=1e-6, abs=1e-8)
+    forces = energy.forces(x, lengths, energy.residuals(x, lengths))
+    assert np.sum(forces * motion) == pytest.approx((after @ after - before @ before) / (4 * h), rel=1e-6)
+
+
+@pytest.mark.parametrize(("curvature", "size"), [(-1.0, 2.0), (1.0, 1.2)])
+def test_steps_in_curved_space_go_downhill_and_contain_no_isometry(curvature, size):
+    space = Space(curvature)
+    x, faces = curved_bodies.smooth(space, CassiniPeanut(), 100, size)
+    metric = curved_bodies.metric_of(space, x, faces)
+    energy, mu = RegularizedEnergy(metric, x), 0.1 * metric.mean_length**2
+    start = x * (1 + 0.02 * np.random.default_rng(0).normal(size=(len(x), 1)))
+    y, downhill = energy.step(start, metric.lengths, mu, 3.0, smooth_bodies.recorder())
+    assert downhill
+    surface = Projected.of(space, start)
+    z = ((y - start) / surface.heights[:, None]).ravel()
+    assert np.linalg.norm(surface.without_isometries()(z) - z) < 1e-9 * np.linalg.norm(z)
+    # A small motion along what is left out changes no length.
+    kept = np.random.default_rng(1).normal(size=z.size)
+    isometry = surface.motion((kept - surface.without_isometries()(kept)).reshape(-1, 3))
+    rates = energy.rates(start, metric.lengths, isometry)
+    assert np.abs(rates).max() < 1e-12 * np.abs(isometry).max()

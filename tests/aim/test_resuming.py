@@ -8,10 +8,12 @@ import numpy as np
 import pytest
 from scipy.spatial import ConvexHull
 
+import curved_bodies
 import isoembed
 from isoembed import PolyhedralMetric
-from isoembed.gallery import Drum, Ellipsoid, Ergosphere, triangulate
+from isoembed.gallery import BentTube, Drum, Ellipsoid, Ergosphere, triangulate
 from isoembed.io import read_checkpoint, write_checkpoint, write_metric
+from isoembed.space import Space
 
 STOPPED = """
 import os, signal, sys
@@ -83,6 +85,16 @@ def test_from_every_checkpoint_the_same_surface_comes(body, tmp_path):
     found, whole = every_checkpoint(metric, "aim")
     assert found
     for checkpoint in found:
+        goes_on_to(whole, metric, "aim", checkpoint, tmp_path)
+
+
+@pytest.mark.parametrize("curvature", [-1.0, 1.0])
+def test_from_checkpoints_in_curved_space_the_same_surface_comes(curvature, tmp_path):
+    space = Space(curvature)
+    metric = curved_bodies.metric_of(space, *curved_bodies.smooth(space, BentTube(), 60, 0.8))
+    found, whole = every_checkpoint(metric, "aim")
+    assert {checkpoint.stage for checkpoint in found} >= {"polytope", "pull back", "guided pull back"}
+    for checkpoint in found[:: max(1, len(found) // 4)]:
         goes_on_to(whole, metric, "aim", checkpoint, tmp_path)
 
 

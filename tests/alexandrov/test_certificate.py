@@ -13,9 +13,11 @@ from hypothesis import strategies as st
 import zoo
 from isoembed import PolyhedralMetric
 from isoembed.alexandrov import certificate as certificate_module
-from isoembed.alexandrov.certificate import CERTIFICATE, certify
+from isoembed.alexandrov.certificate import certify
 from isoembed.alexandrov.nearby_hulls import prove_nearby_hulls
 from isoembed.metric.curvature import deficits
+from isoembed.surface import nearby_realization
+from isoembed.surface.nearby_realization import CERTIFICATE
 from isoembed.surface.rigidity import edge_rows
 
 
@@ -43,11 +45,18 @@ TRUNCATED_OCTAHEDRON = lattice(0, 1, 2)
 LATTICES = [lattice(0, 0, 1), lattice(1, 1, 1), CUBOCTAHEDRON, TRUNCATED_OCTAHEDRON, TRUNCATED_CUBOCTAHEDRON]
 
 
+def weights(metric):
+    """Roots of the sums of 1 / l^2 of the edges at each vertex."""
+    return np.sqrt(np.bincount(metric.edges.ravel(), np.repeat(metric.lengths**-2, 2)))
+
+
 def rigidity_matrix(metric, vertices):
+    """J, its columns over the weights."""
     t = metric.triangulation
     J = np.zeros((t.n_edges, t.n_vertices, 3))
     rows = edge_rows(t, vertices, metric.lengths)
     J[np.arange(t.n_edges), t.edges[:, 0]], J[np.arange(t.n_edges), t.edges[:, 1]] = rows, -rows
+    J /= weights(metric)[:, None]
     return J.reshape(t.n_edges, -1)
 
 
@@ -127,7 +136,7 @@ def test_the_numbers_bound_what_they_are_said_to(seed):
     metric = PolyhedralMetric.from_mesh(vertices, faces)
     vertices = vertices + 1e-10 * np.random.default_rng(seed).normal(size=vertices.shape)
     found = certify(metric, vertices)
-    sigma = np.linalg.svd(rigidity_matrix(metric, vertices), compute_uv=False)[-1]
+    sigma = np.linalg.svd(rigidity_matrix(metric, vertices), compute_uv=False)[-1] / metric.mean_length
     assert 0.6 * sigma < found.sigma_min < sigma
     a, b = metric.edges.T
     missed = np.abs(np.linalg.norm(vertices[a] - vertices[b], axis=1) - metric.lengths).max()
@@ -190,26 +199,27 @@ def test_the_distance_covers_the_worst_errors_of_the_lengths(body):
     found = certify(metric, vertices, length_errors=errors)
     left, sigma, right = np.linalg.svd(rigidity_matrix(metric, vertices), full_matrices=False)
     worst = errors * np.sign(left[:, -1])
-    step = (right.T @ ((left.T @ worst) / sigma)).reshape(-1, 3)
-    assert np.linalg.norm(step, axis=1).max() < found.distance < 5 * np.linalg.norm(step)
+    step = (right.T @ ((left.T @ worst) / sigma)).reshape(-1, 3) / weights(metric)[:, None]
+    assert np.linalg.norm(step, axis=1).max() < found.distance < 15 * np.linalg.norm(step)
 
 
 def quadratic_bound(metric):
     """The K of the theorem."""
-    return 2 * np.sqrt(np.bincount(metric.edges.ravel(), np.repeat(metric.lengths**-2, 2)).max())
+    return 2 / weights(metric).min()
 
 
 @pytest.mark.parametrize("seed", range(3))
-def test_the_quadratic_part_of_the_residuals_is_bounded_by_half_of_k(seed):
+def test_the_quadratic_part_of_the_residuals_is_bounded(seed):
     vertices, faces = zoo.random_hull(40, seed)
     metric = PolyhedralMetric.from_mesh(vertices, faces)
     a, b = metric.edges.T
-    hub = np.argmax(np.bincount(metric.edges.ravel(), np.repeat(metric.lengths**-2, 2)))
     d = np.random.default_rng(seed).normal(size=(100, *vertices.shape))
-    d[50:] *= (np.arange(len(vertices)) == hub)[:, None]  # nearly the worst
-    quadratic = ((d[:, a] - d[:, b]) ** 2).sum(axis=2) / (2 * metric.lengths)
-    ratios = np.linalg.norm(quadratic, axis=1) / (d**2).sum(axis=(1, 2))
-    assert 0.2 < ratios.max() / (quadratic_bound(metric) / 2) <= 1
+    d[50:] *= (np.arange(len(vertices)) == np.argmin(weights(metric)))[:, None]  # nearly the worst
+    quadratic = np.linalg.norm(((d[:, a] - d[:, b]) ** 2).sum(axis=2) / (2 * metric.lengths), axis=1)
+    weighted = np.linalg.norm(weights(metric)[:, None] * d, axis=(1, 2))
+    farthest = np.linalg.norm(d, axis=2).max(axis=1)
+    for allowed in (quadratic_bound(metric) / 2 * weighted**2, 2**0.5 * farthest * weighted):
+        assert 0.1 < (quadratic / allowed).max() <= 1
 
 
 def in_its_unit(vertices, faces):
@@ -222,7 +232,9 @@ def test_the_kantorovich_number():
     metric, vertices = in_its_unit(*zoo.random_hull(40, 1))
     errors = 1e-11 * metric.lengths
     found = certify(metric, vertices, length_errors=errors)
-    expected = 2 * quadratic_bound(metric) * np.linalg.norm(errors) / found.sigma_min**2
+    expected = (
+        2 * quadratic_bound(metric) * np.linalg.norm(errors) / (found.sigma_min * metric.mean_length) ** 2
+    )
     assert found.kantorovich == pytest.approx(expected, rel=1e-5)
 
 
@@ -231,7 +243,8 @@ def test_the_kantorovich_number_allows_for_the_step_of_newtons_method():
     K, errors = quadratic_bound(metric), 1e-14 * metric.lengths
     moved = vertices + 1e-9 * np.random.default_rng(0).normal(size=vertices.shape)
     found = certify(metric, moved, length_errors=errors)
-    assert found.kantorovich > 1.02 * 2 * K * np.linalg.norm(errors) / found.sigma_min**2
+    sigma = found.sigma_min * metric.mean_length
+    assert found.kantorovich > 1.002 * 2 * K * np.linalg.norm(errors) / sigma**2
 
 
 def tilt(monkeypatch, slope):
@@ -259,7 +272,7 @@ def test_the_kantorovich_number_allows_for_detours(monkeypatch):
     detours = np.sqrt(6) * metric.lengths.max() * slope**2 / 2
     rho = np.linalg.norm(errors) + detours
     assert found.kantorovich == pytest.approx(
-        2 * quadratic_bound(metric) * rho / found.sigma_min**2, rel=1e-5
+        2 * quadratic_bound(metric) * rho / (found.sigma_min * metric.mean_length) ** 2, rel=1e-5
     )
 
 
@@ -311,15 +324,11 @@ def test_a_flat_vertex():
 
 def test_too_many_vertices(monkeypatch):
     few = replace(CERTIFICATE, most_vertices=11)
-    monkeypatch.setattr(certificate_module, "CERTIFICATE", few)
+    monkeypatch.setattr(nearby_realization, "CERTIFICATE", few)
     vertices, faces = zoo.icosahedron()
     found = refused(PolyhedralMetric.from_mesh(vertices, faces), vertices)
     assert found.reason == "not certified, because there are more than 11 vertices"
     assert certified(*zoo.octahedron()).certified
-
-
-def test_the_limit_is_as_stated():
-    assert CERTIFICATE.most_vertices == 30_000
 
 
 @pytest.mark.parametrize("scale", [1e-150, 1e-12, 1e150])

@@ -6,7 +6,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 import zoo
-from isoembed import GluedMetric, embed
+from curved import apart
+from isoembed import GluedMetric, PolyhedralMetric, embed
 from isoembed.alexandrov.doubly_covered import (
     FLAT_LIMIT,
     doubly_covered,
@@ -14,10 +15,13 @@ from isoembed.alexandrov.doubly_covered import (
     flat_limit,
 )
 from isoembed.alexandrov.homotopy import follow_path
+from isoembed.alexandrov.lengths import worst_length
 from isoembed.intrinsic.halfedges import HalfEdges
 from isoembed.mesh.triangulation import Triangulation
 from isoembed.metric.curvature import Triangles
 from isoembed.progress.stages import Log
+from isoembed.space import Space
+from isoembed.space.models import from_model
 from scrambling import scramble
 from sheets import covered_twice
 
@@ -28,9 +32,13 @@ def polygon(n, seed, stretch=1.0):
 
 
 def found_flat(outline, seed):
-    tables = HalfEdges.of(*zoo.doubly_covered(outline))
-    scramble(tables, 10 * len(outline), np.random.default_rng(seed))
-    deficits = 2 * np.pi - np.bincount(tables.corners, Triangles.of(tables.face_lengths).angles.ravel())
+    return flat_body(HalfEdges.of(*zoo.doubly_covered(outline)), seed)
+
+
+def flat_body(tables, seed):
+    scramble(tables, 5 * len(tables.faces) + 10, np.random.default_rng(seed))
+    triangles = Triangles.of(tables.face_lengths, tables.curvature)
+    deficits = 2 * np.pi - np.bincount(tables.corners, triangles.angles.ravel())
     with Log().stage("polytope") as recorder:
         for p in follow_path(tables, deficits, recorder):
             found = flat_limit(p) if p.lowest < FLAT_LIMIT.thin else None
@@ -49,6 +57,37 @@ def test_polygons_are_found(n, seed, stretch):
     i, j = found.tables.corners, found.tables.corners[found.tables.twins]
     chords = np.linalg.norm(found.vertices[i] - found.vertices[j], axis=1)
     assert chords == pytest.approx(found.tables.lengths, abs=1e-12 * stretch)
+
+
+@given(
+    st.integers(4, 12),
+    st.integers(0, 10**6),
+    st.sampled_from([1.0, 10.0]),
+    st.sampled_from([0.01, 1.0, 1.3]),
+    st.sampled_from([-1.0, -1e-9, 1e-9, 1.0]),
+)
+def test_totally_geodesic_polygons_are_found(n, seed, stretch, size, k):
+    outline, space = polygon(n, seed, stretch) / stretch, Space(k)
+    size = np.array(size)
+    y = np.column_stack([space.sn(size) / space.cs(size) * outline, np.zeros(n)])
+    x = from_model(space, y, "projective")
+    faces, twins, _ = zoo.doubly_covered(outline)
+    lengths = space.distances(x[faces], x[np.roll(faces, -1, axis=1)])
+    found = flat_body(HalfEdges.of(faces, twins, lengths / size, k * size**2), seed)
+    assert found is not None
+    assert not found.vertices[:, 2].any()
+    assert apart(x, size * found.vertices, k) < 1e-9
+    Triangulation(found.tables.faces)
+    assert worst_length(found.tables, found.vertices) < 1e-11
+
+
+@pytest.mark.parametrize("k", [-1.0, 1.0])
+def test_a_triangle_of_a_space_form_covered_twice(k):
+    metric = PolyhedralMetric([[0, 1, 2], [0, 2, 1]], [1.0, 1.2, 0.7], curvature=k)
+    found = embed(metric, method="alexandrov")
+    assert found.core is None
+    assert found.residual < 1e-15
+    assert found.volume == 0
 
 
 def test_the_square_whose_apex_is_on_a_diagonal():

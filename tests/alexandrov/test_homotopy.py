@@ -4,22 +4,25 @@ import numpy as np
 import pytest
 
 import zoo
+from curved import apart, body, metric_in
 from isoembed import PolyhedralMetric, embed
 from isoembed.alexandrov import homotopy
 from isoembed.alexandrov.homotopy import HOMOTOPY, follow_path
 from isoembed.alexandrov.newton import Analyses, Solution, newton
 from isoembed.alexandrov.pins import independent_directions
-from isoembed.alexandrov.placement import placed, polished
+from isoembed.alexandrov.placement import placed, polished, realized
 from isoembed.alexandrov.polytope import Polytope
 from isoembed.intrinsic.flips import flip
 from isoembed.metric.curvature import deficits
 from isoembed.metric.glued import GluedMetric
 from isoembed.progress.stages import Log
+from isoembed.space import Space
+from isoembed.space.models import from_model
 from scrambling import scramble
 
 
-def problem(vertices, faces, scrambled=None):
-    metric = PolyhedralMetric.from_mesh(vertices, faces)
+def problem(vertices, faces, scrambled=None, curvature=0.0):
+    metric = metric_in(vertices, faces, curvature)
     tables = GluedMetric.of(metric).half_edges()
     scramble(tables, 10 * len(vertices) if scrambled is None else scrambled, np.random.default_rng(0))
     return tables, deficits(metric)
@@ -47,6 +50,38 @@ def test_bodies_of_all_shapes(axes, seed):
     found = polished(solution, placed(solution))
     assert worst_edge(solution, found) < 1e-10
     assert zoo.aligned(found, vertices) < 1e-9 * max(axes)
+
+
+@pytest.mark.parametrize("aspect", [1.0, 30.0])
+@pytest.mark.parametrize(
+    ("k", "size"), [(-1.0, 0.02), (-1.0, 2.0), (-1.0, 6.0), (1.0, 0.02), (1.0, 2.0), (1.0, 3.0), (0.25, 6.0)]
+)
+def test_bodies_of_all_sizes_in_space_forms(k, size, aspect):
+    x, faces, _ = body(30, 1, k, size, aspect=aspect)
+    tables, epsilon = problem(x, faces, curvature=k)
+    _, solution, recorder = solved(tables, epsilon)
+    assert isinstance(solution, Solution)
+    assert apart(x, realized(solution, recorder), k) < 1e-11
+
+
+@pytest.mark.parametrize(("k", "size"), [(-1.0, 0.2), (-1.0, 2.0), (1.0, 0.2), (1.0, 2.0)])
+def test_a_round_body_in_a_space_form_takes_two_factorizations(k, size):
+    sphere, faces = zoo.icosphere(3)
+    x = from_model(Space(k), sphere * [0.45 * size, 0.4 * size, 0.35 * size], "projective")
+    _, solution, recorder = solved(*problem(x, faces, curvature=k))
+    assert recorder.factorizations == 2
+    assert apart(x, realized(solution, recorder), k) < 1e-12
+
+
+@pytest.mark.parametrize(("n", "seed", "size", "aspect"), [(25, 1, 6.0, 0.04), (25, 3, 6.0, 30.0)])
+def test_starts_with_negative_curvatures_in_hyperbolic_space(n, seed, size, aspect):
+    x, faces, _ = body(n, seed, -1.0, size, aspect=aspect)
+    path, solution, recorder = solved(*problem(x, faces, curvature=-1.0))
+    # The first start does not arrive.
+    starts = [p for p in path if np.ptp(p.radii) == 0]
+    assert len(starts) == 2
+    assert all(p.curvatures.min() < 0 for p in starts)
+    assert apart(x, realized(solution, recorder), -1.0) < 1e-10
 
 
 @pytest.mark.parametrize("axes", [(1e4, 1.3, 1), (1, 1.3, 1e-4)])

@@ -6,10 +6,12 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 import zoo
+from curved import body, tables_in
 from isoembed import PolyhedralMetric
 from isoembed.alexandrov.polytope import Polytope
 from isoembed.intrinsic.halfedges import HalfEdges
 from isoembed.metric.glued import GluedMetric
+from isoembed.space import Space
 from scrambling import scramble
 
 CENTER = np.array([0.05, -0.1, 0.02])
@@ -54,6 +56,69 @@ def test_equal_radii_around_a_regular_body():
     dihedral = np.arccos(np.cos(beta) / (1 + np.cos(beta)))
     assert p.curvatures == pytest.approx(np.full(6, 2 * np.pi - 4 * dihedral), abs=1e-13)
     assert p.lowest == pytest.approx((R**2 - s**2 / 3) / R**2, rel=1e-13)
+
+
+@given(st.integers(6, 40), st.integers(0, 10**6), st.sampled_from([-4.0, -1.0, -1e-9, 1e-9, 1.0]))
+def test_a_body_in_a_space_form_has_no_curvature_around_an_inner_point(n, seed, k):
+    x, faces, _ = body(n, seed, k, 1.4)
+    space, tables = Space(k), tables_in(x, faces, k)
+    scramble(tables, 10 * n, np.random.default_rng(0))
+    x = space.centered(x)
+    radii = space.distances(x, np.zeros_like(x))
+    p = Polytope.over(tables, radii)
+    assert p is not None
+    assert {frozenset(f) for f in p.tables.faces.tolist()} == {frozenset(f) for f in faces.tolist()}
+    assert np.abs(p.curvatures).max() < 1e-9
+    scale = np.abs(p.coupling).max()
+    assert np.abs(p.times_jacobian(x / np.linalg.norm(x, axis=1)[:, None])).max() < 1e-9 * max(scale, 1)
+
+
+@pytest.mark.parametrize("k", [-1.0, 1.0])
+@pytest.mark.parametrize("scale", [1e-3, 1.0, 1e3])
+def test_the_derivative_in_a_space_form(k, scale):
+    k /= scale**2
+    x, faces, _ = body(25, 4, k, 1.6 * scale)
+    tables, radii = tables_in(x, faces, k), 1.1 * Space(k).distances(x, np.zeros_like(x))
+    p = Polytope.over(tables, radii)
+    v = np.random.default_rng(0).normal(size=25) * radii
+    step = 1e-6
+    ahead, behind = (Polytope.on(p.tables, radii + sign * step * v) for sign in (1, -1))
+    difference = (ahead.curvatures - behind.curvatures) / (2 * step)
+    assert p.times_jacobian(v) == pytest.approx(difference, rel=1e-6, abs=1e-6)
+
+
+@pytest.mark.parametrize(("k", "expected"), [(-1.0, -0.476136273196), (1.0, -0.319529495541)])
+def test_the_change_of_a_dihedral_angle(k, expected):
+    # Computed apart, from cot(theta) / (sn(l) sin(rho) sin(rho')), and by differences.
+    lengths = np.array([0.5, 0.55, 0.45])
+    faces, twins = np.array([[0, 1, 2], [0, 2, 1]]), np.array([5, 4, 3, 2, 1, 0])
+    tables = HalfEdges.of(faces, twins, np.stack([lengths, lengths[::-1]]), k)
+    p = Polytope.on(tables, np.array([0.7, 0.8, 0.75]))
+    # Both pyramids have that angle, and the curvature is what they leave of a full turn.
+    assert -p.coupling[0] / 2 == pytest.approx(expected, abs=1e-12)
+
+
+@pytest.mark.parametrize("k", [-1e-6, -1e-12, 1e-12, 1e-6])
+def test_polytopes_tend_to_those_of_euclidean_space(k):
+    tables = tables_of(*zoo.random_hull(25, 4))
+    radii = 2.0 * np.linalg.norm(zoo.random_hull(25, 4)[0] - CENTER, axis=1)
+    flat, curved = Polytope.on(tables, radii), Polytope.on(tables._replace(curvature=k), radii)
+    assert np.abs(curved.curvatures - flat.curvatures).max() < 10 * abs(k) + 1e-14
+    assert np.abs(curved.coupling / flat.coupling - 1).max() < 1e3 * abs(k) + 1e-12
+
+
+def test_a_polytope_that_was_kept_is_in_its_space():
+    x, faces, _ = body(12, 0, -1.0, 1.4)
+    p = Polytope.over(tables_in(x, faces, -1.0), np.full(12, 2.0))
+    again = Polytope.of_arrays({name: np.asarray(value) for name, value in p.arrays().items()})
+    assert again.space == Space(-1.0)
+    assert (again.curvatures == p.curvatures).all()
+
+
+def test_radii_beyond_the_antipode_or_the_floats():
+    for k, radius in ((1.0, 3.2), (-1.0, 1e4)):
+        x, faces, _ = body(12, 0, k, 1.4)
+        assert Polytope.over(tables_in(x, faces, k), np.full(12, radius)) is None
 
 
 @pytest.mark.parametrize("scale", [1e-3, 1.0, 1e3])

@@ -7,12 +7,14 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+import curved
 import zoo
 from isoembed.intrinsic.edge_paths import edge_paths
 from isoembed.intrinsic.flat_vertices import remove_flat_vertices
 from isoembed.intrinsic.halfedges import HalfEdges
 from isoembed.intrinsic.insert_vertices import insert_vertices
 from isoembed.intrinsic.polygons import lay_out
+from isoembed.space import Space
 from scrambling import scramble
 from sprinkled import box, checked, distances, polyhedron, sprinkled, tables_of
 
@@ -131,6 +133,25 @@ def test_edges_of_the_input_on_the_polyhedron(n, m, seed, length):
         assert np.abs(points[i:j] - vertices[a] - part[:, None] * chord).max() < 1e-9 * length
         assert (np.diff(part) > -1e-9).all()
     assert along(paths, vertices) == pytest.approx(distances(tables, vertices)[all_edges(tables)], rel=1e-9)
+
+
+@pytest.mark.parametrize("curvature", [-1.0, 1.0, -1e-14])
+@pytest.mark.parametrize("size", [1e-2, 1.0, 3.0])
+@given(st.integers(4, 16), st.integers(0, 40), st.integers(0, 10**6), st.sampled_from([1.0, 30.0]))
+def test_edges_of_the_input_in_hyperbolic_and_spherical_space(curvature, size, n, m, seed, aspect):
+    x, faces, flat = curved.body(n, seed, curvature, size, m, aspect)
+    tables = curved.tables_in(x, faces, curvature)
+    core, removal = remove_flat_vertices(tables, flat)
+    core, bent = curved.polyhedron_in(core, x[~flat])
+    restored = insert_vertices(core, removal, bent)
+    paths = edge_paths(tables, restored.tables, restored.polygons, all_edges(tables))
+    assert mismatch(paths) < 1e-9
+    space, points = Space(curvature), paths.points(x)
+    steps = np.concatenate([[0.0], np.cumsum(space.distances(points[1:], points[:-1]))])
+    begin, end = paths.point_offsets[:-1], paths.point_offsets[1:] - 1
+    straight = curved.distances_in(tables, x)[all_edges(tables)]
+    assert steps[end] - steps[begin] == pytest.approx(straight, abs=1e-9 * size)
+    assert ((paths.parameters >= 0) & (paths.parameters <= 1)).all()
 
 
 @given(st.integers(0, 10**6), st.sampled_from([1.0, 10.0]))

@@ -5,6 +5,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+import curved
 import zoo
 from isoembed.errors import InvalidMetric
 from isoembed.intrinsic.delaunay import make_delaunay
@@ -47,6 +48,21 @@ def test_the_metric_of_the_others_stays(n, m, seed, length):
     assert np.sort(core.lengths) == pytest.approx(np.sort(alone.lengths), abs=1e-9 * length)
     old = [int(np.flatnonzero((body == v).all(axis=1))[0]) for v in vertices[~flat]]
     assert checked(core).deficits == pytest.approx(checked(alone).deficits[old], abs=1e-6)
+
+
+@pytest.mark.parametrize("curvature", [-1.0, 1.0, -1e-14])
+@pytest.mark.parametrize("size", [1e-2, 1.0, 3.0])
+@given(st.integers(4, 20), st.integers(0, 60), st.integers(0, 10**6), st.sampled_from([1.0, 30.0]))
+def test_in_hyperbolic_and_spherical_space(curvature, size, n, m, seed, aspect):
+    x, faces, flat = curved.body(n, seed, curvature, size, m, aspect)
+    tables = curved.tables_in(x, faces, curvature)
+    sums = curved.angle_sums(tables)
+    scramble(tables, 4 * len(x), np.random.default_rng(seed), 1e-2)
+    core, _ = remove_flat_vertices(tables, flat)
+    assert core.curvature == curvature
+    assert curved.angle_sums(core) == pytest.approx(sums[~flat], abs=1e-7)
+    core, _ = curved.polyhedron_in(core, x[~flat])
+    assert core.lengths == pytest.approx(curved.distances_in(core, x[~flat]), abs=1e-9 * size)
 
 
 def test_directions_at_the_others_stay():
@@ -118,10 +134,10 @@ def test_many_edges_at_a_flat_vertex():
     assert checked(core).deficits == pytest.approx(np.full(2 * n, 2 * np.pi / n), abs=1e-10)
 
 
-def fold(place, width=0.5):
+def fold(place, width=0.5, curvature=0.0):
     """A triangle folded shut around vertex 1, another around vertex 2; vertex 3 is to be on the first."""
     faces, twins = np.array([[0, 0, 1], [0, 0, 2]]), np.array([3, 2, 1, 0, 5, 4])
-    tables = HalfEdges.of(faces, twins, np.array([[width, 1.0, 1.0], [width, 2.0, 2.0]]))
+    tables = HalfEdges.of(faces, twins, np.array([[width, 1.0, 1.0], [width, 2.0, 2.0]]), curvature)
     _, removal = remove_flat_vertices(tables, np.zeros(3, dtype=bool))
     start, offset, far = place
     one = {
@@ -148,6 +164,21 @@ def test_a_loop_around_the_tip_of_a_fold(place):
     assert turning_errors(back).max() < 1e-13
     # The frames are still those of the beginning.
     found = insert_vertices(back, again, kept)
+    assert np.sort(found.tables.lengths) == pytest.approx(np.sort(with_fourth.lengths), rel=1e-12)
+
+
+@pytest.mark.parametrize("curvature", [-1.0, 1.0])
+@pytest.mark.parametrize("place", [(1, 0.0, 0.5), (1, 0.0, 0.9), (2, 0.0, 0.7), (2, 0.1, 0.6), (1, 0.2, 0.3)])
+def test_a_loop_around_the_tip_of_a_curved_fold(place, curvature):
+    tables, removal = fold(place, curvature=curvature)
+    sums = curved.angle_sums(tables)
+    with_fourth = insert_vertices(tables, removal, np.zeros(6, dtype=bool)).tables
+    assert curved.angle_sums(with_fourth) == pytest.approx([*sums, 2 * np.pi], abs=1e-13)
+    back, again = remove_flat_vertices(with_fourth, np.array([False, False, False, True]))
+    make_delaunay(tables, np.zeros(3))
+    assert np.sort(back.lengths) == pytest.approx(np.sort(tables.lengths), rel=1e-13)
+    assert curved.angle_sums(back) == pytest.approx(sums, abs=1e-13)
+    found = insert_vertices(back, again, np.zeros(6, dtype=bool))
     assert np.sort(found.tables.lengths) == pytest.approx(np.sort(with_fourth.lengths), rel=1e-12)
 
 

@@ -6,14 +6,16 @@ from hypothesis import given
 from hypothesis import strategies as st
 from scipy.spatial import ConvexHull
 
+import curved
 import zoo
 from isoembed import PolyhedralMetric
-from isoembed.intrinsic.delaunay import make_delaunay, non_delaunay_edges
+from isoembed.intrinsic.delaunay import make_delaunay, non_delaunay_edges, tilt, tilts
 from isoembed.intrinsic.halfedges import HalfEdges
-from isoembed.intrinsic.trigonometry import angle_between, apex, twice_area
 from isoembed.metric.curvature import Triangles, deficits
 from isoembed.metric.delaunay import delaunay
 from isoembed.metric.glued import GluedMetric
+from isoembed.space import Space
+from isoembed.space.trigonometry import angle_between, apex, twice_area
 from scrambling import scramble
 
 
@@ -119,6 +121,51 @@ def test_weighted_delaunay_is_the_lower_hull(seed):
     assert lower <= front
 
 
+@pytest.mark.parametrize("curvature", [-1.0, 1.0, -1e-14, 1e-14])
+@pytest.mark.parametrize("size", [1e-2, 1.0, 3.0])
+@given(st.integers(4, 40), st.integers(0, 10**6))
+def test_triangles_of_convex_bodies_in_space_are_found_again(curvature, size, n, seed):
+    x, faces, _ = curved.body(n, seed, curvature, size)
+    tables, weights = curved.tables_in(x, faces, curvature), curved.weights_in(x, curvature)
+    before = tables.copy()
+    assert non_delaunay_edges(tables, weights).size == 0
+    scramble(tables, 20 * n, np.random.default_rng(seed))
+    assert_consistent(tables)
+    assert curved.angle_sums(tables) == pytest.approx(curved.angle_sums(before), abs=1e-10)
+    assert make_delaunay(tables, weights)[1] == 0
+    assert {tuple(sorted(f)) for f in tables.faces.tolist()} == {tuple(sorted(f)) for f in faces.tolist()}
+    assert np.sort(tables.lengths) == pytest.approx(np.sort(before.lengths), rel=1e-9)
+
+
+@pytest.mark.parametrize("curvature", [-1.0, 1.0])
+def test_tilts_are_those_of_the_apex(curvature):
+    # sn(distance of the apex from the line) cos(angle between triangle and apex), by linear algebra.
+    x, faces, _ = curved.body(12, 3, curvature, 2.0)
+    tables, weights = curved.tables_in(x, faces, curvature), curved.weights_in(x, curvature)
+    space = Space(curvature)
+    form = np.array([1.0, 1, 1, 1 / curvature])  # <X, X> = 1 / k, the last coordinate being w
+    points = np.column_stack([x, space.heights(x)])
+    center = space.center(x)
+    apex = np.append(center, space.heights(center))
+    values, errors = tilts(tables, weights)
+    for h in range(tables.corners.size):
+        f, c = divmod(h, 3)
+        i, j, k = (points[v] for v in np.roll(faces[f], -c))
+        line = np.array([i, j])
+        inner = k - line.T @ np.linalg.solve(line * form @ line.T, line * form @ k)
+        expected = (inner * form) @ apex / np.sqrt(inner * form @ inner)
+        assert values[h] == pytest.approx(expected, abs=1e-13)
+        assert tilt(h, tables, weights) == pytest.approx((expected, errors[h]), abs=1e-13)
+
+
+def test_tilts_tend_to_those_of_the_plane():
+    x, faces, _ = curved.body(12, 3, 0.0, 2.0)
+    flat = tilts(curved.tables_in(x, faces, 0.0), curved.weights_in(x, 0.0))[0]
+    for curvature in (-1e-13, 1e-13):
+        bent = tilts(curved.tables_in(x, faces, curvature), curved.weights_in(x, curvature))[0]
+        assert bent == pytest.approx(flat, abs=1e-12)
+
+
 def test_a_hidden_vertex_is_reported():
     metric = PolyhedralMetric.from_mesh(*zoo.octahedron())
     weights = np.zeros(6)
@@ -161,8 +208,8 @@ class _Always:
 
 def test_needles_keep_their_angles():
     a, b, c = 1.0, 1.0, 1e-9
-    assert angle_between(a, b, c) == pytest.approx(1e-9, rel=1e-12)
+    assert angle_between(a, b, c, 0.0) == pytest.approx(1e-9, rel=1e-12)
     assert twice_area(a, b, c) == pytest.approx(1e-9, rel=1e-12)
     assert twice_area(1.0, 2.0, 4.0) == 0.0
-    x, y = apex(3.0, 4.0, 5.0)
+    x, y = apex(3.0, 4.0, 5.0, 0.0)
     assert (x, y) == pytest.approx((3.0, 4.0), rel=1e-15)

@@ -5,11 +5,15 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+import curved
 import zoo
 from isoembed.errors import InvalidMetric
 from isoembed.intrinsic.flat_vertices import Removal, remove_flat_vertices
+from isoembed.intrinsic.halfedges import HalfEdges
 from isoembed.intrinsic.insert_vertices import insert_vertices
 from isoembed.mesh.triangulation import Triangulation
+from isoembed.space import Space
+from isoembed.space.models import from_model
 from scrambling import scramble
 from sprinkled import box, checked, distances, doubled, polyhedron, sprinkled, tables_of, turning_errors
 
@@ -65,6 +69,67 @@ def test_sprinkled_hulls(n, m, seed, length):
     assert restored.tables.lengths == pytest.approx(distances(restored.tables, vertices), abs=1e-10 * length)
     assert checked(restored.tables).deficits[flat] == pytest.approx(np.zeros(m), abs=1e-6)
     assert turning_errors(restored.tables).max() < 1e-6
+
+
+@pytest.mark.parametrize("curvature", [-1.0, 1.0, 1e-14])
+@pytest.mark.parametrize("size", [1e-2, 1.0, 3.0])
+@given(st.integers(4, 20), st.integers(0, 60), st.integers(0, 10**6), st.sampled_from([1.0, 30.0]))
+def test_in_hyperbolic_and_spherical_space(curvature, size, n, m, seed, aspect):
+    x, faces, flat = curved.body(n, seed, curvature, size, m, aspect)
+    tables = curved.tables_in(x, faces, curvature)
+    scramble(tables, 4 * len(x), np.random.default_rng(seed), 1e-2)
+    core, removal = remove_flat_vertices(tables, flat)
+    scramble(core, 10 * n, np.random.default_rng(seed), 1e-2)
+    core, bent = curved.polyhedron_in(core, x[~flat])
+    restored = insert_vertices(core, removal, bent)
+    assert np.abs(restored.vertices(x[~flat]) - x).max() < 1e-10 * size
+    Triangulation(restored.tables.faces)
+    found = curved.distances_in(restored.tables, x)
+    assert restored.tables.lengths == pytest.approx(found, abs=1e-10 * size)
+    # Directions grow around every vertex by the angles, and those of edges that were there are the same.
+    total = curved.angle_sums(restored.tables)
+    before = curved.tables_in(x, faces, curvature)
+    known = {
+        (a, b): direction
+        for a, b, direction in zip(
+            before.corners.tolist(), before.corners[before.twins].tolist(), before.directions, strict=True
+        )
+    }
+    after = restored.tables
+    for a, b, direction in zip(
+        after.corners.tolist(), after.corners[after.twins].tolist(), after.directions, strict=True
+    ):
+        if (a, b) in known:
+            turns = (direction - known[a, b]) / total[a]
+            assert abs(turns - round(turns)) < 1e-6
+
+
+@pytest.mark.parametrize("curvature", [-1.0, 1.0, 0.0])
+@pytest.mark.parametrize("m", [1, 8])
+def test_a_triangle_covered_twice_with_all_flat_vertices_on_its_sides(curvature, m):
+    # Both sheets would need the same edges: one vertex is added.
+    y = np.array([[-0.8, -0.5, 0.0], [0.8, -0.4, 0.0], [0.1, 0.8, 0.0]])
+    side = np.repeat(np.arange(3), m)
+    t = np.random.default_rng(m).uniform(0.1, 0.9, side.size)[:, None]
+    space = Space(curvature)
+    x = from_model(space, np.vstack([y, (1 - t) * y[side] + t * y[(side + 1) % 3]]), "projective")
+    lengths = space.distances(x[[[0, 1, 2], [0, 2, 1]]], x[[[1, 2, 0], [2, 1, 0]]])
+    twins = np.array([5, 4, 3, 2, 1, 0])
+    tables = HalfEdges.of(np.array([[0, 1, 2], [0, 2, 1]]), twins, lengths, curvature)
+    n = len(x)
+    removal = Removal(
+        np.arange(3),
+        np.arange(3, n),
+        side,
+        tables.directions[side],
+        space.distances(x[side], x[3:]),
+        np.zeros(n - 3),
+    )
+    restored = insert_vertices(tables, removal, np.ones(6, dtype=bool))
+    found = restored.vertices(x[:3])
+    assert found == pytest.approx(np.vstack([x, space.center(x[:3])]), abs=1e-14)
+    assert restored.tables.lengths == pytest.approx(curved.distances_in(restored.tables, found), abs=1e-13)
+    Triangulation(restored.tables.faces)
 
 
 @pytest.mark.parametrize("seed", range(20))

@@ -25,7 +25,7 @@ def test_coordinates_are_those_of_the_triangles(opened):
     tables, bent = cube()
     dropped = np.flatnonzero(bent)[:opened]
     bent[dropped] = bent[tables.twins[dropped]] = False
-    _, _, z, fixed, cells = lay_out(tables, bent)
+    _, _, z, fixed, cells, _ = lay_out(tables, bent)
     sides = np.abs(np.roll(z.reshape(-1, 3), -1, axis=1).ravel() - z)
     assert sides == pytest.approx(tables.lengths, rel=1e-15)
     # Across what is not fixed they are continuous, and the polygon is the same.

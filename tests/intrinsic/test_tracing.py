@@ -146,5 +146,5 @@ def test_third_corner_is_to_the_left(base, height, foot, angle):
     tables = HalfEdges(np.arange(3), np.arange(3), lengths, np.zeros(3))
     c, s = np.cos(angle), np.sin(angle)
     p, q, r = corners @ [1, 1j] * (c + 1j * s) + (1.0 - 2.0j)
-    assert third_corner(0, p, q, tables.lengths) == pytest.approx(r, abs=1e-9)
-    assert third_corner(1, q, r, tables.lengths) == pytest.approx(p, abs=1e-9)
+    assert third_corner(0, p, q, tables) == pytest.approx(r, abs=1e-9)
+    assert third_corner(1, q, r, tables) == pytest.approx(p, abs=1e-9)

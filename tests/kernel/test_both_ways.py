@@ -2,13 +2,14 @@
 
 import numpy as np
 import pytest
-from hypothesis import given
+from hypothesis import assume, given
 from hypothesis import strategies as st
 
 import isoembed
 from isoembed.gallery import Ellipsoid, Ergosphere, triangulate
-from isoembed.intrinsic.trigonometry import angle_between, apex, twice_area
+from isoembed.intrinsic.chart import motion, toward, turn_at
 from isoembed.kernel import choice
+from isoembed.space.trigonometry import angle_between, apex, twice_area
 from zoo import random_hull
 
 
@@ -42,9 +43,26 @@ def compiled():
         yield
 
 
-@given(st.tuples(*[st.floats(0.0, 2.0)] * 3), st.sampled_from([angle_between, apex, twice_area]))
-def test_triangles_of_all_shapes_and_of_none(sides, function):
-    assert_same(function._interpret(sides), function.dispatcher(*sides), function.name)
+@given(
+    st.tuples(*[st.floats(0.0, 2.0)] * 3),
+    st.sampled_from([angle_between, apex]),
+    st.sampled_from([0.0, -1.0, 1.0, -1e-3]),
+)
+def test_triangles_of_all_shapes_and_of_none(sides, function, curvature):
+    args = (*sides, curvature)
+    assert_same(function._interpret(args), function.dispatcher(*args), function.name)
+    assert_same(twice_area._interpret(sides), twice_area.dispatcher(*sides), twice_area.name)
+
+
+@given(
+    st.tuples(*[st.complex_numbers(max_magnitude=0.9, allow_nan=False)] * 4),
+    st.sampled_from([0.0, -1.0, 1.0, -1e-3]),
+)
+def test_points_of_charts(points, curvature):
+    assume(min(abs(points[0] - points[1]), abs(points[2] - points[3])) > 1e-6)
+    for function, args in ((toward, points[:2]), (turn_at, points[:3]), (motion, points)):
+        args = (*args, curvature)
+        assert_same(function._interpret(args), function.dispatcher(*args), function.name)
 
 
 @pytest.mark.slow

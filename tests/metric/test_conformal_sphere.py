@@ -181,3 +181,17 @@ def test_steps_and_factorizations_are_counted():
     conformal_sphere(PolyhedralMetric.from_mesh(*smooth_bodies.ellipsoid()), recorder)
     assert 2 <= recorder.iterations <= 6  # quadratic convergence
     assert recorder.factorizations == recorder.iterations + 2  # with the first guess and the layout
+
+
+@pytest.mark.parametrize("k", [-1.0, 0.7])
+def test_spheres_in_curved_spaces_are_their_own_layout(k):
+    points, faces = points_on_the_sphere(50, 1)
+    metric = PolyhedralMetric.from_mesh(1.1 * points, faces, curvature=k)
+    sphere = conformal_sphere(metric, smooth_bodies.recorder())
+    assert sphere.exact
+    ratios = cross_ratios(metric, points).conj()  # the layout is a mirror image
+    assert np.abs(cross_ratios(metric, sphere.points) / ratios - 1).max() < 1e-8
+    a, b = metric.edges.T
+    u = conformal_factors(metric, sphere)
+    chords = metric.space.chord(metric.lengths) * np.exp((u[a] + u[b]) / 2)
+    assert chords == pytest.approx(np.linalg.norm(sphere.points[a] - sphere.points[b], axis=1), rel=1e-8)

@@ -3,8 +3,18 @@
 import numpy as np
 import pytest
 
+from curved import body
 from isoembed.errors import InvalidMetric
-from isoembed.metric.convexity import check_convex, flattening_advice, noise_level
+from isoembed.metric.convexity import (
+    CONVEXITY,
+    check_convex,
+    deficit_rounding,
+    deficit_spread,
+    flattening_advice,
+    noise_level,
+)
+from isoembed.metric.polyhedral import PolyhedralMetric
+from isoembed.metric.variation import deficit_derivative
 
 
 def refusal(deficits):
@@ -49,3 +59,15 @@ def test_failures_name_the_repair_of_small_deficits():
     )
     assert flattening_advice(deficits, 1e-7) == ""
     assert flattening_advice(np.array([2.0, 1.0, 0.5]), 1e-12) == ""
+
+
+@pytest.mark.parametrize("k", [0.0, -1.0, 0.7])
+def test_errors_of_lengths_move_deficits(k):
+    x, faces, _ = body(30, 0, k or -1e-9, 2.4)
+    metric = PolyhedralMetric.from_mesh(x, faces, curvature=k)
+    tables = metric.faces, metric.face_lengths
+    D = deficit_derivative(metric).toarray()
+    spread = deficit_spread(*tables, metric.triangulation.twins, k)
+    assert spread == pytest.approx(np.sqrt((D**2).sum(axis=1)) * metric.mean_length, rel=1e-10)
+    most = np.abs(D) @ metric.lengths * CONVEXITY.roundings * np.finfo(np.float64).eps
+    assert (deficit_rounding(*tables, k) > 0.2 * most).all()

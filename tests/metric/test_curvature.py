@@ -9,6 +9,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 import zoo
+from curved import body
 from isoembed.metric.curvature import (
     area,
     corner_angles,
@@ -18,6 +19,8 @@ from isoembed.metric.curvature import (
     gaussian_curvature,
 )
 from isoembed.metric.polyhedral import PolyhedralMetric
+from isoembed.space import Space
+from regular_in_space import SOLIDS, regular_solid
 
 PLATONIC = {
     # body: (mesh, angles at a vertex, area in squared edges)
@@ -219,3 +222,87 @@ def test_deficits_have_the_derivative_that_the_cotangents_say():
     laplacian -= np.diag(laplacian.sum(axis=1))
     numeric = [(moved(k, step) - moved(k, -step)) / (2 * step) for k in range(t.n_vertices)]
     assert np.array(numeric) == pytest.approx(laplacian, abs=1e-7)
+
+
+@pytest.mark.parametrize("which", SOLIDS, ids=str)
+def test_regular_solids_of_curved_spaces(which):
+    solid, k = regular_solid(*which), which[1]
+    metric = PolyhedralMetric.from_mesh(solid.points, solid.faces, curvature=k)
+    sides = metric.lengths.min()
+    assert sides == pytest.approx(solid.edge, rel=1e-13)
+    assert deficits(metric) == pytest.approx(solid.deficit, rel=1e-12)
+    assert area(metric) == pytest.approx(solid.area, rel=1e-12)
+    if len(solid.faces[0]) <= 4:  # however squares are cut
+        assert dual_areas(metric) == pytest.approx(solid.area / len(solid.points), rel=1e-12)
+        assert gaussian_curvature(metric) == pytest.approx(
+            k + solid.deficit * len(solid.points) / solid.area, rel=1e-12
+        )
+
+
+@given(n=st.integers(4, 60), seed=st.integers(0, 10**6), k=st.sampled_from([-1.0, 0.3, -1e-12, 1e-300]))
+def test_sums_in_curved_spaces(n, seed, k):
+    x, faces, _ = body(n, seed, k, 2.0)
+    metric = PolyhedralMetric.from_mesh(x, faces, curvature=k)
+    assert deficits(metric).sum() == pytest.approx(4 * np.pi - k * area(metric), rel=1e-12)
+    assert deficits(metric).min() > 0
+    assert dual_areas(metric).sum() == pytest.approx(area(metric), rel=1e-10)
+
+
+def test_curved_triangles_tend_to_flat_ones():
+    flat = PolyhedralMetric.from_mesh(*zoo.random_hull(40, 1))
+
+    def off(measure, k):
+        curved = measure(PolyhedralMetric.on(flat.triangulation, flat.lengths, Space(k)))
+        return np.abs(curved / measure(flat) - 1).max()
+
+    for measure in (corner_angles, face_areas, dual_areas):
+        assert off(measure, -1e-3) / off(measure, -1e-4) == pytest.approx(10, rel=0.01)
+        assert off(measure, 1e-3) / off(measure, -1e-3) == pytest.approx(1, rel=0.05)
+        assert off(measure, 1e-40) < 1e-13
+
+
+@pytest.mark.parametrize("k", [-1.0, 1.0])
+@pytest.mark.parametrize("base", [1e-14, 1e-7, 0.3, 2.0])
+def test_isosceles_triangles(k, base):
+    """Half of one has a right angle: ``sin(A / 2) = sn(a / 2) / sn(b)``, ``cos(B) = tn(a / 2) / tn(b)``."""
+    space, b = Space(k), 1.25
+    metric = PolyhedralMetric(zoo.TETRAHEDRON, [b, b, b, base, base, base], curvature=k)
+    angles = np.sort(corner_angles(metric)[(metric.faces == 0).any(axis=1)], axis=1)
+    at_apex = 2 * np.arcsin(space.sn(np.array(base / 2)) / space.sn(np.array(b)))
+    tn = [space.sn(x) / space.cs(x) for x in np.array([base / 2, b])]
+    expected = np.sort([at_apex, *[np.arccos(tn[0] / tn[1])] * 2])
+    assert angles == pytest.approx(np.tile(expected, (3, 1)), rel=1e-14)
+
+
+def by_circumcenters_on_the_sphere(metric):
+    """Signed kites between corner, middles and circumcenter, by solid angles."""
+    duals, triangles = np.zeros(metric.triangulation.n_vertices), np.eye(3)
+
+    def solid_angle(a, b, c):
+        return 2 * np.arctan2(a @ np.cross(b, c), 1 + a @ b + b @ c + c @ a)
+
+    for face, (ab, bc, ca) in zip(metric.faces, metric.face_lengths, strict=True):
+        cosine = (np.cos(bc) - np.cos(ab) * np.cos(ca)) / (np.sin(ab) * np.sin(ca))
+        y = np.array([cosine, np.sqrt(1 - cosine**2)]) * np.sin(ca)
+        p = np.array([triangles[2], [np.sin(ab), 0, np.cos(ab)], [*y, np.cos(ca)]])
+        center = np.cross(p[1] - p[0], p[2] - p[0])
+        center /= np.linalg.norm(center)
+        for k in range(3):
+            after, before = ((q := p[k] + p[k + m]) / np.linalg.norm(q) for m in (-2, -1))
+            duals[face[k]] += solid_angle(p[k], after, center) + solid_angle(p[k], center, before)
+    return duals
+
+
+def test_dual_areas_against_circumcenters_on_the_sphere():
+    x, faces, _ = body(30, 4, 1.0, 2.4)
+    metric = PolyhedralMetric.from_mesh(x, faces, curvature=1.0)
+    assert corner_angles(metric).max() > 2
+    assert dual_areas(metric) == pytest.approx(by_circumcenters_on_the_sphere(metric), rel=1e-9, abs=1e-11)
+
+
+def test_triangles_without_a_circumcenter_are_shared_in_thirds():
+    metric = PolyhedralMetric(zoo.TETRAHEDRON, [3.0, 3.0, 3.0, 5.0, 5.0, 5.0], curvature=-1.0)
+    assert dual_areas(metric).sum() == pytest.approx(area(metric), rel=1e-14)
+    assert dual_areas(metric)[0] == pytest.approx(
+        face_areas(metric)[(metric.faces == 0).any(axis=1)].sum() / 3
+    )

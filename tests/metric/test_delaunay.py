@@ -8,8 +8,10 @@ from hypothesis import strategies as st
 
 import smooth_bodies
 import zoo
+from curved import body
 from isoembed.metric.curvature import area, corner_angles, deficits
 from isoembed.metric.delaunay import delaunay, ideal_delaunay
+from isoembed.metric.inspection import inspect
 from isoembed.metric.polyhedral import PolyhedralMetric
 
 
@@ -141,3 +143,24 @@ def test_ideal_flips_mend_broken_triangles_and_leave_a_star_alone():
     triangulation, lengths = ideal_delaunay(metric.triangulation, before, fixed)
     assert broken(triangulation, lengths) == 0
     assert star(triangulation, lengths) == star(metric.triangulation, before)
+
+
+@pytest.mark.parametrize("k", [-1.0, 0.7])
+@pytest.mark.parametrize("seed", range(4))
+def test_flips_in_curved_spaces(k, seed):
+    x, faces, _ = body(60, seed, k, 2.4, aspect=4.0)
+    metric = PolyhedralMetric.from_mesh(x, faces, curvature=k)
+    flipped = delaunay(metric)
+    assert inspect(metric).report["delaunay"]["violations"] > 10
+    not_delaunay = triangles_not_delaunay(flipped)
+    assert not (not_delaunay & flippable(flipped.triangulation)).any()
+    assert deficits(flipped) == pytest.approx(deficits(metric), abs=1e-9)
+    assert area(flipped) == pytest.approx(area(metric), rel=1e-10)
+
+
+def triangles_not_delaunay(metric):
+    """Edges across which the angles sum to more than the other four beside them."""
+    angles = corner_angles(metric)
+    balance = 2 * angles - angles.sum(axis=1, keepdims=True)
+    across = np.roll(metric.triangulation.face_edges, -1, axis=1)
+    return np.bincount(across.ravel(), balance.ravel()) > 1e-6

@@ -110,6 +110,31 @@ def test_scrambling_makes_what_no_simplicial_complex_has():
     assert sum(loops(scrambled(seed, 5)[0]) for seed in range(20)) > 0
 
 
+@pytest.mark.parametrize("k", [-1.0, -1e-12, 0.7])
+@pytest.mark.parametrize("tables", [FOLDED, DOUBLED], ids=["folded", "doubled"])
+def test_simplicial_in_curved_spaces(tables, k):
+    faces, twins, lengths = tables
+    metric = GluedMetric(faces, twins, np.array(lengths) / 2, curvature=k)
+    assert repr(metric).endswith(f", curvature {k:g})")
+    size = metric.triangles.areas.sum() * metric.triangles.unit**2
+    assert metric.deficits.sum() == pytest.approx(4 * np.pi - k * size, rel=1e-14)
+    simplicial = metric.simplicial()
+    assert simplicial.space == metric.space
+    flat = np.zeros(simplicial.triangulation.n_vertices - 3)
+    assert curvature.deficits(simplicial) == pytest.approx([*metric.deficits, *flat], abs=1e-13)
+    assert curvature.area(simplicial) == pytest.approx(size, rel=1e-14)
+
+
+def test_units_of_curved_metrics():
+    faces, twins, lengths = DOUBLED
+    metric = GluedMetric(faces, twins, lengths, curvature=-0.3)
+    assert metric.scaled(2.0).curvature == pytest.approx(-0.075)
+    assert metric.scaled(2.0).deficits == pytest.approx(metric.deficits, rel=1e-14)
+    assert metric.normalized.curvature == -0.3 * metric.unit**2
+    assert metric.with_lengths(metric.face_lengths).space == metric.space
+    assert GluedMetric.flipped(metric.half_edges()).space == metric.space
+
+
 # What it refuses
 
 
@@ -123,6 +148,12 @@ def broken(tables, **changes):
 TORUS = [[0, 0, 0], [0, 0, 0]], [4, 5, 3, 2, 0, 1], np.ones((2, 3))
 TWICE = [*DOUBLED[0], [3, 4, 5], [3, 5, 4]], [*DOUBLED[1], 11, 10, 9, 8, 7, 6], DOUBLED[2] * 2
 TOUCHING = [*DOUBLED[0], [0, 3, 4], [0, 4, 3]], TWICE[1], TWICE[2]
+
+
+def test_sides_that_are_too_long_for_the_sphere():
+    sentence = "side 0 of face 0 has length 3.0, not below 2.22144147, half of a great circle"
+    with pytest.raises(InvalidMetric, match=re.escape(sentence)):
+        GluedMetric(*DOUBLED, curvature=2.0)
 
 
 @pytest.mark.parametrize(

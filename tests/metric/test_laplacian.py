@@ -4,10 +4,11 @@ import numpy as np
 import pytest
 
 import zoo
+from curved import body
 from isoembed.metric.conformal import equivalent
 from isoembed.metric.curvature import area
 from isoembed.metric.glued import GluedMetric
-from isoembed.metric.laplacian import cotangent_laplacian
+from isoembed.metric.laplacian import cotangent_laplacian, deficit_laplacian
 from isoembed.metric.polyhedral import PolyhedralMetric
 
 
@@ -43,3 +44,20 @@ def test_weights_are_raised_edge_by_edge():
     assert (-K[joined]).min() < 0.3 < (-K[joined]).max()
     assert -raised[joined] == pytest.approx(np.maximum(-K[joined], 0.3), rel=1e-12)
     assert np.abs(raised.sum(axis=1)).max() < 1e-11
+
+
+@pytest.mark.parametrize("k", [-1.0, 0.7])
+def test_the_derivative_of_the_deficits_in_curved_spaces(k):
+    x, faces, _ = body(30, 1, k, 2.0)
+    metric = GluedMetric.of(PolyhedralMetric.from_mesh(x, faces, curvature=k))
+    H = deficit_laplacian(metric)
+    u = np.random.default_rng(0).normal(size=30)
+    h = 1e-6
+    change = (equivalent(metric, h * u).deficits - equivalent(metric, -h * u).deficits) / (2 * h)
+    assert change == pytest.approx(H @ u, abs=1e-7 * np.abs(H @ u).max())
+    assert np.abs(H - H.T).max() < 1e-13 * np.abs(H).max()
+
+
+def test_in_the_plane_both_laplacians_are_one():
+    metric = glued(*zoo.random_hull(40, 0))
+    assert (cotangent_laplacian(metric) != deficit_laplacian(metric)).nnz == 0

@@ -1,6 +1,7 @@
 """Polyhedral metrics: what they keep, what they refuse, and that no length is too small or too large."""
 
 import re
+import warnings
 
 import numpy as np
 import pytest
@@ -8,8 +9,11 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 import zoo
-from isoembed.errors import InvalidMetric
+from curved import body
+from isoembed.errors import InvalidMetric, InvalidParameter, MeshNote
 from isoembed.metric.polyhedral import PolyhedralMetric
+from isoembed.space import Space
+from isoembed.space.models import from_model, to_model
 
 T = zoo.TETRAHEDRON.tolist()
 E = [[0, 1], [0, 2], [0, 3], [1, 2], [1, 3], [2, 3]]
@@ -187,3 +191,81 @@ def test_a_mesh_keeps_triangles_whose_height_the_lengths_lose():
     on_the_edge = np.vstack([corners, [[1, 0, 0]]])  # the middle: no height at all
     with pytest.raises(InvalidMetric, match=r"face 0 \[0, 1, 4\] breaks the triangle inequality"):
         PolyhedralMetric.from_mesh(on_the_edge, faces)
+
+
+# In curved spaces
+
+LARGE = {
+    "side on the sphere": (
+        1.0, [3.2, *[2.0] * 5],
+        "edge 0 [0, 1] has length 3.2, not below 3.14159265, half of a great circle of the sphere of "
+        "curvature 1",
+    ),
+    "perimeter on the sphere": (
+        4.0, [1.1] * 6,
+        "face 0 [0, 1, 2] has the perimeter 3.3000000000000003, not below 3.14159265, a great circle of the "
+        "sphere of curvature 4",
+    ),
+    "hyperbolic": (
+        -4.0, [36.0] * 6,
+        "edge 0 [0, 1] has length 36.0, which is 72 radii of curvature: beyond 70 floats do not tell the "
+        "angles of hyperbolic triangles from zero",
+    ),
+}  # fmt: skip
+
+
+@pytest.mark.parametrize(("curvature", "lengths", "sentence"), LARGE.values(), ids=LARGE.keys())
+def test_triangles_that_are_too_large(curvature, lengths, sentence):
+    with pytest.raises(InvalidMetric, match=re.escape(sentence)):
+        PolyhedralMetric(T, lengths, curvature=curvature)
+
+
+@pytest.mark.parametrize("k", [-1.0, 0.7])
+def test_lengths_of_meshes_in_any_model(k):
+    x, faces, _ = body(20, 0, k, 2.0)
+    space = Space(k)
+    metric = PolyhedralMetric.from_mesh(x, faces, curvature=k)
+    assert metric.space == space and metric.curvature == k
+    assert metric.lengths == pytest.approx(space.distances(*x[metric.edges].swapaxes(0, 1)), rel=1e-14)
+    for model in ("conformal", "projective"):
+        p = to_model(space, x, model)
+        again = PolyhedralMetric.from_mesh(p, faces, curvature=k, model=model)
+        assert again.lengths == pytest.approx(metric.lengths, rel=1e-13)
+    assert metric.scaled(3.0).space == space.scaled(3.0)
+    assert metric.scaled(3.0).with_lengths(metric.lengths).curvature == pytest.approx(k / 9)
+    assert metric.normalized.curvature == k * metric.unit**2
+
+
+def test_polygons_are_cut_along_straight_lines():
+    corners = np.array([[x, y, z] for x in (-0.5, 0.5) for y in (-0.5, 0.5) for z in (-0.5, 0.5)])
+    squares = [[0, 1, 3, 2], [4, 6, 7, 5], [0, 4, 5, 1], [2, 3, 7, 6], [0, 2, 6, 4], [1, 5, 7, 3]]
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")  # that faces are not planar
+        metric = PolyhedralMetric.from_mesh(corners, squares, curvature=-1.0)
+        assert len(metric.faces) == 12
+        bent = corners * np.where(np.arange(8) == 0, 0.7, 1.0)[:, None]
+        with pytest.raises(MeshNote, match="3 faces are not planar"):
+            PolyhedralMetric.from_mesh(bent, squares, curvature=-1.0)
+
+
+def test_meshes_that_are_not_in_the_model():
+    with pytest.raises(InvalidParameter, match=r"point 0 is 1\.73205081 from the center of the klein model"):
+        PolyhedralMetric.from_mesh(VERTICES, T, curvature=-1.0, model="projective")
+    with pytest.raises(
+        InvalidParameter, match="the model is 'klein', none of conformal, projective, ambient"
+    ):
+        PolyhedralMetric.from_mesh(VERTICES, T, curvature=-1.0, model="klein")
+    with pytest.raises(InvalidMetric, match=re.escape("the vertices have shape (4, 2), not (V, 3)")):
+        PolyhedralMetric.from_mesh(VERTICES[:, :2], T, curvature=-1.0)
+
+
+@pytest.mark.parametrize("k", [-1.0, 1.0])
+def test_a_mesh_in_curved_space_keeps_triangles_whose_height_the_lengths_lose(k):
+    corners = 0.4 * np.array([[1.0, 1, 1], [1, -1, -1], [-1, 1, -1], [-1, -1, 1]])
+    inside = corners[0] / 3 + 2 * corners[1] / 3
+    inside += 1e-9 * (corners[2] - inside)
+    faces = [[0, 1, 4], [1, 2, 4], [2, 0, 4], [0, 3, 1], [0, 2, 3], [1, 3, 2]]
+    p = np.vstack([corners, inside])
+    metric = PolyhedralMetric.from_mesh(p, faces, curvature=k, model="projective")
+    x = from_model(Space(k), p, "projective")
+    assert np.abs(metric.lengths - Space(k).distances(*x[metric.edges].swapaxes(0, 1))).max() < 1e-14

@@ -10,6 +10,7 @@ from hypothesis import strategies as st
 from scipy.optimize import linprog
 
 import isoembed.metric.repair as repair_module
+from curved import body
 from isoembed import PolyhedralMetric
 from isoembed.errors import InvalidMetric, InvalidParameter
 from isoembed.metric.convexity import deficit_rounding
@@ -250,3 +251,16 @@ def test_a_report_can_be_written_of_it():
     assert set(report) == {"vertices", "deficits", "largest_factor", "largest_relative_length_change"}
     assert len(report["vertices"]) == len(report["deficits"]) > 0
     assert min(report["deficits"]) < 0 < report["largest_factor"]
+
+
+@pytest.mark.parametrize("k", [-1.0, 0.7])
+def test_noise_in_curved_spaces(k):
+    x, faces, flat = body(20, 0, k, 1.5, flat=30)
+    metric = noisy(PolyhedralMetric.from_mesh(x, faces, curvature=k), 1e-9)
+    before = deficits(metric)
+    for given_metric in (metric, GluedMetric.of(metric)):
+        result, repair = repaired(given_metric, 2 * np.abs(before[flat]).max())
+        after = GluedMetric.of(result).deficits
+        assert result.space == metric.space
+        assert np.abs(after[flat]).max() < 1e-11 < 1e-10 < np.abs(before[flat]).max()
+        assert repair.largest_change < 1e-6

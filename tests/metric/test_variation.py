@@ -7,6 +7,7 @@ from hypothesis import strategies as st
 
 import smooth_bodies
 import zoo
+from curved import body
 from isoembed.metric.conformal import rescaled
 from isoembed.metric.curvature import area, deficits, dual_areas
 from isoembed.metric.polyhedral import PolyhedralMetric
@@ -91,3 +92,15 @@ def test_any_unit(scale):
     assert abs(deficit * scale - deficit_derivative(metric)).max() < 1e-12
     assert abs(dual_area_derivative(scaled) / scale - dual_area_derivative(metric)).max() < 1e-12
     assert area_derivative(scaled) / scale == pytest.approx(area_derivative(metric), rel=1e-10, abs=1e-14)
+
+
+@pytest.mark.parametrize("k", [-1.0, 0.7])
+def test_derivatives_in_curved_spaces(k):
+    x, faces, _ = body(20, 3, k, 1.8)
+    metric = PolyhedralMetric.from_mesh(x, faces, curvature=k)
+    for function, derivative in (
+        (deficits, deficit_derivative(metric).toarray()),
+        (area, area_derivative(metric)),
+    ):
+        differences = central_differences(lambda l, f=function: f(metric.with_lengths(l)), metric.lengths)
+        assert np.abs(differences - derivative).max() < 1e-6 * np.abs(derivative).max()

@@ -21,6 +21,7 @@ from isoembed.plot.browser.thinning import thinned
 from isoembed.plot.film import FILM
 from isoembed.plot.page import write_page
 from lost_edges import octahedron_with_a_lost_edge
+from regular_in_space import regular_solid
 from strict_json import strict
 
 
@@ -352,3 +353,33 @@ def test_other_surfaces_have_neither(page):
     (mesh,) = data["meshes"]
     assert mesh["polygons"] is mesh["outlines"] is data["seams"] is None
     assert all("faces" not in shades for shades in data["frames"][-1]["values"].values())
+
+
+def test_points_of_space_are_there(tmp_path):
+    """The script is told points about the origin, from which it makes each model."""
+    solid = regular_solid("octahedron", -4.0, 1.7)
+    metric = PolyhedralMetric.from_mesh(solid.points, solid.faces, curvature=-4.0)
+    surface = Embedding(metric, solid.points, method="exact", tolerance=1e-10)
+    write_page(tmp_path / "solid.html", surface)
+    text, _, data, arrays = read(tmp_path / "solid.html")
+    pose, space, (mesh,) = data["pose"], data["space"], data["meshes"]
+    assert pose["center"] == [0, 0, 0]
+    assert space["curvature"] == pytest.approx(-4.0 * pose["size"] ** 2)
+    assert [model["model"] for model in space["models"]] == ["conformal", "projective", "ambient"]
+    (frame,) = data["frames"]
+    placed = unpacked(arrays, frame["positions"]).reshape(-1, 3) @ np.transpose(pose["axes"]) * pose["size"]
+    np.testing.assert_allclose(placed[:6], solid.points, atol=1e-6)
+    assert mesh["cuts"] > 0 and mesh["solid"] == 8 * 4 ** mesh["cuts"]
+    own = unpacked(arrays, mesh["own"])
+    np.testing.assert_array_equal(own[:6], np.arange(6))
+    assert len(own) == len(placed) == len(unpacked(arrays, frame["values"]["mean curvature"]))
+    assert len(unpacked(arrays, mesh["polygons"])) == mesh["solid"]
+    edges = {tuple(sorted(pair)) for pair in marked(data, arrays, mesh["outlines"])}
+    assert len(edges) == 12 * 2 ** mesh["cuts"]
+    assert "hyperbolic space of curvature \N{MINUS SIGN}4" in text
+
+
+def test_pages_of_r3_have_no_models(page):
+    _, _, data, _ = page
+    assert data["space"] is None
+    assert data["meshes"][0]["own"] is None

@@ -16,6 +16,8 @@ from isoembed.gluing.classics import LATIN_CROSS
 from isoembed.plot import Frame
 from isoembed.plot.page import write_page
 from isoembed.plot.quantity import intrinsic_curvature
+from isoembed.surface.polyhedron import Polyhedron
+from regular_in_space import regular_solid
 
 if CHROMIUM is None:
     pytest.skip("pages are tried out in Chromium, which is not installed", allow_module_level=True)
@@ -318,3 +320,42 @@ def test_a_polyhedron_has_edges_seams_and_faces_of_one_color(browser, tmp_path):
     assert window.page.locator("#mark").is_hidden()
     assert window.complaints == []
     window.context.close()
+
+
+def test_the_models_of_hyperbolic_space(browser, tmp_path):
+    """Edges are bent but in Klein's ball; the sphere at infinity is a circle around both."""
+    solid = regular_solid("cube", -1.0, 1.2)
+    metric = PolyhedralMetric.from_mesh(solid.points, solid.faces, curvature=-1.0)
+    cube = Polyhedron(metric, solid.points, method="exact", tolerance=1e-10)
+    write_page(tmp_path / "cube.html", cube)
+    window = Tab(browser, tmp_path / "cube.html", viewport={"width": 900, "height": 720}).open()
+    names = window.page.locator("#model option").all_inner_texts()
+    assert names == ["Poincaré ball", "Klein ball", "hyperboloid, x y z"]
+    shapes = []
+    for name in names:
+        window.page.select_option("#model", name)
+        shapes.append(window.shape())
+        assert window.page.locator("#infinity").is_visible() == ("ball" in name)
+    poincare, klein, _ = (shape.sum() for shape in shapes)
+    assert klein > 1.5 * poincare
+    size = window.page.locator("#canvas").bounding_box()
+    window.page.select_option("#model", "Klein ball")
+    window.restore_delaunay()
+    around = window.page.locator("#infinity").bounding_box()
+    assert around["width"] == pytest.approx(around["height"]) and around["width"] < min(
+        size["width"], size["height"]
+    )
+    window.page.click("#closer")
+    window.restore_delaunay()
+    assert window.page.locator("#infinity").bounding_box()["width"] > 1.2 * around["width"]
+    window.page.click("#reset")
+    window.page.mouse.move(size["x"] + size["width"] / 2, size["y"] + size["height"] / 2)
+    window.restore_delaunay()
+    assert re.fullmatch(r"vertex [0-7]\s+mean curvature .*", window.text("#tip"))
+    assert "all are" in window.text("#span") and "hyperbolic" in window.text("aside")
+    assert window.complaints == []
+    window.context.close()
+
+
+def test_models_are_those_of_curved_spaces(tab):
+    assert tab.page.locator("#models").is_hidden() and tab.page.locator("#infinity").is_hidden()

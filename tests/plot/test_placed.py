@@ -8,7 +8,7 @@ from isoembed.gallery import Ellipsoid, triangulate
 
 pytest.importorskip("matplotlib")
 
-from isoembed.plot.picture import Panel
+from isoembed.plot.panel import Panel
 from isoembed.plot.placed import SIZE, Scale, placed_figure
 from isoembed.plot.view import camera
 

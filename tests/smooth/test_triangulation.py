@@ -243,7 +243,7 @@ def test_lengths_from_the_ends_are_of_second_order_and_exact_on_the_round_sphere
 def test_flips_restore_a_delaunay_triangulation():
     mesh = triangulate_metric(stretched(1, 1, 1), 300)
     edges = tables(mesh)
-    corners, twins, lengths, _ = edges
+    corners, twins, lengths, *_ = edges
     lengths[:] = mesh.measured(ellipsoid(3, 1, 1)).face_lengths.ravel()
     assert len(flip_to_delaunay(mesh.directions, edges)) > 100
     assert len(flip_to_delaunay(mesh.directions, edges)) == 0

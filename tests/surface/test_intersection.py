@@ -167,3 +167,27 @@ def test_memory_stays_bounded_on_a_large_surface_with_one_huge_spike():
     assert len(pairs) > 0
     assert spike[pairs].any(axis=1).all()
     assert peak < 300e6
+
+
+def test_a_reach_counts_as_contact():
+    lower = np.array([[0.0, 0, 0], [1, 0, 0], [0, 1, 0]])
+    upper = lower + np.array([0, 0, 1e-3])
+    vertices, faces = np.vstack([lower, upper]), [[0, 1, 2], [3, 4, 5]]
+    assert len(self_intersections(faces, vertices)) == 0
+    assert len(self_intersections(faces, vertices, 0.49e-3)) == 0
+    assert self_intersections(faces, vertices, 0.51e-3).tolist() == [[0, 1]]
+
+
+@given(st.integers(0, 10**6), st.sampled_from([1e-9, 1e-4, 1e-2]))
+def test_what_does_not_intersect_within_reach_does_not_after_moves(seed, reach):
+    """Pairs that share no corner, one or two, some of them nearly folded."""
+    rng = np.random.default_rng(seed)
+    for shared in range(3):
+        vertices = rng.normal(size=(6 - shared, 3)) * [1, 1, 10.0 ** -rng.integers(0, 5)]
+        faces = [[0, 1, 2], [[3, 4, 5], [0, 3, 4], [1, 0, 3]][shared]]
+        if len(self_intersections(faces, vertices, reach)):
+            continue
+        for _ in range(20):
+            moves = rng.normal(size=vertices.shape)
+            moves *= reach / np.linalg.norm(moves, axis=1, keepdims=True)
+            assert len(self_intersections(faces, vertices + moves)) == 0

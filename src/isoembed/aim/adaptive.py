@@ -90,6 +90,7 @@ class Aim(Method):
     best_fit: bool = False
 
     name: ClassVar[str] = "aim"
+    takes_curved: ClassVar[bool] = True
 
     def __post_init__(self) -> None:
         if not isinstance(self.best_fit, bool):
@@ -154,7 +155,7 @@ class _Search:
     @cached_property
     def system(self) -> LengthSystem:
         """The equations for the lengths."""
-        return LengthSystem(self.metric.triangulation)
+        return LengthSystem(self.metric.triangulation, space=self.metric.space)
 
     @cached_property
     def energy(self) -> RegularizedEnergy:
@@ -279,7 +280,7 @@ class _Search:
     def guided(self, recorder: StageRecorder) -> Floats:
         """Where the guided path ends, near enough to the lengths for Newton's method."""
         kept = self.log.resumed_at("guided pull back")
-        if goes_by_levels(self.metric.triangulation, kept):
+        if goes_by_levels(self.metric, kept):
             with suppress(SingularMatrix, InvalidMetric):  # of the chosen vertices, on needles
                 found = pulled_back_by_levels(self.metric, self.system, self.start, recorder, kept)
                 if found is not None:

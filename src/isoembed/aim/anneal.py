@@ -77,7 +77,7 @@ def anneal(
     Annealed
         The best vertices met.
     """
-    x, r = vertices, length_residuals(system.triangulation, vertices, lengths)
+    x, r = vertices, length_residuals(system.triangulation, vertices, lengths, system.space)
     best = Annealed(x, float(np.abs(r).max()), False)
     for iteration in range(max_iterations + 1):
         residual = float(np.abs(r).max())
@@ -97,7 +97,7 @@ def anneal(
         recorder.iterations += 1
         recorder.factorizations += 1
         x = x - step
-        r = length_residuals(system.triangulation, x, lengths)
+        r = length_residuals(system.triangulation, x, lengths, system.space)
         if np.abs(step).max() <= step_tolerance:
             return Annealed(x, float(np.abs(r).max()), True)
     return best

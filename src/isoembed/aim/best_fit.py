@@ -27,7 +27,6 @@ from isoembed.arrays import Floats
 from isoembed.linalg import SingularMatrix
 from isoembed.metric.polyhedral import PolyhedralMetric
 from isoembed.progress.stages import StageRecorder
-from isoembed.surface.rigidity import edge_rows, length_residuals
 from isoembed.thresholds import threshold
 
 
@@ -104,7 +103,7 @@ def best_fit(
         if best is not first:
             break
     a, b = metric.edges.T
-    missed = np.linalg.norm(best.vertices[a] - best.vertices[b], axis=1) - metric.lengths
+    missed = metric.space.distances(best.vertices[a], best.vertices[b]) - metric.lengths
     near = np.sqrt(np.mean(missed**2)) < BEST_FIT.collapsed * metric.mean_length
     return best if best.score < np.inf and near else None
 
@@ -127,7 +126,7 @@ class _Fits:
             before, value = value, self._value(x, mu)
             if not value < BEST_FIT.settled * before:
                 break
-        r = length_residuals(self._metric.triangulation, x, lengths)
+        r = self._energy.residuals(x, lengths)
         try:
             free = self._degrees_of_freedom(x, mu)
         except SingularMatrix:
@@ -137,7 +136,7 @@ class _Fits:
 
     def _value(self, x: Floats, mu: float) -> float:
         """The energy of a surface."""
-        r = length_residuals(self._metric.triangulation, x, self._metric.lengths)
+        r = self._energy.residuals(x, self._metric.lengths)
         return float(r @ r + mu * np.sum(x * self._energy.roughness(x, 0.0)))
 
     def _degrees_of_freedom(self, x: Floats, mu: float) -> float:
@@ -146,13 +145,11 @@ class _Fits:
         ``H = J (J^T J + mu R^T R)^-1 J^T``.  Its trace is estimated by random vectors (Girard): the mean of
         ``z^T (I - H) z``, with z of random signs.
         """
-        triangulation = self._metric.triangulation
-        rows = edge_rows(triangulation, x, self._metric.lengths)
+        energy, lengths = self._energy, self._metric.lengths
         self._recorder.factorizations += 1
-        solve = self._energy.solver(x, self._metric.lengths, mu, 0.0)
-        a, b = triangulation.edges.T
+        solve = energy.solver(x, lengths, mu, 0.0)
         left = 0.0
         for z in self._probes:
-            d = solve(triangulation.incidence @ (rows * z[:, None]))
-            left += float(z @ (z - np.einsum("ij,ij->i", rows, d[a] - d[b])))
+            d = solve(energy.forces(x, lengths, z))
+            left += float(z @ (z - energy.rates(x, lengths, d)))
         return max(left / BEST_FIT.probes, 1.0)  # the estimate is not good enough to tell less from none

@@ -25,7 +25,7 @@ from isoembed.linalg import SingularMatrix, Solver, analyze, dissect
 from isoembed.metric.conformal import equivalent
 from isoembed.metric.convexity import deficit_rounding
 from isoembed.metric.glued import GluedMetric
-from isoembed.metric.laplacian import cotangent_laplacian
+from isoembed.metric.laplacian import cotangent_laplacian, deficit_laplacian
 from isoembed.progress.stages import StageRecorder
 from isoembed.thresholds import threshold
 
@@ -45,6 +45,7 @@ class ConvexificationThresholds:
     doublings: int = threshold(50, "count", "Of the time: beyond, only rounding keeps curvature uneven.")
     steps: int = threshold(100, "count", "Newton steps at most.")
     shortest: float = threshold(1e-3, "Newton steps", "A shorter step means that there is no such metric.")
+    curved: float = threshold(0.01, "4 pi", "Curvature of space times area that is worth a smaller metric.")
 
 
 CONVEXIFICATION = ConvexificationThresholds()
@@ -63,9 +64,10 @@ class Convexification:
     The curvature measure after the time tau is ``delta(tau) = M (M + tau K)^-1 delta(0)``, M the areas and K
     the cotangent Laplacian, on the intrinsic Delaunay triangulation; tau is doubled from the square of the
     mean edge length on.  The factors u of ``l_ij e^{(u_i + u_j) / 2}`` follow by Newton's method, as the
-    derivative of the deficits is K (Springborn, Schroeder and Pinkall, ACM TOG 27, 2008).  Where that would
-    break a triangle, the metric reached becomes Delaunay again by flips, and goes on from there: not in the
-    same conformal class, but nothing asks for that.
+    derivative of the deficits is K (Springborn, Schroeder and Pinkall, ACM TOG 27, 2008); on the sphere and
+    in the hyperbolic plane it is the `deficit_laplacian`, and the area determines u.  Where that would break
+    a triangle, the metric reached becomes Delaunay again by flips, and goes on from there: not in the same
+    conformal class, but nothing asks for that.
     """
 
     def __init__(self, given: GluedMetric) -> None:
@@ -74,13 +76,13 @@ class Convexification:
     @cached_property
     def is_convex(self) -> bool:
         """Whether no deficit of the given metric is negative beyond rounding."""
-        rounding = deficit_rounding(self.given.faces, self.given.face_lengths)
+        rounding = deficit_rounding(self.given.faces, self.given.face_lengths, self.given.curvature)
         return bool((self.given.deficits >= -rounding).all())
 
     @property
     def negative_curvature(self) -> float:
-        """The sum of the negative deficits, made positive, over 4 pi, which is the sum of all."""
-        return float(-np.minimum(self.given.deficits, 0.0).sum() / (4 * np.pi))
+        """The sum of the negative deficits, made positive, over the sum of all."""
+        return float(-np.minimum(self.given.deficits, 0.0).sum() / _total(self.given))
 
     def metric(self, margin: float, recorder: StageRecorder) -> GluedMetric | None:
         """A convex metric on the given vertices, but on triangles of its own; the given one, if it is convex.
@@ -89,8 +91,8 @@ class Convexification:
         ----------
         margin : float
             What the diffusion leaves to the deficit of a vertex, at least, of what its area would have on a
-            sphere: the less, the nearer is the metric, and the flatter in places.  Ask for small ones first:
-            the diffusion goes on from where it came to before.
+            round sphere: the less, the nearer is the metric, and the flatter in places.  Ask for small ones
+            first: the diffusion goes on from where it came to before.
         recorder : StageRecorder
             Counts Newton steps and factorizations.
 
@@ -102,9 +104,24 @@ class Convexification:
         if self.is_convex:
             return self.given
         try:
-            return self._changed(margin, recorder)
+            found = self._changed(margin, recorder)
         except SingularMatrix:  # triangles too thin for floats
+            found = None
+        if found is None and self._smaller is not None:
+            return self._smaller.metric(margin, recorder)
+        return found
+
+    @cached_property
+    def _smaller(self) -> Convexification | None:
+        """That of the metric at half its size, where space has positive curvature that matters.
+
+        With much of a sphere's area the derivative of the deficits may become singular on the way to the
+        convex metric; and the smaller the metric, the less curvature it needs.
+        """
+        if not 1 - _total(self.given) / (4 * np.pi) > CONVEXIFICATION.curved:
             return None
+        half = np.full(self.given.n_vertices, -np.log(2.0))
+        return Convexification(equivalent(self.given, half))
 
     @cached_property
     def _delaunay(self) -> _Delaunay:
@@ -146,12 +163,13 @@ class Convexification:
 
         With them comes Newton's first step to them, which needs no factor: from
         ``(M + tau K) M^-1 delta(tau) = delta(0)`` follows ``K u = delta(tau) - delta(0)`` for
-        ``u = -tau M^-1 delta(tau)``.
+        ``u = -tau M^-1 delta(tau)``.  On the sphere and in the hyperbolic plane the derivative is another
+        matrix, which is factored.
         """
         triangles = self._delaunay
         shape = triangles.metric.triangles
         shares = triangles.shares
-        mass = shares / (4 * np.pi) * shape.areas.sum() * shape.unit**2
+        mass = shares / _total(triangles.metric) * shape.areas.sum() * shape.unit**2
         last = triangles.metric.mean_length**2 * 2.0**CONVEXIFICATION.doublings
         while self._tau < last:
             recorder.iterations += 1
@@ -159,6 +177,9 @@ class Convexification:
             density = triangles.steady(mass / self._tau, sources, recorder)
             diffused = mass * density
             if (diffused >= margin * shares).all():
+                if not triangles.metric.space.is_euclidean:
+                    recorder.factorizations += 1
+                    return diffused, triangles.solved(diffused - triangles.metric.deficits)
                 step = -self._tau * density
                 return diffused, step - step.mean()
             self._tau *= 2
@@ -183,7 +204,7 @@ class _Delaunay:
             pattern = vertex_matrix(
                 tables.corners, tables.twins, *nothing
             )  # the Laplacian's values may vanish
-            return analyze(pattern, dissect(pattern).vertex_order())
+            return analyze(pattern, dissect(pattern).vertex_order(), definite=metric.curvature <= 0)
 
         return cls(GluedMetric.flipped(tables), solver)
 
@@ -192,18 +213,17 @@ class _Delaunay:
         """The deficits that the vertices' areas, a third of each triangle, would have on a sphere, (V,)."""
         areas = self.metric.triangles.areas
         share = np.bincount(self.metric.faces.ravel(), np.repeat(areas / areas.sum(), 3))
-        return cast(Floats, 4 * np.pi / 3 * share)
+        return cast(Floats, _total(self.metric) / 3 * share)
 
-    def shifted(self, diagonal: Floats) -> csc_array:
-        """The Laplacian with this added to its diagonal, in the pattern of the solver."""
-        K = cotangent_laplacian(self.metric)
+    def shifted(self, K: csc_array, diagonal: Floats) -> csc_array:
+        """A matrix with this added to its diagonal, in the pattern of the solver."""
         on_diagonal = K.indices == np.repeat(np.arange(len(diagonal)), np.diff(K.indptr))
         K.data[on_diagonal] += diagonal  # a sum of matrices would drop entries that vanish
         return K
 
     def steady(self, diagonal: Floats, sources: Floats, recorder: StageRecorder) -> Floats:
         """Solve with the Laplacian and this on its diagonal: without factoring, as long as it is large."""
-        matrix, t = self.shifted(diagonal), CONVEXIFICATION
+        matrix, t = self.shifted(cotangent_laplacian(self.metric), diagonal), CONVEXIFICATION
         jacobi = diags_array(1 / matrix.diagonal())
         found, failed = cg(matrix, sources, rtol=t.diffused, maxiter=t.most, M=jacobi)
         if failed:
@@ -213,10 +233,11 @@ class _Delaunay:
 
     def solved(self, missing: Floats) -> Floats:
         """The conformal factors that add this to the deficits, to first order."""
-        matrix = self.shifted(np.full(len(missing), CONVEXIFICATION.pinned))
+        # The curvature of space determines the mean, of this sign; hardly, if there is little of it.
+        pinned = -CONVEXIFICATION.pinned if self.metric.curvature > 0 else CONVEXIFICATION.pinned
+        matrix = self.shifted(deficit_laplacian(self.metric), np.full(len(missing), pinned))
         step: Floats = self.solver().factor(matrix.data).solve(missing)
-        step -= step.mean()
-        return step
+        return step - step.mean() if self.metric.space.is_euclidean else step
 
     def changed(self, u: Floats) -> _Delaunay | None:
         """The metric with these factors on the same triangles, if there is one."""
@@ -224,3 +245,9 @@ class _Delaunay:
             return _Delaunay(equivalent(self.metric, u), self.solver)
         except InvalidMetric:
             return None
+
+
+def _total(metric: GluedMetric) -> float:
+    """The sum of the deficits by Gauss and Bonnet."""
+    area = metric.triangles.areas.sum() * metric.triangles.unit**2
+    return float(4 * np.pi - metric.curvature * area)

@@ -80,6 +80,8 @@ def _negative(metric: PolyhedralMetric, negative: Mask, regions: int) -> str:
     v = int(np.argmin(epsilon))
     around = epsilon[metric.triangulation.adjacency[[v]].indices].mean()
     number = f"{count} of {len(epsilon)} deficits {'is' if count == 1 else 'are'} negative"
+    if not metric.space.is_euclidean:
+        number += ", which is where the curvature of the surface is below that of space"
     where = f", in {regions} connected region{'s' if regions > 1 else ''}" if count > 1 else ""
     return (
         f"{number}{where}; the lowest is {epsilon[v]:.2g} radians at vertex {v}, "

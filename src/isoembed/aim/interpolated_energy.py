@@ -95,8 +95,9 @@ class InterpolatedEnergy(RegularizedEnergy):
     def _rows(self, vertices: Floats, lengths: Floats) -> Floats:
         return (self._weights / lengths)[:, None] * (self._differences @ vertices)
 
-    def _forces(self, vertices: Floats, lengths: Floats, r: Floats) -> Floats:
-        return self._differences.transposed(self._rows(vertices, lengths) * r[:, None])
+    def forces(self, vertices: Floats, lengths: Floats, tensions: Floats) -> Floats:
+        """``J^T y`` of the edges that are measured."""
+        return self._differences.transposed(self._rows(vertices, lengths) * tensions[:, None])
 
     def step(
         self,

@@ -66,7 +66,7 @@ def newton_on_lengths(
         None where Newton's method does not converge at once.
     """
     triangulation, unit = system.triangulation, float(lengths.mean())
-    r = length_residuals(triangulation, start, lengths)
+    r = length_residuals(triangulation, start, lengths, system.space)
     residual = float(np.abs(r).max()) / unit
     if residual <= good:
         return LengthsSolution(start, 0.0)
@@ -81,7 +81,7 @@ def newton_on_lengths(
         if not np.isfinite(x).all():
             return None
         pointed = x if pointed is start else pointed
-        r = length_residuals(triangulation, x, lengths)
+        r = length_residuals(triangulation, x, lengths, system.space)
         residual = float(np.abs(r).max()) / unit
         recorder.show(residual=residual)
         if not residual < LENGTHS_NEWTON.converging * before or residual > LENGTHS_NEWTON.lost:

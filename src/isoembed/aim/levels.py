@@ -16,7 +16,6 @@ from isoembed.aim.regularized_continuation import CONTINUATION, guided
 from isoembed.aim.split_newton import SplitNewton
 from isoembed.arrays import Floats
 from isoembed.linalg import SingularMatrix
-from isoembed.mesh.triangulation import Triangulation
 from isoembed.metric.polyhedral import PolyhedralMetric
 from isoembed.progress.stages import StageRecorder
 from isoembed.surface.cells import VertexCells
@@ -48,10 +47,11 @@ class PullBackLevels:
 LEVELS = PullBackLevels()
 
 
-def goes_by_levels(triangulation: Triangulation, kept: Mapping[str, NDArray[Any]] | None) -> bool:
-    """Whether there are many vertices, and an interrupted pull-back had not given this way up."""
+def goes_by_levels(metric: PolyhedralMetric, kept: Mapping[str, NDArray[Any]] | None) -> bool:
+    """Whether vertices are many, space is Euclidean, and an interrupted run had not given this way up."""
     given_up = kept is not None and "split" not in kept
-    return triangulation.n_vertices >= LEVELS.many and not given_up
+    many = metric.triangulation.n_vertices >= LEVELS.many
+    return metric.space.is_euclidean and many and not given_up
 
 
 def pulled_back_by_levels(

@@ -5,7 +5,8 @@ far as the u_i go,
 
     ``<u_i, r> + sigma_i s_i + 1/2 sum_jk s_j s_k <u_i, q_jk>``,  ``q_jk = (dv_j . dv_k) / l``,
 
-a few quadratic equations.  Their roots predict realizations; Newton's method finds these from there.
+a few quadratic equations.  Their roots predict realizations; Newton's method finds these from there.  In
+hyperbolic and spherical space sn(l) is in the place of l, and the products have one more term.
 
 Pulled back, a surface may come to any of them.  The smoothest is the one that is meant.
 """
@@ -71,7 +72,8 @@ def nearby_realizations(
     """
     triangulation = system.triangulation
     best, met, roughness = vertices, [], np.inf
-    if np.abs(length_residuals(triangulation, vertices, lengths)).max() <= residual_tolerance:
+    errors = length_residuals(triangulation, vertices, lengths, system.space)
+    if np.abs(errors).max() <= residual_tolerance:
         met, roughness = [vertices], fine_roughness(triangulation, vertices)
     for _ in range(NEARBY.moves):
         recorder.factorizations += 1
@@ -99,16 +101,33 @@ def _predicted(system: LengthSystem, vertices: Floats, lengths: Floats) -> list[
         )
     except SingularMatrix:
         return []
-    r = length_residuals(system.triangulation, vertices, lengths)
+    r = length_residuals(system.triangulation, vertices, lengths, system.space)
     a, b = system.triangulation.edges.T
-    d = motions[:, a] - motions[:, b]
-    Q = np.einsum("ie,jec,kec->ijk", changes / lengths, d, d, optimize=True)
+    d, weights = motions[:, a] - motions[:, b], changes / system.space.sn(lengths)
+    Q = np.einsum("ie,jec,kec->ijk", weights, d, d, optimize=True)
+    if not system.space.is_euclidean:
+        Q += np.einsum("ie,jke->ijk", weights, _bending(system, vertices, motions))
     roots = quadratic_roots(changes @ r, sigmas, Q)
     found = [np.tensordot(root, motions, axes=1) for root in roots]
     reach = [float(np.linalg.norm(motion, axis=1).max()) for motion in found]
     unit = float(lengths.mean())
     least = NEARBY.apart * max(float(np.abs(r).max()), NEARBY.least * unit)
     return [found[k] for k in np.argsort(reach) if least < reach[k] < NEARBY.near * unit]
+
+
+def _bending(system: LengthSystem, vertices: Floats, motions: Floats) -> Floats:
+    """What hyperboloid or sphere add to ``dv_j . dv_k``: half the second derivatives of w, squared, over k.
+
+    Returns
+    -------
+    ndarray, shape (k, k, E)
+    """
+    k, w = system.space.curvature, system.space.heights(vertices)
+    a, b = system.triangulation.edges.T
+    slopes = np.einsum("vc,jvc->jv", vertices, motions) / w  # w changes by -k times them
+    second = (np.einsum("jvc,kvc->jkv", motions, motions) + k * slopes[:, None] * slopes) / w
+    change = slopes[:, a] - slopes[:, b]
+    return k * change[:, None] * change - (w[a] - w[b]) * (second[..., a] - second[..., b])
 
 
 def quadratic_roots(constant: Floats, slope: Floats, Q: Floats) -> list[Floats]:

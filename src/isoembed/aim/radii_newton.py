@@ -23,6 +23,7 @@ from isoembed.linalg import SingularMatrix
 from isoembed.metric.convexity import deficit_rounding
 from isoembed.metric.glued import GluedMetric
 from isoembed.progress.stages import Log, StageRecorder
+from isoembed.space import Space
 from isoembed.surface.measures import outward
 from isoembed.thresholds import threshold
 
@@ -86,7 +87,7 @@ def radii_start(given: GluedMetric, convex: GluedMetric, analyses: Analyses, log
         Otherwise the vertices of the polyhedron, shape (V, 3).  None where the convex metric is flat at a
         vertex, whose radius nothing determines, or all of it is.
     """
-    if (convex.deficits <= deficit_rounding(convex.faces, convex.face_lengths)).any():
+    if (convex.deficits <= deficit_rounding(convex.faces, convex.face_lengths, convex.curvature)).any():
         return None
     deficits, kept = convex.deficits, log.resumed_at("polytopes")
     close = np.minimum(HOMOTOPY.close * deficits.max(), RADII_NEWTON.resolved * deficits)
@@ -107,7 +108,7 @@ def radii_start(given: GluedMetric, convex: GluedMetric, analyses: Analyses, log
                 return p.radii
             if isinstance(found, Solution):
                 vertices = realized(found, recorder) if convex is given else placed(found)
-                return vertices - vertices.mean(axis=0)
+                return convex.space.centered(vertices)
             if p.lowest < FLAT_LIMIT.thin:
                 return None
     return None
@@ -166,15 +167,16 @@ def _followed(
     tables: HalfEdges, start: Floats, analyses: Analyses, recorder: StageRecorder
 ) -> tuple[Solution, float] | None:
     """From radii in one step, or from vertices in several; and the branch deviation."""
-    ends = tables.corners, tables.corners[tables.twins]
+    space, ends = Space(tables.curvature), (tables.corners, tables.corners[tables.twins])
     if start.ndim == 1:
         steps, ratio, directions = 1, np.ones(tables.lengths.size), None
     else:
         steps = RADII_NEWTON.parts
-        ratio = np.linalg.norm(start[ends[0]] - start[ends[1]], axis=1) / tables.lengths
-        directions = start / np.linalg.norm(start, axis=1)[:, None]
-        start = np.linalg.norm(start, axis=1)
-    degrees, round_height = np.bincount(ends[0]), np.mean(tables.lengths**2) / (2 * start.mean())
+        ratio = space.distances(start[ends[0]], start[ends[1]]) / tables.lengths
+        sines = np.linalg.norm(start, axis=1)
+        directions, start = start / sines[:, None], space.asn(sines)
+    degrees, mean = np.bincount(ends[0]), start.mean()
+    round_height = np.mean(tables.lengths**2) * space.cs(mean) / (2 * space.sn(mean))
 
     nearly = RADII_NEWTON.nearly * 4 * np.pi / start.size
 

@@ -17,7 +17,6 @@ from isoembed.aim.regularized_energy import RegularizedEnergy
 from isoembed.arrays import Floats
 from isoembed.metric.polyhedral import PolyhedralMetric
 from isoembed.progress.stages import StageRecorder
-from isoembed.surface.measures import edge_lengths
 from isoembed.thresholds import threshold
 
 
@@ -47,7 +46,9 @@ def log_linear(metric: PolyhedralMetric, start: Floats) -> Callable[[float], Flo
 
     Linear in the conformal factors u, as the paper's path, as far as the edges are straight.
     """
-    ratio = np.maximum(edge_lengths(metric.edges, start) / metric.lengths, CONTINUATION.shortest)
+    a, b = metric.edges.T
+    ratio = metric.space.distances(start[a], start[b]) / metric.lengths
+    ratio = np.maximum(ratio, CONTINUATION.shortest)
     return lambda t: metric.lengths * ratio**t
 
 
@@ -119,6 +120,8 @@ def guided(
     for t in steps:
         recorder.show(t=t)
         guess = extrapolated(known[-3:], t) if known else start
+        if not np.isfinite(energy.residuals(guess, lengths(t))).all():  # it has left the half of the sphere
+            guess = known[-1][1]
         x, downhill = energy.step(guess, lengths(t), mu, CONTINUATION.bending, recorder)
         while not downhill and mu < stiffest:
             mu *= CONTINUATION.stiffer

@@ -28,6 +28,7 @@ from isoembed.metric.laplacian import cotangent_laplacian
 from isoembed.metric.polyhedral import PolyhedralMetric
 from isoembed.progress.stages import StageRecorder
 from isoembed.surface.local_fit import edge_lengths_about
+from isoembed.surface.projected import Projected
 from isoembed.surface.rigidity import VertexSystem, edge_rows, length_residuals
 from isoembed.surface.smoothness import fit_residuals
 from isoembed.thresholds import threshold
@@ -53,6 +54,10 @@ REGULARIZED_ENERGY = RegularizedEnergyThresholds()
 class RegularizedEnergy:
     """The energy ``|r|^2 + mu (|R x|^2 + w |K x|^2)`` of surfaces with the triangles of a metric.
 
+    In hyperbolic and spherical space x are the points on hyperboloid or sphere: those of a surface about the
+    origin have its shape.  Steps are solved for as the z of `isoembed.surface.projected`, without isometries,
+    which change the penalties only.
+
     Parameters
     ----------
     metric : PolyhedralMetric
@@ -75,6 +80,7 @@ class RegularizedEnergy:
     ) -> None:
         """Set R and K where edges have these lengths about each vertex, (V,), and on the mean."""
         self.triangulation, self.unit, self._units = metric.triangulation, mean_length, units
+        self.space = metric.space
         laplacian = cotangent_laplacian(GluedMetric.of(metric), least=REGULARIZED_ENERGY.smallest_cotangent)
         K = csr_array(laplacian / (REGULARIZED_ENERGY.rho * mean_length))
         self._KK = csr_array(K.T @ K)
@@ -103,12 +109,20 @@ class RegularizedEnergy:
 
     def residuals(self, vertices: Floats, lengths: Floats) -> Floats:
         """The errors r of the lengths."""
-        return length_residuals(self.triangulation, vertices, lengths)
+        return length_residuals(self.triangulation, vertices, lengths, self.space)
 
-    def _forces(self, vertices: Floats, lengths: Floats, r: Floats) -> Floats:
-        """``J^T r``, shape (V, 3)."""
-        rows = edge_rows(self.triangulation, vertices, lengths)
-        return self.triangulation.incidence @ (rows * r[:, None])
+    def rates(self, vertices: Floats, lengths: Floats, motion: Floats) -> Floats:
+        """``J d``, shape (E,): how fast the edges grow if the vertices move with d, (V, 3)."""
+        a, b = self.triangulation.edges.T
+        bent = motion / self.space.heights(vertices)[:, None]
+        rows = edge_rows(self.triangulation, vertices, lengths, self.space)
+        return np.einsum("ij,ij->i", rows, bent[a] - bent[b])
+
+    def forces(self, vertices: Floats, lengths: Floats, tensions: Floats) -> Floats:
+        """``J^T y``, shape (V, 3): the sums of the tensions y, (E,), of the edges at each vertex."""
+        rows = edge_rows(self.triangulation, vertices, lengths, self.space)
+        forces = self.triangulation.incidence @ (rows * tensions[:, None])
+        return forces / self.space.heights(vertices)[:, None]
 
     def solver(self, vertices: Floats, lengths: Floats, mu: float, w: float) -> Callable[[Floats], Floats]:
         """Prepare to solve ``(J^T J + mu (R^T R + w K^T K)) d = g`` for d, (V, 3), by conjugate gradients.
@@ -121,32 +135,34 @@ class RegularizedEnergy:
         SingularMatrix
             It is not positive definite to working precision.
         """
-        triangulation = self.triangulation
-        rows = edge_rows(triangulation, vertices, lengths)
-        factor = self._system.penalized(rows, mu * (w + REGULARIZED_ENERGY.share))
+        triangulation, surface = self.triangulation, Projected.of(self.space, vertices)
+        rows = edge_rows(triangulation, vertices, lengths, self.space)
+        factor = self._system.penalized(rows, mu * (w + REGULARIZED_ENERGY.share), surface)
+        fixed = surface.without_isometries()
         a, b = triangulation.edges.T
 
         def product(d: Floats) -> Floats:
-            x = d.reshape(-1, 3)
-            stretch = np.einsum("ij,ij->i", rows, x[a] - x[b])
-            return (triangulation.incidence @ (rows * stretch[:, None]) + mu * self.roughness(x, w)).ravel()
+            z = d.reshape(-1, 3)
+            stretch = np.einsum("ij,ij->i", rows, z[a] - z[b])
+            pull = surface.motion(mu * self.roughness(surface.motion(z), w))
+            return fixed((triangulation.incidence @ (rows * stretch[:, None]) + pull).ravel())
 
         n = 3 * triangulation.n_vertices
         matrix = LinearOperator((n, n), matvec=product, dtype=np.float64)
-        inverse = LinearOperator((n, n), matvec=lambda g: factor.solve(g, sweeps=0), dtype=np.float64)
+        inverse = LinearOperator((n, n), matvec=lambda g: fixed(factor.solve(g, sweeps=0)), dtype=np.float64)
 
         def solve(gradient: Floats) -> Floats:
             with np.errstate(all="ignore"):  # of a matrix too ill-conditioned for it, it makes no numbers
                 d = cg(
                     matrix,
-                    gradient.ravel(),
+                    fixed(surface.motion(gradient).ravel()),
                     rtol=REGULARIZED_ENERGY.solved,
                     M=inverse,
                     maxiter=REGULARIZED_ENERGY.most,
                 )[0].reshape(-1, 3)
             if not np.isfinite(d).all():
                 raise SingularMatrix("conjugate gradients broke down")
-            return d
+            return surface.motion(d)
 
         return solve
 
@@ -189,7 +205,7 @@ class RegularizedEnergy:
             return r, pull, float(r @ r + mu * np.sum(x * pull))
 
         r, pull, energy = measured(vertices)
-        gradient = self._forces(vertices, lengths, r) + mu * pull
+        gradient = self.forces(vertices, lengths, r) + mu * pull
         recorder.iterations += 1
         try:
             trial = vertices - self.solved(vertices, lengths, gradient, stiffness * mu, w, recorder)

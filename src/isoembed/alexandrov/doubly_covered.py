@@ -10,13 +10,15 @@ import numpy as np
 from scipy.sparse import coo_array
 from scipy.sparse.csgraph import connected_components
 
+from isoembed.alexandrov.ambient import away_from_apex
 from isoembed.alexandrov.lengths import worst_length
-from isoembed.alexandrov.polytope import Polytope
+from isoembed.alexandrov.polytope import Polytope, delaunay_weights
 from isoembed.arrays import Floats, Indices, Mask
 from isoembed.intrinsic.delaunay import make_delaunay, tilts
 from isoembed.intrinsic.flips import flip
 from isoembed.intrinsic.halfedges import HalfEdges, set_directions
 from isoembed.metric.curvature import Triangles
+from isoembed.space import Space
 from isoembed.thresholds import threshold
 
 
@@ -58,8 +60,8 @@ class DoublyCovered:
 
 def flat_limit(p: Polytope) -> DoublyCovered | None:
     """Read the polygon off a polytope that is turning flat; None if it is not one."""
-    mean = float(p.radii.mean())
-    feet, _ = tilts(p.tables, (p.radii - mean) * (p.radii + mean))
+    weights, cosine = delaunay_weights(p.space, p.radii)
+    feet = cosine * tilts(p.tables, weights)[0]
     other = feet[p.tables.twins]
     # An apex right above a flat edge has both feet on it, up to rounding and to how flat the body is by now.
     on_edge = (FLAT_LIMIT.rounding + FLAT_LIMIT.not_yet_flat * p.lowest) * p.tables.lengths
@@ -91,27 +93,53 @@ def doubly_covered(tables: HalfEdges, folds: Mask) -> DoublyCovered | None:
         return None
     start = tables.corners[boundary]
     n = start.size
-    angles = Triangles.of(tables.face_lengths).angles
+    triangles = Triangles.of(tables.face_lengths, tables.curvature)
     front = _sheet(tables, folds)[np.arange(tables.corners.size) // 3] == 0
-    corner, every = tables.corners, angles.ravel()
+    corner, every = tables.corners, triangles.angles.ravel()
     of_front, of_back = (
         np.bincount(corner[sheet], every[sheet], minlength=n)[start] for sheet in (front, ~front)
     )
     if np.abs(of_front - of_back).max() > FLAT_LIMIT.even:
         return None
     exterior = np.pi - (of_front + of_back) / 2
-    heading = np.cumsum(exterior) - exterior[0]
-    sides = tables.lengths[boundary]
-    steps = sides[:, None] * np.stack([np.cos(heading), np.sin(heading)], axis=1)
-    if (
-        abs(exterior.sum() - 2 * np.pi) > FLAT_LIMIT.even
-        or np.abs(steps.sum(axis=0)).max() > FLAT_LIMIT.even * sides.sum()
-    ):
+    bend = triangles.space.curvature * triangles.areas.sum() / 2
+    if abs(exterior.sum() - (2 * np.pi - bend)) > FLAT_LIMIT.even:
         return None
-    steps -= sides[:, None] * steps.sum(axis=0) / sides.sum()  # what rounding left open
-    points = np.concatenate([[[0.0, 0.0]], np.cumsum(steps, axis=0)[:-1]])
+    points = _laid_out(Space(tables.curvature), tables.lengths[boundary], exterior)
+    if points is None:
+        return None
     vertices = _in_order(points, start)
     return DoublyCovered(_fans(tables, boundary, points), vertices, worst_length(tables, vertices))
+
+
+def _laid_out(space: Space, sides: Floats, exterior: Floats) -> Floats | None:
+    """Corners of a polygon of these sides and exterior angles, shape (n, 2); None if it does not close."""
+    whole = sides.sum()
+    if space.is_euclidean:
+        heading = np.cumsum(exterior) - exterior[0]
+        steps = sides[:, None] * np.stack([np.cos(heading), np.sin(heading)], axis=1)
+        if np.abs(steps.sum(axis=0)).max() > FLAT_LIMIT.even * whole:
+            return None
+        steps -= sides[:, None] * steps.sum(axis=0) / whole  # what rounding left open
+        return np.concatenate([[[0.0, 0.0]], np.cumsum(steps, axis=0)[:-1]])
+    # Columns of a motion: images of the two axes and of the origin, whose last coordinate is a cosine.
+    motion, places = np.eye(3), np.empty((sides.size + 1, 3))
+    cosines, sines = space.cs(sides), space.sn(sides)
+    for i in range(sides.size):
+        places[i] = motion[:, 2]
+        c, s = cosines[i], sines[i]
+        motion = motion @ np.array([[c, 0, s], [0, 1, 0], [-space.curvature * s, 0, c]])
+        turn = exterior[(i + 1) % sides.size]
+        motion[:, :2] @= np.array([[np.cos(turn), -np.sin(turn)], [np.sin(turn), np.cos(turn)]])
+    places[-1] = motion[:, 2]
+    gap = places[-1] - places[0]
+    if np.abs(gap[:2]).max() > FLAT_LIMIT.even * whole:
+        return None
+    places = places[:-1] - (np.cumsum(sides) - sides)[:, None] / whole * gap
+    places /= np.sqrt(places[:, 2] ** 2 + space.curvature * (places[:, :2] ** 2).sum(axis=1))[:, None]
+    about = np.zeros((sides.size, 3))
+    about[:, :2] = 2 * places[:, :2] / (1 + places[:, 2:])
+    return away_from_apex(space, about)[:, :2]
 
 
 def _sheet(tables: HalfEdges, folds: Mask) -> Indices:
@@ -153,15 +181,18 @@ def _fans(tables: HalfEdges, boundary: Indices, points: Floats) -> HalfEdges:
     order, reverse = np.argsort(a * n + b), np.argsort(b * n + a)
     twins = np.empty(a.size, dtype=np.int64)
     twins[order] = reverse
+    space = Space(tables.curvature)
     lengths = np.linalg.norm(points[a] - points[b], axis=1)
+    if not space.is_euclidean:
+        lengths = space.distances(points[a], points[b])
     corners = tables.corners[boundary][a]
-    fans = HalfEdges(corners, twins, lengths, np.zeros(a.size))
+    fans = HalfEdges(corners, twins, lengths, np.zeros(a.size), space.curvature)
     set_directions(fans)
     # The boundary's half-edges kept their directions.
     kept = np.flatnonzero((b == (a + 1) % n) & (np.arange(a.size) < front.size))
     offset = np.empty(n)
     offset[corners[kept]] = tables.directions[boundary[a[kept]]] - fans.directions[kept]
-    return HalfEdges(corners, twins, lengths, fans.directions + offset[corners])
+    return fans._replace(directions=fans.directions + offset[corners])
 
 
 def _in_order(points: Floats, vertices: Indices) -> Floats:

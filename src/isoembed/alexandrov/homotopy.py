@@ -21,12 +21,12 @@ from numpy.typing import ArrayLike, NDArray
 
 from isoembed.alexandrov.newton import NEWTON, Analyses, Solution, newton
 from isoembed.alexandrov.polytope import Polytope
+from isoembed.alexandrov.starts import equal_radii
 from isoembed.arrays import Floats
 from isoembed.intrinsic.delaunay import make_delaunay
 from isoembed.intrinsic.halfedges import HalfEdges
 from isoembed.linalg import Factor, SingularMatrix
 from isoembed.linalg.krylov import gmres
-from isoembed.metric.curvature import Triangles
 from isoembed.progress.stages import StageRecorder
 from isoembed.thresholds import threshold
 
@@ -43,6 +43,11 @@ class HomotopyThresholds:
     longest_step: float = threshold(2.5, "log odds", "Of a step at most.")
     shortest_step: float = threshold(
         1e-3, "log odds", "Of a step at least: a path that needs less is given up."
+    )
+    aligned: float = threshold(
+        0.1,
+        "relative",
+        "What is unlike the deficits falls to this, in hyperbolic space after a first failure.",
     )
     growth: float = threshold(1.5, "relative", "Of a step after one that was accepted whole.")
     tracked: float = threshold(0.6, "relative", "Of the way to an aim may be left when the next aim is set.")
@@ -147,19 +152,12 @@ def follow_path(
     analyses = analyses or Analyses.of(tables)
     tables = tables.copy()
     make_delaunay(tables, np.zeros(deficits.size))
-    triangles = Triangles.of(tables.face_lengths)
-    areas = triangles.areas * triangles.unit**2
-    # The polytope of equal radii exists if every circle around a triangle is smaller; and its curvatures sum
-    # to about 4 pi - A / R^2.
-    circumradius = float((tables.face_lengths.prod(axis=1) / (4 * areas)).max())
-    least = max(circumradius, float(np.sqrt(areas.sum() / (4 * np.pi))))
-    starts = [np.full(deficits.size, factor * least) for factor in HOMOTOPY.ladder]
-    for number, start in enumerate(starts):
+    for number, radius in enumerate(equal_radii(tables, HOMOTOPY.ladder)):
         if resumed is not None and number <= resumed.start:
             here = resumed if number == resumed.start else None
         else:
-            polytope = Polytope.over(tables, start)
-            here = None if polytope is None else Waypoint(polytope, number, HOMOTOPY.close)
+            polytope = Polytope.over(tables, np.full(deficits.size, radius))
+            here = None if polytope is None else _start(polytope, number, deficits)
         if here is None:
             continue
         try:
@@ -168,6 +166,26 @@ def follow_path(
             continue
         if arrived:
             return
+
+
+def _start(p: Polytope, number: int, deficits: Floats) -> Waypoint:
+    """Where a path begins, and in hyperbolic space also its first aim.
+
+    The deficits sum to 4 pi - k A, but the curvatures of radii that grow to 4 pi at most, where k < 0: an aim
+    must not sum to more, or the radii run away.  Those of equal radii do not become like the deficits, but
+    tend to those of the triangles of the plane with the chords for sides, some of which may be negative.
+    Higher starts make them alike first: those of other large radii are of discretely conformal triangles,
+    among which are some with any share of the deficits (Bobenko, Pinkall and Springborn, Discrete conformal
+    maps and ideal hyperbolic polyhedra, Geometry and Topology 19, 2015).
+    """
+    here = Waypoint(p, number, HOMOTOPY.close)
+    if p.tables.curvature >= 0:
+        return here
+    target = float(p.curvatures.sum() / deficits.sum())
+    if number == 0 and _lowered(_share(p.curvatures, deficits), here.step) <= target:
+        return here
+    way = float(np.linalg.norm(p.curvatures - target * deficits))
+    return replace(here, target=target, way=way * (HOMOTOPY.aligned if number else 1.0))
 
 
 def _attempt(

@@ -14,7 +14,7 @@ from isoembed._embed import Method
 from isoembed.alexandrov.attempt import attempted
 from isoembed.alexandrov.doubly_covered import FLAT_LIMIT, DoublyCovered, doubly_covered_triangle, flat_limit
 from isoembed.alexandrov.homotopy import Waypoint, follow_path
-from isoembed.alexandrov.lengths import worst_length
+from isoembed.alexandrov.lengths import rounding_size, worst_length
 from isoembed.alexandrov.newton import Solution
 from isoembed.alexandrov.placement import realized, relaxed, relaxed_polytope
 from isoembed.alexandrov.polyhedron import ConvexPolyhedron, metric_on
@@ -30,6 +30,8 @@ from isoembed.metric.glued import GluedMetric
 from isoembed.metric.polyhedral import PolyhedralMetric
 from isoembed.metric.repair import Repair, repaired
 from isoembed.progress.stages import Log, StageRecorder
+from isoembed.space import Space
+from isoembed.space.models import to_model
 from isoembed.surface.curvature import DIHEDRAL
 from isoembed.surface.embedding import Embedding
 from isoembed.surface.measures import face_normals, outward
@@ -53,6 +55,7 @@ NEAREST = "nearest "  # before the names of its arrays
 class Alexandrov(Method):
     """The only convex polyhedron of a metric whose deficits are not negative.
 
+    It is in the space of the metric's curvature: R^3, hyperbolic space or the sphere S^3.
     The generalized polytope of Bobenko and Izmestiev is led to zero curvature, its triangulation being
     flipped as it needs; what triangles the metric came in does not matter.  Vertices where the metric is flat
     are left out on the way and put back on the result.
@@ -78,6 +81,7 @@ class Alexandrov(Method):
     keeps_triangles: ClassVar[bool] = False
     takes_glued: ClassVar[bool] = True
     takes_doubly_covered: ClassVar[bool] = True
+    takes_curved: ClassVar[bool] = True
 
     def __post_init__(self) -> None:
         if not (math.isfinite(self.repair) and self.repair >= 0):
@@ -165,7 +169,7 @@ class _Search:
                 else:
                     return self._failure(curved, found, _diagnosis(found, curved))
             tables = tables._replace(corners=order[tables.corners])
-            vertices = outward(tables.faces, vertices[np.argsort(order)])
+            vertices = outward(tables.faces, vertices[np.argsort(order)], self.metric.space)
         nearest = found.polytope if isinstance(found, Solution) else None
         try:
             with log.stage("edge paths"):
@@ -263,15 +267,16 @@ def _diagnosis(nearest: Polytope | None, curved: Indices) -> str:
 
 
 def _placed(solution: Solution, recorder: StageRecorder) -> Floats:
-    vertices = realized(solution, recorder)
-    if worst_length(solution.polytope.tables, vertices) > SOLUTION.accepted * float(np.abs(vertices).max()):
-        vertices = relaxed(solution.polytope.tables, vertices, recorder)
+    vertices, p = realized(solution, recorder), solution.polytope
+    if worst_length(p.tables, vertices) > SOLUTION.accepted * rounding_size(p.space, vertices):
+        vertices = relaxed(p.tables, vertices, recorder)
     return vertices
 
 
 def _creases(tables: HalfEdges, vertices: Floats) -> Mask:
     """Half-edges at which the surface is bent, shape (3F,)."""
-    normals = face_normals(tables.faces, vertices)
+    straight = to_model(Space(tables.curvature), vertices, "projective")
+    normals = face_normals(tables.faces, straight)
     here = np.repeat(normals, 3, axis=0)
     there = normals[tables.twins // 3]
     sine = np.linalg.norm(np.cross(here, there), axis=1)

@@ -41,15 +41,12 @@ from isoembed.alexandrov.cells import Cells
 from isoembed.arrays import Floats, Mask
 from isoembed.linalg.rounding import GUARD, UNDERFLOW, U
 from isoembed.mesh.triangulation import Triangulation
+from isoembed.surface.length_equations import NotProven
 from isoembed.surface.measures import face_normals
 
 # Rounding of a triple product of differences, relative to the product of their norms: a term takes some
 # twenty roundings, and the sizes of all six add up to at most twice that product.
 TRIPLE = 64 * U
-
-
-class NotProven(ArithmeticError):  # noqa: N818 - says what happened
-    """A proof does not go through; the message, part of a sentence, says why."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -58,15 +55,16 @@ class NearbyHulls:
 
     Attributes
     ----------
-    dihedral : float
-        A lower bound on the exterior dihedral angles of the edges between cells, radians.
+    dihedrals : ndarray, shape (E,)
+        Lower bounds on the sines of the exterior dihedral angles of the edges between cells; infinite at the
+        others.
     flat : ndarray of bool, shape (E,)
         Edges within cells: the hull may have others in their place.
     slopes : ndarray, shape (E,)
         Upper bound on the tangent of the tilt of the faces left of each edge against their cell's normal.
     """
 
-    dihedral: float
+    dihedrals: Floats
     flat: Mask
     slopes: Floats
 
@@ -104,8 +102,8 @@ def prove_nearby_hulls(triangulation: Triangulation, vertices: Floats, reach: fl
     center = vertices.mean(axis=0)
     _check_center(t, cells, roofs, vertices, reach, center)
     _check_ray(t, vertices - center)
-    dihedral = float((roofs.sines - roofs.errors)[~flat].min() / GUARD)
-    return NearbyHulls(dihedral, flat, roofs.slopes[cells.labels[t.edge_faces[:, 0]]])
+    dihedrals = np.where(flat, np.inf, (roofs.sines - roofs.errors) / GUARD)
+    return NearbyHulls(dihedrals, flat, roofs.slopes[cells.labels[t.edge_faces[:, 0]]])
 
 
 @dataclass(frozen=True, eq=False)

@@ -5,12 +5,13 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.linalg import qr
 
+from isoembed.alexandrov.ambient import ambient_lengths
 from isoembed.alexandrov.polytope import Polytope
 from isoembed.arrays import Floats, Indices
 from isoembed.intrinsic.halfedges import following, preceding
-from isoembed.intrinsic.trigonometry import twice_area
 from isoembed.kernel import kernel
 from isoembed.linalg import Dissection
+from isoembed.space.trigonometry import twice_area
 from isoembed.thresholds import threshold
 
 
@@ -45,7 +46,9 @@ def rough_directions(p: Polytope, dissection: Dissection) -> Floats:
     """
     tables = p.tables
     if p.radii.size <= PINS.built:
-        return _built(tables.corners, tables.twins, tables.lengths, p.radii)
+        i, j = tables.ends
+        lengths = ambient_lengths(p.space, tables.lengths, p.radii[i], p.radii[j])
+        return _built(tables.corners, tables.twins, lengths, p.space.sn(p.radii))
     places = np.empty_like(dissection.position)
     places[dissection.labels] = dissection.position - dissection.position.mean(axis=0)
     sizes = np.linalg.norm(places, axis=1)[:, None]

@@ -10,7 +10,13 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from isoembed.alexandrov.lengths import worst_length
+from isoembed.alexandrov.ambient import (
+    ambient_lengths,
+    away_from_apex,
+    conformal_radii,
+    distances_from_apex,
+)
+from isoembed.alexandrov.lengths import conformal_distances, worst_length, worst_of_conformal
 from isoembed.alexandrov.newton import Analyses, Solution, pinned
 from isoembed.alexandrov.polytope import Polytope
 from isoembed.arrays import Floats, Indices
@@ -21,6 +27,7 @@ from isoembed.intrinsic.multi_edges import remove_multi_edges, repeated
 from isoembed.linalg import SingularMatrix
 from isoembed.mesh.triangulation import Triangulation
 from isoembed.progress.stages import StageRecorder
+from isoembed.space import Space
 from isoembed.surface.convexity import dent_depths
 from isoembed.surface.measures import outward
 from isoembed.surface.rigidity import LengthSystem, length_residuals
@@ -47,7 +54,7 @@ PLACEMENT = PlacementThresholds()
 
 
 def realized(solution: Solution, recorder: StageRecorder) -> Floats:
-    """Vertices around the apex, which is the origin, shape (V, 3), as exact as floats allow.
+    """Vertices, shape (V, 3), as exact as floats allow; in Euclidean space the apex is the origin.
 
     Parameters
     ----------
@@ -55,72 +62,88 @@ def realized(solution: Solution, recorder: StageRecorder) -> Floats:
     recorder : StageRecorder
         Counts the rounds of the polish.
     """
-    vertices = placed(solution)
+    about = around_apex(solution)
     for _ in range(PLACEMENT.polishes):
-        if worst_length(solution.polytope.tables, vertices) <= PLACEMENT.polished * float(
-            np.abs(vertices).max()
-        ):
+        worst = worst_of_conformal(solution.polytope.tables, about)
+        if worst <= PLACEMENT.polished * float(np.abs(about).max()):
             break
-        vertices = polished(solution, vertices)
+        about = polished(solution, about)
         recorder.iterations += 1
-    return vertices
+    return away_from_apex(solution.polytope.space, about)
 
 
 def placed(solution: Solution) -> Floats:
-    """Vertices around the apex, which is the origin, shape (V, 3)."""
+    """Vertices, shape (V, 3); in Euclidean space the apex is the origin."""
+    return away_from_apex(solution.polytope.space, around_apex(solution))
+
+
+def around_apex(solution: Solution) -> Floats:
+    """Vertices around the apex, which is the origin, in conformal coordinates, shape (V, 3)."""
     p = solution.polytope
     directions = np.zeros((p.radii.size, 3))
     directions[solution.pins] = np.eye(3)
     directions += solution.solve(p.times_jacobian(directions), PLACEMENT.precise)[0]
-    # They are so up to a linear map B: fit G = B B^T to |x_i| = r_i and |x_i - x_j| = l_ij.
+    # They are so up to a linear map B: fit G = B B^T to |x_i| = sn(r_i) and |x_i - x_j|, known from l_ij.
     i, j, lengths = _edges(p)
-    raw = directions * p.radii[:, None]
+    lengths = ambient_lengths(p.space, lengths, p.radii[i], p.radii[j])
+    raw = directions * p.space.sn(p.radii)[:, None]
     products = np.concatenate([_products(directions), _products((raw[i] - raw[j]) / lengths[:, None])])
     g, *_ = np.linalg.lstsq(products, np.ones(len(products)), rcond=None)
     values, vectors = np.linalg.eigh(g[SYMMETRIC])
+    raw = directions * conformal_radii(p.space, p.radii)[:, None]
     return raw @ (vectors * np.sqrt(np.abs(values)))  # all positive, if the polytope has no curvature
 
 
-def polished(solution: Solution, vertices: Floats) -> Floats:
+def polished(solution: Solution, about: Floats) -> Floats:
     """One more Newton step, on the lengths: the errors that rounding left in the placement go.
 
     The vertices are an exact polytope of nearly right lengths, without curvature and with its directions for
     a kernel.  What changes when the lengths are put right is linear in their errors, so these may be
     magnified before the curvatures, which are differences of nearly equal numbers, are evaluated.
 
+    Parameters
+    ----------
+    solution : Solution
+    about : ndarray, shape (V, 3)
+        Vertices from `around_apex`, or from a polish before.
+
     Returns
     -------
     ndarray, shape (V, 3)
         The argument itself where that is no improvement.
     """
-    tables = solution.polytope.tables
+    tables, space = solution.polytope.tables, solution.polytope.space
     i, j = tables.corners, tables.corners[tables.twins]
-    radii = np.linalg.norm(vertices, axis=1)
-    actual = np.linalg.norm(vertices[i] - vertices[j], axis=1)
+    radii = distances_from_apex(space, about)
+    actual = conformal_distances(space, about[i], about[j])
     missing = tables.lengths - actual
     error = float(np.abs(missing).max())
     if error == 0:
-        return vertices
+        return about
     scale = PLACEMENT.magnified * float(tables.lengths.mean()) / error
     wrong = tables._replace(lengths=actual + scale * missing)
     p = Polytope.on(wrong, radii)
     if p is None:
-        return vertices
+        return about
     dr, _ = solution.solve(p.curvatures, PLACEMENT.rough)
     q = Polytope.on(wrong, radii + dr)
     if q is None:
-        return vertices
-    directions = vertices / radii[:, None]
+        return about
+    directions = about / np.linalg.norm(about, axis=1)[:, None]
     turned = directions + solution.solve(q.times_jacobian(directions), PLACEMENT.rough)[0] / scale
-    moved = turned * (radii + dr / scale)[:, None]
+    radii = radii + dr / scale
+    moved = turned * space.sn(radii)[:, None]
     # Up to a linear map again, which now is near the identity.
     i, j, lengths = _edges(solution.polytope)
+    lengths = ambient_lengths(space, lengths, radii[i], radii[j])
     chords = moved[i] - moved[j]
     strain, *_ = np.linalg.lstsq(
         _products(chords) / lengths[:, None], lengths - np.linalg.norm(chords, axis=1), rcond=None
     )
     moved += moved @ strain[SYMMETRIC]
-    return moved if worst_length(tables, moved) < worst_length(tables, vertices) else vertices
+    if not space.is_euclidean:
+        moved *= (conformal_radii(space, radii) / space.sn(radii))[:, None]
+    return moved if worst_of_conformal(tables, moved) < worst_of_conformal(tables, about) else about
 
 
 def relaxed(tables: HalfEdges, vertices: Floats, recorder: StageRecorder) -> Floats:
@@ -137,15 +160,19 @@ def relaxed(tables: HalfEdges, vertices: Floats, recorder: StageRecorder) -> Flo
         return vertices
     lengths = np.empty(triangulation.n_edges)
     lengths[triangulation.face_edges.ravel()] = tables.lengths
-    system = LengthSystem(triangulation)
+    space = Space(tables.curvature)
+    system = LengthSystem(triangulation, space=space)
     best = vertices
     for _ in range(PLACEMENT.relaxations):
         recorder.factorizations += 1
         try:
-            step = system.step(vertices, lengths, length_residuals(triangulation, vertices, lengths))
+            residuals = length_residuals(triangulation, vertices, lengths, space)
+            step = system.step(vertices, lengths, residuals)
         except SingularMatrix:
             break
         vertices = vertices - step
+        if not (space.curvature * np.einsum("ij,ij->i", vertices, vertices) < 1).all():
+            break  # out of the half of the sphere
         before, worst = worst_length(tables, best), worst_length(tables, vertices)
         if worst < before:
             best = vertices
@@ -178,7 +205,7 @@ def relaxed_polytope(nearest: Polytope, recorder: StageRecorder) -> tuple[HalfEd
             moved = relaxed(tables, moved, recorder)
             if not worst_length(tables, moved) <= PLACEMENT.exact:
                 break
-            if not _dents_flipped(tables, outward(tables.faces, moved)):
+            if not _dents_flipped(tables, outward(tables.faces, moved, nearest.space)):
                 return tables, moved
     return None
 
@@ -201,7 +228,7 @@ def _simplicial(tables: HalfEdges) -> Iterator[HalfEdges]:
 def _dents_flipped(tables: HalfEdges, vertices: Floats) -> int:
     """How many edges at which the surface is concave were flipped, the deepest first, each face once."""
     triangulation = Triangulation(tables.faces)
-    depths = dent_depths(triangulation, vertices) / tables.lengths.mean()
+    depths = dent_depths(triangulation, vertices, Space(tables.curvature)) / tables.lengths.mean()
     whole = np.ones(triangulation.n_faces, dtype=np.bool_)
     flipped = 0
     for e in np.argsort(-depths)[: int((depths > PLACEMENT.dented).sum())]:

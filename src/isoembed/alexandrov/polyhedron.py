@@ -6,7 +6,7 @@ from typing import Any, ClassVar, Self
 
 import numpy as np
 
-from isoembed.alexandrov.certificate import Certificate, certify
+from isoembed.alexandrov.certificate import ConvexCertificate, certify
 from isoembed.arrays import Floats, Indices, Mask
 from isoembed.errors import InvalidMetric
 from isoembed.intrinsic.edge_paths import EdgePaths
@@ -15,6 +15,7 @@ from isoembed.mesh.triangulation import Triangulation, frozen
 from isoembed.metric.glued import GluedMetric
 from isoembed.metric.polyhedral import PolyhedralMetric
 from isoembed.metric.repair import Repair
+from isoembed.space import Space
 from isoembed.strict_json import plain
 from isoembed.surface.convexity import dent_depths
 from isoembed.surface.embedding import Embedding
@@ -33,7 +34,7 @@ def metric_on(tables: HalfEdges) -> PolyhedralMetric:
     triangulation = Triangulation(tables.faces)
     lengths = np.empty(triangulation.n_edges)
     lengths[triangulation.face_edges.ravel()] = tables.lengths
-    return PolyhedralMetric.on(triangulation, lengths)
+    return PolyhedralMetric.on(triangulation, lengths, Space(tables.curvature))
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -83,7 +84,7 @@ class ConvexPolyhedron(Polyhedron):
         """Return the same polyhedron, found for the `normalized` of a metric, in the unit of that metric."""
         own = GluedMetric.of(given) if self.repair is None else self.given.scaled(given.unit)
         core = self.core and (
-            self.core[0]._replace(lengths=given.unit * self.core[0].lengths),
+            self.core[0]._replace(lengths=given.unit * self.core[0].lengths, curvature=given.curvature),
             frozen(given.unit * self.core[1]),
         )
         return super().in_unit_of(given)._with(given=own, core=core)
@@ -107,7 +108,7 @@ class ConvexPolyhedron(Polyhedron):
     @cached_property
     def dents(self) -> Floats:
         """The `dent_depths` of the edges, in mean edge lengths, shape (E,)."""
-        depths = dent_depths(self.triangulation, self._normalized)
+        depths = dent_depths(self.triangulation, self._normalized, self._space)
         return frozen(depths / self.metric.normalized.mean_length)
 
     @property
@@ -125,21 +126,21 @@ class ConvexPolyhedron(Polyhedron):
         return Segments.along(paths, which[~np.isnan(paths.distances[which])], self.vertices)
 
     @cached_property
-    def certificate(self) -> Certificate:
+    def certificate(self) -> ConvexCertificate:
         """The proof that this is the polyhedron of its metric up to a stated distance, or why there is none.
 
         It takes the lengths on the triangles of `core` as exact numbers; `path_residuals` say how far they
         are from the given ones.
         """
         if not self.converged:
-            return Certificate(False, "not certified, because the lengths miss the tolerance")
+            return ConvexCertificate(False, "not certified, because the lengths miss the tolerance")
         if self.core is None:
-            return Certificate(False, "not certified, because the body is a doubly covered polygon")
+            return ConvexCertificate(False, "not certified, because the body is a doubly covered polygon")
         tables, vertices = self.core
         try:
             certificate = certify(metric_on(tables), vertices)
         except InvalidMetric as error:
-            return Certificate(False, f"not certified, because {error}")
+            return ConvexCertificate(False, f"not certified, because {error}")
         return replace(
             certificate,
             reason=f"{certificate.reason}; that metric is of its own triangles without the flat vertices, "
@@ -178,6 +179,5 @@ class ConvexPolyhedron(Polyhedron):
                 "faces": int(self.face_polygons.max()) + 1,
                 "flat_vertices": len(self.flat_vertices),
             },
-            "certificate": self.certificate.as_json(),
             "repair": None if self.repair is None else self.repair.as_json(),
         }

@@ -8,7 +8,8 @@ Notation and formulas: Bobenko and Izmestiev, Alexandrov's theorem, weighted Del
 mixed volumes, Annales de l'Institut Fourier 58 (2008).  For half-edge i -> j with third corner k let
 ``c_ij = (l_ij^2 + r_i^2 - r_j^2) / 2`` be the product of the vectors from i to j and to the apex; d the
 distance of the apex from the line ij, seen along the normal of the plane ijk, and h its height above that
-plane.
+plane.  In hyperbolic and spherical space these are the sines ``sn`` of distances, lengths and radii that are
+squared are chords, and ``c_ij = sn(l_ij) sn(r_i) cos(rho_ij)``, by the law of cosines; all else is the same.
 """
 
 from __future__ import annotations
@@ -25,9 +26,24 @@ from scipy.sparse import csc_array
 from isoembed.arrays import Floats, Indices
 from isoembed.intrinsic.delaunay import make_delaunay, non_delaunay_edges
 from isoembed.intrinsic.halfedges import HalfEdges
-from isoembed.intrinsic.trigonometry import twice_area
 from isoembed.intrinsic.vertex_matrix import vertex_matrix
 from isoembed.kernel import kernel
+from isoembed.metric.curvature import Triangles
+from isoembed.space import Space
+from isoembed.space.trigonometry import twice_area
+from isoembed.thresholds import threshold
+
+
+@dataclass(frozen=True)
+class PolytopeThresholds:
+    """Thresholds of generalized polytopes."""
+
+    longest: float = threshold(
+        100.0, "radii of curvature", "Longer radii in hyperbolic space, whose sines overflow, are refused."
+    )
+
+
+POLYTOPE = PolytopeThresholds()
 
 
 @dataclass(frozen=True, eq=False)
@@ -46,7 +62,8 @@ class Polytope:
     diagonal : ndarray, shape (V,)
         The part of ``d kappa_i / d r_i`` that does not come from loops.
     lowest : float
-        The least squared height of the apex above a triangle, over the squared radius; positive.
+        The least squared height of the apex above a triangle, over the squared radius, or sines of these;
+        positive.
     """
 
     tables: HalfEdges
@@ -59,10 +76,12 @@ class Polytope:
     @classmethod
     def over(cls, tables: HalfEdges, radii: Floats) -> Polytope | None:
         """Flip a copy of the triangles until no edge is reflex; None if no polytope has these radii."""
+        space = Space(tables.curvature)
         if not radii.min() > 0:  # not a number is no radius either
             return None
-        mean = float(radii.mean())
-        weights = (radii - mean) * (radii + mean)
+        if not radii.max() * space.root < (np.pi if space.curvature > 0 else POLYTOPE.longest):
+            return None
+        weights, _ = delaunay_weights(space, radii)
         non_delaunay = non_delaunay_edges(tables, weights)
         if non_delaunay.size:
             tables = tables.copy()
@@ -74,7 +93,17 @@ class Polytope:
     @classmethod
     def on(cls, tables: HalfEdges, radii: Floats) -> Polytope | None:
         """Put pyramids over the triangles as they are; None if one of them does not exist."""
-        kappa, coupling, diagonal, lowest = _evaluate(tables.corners, tables.twins, tables.lengths, radii)
+        space, lengths, amplitudes = Space(tables.curvature), tables.lengths, np.empty(0)
+        chords = sines = lengths
+        r = s = radii
+        if not space.is_euclidean:
+            triangles = Triangles.of(tables.face_lengths, space.curvature)
+            with np.errstate(invalid="ignore"):
+                amplitudes = triangles.amplitudes * triangles.unit * triangles.unit
+            chords, sines, r, s = space.chord(lengths), space.sn(lengths), space.chord(radii), space.sn(radii)
+        kappa, coupling, diagonal, lowest = _evaluate(
+            tables.corners, tables.twins, chords, sines, amplitudes, r, s, space.curvature / 4
+        )
         if not (lowest > 0 and np.isfinite(kappa).all() and np.isfinite(coupling).all()):
             return None
         return cls(tables, radii, kappa, coupling, diagonal, float(lowest))
@@ -83,6 +112,7 @@ class Polytope:
     def of_arrays(cls, arrays: Mapping[str, NDArray[Any]], prefix: str = "") -> Polytope | None:
         """The polytope of what `arrays` gave."""
         tables = HalfEdges._make(arrays[prefix + name] for name in HalfEdges._fields)
+        tables = tables._replace(curvature=float(tables.curvature))
         return cls.on(tables, arrays[f"{prefix}radii"])
 
     def arrays(self, prefix: str = "") -> dict[str, NDArray[Any]]:
@@ -90,6 +120,11 @@ class Polytope:
         return {
             prefix + name: table for name, table in {**self.tables._asdict(), "radii": self.radii}.items()
         }
+
+    @property
+    def space(self) -> Space:
+        """The space that it is in."""
+        return Space(self.tables.curvature)
 
     def times_jacobian(self, v: Floats) -> Floats:
         """``(d kappa / d r) v`` for v of shape (V,) or (V, n)."""
@@ -102,10 +137,38 @@ class Polytope:
         return vertex_matrix(self.tables.corners, self.tables.twins, self.coupling, self.diagonal)
 
 
+def delaunay_weights(space: Space, radii: Floats) -> tuple[Floats, float]:
+    """Weights of the Delaunay triangulation of a polytope: squared radii less a constant, or the like.
+
+    The polytope is convex where the cosines of the radii, extended to a linear function over each triangle,
+    are.  Such functions may be scaled: by the cosine of a mean radius, so that equal radii have no weight.
+
+    Returns
+    -------
+    ndarray, float
+        The weights; and the cosine by which tilts of this scale are to be multiplied.
+    """
+    mean = float(radii.mean())
+    if space.is_euclidean:
+        return (radii - mean) * (radii + mean), 1.0
+    if space.curvature > 0:  # and well below pi / 2, where the cosine vanishes
+        mean = min(mean, space.radius)
+    cosine = float(space.cs(mean))
+    return space.chord(radii - mean) * space.chord(radii + mean) / cosine, cosine
+
+
 @kernel
 def _evaluate(
-    corners: Indices, twins: Indices, lengths: Floats, r: Floats
+    corners: Indices,
+    twins: Indices,
+    chords: Floats,
+    sines: Floats,
+    amplitudes: Floats,
+    r: Floats,
+    s: Floats,
+    k4: float,
 ) -> tuple[Floats, Floats, Floats, float]:
+    # Chords and sines of lengths and of radii, r and s; amplitudes of triangles, none in R^3; and k / 4.
     # The dihedral angles at a radius are turns of a unit vector, (x, y), and only their sum is taken: one arc
     # tangent a vertex, and where it is near a full turn nothing cancels.
     n = r.size
@@ -115,40 +178,44 @@ def _evaluate(
     diagonal = np.zeros(n)
     lowest = np.inf
     for f in range(0, corners.size, 3):
-        i, j, k = corners[f], corners[f + 1], corners[f + 2]
-        a, b, c = lengths[f], lengths[f + 1], lengths[f + 2]  # ij, jk, ki
-        qi, qj, qk = r[i] * r[i], r[j] * r[j], r[k] * r[k]
+        i, j, m = corners[f], corners[f + 1], corners[f + 2]
+        a, b, c = chords[f], chords[f + 1], chords[f + 2]  # ij, jm, mi
+        area = amplitudes[f // 3] if amplitudes.size else twice_area(a, b, c)
+        if not area > 0:
+            return kappa, slope, diagonal, -1.0
         # Differences of squares, formed before they cancel.
         ij = (r[i] - r[j]) * (r[i] + r[j])
-        jk = (r[j] - r[k]) * (r[j] + r[k])
-        ki = (r[k] - r[i]) * (r[k] + r[i])
-        area = twice_area(a, b, c)
-        if area <= 0:
-            return kappa, slope, diagonal, -1.0
-        c_ij, c_ji = (a * a + ij) / 2, (a * a - ij) / 2
-        c_jk, c_kj = (b * b + jk) / 2, (b * b - jk) / 2
-        c_ki, c_ik = (c * c + ki) / 2, (c * c - ki) / 2
-        at_i = (a * a + (c - b) * (c + b)) / 2  # products of the two sides at a corner
-        at_j = (b * b + (a - c) * (a + c)) / 2
-        at_k = (c * c + (b - a) * (b + a)) / 2
-        d_ij = (a * c_ik - c_ij * at_i / a) / area
-        d_jk = (b * c_ji - c_jk * at_j / b) / area
-        d_ki = (c * c_kj - c_ki * at_k / c) / area
+        jm = (r[j] - r[m]) * (r[j] + r[m])
+        mi = (r[m] - r[i]) * (r[m] + r[i])
+        # Products of two sines and the cosine between, by chords: (a^2 + b^2 - c^2) / 2 - k a^2 b^2 / 4.
+        ri, rj, rm = r[i] * r[i], r[j] * r[j], r[m] * r[m]
+        aa, bb, cc = k4 * (a * a), k4 * (b * b), k4 * (c * c)
+        c_ij, c_ji = (a * a + ij) / 2 - aa * ri, (a * a - ij) / 2 - aa * rj
+        c_jm, c_mj = (b * b + jm) / 2 - bb * rj, (b * b - jm) / 2 - bb * rm
+        c_mi, c_im = (c * c + mi) / 2 - cc * rm, (c * c - mi) / 2 - cc * ri
+        at_i = (a * a + (c - b) * (c + b)) / 2 - aa * (c * c)  # at a corner
+        at_j = (b * b + (a - c) * (a + c)) / 2 - bb * (a * a)
+        at_m = (c * c + (b - a) * (b + a)) / 2 - cc * (b * b)
+        a, b, c = sines[f], sines[f + 1], sines[f + 2]
+        d_ij = (a * c_im - c_ij * at_i / a) / area
+        d_jm = (b * c_ji - c_jm * at_j / b) / area
+        d_mi = (c * c_mj - c_mi * at_m / c) / area
         # The squared height, from the corner where least is subtracted.
-        if qi <= qj and qi <= qk:
+        qi, qj, qm = s[i] * s[i], s[j] * s[j], s[m] * s[m]
+        if qi <= qj and qi <= qm:
             h2, q = qi - c_ij / a * (c_ij / a) - d_ij * d_ij, qi
-        elif qj <= qk:
-            h2, q = qj - c_jk / b * (c_jk / b) - d_jk * d_jk, qj
+        elif qj <= qm:
+            h2, q = qj - c_jm / b * (c_jm / b) - d_jm * d_jm, qj
         else:
-            h2, q = qk - c_ki / c * (c_ki / c) - d_ki * d_ki, qk
+            h2, q = qm - c_mi / c * (c_mi / c) - d_mi * d_mi, qm
         lowest = min(lowest, h2 / q)
         if not h2 > 0:
             return kappa, slope, diagonal, lowest
         h = np.sqrt(h2)
-        _turn(i, qi * at_i - c_ij * c_ik, r[i] * h * area, x, y, full)
-        _turn(j, qj * at_j - c_jk * c_ji, r[j] * h * area, x, y, full)
-        _turn(k, qk * at_k - c_ki * c_kj, r[k] * h * area, x, y, full)
-        slope[f], slope[f + 1], slope[f + 2] = d_ij / h, d_jk / h, d_ki / h
+        _turn(i, qi * at_i - c_ij * c_im, s[i] * h * area, x, y, full)
+        _turn(j, qj * at_j - c_jm * c_ji, s[j] * h * area, x, y, full)
+        _turn(m, qm * at_m - c_mi * c_mj, s[m] * h * area, x, y, full)
+        slope[f], slope[f + 1], slope[f + 2] = d_ij / h, d_jm / h, d_mi / h
     for i in range(n):
         kappa[i] = 2 * np.pi * full[i] - math.atan2(y[i], x[i])
     lower, count = (
@@ -161,11 +228,12 @@ def _evaluate(
     for e in lower[:count]:
         t = twins[e]
         i, j = corners[e], corners[t]
-        l = lengths[e]
-        c_ij = (l * l + (r[i] - r[j]) * (r[i] + r[j])) / 2
-        w = (slope[e] + slope[t]) / (l * (r[i] * r[i] - c_ij / l * (c_ij / l)))
-        slope[e] = slope[t] = w * r[i] * r[j]
-        both = w * (r[i] * r[i] - c_ij)  # the product of the vectors from the apex to i and j
+        a, l = chords[e], sines[e]
+        c_ij = (a * a + (r[i] - r[j]) * (r[i] + r[j])) / 2 - k4 * (a * a) * (r[i] * r[i])
+        w = (slope[e] + slope[t]) / (l * (s[i] * s[i] - c_ij / l * (c_ij / l)))
+        slope[e] = slope[t] = w * s[i] * s[j]
+        # the product of the vectors from the apex to i and j
+        both = w * (s[i] * s[i] * (1 - 2 * k4 * (a * a)) - c_ij * (1 - 2 * k4 * (r[i] * r[i])))
         diagonal[i] -= both
         diagonal[j] -= both
     return kappa, slope, diagonal, lowest

@@ -9,6 +9,7 @@ from scipy.spatial.distance import pdist
 
 from isoembed.alexandrov.polyhedron import ConvexPolyhedron
 from isoembed.arrays import Floats
+from isoembed.space import Space
 from isoembed.thresholds import threshold
 
 PREFIXES = {4: "tetra", 5: "penta", 6: "hexa", 7: "hepta", 8: "octa", 12: "dodeca", 20: "icosa"}
@@ -51,13 +52,13 @@ class Solid:
         corner = np.ones(len(polyhedron.vertices), dtype=np.bool_)
         corner[polyhedron.flat_vertices] = False
         loops = [[v for v in polygon if corner[v]] for polygon in polyhedron.polygons]
-        scaled = polyhedron.vertices / polyhedron.metric.unit
+        scaled, space = polyhedron.vertices / polyhedron.metric.unit, polyhedron.metric.normalized.space
         return cls(
             int(corner.sum()),
             sum(map(len, loops)) // 2,
             len(loops),
-            _name(loops, scaled, polyhedron.given.deficits[corner]),
-            np.sort(pdist(scaled[corner])) * polyhedron.metric.unit,
+            _name(loops, scaled, space, polyhedron.given.deficits[corner]),
+            np.sort(_distances(scaled[corner], space)) * polyhedron.metric.unit,
         )
 
     def __str__(self) -> str:
@@ -70,12 +71,18 @@ class Solid:
         )
 
 
-def _name(loops: list[list[int]], vertices: Floats, deficits: Floats) -> str:
+def _distances(points: Floats, space: Space) -> Floats:
+    """All distances between two points, in the order of `scipy.spatial.distance.pdist`."""
+    if space.is_euclidean:
+        return pdist(points)
+    depths = np.einsum("ij,ij->i", points, points) / (1 + space.heights(points))  # (1 - w) / k
+    return space.arc(np.sqrt(pdist(points) ** 2 + space.curvature * pdist(depths[:, None]) ** 2))
+
+
+def _name(loops: list[list[int]], vertices: Floats, space: Space, deficits: Floats) -> str:
     if len(loops) == 2:
         return f"doubly covered {SIDES.get(len(deficits), f'{len(deficits)}-gon')}"
-    lengths = np.concatenate(
-        [np.linalg.norm(vertices[loop] - vertices[np.roll(loop, 1)], axis=1) for loop in loops]
-    )
+    lengths = np.concatenate([space.distances(vertices[loop], vertices[np.roll(loop, 1)]) for loop in loops])
     name = f"{PREFIXES.get(len(loops), f'{len(loops)}-')}hedron"
     alike = np.ptp(lengths) < SOLID.same * lengths.max() and np.ptp(deficits) < SOLID.same
     if alike and len({len(loop) for loop in loops}) == 1:

@@ -8,7 +8,14 @@ from isoembed.errors import InvalidParameter
 from isoembed.relativity.spacetimes.closed_form import SURFACES, Slice, kerr_surface
 from isoembed.relativity.spacetimes.surface_data import SurfaceData
 
-OF_SPACETIME = ("mass", "spin", "charge", "surface", "slice")  # options that need a --spacetime
+OF_SPACETIME = (
+    "mass",
+    "spin",
+    "charge",
+    "cosmological_constant",
+    "surface",
+    "slice",
+)  # options that need a --spacetime
 
 
 def add_spacetime_options(parser: argparse.ArgumentParser) -> None:
@@ -19,6 +26,12 @@ def add_spacetime_options(parser: argparse.ArgumentParser) -> None:
         "--spin", type=float, nargs="+", metavar="A", help="its spin a = J/M, a length (default 0)"
     )
     parser.add_argument("--charge", type=float, metavar="Q", help="its charge, a length (default 0)")
+    parser.add_argument(
+        "--cosmological-constant",
+        type=float,
+        metavar="LAMBDA",
+        help="that of its spacetime, in 1/length^2, negative for anti-de Sitter (default 0)",
+    )
     parser.add_argument(
         "--surface",
         metavar="SURFACE",
@@ -52,6 +65,7 @@ def closed_form(options: argparse.Namespace) -> SurfaceData:
     try:
         return kerr_surface(**given)
     except InvalidParameter as error:  # where the message begins with a parameter's name, it is an option's
-        if str(error).split()[0] in OF_SPACETIME:
-            raise UsageError(f"--{error}") from None
+        first, _, rest = str(error).partition(" ")
+        if first in OF_SPACETIME:
+            raise UsageError(f"--{first.replace('_', '-')} {rest}") from None
         raise

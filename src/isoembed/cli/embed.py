@@ -7,9 +7,9 @@ import isoembed
 from isoembed._embed import configuration, method_names
 from isoembed.cli.answer import add_output_options, answer, asked_for, heard_by
 from isoembed.cli.interruption import Checkpoints, add_checkpoint_options, checkpoint_file
-from isoembed.cli.options import OF_RUNS, add_merge_option, add_run_options, refuse_given
+from isoembed.cli.options import OF_RUNS, add_merge_option, add_run_options, add_space_option, refuse_given
 from isoembed.cli.parameters import configured, parameters
-from isoembed.cli.screen import UsageError
+from isoembed.cli.screen import UsageError, print_error
 from isoembed.errors import Interrupted
 from isoembed.io import MESH_ENDINGS, FileError, read_checkpoint, read_metric
 from isoembed.progress.stages import Listener
@@ -40,6 +40,12 @@ def configure(parser: argparse.ArgumentParser) -> None:
         help="largest length error allowed, relative to the mean edge length (default 1e-10)",
     )
     add_merge_option(parser)
+    add_space_option(
+        parser,
+        "the space to embed in, of the curvature K, which the triangles have, too; without K what the file "
+        "says, or the least curved hyperbolic space that makes the metric convex (default: what the file "
+        "says, or R^3)",
+    )
     add_output_options(parser)
     add_checkpoint_options(parser)
     add_run_options(parser)
@@ -77,7 +83,9 @@ def run(options: argparse.Namespace) -> int:
     method = _method(options)
     kept = read_checkpoint(options.resume) if options.resume else None
     checkpoints = Checkpoints(left, kept)
-    metric = read_metric(source, merge=options.merge)
+    metric = read_metric(source, merge=options.merge, space=options.space)
+    if options.space == "hyperbolic" and metric.space.is_euclidean:
+        print_error("the metric is convex in R^3, which takes it: no curvature is needed", "note")
 
     def solve(progress: Listener | None) -> isoembed.Embedding:
         return isoembed.embed(

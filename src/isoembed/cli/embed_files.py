@@ -41,7 +41,7 @@ def embed_files(options: argparse.Namespace, method: Method) -> int:
     if "-" in options.inputs:
         raise UsageError("standard input, -, is one file: it does not go with others")
     tasks = [
-        EmbeddingTask(stem, Path(name), method, options.tolerance, options.merge)
+        EmbeddingTask(stem, Path(name), method, options.tolerance, options.merge, options.space)
         for stem, name in zip(stems(options.inputs), seen_by_all(options, options.inputs), strict=True)
     ]
     folder = Path(*seen_by_all(options, [options.output]))

@@ -6,6 +6,8 @@ from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
+import numpy as np
+
 import isoembed
 from isoembed.arrays import Floats
 from isoembed.cli.answer import solved
@@ -16,8 +18,10 @@ from isoembed.cli.options import (
     add_marginal_options,
     add_merge_option,
     add_output_option,
+    add_reference_option,
     add_vertices_option,
     marginal,
+    reference,
     refuse_given,
     vertices,
 )
@@ -28,8 +32,10 @@ from isoembed.cli.status import NOT_EMBEDDED, OK
 from isoembed.errors import InvalidMetric, NotEmbedded
 from isoembed.io import MESH_ENDINGS, SURFACE_ENDINGS, mesh_writer, surface_writer
 from isoembed.io.files import input_ending
+from isoembed.io.metric import in_space
+from isoembed.io.space_line import WRITTEN
 from isoembed.metric.polyhedral import PolyhedralMetric
-from isoembed.relativity.energies.embedded import CONVENTIONS, embed_surface
+from isoembed.relativity.energies.embedded import conventions, embed_surface
 from isoembed.relativity.energies.mesh_energies import mesh_energies
 from isoembed.relativity.energies.report import (
     checked_report,
@@ -46,6 +52,8 @@ from isoembed.relativity.spacetimes.surface_data import SurfaceData
 from isoembed.smooth.axisymmetric import AxisymmetricEmbedding
 from isoembed.smooth.grid_metric import GridMetric
 from isoembed.smooth.two_metric import TwoMetric
+from isoembed.space import Space
+from isoembed.space.models import to_model
 from isoembed.surface.smooth_integrals import Lengths
 
 OF_METRIC = ("merge", "mean_curvature", "momentum", "normal_momentum", "lengths")
@@ -99,6 +107,7 @@ def configure(parser: argparse.ArgumentParser) -> None:
     )
     add_geometry_option(parser, "the slice of a --sphere")
     add_slice_options(parser)
+    add_reference_option(parser)
     add_vertices_option(parser)
     add_json_option(parser)
     add_output_option(
@@ -108,7 +117,8 @@ def configure(parser: argparse.ArgumentParser) -> None:
         "--wang-yau",
         action="store_true",
         help="add the Wang-Yau energy of a smooth surface, the least over all time functions; --output then "
-        "writes the projection of its surface in Minkowski space, with tau at the vertices",
+        "writes the projection of its surface in Minkowski space, with tau at the vertices; with a --space, "
+        "that of tau = 0 with (anti-)de Sitter space for reference",
     )
     parser.add_argument(
         "--best-fit",
@@ -147,12 +157,12 @@ def run(options: argparse.Namespace) -> int:
 
 def _smooth(options: argparse.Namespace, outputs: Outputs, data: SurfaceData, number: int) -> int:
     try:
-        surface = embed_surface(data, vertices=number, best_fit=options.best_fit)
+        surface = embed_surface(data, space=reference(options), vertices=number, best_fit=options.best_fit)
     except NotEmbedded as error:
         print_error(str(error))
         if options.band:
-            _write_band(outputs, data)
-        report = {**unembedded_report(data, error), "conventions": CONVENTIONS}
+            _write_band(outputs, data, error.embedding.space)
+        report = {**unembedded_report(data, error), "conventions": conventions(error.embedding.space)}
         _show(options, _with_check(data, report))
         return NOT_EMBEDDED
     report, least = wang_yau_report(surface) if options.wang_yau else (surface.report, None)
@@ -171,23 +181,28 @@ def _with_check(data: SurfaceData, report: dict[str, Any]) -> dict[str, Any]:
     return report if data.gaussian_curvature is None else checked_report(report, CurvatureCheck.of(data))
 
 
-def _write_band(outputs: Outputs, data: SurfaceData) -> None:
+def _write_band(outputs: Outputs, data: SurfaceData, space: Space) -> None:
     """Write the largest band of an axisymmetric surface that embeds, or say why there is none."""
     try:
-        bands = AxisymmetricEmbedding.of(data.metric).bands
+        bands = AxisymmetricEmbedding.of(data.metric, space=space).bands
     except InvalidMetric as error:
         print_error(f"--band is for surfaces that are symmetric about the z-axis: {error}")
         return
     if not bands:
         print_error(f"{outputs['band']} is not written: no part of the surface is a surface of revolution")
         return
-    outputs.write(band=lambda path: mesh_writer(path, *max(bands, key=lambda band: band.area).mesh()))
+    vertices, faces = max(bands, key=lambda band: band.area).mesh()
+    vertices = to_model(space, vertices, WRITTEN)
+    tables = {} if space.is_euclidean else {"curvature": np.array(space.curvature)}
+    outputs.write(band=lambda path: mesh_writer(path, vertices, faces, **tables))
 
 
 def _sphere(options: argparse.Namespace) -> SurfaceData:
     """The coordinate sphere in a slice that the options name."""
     refuse_given(
-        options, ("spacetime", "charge", "surface", "slice", *OF_METRIC), "does not go with a --sphere"
+        options,
+        ("spacetime", "charge", "cosmological_constant", "surface", "slice", *OF_METRIC),
+        "does not go with a --sphere",
     )
     if (options.geometry is None) == (options.input is None):
         raise UsageError("a --sphere lies in one slice: give a --geometry, or a file")
@@ -239,9 +254,10 @@ def _triangles(options: argparse.Namespace, outputs: Outputs, metric: Polyhedral
     refuse_given(options, ("normal_momentum",), "is for a METRIC on a grid")
     refuse_given(options, ("vertices",), "is for smooth surfaces: this METRIC has its own")
     refuse_given(options, OF_SMOOTH, "is for smooth surfaces")
+    own, metric = metric.space, in_space(metric, options.space, options.input)
     lengths: Lengths | None = options.lengths
-    if lengths is None and input_ending(options.input) in MESH_ENDINGS:
-        lengths = "chord"
+    if lengths is None and input_ending(options.input) in MESH_ENDINGS and metric.space == own:
+        lengths = "chord"  # in the space that the file is in; in another one they are neither
     embedding, failure = solved(lambda progress: isoembed.embed(metric, progress=progress))
     if failure is not None:
         if options.json:

@@ -12,6 +12,7 @@ from isoembed.cli.options import (
     add_report_options,
     add_vertices_option,
     marginal,
+    reference,
     refuse_given,
     vertices,
 )
@@ -105,7 +106,7 @@ def run(options: argparse.Namespace) -> int:
             print_json({"status": "no horizon", "name": _found_name(options), **message})
         return NOT_EMBEDDED
     axis = tuple(options.axis) if options.axis else None
-    asked = HorizonOptions(number, options.wang_yau, axis, marginal(options))
+    asked = HorizonOptions(number, options.wang_yau, axis, marginal(options), reference(options))
     tasks = [HorizonTask(horizon, asked) for horizon in horizons.values() if isinstance(horizon, Moment)]
     outcomes = run_tasks(tasks, chunk=len(tasks))
     reports, drawn = [], dict[Path, Result]()

@@ -2,10 +2,13 @@
 
 import argparse
 import re
+from functools import partial
 from pathlib import Path
+from typing import Literal
 
 from isoembed.cli.screen import UsageError
 from isoembed.metric.given_mesh import MERGING
+from isoembed.space import Euclidean, Space
 
 DEFAULT, FEWEST = 1000, 12  # vertices
 OF_RUNS = ("jobs", "scheduler", "shard", "chunk", "retry", "force")
@@ -50,6 +53,35 @@ def _merge(text: str) -> float:
     return value
 
 
+def add_space_option(
+    parser: argparse.ArgumentParser, purpose: str, names: tuple[str, ...] = ("hyperbolic", "spherical")
+) -> None:
+    """Add the option that names a space: a `Space`, or its name where the curvature is not given."""
+    parser.add_argument(
+        "--space",
+        type=partial(_space, names),
+        metavar="|".join(f"{name}[=K]" for name in names),
+        help=f"{purpose}; K is negative in hyperbolic space"
+        + (", positive in spherical space" if "spherical" in names else ""),
+    )
+
+
+def _space(names: tuple[str, ...], text: str) -> Space | str:
+    name, equals, curvature = text.partition("=")
+    if name not in names:
+        raise argparse.ArgumentTypeError(f"{text!r} is not {' or '.join(f'{name}[=K]' for name in names)}")
+    if not equals:
+        return name
+    try:
+        space = Space(float(curvature))
+    except ValueError:
+        raise argparse.ArgumentTypeError(f"{curvature!r} is not a finite number") from None
+    if space.name != name:
+        sign = "negative" if name == "hyperbolic" else "positive"
+        raise argparse.ArgumentTypeError(f"{curvature} is not the curvature of {name} space, which is {sign}")
+    return space
+
+
 def add_quiet_option(parser: argparse.ArgumentParser) -> None:
     """Add the option that silences the command."""
     parser.add_argument("--quiet", action="store_true", help="print nothing but errors")
@@ -88,6 +120,30 @@ def add_report_options(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--wang-yau", action="store_true", help="add the Wang-Yau energy, the least over all time functions"
     )
+    add_reference_option(parser)
+
+
+def add_reference_option(parser: argparse.ArgumentParser) -> None:
+    """Add the option that names the space of reference of energies."""
+    add_space_option(
+        parser,
+        "the space to embed in, the reference of energies (default: R^3); without K, hyperbolic space of the "
+        "least curvature that takes a smooth metric",
+    )
+
+
+def reference(options: argparse.Namespace) -> Space | Literal["hyperbolic"]:
+    """The space of reference of energies, as `isoembed.relativity.embed_surface` takes it.
+
+    Raises
+    ------
+    UsageError
+        It is spherical, of no curvature.
+    """
+    space: Space | str | None = options.space
+    if space == "spherical":
+        raise UsageError("--space spherical needs its curvature, as in --space spherical=0.1")
+    return Euclidean() if space is None else space if isinstance(space, Space) else "hyperbolic"
 
 
 def marginal(options: argparse.Namespace) -> bool | None:

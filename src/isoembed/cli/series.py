@@ -22,6 +22,7 @@ from isoembed.cli.options import (
     add_run_options,
     add_vertices_option,
     marginal,
+    reference,
     refuse_given,
     vertices,
 )
@@ -53,7 +54,17 @@ if TYPE_CHECKING:
 
 TABLE = "table.csv"
 PERIOD = 20.0  # seconds between two tables of what there is so far
-OF_HORIZONS = ("geometry", *OF_SLICE, "axis", "marginal", "not_marginal", "surface", "vertices", "wang_yau")
+OF_HORIZONS = (
+    "geometry",
+    *OF_SLICE,
+    "axis",
+    "marginal",
+    "not_marginal",
+    "space",
+    "surface",
+    "vertices",
+    "wang_yau",
+)
 
 
 def configure(parser: argparse.ArgumentParser) -> None:
@@ -119,7 +130,7 @@ def run(options: argparse.Namespace) -> int:
 def _tasks(options: argparse.Namespace) -> list[HorizonTask]:
     """The horizons that are asked for."""
     axis = None if options.axis is None else tuple(options.axis)
-    what = HorizonOptions(vertices(options), options.wang_yau, axis, marginal(options))
+    what = HorizonOptions(vertices(options), options.wang_yau, axis, marginal(options), reference(options))
     listed = moments(seen_by_all(options, options.horizons), _geometry(options), surface=options.surface)
     return [HorizonTask(moment, what) for moment in listed]
 
@@ -150,14 +161,14 @@ class _GrowingTable:
 
 def _products(store: Store, *, film: bool) -> tuple[list[str], list[str]]:
     """Make all files of the results in a folder; return their names, and why others are missing."""
-    answered = [result.answered for result in store]
-    if not answered:
+    results = list(store)  # each file is read once
+    if not results:
         raise UsageError(f"there are no results in {store.folder}")
     written, missing = list[str](), list[str]()
 
     def make(name: str, write: Callable[[Path, Iterable[Result]], None]) -> None:
         try:
-            write(store.folder / name, store)
+            write(store.folder / name, results)
             written.append(name)
         except (FileError, InvalidParameter) as error:
             missing.append(str(error))
@@ -165,10 +176,10 @@ def _products(store: Store, *, film: bool) -> tuple[list[str], list[str]]:
     make(TABLE, write_table)
     if find_spec("h5py"):
         make("table.h5", write_table)
-    if any(answered):
+    if any(result.answered for result in results):
         make("horizons.pvd", write_paraview)
         if find_spec("matplotlib"):
-            for name, figure in series_figures(store).items():
+            for name, figure in series_figures(results).items():
                 make(f"{name}.png", partial(_write_figure, figure))
         if film:
             make("horizons.mp4" if find_spec("imageio_ffmpeg") else "horizons.gif", write_series_film)

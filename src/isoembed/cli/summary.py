@@ -1,5 +1,8 @@
 """An embedding in a few lines for the eye."""
 
+from collections.abc import Mapping
+from typing import Any
+
 from isoembed.surface.embedding import Embedding
 
 
@@ -12,6 +15,7 @@ def summary(embedding: Embedding) -> str:
         f"{report['status']}: {report['message']}",
         "",
         f"method      {report['method']}, tolerance {report['tolerance']:.0e}",
+        *_space(report["space"]),
         f"input       {size['vertices']} vertices, {size['edges']} edges, {size['faces']} faces, "
         f"{size['negative_deficits']} negative deficits",
         f"residual    {_error(residual['max'])} max, {residual['mean']:.2e} mean, {residual['std']:.2e} std "
@@ -21,6 +25,7 @@ def summary(embedding: Embedding) -> str:
         f"smoothness  {smoothness['rough_edges']} edges bent against their neighborhood, "
         f"roughness {_short(smoothness['roughness'])}, bending energy {_short(smoothness['bending_energy'])}",
         f"rigidity    smallest singular value {_short(smoothness['smallest_singular_value'])}",
+        f"proof       {report['certificate']['reason']}",
         f"area        {_number(report['area'])}",
         f"volume      {_number(report['volume'])}",
         f"int H dA    {_number(report['integrated_mean_curvature'])}   with H = (k1 + k2)/2",
@@ -35,6 +40,13 @@ def summary(embedding: Embedding) -> str:
             for name, seconds, iterations, factorizations in rows
         ]
     return "\n".join(lines)
+
+
+def _space(space: Mapping[str, Any]) -> list[str]:
+    """The line of a space that is not R^3."""
+    return (
+        [f"space       {space['name']}, of curvature {space['curvature']:.12g}"] if space["curvature"] else []
+    )
 
 
 def _error(value: float | None) -> str:

@@ -1,4 +1,4 @@
-"""Paper to metric: planar polygons whose sides are identified make a polyhedral metric on the sphere.
+"""Paper to metric: polygons whose sides are identified make a polyhedral metric on the sphere.
 
 `glue` is the room's verb and `Net` its noun; `unfold` leads back, from a solid to paper.  Zipped polygons,
 pita forms, D-forms and the search for all edge-to-edge gluings of a polygon stand on them.
@@ -6,7 +6,15 @@ pita forms, D-forms and the search for all edge-to-edge gluings of a polygon sta
 
 from isoembed.gluing.forms import dform, pita, zipped
 from isoembed.gluing.net import Net, glue
-from isoembed.gluing.outlines import Ellipse, Stadium, circle, rectangle, regular_polygon, triangle
+from isoembed.gluing.outlines import (
+    Ellipse,
+    Stadium,
+    circle,
+    from_sides,
+    rectangle,
+    regular_polygon,
+    triangle,
+)
 from isoembed.gluing.search import edge_gluings
 from isoembed.gluing.unfolding import Unfolding, unfold
 
@@ -18,6 +26,7 @@ __all__ = [
     "circle",
     "dform",
     "edge_gluings",
+    "from_sides",
     "glue",
     "pita",
     "rectangle",

@@ -16,12 +16,13 @@ from isoembed.errors import InvalidParameter
 from isoembed.gluing.net import Net, glue
 from isoembed.gluing.outlines import Curve, Ellipse, Stadium, check_count, inscribed
 from isoembed.gluing.polygon import Polygon, is_number, points_of_the_plane
+from isoembed.space.models import Model
 
 Outline = Curve | ArrayLike
 """A curve, which becomes an inscribed polygon of n equal sides, or a polygon, which stays as it is."""
 
 
-def zipped(polygon: ArrayLike, at: float) -> Net:
+def zipped(polygon: ArrayLike, at: float, *, curvature: float = 0.0, model: Model = "ambient") -> Net:
     """Polygon zipped shut: its boundary is glued to itself, both ways from one of its points.
 
     Parameters
@@ -30,6 +31,8 @@ def zipped(polygon: ArrayLike, at: float) -> Net:
         Convex, if the metric is to be.
     at : float
         Where the zip begins, counted in corners, from 0 to n: 2.5 is the middle of side 2.
+    curvature, model : float and str
+        As of `glue`.
 
     Raises
     ------
@@ -41,7 +44,7 @@ def zipped(polygon: ArrayLike, at: float) -> Net:
     n = len(points_of_the_plane(polygon, "the polygon"))
     if not is_number(at) or not 0 <= at <= n:
         raise InvalidParameter(f"at is {at!r}, not a position on the boundary from 0 to {n}")
-    return glue([polygon], [((0, at, at), (0, at, at))])
+    return glue([polygon], [((0, at, at), (0, at, at))], curvature=curvature, model=model)
 
 
 def pita(outline: Outline, at: float = 0.0, n: int = 100) -> Net:

@@ -7,7 +7,7 @@ import numpy as np
 
 from isoembed.arrays import Indices
 from isoembed.errors import InvalidMetric, InvalidParameter
-from isoembed.gluing.polygon import Polygon, differ, side_lengths
+from isoembed.gluing.polygon import Polygon, differ
 
 Side = tuple[int, int]
 Names = Sequence[Sequence[Hashable]]
@@ -136,4 +136,4 @@ def _ends(corners: Names, side: Side) -> tuple[Hashable, Hashable]:
 
 def _length(sheet: Polygon, k: int) -> float:
     """Length of the side that was given as the k-th."""
-    return float(side_lengths(sheet.corners)[(-k - 1 if sheet.turned else k) % sheet.n])
+    return float(sheet.sides[(-k - 1 if sheet.turned else k) % sheet.n])

@@ -13,11 +13,13 @@ from scipy.sparse.csgraph import connected_components
 from isoembed.arrays import Floats, Indices, Mask
 from isoembed.errors import InvalidMetric, InvalidParameter
 from isoembed.gluing.named_corners import check_together, faced_alike, read_names, sides_of
-from isoembed.gluing.polygon import Polygon, side_lengths
+from isoembed.gluing.polygon import Polygon, distances, shape_of, side_lengths
 from isoembed.gluing.runs import Run, cut, read_sides
 from isoembed.intrinsic.ears import triangulated, twins_inside
 from isoembed.mesh.triangulation import frozen
 from isoembed.metric.glued import GluedMetric
+from isoembed.space import Space
+from isoembed.space.models import MODELS, Model
 
 
 @dataclass(frozen=True, eq=False, init=False, repr=False)
@@ -31,7 +33,7 @@ class Net(GluedMetric):
     ----------
     polygons : tuple of ndarray, shape (m, 2)
         The outline of each polygon, counterclockwise: its corners and the points where corners of others are
-        glued into its sides.
+        glued into its sides; on the sphere and in the hyperbolic plane in ambient coordinates.
     outlines : tuple of ndarray of int64, shape (m,)
         The vertex that each point of the outline becomes.
     corners : tuple of ndarray of int64, shape (n,)
@@ -52,6 +54,7 @@ class Net(GluedMetric):
 
     def __init__(self, sheets: Sequence[Polygon], runs: Sequence[tuple[Run, Run]]) -> None:
         stops, mates = _cut_outlines(sheets, runs)
+        space = sheets[0].space
         polygons = tuple(frozen(sheet.points(some)) for sheet, some in zip(sheets, stops, strict=True))
         first = np.cumsum([0, *map(len, stops)])  # of each outline among the points of all
         corners = [
@@ -59,14 +62,14 @@ class Net(GluedMetric):
             for start, some, sheet in zip(first, stops, sheets, strict=False)
         ]
         vertices = _glued_points(first, mates, np.concatenate(corners))
-        triangles, owners = _triangles(polygons, first)
+        triangles, owners = _triangles(polygons, first, space)
         twins, seams = _sewn(triangles, mates)
         points = np.concatenate(polygons)
-        steps = np.concatenate([side_lengths(polygon) for polygon in polygons])
-        lengths = np.hypot(*(points[np.roll(triangles, -1, axis=1)] - points[triangles]).T).T.ravel()
+        steps = np.concatenate([side_lengths(polygon, space) for polygon in polygons])
+        lengths = distances(points[triangles], points[np.roll(triangles, -1, axis=1)], space).ravel()
         rim = triangles.ravel()[seams]
         lengths[seams] = (steps[rim] + steps[mates[rim]]) / 2
-        super().__init__(vertices[triangles], twins, lengths.reshape(-1, 3))
+        super().__init__(vertices[triangles], twins, lengths.reshape(-1, 3), curvature=space.curvature)
         for name, value in (
             ("polygons", polygons),
             ("outlines", tuple(map(frozen, np.split(vertices, first[1:-1])))),
@@ -83,8 +86,10 @@ def glue(
     sides: Sequence[Any] | None = None,
     *,
     corners: Sequence[Sequence[str | int]] | None = None,
+    curvature: float = 0.0,
+    model: Model = "ambient",
 ) -> Net:
-    """Glue planar polygons along their sides to a polyhedral metric on the sphere: a paper net.
+    """Glue polygons along their sides to a polyhedral metric on the sphere: a paper net.
 
     The polygons lie on a table, face up; side k of a polygon runs from its corner k to the next.  An
     identification is a pair of sides ``((p, k), (q, m))`` or of runs ``((p, a, b), (q, c, d))``: the boundary
@@ -105,6 +110,13 @@ def glue(
         Instead of `sides`, what each polygon's corners are called: sides whose ends have the same two names
         are glued, as they are in a list of the faces of a polyhedron.  A polygon is turned over where its
         names run the wrong way.
+    curvature : float, optional
+        Of the hyperbolic plane (negative) or of the sphere (positive) that the polygons are cut from, in
+        1/length^2, and of the metric.
+    model : {"ambient", "conformal", "projective"}
+        The coordinates of corners there: those on the hyperboloid or on the sphere, of Poincare's disk or
+        stereographic projection, of Klein's disk or gnomonic projection.  On the sphere a polygon is in the
+        open half about the origin.
 
     Returns
     -------
@@ -118,7 +130,8 @@ def glue(
         A polygon is not simple, two runs differ in length, a stretch is glued twice or to nothing, or the
         result is not one sphere.  Lengths that differ by less than 1e-9 of them become their mean.
     InvalidParameter
-        An identification is not of the form above, or there are both sides and corners, or neither.
+        An identification is not of the form above, there are both sides and corners, or neither, or there is
+        no such curvature or model.
 
     Examples
     --------
@@ -133,12 +146,21 @@ def glue(
     >>> from isoembed.gluing import regular_polygon
     >>> glue([regular_polygon(3)] * 4, corners=["abc", "abd", "acd", "bcd"]).n_vertices
     4
+
+    An octagon of the hyperbolic plane, sides folded together two by two:
+
+    >>> octagon = regular_polygon(8, 1.0, curvature=-1.0)
+    >>> glue([octagon], [((0, k), (0, k + 1)) for k in range(0, 8, 2)], curvature=-1.0)
+    Net(5 vertices, 9 edges, 6 faces, mean edge length 1.45222, curvature -1)
     """
+    space = Space(curvature)
+    if model not in MODELS:
+        raise InvalidParameter(f"the model is {model!r}, none of {', '.join(MODELS)}")
     if not isinstance(polygons, list | tuple | np.ndarray):
         raise InvalidParameter(f"the polygons are {polygons!r}, not a list of polygons")
     if len(polygons) == 0:
         raise InvalidMetric("there are no polygons")
-    sheets = [Polygon.of(polygon, p) for p, polygon in enumerate(polygons)]
+    sheets = [Polygon.of(polygon, p, space, model) for p, polygon in enumerate(polygons)]
     if sides is not None and corners is None:
         return Net(sheets, read_sides(sides, sheets))
     if corners is None or sides is not None:
@@ -210,11 +232,11 @@ def _glued_points(first: Indices, mates: Indices, corners: Indices) -> Indices:
     return numbers[classes]
 
 
-def _triangles(polygons: Sequence[Floats], first: Indices) -> tuple[Indices, Indices]:
+def _triangles(polygons: Sequence[Floats], first: Indices, space: Space) -> tuple[Indices, Indices]:
     """Triangles of the points of all outlines, shape (F, 3), and the polygon of each."""
     triangles = []
     for p, polygon in enumerate(polygons):
-        inside = triangulated((polygon - polygon.min(axis=0)) / np.ptp(polygon, axis=0).max())
+        inside = triangulated(shape_of(polygon, space))
         if inside is None:
             raise InvalidMetric(f"polygon {p} is so thin that its triangles are lost in rounding")
         triangles.append(first[p] + inside)

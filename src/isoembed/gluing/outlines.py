@@ -5,6 +5,7 @@ import numbers
 from dataclasses import dataclass
 
 import numpy as np
+from numpy.typing import ArrayLike
 from scipy.optimize import brentq
 from scipy.special import ellipeinc
 
@@ -12,7 +13,8 @@ from isoembed.arrays import Floats
 from isoembed.errors import InvalidParameter
 from isoembed.gluing.polygon import is_number, side_lengths
 from isoembed.gluing.thresholds import GLUING
-from isoembed.intrinsic.trigonometry import apex
+from isoembed.space import Space
+from isoembed.space.trigonometry import angle_between, apex
 
 
 @dataclass(frozen=True)
@@ -94,8 +96,11 @@ def rectangle(width: float, height: float) -> Floats:
     return np.array([[0.0, 0.0], [width, 0.0], [width, height], [0.0, height]])
 
 
-def triangle(a: float, b: float, c: float) -> Floats:
+def triangle(a: float, b: float, c: float, *, curvature: float = 0.0) -> Floats:
     """Corners of the triangle with these sides, from (0, 0) along a; b follows.
+
+    With a curvature it is a triangle of the hyperbolic plane or of the sphere about the origin, in ambient
+    coordinates.
 
     Raises
     ------
@@ -105,21 +110,115 @@ def triangle(a: float, b: float, c: float) -> Floats:
     _check_positive("triangle", a=a, b=b, c=c)
     if not max(a, b, c) < a + b + c - max(a, b, c):
         raise InvalidParameter(f"triangle has the sides {a!r}, {b!r} and {c!r}: one is too long")
-    return np.array([(0.0, 0.0), (a, 0.0), apex(float(a), float(b), float(c))])
+    space = Space(curvature)
+    if space.curvature > 0 and not a + b + c < 2 * math.pi * space.radius:
+        raise InvalidParameter(f"triangle has the sides {a!r}, {b!r} and {c!r}: at least a great circle")
+    if not space.is_euclidean:
+        between = angle_between(float(a), float(b), float(c), space.curvature)
+        return from_sides([a, b], [between], curvature=space.curvature)
+    return np.array([(0.0, 0.0), (a, 0.0), apex(float(a), float(b), float(c), 0.0)])
 
 
-def regular_polygon(n: int, side: float = 1.0) -> Floats:
+def regular_polygon(n: int, side: float = 1.0, *, curvature: float = 0.0) -> Floats:
     """Corners of the regular n-gon with sides of this length.
+
+    With a curvature it lies in the hyperbolic plane or on the sphere, in ambient coordinates.
 
     Raises
     ------
     InvalidParameter
-        `n` is not a whole number from 3 on, or the side is not positive and finite.
+        `n` is not a whole number from 3 on, or the side is not positive and finite, or too long for the
+        sphere.
     """
     check_count("n", n)
     _check_positive("regular polygon", side=side)
+    space = Space(curvature)
+    if space.curvature > 0 and not n * side < 2 * math.pi * space.radius:
+        raise InvalidParameter(f"regular polygon has {n} sides of {side!r}, at least a great circle")
     angle = 2 * np.pi * np.arange(n) / n
-    return np.column_stack([np.cos(angle), np.sin(angle)]) * side / (2 * np.sin(np.pi / n))
+    circle = np.column_stack([np.cos(angle), np.sin(angle)])
+    return circle * float(space.chord(np.float64(side))) / (2 * np.sin(np.pi / n))
+
+
+def from_sides(sides: ArrayLike, angles: ArrayLike, *, curvature: float = 0.0) -> Floats:
+    """Corners of a polygon from its sides and the angles between them; a last side closes it.
+
+    Parameters
+    ----------
+    sides : array_like, shape (n - 1,)
+        Lengths of all sides but the last, one after the other, counterclockwise.
+    angles : array_like, shape (n - 2,)
+        The interior angles between them, radians.
+    curvature : float, optional
+        Of the hyperbolic plane (negative) or of the sphere (positive) that it is to lie in.
+
+    Returns
+    -------
+    ndarray, shape (n, 2)
+        From (0, 0) along the first side; with a curvature about the origin, in ambient coordinates.
+
+    Raises
+    ------
+    InvalidParameter
+        The sides and angles are not such numbers, or the polygon is not within half a sphere.
+
+    Examples
+    --------
+    A pentagon of the hyperbolic plane with five right angles, of which three are given:
+
+    >>> side = 2 * np.arccosh(np.cos(np.pi / 5) / np.sin(np.pi / 4))
+    >>> pentagon = from_sides([side] * 4, [np.pi / 2] * 3, curvature=-1.0)
+    >>> bool(np.allclose(np.linalg.norm(pentagon, axis=1), np.linalg.norm(pentagon[0])))
+    True
+    """
+    try:
+        steps, turns = (np.asarray(given, dtype=np.float64) for given in (sides, angles))
+    except (TypeError, ValueError):  # words, or rows of different sizes
+        raise InvalidParameter("the sides and the angles are not lists of numbers") from None
+    if steps.ndim != 1 or steps.size < 2 or turns.shape != (steps.size - 1,):
+        raise InvalidParameter(
+            f"there are sides of shape {steps.shape} and angles of shape {turns.shape}: of a polygon of n "
+            "sides n - 1 are given, and n - 2 angles between them"
+        )
+    space = Space(curvature)
+    for k, side in enumerate(steps.tolist()):
+        _check_positive(f"side {k} of the polygon", length=side)
+    inside = (turns > 0) & (turns < 2 * np.pi)
+    if not inside.all():
+        k = int(np.argmin(inside))
+        raise InvalidParameter(f"angle {k} of the polygon is {float(turns[k])!r}, not between 0 and 2 pi")
+    half = math.pi * space.radius
+    if space.curvature > 0 and not (steps < half).all():
+        k = int(np.argmin(steps < half))
+        raise InvalidParameter(f"side {k} of the polygon is {steps[k]:.9g}, at least half a great circle")
+    frame, points = np.eye(3), [np.array([0.0, 0.0, 1.0])]
+    for step, turn in zip(steps, np.pi - np.append(turns, np.pi), strict=True):
+        s, c = space.sn(step), space.cs(step)
+        frame = frame @ [[c, 0, s], [0, 1, 0], [-space.curvature * s, 0, c]]
+        points.append(frame[:, 2])
+        frame = frame @ [[np.cos(turn), -np.sin(turn), 0], [np.sin(turn), np.cos(turn), 0], [0, 0, 1]]
+    corners = np.array(points)
+    return corners[:, :2] if space.is_euclidean else _about_the_origin(corners, space)
+
+
+def _about_the_origin(points: Floats, space: Space) -> Floats:
+    """Ambient coordinates (n, 2) of points (n, 3) of sphere or hyperboloid whose sum is moved above it.
+
+    Raises
+    ------
+    InvalidParameter
+        On the sphere they are not all in the half about there.
+    """
+    k = space.curvature
+    total = points.sum(axis=0)
+    x, y, w = total / np.sqrt(k * (total[0] ** 2 + total[1] ** 2) + total[2] ** 2)
+    heights = points[:, 2] * w + k * (points[:, 0] * x + points[:, 1] * y)
+    if not (heights > 0).all():
+        k = int(np.argmin(heights > 0))
+        raise InvalidParameter(f"corner {k} of the polygon is not in one half of the sphere with the others")
+    # The translation along the line through both.
+    share = (points[:, 2] + heights) / (1 + w)
+    return np.asarray(points[:, :2] - share[:, None] * [x, y])
 
 
 def inscribed(curve: Curve, n: int, part: float) -> Floats:

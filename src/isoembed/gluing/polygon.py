@@ -9,16 +9,18 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from isoembed.arrays import Floats, Indices
-from isoembed.errors import InvalidMetric
+from isoembed.errors import InvalidMetric, InvalidParameter
 from isoembed.gluing.thresholds import GLUING
 from isoembed.intrinsic.plane import folds, meet
 from isoembed.kernel import kernel
 from isoembed.mesh.triangulation import frozen
+from isoembed.space import EUCLIDEAN, Space
+from isoembed.space.models import Model, from_model, to_model
 
 
 @dataclass(frozen=True, eq=False)
 class Polygon:
-    """A simple polygon, counterclockwise, with corner 0 the first that was given.
+    """A simple polygon with straight sides, counterclockwise, with corner 0 the first that was given.
 
     A position on the boundary is counted in corners: 2.5 is the middle of side 2, which runs from corner 2
     to corner 3.  Positions beyond the last corner go on with the first.
@@ -26,6 +28,9 @@ class Polygon:
     Attributes
     ----------
     corners : ndarray, shape (n, 2)
+        Ambient coordinates: those of the plane, or the first two on the sphere or hyperboloid.
+    space : Space
+        Of the curvature of the plane, sphere or hyperbolic plane that it lies in.
     turned : bool
         The corners were given clockwise: the one called k is ``-k % n`` here.
     arcs : ndarray, shape (n + 1,)
@@ -33,11 +38,12 @@ class Polygon:
     """
 
     corners: Floats
+    space: Space
     turned: bool
     arcs: Floats
 
     @classmethod
-    def of(cls, given: ArrayLike, index: int) -> Polygon:
+    def of(cls, given: ArrayLike, index: int, space: Space = EUCLIDEAN, model: Model = "ambient") -> Polygon:
         """The polygon with these corners in either orientation, checked.
 
         Parameters
@@ -46,14 +52,22 @@ class Polygon:
             Consecutive sides may be in line.
         index : int
             What it is called in a message.
+        space : Space
+            Of the curvature of the plane that it lies in.
+        model : {"ambient", "conformal", "projective"}
+            Which coordinates are given, where that is no plane.
 
         Raises
         ------
         InvalidMetric
-            It has fewer than three corners, a corner that is no point of the plane, a side without length, or
-            it meets itself.
+            It has fewer than three corners, a corner that is no point of the plane or of the model, a side
+            without length, or it meets itself.
         """
         corners = points_of_the_plane(given, f"polygon {index}").copy()
+        try:
+            corners = from_model(space, corners, model)
+        except InvalidParameter as error:
+            raise InvalidMetric(f"polygon {index}: {error}") from None
         if len(corners) < 3:
             raise InvalidMetric(f"polygon {index} has {len(corners)} corners: it takes 3")
         same = (corners == np.roll(corners, -1, axis=0)).all(axis=1)
@@ -62,7 +76,7 @@ class Polygon:
             raise InvalidMetric(
                 f"side {k} of polygon {index} has no length: its ends are both at {corners[k].tolist()}"
             )
-        shape = (corners - corners.min(axis=0)) / float(np.ptp(corners, axis=0).max())
+        shape = shape_of(corners, space)
         first, second = meeting_sides(shape)
         if first >= 0:
             raise InvalidMetric(
@@ -72,19 +86,27 @@ class Polygon:
         turned = bool((x * np.roll(y, -1) - y * np.roll(x, -1)).sum() < 0)
         if turned:
             corners = np.roll(corners[::-1], 1, axis=0)
-        steps = side_lengths(corners)
-        return cls(frozen(corners), turned, frozen(np.concatenate([[0.0], np.cumsum(steps)])))
+        return cls._made(corners, space, turned)
+
+    @classmethod
+    def _made(cls, corners: Floats, space: Space, turned: bool) -> Polygon:
+        arcs = np.concatenate([[0.0], np.cumsum(side_lengths(corners, space))])
+        return cls(frozen(corners), space, turned, frozen(arcs))
 
     def turned_over(self) -> Polygon:
         """The same sheet seen from its back, corner 0 the same."""
         corners = np.roll((self.corners * [-1.0, 1.0])[::-1], 1, axis=0)
-        arcs = np.concatenate([[0.0], np.cumsum(side_lengths(corners))])
-        return Polygon(frozen(corners), not self.turned, frozen(arcs))
+        return Polygon._made(corners, self.space, not self.turned)
 
     @property
     def n(self) -> int:
         """Number of corners."""
         return len(self.corners)
+
+    @property
+    def sides(self) -> Floats:
+        """Lengths of the sides, shape (n,)."""
+        return side_lengths(self.corners, self.space)
 
     @property
     def perimeter(self) -> float:
@@ -94,7 +116,9 @@ class Polygon:
     @property
     def angles(self) -> Floats:
         """The interior angle at each corner, radians, shape (n,)."""
-        (x, y), (u, v) = ((np.roll(self.corners, k, axis=0) - self.corners).T for k in (-1, 1))
+        (x, y), (u, v) = (
+            self.space.seen_from(self.corners, np.roll(self.corners, k, axis=0)).T for k in (-1, 1)
+        )
         return np.arctan2(x * v - y * u, x * u + y * v) % (2 * np.pi)
 
     def arc(self, position: float) -> float:
@@ -111,11 +135,15 @@ class Polygon:
         return (side + float(part)) % self.n
 
     def points(self, positions: Floats) -> Floats:
-        """Where positions from 0 to below n lie in the plane, shape (m, 2); corners exactly."""
+        """Where positions from 0 to below n lie, shape (m, 2); corners exactly."""
         side = positions.astype(np.int64)
         part = (positions - side)[:, None]
         start, end = self.corners[side], self.corners[(side + 1) % self.n]
-        return start + part * (end - start)
+        if self.space.is_euclidean:
+            return start + part * (end - start)
+        lengths, sn = self.sides[side, None], self.space.sn
+        between = (sn((1 - part) * lengths) * start + sn(part * lengths) * end) / sn(lengths)
+        return np.where(part == 0, start, between)
 
 
 def points_of_the_plane(given: ArrayLike, name: str) -> Floats:
@@ -151,9 +179,22 @@ def differ(ours: float, theirs: float, sheets: tuple[Polygon, Polygon]) -> bool:
     return abs(ours - theirs) > GLUING.same_length * max(ours, theirs) + rounding
 
 
-def side_lengths(points: Floats) -> Floats:
+def side_lengths(points: Floats, space: Space = EUCLIDEAN) -> Floats:
     """Lengths of the sides of a closed polygon, shape (n,)."""
-    return np.asarray(np.hypot(*(np.roll(points, -1, axis=0) - points).T))
+    return distances(points, np.roll(points, -1, axis=0), space)
+
+
+def distances(a: Floats, b: Floats, space: Space) -> Floats:
+    """Distances between points (..., 2) of the plane, or of the sphere or hyperbolic plane."""
+    if space.is_euclidean:
+        return np.asarray(np.hypot(*np.moveaxis(b - a, -1, 0)))
+    return space.distances(a, b)
+
+
+def shape_of(points: Floats, space: Space) -> Floats:
+    """The points of an outline in the plane and of the size of 1, where its sides are straight."""
+    points = to_model(space, points, "projective")
+    return (points - points.min(axis=0)) / float(np.ptp(points, axis=0).max())
 
 
 def meeting_sides(points: Floats) -> tuple[int, int]:

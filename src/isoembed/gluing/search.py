@@ -3,14 +3,18 @@
 import numpy as np
 from numpy.typing import ArrayLike
 
-from isoembed.gluing.polygon import Polygon, side_lengths
+from isoembed.gluing.polygon import Polygon
 from isoembed.gluing.thresholds import GLUING
+from isoembed.space import Space
+from isoembed.space.models import Model
 
 Pairs = tuple[tuple[int, int], ...]
 Sides = list[tuple[tuple[int, int], tuple[int, int]]]
 
 
-def edge_gluings(polygon: ArrayLike, *, convex: bool = True) -> list[Sides]:
+def edge_gluings(
+    polygon: ArrayLike, *, convex: bool = True, curvature: float = 0.0, model: Model = "ambient"
+) -> list[Sides]:
     """Edge-to-edge gluings of a polygon to a sphere: each side is glued to another of its length.
 
     The sphere leaves no pairs that cross: with 2 m sides of one length there are Catalan(m) gluings.  Those
@@ -24,6 +28,8 @@ def edge_gluings(polygon: ArrayLike, *, convex: bool = True) -> list[Sides]:
     convex : bool
         Leave out gluings in which more than a full angle comes together at a vertex, which are metrics of no
         convex polyhedron.
+    curvature, model : float and str
+        Of the polygon, as of `glue`.
 
     Returns
     -------
@@ -46,8 +52,8 @@ def edge_gluings(polygon: ArrayLike, *, convex: bool = True) -> list[Sides]:
     >>> edge_gluings(square)
     [[((0, 0), (0, 1)), ((0, 2), (0, 3))], [((0, 0), (0, 3)), ((0, 1), (0, 2))]]
     """
-    sheet = Polygon.of(polygon, 0)
-    n, lengths, angles = sheet.n, side_lengths(sheet.corners), sheet.angles
+    sheet = Polygon.of(polygon, 0, Space(curvature), model)
+    n, lengths, angles = sheet.n, sheet.sides, sheet.angles
     most = 2 * np.pi + GLUING.full_angle if convex else np.inf
     # By stretch of sides i .. j - 1: its gluings, and the angles that its two ends are glued to in between.
     known: dict[tuple[int, int], list[tuple[Pairs, float]]] = {(i, i): [((), 0.0)] for i in range(n + 1)}

@@ -91,7 +91,8 @@ def unfold(surface: Embedding) -> Unfolding:
     Raises
     ------
     InvalidMetric
-        A face is so thin that it lies in no plane, or a side so short that rounding hides it.
+        A face is so thin that it lies in no plane, a side is so short that rounding hides it, or the surface
+        is in hyperbolic or spherical space.
 
     References
     ----------
@@ -105,6 +106,8 @@ def unfold(surface: Embedding) -> Unfolding:
     >>> unfold(tetrahedron)
     Unfolding(1 sheet, 3 pairs of sides, 3 folds)
     """
+    if not surface.metric.space.is_euclidean:
+        raise InvalidMetric(f"the surface is in {surface.metric.space.name} space: paper is flat")
     unit = surface.metric.unit
     vertices = surface.vertices / unit
     faces = true_faces(surface.triangulation, vertices)

@@ -15,8 +15,8 @@ import numpy as np
 from isoembed.arrays import Floats, Indices
 from isoembed.intrinsic.flips import Tracked, flip, flip_tracked
 from isoembed.intrinsic.halfedges import HalfEdges, following, preceding
-from isoembed.intrinsic.trigonometry import apex, twice_area
 from isoembed.kernel import kernel, with_numba
+from isoembed.space.trigonometry import amplitude, apex, chord, cs, sn, twice_area
 from isoembed.thresholds import compiled, threshold
 
 
@@ -134,7 +134,7 @@ class Weighted(NamedTuple):
     Attributes
     ----------
     weights : ndarray, shape (V,)
-        Squared radii, less any constant.
+        Squared radii, less any constant; in curved space squared `chord` of the radii.
     """
 
     weights: Floats
@@ -161,7 +161,8 @@ def make_delaunay(mesh: HalfEdges, weights: Floats, edges: Indices | None = None
     ----------
     mesh : HalfEdges
     weights : ndarray, shape (V,)
-        Squared radii, less any constant; equal for the Delaunay triangulation.
+        Squared radii, less any constant, so that equal ones make the Delaunay triangulation; in curved space
+        the squares of the `chord` of the radii, of which only zeros do.
     edges : ndarray of int, optional
         What `non_delaunay_edges` says, where it is known already.
 
@@ -177,17 +178,24 @@ def make_delaunay(mesh: HalfEdges, weights: Floats, edges: Indices | None = None
     return flips, non_delaunay_edges(mesh, weights).size if blocked else 0
 
 
-@kernel
+# A call would copy all of the named tuple: compiled into its callers, though the formulas of curved space
+# make it longer than what is by itself.
+@kernel(forceinline=True)
 def tilt(h: int, mesh: HalfEdges, weights: Floats) -> tuple[float, float]:
     """Signed distance of the power center of h's triangle from h, positive inside, and its rounding error.
 
-    It is d = ((|ik|^2 + q_i - q_k) / 2 - p x) / y with p = (l^2 + q_i - q_j) / (2 l).
+    It is d = ((|ik|^2 + q_i - q_k) / 2 - p x) / y with p = (l^2 + q_i - q_j) / (2 l).  In curved space it is
+    the sine of the distance of the apex from the line of h, times the cosine of the angle between triangle
+    and apex there: on hyperboloid and sphere, where the cosines of the radii at the corners are those of a
+    linear function, the slope of that across h, over the curvature.
     """
-    corners, lengths = mesh.corners, mesh.lengths
+    corners, lengths, k = mesh.corners, mesh.lengths, mesh.curvature
     after, before = following(h), preceding(h)
     l, second, third = lengths[h], lengths[after], lengths[before]
-    x, y = apex(l, second, third)
     a, b, c = weights[corners[h]], weights[corners[after]], weights[corners[before]]
+    if k != 0:
+        return _curved_tilt(l, second, third, a, b, c, k)
+    x, y = apex(l, second, third, k)
     p = (l + (a - b) / l) / 2
     if y <= 0:
         return -np.inf, 0.0
@@ -196,8 +204,24 @@ def tilt(h: int, mesh: HalfEdges, weights: Floats) -> tuple[float, float]:
 
 
 @kernel
+def _curved_tilt(
+    l: float, second: float, third: float, a: float, b: float, c: float, k: float
+) -> tuple[float, float]:
+    x, y = apex(l, second, third, k)
+    if y <= 0:
+        return -np.inf, 0.0
+    along, up, flat = chord(l, k), chord(third, k), 1 - k * a / 2
+    along, up = along * along, up * up
+    p = (along * flat + (a - b)) / (2 * np.float64(sn(l, k)))
+    size = abs(a) + abs(b) + abs(c) + along + up
+    return ((up * flat + (a - c)) / 2 - p * x) / y, _T.rounding * size / y
+
+
+@kernel
 def tilts(mesh: HalfEdges, weights: Floats) -> tuple[Floats, Floats]:
     """The tilts of all half-edges and their rounding errors, shape (3F,)."""
+    if mesh.curvature != 0:
+        return _curved_tilts(mesh, weights)
     corners, lengths = mesh.corners, mesh.lengths
     values, errors = np.empty(corners.size), np.empty(corners.size)
     for f in range(0, corners.size, 3):
@@ -220,6 +244,37 @@ def tilts(mesh: HalfEdges, weights: Floats) -> tuple[Floats, Floats]:
 
 
 @kernel
+def _curved_tilts(mesh: HalfEdges, weights: Floats) -> tuple[Floats, Floats]:
+    corners, lengths, curvature = mesh.corners, mesh.lengths, mesh.curvature
+    values, errors = np.empty(corners.size), np.empty(corners.size)
+    q, sine, cosine, square = np.empty((4, 3))
+    for f in range(0, corners.size, 3):
+        area = amplitude(lengths[f], lengths[f + 1], lengths[f + 2], curvature)
+        if area <= 0:
+            values[f : f + 3] = -np.inf
+            errors[f : f + 3] = 0.0
+            continue
+        for c in range(3):
+            l = lengths[f + c]
+            half, other = sn(l / 2, curvature), cs(l / 2, curvature)
+            sine[c], square[c] = 2 * half * other, 4 * half * half
+            cosine[c] = 1 - 2 * curvature * half * half
+            q[c] = weights[corners[f + c]]
+        total = abs(q[0]) + abs(q[1]) + abs(q[2]) + square[0] + square[1] + square[2]
+        for c in range(3):
+            after, before = (c + 1) % 3, (c + 2) % 3  # sides ij, jk, ki
+            jk, ki = lengths[f + after], lengths[f + before]
+            product = square[c] * cosine[before] / 2
+            product += 2 * sn((ki - jk) / 2, curvature) * sn((ki + jk) / 2, curvature)
+            flat = 1 - curvature * q[c] / 2
+            third = square[before] * flat + (q[c] - q[before])
+            along = square[c] * flat + (q[c] - q[after])
+            values[f + c] = (sine[c] * third - along * product / sine[c]) / (2 * area)
+            errors[f + c] = _T.rounding * sine[c] * total / area
+    return values, errors
+
+
+@kernel
 def non_delaunay_edges(mesh: HalfEdges, weights: Floats) -> Indices:
     """The edges that are not weighted Delaunay, as their lower half-edges."""
     d, error = tilts(mesh, weights)
@@ -233,7 +288,7 @@ def non_delaunay_edges(mesh: HalfEdges, weights: Floats) -> Indices:
     return found[:count].copy()
 
 
-@kernel
+@kernel(forceinline=True)
 def is_delaunay(h: int, mesh: HalfEdges, weights: Floats) -> bool:
     """Whether the dihedral angle at the edge of h is convex: the centers lie in order, d + d' >= 0."""
     here, error = tilt(h, mesh, weights)

@@ -1,16 +1,20 @@
 """The edges of one triangulation as straight paths across the triangles of another of the same metric."""
 
+import math
 from dataclasses import dataclass
 
 import numpy as np
 
 from isoembed.arrays import Floats, Indices, Points
+from isoembed.intrinsic.chart import coordinate, distance, distances, stretch, toward
 from isoembed.intrinsic.halfedges import HalfEdges, following, leaving_halfedges, preceding
 from isoembed.intrinsic.polygons import Polygons, angle_around
 from isoembed.intrinsic.tracing import TRACING, crossed, from_corner, place, reaches, sector
 from isoembed.intrinsic.trigonometry import cross, norm
 from isoembed.kernel import kernel
 from isoembed.mesh.triangulation import frozen
+from isoembed.space import Space
+from isoembed.space.trigonometry import cs, sn
 from isoembed.thresholds import compiled
 
 _T = compiled(TRACING)
@@ -31,10 +35,10 @@ class EdgePaths:
     halfedges : ndarray of int, shape (C,)
         The half-edge that is crossed, of the face that the path leaves.
     parameters : ndarray, shape (C,)
-        Where: 0 at the vertex that the half-edge leaves, 1 at the other.
+        Where: 0 at the vertex that the half-edge leaves, 1 at the other, in proportion to the length.
     lengths, distances : ndarray, shape (n,)
-        Length that the path is to have, and distance of its ends once its triangles are unfolded into the
-        plane; not a number if it has not been found.
+        Length that the path is to have, and distance of its ends once its triangles are unfolded; not a
+        number if it has not been found.
     """
 
     tables: HalfEdges
@@ -61,7 +65,7 @@ class EdgePaths:
         Parameters
         ----------
         vertices : ndarray, shape (V, d)
-            Positions of the vertices of the triangulation.
+            Positions of the vertices of the triangulation, in a `isoembed.space.Space` of its curvature.
 
         Returns
         -------
@@ -75,15 +79,19 @@ class EdgePaths:
         result[starts[:-1]], result[starts[1:] - 1] = (vertices[v] for v in self.ends.T)
         a, b = (end[self.halfedges] for end in self.tables.ends)
         s = self.parameters[:, None]
-        result[between] = (1 - s) * vertices[a] + s * vertices[b]
+        near, far = 1 - s, s
+        if self.tables.curvature != 0:
+            space, l = Space(self.tables.curvature), self.tables.lengths[self.halfedges, None]
+            near, far = space.sn(near * l) / space.sn(l), space.sn(far * l) / space.sn(l)
+        result[between] = near * vertices[a] + far * vertices[b]
         return result
 
 
 def edge_paths(original: HalfEdges, final: HalfEdges, polygons: Polygons, halfedges: Indices) -> EdgePaths:
     """Draw edges of one triangulation on another.
 
-    An edge sets out in its direction; the triangles that it meets are unfolded into the plane, and there the
-    path is drawn straight from end to end.
+    An edge sets out in its direction; the triangles that it meets are unfolded, and the path is drawn
+    straight from end to end.
 
     Parameters
     ----------
@@ -112,10 +120,10 @@ def edge_paths(original: HalfEdges, final: HalfEdges, polygons: Polygons, halfed
         counts[lost], meet[lost] = _follow(first[lost], angles[lost], lengths[lost], ends[lost, 1], polygons)
     offsets = np.concatenate([np.zeros(1, dtype=np.int64), np.cumsum(counts)])
     crossings, parameters = _cross(first, angles, offsets, meet, polygons)
-    distances = np.hypot(meet.real, meet.imag)
-    for table in (ends, offsets, crossings, parameters, lengths, distances):
+    apart = distances(meet, polygons.curvature)
+    for table in (ends, offsets, crossings, parameters, lengths, apart):
         frozen(table)
-    return EdgePaths(final, ends, offsets, crossings, parameters, lengths, distances)
+    return EdgePaths(final, ends, offsets, crossings, parameters, lengths, apart)
 
 
 @kernel
@@ -147,19 +155,20 @@ def _set_out(
 
 @kernel
 def _follow(
-    first: Indices, angles: Floats, distances: Floats, goals: Indices, polygons: Polygons
+    first: Indices, angles: Floats, lengths: Floats, goals: Indices, polygons: Polygons
 ) -> tuple[Indices, Points]:
     """Crossings of each path, and where it ends if it sets out along the x axis; not a number if astray."""
-    corners = polygons.corners
+    corners, curvature = polygons.corners, polygons.curvature
     counts, meet = np.zeros(first.size, dtype=np.int64), np.full(first.size, complex(np.nan, np.nan))
     for e in range(first.size):
-        far = distances[e]
+        far = lengths[e]
+        goal = complex(coordinate(far, curvature), 0.0)
         state = from_corner(first[e], angles[e], polygons)
         near = _T.astray * far + _T.rounding * (norm(polygons.z[first[e]]) + norm(polygons.z[state[0]]))
         found = False
         for g in (state[0], following(state[0])):
             end = place(g, state, polygons)
-            if not found and corners[g] == goals[e] and norm(end - far) <= near:
+            if not found and corners[g] == goals[e] and norm(toward(goal, end, curvature)) <= near:
                 meet[e], found = end, True
         if found:
             continue
@@ -169,7 +178,7 @@ def _follow(
             g = preceding(polygons.twins[state[0]])
             state = crossed(state, polygons)
             end = place(g, state, polygons)
-            if corners[g] == goals[e] and norm(end - far) <= near:
+            if corners[g] == goals[e] and norm(toward(goal, end, curvature)) <= near:
                 meet[e], counts[e] = end, k + 1
                 break
     return counts, meet
@@ -190,7 +199,24 @@ def _cross(
             lower = place(state[0], state, polygons)
             upper = place(following(state[0]), state, polygons)
             below, above = cross(lower, meet[e]), cross(meet[e], upper)
-            along = below + above
-            parameters[k] = min(max(below / along, 0.0), 1.0) if along > 0 else 0.5
+            parameters[k] = _parameter(lower, upper, below, above, polygons.curvature)
             state = crossed(state, polygons)
     return halfedges, parameters
+
+
+@kernel
+def _parameter(lower: complex, upper: complex, below: float, above: float, k: float) -> float:
+    """Where a side is crossed by a line on which its ends have these products: part of its length."""
+    if k == 0:
+        along = below + above
+        return min(max(below / along, 0.0), 1.0) if along > 0 else 0.5
+    # On hyperboloid or sphere the crossing is `above` times one end and `below` times the other.
+    below, above = max(below / stretch(lower, k), 0.0), max(above / stretch(upper, k), 0.0)
+    length = distance(toward(lower, upper, k), k)
+    sine, cosine = below * sn(length, k), above + below * cs(length, k)
+    if not (below + above > 0 and length > 0):
+        return 0.5
+    root = np.sqrt(abs(k))
+    if k > 0:
+        return min(math.atan2(root * sine, cosine) / (root * length), 1.0)
+    return min(math.atanh(min(root * sine / cosine, 1.0 - 2.0**-53)) / (root * length), 1.0)

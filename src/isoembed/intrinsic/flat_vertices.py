@@ -240,10 +240,10 @@ def _thin_out(v: int, mesh: HalfEdges, carried: Tracked) -> bool:
 @kernel
 def _in_the_way(h: int, mesh: HalfEdges) -> int:
     """The edge whose flip divides the largest of the angles that keep an edge from being flipped."""
-    t, lengths = mesh.twins[h], mesh.lengths
+    t = mesh.twins[h]
     at = np.empty(4)
     for k, e in enumerate((h, t)):
-        at[2 * k], at[2 * k + 1] = corner_angle(e, lengths), corner_angle(following(e), lengths)
+        at[2 * k], at[2 * k + 1] = corner_angle(e, mesh), corner_angle(following(e), mesh)
     # At the start of h meet its own first angle and the second of the twin.
     if at[0] + at[3] > at[1] + at[2]:
         return following(h) if at[0] > at[3] else preceding(t)
@@ -253,7 +253,7 @@ def _in_the_way(h: int, mesh: HalfEdges) -> int:
 @kernel
 def _note(h: int, mesh: HalfEdges, removal: Removal, count: int) -> None:
     """Write down where the vertex that a half-edge leaves is seen from its nearest neighbor."""
-    corners, twins, lengths, directions = mesh
+    corners, twins, lengths, directions, _ = mesh
     e = nearest = h
     while True:
         if lengths[e] < lengths[nearest] and corners[twins[e]] != corners[h]:

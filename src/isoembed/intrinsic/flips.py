@@ -1,13 +1,14 @@
 """The intrinsic edge flip, compiled: one diagonal of two triangles in the place of the other."""
 
+import math
 from typing import NamedTuple
 
 import numpy as np
 
 from isoembed.arrays import Floats, Indices, Mask
 from isoembed.intrinsic.halfedges import HalfEdges, following, glue, leaving_halfedges, preceding
-from isoembed.intrinsic.trigonometry import angle_between, apex
 from isoembed.kernel import kernel
+from isoembed.space.trigonometry import angle_between, apex, arc, sn
 
 
 class Tracked(NamedTuple):
@@ -60,7 +61,7 @@ def flip(h: int, mesh: HalfEdges, thinnest: float) -> bool:
         False, and nothing is changed, if both sides are one face, or a new triangle would be as thin as
         stated: no higher than that fraction of its longest side.
     """
-    lengths, directions = mesh.lengths, mesh.directions
+    lengths, directions, k = mesh.lengths, mesh.directions, mesh.curvature
     t = mesh.twins[h]
     if h // 3 == t // 3:
         return False
@@ -72,12 +73,15 @@ def flip(h: int, mesh: HalfEdges, thinnest: float) -> bool:
         lengths[im],
         lengths[mj],
     )
-    x, y = apex(l, length_jk, length_ki)
-    u, v = apex(l, length_mj, length_im)
-    diagonal = np.hypot(x - u, y + v)
-    # Twice the areas of the new triangles.
-    at_i = x * v + u * y
-    at_j = (l - x) * v + (l - u) * y
+    if k == 0:
+        x, y = apex(l, length_jk, length_ki, k)
+        u, v = apex(l, length_mj, length_im, k)
+        diagonal = np.hypot(x - u, y + v)
+        # Twice the areas of the new triangles.
+        at_i = x * v + u * y
+        at_j = (l - x) * v + (l - u) * y
+    else:
+        diagonal, at_i, at_j = _curved_diagonal(l, length_jk, length_ki, length_im, length_mj, k)
     longest_i = max(diagonal, max(length_ki, length_im))
     longest_j = max(diagonal, max(length_mj, length_jk))
     if not (at_i > thinnest * longest_i * longest_i and at_j > thinnest * longest_j * longest_j):
@@ -85,17 +89,36 @@ def flip(h: int, mesh: HalfEdges, thinnest: float) -> bool:
     at_m, at_k = directions[mesh.twins[im]], directions[mesh.twins[jk]]  # of m -> i and k -> j
     # The angles of the better triangle tell the directions.
     if at_i * longest_j * longest_j > at_j * longest_i * longest_i:
-        at_m -= angle_between(length_im, diagonal, length_ki)
-        at_k = directions[ki] + angle_between(length_ki, diagonal, length_im)
+        at_m -= angle_between(length_im, diagonal, length_ki, k)
+        at_k = directions[ki] + angle_between(length_ki, diagonal, length_im, k)
     else:
-        at_m = directions[mj] + angle_between(length_mj, diagonal, length_jk)
-        at_k -= angle_between(length_jk, diagonal, length_mj)
+        at_m = directions[mj] + angle_between(length_mj, diagonal, length_jk, k)
+        at_k -= angle_between(length_jk, diagonal, length_mj, k)
     swap_diagonals(h, mesh.corners, mesh.twins)
     lengths[t], lengths[h] = length_jk, length_im
     directions[t], directions[h] = directions[jk], directions[im]
     lengths[jk] = lengths[im] = diagonal
     directions[jk], directions[im] = at_m, at_k
     return True
+
+
+@kernel
+def _curved_diagonal(
+    l: float, jk: float, ki: float, im: float, mj: float, k: float
+) -> tuple[float, float, float]:
+    """The other diagonal of two triangles, and longest side times height of the new ones.
+
+    It is the third side of a triangle by a law of cosines in which nothing cancels.
+    """
+    x, y = apex(l, jk, ki, k)
+    u, v = apex(l, mj, im, k)
+    sine, difference = math.sin((math.atan2(y, x) + math.atan2(v, u)) / 2), sn((ki - im) / 2, k)
+    diagonal = arc(2 * np.sqrt(difference * difference + sn(ki, k) * sn(im, k) * sine * sine), k)
+    at_i = x * v + u * y
+    at_j = apex(l, ki, jk, k)[0] * v + apex(l, im, mj, k)[0] * y
+    longest_i, longest_j = max(diagonal, max(ki, im)), max(diagonal, max(mj, jk))
+    at_i *= longest_i / np.float64(sn(longest_i, k))
+    return diagonal, at_i, at_j * longest_j / np.float64(sn(longest_j, k))
 
 
 @kernel

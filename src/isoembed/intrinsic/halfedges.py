@@ -12,8 +12,10 @@ from typing import NamedTuple
 import numpy as np
 
 from isoembed.arrays import Floats, Indices
-from isoembed.intrinsic.trigonometry import angle_between, apex, from_frame
+from isoembed.intrinsic.chart import toward
+from isoembed.intrinsic.trigonometry import from_frame, norm
 from isoembed.kernel import kernel
+from isoembed.space.trigonometry import angle_between, apex, cs
 
 
 class HalfEdges(NamedTuple):
@@ -30,15 +32,18 @@ class HalfEdges(NamedTuple):
         The angle at which it leaves its vertex, counterclockwise from a direction that flips do not change
         and modulo the total angle there (a "signpost": Sharp, Soliman and Crane, Navigating intrinsic
         triangulations, ACM TOG 38, 2019).
+    curvature : float
+        That of the triangles; lengths are measured along their sides.
     """
 
     corners: Indices
     twins: Indices
     lengths: Floats
     directions: Floats
+    curvature: float = 0.0
 
     @classmethod
-    def of(cls, faces: Indices, twins: Indices, face_lengths: Floats) -> HalfEdges:
+    def of(cls, faces: Indices, twins: Indices, face_lengths: Floats, curvature: float = 0.0) -> HalfEdges:
         """Copy the triangles of a metric and give every half-edge its direction.
 
         Parameters
@@ -47,20 +52,31 @@ class HalfEdges(NamedTuple):
         twins : ndarray of int, shape (3F,)
         face_lengths : ndarray, shape (F, 3)
             Length of each half-edge.
+        curvature : float
+            That of the triangles.
         """
-        mesh = cls.without_directions(faces, twins, face_lengths)
+        mesh = cls.without_directions(faces, twins, face_lengths, curvature)
         set_directions(mesh)
         return mesh
 
     @classmethod
-    def without_directions(cls, faces: Indices, twins: Indices, face_lengths: Floats) -> HalfEdges:
+    def without_directions(
+        cls, faces: Indices, twins: Indices, face_lengths: Floats, curvature: float = 0.0
+    ) -> HalfEdges:
         """Copy the triangles of a metric for those who ask for no directions: all are zero."""
         corners = np.array(faces, dtype=np.int64).ravel()
-        return cls(corners, np.array(twins), np.array(face_lengths).ravel(), np.zeros(corners.size))
+        lengths = np.array(face_lengths).ravel()
+        return cls(corners, np.array(twins), lengths, np.zeros(corners.size), float(curvature))
 
     def copy(self) -> HalfEdges:
         """Copy of all tables."""
-        return HalfEdges._make(table.copy() for table in self)
+        return HalfEdges(
+            self.corners.copy(),
+            self.twins.copy(),
+            self.lengths.copy(),
+            self.directions.copy(),
+            self.curvature,
+        )
 
     def order_in_memory(self) -> Indices:
         """Order of the vertices in which neighbors have near numbers, shape (V,)."""
@@ -85,7 +101,12 @@ class HalfEdges(NamedTuple):
         place[faces] = np.arange(faces.size)
         h = (3 * faces[:, None] + np.arange(3)).ravel()
         face, corner = np.divmod(self.twins[h], 3)
-        return HalfEdges(self.corners[h], 3 * place[face] + corner, self.lengths[h], self.directions[h])
+        return self._replace(
+            corners=self.corners[h],
+            twins=3 * place[face] + corner,
+            lengths=self.lengths[h],
+            directions=self.directions[h],
+        )
 
     @property
     def faces(self) -> Indices:
@@ -200,9 +221,10 @@ def edges_between(h: int, v: int, corners: Indices, twins: Indices) -> int:
 
 
 @kernel
-def corner_angle(h: int, lengths: Floats) -> float:
+def corner_angle(h: int, mesh: HalfEdges) -> float:
     """Angle of a face at the corner that a half-edge leaves."""
-    return angle_between(lengths[h], lengths[preceding(h)], lengths[following(h)])
+    lengths = mesh.lengths
+    return angle_between(lengths[h], lengths[preceding(h)], lengths[following(h)], mesh.curvature)
 
 
 @kernel
@@ -211,7 +233,7 @@ def total_angle(h: int, mesh: HalfEdges) -> float:
     start = h
     total = 0.0
     while True:
-        total += corner_angle(h, mesh.lengths)
+        total += corner_angle(h, mesh)
         h = mesh.twins[preceding(h)]
         if h == start:
             return total
@@ -227,13 +249,17 @@ def set_directions(mesh: HalfEdges) -> None:
         while not seen[h]:
             seen[h] = True
             mesh.directions[h] = angle
-            angle += corner_angle(h, mesh.lengths)
+            angle += corner_angle(h, mesh)
             h = mesh.twins[preceding(h)]
 
 
 @kernel
-def third_corner(h: int, p: complex, q: complex, lengths: Floats) -> complex:
-    """Third corner of a triangle in the plane, to the left of half-edge h from p to q."""
-    l = lengths[h]
-    x, y = apex(l, lengths[following(h)], lengths[preceding(h)])
-    return from_frame(p, q - p, x / l, y / l)
+def third_corner(h: int, p: complex, q: complex, mesh: HalfEdges) -> complex:
+    """Third corner of a triangle laid out in a `chart`, to the left of half-edge h from p to q."""
+    l, third, k = mesh.lengths[h], mesh.lengths[preceding(h)], mesh.curvature
+    x, y = apex(l, mesh.lengths[following(h)], third, k)
+    if k == 0:
+        return from_frame(p, q - p, x / l, y / l)
+    side, half = toward(p, q, k), cs(third / 2, k)
+    scale = norm(side) * half * half
+    return toward(-p, from_frame(0j, side, x / scale, y / scale), k)

@@ -8,14 +8,15 @@ from numpy.typing import NDArray
 
 from isoembed.arrays import Floats, Indices, Mask, Points
 from isoembed.errors import InvalidMetric
+from isoembed.intrinsic.chart import coordinate, distances, stretch, toward, turn_at
 from isoembed.intrinsic.delaunay import empty_stack, flip_edges
 from isoembed.intrinsic.flat_vertices import Removal
-from isoembed.intrinsic.halfedges import HalfEdges, leaving_halfedges, preceding, total_angle
+from isoembed.intrinsic.halfedges import HalfEdges, following, leaving_halfedges, preceding, total_angle
 from isoembed.intrinsic.multi_edges import separated
 from isoembed.intrinsic.planar import Marks, insert
 from isoembed.intrinsic.polygons import Polygons, first_sides, lay_out, loosened
 from isoembed.intrinsic.tracing import from_corner, from_inside, place, sector, straight
-from isoembed.intrinsic.trigonometry import argument, cross
+from isoembed.intrinsic.trigonometry import cross
 from isoembed.kernel import kernel
 from isoembed.mesh.triangulation import frozen
 from isoembed.thresholds import threshold
@@ -52,7 +53,8 @@ class Restored:
     faces : ndarray of int, shape (n,)
         For every flat vertex the face, of those without flat vertices, in which it lies.
     barycentric : ndarray, shape (n, 3)
-        And how much of the three corners it is; not negative, sum 1.
+        And how much of the three corners it is, on hyperboloid or sphere if the faces are curved; not
+        negative, sum 1 in the plane.
     corners : ndarray of int, shape (n, 3)
         The three corners, in the numbers of the triangulation without flat vertices.
     """
@@ -72,6 +74,7 @@ class Restored:
         Parameters
         ----------
         core : ndarray, shape (V - n, 3)
+            Of a `isoembed.space.Space`.
 
         Returns
         -------
@@ -125,10 +128,10 @@ def insert_vertices(tables: HalfEdges, removal: Removal, kept: Mask) -> Restored
         if depths[first] < INSERTION.inside:
             order, near, first = np.append(order, number.size), np.append(near, r.core[0]), order.size
             number, faces, axis = np.append(number, -1), np.append(faces, 0), np.append(axis, 0.0)
-            barycentric = np.vstack([barycentric, np.full(3, 1 / 3)])
+            barycentric = np.vstack([barycentric, _middle(laid.z[:3], laid.curvature)])
         order, near = (np.concatenate([[part[first]], np.delete(part, first)]) for part in (order, near))
-    places = np.einsum("vc,vc->v", barycentric, laid.z[3 * faces[:, None] + np.arange(3)])
-    slopes = np.angle(_next(laid.z) - laid.z)
+    places = _combined(barycentric, laid.z[3 * faces[:, None] + np.arange(3)], laid.curvature)
+    slopes = np.angle(_sides(laid))
     room = 6 * order.size
     frames = _grown(first_sides(laid.twins, laid.fixed), room)
     axes, slopes = _grown(tables.directions, room), _grown(slopes, room)
@@ -138,6 +141,7 @@ def insert_vertices(tables: HalfEdges, removal: Removal, kept: Mask) -> Restored
         _grown(laid.z, room),
         _grown(laid.fixed, room),
         _grown(laid.cells, room // 3),
+        laid.curvature,
     )
     leaving = leaving_halfedges(r.core[laid.corners], number.size)
     sizes = np.zeros(laid.cells.max() + 1)
@@ -145,12 +149,12 @@ def insert_vertices(tables: HalfEdges, removal: Removal, kept: Mask) -> Restored
     # The two sheets of a polygon have the same corners.
     marks = Marks(_grown(kept, room), frames, axes, leaving, sizes, sizes.size == 2)
     _insert_all(order, near, faces, places, axis, polygons, marks)
-    sides = _next(polygons.z) - polygons.z
-    lengths = loosened(np.hypot(sides.real, sides.imag), polygons.twins)
+    sides = _sides(polygons)
+    lengths = loosened(distances(sides, polygons.curvature), polygons.twins)
     # A frame gives the direction of a side of the polygon, or of the x axis if the vertex was flat; half a
     # radian takes up what rounding puts before that.
     turns = (np.angle(sides) - slopes[frames] + 0.5) % (2 * np.pi) - 0.5
-    result = HalfEdges(polygons.corners, polygons.twins, lengths, axes[frames] + turns)
+    result = HalfEdges(polygons.corners, polygons.twins, lengths, axes[frames] + turns, tables.curvature)
     polygons = separated(result, marks.kept, polygons)
     flat = np.flatnonzero(number < 0)
     return Restored(
@@ -175,9 +179,36 @@ def _grown(table: Table, by: int) -> Table:
     return np.concatenate([table, np.zeros(by, dtype=table.dtype)])  # type: ignore[return-value]
 
 
-def _next(values: Points) -> Points:
-    """What the next half-edge of each face has."""
-    return np.roll(values.reshape(-1, 3), -1, axis=1).ravel()
+@kernel
+def _sides(polygons: Polygons) -> Points:
+    """The end of each half-edge as seen from its start, shape (3F,)."""
+    z = polygons.z
+    sides = np.empty_like(z)
+    for h in range(z.size):
+        sides[h] = toward(z[h], z[following(h)], polygons.curvature)
+    return sides
+
+
+def _combined(barycentric: Floats, z: Points, k: float) -> Points:
+    """Points (n,) of triangles with corners z (n, 3)."""
+    if k == 0:
+        return np.einsum("vc,vc->v", barycentric, z)
+    x, w = _summed(barycentric, z, k)
+    return 2 * x / (1 + w)
+
+
+def _middle(z: Points, k: float) -> Floats:
+    """Barycentric coordinates of the centroid of corners z (3,)."""
+    if k == 0:
+        return np.full(3, 1 / 3)
+    x, w = _summed(np.ones((1, 3)), z[None], k)
+    return np.full(3, 1 / np.sqrt(w[0] ** 2 + k * abs(x[0]) ** 2))
+
+
+def _summed(barycentric: Floats, z: Points, k: float) -> tuple[Points, Floats]:
+    """Sums of corners z (n, 3) on hyperboloid or sphere: their first two coordinates, and the last."""
+    parts = barycentric / (1 + k / 4 * np.abs(z) ** 2)
+    return np.einsum("vc,vc->v", parts, z), np.sum(2 * parts - barycentric, axis=1)
 
 
 @kernel
@@ -235,7 +266,7 @@ def _locate(
     faces, barycentric, axis = np.zeros(n, dtype=np.int64), np.zeros((n, 3)), np.zeros(n)
     places = np.empty(n, dtype=np.complex128)  # in the polygon
     leaving = leaving_halfedges(mesh.corners, n - removal.removed.size)
-    z, areas = np.empty(3, dtype=np.complex128), np.empty(3)
+    z, areas, scales = np.empty(3, dtype=np.complex128), np.empty(3), np.empty(3)
     for k in range(removal.removed.size - 1, -1, -1):
         v, u = removal.removed[k], removal.anchors[k]
         way, distance = removal.directions[k], removal.distances[k]
@@ -249,13 +280,21 @@ def _locate(
         if state[0] < 0:
             return faces, barycentric, axis, v
         f = state[0] // 3
+        here = complex(coordinate(distance, laid.curvature), 0.0)
         for i in range(3):
-            z[i] = place(3 * f + i, state, laid) - distance
+            z[i] = toward(here, place(3 * f + i, state, laid), laid.curvature)
+            scales[i] = stretch(z[i], laid.curvature)
+            z[i] /= scales[i]
         for i in range(3):
             areas[i] = max(cross(z[(i + 1) % 3], z[(i + 2) % 3]), 0.0)
-        barycentric[v] = areas / areas.sum()
-        faces[v], places[v] = f, 0j
-        for i in range(3):
-            places[v] += barycentric[v, i] * laid.z[3 * f + i]
-        axis[v] = removal.backs[k] - np.pi + argument(state[1])
+        barycentric[v] = areas / (areas * (2 / scales - 1)).sum()
+        faces[v] = f
+        if laid.curvature == 0:
+            places[v] = 0j
+            for i in range(3):
+                places[v] += barycentric[v, i] * laid.z[3 * f + i]
+        else:
+            _, turn, shift = state
+            places[v] = toward(shift, here, laid.curvature) * turn.conjugate()
+        axis[v] = removal.backs[k] - np.pi + turn_at(places[v], state[1], state[2], laid.curvature)
     return faces, barycentric, axis, -1

@@ -57,6 +57,7 @@ def separated(mesh: HalfEdges, kept: Mask, polygons: Polygons) -> Polygons:
         np.where(changed, single.z, polygons.z),
         polygons.fixed | changed | changed[mesh.twins],
         np.where(changed[::3], polygons.cells.max() + 1 + single.cells, polygons.cells),
+        polygons.curvature,
     )
 
 

@@ -1,4 +1,4 @@
-"""New vertices in plane polygons, triangulated well."""
+"""New vertices in flat polygons, triangulated well."""
 
 import math
 from dataclasses import dataclass
@@ -6,7 +6,8 @@ from typing import NamedTuple
 
 import numpy as np
 
-from isoembed.arrays import Floats, Indices, Mask, Points
+from isoembed.arrays import Floats, Indices, Mask
+from isoembed.intrinsic.chart import motion, moved, toward, turn_at
 from isoembed.intrinsic.delaunay import (
     BLOCKED,
     FLIPPED,
@@ -25,7 +26,7 @@ from isoembed.thresholds import compiled, threshold
 
 @dataclass(frozen=True)
 class PlanarThresholds:
-    """Thresholds of triangles laid out in the plane."""
+    """Thresholds of triangles laid out in a `chart`."""
 
     delaunay: float = threshold(1e-9, "radians", "Excess over pi of two angles that is left.")
     thin: float = threshold(1e-14, "height over longest side", "Coordinates do not hold thinner triangles.")
@@ -120,50 +121,58 @@ def face_at(p: complex, start: int, polygons: Polygons, n: int) -> int:
     for _ in range(n):
         go, least = -1, 0.0
         for h in range(3 * f, 3 * f + 3):
-            distance = _distance(p, h, polygons.z)
+            distance = _distance(p, h, polygons)
             if h != came and not polygons.fixed[h] and distance < least:
                 go, least = h, distance
         if go < 0:
             break
         came = polygons.twins[go]
         f = came // 3
-    best = _depth(p, f, polygons.z)
+    best = _depth(p, f, polygons)
     if best < -_T.outside:  # led astray: try all
         for g in range(n):
             if polygons.cells[g] == polygons.cells[start]:
-                depth = _depth(p, g, polygons.z)
+                depth = _depth(p, g, polygons)
                 if depth > best:
                     f, best = g, depth
     return f
 
 
 @kernel
-def _distance(p: complex, h: int, z: Points) -> float:
+def _distance(p: complex, h: int, polygons: Polygons) -> float:
     """Signed distance of a point from the line of a half-edge, positive inside, over the length of that."""
-    side = z[following(h)] - z[h]
-    return cross(side, p - z[h]) / dot(side, side)
+    side, arm = _seen(p, h, polygons)
+    return cross(side, arm) / dot(side, side)
 
 
 @kernel
-def _depth(p: complex, f: int, z: Points) -> float:
-    return min(_distance(p, 3 * f, z), _distance(p, 3 * f + 1, z), _distance(p, 3 * f + 2, z))
+def _seen(p: complex, h: int, polygons: Polygons) -> tuple[complex, complex]:
+    """The end of a half-edge and a point, both as seen from its start."""
+    z, k = polygons.z, polygons.curvature
+    return toward(z[h], z[following(h)], k), toward(z[h], p, k)
+
+
+@kernel
+def _depth(p: complex, f: int, polygons: Polygons) -> float:
+    h = 3 * f
+    return min(_distance(p, h, polygons), _distance(p, h + 1, polygons), _distance(p, h + 2, polygons))
 
 
 @kernel
 def _side_at(p: complex, f: int, polygons: Polygons, size: float) -> int:
     """The half-edge of a face that is to be split by a point in it; -1 if the point is well inside."""
-    z, fixed = polygons.z, polygons.fixed
+    fixed = polygons.fixed
     least, s = 1.0, -1
     for h in range(3 * f, 3 * f + 3):
-        side = z[following(h)] - z[h]
-        height = _distance(p, h, z)
+        side, arm = _seen(p, h, polygons)
+        height = cross(side, arm) / dot(side, side)
         if fixed[h]:
             # It comes first: a point on it that is put on another is never put on it.
             share = height * norm(side) / (_T.on_side * size) - 1
             if share >= 0:
                 continue
         else:
-            foot = dot(p - z[h], side) / dot(side, side)
+            foot = dot(arm, side) / dot(side, side)
             detour = 0.0
             if height > 0:
                 for along in (foot, 1 - foot):
@@ -175,7 +184,7 @@ def _side_at(p: complex, f: int, polygons: Polygons, size: float) -> int:
     if s >= 0:
         t = polygons.twins[s]
         q, _ = _across(p, s, t, polygons)
-        if not (_cuts(p, s, z) and _cuts(q, t, z)):
+        if not (_cuts(p, s, polygons) and _cuts(q, t, polygons)):
             return -1
     return s
 
@@ -183,7 +192,10 @@ def _side_at(p: complex, f: int, polygons: Polygons, size: float) -> int:
 @kernel
 def _across(p: complex, s: int, t: int, polygons: Polygons) -> tuple[complex, float]:
     """A point near a side in the coordinates of the face across, and by what angle to these the axes turn."""
-    z, start = polygons.z, polygons.z[following(t)]
+    z, start, k = polygons.z, polygons.z[following(t)], polygons.curvature
+    if k != 0:
+        turn, shift = motion(start, z[t], z[s], z[following(s)], k)
+        return moved(p, turn, shift, k), -turn_at(p, turn, shift, k)
     here, there = z[following(s)] - z[s], z[t] - start
     size = dot(here, here)
     c, d = dot(there, here) / size, cross(here, there) / size
@@ -191,10 +203,12 @@ def _across(p: complex, s: int, t: int, polygons: Polygons) -> tuple[complex, fl
 
 
 @kernel
-def _cuts(p: complex, s: int, z: Points) -> bool:
+def _cuts(p: complex, s: int, polygons: Polygons) -> bool:
     """Whether a point on a side and the corner across make two triangles of which neither is turned over."""
+    z, k = polygons.z, polygons.curvature
     tip = z[preceding(s)]
-    return cross(z[s] - tip, p - tip) > 0 and cross(p - tip, z[following(s)] - tip) > 0
+    arm = toward(tip, p, k)
+    return cross(toward(tip, z[s], k), arm) > 0 and cross(arm, toward(tip, z[following(s)], k)) > 0
 
 
 @kernel
@@ -253,9 +267,12 @@ def _attempt(h: int, mesh: Polygons, rule: Marks) -> int:
     """The rule of a Delaunay triangulation of the polygons."""
     if mesh.fixed[h]:
         return LEFT
-    z, t = mesh.z, mesh.twins[h]
+    z, t, curvature = mesh.z, mesh.twins[h], mesh.curvature
     jk, ki, im, mj = following(h), preceding(h), following(t), preceding(t)
-    a, b, c, d, e = z[h] - z[ki], z[t] - z[ki], z[t] - z[mj], z[h] - z[mj], z[mj] - z[ki]
+    i, j, k, m = z[h], z[t], z[ki], z[mj]
+    if curvature != 0:  # seen from k, where lines from there are straight; circles are circles
+        i, j, m, k = toward(k, i, curvature), toward(k, j, curvature), toward(k, m, curvature), 0j
+    a, b, c, d, e = i - k, j - k, j - m, i - m, m - k
     aa, bb, cc, dd, ee = dot(a, a), dot(b, b), dot(c, c), dot(d, d), dot(e, e)
     sine = cross(a, b) * dot(c, d) + dot(a, b) * cross(c, d)  # of the sum of the angles at k and m
     if sine >= -_T.delaunay * np.sqrt(aa * bb * cc * dd):

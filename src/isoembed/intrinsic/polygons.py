@@ -1,4 +1,4 @@
-"""Plane polygons that triangles form between edges that are kept, laid out in the plane.
+"""Flat polygons that triangles form between edges that are kept, laid out in a `chart`.
 
 Lengths alone do not say how a triangle lies that is a million times longer than high: rounding hides its
 height.  Every corner of a triangle has coordinates here, which no flip changes.
@@ -10,6 +10,7 @@ from typing import NamedTuple
 import numpy as np
 
 from isoembed.arrays import Floats, Indices, Mask, Points
+from isoembed.intrinsic.chart import coordinate, toward
 from isoembed.intrinsic.halfedges import HalfEdges, corner_angle, following, preceding, third_corner
 from isoembed.intrinsic.trigonometry import argument
 from isoembed.kernel import kernel
@@ -31,18 +32,20 @@ _T = compiled(POLYGONS)
 
 
 class Polygons(NamedTuple):
-    """Triangles laid out in polygons of the plane, each in a frame of its own.
+    """Triangles laid out in polygons, each in a frame of its own.
 
     Attributes
     ----------
     corners, twins : ndarray of int64, shape (3F,)
         As of `HalfEdges`.
     z : ndarray of complex128, shape (3F,)
-        Where the corners lie, continuous in each polygon.
+        Where the corners lie, continuous in each polygon: in a `chart`.
     fixed : ndarray of bool, shape (3F,)
         The half-edges between polygons.
     cells : ndarray of int64, shape (F,)
         To which polygon a face belongs.
+    curvature : float
+        That of the triangles.
     """
 
     corners: Indices
@@ -50,6 +53,7 @@ class Polygons(NamedTuple):
     z: Points
     fixed: Mask
     cells: Indices
+    curvature: float = 0.0
 
 
 @kernel
@@ -70,7 +74,7 @@ def lay_out(mesh: HalfEdges, kept: Mask) -> Polygons:
             if not convex[cells[h // 3]]:
                 fixed[h] = True
         z, cells = _unfolded(mesh, fixed)
-    return Polygons(mesh.corners, mesh.twins, z, fixed, cells)
+    return Polygons(mesh.corners, mesh.twins, z, fixed, cells, mesh.curvature)
 
 
 @kernel
@@ -85,8 +89,8 @@ def _unfolded(mesh: HalfEdges, fixed: Mask) -> tuple[Points, Indices]:
         if cells[first] >= 0:
             continue
         h = 3 * first
-        z[h + 1] = lengths[h]
-        z[h + 2] = third_corner(h, z[h], z[h + 1], lengths)
+        z[h + 1] = coordinate(lengths[h], mesh.curvature)
+        z[h + 2] = third_corner(h, z[h], z[h + 1], mesh)
         cells[first] = number
         stack[0], top = first, 1
         while top > 0:
@@ -97,7 +101,7 @@ def _unfolded(mesh: HalfEdges, fixed: Mask) -> tuple[Points, Indices]:
                 if fixed[h] or cells[t // 3] >= 0:
                     continue
                 z[following(t)], z[t] = z[h], z[following(h)]
-                z[preceding(t)] = third_corner(t, z[t], z[h], lengths)
+                z[preceding(t)] = third_corner(t, z[t], z[h], mesh)
                 cells[t // 3] = number
                 stack[top] = t // 3
                 top += 1
@@ -127,7 +131,7 @@ def _are_convex(cells: Indices, mesh: HalfEdges, fixed: Mask) -> Mask:
             angle = 0.0
             e = h
             for _ in range(fixed.size):
-                angle += corner_angle(e, mesh.lengths)
+                angle += corner_angle(e, mesh)
                 if fixed[preceding(e)]:
                     break
                 e = mesh.twins[preceding(e)]
@@ -155,10 +159,11 @@ def first_sides(twins: Indices, fixed: Mask) -> Indices:
 @kernel
 def angle_around(h: int, polygons: Polygons) -> float:
     """Sum of the angles at the vertex that a half-edge leaves."""
-    z, start = polygons.z, h
+    z, curvature, start = polygons.z, polygons.curvature, h
     total = 0.0
     while True:
-        total += argument((z[preceding(h)] - z[h]) * (z[following(h)] - z[h]).conjugate())
+        ahead = toward(z[h], z[following(h)], curvature)
+        total += argument(toward(z[h], z[preceding(h)], curvature) * ahead.conjugate())
         h = polygons.twins[preceding(h)]
         if h == start:
             return total

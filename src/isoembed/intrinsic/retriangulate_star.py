@@ -1,8 +1,9 @@
-"""The triangles around a flat vertex, unfolded into the plane and cut anew without it."""
+"""The triangles around a flat vertex, unfolded about it and cut anew without it."""
 
 import numpy as np
 
-from isoembed.arrays import Floats, Indices, Mask, Points
+from isoembed.arrays import Indices, Mask, Points
+from isoembed.intrinsic.chart import coordinate, distance, toward
 from isoembed.intrinsic.delaunay import DELAUNAY, push
 from isoembed.intrinsic.halfedges import (
     HalfEdges,
@@ -14,8 +15,9 @@ from isoembed.intrinsic.halfedges import (
     total_angle,
 )
 from isoembed.intrinsic.tracing import modulo
-from isoembed.intrinsic.trigonometry import angle_between, argument, cross, dot, norm, polar, twice_area
+from isoembed.intrinsic.trigonometry import argument, cross, dot, polar
 from isoembed.kernel import kernel
+from isoembed.space.trigonometry import amplitude, angle_between, sn
 from isoembed.thresholds import compiled
 
 _T = compiled(DELAUNAY)
@@ -46,16 +48,16 @@ def retriangulate_star(
     bool
         False, and nothing is changed, if however the polygon is cut, a triangle is too thin.
     """
-    corners, twins, lengths, directions = mesh
+    corners, twins, lengths, directions, curvature = mesh
     # The polygon: its corners, where they lie, and the sides from each to the next.
     folded = h // 3 == twins[h] // 3
     vertices, faces, sides, z = _star(h, mesh)
     if folded:
-        first, z = _around_tip(z, lengths[h], lengths[preceding(h)])
+        first, z = _around_tip(z, lengths[h], lengths[preceding(h)], curvature)
         vertices, sides = _turned(vertices, first, corners[twins[h]]), _turned(sides, first, -1)
         sides[-1] = -1
     n = z.size
-    triangles, worst = _best_cut(z)
+    triangles, worst = _best_cut(z, curvature)
     if not worst > _T.thin:
         return False
 
@@ -68,16 +70,17 @@ def retriangulate_star(
             size[i, j] = size[j, i] = lengths[g]
             direction[i, j], direction[j, i] = directions[g], directions[twins[g]]
     if folded:
-        size[0, 1] = size[1, 0] = size[0, n - 1] = size[n - 1, 0] = norm(z[1])
+        size[0, 1] = size[1, 0] = size[0, n - 1] = size[n - 1, 0] = distance(z[1], curvature)
         direction[0, 1] = direction[0, n - 1] = directions[twins[h]] + argument(z[1])
-        turn = argument(-z[1]) - argument(z[2] - z[1])
+        turn = argument(-z[1]) - argument(toward(z[1], z[2], curvature))
         direction[1, 0] = direction[n - 1, 0] = direction[1, 2] + modulo(turn, 2 * np.pi)
     for t in range(n - 2):  # parts before wholes: i -> k and k -> j are known
         i, k, j = triangles[t]
         if j - i < n - 1:
-            size[i, j] = size[j, i] = norm(z[j] - z[i])
-            direction[i, j] = direction[i, k] + angle_between(size[i, k], size[i, j], size[k, j])
-            direction[j, i] = direction[j, k] - angle_between(size[k, j], size[i, j], size[i, k])
+            size[i, j] = size[j, i] = distance(toward(z[i], z[j], curvature), curvature)
+            at_i = angle_between(size[i, k], size[i, j], size[k, j], curvature)
+            at_j = angle_between(size[k, j], size[i, j], size[i, k], curvature)
+            direction[i, j], direction[j, i] = direction[i, k] + at_i, direction[j, k] - at_j
 
     half = np.empty((n, n), dtype=np.int64)  # the new half-edge from corner to corner
     across = np.empty(n, dtype=np.int64)
@@ -124,9 +127,9 @@ def _star(h: int, mesh: HalfEdges) -> tuple[Indices, Indices, Indices, Points]:
         The vertices around it, the faces, and the sides between those vertices; if h runs to a vertex that a
         loop encloses, only those beyond the loop, and the face within last.
     ndarray of complex
-        Where the vertices lie, as seen from it, if the x axis is along h.
+        Where the vertices lie, as seen from it, if the x axis is along h: in a `chart`.
     """
-    corners, twins, lengths = mesh.corners, mesh.twins, mesh.lengths
+    corners, twins = mesh.corners, mesh.twins
     folded = h // 3 == twins[h] // 3
     e, edges = h, degree(h, twins, corners.size)
     # If so, the edges are h, the loop, those of which the last runs as the first, and the loop.
@@ -137,7 +140,7 @@ def _star(h: int, mesh: HalfEdges) -> tuple[Indices, Indices, Indices, Points]:
     # What is missing of a full angle is the rounding of thin triangles, whose angles it moves the most.
     thin = 0.0
     for _ in range(edges):
-        slenderness = _slenderness(e, lengths)
+        slenderness = _slenderness(e, mesh)
         thin += slenderness * slenderness
         e = twins[preceding(e)]
     missing = (2 * np.pi - total_angle(h, mesh)) / thin
@@ -147,23 +150,23 @@ def _star(h: int, mesh: HalfEdges) -> tuple[Indices, Indices, Indices, Points]:
         faces[k] = e // 3
         if k >= 0:
             vertices[k], sides[k] = corners[side], side
-            z[k] = polar(lengths[e], angle)
-        slenderness = _slenderness(e, lengths)
-        angle += corner_angle(e, lengths) + missing * (slenderness * slenderness)
+            z[k] = polar(coordinate(mesh.lengths[e], mesh.curvature), angle)
+        slenderness = _slenderness(e, mesh)
+        angle += corner_angle(e, mesh) + missing * (slenderness * slenderness)
         e = twins[preceding(e)]
     return vertices, faces, sides, z
 
 
 @kernel
-def _slenderness(h: int, lengths: Floats) -> float:
+def _slenderness(h: int, mesh: HalfEdges) -> float:
     """Longest side over height of the triangle of a half-edge: how its angles magnify errors of lengths."""
-    a, b, c = lengths[h], lengths[following(h)], lengths[preceding(h)]
-    longest, area = max(a, b, c), twice_area(a, b, c)
-    return longest * longest / area if area > 0 else np.inf
+    a, b, c = mesh.lengths[h], mesh.lengths[following(h)], mesh.lengths[preceding(h)]
+    longest, area = max(a, b, c), amplitude(a, b, c, mesh.curvature)
+    return longest * sn(longest, mesh.curvature) / area if area > 0 else np.inf
 
 
 @kernel
-def _around_tip(z: Points, far: float, width: float) -> tuple[int, Points]:
+def _around_tip(z: Points, far: float, width: float, curvature: float) -> tuple[int, Points]:
     """Unfold a polygon around a vertex of small total angle inside it, cut open from there to a corner.
 
     Parameters
@@ -172,6 +175,7 @@ def _around_tip(z: Points, far: float, width: float) -> tuple[int, Points]:
         The corners, as seen from a vertex inside, if the x axis runs to the other one.
     far, width : float
         How far that is, and the length of the loop around it.
+    curvature : float
 
     Returns
     -------
@@ -181,14 +185,16 @@ def _around_tip(z: Points, far: float, width: float) -> tuple[int, Points]:
         The corners, as seen from the tip: itself, those from the cut once around, that of the cut again.
     """
     n = z.size
-    turn = polar(1.0, angle_between(far, far, width))
+    turn = polar(1.0, angle_between(far, far, width, curvature))
+    tip = complex(coordinate(far, curvature), 0.0)
     best, most, best_points = 0, -np.inf, np.zeros(n + 2, dtype=np.complex128)
     for first in range(n):
         points = np.zeros(n + 2, dtype=np.complex128)
         for k in range(n + 1):
             i = first + k
-            points[k + 1] = turn * (far - z[i - n]) if i >= n else far - z[i]
-        worst = _best_cut(points)[1]
+            seen = 0j - toward(tip, z[i % n], curvature)
+            points[k + 1] = turn * seen if i >= n else seen
+        worst = _best_cut(points, curvature)[1]
         if worst > most:
             best, most, best_points = first, worst, points
     return best, best_points
@@ -206,7 +212,7 @@ def _turned(values: Indices, first: int, before: int) -> Indices:
 
 
 @kernel
-def _best_cut(z: Points) -> tuple[Indices, float]:
+def _best_cut(z: Points, curvature: float) -> tuple[Indices, float]:
     """Cut a polygon into triangles of which the thinnest is as thick as can be.
 
     If none of them is turned over, they do not overlap; so nothing else needs to be checked.
@@ -224,10 +230,10 @@ def _best_cut(z: Points) -> tuple[Indices, float]:
     for span in range(2, n):
         for i in range(n - span):
             j = i + span
-            a = z[j] - z[i]
+            a = toward(z[i], z[j], curvature)
             worst[i, j] = -np.inf
             for k in range(i + 1, j):
-                b = z[k] - z[i]
+                b = toward(z[i], z[k], curvature)
                 longest = max(dot(a, a), dot(b, b), dot(a - b, a - b))
                 here = min(cross(b, a) / longest, worst[i, k], worst[k, j])
                 if here > worst[i, j] or k == i + 1:

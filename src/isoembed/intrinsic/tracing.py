@@ -1,18 +1,21 @@
-"""Straight lines across triangles, which are unfolded one after another into the plane.
+"""Straight lines across triangles, which are unfolded one after another in a `chart`.
 
 The line starts at the origin and runs along the positive x axis.  The triangle that it is in is known by the
 half-edge through which it leaves, from a lower to an upper corner, and by the motion that takes the frame of
-its polygon to that of the line: ``(out, turn, shift)``, so that corner h lies at ``turn z[h] + shift``.
+its polygon to that of the line: ``(out, turn, shift)``, so that in the plane corner h lies at
+``turn z[h] + shift``.
 """
 
 from dataclasses import dataclass
 
 import numpy as np
 
+from isoembed.intrinsic.chart import motion, moved, toward
 from isoembed.intrinsic.halfedges import HalfEdges, following, preceding
 from isoembed.intrinsic.polygons import Polygons
-from isoembed.intrinsic.trigonometry import norm, polar
+from isoembed.intrinsic.trigonometry import dot, norm, polar
 from isoembed.kernel import kernel
+from isoembed.space.trigonometry import cs, sn
 from isoembed.thresholds import compiled, threshold
 
 State = tuple[int, complex, complex]
@@ -71,17 +74,21 @@ def sector(h: int, direction: float, total: float, mesh: HalfEdges) -> tuple[int
         h, offset = ahead, nearer
 
 
-@kernel
+# A call would copy all of the named tuple: compiled into its callers, though the formulas of curved space
+# make it longer than what is by itself.
+@kernel(forceinline=True)
 def place(h: int, state: State, polygons: Polygons) -> complex:
     """Where a corner of the triangle lies."""
     _, turn, shift = state
-    return turn * polygons.z[h] + shift
+    if polygons.curvature == 0:
+        return turn * polygons.z[h] + shift
+    return moved(polygons.z[h], turn, shift, polygons.curvature)
 
 
 @kernel
 def from_corner(h: int, offset: float, polygons: Polygons) -> State:
     """The line that starts at a vertex, at an angle from a half-edge into its triangle."""
-    side = polygons.z[following(h)] - polygons.z[h]
+    side = toward(polygons.z[h], polygons.z[following(h)], polygons.curvature)
     length = norm(side)
     turn = complex(side.real / length, -side.imag / length) * polar(1.0, -offset)
     return following(h), turn, -turn * polygons.z[h]
@@ -92,7 +99,7 @@ def from_inside(f: int, start: complex, angle: float, polygons: Polygons) -> Sta
     """The line that starts in a face, at an angle from the x axis of its polygon."""
     turn = polar(1.0, -angle)
     shift = -turn * start
-    z = [turn * polygons.z[3 * f + c] + shift for c in range(3)]
+    z = [moved(polygons.z[3 * f + c], turn, shift, polygons.curvature) for c in range(3)]
     k = -1
     for c in range(3):
         if z[c].imag < 0 <= z[(c + 1) % 3].imag:
@@ -106,26 +113,36 @@ def from_inside(f: int, start: complex, angle: float, polygons: Polygons) -> Sta
     return 3 * f + k, turn, shift
 
 
-@kernel
+@kernel(forceinline=True)
 def crossed(state: State, polygons: Polygons) -> State:
     """The line one triangle on."""
     out, turn, shift = state
     z, g = polygons.z, polygons.twins[out]
     if polygons.fixed[out]:
         a, b, c, d = z[out], z[following(out)], z[following(g)], z[g]  # in two frames
-        there = turn * (b - a) * (d - c).conjugate()
-        shift += (turn * (a + b) - there / norm(there) * (c + d)) / 2
-        turn = there / norm(there)
-    ahead = turn * z[preceding(g)] + shift
+        if polygons.curvature == 0:
+            there = turn * (b - a) * (d - c).conjugate()
+            shift += (turn * (a + b) - there / norm(there) * (c + d)) / 2
+            turn = there / norm(there)
+        else:
+            upper = place(following(out), state, polygons)
+            turn, shift = motion(place(out, state, polygons), upper, c, d, polygons.curvature)
+    ahead = moved(z[preceding(g)], turn, shift, polygons.curvature)
     return following(g) if ahead.imag > 0 else preceding(g), turn, shift
 
 
-@kernel
+@kernel(forceinline=True)
 def reaches(state: State, length: float, polygons: Polygons) -> bool:
     """Whether the line is still in its triangle at this distance from its start."""
     lower = place(state[0], state, polygons)
     upper = place(following(state[0]), state, polygons)
-    return (upper.imag - lower.imag) * (lower.real - length) >= (upper.real - lower.real) * lower.imag
+    k = polygons.curvature
+    if k == 0:
+        return (upper.imag - lower.imag) * (lower.real - length) >= (upper.real - lower.real) * lower.imag
+    # On hyperboloid or sphere the point of the axis between them is a sum of both.
+    sine = lower.real * upper.imag - upper.real * lower.imag
+    cosine = (1 - k / 4 * dot(lower, lower)) * upper.imag - (1 - k / 4 * dot(upper, upper)) * lower.imag
+    return sine * cs(length, k) >= cosine * sn(length, k)
 
 
 @kernel

@@ -16,7 +16,7 @@ import numpy as np
 from isoembed.arrays import Floats, Indices
 from isoembed.io import json
 from isoembed.io.files import FileError, Tables
-from isoembed.io.format import Format, Polygons, flattened
+from isoembed.io.format import Format, Polygons, at_vertices, flattened
 from isoembed.io.input_file import InputFile
 from isoembed.mesh.polygons import next_corners, polygon_normals
 from isoembed.surface.curvature import DIHEDRAL
@@ -30,6 +30,8 @@ NAMES = {
     "edges": "edges_vertices",
     "lengths": "edges_length",
 }
+SPACE = {"curvature": "isoembed:curvature", "model": "isoembed:model"}
+"""The space of the coordinates."""
 CORNERS = "vertices_isoembed:corner"  # which corner of the solid a vertex of a net becomes
 
 
@@ -68,7 +70,8 @@ def _tables(document: Frame, name: str) -> Frame:
                     f"its corners, {CORNERS}, for 'isoembed glue', or give the closed form"
                 )
             tables["vertices"] = [[*point, 0.0] for point in points]
-        return {key: tables[key] for key in ("vertices", "faces")}  # which the lengths are those of
+        mesh = {key: tables[key] for key in ("vertices", "faces")}  # which the lengths are those of
+        return mesh | {key: document[name] for key, name in SPACE.items() if name in document}
     sizes = [len(face) if isinstance(face, list) else 0 for face in _list(tables["faces"])]
     if "lengths" in tables and max(sizes, default=0) > 3:
         k = next(k for k, size in enumerate(sizes) if size > 3)
@@ -126,6 +129,7 @@ def write(path: Path, tables: Tables) -> None:
         "file_classes": ["singleModel"],
         "frame_classes": ["foldedForm"],
         "frame_attributes": ["3D", "manifold", "orientable"],
+        **{name: np.asarray(tables[key]).item() for key, name in SPACE.items() if key in tables},
         "edges_assignment": np.where(inner, letters, "B").tolist(),
         "faces_vertices": [np.asarray(face).tolist() for face in faces],
     }
@@ -134,7 +138,7 @@ def write(path: Path, tables: Tables) -> None:
         "edges_vertices": edges,
         "edges_foldAngle": angles,
         "edges_length": lengths,
-        **{f"vertices_isoembed:{key}": np.asarray(tables[key]) for key in tables.keys() - NAMES.keys()},
+        **{f"vertices_isoembed:{key}": value for key, value in at_vertices(tables).items()},
     }
     with path.open("w", encoding="utf-8") as file:
         for key, value in said.items():

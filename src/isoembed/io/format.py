@@ -5,9 +5,10 @@ from dataclasses import dataclass
 from importlib.metadata import EntryPoint
 from itertools import groupby
 from pathlib import Path
-from typing import TypeVar
+from typing import Any, TypeVar
 
 import numpy as np
+from numpy.typing import NDArray
 
 from isoembed.arrays import Indices
 from isoembed.io.files import FileError, Tables
@@ -29,10 +30,11 @@ class Format:
         Of the names of its files, in lower case, with its dot.
     read : callable
         Takes an `InputFile` and returns its arrays by their names: ``vertices`` (V, 3) and ``faces`` (F, 3),
-        or ``faces``, ``edges`` (E, 2) and ``lengths`` (E,).
+        or ``faces``, ``edges`` (E, 2) and ``lengths`` (E,).  A surface in hyperbolic or spherical space has a
+        ``curvature``, too, and the ``model`` that its coordinates are of, by default ``"conformal"``.
     write : callable or None
         Takes a path and such arrays, to which those of data at the vertices may be added, (V,) or vectors
-        (V, 3).  None if it is only read.
+        (V, 3), and single numbers.  None if it is only read.
     holds_metrics : bool
         It has a place for arrays of any name, so for metrics without vertices.
     repeats_vertices : bool
@@ -66,6 +68,18 @@ def loaded(point: EntryPoint, kind: type[Kind]) -> Kind:
     if not isinstance(found, kind):
         raise FileError(f"the format {point.name!r} is {point.value}, which is no {kind.__name__}")
     return found
+
+
+def at_vertices(tables: Tables) -> dict[str, NDArray[Any]]:
+    """The data at the vertices among the arrays of a surface: single numbers and words are none."""
+    data = {key: np.asarray(value) for key, value in tables.items() if key not in ("vertices", "faces")}
+    return {key: value for key, value in data.items() if value.ndim}
+
+
+def of_the_whole(tables: Tables) -> dict[str, NDArray[Any]]:
+    """The single numbers among the arrays of a surface."""
+    data = {key: np.asarray(value) for key, value in tables.items() if key not in ("vertices", "faces")}
+    return {key: value for key, value in data.items() if not value.ndim and value.dtype.kind in "iuf"}
 
 
 def flattened(faces: Polygons) -> tuple[Indices, Indices]:

@@ -69,11 +69,12 @@ def parse(data: bytes, name: str, chosen: Callable[[Document], Document] | None 
 
 
 def write(path: Path, tables: Tables) -> None:
-    """Write named arrays; a number that is not finite is null."""
+    """Write named arrays, single numbers and words; in arrays a number that is not finite is null."""
     with path.open("w", encoding="utf-8") as file:
         for k, (key, table) in enumerate(tables.items()):
             file.write(("{" if k == 0 else ", ") + json.dumps(key) + ": ")
-            file.writelines(written(np.asarray(table)))
+            values = np.asarray(table)
+            file.writelines(written(values) if values.ndim else [json.dumps(values.item())])
         file.write("}\n")
 
 

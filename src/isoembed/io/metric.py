@@ -7,16 +7,22 @@ from typing import Any
 import numpy as np
 
 from isoembed.arrays import Floats
-from isoembed.errors import InvalidMetric
+from isoembed.errors import InvalidMetric, InvalidParameter
 from isoembed.io import json
 from isoembed.io.files import FileError, Tables, Writer, check_ending, write_atomically
 from isoembed.io.input_file import opened
 from isoembed.io.registry import FORMATS, METRIC_ENDINGS, check_output, tables_writer
+from isoembed.io.space_line import WRITTEN
 from isoembed.metric.given_mesh import triangle_mesh
+from isoembed.metric.least_space import least_convex_space
 from isoembed.metric.polyhedral import PolyhedralMetric
+from isoembed.space import Space
+from isoembed.space.models import MODELS, from_model
 
 
-def read_metric(source: str | os.PathLike[str], *, merge: float | None = None) -> PolyhedralMetric:
+def read_metric(
+    source: str | os.PathLike[str], *, merge: float | None = None, space: Space | str | None = None
+) -> PolyhedralMetric:
     """Read a metric.
 
     Parameters
@@ -25,11 +31,17 @@ def read_metric(source: str | os.PathLike[str], *, merge: float | None = None) -
         ``.npz`` or ``.json`` with ``faces`` (F, 3), ``lengths`` (E,) and ``edges`` (E, 2), which may be
         left out where the lengths are in the order of `Triangulation.edges`; or with ``faces`` and
         ``vertices`` (V, 3); or a mesh.  Of vertices the lengths are taken and the coordinates thrown away.
-        Faces between vertices may be polygons.  ``-`` reads JSON from standard input.
+        Faces between vertices may be polygons.  A ``curvature`` is that of the triangles and of space; the
+        vertices are then in the ``model`` of it that the file names, by default ``"conformal"``.  ``-`` reads
+        JSON from standard input.
     merge : float, optional
         Vertices that are as near to one another, in mean edge lengths, become one: see
         `PolyhedralMetric.from_mesh`.  Formats with vertices of their own for every face (STL, glTF) have
         equal ones merged without being asked.
+    space : Space or {"hyperbolic", "spherical"}, optional
+        That of the triangles, where the file does not say its curvature (one of zero says nothing): their
+        sides are the lengths, or the distances in R^3 of the vertices.  ``"hyperbolic"`` alone is the
+        `least_convex_space`, if the file says none; ``"spherical"`` alone says what the file must.
 
     Returns
     -------
@@ -38,7 +50,8 @@ def read_metric(source: str | os.PathLike[str], *, merge: float | None = None) -
     Raises
     ------
     FileError
-        The file cannot be read, or its ending is not known.
+        The file cannot be read, its ending is not known, its space is another than the given one, or of a
+        given name neither the file nor the space says the curvature.
     InvalidMetric
         What it holds is not a metric.
 
@@ -47,11 +60,32 @@ def read_metric(source: str | os.PathLike[str], *, merge: float | None = None) -
     MeshNote
         Vertices or faces are merged or left out, or polygons are not planar.
     """
-    return metric_of(read_tables(source, merge))
+    return in_space(metric_of(read_tables(source, merge)), space, source)
+
+
+def in_space(
+    metric: PolyhedralMetric, space: Space | str | None, source: str | os.PathLike[str]
+) -> PolyhedralMetric:
+    """The metric of a file in a space that was asked for, as in `read_metric`; in its own without one."""
+    if space is None or space in (metric.space, metric.space.name):
+        return metric
+    if not metric.space.is_euclidean:
+        given = f"{space} space" if isinstance(space, str) else f"that of curvature {space.curvature!r}"
+        raise FileError(
+            f"{source} is in {metric.space.name} space of curvature {metric.curvature!r}, not in {given}"
+        )
+    if space == "hyperbolic":
+        space = least_convex_space(metric)
+    if isinstance(space, str):
+        raise FileError(f"{source} does not say the curvature of its space: give it, as in {space}=1")
+    return metric.in_space(space)
 
 
 def read_tables(source: str | os.PathLike[str], merge: float | None = None) -> Tables:
-    """Read ``faces``, ``edges`` and ``lengths``, or ``vertices`` and triangles, in any of the formats."""
+    """Read ``faces``, ``edges`` and ``lengths``, or ``vertices`` and triangles, in any of the formats.
+
+    Where there is a ``curvature``, it is a number, and the vertices are points of the space that has it.
+    """
     if source == "-":
         return _tables(json.read_standard_input(), "standard input", merge)
     check_ending(source, FORMATS)
@@ -63,12 +97,14 @@ def read_tables(source: str | os.PathLike[str], merge: float | None = None) -> T
 
 def metric_writer(path: str | os.PathLike[str], metric: PolyhedralMetric, **data: Floats) -> Writer:
     """Writer of a metric in the format of this ending; see `write_atomically`."""
-    tables = {"faces": metric.faces, "edges": metric.edges, "lengths": metric.lengths, **data}
+    tables: dict[str, Any] = {"faces": metric.faces, "edges": metric.edges, "lengths": metric.lengths, **data}
+    if not metric.space.is_euclidean:
+        tables["curvature"] = metric.curvature
     return tables_writer(path, tables)
 
 
 def write_metric(path: str | os.PathLike[str], metric: PolyhedralMetric) -> None:
-    """Write ``faces``, ``edges`` and ``lengths`` as ``.npz`` or ``.json``.
+    """Write ``faces``, ``edges`` and ``lengths``, and a ``curvature``, as ``.npz`` or ``.json``.
 
     Raises
     ------
@@ -81,9 +117,10 @@ def write_metric(path: str | os.PathLike[str], metric: PolyhedralMetric) -> None
 
 def metric_of(tables: Tables) -> PolyhedralMetric:
     """Metric of the arrays of a file."""
+    said = {key: tables[key] for key in ("curvature",) if key in tables}
     if "lengths" in tables:
-        return PolyhedralMetric(tables["faces"], tables["lengths"], tables.get("edges"))
-    return PolyhedralMetric.from_mesh(tables["vertices"], tables["faces"])
+        return PolyhedralMetric(tables["faces"], tables["lengths"], tables.get("edges"), **said)
+    return PolyhedralMetric.from_mesh(tables["vertices"], tables["faces"], **said)
 
 
 def _tables(tables: Tables, name: str, merge: float | None, repeated: bool = False) -> Tables:
@@ -96,15 +133,46 @@ def _tables(tables: Tables, name: str, merge: float | None, repeated: bool = Fal
     for key in ("faces", "edges", "lengths", "vertices"):
         if isinstance(tables.get(key), np.ndarray):
             _check_array(tables[key], key)
+    if "curvature" in tables:
+        tables = _in_space(tables, name)
     if "lengths" in tables:
         if merge is not None:
             raise FileError(f"{name} holds lengths: vertices are merged where they are all that there is")
         return tables
     merge = 0.0 if merge is None and repeated else merge
+    said = {key: tables[key] for key in ("curvature",) if key in tables}
     vertices, triangles = triangle_mesh(
-        tables["vertices"], tables["faces"], merge, leave_out=True, repeated=repeated
+        tables["vertices"],
+        tables["faces"],
+        merge,
+        space=Space(**said),
+        leave_out=True,
+        repeated=repeated,
     )
-    return {"vertices": vertices, "faces": triangles}
+    return {"vertices": vertices, "faces": triangles, **said}
+
+
+def _in_space(tables: Tables, name: str) -> Tables:
+    """The tables of a file that says its curvature: that as a number, and the vertices as points of space."""
+    try:
+        space = Space(float(tables["curvature"]))
+    except (TypeError, ValueError, InvalidParameter):
+        raise FileError(
+            f"{name}: the curvature of space is {str(tables['curvature'])[:40]!r}, not a finite number"
+        ) from None
+    model = str(tables.get("model", WRITTEN))
+    if model not in MODELS:
+        raise FileError(f"{name}: the model is {model[:40]!r}, none of {', '.join(MODELS)}")
+    found = {key: tables[key] for key in tables if key != "model"} | {"curvature": space.curvature}
+    if "vertices" in tables:
+        points = np.asarray(tables["vertices"], dtype=np.float64)
+        if points.ndim != 2 or points.shape[1] != 3:
+            raise FileError(f"{name} holds vertices of shape {points.shape}, not (V, 3)")
+        try:
+            found["vertices"] = from_model(space, points, model)
+        except InvalidParameter as error:
+            raise FileError(f"{name}: {error}") from None
+    return found
 
 
 def _check_array(array: np.ndarray[Any, Any], key: str) -> None:

@@ -2,9 +2,11 @@
 
 import os
 from collections.abc import Callable, Mapping
+from functools import partial
 from pathlib import Path
 from typing import Any
 
+from isoembed.errors import InvalidParameter
 from isoembed.gluing import (
     Ellipse,
     Net,
@@ -24,6 +26,8 @@ from isoembed.io.crease_pattern import crease_pattern, read_crease_pattern
 from isoembed.io.files import FileError, Writer, check_ending, ending, write_atomically
 from isoembed.io.input_file import InputFile
 from isoembed.io.registry import check_output
+from isoembed.space import Space
+from isoembed.space.models import MODELS, Model, to_model
 from isoembed.strict_json import strict_json
 
 Makers = dict[str, tuple[Callable[..., Any], int, int]]
@@ -31,11 +35,9 @@ Makers = dict[str, tuple[Callable[..., Any], int, int]]
 
 NET_ENDINGS = (".json", ".fold")
 FORMS = ("polygons", "regular", "zip", "pita", "dform")
-POLYGONS: Makers = {
-    "rectangle": (rectangle, 2, 2),
-    "triangle": (triangle, 3, 3),
-    "regular": (regular_polygon, 1, 2),
-}
+CURVED: Makers = {"triangle": (triangle, 3, 3), "regular": (regular_polygon, 1, 2)}
+"""Polygons of the plane, of the hyperbolic plane and of the sphere."""
+POLYGONS: Makers = {"rectangle": (rectangle, 2, 2), **CURVED}
 CURVES: Makers = {"circle": (circle, 1, 1), "ellipse": (Ellipse, 2, 2), "stadium": (Stadium, 2, 2)}
 OUTLINES = POLYGONS | CURVES
 
@@ -58,6 +60,10 @@ def read_net(source: str) -> Net:
         ``{"triangle": [a, b, c]}`` by its sides, ``{"regular": n}`` or ``{"regular": [n, side]}``.  An
         OUTLINE is a polygon, or ``{"circle": radius}``, ``{"ellipse": [a, b]}``,
         ``{"stadium": [length, radius]}``.  ``at``, ``offset`` and ``n`` of pita and D-forms may be left out.
+
+        Beside ``polygons``, ``regular`` or ``zip`` there may be a ``"curvature"``, that of the hyperbolic
+        plane or of the sphere which the polygons are cut from, and the ``"model"`` in which the corners are
+        given, as of `isoembed.glue`.
 
         Or a ``.fold`` file: a crease pattern whose vertices have names, in ``vertices_isoembed:corner``, as
         the corners of `isoembed.glue`.
@@ -114,23 +120,28 @@ def _net(document: Mapping[str, Any], name: str) -> Net:
             "or one of regular, zip, pita and dform"
         )
     form = forms[0]
+    surface = _surface(document, name) if form in ("polygons", "regular", "zip") else {}
     if form == "polygons":
         how = "corners" if "corners" in document else "sides"
-        entries = _entries(document, name, ("polygons", how))
+        entries = _entries(document, name, ("polygons", how), tuple(surface))
         polygons = _list(entries["polygons"], f"polygons of {name}")
-        shapes = [_shape(polygon, f"polygon {p}", POLYGONS) for p, polygon in enumerate(polygons)]
-        return glue(shapes, **{how: _list(entries[how], f"{how} of {name}")})
-    _entries(document, name, (form,))
+        shapes = [_polygon(polygon, f"polygon {p}", **surface) for p, polygon in enumerate(polygons)]
+        glued = _list(entries[how], f"{how} of {name}")
+        told: dict[str, Any] = {how: glued, **surface}
+        return glue(shapes, **told)
+    _entries(document, name, (form,), tuple(surface))
     if form == "regular":
         faces = _list(document["regular"], f"regular polygons of {name}")
         sizes = [
             len(face if isinstance(face, str) else _list(face, f"corners of polygon {p}"))
             for p, face in enumerate(faces)
         ]
-        return glue([regular_polygon(n) for n in sizes], corners=faces)
+        curvature = surface.get("curvature", 0.0)
+        shapes = [regular_polygon(n, curvature=curvature) for n in sizes]
+        return glue(shapes, corners=faces, curvature=curvature)
     if form == "zip":
         entries = _entries(document["zip"], f"zip of {name}", ("polygon", "at"))
-        return zipped(_shape(entries["polygon"], "the polygon", POLYGONS), entries["at"])
+        return zipped(_polygon(entries["polygon"], "the polygon", **surface), entries["at"], **surface)
     if form == "pita":
         entries = _entries(document["pita"], f"pita of {name}", ("outline",), ("at", "n"))
         return pita(_shape(entries.pop("outline"), "the outline", OUTLINES), **entries)
@@ -155,6 +166,30 @@ def _entries(
         if key not in needed + optional:
             raise FileError(f"{name} has {key!r}, which is none of {', '.join(needed + optional)}")
     return dict(given)
+
+
+def _surface(document: Mapping[str, Any], name: str) -> dict[str, Any]:
+    """The ``curvature`` and the ``model`` of a net, where it has them."""
+    said = {key: document[key] for key in ("curvature", "model") if key in document}
+    if "curvature" in said:
+        try:
+            Space(said["curvature"])
+        except InvalidParameter as error:
+            raise FileError(f"{name}: {error}") from None
+    if "model" in said and said["model"] not in MODELS:
+        raise FileError(f"{name}: the model is {said['model']!r}, none of {', '.join(MODELS)}")
+    return said
+
+
+def _polygon(given: Any, name: str, curvature: float = 0.0, model: Model = "ambient") -> Any:
+    """A polygon in a model: as it is, or the one of a name."""
+    if not isinstance(given, dict) or curvature == 0:
+        return _shape(given, name, POLYGONS)
+    bent: Makers = {
+        shape: (partial(make, curvature=curvature), least, most)
+        for shape, (make, least, most) in CURVED.items()
+    }
+    return to_model(Space(curvature), _shape(given, name, bent), model)
 
 
 def _list(given: Any, name: str) -> list[Any]:

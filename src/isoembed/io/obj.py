@@ -8,6 +8,7 @@ from isoembed.arrays import Indices
 from isoembed.io.files import FileError, Tables
 from isoembed.io.format import Format, by_size
 from isoembed.io.input_file import InputFile
+from isoembed.io.space_line import space_line, space_said
 from isoembed.io.text_scan import (
     Bytes,
     copy_words,
@@ -33,7 +34,8 @@ def read(file: InputFile) -> Tables:
     FileError
         Naming the line that cannot be understood.
     """
-    return _read_plain(file.data) or _read_any(file, file.data.decode("utf-8", errors="replace"))
+    mesh = _read_plain(file.data) or _read_any(file, file.data.decode("utf-8", errors="replace"))
+    return {**mesh, **space_said(file.head)}
 
 
 def _read_plain(data: bytes) -> Tables | None:
@@ -98,6 +100,8 @@ def _vertex(entry: str, count: int) -> int:
 def write(path: Path, tables: Tables) -> None:
     """Write vertices and faces; OBJ has no place for data at the vertices."""
     with path.open("w", encoding="utf-8") as file:
+        if line := space_line(tables):
+            file.write(f"# {line}\n")
         file.writelines(lines("v %r %r %r\n", np.asarray(tables["vertices"])))
         for some in by_size(tables["faces"]):
             file.writelines(lines("f" + " %d" * some.shape[1] + "\n", some + 1))

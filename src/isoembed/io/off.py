@@ -10,6 +10,7 @@ from isoembed.arrays import Indices
 from isoembed.io.files import FileError, Tables
 from isoembed.io.format import Format, by_size
 from isoembed.io.input_file import InputFile
+from isoembed.io.space_line import space_line, space_said
 from isoembed.io.text_scan import (
     Bytes,
     copy_words,
@@ -24,7 +25,7 @@ from isoembed.io.text_scan import (
 from isoembed.kernel import kernel
 
 HEADERS = ("OFF", "COFF", "NOFF", "CNOFF", "STOFF")
-HEADER = re.compile(rb"(?:C?N?|ST)OFF\s+(\d{1,18})[ \t]+(\d{1,18})(?:[ \t]+\d+)?[ \t]*\r?\n")
+HEADER = re.compile(rb"(?:C?N?|ST)OFF\s+(?:#[^\n]*\n\s*)*(\d{1,18})[ \t]+(\d{1,18})(?:[ \t]+\d+)?[ \t]*\r?\n")
 
 
 def read(file: InputFile) -> Tables:
@@ -35,7 +36,8 @@ def read(file: InputFile) -> Tables:
     FileError
         Naming the line that cannot be understood, or what is missing.
     """
-    return _read_plain(file.data) or _read_any(file, file.data.decode("utf-8", errors="replace"))
+    mesh = _read_plain(file.data) or _read_any(file, file.data.decode("utf-8", errors="replace"))
+    return {**mesh, **space_said(file.head)}
 
 
 def _read_plain(data: bytes) -> Tables | None:
@@ -112,7 +114,10 @@ def write(path: Path, tables: Tables) -> None:
     """Write vertices and faces; OFF has no place for data at the vertices."""
     vertices, faces = np.asarray(tables["vertices"]), tables["faces"]
     with path.open("w", encoding="utf-8") as file:
-        file.write(f"OFF\n{len(vertices)} {len(faces)} 0\n")
+        file.write("OFF\n")
+        if line := space_line(tables):
+            file.write(f"# {line}\n")
+        file.write(f"{len(vertices)} {len(faces)} 0\n")
         file.writelines(lines("%r %r %r\n", vertices))
         for some in by_size(faces):
             file.writelines(lines(f"{some.shape[1]}" + " %d" * some.shape[1] + "\n", some))

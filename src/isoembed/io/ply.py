@@ -15,8 +15,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from isoembed.io.files import FileError, Tables
-from isoembed.io.format import Format, by_size
+from isoembed.io.format import Format, at_vertices, by_size
 from isoembed.io.input_file import InputFile
+from isoembed.io.space_line import space_line, space_said
 from isoembed.io.text_scan import LONGEST
 
 Columns = NDArray[Any]
@@ -126,19 +127,21 @@ def read(file: InputFile) -> Tables:
         if element.name in tables:
             tables[element.name].append(rows)
     vertices, faces = (parts[0] if len(parts) == 1 else list(chain(*parts)) for parts in tables.values())
-    return {"vertices": np.array(vertices, dtype=np.float64).reshape(-1, 3), "faces": faces}
+    points = np.array(vertices, dtype=np.float64).reshape(-1, 3)
+    return {"vertices": points, "faces": faces, **space_said(file.head)}
 
 
 def write(path: Path, tables: Tables) -> None:
     """Write vertices, the data at them, and faces."""
     columns, names = [*np.asarray(tables["vertices"]).T], ["x", "y", "z"]
-    for key, value in tables.items():
-        if key not in ("vertices", "faces"):
-            columns += [*np.atleast_2d(np.transpose(value))]
-            names += [key] if np.ndim(value) == 1 else [f"{key}_{axis}" for axis in "xyz"]
+    for key, value in at_vertices(tables).items():
+        columns += [*np.atleast_2d(np.transpose(value))]
+        names += [key] if value.ndim == 1 else [f"{key}_{axis}" for axis in "xyz"]
     faces = tables["faces"]
     count = "uchar" if max(map(len, faces)) < 256 else "int"
-    head = ["ply", "format binary_little_endian 1.0", f"element vertex {len(columns[0])}"]
+    head = ["ply", "format binary_little_endian 1.0"]
+    head += [f"comment {line}"] if (line := space_line(tables)) else []
+    head += [f"element vertex {len(columns[0])}"]
     head += [f"property double {name}" for name in names]
     head += [f"element face {len(faces)}", f"property list {count} int vertex_indices", "end_header"]
     with path.open("wb") as file:

@@ -11,7 +11,9 @@ from isoembed.io.files import FileError, Writer, ending, write_atomically
 from isoembed.io.format import Polygons
 from isoembed.io.metric import metric_of, read_tables
 from isoembed.io.registry import FORMATS, SURFACE_ENDINGS, check_output, tables_writer
+from isoembed.io.space_line import WRITTEN
 from isoembed.metric.polyhedral import PolyhedralMetric
+from isoembed.space.models import to_model
 from isoembed.surface.embedding import Embedding
 from isoembed.surface.measures import volume
 from isoembed.surface.polyhedron import Polyhedron
@@ -27,7 +29,8 @@ def read_surface(path: str | os.PathLike[str], *, merge: float | None = None) ->
     path : path
         ``.npz`` or ``.json`` with ``faces`` (F, 3) and ``vertices`` (V, 3), or a mesh.  If it holds
         ``lengths`` (E,), too, with ``edges`` (E, 2), they are the metric; otherwise the lengths between the
-        vertices are.  Faces whose normals point inward are turned over.
+        vertices are.  Faces whose normals point inward are turned over.  As for a ``curvature``, see
+        `read_metric`.
     merge : float, optional
         As of `read_metric`.
 
@@ -54,9 +57,14 @@ def read_surface(path: str | os.PathLike[str], *, merge: float | None = None) ->
     if vertices.shape[1:] != (3,):
         raise FileError(f"{path} holds vertices of shape {vertices.shape}, not (V, 3)")
     given = "lengths" in tables
-    own = PolyhedralMetric.from_mesh(vertices, metric.faces) if given else metric  # checks the vertices
-    if volume(metric.faces, np.asarray(vertices / own.unit, dtype=np.float64)) < 0:
-        metric = PolyhedralMetric(metric.faces[:, ::-1], metric.lengths, metric.edges)
+    own = metric
+    if given:  # checks the vertices
+        own = PolyhedralMetric.from_mesh(vertices, metric.faces, curvature=metric.curvature)
+    straight = to_model(metric.space, vertices, "projective")
+    if volume(metric.faces, np.asarray(straight / own.unit, dtype=np.float64)) < 0:
+        metric = PolyhedralMetric(
+            metric.faces[:, ::-1], metric.lengths, metric.edges, curvature=metric.curvature
+        )
     message = "" if given else "the lengths are those between the vertices of the file"
     surface = Embedding(metric, vertices, method="given", tolerance=TOLERANCE, message=message)
     if surface.concave_edges.any():
@@ -65,25 +73,31 @@ def read_surface(path: str | os.PathLike[str], *, merge: float | None = None) ->
     return surface if polyhedron.polygon_edges.all() else polyhedron
 
 
-def mesh_writer(
-    path: str | os.PathLike[str], vertices: ArrayLike, faces: ArrayLike, **data: Floats
-) -> Writer:
-    """Writer of a mesh with data at its vertices in the format of this ending; see `write_atomically`."""
-    return tables_writer(path, {"vertices": np.asarray(vertices), "faces": np.asarray(faces), **data})
+def mesh_writer(path: str | os.PathLike[str], vertices: ArrayLike, faces: Polygons, **data: Floats) -> Writer:
+    """Writer of a mesh with data at its vertices in the format of this ending; see `write_atomically`.
+
+    Where there is a ``curvature`` among the data, the vertices are in conformal coordinates.
+    """
+    model = {"model": WRITTEN} if "curvature" in data else {}
+    return tables_writer(path, {"vertices": np.asarray(vertices), "faces": faces, **data, **model})
 
 
 def surface_writer(path: str | os.PathLike[str], embedding: Embedding) -> Writer:
     """Writer of a surface in the format of this ending; see `write_atomically`."""
     has_polygons = FORMATS[ending(path)].holds_polygons
-    return tables_writer(
-        path,
-        {
-            "vertices": embedding.vertices,
-            "faces": polygon_faces(embedding) if has_polygons else embedding.faces,
-            "mean_curvature": embedding.mean_curvature,
-            "residual": vertex_residuals(embedding),
-        },
-    )
+    faces = polygon_faces(embedding) if has_polygons else embedding.faces
+    return mesh_writer(path, faces=faces, **surface_data(embedding))
+
+
+def surface_data(embedding: Embedding) -> dict[str, Floats]:
+    """What files hold of a surface beside its faces: see `write_surface`."""
+    space = embedding.space
+    return {
+        "vertices": to_model(space, embedding.vertices, WRITTEN),
+        "mean_curvature": embedding.mean_curvature,
+        "residual": vertex_residuals(embedding),
+        **({} if space.is_euclidean else {"curvature": np.array(space.curvature)}),
+    }
 
 
 def write_surface(path: str | os.PathLike[str], embedding: Embedding) -> None:
@@ -94,6 +108,10 @@ def write_surface(path: str | os.PathLike[str], embedding: Embedding) -> None:
     them (not in OBJ, OFF and STL).  The faces of a `ConvexPolyhedron` are polygons where the format can hold
     some (not in NPZ, JSON and STL), but for those with flat vertices inside, which stay triangles: every
     given vertex is in a face.
+
+    In hyperbolic and spherical space the vertices are conformal coordinates: Poincare's ball, or
+    stereographic projection.  The file says so and holds the ``curvature`` of space, as a number where it can
+    (NPZ, JSON, FOLD and VTK's formats), or else in a comment or title.
 
     Raises
     ------

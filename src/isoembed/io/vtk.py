@@ -14,8 +14,9 @@ from numpy.typing import NDArray
 from isoembed.arrays import Floats, Indices
 from isoembed.errors import InvalidMetric
 from isoembed.io.files import FileError, Tables
-from isoembed.io.format import Format, flattened
+from isoembed.io.format import Format, at_vertices, flattened, of_the_whole
 from isoembed.io.input_file import InputFile
+from isoembed.io.space_line import space_line
 from isoembed.io.strips import strip_triangles
 from isoembed.io.text_scan import LONGEST, numbers, words_end
 from isoembed.version import __version__
@@ -45,11 +46,12 @@ Polygons = Indices | list[list[int]]
 
 @dataclass
 class PolyData:
-    """Points, the polygons between them, and scalars and the like at the points."""
+    """Points, the polygons between them, scalars and the like at the points, and those of the whole."""
 
     points: Floats = field(default_factory=lambda: np.empty((0, 3)))
     polygons: Polygons = field(default_factory=list)
     fields: dict[str, Floats] = field(default_factory=dict)
+    whole: dict[str, Floats] = field(default_factory=dict)
 
 
 def is_polydata(head: str) -> bool:
@@ -60,7 +62,12 @@ def is_polydata(head: str) -> bool:
 def read(file: InputFile) -> Tables:
     """Read vertices and faces; data at them are left aside."""
     mesh = read_polydata(file)
-    return {"vertices": mesh.points, "faces": mesh.polygons}
+    return {"vertices": mesh.points, "faces": mesh.polygons, **single(mesh.whole)}
+
+
+def single(whole: Mapping[str, Floats]) -> Tables:
+    """The curvature of space among the numbers that belong to no point and no cell."""
+    return {name: whole[name].item() for name in ("curvature",) if name in whole and whole[name].size == 1}
 
 
 def read_polydata(file: InputFile) -> PolyData:
@@ -76,7 +83,7 @@ def read_polydata(file: InputFile) -> PolyData:
     source, data = _Source(file), PolyData()
     cells = dict[str, tuple[Indices, Indices]]()
     types: NDArray | None = None
-    at_points, n = False, 0
+    at_points, at_cells, n = False, False, 0
     while words := source.line():
         key = words.pop(0).upper()
         if key == "DATASET":
@@ -92,10 +99,14 @@ def read_polydata(file: InputFile) -> PolyData:
         elif key == "CELL_TYPES":
             types = source.numbers(source.natural(words, "cells"), "int", "types of cells")
         elif key in ("POINT_DATA", "CELL_DATA"):
-            at_points, n = key == "POINT_DATA", source.natural(words, "values")
+            at_points, at_cells = key == "POINT_DATA", key == "CELL_DATA"
+            n = source.natural(words, "values")
         else:
             arrays = source.arrays(words, key, n)
-            data.fields |= arrays if at_points and n == len(data.points) else {}
+            if not (at_points or at_cells):
+                data.whole |= arrays
+            elif at_points and n == len(data.points):
+                data.fields |= arrays
     if "CELLS" in cells:
         data.polygons = polygons(file, *cells["CELLS"], len(data.points), "CELLS", types)
     else:
@@ -307,20 +318,20 @@ class _Source:
 def write(path: Path, tables: Tables) -> None:
     """Write a binary grid with the data at the vertices, in the version that all readers know.
 
-    The single numbers ``time`` and ``iteration`` are what VisIt looks for, and ParaView shows as field data.
+    Single numbers are field data: of time and iteration under the names that VisIt looks for.
     """
     points, (corners, sizes) = np.asarray(tables["vertices"]), flattened(tables["faces"])
-    given = {key: np.asarray(value) for key, value in tables.items() if key not in ("vertices", "faces")}
-    moments = {name: given.pop(key) for key, name in MOMENTS.items() if key in given}
+    whole = {MOMENTS.get(key, key): value for key, value in of_the_whole(tables).items()}
     n, size = len(sizes), len(corners)
-    parts = [*_field(moments), (f"POINTS {len(points)} double", points.astype(">f8"))]
+    parts = [*_field(whole), (f"POINTS {len(points)} double", points.astype(">f8"))]
     parts += [
         (f"CELLS {n} {n + size}", np.insert(corners, np.cumsum(sizes) - sizes, sizes).astype(">i4")),
         (f"CELL_TYPES {n}", np.where(sizes == 3, TRIANGLE, POLYGON).astype(">i4")),
     ]
-    parts += _field(given, f"POINT_DATA {len(points)}\n")
+    parts += _field(at_vertices(tables), f"POINT_DATA {len(points)}\n")
+    title = space_line(tables) or f"written by isoembed {__version__}"
     with path.open("wb") as file:
-        file.write(f"{HEADER} 4.2\nwritten by isoembed {__version__}\nBINARY\n".encode())
+        file.write(f"{HEADER} 4.2\n{title}\nBINARY\n".encode())
         file.write(b"DATASET UNSTRUCTURED_GRID\n")
         for line, array in parts:
             file.write(f"{line}\n".encode() + array.tobytes() + b"\n")

@@ -20,10 +20,11 @@ from isoembed.arrays import Floats
 from isoembed.errors import InvalidMetric
 from isoembed.io.expansion import check_expansion
 from isoembed.io.files import FileError, Tables
-from isoembed.io.format import Format, flattened
+from isoembed.io.format import Format, at_vertices, flattened, of_the_whole
 from isoembed.io.input_file import InputFile
+from isoembed.io.space_line import space_line
 from isoembed.io.text_scan import numbers
-from isoembed.io.vtk import POLYGON, TRIANGLE, Polygons, joined, polygons
+from isoembed.io.vtk import POLYGON, TRIANGLE, Polygons, joined, polygons, single
 
 CODES = {
     **{"Int8": "i1", "Int16": "i2", "Int32": "i4", "Int64": "i8", "Float32": "f4", "Float64": "f8"},
@@ -154,6 +155,10 @@ def read_pieces(
             vertices.append(points)
             faces.append(rows + n if isinstance(rows, np.ndarray) else [[c + n for c in row] for row in rows])
             n += len(points)
+        where = f"{kind}/FieldData/DataArray[@Name='curvature']"
+        whole = (
+            {} if source.root.find(where) is None else single({"curvature": source.array(source.root, where)})
+        )
         if not vertices:
             raise ValueError(f"there is no Piece of {'an' if kind[0] in 'AEIOU' else 'a'} {kind}")
     except (
@@ -168,7 +173,7 @@ def read_pieces(
             raise
         what = file.ending[1:].upper()
         raise FileError(f"{file} is not a readable {what} file: {error}".splitlines()[0]) from None
-    return {"vertices": np.concatenate(vertices), "faces": joined(faces)}
+    return {"vertices": np.concatenate(vertices), "faces": joined(faces), **whole}
 
 
 def _cells(file: InputFile, source: Source, piece: ElementTree.Element, n_points: int) -> Polygons:
@@ -197,20 +202,25 @@ def write_piece(path: Path, tables: Tables, names: tuple[str, str], cells: Seque
         The corners of the cells, where those of each end, and maybe the types of cells.
     """
     points = np.asarray(tables["vertices"])
-    data = {key: np.asarray(value) for key, value in tables.items() if key not in ("vertices", "faces")}
     kind, what = names
+    said = f"<!-- {line} -->\n" if (line := space_line(tables)) else ""
     with path.open("w", encoding="ascii") as file:
         file.write(
             f'<?xml version="1.0"?>\n<VTKFile type="{kind}" version="0.1" byte_order="LittleEndian" '
-            f'header_type="UInt32" compressor="vtkZLibDataCompressor">\n<{kind}>\n'
-            f'<Piece NumberOfPoints="{len(points)}" NumberOf{what}="{len(cells[1])}">\n<Points>\n'
+            f'header_type="UInt32" compressor="vtkZLibDataCompressor">\n{said}<{kind}>\n'
         )
+        if whole := of_the_whole(tables):
+            file.write("<FieldData>\n")
+            for name, value in whole.items():
+                file.writelines(_element(name, value, ' NumberOfTuples="1"'))
+            file.write("</FieldData>\n")
+        file.write(f'<Piece NumberOfPoints="{len(points)}" NumberOf{what}="{len(cells[1])}">\n<Points>\n')
         file.writelines(_element("Points", points, ' NumberOfComponents="3"'))
         file.write(f"</Points>\n<{what}>\n")
         for name, array in zip(CELLS, cells, strict=False):
             file.writelines(_element(name, array))
         file.write(f"</{what}>\n<PointData>\n")
-        for name, array in data.items():
+        for name, array in at_vertices(tables).items():
             shape = f' NumberOfComponents="{array.shape[1]}"' if array.ndim > 1 else ""
             file.writelines(_element(name, array, shape))
         file.write(f"</PointData>\n</Piece>\n</{kind}>\n</VTKFile>\n")

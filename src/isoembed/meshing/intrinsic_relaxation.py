@@ -198,7 +198,7 @@ def _step(first: int, u: Floats, mesh: HalfEdges, density: Floats, optimal: bool
     total, shortest = 0.0, np.inf
     h = first
     while True:
-        total += corner_angle(h, lengths)
+        total += corner_angle(h, mesh)
         shortest = min(shortest, lengths[h])
         h = twins[preceding(h)]
         if h == first:
@@ -216,7 +216,7 @@ def _step(first: int, u: Floats, mesh: HalfEdges, density: Floats, optimal: bool
     while True:
         into = preceding(h)
         j, k = corners[following(h)], corners[into]
-        direction += scale * corner_angle(h, lengths)
+        direction += scale * corner_angle(h, mesh)
         qx, qy = lengths[into] * math.cos(direction), lengths[into] * math.sin(direction)
         xx += px * px
         xy += px * py

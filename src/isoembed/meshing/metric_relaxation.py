@@ -116,7 +116,7 @@ class MetricMesh:
 
     def _measure(self, h: Indices) -> int:
         """Measure the edges of half-edges, and count them."""
-        corners, twins, lengths, _ = self.tables
+        corners, twins, lengths, _, _ = self.tables
         h = np.unique(np.minimum(h, twins[h]))
         lengths[h] = lengths[twins[h]] = self.distances(self.u[corners[h]], self.u[corners[twins[h]]])
         return len(h)

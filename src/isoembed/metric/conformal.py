@@ -30,6 +30,9 @@ def rescaled(metric: PolyhedralMetric, u: Floats) -> PolyhedralMetric:
 def equivalent(metric: GluedMetric, u: Floats) -> GluedMetric:
     """The discretely conformally equivalent metric with lengths ``l_ab e^{(u_a + u_b) / 2}``.
 
+    On the sphere and in the hyperbolic plane it is the chords ``2 sn(l / 2)`` that are multiplied (Bobenko,
+    Pinkall and Springborn, Discrete conformal maps and ideal hyperbolic polyhedra, Geom. Topol. 19, 2015).
+
     Parameters
     ----------
     metric : GluedMetric
@@ -42,4 +45,5 @@ def equivalent(metric: GluedMetric, u: Floats) -> GluedMetric:
     """
     with np.errstate(over="ignore", invalid="ignore"):  # lengths beyond the floats are refused
         w = np.exp(u / 2)[metric.faces]
-        return metric.with_lengths(metric.face_lengths * w * np.roll(w, -1, axis=1))
+        chords = metric.space.chord(metric.face_lengths) * w * np.roll(w, -1, axis=1)
+        return metric.with_lengths(metric.space.arc(chords))

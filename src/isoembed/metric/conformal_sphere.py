@@ -1,9 +1,11 @@
 """A polyhedral metric laid out on the unit sphere, discretely conformally.
 
 Two metrics on one triangulation are discretely conformally equivalent if their lengths differ by a factor
-``e^{(u_a + u_b) / 2}`` an edge.  One vertex is removed and the rest flattened into the plane, which is a
-convex problem in u; stereographic projection back is again an equivalence; a Moebius map centers the result.
-The chords of the layout are then the lengths of an equivalent metric that is embedded, exactly.
+``e^{(u_a + u_b) / 2}`` an edge; on the sphere and in the hyperbolic plane it is the chords ``2 sn(l / 2)``
+that differ by it, and these count here instead of the lengths.  One vertex is removed and the rest flattened
+into the plane, which is a convex problem in u; stereographic projection back is again an equivalence; a
+Moebius map centers the result.  The chords of the layout are then the lengths of an equivalent metric that is
+embedded, exactly.
 
 References
 ----------
@@ -78,7 +80,7 @@ def conformal_sphere(metric: PolyhedralMetric, recorder: StageRecorder) -> Confo
     -------
     ConformalSphere
     """
-    triangulation, lengths = metric.triangulation, metric.normalized.lengths
+    triangulation, lengths = metric.triangulation, _chords(metric.normalized)
     # The star of the pole is never flipped; where that keeps triangles broken, another pole may do.
     for pole in np.argsort(-triangulation.degrees, kind="stable")[: SPHERE.poles]:
         plane = _Plane(triangulation, lengths, int(pole))
@@ -109,6 +111,8 @@ def _projected(z: Points, pole: int) -> Floats:
 def conformal_factors(metric: PolyhedralMetric, sphere: ConformalSphere) -> Floats:
     """The u_a of ``|x_a - x_b| = l_ab e^{(u_a + u_b) / 2}``, shape (V,), averaged over the corners at a.
 
+    On the sphere and in the hyperbolic plane l_ab is the chord.
+
     Parameters
     ----------
     metric : PolyhedralMetric
@@ -117,9 +121,13 @@ def conformal_factors(metric: PolyhedralMetric, sphere: ConformalSphere) -> Floa
     """
     a, b = metric.edges.T
     x = sphere.points
-    ratio = np.log(np.linalg.norm(x[a] - x[b], axis=1) / metric.lengths)[metric.triangulation.face_edges]
+    ratio = np.log(np.linalg.norm(x[a] - x[b], axis=1) / _chords(metric))[metric.triangulation.face_edges]
     corner = ratio + np.roll(ratio, 1, axis=1) - np.roll(ratio, -1, axis=1)
     return np.bincount(metric.faces.ravel(), corner.ravel()) / metric.triangulation.degrees
+
+
+def _chords(metric: PolyhedralMetric) -> Floats:
+    return metric.space.chord(metric.lengths)
 
 
 class _Plane:

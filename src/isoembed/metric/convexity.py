@@ -26,24 +26,27 @@ class ConvexityThresholds:
 CONVEXITY = ConvexityThresholds()
 
 
-def deficit_rounding(faces: Indices, face_lengths: Floats) -> Floats:
+def deficit_rounding(faces: Indices, face_lengths: Floats, curvature: float = 0.0) -> Floats:
     """How far rounded lengths may put the deficits off, shape (V,), radians.
 
-    An angle moves by ``l dl / (2 A)`` or less when a side of its triangle, l or shorter, moves by dl.
+    An angle moves by ``l dl / (2 A)`` or less when a side of its triangle, l or shorter, moves by dl; on the
+    sphere and in the hyperbolic plane by ``sn l dl`` over the amplitude.
 
     Parameters
     ----------
     faces : ndarray of int, shape (F, 3)
     face_lengths : ndarray, shape (F, 3)
         Length of each half-edge.
+    curvature : float
+        Of the triangles.
     """
-    triangles = Triangles.of(face_lengths)
-    slenderness = triangles.opposite.max(axis=1) ** 2 / (2 * triangles.areas)
+    triangles = Triangles.of(face_lengths, curvature)
+    slenderness = triangles.opposite.max(axis=1) * triangles.sines.max(axis=1) / triangles.amplitudes
     at_corners = np.repeat(CONVEXITY.roundings * np.finfo(np.float64).eps * slenderness, 3)
     return np.clip(cast(Floats, np.bincount(faces.ravel(), at_corners)), CONVEXITY.least, CONVEXITY.most)
 
 
-def deficit_spread(faces: Indices, face_lengths: Floats, twins: Indices) -> Floats:
+def deficit_spread(faces: Indices, face_lengths: Floats, twins: Indices, curvature: float = 0.0) -> Floats:
     """How far errors of the lengths put the deficits off, shape (V,), radians.
 
     For independent errors of one mean edge length, root mean square; to first order, so for smaller ones they
@@ -56,13 +59,16 @@ def deficit_spread(faces: Indices, face_lengths: Floats, twins: Indices) -> Floa
         Length of each half-edge.
     twins : ndarray of int, shape (3F,)
         The half-edge on the other side of each.
+    curvature : float
+        Of the triangles.
     """
-    triangles = Triangles.of(face_lengths)
-    lengths = np.roll(triangles.opposite, 1, axis=1)
+    triangles = Triangles.of(face_lengths, curvature)
+    lengths, sines = np.roll(triangles.opposite, 1, axis=1), np.roll(triangles.sines, 1, axis=1)
     cotangents = triangles.cotangents
-    # The angle between b and c, across from a, grows by da a / (2 A) - db cot(a, b) / b - dc cot(a, c) / c.
-    across = triangles.opposite / (2 * triangles.areas[:, None])
-    at_start, at_end = np.roll(cotangents, -1, axis=1) / lengths, cotangents / lengths
+    # The angle between b and c, across from a, grows by da a / (2 A) - db cot(a, b) / b - dc cot(a, c) / c,
+    # with the sines of the sides in their place, and the amplitude in that of 2 A.
+    across = triangles.sines / triangles.amplitudes[:, None]
+    at_start, at_end = np.roll(cotangents, -1, axis=1) / sines, cotangents / sines
     along = at_start.ravel() + at_end.ravel()[twins]
     squares = np.bincount(faces.ravel(), across.ravel() ** 2 + along**2)
     return cast(Floats, np.sqrt(squares) * lengths.mean())

@@ -2,7 +2,9 @@
 
 Corner c of a face lies at ``faces[f, c]``, between half-edges c and c - 1 and across from half-edge c + 1.
 The formulas are Kahan's: every difference of lengths is formed before it can cancel, so that needles and
-caps keep their relative accuracy ("Miscalculating area and angles of a needle-like triangle", 2014).
+caps keep their relative accuracy ("Miscalculating area and angles of a needle-like triangle", 2014).  On the
+sphere and in the hyperbolic plane they are the half-angle formulas: each sum and difference of sides is
+replaced by its chord, ``2 sn(x / 2)``.
 """
 
 from __future__ import annotations
@@ -14,6 +16,7 @@ import numpy as np
 
 from isoembed.arrays import Floats, Mask
 from isoembed.metric.polyhedral import METRIC, PolyhedralMetric
+from isoembed.space import Space
 
 
 @dataclass(frozen=True)
@@ -24,34 +27,56 @@ class Triangles:
     ----------
     unit : float
         The power of two below the largest side of all.
+    space : Space
+        Of the curvature of the triangles, in this unit.
     opposite : ndarray, shape (F, 3)
         Length across from each corner.
     excess : ndarray, shape (F, 3)
-        Sum of the two sides at each corner minus the side across.
+        Sum of the two sides at each corner minus the side across, as a chord.
     perimeter : ndarray, shape (F, 1)
+        As a chord.
     """
 
     unit: float
+    space: Space
     opposite: Floats
     excess: Floats
     perimeter: Floats
 
     @classmethod
-    def of(cls, face_lengths: Floats) -> Triangles:
-        """Measure the triangles with these half-edge lengths, shape (F, 3)."""
+    def of(cls, face_lengths: Floats, curvature: float = 0.0) -> Triangles:
+        """Measure the triangles of this curvature with these half-edge lengths, shape (F, 3)."""
         unit = 2.0 ** float(np.frexp(face_lengths.max())[1] - 1)  # a power of two: dividing by it is exact
+        space = Space(curvature * unit * unit)
         opposite = np.roll(face_lengths, -1, axis=1) / unit
         order = np.argsort(opposite, axis=1)
         c, b, a = np.take_along_axis(opposite, order, axis=1).T  # a >= b >= c
         sorted_excess = np.column_stack([a + (b - c), c + (a - b), c - (a - b)])
         excess = np.empty_like(opposite)
         np.put_along_axis(excess, order, sorted_excess, axis=1)
-        return cls(unit, opposite, excess, (a + (b + c))[:, None])
+        perimeter = (a + (b + c))[:, None]
+        if not space.is_euclidean:
+            excess, perimeter = space.chord(excess), space.chord(perimeter)
+        return cls(unit, space, opposite, excess, perimeter)
+
+    @property
+    def sines(self) -> Floats:
+        """(F, 3): `Space.sn` of the side across from each corner; its length in the plane."""
+        return self.space.sn(self.opposite)
+
+    @property
+    def amplitudes(self) -> Floats:
+        """(F,): the sines of two sides times that of the angle between; twice the area in the plane."""
+        return np.sqrt(self.perimeter[:, 0] * np.prod(self.excess, axis=1)) / 2
 
     @property
     def areas(self) -> Floats:
         """(F,) in units squared."""
-        return np.sqrt(self.perimeter[:, 0] * np.prod(self.excess, axis=1)) / 4
+        if self.space.is_euclidean:
+            return self.amplitudes / 2
+        # Of the solid angle at the center, of three unit vectors, and its like on the hyperboloid.
+        k, cosines = self.space.curvature, self.space.cs(self.opposite).sum(axis=1)
+        return 2 * np.arctan2(k * self.amplitudes, 1 + cosines) / k
 
     @property
     def angles(self) -> Floats:
@@ -66,7 +91,39 @@ class Triangles:
     def cotangents(self) -> Floats:
         """(F, 3) at each corner."""
         t, s = self.excess, self.perimeter
-        return (s * t - np.roll(t, 1, axis=1) * np.roll(t, -1, axis=1)) / (8 * self.areas[:, None])
+        return (s * t - np.roll(t, 1, axis=1) * np.roll(t, -1, axis=1)) / (4 * self.amplitudes[:, None])
+
+    @property
+    def tilts(self) -> Floats:
+        """(F, 3): tangents of the angles from the side across from each corner to the circumcenter.
+
+        At its two ends, and negative if the circumcenter is beyond it: ``tan((B + C - A) / 2)`` at the corner
+        A, which in the plane is the cotangent of A.
+        """
+        if self.space.is_euclidean:
+            return self.cotangents
+        versine = self.space.versine(self.opposite)
+        product = np.roll(versine, 1, axis=1) * np.roll(versine, -1, axis=1)
+        return self.cotangents + self.space.curvature * product / self.amplitudes[:, None]
+
+    @property
+    def kites(self) -> Floats:
+        """(F, 3): signed areas between each corner, the middles of its two sides and the circumcenter.
+
+        In units squared; they sum to the area.  A triangle of the hyperbolic plane that has no circumcenter
+        is shared in thirds.
+        """
+        space, tilts = self.space, self.tilts
+        if space.is_euclidean:
+            part = self.opposite**2 * tilts / 8
+            return np.roll(part, 1, axis=1) + np.roll(part, -1, axis=1)
+        k, height = space.curvature, space.sn(self.opposite / 2) * tilts
+        there = (1 + k * height * height > 0).all(axis=1, keepdims=True)
+        half = height / (1 + np.sqrt(np.where(there, 1 + k * height * height, 1.0)))
+        quarter = space.sn(self.opposite / 4) / space.cs(self.opposite / 4)
+        part = 2 * np.arctan(k * quarter * half) / k
+        kites = np.roll(part, 1, axis=1) + np.roll(part, -1, axis=1)
+        return np.where(there, kites, self.areas[:, None] / 3)
 
 
 def corner_angles(metric: PolyhedralMetric) -> Floats:
@@ -77,7 +134,7 @@ def corner_angles(metric: PolyhedralMetric) -> Floats:
     ndarray, shape (F, 3)
         At each corner, radians.
     """
-    return Triangles.of(metric.face_lengths).angles
+    return Triangles.of(metric.face_lengths, metric.curvature).angles
 
 
 def face_areas(metric: PolyhedralMetric) -> Floats:
@@ -88,7 +145,7 @@ def face_areas(metric: PolyhedralMetric) -> Floats:
     ndarray, shape (F,)
         In the unit of the lengths, squared.
     """
-    triangles = Triangles.of(metric.face_lengths)
+    triangles = Triangles.of(metric.face_lengths, metric.curvature)
     return triangles.areas * triangles.unit * triangles.unit
 
 
@@ -98,7 +155,9 @@ def area(metric: PolyhedralMetric) -> float:
 
 
 def deficits(metric: PolyhedralMetric) -> Floats:
-    """Angle deficits ``epsilon_a = 2 pi - (sum of the angles at a)``; they sum to 4 pi (Gauss-Bonnet).
+    """Angle deficits ``epsilon_a = 2 pi - (sum of the angles at a)``.
+
+    With k the curvature of the triangles and A their area they sum to 4 pi - k A (Gauss-Bonnet).
 
     Returns
     -------
@@ -125,15 +184,13 @@ def dual_areas(metric: PolyhedralMetric) -> Floats:
     ndarray, shape (V,)
         In the unit of the lengths, squared.
     """
-    triangles = Triangles.of(metric.face_lengths)
-    # The kite at corner i: (l_ij^2 cot(k) + l_ik^2 cot(j)) / 8.
-    part = triangles.opposite**2 * triangles.cotangents / 8
-    kites = np.roll(part, 1, axis=1) + np.roll(part, -1, axis=1)
-    return cast(Floats, np.bincount(metric.faces.ravel(), kites.ravel())) * triangles.unit * triangles.unit
+    triangles = Triangles.of(metric.face_lengths, metric.curvature)
+    duals = cast(Floats, np.bincount(metric.faces.ravel(), triangles.kites.ravel()))
+    return duals * triangles.unit * triangles.unit
 
 
 def gaussian_curvature(metric: PolyhedralMetric) -> Floats:
-    """Gaussian curvature ``k_a = epsilon_a / A*_a`` (paper, appendix).
+    """Gaussian curvature ``k_a = epsilon_a / A*_a`` (paper, appendix), plus that of the triangles.
 
     Returns
     -------
@@ -141,4 +198,4 @@ def gaussian_curvature(metric: PolyhedralMetric) -> Floats:
         In the unit of the lengths to the power -2.  Meaningful where `dual_areas` is positive.
     """
     normalized = metric.normalized
-    return deficits(normalized) / dual_areas(normalized) / metric.unit / metric.unit
+    return metric.curvature + deficits(normalized) / dual_areas(normalized) / metric.unit / metric.unit

@@ -20,6 +20,8 @@ from isoembed.intrinsic.halfedges import HalfEdges, edges_between, following, pr
 from isoembed.kernel import kernel
 from isoembed.mesh.triangulation import Triangulation
 from isoembed.metric.polyhedral import PolyhedralMetric
+from isoembed.space import Space
+from isoembed.space.trigonometry import chord
 from isoembed.thresholds import compiled, threshold
 
 
@@ -37,6 +39,8 @@ _T, _D = compiled(SIMPLICIAL_DELAUNAY), compiled(DELAUNAY)
 def delaunay(metric: PolyhedralMetric) -> PolyhedralMetric:
     """Flip edges until the angles across every edge sum to at most pi.
 
+    On the sphere and in the hyperbolic plane they sum to no more than the other four angles beside the edge:
+    no vertex is inside the circle through the corners of a triangle next to it.
     The vertices and the distances on the surface stay; an edge is replaced by the straight line across its
     two triangles unfolded.  An edge is left alone where the new one would join vertices that are joined
     already: the result is a triangulation in which two vertices share at most one edge, and so may miss
@@ -53,13 +57,15 @@ def delaunay(metric: PolyhedralMetric) -> PolyhedralMetric:
 
     References
     ----------
-    Bobenko and Springborn, A discrete Laplace-Beltrami operator for simplicial surfaces, 2007.
+    Bobenko and Springborn, A discrete Laplace-Beltrami operator for simplicial surfaces, 2007.  Leibon,
+    Characterizing the Delaunay decompositions of compact hyperbolic surfaces, Geom. Topol. 6, 2002.
     """
-    triangulation, lengths = _flipped(metric.triangulation, metric.normalized.lengths, Straight(-1))
+    unit = metric.normalized
+    triangulation, lengths = _flipped(metric.triangulation, unit.lengths, Straight(-1), unit.curvature)
     if triangulation is metric.triangulation:
         return metric
     try:
-        return PolyhedralMetric.on(triangulation, metric.unit * lengths)
+        return PolyhedralMetric.on(triangulation, metric.unit * lengths, metric.space)
     except InvalidMetric:  # triangles so thin that rounding broke one
         return metric
 
@@ -74,6 +80,7 @@ def ideal_delaunay(triangulation: Triangulation, lengths: Floats, fixed: int) ->
     ----------
     triangulation : Triangulation
     lengths : ndarray, shape (E,)
+        On the sphere and in the hyperbolic plane the chords, ``2 sn(l / 2)``.
     fixed : int
         A vertex whose star is left alone.
 
@@ -86,7 +93,7 @@ def ideal_delaunay(triangulation: Triangulation, lengths: Floats, fixed: int) ->
     ----------
     Gillespie, Springborn and Crane, Discrete conformal equivalence of polyhedral surfaces, ACM TOG 40 (2021).
     """
-    return _flipped(triangulation, lengths, Ptolemaic(fixed))
+    return _flipped(triangulation, lengths, Ptolemaic(fixed), 0.0)
 
 
 class Straight(NamedTuple):
@@ -125,7 +132,7 @@ def _attempt_ptolemaic(h: int, mesh: HalfEdges, rule: Ptolemaic) -> int:
 def _is_demanded(h: int, mesh: HalfEdges, fixed: int) -> bool:
     """Whether a flip is demanded that leaves the star of a vertex alone and doubles no edge."""
     corners, t = mesh.corners, mesh.twins[h]
-    if _cosine(h, mesh.lengths) + _cosine(t, mesh.lengths) >= -_T.slack:
+    if _cosine(h, mesh) + _cosine(t, mesh) >= -_T.slack:
         return False
     k, m = preceding(h), corners[preceding(t)]
     if fixed in (corners[h], corners[t], corners[k], m):
@@ -134,23 +141,30 @@ def _is_demanded(h: int, mesh: HalfEdges, fixed: int) -> bool:
 
 
 @kernel
-def _cosine(h: int, lengths: Floats) -> float:
-    """Twice the cosine across from a half-edge, also of a triangle that breaks the triangle inequality."""
-    l, a, b = lengths[h], lengths[following(h)], lengths[preceding(h)]
+def _cosine(h: int, mesh: HalfEdges) -> float:
+    """Twice the cosine across from a half-edge, also of a triangle that breaks the triangle inequality.
+
+    It is that of the triangle of chords: divided by ``cs(l / 2)``, which the two sides of an edge have in
+    common, it is the sine of half the excess of the other two angles over the one across.
+    """
+    l = chord(mesh.lengths[h], mesh.curvature)
+    a = chord(mesh.lengths[following(h)], mesh.curvature)
+    b = chord(mesh.lengths[preceding(h)], mesh.curvature)
     return b / a + a / b - l * l / (b * a)
 
 
 def _flipped(
-    triangulation: Triangulation, lengths: Floats, rule: Straight | Ptolemaic
+    triangulation: Triangulation, lengths: Floats, rule: Straight | Ptolemaic, curvature: float
 ) -> tuple[Triangulation, Floats]:
     """Flip edges until ``cos(alpha) + cos(alpha') >= 0`` across every edge whose flip is possible."""
-    l = lengths[triangulation.face_edges]
+    l = Space(curvature).chord(lengths)[triangulation.face_edges]
     a, b = np.roll(l, -1, axis=1), np.roll(l, -2, axis=1)
     cosines = (b / a + a / b - l * l / (b * a)).ravel()
     wrong = np.flatnonzero(cosines + cosines[triangulation.twins] < -SIMPLICIAL_DELAUNAY.slack)
     if wrong.size == 0:  # as often: nothing needs to be compiled
         return triangulation, lengths
-    mesh = HalfEdges.of(triangulation.faces, triangulation.twins, l)
+    face_lengths = lengths[triangulation.face_edges]
+    mesh = HalfEdges.of(triangulation.faces, triangulation.twins, face_lengths, curvature)
     if flip_edges(wrong, mesh, rule)[0] == 0:
         return triangulation, lengths
     result = Triangulation(mesh.faces)

@@ -13,6 +13,8 @@ from isoembed.mesh.checks import polygon_corners, real_array
 from isoembed.mesh.merging import representatives, without_repetitions
 from isoembed.mesh.polygons import next_corners
 from isoembed.metric.polygon_faces import POLYGON_FACES, PolygonFaces
+from isoembed.space import EUCLIDEAN, Space
+from isoembed.space.models import to_model
 from isoembed.thresholds import rounded_up, threshold
 
 
@@ -34,6 +36,7 @@ def triangle_mesh(
     faces: ArrayLike,
     merge: float | None = None,
     *,
+    space: Space = EUCLIDEAN,
     leave_out: bool = False,
     repeated: bool = False,
 ) -> tuple[Floats, Indices]:
@@ -47,6 +50,8 @@ def triangle_mesh(
     merge : float, optional
         Vertices as near as this, in mean edge lengths, become the first of them; at 0 those that are equal.
         Faces that then are edges or points are left out.
+    space : Space
+        Where the vertices are points: polygons are cut along its straight lines.
     leave_out : bool
         Leave out vertices that are in no face, so that others may be renumbered; so does `merge`.
     repeated : bool
@@ -79,12 +84,14 @@ def triangle_mesh(
         )
     if merge is None and not leave_out and (sizes == 3).all():
         return points, corners.reshape(-1, 3)
-    scaled = _scaled(points)
     if merge is not None:
         if not isinstance(merge, numbers.Real) or not 0 <= merge < 1:
             raise InvalidParameter(f"merge is {merge!r}, not a number of mean edge lengths from 0 to below 1")
-        corners, sizes = _merged(scaled, corners, sizes, merge, repeated)
-    triangles = corners.reshape(-1, 3) if (sizes == 3).all() else _cut(scaled, corners, sizes)
+        corners, sizes = _merged(_scaled(points), corners, sizes, merge, repeated)
+    if (sizes == 3).all():
+        triangles = corners.reshape(-1, 3)
+    else:
+        triangles = _cut(_scaled(to_model(space, points, "projective")), corners, sizes)
     return (points, triangles) if merge is None and not leave_out else _renumbered(points, triangles, given)
 
 

@@ -19,6 +19,8 @@ from isoembed.mesh.triangulation import frozen
 from isoembed.metric.curvature import Triangles
 from isoembed.metric.polyhedral import METRIC, PolyhedralMetric, first_broken
 from isoembed.metric.simplicial import simplicial
+from isoembed.metric.sizes import check_sizes
+from isoembed.space import Space
 
 
 @dataclass(frozen=True, eq=False, init=False, repr=False)
@@ -37,6 +39,9 @@ class GluedMetric:
         The half-edge that each half-edge is glued to, which runs the other way.
     face_lengths : array_like of float, shape (F, 3)
         Length of each half-edge, in any unit and of any size.
+    curvature : float, optional
+        Of the triangles, in 1/length^2, and of the space that the surface is to be in, as of
+        `isoembed.PolyhedralMetric`.
 
     Attributes
     ----------
@@ -44,6 +49,8 @@ class GluedMetric:
     twins : ndarray of int64, shape (3F,)
     face_lengths : ndarray, shape (F, 3)
         Equal on glued sides.
+    space : Space
+        Euclidean, hyperbolic or spherical, of this curvature.
     seams : ndarray of bool, shape (3F,)
         Half-edges along which sheets of paper were glued: none, unless it is a `isoembed.gluing.Net` or was
         one.
@@ -52,8 +59,8 @@ class GluedMetric:
     ------
     InvalidMetric
         A side is glued to none, to itself or to two; glued sides have different ends or lengths; a length is
-        not positive and finite; a triangle inequality is broken; or the result is not one sphere.  The
-        message names the first offender.
+        not positive and finite, or too long for triangles of this curvature; a triangle inequality is broken;
+        or the result is not one sphere.  The message names the first offender.
 
     Examples
     --------
@@ -66,18 +73,22 @@ class GluedMetric:
     faces: Indices
     twins: Indices
     face_lengths: Floats
+    space: Space
     seams: Mask
 
-    def __init__(self, faces: ArrayLike, twins: ArrayLike, face_lengths: ArrayLike) -> None:
+    def __init__(
+        self, faces: ArrayLike, twins: ArrayLike, face_lengths: ArrayLike, *, curvature: float = 0.0
+    ) -> None:
+        space = Space(curvature)
         corners = index_array(faces, 3, "face", "corners").copy()
         sides = _twin_array(twins, corners.size)
         lengths = _length_table(face_lengths, len(corners))
         check_numbering(corners)
         _check_ends(corners, sides)
-        _check_triangles(corners, lengths)
+        _check_triangles(corners, lengths, space)
         lengths = _matched(sides, lengths)
         _check_sphere(corners, sides)
-        self._set(corners, sides, lengths)
+        self._set(corners, sides, lengths, space)
 
     @classmethod
     def of(cls, metric: PolyhedralMetric | GluedMetric) -> GluedMetric:
@@ -89,29 +100,38 @@ class GluedMetric:
         """
         if isinstance(metric, GluedMetric):
             return metric
-        return cls._made(metric.faces, metric.triangulation.twins, metric.face_lengths)
+        return cls._made(metric.faces, metric.triangulation.twins, metric.face_lengths, metric.space)
 
     @classmethod
     def _made(
-        cls, faces: Indices, twins: Indices, face_lengths: Floats, seams: Mask | None = None
+        cls, faces: Indices, twins: Indices, face_lengths: Floats, space: Space, seams: Mask | None = None
     ) -> GluedMetric:
         """Tables that are known to be a metric."""
         metric = cls.__new__(cls)
-        metric._set(faces, twins, face_lengths, seams)
+        metric._set(faces, twins, face_lengths, space, seams)
         return metric
 
-    def _set(self, faces: Indices, twins: Indices, face_lengths: Floats, seams: Mask | None = None) -> None:
+    def _set(
+        self, faces: Indices, twins: Indices, face_lengths: Floats, space: Space, seams: Mask | None = None
+    ) -> None:
         nowhere = np.zeros(faces.size, dtype=np.bool_)
         object.__setattr__(self, "faces", frozen(faces))
         object.__setattr__(self, "twins", frozen(twins))
         object.__setattr__(self, "face_lengths", frozen(face_lengths))
+        object.__setattr__(self, "space", space)
         object.__setattr__(self, "seams", frozen(nowhere if seams is None else seams))
 
     def __repr__(self) -> str:
         return (
             f"{type(self).__name__}({self.n_vertices} vertices, {self.n_edges} edges, {self.n_faces} faces, "
-            f"mean edge length {self.mean_length:.6g})"
+            f"mean edge length {self.mean_length:.6g}"
+            f"{'' if self.space.is_euclidean else f', curvature {self.curvature:.6g}'})"
         )
+
+    @property
+    def curvature(self) -> float:
+        """Of the triangles and of `space`, in 1/length^2."""
+        return self.space.curvature
 
     @property
     def n_vertices(self) -> int:
@@ -141,7 +161,8 @@ class GluedMetric:
 
     def scaled(self, factor: float) -> GluedMetric:
         """Return the metric in another unit: every length times this factor."""
-        return GluedMetric._made(self.faces, self.twins, self.face_lengths * factor, self.seams)
+        space = self.space.scaled(factor)
+        return GluedMetric._made(self.faces, self.twins, self.face_lengths * factor, space, self.seams)
 
     def with_lengths(self, face_lengths: ArrayLike) -> GluedMetric:
         """Return the same triangles with other lengths, shape (F, 3).
@@ -151,8 +172,9 @@ class GluedMetric:
         InvalidMetric
         """
         lengths = _length_table(face_lengths, self.n_faces)
-        _check_triangles(self.faces, lengths)
-        return GluedMetric._made(self.faces, self.twins, _matched(self.twins, lengths), self.seams)
+        _check_triangles(self.faces, lengths, self.space)
+        lengths = _matched(self.twins, lengths)
+        return GluedMetric._made(self.faces, self.twins, lengths, self.space, self.seams)
 
     @classmethod
     def flipped(cls, tables: HalfEdges) -> GluedMetric:
@@ -163,34 +185,41 @@ class GluedMetric:
         InvalidMetric
             Rounding broke one of them.
         """
-        _check_triangles(tables.faces, tables.face_lengths)
-        return cls._made(tables.faces, tables.twins, tables.face_lengths)
+        space = Space(tables.curvature)
+        _check_triangles(tables.faces, tables.face_lengths, space)
+        return cls._made(tables.faces, tables.twins, tables.face_lengths, space)
 
     @cached_property
     def normalized(self) -> GluedMetric:
         """The metric in its own `unit`, in which its mean edge length is between 1 and 2."""
-        return GluedMetric._made(self.faces, self.twins, self.face_lengths / self.unit, self.seams)
+        space = self.space.scaled(1 / self.unit)
+        return GluedMetric._made(self.faces, self.twins, self.face_lengths / self.unit, space, self.seams)
 
     @property
     def tables(self) -> tuple[NDArray, ...]:
-        """Arrays that define it up to its `unit`: faces, twins and lengths."""
-        return self.faces, self.twins, self.face_lengths / self.unit
+        """Arrays that define it up to its `unit`: faces, twins, lengths; in curved space the curvature."""
+        normalized = self.normalized
+        curved = () if normalized.space.is_euclidean else (np.array(normalized.curvature),)
+        return self.faces, self.twins, normalized.face_lengths, *curved
 
     @cached_property
     def triangles(self) -> Triangles:
         """The shapes of the faces."""
-        return Triangles.of(self.face_lengths)
+        return Triangles.of(self.face_lengths, self.curvature)
 
     @cached_property
     def deficits(self) -> Floats:
-        """Angle deficits, 2 pi less the sum of the angles at each vertex, shape (V,); they sum to 4 pi."""
+        """Angle deficits, 2 pi less the sum of the angles at each vertex, shape (V,).
+
+        They sum to 4 pi less curvature times area.
+        """
         total = np.bincount(self.faces.ravel(), self.triangles.angles.ravel())
         return frozen(2 * np.pi - cast(Floats, total))
 
     def half_edges(self, directed: bool = True) -> HalfEdges:
         """Copy of the triangles as half-edges, which may be flipped; without directions, these are zero."""
         made = HalfEdges.of if directed else HalfEdges.without_directions
-        return made(self.faces, self.twins, self.face_lengths)
+        return made(self.faces, self.twins, self.face_lengths, self.curvature)
 
     def simplicial(self) -> PolyhedralMetric:
         """The same metric on a simplicial complex, so that it can be written to a file.
@@ -209,7 +238,7 @@ class GluedMetric:
             A triangle is so thin that rounding breaks one of its parts.
         """
         unit = self.normalized
-        return simplicial(unit.faces, unit.twins, unit.face_lengths).scaled(self.unit)
+        return simplicial(unit.faces, unit.twins, unit.face_lengths, unit.space).scaled(self.unit)
 
 
 def _side(h: int) -> str:
@@ -272,7 +301,7 @@ def _check_ends(faces: Indices, twins: Indices) -> None:
         )
 
 
-def _check_triangles(faces: Indices, lengths: Floats) -> None:
+def _check_triangles(faces: Indices, lengths: Floats, space: Space) -> None:
     f = int(first_broken(np.arange(lengths.size).reshape(-1, 3), lengths.ravel(), 0.0))
     if f >= 0:
         a, b, c = np.sort(lengths, axis=1).T
@@ -280,6 +309,7 @@ def _check_triangles(faces: Indices, lengths: Floats) -> None:
             f"face {f} {faces[f].tolist()} breaks the triangle inequality: "
             f"its sides are {float(a[f])!r}, {float(b[f])!r} and {float(c[f])!r}"
         )
+    check_sizes(space, faces, lengths, _side)
 
 
 def _matched(twins: Indices, lengths: Floats) -> Floats:

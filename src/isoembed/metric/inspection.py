@@ -13,6 +13,7 @@ from isoembed.metric.curvature import (
     corner_angles,
     deficits,
     dual_areas,
+    face_areas,
     gaussian_curvature,
 )
 from isoembed.metric.polyhedral import METRIC, PolyhedralMetric
@@ -108,8 +109,9 @@ def inspect(metric: PolyhedralMetric) -> Inspection:
     unit = metric.normalized
     angles, epsilon, duals = corner_angles(unit), deficits(unit), dual_areas(unit)
     face, corner = np.divmod(metric.triangulation.edge_halfedges, 3)
-    # Angles across each edge, their sum minus pi: positive where the edge is not Delaunay.
+    # Angles across each edge, their sum minus half that of all: positive where the edge is not Delaunay.
     excess = angles[face, (corner + 2) % 3].sum(axis=1) - np.pi
+    excess -= unit.curvature * face_areas(unit)[face].sum(axis=1) / 2
     found = metric, angles, epsilon, duals, excess
     return Inspection(tuple(_measures(*found)), tuple(_warnings(*found)))
 
@@ -125,10 +127,16 @@ def _measures(
     if metric.precision is not None:
         error = metric.precision.length_error
         noise = (
-            CONVEXITY.deviations * error * deficit_spread(metric.faces, metric.face_lengths, t.twins).max()
+            CONVEXITY.deviations
+            * error
+            * deficit_spread(metric.faces, metric.face_lengths, t.twins, metric.curvature).max()
         )
         text = f"rounded to {metric.precision.name}: that puts deficits off by up to {noise:.1g} radians"
         yield Measure("coordinates", text, {"length_error": error, "deficit_noise": noise})
+    if not metric.space.is_euclidean:
+        radius = metric.space.radius
+        text = f"{metric.space.name}, of curvature {metric.curvature:.6g}, radius of curvature {radius:.6g}"
+        yield Measure("space", text, {"curvature": metric.curvature, "radius": radius})
     counts = {"vertices": t.n_vertices, "edges": t.n_edges, "faces": t.n_faces}
     yield Measure("counts", ", ".join(f"{count} {name}" for name, count in counts.items()), counts)
     degrees = {"min": int(t.degrees.min()), "max": int(t.degrees.max())}
@@ -138,10 +146,11 @@ def _measures(
     yield Measure("lengths", text, {**_range(lengths), "mean": mean})
     low, high = np.degrees([angles.min(), angles.max()])
     yield Measure("angles", f"{low:.4g} to {high:.4g} degrees", {"min_degrees": low, "max_degrees": high})
-    negative, gauss_bonnet = int((epsilon < -METRIC.angles).sum()), float(epsilon.sum() - 4 * np.pi)
+    negative = int((epsilon < -METRIC.angles).sum())
+    gauss_bonnet = float(epsilon.sum() + metric.curvature * surface - 4 * np.pi)
     text = (
         f"{epsilon.min():.4g} to {epsilon.max():.4g} radians, {negative} negative, "
-        f"sum - 4 pi = {gauss_bonnet:.1e}"
+        f"sum{'' if metric.space.is_euclidean else ' + curvature area'} - 4 pi = {gauss_bonnet:.1e}"
     )
     values = {**_range(epsilon), "negative": negative, "sum_minus_4_pi": gauss_bonnet}
     yield Measure("deficits", text, values)
@@ -151,7 +160,8 @@ def _measures(
     k = _range(curvature)
     yield Measure("gaussian curvature", f"{k['min']:.4g} to {k['max']:.4g}", k)
     violations = int((excess > METRIC.angles).sum())
-    text = f"{violations} edges with opposite angles of more than 180 degrees together"
+    most = "180 degrees" if metric.space.is_euclidean else "the other four angles beside them"
+    text = f"{violations} edges with opposite angles of more than {most} together"
     yield Measure("delaunay", text, {"violations": violations})
     yield Measure("area", f"{surface:.12g}", {"total": surface})
 

@@ -1,4 +1,4 @@
-"""The cotangent Laplacian: of linear finite elements, and the derivative of the deficits."""
+"""The cotangent Laplacian, and the derivative of the deficits by conformal factors."""
 
 from typing import cast
 
@@ -13,8 +13,8 @@ from isoembed.metric.glued import GluedMetric
 def cotangent_laplacian(metric: GluedMetric, least: float = -np.inf) -> csc_array:
     """The Laplacian with the weights ``(cot alpha + cot beta) / 2`` of the two angles across from an edge.
 
-    It is also the derivative of the deficits by conformal factors u, under which the edge from i to j becomes
-    ``l_ij exp((u_i + u_j) / 2)``.
+    It is that of linear finite elements.  On the sphere and in the hyperbolic plane the tilts of the
+    triangles, which in the plane are these cotangents, take their place.
 
     Parameters
     ----------
@@ -27,7 +27,39 @@ def cotangent_laplacian(metric: GluedMetric, least: float = -np.inf) -> csc_arra
     csc_array, shape (V, V)
         Symmetric; its rows sum to zero.
     """
-    across = np.roll(metric.triangles.cotangents, 1, axis=1).ravel()
-    weights = np.maximum((across + across[metric.twins]) / 2, least)
+    weights = np.maximum(_weights(metric), least)
+    return _assembled(metric, -weights, weights)
+
+
+def deficit_laplacian(metric: GluedMetric) -> csc_array:
+    """The derivative of the deficits by conformal factors u, at u = 0.
+
+    Under these the chord c of the edge from i to j becomes ``c exp((u_i + u_j) / 2)``, see
+    `isoembed.metric.conformal.equivalent`.  In the plane it is the `cotangent_laplacian`.  With curvature k,
+    weights W of that and edges of length l the quadratic form has the terms
+    ``W ((u_i - u_j)^2 - k tn(l / 2)^2 (u_i + u_j)^2)`` (in the hyperbolic plane: Bobenko, Pinkall and
+    Springborn, Discrete conformal maps and ideal hyperbolic polyhedra, Geom. Topol. 19, 2015, section 6).
+
+    Returns
+    -------
+    csc_array, shape (V, V)
+        Symmetric.
+    """
+    weights = _weights(metric)
+    if metric.space.is_euclidean:
+        return _assembled(metric, -weights, weights)
+    lengths = metric.face_lengths.ravel()
+    share = weights / metric.space.cs(lengths / 2) ** 2
+    return _assembled(metric, -share, share * metric.space.cs(lengths))
+
+
+def _weights(metric: GluedMetric) -> Floats:
+    across = np.roll(metric.triangles.tilts, 1, axis=1).ravel()
+    return (across + across[metric.twins]) / 2
+
+
+def _assembled(metric: GluedMetric, beside: Floats, diagonal: Floats) -> csc_array:
+    """The matrix of entries of half-edges: beside the diagonal, and on it at the vertex where they begin."""
     corners = metric.faces.ravel()
-    return vertex_matrix(corners, metric.twins, -weights, cast(Floats, np.bincount(corners, weights)))
+    on_it = cast(Floats, np.bincount(corners, diagonal))
+    return vertex_matrix(corners, metric.twins, beside, on_it)

@@ -15,6 +15,9 @@ from isoembed.mesh.checks import index_array, real_array
 from isoembed.mesh.triangulation import Triangulation, frozen
 from isoembed.metric.given_mesh import merging_advice, triangle_mesh
 from isoembed.metric.precision import Precision
+from isoembed.metric.sizes import check_sizes
+from isoembed.space import EUCLIDEAN, Space
+from isoembed.space.models import Model, from_model
 from isoembed.thresholds import threshold
 
 
@@ -58,12 +61,17 @@ class PolyhedralMetric:
     edges : array_like of int, shape (E, 2), optional
         The ends of the edge that each length belongs to, in any order.  Without it the lengths are in the
         order of `Triangulation.edges`: smaller index first, lexicographic.
+    curvature : float, optional
+        Of the triangles, in 1/length^2, and of the space that the surface is to be in: zero in the plane and
+        R^3, negative in hyperbolic space, positive on the sphere.
 
     Attributes
     ----------
     triangulation : Triangulation
     lengths : ndarray, shape (E,)
         In the order of `edges`.
+    space : Space
+        Euclidean, hyperbolic or spherical, of this curvature.
     precision : Precision or None
         What the coordinates were rounded to that the lengths come from; None if that is not known, or they
         were doubles.
@@ -72,7 +80,8 @@ class PolyhedralMetric:
     ------
     InvalidMetric
         The faces are not a triangulated sphere, an edge lacks a length, a length is not positive and
-        finite, or a triangle inequality is broken; the message names the first offender.
+        finite, a triangle inequality is broken, or a triangle is too large for its curvature; the message
+        names the first offender.
 
     Examples
     --------
@@ -83,36 +92,58 @@ class PolyhedralMetric:
 
     triangulation: Triangulation
     lengths: Floats
+    space: Space
     precision: Precision | None
 
-    def __init__(self, faces: ArrayLike, lengths: ArrayLike, edges: ArrayLike | None = None) -> None:
+    def __init__(
+        self,
+        faces: ArrayLike,
+        lengths: ArrayLike,
+        edges: ArrayLike | None = None,
+        *,
+        curvature: float = 0.0,
+    ) -> None:
         triangulation = Triangulation(faces)
         values = _length_array(lengths)
         if edges is not None:
             values = _matched(triangulation, values, edges)
-        self._set(triangulation, values)
+        self._set(triangulation, values, Space(curvature))
 
     @classmethod
     def from_mesh(
-        cls, vertices: ArrayLike, faces: ArrayLike, *, merge: float | None = None
+        cls,
+        vertices: ArrayLike,
+        faces: ArrayLike,
+        *,
+        merge: float | None = None,
+        curvature: float = 0.0,
+        model: Model = "ambient",
     ) -> PolyhedralMetric:
         """Take the edge lengths of a surface in R^3 (or R^n) and forget its coordinates.
 
         Parameters
         ----------
         vertices : array_like of float, shape (V, n)
+            In hyperbolic and in spherical space three coordinates in the model.
         faces : array_like of int, shape (F, 3), or sequence of polygons in R^3
             The vertices around each face.  Polygons are cut into triangles.
         merge : float, optional
             Vertices that are as near to one another, in mean edge lengths, become the first of them; at 0
             those that are equal.  Faces that then are edges or points, and vertices in no face, are left
             out; the vertices that are left are numbered in their order.
+        curvature : float, optional
+            Of the space that the vertices are in, and so of the triangles; lengths are its distances.
+        model : {"ambient", "conformal", "projective"}
+            Which coordinates they are in hyperbolic and in spherical space: those of the hyperboloid or
+            sphere, of Poincare's ball or stereographic projection, of Klein's ball or gnomonic projection.
 
         Raises
         ------
         InvalidMetric
             As the constructor, and where a coordinate is not finite, a vertex is in no face, or a polygon
             has no area.
+        InvalidParameter
+            There is no such model, or a vertex is no point of it.
 
         Warns
         -----
@@ -128,21 +159,29 @@ class PolyhedralMetric:
         >>> PolyhedralMetric.from_mesh(corners, squares)
         PolyhedralMetric(8 vertices, 18 edges, 12 faces, mean edge length 1.13807)
         """
-        points, triangles = triangle_mesh(vertices, faces, merge)
+        space = Space(curvature)
+        given = vertices if space.is_euclidean else _ambient(vertices, space, model)
+        points, triangles = triangle_mesh(given, faces, merge, space=space)
         try:
             triangulation = Triangulation(triangles)
             if len(points) > triangulation.n_vertices:
                 raise InvalidMetric(f"vertex {triangulation.n_vertices} is in no face")
             size = np.abs(points).max() or 1.0  # keeps the squares from under- and overflowing
+            if not space.is_euclidean:  # a power of two: the curvature is not rounded
+                size = float(np.ldexp(1.0, int(np.frexp(size)[1])))
             with np.errstate(over="ignore"):  # a length beyond the floats is refused as infinite
-                lengths = size * _low_kept(triangulation, points / size)
-                metric = cls.on(triangulation, lengths)
+                lengths = size * _low_kept(triangulation, points / size, space.scaled(1 / size))
+                metric = cls.on(triangulation, lengths, space)
+            if not space.is_euclidean:
+                return metric
             return metric._rounded_to(Precision.of(points, metric.mean_length))
         except InvalidMetric as error:
             raise InvalidMetric(f"{error}{merging_advice(points, triangles)}") from None
 
     @classmethod
-    def on(cls, triangulation: Triangulation, lengths: ArrayLike) -> PolyhedralMetric:
+    def on(
+        cls, triangulation: Triangulation, lengths: ArrayLike, space: Space = EUCLIDEAN
+    ) -> PolyhedralMetric:
         """Put lengths, in the order of its edges, on a triangulation that is there already.
 
         Raises
@@ -151,15 +190,16 @@ class PolyhedralMetric:
             They are not lengths of a metric.
         """
         metric = cls.__new__(cls)
-        metric._set(triangulation, _length_array(lengths))
+        metric._set(triangulation, _length_array(lengths), space)
         return metric
 
-    def _set(self, triangulation: Triangulation, lengths: Floats) -> None:
-        _check_lengths(triangulation, lengths)
+    def _set(self, triangulation: Triangulation, lengths: Floats, space: Space) -> None:
+        _check_lengths(triangulation, lengths, space)
         lengths.flags.writeable = False
         object.__setattr__(self, "precision", None)
         object.__setattr__(self, "triangulation", triangulation)
         object.__setattr__(self, "lengths", lengths)
+        object.__setattr__(self, "space", space)
 
     def _rounded_to(self, precision: Precision | None) -> PolyhedralMetric:
         object.__setattr__(self, "precision", precision)
@@ -167,8 +207,10 @@ class PolyhedralMetric:
 
     @property
     def tables(self) -> tuple[NDArray, ...]:
-        """Arrays that define it up to its `unit`: faces and lengths."""
-        return self.faces, self.lengths / self.unit
+        """Arrays that define it up to its `unit`: faces, lengths, and in curved space the curvature."""
+        normalized = self.normalized
+        curved = () if normalized.space.is_euclidean else (np.array(normalized.curvature),)
+        return self.faces, normalized.lengths, *curved
 
     def with_lengths(self, lengths: ArrayLike) -> PolyhedralMetric:
         """Return the metric with the same triangles and these lengths, in the order of `edges`.
@@ -178,19 +220,36 @@ class PolyhedralMetric:
         InvalidMetric
             They are not lengths of a metric.
         """
-        return self.on(self.triangulation, lengths)
+        return self.on(self.triangulation, lengths, self.space)
+
+    def in_space(self, space: Space) -> PolyhedralMetric:
+        """Return the metric with the same triangles and lengths, of the curvature of another space.
+
+        Raises
+        ------
+        InvalidMetric
+            A triangle is too large for it.
+        """
+        return self if space == self.space else self.on(self.triangulation, self.lengths, space)
 
     def scaled(self, factor: float) -> PolyhedralMetric:
         """Return the metric in another unit: every length times this factor."""
         with np.errstate(over="ignore"):  # a length beyond the floats is refused as infinite
-            return self.with_lengths(self.lengths * factor)._rounded_to(self.precision)
+            scaled = self.on(self.triangulation, self.lengths * factor, self.space.scaled(factor))
+        return scaled._rounded_to(self.precision)
 
     def __repr__(self) -> str:
         t = self.triangulation
         return (
             f"PolyhedralMetric({t.n_vertices} vertices, {t.n_edges} edges, {t.n_faces} faces, "
-            f"mean edge length {self.mean_length:.6g})"
+            f"mean edge length {self.mean_length:.6g}"
+            f"{'' if self.space.is_euclidean else f', curvature {self.curvature:.6g}'})"
         )
+
+    @property
+    def curvature(self) -> float:
+        """Of the triangles and of `space`, in 1/length^2."""
+        return self.space.curvature
 
     @property
     def faces(self) -> Indices:
@@ -221,7 +280,8 @@ class PolyhedralMetric:
     @cached_property
     def normalized(self) -> PolyhedralMetric:
         """The metric in its own `unit`, in which its mean edge length is between 1 and 2."""
-        return self.on(self.triangulation, self.lengths / self.unit)._rounded_to(self.precision)
+        space = self.space.scaled(1 / self.unit)
+        return self.on(self.triangulation, self.lengths / self.unit, space)._rounded_to(self.precision)
 
 
 def _length_array(lengths: ArrayLike) -> Floats:
@@ -272,7 +332,7 @@ def _check_positive(edges: Indices, lengths: Floats) -> None:
         )
 
 
-def _check_lengths(triangulation: Triangulation, lengths: Floats) -> None:
+def _check_lengths(triangulation: Triangulation, lengths: Floats, space: Space) -> None:
     if len(lengths) != triangulation.n_edges:
         raise InvalidMetric(f"there are {triangulation.n_edges} edges but {len(lengths)} lengths")
     _check_positive(triangulation.edges, lengths)
@@ -283,6 +343,15 @@ def _check_lengths(triangulation: Triangulation, lengths: Floats) -> None:
             f"face {f} {triangulation.faces[f].tolist()} breaks the triangle inequality: "
             f"its sides are {a!r}, {b!r} and {c!r}"
         )
+
+    if not space.is_euclidean:
+        face_edges, edges = triangulation.face_edges, triangulation.edges
+
+        def name(h: int) -> str:
+            e = face_edges.flat[h]
+            return f"edge {e} {edges[e].tolist()}"
+
+        check_sizes(space, triangulation.faces, lengths[face_edges], name)
 
 
 @kernel
@@ -299,14 +368,25 @@ def first_broken(face_edges: Indices, lengths: Floats, margin: float) -> int:
     return -1
 
 
-def _low_kept(triangulation: Triangulation, points: Floats) -> Floats:
+def _ambient(vertices: ArrayLike, space: Space, model: Model) -> Floats:
+    """Points of curved space, given in a model."""
+    points = real_array(vertices, "vertex", "coordinate")
+    if points.ndim != 2 or points.shape[1] != 3:
+        raise InvalidMetric(f"the vertices have shape {points.shape}, not (V, 3)")
+    return from_model(space, points, model)
+
+
+def _low_kept(triangulation: Triangulation, points: Floats, space: Space) -> Floats:
     """Lengths of edges between points of size 1, (E,), rounded so that no triangle with a height loses it.
 
     Two sides of a triangle that is 1e-8 of its longest high are as long as that, in floats: the longest is
     rounded down.
     """
     t = triangulation
-    lengths = edge_lengths(t.edges, points)
+    if space.is_euclidean:
+        lengths = edge_lengths(t.edges, points)
+    else:
+        lengths = space.distances(*np.moveaxis(points[t.edges], 1, 0))
     if first_broken(t.face_edges, lengths, LOW.margin / 2) < 0:
         return lengths
     for _ in range(LOW.passes):  # the side of one may be the longest of another
@@ -318,8 +398,9 @@ def _low_kept(triangulation: Triangulation, points: Floats) -> Floats:
         if not f.size:
             break
         a, b, c = (points[t.faces[f, (longest[f] + k) % 3]] for k in range(3))
-        along = (b - a) / np.where(most[f] > 0, most[f], 1.0)[:, None]
-        heights = np.linalg.norm(c - a - ((c - a) * along).sum(axis=1, keepdims=True) * along, axis=1)
+        to_b, to_c, far = space.seen_from(a, b), space.seen_from(a, c), space.sn(most[f])
+        along = to_b / np.where(far > 0, far, 1.0)[:, None]
+        heights = np.linalg.norm(to_c - (to_c * along).sum(axis=1, keepdims=True) * along, axis=1)
         f = f[heights > LOW.rounding]
         np.minimum.at(lengths, t.face_edges[f, longest[f]], (middle + least)[f] * (1 - LOW.margin))
     return lengths

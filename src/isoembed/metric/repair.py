@@ -1,8 +1,9 @@
 """Deficits within the noise, repaired by the smallest conformal change of the lengths.
 
 A vertex inside a face or an edge of a polyhedron has no deficit; errors of the lengths leave it one of either
-sign.  The edge from i to j becomes ``l_ij exp((u_i + u_j) / 2)``.  To first order in the factors u the
-deficits become ``delta + H u``, where H is the Laplacian with cotangent weights.  With F the vertices that
+sign.  The edge from i to j becomes ``l_ij exp((u_i + u_j) / 2)``, as a chord on the sphere and in the
+hyperbolic plane.  To first order in the factors u the deficits become ``delta + H u``, where H is the
+Laplacian with cotangent weights, or what takes its place there.  With F the vertices that
 are to be flat, wanted are factors with
 
     (delta + H u)_i = 0                                                      at i in F,
@@ -37,7 +38,7 @@ from isoembed.mesh.triangulation import frozen
 from isoembed.metric.conformal import equivalent
 from isoembed.metric.convexity import CONVEXITY, check_convex, deficit_rounding, deficit_spread
 from isoembed.metric.glued import GluedMetric
-from isoembed.metric.laplacian import cotangent_laplacian
+from isoembed.metric.laplacian import deficit_laplacian
 from isoembed.metric.polyhedral import PolyhedralMetric
 from isoembed.thresholds import threshold
 
@@ -123,11 +124,11 @@ def repaired(metric: Metric, noise: float, tolerance: float = 0.0) -> tuple[Metr
         raise InvalidParameter(f"the noise is {noise!r}, not a number of radians from 0 on")
     given = GluedMetric.of(metric)
     before = given.deficits
-    rounding = deficit_rounding(given.faces, given.face_lengths)
+    rounding = deficit_rounding(given.faces, given.face_lengths, given.curvature)
     precision = metric.precision if isinstance(metric, PolyhedralMetric) else None
     doubt = None
     if precision is not None:
-        spread = deficit_spread(given.faces, given.face_lengths, given.twins)
+        spread = deficit_spread(given.faces, given.face_lengths, given.twins, given.curvature)
         doubt = precision.name, precision.length_error * spread
     level = max(noise, min(tolerance, CONVEXITY.most))
     check_convex(before, np.maximum(rounding, level), doubt)
@@ -140,12 +141,12 @@ def repaired(metric: Metric, noise: float, tolerance: float = 0.0) -> tuple[Metr
         delta = current.deficits
         errors = np.where(flat, np.abs(delta), -delta)
         before_step, left = left, max(float(errors.max()), 0.0)
-        allowed = deficit_rounding(current.faces, current.face_lengths)
+        allowed = deficit_rounding(current.faces, current.face_lengths, current.curvature)
         if not changed.any() or ((errors <= allowed).all() and left >= REPAIR.gain * before_step):
             change = float(np.abs(current.face_lengths / given.face_lengths - 1).max())
             vertices = np.flatnonzero(changed)
             return result, Repair(frozen(vertices), frozen(before[vertices]), frozen(u), change)
-        H = cotangent_laplacian(current)
+        H = deficit_laplacian(current)
         try:
             u = _least_factors(H, delta - H @ u, rounding / 2, flat)
             result = _rescaled(metric, u)
@@ -197,4 +198,5 @@ def _rescaled(metric: Metric, u: Floats) -> Metric:
     if isinstance(metric, GluedMetric):
         return cast(Metric, equivalent(metric, u))
     with np.errstate(over="ignore"):  # a length beyond the floats is refused as infinite
-        return cast(Metric, metric.with_lengths(metric.lengths * np.exp(u / 2)[metric.edges].prod(axis=1)))
+        chords = metric.space.chord(metric.lengths) * np.exp(u / 2)[metric.edges].prod(axis=1)
+        return cast(Metric, metric.with_lengths(metric.space.arc(chords)))

@@ -3,11 +3,12 @@
 import numpy as np
 
 from isoembed.arrays import Floats, Indices
-from isoembed.intrinsic.trigonometry import apex
 from isoembed.metric.polyhedral import PolyhedralMetric
+from isoembed.space import Space
+from isoembed.space.trigonometry import apex
 
 
-def simplicial(faces: Indices, twins: Indices, face_lengths: Floats) -> PolyhedralMetric:
+def simplicial(faces: Indices, twins: Indices, face_lengths: Floats, space: Space) -> PolyhedralMetric:
     """Subdivide the triangles of a gluing where it is not a simplicial complex.
 
     Once loops are cut into three and repeated edges into two, no two edges have the same ends.  A face with a
@@ -21,6 +22,8 @@ def simplicial(faces: Indices, twins: Indices, face_lengths: Floats) -> Polyhedr
     twins : ndarray of int, shape (3F,)
     face_lengths : ndarray, shape (F, 3)
         All of a glued metric, its lengths near 1.
+    space : Space
+        Of the curvature of the triangles.
 
     Returns
     -------
@@ -42,12 +45,12 @@ def simplicial(faces: Indices, twins: Indices, face_lengths: Floats) -> Polyhedr
 
     between, count = _cuts(twins, pieces, int(faces.max()) + 1)
     for f in np.flatnonzero(~whole).tolist():
-        outline, points, steps = _outline(faces[f], face_lengths[f], between[3 * f : 3 * f + 3])
-        center = points.mean(axis=0)
+        outline, points, steps = _outline(faces[f], face_lengths[f], between[3 * f : 3 * f + 3], space)
+        center = _middle(points, space)
         edges.append(_sides(outline))
         lengths.append(steps)
         if len(np.unique(outline)) < len(outline):
-            ring, inner = np.arange(count, count + len(outline)), (points + center) / 2
+            ring, inner = np.arange(count, count + len(outline)), _halfway(points, center, space)
             count += len(ring)
             after, outer_after = np.roll(ring, -1), np.roll(outline, -1)
             triangles += [
@@ -56,17 +59,18 @@ def simplicial(faces: Indices, twins: Indices, face_lengths: Floats) -> Polyhedr
             ]
             edges += [_sides(ring), np.column_stack([outline, ring]), np.column_stack([outer_after, ring])]
             lengths += [
-                _distances(inner, np.roll(inner, -1, axis=0)),
-                _distances(points, inner),
-                _distances(np.roll(points, -1, axis=0), inner),
+                _distances(inner, np.roll(inner, -1, axis=0), space),
+                _distances(points, inner, space),
+                _distances(np.roll(points, -1, axis=0), inner, space),
             ]
             outline, points = ring, inner
         hub = np.full(len(outline), count)
         count += 1
         triangles.append(np.column_stack([_sides(outline), hub]))
         edges.append(np.column_stack([outline, hub]))
-        lengths.append(_distances(points, center))
-    return PolyhedralMetric(np.concatenate(triangles), np.concatenate(lengths), np.concatenate(edges))
+        lengths.append(_distances(points, center, space))
+    tables = (np.concatenate(some) for some in (triangles, lengths, edges))
+    return PolyhedralMetric(*tables, curvature=space.curvature)
 
 
 def _pieces(faces: Indices, twins: Indices) -> Indices:
@@ -93,17 +97,24 @@ def _cuts(twins: Indices, pieces: Indices, count: int) -> tuple[list[list[int]],
     return between, count
 
 
-def _outline(corners: Indices, lengths: Floats, between: list[list[int]]) -> tuple[Indices, Floats, Floats]:
-    """A triangle as a polygon: its vertices, where they lie in the plane, and the lengths of its sides."""
+def _outline(
+    corners: Indices, lengths: Floats, between: list[list[int]], space: Space
+) -> tuple[Indices, Floats, Floats]:
+    """A triangle as a polygon: its vertices, where they lie, and the lengths of its sides.
+
+    They lie at (x, y, w), on the sphere, on the hyperboloid, or in the plane w = 1.
+    """
     l, second, third = lengths.tolist()
-    plane = np.array([(0.0, 0.0), (l, 0.0), apex(l, second, third)])
+    plane = np.zeros((3, 3))
+    plane[1, 0], plane[2, :2] = space.sn(l), apex(l, second, third, space.curvature)
+    plane[:, 2] = space.cs(np.array([0.0, l, third]))
     outline: list[int] = []
     points: list[Floats] = []
     steps: list[float] = []
     for c, new in enumerate(between):
         n = len(new) + 1
         outline += [int(corners[c]), *new]
-        points += [plane[c] + (plane[(c + 1) % 3] - plane[c]) * (k / n) for k in range(n)]
+        points += [_along(plane[c], plane[(c + 1) % 3], lengths[c], k / n, space) for k in range(n)]
         steps += [float(lengths[c]) / n] * n
     return np.array(outline), np.array(points), np.array(steps)
 
@@ -112,5 +123,33 @@ def _sides(ring: Indices) -> Indices:
     return np.column_stack([ring, np.roll(ring, -1)])
 
 
-def _distances(a: Floats, b: Floats) -> Floats:
-    return np.asarray(np.hypot(*(a - b).T))
+def _along(p: Floats, q: Floats, l: float, part: float, space: Space) -> Floats:
+    """The point this part of the way from p to q, at a distance l."""
+    if space.is_euclidean:
+        return p + (q - p) * part
+    before, after, whole = space.sn(np.array([(1 - part) * l, part * l, l]))
+    return np.asarray((before * p + after * q) / whole)
+
+
+def _middle(points: Floats, space: Space) -> Floats:
+    """The point of the sphere or hyperboloid in the direction of the sum of points (n, 3)."""
+    mean = points.mean(axis=0)
+    if space.is_euclidean:
+        return mean
+    between = _distances(np.repeat(points, len(points), axis=0), np.tile(points, (len(points), 1)), space)
+    return np.asarray(mean / np.sqrt(space.cs(between).mean()))
+
+
+def _halfway(points: Floats, center: Floats, space: Space) -> Floats:
+    """The points in the middle of the way from others (n, 3) to a center."""
+    return np.asarray((points + center) / 2 / space.cs(_distances(points, center, space) / 2)[:, None])
+
+
+def _distances(a: Floats, b: Floats, space: Space) -> Floats:
+    d = a - b
+    if space.is_euclidean:
+        return np.asarray(np.hypot(*d[:, :2].T))
+    # The chord by stereographic projection, which does not cancel far out in the hyperbolic plane.
+    here, there = 1 + a[:, 2:], 1 + b[..., 2:]
+    moved = there * d[:, :2] - b[..., :2] * d[:, 2:]
+    return space.arc(np.hypot(*(moved / np.sqrt(here * there)).T))

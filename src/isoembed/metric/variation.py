@@ -14,21 +14,26 @@ def deficit_derivative(metric: PolyhedralMetric) -> csr_array:
     """``d epsilon_a / d l_e``, sparse of shape (V, E), in the unit of length to the power -1.
 
     In a triangle with angle i across from side i: ``d theta_i / d l_i = l_i / 2A``,
-    ``d theta_i / d l_j = -cot(theta_k) / l_j``.
+    ``d theta_i / d l_j = -cot(theta_k) / l_j``; on the sphere and in the hyperbolic plane with the sines of
+    the sides and with the amplitude in the place of 2A.
     """
-    shape = Triangles.of(metric.face_lengths)
+    shape = Triangles.of(metric.face_lengths, metric.curvature)
+    sines, amplitudes = shape.sines, shape.amplitudes
     by_side = np.empty((len(shape.opposite), 3, 3))
     for i in range(3):
         for j in range(3):
             if i == j:
-                by_side[:, i, j] = shape.opposite[:, i] / (2 * shape.areas)
+                by_side[:, i, j] = sines[:, i] / amplitudes
             else:
-                by_side[:, i, j] = -shape.cotangents[:, 3 - i - j] / shape.opposite[:, j]
+                by_side[:, i, j] = -shape.cotangents[:, 3 - i - j] / sines[:, j]
     return _assembled(metric, -by_side / shape.unit)
 
 
 def dual_area_derivative(metric: PolyhedralMetric) -> csr_array:
-    """``d A*_a / d l_e`` of the circumcentric dual areas, sparse of shape (V, E), in the unit of length."""
+    """``d A*_a / d l_e`` of the circumcentric dual areas, sparse of shape (V, E), in the unit of length.
+
+    For flat triangles only.
+    """
     shape = Triangles.of(metric.face_lengths)
     l, cot, areas = shape.opposite, shape.cotangents, shape.areas
     # p_m = l_m^2 cot_m / 8; a corner's kite is the sum of the other two p.
@@ -43,9 +48,9 @@ def dual_area_derivative(metric: PolyhedralMetric) -> csr_array:
 
 def area_derivative(metric: PolyhedralMetric) -> Floats:
     """``d A / d l_e``, shape (E,), in the unit of length."""
-    shape = Triangles.of(metric.face_lengths)
+    shape = Triangles.of(metric.face_lengths, metric.curvature)
     across = np.roll(metric.triangulation.face_edges, -1, axis=1)
-    by_side = shape.opposite * shape.cotangents / 2
+    by_side = shape.space.chord(shape.opposite) / shape.space.cs(shape.opposite / 2) * shape.tilts / 2
     return cast(Floats, np.bincount(across.ravel(), by_side.ravel())) * shape.unit
 
 

@@ -6,9 +6,9 @@ Still ones, films and nets as PDF need matplotlib: ``pip install 'isoembed[plot]
 from isoembed.plot.animation import ANIMATION_ENDINGS, animation_writer, write_animation
 from isoembed.plot.film import Film, Frame
 from isoembed.plot.page import PAGE_ENDINGS, page_writer, write_page
+from isoembed.plot.panel import Panel
 from isoembed.plot.picture import (
     PICTURE_ENDINGS,
-    Panel,
     figure,
     figure_writer,
     panels,

@@ -2,7 +2,7 @@
 
 import os
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from importlib.util import find_spec
 from pathlib import Path
 
@@ -12,9 +12,12 @@ from numpy.typing import NDArray
 from isoembed.arrays import Floats
 from isoembed.io.files import FileError, Writer, ending, write_atomically
 from isoembed.io.registry import check_output
+from isoembed.plot.drawn import Drawn
 from isoembed.plot.film import ANSWER, FILM, Frame, shape
-from isoembed.plot.picture import INK, PAPER, Panel, check_drawable, color_scale, draw
-from isoembed.plot.quantity import face_means, mean_curvature
+from isoembed.plot.infinity import ball, draw_infinity
+from isoembed.plot.panel import Panel
+from isoembed.plot.picture import INK, PAPER, check_drawable, color_scale, draw
+from isoembed.plot.quantity import mean_curvature
 from isoembed.plot.view import Pose, View, camera
 from isoembed.surface.embedding import Embedding
 
@@ -119,10 +122,15 @@ def _drawn(embedding: Embedding, images: Sequence[_Image]) -> Iterator[Pixels]:
 
     shown = mean_curvature(embedding)
     scale = color_scale(*shown.bounds)
-    pose = Pose.of(embedding.vertices)
-    size = max(float(np.linalg.norm(pose.put(image.vertices), axis=1).max()) for image in images)
-    ups = [pose.put(image.vertices) @ camera(image.turn)[1] for image in images]
+    drawn = Drawn.of(embedding)
+    pose = Pose.of(drawn.put(embedding.vertices))
+    placed = [pose.put(drawn.put(image.vertices)) for image in images]
+    size = max(float(np.linalg.norm(points, axis=1).max()) for points in placed)
+    ups = [points @ camera(image.turn)[1] for points, image in zip(placed, images, strict=True)]
     bottom, top = float(min(up.min() for up in ups)), float(max(up.max() for up in ups))
+    if around := ball(pose, drawn.infinity):
+        size = max(size, float(np.linalg.norm(around[0])) + around[1])
+        bottom, top = -size, size
     height = top - bottom
     tall = WIDTH * height / (2 * size) + FOOT + HEAD
     tall = 2 * round(tall * DPI / 2) / DPI  # films have even heights
@@ -130,9 +138,10 @@ def _drawn(embedding: Embedding, images: Sequence[_Image]) -> Iterator[Pixels]:
         picture = Figure(figsize=(WIDTH, tall), facecolor=PAPER, dpi=DPI)
         canvas = FigureCanvasAgg(picture)
         axes = picture.add_axes((0.0, FOOT / tall, 1.0, 1 - (FOOT + HEAD) / tall))
-        panel = Panel.of(embedding, image.values)
-        view = View.of(image.vertices, panel.faces, pose, image.turn)
-        draw(axes, view, face_means(image.values, panel.faces), scale, panel.seams)
+        panel = Panel.of(drawn, image.vertices, replace(shown, values=image.values))
+        view = View.of(panel.vertices, panel.faces, pose, image.turn)
+        draw_infinity(axes, view, panel.infinity)
+        draw(axes, view, panel.face_values, scale, panel.seams, outlines=panel.outlines)
         axes.set_xlim(-1.02 * size, 1.02 * size)
         axes.set_ylim(bottom - 0.02 * height, top + 0.02 * height)
         picture.text(

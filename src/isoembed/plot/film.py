@@ -5,8 +5,10 @@ from dataclasses import dataclass
 import numpy as np
 
 from isoembed.arrays import Floats
+from isoembed.errors import InvalidParameter
 from isoembed.metric.polyhedral import PolyhedralMetric
 from isoembed.progress.stages import Progress
+from isoembed.space.models import from_model
 from isoembed.surface.alignment import aligned
 from isoembed.surface.embedding import Embedding
 from isoembed.surface.measures import outward
@@ -100,12 +102,16 @@ class Film:
         tuple of Frame
         """
         following = Frame(ANSWER, 0.0, embedding.residual, embedding.vertices)
-        frames, unit = [following], embedding.metric.unit
+        frames, unit, space = [following], embedding.metric.unit, embedding.metric.normalized.space
         for taken in reversed(self._taken):
             if taken.vertices is None or taken.vertices.shape != embedding.vertices.shape:
                 continue
             after = following.vertices / unit
-            vertices = aligned(outward(embedding.faces, taken.vertices), after)
+            try:
+                given = from_model(space, taken.vertices, "ambient")
+                vertices = aligned(outward(embedding.faces, given, space), after, space)
+            except InvalidParameter:  # on the sphere not within the half that can be shown
+                continue
             if (
                 np.linalg.norm(vertices - after, axis=1).max()
                 > FILM.seen * embedding.metric.normalized.mean_length

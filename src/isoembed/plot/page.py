@@ -20,6 +20,7 @@ from isoembed.plot.browser.packing import Packed
 from isoembed.plot.browser.ramp import ramp
 from isoembed.plot.browser.report import number, report_html
 from isoembed.plot.browser.thinning import thinned
+from isoembed.plot.drawn import DRAWN, Drawn
 from isoembed.plot.film import ANSWER, FILM, Frame, shape
 from isoembed.plot.quantity import (
     QUANTITY,
@@ -33,9 +34,10 @@ from isoembed.plot.quantity import (
     residual,
 )
 from isoembed.plot.view import Pose, camera
+from isoembed.space import Space
+from isoembed.space.models import MODELS, NAMES
 from isoembed.strict_json import plain
 from isoembed.surface.embedding import Embedding
-from isoembed.surface.measures import edge_lengths
 
 PAGE_ENDINGS = (".html",)
 LEAPT = (
@@ -51,6 +53,11 @@ UNITS = {
     "concave edges": "",
     "conformal factor": "",
 }
+TITLES = {
+    **{"poincare": "Poincaré ball", "klein": "Klein ball", "hyperboloid": "hyperboloid, x y z"},
+    **{"stereographic": "stereographic", "gnomonic": "gnomonic", "sphere": "sphere, x y z"},
+}
+"""What the models of a space are called on the page."""
 TEX = {"$": "", r"\varepsilon_a": "ε", "A^*_a": "A*", "k_1": "k₁", "k_2": "k₂", "  ": " "}
 
 
@@ -107,6 +114,9 @@ def _caption(embedding: Embedding) -> str:
     words = [f"{t.n_vertices:,} vertices, {faces_counted(embedding)}", f"∫ H dA = {number(total)}"]
     if not _is_its_own(embedding):
         words.append(f"largest length error {number(plain(embedding.residual))} of the mean edge")
+    if not embedding.space.is_euclidean:
+        space = embedding.space
+        words.append(f"{space.name} space of curvature {number(space.curvature)}")
     return " · ".join(words)
 
 
@@ -117,16 +127,20 @@ def _is_its_own(embedding: Embedding) -> bool:
 
 def _data(embedding: Embedding, frames: Sequence[Frame]) -> tuple[dict[str, Any], Packed]:
     """What the script shows: a JSON object, and the arrays that it points to."""
-    t, packed = embedding.triangulation, Packed()
+    packed, drawn = Packed(), Drawn.of(embedding)
+    pieces = drawn.pieces
     earlier = list(frames[:-1])
     own = not earlier and _is_its_own(embedding)
     shown = [q for q in quantities(embedding) if not (own and q.name == "residual")]
-    size = t.n_vertices * (6 + 2 * len(shown)) + t.n_edges / 8
+    size = pieces.n_vertices * (6 + 2 * len(shown)) + len(pieces.faces) * 3 / 16
     limit = int(min(FILM.frames, 1 + FILM.size // size))
     chosen = thinned([frame.stage for frame in earlier] + [ANSWER], limit)
-    pose = Pose.of(embedding.vertices)
-    faceted, seams = embedding.polygons is not embedding.faces, embedding.seams.ends
-    order = np.argsort(t.edge_halfedges[:, 0])  # the script finds the edges in that of the faces
+    pose, seams = _pose(drawn), drawn.seams_in_space().ends
+    faceted = pieces.cuts > 0 or embedding.polygons is not embedding.faces
+    edges = pieces.edges_of_faces()  # the script finds them in this order
+
+    def bits(mask: Mask) -> NDArray[np.uint8]:
+        return np.packbits((edges >= 0) & mask[edges], bitorder="little")
 
     def entry(
         surface: Embedding, add: Callable[[Floats], dict[str, Any]], of: Sequence[Quantity]
@@ -134,9 +148,9 @@ def _data(embedding: Embedding, frames: Sequence[Frame]) -> tuple[dict[str, Any]
         return {
             "told": [],
             "mesh": 0,
-            "concave": packed.add(_bits(surface.concave_edges[order])),
-            "positions": add(pose.put(surface.vertices).ravel()),
-            "values": {q.name: shades(q, add, surface.polygons) for q in of},
+            "concave": packed.add(bits(surface.concave_edges)),
+            "positions": add(pose.put(drawn.points(surface.vertices)).ravel()),
+            "values": {q.name: shades(drawn.spread(q), add, surface.polygons) for q in of},
         }
 
     entries: list[dict[str, Any]] = []
@@ -150,15 +164,18 @@ def _data(embedding: Embedding, frames: Sequence[Frame]) -> tuple[dict[str, Any]
         begins = k == 0 or made["stage"] != entries[k - 1]["stage"]
         made["pause"] = 3 * PAUSE if begins else PAUSE
     mesh = {
-        "faces": packed.add(t.faces.ravel()),
-        "polygons": packed.add(embedding.face_polygons) if faceted else None,
-        "outlines": packed.add(_bits(embedding.polygon_edges[order])) if faceted else None,
-        "solid": t.n_faces,
+        "faces": packed.add(pieces.faces.ravel()),
+        "polygons": packed.add(np.repeat(embedding.face_polygons, pieces.per_face)) if faceted else None,
+        "outlines": packed.add(bits(embedding.polygon_edges)) if faceted else None,
+        "solid": len(pieces.faces),
+        "cuts": pieces.cuts,
+        "own": packed.add(pieces.nearest()) if pieces.cuts else None,
     }
     return {
         "meshes": [mesh],
         "first": len(entries) - 1,
         "seams": packed.add_floats(pose.put(seams).ravel()) if len(seams) else None,
+        "space": _space(drawn.space, pose.size),
         "pose": {"center": pose.center.tolist(), "axes": pose.axes.tolist(), "size": pose.size},
         "alone": _why_alone(embedding.method) if len(frames) == 1 else "",
         "camera": camera().ravel().tolist(),
@@ -177,6 +194,23 @@ def _data(embedding: Embedding, frames: Sequence[Frame]) -> tuple[dict[str, Any]
     }, packed
 
 
+def _pose(drawn: Drawn) -> Pose:
+    """The pose of points of space: in a curved one the origin stays, which is the center of its models."""
+    vertices = drawn.surface.vertices
+    pose = Pose.of(drawn.put(vertices))
+    if drawn.space.is_euclidean:
+        return pose
+    return Pose(np.zeros(3), pose.axes, float(np.linalg.norm(drawn.points(vertices), axis=1).max()))
+
+
+def _space(space: Space, unit: float) -> dict[str, Any] | None:
+    """The curvature in this unit of length, and the models that the script can show; none of R^3."""
+    if space.is_euclidean:
+        return None
+    models = [{"model": model, "name": TITLES[NAMES[space.name][model]]} for model in MODELS]
+    return {"curvature": space.curvature * unit * unit, "farthest": DRAWN.ball, "models": models}
+
+
 def _why_alone(method: str) -> str:
     """Why there is no surface before the answer."""
     try:
@@ -191,9 +225,11 @@ def _on_the_way(surface: Embedding) -> list[Quantity]:
     metric, unit = surface.metric, surface.metric.unit
     with np.errstate(divide="ignore", invalid="ignore", over="ignore"):  # a frame may be folded flat
         found = [mean_curvature(surface), residual(surface), concavity(surface)]
-        lengths = unit * edge_lengths(metric.edges, surface.vertices / unit)
+        a, b = metric.edges.T
+        points = surface.vertices / unit
+        lengths = unit * metric.normalized.space.distances(points[a], points[b])
         try:
-            own = PolyhedralMetric.on(metric.triangulation, lengths)
+            own = PolyhedralMetric.on(metric.triangulation, lengths, metric.space)
         except InvalidMetric:  # a triangle without area has no curvature at its corners
             return found
         return [*found, intrinsic_curvature(shape(own, surface.vertices, surface.message))]
@@ -211,10 +247,6 @@ def shades(quantity: Quantity, add: Callable[[Floats], dict[str, Any]], polygons
     elif not isinstance(polygons, np.ndarray):
         shades["faces"] = add(face_means(values, polygons))
     return shades
-
-
-def _bits(mask: Mask) -> NDArray[np.uint8]:
-    return np.packbits(mask, bitorder="little")
 
 
 def _plain(label: str) -> str:

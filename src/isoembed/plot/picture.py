@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import os
 from collections.abc import Sequence
-from dataclasses import dataclass, field
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -12,9 +11,12 @@ import numpy as np
 
 from isoembed.arrays import Floats
 from isoembed.io.files import FileError, Writer, ending, write_atomically
-from isoembed.io.format import Polygons
 from isoembed.io.registry import check_output
-from isoembed.plot.quantity import MEAN_CURVATURE, QUANTITY, Quantity, face_means, faces_counted, quantity
+from isoembed.plot.drawn import Drawn, said
+from isoembed.plot.infinity import draw_infinity, window
+from isoembed.plot.lines import Shapes, among_faces
+from isoembed.plot.panel import Panel
+from isoembed.plot.quantity import MEAN_CURVATURE, QUANTITY, Quantity, faces_counted, quantity
 from isoembed.plot.view import View
 from isoembed.surface.embedding import Embedding
 from isoembed.surface.segments import Segments
@@ -36,36 +38,7 @@ GAP = 0.04  # of a panel's width, on both sides
 UNDATED = {"svg": {"Date": None}, "pdf": {"CreationDate": None}}
 """Metadata with which the same picture makes the same bytes."""
 INK, PAPER, SEAM = "#1c2430", "white", "#e8502a"
-
-
-@dataclass(frozen=True, eq=False)
-class Panel:
-    """One surface of several in a row.
-
-    Attributes
-    ----------
-    vertices : ndarray, shape (V, 3)
-    faces : ndarray of int, shape (F, 3), or sequence of such arrays of any lengths
-        The vertices around each, counterclockwise, seen from outside.
-    values : ndarray, shape (V,)
-        What the colors show; of the faces, shape (F,), if the quantity is one of faces.
-    title : str
-    seams : Segments
-        Lines that are drawn on the surface, beside these faces.
-    """
-
-    vertices: Floats
-    faces: Polygons
-    values: Floats
-    title: str = ""
-    seams: Segments = field(default_factory=Segments.none)
-
-    @classmethod
-    def of(cls, embedding: Embedding, values: Floats) -> Panel:
-        """The faces of a surface, and the seams of a net on it."""
-        ends, triangles = embedding.seams
-        seams = Segments(ends, embedding.face_polygons[triangles])
-        return cls(embedding.vertices, embedding.polygons, values, seams=seams)
+OUTLINE, SEWN = 0.8, 1.2  # widths of edges and of seams
 
 
 def figure(embedding: Embedding, *, color: str | Quantity = MEAN_CURVATURE, caption: str = "") -> Figure:
@@ -92,7 +65,8 @@ def figure(embedding: Embedding, *, color: str | Quantity = MEAN_CURVATURE, capt
         There is no such quantity.
     """
     shown = quantity(embedding, color) if isinstance(color, str) else color
-    return _row([Panel.of(embedding, shown.values)], shown, caption or _caption(embedding))
+    panel = Panel.of(Drawn.of(embedding), embedding.vertices, shown)
+    return _row([panel], shown, caption or _caption(embedding))
 
 
 def panels(
@@ -188,8 +162,8 @@ def _row(
     low, high = shown.bounds if bounds is None else bounds
     scale = color_scale(low, high, shown.scale)
     views = [View.of(panel.vertices, panel.faces) for panel in surfaces]
-    extents = np.array([view.extent for view in views])
-    (left, bottom), (right, top) = extents[:, 0].min(axis=0), extents[:, 1].max(axis=0)
+    seen = np.array([window(view, panel.infinity) for panel, view in zip(surfaces, views, strict=True)])
+    (left, bottom), (right, top) = seen[:, 0].min(axis=0), seen[:, 1].max(axis=0)
     if len(surfaces) > 1:
         left, right = left - GAP * (right - left), right + GAP * (right - left)
     across = SHARE * WIDTH / len(surfaces)
@@ -201,8 +175,8 @@ def _row(
     foot, share = 0.72 * MARGINS / total, height / total
     for k, (panel, view) in enumerate(zip(surfaces, views, strict=True)):
         axes = picture.add_axes((0.02 + k * across / WIDTH, foot, across / WIDTH, share))
-        values = panel.values if shown.at == "faces" else face_means(panel.values, panel.faces)
-        draw(axes, view, values, scale, panel.seams)
+        draw_infinity(axes, view, panel.infinity)
+        draw(axes, view, panel.face_values, scale, panel.seams, outlines=panel.outlines)
         axes.set_xlim(left, right)
         axes.set_ylim(bottom, top)
         if panel.title:
@@ -245,6 +219,7 @@ def draw(
     scale: ScalarMappable,
     seams: Segments | None = None,
     opacity: float = 1.0,
+    outlines: Segments | None = None,
 ) -> None:
     """Draw the faces that are seen.
 
@@ -261,8 +236,11 @@ def draw(
         Lines on the faces.
     opacity : float
         What is behind is seen through faces of less than 1.
+    outlines : Segments, optional
+        Edges to draw instead of the outlines of all faces.
     """
     from matplotlib.collections import LineCollection, PolyCollection
+    from matplotlib.colors import to_rgb
 
     shown = values[view.faces]
     known = np.isfinite(shown)[:, None]
@@ -270,20 +248,26 @@ def draw(
     width = float(np.clip(14.0 / np.sqrt(len(values)), 0.1, 0.7))
     dark = shaded.mean(axis=1, keepdims=True) < 0.4
     rims = np.where(dark, 0.88 * shaded + 0.12, 0.8 * shaded)
+    shapes = Shapes(list(view.polygons), shaded, rims, np.full(len(shaded), width))
+    if outlines is not None:
+        drawn = [(outlines, rims, OUTLINE)] + (
+            [] if seams is None else [(seams, np.array(to_rgb(SEAM)), SEWN)]
+        )
+        shapes = among_faces(view, shapes._replace(rims=shaded), drawn)
     faces = PolyCollection(
-        list(view.polygons),
-        facecolors=shaded,
-        edgecolors=rims,
-        linewidths=width,
+        shapes.polygons,
+        facecolors=shapes.fills,
+        edgecolors=shapes.rims,
+        linewidths=shapes.widths,
         joinstyle="round",
         alpha=None if opacity == 1.0 else opacity,
     )
     faces.set_rasterized(len(view.faces) > QUANTITY.rasterized)
     axes.add_collection(faces)
-    if seams is not None and len(seams.ends):
+    if outlines is None and seams is not None and len(seams.ends):
         in_sight = seams.ends[np.isin(seams.faces, view.faces).any(axis=1)]
         axes.add_collection(
-            LineCollection(list(view.put(in_sight)), colors=SEAM, linewidths=1.2, clip_on=False)
+            LineCollection(list(view.put(in_sight)), colors=SEAM, linewidths=SEWN, clip_on=False)
         )
     axes.set_aspect("equal")
     axes.axis("off")
@@ -291,9 +275,10 @@ def draw(
 
 def _caption(embedding: Embedding) -> str:
     t = embedding.triangulation
-    seams = "\nred: where the paper was glued" if len(embedding.seams.ends) else ""
+    seams = "red: where the paper was glued" if len(embedding.seams.ends) else ""
+    below = "     ".join(filter(None, (seams, said(embedding.space))))
     return (
         f"{t.n_vertices:,} vertices, {faces_counted(embedding)}     "
         rf"$\int\! H\,dA$ = {embedding.integrated_mean_curvature:.6g}     "
-        f"largest length error {embedding.residual:.1g} of the mean edge{seams}"
+        f"largest length error {embedding.residual:.1g} of the mean edge\n{below}".rstrip()
     )

@@ -13,6 +13,7 @@ from isoembed.metric.conformal_sphere import conformal_factors, conformal_sphere
 from isoembed.metric.curvature import area, dual_areas, gaussian_curvature
 from isoembed.metric.delaunay import delaunay
 from isoembed.progress.stages import Log
+from isoembed.surface.deviation import Deviation
 from isoembed.surface.embedding import Embedding
 from isoembed.thresholds import threshold
 
@@ -86,7 +87,7 @@ def mean_curvature(embedding: Embedding) -> Quantity:
 
 
 def intrinsic_curvature(embedding: Embedding) -> Quantity:
-    """K, the deficit over the circumcentric dual area, where that is positive and K within floats."""
+    """K, the deficit over the circumcentric dual area and that of the triangles, where both are known."""
     metric = embedding.metric
     known = dual_areas(metric.normalized) > 0
     values = np.full(len(known), np.nan)
@@ -94,7 +95,8 @@ def intrinsic_curvature(embedding: Embedding) -> Quantity:
         curvature = gaussian_curvature(metric)
     known &= np.abs(curvature) < QUANTITY.largest
     values[known] = curvature[known]
-    return Quantity("Gaussian curvature", r"Gaussian curvature  $K = \varepsilon_a / A^*_a$", values)
+    own = "k + " if metric.curvature else ""
+    return Quantity("Gaussian curvature", rf"Gaussian curvature  $K = {own}\varepsilon_a / A^*_a$", values)
 
 
 def residual(embedding: Embedding) -> Quantity:
@@ -115,8 +117,8 @@ def concavity(embedding: Embedding) -> Quantity:
 def conformal_factor(embedding: Embedding) -> Quantity | None:
     """The u of the discretely conformal map to the sphere of the same area, centered; None if there is none.
 
-    A length on the sphere is the length on the surface times ``e^u``; Springborn, Schroeder and Pinkall,
-    ACM TOG 27 (2008).
+    A length on the sphere is the length on the surface times ``e^u``, in hyperbolic and spherical space the
+    chord; Springborn, Schroeder and Pinkall, ACM TOG 27 (2008).
     """
     if embedding.triangulation.n_faces == 2:  # the two sides of a triangle: nothing is left without the pole
         return None
@@ -138,6 +140,13 @@ def sides(embedding: Embedding) -> Quantity | None:
         return None
     counts = embedding.face_sides.astype(np.float64)
     return Quantity("sides", "number of sides of a face", counts, at="faces")
+
+
+def vertex_deviation(deviation: Deviation) -> Quantity:
+    """How far errors of the lengths move the vertices, over the root mean square, which the label states."""
+    rms = deviation.report["vertices_rms"]
+    label = f"deviation of vertices, over {rms:.2g}"
+    return Quantity("deviation", label, deviation.vertices / (rms or 1.0))
 
 
 QUANTITIES = {

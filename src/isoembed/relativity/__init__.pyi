@@ -1,3 +1,5 @@
+from .energies.chen_wang_yau import ChenWangYau as ChenWangYau
+from .energies.chen_wang_yau import chen_wang_yau as chen_wang_yau
 from .energies.embedded import EmbeddedSurface as EmbeddedSurface
 from .energies.embedded import embed_surface as embed_surface
 from .energies.energies import Energies as Energies
@@ -54,6 +56,7 @@ from .spacetimes.kerr import KerrNewmanHorizon as KerrNewmanHorizon
 from .spacetimes.kerr import KerrNewmanSphere as KerrNewmanSphere
 from .spacetimes.kerr import embeddability as embeddability
 from .spacetimes.kerr import smarr_limit as smarr_limit
+from .spacetimes.kerr_de_sitter import KerrDeSitterSphere as KerrDeSitterSphere
 from .spacetimes.kerr_schild import KerrSchild as KerrSchild
 from .spacetimes.mapped_surface import MappedSurface as MappedSurface
 from .spacetimes.painleve_gullstrand import PainleveGullstrand as PainleveGullstrand

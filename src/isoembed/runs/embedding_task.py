@@ -8,17 +8,16 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-import numpy as np
-
 from isoembed._embed import Method, embed
 from isoembed.errors import InvalidMetric, InvalidParameter, MeshNote, NotEmbedded
 from isoembed.io.digest import file_digest, unchanged
 from isoembed.io.files import FileError
 from isoembed.io.format import flattened
 from isoembed.io.metric import read_metric
-from isoembed.io.surface import polygon_faces, vertex_residuals
+from isoembed.io.surface import polygon_faces, surface_data
 from isoembed.progress.fingerprint import described
 from isoembed.runs.result import REFUSED, Result
+from isoembed.space import Space
 from isoembed.surface.embedding import Embedding
 
 
@@ -27,8 +26,8 @@ class EmbeddingTask:
     """A metric in a file, to be embedded.
 
     The arrays of its result are the ``vertices``, the ``corners`` of all faces one after the other and the
-    ``sizes``, how many each face has, and at the vertices ``mean_curvature`` and ``residual``; see
-    `isoembed.io.write_surface`.
+    ``sizes``, how many each face has, at the vertices ``mean_curvature`` and ``residual``, and a
+    ``curvature`` of space; see `isoembed.io.write_surface`.
 
     Attributes
     ----------
@@ -37,6 +36,7 @@ class EmbeddingTask:
     method : Method
     tolerance : float
     merge : float or None
+    space : Space, str or None
         As of `isoembed.io.read_metric`.
     """
 
@@ -45,6 +45,7 @@ class EmbeddingTask:
     method: Method
     tolerance: float
     merge: float | None = None
+    space: Space | str | None = None
 
     @property
     def facts(self) -> dict[str, Any]:
@@ -53,7 +54,14 @@ class EmbeddingTask:
 
     def digest(self) -> str:
         """See `isoembed.runs.Task`."""
-        parts = (file_digest(self.path), self.path.suffix, described(self.method), self.tolerance, self.merge)
+        parts: tuple[object, ...] = (
+            file_digest(self.path),
+            self.path.suffix,
+            described(self.method),
+            self.tolerance,
+            self.merge,
+        )
+        parts += () if self.space is None else (self.space,)
         return hashlib.sha256(repr(parts).encode()).hexdigest()
 
     def compute(self, before: Result | None) -> Result:
@@ -62,7 +70,7 @@ class EmbeddingTask:
             warnings.simplefilter("always", MeshNote)
             try:
                 with unchanged(self.path):
-                    metric = read_metric(self.path, merge=self.merge)
+                    metric = read_metric(self.path, merge=self.merge, space=self.space)
                 found = embed(metric, method=self.method, tolerance=self.tolerance)
             except NotEmbedded as error:
                 report = {**error.embedding.report, "message": str(error), **self.facts}
@@ -75,8 +83,4 @@ class EmbeddingTask:
 
 def _arrays(found: Embedding) -> dict[str, Any]:
     corners, sizes = flattened(polygon_faces(found))
-    return {
-        "vertices": np.asarray(found.vertices),
-        **{"corners": corners, "sizes": sizes},
-        **{"mean_curvature": found.mean_curvature, "residual": vertex_residuals(found)},
-    }
+    return {**surface_data(found), "corners": corners, "sizes": sizes}

@@ -2,13 +2,15 @@
 their embedding to many digits in spherical harmonics, which begins with the embedding of a triangulation.
 """
 
-from isoembed.smooth.axisymmetric import AxisymmetricEmbedding, Band
+from isoembed.smooth.axisymmetric import AxisymmetricEmbedding
+from isoembed.smooth.band import Band
 from isoembed.smooth.coordinates import fitting_coordinates
 from isoembed.smooth.embedding import SmoothEmbedding
 from isoembed.smooth.gaussian_curvature import gaussian_curvature
 from isoembed.smooth.geodesics import geodesic_lengths
 from isoembed.smooth.grid_metric import GridMetric
 from isoembed.smooth.harmonics import Harmonics
+from isoembed.smooth.least_hyperbolic import LeastHyperbolic, least_hyperbolic
 from isoembed.smooth.solve import embed_smooth
 from isoembed.smooth.sphere_map import SphereMap, metric_in
 from isoembed.smooth.start import Start
@@ -23,6 +25,7 @@ __all__ = [
     "Band",
     "GridMetric",
     "Harmonics",
+    "LeastHyperbolic",
     "PulledBack",
     "SmoothEmbedding",
     "SphereMap",
@@ -36,6 +39,7 @@ __all__ = [
     "fitting_coordinates",
     "gaussian_curvature",
     "geodesic_lengths",
+    "least_hyperbolic",
     "metric_in",
     "triangulate_metric",
 ]

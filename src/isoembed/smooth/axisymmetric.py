@@ -3,6 +3,9 @@
 With x = cos(theta), s = 1 - x^2, q_tt = T and q_pp = s P, the surface has rho^2 = s P and dz/dx = sqrt(G),
 ``G = (q_tt - (d rho/d theta)^2) / s``.  T, P and G are smooth in x over the poles, and where G < 0 there is
 no surface of revolution.  Functions are Chebyshev series on pieces, bisected until they resolve.
+
+In a space of curvature k, rho is sn of the distance from the axis, G is k T P less, with q_tt (1 - k rho^2)
+for q_tt, and the length h of the axis below a point has ``dh/dx = sqrt(G) / (1 - k rho^2)``.
 """
 
 # ruff: noqa: N806 (T and P with their derivatives, as above)
@@ -17,11 +20,13 @@ from numpy.polynomial import chebyshev
 from numpy.typing import ArrayLike
 from scipy.optimize import brentq, minimize_scalar
 
-from isoembed.arrays import Floats, Indices
-from isoembed.errors import InvalidMetric, InvalidParameter
+from isoembed.arrays import Floats
+from isoembed.errors import InvalidMetric
 from isoembed.meshing.sphere import angles_of, directions_at
+from isoembed.smooth.band import Band, checked_angles
 from isoembed.smooth.piecewise import PIECEWISE, Piecewise, fitted
 from isoembed.smooth.two_metric import AngleMetric, TwoMetric, angle_components
+from isoembed.space import EUCLIDEAN, Space
 from isoembed.thresholds import threshold
 
 Interval = tuple[float, float]
@@ -44,7 +49,8 @@ class AxisymmetricEmbedding:
 
     Made by `of` or `from_components`.  Where the height of a surface turns back (dimples at the poles), this
     is the one that is reflected to fall everywhere.  What is asked of the whole surface, where it does not
-    embed, raises `InvalidMetric`, whose message is the `explanation`.
+    embed, raises `InvalidMetric`, whose message is the `explanation`.  In hyperbolic and spherical space
+    points have ambient coordinates (`isoembed.Space`).
 
     Attributes
     ----------
@@ -54,15 +60,20 @@ class AxisymmetricEmbedding:
         A length, about the largest circumferential radius.
     resolution : float
         The relative accuracy to which the metric is a smooth function.
+    space : Space
+        By default Euclidean space.  For another one, `dataclasses.replace` it.
     """
 
     T: Piecewise = field(repr=False)
     P: Piecewise = field(repr=False)
     unit: float
     resolution: float
+    space: Space = EUCLIDEAN
 
     @classmethod
-    def of(cls, metric: TwoMetric, tolerance: float = 1e-8) -> AxisymmetricEmbedding:
+    def of(
+        cls, metric: TwoMetric, tolerance: float = 1e-8, *, space: Space = EUCLIDEAN
+    ) -> AxisymmetricEmbedding:
         """From a metric on the sphere.
 
         Parameters
@@ -70,6 +81,7 @@ class AxisymmetricEmbedding:
         metric : TwoMetric
         tolerance : float
             How far components may vary along a circle of latitude, over the largest.
+        space : Space
 
         Raises
         ------
@@ -102,11 +114,15 @@ class AxisymmetricEmbedding:
                     f"the metric is conical at the {name} pole:"
                     f" q_tt sin^2(theta) / q_pp = {t / p:.9g} there, not 1"
                 )
-        return cls(T, P, float(np.sqrt(scale)), resolution)
+        return cls(T, P, float(np.sqrt(scale)), resolution, space)
 
     @classmethod
     def from_components(
-        cls, q_tt: Callable[[Floats], ArrayLike], q_pp: Callable[[Floats], ArrayLike]
+        cls,
+        q_tt: Callable[[Floats], ArrayLike],
+        q_pp: Callable[[Floats], ArrayLike],
+        *,
+        space: Space = EUCLIDEAN,
     ) -> AxisymmetricEmbedding:
         """From the components, in units of length^2, as functions of theta between 0 and pi.
 
@@ -115,7 +131,7 @@ class AxisymmetricEmbedding:
         InvalidMetric
             As `of`, and where a component is not positive.
         """
-        return cls.of(AngleMetric(lambda theta, _: (q_tt(theta), 0.0, q_pp(theta))))
+        return cls.of(AngleMetric(lambda theta, _: (q_tt(theta), 0.0, q_pp(theta))), space=space)
 
     @property
     def area(self) -> float:
@@ -134,14 +150,39 @@ class AxisymmetricEmbedding:
 
     @cached_property
     def obstruction(self) -> tuple[Interval, ...]:
-        """The intervals of theta on which q_tt < (d rho/d theta)^2: no surface of revolution has them."""
+        """The intervals of theta on which no surface of revolution has the metric: G < 0.
+
+        In Euclidean space, ``q_tt < (d rho/d theta)^2``.
+        """
         return self._negative(lambda x: self._terms(x)[0], 1.0)
 
     @cached_property
     def negative_curvature(self) -> tuple[Interval, ...]:
-        """The intervals of theta on which K < 0."""
+        """The intervals of theta on which K is less than the curvature of space: the surface is a saddle."""
         scale = float(np.abs(self._gauss(self._samples)).max())
-        return self._negative(self._gauss, scale)
+        return self._negative(lambda x: self._gauss(x) - self._k, scale)
+
+    @cached_property
+    def greatest_curvature(self) -> float:
+        """The greatest curvature of space, in 1/length^2, in which there is a surface of revolution.
+
+        It is the least value of ``(1 - (d rho/d s)^2) / rho^2``, s being the length along a meridian; at the
+        poles this is K.  The space that the surface is in does not matter.
+        """
+
+        def bound(x: Floats) -> Floats:
+            return self._terms(x)[0] / (self.T(x) * self.P(x)) + self._k
+
+        x = self._samples
+        values = bound(x)
+        dips = 1 + np.flatnonzero((values[1:-1] <= values[:-2]) & (values[1:-1] <= values[2:]))
+        found = [
+            minimize_scalar(
+                lambda y: float(bound(np.array([y]))[0]), bounds=(x[i + 1], x[i - 1]), method="bounded"
+            ).fun
+            for i in dips
+        ]
+        return float(min([values.min(), *found])) / self.unit / self.unit
 
     @cached_property
     def bands(self) -> tuple[Band, ...]:
@@ -153,20 +194,35 @@ class AxisymmetricEmbedding:
     @property
     def explanation(self) -> str:
         """A sentence: that the surface embeds, or where and why it does not, and what does."""
+        curved = not self.space.is_euclidean
+        where = f" in {self.space.name} space of curvature {self.space.curvature:.9g}" if curved else ""
+        q_tt = "q_tt (1 - k rho^2)" if curved else "q_tt"
         if self.embeds:
-            return "the metric is that of a surface of revolution: q_tt >= (d rho/d theta)^2 for all theta"
+            return (
+                f"the metric is that of a surface of revolution{where}:"
+                f" {q_tt} >= (d rho/d theta)^2 for all theta"
+            )
         part = sum(band.area for band in self.bands) / self.area
+        saddles = _listed(self.negative_curvature)
+        reason = (
+            f" (K < k for {saddles}; K >= k at the poles of every surface of revolution)"
+            if curved
+            else ", as the cap on one side of the circle of latitude has negative total curvature"
+            f" (K < 0 for {saddles}; K >= 0 at the poles of every surface of revolution)"
+        )
         return (
-            f"no surface of revolution has this metric for {_listed(self.obstruction)}:"
-            " there q_tt < (d rho/d theta)^2, as the cap on one side of the circle of latitude has negative"
-            f" total curvature (K < 0 for {_listed(self.negative_curvature)}; K >= 0 at the poles of every"
-            f" surface of revolution); {_listed([(band.start, band.stop) for band in self.bands])} embeds,"
-            f" {100.0 * part:.6g} % of the area"
+            f"no surface of revolution{where} has this metric for {_listed(self.obstruction)}: there {q_tt} <"
+            f" (d rho/d theta)^2{reason}; {_listed([(band.start, band.stop) for band in self.bands])} embeds,"
+            f" {100.0 * part:.6g} % of the area;"
+            f" space of curvature {self.greatest_curvature:.9g} or less has the whole"
         )
 
     def rho(self, theta: ArrayLike) -> Floats:
-        """The distance from the axis (n,) at theta (n,), embeddable there or not."""
-        theta = _angles(theta)
+        """The circumference over 2 pi (n,) of the circle at theta (n,), embeddable there or not.
+
+        It is the distance from the axis in R^3, and sn of it in hyperbolic and spherical space.
+        """
+        theta = checked_angles(theta)
         return self.unit * np.sin(theta) * np.sqrt(self.P(np.cos(theta)))
 
     def z(self, theta: ArrayLike) -> Floats:
@@ -181,15 +237,15 @@ class AxisymmetricEmbedding:
 
     def gaussian_curvature(self, theta: ArrayLike) -> Floats:
         """K (n,) of the metric at theta (n,), in 1/length^2."""
-        return self._gauss(np.cos(_angles(theta))) / self.unit / self.unit
+        return self._gauss(np.cos(checked_angles(theta))) / self.unit / self.unit
 
     def mean_curvature(self, theta: ArrayLike) -> Floats:
         """H = (k1 + k2)/2 (n,) at theta (n,), in 1/length: infinite on a band's edge, NaN off the bands."""
-        x = np.cos(_angles(theta))
+        x = np.cos(checked_angles(theta))
         G, _ = self._terms(x)
-        K = self._gauss(x)
+        K = self._gauss(x) - self._k
         k2 = np.sqrt(np.where(G > 0.0, G, np.nan) / (self.T(x) * self.P(x)))
-        # K = k1 k2.  At a band's edge k2 = 0 and K is not; where K, too, is zero at a pole, so is k1.
+        # K - k = k1 k2.  At a band's edge k2 = 0 and K - k is not; where both are zero at a pole, so is k1.
         edge = (G <= 0.0) & (-self._noise <= G)
         limit = np.where(np.abs(K) <= np.sqrt(self._noise), 0.0, np.copysign(np.inf, K))
         return np.where(edge, limit, 0.5 * (K / k2 + k2)) / self.unit
@@ -199,6 +255,11 @@ class AxisymmetricEmbedding:
         if not self.embeds:
             raise InvalidMetric(self.explanation)
         return self.bands[0]
+
+    @property
+    def _k(self) -> float:
+        """The curvature of space in the unit."""
+        return self.space.curvature * self.unit * self.unit
 
     @property
     def _noise(self) -> float:
@@ -231,7 +292,8 @@ class AxisymmetricEmbedding:
         E[middle] = (T - P)[middle] / s[middle]
         E[south] = chebyshev.chebval(self.T.local(x[south])[1], first) / (1.0 - x[south])
         E[north] = chebyshev.chebval(self.T.local(x[north])[1], last) / (1.0 + x[north])
-        return E + P + x * P_x - s * P_x * P_x / (4.0 * P), (x * P - 0.5 * s * P_x) / np.sqrt(P)
+        G = E + P + x * P_x - s * P_x * P_x / (4.0 * P) - self._k * T * P
+        return G, (x * P - 0.5 * s * P_x) / np.sqrt(P)
 
     def _gauss(self, x: Floats) -> Floats:
         """K at x: the derivative of the cosine of the meridian's slope, over the area element."""
@@ -287,128 +349,6 @@ class AxisymmetricEmbedding:
         return tuple(found)
 
 
-@dataclass(frozen=True, eq=False)
-class Band:
-    """The part of an axisymmetric surface between two circles of latitude (or poles) that embeds.
-
-    Attributes
-    ----------
-    metric : AxisymmetricEmbedding
-    start, stop : float
-        Its range of theta.
-    """
-
-    metric: AxisymmetricEmbedding = field(repr=False)
-    start: float
-    stop: float
-
-    @property
-    def area(self) -> float:
-        """Area of the band."""
-        return self.metric._area(self.start, self.stop)
-
-    @property
-    def height(self) -> float:
-        """Extent along the axis."""
-        return float(self._primitives[0](np.array([np.pi]))[0]) * self.metric.unit
-
-    @property
-    def integrated_mean_curvature(self) -> float:
-        """Integral of H dA with H = (k1 + k2)/2; finite though H itself is not on an edge."""
-        # int k2 dA = 2 pi height.  int k1 dA = 2 pi int rho d(beta) is integrated by parts: beta, the angle
-        # by which the meridian has turned, needs one derivative less and is finite at the edges.
-        # At an edge, as at a pole, it is 0 or pi: to compute it would cost half of the digits.
-        edges = np.array([self.start, self.stop])
-        turned = np.where(self.metric._terms(np.cos(edges))[1] > 0.0, 0.0, np.pi)
-        before, after = turned * self.metric.rho(edges) / self.metric.unit
-        height, moment = (float(f(np.array([np.pi]))[0]) for f in self._primitives)
-        return np.pi * (height + float(after - before) - moment) * self.metric.unit
-
-    def z(self, theta: ArrayLike) -> Floats:
-        """The height (n,) at theta (n,) in the band, zero half way up.
-
-        Raises
-        ------
-        InvalidParameter
-            An angle is outside the band; the message names the first one.
-        """
-        theta = _angles(theta)
-        slack = 1e-14 * np.pi
-        outside = np.flatnonzero((theta < self.start - slack) | (theta > self.stop + slack))
-        if outside.size:
-            i = int(outside[0])
-            raise InvalidParameter(
-                f"theta[{i}] = {theta[i]:.9g} is outside the band from {self.start:.9g} to {self.stop:.9g}"
-            )
-        fraction = np.clip((theta - self.start) / (self.stop - self.start), 0.0, 1.0)
-        fallen = self._primitives[0](2.0 * np.arcsin(np.sqrt(fraction))) * self.metric.unit
-        return 0.5 * self.height - fallen
-
-    def mesh(self, around: int = 64) -> tuple[Floats, Indices]:
-        """Triangulate it.
-
-        Parameters
-        ----------
-        around : int
-            Vertices on each circle of latitude, at least 3.  Circles are as far apart as these on the widest.
-
-        Returns
-        -------
-        vertices : ndarray, shape (V, 3)
-        faces : ndarray, shape (F, 3)
-            Counterclockwise seen from outside; closed around the axis, with a boundary at each edge that is
-            not a pole.
-        """
-        if around < 3:
-            raise InvalidParameter(f"around must be at least 3, not {around}")
-        fine = self.start + (self.stop - self.start) * np.linspace(0.0, 1.0, 2001)
-        speed = np.sqrt(self.metric.T(np.cos(fine))) * self.metric.unit
-        along = np.concatenate([[0.0], np.cumsum(0.5 * (speed[1:] + speed[:-1]) * np.diff(fine))])
-        spacing = 2.0 * np.pi * float(self.metric.rho(fine).max()) / around
-        rows = max(2, round(float(along[-1]) / spacing)) + 1
-        theta = np.interp(np.linspace(0.0, along[-1], rows), along, fine)
-        phi = 2.0 * np.pi / around * np.arange(around)
-        rho, z = self.metric.rho(theta), self.z(theta)
-        circles = np.stack(
-            [np.outer(rho, np.cos(phi)), np.outer(rho, np.sin(phi)), np.repeat(z[:, None], around, axis=1)],
-            axis=-1,
-        ).reshape(-1, 3)
-        # A circle that is a pole is a single vertex.
-        ring = np.arange(rows * around).reshape(rows, around)
-        if self.start == 0.0:
-            ring[0] = ring[0, 0]
-        if self.stop == np.pi:
-            ring[-1] = ring[-1, 0]
-        upper, lower = ring[:-1], ring[1:]
-        right, lower_right = np.roll(upper, -1, axis=1), np.roll(lower, -1, axis=1)
-        faces = np.concatenate(
-            [
-                np.stack([upper, lower, lower_right], axis=-1).reshape(-1, 3),
-                np.stack([upper, lower_right, right], axis=-1).reshape(-1, 3),
-            ]
-        )
-        distinct = (np.diff(np.sort(faces, axis=1), axis=1) > 0).all(axis=1)
-        used, renumbered = np.unique(faces[distinct], return_inverse=True)
-        return circles[used], renumbered.reshape(-1, 3)
-
-    @cached_property
-    def _primitives(self) -> tuple[Piecewise, Piecewise]:
-        """Primitives of -dz/d theta and of beta d rho/d theta, tan(beta) = -dz/d rho, as functions of tau.
-
-        theta = (start + stop)/2 - (stop - start)/2 cos(tau): what is like a square root at an edge is smooth.
-        """
-        half = 0.5 * (self.stop - self.start)
-
-        def integrands(tau: Floats) -> Floats:
-            theta = self.start + 2.0 * half * np.sin(0.5 * tau) ** 2
-            G, rho_theta = self.metric._terms(np.cos(theta))
-            fall = np.sin(theta) * np.sqrt(np.maximum(G, 0.0))
-            return np.stack([fall, np.arctan2(fall, rho_theta) * rho_theta]) * (half * np.sin(tau))
-
-        (fall, moment), _ = fitted(integrands, np.array([0.0, 0.5 * np.pi, np.pi]), weighted=True)
-        return fall.primitive(), moment.primitive()
-
-
 def _check_symmetry(metric: TwoMetric, tolerance: float) -> None:
     names = ("q_tt", "q_tp / sin(theta)", "q_pp / sin^2(theta)")
     theta = np.pi * (np.arange(24) + 0.5) / 24
@@ -434,14 +374,6 @@ def _check_symmetry(metric: TwoMetric, tolerance: float) -> None:
 
 def _theta(x: float) -> float:
     return float(np.arctan2(np.sqrt((1.0 - x) * (1.0 + x)), x))
-
-
-def _angles(theta: ArrayLike) -> Floats:
-    angles = np.atleast_1d(np.asarray(theta, dtype=np.float64))
-    bad = np.flatnonzero(~((angles >= 0.0) & (angles <= np.pi)))
-    if bad.size:
-        raise InvalidParameter(f"theta[{bad[0]}] = {angles[bad[0]]:.9g} is not between 0 and pi")
-    return angles
 
 
 def _listed(intervals: Sequence[Interval]) -> str:

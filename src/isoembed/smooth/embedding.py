@@ -1,4 +1,4 @@
-"""A smooth surface in R^3 that realizes a 2-metric, in spherical harmonics: it measures itself."""
+"""A smooth surface in space that realizes a 2-metric, in spherical harmonics: it measures itself."""
 
 from __future__ import annotations
 
@@ -9,13 +9,15 @@ import numpy as np
 
 from isoembed.arrays import Floats
 from isoembed.meshing.sphere import fibonacci_directions
+from isoembed.smooth.extrinsic import Surface, radial_volume
 from isoembed.smooth.grid_metric import sampled_on_grid
 from isoembed.smooth.harmonics import Harmonics
-from isoembed.smooth.isometry import around, strains
+from isoembed.smooth.isometry import around
 from isoembed.smooth.sphere_map import SphereMap, metric_in
 from isoembed.smooth.sphere_transform import SphereTransform
 from isoembed.smooth.triangulation import SphereMesh, triangulate_metric
 from isoembed.smooth.two_metric import TwoMetric, angle_frame, area_density, orthonormal_frame
+from isoembed.space import EUCLIDEAN, Space
 from isoembed.thresholds import threshold
 
 
@@ -44,14 +46,15 @@ MEASURE = MeasureThresholds()
 
 @dataclass(frozen=True)
 class SmoothEmbedding:
-    """A map X from the sphere into R^3 that is to realize a metric.
+    """A map X from the sphere into space that is to realize a metric.
 
     Attributes
     ----------
     metric : TwoMetric
     harmonics : Harmonics
     coefficients : ndarray, shape (size, 3)
-        Of X in the harmonics, in the metric's unit of length.
+        Of X in the harmonics, in the metric's unit of length; of ambient coordinates in hyperbolic and
+        spherical space.
     tolerance : float
         Largest `residual` that counts as an embedding.
     coarser : float
@@ -63,6 +66,8 @@ class SmoothEmbedding:
         needs fewer of them.  By default they are the same.
     mesh : SphereMesh, optional
         The triangulation that the embedding began with.
+    space : Space
+        By default Euclidean space.
     """
 
     metric: TwoMetric
@@ -73,6 +78,7 @@ class SmoothEmbedding:
     hindrance: str = ""
     coordinates: SphereMap | None = None
     mesh: SphereMesh | None = field(default=None, repr=False)
+    space: Space = EUCLIDEAN
 
     def triangulated(self, vertices: int) -> SphereMesh:
         """A mesh of the metric with so many vertices: the one that the embedding began with, or a new one.
@@ -84,7 +90,7 @@ class SmoothEmbedding:
         """
         if self.mesh is not None and len(self.mesh.directions) == vertices:
             return self.mesh
-        return triangulate_metric(sampled_on_grid(self.metric), vertices)
+        return triangulate_metric(sampled_on_grid(self.metric), vertices, space=self.space)
 
     @property
     def in_own_directions(self) -> SmoothEmbedding:
@@ -98,16 +104,16 @@ class SmoothEmbedding:
         return self.harmonics.derivatives(self._own(u), self.coefficients)[0]
 
     def normals(self, u: Floats) -> Floats:
-        """The outward unit normals (n, 3)."""
-        return self._shape(self._own(u))[0]
+        """The outward unit normals (n, 3), by their ambient coordinates."""
+        return self._surface(self._own(u)).normals
 
     def mean_curvature(self, u: Floats) -> Floats:
         """H = (k1 + k2) / 2 (n,) of the surface in the metric's frames; relativity writes k0 = 2 H."""
-        return self._shape(self._own(u))[1]
+        return self._shape(self._own(u))[0]
 
     def gaussian_curvature(self, u: Floats) -> Floats:
-        """K = k1 k2 (n,) of the surface."""
-        return self._shape(self._own(u))[2]
+        """K = k + k1 k2 (n,) of the surface, k being the curvature of space."""
+        return self.space.curvature + self._shape(self._own(u))[1]
 
     def strain(self, u: Floats) -> Floats:
         """The largest relative error (n,) of a squared length at u."""
@@ -135,6 +141,7 @@ class SmoothEmbedding:
 
         Of first order in what the surface's metric g lacks to the given one, q, it is that of a surface which
         has q: ``int (H g^ab - b^ab / 2) (q - g)_ab / 2 dA`` is added, b being the second fundamental form.
+        In a space of curvature k it is the change of int H dA + k volume; that of the volume is left out.
         """
         return self._measured.integrated_mean_curvature
 
@@ -173,10 +180,13 @@ class SmoothEmbedding:
         if self.residual <= MEASURE.rounding:
             return measured.change
         value = measured.integrated_mean_curvature
-        relative = measured.least_curvature * measured.area / (4.0 * np.pi)
+        relative = (measured.least_curvature - self.space.curvature) * measured.area / (4.0 * np.pi)
         softness = MEASURE.soft if relative < MEASURE.flat else MEASURE.stiff
         lower = MEASURE.lower * abs(value - self.coarser)
-        moved = min(lower, (softness * measured.strain) ** 2 * abs(value))
+        displaced = softness * measured.strain
+        # In curved space the change of the volume, which is of first order, is left out of int H.
+        volume = abs(self.space.curvature * measured.volume)
+        moved = min(lower, displaced**2 * abs(value) + displaced * volume)
         return MEASURE.first_order * abs(measured.correction) + moved + measured.change
 
     @cached_property
@@ -203,13 +213,11 @@ class SmoothEmbedding:
         frames = orthonormal_frame(transform.u, q)
         areas = transform.weights * area_density(q)
         frames = np.einsum("nai,nbi->nab", frames, np.stack(angle_frame(transform.u), axis=1))
-        tangents = frames @ transform.gradients(self.coefficients)
-        normals = np.cross(tangents[:, 0], tangents[:, 1])
-        stretch = np.linalg.norm(normals, axis=1)
-        normals /= stretch[:, None]
-        pairs = -np.einsum("npi,ni->np", transform.hessians(self.coefficients), normals)
-        second = frames @ pairs[:, [[0, 1], [1, 2]]] @ frames.transpose(0, 2, 1)
-        g = tangents @ tangents.transpose(0, 2, 1)
+        points = transform.values(self.coefficients)
+        surface = Surface.of(self.space, points, frames @ transform.gradients(self.coefficients))
+        pairs = -np.einsum("npi,ni->np", transform.hessians(self.coefficients), surface.conormals)
+        second = surface.second(frames @ pairs[:, [[0, 1], [1, 2]]] @ frames.transpose(0, 2, 1))
+        g, stretch = surface.metric, surface.stretch
         # In two dimensions the inverse is the matrix of cofactors over the determinant, stretch^2.
         inverse = _cofactors(g) / stretch[:, None, None] ** 2
         shape = inverse @ second
@@ -220,14 +228,17 @@ class SmoothEmbedding:
         value = float(surface_areas @ H)
         correction = 0.5 * float(surface_areas @ np.einsum("nab,nab->n", weights, lacking))
         squares = np.einsum("nab,nab->n", lacking, lacking)
-        heights = np.einsum("ni,ni->n", transform.values(self.coefficients), normals)
+        heights = np.einsum("ni,ni->n", points, surface.conormals)
+        if not self.space.is_euclidean:
+            heights *= radial_volume(self.space, points)
+        extrinsic = second[:, 0, 0] * second[:, 1, 1] - second[:, 0, 1] ** 2
         return _Measures(
             area=float(areas.sum()),
             integrated_mean_curvature=value + correction,
             correction=correction,
             change=abs(value + correction - before),
             volume=float(surface_areas @ heights) / 3.0,
-            least_curvature=float(np.min(second[:, 0, 0] * second[:, 1, 1] - second[:, 0, 1] ** 2)),
+            least_curvature=self.space.curvature + float(np.min(extrinsic)),
             strain=float(np.sqrt(areas @ squares / areas.sum())),
             residual=0.5 * float(np.abs(np.linalg.eigvalsh(lacking)).max()),
         )
@@ -244,22 +255,25 @@ class SmoothEmbedding:
     def _frames(self, u: Floats) -> Floats:
         return orthonormal_frame(u, self._metric.tensor(u))
 
+    def _surface(self, u: Floats) -> Surface:
+        points, gradients, _ = self.harmonics.derivatives(u, self.coefficients)
+        return Surface.of(self.space, points, np.einsum("nai,nci->nac", self._frames(u), gradients))
+
     def _strain(self, u: Floats) -> Floats:
-        _, gradients, _ = self.harmonics.derivatives(u, self.coefficients)
-        s = strains(np.einsum("nai,nci->nac", self._frames(u), gradients))
+        s = self._surface(u).tangents.strains
         middle, half = 0.5 * (s[:, 0] + s[:, 2]), 0.5 * (s[:, 0] - s[:, 2])
         return np.abs(middle) + np.sqrt(half**2 + 0.5 * s[:, 1] ** 2)
 
-    def _shape(self, u: Floats) -> tuple[Floats, Floats, Floats]:
-        """Normals (n, 3), H and K (n,)."""
+    def _shape(self, u: Floats) -> tuple[Floats, Floats]:
+        """H and the product of the principal curvatures (n,)."""
         frames = self._frames(u)
-        _, gradients, hessians = self.harmonics.derivatives(u, self.coefficients)
-        tangents = np.einsum("nai,nci->nac", frames, gradients)
-        normals = np.cross(tangents[:, 0], tangents[:, 1])
-        normals /= np.linalg.norm(normals, axis=1)[:, None]
-        h = -np.einsum("nai,nbj,ncij,nc->nab", frames, frames, hessians, normals, optimize=True)
+        points, gradients, hessians = self.harmonics.derivatives(u, self.coefficients)
+        surface = Surface.of(self.space, points, np.einsum("nai,nci->nac", frames, gradients))
+        h = surface.second(
+            -np.einsum("nai,nbj,ncij,nc->nab", frames, frames, hessians, surface.conormals, optimize=True)
+        )
         H = 0.5 * (h[:, 0, 0] + h[:, 1, 1])
-        return normals, H, h[:, 0, 0] * h[:, 1, 1] - h[:, 0, 1] ** 2
+        return H, h[:, 0, 0] * h[:, 1, 1] - h[:, 0, 1] ** 2
 
 
 @dataclass(frozen=True)

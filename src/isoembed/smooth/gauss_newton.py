@@ -10,6 +10,7 @@ from isoembed.smooth.isometry import ISOMETRY, IsometrySystem, MetricSamples, ar
 from isoembed.smooth.matrix_free import MATRIX_FREE, MatrixFreeIsometry
 from isoembed.smooth.sphere_transform import SphereTransform
 from isoembed.smooth.two_metric import TwoMetric
+from isoembed.space import EUCLIDEAN, Space
 from isoembed.thresholds import threshold
 
 
@@ -29,18 +30,28 @@ def is_direct(harmonics: Harmonics) -> bool:
 
 
 def gauss_newton(
-    metric: TwoMetric, harmonics: Harmonics, coefficients: Floats, target: float = 0.0
+    metric: TwoMetric,
+    harmonics: Harmonics,
+    coefficients: Floats,
+    target: float = 0.0,
+    space: Space = EUCLIDEAN,
 ) -> Floats:
     """Coefficients (size, 3) of the map whose squared strains, integrated over the area, are least.
 
-    The search begins at coefficients of a map that is roughly right; that of the constant harmonic is kept.
-    It may end where the root mean square of the strains is at most the target.
+    The search begins at coefficients of a map that is roughly right; that of the constant harmonic is kept
+    in Euclidean space, and makes the mean over the area zero in others.  The search may end where the root
+    mean square of the strains is at most the target.
+
+    Raises
+    ------
+    InvalidParameter
+        The map that it begins at leaves the half of spherical space about the origin.
     """
     if is_direct(harmonics):
         n = int(np.ceil(ISOMETRY.oversampled * (harmonics.degree + 1)))
         samples = MetricSamples.of(metric, n, around(n, harmonics))
-        return IsometrySystem.of(harmonics, samples).solved(coefficients)
+        return IsometrySystem.of(harmonics, samples, space).solved(coefficients)
     n = int(np.ceil(MATRIX_FREE.oversampled * (harmonics.degree + 1)))
     transform = SphereTransform(harmonics, n, around(n, harmonics))
     samples = MetricSamples.of(metric, n, transform.around)
-    return MatrixFreeIsometry.of(transform, samples).solved(coefficients, target=target)
+    return MatrixFreeIsometry.of(transform, samples, space).solved(coefficients, target=target)

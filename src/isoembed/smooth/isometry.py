@@ -2,20 +2,28 @@
 
 The derivatives X_a are taken along a frame that is orthonormal in the given metric, and the equations are
 weighted by its area, so that neither scale nor coordinates count.
+
+In hyperbolic and spherical space X is in ambient coordinates, the product is that of space, and derivatives
+of displacements are ``D_a = d_a - (d_a ln w)``.  Translations are not constants there; what fixes them is
+that the centroid of the surface, the mean of X over its area, is the origin.
 """
 
 from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
+from functools import cached_property
+from typing import NamedTuple
 
 import numpy as np
 from scipy.linalg import cho_factor, cho_solve
 
 from isoembed.arrays import Floats
+from isoembed.errors import InvalidParameter
 from isoembed.meshing.sphere import gauss_rule
 from isoembed.smooth.harmonics import Harmonics
 from isoembed.smooth.two_metric import TwoMetric, area_density, orthonormal_frame
+from isoembed.space import EUCLIDEAN, Space
 from isoembed.thresholds import threshold
 
 
@@ -68,17 +76,63 @@ def around(n: int, harmonics: Harmonics) -> int:
     return ISOMETRY.around if harmonics.order < harmonics.degree else 2 * n
 
 
+class Tangents(NamedTuple):
+    """Derivatives of a map along frames at points of a space.
+
+    Attributes
+    ----------
+    vectors, lowered : ndarray, shape (n, 2, 3)
+        The derivatives of the ambient coordinates, and these with the index lowered by the metric of space.
+    drift : ndarray, shape (n, 2)
+        The derivatives of -ln w; zero in Euclidean space.
+    """
+
+    vectors: Floats
+    lowered: Floats
+    drift: Floats
+
+    @property
+    def strains(self) -> Floats:
+        """``X_a . X_b - delta_ab`` (n, 3), as 11, sqrt(2) 12, 22."""
+        (first, second), (lower, other) = np.moveaxis(self.vectors, 1, 0), np.moveaxis(self.lowered, 1, 0)
+        return np.stack(
+            [
+                np.einsum("ni,ni->n", first, lower) - 1.0,
+                np.sqrt(2.0) * np.einsum("ni,ni->n", first, other),
+                np.einsum("ni,ni->n", second, other) - 1.0,
+            ],
+            axis=1,
+        )
+
+
+def tangents_in(space: Space, points: Floats, vectors: Floats) -> Tangents:
+    """Derivatives (n, 2, 3) of points (n, 3) in curved space; not a number beyond the half of the sphere."""
+    k = space.curvature
+    square = 1.0 - k * np.einsum("ni,ni->n", points, points)
+    drift = k * np.einsum("ni,nai->na", points, vectors) / np.where(square > 0.0, square, np.nan)[:, None]
+    return Tangents(vectors, vectors + drift[:, :, None] * points[:, None, :], drift)
+
+
+def check_start(error: float) -> None:
+    """Refuse a start whose strains are not a number.
+
+    Raises
+    ------
+    InvalidParameter
+        It leaves the half of the sphere about the origin.
+    """
+    if not np.isfinite(error):
+        raise InvalidParameter("the search begins at points beyond the half of the sphere about the origin")
+
+
+def flat_tangents(vectors: Floats) -> Tangents:
+    """Derivatives (n, 2, 3) in Euclidean space, wherever the points are."""
+    return Tangents(vectors, vectors, np.zeros(vectors.shape[:2]))
+
+
 def strains(tangents: Floats) -> Floats:
-    """``X_a . X_b - delta_ab`` (n, 3), as 11, sqrt(2) 12, 22, of derivatives (n, 2, 3) along frames."""
-    first, second = tangents[:, 0], tangents[:, 1]
-    return np.stack(
-        [
-            np.einsum("ni,ni->n", first, first) - 1.0,
-            np.sqrt(2.0) * np.einsum("ni,ni->n", first, second),
-            np.einsum("ni,ni->n", second, second) - 1.0,
-        ],
-        axis=1,
-    )
+    """``X_a . X_b - delta_ab`` (n, 3), as 11, sqrt(2) 12, 22, of derivatives (n, 2, 3) in Euclidean space."""
+    return flat_tangents(tangents).strains
 
 
 @dataclass(frozen=True)
@@ -95,27 +149,33 @@ class IsometrySystem:
         Their derivatives along the frames.
     root : ndarray, shape (n,)
         The roots of the nodes' shares in the area.
+    space : Space
+        In that unit.
     """
 
     unit: float
     Y: Floats
     B: Floats
     root: Floats
+    space: Space = EUCLIDEAN
 
     @classmethod
-    def of(cls, harmonics: Harmonics, samples: MetricSamples) -> IsometrySystem:
+    def of(cls, harmonics: Harmonics, samples: MetricSamples, space: Space = EUCLIDEAN) -> IsometrySystem:
         """Evaluate the harmonics at the nodes."""
         unit = float(np.sqrt(samples.areas.sum() / (4.0 * np.pi)))
         Y, B = harmonics.along(samples.u, samples.frames)
-        return cls(unit, Y[:, 1:], unit * B[:, :, 1:], np.sqrt(samples.areas / samples.areas.sum()))
+        root = np.sqrt(samples.areas / samples.areas.sum())
+        return cls(unit, Y[:, 1:], unit * B[:, :, 1:], root, space.scaled(1.0 / unit))
 
     def solved(self, coefficients: Floats, stretch: Floats | float = 0.0) -> Floats:
         """Coefficients (size, 3) of X near given ones for which the strains come nearest to a stretch.
 
-        The stretch (n, 3), or 0, is in the form that `strains` has.
+        The stretch (n, 3), or 0, is in the form that `strains` has.  In Euclidean space the constant harmonic
+        keeps its coefficients.
         """
         constant, C = coefficients[:1], coefficients[1:] / self.unit
         error, tangents, residuals = self._strained(C, stretch)
+        check_start(error)
         before, solve, fresh = np.inf, None, True
         for _ in range(ISOMETRY.steps):
             fresh = solve is None
@@ -145,6 +205,8 @@ class IsometrySystem:
             before = size if length == 1.0 else np.inf
             if size > ISOMETRY.near:
                 solve = None
+        if not self.space.is_euclidean:
+            constant = -np.sqrt(4.0 * np.pi) * self.unit * (self.root**2 @ self.Y @ C)[None]
         return np.concatenate([constant, self.unit * C])
 
     def deformations(self, coefficients: Floats, strains: Floats) -> Floats:
@@ -153,7 +215,7 @@ class IsometrySystem:
         They are of first order, without a translation or rotation.
         """
         C = coefficients[1:] / self.unit
-        tangents = self.B @ C
+        tangents = self._tangents(C)
         solve = self._normal_equations(C, tangents)
         changes = np.zeros((len(strains), len(coefficients), 3))
         for k, strain in enumerate(strains):
@@ -161,20 +223,38 @@ class IsometrySystem:
             changes[k, 1:] = self.unit * solve(self._gradient(tangents, residuals))
         return changes
 
-    def _strained(self, C: Floats, stretch: Floats | float) -> tuple[float, Floats, Floats]:
-        tangents = self.B @ C
-        residuals = self.root[:, None] * (strains(tangents) - stretch)
+    @cached_property
+    def _centered(self) -> Floats:
+        """The harmonics (n, m) less their means over the area."""
+        return self.Y - self.root**2 @ self.Y
+
+    def _tangents(self, C: Floats) -> Tangents:
+        vectors = self.B @ C
+        if self.space.is_euclidean:
+            return flat_tangents(vectors)
+        return tangents_in(self.space, self._centered @ C, vectors)
+
+    def _derivatives(self, tangents: Tangents) -> Floats:
+        """The derivatives D_a (n, 2, m) of displacements."""
+        if self.space.is_euclidean:
+            return self.B
+        return self.B + tangents.drift[:, :, None] * self._centered[:, None, :]
+
+    def _strained(self, C: Floats, stretch: Floats | float) -> tuple[float, Tangents, Floats]:
+        tangents = self._tangents(C)
+        residuals = self.root[:, None] * (tangents.strains - stretch)
         return float(np.linalg.norm(residuals)), tangents, residuals
 
-    def _gradient(self, tangents: Floats, residuals: Floats) -> Floats:
+    def _gradient(self, tangents: Tangents, residuals: Floats) -> Floats:
         """Half the derivatives (m, 3) of the sum of squares of the weighted strains by the coefficients."""
         r = self.root[:, None] * residuals
-        X1, X2 = tangents[:, 0], tangents[:, 1]
+        X1, X2 = tangents.lowered[:, 0], tangents.lowered[:, 1]
         across = np.sqrt(2.0) * r[:, 1, None]
         first, second = 2.0 * r[:, 0, None] * X1 + across * X2, 2.0 * r[:, 2, None] * X2 + across * X1
-        return np.asarray(self.B[:, 0].T @ first + self.B[:, 1].T @ second)
+        D = self._derivatives(tangents)
+        return np.asarray(D[:, 0].T @ first + D[:, 1].T @ second)
 
-    def _normal_equations(self, C: Floats, tangents: Floats) -> Callable[[Floats], Floats]:
+    def _normal_equations(self, C: Floats, tangents: Tangents) -> Callable[[Floats], Floats]:
         """A solver of the normal equations, for right sides and solutions (m, 3).
 
         They lose half of the digits, but further steps make up for that.
@@ -191,13 +271,14 @@ class IsometrySystem:
 
         return solve
 
-    def _jacobian(self, tangents: Floats) -> Floats:
+    def _jacobian(self, tangents: Tangents) -> Floats:
         """Derivatives (3 n, 3 m) of the weighted strains by the coefficients of x, y and z."""
         n, _, m = self.B.shape
         J = np.empty((3, n, 3, m))
-        first, second = self.B[:, 0] * self.root[:, None], self.B[:, 1] * self.root[:, None]
+        D = self._derivatives(tangents)
+        first, second = D[:, 0] * self.root[:, None], D[:, 1] * self.root[:, None]
         for i in range(3):
-            X1, X2 = tangents[:, 0, i, None], tangents[:, 1, i, None]
+            X1, X2 = tangents.lowered[:, 0, i, None], tangents.lowered[:, 1, i, None]
             J[0, :, i] = 2.0 * X1 * first
             J[1, :, i] = np.sqrt(2.0) * (X1 * second + X2 * first)
             J[2, :, i] = 2.0 * X2 * second
@@ -205,7 +286,7 @@ class IsometrySystem:
 
     def _turns(self, C: Floats) -> Floats:
         """Rows (3, 3 m) that are zero for steps without rotation."""
-        X = self.Y @ C
+        X = (self.Y if self.space.is_euclidean else self._centered) @ C
         X = X / np.sqrt(np.einsum("ni,ni,n->", X, X, self.root**2))
         moments = (self.root[:, None] ** 2 * X).T @ self.Y  # (3, m)
         rows = np.zeros((3, 3, self.Y.shape[1]))

@@ -14,9 +14,10 @@ from functools import cached_property
 import numpy as np
 
 from isoembed.arrays import Floats
-from isoembed.smooth.isometry import MetricSamples, strains
+from isoembed.smooth.isometry import MetricSamples, Tangents, check_start, flat_tangents, tangents_in
 from isoembed.smooth.sphere_transform import SphereTransform
 from isoembed.smooth.two_metric import angle_frame
+from isoembed.space import EUCLIDEAN, Space
 from isoembed.thresholds import threshold
 
 
@@ -59,21 +60,26 @@ class MatrixFreeIsometry:
         Vectors that are orthonormal in the metric, by their components along e_theta and e_phi.
     root : ndarray, shape (n,)
         The roots of the nodes' shares in the area.
+    space : Space
+        In that unit.  In curved space the centroid is the origin.
     """
 
     transform: SphereTransform
     unit: float
     frames: Floats
     root: Floats
+    space: Space = EUCLIDEAN
 
     @classmethod
-    def of(cls, transform: SphereTransform, samples: MetricSamples) -> MatrixFreeIsometry:
+    def of(
+        cls, transform: SphereTransform, samples: MetricSamples, space: Space = EUCLIDEAN
+    ) -> MatrixFreeIsometry:
         """The equations of a metric that is sampled at the transform's nodes."""
         area = float(samples.areas.sum())
         unit = float(np.sqrt(area / (4.0 * np.pi)))
         angles = np.stack(angle_frame(samples.u), axis=1)
         frames = unit * np.einsum("nai,nbi->nab", samples.frames, angles)
-        return cls(transform, unit, frames, np.sqrt(samples.areas / area))
+        return cls(transform, unit, frames, np.sqrt(samples.areas / area), space.scaled(1.0 / unit))
 
     def solved(self, coefficients: Floats, stretch: Floats | float = 0.0, target: float = 0.0) -> Floats:
         """Coefficients (size, 3) of X near given ones for which the strains come nearest to a stretch.
@@ -96,6 +102,7 @@ class MatrixFreeIsometry:
         C = coefficients / self.unit
         tangents, residuals = self._strained(C, stretch)
         error = float(np.linalg.norm(residuals))
+        check_start(error)
         enough, eased, slow = max(target, MATRIX_FREE.rounding), 1.0, 0
         for _ in range(MATRIX_FREE.steps):
             if error <= enough or (target and error <= MATRIX_FREE.unresolved * self._beyond(C)):
@@ -118,6 +125,8 @@ class MatrixFreeIsometry:
             if slow == MATRIX_FREE.patience:
                 break
         C[0] = coefficients[0] / self.unit
+        if not self.space.is_euclidean:
+            C[0] -= np.sqrt(4.0 * np.pi) * (self.root**2 @ self.transform.values(C))
         return self.unit * C
 
     def deformations(self, coefficients: Floats, strains: Floats) -> Floats:
@@ -129,13 +138,20 @@ class MatrixFreeIsometry:
         right = np.moveaxis(self.root[:, None] * strains, 0, 2)
         return self.unit * np.moveaxis(self._least_squares(C, self._tangents(C), right, 0.0), 2, 0)
 
-    def _tangents(self, C: Floats) -> Floats:
-        """Derivatives (n, 2, 3) along the frames."""
-        return np.asarray(self.frames @ self.transform.gradients(C))
+    def _tangents(self, C: Floats) -> Tangents:
+        vectors = np.asarray(self.frames @ self.transform.gradients(C))
+        if self.space.is_euclidean:
+            return flat_tangents(vectors)
+        return tangents_in(self.space, self._centered(C), vectors)
 
-    def _strained(self, C: Floats, stretch: Floats | float) -> tuple[Floats, Floats]:
+    def _centered(self, C: Floats) -> Floats:
+        """Values (n, c) of functions less their means over the area."""
+        values = self.transform.values(C)
+        return values - self.root**2 @ values
+
+    def _strained(self, C: Floats, stretch: Floats | float) -> tuple[Tangents, Floats]:
         tangents = self._tangents(C)
-        return tangents, self.root[:, None] * (strains(tangents) - stretch)
+        return tangents, self.root[:, None] * (tangents.strains - stretch)
 
     def _beyond(self, C: Floats) -> float:
         """The strains that the last degrees hold, root mean square, as much as the next ones would hold."""
@@ -149,29 +165,41 @@ class MatrixFreeIsometry:
         degrees = self.transform.harmonics.labels[0].astype(np.float64)[:, None]
         return np.divide(1.0, degrees, out=np.zeros_like(degrees), where=degrees > 0.0)
 
-    def _least_squares(self, C: Floats, tangents: Floats, right: Floats, damping: float) -> Floats:
+    def _least_squares(self, C: Floats, tangents: Tangents, right: Floats, damping: float) -> Floats:
         """Changes (size, 3, k) of the coefficients C whose strains come nearest to right sides (n, 3, k).
 
         The method of conjugate gradients for least squares, all right sides at a time.  What the changed
         coefficients hold in high degrees is damped.
         """
-        X1, X2 = tangents[:, 0], tangents[:, 1]
+        X1, X2 = tangents.lowered[:, 0], tangents.lowered[:, 1]
         W = np.zeros((len(X1), 3, 2, 3))
         W[:, 0, 0], W[:, 2, 1] = 2.0 * X1, 2.0 * X2
         W[:, 1, 0], W[:, 1, 1] = np.sqrt(2.0) * X2, np.sqrt(2.0) * X1
+        # Of displacements; their derivatives D_a are those of the harmonics and the drift times their values.
+        drifted = np.einsum("nsac,na->nsc", W, self.root[:, None] * tangents.drift)
         W = np.einsum("nsac,nab->nsbc", W, self.root[:, None, None] * self.frames).reshape(len(X1), 3, 6)
+        curved = not self.space.is_euclidean
         count = right.shape[2]
         scale, size = self._scale[..., None], self.transform.harmonics.size
         degrees = self.transform.harmonics.labels[0][:, None, None]
         damp = damping * degrees * (degrees / degrees.max()) ** MATRIX_FREE.smoothing
 
         def strained(y: Floats) -> Floats:
-            slopes = self.transform.gradients((scale * y).reshape(size, 3 * count))
-            return np.einsum("nsk,nkj->nsj", W, slopes.reshape(-1, 6, count))
+            changes = (scale * y).reshape(size, 3 * count)
+            slopes = self.transform.gradients(changes)
+            strain = np.einsum("nsk,nkj->nsj", W, slopes.reshape(-1, 6, count))
+            if curved:
+                strain += np.einsum("nsc,ncj->nsj", drifted, self._centered(changes).reshape(-1, 3, count))
+            return strain
 
         def adjoint(r: Floats) -> Floats:
             slopes = np.einsum("nsk,nsj->nkj", W, r).reshape(-1, 2, 3 * count)
-            return scale * self.transform.adjoint_gradients(slopes).reshape(size, 3, count)
+            total = self.transform.adjoint_gradients(slopes)
+            if curved:
+                values = np.einsum("nsc,nsj->ncj", drifted, r).reshape(-1, 3 * count)
+                values -= self.root[:, None] ** 2 * values.sum(axis=0)
+                total += self.transform.adjoint_values(values)
+            return scale * total.reshape(size, 3, count)
 
         def squares(a: Floats) -> Floats:
             return np.einsum("isj,isj->j", a, a)

@@ -13,6 +13,7 @@ from isoembed.smooth.harmonics import Harmonics
 from isoembed.smooth.isometry import around
 from isoembed.smooth.sphere_transform import SphereTransform
 from isoembed.smooth.two_metric import TwoMetric, area_density
+from isoembed.space import EUCLIDEAN, Space
 from isoembed.surface.alignment import best_rotation
 from isoembed.thresholds import threshold
 
@@ -32,11 +33,12 @@ def oriented(
     harmonics: Harmonics,
     coefficients: Floats,
     shape: Callable[[Floats], Floats] | None = None,
+    space: Space = EUCLIDEAN,
 ) -> Floats:
     """Coefficients (size, 3) of a map X after the rotation that brings it nearest to a shape.
 
     The mean of squared distances over the area of the metric is least.  The centroid of that area is put to
-    the origin, wherever the shape is.
+    the origin, wherever the shape is; in curved space it is there already.
 
     Parameters
     ----------
@@ -46,6 +48,8 @@ def oriented(
     coefficients : ndarray, shape (size, 3)
     shape : callable, optional
         Takes directions u (n, 3) and returns points (n, 3), in any unit; by default the directions.
+    space : Space
+        That X is a map into, in ambient coordinates.
     """
     n = int(np.ceil(ORIENTATION.nodes * (harmonics.degree + 1)))
     transform = SphereTransform(harmonics, n, around(n, harmonics))
@@ -55,6 +59,7 @@ def oriented(
     points, onto = transform.values(coefficients), u if shape is None else shape(u)
     centroid = areas @ points
     found = coefficients.copy()
-    # The constant harmonic is one over the root of 4 pi.
-    found[0] -= np.sqrt(4.0 * np.pi) * centroid
+    if space.is_euclidean:
+        # The constant harmonic is one over the root of 4 pi.
+        found[0] -= np.sqrt(4.0 * np.pi) * centroid
     return found @ best_rotation(points - centroid, onto - areas @ onto, areas)

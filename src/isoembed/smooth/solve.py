@@ -27,6 +27,7 @@ from isoembed.smooth.transforms import resized
 from isoembed.smooth.triangulation import SphereMesh, graded_mesh
 from isoembed.smooth.two_metric import TwoMetric
 from isoembed.smooth.uncertain import EXACT
+from isoembed.space import EUCLIDEAN, Space
 from isoembed.thresholds import threshold
 
 
@@ -41,6 +42,10 @@ class SolveThresholds:
     power: float = threshold(3.0, "exponent", "Growth of that weight with the degree.")
     target: float = threshold(1e-4, "relative", "Strains over the root of the accuracy of int H dA.")
     soft: float = threshold(1e-10, "relative", "Accuracy of int H dA where K < 0: more takes minutes.")
+    flat: float = threshold(0.01, "round sphere's", "abs(K - k) that is none in curved space.")
+    rough_flat: float = threshold(
+        1e-8, "relative", "Accuracy of int H dA with it: the surface is not smooth."
+    )
     exact: float = threshold(1e-6, "relative", "Error of lengths that never stands for no embedding.")
     uncertain: float = threshold(10.0, "relative", "The same over the error of the metric.")
     falling: float = threshold(0.6, "relative", "Residual over the one before that is a decrease.")
@@ -59,6 +64,7 @@ SOLVE = SolveThresholds()
 def embed_smooth(
     metric: TwoMetric,
     *,
+    space: Space = EUCLIDEAN,
     start: SmoothEmbedding | Start | None = None,
     shape: Callable[[Floats], Floats] | None = None,
     vertices: int = 1000,
@@ -66,7 +72,7 @@ def embed_smooth(
     accuracy: float = 1e-12,
     best_fit: bool = False,
 ) -> SmoothEmbedding:
-    """Find the smooth surface in R^3 that realizes a smooth metric on the sphere.
+    """Find the smooth surface in R^3, or in another space, that realizes a smooth metric on the sphere.
 
     A triangulation of the metric is embedded (`isoembed.embed`), its vertices are fitted in spherical
     harmonics, and Gauss-Newton steps on the isometry equations with more and more harmonics make it exact,
@@ -75,6 +81,8 @@ def embed_smooth(
     Parameters
     ----------
     metric : TwoMetric
+    space : Space
+        Euclidean space, or `isoembed.Hyperbolic` or `isoembed.Spherical` of some curvature.
     start : SmoothEmbedding or Start, optional
         A surface of a metric nearby, in the same directions: the mesh is left out.
     shape : callable, optional
@@ -112,8 +120,9 @@ def embed_smooth(
     does not depend on the mesh or the start, changes with them continuously, and an axis or a plane of
     symmetry that they have is one of the surface.
 
-    For K > 0 the surface exists and is unique (Nirenberg 1953, Pogorelov 1952).  With K < 0 somewhere it is
-    the branch that the mesh is on.
+    For K > 0 the surface exists and is unique (Nirenberg 1953, Pogorelov 1952), and in a space of curvature k
+    for K > k (Pogorelov 1964).  With K < k somewhere it is the branch that the mesh is on.  In curved space,
+    surfaces of revolution begin with the closed quadrature of `AxisymmetricEmbedding`.
     """
     for name, value in (("tolerance", tolerance), ("accuracy", accuracy)):
         if not 0 < value < np.inf:
@@ -126,12 +135,14 @@ def embed_smooth(
     symmetric = turn is not None
     coordinates = None if turn is None or np.array_equal(turn, np.eye(3)) else SphereMap.linear(turn)
     ladder = [Harmonics(L, 1 if symmetric else L) for L in SOLVE.degrees]
-    profile = _profile(metric_in(metric, coordinates)) if symmetric else None
+    profile = _profile(metric_in(metric, coordinates), space) if symmetric else None
     hindrance = "" if profile is None or profile.embeds else _about(coordinates) + profile.explanation
     if hindrance:
         ladder = [h for h in ladder if h.degree <= SOLVE.hindered]
-    if start is None:
-        mesh = graded_mesh(metric, max(vertices, SOLVE.determined * ladder[0].size))
+    if start is None and profile is not None and profile.embeds and not space.is_euclidean:
+        mesh, origin, first = None, _from_profile(profile), 0
+    elif start is None:
+        mesh = graded_mesh(metric, max(vertices, SOLVE.determined * ladder[0].size), space)
         points = _embedded(mesh)
         if not symmetric:
             coordinates = fitting_coordinates(mesh.directions, mesh.faces, points)
@@ -143,7 +154,7 @@ def embed_smooth(
             coordinates = start.coordinates
         mesh, origin = None, partial(start.in_directions_of, coordinates)
         first = max(0, sum(h.degree < start.harmonics.degree for h in ladder) - 1)
-    goal = _Goal(metric, coordinates, shape, tolerance, accuracy, hindrance, mesh)
+    goal = _Goal(metric, space, coordinates, shape, tolerance, accuracy, hindrance, mesh)
     best, residuals = goal.approached(ladder[first:], origin)
     if not best.converged and profile is not None and profile.embeds:
         high = [h for h in ladder if h.degree >= SOLVE.high] or ladder[-1:]
@@ -161,6 +172,7 @@ class _Goal:
     """
 
     metric: TwoMetric
+    space: Space
     coordinates: SphereMap | None
     shape: Callable[[Floats], Floats] | None
     tolerance: float
@@ -181,15 +193,24 @@ class _Goal:
         for harmonics in ladder:
             if C is None or not carried:
                 C, old = origin(harmonics), harmonics
-            C = gauss_newton(metric, harmonics, resized(C, old, harmonics), SOLVE.target * np.sqrt(accuracy))
-            C, old = oriented(metric, harmonics, C, shape), harmonics
+            target = SOLVE.target * np.sqrt(accuracy)
+            C = gauss_newton(metric, harmonics, resized(C, old, harmonics), target, self.space)
+            C, old = oriented(metric, harmonics, C, shape, self.space), harmonics
             surface = SmoothEmbedding(
-                self.metric, harmonics, C, self.tolerance, last, self.hindrance, self.coordinates, self.mesh
+                self.metric,
+                harmonics,
+                C,
+                self.tolerance,
+                last,
+                self.hindrance,
+                self.coordinates,
+                self.mesh,
+                self.space,
             )
             last = surface.integrated_mean_curvature
             residuals.append(surface.residual)
-            if not is_direct(harmonics) and surface.least_curvature < 0.0:
-                accuracy = max(self.accuracy, SOLVE.soft)
+            if not is_direct(harmonics):
+                accuracy = max(self.accuracy, self._attainable(surface))
             settled = surface.unsettled <= accuracy * abs(last) or surface.residual <= MEASURE.rounding
             if surface.converged and settled:
                 break
@@ -197,6 +218,13 @@ class _Goal:
                 return self._judged(surface, residuals), residuals
             carried = surface.residual <= SOLVE.carried and not self._has_left(surface)
         return surface, residuals
+
+    def _attainable(self, surface: SmoothEmbedding) -> float:
+        """The accuracy of int H dA that harmonics attain in less than minutes; 0 is any."""
+        least = surface.least_curvature - self.space.curvature
+        if not self.space.is_euclidean and abs(least) * surface.area < 4.0 * np.pi * SOLVE.flat:
+            return SOLVE.rough_flat
+        return SOLVE.soft if least < 0.0 else 0.0
 
     def _is_in_vain(self, surface: SmoothEmbedding, residuals: list[float]) -> bool:
         """Whether more harmonics hardly bring lengths nearer; once a surface is found, one degree tells."""
@@ -209,18 +237,18 @@ class _Goal:
         """A surface that more harmonics are in vain for: with K < 0 somewhere there need not be one."""
         uncertain = getattr(self.metric, "error", EXACT).pointwise
         enough = max(SOLVE.exact, SOLVE.uncertain * uncertain)
-        if surface.residual <= enough or surface.hindrance or self._least_curvature >= 0.0:
+        if surface.residual <= enough or surface.hindrance or self._least_curvature >= self.space.curvature:
             return surface
         stays = ", ".join(f"{r:.1e}" for r in residuals[-SOLVE.in_vain :])
         return replace(
             surface,
             hindrance="no surface was found: with more and more harmonics the lengths stay off by "
-            f"{stays}; {_sign_of_curvature(self.metric)}",
+            f"{stays}; {_sign_of_curvature(self.metric, self.space)}",
         )
 
     def _has_left(self, surface: SmoothEmbedding) -> bool:
-        """Whether K < 0 on the surface and not in the metric: few harmonics may favor another one."""
-        return surface.least_curvature < 0.0 < self._least_curvature
+        """Whether K < k on the surface and not in the metric: few harmonics may favor another one."""
+        return surface.least_curvature < self.space.curvature < self._least_curvature
 
     @cached_property
     def _least_curvature(self) -> float:
@@ -251,9 +279,11 @@ def _composed(
 def _embedded(mesh: SphereMesh) -> Floats:
     """The vertices (V, 3) of the embedded triangulation, or of the best attempt: the equations decide."""
     try:
-        return embed(mesh.metric, tolerance=SOLVE.rough).vertices
+        points = embed(mesh.metric, tolerance=SOLVE.rough).vertices
     except NotEmbedded as error:
-        return np.asarray(error.embedding.vertices)
+        points = np.asarray(error.embedding.vertices)
+    space = mesh.metric.space
+    return points if space.is_euclidean else space.centered(points)
 
 
 def _from_points(directions: Floats, vertices: Floats) -> Callable[[Harmonics], Floats]:
@@ -282,10 +312,10 @@ def _from_profile(profile: AxisymmetricEmbedding) -> Callable[[Harmonics], Float
     return projected
 
 
-def _profile(metric: TwoMetric) -> AxisymmetricEmbedding | None:
+def _profile(metric: TwoMetric, space: Space) -> AxisymmetricEmbedding | None:
     """The surface of revolution with a metric that is symmetric about z, if it is smooth enough to tell."""
     try:
-        return AxisymmetricEmbedding.of(metric)
+        return AxisymmetricEmbedding.of(metric, space=space)
     except InvalidMetric:
         return None
 
@@ -301,18 +331,24 @@ def _diagnosis(best: SmoothEmbedding, residuals: list[float], profile: Axisymmet
         missed += ": the metric has details that are too fine for so few"
     if profile is not None:
         return f"{missed}; the surface of revolution exists, and isoembed.smooth.AxisymmetricEmbedding has it"
-    return f"{missed}; {_sign_of_curvature(best.metric)}"
+    return f"{missed}; {_sign_of_curvature(best.metric, best.space)}"
 
 
-def _sign_of_curvature(metric: TwoMetric) -> str:
-    """Meaning of the sign of the Gaussian curvature for the embedding, in one clause."""
+def _sign_of_curvature(metric: TwoMetric, space: Space) -> str:
+    """Meaning of the sign of the Gaussian curvature, less that of space, for the embedding, in one clause."""
     u, _ = gauss_rule(*SOLVE.sampled)
     K = gaussian_curvature(metric, u)
     k = int(np.argmin(K))
-    if K[k] > 0.0:
-        return "where it was looked at the Gaussian curvature is positive, so that an embedding should exist"
+    sign = ("positive,", "negative")
+    if not space.is_euclidean:
+        sign = (
+            f"more than that of space, {space.curvature:.6g},",
+            f"less than that of space, {space.curvature:.6g},",
+        )
+    if K[k] > space.curvature:
+        return f"where it was looked at the Gaussian curvature is {sign[0]} so that an embedding should exist"
     theta, phi = angles_of(u)
     return (
-        f"the Gaussian curvature is negative in places, least {K[k]:.4g} at theta = {theta[k]:.3f}, "
+        f"the Gaussian curvature is {sign[1]} in places, least {K[k]:.4g} at theta = {theta[k]:.3f}, "
         f"phi = {phi[k]:.3f}: whether the metric embeds is not known"
     )

@@ -19,6 +19,7 @@ from isoembed.smooth.geodesics import definite_tensor, geodesic_lengths, in_own_
 from isoembed.smooth.grid_metric import GridMetric, sampled_on_grid
 from isoembed.smooth.smoothness import check_rings
 from isoembed.smooth.two_metric import TwoMetric, area_density
+from isoembed.space import EUCLIDEAN, Space
 from isoembed.thresholds import threshold
 
 
@@ -75,7 +76,12 @@ class SphereMesh:
 
 
 def triangulate_metric(
-    metric: TwoMetric, vertices: int | None = None, *, size: float | None = None, grading: float = 0.0
+    metric: TwoMetric,
+    vertices: int | None = None,
+    *,
+    size: float | None = None,
+    grading: float = 0.0,
+    space: Space = EUCLIDEAN,
 ) -> SphereMesh:
     """Triangulate the sphere with triangles that are nearly equilateral in a smooth metric.
 
@@ -90,6 +96,8 @@ def triangulate_metric(
         How many vertices follow the curvature, against one that follows the area, if K > 0 everywhere: their
         density is 1 + grading abs(K) A / 4 pi, and each sharp tip gets its share.  0.1 suits metrics with
         tips; 0 makes all triangles alike.
+    space : Space
+        Its curvature is that of the triangles.
 
     Returns
     -------
@@ -138,14 +146,14 @@ def triangulate_metric(
     triangulation = Triangulation(mesh.tables.corners.reshape(-1, 3))
     lengths = unit * mesh.tables.lengths[triangulation.edge_halfedges[:, 0]]
     try:
-        return SphereMesh(frozen(mesh.u), PolyhedralMetric.on(triangulation, lengths))
+        return SphereMesh(frozen(mesh.u), PolyhedralMetric.on(triangulation, lengths, space))
     except InvalidMetric as error:
         raise InvalidParameter(f"{n} vertices are too few for this metric: {error}") from None
 
 
-def graded_mesh(metric: TwoMetric, vertices: int) -> SphereMesh:
+def graded_mesh(metric: TwoMetric, vertices: int, space: Space = EUCLIDEAN) -> SphereMesh:
     """The mesh that embeddings begin with: of the metric on a grid, with more vertices where it is curved."""
-    return triangulate_metric(sampled_on_grid(metric), vertices, grading=SPHERE_MESH.grading)
+    return triangulate_metric(sampled_on_grid(metric), vertices, grading=SPHERE_MESH.grading, space=space)
 
 
 def _densities(metric: TwoMetric, grading: float, n: int | None) -> tuple[Cells, Cells]:

@@ -1,8 +1,23 @@
 """Alignment of two placements of the same points by a rigid motion."""
 
+from dataclasses import dataclass
+
 import numpy as np
 
 from isoembed.arrays import Floats
+from isoembed.space import EUCLIDEAN, Space
+from isoembed.thresholds import threshold
+
+
+@dataclass(frozen=True)
+class AlignmentThresholds:
+    """Thresholds of alignment in hyperbolic and spherical space."""
+
+    steps: int = threshold(20, "count", "Of rotations and translations at most.")
+    settled: float = threshold(1e-15, "relative", "A translation that ends them.")
+
+
+ALIGNMENT = AlignmentThresholds()
 
 
 def best_rotation(points: Floats, onto: Floats, weights: Floats | None = None) -> Floats:
@@ -16,13 +31,42 @@ def best_rotation(points: Floats, onto: Floats, weights: Floats | None = None) -
     return np.asarray(left @ proper @ right)
 
 
-def aligned(vertices: Floats, onto: Floats) -> Floats:
-    """Rotate and shift vertices, (V, 3), onto their other places, as near as least squares bring them."""
+def aligned(vertices: Floats, onto: Floats, space: Space = EUCLIDEAN) -> Floats:
+    """Move vertices, (V, 3), onto their other places, as near as least squares bring them."""
+    if not space.is_euclidean:
+        near = _moved_near(space.centered(vertices), space.centered(onto), space)
+        return space.translated(near, space.center(onto))
     center = onto.mean(axis=0)
     x = vertices - vertices.mean(axis=0)
     return x @ best_rotation(x, onto - center) + center
 
 
-def distance(vertices: Floats, others: Floats) -> float:
+def distance(vertices: Floats, others: Floats, space: Space = EUCLIDEAN) -> float:
     """The largest distance of a vertex from its other place, after the best rotation and translation."""
-    return float(np.linalg.norm(aligned(vertices, others) - others, axis=1).max())
+    moved = aligned(vertices, others, space)
+    if space.is_euclidean:
+        return float(np.linalg.norm(moved - others, axis=1).max())
+    return float(space.distances(moved, others).max())
+
+
+def _moved_near(x: Floats, onto: Floats, space: Space) -> Floats:
+    """Move centered points (n, 3) so near to others that the sum of their squared chords is stationary.
+
+    In a motion ``x' = w p + q x y w`` of the points, w changes by ``-k p . x``.
+    """
+    for _ in range(ALIGNMENT.steps):
+        x = x @ best_rotation(x, onto)
+        w = space.heights(x)
+        fields = np.array(
+            [w[:, None] * axis for axis in np.eye(3)] + [np.cross(axis, x) for axis in np.eye(3)]
+        )
+        falls = np.concatenate([x.T, np.zeros((3, len(x)))])  # of w, over k
+        apart = onto - x
+        fall = np.einsum("ij,ij->i", apart, x + onto) / (w + space.heights(onto))
+        products = np.einsum("kij,lij->kl", fields, fields) + space.curvature * falls @ falls.T
+        forces = np.einsum("kij,ij->k", fields, apart) + space.curvature * falls @ fall
+        shift = np.linalg.lstsq(products, forces, rcond=None)[0][:3]
+        x = space.translated(x, shift)
+        if np.linalg.norm(shift) <= ALIGNMENT.settled * np.abs(x).max():
+            break
+    return x

@@ -4,26 +4,26 @@ import numpy as np
 
 from isoembed.arrays import Floats, Indices, Mask
 from isoembed.mesh.triangulation import Triangulation
+from isoembed.space import EUCLIDEAN, Space
 from isoembed.surface.curvature import DIHEDRAL, bends, dihedral_angles
-from isoembed.surface.measures import face_areas, vertex_normals
+from isoembed.surface.measures import amplitudes, edge_lengths, vertex_normals
 
 
-def concave_edges(triangulation: Triangulation, vertices: Floats) -> Mask:
+def concave_edges(triangulation: Triangulation, vertices: Floats, space: Space = EUCLIDEAN) -> Mask:
     """Edges whose exterior dihedral angle is negative, shape (E,)."""
-    return bends(triangulation, vertices) < 0
+    return bends(triangulation, vertices, space) < 0
 
 
-def dent_depths(triangulation: Triangulation, vertices: Floats) -> Floats:
+def dent_depths(triangulation: Triangulation, vertices: Floats, space: Space = EUCLIDEAN) -> Floats:
     """Depth by which the surface is concave at each edge, shape (E,); 0 where it is not.
 
-    The angle by which an edge is concave, times the lower of its triangles: rounding turns slivers by any
-    angle, but not out of the surface.
+    The angle by which an edge is concave, times the lower of its triangles (the sn of its height): rounding
+    turns slivers by any angle, but not out of the surface.
     """
     t = triangulation
-    angles = np.minimum(dihedral_angles(t, vertices), 0.0)
-    a, b = t.edges.T
-    lengths = np.linalg.norm(vertices[a] - vertices[b], axis=1)
-    return -angles * 2 * face_areas(t.faces, vertices)[t.edge_faces].min(axis=1) / lengths
+    angles = np.minimum(dihedral_angles(t, vertices, space), 0.0)
+    lengths = space.sn(edge_lengths(t.edges, vertices, space))
+    return -angles * amplitudes(t.faces, vertices, space)[t.edge_faces].min(axis=1) / lengths
 
 
 def inverted_vertices(triangulation: Triangulation, concave: Mask) -> Mask:

@@ -11,7 +11,9 @@ import numpy as np
 from isoembed.arrays import Floats, Indices
 from isoembed.kernel import kernel
 from isoembed.mesh.triangulation import Triangulation
-from isoembed.surface.measures import edge_lengths, face_areas, face_normals
+from isoembed.space import EUCLIDEAN, Space
+from isoembed.surface.measures import amplitudes, edge_lengths, face_normals, triangle_areas
+from isoembed.surface.tangent_frames import sides
 from isoembed.thresholds import compiled, threshold
 
 TINY = float(np.finfo(np.float64).tiny)
@@ -33,16 +35,18 @@ DIHEDRAL = DihedralThresholds()
 _T = compiled(DIHEDRAL)
 
 
-def dihedral_angles(triangulation: Triangulation, vertices: Floats) -> Floats:
+def dihedral_angles(triangulation: Triangulation, vertices: Floats, space: Space = EUCLIDEAN) -> Floats:
     """Exterior dihedral angles: 0 where the surface is flat, positive where it is convex.
 
-    ``theta_e = atan2((n0 x n1) . d, n0 . n1)``, d the unit vector along the edge in its left face 0.
+    ``theta_e = atan2((n0 x n1) . d, n0 . n1)``, d the unit vector along the edge in its left face 0; in
+    hyperbolic and spherical space with the directions at one end of the edge.
 
     Parameters
     ----------
     triangulation : Triangulation
         Oriented so that its normals point outward; inward, all signs change.
     vertices : ndarray, shape (V, 3)
+    space : Space, optional
 
     Returns
     -------
@@ -51,23 +55,28 @@ def dihedral_angles(triangulation: Triangulation, vertices: Floats) -> Floats:
         without area.
     """
     t = triangulation
-    sine, cosine = _folds(t.edges, t.edge_halfedges, face_normals(t.faces, vertices), vertices)
+    if space.is_euclidean:
+        sine, cosine = _folds(t.edges, t.edge_halfedges, face_normals(t.faces, vertices), vertices)
+    else:
+        sine, cosine = _curved_folds(t, vertices, space)
     return np.arctan2(sine, cosine)
 
 
-def bends(triangulation: Triangulation, vertices: Floats) -> Floats:
+def bends(triangulation: Triangulation, vertices: Floats, space: Space = EUCLIDEAN) -> Floats:
     """Dihedral angles, shape (E,), and 0 where rounding may have made them."""
-    angles = dihedral_angles(triangulation, vertices)
-    turned = turning_errors(triangulation, vertices)[triangulation.edge_faces].max(axis=1)
+    angles = dihedral_angles(triangulation, vertices, space)
+    turned = turning_errors(triangulation, vertices, space)[triangulation.edge_faces].max(axis=1)
     return np.where(np.abs(angles) > DIHEDRAL.flat + turned, angles, 0.0)
 
 
-def turning_errors(triangulation: Triangulation, vertices: Floats) -> Floats:
+def turning_errors(triangulation: Triangulation, vertices: Floats, space: Space = EUCLIDEAN) -> Floats:
     """Radians by which rounding of the vertices may turn each triangle, shape (F,): the lower, the more."""
     t = triangulation
-    longest = edge_lengths(t.edges, vertices)[t.face_edges].max(axis=1)
+    longest = space.sn(edge_lengths(t.edges, vertices, space)[t.face_edges].max(axis=1))
     error = DIHEDRAL.rounding * float(np.abs(vertices).max()) * longest
-    return error / np.maximum(2 * face_areas(t.faces, vertices), np.maximum(error / np.pi, TINY))
+    if not space.is_euclidean:  # far out on the sphere a little of x is a long way
+        error /= min(1.0, float(space.heights(vertices).min()))
+    return error / np.maximum(amplitudes(t.faces, vertices, space), np.maximum(error / np.pi, TINY))
 
 
 @kernel
@@ -92,18 +101,36 @@ def _folds(
     return sine, cosine
 
 
-def edge_mean_curvature(triangulation: Triangulation, vertices: Floats) -> Floats:
+def _curved_folds(t: Triangulation, vertices: Floats, space: Space) -> tuple[Floats, Floats]:
+    """As `_folds`, by the directions of the corners of both triangles at the first end of each edge."""
+    halfedges = t.edge_halfedges
+    across = t.faces.ravel()[halfedges - halfedges % 3 + (halfedges + 2) % 3]  # third corners
+    a, b, left, right = vertices[np.column_stack([t.edges, across]).T]
+    along = sides(space, a, b)
+    n, m = np.cross(along, sides(space, a, left)), np.cross(sides(space, a, right), along)
+    units = along / np.maximum(np.linalg.norm(along, axis=1), TINY)[:, None]
+    sine, cosine = np.einsum("ij,ij->i", np.cross(n, m), units), np.einsum("ij,ij->i", n, m)
+    return np.where((cosine < 0) & (np.abs(sine) < _T.shut), np.abs(sine), sine), cosine
+
+
+def edge_mean_curvature(triangulation: Triangulation, vertices: Floats, space: Space = EUCLIDEAN) -> Floats:
     """Integral of H over each edge, ``l_e theta_e / 2``, shape (E,), in the unit of length."""
-    return edge_lengths(triangulation.edges, vertices) * dihedral_angles(triangulation, vertices) / 2
+    lengths = edge_lengths(triangulation.edges, vertices, space)
+    return lengths * dihedral_angles(triangulation, vertices, space) / 2
 
 
-def integrated_mean_curvature(triangulation: Triangulation, vertices: Floats) -> float:
+def integrated_mean_curvature(
+    triangulation: Triangulation, vertices: Floats, space: Space = EUCLIDEAN
+) -> float:
     """Integral of H over the surface, ``1/2 sum l_e theta_e`` (unit sphere 4 pi, unit cube 3 pi)."""
-    return float(edge_mean_curvature(triangulation, vertices).sum())
+    return float(edge_mean_curvature(triangulation, vertices, space).sum())
 
 
 def vertex_mean_curvature(
-    triangulation: Triangulation, vertices: Floats, areas: Floats | None = None
+    triangulation: Triangulation,
+    vertices: Floats,
+    areas: Floats | None = None,
+    space: Space = EUCLIDEAN,
 ) -> Floats:
     """Mean curvature H at the vertices.
 
@@ -115,42 +142,49 @@ def vertex_mean_curvature(
     vertices : ndarray, shape (V, 3)
     areas : ndarray, shape (V,), optional
         The vertices' shares of the area; by default `vertex_areas`.
+    space : Space, optional
 
     Returns
     -------
     ndarray, shape (V,)
         In the unit of length to the power -1; NaN where the triangles around have no area.
     """
-    shares = vertex_areas(triangulation, vertices) if areas is None else areas
-    return _vertex_integrals(triangulation, vertices) / np.where(shares == 0, np.nan, shares)
+    shares = vertex_areas(triangulation, vertices, space) if areas is None else areas
+    return _vertex_integrals(triangulation, vertices, space) / np.where(shares == 0, np.nan, shares)
 
 
-def bending_energy(triangulation: Triangulation, vertices: Floats, areas: Floats | None = None) -> float:
-    """Willmore's energy, the integral of H^2 over the surface: 4 pi for every sphere, more for all others.
+def bending_energy(
+    triangulation: Triangulation,
+    vertices: Floats,
+    areas: Floats | None = None,
+    space: Space = EUCLIDEAN,
+) -> float:
+    """Willmore's energy, the integral of H^2 + k, k of space: 4 pi for every sphere, more for all others.
 
     The sum of `vertex_mean_curvature` squared times the areas that it is for.  It is free of scale, and
     right to second order in the edge length on good triangulations of smooth surfaces; where vertices are
     strewn at random, some percent too large.  Near an edge of a polyhedron it grows as the triangles shrink.
     """
-    integrals = _vertex_integrals(triangulation, vertices)
-    shares = vertex_areas(triangulation, vertices) if areas is None else areas
+    integrals = _vertex_integrals(triangulation, vertices, space)
+    shares = vertex_areas(triangulation, vertices, space) if areas is None else areas
     flat = shares == 0  # and all dihedral angles beside faces without area are 0
-    return float(np.sum(integrals**2 / np.where(flat, 1.0, shares)))
+    energy = float(np.sum(integrals**2 / np.where(flat, 1.0, shares)))
+    return energy if space.is_euclidean else energy + space.curvature * float(shares.sum())
 
 
-def vertex_areas(triangulation: Triangulation, vertices: Floats) -> Floats:
+def vertex_areas(triangulation: Triangulation, vertices: Floats, space: Space = EUCLIDEAN) -> Floats:
     """The vertices' shares of the area, shape (V,): a third of each triangle's goes to each corner."""
-    third = np.repeat(face_areas(triangulation.faces, vertices) / 3, 3)
+    third = np.repeat(triangle_areas(triangulation.faces, vertices, space) / 3, 3)
     return cast(Floats, np.bincount(triangulation.faces.ravel(), third))
 
 
-def _vertex_integrals(triangulation: Triangulation, vertices: Floats) -> Floats:
+def _vertex_integrals(triangulation: Triangulation, vertices: Floats, space: Space) -> Floats:
     """The vertices' shares of the integral of H, shape (V,)."""
-    half = np.repeat(edge_mean_curvature(triangulation, vertices) / 2, 2)
+    half = np.repeat(edge_mean_curvature(triangulation, vertices, space) / 2, 2)
     return cast(Floats, np.bincount(triangulation.edges.ravel(), half))
 
 
-def face_mean_curvature(triangulation: Triangulation, vertices: Floats) -> Floats:
+def face_mean_curvature(triangulation: Triangulation, vertices: Floats, space: Space = EUCLIDEAN) -> Floats:
     """Mean curvature H of the triangles: half of each edge's integral goes to each side.
 
     Returns
@@ -158,5 +192,5 @@ def face_mean_curvature(triangulation: Triangulation, vertices: Floats) -> Float
     ndarray, shape (F,)
         In the unit of length to the power -1.
     """
-    half = edge_mean_curvature(triangulation, vertices) / 2
-    return half[triangulation.face_edges].sum(axis=1) / face_areas(triangulation.faces, vertices)
+    half = edge_mean_curvature(triangulation, vertices, space) / 2
+    return half[triangulation.face_edges].sum(axis=1) / triangle_areas(triangulation.faces, vertices, space)

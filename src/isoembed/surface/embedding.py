@@ -1,4 +1,4 @@
-"""Embeddings: vertices in R^3, the metric that they realize, and how they were found."""
+"""Embeddings: vertices in space, the metric that they realize, and how they were found."""
 
 import copy
 from collections.abc import Sequence
@@ -7,17 +7,26 @@ from functools import cached_property
 from typing import Any, ClassVar, Self
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from isoembed.arrays import Floats, Indices, Mask
+from isoembed.errors import InvalidParameter
 from isoembed.linalg import SingularMatrix
 from isoembed.mesh.triangulation import Triangulation, frozen
 from isoembed.metric.curvature import negative_deficits
 from isoembed.metric.glued import GluedMetric
 from isoembed.metric.polyhedral import PolyhedralMetric
 from isoembed.progress.stages import Stage
+from isoembed.space import Space
+from isoembed.space.models import from_model, to_model
 from isoembed.strict_json import plain
 from isoembed.surface import alignment, convexity, curvature, measures, smoothness
+from isoembed.surface.certificate import NOT_ASKED, Certificate, certify
+from isoembed.surface.derivatives import LengthDerivatives, Variation, checked
+from isoembed.surface.deviation import Deviation, proven_distance
 from isoembed.surface.intersection import self_intersections
+from isoembed.surface.length_equations import NotProven
+from isoembed.surface.nearby_realization import CERTIFICATE
 from isoembed.surface.rigidity import LengthSystem
 from isoembed.surface.rigidity_matrix import RIGIDITY
 from isoembed.surface.segments import Segments
@@ -26,14 +35,15 @@ from isoembed.version import __version__
 
 @dataclass(frozen=True, eq=False, repr=False)
 class Embedding:
-    """Realization of a polyhedral metric in R^3, exact or attempted.
+    """Realization of a polyhedral metric, exact or attempted: in R^3, or in the space of its curvature.
 
     Parameters
     ----------
     metric : PolyhedralMetric
         What was to be realized.
     vertices : array_like of float, shape (V, 3)
-        In the unit of the metric's lengths.  A mirror image with negative volume is turned over.
+        In the unit of the metric's lengths.  A mirror image with negative volume is turned over.  In
+        hyperbolic and spherical space, the first three coordinates on hyperboloid or sphere.
     method : str
         The name of the method that found them.
     tolerance : float
@@ -53,7 +63,8 @@ class Embedding:
     Raises
     ------
     ValueError
-        The vertices have another shape or are not finite.
+        The vertices have another shape, are not finite, or on the sphere not in the open half about the
+        origin.
     """
 
     metric: PolyhedralMetric
@@ -75,7 +86,8 @@ class Embedding:
             )
         _check_finite(points)
         # The sign is taken in the metric's own unit: the volume of tiny surfaces underflows.
-        points = metric.unit * measures.outward(metric.faces, points / metric.unit)
+        points = from_model(metric.space, points, "ambient") / metric.unit
+        points = metric.unit * measures.outward(metric.faces, points, self._space)
         self._set(vertices=frozen(points), stages=tuple(self.stages), others=tuple(self.others))
         if not self.message:
             self._set(message=self._sentence())
@@ -107,7 +119,7 @@ class Embedding:
 
     def distance(self, other: "Embedding") -> float:
         """How far the vertices are from another realization's, rigid motions aside, in mean edge lengths."""
-        apart = alignment.distance(self._normalized, other.vertices / self.metric.unit)
+        apart = alignment.distance(self._normalized, other.vertices / self.metric.unit, self._space)
         return apart / self.metric.normalized.mean_length
 
     def with_message(self, message: str) -> Self:
@@ -133,7 +145,7 @@ class Embedding:
         vertices = given.unit * self.vertices
         _check_finite(vertices)
         changes: dict[str, Any] = {
-            "metric": given if own else self.metric.scaled(given.unit),
+            "metric": given if own else self.metric.scaled(given.unit).in_space(given.space),
             "vertices": frozen(vertices),
             "others": tuple(other.in_unit_of(given) for other in self.others),
         }
@@ -159,6 +171,16 @@ class Embedding:
     def triangulation(self) -> Triangulation:
         """The triangles that the lengths belong to."""
         return self.metric.triangulation
+
+    @property
+    def space(self) -> Space:
+        """Where the surface is: of the curvature of the metric's triangles."""
+        return self.metric.space
+
+    @property
+    def _space(self) -> Space:
+        """The same in the normalized unit."""
+        return self.metric.normalized.space
 
     @property
     def faces(self) -> Indices:
@@ -196,7 +218,7 @@ class Embedding:
     @cached_property
     def _vertex_areas(self) -> Floats:
         """The vertices' shares of the area, (V,), in the normalized unit."""
-        return frozen(curvature.vertex_areas(self.triangulation, self._normalized))
+        return frozen(curvature.vertex_areas(self.triangulation, self._normalized, self._space))
 
     @cached_property
     def _normalized(self) -> Floats:
@@ -204,9 +226,19 @@ class Embedding:
         return frozen(self.vertices / self.metric.unit)
 
     @cached_property
+    def _straight(self) -> Floats:
+        """The normalized vertices in projective coordinates, in which planes are planes."""
+        return frozen(to_model(self._space, self._normalized, "projective"))
+
+    @cached_property
+    def _conformal(self) -> Floats:
+        """The normalized vertices in conformal coordinates, in which small shapes are as they are."""
+        return frozen(to_model(self._space, self._normalized, "conformal"))
+
+    @cached_property
     def residuals(self) -> Floats:
-        """``| |x_a - x_b| - l_ab |`` over the mean edge length, shape (E,)."""
-        realized = measures.edge_lengths(self.metric.edges, self._normalized)
+        """``| |x_a - x_b| - l_ab |`` over the mean edge length, shape (E,): of distances in the space."""
+        realized = measures.edge_lengths(self.metric.edges, self._normalized, self._space)
         normalized = self.metric.normalized
         return frozen(np.abs(realized - normalized.lengths) / normalized.mean_length)
 
@@ -228,7 +260,7 @@ class Embedding:
     @cached_property
     def concave_edges(self) -> Mask:
         """Edges with an exterior dihedral angle below -1e-7 radians, shape (E,)."""
-        return frozen(convexity.concave_edges(self.triangulation, self._normalized))
+        return frozen(convexity.concave_edges(self.triangulation, self._normalized, self._space))
 
     @cached_property
     def inverted_vertices(self) -> Mask:
@@ -243,26 +275,29 @@ class Embedding:
     @cached_property
     def self_intersections(self) -> Indices:
         """Pairs of faces that intersect, shape (n, 2): none on an embedded surface."""
-        return frozen(self_intersections(self.faces, self._normalized))
+        return frozen(self_intersections(self.faces, self._straight))
 
     @cached_property
     def mean_curvature(self) -> Floats:
         """Mean curvature H = (k1 + k2) / 2 at the vertices, shape (V,)."""
-        normalized = curvature.vertex_mean_curvature(self.triangulation, self._normalized, self._vertex_areas)
+        normalized = curvature.vertex_mean_curvature(
+            self.triangulation, self._normalized, self._vertex_areas, self._space
+        )
         return frozen(normalized / self.metric.unit)
 
     @cached_property
     def _offsets(self) -> Floats:
-        """Distances of the vertices from fits to their neighbors, (V, 3), in the normalized unit."""
-        return frozen(smoothness.offsets(self.triangulation, self._normalized))
+        """Distances of the vertices from fits to their neighbors, (V, 3), in conformal coordinates."""
+        return frozen(smoothness.offsets(self.triangulation, self._conformal))
 
     @cached_property
     def roughness(self) -> float:
         """Root mean square distance of the vertices from a cubic fitted to their neighbors, in edge lengths.
 
-        Realizations less than a thousandth of an edge apart are told apart by `fine_roughness`.
+        Realizations less than a thousandth of an edge apart are told apart by `fine_roughness`.  Both are
+        measured in conformal coordinates.
         """
-        return smoothness.roughness(self.triangulation, self._normalized, self._offsets)
+        return smoothness.roughness(self.triangulation, self._conformal, self._offsets)
 
     @cached_property
     def fine_roughness(self) -> float:
@@ -270,17 +305,21 @@ class Embedding:
 
         Of two realizations of the same lengths that are near each other, the one with less is the smoother.
         """
-        return smoothness.fine_roughness(self.triangulation, self._normalized)
+        return smoothness.fine_roughness(self.triangulation, self._conformal)
 
     @cached_property
     def rough_edges(self) -> Mask:
         """Edges whose dihedral angle has another sign than their neighborhood gives them, shape (E,)."""
-        return frozen(smoothness.rough_edges(self.triangulation, self._normalized, self._offsets))
+        straight = self._straight
+        offsets = (
+            self._offsets if self.space.is_euclidean else smoothness.offsets(self.triangulation, straight)
+        )
+        return frozen(smoothness.rough_edges(self.triangulation, straight, offsets))
 
     @cached_property
     def bending_energy(self) -> float:
-        """Integral of H^2 dA: 4 pi for a sphere, more for any other surface."""
-        return curvature.bending_energy(self.triangulation, self._normalized, self._vertex_areas)
+        """Integral of H^2 + k dA, k the curvature of space: 4 pi for a sphere, more for any other surface."""
+        return curvature.bending_energy(self.triangulation, self._normalized, self._vertex_areas, self._space)
 
     @cached_property
     def smallest_singular_value(self) -> float:
@@ -289,28 +328,178 @@ class Embedding:
         To first order, the vertices need not move by more than its inverse times a change of the lengths,
         both in the Euclidean norm.  It takes one factorization of J J^T, as a step of Newton's method does.
         """
-        system, lengths = LengthSystem(self.triangulation), self.metric.normalized.lengths
+        system = LengthSystem(self.triangulation, space=self._space)
+        lengths = self.metric.normalized.lengths
         try:
             return float(system.smallest_singular_values(self._normalized, lengths, 1)[0][0])
         except SingularMatrix:
             return 0.0
 
+    @cached_property
+    def _derivatives(self) -> LengthDerivatives:
+        """J and its factors where the vertices are, kept for all derivatives."""
+        normalized = self.metric.normalized
+        return LengthDerivatives.of(
+            self.triangulation, self._normalized, normalized.lengths, normalized.space
+        )
+
+    def jvp(self, changes: ArrayLike) -> Floats:
+        """How the vertices move, to first order, when the lengths change.
+
+        The first call factors J J^T, as a step of Newton's method does, and keeps the factors.
+
+        Parameters
+        ----------
+        changes : array_like, shape (..., E)
+            Of the lengths, in the order of the metric's edges.
+
+        Returns
+        -------
+        ndarray, shape (..., V, 3)
+            ``J^+ dl``, in the same unit, without translation and rotation.  (In hyperbolic and spherical
+            space, of least norm among the motions w z by z.)
+
+        Raises
+        ------
+        InvalidParameter
+            The changes have another shape or are not finite.
+        SingularMatrix
+            The surface is not infinitesimally rigid: a vertex is flat, as they are in the faces of a
+            `ConvexPolyhedron`.
+        OutOfMemory
+            The factors need more memory than is free.
+        """
+        return self._derivatives.jvp(checked(changes, (self.triangulation.n_edges,), "changes"))
+
+    def vjp(self, gradient: ArrayLike) -> Floats:
+        """Derivatives by the lengths of a function of the vertices, from its derivatives by these.
+
+        Parameters
+        ----------
+        gradient : array_like, shape (..., V, 3)
+            Of a function that rigid motions do not change; of others, what motions without translation and
+            rotation change.
+
+        Returns
+        -------
+        ndarray, shape (..., E)
+            ``(J^+)^T g``, the transpose of `jvp`, by the same factors.
+
+        Raises
+        ------
+        InvalidParameter, SingularMatrix, OutOfMemory
+            As `jvp`.
+        """
+        return self._derivatives.vjp(checked(gradient, (len(self.vertices), 3), "gradient"))
+
+    def variation(self, changes: ArrayLike) -> Variation:
+        """First and second derivatives of a surface in R^3 when its lengths are ``l + t dl``.
+
+        Parameters
+        ----------
+        changes : array_like, shape (E,)
+            dl, in the order of the metric's edges.
+
+        Raises
+        ------
+        InvalidParameter
+            As `jvp`, and in space that is curved.
+        SingularMatrix, OutOfMemory
+            As `jvp`.
+        """
+        if not self.space.is_euclidean:
+            raise InvalidParameter(f"second derivatives are those of surfaces in R^3, not in {self.space!r}")
+        unit, lengths = self.metric.unit, self.metric.normalized.lengths
+        dl = checked(changes, lengths.shape, "changes") / unit
+        if dl.ndim > 1:
+            raise InvalidParameter(f"the changes have the shape {dl.shape}, not {lengths.shape}")
+        t, vertices = self.triangulation, self._normalized
+        return Variation.of(self._derivatives, t, vertices, lengths, dl).scaled(unit)
+
+    @cached_property
+    def certificate(self) -> Certificate:
+        """The proof that an exact realization of the lengths is near these vertices, or why there is none.
+
+        It says how near, how far away any other is at least, and whether the faces cross.  It takes two
+        factorizations of J J^T, and a search for self-intersections.
+        """
+        if not self.converged:
+            return Certificate(False, "not certified, because the lengths miss the tolerance")
+        return certify(self.metric, self.vertices)
+
+    def deviation(self, errors: ArrayLike) -> Deviation:
+        """How far a surface in R^3 may be off because its lengths have independent errors, to first order.
+
+        Parameters
+        ----------
+        errors : float or array_like, shape (E,)
+            Standard deviations of the lengths, in their unit: one for all, or one for each edge.
+
+        Raises
+        ------
+        InvalidParameter
+            As `jvp`, in space that is curved, and if an error is negative.
+        SingularMatrix, OutOfMemory
+            As `jvp`.
+        """
+        sigma, unit = self._length_errors(errors), self.metric.unit
+        found = Deviation.of(self._derivatives, self.metric.normalized, self._normalized, sigma)
+        return found.scaled(unit)
+
+    def deviation_bound(self, errors: ArrayLike) -> float:
+        """How far a vertex in R^3 may be off because lengths are: not an estimate, but proven.
+
+        Whatever the lengths are, within these errors of the metric's, a surface has them whose vertices are
+        all within this distance of these; infinite where the errors are too large for the proof.  It is that
+        of a `certificate`.
+
+        Parameters
+        ----------
+        errors : float or array_like, shape (E,)
+            The largest of each length, in their unit: one for all, or one for each edge.
+
+        Raises
+        ------
+        InvalidParameter
+            As `deviation`.
+        """
+        bounds = self._length_errors(errors)
+        try:
+            return self.metric.unit * proven_distance(self.metric.normalized, self._normalized, bounds)
+        except NotProven:
+            return float("inf")
+
+    def _length_errors(self, errors: ArrayLike) -> Floats:
+        """Errors of the lengths in the normalized unit, (E,), checked."""
+        if not self.space.is_euclidean:
+            raise InvalidParameter(f"deviations are those of surfaces in R^3, not in {self.space!r}")
+        given, normalized = np.asarray(errors, dtype=np.float64), self.metric.normalized
+        whole = np.broadcast_to(given, normalized.lengths.shape) if given.ndim == 0 else given
+        sigma = checked(whole, normalized.lengths.shape, "errors")
+        if sigma.ndim > 1:
+            raise InvalidParameter(f"the errors have the shape {sigma.shape}, not {normalized.lengths.shape}")
+        if (sigma < 0).any():
+            e = int(np.argmax(sigma < 0))
+            raise InvalidParameter(f"the error of edge {e} is {sigma[e]}, which is negative")
+        return sigma / self.metric.unit
+
     @property
     def area(self) -> float:
         """Area, in the unit of the lengths, squared."""
         unit = self.metric.unit
-        return measures.area(self.faces, self._normalized) * unit * unit
+        return measures.area(self.faces, self._normalized, self._space) * unit * unit
 
     @property
     def volume(self) -> float:
         """Enclosed volume, in the unit of the lengths, cubed."""
         unit = self.metric.unit
-        return measures.volume(self.faces, self._normalized) * unit * unit * unit
+        return measures.volume(self.faces, self._normalized, self._space) * unit * unit * unit
 
     @property
     def integrated_mean_curvature(self) -> float:
         """Integral of H dA = 1/2 sum l theta, in the unit of the lengths."""
-        return curvature.integrated_mean_curvature(self.triangulation, self._normalized) * self.metric.unit
+        normalized = curvature.integrated_mean_curvature(self.triangulation, self._normalized, self._space)
+        return normalized * self.metric.unit
 
     @property
     def report(self) -> dict[str, Any]:
@@ -318,16 +507,20 @@ class Embedding:
 
         A number that is infinite (the volume of a body 1e150 across) is None.  So is the smallest singular
         value where J J^T is large, beyond 20,000 vertices or some 900 edges at one of them: it alone costs as
-        much as all else.
+        much as all else.  For the same reason there is no certificate beyond 30,000 vertices; the property
+        has it all the same.
         """
         triangulation = self.triangulation
-        is_small = np.sum(triangulation.degrees**2) <= RIGIDITY.reported
+        entries = np.sum(triangulation.degrees**2)  # of J J^T
+        is_small = entries <= RIGIDITY.reported
+        certificate = self.certificate if entries <= CERTIFICATE.reported else NOT_ASKED
         found = {
             "status": self.status,
             "message": self.message,
             "method": self.method,
             "version": __version__,
             "tolerance": self.tolerance,
+            "space": {"name": self.space.name, "curvature": self.space.curvature, "model": "conformal"},
             "input": {
                 "vertices": triangulation.n_vertices,
                 "edges": triangulation.n_edges,
@@ -362,6 +555,7 @@ class Embedding:
             "area": self.area,
             "volume": self.volume,
             "integrated_mean_curvature": self.integrated_mean_curvature,
+            "certificate": certificate.as_json(),
             "stages": [asdict(stage) for stage in self.stages],
         }
         return dict(plain(found))

@@ -6,6 +6,7 @@ from scipy.sparse.csgraph import connected_components
 
 from isoembed.arrays import Floats, Indices, Mask
 from isoembed.mesh.triangulation import Triangulation
+from isoembed.space import EUCLIDEAN, Space
 from isoembed.surface.curvature import DIHEDRAL, dihedral_angles, turning_errors
 
 
@@ -54,14 +55,14 @@ def flat_faces(triangulation: Triangulation, creased: Mask) -> Indices:
     return np.asarray(connected_components(graph)[1], dtype=np.int64)
 
 
-def coplanar_faces(triangulation: Triangulation, vertices: Floats) -> Indices:
+def coplanar_faces(triangulation: Triangulation, vertices: Floats, space: Space = EUCLIDEAN) -> Indices:
     """The flat face that each triangle is part of, shape (F,).
 
     A triangle so low that rounding turns it joins the face to which it is bent least, but joins no two.
     """
     t = triangulation
-    angles = np.abs(dihedral_angles(t, vertices))
-    errors = turning_errors(t, vertices)
+    angles = np.abs(dihedral_angles(t, vertices, space))
+    errors = turning_errors(t, vertices, space)
     flat = angles <= DIHEDRAL.flat
     faces = flat_faces(t, ~flat[t.face_edges.ravel()])
     known = np.bincount(faces, errors <= DIHEDRAL.flat) > 0  # by a triangle that is not as low

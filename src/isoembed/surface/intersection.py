@@ -21,7 +21,7 @@ class IntersectionThresholds:
 INTERSECTION = IntersectionThresholds()
 
 
-def self_intersections(faces: ArrayLike, vertices: ArrayLike) -> Indices:
+def self_intersections(faces: ArrayLike, vertices: ArrayLike, reach: float = 0.0) -> Indices:
     """Pairs of triangles that meet where they should not.
 
     Two triangles intersect if they have a point in common beyond the corner or the edge that they share:
@@ -36,6 +36,9 @@ def self_intersections(faces: ArrayLike, vertices: ArrayLike) -> Indices:
     faces : array_like of int, shape (F, 3)
     vertices : array_like of float, shape (V, 3)
         Finite; of any size.
+    reach : float
+        How far vertices may be from their places.  Faces that are not returned do not intersect wherever the
+        vertices are within this.
 
     Returns
     -------
@@ -51,13 +54,15 @@ def self_intersections(faces: ArrayLike, vertices: ArrayLike) -> Indices:
     """
     corners = np.asarray(faces, dtype=np.int64)
     points = np.asarray(vertices, dtype=np.float64)
-    points = points / (np.abs(points).max(initial=0.0) or 1.0)
-    found = [pairs[_intersect(corners, points, pairs)] for pairs in _overlapping_boxes(points[corners])]
+    unit = np.abs(points).max(initial=0.0) or 1.0
+    points, reach = points / unit, reach / unit
+    boxes = _overlapping_boxes(points[corners], reach)
+    found = [pairs[_intersect(corners, points, pairs, reach)] for pairs in boxes]
     pairs = np.sort(np.concatenate([np.empty((0, 2), dtype=np.int64), *found]), axis=1)
     return pairs[np.lexsort((pairs[:, 1], pairs[:, 0]))]
 
 
-def _overlapping_boxes(triangles: Floats) -> Iterator[Indices]:
+def _overlapping_boxes(triangles: Floats, reach: float) -> Iterator[Indices]:
     """Yield blocks of pairs of triangles whose bounding boxes overlap, each pair once.
 
     The boxes are the leaves of a balanced binary tree; pairs of nodes are opened from a stack of blocks.
@@ -67,7 +72,7 @@ def _overlapping_boxes(triangles: Floats) -> Iterator[Indices]:
         return
     depth = (count - 1).bit_length()
     # Room for the rounding of coordinates, so that contact is not lost here.
-    room = INTERSECTION.contact * np.abs(triangles).max(axis=(1, 2))[:, None]
+    room = INTERSECTION.contact * np.abs(triangles).max(axis=(1, 2))[:, None] + reach
     low, high = triangles.min(axis=1) - room, triangles.max(axis=1) + room
     centers = low + high
     order = np.concatenate([np.arange(count), np.full((1 << depth) - count, -1)])[None]
@@ -107,7 +112,7 @@ def _overlapping_boxes(triangles: Floats) -> Iterator[Indices]:
             stack.append((level - 1, children[children[:, 0] <= children[:, 1]]))
 
 
-def _intersect(faces: Indices, points: Floats, pairs: Indices) -> Mask:
+def _intersect(faces: Indices, points: Floats, pairs: Indices, reach: float) -> Mask:
     """Decide the pairs, one kind of neighborhood after the other."""
     first, second = faces[pairs[:, 0]], faces[pairs[:, 1]]
     same = first[:, :, None] == second[:, None, :]
@@ -130,13 +135,16 @@ def _intersect(faces: Indices, points: Floats, pairs: Indices) -> Mask:
         p, q = p - origin, q - origin
         size = np.maximum(np.abs(p).max(axis=(1, 2)), np.abs(q).max(axis=(1, 2)))
         size[size == 0] = 1.0
-        contact = INTERSECTION.contact * coordinate / size
-        answer[chosen] = ~decide(p / size[:, None, None], q / size[:, None, None], contact)
+        contact, moves = INTERSECTION.contact * coordinate / size, 2 * reach / size
+        answer[chosen] = ~decide(p / size[:, None, None], q / size[:, None, None], contact, moves)
     return answer
 
 
-def _apart(p: Floats, q: Floats, contact: Floats) -> Mask:
-    """Whether triangles without a common corner are disjoint, shapes (n, 3, 3), (n, 3, 3), (n,)."""
+def _apart(p: Floats, q: Floats, contact: Floats, moves: Floats) -> Mask:
+    """Whether triangles without a common corner are disjoint, shapes (n, 3, 3), (n, 3, 3), (n,), (n,).
+
+    So they are if differences of corners change by no more than `moves`.
+    """
     e, f = np.roll(p, -1, axis=1) - p, np.roll(q, -1, axis=1) - q
     n, m = np.cross(e[:, 0], e[:, 1])[:, None], np.cross(f[:, 0], f[:, 1])[:, None]
     crossed = np.cross(e[:, :, None], f[:, None]).reshape(-1, 9, 3)
@@ -146,10 +154,10 @@ def _apart(p: Floats, q: Floats, contact: Floats) -> Mask:
         along_p.min(axis=2) - along_q.max(axis=2),
         along_q.min(axis=2) - along_p.max(axis=2),
     )
-    return (gap > contact[:, None]).any(axis=1)
+    return (gap > (contact + moves)[:, None]).any(axis=1)
 
 
-def _apart_at_corner(p: Floats, q: Floats, contact: Floats) -> Mask:
+def _apart_at_corner(p: Floats, q: Floats, contact: Floats, moves: Floats) -> Mask:
     """Whether triangles with a common first corner, the origin, meet nowhere else.
 
     They do where their angles at the corner, cones with two generators each, share a ray.  The separating
@@ -170,17 +178,22 @@ def _apart_at_corner(p: Floats, q: Floats, contact: Floats) -> Mask:
     heights[:, np.concatenate([upright, upright])] = 0.0
     weakly = np.all(heights >= -contact[:, None, None], axis=2)
     inner = _units((axes * weakly[..., None]).sum(axis=1))
-    strictly = np.stack([(inner * side).sum(axis=1) > contact for side in sides])
+    strictly = np.stack([(inner * side).sum(axis=1) > contact + moves for side in sides])
     return np.asarray(strictly.all(axis=0))
 
 
-def _apart_at_edge(p: Floats, q: Floats, contact: Floats) -> Mask:
+def _apart_at_edge(p: Floats, q: Floats, contact: Floats, moves: Floats) -> Mask:
     """Whether triangles with a common edge, from their second corner to the origin, are not folded flat."""
     e = _units(p[:, 1])
     x, y = (r[:, 0] - (r[:, 0] * e).sum(axis=1)[:, None] * e for r in (p, q))  # heights over the edge
-    height = np.maximum(np.linalg.norm(x, axis=1), np.linalg.norm(y, axis=1))
-    is_open = np.linalg.norm(np.cross(x, y), axis=1) > contact * height
-    return np.asarray(is_open | ((x * y).sum(axis=1) <= 0))
+    low, height = np.sort([np.linalg.norm(x, axis=1), np.linalg.norm(y, axis=1)], axis=0)
+    farther = np.maximum(np.linalg.norm(p[:, 0], axis=1), np.linalg.norm(q[:, 0], axis=1))
+    length = np.linalg.norm(p[:, 1], axis=1)
+    # A height changes with its corner and, by 2 moves / length at most, with the direction of the edge.
+    leaning = np.divide(farther, length, out=np.full_like(length, np.inf), where=length > 2 * moves)
+    change = np.where(moves > 0, moves * (1 + 2 * leaning), 0.0)
+    is_open = np.linalg.norm(np.cross(x, y), axis=1) > (contact + 3 * change) * height
+    return np.asarray(is_open | ((x * y).sum(axis=1) <= 0) & (low >= 2 * change))
 
 
 def _units(vectors: Floats) -> Floats:

@@ -19,6 +19,8 @@ from isoembed.arrays import Floats, Indices, Mask
 from isoembed.kernel import kernel
 from isoembed.linalg.elimination import permuted
 from isoembed.mesh.triangulation import Triangulation
+from isoembed.space import EUCLIDEAN, Space
+from isoembed.space.models import to_model
 from isoembed.surface.measures import edge_lengths, vertex_normals
 from isoembed.surface.normal_fits import FITS, fewest, normal_weights
 from isoembed.surface.rows import dot, multiply, subtract_multiple
@@ -62,25 +64,34 @@ class Surroundings(NamedTuple):
     vertices, normals : ndarray, shape (V, 3)
     units : ndarray, shape (V,)
         The mean edge length about each vertex.
+    heights : ndarray, shape (V,)
+        `Space.heights` of the vertices.
+    curvature : float
+        Of space.
     """
 
     graph: Graph
     vertices: Floats
     normals: Floats
     units: Floats
+    heights: Floats
+    curvature: float
 
     @classmethod
-    def of(cls, triangulation: Triangulation, vertices: Floats) -> Surroundings:
+    def of(cls, triangulation: Triangulation, vertices: Floats, space: Space = EUCLIDEAN) -> Surroundings:
         """Of the vertices, (V, 3)."""
-        adjacency = triangulation.adjacency
-        normals = vertex_normals(triangulation.faces, vertices)
-        units = edge_lengths_about(triangulation, edge_lengths(triangulation.edges, vertices))
-        return cls((adjacency.indptr, adjacency.indices), vertices, normals, units)
+        adjacency, edges = triangulation.adjacency, triangulation.edges
+        normals = vertex_normals(triangulation.faces, to_model(space, vertices, "conformal"))
+        lengths = edge_lengths(edges, vertices) if space.is_euclidean else space.distances(*vertices[edges.T])
+        units = edge_lengths_about(triangulation, lengths)
+        heights = space.heights(vertices)
+        return cls((adjacency.indptr, adjacency.indices), vertices, normals, units, heights, space.curvature)
 
     def in_order(self, order: Indices) -> Surroundings:
         """The same surface, its vertices numbered in another order."""
         indptr, indices, _ = permuted(*self.graph, order, False)
-        return Surroundings((indptr, indices), self.vertices[order], self.normals[order], self.units[order])
+        tables = (self.vertices[order], self.normals[order], self.units[order], self.heights[order])
+        return Surroundings((indptr, indices), *tables, self.curvature)
 
     def neighborhoods(self, least: int, at_once: int) -> Iterator[tuple[int, Graph]]:
         """The `neighborhoods` of all vertices, a number of them at once, and which is the first of these."""

@@ -1,10 +1,23 @@
-"""Lengths, normals, area and volume of a triangulated surface in R^3."""
+"""Lengths, normals, area and volume of a triangulated surface."""
 
 import numpy as np
 
 from isoembed.arrays import Floats, Indices
 from isoembed.kernel import kernel
-from isoembed.metric.polyhedral import edge_lengths as edge_lengths
+from isoembed.metric.polyhedral import edge_lengths as straight_lengths
+from isoembed.space import EUCLIDEAN, Space
+from isoembed.space.models import to_model
+from isoembed.space.trigonometry import triangle_area
+from isoembed.surface.cone_volumes import cone_volumes
+from isoembed.surface.tangent_frames import sides
+
+
+def edge_lengths(edges: Indices, vertices: Floats, space: Space = EUCLIDEAN) -> Floats:
+    """Distances between the ends of the edges, (E,)."""
+    if space.is_euclidean:
+        return straight_lengths(edges, vertices)
+    a, b = edges.T
+    return space.distances(vertices[a], vertices[b])
 
 
 @kernel
@@ -51,19 +64,50 @@ def vertex_normals(faces: Indices, vertices: Floats) -> Floats:
     return sums
 
 
-def area(faces: Indices, vertices: Floats) -> float:
+def triangle_areas(faces: Indices, vertices: Floats, space: Space = EUCLIDEAN) -> Floats:
+    """Areas of the triangles, (F,), in any space."""
+    if space.is_euclidean:
+        return face_areas(faces, vertices)
+    corners = [vertices[faces[:, c]] for c in range(3)]
+    lengths = np.column_stack([space.distances(corners[c], corners[c - 1]) for c in range(3)])
+    return _curved_areas(lengths, space.curvature)
+
+
+@kernel
+def _curved_areas(face_lengths: Floats, k: float) -> Floats:
+    found = np.empty(len(face_lengths))
+    for f in range(len(face_lengths)):
+        found[f] = triangle_area(face_lengths[f, 0], face_lengths[f, 1], face_lengths[f, 2], k)
+    return found
+
+
+def amplitudes(faces: Indices, vertices: Floats, space: Space = EUCLIDEAN) -> Floats:
+    """``sn b sn c sin A`` of the triangles, (F,): in Euclidean space twice their areas."""
+    if space.is_euclidean:
+        return 2 * face_areas(faces, vertices)
+    a, b, c = (vertices[faces[:, corner]] for corner in range(3))
+    return np.linalg.norm(np.cross(sides(space, a, b), sides(space, a, c)), axis=1)
+
+
+def area(faces: Indices, vertices: Floats, space: Space = EUCLIDEAN) -> float:
     """Area of the surface."""
-    return float(face_areas(faces, vertices).sum())
+    return float(triangle_areas(faces, vertices, space).sum())
 
 
-def volume(faces: Indices, vertices: Floats) -> float:
+def volume(faces: Indices, vertices: Floats, space: Space = EUCLIDEAN) -> float:
     """Signed enclosed volume, positive where the normals point outward."""
+    if not space.is_euclidean:
+        return float(cone_volumes(faces, vertices, space).sum())
     return float(_boxes(faces, vertices - vertices.mean(axis=0)).sum() / 6)
 
 
-def outward(faces: Indices, vertices: Floats) -> Floats:
-    """Return the vertices, or their mirror image if the volume is negative."""
-    return vertices if volume(faces, vertices) >= 0 else vertices * np.array([1.0, 1.0, -1.0])
+def outward(faces: Indices, vertices: Floats, space: Space = EUCLIDEAN) -> Floats:
+    """Return the vertices, or their mirror image if the volume is negative.
+
+    It has the sign of the volume in projective coordinates.
+    """
+    straight = to_model(space, vertices, "projective") if not space.is_euclidean else vertices
+    return vertices if volume(faces, straight) >= 0 else vertices * np.array([1.0, 1.0, -1.0])
 
 
 @kernel

@@ -11,7 +11,7 @@ from isoembed.metric.curvature import deficits
 from isoembed.surface.curvature import DIHEDRAL
 from isoembed.surface.embedding import Embedding
 from isoembed.surface.flat_faces import coplanar_faces, outlines
-from isoembed.surface.measures import face_areas
+from isoembed.surface.measures import triangle_areas
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -28,7 +28,7 @@ class Polyhedron(Embedding):
         Triangles are in one face where the dihedral angle between them is below 1e-7 radians.  Those that
         rounding may turn by more are in the face that they are bent least to.
         """
-        return frozen(coplanar_faces(self.triangulation, self._normalized))
+        return frozen(coplanar_faces(self.triangulation, self._normalized, self._space))
 
     @cached_property
     def polygons(self) -> tuple[Indices, ...]:
@@ -66,10 +66,10 @@ class Polyhedron(Embedding):
     def _vertex_areas(self) -> Floats:
         """Each face's area goes in equal parts to the vertices in it, wherever its diagonals are."""
         t = self.triangulation
-        areas = np.bincount(self.face_polygons, face_areas(t.faces, self._normalized))
+        whole = np.bincount(self.face_polygons, triangle_areas(t.faces, self._normalized, self._space))
         polygon = np.repeat(self.face_polygons, 3)
         polygon, vertex = np.unique(np.column_stack([polygon, t.faces.ravel()]), axis=0).T
-        shares = areas / np.bincount(polygon)
+        shares = whole / np.bincount(polygon)
         return frozen(np.bincount(vertex, shares[polygon]).astype(np.float64))
 
     @property

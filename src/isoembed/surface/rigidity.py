@@ -3,11 +3,13 @@
 A row of J per edge holds ``(x_a - x_b)^T / l_ab`` at a and its negative at b; the edge's residual is
 ``(|x_a - x_b|^2 - l_ab^2) / (2 l_ab)``.
 The step of least norm, ``d = J^T (J J^T + mu I)^-1 r``, needs no triangle pinned: J J^T is an edges x edges
-matrix that is definite whenever the surface is infinitesimally rigid.
+matrix that is definite whenever the surface is infinitesimally rigid.  In hyperbolic and spherical space J is
+that of the projective coordinates, and acts on the z of `projected`.
 """
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cached_property, partial
 from typing import cast
@@ -19,29 +21,49 @@ from scipy.sparse.linalg import LinearOperator, eigsh
 from isoembed.arrays import Floats, Indices
 from isoembed.linalg import Dissection, OutOfMemory, Solver, SymmetricFactor, analyze, dissect
 from isoembed.mesh.triangulation import Triangulation
+from isoembed.space import EUCLIDEAN, Space
+from isoembed.surface.projected import Projected
 from isoembed.surface.rigidity_matrix import RIGIDITY, RigidityMatrix, coupled_edges
 from isoembed.surface.two_level import TwoLevel
 
 MEAN_DIAGONAL = 2.0  # of J J^T, whose rows have unit norm at each end, and, nearly, of J^T J
 
 
-def length_residuals(triangulation: Triangulation, vertices: Floats, lengths: Floats) -> Floats:
-    """``(|x_a - x_b|^2 - l_ab^2) / (2 l_ab)``, shape (E,): to first order, the error of each length."""
+def length_residuals(
+    triangulation: Triangulation, vertices: Floats, lengths: Floats, space: Space = EUCLIDEAN
+) -> Floats:
+    """``(|x_a - x_b|^2 - l_ab^2) / (2 l_ab)``, shape (E,): to first order, the error of each length.
+
+    In hyperbolic and spherical space the squares are those of chords, and sn(l) is in the place of l.
+    """
     a, b = triangulation.edges.T
+    if not space.is_euclidean:
+        with np.errstate(invalid="ignore"):  # no number beyond the half of the sphere about the origin
+            chords, goals = space.chords(vertices[a], vertices[b]), space.chord(lengths)
+        return (chords - goals) * (chords + goals) / (2 * space.sn(lengths))
     d = vertices[a] - vertices[b]
     norm = np.sqrt(np.einsum("ij,ij->i", d, d))
     return (norm - lengths) * (norm + lengths) / (2 * lengths)
 
 
-def edge_rows(triangulation: Triangulation, vertices: Floats, lengths: Floats) -> Floats:
-    """The nonzeros of J, ``(x_a - x_b) / l_ab``, shape (E, 3)."""
+def edge_rows(
+    triangulation: Triangulation, vertices: Floats, lengths: Floats, space: Space = EUCLIDEAN
+) -> Floats:
+    """The nonzeros of J, ``(x_a - x_b) / l_ab``, shape (E, 3).
+
+    In hyperbolic and spherical space they act on the z of `projected`, with x' = w z.
+    """
     a, b = triangulation.edges.T
-    return (vertices[a] - vertices[b]) / lengths[:, None]
+    surface = Projected.of(space, vertices)
+    divisors = surface.divisors(triangulation.edges, lengths)
+    return (surface.positions[a] - surface.positions[b]) / divisors[:, None]
 
 
 @dataclass(frozen=True, eq=False)
 class LinearizedLengths:
     """J at one surface, and how to solve with ``J J^T + damping I``; edges are in elimination order.
+
+    In hyperbolic and spherical space it acts on the z of `projected`.
 
     Attributes
     ----------
@@ -70,10 +92,18 @@ class LengthSystem:
     triangulation : Triangulation
     dissection : Dissection, optional
         Of the vertex graph, where it is at hand.
+    space : Space, optional
+        Where the surface is.
     """
 
-    def __init__(self, triangulation: Triangulation, dissection: Dissection | None = None) -> None:
-        self.triangulation = triangulation
+    def __init__(
+        self,
+        triangulation: Triangulation,
+        dissection: Dissection | None = None,
+        *,
+        space: Space = EUCLIDEAN,
+    ) -> None:
+        self.triangulation, self.space = triangulation, space
         self._dissection = dissection or dissect(triangulation.adjacency)
         # The edges are held in the order in which they are eliminated: neighbors then are near in memory.
         self._order = self._dissection.edge_order(triangulation.edges)
@@ -83,7 +113,8 @@ class LengthSystem:
         """``d = J^T (J J^T + mu I)^-1 r``, (V, 3): to be subtracted from the vertices.
 
         The residuals r, (E,), are the `length_residuals`; mu is Levenberg-Marquardt damping, relative to the
-        mean diagonal of J J^T: 0 is Newton's step.
+        mean diagonal of J J^T: 0 is Newton's step.  In hyperbolic and spherical space the step is of the
+        points x, and ``d / w`` is of least norm; the vertices should be about the origin.
 
         Raises
         ------
@@ -92,20 +123,19 @@ class LengthSystem:
         OutOfMemory
             Not even the factors of the coarse matrix of `two_level` fit into the memory that is free.
         """
-        r = residuals[self._order]
+        r, surface = residuals[self._order], Projected.of(self.space, vertices)
+        J = self._matrix(surface, lengths)
+        damping = mu * self._mean_diagonal(J)
         try:
-            linear = self.linearized(vertices, lengths, mu * MEAN_DIAGONAL)
+            linear = LinearizedLengths(J, self._factor(J, damping), self._order)
         except OutOfMemory:
-            two_level = TwoLevel(
-                self._matrix(vertices, lengths), vertices, self._dissection, mu * MEAN_DIAGONAL
-            )
-            return two_level.step(r, RIGIDITY.residual, RIGIDITY.iterations).x
-        J = linear.J
+            two_level = TwoLevel(J, surface.positions, self._dissection, damping)
+            return surface.motion(two_level.step(r, RIGIDITY.residual, RIGIDITY.iterations).x)
         d = J.forces(linear.solve(r))
-        if mu > 0:
-            return d
-        # Refined through J: refining the solution of J J^T alone would not reduce this residual.
-        return d + J.forces(linear.solve(r - J.rates(d)))
+        if mu == 0:
+            # Refined through J: refining the solution of J J^T alone would not reduce this residual.
+            d = d + J.forces(linear.solve(r - J.rates(d)))
+        return surface.motion(d)
 
     def linearized(self, vertices: Floats, lengths: Floats, damping: float = 0.0) -> LinearizedLengths:
         """J where the vertices are, and the factors of ``J J^T + damping I``.
@@ -117,7 +147,7 @@ class LengthSystem:
         OutOfMemory
             The factors need more memory than is free.
         """
-        J = self._matrix(vertices, lengths)
+        J = self._matrix(Projected.of(self.space, vertices), lengths)
         return LinearizedLengths(J, self._factor(J, damping), self._order)
 
     def smallest_singular_values(
@@ -126,14 +156,15 @@ class LengthSystem:
         """The smallest singular values of J, apart from the six of the rigid motions, and their vectors.
 
         To about three digits: the roots of the smallest eigenvalues of J J^T, by Lanczos' iteration with its
-        inverse, which takes one factorization and some 20 solves.
+        inverse, which takes one factorization and some 20 solves.  In hyperbolic and spherical space they are
+        those of the J that acts on velocities, whose norms are speeds: no isometry changes them.
 
         Returns
         -------
         sigma : ndarray, shape (count,)
             Ascending.
         motions : ndarray, shape (count, V, 3)
-            Of unit norm: the motions of the vertices that change the lengths least.
+            Of unit norm, as velocities: the motions of the vertices that change the lengths least.
         changes : ndarray, shape (count, E)
             Of unit norm: the lengths change by ``sigma changes``, to first order.
 
@@ -142,21 +173,43 @@ class LengthSystem:
         SingularMatrix
             J J^T is singular to working precision.
         """
-        J = self._matrix(vertices, lengths)
+        surface = Projected.of(self.space, vertices)
+        J = self._matrix(surface, lengths)
         factor = self._factor(J)
         n = len(lengths)
-        inverse = LinearOperator((n, n), matvec=partial(factor.solve, sweeps=0), dtype=np.float64)
+        inverse = LinearOperator((n, n), matvec=self._inverse(surface, J, factor), dtype=np.float64)
         start, kept = np.random.default_rng(0).standard_normal(n), min(n, RIGIDITY.vectors + count)
         _, vectors = eigsh(inverse, k=count, which="LA", v0=start, ncv=kept, tol=RIGIDITY.eigenvalue)
         changes = np.empty((count, n))
         changes[:, self._order] = vectors.T[::-1] / np.linalg.norm(vectors.T[::-1], axis=1, keepdims=True)
         # Rayleigh's quotient, through J: rounding in J J^T would hide values below 1e-8.
-        motions = np.array([J.forces(change[self._order]) for change in changes])
-        sigma = np.linalg.norm(motions, axis=(1, 2))
+        velocities = np.array([surface.from_velocities(J.forces(change[self._order])) for change in changes])
+        sigma = np.linalg.norm(velocities, axis=(1, 2))
+        motions = np.array([surface.motion(surface.from_velocities(v)) for v in velocities])
         return sigma, motions / sigma[:, None, None], changes
 
-    def _matrix(self, vertices: Floats, lengths: Floats) -> RigidityMatrix:
-        return RigidityMatrix.of(self._ends, vertices, lengths[self._order])
+    def _inverse(
+        self, surface: Projected, J: RigidityMatrix, factor: SymmetricFactor
+    ) -> Callable[[Floats], Floats]:
+        """The product with the inverse of J J^T, J being that of velocities."""
+        solve = partial(factor.solve, sweeps=0)
+        if self.space.is_euclidean:
+            return solve
+        isometries = surface.isometries()
+
+        def product(r: Floats) -> Floats:
+            v = surface.velocities(J.forces(solve(r))).ravel()
+            v -= isometries @ (isometries.T @ v)
+            return solve(J.rates(surface.velocities(v.reshape(-1, 3))))
+
+        return product
+
+    def _matrix(self, surface: Projected, lengths: Floats) -> RigidityMatrix:
+        divisors = surface.divisors(self._ends, lengths[self._order])
+        return RigidityMatrix.of(self._ends, surface.positions, divisors)
+
+    def _mean_diagonal(self, J: RigidityMatrix) -> float:
+        return MEAN_DIAGONAL if self.space.is_euclidean else 2 * float(np.mean(np.sum(J.rows**2, axis=1)))
 
     def _factor(self, J: RigidityMatrix, damping: float = 0.0) -> SymmetricFactor:
         pattern = self._solver.pattern
@@ -214,9 +267,16 @@ class VertexSystem:
         i, j = np.divmod(np.arange(9), 3)
         return self._slot(3 * a[:, None] + i, 3 * b[:, None] + j).ravel()
 
-    def penalized(self, rows: Floats, weight: float) -> SymmetricFactor:
-        """Factor ``J^T J + weight P``, J given by its `edge_rows`; raises SingularMatrix if not definite."""
-        return self._factor(rows, weight * self._penalty)
+    def penalized(self, rows: Floats, weight: float, surface: Projected | None = None) -> SymmetricFactor:
+        """Factor ``J^T J + weight P``, J given by its `edge_rows`; raises SingularMatrix if not definite.
+
+        For a surface in hyperbolic or spherical space P penalizes the motions ``w z`` of its points.
+        """
+        penalty = weight * self._penalty
+        if surface is not None and not surface.space.is_euclidean:
+            pattern, w = self._solver.pattern, np.repeat(surface.heights, 3)
+            penalty *= w[pattern.indices] * np.repeat(w, np.diff(pattern.indptr))
+        return self._factor(rows, penalty)
 
     def spherical_step(self, vertices: Floats, lengths: Floats, residuals: Floats, radius: float) -> Floats:
         """Gauss-Newton's step, (V, 3), for the lengths and ``|x_a| = r`` together, in least squares.

@@ -13,10 +13,13 @@ import numpy as np
 from isoembed.arrays import Floats
 from isoembed.kernel import kernel
 from isoembed.mesh.triangulation import Triangulation
+from isoembed.space import EUCLIDEAN, Space
+from isoembed.space.models import to_model
 from isoembed.surface.local_fit import Graph, Surroundings
 from isoembed.surface.measures import edge_lengths, vertex_normals
 from isoembed.surface.normal_fits import FITS, fewest
 from isoembed.surface.rows import dot, subtract_multiple
+from isoembed.surface.tangent_frames import directions, seen_from
 from isoembed.thresholds import compiled, threshold
 
 
@@ -38,7 +41,9 @@ SHAPES = ShapeThresholds()
 _T, _FITS = compiled(SHAPES), compiled(FITS)
 
 
-def shape_operators(triangulation: Triangulation, vertices: Floats, degree: int = 4) -> Floats:
+def shape_operators(
+    triangulation: Triangulation, vertices: Floats, degree: int = 4, space: Space = EUCLIDEAN
+) -> Floats:
     """Shape operators at the vertices, as symmetric tensors in R^3.
 
     Parameters
@@ -48,6 +53,8 @@ def shape_operators(triangulation: Triangulation, vertices: Floats, degree: int 
     vertices : ndarray, shape (V, 3)
     degree : int
         Of the polynomials; lower at vertices that have too few neighbors for it.
+    space : Space
+        In which the vertices are.  The tensors are in the frames of `isoembed.surface.tangent_frames`.
 
     Returns
     -------
@@ -56,17 +63,21 @@ def shape_operators(triangulation: Triangulation, vertices: Floats, degree: int 
         a unit tangent vector t, positive where the surface is convex.
     """
     nothing = np.empty((len(vertices), 0))
-    return second_derivatives(triangulation, vertices, nothing, degree)[0]
+    return second_derivatives(triangulation, vertices, nothing, degree, space)[0]
 
 
 def second_derivatives(
-    triangulation: Triangulation, vertices: Floats, values: Floats, degree: int = 4
+    triangulation: Triangulation,
+    vertices: Floats,
+    values: Floats,
+    degree: int = 4,
+    space: Space = EUCLIDEAN,
 ) -> tuple[Floats, Floats]:
     """Shape operators, and the covariant Hessians of functions that are given at the vertices.
 
     Parameters
     ----------
-    triangulation, vertices, degree
+    triangulation, vertices, degree, space
         As in `shape_operators`.
     values : ndarray, shape (V, m)
 
@@ -79,7 +90,8 @@ def second_derivatives(
     """
     n = triangulation.n_vertices
     unit = edge_lengths(triangulation.edges, vertices).mean()
-    surface = Surroundings.of(triangulation, (vertices - vertices.mean(axis=0)) / unit)
+    origin = vertices.mean(axis=0) if space.is_euclidean else np.zeros(3)  # to move it would turn the frames
+    surface = Surroundings.of(triangulation, (vertices - origin) / unit, space.scaled(1 / unit))
     operators, hessians = np.zeros((n, 3, 3)), np.zeros((n, values.shape[1], 3, 3))
     columns = np.ascontiguousarray(values, dtype=np.float64)
     for first, near in surface.neighborhoods(SHAPES.three_rings, SHAPES.at_once):
@@ -87,20 +99,21 @@ def second_derivatives(
     return operators / unit, hessians / unit / unit
 
 
-def normal_curvatures(triangulation: Triangulation, vertices: Floats, operators: Floats) -> Floats:
+def normal_curvatures(
+    triangulation: Triangulation, vertices: Floats, operators: Floats, space: Space = EUCLIDEAN
+) -> Floats:
     """Normal curvatures of the surface along the edges, (E,): the mean of those at the two ends.
 
     From the `shape_operators`; with Hessians in their place, these are a function's second derivatives.
     """
     ends = triangulation.edges.T
-    along = vertices[ends[1]] - vertices[ends[0]]
-    along /= edge_lengths(triangulation.edges, vertices)[:, None]
-    normals = vertex_normals(triangulation.faces, vertices)
+    normals = vertex_normals(triangulation.faces, to_model(space, vertices, "conformal"))
     curvatures = np.zeros(triangulation.n_edges)
-    for end in ends:
+    for here, there in (ends, ends[::-1]):
         # An edge leaves the tangent plane by half the angle that it spans; along the surface it is shorter.
-        rise = np.einsum("ei,ei->e", along, normals[end])
-        form = np.einsum("ei,eij,ej->e", along, operators[end], along)
+        along = directions(space, vertices[here], vertices[there])
+        rise = np.einsum("ei,ei->e", along, normals[here])
+        form = np.einsum("ei,eij,ej->e", along, operators[here], along)
         curvatures += form / np.maximum(1.0 - rise**2, SHAPES.steep) / 2
     return curvatures
 
@@ -118,6 +131,7 @@ def _fit(
     """Fill in the tensors of the vertices from `first` on; they stay zero where not even a quadric fits."""
     indptr, indices = near
     points, normals, spacing = surface.vertices, surface.normals, surface.units
+    heights, curvature = surface.heights, surface.curvature
     most = 1
     for i in range(len(indptr) - 1):
         most = max(most, indptr[i + 1] - indptr[i] + 1)
@@ -134,7 +148,7 @@ def _fit(
             w = indices[k]
             if dot(normals[w], normal) < _T.graph:
                 continue
-            d = (points[w] - points[v]) / spacing[v]
+            d = seen_from(v, w, points, heights, curvature) / spacing[v]
             chart[count, 0], chart[count, 1], chart[count, 2] = dot(d, x), dot(d, y), dot(d, normal)
             for j in range(right - 1):
                 known[count, j] = values[w, j] - values[v, j]

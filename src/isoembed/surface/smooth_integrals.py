@@ -8,7 +8,8 @@ its edges tell to leading order, with lambda the barycentric coordinates,
 
 and the polyhedron is the surface moved by -f along its normals.  Steiner's variations of the three integrals
 in f are what the polyhedron lacks; the next ones are of fourth order in the edge length.  Odd orders cancel
-between neighboring triangles.
+between neighboring triangles.  In space of curvature k the polyhedron has straight edges and flat faces
+there, and the same variations but that of the integral of H, in which ``det B - k`` is in the place of K.
 """
 
 from __future__ import annotations
@@ -20,14 +21,17 @@ from typing import Literal
 import numpy as np
 from numpy.typing import ArrayLike
 
-from isoembed.arrays import Floats, Indices
+from isoembed.arrays import Floats
 from isoembed.errors import InvalidParameter
 from isoembed.mesh.triangulation import Triangulation
+from isoembed.space import EUCLIDEAN, Space
 from isoembed.surface import curvature, measures
 from isoembed.surface.chords import chord_lengths
 from isoembed.surface.estimate import Estimate
+from isoembed.surface.rigidity import LengthSystem
 from isoembed.surface.shape_operator import SHAPES, normal_curvatures, second_derivatives, shape_operators
 from isoembed.surface.smoothness import misfits
+from isoembed.surface.tangent_frames import carried_to_faces, drawn_faces, sides
 
 Lengths = Literal["geodesic", "chord"]
 
@@ -46,6 +50,8 @@ class SmoothIntegrals:
     lengths : "geodesic" or "chord"
         What the distances between the vertices are.  "chord": those between points of the surface, which the
         vertices are.  "geodesic": its geodesics' lengths; the vertices are then near the surface, not on it.
+    space : Space
+        In which the vertices are.
 
     Raises
     ------
@@ -69,6 +75,7 @@ class SmoothIntegrals:
     triangulation: Triangulation
     vertices: Floats
     lengths: Lengths
+    space: Space = EUCLIDEAN
 
     def __post_init__(self) -> None:
         if self.lengths not in ("geodesic", "chord"):
@@ -91,7 +98,8 @@ class SmoothIntegrals:
         its normals is the polyhedron, whose integral of H is larger by the following terms, and is corrected
         by them:
 
-        - ``int K phi``, the first variation of the integral of H (Steiner 1840; Reilly 1973).
+        - ``int K phi``, the first variation of the integral of H (Steiner 1840; Reilly 1973).  In space of
+          curvature k it is ``int (det B - k) phi``.
         - ``1/2 int T(grad phi, grad phi)``, half of the second one: K dA varies by ``-div(T grad phi) dA``.
         - ``1/4 int grad phi . grad |grad phi|^2``, the third order of ``H dA = -1/2 W div(grad phi / W)`` on
           a graph over a plane, W^2 = 1 + |grad phi|^2.  By parts over a triangle, in which lap phi = tr B, it
@@ -100,21 +108,23 @@ class SmoothIntegrals:
           half the angle, that is half the sum of ``arctan g = g - g^3 / 3``.
         - ``1/2 sum theta dl`` where lengths are geodesics', too long for an inscribed polyhedron by dl: that
           the angles change does not count, ``sum l dtheta = 0`` (Schlaefli 1858; Regge 1961; Rivin &
-          Schlenker 1999).
+          Schlenker 1999).  In space of curvature k it is ``-2 k dV``: the volume changes, too, by what
+          Newton's step on the lengths makes of it.
 
         Where the triangulation is irregular, geodesic lengths change the dihedral angles by a tenth of their
         size from edge to edge, and a thousandth of the correction remains as an error, of second order.
         Correcting the lengths by `chord_lengths` and embedding them as chords, twice over, removes it.
         """
-        t, points, unit = self.triangulation, self._points, self._unit
-        theta = curvature.dihedral_angles(t, points)
+        t, points, unit, space = self.triangulation, self._points, self._unit, self._scaled_space
+        theta = curvature.dihedral_angles(t, points, space)
         quartic, cubic = (
             bulges.integrated_mean_curvature
             - (theta * self._excess(bulges.operators) / 4)[t.face_edges].sum(axis=1)
             for bulges in (self._quartic, self._cubic)
         )
         sizes = self._quartic.integrated_mean_curvature_size
-        raw = curvature.integrated_mean_curvature(t, points)
+        raw = curvature.integrated_mean_curvature(t, points, space)
+        raw -= space.curvature * self._shrinking
         return _scaled(self._estimate(raw, quartic, cubic, sizes), unit)
 
     @cached_property
@@ -126,8 +136,9 @@ class SmoothIntegrals:
         its sides, and each of its angles is larger by a third of the integral of K (Gauss 1827): for geodesic
         lengths K is the deficits' at the vertices, and neither the dihedral angles nor the fits are asked.
         """
-        flat = measures.face_areas(self.triangulation.faces, self._points)
-        return _scaled(self._estimate(float(flat.sum()), *self._face_areas), self._unit, self._unit)
+        return _scaled(
+            self._estimate(float(self._flat_areas.sum()), *self._face_areas), self._unit, self._unit
+        )
 
     @cached_property
     def volume(self) -> Estimate:
@@ -142,7 +153,7 @@ class SmoothIntegrals:
         if self.lengths != "chord":
             raise InvalidParameter("the volume is known from vertices on the surface only: lengths = 'chord'")
         heights = self._quartic.heights
-        raw = measures.volume(self.triangulation.faces, self._points)
+        raw = measures.volume(self.triangulation.faces, self._points, self._scaled_space)
         estimate = self._estimate(raw, heights, self._cubic.heights, np.abs(heights))
         return _scaled(estimate, self._unit, self._unit, self._unit)
 
@@ -170,17 +181,17 @@ class SmoothIntegrals:
         InvalidParameter
             The values have another shape or are not finite.
         """
-        t, points = self.triangulation, self._points
+        t, points, space = self.triangulation, self._points, self._scaled_space
         given = _checked(values, (t.n_vertices,), "values")
         size = float(np.abs(given).max()) or 1.0
         data = given / size
-        flat = measures.face_areas(t.faces, points)
+        flat = self._flat_areas
         means = data[t.faces].mean(axis=1)
-        squares = measures.edge_lengths(t.edges, points) ** 2
+        squares = measures.edge_lengths(t.edges, points, space) ** 2
         missed = []
         for degree in (QUARTIC, CUBIC):
-            hessians = second_derivatives(t, points, data[:, None], degree)[1][:, 0]
-            along = normal_curvatures(t, points, hessians) * squares
+            hessians = second_derivatives(t, points, data[:, None], degree, space)[1][:, 0]
+            along = normal_curvatures(t, points, hessians, space) * squares
             missed.append(flat / 24 * along[t.face_edges].sum(axis=1))
         quartic, cubic, sizes = self._face_areas
         estimate = self._estimate(
@@ -211,13 +222,22 @@ class SmoothIntegrals:
     @cached_property
     def _cells(self) -> Floats:
         """A third of the area of the triangles at each vertex, (V,)."""
-        t = self.triangulation
-        flat = measures.face_areas(t.faces, self._points)
-        return np.asarray(np.bincount(t.faces.ravel(), np.repeat(flat / 3, 3)), dtype=np.float64)
+        thirds = np.repeat(self._flat_areas / 3, 3)
+        return np.asarray(np.bincount(self.triangulation.faces.ravel(), thirds), dtype=np.float64)
+
+    @cached_property
+    def _flat_areas(self) -> Floats:
+        """Areas of the triangles (F,), in the unit squared."""
+        return measures.triangle_areas(self.triangulation.faces, self._points, self._scaled_space)
 
     @cached_property
     def _unit(self) -> float:
-        return float(measures.edge_lengths(self.triangulation.edges, self.vertices).mean())
+        return float(measures.edge_lengths(self.triangulation.edges, self.vertices, self.space).mean())
+
+    @cached_property
+    def _scaled_space(self) -> Space:
+        """Space in the unit."""
+        return self.space if self.space.is_euclidean else self.space.scaled(1 / self._unit)
 
     @cached_property
     def _points(self) -> Floats:
@@ -226,7 +246,7 @@ class SmoothIntegrals:
 
     @cached_property
     def _quartic(self) -> _Bulges:
-        return _Bulges.of(self.triangulation, self._points, QUARTIC)
+        return _Bulges.of(self.triangulation, self._points, QUARTIC, self._scaled_space)
 
     @cached_property
     def _unseen(self) -> float:
@@ -235,12 +255,13 @@ class SmoothIntegrals:
         An inscribed polyhedron is smaller than a round sphere by a quarter of the deficits at its vertices.
         """
         unfitted = ~self._quartic.operators.any(axis=(1, 2))
-        return float(np.sum(_deficits(self.triangulation, self._points)[unfitted] ** 2)) / (4 * np.pi)
+        deficits = _deficits(self.triangulation, self._points, self._scaled_space)
+        return float(np.sum(deficits[unfitted] ** 2)) / (4 * np.pi)
 
     @cached_property
     def _cubic(self) -> _Bulges:
         """The same to lower accuracy: it only says how far the other can be trusted."""
-        return _Bulges.of(self.triangulation, self._points, CUBIC)
+        return _Bulges.of(self.triangulation, self._points, CUBIC, self._scaled_space)
 
     @cached_property
     def _face_areas(self) -> tuple[Floats, Floats, Floats]:
@@ -248,11 +269,11 @@ class SmoothIntegrals:
         t, points = self.triangulation, self._points
         if self.lengths == "chord":
             return self._quartic.area, self._cubic.area, self._quartic.area_size
-        flat = measures.face_areas(t.faces, points)
-        squares = measures.edge_lengths(t.edges, points) ** 2
+        flat, space = self._flat_areas, self._scaled_space
+        squares = measures.edge_lengths(t.edges, points, space) ** 2
         moments = flat / 24 * squares[t.face_edges].sum(axis=1)
         around = np.bincount(t.faces.ravel(), np.repeat(flat, 3))
-        K = 3 * _deficits(t, points) / around
+        K = 3 * _deficits(t, points, space) / around  # less the curvature of space, which the triangles have
         # Over the geodesic triangles instead of the flat ones, K is smaller by as much as they are larger.
         less = K * around / (around + K * np.bincount(t.faces.ravel(), np.repeat(moments, 3)))
         more = moments * K[t.faces].mean(axis=1)
@@ -260,10 +281,24 @@ class SmoothIntegrals:
 
     def _excess(self, operators: Floats) -> Floats:
         """Lengths of the edges over the distances of their ends on the surface, (E,)."""
-        lengths = measures.edge_lengths(self.triangulation.edges, self._points)
+        t, points, space = self.triangulation, self._points, self._scaled_space
+        lengths = measures.edge_lengths(t.edges, points, space)
         if self.lengths == "chord":
             return np.zeros_like(lengths)
-        return lengths - chord_lengths(self.triangulation, self._points, lengths, operators)
+        return lengths - chord_lengths(t, points, lengths, operators, space)
+
+    @cached_property
+    def _shrinking(self) -> float:
+        """Change of the volume when lengths become those of an inscribed polyhedron; 0 in Euclidean space.
+
+        There nothing depends on it.
+        """
+        t, points, space = self.triangulation, self._points, self._scaled_space
+        if space.is_euclidean or self.lengths == "chord":
+            return 0.0
+        lengths = measures.edge_lengths(t.edges, points, space)
+        step = LengthSystem(t, space=space).step(points, lengths, self._excess(self._quartic.operators))
+        return measures.volume(t.faces, points - step, space) - measures.volume(t.faces, points, space)
 
     def _estimate(self, raw: float, quartic: Floats, cubic: Floats, sizes: Floats) -> Estimate:
         lost = quartic - cubic
@@ -285,22 +320,24 @@ class _Bulges:
     turns: Floats  # (kappa l)^2, both curvatures' squares times the mean square of the edges
 
     @classmethod
-    def of(cls, triangulation: Triangulation, points: Floats, degree: int) -> _Bulges:
+    def of(cls, triangulation: Triangulation, points: Floats, degree: int, space: Space) -> _Bulges:
         """Integrate f, its gradient and the slopes at the edges, in closed form."""
-        faces, face_edges = triangulation.faces, triangulation.face_edges
-        operators = shape_operators(triangulation, points, degree)
-        lengths = measures.edge_lengths(triangulation.edges, points)
-        kappa = normal_curvatures(triangulation, points, operators)
+        face_edges = triangulation.face_edges
+        operators = shape_operators(triangulation, points, degree, space)
+        lengths = measures.edge_lengths(triangulation.edges, points, space)
+        kappa = normal_curvatures(triangulation, points, operators, space)
         f = (kappa * lengths**2 / 2)[face_edges]  # f[:, h] is the coefficient of lambda_h lambda_(h + 1)
         l = lengths[face_edges]
-        A = measures.face_areas(faces, points)
-        B = (operators[faces[:, 0]] + operators[faces[:, 1]] + operators[faces[:, 2]]) / 3
+        corners = drawn_faces(space, triangulation.faces, points)
+        A = measures.triangle_areas(triangulation.faces, points, space)
+        at_corners = carried_to_faces(space, triangulation.faces, points, operators)
+        B = (at_corners[:, 0] + at_corners[:, 1] + at_corners[:, 2]) / 3
         trace = np.einsum("fii->f", B)
         square = np.einsum("fij,fij->f", B, B)
         # The gradients of lambda point inward across the edges, and are 1 / height long; there is nothing
         # over a triangle without area.
         twice = np.where(A > 0, 2 * A, np.inf)[:, None]
-        inward = _inward(faces, points)
+        inward = _inward(corners)
         grad_lambda = inward * (l[:, [1, 2, 0]] / twice)[:, :, None]
         # grad f = sum_a lambda_a G_a: G_a is the gradient at the corner a.
         G = f[:, :, None] * grad_lambda[:, [1, 2, 0]] + f[:, [2, 0, 1], None] * grad_lambda[:, [2, 0, 1]]
@@ -315,7 +352,12 @@ class _Bulges:
             cubes = (g + g_next) * (g**2 + g_next**2) / 4
             kinks += l[:, h] * (f_t**2 * (g + g_next) / 6 + cubes / 3)
         terms = np.stack(
-            [(trace**2 - square) / 2 * heights, -(trace * steep - bent) / 2, trace * steep / 4, kinks / 4]
+            [
+                ((trace**2 - square) / 2 - space.curvature) * heights,
+                -(trace * steep - bent) / 2,
+                trace * steep / 4,
+                kinks / 4,
+            ]
         )
         return cls(
             operators=operators,
@@ -328,12 +370,12 @@ class _Bulges:
         )
 
 
-def _inward(faces: Indices, points: Floats) -> Floats:
-    """Unit vectors in each face, (F, 3, 3), across the edge opposite to each corner and toward it."""
-    normals = measures.face_normals(faces, points)
+def _inward(corners: Floats) -> Floats:
+    """Unit vectors in triangles, (F, 3, 3), across the edge opposite to each corner and toward it."""
+    each = np.arange(corners.size // 3).reshape(-1, 3)
+    normals = measures.face_normals(each, corners.reshape(-1, 3))
     norms = np.linalg.norm(normals, axis=1)[:, None]
     normals /= np.where(norms > 0, norms, 1.0)
-    corners = points[faces]
     opposite = corners[:, [2, 0, 1]] - corners[:, [1, 2, 0]]
     opposite /= np.linalg.norm(opposite, axis=2)[:, :, None]
     return np.cross(normals[:, None, :], opposite)
@@ -343,14 +385,16 @@ def _dot(a: Floats, b: Floats) -> Floats:
     return np.asarray(np.einsum("...i,...i->...", a, b))
 
 
-def _deficits(triangulation: Triangulation, points: Floats) -> Floats:
+def _deficits(triangulation: Triangulation, points: Floats, space: Space) -> Floats:
     """2 pi less the angles at each vertex, (V,)."""
     faces = triangulation.faces
-    corners = points[faces]
-    ahead, behind = corners[:, [1, 2, 0]] - corners, corners[:, [2, 0, 1]] - corners
-    across = np.linalg.norm(np.cross(ahead, behind), axis=2)
+    corners = points[faces.ravel()]
+    ahead, behind = (
+        sides(space, corners, points[faces[:, others]].reshape(-1, 3)) for others in ([1, 2, 0], [2, 0, 1])
+    )
+    across = np.linalg.norm(np.cross(ahead, behind), axis=1)
     angles = np.arctan2(across, _dot(ahead, behind))
-    return np.asarray(2 * np.pi - np.bincount(faces.ravel(), angles.ravel()))
+    return np.asarray(2 * np.pi - np.bincount(faces.ravel(), angles))
 
 
 def _checked(given: ArrayLike, shape: tuple[int, ...], name: str) -> Floats:

@@ -1,6 +1,7 @@
 """Circumferences and multipoles of horizons, against closed forms of Kerr's."""
 
 from dataclasses import replace
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -29,7 +30,9 @@ from isoembed.smooth import AngleMetric, GridMetric, Harmonics
 from isoembed.smooth.sphere_transform import SphereTransform
 from isoembed.smooth.two_metric import PulledBack
 from isoembed.smooth.uncertain import Uncertainty
+from isoembed.space import Euclidean
 
+ATTEMPT = SimpleNamespace(space=Euclidean())
 SPINS = (0.0, 0.3, 0.6, 0.9, 0.99)
 
 
@@ -125,7 +128,8 @@ def test_no_square_of_a_mass_underflows():
 
 
 def test_beyond_the_limit_of_embedding_too():
-    report = unembedded_report(KerrNewmanHorizon(1.0, 0.95).data(), NotEmbedded("beyond the limit", None))
+    report = unembedded_report(KerrNewmanHorizon(1.0, 0.95).data(), NotEmbedded("beyond the limit", ATTEMPT))
+    assert report["space"] == {"name": "euclidean", "curvature": 0.0}
     assert report["circumferences"]["equatorial"] == pytest.approx(4.0 * np.pi, abs=1e-12)
     assert report["multipoles"]["J"][1] == pytest.approx(0.95, abs=1e-12)
     text = energy_table(report)
@@ -134,7 +138,8 @@ def test_beyond_the_limit_of_embedding_too():
 
 
 def test_of_horizons_only():
-    assert "multipoles" not in unembedded_report(KerrNewmanSphere(3.0).data(), NotEmbedded("no reason", None))
+    report = unembedded_report(KerrNewmanSphere(3.0).data(), NotEmbedded("no reason", ATTEMPT))
+    assert "multipoles" not in report
     assert shape_lines({"name": "a sphere"}) == []
 
 

@@ -28,6 +28,7 @@ from isoembed.relativity.series import horizon_task
 from isoembed.relativity.series.source import HeldShape, HeldSlice, MissingSlice
 from isoembed.runs import Result, run
 from isoembed.smooth import GridMetric, solve
+from isoembed.space import Hyperbolic
 
 FEW = HorizonOptions(vertices=60)
 
@@ -119,10 +120,10 @@ def test_another_series_is_no_start(begun, monkeypatch):
 
 @pytest.mark.parametrize("error", [NotEmbedded("astray", None), InvalidParameter("the map folds")])
 def test_where_the_start_leads_nowhere_a_mesh_does(begun, monkeypatch, error):
-    def without_start(data, *, start=None, vertices=1000):
+    def without_start(data, *, space, start=None, vertices=1000):
         if start is not None:
             raise error
-        return embed_surface(data, vertices=vertices)
+        return embed_surface(data, space=space, vertices=vertices)
 
     monkeypatch.setattr(horizon_task, "embed_surface", without_start)
     assert HorizonTask(gridded(0.5), FEW).compute(begun).report == begun.report
@@ -139,6 +140,8 @@ def test_digests():
         HorizonTask(kerr(0.5), replace(FEW, wang_yau=True)),
         HorizonTask(kerr(0.5), replace(FEW, axis=(0.0, 0.0, 1.0))),
         HorizonTask(kerr(0.5), replace(FEW, marginal=True)),
+        HorizonTask(kerr(0.5), replace(FEW, space="hyperbolic")),
+        HorizonTask(kerr(0.5), replace(FEW, space=Hyperbolic(0.1))),
         HorizonTask(replace(kerr(0.5), shape=Failing(FileError("cut short"))), FEW),
     ]
     digests = {other.digest() for other in (task, *others)}

@@ -24,7 +24,7 @@ function numbers(entry) {
 }
 
 const frames = data.frames, last = frames.length - 1;
-const seams = data.seams ? numbers(data.seams) : new Float64Array(0); // ends of lines on the answer
+const space = data.space ?? null; // where points of a curved one are, their models put about the origin
 
 const meshes = data.meshes.map((entry) => {
   const corners = Uint32Array.from(stored(entry.faces)), ends = [];
@@ -37,6 +37,8 @@ const meshes = data.meshes.map((entry) => {
   return {
     faces: corners, edges: Uint32Array.from(ends), solid: 3 * entry.solid, solidEnds,
     owners: entry.polygons && stored(entry.polygons), // the face that each triangle is part of
+    pieces: 2 ** (entry.cuts ?? 0), // of each edge
+    own: entry.own ? stored(entry.own) : null, // the surface's own vertex next to each
     outlines: entry.outlines && stored(entry.outlines), // edges between faces, a bit each
   };
 });
@@ -47,7 +49,11 @@ const foldable = frames.some(({ concave: bits }) => bits); // whether edges are 
 const still = data.camera; // the first view: rows right, up, toward the viewer
 const view = { turn: still.slice(), zoom: 1, x: 0, y: 0 };
 const shown = { frame: data.first, quantity: data.quantities[0], mesh: true, seams: true, creases: false, smooth: false };
-let { faces, edges, owners, outlines, solid, solidEnds } = meshes[frames[last].mesh]; // of the frame, like all below
+let model = space ? space.models[0].model : "ambient";
+let span = 1; // half the size of what is drawn
+let walled = false; // whether that is the sphere at infinity
+let seams = new Float64Array(0); // ends of lines on the answer
+let { faces, edges, owners, outlines, solid, solidEnds, pieces, own } = meshes[frames[last].mesh]; // of the frame, like all below
 let n = frames[last].positions.count / 3;
 /** @type {Float64Array} */
 let positions;
@@ -293,19 +299,55 @@ function fit() { // the size of the canvas, and of the half diameter in it, in p
   return { w, h, unit: Math.min(0.9 * w / 2 / halfWidth, 0.86 * h / 2 / halfHeight, 1.3 * round) };
 }
 
-const seen = [0, 0]; // half of the width and height of the first view, in half diameters of the answer
-let outermost = 1; // of all frames, from its center
+const seen = [0, 0]; // half of the width and height of the first view, in units
+let reach = 1; // beyond which nothing is, from the center
 
-for (const frame of frames) {
-  const p = numbers(frame.positions), rows = [still.slice(0, 3), still.slice(3, 6)];
+/** @param {PackedNumbers} entry */
+function modeled(entry) { // points in the model that is shown
+  const p = numbers(entry);
+  if (!space) return p;
   for (let v = 0; v < p.length; v += 3) {
-    outermost = Math.max(outermost, Math.hypot(p[v], p[v + 1], p[v + 2]));
-    rows.forEach(([a, b, c], k) => (seen[k] = Math.max(seen[k], Math.abs(a * p[v] + b * p[v + 1] + c * p[v + 2]))));
+    const w = Math.sqrt(Math.max(1 - space.curvature * (p[v] ** 2 + p[v + 1] ** 2 + p[v + 2] ** 2), 0));
+    const factor = (model === "conformal" ? 2 / (1 + w) : model === "projective" ? 1 / w : 1) / span;
+    for (let k = v; k < v + 3; k++) p[k] *= factor;
   }
+  return p;
 }
-outermost = Math.min(outermost, 0.8 * FAR);
-const reach = 1.02 * outermost, shrink = Math.min(1, 1.4 / Math.max(...seen)); // wild frames may leave the picture
-seen.forEach((half, k) => (seen[k] = Math.max(shrink * half, 0.2)));
+
+function measure() { // the extent of all frames in the model
+  [span, walled] = [1, false];
+  if (space) {
+    const p = modeled(frames[last].positions);
+    span = 0;
+    for (let v = 0; v < p.length; v += 3) span = Math.max(span, Math.hypot(p[v], p[v + 1], p[v + 2]));
+    const end = (model === "conformal" ? 2 : 1) / Math.sqrt(Math.max(-space.curvature, 0)); // of space
+    walled = model !== "ambient" && end <= space.farthest * span;
+    if (walled) span = end;
+  }
+  let outermost = 1;
+  seen.fill(walled ? 1 : 0);
+  for (const frame of frames) {
+    const p = modeled(frame.positions), rows = [still.slice(0, 3), still.slice(3, 6)];
+    for (let v = 0; v < p.length; v += 3) {
+      outermost = Math.max(outermost, Math.hypot(p[v], p[v + 1], p[v + 2]));
+      rows.forEach(([a, b, c], k) => (seen[k] = Math.max(seen[k], Math.abs(a * p[v] + b * p[v + 1] + c * p[v + 2]))));
+    }
+  }
+  reach = 1.02 * Math.min(outermost, 0.8 * FAR);
+  const shrink = Math.min(1, 1.4 / Math.max(...seen)); // wild frames may leave the picture
+  seen.forEach((half, k) => (seen[k] = Math.max(shrink * half, 0.2)));
+  seams = data.seams ? modeled(data.seams) : seams;
+}
+
+function surround(size) { // the sphere at infinity is behind all
+  const radius = size / Math.sqrt(1 - 1 / FAR ** 2), ball = $("infinity");
+  ball.hidden = !walled;
+  if (!walled) return;
+  Object.assign(ball.style, {
+    width: `${2 * radius}px`, height: `${2 * radius}px`,
+    left: `calc(50% + ${view.x - radius}px)`, top: `calc(50% - ${view.y + radius}px)`,
+  });
+}
 
 function draw() {
   const ratio = Math.min(window.devicePixelRatio || 1, 3), { w, h, unit } = fit();
@@ -316,6 +358,7 @@ function draw() {
   gl.clear(gl.COLOR_BUFFER_BIT | gl.DEPTH_BUFFER_BIT | gl.STENCIL_BUFFER_BIT);
   const t = view.turn, columns = [t[0], t[3], t[6], t[1], t[4], t[7], t[2], t[5], t[8]];
   const grown = view.zoom * unit;
+  surround(grown);
   const common = ({ made, at }) => {
     gl.useProgram(made);
     gl.uniformMatrix3fv(at.turn, false, columns);
@@ -358,7 +401,7 @@ function draw() {
     gl.bindVertexArray(made);
     gl.drawArraysInstanced(gl.TRIANGLE_STRIP, 0, 4, count);
   };
-  const length = grown * Math.sqrt(5.8 / (faces.length / 3) * 4); // of an edge, about, in pixels
+  const length = grown * pieces * Math.sqrt(5.8 / (faces.length / 3) * 4); // of an edge, about, in pixels
   const strength = Math.min(Math.max((length - 3.5) / 9, 0), 1);
   if (shown.mesh && strength > 0) {
     const black = [0.03, 0.04, 0.06, owners ? 0.6 * strength : 0.08 + 0.2 * strength]; // diagonals are no edges
@@ -391,8 +434,8 @@ function tick() {
 
 function select() { // take the frame and the quantity
   const frame = frames[shown.frame], { name, scale: kind, at } = shown.quantity;
-  ({ faces, edges, owners, outlines, solid, solidEnds } = meshes[frame.mesh]);
-  positions = numbers(frame.positions);
+  ({ faces, edges, owners, outlines, solid, solidEnds, pieces, own } = meshes[frame.mesh]);
+  positions = modeled(frame.positions);
   n = positions.length / 3;
   concave = frame.concave ? stored(frame.concave) : new Uint8Array(0);
   const of = frame.values[name] || (name === CONFORMAL && frames[last].values[name]); // the same for all
@@ -409,7 +452,8 @@ function select() { // take the frame and the quantity
 function legend() {
   const { label, unit, scale: kind, at } = shown.quantity;
   let least = Infinity, most = -Infinity, missing = 0;
-  for (const value of values) {
+  const there = own && at !== "faces" ? 1 + Math.max(...own) : values.length; // others draw arcs
+  for (const value of values.subarray(0, there)) {
     if (Number.isFinite(value)) [least, most] = [Math.min(least, value), Math.max(most, value)];
     else missing++;
   }
@@ -452,6 +496,7 @@ function moment() {
   const words = [`frame ${shown.frame + 1} of ${frames.length}`];
   if (t !== null) words.push(`t = ${written(t, 3)}`);
   if (residual !== null) words.push(`length errors up to ${written(residual, 2)}${shown.frame < last ? " at this t" : ""}`);
+  count /= pieces;
   if (foldable) words.push(`${count.toLocaleString("en-US")} concave ${count === 1 ? "edge" : "edges"}`);
   const name = document.createElement("b");
   name.textContent = stage;
@@ -595,6 +640,7 @@ function hover([x, y]) { // the front triangle there, and its nearest corner
         pointed = f / 3;
         const apart = [a, b, c].map((p) => Math.hypot(at[p] - x, at[p + 1] - y));
         found = [a, b, c][apart.indexOf(Math.min(...apart))] / 3;
+        if (own) found = own[found];
       }
     }
   }
@@ -682,8 +728,16 @@ if (gl) {
     select();
   });
   $("kind").textContent = owners ? "Edges" : "Triangles";
-  $("paper").hidden = !seams.length;
+  $("paper").hidden = !data.seams;
   $("folds").hidden = !foldable;
+  $("models").hidden = !space;
+  for (const { name } of space ? space.models : []) $("model").append(new Option(name));
+  $("model").addEventListener("change", () => {
+    model = /** @type {PageSpace} */ (space).models[$("model").selectedIndex].model;
+    measure();
+    placed = null;
+    select();
+  });
   $("moment").style.setProperty("--told", `${1.5 * Math.max(...frames.map(({ told }) => told.length))}em`); // the surface stays
   for (const name of ["mesh", "seams", "creases", "smooth"]) {
     $(name).addEventListener("change", () => {
@@ -722,6 +776,7 @@ if (gl) {
     select();
   });
   new ResizeObserver(changed).observe(canvas);
+  measure();
   select();
   requestAnimationFrame(tick);
 } else {

@@ -33,9 +33,14 @@ def report_html(report: Mapping[str, Any]) -> str:
     """
     given, residual, convexity = report["input"], report["residual"], report["convexity"]
     paths = [("along the given edges", residual["paths"])] if "paths" in residual else []
+    space = report["space"]
+    curved = (
+        [("space", space["name"]), ("curvature of space", space["curvature"])] if space["curvature"] else []
+    )
     found = [
         ("method", f'<span class="words">{escape(report["method"])}</span>'),
         ("tolerance", report["tolerance"]),
+        *curved,
         *((name, given[key]) for name, key in INPUT.items()),
     ]
     errors = [("mean", residual["mean"]), ("standard deviation", residual["std"])]

@@ -6,11 +6,13 @@ from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from isoembed.plot.picture import Panel
+from isoembed.plot.drawn import said
+from isoembed.plot.panel import Panel
 from isoembed.plot.placed import Scale, placed_figure
 from isoembed.plot.series.labels import CURVATURE, escaped
 from isoembed.plot.series.placing import FIELD
 from isoembed.runs.result import Result
+from isoembed.space import Space
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -56,9 +58,11 @@ def horizon_figures(results: Sequence[Result]) -> Iterator[Figure]:
 
 
 def _caption(report: Mapping[str, Any]) -> str:
-    """The name, the time and what is known of a horizon, in two lines."""
+    """The name, the time, what is known of a horizon, and the space if that is curved: a line each."""
     name, horizon = Path(report["name"]).name, report["horizon"]
     name = name if len(name) <= LONGEST else f"{name[: LONGEST - 1]}\N{HORIZONTAL ELLIPSIS}"
     times = [f"{key} {horizon[key]:.9g}" for key in ("time", "iteration") if horizon.get(key) is not None]
     second = [f"area {report['area']:.8g}", rf"$\int\! H\,dA = {report['integrated_mean_curvature']:.8g}$"]
-    return "\n".join("     ".join(words) for words in ([escaped(name), *times], second))
+    space = said(Space(report.get("space", {}).get("curvature", 0.0)))
+    lines = ([escaped(name), *times], second, [space] if space else [])
+    return "\n".join("     ".join(words) for words in lines if words)

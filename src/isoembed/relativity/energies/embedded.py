@@ -1,8 +1,8 @@
-"""A surface of a slice, its smooth embedding in Euclidean space, and the energies that follow."""
+"""A surface of a slice, its smooth embedding in a space, and the energies that follow."""
 
 from dataclasses import dataclass
 from functools import cached_property
-from typing import Any
+from typing import Any, Literal
 
 import numpy as np
 from numpy.typing import NDArray
@@ -15,8 +15,11 @@ from isoembed.relativity.horizons.horizon_shape import shape_report
 from isoembed.relativity.horizons.spin import Spin, find_spin, spin_report, torques
 from isoembed.relativity.spacetimes.surface_data import SurfaceData
 from isoembed.smooth.embedding import SmoothEmbedding
+from isoembed.smooth.least_hyperbolic import LeastHyperbolic, least_hyperbolic
 from isoembed.smooth.solve import embed_smooth
 from isoembed.smooth.start import Start
+from isoembed.space import EUCLIDEAN, Space
+from isoembed.space.models import to_model
 from isoembed.thresholds import threshold
 
 CONVENTIONS = {
@@ -28,6 +31,18 @@ CONVENTIONS = {
     "liu_yau": "int (k0 - sqrt(k^2 - p^2)) dA / 8 pi",
     "wang_yau": "least over tau of int k0 dA0 / 8 pi for q + d tau d tau, less its counterpart in spacetime",
 }
+
+
+IN_CURVED_SPACE = {
+    "integrated_mean_curvature": "int H dA with H = (k1 + k2)/2 in the space; int k0 dA is twice that",
+    "wang_yau": "int V (k0 - sqrt(k^2 - p^2)) dA / 8 pi for observers at rest, for tau = 0 alone",
+}
+"""What differs where the space of reference is hyperbolic or spherical."""
+
+
+def conventions(space: Space) -> dict[str, str]:
+    """What the numbers of a report are, with this space of reference."""
+    return CONVENTIONS if space.is_euclidean else CONVENTIONS | IN_CURVED_SPACE
 
 
 @dataclass(frozen=True)
@@ -53,10 +68,18 @@ class EmbeddedSurface:
     data : SurfaceData
     embedding : SmoothEmbedding
         Of ``data.metric``.
+    least : LeastHyperbolic, optional
+        Of the metric, where the least hyperbolic space was asked for.
     """
 
     data: SurfaceData
     embedding: SmoothEmbedding
+    least: LeastHyperbolic | None = None
+
+    @property
+    def space(self) -> Space:
+        """The space of reference."""
+        return self.embedding.space
 
     @cached_property
     def energies(self) -> Energies:
@@ -78,6 +101,7 @@ class EmbeddedSurface:
             **self.energies.report,
             "spin": spin_report(self.data, self.spin),
             **shape_report(self.data, self.spin),
+            "space": space_report(self.space, self.least),
             "embedding": {
                 "degree": found.harmonics.degree,
                 "order": found.harmonics.order,
@@ -85,7 +109,7 @@ class EmbeddedSurface:
                 "least_gaussian_curvature": found.least_curvature,
                 "volume": found.volume,
             },
-            "conventions": CONVENTIONS,
+            "conventions": conventions(self.space),
         }
 
     def mesh(self, vertices: int) -> dict[str, NDArray[Any]]:
@@ -94,12 +118,13 @@ class EmbeddedSurface:
         Returns
         -------
         dict of str to ndarray
-            ``vertices`` (V, 3) in Euclidean space and ``faces`` (F, 3); at the vertices (V,) the
-            ``mean_curvature`` H and the ``gaussian_curvature`` there, and the ``residual``, the relative
-            error of lengths.  Where k is given, ``k`` and ``p`` in the slice, and the expansions of outgoing
-            and ingoing light rays, ``theta_plus`` = k - p and ``theta_minus`` = -(k + p).  Where there is a
-            spin, the ``angular_momentum_density`` K(phi, n) / 8 pi, phi the rotation about its axis in the
-            coordinates of the slice.  Where the points in the slice are known, these, as
+            ``vertices`` (V, 3) and ``faces`` (F, 3); in hyperbolic and spherical space the vertices are
+            conformal coordinates, as in files, and there is the ``curvature`` of the space.  At the vertices
+            (V,) the ``mean_curvature`` H and the ``gaussian_curvature`` there, and the ``residual``, the
+            relative error of lengths.  Where k is given, ``k`` and ``p`` in the slice, and the expansions of
+            outgoing and ingoing light rays, ``theta_plus`` = k - p and ``theta_minus`` = -(k + p).  Where
+            there is a spin, the ``angular_momentum_density`` K(phi, n) / 8 pi, phi the rotation about its
+            axis in the coordinates of the slice.  Where the points in the slice are known, these, as
             ``slice_coordinates`` (V, 3).
         """
         triangulation = self.embedding.triangulated(vertices)
@@ -116,12 +141,14 @@ class EmbeddedSurface:
         """
         u = directions
         tables = {
-            "vertices": self.embedding.points(u),
+            "vertices": to_model(self.space, self.embedding.points(u), "conformal"),
             "faces": faces,
             "mean_curvature": self.embedding.mean_curvature(u),
             "gaussian_curvature": self.embedding.gaussian_curvature(u),
             "residual": 0.5 * self.embedding.strain(u),
         }
+        if not self.space.is_euclidean:
+            tables["curvature"] = np.array(self.space.curvature)
         if self.data.mean_curvature is not None:
             k = self.data.mean_curvature(u)
             p = np.zeros(len(u)) if self.data.momentum is None else self.data.momentum(u)
@@ -136,16 +163,21 @@ class EmbeddedSurface:
 def embed_surface(
     data: SurfaceData,
     *,
+    space: Space | Literal["hyperbolic"] = EUCLIDEAN,
     start: EmbeddedSurface | Start | None = None,
     vertices: int = 1000,
     tolerance: float = 1e-4,
     best_fit: bool = False,
 ) -> EmbeddedSurface:
-    """Embedding of a surface of a slice in Euclidean space, for its energies.
+    """Embedding of a surface of a slice in Euclidean space, or another one, for its energies.
 
     Parameters
     ----------
     data : SurfaceData
+    space : Space or "hyperbolic"
+        The space of reference, from `isoembed.Hyperbolic` or `isoembed.Spherical`; or ``"hyperbolic"``: of
+        the least curvature that takes the metric (see `isoembed.smooth.least_hyperbolic`), Euclidean if that
+        is zero.
     start : EmbeddedSurface or isoembed.smooth.Start, optional
         One nearby, such as the one before in a sequence: it is deformed, which is several times faster.
     vertices, tolerance, best_fit
@@ -171,9 +203,16 @@ def embed_surface(
             f"squares of lengths of about {trace.max():.3g} leave the range of numbers when they are "
             "multiplied: take another unit"
         )
+    least = None
+    if space == "hyperbolic":
+        least = least_hyperbolic(data.metric)
+        space = least.space
+    elif not isinstance(space, Space):
+        raise InvalidParameter(f'the space is {space!r}, not a Space or "hyperbolic"')
     uncertain = data.lengths_error
     embedding = embed_smooth(
         data.metric,
+        space=space,
         start=start.embedding if isinstance(start, EmbeddedSurface) else start,
         shape=data.shape,
         vertices=vertices,
@@ -181,4 +220,18 @@ def embed_surface(
         accuracy=max(SURFACE.settled, uncertain.mean, SURFACE.sought * uncertain.pointwise),
         best_fit=best_fit,
     )
-    return EmbeddedSurface(data, embedding)
+    return EmbeddedSurface(data, embedding, least)
+
+
+def space_report(space: Space, least: LeastHyperbolic | None = None) -> dict[str, Any]:
+    """Plain numbers, for JSON: the space of reference, and how it was found if it was looked for."""
+    found = (
+        {
+            "gaussian_curvature": least.gaussian_curvature,
+            "of_revolution": least.of_revolution,
+            "explanation": least.explanation,
+        }
+        if least
+        else None
+    )
+    return {"name": space.name, "curvature": space.curvature, **({"least": found} if found else {})}

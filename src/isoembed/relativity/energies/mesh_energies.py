@@ -44,7 +44,7 @@ def mesh_energies(
     mean_curvature, momentum : array_like, shape (V,), optional
         ``k = k1 + k2`` and ``p = K_ij (gamma^ij - n^i n^j)`` of the surface in its slice; p is 0 by default.
     lengths : "geodesic" or "chord", optional
-        What the lengths are: those of geodesics of the surface, or distances of points of it in R^3.  By
+        What the lengths are: those of geodesics of the surface, or distances of points of it in space.  By
         default they are taken for geodesics', with errors wide enough for chords.
     angular_momentum : float, optional
         J, in units of length^2.
@@ -83,7 +83,7 @@ def _integrals(
     embedding: Embedding, mean_curvature: ArrayLike | None, momentum: ArrayLike | None, lengths: Lengths
 ) -> tuple[dict[str, Estimate], list[str]]:
     """The integrals by their names in `Integrals`, and what hinders others."""
-    smooth = SmoothIntegrals(embedding.triangulation, embedding.vertices, lengths)
+    smooth = SmoothIntegrals(embedding.triangulation, embedding.vertices, lengths, embedding.space)
     parts = {"area": smooth.area, "reference": smooth.integrated_mean_curvature.scaled(2.0)}
     if mean_curvature is None:
         return parts, ["k is not given: the irreducible mass is the only energy"]

@@ -32,6 +32,7 @@ class QuadratureThresholds:
     highest: int = threshold(256, "count", "Heights of nodes after which there are no more.")
     highest_symmetric: int = threshold(6000, "count", "The same for axisymmetric surfaces.")
     scatter: float = threshold(0.5, "relative", "Standard deviation over largest error, at least.")
+    level: float = threshold(1e-6, "relative", "How far below the curvature of space K is equal to it.")
     trapped: float = threshold(1e-9, "largest k^2, or k", "How far below zero k^2 - p^2, or k, is rounding.")
 
 
@@ -54,18 +55,16 @@ def smooth_energies(data: SurfaceData, embedding: SmoothEmbedding, spin: Spin | 
     The quadrature's error is the change from fewer nodes; that of int k0 dA is twice the
     embedding's ``curvature_error``; and every integral is uncertain by what the lengths are.
     """
-    coordinates = embedding.coordinates
-    symmetric = embedding.harmonics.order < embedding.harmonics.degree and _lies_symmetrically(
-        data, coordinates
-    )
     n = max(QUADRATURE.fewest, int(QUADRATURE.density * embedding.harmonics.degree))
-    values, notes = _integrated(data, n, symmetric, coordinates)
+    values, notes = _integrated(data, n, is_symmetric(data, embedding), embedding.coordinates)
     reference = 2.0 * embedding.integrated_mean_curvature
     relative = QUADRATURE.rounding + data.lengths_error.mean + data.displacement
     error = 2.0 * embedding.curvature_error + relative * abs(reference)
-    if embedding.converged and embedding.least_curvature < 0.0:
+    k = embedding.space.curvature
+    if embedding.converged and embedding.least_curvature - k < -QUADRATURE.level * abs(k):
+        below = f"less than the {k:.3g} of space" if k else "negative"
         notes.append(
-            f"the Gaussian curvature is negative in places, least {embedding.least_curvature:.3g}: other "
+            f"the Gaussian curvature is {below} in places, least {embedding.least_curvature:.3g}: other "
             "embeddings, with other energies, cannot be excluded (a dimple and its reflection have the same "
             "metric, for one, and either may have been found)"
         )
@@ -79,6 +78,12 @@ def intrinsic_energies(data: SurfaceData, spin: Spin | None = None) -> Energies:
     """Energies of a surface that need no embedding."""
     symmetric = is_axisymmetric(data.metric) and _lies_symmetrically(data)
     return _energies(data, *_integrated(data, QUADRATURE.fewest, symmetric), spin)
+
+
+def is_symmetric(data: SurfaceData, embedding: SmoothEmbedding) -> bool:
+    """Whether the embedding, k and p are symmetric about the z-axis of the embedding's directions."""
+    harmonics = embedding.harmonics
+    return harmonics.order < harmonics.degree and _lies_symmetrically(data, embedding.coordinates)
 
 
 def _lies_symmetrically(data: SurfaceData, coordinates: SphereMap | None = None) -> bool:
@@ -124,7 +129,7 @@ def _integrated(
     settled: dict[str, Estimate] = {}
     before: dict[str, Estimate] = {}
     while True:
-        nodes = _Nodes.of(data, *_rule(n, ISOMETRY.around if symmetric else 2 * n, coordinates))
+        nodes = _Nodes.of(data, *sphere_rule(n, symmetric, coordinates))
         values, notes = nodes.integrals(relative)
         last = QUADRATURE.density * n > most
         for name in values.keys() - settled.keys():
@@ -139,9 +144,9 @@ def _integrated(
         n, before = int(QUADRATURE.density * n), values
 
 
-def _rule(n: int, around: int, coordinates: SphereMap | None) -> tuple[Floats, Floats]:
-    """Nodes u (n around, 3) and weights of a rule for integrals over the unit sphere."""
-    v, weights = gauss_rule(n, around)
+def sphere_rule(n: int, symmetric: bool, coordinates: SphereMap | None) -> tuple[Floats, Floats]:
+    """Nodes u (m, 3) at n heights, few about an axis of symmetry, and weights of a rule for integrals."""
+    v, weights = gauss_rule(n, ISOMETRY.around if symmetric else 2 * n)
     if coordinates is None:
         return v, weights
     return coordinates.forward(v), weights * coordinates.jacobian(v)

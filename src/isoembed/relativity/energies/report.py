@@ -6,7 +6,13 @@ from collections.abc import Iterator
 from typing import Any
 
 from isoembed.errors import InvalidParameter, NoMinimum, NotEmbedded
-from isoembed.relativity.energies.embedded import CONVENTIONS, EmbeddedSurface
+from isoembed.relativity.energies.chen_wang_yau import ChenWangYau, chen_wang_yau
+from isoembed.relativity.energies.embedded import (
+    CONVENTIONS,
+    EmbeddedSurface,
+    conventions,
+    space_report,
+)
 from isoembed.relativity.energies.energies import Energies
 from isoembed.relativity.energies.quadrature import intrinsic_energies
 from isoembed.relativity.energies.wang_yau_energy import wang_yau
@@ -35,7 +41,7 @@ SHOWN = {
 def energy_table(report: dict[str, Any]) -> str:
     """Energies of a report with their errors, a line each, and its notes."""
     width = max(map(len, SHOWN.values()))
-    lines = [report["name"], ""]
+    lines = [report["name"], *_space_lines(report.get("space")), ""]
     for name, shown in SHOWN.items():
         if report.get(name) is not None:
             lines.append(_line(shown, report[name], report["errors"][name], width))
@@ -54,6 +60,16 @@ def energy_table(report: dict[str, Any]) -> str:
     if horizon := report.get("horizon"):
         lines += _horizon_lines(horizon)
     return "\n".join(lines)
+
+
+def _space_lines(space: dict[str, Any] | None) -> Iterator[str]:
+    """The space of reference, but Euclidean space only where another was looked for."""
+    if space is None:
+        return
+    if "least" in space:
+        yield space["least"]["explanation"]
+    elif space["curvature"]:
+        yield f"in {space['name']} space of curvature {space['curvature']:.9g}"
 
 
 def _horizon_lines(horizon: dict[str, Any]) -> Iterator[str]:
@@ -100,6 +116,7 @@ def unembedded_report(data: SurfaceData, error: NotEmbedded) -> dict[str, Any]:
         **intrinsic_energies(data, spin).report,
         "spin": spin_report(data, spin),
         **shape_report(data, spin),
+        "space": space_report(error.embedding.space),
     }
 
 
@@ -113,28 +130,40 @@ def mesh_report(
         "name": name,
         **energies.report,
         "lengths": lengths or "not known",
+        "space": space_report(embedding.space),
         "embedding": {
             "vertices": embedding.triangulation.n_vertices,
             "residual": embedding.residual,
             "volume": embedding.volume,
         },
-        "conventions": CONVENTIONS,
+        "conventions": conventions(embedding.space),
     }
 
 
 def wang_yau_report(surface: EmbeddedSurface) -> tuple[dict[str, Any], WangYau | None]:
-    """Report of an embedded surface with its least Wang-Yau energy, or why there is none; and that energy."""
+    """Report of an embedded surface with its least Wang-Yau energy, or why there is none; and that energy.
+
+    In hyperbolic and spherical space, which are slices of anti-de Sitter and de Sitter space, it is that of
+    tau = 0 (`isoembed.relativity.chen_wang_yau`), whose surface is the embedded one.
+    """
     report = surface.report
+    found: WangYau | ChenWangYau
     try:
-        found = wang_yau(surface.data, "optimal", embedding=surface.embedding)
+        if surface.space.is_euclidean:
+            found = wang_yau(surface.data, "optimal", embedding=surface.embedding)
+        else:
+            found = chen_wang_yau(surface.data, surface.embedding)
     except (InvalidParameter, NotEmbedded, NoMinimum) as error:
         report["wang_yau"] = report["errors"]["wang_yau"] = None
         report["notes"].append(str(error))
         return report, None
     report["wang_yau"], report["errors"]["wang_yau"] = found.energy.value, found.energy.error
     report["error_estimate"] = max(report["error_estimate"], found.energy.error)
-    report["minimum"] = found.report
     report["notes"] += found.notes
+    if isinstance(found, ChenWangYau):
+        report["rest_frame"] = found.report
+        return report, None
+    report["minimum"] = found.report
     return report, found
 
 

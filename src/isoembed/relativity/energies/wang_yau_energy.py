@@ -41,8 +41,8 @@ def wang_yau(
         `Harmonics` sorts them; a callable takes directions u (n, 3) and returns tau (n,).  None is tau = 0.
         "optimal" looks for the least energy by Newton's method from tau = 0, in spherical harmonics.
     embedding : SmoothEmbedding, optional
-        Of ``data.metric``, if it is at hand.  Where that does not embed, a given tau will do for which
-        ``q + d tau d tau`` does.
+        Of ``data.metric`` in Euclidean space, if it is at hand.  Where that does not embed, a given tau will
+        do for which ``q + d tau d tau`` does.
     degrees : tuple of int
         Those of tau, one after the other, until the energy settles.
     accuracy : float
@@ -86,6 +86,11 @@ def wang_yau(
             if time is None or not np.any(time.coefficients[1:]):
                 raise
             at, embedding = time, embed_smooth(TimeRaisedMetric(data.metric, time))
+    if not embedding.space.is_euclidean:
+        raise InvalidParameter(
+            f"the embedding is in {embedding.space.name} space: the reference here is Minkowski space; see "
+            "chen_wang_yau"
+        )
     if data.marginal:
         return _limit(data, embedding, time)
     coordinates = embedding.coordinates

@@ -128,7 +128,7 @@ class Functional:
         """
         n = max(int(np.ceil(FUNCTIONAL.density * (harmonics.degree + 1))), time.degree + 1)
         samples = MetricSamples.of(data.metric, n, 2 * n)
-        k, p, j = _physical(data, samples.u, samples.frames)
+        k, p, j = physical(data, samples.u, samples.frames)
         frames = samples.frames @ np.stack(angle_frame(samples.u), axis=2)
         transform = SphereTransform(harmonics, n, 2 * n)
         system = MatrixFreeIsometry.of(transform, samples)
@@ -299,7 +299,7 @@ class EmbeddedTime:
         return self.functional.slope(self.tau)
 
 
-def _physical(data: SurfaceData, u: Floats, frames: Floats) -> tuple[Floats, Floats, Floats]:
+def physical(data: SurfaceData, u: Floats, frames: Floats) -> tuple[Floats, Floats, Floats]:
     """The curvature k and momentum p (n,) of the data and, along the frames (n, 2), K(., n)."""
     if data.mean_curvature is None:
         raise InvalidParameter("the Wang-Yau energy needs the mean curvature k of the surface")

@@ -7,7 +7,7 @@ import warnings
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from concurrent.futures import Executor
 from pathlib import Path
-from typing import Any
+from typing import Any, Literal
 
 from isoembed.errors import InvalidParameter
 from isoembed.relativity.horizons.horizon import GivenHorizon
@@ -19,6 +19,7 @@ from isoembed.relativity.series.slice_files import GridSlice
 from isoembed.relativity.series.source import HeldShape, HeldSlice, ShapeSource, SliceSource
 from isoembed.relativity.spacetimes.checks import vector
 from isoembed.runs import Result, Store, run
+from isoembed.space import EUCLIDEAN, Space
 
 SERIES = "horizon"
 """Of moments that do not say which."""
@@ -31,6 +32,7 @@ def embed_series(
     wang_yau: bool = False,
     axis: Sequence[float] | None = None,
     marginal: bool | None = None,
+    space: Space | Literal["hyperbolic"] = EUCLIDEAN,
     folder: str | os.PathLike[str] | None = None,
     executor: Executor | None = None,
 ) -> Iterator[Result]:
@@ -49,6 +51,8 @@ def embed_series(
         Whether to report the least Wang-Yau energy, too.
     axis, marginal
         See `Horizon.of`.
+    space : Space or "hyperbolic"
+        See `isoembed.relativity.embed_surface`.
     folder : path, optional
         Where the results are kept, each in a file of its own: what is there already, of the same content and
         options, is not computed again.  Of slices in code, the functions and classes count by their names:
@@ -76,7 +80,7 @@ def embed_series(
         A result cannot be kept, as on a full disk.
     """
     about = None if axis is None else vector("the axis", axis)
-    options = HorizonOptions(vertices, wang_yau, about, marginal)
+    options = HorizonOptions(vertices, wang_yau, about, marginal, space)
     store = None if folder is None else Store.made(Path(folder))
     return _results(_tasks(moments, options), store, executor)
 

@@ -6,7 +6,7 @@ import hashlib
 import json
 from collections.abc import Callable
 from dataclasses import asdict, dataclass
-from typing import Any
+from typing import Any, Literal
 
 from numpy.typing import NDArray
 
@@ -26,6 +26,7 @@ from isoembed.relativity.spacetimes.surface_data import SurfaceData
 from isoembed.runs.result import REFUSED, Result
 from isoembed.smooth.start import Start
 from isoembed.smooth.triangulation import SPHERE_MESH
+from isoembed.space import EUCLIDEAN, Space
 from isoembed.thresholds import threshold
 
 
@@ -58,6 +59,8 @@ class HorizonOptions:
         About which the angular momentum is reported besides the one that is found.
     marginal : bool, optional
         Whether the surfaces are horizons; by default the expansion of each decides.
+    space : Space or "hyperbolic"
+        That they are embedded in; see `isoembed.relativity.embed_surface`.
 
     Raises
     ------
@@ -69,6 +72,7 @@ class HorizonOptions:
     wang_yau: bool = False
     axis: tuple[float, float, float] | None = None
     marginal: bool | None = None
+    space: Space | Literal["hyperbolic"] = EUCLIDEAN
 
     def __post_init__(self) -> None:
         checked_count("the number of vertices", self.vertices, SURFACE_MESH.fewest, SPHERE_MESH.most)
@@ -113,6 +117,8 @@ class HorizonTask:
             "slice": moment.slice and _digest(moment.slice.digest),
             **asdict(self.options),
         }
+        if self.options.space == EUCLIDEAN:  # the digest of results that are older than other spaces
+            del there["space"]
         return hashlib.sha256(json.dumps(there, sort_keys=True).encode()).hexdigest()
 
     def compute(self, before: Result | None) -> Result:
@@ -147,11 +153,11 @@ class HorizonTask:
         """From the one before of the same series, on its mesh, or, where that fails, from a new mesh."""
         if before is not None and before.report["moment"]["series"] == self.moment.series:
             try:
-                surface = embed_surface(data, start=Start.restored(before.arrays))
+                surface = embed_surface(data, space=self.options.space, start=Start.restored(before.arrays))
                 return surface, (before.arrays[DIRECTIONS], before.arrays["faces"])
             except (NotEmbedded, InvalidParameter):  # the latter of coordinates that lead too far away
                 pass
-        surface = embed_surface(data, vertices=self.options.vertices)
+        surface = embed_surface(data, space=self.options.space, vertices=self.options.vertices)
         mesh = surface.embedding.triangulated(self.options.vertices)
         return surface, (mesh.directions, mesh.faces)
 

@@ -46,7 +46,7 @@ def _units() -> dict[str, str]:
         units |= {name: unit, f"{name}_error": unit}
         if name == "J":
             units |= {**dict.fromkeys(AXIS, PURE), "axis_error": "radian"}
-    return units | {"residual": PURE, "degree": PURE}
+    return units | {"space_curvature": "1 / length^2", "residual": PURE, "degree": PURE}
 
 
 UNITS = _units()
@@ -100,6 +100,7 @@ class Row:
                 numbers |= {**dict(zip(AXIS, spin["axis"], strict=True)), "axis_error": spin["axis_error"]}
         found = report.get("embedding") or {}
         numbers |= {name: found.get(name) for name in ("residual", "degree")}
+        numbers["space_curvature"] = (report.get("space") or {}).get("curvature")
         known = {name: float(value) for name, value in numbers.items() if value is not None}
         return cls(moment["series"], result.label, result.status, result.message, known)
 

@@ -1,9 +1,10 @@
-"""Surfaces of Kerr-Newman spacetimes by name, in one of three slices."""
+"""Surfaces of Kerr-Newman and Kerr-(anti-)de Sitter spacetimes by name, in one of three slices."""
 
 from typing import Literal
 
 from isoembed.errors import InvalidParameter
 from isoembed.relativity.spacetimes.kerr import KerrNewmanErgosphere, KerrNewmanHorizon, KerrNewmanSphere
+from isoembed.relativity.spacetimes.kerr_de_sitter import KerrDeSitterSphere
 from isoembed.relativity.spacetimes.kerr_schild import KerrSchild
 from isoembed.relativity.spacetimes.painleve_gullstrand import PainleveGullstrand
 from isoembed.relativity.spacetimes.star_surface import StarSurface
@@ -20,6 +21,7 @@ def kerr_surface(
     mass: float = 1.0,
     spin: float = 0.0,
     charge: float = 0.0,
+    cosmological_constant: float = 0.0,
     slice: Slice = "boyer-lindquist",
 ) -> SurfaceData:
     """Surface of a Kerr-Newman black hole in a slice of its spacetime.
@@ -31,6 +33,9 @@ def kerr_surface(
         r = r_ergo + epsilon M.
     mass, spin, charge : float
         Lengths; the spin is a = J/M.
+    cosmological_constant : float
+        In 1/length^2: that of Kerr-de Sitter or, negative, Kerr-anti-de Sitter.  Only r=R and the horizon, in
+        the slice boyer-lindquist and without charge, have one.
     slice : {"boyer-lindquist", "kerr-schild", "painleve-gullstrand"}
         What k and p are of.  Charge and ergosphere have the first only, and the last is without spin.
 
@@ -51,6 +56,13 @@ def kerr_surface(
         number = 0.0 if kind == "horizon" else float(text)
     except ValueError:
         raise InvalidParameter(f"surface {surface}: {text!r} is not a number") from None
+    if cosmological_constant:
+        if charge or kind == "ergosphere" or slice != "boyer-lindquist":
+            what = "charge" if charge else f"surface {kind}" if kind == "ergosphere" else f"slice {slice}"
+            raise InvalidParameter(f"{what} does not go with a cosmological constant")
+        if kind == "horizon":
+            return KerrDeSitterSphere.horizon(mass, spin, cosmological_constant).data()
+        return KerrDeSitterSphere(number, mass, spin, cosmological_constant).data()
     if slice == "boyer-lindquist":
         if kind == "horizon":
             return KerrNewmanHorizon(mass, spin, charge).data()

@@ -21,6 +21,7 @@ from isoembed.gallery.quadrature import integrate, tanh_sinh
 from isoembed.relativity.spacetimes.surface_data import SurfaceData
 from isoembed.smooth.axisymmetric import AxisymmetricEmbedding
 from isoembed.smooth.two_metric import from_angles
+from isoembed.space import EUCLIDEAN, Space
 
 
 class KerrNewmanSurface(ABC):
@@ -161,9 +162,9 @@ class KerrNewmanSurface(ABC):
             name=f"{self.name} of mass {self.mass:.9g}, spin {self.spin:.9g}, charge {self.charge:.9g}",
         )
 
-    def profile(self) -> AxisymmetricEmbedding:
-        """Surface of revolution in R^3 with this metric, or the bands of one that exist."""
-        return AxisymmetricEmbedding.of(self)
+    def profile(self, space: Space = EUCLIDEAN) -> AxisymmetricEmbedding:
+        """Surface of revolution in a space with this metric, or the bands of one that exist."""
+        return AxisymmetricEmbedding.of(self, space=space)
 
 
 @dataclass(frozen=True)

@@ -1,0 +1,207 @@
+"""Whether an answer is right: checks in extended precision that share no code with the solvers.
+
+In R^3, in hyperbolic space and on the 3-sphere.  All take vertices and tables, with numpy and scipy alone.
+"""
+
+import itertools
+
+import numpy as np
+from scipy.spatial import ConvexHull, QhullError
+
+LENGTHS = 1.01e-10  # mean edge lengths: the tolerance, and the rounding of measuring it
+PATHS = 3e-10  # mean edge lengths
+OFF_HULL = 1e-9  # of the size
+CLEAR = 1e-12  # of the size, cubed: volumes that are not rounding
+ASIDE = 1e-7  # mean edge lengths by which a straight path may miss the side that it crosses
+
+
+def heights(x, k):
+    """The fourth coordinate of points on hyperboloid or sphere, times the root of |k|."""
+    return np.sqrt(1 - k * (x * x).sum(axis=-1))
+
+
+def distances(x, y, k):
+    """Distances between points, (..., 3) each."""
+    x, y = np.asarray(x, dtype=np.longdouble), np.asarray(y, dtype=np.longdouble)
+    squares = ((x - y) ** 2).sum(axis=-1)
+    if k == 0:
+        return np.sqrt(squares)
+    # 1 - <x, y>, without the difference of heights where these are large.
+    p, q = (x * x).sum(axis=-1), (y * y).sum(axis=-1)
+    rise = k * (p - q) / (heights(x, k) + heights(y, k))
+    chords = np.sqrt(np.maximum(squares + rise * rise / k, 0))
+    root = np.sqrt(np.longdouble(abs(k)))
+    half = root * chords / 2
+    return 2 / root * (np.arcsin(np.minimum(half, 1)) if k > 0 else np.arcsinh(half))
+
+
+def length_error(vertices, faces, lengths, k):
+    """Largest error of a side, over the mean."""
+    sides = distances(vertices[faces], vertices[np.roll(faces, -1, axis=1)], k)
+    return float(np.abs(sides - lengths).max() / lengths.mean())
+
+
+def path_error(found):
+    """Errors of the given edges, drawn straight over unfolded triangles of the answer, in mean edge lengths.
+
+    Returns
+    -------
+    length : float
+        Largest error of a length; infinite if the triangles that it is to cross are no chain.
+    aside : float
+        By how much a straight path misses a side that it is to cross.
+    """
+    paths, k = found.edge_paths, found.metric.curvature
+    corners, twins = np.asarray(paths.tables.corners), np.asarray(paths.tables.twins)
+    after = np.arange(corners.size) // 3 * 3 + (np.arange(corners.size) + 1) % 3
+    x = np.asarray(found.vertices, dtype=np.longdouble)
+    if k:
+        x = np.column_stack([x * np.sqrt(np.longdouble(abs(k))), heights(x, np.longdouble(k))])
+    sign = np.sign(k)
+    sides = {(corners[h], corners[after[h]]) for h in range(corners.size)}
+    unit = found.given.mean_length
+    length, aside = 0.0, 0.0
+    given = given_lengths(found)
+    for e, (a, b) in enumerate(np.asarray(paths.ends).tolist()):
+        crossed = paths.halfedges[paths.offsets[e] : paths.offsets[e + 1]].tolist()
+        if not crossed:
+            direct = float(distances(found.vertices[a], found.vertices[b], k))
+            linked = (a, b) in sides or (b, a) in sides
+            length = max(length, abs(direct - given[e]) / unit if linked else np.inf)
+            continue
+        if corners[after[after[crossed[0]]]] != a:
+            return np.inf, np.inf
+        plane = Plane(x, a, corners[crossed[0]], corners[after[crossed[0]]], sign)
+        tail, head, gates = plane.tail, plane.head, []
+        for h, then in itertools.zip_longest(crossed, crossed[1:]):
+            gates.append((tail, head))
+            back = int(twins[h])
+            tip = corners[after[after[back]]]
+            place = plane.beyond(x, (corners[h], corners[after[h]], tip), (tail, head), -1)
+            if then is None and tip == b:
+                break
+            if then == after[back]:
+                head = place
+            elif then == after[after[back]]:
+                tail = place
+            else:
+                return np.inf, np.inf
+        straight, missed = plane.straight(place, gates)
+        scale = np.sqrt(abs(k)) if k else 1.0
+        length = max(length, abs(float(straight) / scale - given[e]) / unit)
+        aside = max(aside, float(missed) / scale / unit)
+    return length, aside
+
+
+def given_lengths(found):
+    """Lengths of the given edges in the order of the paths."""
+    twins = np.asarray(found.given.twins)
+    lengths = np.asarray(found.given.face_lengths).ravel()
+    corners = np.asarray(found.given.faces).ravel()
+    halfedges = np.flatnonzero(np.arange(twins.size) < twins)
+    ends = np.stack([corners[halfedges], corners[twins[halfedges]]], axis=1)
+    if np.array_equal(np.sort(ends, axis=1), np.sort(found.edge_paths.ends, axis=1)):
+        return lengths[halfedges]
+    order = np.lexsort((ends.max(axis=1), ends.min(axis=1)))
+    return lengths[halfedges][order]
+
+
+class Plane:
+    """Where triangles are unfolded: vectors of R^3, with a plane, hyperboloid or sphere of radius 1 in it."""
+
+    def __init__(self, x, a, tail, head, sign):
+        self.sign = sign
+        self.start = np.array([0, 0, 1], dtype=np.longdouble)
+        self.tail = self.at(self.between(x[a], x[tail]))
+        self.head = self.beyond(x, (a, tail, head), (self.start, self.tail), 1)
+
+    def form(self, u, v):
+        """The scalar product: of differences in the plane, of points on hyperboloid or sphere."""
+        return u[..., :-1] @ v[..., :-1] + (self.sign * u[..., -1] * v[..., -1])
+
+    def at(self, d):
+        """The point at this distance along the first axis."""
+        if self.sign == 0:
+            return np.array([d, 0, 1], dtype=np.longdouble)
+        s, c = (np.sin(d), np.cos(d)) if self.sign > 0 else (np.sinh(d), np.cosh(d))
+        return np.array([s, 0, c], dtype=np.longdouble)
+
+    def between(self, u, v):
+        """Distance of two points."""
+        if self.sign == 0:
+            return np.sqrt(((u - v) ** 2).sum())
+        half = np.sqrt(np.maximum(self.form(u - v, u - v), 0)) / 2
+        return 2 * (np.arcsin(np.minimum(half, 1)) if self.sign > 0 else np.arcsinh(half))
+
+    def beyond(self, x, corners, edge, side):
+        """Place the third corner of a triangle, left (1) or right (-1) of the edge that has the others."""
+        a, b, c = (x[v] for v in corners)
+        start, arm = edge[0], edge[1] - edge[0]
+        if self.sign == 0:
+            u, v = b - a, c - a
+            along = (u @ v) / (u @ u)
+            off = v - along * u
+            height = np.sqrt(off @ off) / np.sqrt(u @ u)
+            normal = np.array([-arm[1], arm[0], 0])
+            return start + along * arm + side * height * normal
+        # Relative to the first corner, so that small triangles do not cancel.
+        u, v = b - a, c - a
+        e, f = a, u - self.sign * self.form(u, a) * a
+        along = self.form(f, v) / self.form(f, f)
+        up = self.sign * self.form(e, v)
+        off = v - along * f - up * e
+        height = np.sqrt(np.maximum(self.form(off, off), 0))
+        arm = arm - self.sign * self.form(arm, start) * start
+        normal = np.cross(start, arm)
+        normal[2] *= self.sign  # orthogonal in the form
+        normal /= np.sqrt(self.form(normal, normal))
+        return start + up * start + along * arm + side * height * normal
+
+    def straight(self, end, gates):
+        """Distance of the ends, and by how much the line between passes beside the gates."""
+        missed = np.longdouble(0)
+        line = np.cross(self.start, end)
+        size = np.sqrt(line @ line) + np.finfo(float).tiny
+        for tail, head in gates:
+            missed = max(missed, (line @ tail) / size, -(line @ head) / size)
+        return self.between(self.start, end) if self.sign else np.hypot(*(end - self.start)[:2]), missed
+
+
+def outside_hull(vertices, faces, k):
+    """How far the surface is from its own hull, over the size; infinite if vertices are inside of it."""
+    y = np.asarray(vertices, dtype=np.longdouble)
+    y = (y / heights(y, np.longdouble(k))[:, None]).astype(float)
+    y = y - y.mean(axis=0)
+    y /= np.abs(y).max()
+    try:
+        hull = ConvexHull(y)
+    except QhullError:
+        return 0.0
+    points = np.vstack([y, y[faces].mean(axis=1)])
+    return float(np.abs((points @ hull.equations[:, :3].T + hull.equations[:, 3]).max(axis=1)).max())
+
+
+def apart(first, second, k):
+    """Largest difference of the distances between vertices, over the largest distance."""
+    i, j = np.triu_indices(len(first), 1)
+    one, two = (distances(x[i], x[j], k) for x in (np.asarray(first), np.asarray(second)))
+    return float(np.abs(one - two).max() / two.max())
+
+
+def pierced(vertices, faces, k):
+    """An edge and a face without a common corner that cross, clearly, or None."""
+    y = np.asarray(vertices) / heights(np.asarray(vertices), k)[:, None]
+    y = (y - y.mean(axis=0)) / np.ptp(y, axis=0).max()
+    edges = np.unique(np.sort(np.stack([faces, np.roll(faces, -1, axis=1)], axis=2).reshape(-1, 2)), axis=0)
+    p, q, r = (y[faces[:, c]] for c in range(3))
+    normals = np.cross(q - p, r - p)
+    for edge in edges:
+        a, b = y[edge]
+        apart = ~np.isin(faces, edge).any(axis=1)
+        ends = [np.einsum("fi,fi->f", normals, end - p) for end in (a, b)]
+        sides = [np.cross(u - a, v - a) @ (b - a) for u, v in ((p, q), (q, r), (r, p))]
+        through = apart & (ends[0] * ends[1] < 0) & (np.abs(np.sign(sides).sum(axis=0)) == 3)
+        through &= np.abs([*ends, *sides]).min(axis=0) > CLEAR
+        if through.any():
+            return edge.tolist(), faces[np.argmax(through)].tolist()
+    return None

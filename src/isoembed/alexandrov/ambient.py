@@ -1,0 +1,77 @@
+"""Euclidean pyramids in the place of those of hyperbolic and spherical space, and where their apex is.
+
+A point at distance r from the apex in direction u has ambient coordinates ``sn(r) u``: those of a Euclidean
+pyramid with the same dihedral angles at its radii.  Coordinates about the apex are conformal ones,
+``2 tn(r / 2) u``, which of the sphere leave out the antipode of the apex only.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from isoembed.arrays import Floats
+from isoembed.space import Space
+from isoembed.thresholds import threshold
+
+
+@dataclass(frozen=True)
+class EnclosureThresholds:
+    """Thresholds of the ball around a body on the sphere."""
+
+    rounds: int = threshold(200, "count", "Each brings the center nearer to the vertex that is farthest.")
+
+
+ENCLOSURE = EnclosureThresholds()
+
+
+def ambient_lengths(space: Space, lengths: Floats, a: Floats, b: Floats) -> Floats:
+    """Euclidean distances between the ambient coordinates of points.
+
+    Parameters
+    ----------
+    space : Space
+    lengths : ndarray
+        Their distances.
+    a, b : ndarray
+        Their distances from the apex.
+    """
+    if space.is_euclidean:
+        return lengths
+    chords, rise = space.chord(lengths), 2 * space.sn((a - b) / 2) * space.sn((a + b) / 2)
+    return np.sqrt(np.maximum(chords * chords - space.curvature * rise * rise, 0.0))
+
+
+def conformal_radii(space: Space, radii: Floats) -> Floats:
+    """``2 tn(r / 2)`` of distances r from the apex."""
+    return 2 * space.sn(radii / 2) / space.cs(radii / 2)
+
+
+def distances_from_apex(space: Space, about: Floats) -> Floats:
+    """Distances of the apex from vertices about it, shape (V, 3)."""
+    sizes = np.linalg.norm(about, axis=1)
+    if space.is_euclidean:
+        return sizes
+    y = space.root * sizes / 2
+    return 2 * (np.arctan(y) if space.curvature > 0 else np.arctanh(y)) / space.root
+
+
+def away_from_apex(space: Space, about: Floats) -> Floats:
+    """Ambient coordinates about a center of the body, shape (V, 3), of vertices about the apex.
+
+    In Euclidean space they stay where they are.  On the sphere the center is nearly that of the least ball
+    around the body, without which it might not be in the half that has ambient coordinates.
+    """
+    if space.is_euclidean:
+        return about
+    k = space.curvature
+    part = k * np.einsum("ij,ij->i", about, about) / 4
+    x, w = about / (1 + part)[:, None], (1 - part) / (1 + part)
+    center, height = x.mean(axis=0), w.mean()
+    for n in range(1, ENCLOSURE.rounds if k > 0 else 0):
+        size = np.sqrt(height * height + k * (center @ center))
+        far = int(np.argmin(w * height + k * (x @ center)))
+        center = (n * center / size + x[far]) / (n + 1)
+        height = (n * height / size + w[far]) / (n + 1)
+    size = np.sqrt(height * height + k * (center @ center))
+    center, height = center / size, height / size
+    return x - center * (w + k * (x @ center) / (1 + height))[:, None]

@@ -1,0 +1,31 @@
+"""Equal radii, so large that a generalized polytope has them: where the homotopy starts."""
+
+import math
+
+import numpy as np
+
+from isoembed.intrinsic.halfedges import HalfEdges
+from isoembed.metric.curvature import Triangles
+from isoembed.space import Space
+
+EPS = 2.0**-52
+
+
+def equal_radii(tables: HalfEdges, ladder: tuple[float, ...]) -> list[float]:
+    """The radii of the starts, by multiples of the least, over a Delaunay triangulation.
+
+    The polytope of equal radii R exists if every circle around a triangle is smaller; and its curvatures sum
+    to about ``4 pi - A / sn(R)^2``.
+    """
+    space = Space(tables.curvature)
+    k = space.curvature
+    triangles = Triangles.of(tables.face_lengths, k)
+    chords = space.chord(tables.face_lengths)
+    tangent = float((chords.prod(axis=1) / (2 * (triangles.amplitudes * triangles.unit**2))).max())
+    sine = float(np.sqrt((triangles.areas * triangles.unit**2).sum() / (4 * np.pi)))
+    if k > 0:  # no sine is longer than the radius of curvature: a ladder of tangents
+        least = max(tangent, sine / math.sqrt(max(1 - k * sine * sine, EPS)))
+        return [math.atan(factor * least * space.root) / space.root for factor in ladder]
+    # Circles of a Delaunay triangulation end before infinity, but for rounding.
+    least = max(tangent / math.sqrt(max(1 + k * tangent * tangent, EPS)), sine)
+    return [float(space.asn(factor * least)) for factor in ladder]

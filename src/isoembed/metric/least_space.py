@@ -1,0 +1,57 @@
+"""The least curved hyperbolic space on whose triangles given lengths are a convex metric."""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from isoembed.metric.convexity import deficit_rounding
+from isoembed.metric.curvature import deficits
+from isoembed.metric.polyhedral import PolyhedralMetric
+from isoembed.space import Euclidean, Space
+from isoembed.thresholds import threshold
+
+
+@dataclass(frozen=True)
+class LeastSpaceThresholds:
+    """Thresholds of the search for the least curvature."""
+
+    first: float = threshold(1e-6, "1 / squared mean edge length", "Curvature that is tried first.")
+    factor: float = threshold(4.0, "relative", "Of one that is tried to the one before.")
+
+
+LEAST_SPACE = LeastSpaceThresholds()
+
+
+def least_convex_space(metric: PolyhedralMetric) -> Space:
+    """Find the least curved space, Euclidean or hyperbolic, in which a convex polyhedron has given lengths.
+
+    The angles of a hyperbolic triangle shrink as the curvature grows in size, and every deficit grows: the
+    least curvature at which none is negative is unique.  There Alexandrov's theorem holds.
+
+    Parameters
+    ----------
+    metric : PolyhedralMetric
+        Whatever its own space is.
+
+    Returns
+    -------
+    Space
+        In which the vertex with the least deficit has none, to rounding; or Euclidean space, where no deficit
+        is negative but for rounding.
+    """
+    given = metric.normalized
+    t, lengths = given.triangulation, given.lengths
+
+    def least(size: float) -> float:
+        return float(deficits(PolyhedralMetric.on(t, lengths, Space(-size))).min())
+
+    flat = deficits(PolyhedralMetric.on(t, lengths))
+    if (flat >= -deficit_rounding(given.faces, given.face_lengths)).all():
+        return Euclidean()
+    from scipy.optimize import brentq  # slow to import, and seldom needed
+
+    low, high = 0.0, LEAST_SPACE.first
+    while least(high) < 0:
+        low, high = high, LEAST_SPACE.factor * high
+    size = brentq(least, low, high, xtol=1e-300, rtol=4 * np.finfo(np.float64).eps)
+    return Space(-size).scaled(metric.unit)

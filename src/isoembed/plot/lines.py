@@ -1,0 +1,63 @@
+"""Lines on a surface that other parts of it may hide: each is drawn after the faces beside it."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import NamedTuple
+
+import numpy as np
+
+from isoembed.arrays import Floats
+from isoembed.plot.view import View
+from isoembed.surface.segments import Segments
+
+
+class Shapes(NamedTuple):
+    """Faces and lines in the order in which they are drawn.
+
+    Attributes
+    ----------
+    polygons : sequence of ndarray, shape (m, 2)
+        Lines have two corners.
+    fills, rims : ndarray, shape (n, 3)
+        Colors of the inside and of the outline.
+    widths : ndarray, shape (n,)
+        Of the outlines.
+    """
+
+    polygons: Sequence[Floats]
+    fills: Floats
+    rims: Floats
+    widths: Floats
+
+
+def among_faces(view: View, faces: Shapes, lines: Sequence[tuple[Segments, Floats, float]]) -> Shapes:
+    """Put lines among the faces that are seen.
+
+    Parameters
+    ----------
+    view : View
+    faces : Shapes
+        Those of the view, farthest first.
+    lines : sequence of (Segments, ndarray, float)
+        With their colors, (n, 3), those of the lines beside each face, or (3,), of all; and their widths.
+    """
+    n = len(view.faces)
+    indices = [view.faces, *(segments.faces for segments, *_ in lines)]
+    place = np.full(1 + max(int(index.max(initial=0)) for index in indices), -1)
+    place[view.faces] = np.arange(n)
+    polygons, places, colors, widths = [*faces.polygons], [np.arange(float(n))], [], [faces.widths]
+    for segments, color, width in lines:
+        beside = place[segments.faces].max(axis=1)
+        seen = beside[beside >= 0]
+        polygons += [*view.put(segments.ends[beside >= 0])]
+        places.append(seen + 0.5)
+        colors.append(np.broadcast_to(color, faces.fills.shape)[seen])
+        widths.append(np.full(len(seen), width))
+    order = np.argsort(np.concatenate(places), kind="stable")
+    return Shapes(
+        [polygons[k] for k in order],
+        np.concatenate([faces.fills, *colors])[order],
+        np.concatenate([faces.rims, *colors])[order],
+        np.concatenate(widths)[order],
+    )

@@ -1,0 +1,66 @@
+"""One surface of a picture: what is drawn, and what its colors show."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from typing import Literal
+
+import numpy as np
+
+from isoembed.arrays import Floats
+from isoembed.io.format import Polygons
+from isoembed.plot.drawn import Drawn
+from isoembed.plot.quantity import Quantity, face_means
+from isoembed.surface.segments import Segments
+
+
+@dataclass(frozen=True, eq=False)
+class Panel:
+    """One surface of several in a row.
+
+    Attributes
+    ----------
+    vertices : ndarray, shape (V, 3)
+    faces : ndarray of int, shape (F, 3), or sequence of such arrays of any lengths
+        The vertices around each, counterclockwise, seen from outside.
+    values : ndarray, shape (V,)
+        What the colors show; of the faces, shape (F,), if the quantity is one of faces.
+    title : str
+    seams : Segments
+        Lines that are drawn on the surface, beside these faces.
+    at : {"vertices", "faces"}
+        What the values are of.
+    outlines : Segments or None
+        Edges, where faces are drawn in pieces whose own are not to be seen.
+    infinity : float
+        The radius of the sphere at infinity about the origin.
+    """
+
+    vertices: Floats
+    faces: Polygons
+    values: Floats
+    title: str = ""
+    seams: Segments = field(default_factory=Segments.none)
+    at: Literal["vertices", "faces"] = "vertices"
+    outlines: Segments | None = None
+    infinity: float = np.inf
+
+    @classmethod
+    def of(cls, drawn: Drawn, vertices: Floats, shown: Quantity) -> Panel:
+        """A surface of vertices (V, 3), and the seams of a net on it."""
+        placed = drawn.put(vertices)
+        cut = drawn.pieces.cuts > 0
+        return cls(
+            placed,
+            drawn.faces,
+            drawn.face_values(shown) if cut else shown.values,
+            seams=drawn.seams(),
+            at="faces" if cut else shown.at,
+            outlines=drawn.outlines(placed),
+            infinity=drawn.infinity,
+        )
+
+    @property
+    def face_values(self) -> Floats:
+        """What the colors of the faces show, shape (F,)."""
+        return self.values if self.at == "faces" else face_means(self.values, self.faces)

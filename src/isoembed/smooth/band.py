@@ -1,0 +1,171 @@
+"""Bands of axisymmetric surfaces: what of them embeds, between two circles of latitude."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from functools import cached_property
+from typing import TYPE_CHECKING
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from isoembed.arrays import Floats, Indices
+from isoembed.errors import InvalidMetric, InvalidParameter
+from isoembed.smooth.piecewise import Piecewise, fitted
+
+if TYPE_CHECKING:
+    from isoembed.smooth.axisymmetric import AxisymmetricEmbedding
+
+
+@dataclass(frozen=True, eq=False)
+class Band:
+    """The part of an axisymmetric surface between two circles of latitude (or poles) that embeds.
+
+    Attributes
+    ----------
+    metric : AxisymmetricEmbedding
+    start, stop : float
+        Its range of theta.
+    """
+
+    metric: AxisymmetricEmbedding = field(repr=False)
+    start: float
+    stop: float
+
+    @property
+    def area(self) -> float:
+        """Area of the band."""
+        return self.metric._area(self.start, self.stop)
+
+    @property
+    def height(self) -> float:
+        """Extent along the axis, as a length of the axis."""
+        return float(self._primitives[0](np.array([np.pi]))[0]) * self.metric.unit
+
+    @property
+    def integrated_mean_curvature(self) -> float:
+        """Integral of H dA with H = (k1 + k2)/2; finite though H itself is not on an edge."""
+        # int k2 dA = 2 pi height.  int k1 dA = 2 pi int rho d(beta) is integrated by parts: beta, the angle
+        # by which the meridian has turned, needs one derivative less and is finite at the edges.  For both,
+        # curved space takes 2 k rho^2 d(height) away.
+        # At an edge, as at a pole, it is 0 or pi: to compute it would cost half of the digits.
+        edges = np.array([self.start, self.stop])
+        turned = np.where(self.metric._terms(np.cos(edges))[1] > 0.0, 0.0, np.pi)
+        before, after = turned * self.metric.rho(edges) / self.metric.unit
+        height, moment = (float(f(np.array([np.pi]))[0]) for f in self._primitives)
+        return np.pi * (height + float(after - before) - moment) * self.metric.unit
+
+    def z(self, theta: ArrayLike) -> Floats:
+        """The height (n,) at theta (n,) in the band, zero half way up: the ambient coordinate z.
+
+        Raises
+        ------
+        InvalidParameter
+            An angle is outside the band; the message names the first one.
+        InvalidMetric
+            The band is in spherical space and longer than half of a great circle, beyond the hemisphere that
+            ambient coordinates have.
+        """
+        theta = checked_angles(theta)
+        slack = 1e-14 * np.pi
+        outside = np.flatnonzero((theta < self.start - slack) | (theta > self.stop + slack))
+        if outside.size:
+            i = int(outside[0])
+            raise InvalidParameter(
+                f"theta[{i}] = {theta[i]:.9g} is outside the band from {self.start:.9g} to {self.stop:.9g}"
+            )
+        fraction = np.clip((theta - self.start) / (self.stop - self.start), 0.0, 1.0)
+        fallen = self._primitives[0](2.0 * np.arcsin(np.sqrt(fraction))) * self.metric.unit
+        space = self.metric.space
+        if self.height * np.sqrt(max(space.curvature, 0.0)) >= np.pi:
+            raise InvalidMetric(
+                f"the surface is {self.height:.6g} long, more than half of a great circle,"
+                f" pi {space.radius:.6g}: no hemisphere has it"
+            )
+        rho = self.metric.rho(theta)
+        return np.sqrt(1.0 - space.curvature * rho * rho) * space.sn(0.5 * self.height - fallen)
+
+    def mesh(self, around: int = 64) -> tuple[Floats, Indices]:
+        """Triangulate it.
+
+        Parameters
+        ----------
+        around : int
+            Vertices on each circle of latitude, at least 3.  Circles are as far apart as these on the widest.
+
+        Returns
+        -------
+        vertices : ndarray, shape (V, 3)
+        faces : ndarray, shape (F, 3)
+            Counterclockwise seen from outside; closed around the axis, with a boundary at each edge that is
+            not a pole.
+        """
+        if around < 3:
+            raise InvalidParameter(f"around must be at least 3, not {around}")
+        fine = self.start + (self.stop - self.start) * np.linspace(0.0, 1.0, 2001)
+        speed = np.sqrt(self.metric.T(np.cos(fine))) * self.metric.unit
+        along = np.concatenate([[0.0], np.cumsum(0.5 * (speed[1:] + speed[:-1]) * np.diff(fine))])
+        spacing = 2.0 * np.pi * float(self.metric.rho(fine).max()) / around
+        rows = max(2, round(float(along[-1]) / spacing)) + 1
+        theta = np.interp(np.linspace(0.0, along[-1], rows), along, fine)
+        phi = 2.0 * np.pi / around * np.arange(around)
+        rho, z = self.metric.rho(theta), self.z(theta)
+        circles = np.stack(
+            [np.outer(rho, np.cos(phi)), np.outer(rho, np.sin(phi)), np.repeat(z[:, None], around, axis=1)],
+            axis=-1,
+        ).reshape(-1, 3)
+        # A circle that is a pole is a single vertex.
+        ring = np.arange(rows * around).reshape(rows, around)
+        if self.start == 0.0:
+            ring[0] = ring[0, 0]
+        if self.stop == np.pi:
+            ring[-1] = ring[-1, 0]
+        upper, lower = ring[:-1], ring[1:]
+        right, lower_right = np.roll(upper, -1, axis=1), np.roll(lower, -1, axis=1)
+        faces = np.concatenate(
+            [
+                np.stack([upper, lower, lower_right], axis=-1).reshape(-1, 3),
+                np.stack([upper, lower_right, right], axis=-1).reshape(-1, 3),
+            ]
+        )
+        distinct = (np.diff(np.sort(faces, axis=1), axis=1) > 0).all(axis=1)
+        used, renumbered = np.unique(faces[distinct], return_inverse=True)
+        return circles[used], renumbered.reshape(-1, 3)
+
+    @cached_property
+    def _primitives(self) -> tuple[Piecewise, Piecewise]:
+        """Primitives of -dh/d theta and of beta d rho/d theta - 2 k rho^2 dh/d theta, as functions of tau.
+
+        h is the length along the axis, z in R^3, and beta the angle by which the meridian falls, which has
+        tan(beta) = -dz/d rho there.  theta = (start + stop)/2 - (stop - start)/2 cos(tau): what is like a
+        square root at an edge is smooth.
+        """
+        half = 0.5 * (self.stop - self.start)
+
+        def integrands(tau: Floats) -> Floats:
+            theta = self.start + 2.0 * half * np.sin(0.5 * tau) ** 2
+            x, k = np.cos(theta), self.metric._k
+            G, rho_theta = self.metric._terms(x)
+            slope = np.sin(theta) * np.sqrt(np.maximum(G, 0.0))
+            bent = k * np.sin(theta) ** 2 * self.metric.P(x)
+            fall = slope / (1.0 - bent)
+            turning = np.arctan2(slope, rho_theta) * rho_theta + 2.0 * bent * fall
+            return np.stack([fall, turning]) * (half * np.sin(tau))
+
+        (fall, moment), _ = fitted(integrands, np.array([0.0, 0.5 * np.pi, np.pi]), weighted=True)
+        return fall.primitive(), moment.primitive()
+
+
+def checked_angles(theta: ArrayLike) -> Floats:
+    """Angles (n,) from 0 to pi.
+
+    Raises
+    ------
+    InvalidParameter
+        The message names the first that is not.
+    """
+    angles = np.atleast_1d(np.asarray(theta, dtype=np.float64))
+    bad = np.flatnonzero(~((angles >= 0.0) & (angles <= np.pi)))
+    if bad.size:
+        raise InvalidParameter(f"theta[{bad[0]}] = {angles[bad[0]]:.9g} is not between 0 and pi")
+    return angles

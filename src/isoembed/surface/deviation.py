@@ -1,0 +1,199 @@
+"""How far a surface may be off because the lengths of its edges are.
+
+Independent errors of the lengths, of standard deviations s, move every quantity f of the surface by
+``df/dl . dl`` to first order: its standard deviation is ``|s df/dl|``.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+
+import numpy as np
+
+from isoembed.arrays import Floats
+from isoembed.linalg.rounding import GUARD
+from isoembed.mesh.triangulation import Triangulation
+from isoembed.metric.polyhedral import PolyhedralMetric
+from isoembed.metric.variation import area_derivative
+from isoembed.surface.curvature import dihedral_angles, vertex_areas, vertex_mean_curvature
+from isoembed.surface.derivatives import LengthDerivatives, dihedral_rates, normal_rates, volume_gradient
+from isoembed.surface.nearby_realization import NearbyRealization
+from isoembed.thresholds import threshold
+
+
+@dataclass(frozen=True)
+class DeviationThresholds:
+    """Thresholds of standard deviations."""
+
+    probes: int = threshold(
+        400,
+        "count",
+        "Random errors that the deviations at vertices, faces and edges are found with.",
+    )
+
+
+DEVIATION = DeviationThresholds()
+
+
+@dataclass(frozen=True, eq=False)
+class Deviation:
+    """Standard deviations of a surface in R^3 whose lengths have independent errors, to first order.
+
+    Attributes
+    ----------
+    vertices : ndarray, shape (V,)
+        Root mean square of how far each vertex moves, after the best rigid motion of all.
+    normals : ndarray, shape (F,)
+        Root mean square of the radians by which each triangle turns its normal.
+    dihedral_angles : ndarray, shape (E,)
+    mean_curvature : ndarray, shape (V,)
+    area, volume, integrated_mean_curvature : float
+    correlation : ndarray, shape (3, 3)
+        Of the errors of area, volume and integrated mean curvature; NaN beside one that has no error.
+    probes : int
+        How many random errors the four arrays are estimated with; 0 if they are exact.
+    """
+
+    vertices: Floats
+    normals: Floats
+    dihedral_angles: Floats
+    mean_curvature: Floats
+    area: float
+    volume: float
+    integrated_mean_curvature: float
+    correlation: Floats
+    probes: int
+
+    @property
+    def relative_error(self) -> float:
+        """What the estimate may add to each entry of the arrays, or take: its relative standard deviation.
+
+        It is that of the worst case, in which many edges contribute alike.
+        """
+        return float(1 / np.sqrt(2 * self.probes)) if self.probes else 0.0
+
+    @classmethod
+    def of(
+        cls, derivatives: LengthDerivatives, metric: PolyhedralMetric, vertices: Floats, errors: Floats
+    ) -> Deviation:
+        """Estimate from the standard deviations of the lengths, (E,).
+
+        Area, volume and integrated mean curvature take one solve together.  For the rest, signs are drawn at
+        random for the errors, and the squares of what each draw does are averaged; where the draws are more
+        than the edges, each edge is taken once instead, and the result is exact.
+        """
+        t = metric.triangulation
+        scalars = errors * np.array(
+            [
+                area_derivative(metric),
+                derivatives.vjp(volume_gradient(t, vertices)),
+                dihedral_angles(t, vertices) / 2,  # Schlaefli: sum l dtheta = 0
+            ]
+        )
+        covariance = scalars @ scalars.T
+        sigma = np.sqrt(np.diag(covariance))
+        with np.errstate(invalid="ignore"):
+            correlation = covariance / sigma / sigma[:, None]
+        exact = len(errors) <= DEVIATION.probes
+        sums = [np.zeros(n) for n in (len(vertices), t.n_faces, t.n_edges, len(vertices))]
+        for draw in _units(len(errors)) if exact else _signs(len(errors)):
+            dl = errors * draw
+            moved = derivatives.jvp(dl)
+            for total, square in zip(sums, _squares(t, vertices, metric.lengths, dl, moved), strict=True):
+                total += square
+        probes = 0 if exact else DEVIATION.probes
+        at_vertices, at_faces, at_edges, of_curvature = (np.sqrt(total / max(probes, 1)) for total in sums)
+        by_area, by_volume, by_integral = map(float, sigma)
+        return cls(
+            vertices=at_vertices,
+            normals=at_faces,
+            dihedral_angles=at_edges,
+            mean_curvature=of_curvature,
+            area=by_area,
+            volume=by_volume,
+            integrated_mean_curvature=by_integral,
+            correlation=correlation,
+            probes=probes,
+        )
+
+    def scaled(self, unit: float) -> Deviation:
+        """In another unit: every length, and error of one, times this factor."""
+        return Deviation(
+            vertices=unit * self.vertices,
+            normals=self.normals,
+            dihedral_angles=self.dihedral_angles,
+            mean_curvature=self.mean_curvature / unit,
+            area=unit * (unit * self.area),
+            volume=unit * (unit * (unit * self.volume)),
+            integrated_mean_curvature=unit * self.integrated_mean_curvature,
+            correlation=self.correlation,
+            probes=self.probes,
+        )
+
+    @property
+    def report(self) -> dict[str, float]:
+        """Area, volume and int H dA, and of the arrays root mean square and largest."""
+        found: dict[str, float] = {
+            name: getattr(self, name) for name in ("area", "volume", "integrated_mean_curvature")
+        }
+        for name in ("vertices", "normals", "dihedral_angles", "mean_curvature"):
+            values = getattr(self, name)
+            found[f"{name}_rms"] = float(np.sqrt(np.mean(values**2)))
+            found[f"{name}_max"] = float(values.max())
+        return {**found, "relative_error": self.relative_error}
+
+
+def _units(n: int) -> Iterator[Floats]:
+    for e in range(n):
+        one = np.zeros(n)
+        one[e] = 1.0
+        yield one
+
+
+def _signs(n: int) -> Iterator[Floats]:
+    rng = np.random.default_rng(0)
+    for _ in range(DEVIATION.probes):
+        yield rng.choice([-1.0, 1.0], n)
+
+
+def _squares(
+    t: Triangulation, x: Floats, lengths: Floats, dl: Floats, v: Floats
+) -> tuple[Floats, Floats, Floats, Floats]:
+    """Squares of what changes dl and velocities v do to vertices, normals, dihedral angles and H."""
+    N, rates = normal_rates(t, x, v)
+    size = np.linalg.norm(N, axis=1)
+    n = N / size[:, None]
+    along = np.einsum("fi,fi->f", n, rates)  # twice the rate of the area
+    turned = np.linalg.norm(rates - along[:, None] * n, axis=1) / size
+    bent = dihedral_rates(t, x, v)
+    quarters = np.repeat((dl * dihedral_angles(t, x) + lengths * bent) / 4, 2)
+    integrals = np.bincount(t.edges.ravel(), quarters)
+    shares = np.bincount(t.faces.ravel(), np.repeat(along / 6, 3))
+    areas = vertex_areas(t, x)
+    curved = (integrals - vertex_mean_curvature(t, x, areas) * shares) / areas
+    return np.einsum("vi,vi->v", v, v), turned**2, bent**2, curved**2
+
+
+def proven_distance(metric: PolyhedralMetric, vertices: Floats, errors: Floats) -> float:
+    """How far errors of the lengths can move a vertex of a surface in R^3, at most, by `nearby_realization`.
+
+    Whatever the lengths are, within these errors of the metric's, a surface has them whose vertices are
+    all within this distance.
+
+    Parameters
+    ----------
+    metric : PolyhedralMetric
+        Normalized.
+    vertices : ndarray, shape (V, 3)
+    errors : ndarray, shape (E,)
+        Upper bounds on the errors, not standard deviations.
+
+    Raises
+    ------
+    NotProven
+        The errors are too large for the proof.
+    """
+    nearby = NearbyRealization.of(metric, vertices, errors, {})
+    _, radius = nearby.newton_kantorovich()
+    return GUARD * nearby.equations.distance(nearby.steps, radius)

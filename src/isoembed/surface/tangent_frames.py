@@ -1,0 +1,92 @@
+"""What a surface in Euclidean, hyperbolic or spherical space looks like from one of its points, or faces.
+
+Seen from a point of it, space is drawn in the conformal model with that point as its center: there lengths
+are right to second order, and a plane is as curved as it is.  Vectors at a point are those to which the
+translation along the line through the origin has carried them there.
+"""
+
+import numpy as np
+
+from isoembed.arrays import Floats, Indices
+from isoembed.kernel import kernel
+from isoembed.space import Space
+from isoembed.space.models import to_model
+
+
+@kernel
+def seen_from(v: int, w: int, points: Floats, heights: Floats, curvature: float) -> Floats:
+    """Conformal coordinates (3,) of point w about point v, of points (V, 3) with their `Space.heights`."""
+    if curvature == 0:
+        return points[w] - points[v]
+    product = 0.0
+    for k in range(3):
+        product += points[v, k] * points[w, k]
+    along = heights[w] + curvature * product / (1.0 + heights[v])
+    height = heights[v] * heights[w] + curvature * product
+    return (points[w] - along * points[v]) * (2.0 / (1.0 + height))
+
+
+def directions(space: Space, x: Floats, y: Floats) -> Floats:
+    """Unit vectors (n, 3) at points x (n, 3) toward points y (n, 3)."""
+    along = sides(space, x, y)
+    return along / np.linalg.norm(along, axis=-1, keepdims=True)
+
+
+def sides(space: Space, x: Floats, y: Floats) -> Floats:
+    """Directions (n, 3) at points x (n, 3) toward points y (n, 3), with the sn of distances for norms.
+
+    Each is y as the translation moves it that takes x to the origin; nothing cancels where y is near x.
+    """
+    d = y - x
+    if space.is_euclidean:
+        return d
+    w = space.heights(x)
+    along = np.einsum("ij,ij->i", d, x + y) / (w + space.heights(y))
+    squares = np.einsum("ij,ij->i", d, d) + space.curvature * along * along
+    return np.asarray(d + (space.curvature * (along + squares / 2) / (1 + w))[:, None] * x)
+
+
+def drawn_faces(space: Space, faces: Indices, points: Floats) -> Floats:
+    """The corners (F, 3, 3) of triangles, in space that is curved each seen from its centroid."""
+    corners = points[faces]
+    if space.is_euclidean:
+        return corners
+    centers, _ = _centers(space, corners)
+    return to_model(space, space.translated(corners, -centers[:, None]), "conformal")
+
+
+def carried_to_faces(space: Space, faces: Indices, points: Floats, tensors: Floats) -> Floats:
+    """Tensors at the vertices, (V, 3, 3), at the corners of `drawn_faces`, (F, 3, 3, 3)."""
+    at_corners = tensors[faces]
+    if space.is_euclidean:
+        return at_corners
+    turns = _turns(space, points[faces])
+    return np.asarray(turns @ at_corners @ turns.transpose(0, 1, 3, 2))
+
+
+def _centers(space: Space, corners: Floats) -> tuple[Floats, Floats]:
+    """Centroids (F, 3) of the corners and their heights (F,)."""
+    mean, w = corners.mean(axis=1), space.heights(corners).mean(axis=1)
+    size = np.sqrt(w * w + space.curvature * np.einsum("fi,fi->f", mean, mean))
+    return mean / size[:, None], w / size
+
+
+def _turns(space: Space, corners: Floats) -> Floats:
+    """Rotations (F, 3, 3, 3) that take vectors at the corners to the frame in which their face is drawn.
+
+    A vector u that was carried to the origin is ``(u - k x (x.u) / (1 + w), -k x.u)`` at X = (x, w); the
+    translation that takes the centroid to the origin moves it with X, and it is carried to the origin again.
+    """
+    k, w = space.curvature, space.heights(corners)
+    centers, height = _centers(space, corners)
+    m, h = centers[:, None], height[:, None]
+    moved = space.translated(corners, -m)
+    moved_w = space.heights(moved)
+    columns = []
+    for u in np.eye(3):
+        along = corners @ u
+        v, last = u - corners * (k * along / (1 + w))[..., None], -k * along
+        v = v - m * (last + k * np.einsum("fci,fci->fc", np.broadcast_to(m, v.shape), v) / (1 + h))[..., None]
+        back = k * np.einsum("fci,fci->fc", moved, v) / (moved_w * (1 + moved_w))
+        columns.append(v + moved * back[..., None])
+    return np.stack(columns, axis=-1)

@@ -1,0 +1,209 @@
+"""Surfaces and metrics of hyperbolic and spherical space in files: which space, and in which coordinates."""
+
+import json
+import re
+
+import numpy as np
+import pytest
+
+import zoo
+from isoembed import Embedding, Hyperbolic, PolyhedralMetric, Space, Spherical
+from isoembed.io import (
+    METRIC_ENDINGS,
+    SURFACE_ENDINGS,
+    FileError,
+    mesh_writer,
+    read_metric,
+    read_surface,
+    write_metric,
+    write_surface,
+)
+from isoembed.io.space_line import space_line, space_said
+from isoembed.space.models import MODELS, to_model
+from isoembed.surface.polyhedron import Polyhedron
+from regular_in_space import regular_solid
+
+VERTICES, FACES = zoo.random_hull(40, seed=5)
+CURVATURES = (-1.0, 0.7, -1e-9)
+
+
+def body(curvature, kind=Embedding):
+    metric = PolyhedralMetric.from_mesh(0.6 * VERTICES, FACES, curvature=curvature)
+    return kind(metric, 0.6 * VERTICES, method="exact", tolerance=1e-10)
+
+
+def cube():
+    """A cube of hyperbolic space, some radii of curvature wide, with its six faces."""
+    solid = regular_solid("cube", -1.0, 1.2)
+    metric = PolyhedralMetric.from_mesh(solid.points, solid.faces, curvature=-1.0)
+    return Polyhedron(metric, solid.points, method="exact", tolerance=1e-10)
+
+
+@pytest.mark.parametrize("curvature", CURVATURES)
+@pytest.mark.parametrize("ending", METRIC_ENDINGS)
+def test_metrics_say_their_curvature(curvature, ending, tmp_path):
+    metric = body(curvature).metric
+    write_metric(tmp_path / f"m{ending}", metric)
+    again = read_metric(tmp_path / f"m{ending}")
+    assert again.space == Space(curvature)
+    np.testing.assert_array_equal(again.lengths, metric.lengths)
+
+
+@pytest.mark.parametrize("curvature", CURVATURES)
+@pytest.mark.parametrize("ending", SURFACE_ENDINGS)
+def test_surfaces_come_back_in_their_space(curvature, ending, tmp_path):
+    given, path = body(curvature), tmp_path / f"s{ending}"
+    write_surface(path, given)
+    again = read_surface(path)
+    assert again.space == given.space
+    np.testing.assert_allclose(np.sort(again.metric.lengths), np.sort(given.metric.lengths), rtol=1e-13)
+    assert again.area == pytest.approx(given.area, rel=1e-13)
+    assert again.volume == pytest.approx(given.volume, rel=1e-11)
+    if ending != ".stl":  # whose vertices are numbered anew
+        np.testing.assert_allclose(again.vertices, given.vertices, rtol=1e-14, atol=1e-15)
+
+
+def test_files_hold_the_points_of_poincares_ball(tmp_path):
+    given = body(-1.0)
+    write_surface(tmp_path / "s.npz", given)
+    write_surface(tmp_path / "s.json", given)
+    document = json.loads((tmp_path / "s.json").read_text())
+    heights = np.sqrt(1 + (given.vertices**2).sum(axis=1))
+    with np.load(tmp_path / "s.npz") as archive:
+        assert float(archive["curvature"]) == document["curvature"] == -1.0
+        assert str(archive["model"]) == document["model"] == "conformal"
+        np.testing.assert_allclose(
+            archive["vertices"], 2 * given.vertices / (1 + heights)[:, None], rtol=1e-15
+        )
+        np.testing.assert_array_equal(archive["vertices"], document["vertices"])
+
+
+def test_euclidean_files_are_as_they_were(tmp_path):
+    given = body(0.0)
+    for ending in SURFACE_ENDINGS:
+        write_surface(tmp_path / f"s{ending}", given)
+        assert b"curvature of space" not in (tmp_path / f"s{ending}").read_bytes()
+    with np.load(tmp_path / "s.npz") as archive:
+        assert set(archive) == {"vertices", "faces", "mean_curvature", "residual"}
+
+
+@pytest.mark.parametrize("ending", [".ply", ".obj", ".off", ".stl", ".vtk", ".vtu", ".vtp"])
+def test_meshes_say_the_space_to_people(ending, tmp_path):
+    write_surface(tmp_path / f"s{ending}", body(-1.0))
+    assert (
+        b"isoembed: curvature of space -1.0, conformal coordinates" in (tmp_path / f"s{ending}").read_bytes()
+    )
+
+
+@pytest.mark.parametrize("ending", [".ply", ".off", ".obj", ".vtk", ".vtu"])
+def test_other_programs_read_them(ending, tmp_path):
+    meshio = pytest.importorskip("meshio")
+    given = body(-1.0)
+    write_surface(tmp_path / f"s{ending}", given)
+    np.testing.assert_allclose(
+        meshio.read(tmp_path / f"s{ending}").points,
+        to_model(given.space, given.vertices, "conformal"),
+        rtol=1e-15,
+    )
+
+
+@pytest.mark.parametrize("ending", [".ply", ".obj", ".off", ".fold", ".vtk", ".vtu", ".vtp"])
+def test_faces_of_a_polyhedron_are_planes_of_space(ending, tmp_path):
+    """Squares bent in the ball are one face each: no note says that they are not planar."""
+    given = cube()
+    write_surface(tmp_path / f"s{ending}", given)
+    again = read_surface(tmp_path / f"s{ending}")
+    assert len(again.polygons) == 6
+    assert again.residual <= 1e-10
+    assert again.volume == pytest.approx(given.volume, rel=1e-12)
+
+
+def test_a_file_written_on_by_paraview_keeps_its_space(tmp_path):
+    """It keeps field data, and no comments."""
+    write_surface(tmp_path / "s.vtu", body(-1.0))
+    text = re.sub("<!--.*-->", "", (tmp_path / "s.vtu").read_text())
+    (tmp_path / "s.vtu").write_text(text)
+    assert read_metric(tmp_path / "s.vtu").curvature == -1.0
+
+
+@pytest.mark.parametrize("model", MODELS)
+def test_other_models_are_read(model, tmp_path):
+    given = body(-1.0)
+    tables = {"vertices": to_model(given.space, given.vertices, model).tolist(), "faces": FACES.tolist()}
+    (tmp_path / "m.json").write_text(json.dumps({**tables, "curvature": -1.0, "model": model}))
+    np.testing.assert_allclose(read_metric(tmp_path / "m.json").lengths, given.metric.lengths, rtol=1e-13)
+    if model == "conformal":
+        (tmp_path / "m.json").write_text(json.dumps({**tables, "curvature": -1.0}))
+        np.testing.assert_allclose(read_metric(tmp_path / "m.json").lengths, given.metric.lengths, rtol=1e-13)
+
+
+def test_lengths_beside_vertices_are_what_residuals_are_against(tmp_path):
+    given = body(0.7)
+    lengths = given.metric.lengths * 1.01
+    tables = {"vertices": to_model(given.space, given.vertices, "conformal"), "faces": FACES}
+    np.savez(tmp_path / "s.npz", **tables, lengths=lengths, edges=given.metric.edges, curvature=0.7)
+    again = read_surface(tmp_path / "s.npz")
+    assert again.residual == pytest.approx(0.01 * lengths.max() / lengths.mean(), rel=0.02)
+    np.savez(tmp_path / "t.npz", vertices=tables["vertices"] * [1, 1, -1], faces=FACES, curvature=0.7)
+    assert read_surface(tmp_path / "t.npz").volume == pytest.approx(given.volume)  # faces are turned over
+
+
+def test_vertices_are_merged_and_left_out(tmp_path):
+    given = body(-1.0)
+    points = to_model(given.space, given.vertices, "conformal")
+    twice = np.concatenate([points, points[:3], points[:1] * 0.5])
+    faces = FACES.copy()
+    faces[0] = np.where(faces[0] < 3, faces[0] + len(points), faces[0])
+    mesh_writer(tmp_path / "s.obj", twice, faces, curvature=np.array(-1.0))(tmp_path / "s.obj")
+    with pytest.warns(match="vert"):
+        again = read_metric(tmp_path / "s.obj", merge=0.0)
+    np.testing.assert_allclose(np.sort(again.lengths), np.sort(given.metric.lengths), rtol=1e-12)
+
+
+def test_the_space_of_a_file_that_does_not_say_it(tmp_path):
+    write_metric(tmp_path / "m.npz", body(0.0).metric)
+    assert read_metric(tmp_path / "m.npz").space.is_euclidean
+    assert read_metric(tmp_path / "m.npz", space=Hyperbolic(2.0)).curvature == -2.0
+    sentence = "m.npz does not say the curvature of its space: give it, as in spherical=1"
+    with pytest.raises(FileError, match=sentence):
+        read_metric(tmp_path / "m.npz", space="spherical")
+
+
+def test_the_space_of_a_file_that_says_it(tmp_path):
+    write_metric(tmp_path / "m.json", body(-1.0).metric)
+    for same in ("hyperbolic", Hyperbolic(1.0)):
+        assert read_metric(tmp_path / "m.json", space=same).curvature == -1.0
+    for other, said in [("spherical", "spherical space"), (Hyperbolic(2.0), "that of curvature -2.0")]:
+        with pytest.raises(
+            FileError, match=f"m.json is in hyperbolic space of curvature -1.0, not in {said}"
+        ):
+            read_metric(tmp_path / "m.json", space=other)
+
+
+@pytest.mark.parametrize(
+    ("said", "sentence"),
+    [
+        ({"curvature": "flat"}, "the curvature of space is 'flat', not a finite number"),
+        ({"curvature": [1.0]}, "the curvature of space is '\\[1.0\\]', not a finite number"),
+        (
+            {"curvature": -1.0, "model": "poincare"},
+            "the model is 'poincare', none of conformal, projective, ambient",
+        ),
+        (
+            {"curvature": -9.0},
+            "point 0 is 1 from the center of the poincare model, in which space ends at 0.666",
+        ),
+        ({"curvature": 1.0, "model": "ambient"}, "point 0 is 1 from the center of the sphere model"),
+    ],
+)
+def test_what_is_refused(said, sentence, tmp_path):
+    tables = {"vertices": np.eye(4)[:, :3].tolist(), "faces": [[0, 2, 1], [0, 1, 3], [1, 2, 3], [2, 0, 3]]}
+    (tmp_path / "m.json").write_text(json.dumps(tables | said))
+    with pytest.raises(FileError, match=f"m.json: {sentence}"):
+        read_metric(tmp_path / "m.json")
+
+
+def test_the_line_says_what_it_was_given():
+    tables = {"curvature": np.array(Spherical(0.1).curvature), "model": "conformal"}
+    assert float(space_said(f"# {space_line(tables)}\n")["curvature"]) == 0.1
+    assert space_line({}) == "" and space_said("# curvature of space") == {}

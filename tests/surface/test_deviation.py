@@ -1,0 +1,149 @@
+"""Standard deviations of surfaces, against surfaces whose lengths have random errors."""
+
+import numpy as np
+import pytest
+
+import isoembed
+import zoo
+from isoembed.errors import InvalidParameter
+from isoembed.gallery import CassiniPeanut, Ellipsoid, triangulate
+from isoembed.linalg import SingularMatrix
+from isoembed.surface import curvature, deviation, measures
+from isoembed.surface.rigidity import LengthSystem, length_residuals
+
+SCALARS = ("area", "volume", "integrated_mean_curvature")
+ARRAYS = ("vertices", "normals", "dihedral_angles", "mean_curvature")
+
+
+def surface(body, n):
+    x, faces = triangulate(body, n, irregular=3)
+    metric = isoembed.PolyhedralMetric.from_mesh(x, faces)
+    return isoembed.Embedding(metric, x, method="given", tolerance=1e-10)
+
+
+def realized(found, system, lengths):
+    """The vertices with these lengths, by Newton's method, as near as a rigid motion takes them."""
+    x = found.vertices
+    for _ in range(3):
+        x = x - system.step(x, lengths, length_residuals(found.triangulation, x, lengths))
+    center, home = x.mean(axis=0), found.vertices.mean(axis=0)
+    u, _, v = np.linalg.svd((x - center).T @ (found.vertices - home))
+    return (x - center) @ u @ v + home
+
+
+def normals(faces, x):
+    N = measures.face_normals(faces, x)
+    return N / np.linalg.norm(N, axis=1, keepdims=True)
+
+
+def differences(found, x):
+    """What each quantity of `Deviation` has become, less what it was; of vectors, the norm."""
+    t, x0 = found.triangulation, found.vertices
+    return {
+        "vertices": np.linalg.norm(x - x0, axis=1),
+        "normals": np.linalg.norm(normals(t.faces, x) - normals(t.faces, x0), axis=1),
+        "dihedral_angles": curvature.dihedral_angles(t, x) - curvature.dihedral_angles(t, x0),
+        "mean_curvature": curvature.vertex_mean_curvature(t, x) - found.mean_curvature,
+        "area": measures.area(t.faces, x) - found.area,
+        "volume": measures.volume(t.faces, x) - found.volume,
+        "integrated_mean_curvature": curvature.integrated_mean_curvature(t, x)
+        - found.integrated_mean_curvature,
+    }
+
+
+@pytest.mark.parametrize("body", (Ellipsoid((3.0, 2.0, 1.0)), CassiniPeanut()))
+def test_a_hundred_noises_are_within_two_sigma(body):
+    found, rng = surface(body, 100), np.random.default_rng(5)
+    errors = 1e-7 * rng.uniform(0.3, 3, len(found.metric.lengths))
+    sigma, system = found.deviation(errors), LengthSystem(found.triangulation)
+    within = {name: [] for name in (*ARRAYS, *SCALARS)}
+    for _ in range(100):
+        lengths = found.metric.lengths + errors * rng.standard_normal(len(errors))
+        for name, change in differences(found, realized(found, system, lengths)).items():
+            within[name].append(np.abs(change) <= 2 * getattr(sigma, name))
+    for name, inside in within.items():
+        assert 0.90 <= np.mean(inside) <= 0.99, name
+
+
+@pytest.mark.parametrize(("body", "largest"), ((Ellipsoid((3.0, 2.0, 1.0)), 1e-6), (CassiniPeanut(), 1e-10)))
+def test_a_hundred_noises_are_within_the_bound(body, largest):
+    found, rng = surface(body, 100), np.random.default_rng(6)
+    errors = largest * rng.uniform(0.5, 1, len(found.metric.lengths))
+    bound, system = found.deviation_bound(errors), LengthSystem(found.triangulation)
+    assert found.deviation(errors).vertices.max() < bound < np.inf
+    for _ in range(100):
+        lengths = found.metric.lengths + rng.choice([-1, 1], len(errors)) * errors
+        assert differences(found, realized(found, system, lengths))["vertices"].max() <= bound
+
+
+def test_no_bound_is_proven_for_large_errors():
+    assert surface(CassiniPeanut(), 60).deviation_bound(0.1) == np.inf
+
+
+def test_estimate_with_random_signs(monkeypatch):
+    found = surface(Ellipsoid((3.0, 2.0, 1.0)), 100)
+    exact = found.deviation(1e-3)
+    monkeypatch.setattr(deviation, "DEVIATION", deviation.DeviationThresholds(probes=200))
+    rough = found.deviation(1e-3)
+    assert (exact.relative_error, rough.relative_error) == (0, 0.05)
+    for name in ARRAYS:
+        ratio = getattr(rough, name) / getattr(exact, name)
+        assert 0 < np.sqrt(np.mean((ratio - 1) ** 2)) < 1.2 * rough.relative_error
+    assert [getattr(rough, name) for name in SCALARS] == [getattr(exact, name) for name in SCALARS]
+
+
+def test_regular_tetrahedron():
+    found = isoembed.embed(isoembed.PolyhedralMetric.from_mesh(*zoo.tetrahedron()))
+    [l, *_], s = found.metric.lengths, 1e-3
+    sigma, six = found.deviation(s), np.sqrt(6) * s
+    assert np.isclose(sigma.area, six * found.area / (3 * l))
+    assert np.isclose(sigma.volume, six * found.volume / (2 * l))
+    assert np.isclose(sigma.integrated_mean_curvature, six * (np.pi - np.arccos(1 / 3)) / 2)
+    assert np.allclose(sigma.correlation, 1)
+    for name in ARRAYS:
+        assert np.ptp(getattr(sigma, name)) < 1e-12 * getattr(sigma, name).max()
+
+
+def test_one_wrong_length():
+    found = surface(CassiniPeanut(), 60)
+    errors = np.zeros(len(found.metric.lengths))
+    errors[7] = 2e-4
+    sigma, moved = found.deviation(errors), found.variation(errors)
+    assert np.allclose(sigma.vertices, np.linalg.norm(moved.velocity, axis=1), rtol=1e-9)
+    assert np.allclose(sigma.dihedral_angles, np.abs(moved.dihedral_rates), rtol=1e-9)
+    for name in SCALARS:
+        assert np.isclose(getattr(sigma, name), abs(getattr(moved, name)[0]), rtol=1e-9)
+
+
+@pytest.mark.parametrize("unit", (1e-100, 1e90))
+def test_unit(unit):
+    found = surface(CassiniPeanut(), 60)
+    same = isoembed.Embedding(
+        found.metric.scaled(unit), unit * found.vertices, method="given", tolerance=1e-10
+    )
+    assert np.isclose(same.deviation_bound(unit * 1e-11) / unit, found.deviation_bound(1e-11), rtol=1e-6)
+    a, b = found.deviation(1e-3), same.deviation(unit * 1e-3)
+    powers = {"vertices": 1, "normals": 0, "dihedral_angles": 0, "mean_curvature": -1, "correlation": 0}
+    for name, power in (powers | {"area": 2, "volume": 3, "integrated_mean_curvature": 1}).items():
+        assert np.allclose(getattr(b, name) / unit**power, getattr(a, name), rtol=1e-8), name
+
+
+def test_what_is_refused():
+    found = surface(CassiniPeanut(), 60)
+    with pytest.raises(InvalidParameter, match=r"the error of edge 3 is -0\.1, which is negative"):
+        found.deviation(np.where(np.arange(174) == 3, -0.1, 1.0))
+    with pytest.raises(InvalidParameter, match=r"errors have the shape \(5,\)"):
+        found.deviation(np.ones(5))
+    with pytest.raises(InvalidParameter, match="not finite"):
+        found.deviation(np.nan)
+    x, faces = triangulate(Ellipsoid((3.0, 2.0, 1.0)), 60)
+    curved = isoembed.PolyhedralMetric.from_mesh(x / 9, faces, curvature=-1)
+    with pytest.raises(InvalidParameter, match="deviations are those of surfaces in R"):
+        isoembed.Embedding(curved, x / 9, method="given", tolerance=1e-10).deviation(1e-3)
+    x, faces = zoo.tetrahedron()
+    flat = np.vstack([x, x[faces[0]].mean(axis=0)])
+    a, b, c = faces[0]
+    split = np.vstack([faces[1:], [[a, b, 4], [b, c, 4], [c, a, 4]]])
+    metric = isoembed.PolyhedralMetric.from_mesh(flat, split)
+    with pytest.raises(SingularMatrix):
+        isoembed.Embedding(metric, flat, method="given", tolerance=1e-10).deviation(1e-3)
