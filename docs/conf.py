@@ -1,6 +1,7 @@
 """The site: every page of docs/, the tutorials executed, and the docstrings.  ``make docs`` builds it."""
 
 import re
+import sys
 from importlib.util import find_spec
 from pathlib import Path
 from typing import Any
@@ -9,12 +10,14 @@ from sphinx.application import Sphinx
 
 import isoembed
 
+sys.path.insert(0, str(Path(__file__).parent))
+
 project = "isoembed"
 author = "The isoembed contributors"
 release = version = isoembed.__version__
 html_title = "isoembed"
 
-extensions = ["myst_nb", "sphinx.ext.autodoc", "numpydoc", "sphinx_copybutton"]
+extensions = ["myst_nb", "sphinx.ext.autodoc", "numpydoc", "sphinx_copybutton", "example_gallery"]
 exclude_patterns = ["examples"]
 
 # The pages are written for GitHub as much as for the site: dollars are math, headings have GitHub's anchors.
