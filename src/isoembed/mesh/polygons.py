@@ -1,10 +1,12 @@
 """Polygons of any sizes as one table of corners, one polygon after the other."""
 
+from itertools import pairwise
 from typing import cast
 
 import numpy as np
 
 from isoembed.arrays import Floats, Indices
+from isoembed.errors import InvalidMetric
 
 
 def next_corners(sizes: Indices) -> Indices:
@@ -28,3 +30,27 @@ def polygon_normals(points: Floats, sizes: Indices) -> Floats:
     starts = np.cumsum(sizes) - sizes
     arms = points - np.repeat(points[starts], sizes, axis=0)
     return cast(Floats, np.add.reduceat(np.cross(arms, arms[next_corners(sizes)]), starts))
+
+
+def polygons_of_cells(cells: Indices) -> Indices | list[Indices]:
+    """Polygons of a list in which each one's number of corners stands before them, as of VTK.
+
+    A table, shape (F, n), if all have as many.
+
+    Raises
+    ------
+    InvalidMetric
+        Where a number of corners should be is none, or the list ends before the last corner.
+    """
+    if not len(cells):
+        return np.empty((0, 3), dtype=np.int64)
+    n = int(cells[0])
+    if n > 0 and len(cells) % (n + 1) == 0 and (cells[:: n + 1] == n).all():
+        return cells.reshape(-1, n + 1)[:, 1:]
+    heads = [0]
+    while heads[-1] < len(cells):
+        count = int(cells[heads[-1]])
+        if not 0 < count < len(cells) - heads[-1]:
+            raise InvalidMetric(f"face {len(heads) - 1} has {count} corners, of {len(cells)} numbers in all")
+        heads.append(heads[-1] + 1 + count)
+    return [cells[head + 1 : end] for head, end in pairwise(heads)]

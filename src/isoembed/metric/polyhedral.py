@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from functools import cached_property
+from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -14,6 +15,7 @@ from isoembed.kernel import kernel
 from isoembed.mesh.checks import index_array, real_array
 from isoembed.mesh.triangulation import Triangulation, frozen
 from isoembed.metric.given_mesh import merging_advice, triangle_mesh
+from isoembed.metric.other_packages import of_pyvista, of_trimesh
 from isoembed.metric.precision import Precision
 from isoembed.metric.sizes import check_sizes
 from isoembed.space import EUCLIDEAN, Space
@@ -177,6 +179,48 @@ class PolyhedralMetric:
             return metric._rounded_to(Precision.of(points, metric.mean_length))
         except InvalidMetric as error:
             raise InvalidMetric(f"{error}{merging_advice(points, triangles)}") from None
+
+    @classmethod
+    def from_trimesh(cls, mesh: Any, *, merge: float | None = None) -> PolyhedralMetric:
+        """Take the edge lengths of a ``trimesh.Trimesh``, or of any object with ``vertices`` and ``faces``.
+
+        Parameters
+        ----------
+        mesh : trimesh.Trimesh
+            A ``curvature`` in its ``metadata`` is that of the space whose conformal coordinates the vertices
+            are, as `Embedding.to_trimesh` writes it.
+        merge : float, optional
+            As of `from_mesh`.
+
+        Raises
+        ------
+        InvalidParameter
+            It has no vertices or no faces.
+        InvalidMetric
+            As `from_mesh`.
+        """
+        return cls.from_mesh(**of_trimesh(mesh), merge=merge)
+
+    @classmethod
+    def from_pyvista(cls, mesh: Any, *, merge: float | None = None) -> PolyhedralMetric:
+        """Take the edge lengths of a ``pyvista.PolyData``, or of any object with ``points`` and ``faces``.
+
+        Parameters
+        ----------
+        mesh : pyvista.PolyData
+            Polygons are cut into triangles.  A ``curvature`` in its ``field_data`` is that of the space whose
+            conformal coordinates the points are, as `Embedding.to_pyvista` writes it.
+        merge : float, optional
+            As of `from_mesh`: sharp edges of PyVista's own bodies have their points twice.
+
+        Raises
+        ------
+        InvalidParameter
+            It has no points or no faces.
+        InvalidMetric
+            As `from_mesh`.
+        """
+        return cls.from_mesh(**of_pyvista(mesh), merge=merge)
 
     @classmethod
     def on(

@@ -68,6 +68,11 @@ def page_writer(
     return _page(embedding, title or Path(path).stem, **contents).writer
 
 
+def page_html(embedding: Embedding, *, title: str, **contents: Any) -> str:
+    """The text of the page of a surface; see `write_page`."""
+    return _page(embedding, title, **contents).text
+
+
 def write_page(
     path: str | os.PathLike[str],
     embedding: Embedding,

@@ -155,9 +155,9 @@ def _row(
 ) -> Figure:
     """Surfaces side by side, a color bar, titles above and a caption below."""
     check_drawable()
-    from matplotlib.backends.backend_agg import FigureCanvasAgg
-    from matplotlib.figure import Figure
     from matplotlib.ticker import MaxNLocator
+
+    from isoembed.plot.windowless import WindowlessFigure
 
     low, high = shown.bounds if bounds is None else bounds
     scale = color_scale(low, high, shown.scale)
@@ -170,8 +170,7 @@ def _row(
     above = TITLE if any(panel.title for panel in surfaces) else 0.0
     height = max(across * (top - bottom) / (right - left), 0.3 * WIDTH / len(surfaces))
     total = height + MARGINS + above
-    picture = Figure(figsize=(WIDTH, total), facecolor=PAPER)
-    FigureCanvasAgg(picture)
+    picture = WindowlessFigure(WIDTH, total, facecolor=PAPER)
     foot, share = 0.72 * MARGINS / total, height / total
     for k, (panel, view) in enumerate(zip(surfaces, views, strict=True)):
         axes = picture.add_axes((0.02 + k * across / WIDTH, foot, across / WIDTH, share))

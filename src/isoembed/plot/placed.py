@@ -96,14 +96,12 @@ def placed_figure(
     if arrow is not None and not any(arrow):
         raise InvalidParameter("an arrow of 0, 0, 0 has no direction")
     check_drawable()
-    from matplotlib.backends.backend_agg import FigureCanvasAgg
-    from matplotlib.figure import Figure
+    from isoembed.plot.windowless import WindowlessFigure
 
     scale = scale or Scale.of([panel])
     colors = color_scale(*scale.bounds)
     view = View.of(panel.vertices, panel.faces, Pose(np.zeros(3), np.eye(3), scale.reach))
-    picture = Figure(figsize=SIZE, facecolor=PAPER)
-    FigureCanvasAgg(picture)
+    picture = WindowlessFigure(*SIZE, facecolor=PAPER)
     axes = picture.add_axes((0.0, 0.12, 0.82, 0.88))
     draw(axes, view, face_means(panel.values, panel.faces), colors, panel.seams)
     axes.set_xlim(WINDOW[:2])

@@ -31,12 +31,9 @@ def styled(series: Iterable[T]) -> Iterator[tuple[T, dict[str, Any]]]:
 
 def blank(height: float, width: float = WIDTH) -> Figure:
     """An empty figure of this size in inches, with a canvas of its own: no window and no global state."""
-    from matplotlib.backends.backend_agg import FigureCanvasAgg
-    from matplotlib.figure import Figure
+    from isoembed.plot.windowless import WindowlessFigure
 
-    figure = Figure(figsize=(width, height), facecolor=PAPER, layout="constrained")
-    FigureCanvasAgg(figure)
-    return figure
+    return WindowlessFigure(width, height, facecolor=PAPER, layout="constrained")
 
 
 def dress(axes: Axes, x: str, y: str, title: str = "") -> None:

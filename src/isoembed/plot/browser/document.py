@@ -44,11 +44,12 @@ class Document:
     @property
     def writer(self) -> Writer:
         """Writer of the page; see `isoembed.io.write_atomically`."""
-        text = self._text
+        text = self.text
         return lambda temporary: _write(temporary, text)
 
     @property
-    def _text(self) -> str:
+    def text(self) -> str:
+        """All of the page."""
         assets = files("isoembed.plot") / "browser"
         style, script, page = ((assets / f"page.{kind}").read_text("utf-8") for kind in ("css", "js", "html"))
         parts = {

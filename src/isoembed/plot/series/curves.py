@@ -86,15 +86,13 @@ def series_figure(table: SeriesTable, names: Sequence[str]) -> Figure:
     if not shown:
         raise InvalidParameter(f"of no horizon is there a number: {', '.join(names)}")
     check_drawable()
-    from matplotlib.backends.backend_agg import FigureCanvasAgg
-    from matplotlib.figure import Figure
+    from isoembed.plot.windowless import WindowlessFigure
 
     parts, along = table.series, Abscissa.of(table)
     lost = any(status != "embedded" for status in table.statuses)
     strip = STRIP * (len(parts) + 1.5) if lost else 0.0
     heights = [PANEL] * len(shown) + ([strip] if lost else [])
-    picture = Figure(figsize=(WIDTH, sum(heights) + 0.9), facecolor=PAPER, layout="constrained")
-    FigureCanvasAgg(picture)
+    picture = WindowlessFigure(WIDTH, sum(heights) + 0.9, facecolor=PAPER, layout="constrained")
     grid = picture.subplots(len(heights), 1, sharex=True, squeeze=False, height_ratios=heights)[:, 0]
     colors = colors_of(parts)
     widths = dict(zip(parts, cycle(WIDTHS), strict=False))

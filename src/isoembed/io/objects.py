@@ -1,0 +1,46 @@
+"""Surfaces as objects of trimesh and PyVista."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from isoembed.io.format import at_vertices, by_size, of_the_whole
+from isoembed.io.surface import polygon_faces, surface_data
+from isoembed.surface.embedding import Embedding
+
+if TYPE_CHECKING:
+    import pyvista
+    import trimesh
+
+
+def to_trimesh(embedding: Embedding) -> trimesh.Trimesh:
+    """See `Embedding.to_trimesh`."""
+    try:
+        import trimesh
+    except ImportError:
+        raise ImportError("to_trimesh needs trimesh: pip install 'isoembed[trimesh]'") from None
+    tables: dict[str, Any] = surface_data(embedding)
+    return trimesh.Trimesh(
+        tables["vertices"],
+        embedding.faces,
+        vertex_attributes=at_vertices(tables),
+        metadata={name: float(value) for name, value in of_the_whole(tables).items()},
+        process=False,  # vertices stay, in their order
+    )
+
+
+def to_pyvista(embedding: Embedding) -> pyvista.PolyData:
+    """See `Embedding.to_pyvista`."""
+    try:
+        import pyvista
+    except ImportError:
+        raise ImportError("to_pyvista needs PyVista: pip install 'isoembed[pyvista]'") from None
+    tables: dict[str, Any] = surface_data(embedding)
+    cells = [np.insert(rows, 0, rows.shape[1], axis=1).ravel() for rows in by_size(polygon_faces(embedding))]
+    mesh = pyvista.PolyData(np.array(tables["vertices"]), np.concatenate(cells))
+    mesh.point_data.update({name: np.array(values) for name, values in at_vertices(tables).items()})
+    for name, value in of_the_whole(tables).items():
+        mesh.field_data[name] = [float(value)]
+    return mesh

@@ -1,0 +1,55 @@
+"""Meshes of trimesh and PyVista as arrays.  Neither is imported: any object with their attributes will do."""
+
+from typing import Any
+
+import numpy as np
+
+from isoembed.errors import InvalidParameter
+from isoembed.mesh.polygons import polygons_of_cells
+
+
+def of_trimesh(mesh: Any) -> dict[str, Any]:
+    """What `PolyhedralMetric.from_mesh` takes, of a ``trimesh.Trimesh``.
+
+    Raises
+    ------
+    InvalidParameter
+        It has no vertices and faces.
+    """
+    _check(mesh, ("vertices", "faces"), "a trimesh.Trimesh has; of a Scene give one mesh")
+    return {
+        "vertices": np.asarray(mesh.vertices),
+        "faces": np.asarray(mesh.faces),
+        **_space(getattr(mesh, "metadata", {})),
+    }
+
+
+def of_pyvista(mesh: Any) -> dict[str, Any]:
+    """What `PolyhedralMetric.from_mesh` takes, of a ``pyvista.PolyData``.
+
+    Raises
+    ------
+    InvalidParameter
+        It has no points and faces.
+    """
+    _check(mesh, ("points", "faces"), "a pyvista.PolyData has; of other datasets give the extract_surface()")
+    if len(getattr(mesh, "strips", ())):
+        mesh = mesh.triangulate()
+    return {
+        "vertices": np.asarray(mesh.points),
+        "faces": polygons_of_cells(np.asarray(mesh.faces)),
+        **_space(getattr(mesh, "field_data", {})),
+    }
+
+
+def _check(mesh: Any, names: tuple[str, str], who: str) -> None:
+    missing = [name for name in names if not hasattr(mesh, name)]
+    if missing:
+        raise InvalidParameter(f"an object of type {type(mesh).__name__} has no {missing[0]}, as {who}")
+
+
+def _space(data: Any) -> dict[str, Any]:
+    """The space that the vertices are in, as `Embedding.to_trimesh` and `Embedding.to_pyvista` say it."""
+    if "curvature" not in data:
+        return {}
+    return {"curvature": float(np.ravel(data["curvature"])[0]), "model": "conformal"}

@@ -1,0 +1,53 @@
+"""What notebooks show of a surface: its page, without a network, or of a large one a picture."""
+
+from __future__ import annotations
+
+import base64
+import io
+from dataclasses import dataclass
+from html import escape
+
+from isoembed.io.files import FileError
+from isoembed.plot.page import page_html
+from isoembed.plot.picture import figure
+from isoembed.surface.embedding import Embedding
+from isoembed.thresholds import threshold
+
+
+@dataclass(frozen=True)
+class NotebookThresholds:
+    """Thresholds of what notebooks show."""
+
+    page: int = threshold(
+        2000, "vertices", "Number up to which notebooks show pages; longer ones take long to prove."
+    )
+    height: int = threshold(560, "pixels", "Height of a page in a notebook.")
+
+
+NOTEBOOK = NotebookThresholds()
+
+
+def notebook_html(embedding: Embedding) -> str | None:
+    """HTML of a surface in a notebook.
+
+    Returns
+    -------
+    str or None
+        A frame with the page of `isoembed.plot.write_page`, which loads nothing from anywhere; of more than
+        2,000 vertices a picture.  None, so that the notebook shows the text, without matplotlib.
+    """
+    if embedding.triangulation.n_vertices <= NOTEBOOK.page:
+        page = escape(page_html(embedding, title="Surface"))
+        return (
+            f'<iframe srcdoc="{page}" title="{escape(repr(embedding))}" '
+            'sandbox="allow-scripts allow-downloads" loading="lazy" '
+            f'style="width: 100%; height: {NOTEBOOK.height}px; border: 0"></iframe>'
+        )
+    try:
+        drawn = figure(embedding)
+    except FileError:
+        return None
+    picture = io.BytesIO()
+    drawn.savefig(picture, format="png", dpi=100)
+    data = base64.b64encode(picture.getvalue()).decode("ascii")
+    return f'<img src="data:image/png;base64,{data}" alt="{escape(repr(embedding))}">'

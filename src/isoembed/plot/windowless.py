@@ -1,0 +1,20 @@
+"""Figures of matplotlib without a window.  It is imported here, so import this where a figure is drawn."""
+
+import io
+from typing import Any
+
+from matplotlib.backends.backend_agg import FigureCanvasAgg
+from matplotlib.figure import Figure
+
+
+class WindowlessFigure(Figure):
+    """A figure with a canvas of its own, without pyplot and its global state, that notebooks show."""
+
+    def __init__(self, width: float, height: float, **options: Any) -> None:
+        super().__init__(figsize=(width, height), **options)
+        FigureCanvasAgg(self)
+
+    def _repr_png_(self) -> bytes:
+        picture = io.BytesIO()
+        self.savefig(picture, format="png")
+        return picture.getvalue()

@@ -1,0 +1,166 @@
+"""Sensitivity of a surface to its lengths: derivatives, and what errors of the lengths do."""
+
+from abc import abstractmethod
+from functools import cached_property
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from isoembed.arrays import Floats
+from isoembed.errors import InvalidParameter
+from isoembed.metric.polyhedral import PolyhedralMetric
+from isoembed.surface.derivatives import LengthDerivatives, Variation, checked
+from isoembed.surface.deviation import Deviation, proven_distance
+from isoembed.surface.length_equations import NotProven
+
+
+class Sensitivity:
+    """How the vertices of an `Embedding` follow its lengths, and how far errors of these may take them."""
+
+    metric: PolyhedralMetric
+    vertices: Floats
+
+    @property
+    @abstractmethod
+    def _normalized(self) -> Floats:
+        """The vertices in the unit of the normalized metric."""
+
+    @cached_property
+    def _derivatives(self) -> LengthDerivatives:
+        """J and its factors where the vertices are, kept for all derivatives."""
+        normalized = self.metric.normalized
+        return LengthDerivatives.of(
+            self.metric.triangulation, self._normalized, normalized.lengths, normalized.space
+        )
+
+    def jvp(self, changes: ArrayLike) -> Floats:
+        """How the vertices move, to first order, when the lengths change.
+
+        The first call factors J J^T, as a step of Newton's method does, and keeps the factors.
+
+        Parameters
+        ----------
+        changes : array_like, shape (..., E)
+            Of the lengths, in the order of the metric's edges.
+
+        Returns
+        -------
+        ndarray, shape (..., V, 3)
+            ``J^+ dl``, in the same unit, without translation and rotation.  (In hyperbolic and spherical
+            space, of least norm among the motions w z by z.)
+
+        Raises
+        ------
+        InvalidParameter
+            The changes have another shape or are not finite.
+        SingularMatrix
+            The surface is not infinitesimally rigid: a vertex is flat, as they are in the faces of a
+            `ConvexPolyhedron`.
+        OutOfMemory
+            The factors need more memory than is free.
+        """
+        return self._derivatives.jvp(checked(changes, self.metric.lengths.shape, "changes"))
+
+    def vjp(self, gradient: ArrayLike) -> Floats:
+        """Derivatives by the lengths of a function of the vertices, from its derivatives by these.
+
+        Parameters
+        ----------
+        gradient : array_like, shape (..., V, 3)
+            Of a function that rigid motions do not change; of others, what motions without translation and
+            rotation change.
+
+        Returns
+        -------
+        ndarray, shape (..., E)
+            ``(J^+)^T g``, the transpose of `jvp`, by the same factors.
+
+        Raises
+        ------
+        InvalidParameter, SingularMatrix, OutOfMemory
+            As `jvp`.
+        """
+        return self._derivatives.vjp(checked(gradient, (len(self.vertices), 3), "gradient"))
+
+    def variation(self, changes: ArrayLike) -> Variation:
+        """First and second derivatives of a surface in R^3 when its lengths are ``l + t dl``.
+
+        Parameters
+        ----------
+        changes : array_like, shape (E,)
+            dl, in the order of the metric's edges.
+
+        Raises
+        ------
+        InvalidParameter
+            As `jvp`, and in space that is curved.
+        SingularMatrix, OutOfMemory
+            As `jvp`.
+        """
+        metric = self.metric
+        if not metric.space.is_euclidean:
+            raise InvalidParameter(
+                f"second derivatives are those of surfaces in R^3, not in {metric.space!r}"
+            )
+        unit, lengths = metric.unit, metric.normalized.lengths
+        dl = checked(changes, lengths.shape, "changes") / unit
+        if dl.ndim > 1:
+            raise InvalidParameter(f"the changes have the shape {dl.shape}, not {lengths.shape}")
+        t, vertices = metric.triangulation, self._normalized
+        return Variation.of(self._derivatives, t, vertices, lengths, dl).scaled(unit)
+
+    def deviation(self, errors: ArrayLike) -> Deviation:
+        """How far a surface in R^3 may be off because its lengths have independent errors, to first order.
+
+        Parameters
+        ----------
+        errors : float or array_like, shape (E,)
+            Standard deviations of the lengths, in their unit: one for all, or one for each edge.
+
+        Raises
+        ------
+        InvalidParameter
+            As `jvp`, in space that is curved, and if an error is negative.
+        SingularMatrix, OutOfMemory
+            As `jvp`.
+        """
+        sigma, unit = self._length_errors(errors), self.metric.unit
+        found = Deviation.of(self._derivatives, self.metric.normalized, self._normalized, sigma)
+        return found.scaled(unit)
+
+    def deviation_bound(self, errors: ArrayLike) -> float:
+        """How far a vertex in R^3 may be off because lengths are: not an estimate, but proven.
+
+        Whatever the lengths are, within these errors of the metric's, a surface has them whose vertices are
+        all within this distance of these; infinite where the errors are too large for the proof.  It is that
+        of a `certificate`.
+
+        Parameters
+        ----------
+        errors : float or array_like, shape (E,)
+            The largest of each length, in their unit: one for all, or one for each edge.
+
+        Raises
+        ------
+        InvalidParameter
+            As `deviation`.
+        """
+        bounds = self._length_errors(errors)
+        try:
+            return self.metric.unit * proven_distance(self.metric.normalized, self._normalized, bounds)
+        except NotProven:
+            return float("inf")
+
+    def _length_errors(self, errors: ArrayLike) -> Floats:
+        """Errors of the lengths in the normalized unit, (E,), checked."""
+        if not self.metric.space.is_euclidean:
+            raise InvalidParameter(f"deviations are those of surfaces in R^3, not in {self.metric.space!r}")
+        given, normalized = np.asarray(errors, dtype=np.float64), self.metric.normalized
+        whole = np.broadcast_to(given, normalized.lengths.shape) if given.ndim == 0 else given
+        sigma = checked(whole, normalized.lengths.shape, "errors")
+        if sigma.ndim > 1:
+            raise InvalidParameter(f"the errors have the shape {sigma.shape}, not {normalized.lengths.shape}")
+        if (sigma < 0).any():
+            e = int(np.argmax(sigma < 0))
+            raise InvalidParameter(f"the error of edge {e} is {sigma[e]}, which is negative")
+        return sigma / self.metric.unit
