@@ -8,6 +8,7 @@ import os
 import pty
 import subprocess
 import sys
+from contextlib import suppress
 from pathlib import Path
 
 import numpy as np
@@ -476,16 +477,14 @@ def test_the_live_view_is_for_terminals(here, quiet):
     command = [*COMMAND, "embed", "metric.json", "--method", "paper", "-o", "a.npz"]
     command += ["--quiet"] if quiet else []
     environment = {**os.environ, "TERM": "xterm", "COLUMNS": "100"}
-    done = subprocess.run(command, stderr=terminal, stdout=subprocess.PIPE, env=environment)
-    os.close(terminal)
-    shown = b""
-    try:
-        while chunk := os.read(main_end, 65536):
-            shown += chunk
-    except OSError:
-        pass  # the terminal is closed: that was all
-    os.close(main_end)
-    assert (done.returncode, done.stdout) == (0, b"")
+    with subprocess.Popen(command, stderr=terminal, stdout=subprocess.PIPE, env=environment) as process:
+        os.close(terminal)
+        shown = b""
+        with suppress(OSError):  # the terminal is closed: that was all
+            while chunk := os.read(main_end, 65536):  # as it comes: a terminal holds little
+                shown += chunk
+        os.close(main_end)
+        assert (process.wait(), process.stdout.read()) == (0, b"")
     assert (b"residual" in shown and b"pull back" in shown) is not quiet
     assert bool(shown) is not quiet
 

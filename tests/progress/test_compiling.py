@@ -33,7 +33,7 @@ def test_a_stage_in_which_functions_are_compiled():
     compilation, work = log.stages
     assert (compilation.name, compilation.iterations, compilation.factorizations) == (COMPILATION, 2, 0)
     assert (work.name, work.iterations) == ("work", 1)
-    assert 0.5 * real < compilation.seconds <= real
+    assert 0 < compilation.seconds <= real
     assert compilation.seconds + work.seconds <= real
     with log.stage("again"):
         outer(4)
@@ -56,9 +56,11 @@ def test_the_clock_stands_still():
 
 
 def test_the_working_clock_is_the_clock_but_for_that():
-    before, outer = working_clock(), fresh()
-    begun, compiled = time.perf_counter(), COMPILING.seconds
+    outer, compiled = fresh(), COMPILING.seconds
+    begun = time.perf_counter()
+    before = working_clock()
     outer(1)
+    worked = working_clock() - before
     passed, compiled = time.perf_counter() - begun, COMPILING.seconds - compiled
-    assert 0 < working_clock() - before < passed
     assert compiled > 0
+    assert 0 < worked <= passed - 0.999 * compiled  # but for rounding

@@ -51,7 +51,7 @@ def scheduler(tmp_path, begin):
     return json.loads(file.read_text())["address"], workers
 
 
-def wait_for(condition, seconds=60.0):
+def wait_for(condition, seconds=300.0):
     end = time.monotonic() + seconds
     while not condition():
         assert time.monotonic() < end

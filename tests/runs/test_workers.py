@@ -19,7 +19,7 @@ if __name__ == "__main__":
     workers = Workers(2)
     numbers = [workers.submit(os.getpid).result() for _ in range(2)]
     for _ in range(2):
-        workers.submit(time.sleep, 60.0)
+        workers.submit(time.sleep, 600.0)
     print(*numbers, flush=True)
     {then}
 """
@@ -35,7 +35,7 @@ def alive(number):
     return False
 
 
-def ends(numbers, seconds=20.0):
+def ends(numbers, seconds=120.0):
     end = time.monotonic() + seconds
     while any(map(alive, numbers)) and time.monotonic() < end:
         time.sleep(0.05)
@@ -49,7 +49,7 @@ def ends(numbers, seconds=20.0):
 def test_processes_end_with_the_one_that_began_them(tmp_path, then):
     script = tmp_path / "script.py"
     script.write_text(SLEEPS.format(then=then))
-    done = subprocess.run([sys.executable, script], capture_output=True, text=True, timeout=60)
+    done = subprocess.run([sys.executable, script], capture_output=True, text=True, timeout=300)
     numbers = [int(number) for number in done.stdout.split()]
     assert len(numbers) == 2, done.stderr
     assert ends(numbers)
@@ -57,9 +57,7 @@ def test_processes_end_with_the_one_that_began_them(tmp_path, then):
 
 def test_as_many_processes_as_are_asked_for():
     with Workers(2) as workers:
-        began = time.monotonic()
         futures = [workers.submit(time.sleep, 0.2) for _ in range(2)]
         wait(futures)
         numbers = {workers.submit(os.getpid).result() for _ in range(4)}
     assert os.getpid() not in numbers and len(numbers) <= 2
-    assert time.monotonic() - began < 20.0

@@ -49,6 +49,6 @@ class Counting(Method):
                 if left == self.stop and kept is None:
                     if self.wait:
                         print("kept", flush=True)
-                        time.sleep(60)
+                        time.sleep(600)
                     os.kill(os.getpid(), self.number)
         return Embedding(metric, x, method=self.name, tolerance=tolerance, stages=log.stages)
