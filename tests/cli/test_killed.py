@@ -51,7 +51,7 @@ def test_killed_at_any_moment(tmp_path):
     metric = PolyhedralMetric.from_mesh(*triangulate(Drum(), 700))
     write_metric(tmp_path / "metric.npz", metric)
     script = KILLED.replace("{moments}", str(MOMENTS))
-    subprocess.run([sys.executable, "-c", script], cwd=tmp_path, check=True, timeout=120)
+    subprocess.run([sys.executable, "-c", script], cwd=tmp_path, check=True, timeout=600)
     whole = np.load(tmp_path / "whole" / "a.npz")["vertices"]
     assert sorted(os.listdir(tmp_path / "whole")) == ["a.npz", "metric.npz", "r.json"]
     left = set()
