@@ -1,7 +1,7 @@
 """Sphinx extension: the page of short examples, with the pictures that they draw when the site is built.
 
-A block ``{examples} TOPIC`` in a page holds names of examples, one a line.  In its place come a row of thumbnails,
-and for each example its title, what its docstring says, its picture and its code.
+A block ``{examples} TOPIC`` in a page holds names of examples, one a line.  In its place come thumbnails, and
+for each example its title, what its docstring says, its picture and its code.
 """
 
 import re
