@@ -21,6 +21,7 @@ from isoembed.cli.status import OK, WRONG
 
 COMMANDS = {
     "certify": "prove that an exact surface is near the one in a file, and that no other one is",
+    "compare": "say how far two surfaces with the same lengths are apart, with proven errors",
     "deviation": "say how far a surface may be off because its lengths have errors",
     "embed": "find the surface in R^3 that has the given edge lengths",
     "energy": "compute quasi-local energies of a surface in spacetime (Hawking, Brown-York, Liu-Yau, ...)",

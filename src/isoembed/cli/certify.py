@@ -3,11 +3,9 @@
 import argparse
 from pathlib import Path
 
-import numpy as np
-
-from isoembed.arrays import Indices
 from isoembed.cli.options import add_json_option, add_merge_option
-from isoembed.cli.screen import UsageError, print_json, print_out
+from isoembed.cli.same_triangles import check_same_triangles
+from isoembed.cli.screen import print_json, print_out
 from isoembed.cli.status import NOT_EMBEDDED, OK
 from isoembed.io import MESH_ENDINGS, read_metric, read_surface
 from isoembed.io.registry import METRIC_ENDINGS
@@ -29,32 +27,10 @@ def run(options: argparse.Namespace) -> int:
     """Print the certificate; return the exit status."""
     metric = read_metric(options.metric, merge=options.merge)
     surface = read_surface(options.surface, merge=options.merge)
-    if surface.space.curvature != metric.space.curvature:
-        raise UsageError(
-            f"{options.surface} is in a space of curvature {surface.space.curvature:g}, the triangles of "
-            f"{options.metric} have the curvature {metric.space.curvature:g}"
-        )
-    count = metric.triangulation.n_vertices
-    if len(surface.vertices) != count:
-        raise UsageError(
-            f"{options.surface} has {len(surface.vertices)} vertices, {options.metric} has {count}"
-        )
-    other = ~np.isin(_keys(metric.faces, count), _keys(surface.faces, count))
-    if other.any():
-        f = int(np.argmax(other))
-        raise UsageError(
-            f"face {f} {metric.faces[f].tolist()} of {options.metric} is not in {options.surface}: a "
-            "certificate is for the same triangles"
-        )
+    check_same_triangles(metric, surface.metric, options.metric, options.surface, "a certificate is for")
     found = certify(metric, surface.vertices)
     if options.json:
         print_json(found.as_json())
     else:
         print_out(found.reason)
     return OK if found.certified else NOT_EMBEDDED
-
-
-def _keys(faces: Indices, vertices: int) -> Indices:
-    """A number for the corners of each face, in whatever order."""
-    a, b, c = np.sort(faces, axis=1).T
-    return np.asarray((a * vertices + b) * vertices + c)

@@ -13,6 +13,7 @@ from isoembed.metric.conformal_sphere import conformal_factors, conformal_sphere
 from isoembed.metric.curvature import area, dual_areas, gaussian_curvature
 from isoembed.metric.delaunay import delaunay
 from isoembed.progress.stages import Log
+from isoembed.surface.comparison import Comparison
 from isoembed.surface.deviation import Deviation
 from isoembed.surface.embedding import Embedding
 from isoembed.thresholds import threshold
@@ -147,6 +148,15 @@ def vertex_deviation(deviation: Deviation) -> Quantity:
     rms = deviation.report["vertices_rms"]
     label = f"deviation of vertices, over {rms:.2g}"
     return Quantity("deviation", label, deviation.vertices / (rms or 1.0))
+
+
+def mean_curvature_difference(comparison: Comparison) -> Quantity:
+    """H of the second surface less that of the first, over the root mean square, which the label states."""
+    differences = comparison.difference.mean_curvature
+    rms = comparison.difference.report["mean_curvature_rms"]
+    return Quantity(
+        "difference of mean curvature", f"difference of $H$, over {rms:.2g}", differences / (rms or 1.0)
+    )
 
 
 QUANTITIES = {

@@ -8,17 +8,17 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 
 from isoembed.arrays import Floats
-from isoembed.linalg.rounding import GUARD
 from isoembed.mesh.triangulation import Triangulation
 from isoembed.metric.polyhedral import PolyhedralMetric
 from isoembed.metric.variation import area_derivative
+from isoembed.surface.changes import Changes
 from isoembed.surface.curvature import dihedral_angles, vertex_areas, vertex_mean_curvature
 from isoembed.surface.derivatives import LengthDerivatives, dihedral_rates, normal_rates, volume_gradient
-from isoembed.surface.nearby_realization import NearbyRealization
 from isoembed.thresholds import threshold
 
 
@@ -37,7 +37,7 @@ DEVIATION = DeviationThresholds()
 
 
 @dataclass(frozen=True, eq=False)
-class Deviation:
+class Deviation(Changes):
     """Standard deviations of a surface in R^3 whose lengths have independent errors, to first order.
 
     Attributes
@@ -55,13 +55,6 @@ class Deviation:
         How many random errors the four arrays are estimated with; 0 if they are exact.
     """
 
-    vertices: Floats
-    normals: Floats
-    dihedral_angles: Floats
-    mean_curvature: Floats
-    area: float
-    volume: float
-    integrated_mean_curvature: float
     correlation: Floats
     probes: int
 
@@ -117,31 +110,10 @@ class Deviation:
             probes=probes,
         )
 
-    def scaled(self, unit: float) -> Deviation:
-        """In another unit: every length, and error of one, times this factor."""
-        return Deviation(
-            vertices=unit * self.vertices,
-            normals=self.normals,
-            dihedral_angles=self.dihedral_angles,
-            mean_curvature=self.mean_curvature / unit,
-            area=unit * (unit * self.area),
-            volume=unit * (unit * (unit * self.volume)),
-            integrated_mean_curvature=unit * self.integrated_mean_curvature,
-            correlation=self.correlation,
-            probes=self.probes,
-        )
-
     @property
-    def report(self) -> dict[str, float]:
-        """Area, volume and int H dA, and of the arrays root mean square and largest."""
-        found: dict[str, float] = {
-            name: getattr(self, name) for name in ("area", "volume", "integrated_mean_curvature")
-        }
-        for name in ("vertices", "normals", "dihedral_angles", "mean_curvature"):
-            values = getattr(self, name)
-            found[f"{name}_rms"] = float(np.sqrt(np.mean(values**2)))
-            found[f"{name}_max"] = float(values.max())
-        return {**found, "relative_error": self.relative_error}
+    def report(self) -> dict[str, Any]:
+        """Area, volume and int H dA; of the arrays root mean square and largest, and `relative_error`."""
+        return {**super().report, "relative_error": self.relative_error}
 
 
 def _units(n: int) -> Iterator[Floats]:
@@ -173,27 +145,3 @@ def _squares(
     areas = vertex_areas(t, x)
     curved = (integrals - vertex_mean_curvature(t, x, areas) * shares) / areas
     return np.einsum("vi,vi->v", v, v), turned**2, bent**2, curved**2
-
-
-def proven_distance(metric: PolyhedralMetric, vertices: Floats, errors: Floats) -> float:
-    """How far errors of the lengths can move a vertex of a surface in R^3, at most, by `nearby_realization`.
-
-    Whatever the lengths are, within these errors of the metric's, a surface has them whose vertices are
-    all within this distance.
-
-    Parameters
-    ----------
-    metric : PolyhedralMetric
-        Normalized.
-    vertices : ndarray, shape (V, 3)
-    errors : ndarray, shape (E,)
-        Upper bounds on the errors, not standard deviations.
-
-    Raises
-    ------
-    NotProven
-        The errors are too large for the proof.
-    """
-    nearby = NearbyRealization.of(metric, vertices, errors, {})
-    _, radius = nearby.newton_kantorovich()
-    return GUARD * nearby.equations.distance(nearby.steps, radius)

@@ -20,6 +20,7 @@ from isoembed.space.models import from_model, to_model
 from isoembed.strict_json import plain
 from isoembed.surface import alignment, convexity, curvature, measures, smoothness
 from isoembed.surface.certificate import NOT_ASKED, Certificate, certify
+from isoembed.surface.comparison import Comparison, compare
 from isoembed.surface.intersection import self_intersections
 from isoembed.surface.nearby_realization import CERTIFICATE
 from isoembed.surface.rigidity import LengthSystem
@@ -342,6 +343,24 @@ class Embedding(Sensitivity, Views):
         if not self.converged:
             return Certificate(False, "not certified, because the lengths miss the tolerance")
         return certify(self.metric, self.vertices)
+
+    def comparison(self, other: "Embedding") -> Comparison:
+        """How another surface in R^3, of the same triangles, differs from this one.
+
+        If both have the same lengths and a `certificate`, it is the exact surfaces that are compared, with
+        proven errors.  That takes three factorizations more for each.
+
+        Parameters
+        ----------
+        other : Embedding
+            Of the same triangles, such as one of the `others`.
+
+        Raises
+        ------
+        InvalidParameter
+            The triangles are others, or space is curved.
+        """
+        return compare(self, other)
 
     @property
     def area(self) -> float:

@@ -89,10 +89,12 @@ class NearbyRealization:
     ----------
     equations : LengthEquations
         About the given vertices.
+    missed : ndarray, shape (E,)
+        Upper bounds on how far the lengths at the given vertices are from any within their errors.
     steps : ndarray, shape (V,)
         How far each point is moved.
-    residual : float
-        rho: upper bound on the norm of F at z.
+    residuals : ndarray, shape (E,)
+        Upper bounds on |F| at z, whatever the lengths are within their errors; their sums rounded.
     sigma : float
         Lower bound on the singular values of J at z.
     mean_length : float
@@ -100,8 +102,9 @@ class NearbyRealization:
     """
 
     equations: LengthEquations
+    missed: Floats
     steps: Floats
-    residual: float
+    residuals: Floats
     sigma: float
     mean_length: float
 
@@ -131,9 +134,9 @@ class NearbyRealization:
         y = -(J.T @ factor.solve(values)).reshape(-1, 3) / equations.weights[:, None]
         steps = np.linalg.norm(y, axis=1)
         values, errors = equations.residuals(y)
-        residual = norm(np.abs(values) + errors + equations.changes_by(length_errors))
+        residuals = np.abs(values) + errors + equations.changes_by(length_errors)
         sigma -= GUARD * 8**0.5 * float(steps.max())
-        return cls(equations, steps, residual, sigma, metric.mean_length)
+        return cls(equations, missed, steps, residuals, sigma, metric.mean_length)
 
     @cached_property
     def step(self) -> float:
@@ -153,7 +156,11 @@ class NearbyRealization:
         NotProven
             h is too large.
         """
-        rho, sigma, least = self.residual + more, self.sigma, float(self.equations.weights.min()) / GUARD
+        rho, sigma, least = (
+            norm(self.residuals) + more,
+            self.sigma,
+            float(self.equations.weights.min()) / GUARD,
+        )
         h = GUARD * 4 * rho / (least * sigma**2) if sigma > 0 else np.inf
         if not h <= CERTIFICATE.largest_h:
             raise NotProven(

@@ -8,9 +8,11 @@ from numpy.typing import ArrayLike
 
 from isoembed.arrays import Floats
 from isoembed.errors import InvalidParameter
+from isoembed.linalg import SingularMatrix
 from isoembed.metric.polyhedral import PolyhedralMetric
-from isoembed.surface.derivatives import LengthDerivatives, Variation, checked
-from isoembed.surface.deviation import Deviation, proven_distance
+from isoembed.surface.derivatives import LengthDerivatives, Variation, checked, volume_gradient
+from isoembed.surface.deviation import Deviation
+from isoembed.surface.deviation_bound import DeviationBound
 from isoembed.surface.length_equations import NotProven
 
 
@@ -128,12 +130,12 @@ class Sensitivity:
         found = Deviation.of(self._derivatives, self.metric.normalized, self._normalized, sigma)
         return found.scaled(unit)
 
-    def deviation_bound(self, errors: ArrayLike) -> float:
-        """How far a vertex in R^3 may be off because lengths are: not an estimate, but proven.
+    def deviation_bound(self, errors: ArrayLike) -> DeviationBound:
+        """How far a surface in R^3 may be off because lengths are: not an estimate, but proven.
 
-        Whatever the lengths are, within these errors of the metric's, a surface has them whose vertices are
-        all within this distance of these; infinite where the errors are too large for the proof.  It is that
-        of a `certificate`.
+        Whatever the lengths are, within these errors of the metric's, there is a surface with them that
+        differs from this one by no more.  The theorem is that of a `certificate`.  With errors of 0 it is how
+        far the exact surface may be.
 
         Parameters
         ----------
@@ -144,12 +146,16 @@ class Sensitivity:
         ------
         InvalidParameter
             As `deviation`.
+        OutOfMemory
+            As `jvp`.
         """
-        bounds = self._length_errors(errors)
+        bounds, metric, x = self._length_errors(errors), self.metric.normalized, self._normalized
         try:
-            return self.metric.unit * proven_distance(self.metric.normalized, self._normalized, bounds)
-        except NotProven:
-            return float("inf")
+            volume_rates = self._derivatives.vjp(volume_gradient(metric.triangulation, x))
+            found = DeviationBound.of(metric, x, bounds, volume_rates)
+        except (SingularMatrix, NotProven) as obstacle:
+            return DeviationBound.unproven(metric.triangulation, str(obstacle))
+        return found.scaled(self.metric.unit)
 
     def _length_errors(self, errors: ArrayLike) -> Floats:
         """Errors of the lengths in the normalized unit, (E,), checked."""

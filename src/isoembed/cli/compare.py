@@ -1,0 +1,132 @@
+"""``isoembed compare``: how two surfaces of the same triangles differ, above all in their curvature."""
+
+import argparse
+from pathlib import Path
+
+import numpy as np
+
+from isoembed.cli.options import add_json_option, add_merge_option, add_output_option
+from isoembed.cli.same_triangles import check_same_triangles
+from isoembed.cli.screen import UsageError, print_json, print_out
+from isoembed.cli.status import NOT_EMBEDDED, OK
+from isoembed.io import (
+    MESH_ENDINGS,
+    SURFACE_ENDINGS,
+    check_output,
+    read_metric,
+    read_surface,
+    write_atomically,
+)
+from isoembed.io.files import Writer, ending
+from isoembed.io.registry import METRIC_ENDINGS
+from isoembed.io.surface import mesh_writer, surface_data
+from isoembed.plot import PICTURE_ENDINGS, picture_writer
+from isoembed.plot.quantity import mean_curvature_difference
+from isoembed.surface.comparison import Comparison
+from isoembed.surface.embedding import Embedding
+from isoembed.surface.estimate import Estimate
+
+NEEDED = "surfaces are compared on"
+SHOWN = {
+    "vertices": "vertices",
+    "normals": "normals",
+    "dihedral_angles": "dihedral",
+    "mean_curvature": "H",
+    "area": "area",
+    "volume": "volume",
+    "integrated_mean_curvature": "int H dA",
+}
+
+
+def configure(parser: argparse.ArgumentParser) -> None:
+    """Add the options of ``isoembed compare``."""
+    endings = " ".join((*METRIC_ENDINGS, *MESH_ENDINGS))
+    parser.add_argument("surface", type=Path, metavar="SURFACE", help=f"vertices and triangles ({endings})")
+    parser.add_argument("other", type=Path, metavar="OTHER", help="another one, of the same triangles")
+    parser.add_argument(
+        "metric",
+        type=Path,
+        nargs="?",
+        metavar="METRIC",
+        help="the lengths that both have (default: those of SURFACE)",
+    )
+    add_output_option(
+        parser,
+        f"{' '.join(SURFACE_ENDINGS)}: SURFACE with what differs at its vertices; "
+        f"{' '.join(PICTURE_ENDINGS)}: a picture of the difference of mean curvature",
+    )
+    add_merge_option(parser)
+    add_json_option(parser)
+
+
+def run(options: argparse.Namespace) -> int:
+    """Compare the surfaces; return the exit status."""
+    output = options.output
+    if output:
+        check_output(output, (*SURFACE_ENDINGS, *PICTURE_ENDINGS))
+        if output.resolve() in {path.resolve() for path in (options.surface, options.other)}:
+            raise UsageError(f"the output is the input {output}")
+    first, second = (read_surface(path, merge=options.merge) for path in (options.surface, options.other))
+    named, metric = options.surface, first.metric
+    if options.metric:
+        named, metric = options.metric, read_metric(options.metric, merge=options.merge)
+        check_same_triangles(metric, first.metric, named, options.surface, NEEDED)
+    check_same_triangles(metric, second.metric, named, options.other, NEEDED)
+    one, other = (
+        Embedding(metric, each.vertices, method=each.method, tolerance=each.tolerance)
+        for each in (first, second)
+    )
+    found = one.comparison(other)
+    if output:
+        write_atomically({output: _writer(output, one, found)})
+    if options.json:
+        print_json(found.report)
+    else:
+        print_out(_summary(one, found))
+    return OK if found.certified else NOT_EMBEDDED
+
+
+def _writer(path: Path, surface: Embedding, found: Comparison) -> Writer:
+    if ending(path) in PICTURE_ENDINGS:
+        return picture_writer(path, surface, color=mean_curvature_difference(found))
+    data = surface_data(surface)
+    data["distance"], data["mean_curvature_difference"] = (
+        found.difference.vertices,
+        found.difference.mean_curvature,
+    )
+    return mesh_writer(path, faces=surface.faces, **data)
+
+
+def _summary(first: Embedding, found: Comparison) -> str:
+    apart, error = found.difference, found.error
+    lines = [found.reason, ""]
+    for name, unit, place in (
+        ("vertices", "", "vertex"),
+        ("normals", " radians", "face"),
+        ("dihedral_angles", " radians", "edge"),
+        ("mean_curvature", "", "vertex"),
+    ):
+        values, errors = np.abs(getattr(apart, name)), getattr(error, name)
+        worst = int(np.argmax(values))
+        lines.append(
+            f"{SHOWN[name]:12}{_known(values[worst], errors.max())}{unit} at most (at {place} {worst}), "
+            f"{np.sqrt(np.mean(values**2)):.3g} in root mean square"
+        )
+    lines.append(f"{SHOWN['area']:12}{'equal' if found.certified else _known(apart.area, error.area)}")
+    for name in ("volume", "integrated_mean_curvature"):
+        change, whole = getattr(apart, name), getattr(first, name)
+        known = _known(change, getattr(error, name))
+        lines.append(f"{SHOWN[name]:12}{known}, {abs(change / whole):.1e} of {whole:.9g}")
+    rough = " and ".join(f"{each:.4g}" for each in found.fine_roughness)
+    lines.append(f"{'roughness':12}{rough}")
+    if found.certified:
+        lines.append("what follows +- is proven, for the exact surfaces")
+    return "\n".join(lines)
+
+
+def _known(value: float, error: float) -> str:
+    """A number and its proven error, if there is one."""
+    if not np.isfinite(error):
+        return f"{value:.6g}"
+    # Neither the error nor the number may be rounded so that they prove less.
+    return f"{Estimate(value, error).rounded} +- {1.12 * error:.1e}"

@@ -1,0 +1,58 @@
+"""How much the quantities of a surface change, or may: standard deviations, bounds, differences."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from typing import Any, Self
+
+import numpy as np
+
+from isoembed.arrays import Floats
+
+INTEGRALS = ("area", "volume", "integrated_mean_curvature")
+LOCAL = ("vertices", "normals", "dihedral_angles", "mean_curvature")
+
+
+@dataclass(frozen=True, eq=False)
+class Changes:
+    """A number for each quantity of a surface.
+
+    Attributes
+    ----------
+    vertices : ndarray, shape (V,)
+        Of how far each vertex moves.
+    normals : ndarray, shape (F,)
+        Of the radians by which each triangle turns its normal.
+    dihedral_angles : ndarray, shape (E,)
+    mean_curvature : ndarray, shape (V,)
+    area, volume, integrated_mean_curvature : float
+    """
+
+    vertices: Floats
+    normals: Floats
+    dihedral_angles: Floats
+    mean_curvature: Floats
+    area: float
+    volume: float
+    integrated_mean_curvature: float
+
+    def scaled(self, unit: float) -> Self:
+        """In another unit: every length, and error of one, times this factor."""
+        return replace(
+            self,
+            vertices=unit * self.vertices,
+            mean_curvature=self.mean_curvature / unit,
+            area=unit * (unit * self.area),
+            volume=unit * (unit * (unit * self.volume)),
+            integrated_mean_curvature=unit * self.integrated_mean_curvature,
+        )
+
+    @property
+    def report(self) -> dict[str, Any]:
+        """Area, volume and int H dA, and of the arrays root mean square and largest."""
+        found: dict[str, Any] = {name: getattr(self, name) for name in INTEGRALS}
+        for name in LOCAL:
+            values = np.abs(getattr(self, name))
+            found[f"{name}_rms"] = float(np.sqrt(np.mean(values**2)))
+            found[f"{name}_max"] = float(values.max())
+        return found

@@ -1,0 +1,79 @@
+"""``isoembed compare``: two surfaces in files."""
+
+import numpy as np
+import pytest
+
+import isoembed
+import zoo
+from isoembed.gallery import HarmonicSurface, triangulate
+from isoembed.io import read_surface, write_metric, write_surface
+from strict_json import strict
+
+
+@pytest.fixture(scope="module")
+def realizations():
+    """The saddle of docs/which-method.md, which has two."""
+    saddle = HarmonicSurface(degree=2, order=2, amplitude=0.35)
+    surface = isoembed.embed(isoembed.PolyhedralMetric.from_mesh(*triangulate(saddle, 300, irregular=1)))
+    return surface, *surface.others
+
+
+@pytest.fixture
+def files(call, realizations):
+    """A metric, m.npz, and two surfaces, a.ply and b.npz."""
+    first, second = realizations
+    write_metric("m.npz", first.metric)
+    write_surface("a.ply", first)
+    write_surface("b.npz", second)
+    return first.comparison(second)
+
+
+def test_two_realizations(call, files):
+    status, out, err = call("compare", "a.ply", "b.npz", "m.npz")
+    assert (status, err) == (0, "")
+    assert out.startswith(
+        "proven to be two exact surfaces with these lengths, 0.0118 mean edge lengths apart"
+    )
+    assert f"(at edge {np.argmax(np.abs(files.difference.dihedral_angles))})" in out
+    assert "area        equal\n" in out
+    found = strict(call("compare", "a.ply", "b.npz", "m.npz", "--json")[1])
+    assert (found["certified"], found["same"]) == (True, False)
+    assert found["difference"] == pytest.approx(files.difference.report, abs=1e-10)
+    assert found["distance"] > found["isolation"] > 1e6 * found["distance_error"]
+
+
+def test_by_default_the_lengths_are_those_of_the_first(call, files):
+    status, out, _ = call("compare", "a.ply", "b.npz")
+    assert status == 0 and out.startswith("proven to be two exact surfaces")
+    write_surface("same.obj", read_surface("a.ply"))
+    assert call("compare", "a.ply", "same.obj")[1].startswith("proven to be the same exact surface\n")
+
+
+def test_surface_and_picture(call, files):
+    assert call("compare", "a.ply", "b.npz", "m.npz", "-o", "d.npz")[0] == 0
+    written = np.load("d.npz")
+    assert np.allclose(written["distance"], files.difference.vertices, atol=1e-10)
+    assert np.allclose(written["mean_curvature_difference"], files.difference.mean_curvature, atol=1e-9)
+    assert call("compare", "a.ply", "b.npz", "-o", "d.svg")[0] == 0
+    status, _, err = call("compare", "a.ply", "b.npz", "-o", "b.npz")
+    assert status == 2 and "the output is the input b.npz" in err
+
+
+def test_what_is_not_proven(call, files, realizations):
+    first, _ = realizations
+    np.savez("c.npz", vertices=1.001 * first.vertices, faces=first.faces)
+    status, out, err = call("compare", "a.ply", "c.npz", "m.npz")
+    assert (status, err) == (3, "")
+    assert "because the second is not certified, because the lengths miss the tolerance" in out
+    assert "+-" not in out
+    found = strict(call("compare", "a.ply", "c.npz", "--json")[1])
+    assert found["error"]["volume"] is None and found["difference"]["volume"] > 0
+
+
+def test_files_that_do_not_go_together(call, files):
+    vertices, faces = zoo.icosahedron()
+    np.savez("small.npz", vertices=vertices, faces=faces)
+    status, _, err = call("compare", "a.ply", "small.npz")
+    assert (status, err) == (2, "isoembed: error: small.npz has 12 vertices, a.ply has 300\n")
+    status, _, err = call("compare", "small.npz", "a.ply", "m.npz")
+    assert (status, err) == (2, "isoembed: error: small.npz has 12 vertices, m.npz has 300\n")
