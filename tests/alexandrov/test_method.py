@@ -164,6 +164,24 @@ def test_noise_is_repaired_where_asked_and_reported(noise):
     assert embed(metric, method=Alexandrov(repair=noise)).report["repair"] is None
 
 
+def test_noise_that_shows_once_negative_deficits_are_lifted():
+    # One corner is so shallow that the worst of the noise is more than a thirtieth of its deficit.
+    corners, faces = zoo.octahedron()
+    n, (a, b, c) = len(corners), faces[0]
+    corners = np.vstack([corners, 1.01 * corners[faces[0]].mean(axis=0)])
+    body = corners, np.vstack([faces[1:], [[a, b, n], [b, c, n], [c, a, n]]])
+    vertices, faces = with_centers(*zoo.subdivided(*body))
+    metric = PolyhedralMetric.from_mesh(vertices, faces)
+    noise = 3e-7 * np.random.default_rng(1).normal(size=len(metric.lengths))
+    noisy = metric.with_lengths(metric.lengths * (1 + noise))
+    deficits = GluedMetric.of(noisy).deficits
+    level = -3 * deficits.min()
+    assert level < deficits[n] < 30 * level
+    found = embed(noisy, method=Alexandrov(repair=level))
+    assert len(found.flat_vertices) == len(vertices) - n - 1
+    assert zoo.aligned(found.vertices, vertices) < 1e-4
+
+
 def test_the_noise_is_a_number_of_radians():
     with pytest.raises(isoembed.InvalidParameter, match="repair is -1"):
         Alexandrov(repair=-1)

@@ -10,7 +10,7 @@ from hypothesis import strategies as st
 
 import zoo
 from isoembed.linalg import SingularMatrix, dissect
-from isoembed.linalg.definite import _distance_to_definite, prove_definite
+from isoembed.linalg.definite import Pivots, prove_definite
 from isoembed.linalg.superlu import symmetric_lu
 from isoembed.mesh.triangulation import Triangulation
 
@@ -55,7 +55,7 @@ def test_the_bound_holds_in_fractions_and_is_half_of_the_eigenvalue(seed, n):
 @given(st.integers(0, 10**6))
 def test_eigenvalues_are_no_farther_below_zero_than_is_said(seed):
     matrix = random_definite(6, seed, decades=6.0)
-    bound = _distance_to_definite(symmetric_lu(sp.csc_array(matrix)))
+    bound = Pivots.of(symmetric_lu(sp.csc_array(matrix))).largest_error()
     least = np.linalg.eigvalsh(matrix)[0]
     raised = [[Fraction(a) + (i == j) * Fraction(bound) for j, a in enumerate(matrix[i])] for i in range(6)]
     assert least > 0 or exactly_definite(raised)

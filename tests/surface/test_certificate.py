@@ -142,7 +142,7 @@ def test_too_little_memory(monkeypatch):
     def refused(*_):
         raise MemoryError
 
-    monkeypatch.setattr(nearby_realization, "prove_definite", refused)
+    monkeypatch.setattr(nearby_realization, "prove_row_rank", refused)
     vertices, faces = dented()
     found = certify(PolyhedralMetric.from_mesh(vertices, faces), vertices)
     assert found.reason == "not certified, because there is not enough memory for the factors of J J^T"

@@ -28,7 +28,7 @@ from isoembed.intrinsic.insert_vertices import insert_vertices
 from isoembed.metric.convexity import deficit_rounding, flattening_advice
 from isoembed.metric.glued import GluedMetric
 from isoembed.metric.polyhedral import PolyhedralMetric
-from isoembed.metric.repair import Repair, repaired
+from isoembed.metric.repair import Repair, repaired, small_by_far
 from isoembed.progress.stages import Log, StageRecorder
 from isoembed.space import Space
 from isoembed.space.models import to_model
@@ -97,7 +97,26 @@ class Alexandrov(Method):
         NotEmbedded
             No polyhedron was found; the exception holds an attempt on the given triangles.
         """
-        metric, repair = repaired(metric, self.repair, tolerance)
+        lifted, repair = repaired(metric, self.repair, tolerance)
+        answer = self._search(lifted, repair, tolerance, log)
+        if isinstance(answer, ConvexPolyhedron) and answer.converged:
+            return answer
+        given = GluedMetric.of(lifted)
+        flat = small_by_far(given.deficits, self.repair)
+        if repair.vertices.size and flat.any():
+            # Only now that the negative ones are lifted it shows which deficits are noise.
+            lifted, repair = repaired(metric, self.repair, tolerance, flat=flat)
+            answer = self._search(lifted, repair, tolerance, log)
+            if isinstance(answer, ConvexPolyhedron) and answer.converged:
+                return answer
+            given = GluedMetric.of(lifted)
+        rounding = deficit_rounding(given.faces, given.face_lengths)
+        raise NotEmbedded(answer.message + flattening_advice(given.deficits, rounding), answer)
+
+    def _search(
+        self, metric: PolyhedralMetric | GluedMetric, repair: Repair, tolerance: float, log: Log
+    ) -> Embedding:
+        """The polyhedron of a metric without negative deficits, or an attempt."""
         given = GluedMetric.of(metric)
         rounding = deficit_rounding(given.faces, given.face_lengths)
         # A deficit within the tolerance can be told from none only by trying.
@@ -115,9 +134,7 @@ class Alexandrov(Method):
             answer = search.answer()
             if isinstance(answer, ConvexPolyhedron) and answer.converged:
                 break
-        if isinstance(answer, ConvexPolyhedron) and answer.converged:
-            return answer
-        raise NotEmbedded(answer.message + flattening_advice(given.deficits, rounding), answer)
+        return answer
 
 
 @dataclass(frozen=True, eq=False)

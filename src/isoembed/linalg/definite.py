@@ -20,6 +20,8 @@ A from below.  The idea is Rump's (Verification of positive definiteness, BIT 46
 priori on the error of Cholesky's method, which would be some ten thousand times as large here.
 """
 
+from __future__ import annotations
+
 from dataclasses import dataclass
 
 import numpy as np
@@ -80,36 +82,99 @@ def prove_definite(matrix: sp.csc_array, order: Indices) -> PositiveDefinite:
         The matrix is not positive definite, or too little so for rounding to leave a proof.
     """
     permuted = sp.csc_array(matrix[order][:, order])
-    lu = symmetric_lu(permuted)
-    x = np.random.default_rng(0).normal(size=order.size)
-    for _ in range(DEFINITENESS.iterations):
-        x = lu.solve(x / np.linalg.norm(x))
-    shift = float(DEFINITENESS.share / np.linalg.norm(x))
-    shifted = sp.csc_array(permuted - shift * sp.eye_array(order.size, format="csc"))
-    lost = _distance_to_definite(symmetric_lu(shifted)) + U * float(np.abs(shifted.diagonal()).max())
+    lu, estimate = least_eigenvalue(permuted)
+    shift = DEFINITENESS.share * estimate
+    lost = lost_to_rounding(permuted, shift)
     if not lost < shift:
-        raise SingularMatrix(
-            "the matrix cannot be proven positive definite: its least eigenvalue is about "
-            f"{shift / DEFINITENESS.share:.1e}, and rounding takes up to {lost:.1e}"
-        )
+        raise hidden(estimate, lost)
     return PositiveDefinite((shift - lost) / GUARD, lu, order)
 
 
-def _distance_to_definite(lu: SuperLU) -> float:
-    """Bound how far, if at all, eigenvalues of the factored matrix are below zero."""
-    upper = lu.U
-    pivots = upper.diagonal()
-    if has_row_exchanges(lu) or not (pivots > 0).all():  # an exchange avoids a pivot of zero
+def least_eigenvalue(matrix: sp.csc_array) -> tuple[SuperLU, float]:
+    """The factors of a symmetric matrix in its own order, and its least eigenvalue, by inverse iteration."""
+    lu = symmetric_lu(matrix)
+    x = np.random.default_rng(0).normal(size=matrix.shape[0])
+    for _ in range(DEFINITENESS.iterations):
+        x = lu.solve(x / np.linalg.norm(x))
+    return lu, float(1 / np.linalg.norm(x))
+
+
+def lost_to_rounding(matrix: sp.csc_array, shift: float) -> float:
+    """Bound how far the eigenvalues of a symmetric matrix may be below this shift, if at all.
+
+    Raises
+    ------
+    SingularMatrix
+        One is below it, as far as floats tell.
+    """
+    shifted = sp.csc_array(matrix - shift * sp.eye_array(matrix.shape[0], format="csc"))
+    factors = Pivots.of(symmetric_lu(shifted))
+    if factors.negative:
         raise SingularMatrix("the matrix is not positive definite")
-    lower = lu.L
-    roundings = np.bincount(lower.indices, minlength=pivots.size) + DEFINITENESS.spare
-    relative = roundings * U / (1 - roundings * U)
-    rest = abs(upper - sp.diags_array(pivots) @ lower.T) + 4 * U * abs(upper)
-    lower, upper = abs(lower), abs(upper)
-    v, bound = np.ones(pivots.size), np.inf
-    for _ in range(DEFINITENESS.products):
-        w = (relative * (lower @ (upper @ v)) + upper.T @ (lower.T @ (relative * v))) / 2
-        w += rest.T @ (rest @ v / pivots) / 4
-        bound = min(bound, float((w / v).max()))
-        v = np.maximum(w / w.max(), DEFINITENESS.least)
-    return bound * GUARD + UNDERFLOW
+    return factors.largest_error() + U * float(np.abs(shifted.diagonal()).max())
+
+
+def hidden(estimate: float, lost: float) -> SingularMatrix:
+    """The refusal of a matrix whose least eigenvalue rounding may undo."""
+    return SingularMatrix(
+        "the matrix cannot be proven positive definite: its least eigenvalue is about "
+        f"{estimate:.1e}, and rounding takes up to {lost:.1e}"
+    )
+
+
+@dataclass(frozen=True, eq=False)
+class Pivots:
+    """Factors without exchanges, and what bounds their errors.
+
+    Attributes
+    ----------
+    lower, upper : sparse CSC, (n, n)
+        Sizes of the entries of the factors.
+    rest : sparse CSC, (n, n)
+        Of ``G = U - D L^T``, rounded up.
+    pivots : ndarray, shape (n,)
+        D.
+    relative : ndarray, shape (n,)
+        Relative errors of the sums in each row.
+    """
+
+    lower: sp.csc_array
+    upper: sp.csc_array
+    rest: sp.csc_array
+    pivots: Floats
+    relative: Floats
+
+    @classmethod
+    def of(cls, lu: SuperLU) -> Pivots:
+        """Take the factors of SuperLU; raises SingularMatrix where rows were exchanged or a pivot is zero."""
+        upper = lu.U
+        pivots = upper.diagonal()
+        if has_row_exchanges(lu) or not (pivots != 0).all():  # an exchange avoids a pivot of zero
+            raise SingularMatrix("the matrix is not positive definite")
+        lower = lu.L
+        roundings = np.bincount(lower.indices, minlength=pivots.size) + DEFINITENESS.spare
+        relative = roundings * U / (1 - roundings * U)
+        rest = abs(upper - sp.diags_array(pivots) @ lower.T) + 4 * U * abs(upper)
+        return cls(abs(lower), abs(upper), rest, pivots, relative)
+
+    @property
+    def negative(self) -> int:
+        """How many pivots are."""
+        return int((self.pivots < 0).sum())
+
+    def errors(self, v: Floats) -> Floats:
+        """The product with B of a positive vector, (n,)."""
+        w = (
+            self.relative * (self.lower @ (self.upper @ v))
+            + self.upper.T @ (self.lower.T @ (self.relative * v))
+        ) / 2
+        return np.asarray(w + self.rest.T @ (self.rest @ v / np.abs(self.pivots)) / 4)
+
+    def largest_error(self) -> float:
+        """Upper bound on the spectral radius of B."""
+        v, bound = np.ones(self.pivots.size), np.inf
+        for _ in range(DEFINITENESS.products):
+            w = self.errors(v)
+            bound = min(bound, float((w / v).max()))
+            v = np.maximum(w / w.max(), DEFINITENESS.least)
+        return bound * GUARD + UNDERFLOW

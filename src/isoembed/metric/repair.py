@@ -94,7 +94,9 @@ class Repair:
         }
 
 
-def repaired(metric: Metric, noise: float, tolerance: float = 0.0) -> tuple[Metric, Repair]:
+def repaired(
+    metric: Metric, noise: float, tolerance: float = 0.0, *, flat: Mask | None = None
+) -> tuple[Metric, Repair]:
     """Flatten vertices whose deficits are within the noise, or at least lift negative deficits to zero.
 
     Parameters
@@ -105,6 +107,8 @@ def repaired(metric: Metric, noise: float, tolerance: float = 0.0) -> tuple[Metr
     tolerance : float
         Of the lengths, relative: deficits that are negative by so few radians may be met within it, and are
         no reason to refuse the metric.
+    flat : ndarray of bool, shape (V,), optional
+        The vertices that are to be flat; by default the deficits tell.
 
     Returns
     -------
@@ -132,7 +136,7 @@ def repaired(metric: Metric, noise: float, tolerance: float = 0.0) -> tuple[Metr
         doubt = precision.name, precision.length_error * spread
     level = max(noise, min(tolerance, CONVEXITY.most))
     check_convex(before, np.maximum(rounding, level), doubt)
-    flat = _to_be_flat(before, level)
+    flat = small_by_far(before, level) if flat is None else flat
     changed = (np.where(flat, np.abs(before), -before) > rounding) & (noise > 0)
     u = np.zeros(given.n_vertices)
     result, left = metric, math.inf
@@ -159,7 +163,7 @@ def repaired(metric: Metric, noise: float, tolerance: float = 0.0) -> tuple[Metr
     )
 
 
-def _to_be_flat(deficits: Floats, noise: float) -> Mask:
+def small_by_far(deficits: Floats, noise: float) -> Mask:
     """All vertices within the noise, if the deficits of the others are larger by far; otherwise none."""
     within = np.abs(deficits) <= noise
     if within.all() or deficits[~within].min() < CONVEXITY.gap * np.abs(deficits[within]).max(initial=0.0):

@@ -5,6 +5,7 @@ their embedding to many digits in spherical harmonics, which begins with the emb
 from isoembed.smooth.axisymmetric import AxisymmetricEmbedding
 from isoembed.smooth.band import Band
 from isoembed.smooth.coordinates import fitting_coordinates
+from isoembed.smooth.derivatives import MetricDerivatives
 from isoembed.smooth.embedding import SmoothEmbedding
 from isoembed.smooth.gaussian_curvature import gaussian_curvature
 from isoembed.smooth.geodesics import geodesic_lengths
@@ -26,6 +27,7 @@ __all__ = [
     "GridMetric",
     "Harmonics",
     "LeastHyperbolic",
+    "MetricDerivatives",
     "PulledBack",
     "SmoothEmbedding",
     "SphereMap",

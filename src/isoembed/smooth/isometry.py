@@ -41,9 +41,12 @@ class IsometryThresholds:
     shrinking: float = threshold(0.3, "relative", "Step over the one before that old equations must attain.")
     exact: float = threshold(1e-13, "relative", "Step over coefficients that is the last.")
     steps: int = threshold(30, "count", "Most steps.")
+    sweeps: int = threshold(2, "count", "Of refinement of displacements.")
 
 
 ISOMETRY = IsometryThresholds()
+
+TINY = float(np.finfo(np.float64).tiny)
 
 
 @dataclass(frozen=True)
@@ -223,6 +226,12 @@ class IsometrySystem:
             changes[k, 1:] = self.unit * solve(self._gradient(tangents, residuals))
         return changes
 
+    def linearized(self, coefficients: Floats) -> LinearizedStrains:
+        """The strains at X in R^3, with coefficients (size, 3), to first order."""
+        C = coefficients[1:] / self.unit
+        tangents = self._tangents(C)
+        return LinearizedStrains(self, tangents, self._turns(C), self._normal_equations(C, tangents))
+
     @cached_property
     def _centered(self) -> Floats:
         """The harmonics (n, m) less their means over the area."""
@@ -294,3 +303,61 @@ class IsometrySystem:
             i, j = (k + 1) % 3, (k + 2) % 3
             rows[k, j], rows[k, i] = moments[i], -moments[j]
         return rows.reshape(3, -1)
+
+
+@dataclass(frozen=True, eq=False)
+class LinearizedStrains:
+    """The strains of a surface in R^3 to first order in displacements without translation and rotation.
+
+    Attributes
+    ----------
+    system : IsometrySystem
+    tangents : Tangents
+        Of the surface.
+    turns : ndarray, shape (3, 3 m)
+        Rows that are zero for steps without rotation.
+    solve : callable
+        Solves the normal equations, nearly.
+    """
+
+    system: IsometrySystem
+    tangents: Tangents
+    turns: Floats
+    solve: Callable[[Floats], Floats]
+
+    def displacements(self, strains: Floats) -> tuple[Floats, float]:
+        """Coefficients (size, 3) of displacements whose strains come nearest to these (n, 3).
+
+        With them, what they leave of the strains, relative, root mean square.
+        """
+        wanted = self.system.root[:, None] * strains
+        d = self.solve(self._adjoint(wanted))
+        for _ in range(ISOMETRY.sweeps):
+            d = d + self.solve(self._adjoint(wanted - self._rates(d)))
+        left = float(np.linalg.norm(wanted - self._rates(d))) / max(float(np.linalg.norm(wanted)), TINY)
+        return self.system.unit * np.concatenate([np.zeros((1, 3)), d]), left
+
+    def by_strains(self, gradient: Floats) -> Floats:
+        """Derivatives by the strains (n, 3) from those by the coefficients (size, 3)."""
+        g = self.system.unit * gradient[1:]
+        z = self.solve(g)
+        for _ in range(ISOMETRY.sweeps):
+            z = z + self.solve(g - self._normal(z))
+        return self.system.root[:, None] * self._rates(z)
+
+    def _rates(self, d: Floats) -> Floats:
+        """Weighted strains (n, 3) of displacements (m, 3)."""
+        (X1, X2), (d1, d2) = (np.moveaxis(each, 1, 0) for each in (self.tangents.vectors, self.system.B @ d))
+        rates = [
+            2.0 * np.einsum("ni,ni->n", X1, d1),
+            np.sqrt(2.0) * (np.einsum("ni,ni->n", X1, d2) + np.einsum("ni,ni->n", X2, d1)),
+            2.0 * np.einsum("ni,ni->n", X2, d2),
+        ]
+        return self.system.root[:, None] * np.stack(rates, axis=1)
+
+    def _adjoint(self, r: Floats) -> Floats:
+        return self.system._gradient(self.tangents, r)
+
+    def _normal(self, z: Floats) -> Floats:
+        turned = (self.turns.T @ (self.turns @ z.T.ravel())).reshape(3, -1).T
+        return np.asarray(self._adjoint(self._rates(z)) + turned)

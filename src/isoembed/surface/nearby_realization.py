@@ -44,7 +44,7 @@ Euclidean norm of all vertices together, R would be smaller by the root of V.
 
 Here z is x plus one step of Newton's method, as a sum that is never rounded, with F(z) evaluated to twice
 the digits of floats.  So |F(z)| is some 1e-27, and the distance is the length of that step.  sigma comes from
-a proof that J J^T - s is positive definite (`prove_definite`).
+`prove_row_rank`, a proof that J J^T - s is positive definite.
 """
 
 from __future__ import annotations
@@ -54,12 +54,13 @@ from functools import cached_property
 from typing import Any
 
 import numpy as np
-from scipy.sparse import csc_array, csr_array
+from scipy.sparse import csr_array
 
 from isoembed.arrays import Floats
 from isoembed.linalg import SingularMatrix, dissect
-from isoembed.linalg.definite import PositiveDefinite, prove_definite
+from isoembed.linalg.definite import PositiveDefinite
 from isoembed.linalg.rounding import GUARD, U, gamma
+from isoembed.linalg.row_rank import prove_row_rank
 from isoembed.metric.curvature import deficits
 from isoembed.metric.polyhedral import PolyhedralMetric
 from isoembed.surface.length_equations import LengthEquations, NotProven
@@ -228,7 +229,7 @@ def _factored(metric: PolyhedralMetric, J: csr_array) -> tuple[PositiveDefinite,
     """Factor J J^T, and bound the singular values of the exact J from below."""
     t = metric.triangulation
     try:
-        factor = prove_definite(csc_array(J @ J.T), dissect(t.adjacency).edge_order(t.edges))
+        factor, sigma = prove_row_rank(J, dissect(t.adjacency).edge_order(t.edges))
     except SingularMatrix as error:
         epsilon = deficits(metric)
         v = int(np.argmin(np.abs(epsilon)))
@@ -238,7 +239,7 @@ def _factored(metric: PolyhedralMetric, J: csr_array) -> tuple[PositiveDefinite,
         ) from error
     except MemoryError as error:
         raise NotProven("there is not enough memory for the factors of J J^T") from error
+    # The entries of J took three roundings each.
     sizes = abs(J)
-    # An entry of J J^T is a sum of at most six products of entries that took three roundings each.
-    rounding = GUARD * gamma(14) * float((sizes @ (sizes.T @ np.ones(len(t.edges)))).max())
-    return factor, float(np.sqrt(max(0.0, factor.eigenvalue - rounding))) / GUARD
+    rounding = GUARD * gamma(4) * float(np.sqrt((sizes @ (sizes.T @ np.ones(len(t.edges)))).max()))
+    return factor, sigma - rounding

@@ -1,0 +1,182 @@
+"""A proof, in floats, that a sparse matrix J has full row rank, and how large its singular values are.
+
+The eigenvalues of ``A = J J^T`` are bounded from below as in `isoembed.linalg.definite`.  Where rounding may
+take more than the least of them, the few soft directions are treated on their own.  Let the m columns of V
+be near the eigenvectors of the least eigenvalues; nu a number that rounding does not hide; and let
+
+    K = [ A - nu    s V      ]
+        [ s V^T    -s^2/tau I]
+
+be factored without exchanges.  B being the bound of `definite` on the errors of the factors, which is no
+larger than the diagonal matrix of (B v)_i / v_i for any positive v: K plus that matrix has no more negative
+eigenvalues than there are negative pivots.  Let these be m at most, e the largest entry in the rows of A, and
+the others less than s^2 / tau.  Then the border has m negative eigenvalues, and its Schur complement, which
+is A - nu, plus e at most, plus a matrix that vanishes across V, has none.  So
+
+    w . A w >= (nu - e) |w|^2    for all w orthogonal to V.
+
+Let ``P = (J^T V)^T (J^T V)``, ``G = V^T V`` and ``R = A V - V H``, H being any matrix.  For x = V c + w
+
+    x . (A - t) x >= c . (P - t G) c - 2 |w| |R c| + (nu - e - t) |w|^2,
+
+which is nowhere negative if ``P - t G - R^T R / (nu - e - t)`` has no negative eigenvalue: A has none below
+t.  J^T V is small, and known to many more digits than A V is: t may be far below what rounding takes from
+the factors of A.  (On bounds by residuals see Parlett, The symmetric eigenvalue problem, 1998, chapter 10.)
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+import scipy.sparse as sp
+from scipy.sparse.linalg import LinearOperator, SuperLU, eigsh
+
+from isoembed.arrays import Floats, Indices
+from isoembed.linalg.definite import (
+    DEFINITENESS,
+    Pivots,
+    PositiveDefinite,
+    hidden,
+    least_eigenvalue,
+    lost_to_rounding,
+)
+from isoembed.linalg.rounding import GUARD, UNDERFLOW, U, gamma
+from isoembed.linalg.superlu import symmetric_lu
+from isoembed.thresholds import threshold
+
+
+@dataclass(frozen=True)
+class RowRankThresholds:
+    """Thresholds of the proof that a matrix has full row rank."""
+
+    hopeless: float = threshold(1e-4, "lost to rounding", "Least eigenvalue that is not looked into.")
+    clear: float = threshold(3.0, "lost to rounding", "Of nu.")
+    lifted: float = threshold(1.5, "nu", "Eigenvalues whose vectors are in V.")
+    lift: float = threshold(100.0, "nu", "Of tau.")
+    counts: tuple[int, ...] = threshold((16, 32, 64, 128), "count", "Of vectors that are asked for, in turn.")
+    accurate: float = threshold(1e-5, "relative", "Error of an eigenvalue that ends Lanczos' iteration.")
+    shares: tuple[float, ...] = threshold((0.9, 0.5, 0.2), "relative", "Of the least eigenvalue, in turn.")
+    borders: tuple[float, ...] = threshold((1.0, 0.1, 0.01, 1e-3), "relative", "Of v there, in turn.")
+
+
+ROW_RANK = RowRankThresholds()
+
+
+def prove_row_rank(J: sp.csr_array, order: Indices) -> tuple[PositiveDefinite, float]:
+    """Bound the singular values of a matrix away from zero, (n, k), and factor J J^T.
+
+    Parameters
+    ----------
+    J : sparse CSR, (n, k)
+        What is proven holds for these floats.
+    order : ndarray of int, shape (n,)
+        Elimination order of the rows.
+
+    Returns
+    -------
+    factor : PositiveDefinite
+    sigma : float
+        The n singular values are at least this.
+
+    Raises
+    ------
+    SingularMatrix
+        Rounding leaves no proof.
+    """
+    J = sp.csr_array(J[order])
+    A = sp.csc_array(J @ J.T)
+    lu, estimate = least_eigenvalue(A)
+    shift = DEFINITENESS.share * estimate
+    lost = lost_to_rounding(A, shift) + _forming(J)
+    least = (shift - lost) / GUARD
+    if not lost < shift:
+        if estimate < ROW_RANK.hopeless * lost:
+            raise hidden(estimate, lost)
+        least = _Deflated.of(J, A, lu, ROW_RANK.clear * lost).least_eigenvalue()
+        if not least > 0:
+            raise hidden(estimate, lost)
+    return PositiveDefinite(least, lu, order), float(np.sqrt(least)) / GUARD
+
+
+def _forming(J: sp.csr_array) -> float:
+    """By how much rounding may put the eigenvalues of J J^T off when it is formed."""
+    sizes, n = abs(J), J.shape[0]
+    terms = int(np.diff(J.indptr).max())
+    return GUARD * gamma(terms + 2) * float((sizes @ (sizes.T @ np.ones(n))).max())
+
+
+@dataclass(frozen=True, eq=False)
+class _Deflated:
+    """The soft directions V, (n, m), their eigenvalues, and a bound on A across them."""
+
+    J: sp.csr_array
+    V: Floats
+    eigenvalues: Floats
+    across: float
+
+    @classmethod
+    def of(cls, J: sp.csr_array, A: sp.csc_array, lu: SuperLU, nu: float) -> _Deflated:
+        V, eigenvalues = _soft(A, lu, ROW_RANK.lifted * nu)
+        n, m = V.shape
+        s, diagonal = 2.0 ** np.round(np.log2(nu) / 2), 1 / ROW_RANK.lift
+        W = s * V  # without rounding
+        shifted = sp.csc_array(A - nu * sp.eye_array(n, format="csc"))
+        K = sp.block_array([[shifted, W], [W.T, -diagonal * sp.eye_array(m)]], format="csc")
+        factors = Pivots.of(symmetric_lu(K))
+        across = -np.inf
+        if factors.negative <= m:
+            across = nu - _interior_error(factors, n, diagonal) - U * float(np.abs(shifted.diagonal()).max())
+        return cls(J, V, eigenvalues, across - _forming(J))
+
+    def least_eigenvalue(self) -> float:
+        """Lower bound on the eigenvalues of J J^T; 0 if there is none."""
+        (n, m), J, V = self.V.shape, self.J, self.V
+        sizes, terms = abs(J), max(np.diff(J.indptr).max(), np.bincount(J.indices).max())
+        relative = GUARD * gamma(int(terms) + 4)
+        Y = J.T @ V
+        P, G, R = Y.T @ Y, V.T @ V, J @ Y - V * self.eigenvalues
+        off = relative * (sizes.T @ np.abs(V))  # of Y
+        missed = relative * (sizes @ np.abs(Y) + np.abs(V * self.eigenvalues)) + sizes @ off
+        residual = GUARD * float(np.linalg.norm(R) + np.linalg.norm(missed))
+        size, far, width = (float(np.linalg.norm(each)) for each in (Y, off, V))
+        sums = GUARD * gamma(max(n, J.shape[1]))
+        for share in ROW_RANK.shares:
+            t = share * float(self.eigenvalues.min())
+            if not self.across > 2 * t:
+                continue
+            M = P - t * G
+            error = 2 * size * far + far**2 + sums * (size**2 + t * width**2)
+            error += residual**2 / (self.across - t) + m * m * U * float(np.linalg.norm(M)) + UNDERFLOW
+            if float(np.linalg.eigvalsh((M + M.T) / 2)[0]) > GUARD * error:
+                return t / GUARD
+        return 0.0
+
+
+def _soft(A: sp.csc_array, lu: SuperLU, most: float) -> tuple[Floats, Floats]:
+    """Eigenvectors (n, m) with the eigenvalues (m,) up to `most`, or as many as are worth it."""
+    n = A.shape[0]
+    inverse = LinearOperator((n, n), matvec=lu.solve, dtype=np.float64)
+    start = np.random.default_rng(0).standard_normal(n)
+    for count in ROW_RANK.counts:
+        k = min(count, n - 1)
+        values, vectors = eigsh(inverse, k=k, which="LA", v0=start, tol=ROW_RANK.accurate)
+        values = 1 / values
+        if values.max() > most:
+            break
+    chosen = values <= most
+    return vectors[:, chosen], values[chosen]
+
+
+def _interior_error(factors: Pivots, n: int, border: float) -> float:
+    """The number e, if a vector v leaves the border less than this; infinite if none does."""
+    best = np.inf
+    for share in ROW_RANK.borders:
+        v = np.ones(factors.pivots.size)
+        for _ in range(DEFINITENESS.products):
+            v[n:] = share
+            ratio = factors.errors(v) / v
+            if GUARD * ratio[n:].max() + UNDERFLOW < border:
+                best = min(best, GUARD * float(ratio[:n].max()) + UNDERFLOW)
+            v = np.maximum(ratio * v / (ratio * v)[:n].max(), DEFINITENESS.least)
+    return best
