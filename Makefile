@@ -24,7 +24,7 @@ help:
 	@echo 'make test       run the tests, but for the slow ones'
 	@echo 'make test-slow  run the slow ones: pages of the documentation, whole studies'
 	@echo 'make test-interpreted, make test-compiled  run those of the loops with none compiled, and with all'
-	@echo 'make lint       check style, types and the order of the rooms; make lint-page the script of a page, with npm'
+	@echo 'make lint       check style, types, the order of the rooms and spelling; make lint-page the script of a page, with npm'
 	@echo 'make bench      measure cost against size'
 	@echo 'make docs       build the documentation in site/, the tutorials executed'
 	@echo 'make clean      remove .venv, demo/, reproduction/, site/ and caches'
@@ -49,6 +49,7 @@ lint: $(LINTERS)
 	$(BIN)/ruff format --check .
 	$(BIN)/mypy
 	$(BIN)/lint-imports --no-cache
+	$(BIN)/codespell .ci benchmarks docs examples paper src tests *.md Makefile
 
 lint-page:
 	@cd page-lint && npm install --silent --no-audit --no-fund --no-package-lock && npm run --silent lint

@@ -1,11 +1,15 @@
 """The README and the pages of docs/ are whole: links lead on, every name and option has its place."""
 
 import argparse
+import ast
 import importlib
 import importlib.util
 import inspect
+import json
+import pkgutil
 import re
 from itertools import pairwise
+from urllib.parse import urlsplit
 
 import numpy as np
 import pytest
@@ -17,23 +21,28 @@ from pages import ALIKE, DOCS, PAGES, PICTURE, blocks, difference
 from places import ROOT
 
 LINK = re.compile(r"\]\(([^)#\s]+)[^)]*\)")
+ANCHORED = re.compile(r"\]\(([^)#\s]*)#([^)\s]+)\)")
+EXTERNAL = re.compile(r"\bhttps?:[^\s)>\"'\\]*")
+HEADING = re.compile(r"^#+ (.*)$", re.MULTILINE)
 
+HOSTS = {
+    "arxiv.org",
+    "docs.dask.org",
+    "doi.org",
+    "geometry-central.net",
+    "github.com",
+    "mpi4py.readthedocs.io",
+    "packaging.python.org",
+    "sbozzolo.github.io",
+}
+"""All hosts that pages link to: a new one is looked at once."""
+
+ROOMS = [found.name for found in pkgutil.walk_packages(isoembed.__path__, "isoembed.") if found.ispkg]
 DOCUMENTED = [
-    "isoembed",
-    *(
-        f"isoembed.{room}"
-        for room in (
-            "gallery",
-            "gluing",
-            "io",
-            "linalg",
-            "meshing",
-            "plot",
-            "plot.series",
-            "relativity",
-            "smooth",
-        )
-    ),
+    name
+    for name in ("isoembed", *ROOMS)
+    if hasattr(importlib.import_module(name), "__all__")
+    if name != "isoembed.kernel"  # for those who change the package
 ]
 """The rooms that say what is public in ``__all__``."""
 
@@ -81,23 +90,86 @@ def test_the_colors_of_a_picture_count():
         assert difference(kept, Image.fromarray(np.asarray(drawn.canvas.buffer_rgba()))) > 2 * ALIKE
 
 
-@pytest.mark.parametrize("room", DOCUMENTED)
-def test_every_public_name_has_its_place_in_the_reference(room):
+def texts():
+    """(page, text) of everything that people read: tutorials in their Markdown cells."""
+    for page in [*PAGES, ROOT / "CONTRIBUTING.md", ROOT / "CHANGELOG.md"]:
+        yield page, page.read_text(encoding="utf-8")
+    for page in sorted((DOCS / "tutorials").glob("*.ipynb")):
+        cells = json.loads(page.read_text(encoding="utf-8"))["cells"]
+        yield page, "\n".join("".join(cell["source"]) for cell in cells if cell["cell_type"] == "markdown")
+
+
+def anchors(text):
+    """The anchors that GitHub and the site make of headings."""
+    bare = re.sub(r"^```.*?^```$", "", text, flags=re.MULTILINE | re.DOTALL)
+    words = [re.sub(r"\[([^\]]*)\]\([^)]*\)", r"\1", heading).lower() for heading in HEADING.findall(bare)]
+    return {re.sub(r"[^\w\- ]", "", word).strip().replace(" ", "-") for word in words}
+
+
+@pytest.mark.parametrize(("page", "text"), list(texts()), ids=lambda value: getattr(value, "name", ""))
+def test_anchors_are_those_of_headings(page, text):
+    for target, anchor in ANCHORED.findall(text):
+        if not target.startswith("https:"):
+            other = page.parent / target if target else page
+            assert other.exists() and anchor in anchors(dict(texts())[other.resolve()]), f"{target}#{anchor}"
+
+
+def test_external_links_are_whole_and_lead_to_known_hosts():
+    hosts = set()
+    for page, text in texts():
+        bare = re.sub(r"^```.*?^```$", "", text, flags=re.MULTILINE | re.DOTALL)
+        for link in EXTERNAL.findall(bare):
+            parts = urlsplit(link)
+            assert parts.scheme == "https" and re.fullmatch(r"[\w.-]+\.\w+", parts.netloc), (page.name, link)
+            assert not link.endswith((".", ",", ";")), (page.name, link)
+            hosts.add(parts.netloc)
+    assert hosts - {"keepachangelog.com", "semver.org"} == HOSTS
+
+
+@pytest.fixture(scope="module")
+def reference_names():
+    """What has a place on the API pages."""
     text = "\n".join(page.read_text(encoding="utf-8") for page in (DOCS / "api").glob("*.md"))
-    named = set(re.findall(r"^\.\. auto\w+:: (\S+)$", text, re.MULTILINE))
+    return set(re.findall(r"^\.\. auto\w+:: (\S+)$", text, re.MULTILINE))
+
+
+def is_documented(names, place, name):
+    """Whether a name that can be imported from a place is on an API page, there or where it is at home."""
+    home = getattr(getattr(importlib.import_module(place), name), "__module__", place)
+    return bool({f"{where}.{name}" for where in (place, home, home.rpartition(".")[0], "isoembed")} & names)
+
+
+@pytest.mark.parametrize("room", DOCUMENTED)
+def test_every_public_name_has_its_place_in_the_reference(room, reference_names):
     module = importlib.import_module(room)
-    missing = []
-    for name in module.__all__:
-        if inspect.ismodule(getattr(module, name)):  # it has a page of its own
-            continue
-        home = getattr(getattr(module, name), "__module__", room)
-        aliases = {f"{place}.{name}" for place in (room, home, home.rpartition(".")[0], "isoembed")}
-        if not aliases & named and not name.startswith("__"):
-            missing.append(name)
-    assert not missing
-    for target in named:
+    names = [name for name in module.__all__ if not name.startswith("__") and name != "EUCLIDEAN"]
+    nouns = [
+        name for name in names if not inspect.ismodule(getattr(module, name))
+    ]  # those have their own page
+    assert not [name for name in nouns if not is_documented(reference_names, room, name)]
+
+
+def test_the_reference_has_no_name_that_is_gone(reference_names):
+    for target in reference_names:
         home, _, name = target.rpartition(".")
         assert hasattr(importlib.import_module(home), name), target
+
+
+def test_what_pages_and_examples_import_is_in_the_reference(reference_names):
+    code = [text for page in PAGES for language, _, text in blocks(page) if language == "python"]
+    code += [file.read_text(encoding="utf-8") for file in (DOCS / "examples").glob("*/*.py")]
+    imports = [
+        node
+        for text in code
+        for node in ast.walk(ast.parse(text))
+        if isinstance(node, ast.ImportFrom) and node.module.startswith("isoembed")
+    ]
+    missing = set()
+    for place, name in ((node.module, alias.name) for node in imports for alias in node.names):
+        found = getattr(importlib.import_module(place), name, None)
+        if not (found is None or inspect.ismodule(found) or is_documented(reference_names, place, name)):
+            missing.add(f"{place}.{name}")
+    assert not missing
 
 
 def test_every_page_is_in_the_table_of_contents():

@@ -47,7 +47,7 @@ def dual_area_derivative(metric: PolyhedralMetric) -> csr_array:
 
 
 def area_derivative(metric: PolyhedralMetric) -> Floats:
-    """``d A / d l_e``, shape (E,), in the unit of length."""
+    """Derivative of the area by every length, shape (E,), in the unit of length."""
     shape = Triangles.of(metric.face_lengths, metric.curvature)
     across = np.roll(metric.triangulation.face_edges, -1, axis=1)
     by_side = shape.space.chord(shape.opposite) / shape.space.cs(shape.opposite / 2) * shape.tilts / 2

@@ -169,5 +169,5 @@ def apex(l: float, second: float, third: float, k: float) -> tuple[float, float]
 @kernel
 def _curved_apex(l: float, second: float, third: float, k: float) -> tuple[float, float]:
     side = np.float64(sn(l, k))
-    cancelling = 2 * sn((third - second) / 2, k) * sn((third + second) / 2, k)
-    return (versine(l, k) * cs(third, k) + cancelling) / side, amplitude(l, second, third, k) / side
+    difference = 2 * sn((third - second) / 2, k) * sn((third + second) / 2, k)
+    return (versine(l, k) * cs(third, k) + difference) / side, amplitude(l, second, third, k) / side

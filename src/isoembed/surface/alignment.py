@@ -32,7 +32,19 @@ def best_rotation(points: Floats, onto: Floats, weights: Floats | None = None) -
 
 
 def aligned(vertices: Floats, onto: Floats, space: Space = EUCLIDEAN) -> Floats:
-    """Move vertices, (V, 3), onto their other places, as near as least squares bring them."""
+    """Vertices moved onto their other places, as near as least squares bring them.
+
+    Parameters
+    ----------
+    vertices, onto : ndarray, shape (V, 3)
+        Ambient coordinates in hyperbolic and spherical space.
+    space : Space
+
+    Returns
+    -------
+    ndarray, shape (V, 3)
+        The vertices after a rotation and a translation, without a reflection.
+    """
     if not space.is_euclidean:
         near = _moved_near(space.centered(vertices), space.centered(onto), space)
         return space.translated(near, space.center(onto))
