@@ -27,6 +27,7 @@ from isoembed.aim.convexification import CONVEXIFICATION, Convexification
 from isoembed.aim.diagnosis import diagnosis
 from isoembed.aim.lengths_newton import LENGTHS_NEWTON, newton_on_lengths
 from isoembed.aim.levels import goes_by_levels, pulled_back_by_levels
+from isoembed.aim.mirrored_patches import mirrored_realizations
 from isoembed.aim.nearby_realizations import nearby_realizations
 from isoembed.aim.radii_newton import RADII_NEWTON, newton_on_radii, radii_start
 from isoembed.aim.regularized_continuation import log_linear, regularized_continuation
@@ -39,6 +40,7 @@ from isoembed.linalg import SingularMatrix
 from isoembed.metric.conformal_sphere import conformal_sphere
 from isoembed.metric.curvature import area
 from isoembed.metric.delaunay import delaunay
+from isoembed.metric.dents import dents
 from isoembed.metric.glued import GluedMetric
 from isoembed.metric.polyhedral import PolyhedralMetric
 from isoembed.progress.stages import Log, StageRecorder
@@ -73,6 +75,7 @@ PULL_BACK = {
     "guided pull back": 100.0,
     "polish": 2.0,
     "neighbors": 15.0,
+    "mirrored patches": 50.0,
 }
 
 
@@ -276,6 +279,16 @@ class _Search:
                     residual_tolerance=LENGTHS_NEWTON.exact,
                 )
             self.surfaces += [self.surface(vertices) for vertices in met]
+        self.mirror_patches(guided)
+
+    def mirror_patches(self, guided: Floats) -> None:
+        """Try which bumps of the end of the guided path are dents, and which dents bumps."""
+        patches = dents(self.metric)
+        if not patches:
+            return
+        with self.log.stage("mirrored patches") as recorder:
+            choices = mirrored_realizations(self.metric, self.system, self.energy, guided, patches, recorder)
+            self.surfaces += [self.surface(vertices) for vertices in choices]
 
     def guided(self, recorder: StageRecorder) -> Floats:
         """Where the guided path ends, near enough to the lengths for Newton's method."""

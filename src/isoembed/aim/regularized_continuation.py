@@ -84,9 +84,9 @@ def regularized_continuation(
 
     x, mu = guided(energy, start, lengths, recorder, kept, keep)
     given, close = lengths(0.0), CONTINUATION.close * energy.unit
-    found, residual = _let_go(energy.finer(x), x, given, mu, recorder)
+    found, residual = let_go(energy.finer(x), x, given, mu, recorder)
     if residual > close:  # edges too long for quintics to know the surface
-        found = min((found, residual), _let_go(energy, x, given, mu, recorder), key=lambda pair: pair[1])[0]
+        found = min((found, residual), let_go(energy, x, given, mu, recorder), key=lambda pair: pair[1])[0]
     return found
 
 
@@ -137,10 +137,27 @@ def guided(
     return energy.relaxed(x, given, mu, 0.0, recorder), mu
 
 
-def _let_go(
+def let_go(
     energy: RegularizedEnergy, x: Floats, lengths: Floats, mu: float, recorder: StageRecorder
 ) -> tuple[Floats, float]:
-    """Let mu vanish; the last surface, and its residual."""
+    """Let mu vanish.
+
+    Parameters
+    ----------
+    energy : RegularizedEnergy
+    x : ndarray, shape (V, 3)
+    lengths : ndarray, shape (E,)
+    mu : float
+        Of the first step.
+    recorder : StageRecorder
+
+    Returns
+    -------
+    vertices : ndarray, shape (V, 3)
+        The last surface: where Newton's method does not get lost, or mu has no effect any more.
+    residual : float
+        Its largest.
+    """
     before, slow, close = np.inf, 0, CONTINUATION.close * energy.unit
     for _ in range(CONTINUATION.faded):
         x = energy.relaxed(x, lengths, mu, 0.0, recorder)

@@ -1,0 +1,114 @@
+"""Dents by the intrinsic metric: patches that can be reflected without a change of the lengths.
+
+A plane that is tangent to a surface of revolution along a circle cuts off a patch; reflected in the plane, it
+has the same metric and fits as smoothly as before, up to the sign of the curvature across the circle.  A dent
+is such a patch: a cap with K > 0 and a ring with K < 0 around it.  The circle is the outer boundary of the
+ring, and as its normals are parallel, the total curvature of the patch vanishes.  It nearly does on surfaces
+that have no symmetry.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+from scipy.sparse import csr_array
+from scipy.sparse.csgraph import connected_components, dijkstra
+
+from isoembed.arrays import Floats, Indices, Mask
+from isoembed.metric.curvature import deficits, face_areas, negative_deficits
+from isoembed.metric.polyhedral import PolyhedralMetric
+from isoembed.thresholds import threshold
+
+
+@dataclass(frozen=True)
+class DentThresholds:
+    """Thresholds of the search for dents."""
+
+    total: tuple[float, float] = threshold(
+        (-0.5, 0.2), "relative", "Total curvature of a ring with its caps, over that of the caps."
+    )
+    plain: float = threshold(
+        0.3, "relative", "Caps with less curvature, of the largest within a ring, are noise."
+    )
+    fewest: int = threshold(4, "vertices", "Smaller patches are for the search for nearby realizations.")
+
+
+DENTS = DentThresholds()
+
+
+def dents(metric: PolyhedralMetric) -> list[Mask]:
+    """Patches that are dents, or the reflections of dents.
+
+    Parameters
+    ----------
+    metric : PolyhedralMetric
+
+    Returns
+    -------
+    list of ndarray of bool, shape (V,)
+        The vertices inside of the rim of each, no vertex in two of them; the patch with the most curvature
+        on its cap comes first.
+    """
+    negative = negative_deficits(metric)
+    if not negative.any():
+        return []
+    curvature, adjacency = deficits(metric), metric.triangulation.adjacency
+    area = np.bincount(metric.faces.ravel(), np.repeat(face_areas(metric), 3))
+    # Gaps of an edge or two in the rings are closed: about irregular triangles deficits are noisy.
+    ring = ~_grown(adjacency, ~_grown(adjacency, negative)) | negative
+    outside = _components(adjacency, ~ring)
+    if not outside:
+        return []
+    filled = np.ones(len(curvature), dtype=np.bool_)
+    filled[max(outside, key=lambda part: float(area[part].sum()))] = False
+    found: list[tuple[float, Mask]] = []
+    for region in _components(adjacency, filled):
+        inside = np.zeros_like(filled)
+        inside[region] = True
+        caps = _components(adjacency, inside & ~negative)
+        totals = np.array([curvature[cap].sum() for cap in caps])
+        least, most = np.multiply(DENTS.total, totals.sum())
+        if not least <= curvature[region].sum() <= most:
+            continue
+        plain = np.flatnonzero(totals > DENTS.plain * totals.max())
+        patches = [inside] if len(plain) == 1 else _shared(metric, inside, [caps[k] for k in plain])
+        found += [(float(totals[k]), patch) for k, patch in zip(plain, patches, strict=True)]
+    found.sort(key=lambda pair: -pair[0])
+    return [patch for _, patch in found if patch.sum() >= DENTS.fewest]
+
+
+def _grown(adjacency: csr_array, mask: Mask) -> Mask:
+    """The vertices and their neighbors."""
+    return mask | (adjacency @ mask.astype(np.float64) > 0)
+
+
+def _components(adjacency: csr_array, mask: Mask) -> list[Indices]:
+    """The connected parts of some vertices."""
+    vertices = np.flatnonzero(mask)
+    count, labels = connected_components(adjacency[vertices][:, vertices], directed=False)
+    return [vertices[labels == label] for label in range(count)]
+
+
+def _shared(metric: PolyhedralMetric, region: Mask, caps: list[Indices]) -> list[Mask]:
+    """Rings that have grown together, shared among their caps.
+
+    A vertex is with the nearest cap, and as far away from it as makes the total curvature least.
+    """
+    n, curvature = len(region), deficits(metric)
+    a, b = metric.edges.T
+    ends = (np.concatenate([a, b]), np.concatenate([b, a]))
+    lengths = csr_array((np.tile(metric.lengths, 2), ends), shape=(n, n))
+    distances = np.array([_distances(lengths, cap) for cap in caps])
+    nearest, patches = np.argmin(distances, axis=0), []
+    for k, cap in enumerate(caps):
+        near = np.flatnonzero((nearest == k) & (distances[k] <= distances[k, region & (nearest == k)].max()))
+        near = near[np.argsort(distances[k, near], kind="stable")]
+        left = np.cumsum(curvature[near])[len(cap) - 1 :]
+        patch = np.zeros(n, dtype=np.bool_)
+        patch[near[: len(cap) + int(np.argmin(left))]] = True
+        patches.append(patch)
+    return patches
+
+
+def _distances(lengths: csr_array, sources: Indices) -> Floats:
+    """Distances along edges from the nearest of some vertices."""
+    return np.asarray(dijkstra(lengths, directed=False, indices=sources, min_only=True))
