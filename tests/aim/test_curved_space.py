@@ -7,13 +7,11 @@ import curved_bodies
 import isoembed
 import zoo
 from isoembed.aim.adaptive import Aim
-from isoembed.aim.nearby_realizations import _bending
 from isoembed.errors import InvalidParameter, NotEmbedded
 from isoembed.gallery import BentTube, CassiniPeanut, triangulate
 from isoembed.metric.polyhedral import PolyhedralMetric
 from isoembed.space import Space
 from isoembed.surface.fitted import FittedSurface
-from isoembed.surface.rigidity import LengthSystem, length_residuals
 from worked import worked
 
 SIZES = [(-1.0, 0.1), (-1.0, 1.0), (-1.0, 3.0), (1.0, 0.1), (1.0, 1.0), (1.0, 1.3)]
@@ -118,22 +116,3 @@ def test_methods_that_embed_in_euclidean_space_only_refuse_curved_metrics():
         InvalidParameter, match=r"curvature -0\.25, and the method 'paper' embeds in Euclidean"
     ):
         isoembed.embed(metric, method="paper")
-
-
-@pytest.mark.parametrize(("curvature", "size"), [(-1.0, 2.0), (1.0, 1.2)])
-def test_second_derivatives_of_lengths_along_motions(curvature, size):
-    space = Space(curvature)
-    x, faces = curved_bodies.hull(space, 30, size, 0)
-    metric = curved_bodies.metric_of(space, x, faces)
-    system, (a, b) = LengthSystem(metric.triangulation, space=space), metric.edges.T
-    motions = np.random.default_rng(0).normal(size=(2, *x.shape))
-    d = motions[:, a] - motions[:, b]
-    products = np.einsum("jec,kec->jke", d, d) + _bending(system, x, motions)
-    h = 1e-4
-
-    def errors(s, t):
-        moved = x + h * (s * motions[0] + t * motions[1])
-        return length_residuals(metric.triangulation, moved, metric.lengths, space)
-
-    mixed = (errors(1, 1) - errors(1, -1) - errors(-1, 1) + errors(-1, -1)) / (2 * h) ** 2
-    assert mixed == pytest.approx(products[0, 1] / space.sn(metric.lengths), rel=1e-4, abs=1e-4)

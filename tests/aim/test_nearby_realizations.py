@@ -5,7 +5,7 @@ import pytest
 
 import smooth_bodies
 import zoo
-from isoembed.aim.nearby_realizations import nearby_realizations, quadratic_roots
+from isoembed.aim.nearby_realizations import nearby_realizations
 from isoembed.gallery import Bean, triangulate
 from isoembed.metric.polyhedral import PolyhedralMetric
 from isoembed.surface.alignment import distance
@@ -33,21 +33,6 @@ def test_from_a_neighbor_the_smooth_surface_is_found_again(surface, n, irregular
         assert distance(other, x) > 1e-6
         again, *_ = found(system, other, lengths)
         assert distance(again, x) < 1e-9
-
-
-def test_roots_of_quadratic_equations():
-    rng = np.random.default_rng(0)
-    for k in (1, 2, 3, 4):
-        Q = rng.normal(size=(k, k, k))
-        Q = Q + Q.transpose(0, 2, 1)
-        slope = rng.uniform(0.5, 1.0, k)
-        roots = quadratic_roots(np.zeros(k), slope, Q)
-        assert any(np.abs(root).max() < 1e-12 for root in roots)
-        assert any(np.abs(root).max() > 1e-3 for root in roots)
-        for root in roots:
-            assert slope * root + np.einsum("ijk,j,k->i", Q, root, root) / 2 == pytest.approx(0, abs=1e-9)
-        for first, root in enumerate(roots):
-            assert all(np.linalg.norm(root - other) > 1e-6 for other in roots[:first])
 
 
 def test_from_between_two_neighbors_one_is_found():

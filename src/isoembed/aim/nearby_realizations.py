@@ -1,22 +1,21 @@
 """Nearby realizations: other surfaces with the same lengths, near where a surface is soft.
 
-Along motions v_j that hardly change the lengths, ``J v_j = sigma_j u_j``, the errors of the lengths are, as
-far as the u_i go,
-
-    ``<u_i, r> + sigma_i s_i + 1/2 sum_jk s_j s_k <u_i, q_jk>``,  ``q_jk = (dv_j . dv_k) / l``,
-
-a few quadratic equations.  Their roots predict realizations; Newton's method finds these from there.  In
-hyperbolic and spherical space sn(l) is in the place of l, and the products have one more term.
+Along motions v_j of the vertices the errors of the lengths are ``r + sum_j s_j J v_j + 1/2 sum_jk s_j s_k
+Q(v_j, v_k)`` (`length_expansion`): as far as the ``J v_i`` go, a few quadratic equations, in Euclidean space
+but for what other motions add.  Their roots, all of them (`quadratic_roots`), predict realizations; Newton's
+method finds these from there.
 
 Pulled back, a surface may come to any of them.  The smoothest is the one that is meant.
 """
 
-import itertools
 from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 
 from isoembed.aim.anneal import anneal
+from isoembed.aim.length_expansion import LengthExpansion
+from isoembed.aim.quadratic_roots import quadratic_roots
 from isoembed.arrays import Floats
 from isoembed.linalg import SingularMatrix
 from isoembed.progress.stages import StageRecorder
@@ -35,9 +34,7 @@ class NearbyThresholds:
     few: int = threshold(4, "count", "Newton steps to a realization at most.")
     moves: int = threshold(4, "count", "Moves from realization to realization at most.")
     least: float = threshold(1e-9, "mean edge lengths", "Nearer, it is the surface itself.")
-    root_steps: int = threshold(30, "count", "Newton steps toward a root at most.")
-    root: float = threshold(1e-12, "relative", "A step this short has found a root.")
-    same_root: float = threshold(1e-3, "relative", "Roots as near to each other as this are one.")
+    real: float = threshold(1e-8, "relative", "Largest imaginary part of a root that is real.")
 
 
 NEARBY = NearbyThresholds()
@@ -77,7 +74,9 @@ def nearby_realizations(
         met, roughness = [vertices], fine_roughness(triangulation, vertices)
     for _ in range(NEARBY.moves):
         recorder.factorizations += 1
-        predicted = _predicted(system, best, lengths)
+        expansion = LengthExpansion(system, best, lengths)
+        softest = softest_motions(expansion, NEARBY.motions)
+        predicted = predicted_motions(expansion, softest, NEARBY.near).motions
         if not predicted:
             return met
         charts = QuinticResiduals.of(triangulation, best)
@@ -93,76 +92,48 @@ def nearby_realizations(
     return met
 
 
-def _predicted(system: LengthSystem, vertices: Floats, lengths: Floats) -> list[Floats]:
-    """The motions to where the lengths are the given ones, as far as the softest go, the shortest first."""
+class Predicted(NamedTuple):
+    """Motions, each (V, 3), and whether all roots were found that they come from."""
+
+    motions: list[Floats]
+    complete: bool
+
+
+def softest_motions(expansion: LengthExpansion, count: int) -> Floats:
+    """The motions that change the lengths least, (m, V, 3); none where the surface flexes."""
+    most = min(count, len(expansion.lengths) - 1)
     try:
-        sigmas, motions, changes = system.smallest_singular_values(
-            vertices, lengths, min(NEARBY.motions, len(lengths) - 1)
-        )
+        return expansion.system.smallest_singular_values(expansion.vertices, expansion.lengths, most)[1]
     except SingularMatrix:
-        return []
-    r = length_residuals(system.triangulation, vertices, lengths, system.space)
-    a, b = system.triangulation.edges.T
-    d, weights = motions[:, a] - motions[:, b], changes / system.space.sn(lengths)
-    Q = np.einsum("ie,jec,kec->ijk", weights, d, d, optimize=True)
-    if not system.space.is_euclidean:
-        Q += np.einsum("ie,jke->ijk", weights, _bending(system, vertices, motions))
-    roots = quadratic_roots(changes @ r, sigmas, Q)
-    found = [np.tensordot(root, motions, axes=1) for root in roots]
-    reach = [float(np.linalg.norm(motion, axis=1).max()) for motion in found]
-    unit = float(lengths.mean())
-    least = NEARBY.apart * max(float(np.abs(r).max()), NEARBY.least * unit)
-    return [found[k] for k in np.argsort(reach) if least < reach[k] < NEARBY.near * unit]
+        return np.empty((0, *expansion.vertices.shape))
 
 
-def _bending(system: LengthSystem, vertices: Floats, motions: Floats) -> Floats:
-    """What hyperboloid or sphere add to ``dv_j . dv_k``: half the second derivatives of w, squared, over k.
-
-    Returns
-    -------
-    ndarray, shape (k, k, E)
-    """
-    k, w = system.space.curvature, system.space.heights(vertices)
-    a, b = system.triangulation.edges.T
-    slopes = np.einsum("vc,jvc->jv", vertices, motions) / w  # w changes by -k times them
-    second = (np.einsum("jvc,kvc->jkv", motions, motions) + k * slopes[:, None] * slopes) / w
-    change = slopes[:, a] - slopes[:, b]
-    return k * change[:, None] * change - (w[a] - w[b]) * (second[..., a] - second[..., b])
-
-
-def quadratic_roots(constant: Floats, slope: Floats, Q: Floats) -> list[Floats]:
-    """Real roots of ``c_i + sigma_i s_i + 1/2 sum_jk Q_ijk s_j s_k``, from where the axes have theirs.
+def predicted_motions(
+    expansion: LengthExpansion, directions: Floats, near: float, imaginary: float = NEARBY.real
+) -> Predicted:
+    """The motions to where the lengths are the given ones, as far as some directions go, the shortest first.
 
     Parameters
     ----------
-    constant, slope : ndarray, shape (k,)
-    Q : ndarray, shape (k, k, k)
-        Symmetric in the last two.
-
-    Returns
-    -------
-    list of ndarray, shape (k,)
-        Not always all of them.
+    expansion : LengthExpansion
+    directions : ndarray, shape (k, V, 3)
+    near : float
+        How far a vertex moves at most, in mean edge lengths.
+    imaginary : float
+        Roots with larger imaginary parts are left out, relative to the root.
     """
-    k = len(slope)
-    alone = -2 * slope / np.einsum("iii->i", Q)
-    roots: list[Floats] = []
-    for corner in itertools.product((0.0, 1.0), repeat=k):
-        s = np.array(corner) * alone
-        for _ in range(NEARBY.root_steps):
-            f = constant + slope * s + np.einsum("ijk,j,k->i", Q, s, s) / 2
-            try:
-                step = np.linalg.solve(np.diag(slope) + Q @ s, f)
-            except np.linalg.LinAlgError:
-                break
-            s = s - step
-            if np.linalg.norm(step) <= NEARBY.root * np.linalg.norm(s):
-                break
-        else:
-            continue
-        if all(np.linalg.norm(s - root) > NEARBY.same_root * np.linalg.norm(root) for root in roots):
-            roots.append(s)
-    return roots
+    if not len(directions):
+        return Predicted([], True)
+    unit = float(expansion.lengths.mean())
+    scaled = near * unit / np.linalg.norm(directions, axis=2).max(axis=1)[:, None, None] * directions
+    projection = np.linalg.pinv(expansion.rates(scaled).T)
+    Q = np.array([expansion.bends(each, scaled) @ projection.T for each in scaled])
+    found = quadratic_roots(projection @ expansion.residuals, np.eye(len(scaled)), Q.transpose(2, 0, 1))
+    motions = [np.tensordot(root, scaled, axes=1) for root in found.near_real(imaginary)]
+    reach = [float(np.linalg.norm(motion, axis=1).max()) for motion in motions]
+    least = NEARBY.apart * max(float(np.abs(expansion.residuals).max()), NEARBY.least * unit)
+    kept = [motions[k] for k in np.argsort(reach) if least < reach[k] < near * unit]
+    return Predicted(kept, found.complete)
 
 
 def _realized(
