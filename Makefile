@@ -7,6 +7,7 @@ PIP := $(BIN)/python -m pip --quiet --disable-pip-version-check
 INSTALLED := $(VENV)/.installed
 LINTERS := $(VENV)/.installed-lint
 SPHINX := $(VENV)/.installed-docs
+BUILDERS := $(VENV)/.installed-release
 
 # The matrices are small: threads of BLAS would wait for each other.
 export OMP_NUM_THREADS ?= 1
@@ -15,7 +16,7 @@ export OPENBLAS_NUM_THREADS ?= 1
 # Tests of the rooms where loops are: `make test` compiles what pays, which hangs on the machine.
 ROOMS := kernel io mesh linalg intrinsic metric surface alexandrov gluing smooth meshing
 
-.PHONY: help demo reproduce test test-slow test-interpreted test-compiled lint lint-page bench docs clean
+.PHONY: help demo reproduce test test-slow test-interpreted test-compiled lint lint-page lint-workflows release-check bench docs clean
 .DELETE_ON_ERROR:
 
 help:
@@ -25,6 +26,8 @@ help:
 	@echo 'make test-slow  run the slow ones: pages of the documentation, whole studies'
 	@echo 'make test-interpreted, make test-compiled  run those of the loops with none compiled, and with all'
 	@echo 'make lint       check style, types, the order of the rooms and spelling; make lint-page the script of a page, with npm'
+	@echo 'make lint-workflows check .github/workflows, with npm'
+	@echo 'make release-check  build what is released, install it elsewhere and run the pages with it'
 	@echo 'make bench      measure cost against size'
 	@echo 'make docs       build the documentation in site/, the tutorials executed'
 	@echo 'make clean      remove .venv, demo/, reproduction/, site/ and caches'
@@ -54,6 +57,12 @@ lint: $(LINTERS)
 lint-page:
 	@cd page-lint && npm install --silent --no-audit --no-fund --no-package-lock && npm run --silent lint
 
+lint-workflows:
+	@cd workflow-lint && npm install --silent --no-audit --no-fund --no-package-lock && npm run --silent lint
+
+release-check: $(BUILDERS)
+	$(BIN)/python packaging/check.py
+
 bench: $(INSTALLED)
 	@for script in benchmarks/*.py; do echo "$$script"; $(BIN)/python "$$script" || exit 1; done
 
@@ -65,7 +74,7 @@ docs: $(SPHINX)
 	@echo 'the documentation is in site/index.html'
 
 clean:
-	rm -rf $(VENV) page-lint/node_modules demo reproduction site build dist .pytest_cache .mypy_cache .ruff_cache .hypothesis
+	rm -rf $(VENV) page-lint/node_modules workflow-lint/node_modules demo reproduction site build dist .pytest_cache .mypy_cache .ruff_cache .hypothesis
 	find src tests benchmarks -name __pycache__ -prune -exec rm -rf {} +
 
 $(INSTALLED): pyproject.toml | $(BIN)/python
@@ -78,6 +87,10 @@ $(LINTERS): $(INSTALLED)
 
 $(SPHINX): $(INSTALLED)
 	$(PIP) install --editable '.[docs]'
+	@touch $@
+
+$(BUILDERS): $(INSTALLED)
+	$(PIP) install --editable '.[release]'
 	@touch $@
 
 # The first Python that is new enough and can make a virtual environment with pip.

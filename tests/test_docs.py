@@ -17,7 +17,8 @@ from PIL import Image
 
 import isoembed
 from isoembed.cli import COMMANDS, build_parser
-from pages import ALIKE, DOCS, PAGES, PICTURE, blocks, difference
+from page_blocks import blocks
+from pages import ALIKE, DOCS, PAGES, PICTURE, difference
 from places import ROOT
 
 LINK = re.compile(r"\]\(([^)#\s]+)[^)]*\)")

@@ -14,7 +14,8 @@ import isoembed
 from isoembed import Interrupted, NotEmbedded, PolyhedralMetric
 from isoembed.gallery import Ellipsoid, triangulate
 from isoembed.io import FileError, InputFile
-from pages import DOCS, blocks
+from page_blocks import blocks
+from pages import DOCS
 from worked import worked
 
 DRIVER = """

@@ -9,7 +9,8 @@ import numpy as np
 import pytest
 from PIL import Image
 
-from pages import DOCS, blocks
+from page_blocks import blocks
+from pages import DOCS
 
 
 def loaded(name, path):

@@ -1,4 +1,4 @@
-"""The pages of the documentation: their blocks, and how far apart two pictures are."""
+"""The pages of the documentation, and how far apart two pictures are."""
 
 import re
 
@@ -9,15 +9,7 @@ from places import ROOT
 
 DOCS = ROOT / "docs"
 PAGES = [ROOT / "README.md", *sorted(DOCS.glob("**/*.md"))]
-FENCE = re.compile(r"^```([^`\n]*)\n(.*?)^```$", re.MULTILINE | re.DOTALL)
 PICTURE = re.compile(r"!\[[^\]]*\]\((images/gallery/[^)]+)\)")
-
-
-def blocks(page):
-    """Yield (language, first line, text) of the fenced blocks."""
-    text = page.read_text(encoding="utf-8")
-    for match in FENCE.finditer(text):
-        yield match[1], text.count("\n", 0, match.start(2)) + 1, match[2]
 
 
 def coarse(picture):

@@ -1,0 +1,101 @@
+"""Check what is released: build it, look into it, install it elsewhere, run the pages with it.
+
+    python packaging/check.py [--output FOLDER]
+
+needs git, a package index, and ``pip install -e '.[release]'``.  Two fresh environments, without extras and
+with those of pictures and HDF5, take the wheel; outside of the clone README.md and pages of docs/ run there.
+The time from the beginning of ``pip install`` to the first picture is printed.
+"""
+
+import argparse
+import subprocess
+import sys
+import tarfile
+import tempfile
+import time
+import venv
+import zipfile
+from pathlib import Path, PurePosixPath
+
+ROOT = Path(__file__).resolve().parents[1]
+RUNNER = ROOT / "tests" / "support" / "page_blocks.py"
+PAGES = ["README.md", "docs/index.md", "docs/getting-started.md", "docs/command-line.md", "docs/pictures.md"]
+EXTRAS = "plot,hdf5"
+FIRST = ("surface ellipsoid --axes 3 2 1 --vertices 400 -o m.npz", "embed m.npz --html first.html")
+"""Commands that make the first picture."""
+
+
+def run(*command: object, folder: Path = ROOT) -> str:
+    """Run a command; return what it printed, or end with all that it said."""
+    done = subprocess.run(list(map(str, command)), cwd=folder, capture_output=True, text=True)
+    if done.returncode:
+        sys.exit(f"failed: {' '.join(map(str, command))}\n{done.stdout}{done.stderr}")
+    return done.stdout
+
+
+def compare(what: str, found: set[str], expected: set[str]) -> None:
+    """End with a sentence if these are not the files that were expected."""
+    if missing := sorted(expected - found):
+        sys.exit(f"the {what} lacks {len(missing)} files, the first is {missing[0]}")
+    if more := sorted(found - expected):
+        sys.exit(f"the {what} has {len(more)} files that do not belong there, the first is {more[0]}")
+    print(f"{what}: {len(found)} files, those of the repository")
+
+
+def check_contents(wheel: Path, sdist: Path) -> None:
+    """The sdist has what git knows, and the wheel what git knows of the package."""
+    tracked = set(run("git", "ls-files").splitlines())
+    with tarfile.open(sdist) as archive:
+        members = [PurePosixPath(member.name) for member in archive if not member.isdir()]
+    compare("sdist", {"/".join(path.parts[1:]) for path in members}, tracked | {"PKG-INFO"})
+    with zipfile.ZipFile(wheel) as archive:
+        names = {name for name in archive.namelist() if ".dist-info/" not in name}
+    package = {name.removeprefix("src/") for name in tracked if name.startswith("src/")}
+    compare("wheel", names, package)
+    for name in ("isoembed/py.typed", "isoembed/__init__.pyi"):
+        if name not in names:
+            sys.exit(f"the wheel lacks {name}")
+
+
+def environment(folder: Path) -> Path:
+    """Make an environment; return its folder of programs."""
+    venv.create(folder, with_pip=True)
+    return folder / ("Scripts" if sys.platform == "win32" else "bin")
+
+
+def check_installed(requirement: str, programs: Path, folder: Path) -> tuple[float, float]:
+    """Install into an environment, make a picture, run the pages; return the seconds of the first two."""
+    folder.mkdir()
+    begun = time.perf_counter()
+    run(programs / "python", "-m", "pip", "install", "--quiet", requirement, folder=folder)
+    installed = time.perf_counter()
+    for command in FIRST:
+        run(programs / "isoembed", *command.split(), folder=folder)
+    if not (folder / "first.html").stat().st_size:
+        sys.exit("the first picture is empty")
+    seen = time.perf_counter()
+    print(run(programs / "python", "-P", RUNNER, *(ROOT / page for page in PAGES), folder=folder), end="")
+    return installed - begun, seen - installed
+
+
+def main() -> None:
+    """Check everything."""
+    parser = argparse.ArgumentParser(description="Check what is released.")
+    parser.add_argument("--output", type=Path, help="keep the wheel and the sdist in this new folder")
+    output = parser.parse_args().output
+    with tempfile.TemporaryDirectory() as temporary:
+        place = Path(temporary)
+        built = place / "dist" if output is None else output.resolve()
+        run(sys.executable, "-m", "build", "--outdir", built)
+        (wheel,), (sdist,) = built.glob("*.whl"), built.glob("*.tar.gz")
+        run(sys.executable, "-m", "twine", "check", "--strict", wheel, sdist)
+        check_contents(wheel, sdist)
+        for name, requirement in (("without extras", str(wheel)), (f"with [{EXTRAS}]", f"{wheel}[{EXTRAS}]")):
+            print(f"installed {name}:", flush=True)
+            programs = environment(place / name)
+            seconds, more = check_installed(requirement, programs, place / f"pages {name}")
+            print(f"pip install took {seconds:.0f} s, and the first picture {more:.0f} s more", flush=True)
+
+
+if __name__ == "__main__":
+    main()
