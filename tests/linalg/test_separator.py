@@ -55,7 +55,7 @@ def least_separator(graph, cell, width):
         axis=1,
     )
     capacity = np.where(np.arange(arcs.shape[1]) < band.size, 1, n).astype(np.int32)
-    network = sp.csr_array((capacity, arcs), shape=(2 * n + 2, 2 * n + 2))
+    network = sp.csr_array((capacity, arcs.astype(np.int32)), shape=(2 * n + 2, 2 * n + 2))
     return maximum_flow(network, 2 * n, 2 * n + 1).flow_value
 
 

@@ -14,7 +14,7 @@ import subprocess
 import sys
 import sysconfig
 import tempfile
-from contextlib import chdir
+from contextlib import chdir, redirect_stdout
 from pathlib import Path
 
 FENCE = re.compile(r"^```([^`\n]*)\n(.*?)^```$", re.MULTILINE | re.DOTALL)
@@ -60,7 +60,8 @@ def main(pages):
         with tempfile.TemporaryDirectory() as folder, chdir(folder):
             for task in tasks(page):
                 try:
-                    task()
+                    with redirect_stdout(None):
+                        task()
                     ran += 1
                 except Exception as error:
                     if (extra := EXTRA.search(str(error))) is None:
