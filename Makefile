@@ -26,7 +26,7 @@ help:
 	@echo 'make test-slow  run the slow ones: pages of the documentation, whole studies'
 	@echo 'make test-interpreted, make test-compiled  run those of the loops with none compiled, and with all'
 	@echo 'make lint       check style, types, the order of the rooms and spelling; make lint-page the script of a page, with npm'
-	@echo 'make lint-workflows check .github/workflows, with npm'
+	@echo 'make lint-workflows  check .github/workflows, with npm'
 	@echo 'make release-check  build what is released, install it elsewhere and run the pages with it'
 	@echo 'make bench      measure cost against size'
 	@echo 'make docs       build the documentation in site/, the tutorials executed'
