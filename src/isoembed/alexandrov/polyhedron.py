@@ -5,10 +5,12 @@ from functools import cached_property
 from typing import Any, ClassVar, Self
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from isoembed.alexandrov.certificate import ConvexCertificate, certify
+from isoembed.alexandrov.derivatives import GivenLengthDerivatives
 from isoembed.arrays import Floats, Indices, Mask
-from isoembed.errors import InvalidMetric
+from isoembed.errors import InvalidMetric, InvalidParameter
 from isoembed.intrinsic.edge_paths import EdgePaths
 from isoembed.intrinsic.halfedges import HalfEdges
 from isoembed.mesh.triangulation import Triangulation, frozen
@@ -18,6 +20,7 @@ from isoembed.metric.repair import Repair
 from isoembed.space import Space
 from isoembed.strict_json import plain
 from isoembed.surface.convexity import dent_depths
+from isoembed.surface.derivatives import checked
 from isoembed.surface.embedding import Embedding
 from isoembed.surface.polyhedron import Polyhedron
 from isoembed.surface.segments import Segments
@@ -146,6 +149,64 @@ class ConvexPolyhedron(Polyhedron):
             reason=f"{certificate.reason}; that metric is of its own triangles without the flat vertices, "
             f"and agrees with the given edges to {self.path_residuals.max():.1e} of the mean edge length",
         )
+
+    @cached_property
+    def _by_given(self) -> GivenLengthDerivatives:
+        if self.core is None:
+            raise InvalidParameter("the body is a doubly covered polygon, which has no derivatives")
+        return GivenLengthDerivatives.of(self, self.edge_paths, self._flat)
+
+    def given_jvp(self, changes: ArrayLike) -> Floats:
+        """How the vertices move, to first order, when the lengths that were given change.
+
+        `jvp` is by the lengths of the polyhedron's own triangles.  The first call factors what both this and
+        `given_vjp` need.
+
+        Parameters
+        ----------
+        changes : array_like, shape (..., n)
+            Of the given lengths, in the order of `edge_paths`: that of `PolyhedralMetric.edges`, or of the
+            lower half-edges of a `GluedMetric`.
+
+        Returns
+        -------
+        ndarray, shape (..., V, 3)
+            In the same unit, without translation and rotation.
+
+        Raises
+        ------
+        InvalidParameter
+            The changes have another shape or are not finite; a flat vertex does not remain flat, or its face
+            breaks, so that there is no derivative or one on one side only; the polyhedron is not in R^3 or
+            is flat, or its triangles have another number of edges.
+        SingularMatrix
+            It is too thin.
+        """
+        dl = checked(changes, (len(self.edge_paths.ends),), "changes")
+        rows = [self._by_given.jvp(row) for row in dl.reshape(-1, dl.shape[-1])]
+        return np.array(rows).reshape(*dl.shape[:-1], len(self.vertices), 3)
+
+    def given_vjp(self, gradient: ArrayLike) -> Floats:
+        """Derivatives by the given lengths of a function of the vertices, from its derivatives by these.
+
+        Parameters
+        ----------
+        gradient : array_like, shape (..., V, 3)
+            As that of `vjp`.
+
+        Returns
+        -------
+        ndarray, shape (..., n)
+            The transpose of `given_jvp`, along changes that keep flat vertices flat.
+
+        Raises
+        ------
+        InvalidParameter, SingularMatrix
+            As `given_jvp`.
+        """
+        g = checked(gradient, (len(self.vertices), 3), "gradient")
+        rows = [self._by_given.vjp(row) for row in g.reshape(-1, *g.shape[-2:])]
+        return np.array(rows).reshape(*g.shape[:-2], len(self.edge_paths.ends))
 
     def _sentence(self) -> str:
         worst = int(np.argmax(self.path_residuals))

@@ -1,0 +1,256 @@
+"""How the convex polyhedron of a metric in R^3 follows the lengths that were given.
+
+A given edge is a straight path over the polyhedron, whose length follows those of the edges of the polyhedron
+(`path_derivatives`); solved for the latter, that is what intrinsic flips make of changes of the lengths.  The
+vertices follow them by the rigidity matrix J.
+
+A vertex inside a face is flat, and may move across the face without a change of lengths.  A change that gives
+it a positive deficit lifts it by the root of that, and a negative one leaves no convex polyhedron: there is a
+derivative along changes that keep it flat.  Along these it stays in its face,
+
+    [ J  W ] [ dx ]   [ dl ]
+    [ N  0 ] [  0 ] = [ 0  ],
+
+where the columns of W are the derivatives of the deficits of such vertices, which are orthogonal to all J dx,
+and the rows of N say that a vertex remains in the plane of three corners of its face.  Six more rows hold the
+polyhedron.  Faces with more corners may break, along a diagonal that depends on the sign of the change; to
+first order the lengths do not know of that, but vertices inside do.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+import scipy.sparse as sp
+from scipy.sparse.linalg import SuperLU, splu
+
+from isoembed.arrays import Floats, Indices, Mask
+from isoembed.errors import InvalidParameter
+from isoembed.intrinsic.edge_paths import EdgePaths
+from isoembed.intrinsic.path_derivatives import path_derivatives
+from isoembed.linalg import SingularMatrix
+from isoembed.metric.variation import deficit_derivative
+from isoembed.surface.polyhedron import Polyhedron
+from isoembed.surface.rigidity import edge_rows
+from isoembed.thresholds import threshold
+
+
+@dataclass(frozen=True)
+class PolyhedronDerivativeThresholds:
+    """Thresholds of the derivatives of convex polyhedra."""
+
+    flat: float = threshold(1e-7, "relative", "Change of the angle at a flat vertex that is none.")
+    broken: float = threshold(1e-7, "relative", "Velocity of a corner out of its face that is none.")
+
+
+POLYHEDRON_DERIVATIVES = PolyhedronDerivativeThresholds()
+
+
+@dataclass(frozen=True, eq=False)
+class GivenLengthDerivatives:
+    """Derivatives of a convex polyhedron in R^3 by the given lengths, all in the normalized unit.
+
+    Attributes
+    ----------
+    flat : ndarray of int
+        The flat vertices.
+    inside : ndarray of int
+        Those inside faces.
+    """
+
+    flat: Indices
+    inside: Indices
+    _paths: SuperLU  # given lengths by own ones
+    _motion: SuperLU
+    _deficits: sp.csr_array  # of the flat vertices, by own lengths
+    _planes: sp.csr_array  # (k, 3V): how far those inside are from three corners of their faces
+    _faces: sp.csr_array  # how far other corners are from these three, (m, 3V)
+    _broken: Indices  # the vertex inside that needs each of these
+    _rigid: Floats
+
+    @classmethod
+    def of(cls, body: Polyhedron, paths: EdgePaths, flat: Mask) -> GivenLengthDerivatives:
+        """Factor what is needed.
+
+        Parameters
+        ----------
+        body : Polyhedron
+        paths : EdgePaths
+            The given edges on its triangles.
+        flat : ndarray of bool, shape (V,)
+
+        Raises
+        ------
+        InvalidParameter
+            The polyhedron is not in R^3, or has another number of edges than were given.
+        SingularMatrix
+            It is flat.
+        """
+        metric, t = body.metric.normalized, body.triangulation
+        if not metric.space.is_euclidean:
+            raise InvalidParameter(
+                f"derivatives by given lengths are those of polyhedra in R^3, not in {body.space!r}"
+            )
+        if len(paths.ends) != t.n_edges:
+            raise InvalidParameter(f"{len(paths.ends)} edges were given, and the polyhedron has {t.n_edges}")
+        by_half_edge = path_derivatives(paths).tocoo()
+        edges = t.face_edges.ravel()[by_half_edge.col]
+        A = sp.csc_array((by_half_edge.data, (by_half_edge.row, edges)), shape=(t.n_edges, t.n_edges))
+
+        x = body.vertices / body.metric.unit
+        creased = np.zeros(len(x), dtype=np.bool_)
+        creased[t.edges[body.polygon_edges]] = True
+        inside = np.flatnonzero(flat & ~creased)
+        planes, faces, broken = _planes(body, x, flat, inside)
+        J = _matrix(t.edges, edge_rows(t, x, metric.lengths), len(x))
+        slopes = deficit_derivative(metric)
+        W = slopes[inside].T
+        pins = _pins(x)
+        M = sp.block_array([[J, W], [planes, None], [pins, None]], format="csc")
+        try:
+            return cls(
+                np.flatnonzero(flat),
+                inside,
+                splu(A),
+                splu(M),
+                slopes[flat],
+                planes,
+                faces,
+                broken,
+                _rigid(x),
+            )
+        except RuntimeError as error:
+            raise SingularMatrix("the polyhedron is flat, or too thin for floats") from error
+
+    def own_changes(self, changes: Floats) -> Floats:
+        """Changes of the lengths of the polyhedron's edges, (E,), from those of the given ones, (E,)."""
+        return np.asarray(self._paths.solve(changes))
+
+    def jvp(self, changes: Floats) -> Floats:
+        """How the vertices move, (V, 3), when the given lengths change by dl, (E,).
+
+        Raises
+        ------
+        InvalidParameter
+            A flat vertex does not remain flat, or its face breaks.
+        """
+        dl = self.own_changes(changes)
+        rates, sizes = self._deficits @ dl, abs(self._deficits) @ np.abs(dl)
+        bent = np.abs(rates) > POLYHEDRON_DERIVATIVES.flat * sizes
+        if bent.any():
+            k = int(np.argmax(bent))
+            raise InvalidParameter(
+                f"the changes give vertex {self.flat[k]}, which is flat, a deficit at the rate "
+                f"{rates[k]:.3g}: polyhedra follow that on one side only, by its root"
+            )
+        right = np.zeros(self._motion.shape[0])
+        right[: len(dl)] = dl
+        dx = self._motion.solve(right)[: self._planes.shape[1]]
+        dx -= self._rigid @ (self._rigid.T @ dx)
+        off = np.abs(self._faces @ dx)
+        if (off > POLYHEDRON_DERIVATIVES.broken * np.abs(dx).max(initial=0.0)).any():
+            raise self._one_sided(int(np.argmax(off)))
+        return dx.reshape(-1, 3)
+
+    def vjp(self, gradient: Floats) -> Floats:
+        """Derivatives by the given lengths, (E,), from those by the vertices, (V, 3).
+
+        They hold along changes that keep flat vertices flat.
+
+        Raises
+        ------
+        InvalidParameter
+            A vertex is moved out of a face that may break.
+        """
+        g = gradient.ravel() - self._rigid @ (self._rigid.T @ gradient.ravel())
+        for k, v in enumerate(self._broken):
+            normal = self._planes[[int(np.searchsorted(self.inside, v))]].toarray()[0, 3 * v : 3 * v + 3]
+            if abs(normal @ g[3 * v : 3 * v + 3]) > POLYHEDRON_DERIVATIVES.broken * np.linalg.norm(g):
+                raise self._one_sided(k)
+        right = np.zeros(self._motion.shape[0])
+        right[: g.size] = g
+        by_own = self._motion.solve(right, trans="T")[: self._deficits.shape[1]]
+        return np.asarray(self._paths.solve(by_own, trans="T"))
+
+    def _one_sided(self, k: int) -> InvalidParameter:
+        return InvalidParameter(
+            f"vertex {self._broken[k]} is inside a face with more than three corners, which may break: "
+            "it has derivatives on one side only"
+        )
+
+
+def _planes(
+    body: Polyhedron, x: Floats, flat: Mask, inside: Indices
+) -> tuple[sp.csr_array, sp.csr_array, Indices]:
+    """Rows (., 3V): heights of vertices inside faces, and of other corners, over three corners each.
+
+    With them, the vertex inside for which each of the other corners is looked at.
+    """
+    t = body.triangulation
+    face_of = np.zeros(len(x), dtype=np.int64)
+    face_of[t.faces.ravel()] = np.repeat(body.face_polygons, 3)
+    heights, others, broken = [], [], []
+    for v in inside:
+        outline = np.asarray(body.polygons[face_of[v]])
+        corners = outline[~flat[outline]]
+        a, b, c = three = _spread(x[corners])
+        normal = np.cross(x[corners[b]] - x[corners[a]], x[corners[c]] - x[corners[a]])
+        normal /= np.linalg.norm(normal)
+        heights.append(_height(v, corners[three], x, normal))
+        for corner in np.delete(corners, three):
+            others.append(_height(corner, corners[three], x, normal))
+            broken.append(v)
+    empty = sp.csr_array((0, x.size))
+    rows = [sp.csr_array(sp.vstack([empty, *each])) for each in (heights, others)]
+    return rows[0], rows[1], np.array(broken, dtype=np.int64)
+
+
+def _height(v: int, corners: Indices, x: Floats, normal: Floats) -> sp.csr_array:
+    """The row of the height of a vertex over the plane through three corners, which is zero."""
+    system = np.vstack([x[corners].T - x[v][:, None] + normal[:, None], np.ones(3)])
+    shares = np.linalg.lstsq(system, np.append(normal, 1.0), rcond=None)[0]
+    vertices, weights = np.append(v, corners), np.append(1.0, -shares)
+    columns = (3 * vertices[:, None] + np.arange(3)).ravel()
+    return sp.csr_array(
+        ((weights[:, None] * normal).ravel(), (np.zeros(12, dtype=np.int64), columns)), shape=(1, x.size)
+    )
+
+
+def _spread(points: Floats) -> list[int]:
+    """Three points that are far from one line."""
+    a = int(np.argmax(np.linalg.norm(points - points.mean(axis=0), axis=1)))
+    b = int(np.argmax(np.linalg.norm(points - points[a], axis=1)))
+    along = (points[b] - points[a]) / np.linalg.norm(points[b] - points[a])
+    c = int(np.argmax(np.linalg.norm(np.cross(points - points[a], along), axis=1)))
+    return [a, b, c]
+
+
+def _matrix(edges: Indices, rows: Floats, n: int) -> sp.csr_array:
+    """J, (E, 3V)."""
+    columns = (3 * edges[:, :, None] + np.arange(3)).ravel()
+    entries = np.stack([rows, -rows], axis=1).ravel()
+    return sp.csr_array((entries, columns, np.arange(0, columns.size + 1, 6)), shape=(len(edges), 3 * n))
+
+
+def _pins(x: Floats) -> sp.csr_array:
+    """Rows (6, 3V) that hold three vertices: the first, the second on a line, the third in a plane."""
+    a, b, c = _spread(x)
+    along = x[b] - x[a]
+    up = np.cross(along, x[c] - x[a])
+    rows = np.zeros((6, 3, 3))
+    rows[:3, 0] = np.eye(3)
+    rows[3, 1], rows[4, 1], rows[5, 2] = up, np.cross(up, along), up
+    rows /= np.linalg.norm(rows, axis=(1, 2))[:, None, None]
+    columns = (3 * np.array([a, b, c])[:, None] + np.arange(3)).ravel()
+    place = np.repeat(np.arange(6), 9), np.tile(columns, 6)
+    return sp.csr_array((rows.ravel(), place), shape=(6, x.size))
+
+
+def _rigid(x: Floats) -> Floats:
+    """Orthonormal rigid motions, (3V, 6)."""
+    y = x - x.mean(axis=0)
+    fields = [np.broadcast_to(axis, y.shape) for axis in np.eye(3)] + [
+        np.cross(axis, y) for axis in np.eye(3)
+    ]
+    return np.asarray(np.linalg.qr(np.stack([field.ravel() for field in fields], axis=1))[0])
