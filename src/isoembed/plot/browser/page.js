@@ -602,6 +602,7 @@ const KEYS = {
   ArrowLeft: () => turn(-0.1, 0, 0), ArrowRight: () => turn(0.1, 0, 0),
   ArrowUp: () => turn(0, -0.1, 0), ArrowDown: () => turn(0, 0.1, 0),
   "+": () => zoom(1.15), "=": () => zoom(1.15), "-": () => zoom(1 / 1.15), 0: reset,
+  Enter: () => hover([0, 0]),
 };
 
 // -------- the vertex pointed at
