@@ -5,6 +5,7 @@
 
 import ast
 import contextlib
+import io
 import runpy
 import sys
 import time
@@ -71,8 +72,8 @@ class Example:
         return sorted(name for name in imported if find_spec(name) is None)
 
     def draw(self, folder: Path) -> Path:
-        """Run it in a folder; the picture that it draws."""
-        with contextlib.chdir(folder):
+        """Run it in a folder, silently; the picture that it draws."""
+        with contextlib.chdir(folder), contextlib.redirect_stdout(io.StringIO()):
             runpy.run_path(str(self.path), run_name="__main__")
         return folder / f"{self.name}.png"
 

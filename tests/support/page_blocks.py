@@ -22,8 +22,29 @@ COMMAND = re.compile(r"^\$ (isoembed .*)$", re.MULTILINE)
 EXTRA = re.compile(r"pip install 'isoembed\[\w+\]'")
 
 
+NUMBER = r"-?\d+(?:\.\d+)?"
+SAID = re.compile(rf"\)  # ({NUMBER})(?![\w./-])")
+
+
 class CommandError(Exception):
     """A command of a page failed."""
+
+
+class Printed:
+    """The ``print`` of a page: the number in a comment beside it is the first that it prints, rounded."""
+
+    def __init__(self, page):
+        self.page, self.lines = page, page.read_text(encoding="utf-8").splitlines()
+
+    def __call__(self, *values, **options):
+        """Print what the page says."""
+        frame = sys._getframe(1)
+        line = self.lines[frame.f_lineno - 1] if frame.f_code.co_filename == str(self.page) else ""
+        if said := SAID.search(line):
+            found = float(re.search(NUMBER, " ".join(map(str, values)))[0])
+            rounding = 0.51 * 10.0 ** -len(said[1].partition(".")[2])
+            assert abs(found - float(said[1])) <= rounding, f"{self.page.name}: {line} prints {found}"
+        print(*values, **options)
 
 
 def blocks(page):
@@ -38,7 +59,7 @@ def tasks(page):
     for language, line, text in blocks(page):
         if language == "python":
             code = compile("\n" * (line - 1) + text, str(page), "exec")
-            yield lambda code=code: exec(code, {"__name__": "__main__"})
+            yield lambda code=code: exec(code, {"__name__": "__main__", "print": Printed(page)})
         elif language == "console":
             entries = COMMAND.findall(text.replace("\\\n", " "))
             yield lambda entries=entries, line=line: call(entries, f"{page.name}, line {line}")
