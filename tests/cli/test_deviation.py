@@ -40,6 +40,21 @@ def test_surface_and_picture(call, peanut):
     assert call("deviation", "s.npz", "--length-error", "1e-4", "-o", "d.svg")[0] == 0
 
 
+def test_bounds(call, peanut):
+    status, out, err = call("deviation", "s.npz", "--length-error", "1e-10", "--bound")
+    bound = peanut.deviation_bound(1e-10)
+    assert (status, err) == (0, "")
+    assert f"volume      {peanut.volume:.12g} +- {1.05 * bound.volume:.2g}\n" in out
+    assert out.splitlines()[-1].startswith("proven: ")
+    found = strict(call("deviation", "s.npz", "--length-error", "1e-10", "--bound", "--json")[1])
+    assert found == bound.report and found["reason"] == ""
+    status, out, err = call("deviation", "s.npz", "--length-error", "1e-2", "--bound", "-o", "no.npz")
+    assert (status, err) == (3, "")
+    assert out.startswith("not proven, because the residuals are too large: h = ")
+    with pytest.raises(FileNotFoundError):
+        np.load("no.npz")
+
+
 @pytest.mark.parametrize(
     ("given", "sentence"),
     (

@@ -9,6 +9,7 @@ from isoembed.errors import InvalidParameter
 from isoembed.gallery import CassiniPeanut, Ellipsoid, triangulate
 from isoembed.linalg import SingularMatrix
 from isoembed.surface import deviation
+from isoembed.surface.fitted import FittedSurface
 from isoembed.surface.rigidity import LengthSystem
 from noisy import ARRAYS, SCALARS, differences, realized, surface
 
@@ -49,6 +50,29 @@ def test_regular_tetrahedron():
     assert np.allclose(sigma.correlation, 1)
     for name in ARRAYS:
         assert np.ptp(getattr(sigma, name)) < 1e-12 * getattr(sigma, name).max()
+
+
+def test_integrals_alone():
+    found = surface(CassiniPeanut(), 60)
+    errors = np.random.default_rng(2).uniform(0, 1e-3, len(found.metric.lengths))
+    alone, whole = found.integral_deviation(errors), found.deviation(errors)
+    for name in (*SCALARS, "correlation"):
+        assert np.allclose(getattr(alone, name), getattr(whole, name), rtol=1e-12)
+
+
+def test_report_of_a_surface_with_length_errors():
+    found = surface(CassiniPeanut(), 60)
+    noisy = found.with_length_errors(1e-3)
+    assert "deviation" not in found.report
+    assert noisy.report["deviation"] == {
+        "length_error_rms": pytest.approx(1e-3),
+        **found.integral_deviation(1e-3).report,
+    }
+    large = found.metric.scaled(8.0)
+    assert (noisy.in_unit_of(large).length_errors == large.unit * noisy.length_errors).all()
+    fit = FittedSurface(found.metric, found.vertices, method="given", tolerance=1e-10, noise=0, weight=0)
+    with pytest.raises(InvalidParameter, match="a best fit does not follow the errors of its lengths"):
+        fit.with_length_errors(1e-3)
 
 
 def test_one_wrong_length():
@@ -94,5 +118,8 @@ def test_what_is_refused():
     a, b, c = faces[0]
     split = np.vstack([faces[1:], [[a, b, 4], [b, c, 4], [c, a, 4]]])
     metric = isoembed.PolyhedralMetric.from_mesh(flat, split)
+    split = isoembed.Embedding(metric, flat, method="given", tolerance=1e-10)
     with pytest.raises(SingularMatrix):
-        isoembed.Embedding(metric, flat, method="given", tolerance=1e-10).deviation(1e-3)
+        split.deviation(1e-3)
+    alone = split.integral_deviation(1e-3)
+    assert alone.volume == np.inf and 0 < alone.area < 1 and 0 < alone.integrated_mean_curvature < 1

@@ -5,11 +5,10 @@ from pathlib import Path
 
 import numpy as np
 
-from isoembed.arrays import Floats
-from isoembed.cli.numbers import read_numbers
+from isoembed.cli.length_error import add_length_error_option, length_errors, not_rigid
 from isoembed.cli.options import add_json_option, add_merge_option, add_output_option
 from isoembed.cli.screen import UsageError, print_json, print_out
-from isoembed.cli.status import OK
+from isoembed.cli.status import NOT_EMBEDDED, OK
 from isoembed.io import MESH_ENDINGS, SURFACE_ENDINGS, check_output, read_surface, write_atomically
 from isoembed.io.files import Writer, ending
 from isoembed.io.registry import METRIC_ENDINGS
@@ -17,7 +16,9 @@ from isoembed.io.surface import mesh_writer, surface_data
 from isoembed.linalg import SingularMatrix
 from isoembed.plot import PICTURE_ENDINGS, picture_writer
 from isoembed.plot.quantity import vertex_deviation
+from isoembed.surface.changes import Changes
 from isoembed.surface.deviation import Deviation
+from isoembed.surface.deviation_bound import DeviationBound
 from isoembed.surface.embedding import Embedding
 
 
@@ -25,16 +26,15 @@ def configure(parser: argparse.ArgumentParser) -> None:
     """Add the options of ``isoembed deviation``."""
     endings = " ".join((*METRIC_ENDINGS, *MESH_ENDINGS))
     parser.add_argument("surface", type=Path, metavar="SURFACE", help=f"vertices and triangles ({endings})")
+    add_length_error_option(parser, required=True)
     parser.add_argument(
-        "--length-error",
-        required=True,
-        metavar="E",
-        help="standard deviation of the lengths, whose errors are independent, in their unit: a number, or a "
-        ".npy file with one for each edge",
+        "--bound",
+        action="store_true",
+        help="E is the largest error of each length: print what is proven, and not an estimate",
     )
     add_output_option(
         parser,
-        f"{' '.join(SURFACE_ENDINGS)}: the surface with the standard deviations at its vertices; "
+        f"{' '.join(SURFACE_ENDINGS)}: the surface with the deviations at its vertices; "
         f"{' '.join(PICTURE_ENDINGS)}: a picture of how far they move",
     )
     add_merge_option(parser)
@@ -48,34 +48,24 @@ def run(options: argparse.Namespace) -> int:
         check_output(output, (*SURFACE_ENDINGS, *PICTURE_ENDINGS))
         if output.resolve() == options.surface.resolve():
             raise UsageError(f"the output is the input {output}")
-    errors = _errors(options.length_error)
+    errors = length_errors(options)
+    assert errors is not None
     surface = read_surface(options.surface, merge=options.merge)
     try:
-        found = surface.deviation(errors)
+        found = surface.deviation_bound(errors) if options.bound else surface.deviation(errors)
     except SingularMatrix:
-        raise UsageError(
-            f"{options.surface} is not infinitesimally rigid, as where a vertex is flat: to first order, "
-            "errors of the lengths move it without bound"
-        ) from None
-    if output:
+        raise not_rigid(options.surface) from None
+    obstacle = found.report.get("reason")
+    if output and not obstacle:
         write_atomically({output: _writer(output, surface, found)})
     if options.json:
         print_json(found.report)
     else:
-        print_out(_summary(surface, found))
-    return OK
+        print_out(f"not proven, because {obstacle}" if obstacle else _summary(surface, found))
+    return NOT_EMBEDDED if obstacle else OK
 
 
-def _errors(text: str) -> Floats:
-    if ending(text) == ".npy":
-        return read_numbers(Path(text))
-    try:
-        return np.array(float(text))
-    except ValueError:
-        raise UsageError(f"--length-error {text} is neither a number nor a .npy file") from None
-
-
-def _writer(path: Path, surface: Embedding, found: Deviation) -> Writer:
+def _writer(path: Path, surface: Embedding, found: Changes) -> Writer:
     if ending(path) in PICTURE_ENDINGS:
         return picture_writer(path, surface, color=vertex_deviation(found))
     data = surface_data(surface)
@@ -83,9 +73,18 @@ def _writer(path: Path, surface: Embedding, found: Deviation) -> Writer:
     return mesh_writer(path, faces=surface.faces, **data)
 
 
-def _summary(surface: Embedding, found: Deviation) -> str:
+def _summary(surface: Embedding, found: Deviation | DeviationBound) -> str:
+    if isinstance(found, Deviation):
+        known = f", the last four known to {100 * found.relative_error:.2g} %" if found.probes else ""
+        meaning, more = f"one standard deviation, to first order{known}", 1.0
+    else:
+        # Two digits may be 5 % off, and what is printed is to be proven, too.
+        meaning, more = (
+            "proven: whatever the lengths within E are, a surface has them that is this near",
+            1.05,
+        )
     lines = [
-        f"{name:12}{value:.12g} +- {error:.2g}"
+        f"{name:12}{value:.12g} +- {more * error:.2g}"
         for name, value, error in (
             ("area", surface.area, found.area),
             ("volume", surface.volume, found.volume),
@@ -100,8 +99,7 @@ def _summary(surface: Embedding, found: Deviation) -> str:
     ):
         worst = int(np.argmax(values))
         lines.append(
-            f"{name:12}+- {np.sqrt(np.mean(values**2)):.2g}{unit}, "
-            f"at most {values[worst]:.2g} (at {place} {worst})"
+            f"{name:12}+- {more * np.sqrt(np.mean(values**2)):.2g}{unit}, "
+            f"at most {more * values[worst]:.2g} (at {place} {worst})"
         )
-    known = f", the last four known to {100 * found.relative_error:.2g} %" if found.probes else ""
-    return "\n".join([*lines, f"one standard deviation, to first order{known}"])
+    return "\n".join([*lines, meaning])

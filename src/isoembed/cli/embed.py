@@ -7,12 +7,14 @@ import isoembed
 from isoembed._embed import configuration, method_names
 from isoembed.cli.answer import add_output_options, answer, asked_for, heard_by
 from isoembed.cli.interruption import Checkpoints, add_checkpoint_options, checkpoint_file
+from isoembed.cli.length_error import add_length_error_option, length_errors
 from isoembed.cli.options import OF_RUNS, add_merge_option, add_run_options, add_space_option, refuse_given
 from isoembed.cli.parameters import configured, parameters
 from isoembed.cli.screen import UsageError, print_error
 from isoembed.errors import Interrupted
 from isoembed.io import MESH_ENDINGS, FileError, read_checkpoint, read_metric
 from isoembed.progress.stages import Listener
+from isoembed.surface.deviation import checked_errors
 
 
 def configure(parser: argparse.ArgumentParser) -> None:
@@ -61,6 +63,9 @@ def configure(parser: argparse.ArgumentParser) -> None:
         help="where no surface has the lengths, write the smooth one that comes nearest to them and succeed, "
         'with the status "best fit"; only with --method aim',
     )
+    add_length_error_option(
+        parser, ": the report gets standard deviations of area, volume and int H dA; not with --best-fit"
+    )
     parser.add_argument(
         "--parameter",
         action="append",
@@ -81,20 +86,24 @@ def run(options: argparse.Namespace) -> int:
     [source] = options.inputs
     left = checkpoint_file(options, outputs, source)
     method = _method(options)
+    errors = length_errors(options)
     kept = read_checkpoint(options.resume) if options.resume else None
     checkpoints = Checkpoints(left, kept)
     metric = read_metric(source, merge=options.merge, space=options.space)
+    if errors is not None:
+        checked_errors(metric, errors)  # before anything is computed
     if options.space == "hyperbolic" and metric.space.is_euclidean:
         print_error("the metric is convex in R^3, which takes it: no curvature is needed", "note")
 
     def solve(progress: Listener | None) -> isoembed.Embedding:
-        return isoembed.embed(
+        found = isoembed.embed(
             metric,
             method=method,
             tolerance=options.tolerance,
             progress=heard_by(progress, checkpoints.listen),
             resume=kept,
         )
+        return found if errors is None else found.with_length_errors(errors)
 
     try:
         status = answer(options, outputs, solve)
@@ -116,8 +125,13 @@ def _method(options: argparse.Namespace) -> isoembed.Method:
         )
     if options.best_fit and "best_fit" not in known:
         raise UsageError(f"--best-fit needs the method 'aim': the method {options.method!r} has no best fit")
+    if options.length_error is not None and options.best_fit:
+        raise UsageError("--length-error does not go with --best-fit, which smooths errors instead")
     best_fit = ["best_fit=true"] if options.best_fit else []
-    return configured(options.method, options.parameter + repair + best_fit)
+    method = configured(options.method, options.parameter + repair + best_fit)
+    if options.length_error is not None and not method.keeps_triangles:
+        raise UsageError(f"--length-error needs a method that keeps the triangles, not {options.method!r}")
+    return method
 
 
 def _tolerance(text: str) -> float:

@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 
 from isoembed import Method
+from isoembed.cli.length_error import length_errors
 from isoembed.cli.many import carried_out, seen_by_all
 from isoembed.cli.outputs import stems
 from isoembed.cli.screen import UsageError, print_aside, print_json
@@ -40,8 +41,12 @@ def embed_files(options: argparse.Namespace, method: Method) -> int:
         raise UsageError(f"{len(options.inputs)} files need an --output: the folder for their surfaces")
     if "-" in options.inputs:
         raise UsageError("standard input, -, is one file: it does not go with others")
+    errors = length_errors(options)
+    if errors is not None and errors.ndim:
+        raise UsageError("--length-error of several files is a number")
+    error = None if errors is None else float(errors)
     tasks = [
-        EmbeddingTask(stem, Path(name), method, options.tolerance, options.merge, options.space)
+        EmbeddingTask(stem, Path(name), method, options.tolerance, options.merge, options.space, error)
         for stem, name in zip(stems(options.inputs), seen_by_all(options, options.inputs), strict=True)
     ]
     folder = Path(*seen_by_all(options, [options.output]))

@@ -12,6 +12,7 @@ import isoembed
 from isoembed.arrays import Floats
 from isoembed.cli.answer import solved
 from isoembed.cli.closed_form import OF_SPACETIME, add_spacetime_options, closed_form
+from isoembed.cli.length_error import add_length_error_option, length_errors, not_rigid
 from isoembed.cli.numbers import read_numbers
 from isoembed.cli.options import (
     add_json_option,
@@ -34,8 +35,10 @@ from isoembed.io import MESH_ENDINGS, SURFACE_ENDINGS, mesh_writer, surface_writ
 from isoembed.io.files import input_ending
 from isoembed.io.metric import in_space
 from isoembed.io.space_line import WRITTEN
+from isoembed.linalg import SingularMatrix
 from isoembed.metric.polyhedral import PolyhedralMetric
 from isoembed.relativity.energies.embedded import conventions, embed_surface
+from isoembed.relativity.energies.mesh_deviation import mesh_deviation
 from isoembed.relativity.energies.mesh_energies import mesh_energies
 from isoembed.relativity.energies.report import (
     checked_report,
@@ -54,9 +57,10 @@ from isoembed.smooth.grid_metric import GridMetric
 from isoembed.smooth.two_metric import TwoMetric
 from isoembed.space import Space
 from isoembed.space.models import to_model
+from isoembed.surface.deviation import checked_errors
 from isoembed.surface.smooth_integrals import Lengths
 
-OF_METRIC = ("merge", "mean_curvature", "momentum", "normal_momentum", "lengths")
+OF_METRIC = ("merge", "mean_curvature", "momentum", "normal_momentum", "lengths", "length_error")
 IN_SLICE = ("geometry", *(name for name in OF_SLICE if name not in OF_SPACETIME))
 OF_DECISION = ("marginal", "not_marginal")
 OF_SMOOTH = ("best_fit", "band", "wang_yau", *OF_DECISION)
@@ -95,6 +99,9 @@ def configure(parser: argparse.ArgumentParser) -> None:
         help="what the lengths of triangles are: those of geodesics, as isoembed triangulate makes them, or "
         "distances of points in Euclidean space, as in meshes and from isoembed surface (by default, but for "
         "meshes, they are taken for geodesics' with errors wide enough for both)",
+    )
+    add_length_error_option(
+        parser, ": of a METRIC of triangles; then every energy has a standard deviation by them"
     )
     add_marginal_options(parser, "of a surface on a grid or in a slice", "by default it is none")
     add_spacetime_options(parser)
@@ -224,7 +231,7 @@ def _decided(options: argparse.Namespace, data: SurfaceData) -> SurfaceData:
 
 def _on_grid(options: argparse.Namespace, data: SurfaceData) -> SurfaceData:
     """The surface of a metric on a grid, with what the options add."""
-    refuse_given(options, ("lengths", "merge"), "is for a METRIC of triangles")
+    refuse_given(options, ("lengths", "length_error", "merge"), "is for a METRIC of triangles")
     given: dict[str, Callable[[Floats], Floats]] = {}
     for name in ("mean_curvature", "momentum", "normal_momentum"):
         path = getattr(options, name)
@@ -258,6 +265,9 @@ def _triangles(options: argparse.Namespace, outputs: Outputs, metric: Polyhedral
     lengths: Lengths | None = options.lengths
     if lengths is None and input_ending(options.input) in MESH_ENDINGS and metric.space == own:
         lengths = "chord"  # in the space that the file is in; in another one they are neither
+    errors = length_errors(options)
+    if errors is not None:
+        checked_errors(metric, errors)  # before anything is computed
     embedding, failure = solved(lambda progress: isoembed.embed(metric, progress=progress))
     if failure is not None:
         if options.json:
@@ -266,7 +276,11 @@ def _triangles(options: argparse.Namespace, outputs: Outputs, metric: Polyhedral
         return NOT_EMBEDDED
     energies = mesh_energies(embedding, k, p, lengths=lengths)
     try:
-        _show(options, mesh_report(embedding, energies, lengths, str(options.input)))
+        deviation = None if errors is None else mesh_deviation(embedding, errors, k, p, lengths=lengths)
+    except SingularMatrix:
+        raise not_rigid(f"the surface of {options.input}") from None
+    try:
+        _show(options, mesh_report(embedding, energies, lengths, str(options.input), deviation))
     finally:
         outputs.write(output=lambda path: surface_writer(path, embedding))
     return OK

@@ -26,9 +26,9 @@ def summary(embedding: Embedding) -> str:
         f"roughness {_short(smoothness['roughness'])}, bending energy {_short(smoothness['bending_energy'])}",
         f"rigidity    smallest singular value {_short(smoothness['smallest_singular_value'])}",
         f"proof       {report['certificate']['reason']}",
-        f"area        {_number(report['area'])}",
-        f"volume      {_number(report['volume'])}",
-        f"int H dA    {_number(report['integrated_mean_curvature'])}   with H = (k1 + k2)/2",
+        f"area        {_measure(report, 'area')}",
+        f"volume      {_measure(report, 'volume')}",
+        f"int H dA    {_measure(report, 'integrated_mean_curvature')}   with H = (k1 + k2)/2",
     ]
     if embedding.stages:
         width = max(len("total"), *(len(stage.name) for stage in embedding.stages))
@@ -55,6 +55,14 @@ def _error(value: float | None) -> str:
 
 def _number(value: float | None) -> str:
     return "beyond the range of numbers" if value is None else f"{value:.12g}"
+
+
+def _measure(report: Mapping[str, Any], name: str) -> str:
+    """A number and, if the lengths have errors, its standard deviation."""
+    if "deviation" not in report:
+        return _number(report[name])
+    sigma = report["deviation"][name]
+    return f"{_number(report[name])} +- {'infinite' if sigma is None else f'{sigma:.2g}'}"
 
 
 def _short(value: float | None) -> str:

@@ -13,8 +13,8 @@ from isoembed.metric.conformal_sphere import conformal_factors, conformal_sphere
 from isoembed.metric.curvature import area, dual_areas, gaussian_curvature
 from isoembed.metric.delaunay import delaunay
 from isoembed.progress.stages import Log
+from isoembed.surface.changes import Changes
 from isoembed.surface.comparison import Comparison
-from isoembed.surface.deviation import Deviation
 from isoembed.surface.embedding import Embedding
 from isoembed.thresholds import threshold
 
@@ -143,7 +143,7 @@ def sides(embedding: Embedding) -> Quantity | None:
     return Quantity("sides", "number of sides of a face", counts, at="faces")
 
 
-def vertex_deviation(deviation: Deviation) -> Quantity:
+def vertex_deviation(deviation: Changes) -> Quantity:
     """How far errors of the lengths move the vertices, over the root mean square, which the label states."""
     rms = deviation.report["vertices_rms"]
     label = f"deviation of vertices, over {rms:.2g}"

@@ -4,6 +4,7 @@ from .energies.embedded import EmbeddedSurface as EmbeddedSurface
 from .energies.embedded import embed_surface as embed_surface
 from .energies.energies import Energies as Energies
 from .energies.energies import Integrals as Integrals
+from .energies.mesh_deviation import mesh_deviation as mesh_deviation
 from .energies.mesh_energies import mesh_energies as mesh_energies
 from .energies.report import energy_table as energy_table
 from .energies.report import mesh_report as mesh_report

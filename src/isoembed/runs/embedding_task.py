@@ -38,6 +38,8 @@ class EmbeddingTask:
     merge : float or None
     space : Space, str or None
         As of `isoembed.io.read_metric`.
+    length_error : float or None
+        As of `Embedding.with_length_errors`.
     """
 
     label: str
@@ -46,6 +48,7 @@ class EmbeddingTask:
     tolerance: float
     merge: float | None = None
     space: Space | str | None = None
+    length_error: float | None = None
 
     @property
     def facts(self) -> dict[str, Any]:
@@ -62,6 +65,7 @@ class EmbeddingTask:
             self.merge,
         )
         parts += () if self.space is None else (self.space,)
+        parts += () if self.length_error is None else ("length error", self.length_error)
         return hashlib.sha256(repr(parts).encode()).hexdigest()
 
     def compute(self, before: Result | None) -> Result:
@@ -72,6 +76,8 @@ class EmbeddingTask:
                 with unchanged(self.path):
                     metric = read_metric(self.path, merge=self.merge, space=self.space)
                 found = embed(metric, method=self.method, tolerance=self.tolerance)
+                if self.length_error is not None:
+                    found = found.with_length_errors(self.length_error)
             except NotEmbedded as error:
                 report = {**error.embedding.report, "message": str(error), **self.facts}
                 return Result(self.label, error.embedding.status, report)

@@ -13,7 +13,7 @@ of ``p_a . q_a - (u . p_a)(u . q_a)``.  For the exact vertices tau and m differ 
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -21,11 +21,18 @@ import numpy as np
 from isoembed.arrays import Floats
 from isoembed.errors import InvalidParameter
 from isoembed.linalg.rounding import GUARD, gamma
+from isoembed.mesh.triangulation import Triangulation
 from isoembed.surface.alignment import aligned
 from isoembed.surface.changes import Changes
-from isoembed.surface.curvature import DIHEDRAL, dihedral_angles, turning_errors
+from isoembed.surface.curvature import (
+    DIHEDRAL,
+    dihedral_angles,
+    integrated_mean_curvature,
+    turning_errors,
+    vertex_mean_curvature,
+)
 from isoembed.surface.deviation_bound import DeviationBound
-from isoembed.surface.measures import face_normals
+from isoembed.surface.measures import area, face_normals, volume
 
 if TYPE_CHECKING:
     from isoembed.surface.embedding import Embedding
@@ -106,16 +113,9 @@ def compare(first: Embedding, second: Embedding) -> Comparison:
     rounding = DIHEDRAL.rounding * float(np.abs(x).max())  # of y as a rigid image
     turned, moved = _misaligned(x, y, one.vertices / unit, other.vertices / unit + rounding)
     rotated = turned + turning_errors(t, x) + turning_errors(t, y)
-    apart = np.linalg.norm(y - x, axis=1)
-    difference = Changes(
-        vertices=unit * apart,
-        normals=_angles(face_normals(t.faces, x), face_normals(t.faces, y)),
-        dihedral_angles=dihedral_angles(t, own) - dihedral_angles(t, x),
-        mean_curvature=second.mean_curvature - first.mean_curvature,
-        area=second.area - first.area if obstacle else 0.0,  # lengths tell it
-        volume=second.volume - first.volume,
-        integrated_mean_curvature=second.integrated_mean_curvature - first.integrated_mean_curvature,
-    )
+    difference = differences(t, x, own)
+    if not obstacle:
+        difference = replace(difference, area=0.0)  # lengths tell it
     error = Changes(
         vertices=unit * moved,
         normals=one.normals + other.normals + rotated,
@@ -125,12 +125,15 @@ def compare(first: Embedding, second: Embedding) -> Comparison:
         volume=one.volume + other.volume,
         integrated_mean_curvature=one.integrated_mean_curvature + other.integrated_mean_curvature,
     )
-    distance, uncertain = float(apart.max()) / mean_length, GUARD * float(moved.max()) / mean_length
+    distance, uncertain = (
+        float(difference.vertices.max()) / mean_length,
+        GUARD * float(moved.max()) / mean_length,
+    )
     isolation = None if obstacle else max(_isolation(first), _isolation(second))
     same = None if isolation is None else _same(first, distance, uncertain, isolation)
     rough = first.fine_roughness, second.fine_roughness
     return Comparison(
-        difference=difference,
+        difference=difference.scaled(unit),
         error=error,
         distance=distance,
         distance_error=uncertain,
@@ -140,6 +143,20 @@ def compare(first: Embedding, second: Embedding) -> Comparison:
         fine_roughness=rough,
         reason=_sentence(obstacle, same, f"{distance:.3g} mean edge lengths apart", uncertain)
         + ("" if same else f"; the {('first', 'second')[rough[1] < rough[0]]} is the smoother"),
+    )
+
+
+def differences(triangulation: Triangulation, x: Floats, y: Floats) -> Changes:
+    """The `Comparison.difference` of surfaces in R^3 with the vertices x and y, each (V, 3)."""
+    t, moved = triangulation, aligned(y, x)
+    return Changes(
+        vertices=np.linalg.norm(moved - x, axis=1),
+        normals=_angles(face_normals(t.faces, x), face_normals(t.faces, moved)),
+        dihedral_angles=dihedral_angles(t, y) - dihedral_angles(t, x),
+        mean_curvature=vertex_mean_curvature(t, y) - vertex_mean_curvature(t, x),
+        area=area(t.faces, y) - area(t.faces, x),
+        volume=volume(t.faces, y) - volume(t.faces, x),
+        integrated_mean_curvature=integrated_mean_curvature(t, y) - integrated_mean_curvature(t, x),
     )
 
 

@@ -11,14 +11,22 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from isoembed.arrays import Floats
+from isoembed.errors import InvalidParameter
 from isoembed.mesh.triangulation import Triangulation
 from isoembed.metric.polyhedral import PolyhedralMetric
 from isoembed.metric.variation import area_derivative
-from isoembed.surface.changes import Changes
+from isoembed.surface.changes import INTEGRALS, Changes
 from isoembed.surface.curvature import dihedral_angles, vertex_areas, vertex_mean_curvature
-from isoembed.surface.derivatives import LengthDerivatives, dihedral_rates, normal_rates, volume_gradient
+from isoembed.surface.derivatives import (
+    LengthDerivatives,
+    checked,
+    dihedral_rates,
+    normal_rates,
+    volume_gradient,
+)
 from isoembed.thresholds import threshold
 
 
@@ -34,6 +42,73 @@ class DeviationThresholds:
 
 
 DEVIATION = DeviationThresholds()
+
+
+def checked_errors(metric: PolyhedralMetric, errors: ArrayLike) -> Floats:
+    """Errors of the lengths, one for all or one for each edge, as an array, (E,).
+
+    Raises
+    ------
+    InvalidParameter
+        They are of another shape, not finite or negative, or the metric is not of flat triangles.
+    """
+    if not metric.space.is_euclidean:
+        raise InvalidParameter(f"deviations are those of surfaces in R^3, not in {metric.space!r}")
+    given, shape = np.asarray(errors, dtype=np.float64), metric.lengths.shape
+    sigma = checked(np.broadcast_to(given, shape) if given.ndim == 0 else given, shape, "errors")
+    if sigma.ndim > 1:
+        raise InvalidParameter(f"the errors have the shape {sigma.shape}, not {shape}")
+    if (sigma < 0).any():
+        e = int(np.argmax(sigma < 0))
+        raise InvalidParameter(f"the error of edge {e} is {sigma[e]}, which is negative")
+    return sigma
+
+
+@dataclass(frozen=True, eq=False)
+class IntegralDeviation:
+    """Standard deviations of what is integrated over a surface in R^3 whose lengths have independent errors.
+
+    Attributes
+    ----------
+    area, volume, integrated_mean_curvature : float
+        To first order.  The volume's is infinite where the surface is not infinitesimally rigid.
+    correlation : ndarray, shape (3, 3)
+        Of the errors of the three; NaN beside one that has no error, or an infinite one.
+    """
+
+    area: float
+    volume: float
+    integrated_mean_curvature: float
+    correlation: Floats
+
+    @classmethod
+    def of(
+        cls, metric: PolyhedralMetric, vertices: Floats, errors: Floats, volume_rates: Floats
+    ) -> IntegralDeviation:
+        """From standard deviations of the lengths, and derivatives of the volume by these, each (E,)."""
+        theta = dihedral_angles(metric.triangulation, vertices)
+        rates = np.array([area_derivative(metric), volume_rates, theta / 2])  # Schlaefli: sum l dtheta = 0
+        with np.errstate(invalid="ignore"):
+            scaled = np.where(errors > 0, errors * rates, 0.0)
+            covariance = scaled @ scaled.T
+            sigma = np.sqrt(np.diag(covariance))
+            correlation = covariance / sigma / sigma[:, None]
+        by_area, by_volume, by_integral = map(float, sigma)
+        return cls(by_area, by_volume, by_integral, correlation)
+
+    def scaled(self, unit: float) -> IntegralDeviation:
+        """In another unit: every length, and error of one, times this factor."""
+        return IntegralDeviation(
+            unit * (unit * self.area),
+            unit * (unit * (unit * self.volume)),
+            unit * self.integrated_mean_curvature,
+            self.correlation,
+        )
+
+    @property
+    def report(self) -> dict[str, float]:
+        """The three standard deviations."""
+        return {name: getattr(self, name) for name in INTEGRALS}
 
 
 @dataclass(frozen=True, eq=False)
@@ -77,17 +152,9 @@ class Deviation(Changes):
         than the edges, each edge is taken once instead, and the result is exact.
         """
         t = metric.triangulation
-        scalars = errors * np.array(
-            [
-                area_derivative(metric),
-                derivatives.vjp(volume_gradient(t, vertices)),
-                dihedral_angles(t, vertices) / 2,  # Schlaefli: sum l dtheta = 0
-            ]
+        integrals = IntegralDeviation.of(
+            metric, vertices, errors, derivatives.vjp(volume_gradient(t, vertices))
         )
-        covariance = scalars @ scalars.T
-        sigma = np.sqrt(np.diag(covariance))
-        with np.errstate(invalid="ignore"):
-            correlation = covariance / sigma / sigma[:, None]
         exact = len(errors) <= DEVIATION.probes
         sums = [np.zeros(n) for n in (len(vertices), t.n_faces, t.n_edges, len(vertices))]
         for draw in _units(len(errors)) if exact else _signs(len(errors)):
@@ -97,16 +164,13 @@ class Deviation(Changes):
                 total += square
         probes = 0 if exact else DEVIATION.probes
         at_vertices, at_faces, at_edges, of_curvature = (np.sqrt(total / max(probes, 1)) for total in sums)
-        by_area, by_volume, by_integral = map(float, sigma)
         return cls(
             vertices=at_vertices,
             normals=at_faces,
             dihedral_angles=at_edges,
             mean_curvature=of_curvature,
-            area=by_area,
-            volume=by_volume,
-            integrated_mean_curvature=by_integral,
-            correlation=correlation,
+            **integrals.report,
+            correlation=integrals.correlation,
             probes=probes,
         )
 

@@ -18,6 +18,7 @@ says how the volume changes with the lengths.
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 
@@ -54,6 +55,11 @@ class DeviationBound(Changes):
     """
 
     reason: str = ""
+
+    @property
+    def report(self) -> dict[str, Any]:
+        """Area, volume and int H dA; of the arrays root mean square and largest, and the `reason`."""
+        return {**super().report, "reason": self.reason}
 
     @classmethod
     def unproven(cls, triangulation: Triangulation, reason: str) -> DeviationBound:

@@ -7,6 +7,7 @@ from functools import cached_property
 from typing import Any, ClassVar, Self
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from isoembed.arrays import Floats, Indices, Mask
 from isoembed.linalg import SingularMatrix
@@ -21,6 +22,7 @@ from isoembed.strict_json import plain
 from isoembed.surface import alignment, convexity, curvature, measures, smoothness
 from isoembed.surface.certificate import NOT_ASKED, Certificate, certify
 from isoembed.surface.comparison import Comparison, compare
+from isoembed.surface.deviation import checked_errors
 from isoembed.surface.intersection import self_intersections
 from isoembed.surface.nearby_realization import CERTIFICATE
 from isoembed.surface.rigidity import LengthSystem
@@ -52,10 +54,12 @@ class Embedding(Sensitivity, Views):
         What the method has to say; by default a sentence on the residual.
     others : sequence of Embedding
         Other realizations of the same lengths that were met: the metric has more than one.
+    length_errors : ndarray, shape (E,), optional
+        Standard deviations of the lengths, if they are known (`with_length_errors`).
 
     Attributes
     ----------
-    metric, vertices, method, tolerance, stages, others
+    metric, vertices, method, tolerance, stages, others, length_errors
         As given; `vertices` is read-only.
 
     Raises
@@ -73,6 +77,7 @@ class Embedding(Sensitivity, Views):
     stages: Sequence[Stage] = ()
     message: str = ""
     others: "Sequence[Embedding]" = ()
+    length_errors: Floats | None = None
 
     _DIMENSIONAL: ClassVar[tuple[str, ...]] = ("mean_curvature",)  # cached properties that have a unit
 
@@ -133,6 +138,21 @@ class Embedding(Sensitivity, Views):
         both = self._with(others=tuple(others))
         return both._with(message=both._sentence())
 
+    def with_length_errors(self, errors: ArrayLike) -> Self:
+        """Return the same surface in R^3 with errors of its lengths, which the report makes error bars of.
+
+        Parameters
+        ----------
+        errors : float or array_like, shape (E,)
+            Standard deviations of the lengths, in their unit, as of `deviation`.
+
+        Raises
+        ------
+        InvalidParameter
+            As `deviation`.
+        """
+        return self._with(length_errors=frozen(checked_errors(self.metric, errors)))
+
     def in_unit_of(self, given: PolyhedralMetric | GluedMetric) -> Self:
         """Return the same surface, found for the `normalized` of a metric, in the unit of that metric.
 
@@ -147,6 +167,8 @@ class Embedding(Sensitivity, Views):
             "vertices": frozen(vertices),
             "others": tuple(other.in_unit_of(given) for other in self.others),
         }
+        if self.length_errors is not None:
+            changes["length_errors"] = frozen(given.unit * self.length_errors)
         if (vertices / given.unit != self.vertices).any():
             return replace(self, **changes, message="")
         changed = self._with(**changes)
@@ -387,7 +409,7 @@ class Embedding(Sensitivity, Views):
         A number that is infinite (the volume of a body 1e150 across) is None.  So is the smallest singular
         value where J J^T is large, beyond 20,000 vertices or some 900 edges at one of them: it alone costs as
         much as all else.  For the same reason there is no certificate beyond 30,000 vertices; the property
-        has it all the same.
+        has it all the same.  With `length_errors` it has the `integral_deviation` under ``deviation``.
         """
         triangulation = self.triangulation
         entries = np.sum(triangulation.degrees**2)  # of J J^T
@@ -437,6 +459,11 @@ class Embedding(Sensitivity, Views):
             "certificate": certificate.as_json(),
             "stages": [asdict(stage) for stage in self.stages],
         }
+        if self.length_errors is not None:
+            found["deviation"] = {
+                "length_error_rms": float(np.sqrt(np.mean(self.length_errors**2))),
+                **self.integral_deviation(self.length_errors).report,
+            }
         return dict(plain(found))
 
 

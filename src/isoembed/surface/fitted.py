@@ -1,10 +1,12 @@
 """Least-squares surfaces, for lengths that no surface has."""
 
 from dataclasses import KW_ONLY, dataclass
-from typing import Any
+from typing import Any, Self
 
 import numpy as np
+from numpy.typing import ArrayLike
 
+from isoembed.errors import InvalidParameter
 from isoembed.surface.embedding import Embedding
 
 
@@ -37,6 +39,15 @@ class FittedSurface(Embedding):
             f"{self.metric.edges[e].tolist()}: as smooth as it is, lengths with errors of about "
             f"{self.noise:.1e} would lead to it"
         )
+
+    def with_length_errors(self, errors: ArrayLike) -> Self:
+        """Refuse: what a least-squares surface does with errors of the lengths is not what others do.
+
+        Raises
+        ------
+        InvalidParameter
+        """
+        raise InvalidParameter("a best fit does not follow the errors of its lengths: it smooths them")
 
     @property
     def residual_rms(self) -> float:

@@ -11,7 +11,7 @@ from isoembed.errors import InvalidParameter
 from isoembed.linalg import SingularMatrix
 from isoembed.metric.polyhedral import PolyhedralMetric
 from isoembed.surface.derivatives import LengthDerivatives, Variation, checked, volume_gradient
-from isoembed.surface.deviation import Deviation
+from isoembed.surface.deviation import Deviation, IntegralDeviation, checked_errors
 from isoembed.surface.deviation_bound import DeviationBound
 from isoembed.surface.length_equations import NotProven
 
@@ -126,9 +126,29 @@ class Sensitivity:
         SingularMatrix, OutOfMemory
             As `jvp`.
         """
-        sigma, unit = self._length_errors(errors), self.metric.unit
+        sigma, unit = checked_errors(self.metric, errors) / self.metric.unit, self.metric.unit
         found = Deviation.of(self._derivatives, self.metric.normalized, self._normalized, sigma)
         return found.scaled(unit)
+
+    def integral_deviation(self, errors: ArrayLike) -> IntegralDeviation:
+        """Area, volume and int H dA of `deviation` alone, by one solve.
+
+        Parameters
+        ----------
+        errors : float or array_like, shape (E,)
+
+        Raises
+        ------
+        InvalidParameter, OutOfMemory
+            As `deviation`.
+        """
+        sigma = checked_errors(self.metric, errors) / self.metric.unit
+        metric, x = self.metric.normalized, self._normalized
+        try:
+            volume_rates = self._derivatives.vjp(volume_gradient(metric.triangulation, x))
+        except SingularMatrix:
+            volume_rates = np.full(len(sigma), np.inf)
+        return IntegralDeviation.of(metric, x, sigma, volume_rates).scaled(self.metric.unit)
 
     def deviation_bound(self, errors: ArrayLike) -> DeviationBound:
         """How far a surface in R^3 may be off because lengths are: not an estimate, but proven.
@@ -149,24 +169,11 @@ class Sensitivity:
         OutOfMemory
             As `jvp`.
         """
-        bounds, metric, x = self._length_errors(errors), self.metric.normalized, self._normalized
+        bounds = checked_errors(self.metric, errors) / self.metric.unit
+        metric, x = self.metric.normalized, self._normalized
         try:
             volume_rates = self._derivatives.vjp(volume_gradient(metric.triangulation, x))
             found = DeviationBound.of(metric, x, bounds, volume_rates)
         except (SingularMatrix, NotProven) as obstacle:
             return DeviationBound.unproven(metric.triangulation, str(obstacle))
         return found.scaled(self.metric.unit)
-
-    def _length_errors(self, errors: ArrayLike) -> Floats:
-        """Errors of the lengths in the normalized unit, (E,), checked."""
-        if not self.metric.space.is_euclidean:
-            raise InvalidParameter(f"deviations are those of surfaces in R^3, not in {self.metric.space!r}")
-        given, normalized = np.asarray(errors, dtype=np.float64), self.metric.normalized
-        whole = np.broadcast_to(given, normalized.lengths.shape) if given.ndim == 0 else given
-        sigma = checked(whole, normalized.lengths.shape, "errors")
-        if sigma.ndim > 1:
-            raise InvalidParameter(f"the errors have the shape {sigma.shape}, not {normalized.lengths.shape}")
-        if (sigma < 0).any():
-            e = int(np.argmax(sigma < 0))
-            raise InvalidParameter(f"the error of edge {e} is {sigma[e]}, which is negative")
-        return sigma / self.metric.unit

@@ -44,7 +44,8 @@ def energy_table(report: dict[str, Any]) -> str:
     lines = [report["name"], *_space_lines(report.get("space")), ""]
     for name, shown in SHOWN.items():
         if report.get(name) is not None:
-            lines.append(_line(shown, report[name], report["errors"][name], width))
+            line = _line(shown, report[name], report["errors"][name], width)
+            lines.append(line + _by_lengths(report, name))
     if spin := report.get("spin"):
         lines.append(_line("angular momentum J", spin["J"], spin["error"], width))
         if spin["axis"]:
@@ -99,6 +100,12 @@ def _line(shown: str, value: float, error: float, width: int) -> str:
     return f"{shown:{width}}  {Estimate(value, error).rounded:22} +- {error:.0e}"
 
 
+def _by_lengths(report: dict[str, Any], name: str) -> str:
+    """The standard deviation of a number, if that of the lengths is known."""
+    sigma = report.get("deviation", {}).get(name)
+    return "" if sigma is None else f", +- {sigma:.1e} by the lengths"
+
+
 def _triple(x: list[float], error: float) -> str:
     """Three numbers with one error, to one digit more than that leaves of the largest."""
     size = max(map(abs, x)) or 1.0
@@ -121,9 +128,13 @@ def unembedded_report(data: SurfaceData, error: NotEmbedded) -> dict[str, Any]:
 
 
 def mesh_report(
-    embedding: Embedding, energies: Energies, lengths: Lengths | None, name: str
+    embedding: Embedding,
+    energies: Energies,
+    lengths: Lengths | None,
+    name: str,
+    deviation: dict[str, float | None] | None = None,
 ) -> dict[str, Any]:
-    """Report of the energies of triangles, from `mesh_energies` with these lengths."""
+    """Report of the energies of triangles, from `mesh_energies` and `mesh_deviation` with these lengths."""
     return {
         "status": "embedded",
         "message": embedding.message,
@@ -137,6 +148,7 @@ def mesh_report(
             "volume": embedding.volume,
         },
         "conventions": conventions(embedding.space),
+        **({} if deviation is None else {"deviation": deviation}),
     }
 
 

@@ -1,0 +1,52 @@
+"""The option that says how far the lengths of edges may be off."""
+
+import argparse
+from pathlib import Path
+
+import numpy as np
+
+from isoembed.arrays import Floats
+from isoembed.cli.numbers import read_numbers
+from isoembed.cli.screen import UsageError
+from isoembed.io.files import ending
+
+
+def add_length_error_option(
+    parser: argparse.ArgumentParser, purpose: str = "", *, required: bool = False
+) -> None:
+    """Add the option."""
+    parser.add_argument(
+        "--length-error",
+        required=required,
+        metavar="E",
+        help="standard deviation of the lengths, whose errors are independent, in their unit: a number, or a "
+        f".npy file with one for each edge{purpose}",
+    )
+
+
+def length_errors(options: argparse.Namespace) -> Floats | None:
+    """One number, or one for each edge; None if the option is not given.
+
+    Raises
+    ------
+    UsageError
+        It is neither a number nor a file of numbers.
+    FileError
+    """
+    text = options.length_error
+    if text is None:
+        return None
+    if ending(text) == ".npy":
+        return read_numbers(Path(text))
+    try:
+        return np.array(float(text))
+    except ValueError:
+        raise UsageError(f"--length-error {text} is neither a number nor a .npy file") from None
+
+
+def not_rigid(path: Path | str) -> UsageError:
+    """The error of a surface of which no deviation is known."""
+    return UsageError(
+        f"{path} is not infinitesimally rigid, as where a vertex is flat: to first order, errors of the "
+        "lengths move it without bound"
+    )

@@ -1,0 +1,98 @@
+"""``--length-error`` of commands that embed: error bars of what is integrated."""
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import isoembed
+import zoo
+from isoembed.gallery import Ellipsoid, triangulate
+from isoembed.io import write_metric
+from isoembed.relativity import mesh_deviation
+from strict_json import strict
+
+BARS = ("area", "volume", "integrated_mean_curvature")
+
+
+@pytest.fixture
+def metric():
+    """An ellipsoid, m.npz."""
+    found = isoembed.PolyhedralMetric.from_mesh(*triangulate(Ellipsoid((3.0, 2.0, 1.0)), 100))
+    write_metric("m.npz", found)
+    return found
+
+
+def test_report_and_summary(call, metric):
+    status, out, err = call("embed", "m.npz", "--length-error", "1e-4", "--report", "r.json")
+    sigma = isoembed.embed(metric).integral_deviation(1e-4)
+    assert (status, err) == (0, "")
+    for name in BARS:
+        assert f" +- {getattr(sigma, name):.2g}" in out
+    report = strict(Path("r.json").read_text())
+    assert report["deviation"] == pytest.approx({"length_error_rms": 1e-4, **sigma.report}, rel=1e-6)
+    plain = strict(call("embed", "m.npz", "--json")[1])
+    assert "deviation" not in plain and plain.keys() | {"deviation"} == report.keys()
+
+
+def test_errors_of_each_edge_and_the_page(call, metric):
+    errors = np.linspace(0, 1e-3, len(metric.lengths))
+    np.save("e.npy", errors)
+    assert call("embed", "m.npz", "--length-error", "e.npy", "--html", "p.html", "--report", "r.json")[0] == 0
+    found = strict(Path("r.json").read_text())["deviation"]
+    assert found["length_error_rms"] == pytest.approx(np.sqrt(np.mean(errors**2)))
+    assert "length error rms" in Path("p.html").read_text(encoding="utf-8")
+
+
+def test_several_files(call, metric):
+    write_metric("n.npz", metric)
+    assert call("embed", "m.npz", "n.npz", "-o", "all", "--length-error", "1e-4", "--jobs", "1")[0] == 0
+    sigma = isoembed.embed(metric).integral_deviation(1e-4)
+    assert strict(Path("all/n.json").read_text())["deviation"]["volume"] == pytest.approx(sigma.volume)
+    np.save("e.npy", np.zeros(len(metric.lengths)))
+    status, _, err = call("embed", "m.npz", "n.npz", "-o", "all", "--length-error", "e.npy")
+    assert (status, err) == (2, "isoembed: error: --length-error of several files is a number\n")
+
+
+def test_energies(call, metric):
+    np.save("k.npy", np.full(100, 1.5))
+    given = ("energy", "m.npz", "--mean-curvature", "k.npy", "--lengths", "chord", "--length-error", "1e-4")
+    sigma = mesh_deviation(isoembed.embed(metric), 1e-4, np.full(100, 1.5), lengths="chord")
+    status, out, err = call(*given)
+    assert (status, err) == (0, "")
+    assert f", +- {sigma['brown_york']:.1e} by the lengths\n" in out
+    report = strict(call(*given, "--json")[1])
+    known = {name: value for name, value in report["deviation"].items() if value is not None}
+    assert known == pytest.approx({name: value for name, value in sigma.items() if value is not None})
+    assert "deviation" not in strict(call(*given[:-2], "--json")[1])
+
+
+def test_a_flat_vertex(call):
+    x, faces = zoo.tetrahedron()
+    a, b, c = faces[0]
+    split = np.vstack([faces[1:], [[a, b, 4], [b, c, 4], [c, a, 4]]])
+    flat = np.vstack([x, x[faces[0]].mean(axis=0)])
+    write_metric("flat.npz", isoembed.PolyhedralMetric.from_mesh(flat, split))
+    status, out, _ = call("embed", "flat.npz", "--length-error", "1e-4")
+    assert status == 0 and "+- infinite" in out
+    status, _, err = call("energy", "flat.npz", "--length-error", "1e-4")
+    assert status == 2 and "the surface of flat.npz is not infinitesimally rigid" in err
+
+
+@pytest.mark.parametrize(
+    ("given", "sentence"),
+    (
+        (("1e-4", "--method", "alexandrov"), "needs a method that keeps the triangles, not 'alexandrov'"),
+        (("1e-4", "--best-fit"), "--length-error does not go with --best-fit"),
+        (("-1",), "the error of edge 0 is -1.0, which is negative"),
+        (("much",), "--length-error much is neither a number nor a .npy file"),
+    ),
+)
+def test_what_is_refused(call, metric, given, sentence):
+    status, out, err = call("embed", "m.npz", "--length-error", *given)
+    assert (status, out) == (2, "") and sentence in err
+
+
+def test_smooth_surfaces_have_no_lengths(call):
+    status, _, err = call("energy", "--spacetime", "kerr", "--surface", "sphere", "--length-error", "1")
+    assert status == 2 and "--length-error does not go with a --spacetime" in err
