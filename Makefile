@@ -61,7 +61,7 @@ lint-workflows:
 	@cd workflow-lint && npm install --silent --no-audit --no-fund --no-package-lock && npm run --silent lint
 
 release-check: $(BUILDERS)
-	$(BIN)/python packaging/check.py
+	$(BIN)/python release/check.py
 
 bench: $(INSTALLED)
 	@for script in benchmarks/*.py; do echo "$$script"; $(BIN)/python "$$script" || exit 1; done

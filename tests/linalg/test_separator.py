@@ -107,7 +107,7 @@ def test_a_wide_band_straightens_a_ragged_cut():
 
 
 def test_a_cut_between_two_pieces_needs_no_separator():
-    edges = sp.block_diag([np.ones((5, 5)), np.ones((4, 4))], format="csr")
+    edges = sp.block_diag([sp.coo_array(np.ones((5, 5))), np.ones((4, 4))], format="csr")
     graph = Graph(edges.indptr.astype(np.int32), edges.indices.astype(np.int32))
     cell = np.repeat(np.array([0, 1]), [5, 4])
     assert separate(graph, np.arange(9), cell, 3, empty_band(9)) == 0

@@ -1,6 +1,6 @@
 """Check what is released: build it, look into it, install it elsewhere, run the pages with it.
 
-    python packaging/check.py [--output FOLDER]
+    python release/check.py [--output FOLDER]
 
 needs git, a package index, and ``pip install -e '.[release]'``.  Two fresh environments, without extras and
 with those of pictures and HDF5, take the wheel; outside of the clone README.md and pages of docs/ run there.

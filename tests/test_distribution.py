@@ -1,0 +1,89 @@
+"""What is released says everywhere the same: versions, dependencies, Pythons; and what workflows name exists."""
+
+import re
+import tomllib
+
+import pytest
+from packaging.requirements import Requirement
+from packaging.version import Version
+
+import isoembed
+from places import ROOT
+
+PROJECT = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))["project"]
+EXTRAS = PROJECT["optional-dependencies"]
+WORKFLOWS = sorted((ROOT / ".github" / "workflows").glob("*.yml"))
+
+
+def text(name):
+    return (ROOT / name).read_text(encoding="utf-8")
+
+
+def floors(requirements):
+    """The lowest version of each package; none has any other condition."""
+    found = {}
+    for requirement in map(Requirement, requirements):
+        (condition,) = requirement.specifier
+        assert condition.operator == ">=" and requirement.url is None
+        found[requirement.name] = Version(condition.version)
+    return found
+
+
+def test_the_lowest_versions_are_those_that_are_tested():
+    pins = [line for line in text("constraints/lowest.txt").splitlines() if not line.startswith("#")]
+    tested = {name: Version(version) for name, version in (pin.split("==") for pin in pins)}
+    assert tested == floors(PROJECT["dependencies"] + EXTRAS["test"])
+
+
+def test_extras_agree_with_one_another():
+    lowest = floors(PROJECT["dependencies"])
+    for requirements in EXTRAS.values():
+        for requirement in map(Requirement, requirements):
+            bounds = [Version(condition.version) for condition in requirement.specifier]
+            assert lowest.setdefault(requirement.name, bounds) == bounds, requirement.name
+
+
+def test_the_recipe_asks_for_what_the_package_asks_for():
+    recipe = text("conda/recipe.yaml")
+    run = re.search(r"^  run:\n((?:    - .*\n)+)", recipe, re.MULTILINE)[1]
+    listed = [line.removeprefix("    - ").replace(" ", "") for line in run.splitlines()]
+    assert listed.pop(0) == "python>=${{python_min}}"
+    assert floors(listed) == floors(PROJECT["dependencies"])
+    context = dict(re.findall(r'^  (\w+): "(.*)"$', recipe, re.MULTILINE))
+    assert f">={context['python_min']}" == PROJECT["requires-python"]
+    assert context["version"] == isoembed.__version__
+    for name, target in PROJECT["scripts"].items():
+        assert f"- {name} = {target}\n" in recipe
+
+
+def test_one_version_and_one_date():
+    released = re.findall(r"^## \[(\d+\.\d+\.\d+)\] - (\d{4}-\d\d-\d\d)$", text("CHANGELOG.md"), re.MULTILINE)
+    citation = dict(
+        re.findall(r'^(version|date-released): "?([^"\n]+)"?$', text("CITATION.cff"), re.MULTILINE)
+    )
+    assert released[0] == (isoembed.__version__, citation["date-released"])
+    assert citation["version"] == isoembed.__version__
+    assert f"version = {{{isoembed.__version__}}}" in text("docs/citing.md")
+    assert [Version(version) for version, _ in released] == sorted(
+        (Version(version) for version, _ in released), reverse=True
+    )
+
+
+def test_the_pythons_that_are_told_are_tested_by_workflows():
+    prefix = "Programming Language :: Python :: 3."
+    told = {f"3.{c.removeprefix(prefix)}" for c in PROJECT["classifiers"] if c.startswith(prefix)}
+    matrix = re.search(r"python: \[(.*)\]", text(".github/workflows/tests.yml"))[1]
+    assert told <= set(re.findall(r'"([\d.]+)"', matrix))
+    assert f">={min(told, key=Version)}" == PROJECT["requires-python"]
+
+
+@pytest.mark.parametrize("workflow", WORKFLOWS, ids=lambda path: path.stem)
+def test_what_a_workflow_names_exists(workflow):
+    steps = re.findall(r"^      - run: (?:>-\n((?: {10}.*\n)+)|(.*)\n)", workflow.read_text(), re.MULTILINE)
+    assert steps
+    for step in (" ".join((folded or line).split()) for folded, line in steps):
+        assert re.match(r"python |bash |test ", step), step
+        for name in re.findall(r"(?:^| )((?:tests|release|constraints|\.ci)/\S+)", step):
+            assert (ROOT / name).exists(), name
+        for extras in re.findall(r'"\.\[(.*?)\]"', step):
+            assert set(extras.split(",")) <= EXTRAS.keys(), extras
