@@ -1,4 +1,4 @@
-"""What is released says everywhere the same: versions, dependencies, Pythons; and what workflows name exists."""
+"""Versions, dependencies and Pythons are the same everywhere, and what workflows name exists."""
 
 import re
 import tomllib
@@ -58,9 +58,7 @@ def test_the_recipe_asks_for_what_the_package_asks_for():
 
 def test_one_version_and_one_date():
     released = re.findall(r"^## \[(\d+\.\d+\.\d+)\] - (\d{4}-\d\d-\d\d)$", text("CHANGELOG.md"), re.MULTILINE)
-    citation = dict(
-        re.findall(r'^(version|date-released): "?([^"\n]+)"?$', text("CITATION.cff"), re.MULTILINE)
-    )
+    citation = dict(re.findall(r"^(version|date-released): (\S+)$", text("CITATION.cff"), re.MULTILINE))
     assert released[0] == (isoembed.__version__, citation["date-released"])
     assert citation["version"] == isoembed.__version__
     assert f"version = {{{isoembed.__version__}}}" in text("docs/citing.md")
