@@ -32,12 +32,10 @@ HOSTS = {
     "doi.org",
     "geometry-central.net",
     "github.com",
-    "keepachangelog.com",
     "mpi4py.readthedocs.io",
     "packaging.python.org",
     "sbozzolo.github.io",
     "scientific-python.org",
-    "semver.org",
 }
 """All hosts that pages link to: a new one is looked at once."""
 
