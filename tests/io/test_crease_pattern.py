@@ -8,6 +8,7 @@ import pytest
 
 import isoembed
 import zoo
+from damage import refusals
 from isoembed.gluing.classics import CLASSICS
 from isoembed.io import FileError
 from isoembed.io.net import read_net, write_net
@@ -60,7 +61,7 @@ def test_a_hull_of_many_vertices_comes_back(path):
     ("changes", "sentence"),
     [
         (
-            {"vertices_isoembed:corner": None},
+            {"vertices_isoembed:corner": None, "edges_foldAngle": None},
             "has no vertices_isoembed:corner: a net is a crease",
         ),
         ({"faces_vertices": []}, "has no faces_vertices"),
@@ -76,3 +77,99 @@ def test_what_is_no_net(path, changes, sentence):
     path.write_text(json.dumps(json.loads(path.read_text()) | changes))
     with pytest.raises(FileError, match=re.escape(sentence)):
         read_net(str(path))
+
+
+@pytest.mark.parametrize("name", PLATONIC)
+def test_a_net_without_names_is_glued_where_it_folds_up(name, path):
+    solid = isoembed.embed(PLATONIC[name], method="alexandrov")
+    write_net(path, isoembed.unfold(solid))
+    named = read_net(str(path))
+    document = json.loads(path.read_text())
+    del document["vertices_isoembed:corner"]
+    document["edges_foldAngle"] = [round(angle, 4) for angle in document["edges_foldAngle"]]
+    path.write_text(json.dumps(document))
+    net = read_net(str(path))
+    assert net.n_vertices == named.n_vertices
+    again = isoembed.embed(net, method="alexandrov")
+    assert again.volume == pytest.approx(solid.volume, rel=1e-9)
+
+
+def test_valleys_are_folded_the_other_way(path):
+    # A box whose top is pressed in: of two boxes with these faces it is the one that the angles tell.
+    points = [[0, 0], [1, 0], [2, 0], [3, 0], [4, 0], [0, 1], [1, 1], [2, 1], [3, 1], [4, 1]]
+    points += [[1, 2], [2, 2], [1, -1], [2, -1]]
+    faces = [[0, 1, 6, 5], [1, 2, 7, 6], [2, 3, 8, 7], [3, 4, 9, 8], [6, 7, 11, 10], [12, 13, 2, 1]]
+    edges = [[1, 6], [2, 7], [3, 8], [6, 7], [1, 2]]
+    document = {"vertices_coords": points, "faces_vertices": faces, "edges_vertices": edges}
+    for sign in (1, -1):  # all mountains or all valleys: the cube, or its mirror image
+        path.write_text(json.dumps(document | {"edges_foldAngle": [90 * sign] * 5}))
+        net = read_net(str(path))
+        assert isoembed.embed(net, method="alexandrov").volume == pytest.approx(1)
+
+
+@pytest.mark.parametrize(
+    ("changes", "sentence"),
+    [
+        ({"edges_foldAngle": [1.0]}, "is not a list of 19 angles, one for each edge"),
+        ({"edges_foldAngle": ["a"] * 19}, "the fold angle of edge 0 is 'a', not from -180 to 180"),
+        ({"edges_foldAngle": [200] * 19}, "the fold angle of edge 0 is 200, not from -180 to 180"),
+        ({"edges_foldAngle": [0.0] * 19}, "is glued to nothing"),
+        ({"edges_foldAngle": [None] * 19}, "has no fold angle"),
+        ({"edges_foldAngle": None}, "has no vertices_isoembed:corner"),
+        ({"edges_vertices": None}, "has no edges_vertices"),
+        ({"edges_vertices": [[0, 1, 2]] * 19}, "edge 0 does not have two ends"),
+        ({"vertices_coords": [[0, 0]] * 14}, "side 0 of polygon 0 has no length"),
+    ],
+)
+def test_angles_that_close_no_net(path, changes, sentence):
+    write_net(path, isoembed.unfold(isoembed.embed(PLATONIC["6 squares"], method="alexandrov")))
+    document = json.loads(path.read_text())
+    del document["vertices_isoembed:corner"]
+    path.write_text(json.dumps(document | changes))
+    with pytest.raises(
+        (FileError, isoembed.InvalidMetric, isoembed.InvalidParameter), match=re.escape(sentence)
+    ):
+        read_net(str(path))
+
+
+def test_angles_that_tear_a_sheet(path):
+    # Four squares around a vertex cannot be folded by 90 degrees along one crease alone.
+    points = [[x, y] for y in range(3) for x in range(3)]
+    faces = [[0, 1, 4, 3], [1, 2, 5, 4], [4, 5, 8, 7], [3, 4, 7, 6]]
+    edges = [[1, 4], [4, 5], [4, 7], [3, 4]]
+    document = {"vertices_coords": points, "faces_vertices": faces, "edges_vertices": edges}
+    path.write_text(json.dumps(document | {"edges_foldAngle": [90, 0, 0, 0]}))
+    with pytest.raises(
+        isoembed.InvalidMetric, match=r"the fold angles tear the sheet: vertex . of face . is in two"
+    ):
+        read_net(str(path))
+    document |= {"faces_vertices": [faces[0], faces[2]], "edges_foldAngle": [0] * 4}
+    path.write_text(json.dumps(document))
+    with pytest.raises(isoembed.InvalidMetric, match="face 1 has no side in common with the sheet of face 0"):
+        read_net(str(path))
+
+
+@pytest.mark.parametrize(
+    "other",
+    [
+        *(None, 7, "a", {}, [], [None], [[]], [[None]], [["a"]], [[1.5, 2, 3]], [{}], True, [[0, 1, 2], []]),
+        [10**400],
+    ],
+)
+@pytest.mark.parametrize("key", ["vertices_coords", "faces_vertices", "edges_vertices", "edges_foldAngle"])
+def test_tables_of_another_kind(path, key, other):
+    write_net(path, isoembed.unfold(isoembed.embed(PLATONIC["6 squares"], method="alexandrov")))
+    document = json.loads(path.read_text())
+    del document["vertices_isoembed:corner"]
+    path.write_text(json.dumps(document | {key: other}))
+    with pytest.raises((FileError, isoembed.InvalidMetric, isoembed.InvalidParameter)) as refusal:
+        read_net(str(path))
+    assert "\n" not in str(refusal.value)
+
+
+def test_damaged_files(path):
+    write_net(path, isoembed.unfold(isoembed.embed(PLATONIC["4 triangles"], method="alexandrov")))
+    document = json.loads(path.read_text())
+    del document["vertices_isoembed:corner"]
+    data = json.dumps(document).encode()
+    assert refusals(path, data, read=lambda path: read_net(str(path))) > 200

@@ -20,7 +20,7 @@ def damaged(data, step=7, seed=0):
         yield bytes(changed)
 
 
-def refusals(path, data):
+def refusals(path, data, read=read_metric):
     """How many of the damaged files are refused; none has another error, or a message that is no sentence."""
     count = 0
     for changed in damaged(data):
@@ -28,7 +28,7 @@ def refusals(path, data):
         try:
             with warnings.catch_warnings():
                 warnings.simplefilter("ignore", MeshNote)
-                read_metric(path)
+                read(path)
         except (FileError, InvalidMetric) as error:
             count += 1
             message = str(error).replace(str(path), "")

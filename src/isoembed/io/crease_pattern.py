@@ -1,15 +1,17 @@
 """Nets in FOLD: crease patterns whose vertices say which corner of the solid they become.
 
 FOLD has no word for what is glued.  The corners have names, in a field of our own: sides whose ends have the
-same two names are glued.
+same two names are glued.  Where there are none, the sheet is folded up by its fold angles, and what meets is.
 """
 
+import math
 from typing import Any
 
 import numpy as np
 
 from isoembed.arrays import Floats, Indices
 from isoembed.gluing import Net, glue
+from isoembed.gluing.creases import meeting_corners
 from isoembed.gluing.unfolding import Unfolding
 from isoembed.io import json
 from isoembed.io.files import FileError
@@ -17,25 +19,31 @@ from isoembed.io.fold import CORNERS
 from isoembed.io.input_file import InputFile
 from isoembed.version import __version__
 
+ANGLES = "edges_foldAngle"  # in degrees
 GAP = 0.1  # between sheets, of the width of the one before
 
 
 def read_crease_pattern(file: InputFile) -> Net:
-    """Read the faces of a crease pattern and glue them by the names of their corners.
+    """Read the faces of a crease pattern and glue them by the names of their corners, or as they fold up.
 
     Raises
     ------
     FileError
-        It has no faces, points of the plane, or names.
+        It has no faces, points of the plane, or neither names nor fold angles.
     InvalidMetric, InvalidParameter
-        The faces make no metric.
+        The faces make no metric, or the fold angles tear them apart.
     """
-    names = {"faces": "faces_vertices", "vertices": "vertices_coords", "corners": CORNERS}
 
     def chosen(document: dict[str, Any]) -> dict[str, Any]:
+        names = {"faces": "faces_vertices", "vertices": "vertices_coords", "corners": CORNERS}
+        if not document.get(CORNERS) and document.get(ANGLES):
+            names |= {"edges": "edges_vertices", "corners": ANGLES}
         for name in names.values():
             if not document.get(name):
-                raise FileError(f"{file} has no {name}: a net is a crease pattern with names of its corners")
+                raise FileError(
+                    f"{file} has no {name}: a net is a crease pattern with names of its corners, or with "
+                    f"{ANGLES}"
+                )
         return {ours: document[theirs] for ours, theirs in names.items()}
 
     tables = json.parse(file.data, str(file), chosen)
@@ -44,13 +52,32 @@ def read_crease_pattern(file: InputFile) -> Net:
         raise FileError(
             f"{file}: its vertices_coords are not points [x, y], as those of a crease pattern are"
         )
-    if not isinstance(corners, list) or len(corners) != len(points):
-        raise FileError(f"{file}: {CORNERS} is not a list of {len(points)} names, one for each vertex")
     faces = [[int(v) if v in range(len(points)) else -1 for v in face] for face in tables["faces"]]
     for k, face in enumerate(faces):
-        if -1 in face:
+        if not face or -1 in face:
             raise FileError(f"{file}: face {k} is not made of the {len(points)} vertices")
+    if "edges" in tables:
+        corners = meeting_corners(points, faces, _angles(tables["edges"], corners, file)).tolist()
+    elif not isinstance(corners, list) or len(corners) != len(points):
+        raise FileError(f"{file}: {CORNERS} is not a list of {len(points)} names, one for each vertex")
     return glue([points[face] for face in faces], corners=[[corners[v] for v in face] for face in faces])
+
+
+def _angles(edges: Any, degrees: Any, file: InputFile) -> dict[tuple[int, int], float]:
+    """The fold angles in radians by the ends of the edges, the smaller first."""
+    if not isinstance(degrees, list) or len(degrees) != len(edges):
+        raise FileError(f"{file}: {ANGLES} is not a list of {len(edges)} angles, one for each edge")
+    angles = {}
+    for e, (edge, angle) in enumerate(zip(edges, degrees, strict=True)):
+        if len(edge) != 2:
+            raise FileError(f"{file}: edge {e} does not have two ends")
+        if angle is None:  # of a boundary
+            continue
+        if isinstance(angle, bool) or not isinstance(angle, int | float) or not abs(angle) <= 180:
+            raise FileError(f"{file}: the fold angle of edge {e} is {angle!r}, not from -180 to 180")
+        a, b = edge
+        angles[int(min(a, b)), int(max(a, b))] = math.radians(angle)
+    return angles
 
 
 def crease_pattern(unfolding: Unfolding) -> dict[str, Any]:
@@ -71,7 +98,7 @@ def crease_pattern(unfolding: Unfolding) -> dict[str, Any]:
         faces += [[first + k for k in face] for face in _faces(n, chords)]
         first += n
     return {
-        "file_spec": 1.1,
+        "file_spec": 1.2,
         "file_creator": f"isoembed {__version__}",
         "file_classes": ["singleModel"],
         "frame_classes": ["creasePattern"],
@@ -80,7 +107,7 @@ def crease_pattern(unfolding: Unfolding) -> dict[str, Any]:
         CORNERS: np.concatenate(unfolding.corners),
         "edges_vertices": edges,
         "edges_assignment": letters,
-        "edges_foldAngle": angles,
+        ANGLES: angles,
         "faces_vertices": faces,
     }
 

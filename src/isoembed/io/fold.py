@@ -1,4 +1,4 @@
-"""FOLD, the format of origami (https://github.com/edemaine/fold, specification 1.1): faces and folds in JSON.
+"""FOLD, the format of origami (https://github.com/edemaine/fold, specification 1.2): faces and folds in JSON.
 
 A frame with coordinates is read as a mesh, one with edge lengths alone as a metric.  The convex folds of a
 surface that is seen from outside are mountains.
@@ -67,7 +67,8 @@ def _tables(document: Frame, name: str) -> Frame:
                     )
                 raise FileError(
                     f"{name} is a flat sheet with a boundary, as from vertex {side[0]} to {side[1]}: name "
-                    f"its corners, {CORNERS}, for 'isoembed glue', or give the closed form"
+                    f"its corners, {CORNERS}, or give edges_foldAngle, for 'isoembed glue', or give the "
+                    "closed form"
                 )
             tables["vertices"] = [[*point, 0.0] for point in points]
         mesh = {key: tables[key] for key in ("vertices", "faces")}  # which the lengths are those of
@@ -124,7 +125,7 @@ def write(path: Path, tables: Tables) -> None:
     edges, lengths, angles, inner = _edges(vertices, faces)
     letters = np.where(angles == 0, "F", np.where(angles < 0, "M", "V"))
     said = {
-        "file_spec": 1.1,
+        "file_spec": 1.2,
         "file_creator": f"isoembed {__version__}",
         "file_classes": ["singleModel"],
         "frame_classes": ["foldedForm"],

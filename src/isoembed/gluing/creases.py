@@ -1,0 +1,114 @@
+"""A crease pattern folded by the angles of its creases: where its boundary meets, it is glued."""
+
+from collections import deque
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from isoembed.arrays import Floats, Indices
+from isoembed.errors import InvalidMetric
+from isoembed.mesh.merging import representatives
+from isoembed.thresholds import threshold
+
+
+@dataclass(frozen=True)
+class CreaseThresholds:
+    """Thresholds of crease patterns that are folded up."""
+
+    meets: float = threshold(
+        1e-4, "size of the sheet", "Corners as near in space are one; files round angles."
+    )
+
+
+CREASES = CreaseThresholds()
+
+Side = tuple[int, int]
+
+
+def meeting_corners(points: Floats, faces: Sequence[Sequence[int]], angles: Mapping[Side, float]) -> Indices:
+    """Names of the vertices of a sheet, of which those on its boundary that meet have the same, shape (V,).
+
+    Parameters
+    ----------
+    points : ndarray, shape (V, 2)
+    faces : sequence of sequences of int
+        The vertices around each, counterclockwise.
+    angles : mapping
+        By how many radians each crease, (smaller, larger vertex), is folded: positive of valleys.
+
+    Raises
+    ------
+    InvalidMetric
+        The faces do not hang together, have no angle between them, or come apart.
+    """
+    size = float(np.ptp(points, axis=0).max()) or 1.0
+    owners = _owners(faces)
+    places = _folded(points / size, faces, owners, angles)
+    rim = np.unique([v for side, (_, *others) in owners.items() if not others for v in side])
+    names = np.arange(len(points))
+    if len(rim):
+        names[rim] = rim[representatives(places[rim], CREASES.meets)]
+    return names
+
+
+def _owners(faces: Sequence[Sequence[int]]) -> dict[Side, list[tuple[int, int, int]]]:
+    """The faces with each side, (smaller, larger vertex), and its ends as they are around the face."""
+    owners: dict[Side, list[tuple[int, int, int]]] = {}
+    for f, face in enumerate(faces):
+        for a, b in zip(face, [*face[1:], face[0]], strict=True):
+            owners.setdefault((min(a, b), max(a, b)), []).append((f, a, b))
+    return owners
+
+
+def _folded(
+    points: Floats,
+    faces: Sequence[Sequence[int]],
+    owners: Mapping[Side, list[tuple[int, int, int]]],
+    angles: Mapping[Side, float],
+) -> Floats:
+    """The vertices in space, (V, 3): the first face stays, others follow across the creases."""
+    flat = np.column_stack([points, np.zeros(len(points))])
+    places = np.full_like(flat, np.nan)
+    turns = {0: (np.eye(3), np.zeros(3))}  # x = R p + t
+    places[faces[0]] = flat[faces[0]]
+    waiting = deque([0])
+    while waiting:
+        f = waiting.popleft()
+        turn, shift = turns[f]
+        for a, b in zip(faces[f], [*faces[f][1:], faces[f][0]], strict=True):
+            side = min(a, b), max(a, b)
+            for g, *_ in owners[side]:
+                if g == f:
+                    continue
+                if side not in angles:
+                    raise InvalidMetric(f"the edge {list(side)} between faces {f} and {g} has no fold angle")
+                # The face on the right of a -> b is raised by a valley, which turns it about b -> a.
+                own = turn @ _about(flat[a] - flat[b], angles[side])
+                moved = own, turn @ flat[a] + shift - own @ flat[a]
+                _put(places, faces[g], flat[faces[g]] @ own.T + moved[1], g)
+                if g not in turns:
+                    turns[g] = moved
+                    waiting.append(g)
+    if len(turns) < len(faces):
+        f = next(f for f in range(len(faces)) if f not in turns)
+        raise InvalidMetric(
+            f"face {f} has no side in common with the sheet of face 0: one sheet is folded up"
+        )
+    return places
+
+
+def _put(places: Floats, face: Sequence[int], found: Floats, f: int) -> None:
+    """Put the corners of a face where none are yet; those that are must be there."""
+    apart = np.linalg.norm(places[face] - found, axis=1)  # NaN of new ones
+    if (apart > CREASES.meets).any():
+        v = face[int(np.nanargmax(apart))]
+        raise InvalidMetric(f"the fold angles tear the sheet: vertex {v} of face {f} is in two places")
+    places[face] = np.where(np.isnan(places[face]), found, places[face])
+
+
+def _about(axis: Floats, angle: float) -> Floats:
+    """Rotation by an angle, counterclockwise about an axis that points at us."""
+    x, y, z = axis / (float(np.linalg.norm(axis)) or 1.0)
+    cross = np.array([[0.0, -z, y], [z, 0.0, -x], [-y, x, 0.0]])
+    return np.eye(3) + np.sin(angle) * cross + (1 - np.cos(angle)) * (cross @ cross)
