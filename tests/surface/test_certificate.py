@@ -11,7 +11,7 @@ from hypothesis import strategies as st
 
 import curved
 import zoo
-from isoembed import Embedding, PolyhedralMetric, Space
+from isoembed import Embedding, PolyhedralMetric, Space, embed
 from isoembed.gallery import CassiniPeanut, Ergosphere, HarmonicSurface, triangulate
 from isoembed.surface import nearby_realization
 from isoembed.surface.certificate import certify
@@ -129,6 +129,36 @@ def test_the_unit_does_not_matter(scale):
     assert found.certified
     assert found.isolation == pytest.approx(expected.isolation, rel=1e-6)
     assert found.sigma_min == pytest.approx(expected.sigma_min, rel=1e-6)
+
+
+def tetrahelix(n):
+    """Regular tetrahedra in a row (Boerdijk and Coxeter): vertices on a helix, edges of length 1, faces."""
+    turn, k = np.arccos(-2 / 3), np.arange(n)
+    radius, rise = 3 * np.sqrt(3) / 10, 1 / np.sqrt(10)
+    vertices = np.column_stack([radius * np.cos(turn * k), radius * np.sin(turn * k), rise * k])
+    sides = {}
+    for i in range(n - 3):
+        for left_out in range(4):
+            face = tuple(i + j for j in range(4) if j != left_out)
+            sides[face] = None if face in sides else i + left_out  # shared ones are inside
+    faces = []
+    for (a, b, c), d in sides.items():
+        if d is not None:
+            outward = np.linalg.det(vertices[[b, c, d]] - vertices[a]) < 0
+            faces.append((a, b, c) if outward else (a, c, b))
+    return vertices, np.array(faces)
+
+
+@pytest.mark.parametrize("n", [8, 10, 20])
+def test_equilateral_triangles_that_are_not_convex(n):
+    vertices, faces = tetrahelix(n)
+    metric = PolyhedralMetric.from_mesh(vertices, faces)
+    assert metric.lengths == pytest.approx(1)
+    found = certify(metric.with_lengths(np.ones(3 * n - 6)), vertices)
+    assert found.certified and found.embedded
+    assert found.radius < 1e-14 and found.isolation > 1e-4
+    surface = embed(metric)
+    assert surface.certificate.certified
 
 
 def test_too_many_vertices(monkeypatch):
