@@ -20,6 +20,7 @@ from isoembed.surface.curvature import dihedral_angles
 from isoembed.surface.measures import face_normals
 from isoembed.surface.projected import Projected
 from isoembed.surface.rigidity import LengthSystem, LinearizedLengths
+from isoembed.surface.swept_volumes import curved_volume_gradient
 
 
 @dataclass(frozen=True, eq=False)
@@ -141,8 +142,10 @@ def _scaled(values: tuple[float, float], unit: float, power: int) -> tuple[float
     return first, second
 
 
-def volume_gradient(triangulation: Triangulation, vertices: Floats) -> Floats:
-    """Derivatives of the volume in R^3 by the vertices, (V, 3)."""
+def volume_gradient(triangulation: Triangulation, vertices: Floats, space: Space = EUCLIDEAN) -> Floats:
+    """Derivatives of the volume by the vertices, (V, 3)."""
+    if not space.is_euclidean:
+        return curved_volume_gradient(triangulation, vertices, space)
     thirds = np.repeat(face_normals(triangulation.faces, vertices) / 6, 3, axis=0)
     corners = triangulation.faces.ravel()
     return np.stack([np.bincount(corners, column) for column in thirds.T], axis=1)

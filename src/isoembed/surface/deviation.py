@@ -50,10 +50,8 @@ def checked_errors(metric: PolyhedralMetric, errors: ArrayLike) -> Floats:
     Raises
     ------
     InvalidParameter
-        They are of another shape, not finite or negative, or the metric is not of flat triangles.
+        They are of another shape, not finite or negative.
     """
-    if not metric.space.is_euclidean:
-        raise InvalidParameter(f"deviations are those of surfaces in R^3, not in {metric.space!r}")
     given, shape = np.asarray(errors, dtype=np.float64), metric.lengths.shape
     sigma = checked(np.broadcast_to(given, shape) if given.ndim == 0 else given, shape, "errors")
     if sigma.ndim > 1:
@@ -66,7 +64,9 @@ def checked_errors(metric: PolyhedralMetric, errors: ArrayLike) -> Floats:
 
 @dataclass(frozen=True, eq=False)
 class IntegralDeviation:
-    """Standard deviations of what is integrated over a surface in R^3 whose lengths have independent errors.
+    """Standard deviations of what is integrated over a surface whose lengths have independent errors.
+
+    In hyperbolic and spherical space, too.
 
     Attributes
     ----------
@@ -86,8 +86,12 @@ class IntegralDeviation:
         cls, metric: PolyhedralMetric, vertices: Floats, errors: Floats, volume_rates: Floats
     ) -> IntegralDeviation:
         """From standard deviations of the lengths, and derivatives of the volume by these, each (E,)."""
-        theta = dihedral_angles(metric.triangulation, vertices)
-        rates = np.array([area_derivative(metric), volume_rates, theta / 2])  # Schlaefli: sum l dtheta = 0
+        space = metric.space
+        # Schlaefli: sum l dtheta = -2 k dV
+        integral_rates = dihedral_angles(metric.triangulation, vertices, space) / 2
+        if not space.is_euclidean:
+            integral_rates = integral_rates - space.curvature * volume_rates
+        rates = np.array([area_derivative(metric), volume_rates, integral_rates])
         with np.errstate(invalid="ignore"):
             scaled = np.where(errors > 0, errors * rates, 0.0)
             covariance = scaled @ scaled.T

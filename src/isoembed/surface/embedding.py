@@ -139,7 +139,7 @@ class Embedding(Sensitivity, Views):
         return both._with(message=both._sentence())
 
     def with_length_errors(self, errors: ArrayLike) -> Self:
-        """Return the same surface in R^3 with errors of its lengths, which the report makes error bars of.
+        """Return the same surface with errors of its lengths, of which the report makes error bars.
 
         Parameters
         ----------
@@ -149,7 +149,7 @@ class Embedding(Sensitivity, Views):
         Raises
         ------
         InvalidParameter
-            As `deviation`.
+            As `integral_deviation`.
         """
         return self._with(length_errors=frozen(checked_errors(self.metric, errors)))
 

@@ -126,26 +126,29 @@ class Sensitivity:
         SingularMatrix, OutOfMemory
             As `jvp`.
         """
-        sigma, unit = checked_errors(self.metric, errors) / self.metric.unit, self.metric.unit
+        sigma = self._flat_errors(errors)
         found = Deviation.of(self._derivatives, self.metric.normalized, self._normalized, sigma)
-        return found.scaled(unit)
+        return found.scaled(self.metric.unit)
 
     def integral_deviation(self, errors: ArrayLike) -> IntegralDeviation:
-        """Area, volume and int H dA of `deviation` alone, by one solve.
+        """Area, volume and int H dA of `deviation` alone, by one solve, and in every space.
 
         Parameters
         ----------
         errors : float or array_like, shape (E,)
+            As of `deviation`.
 
         Raises
         ------
-        InvalidParameter, OutOfMemory
-            As `deviation`.
+        InvalidParameter
+            The errors have another shape, are not finite or negative.
+        OutOfMemory
+            As `jvp`.
         """
         sigma = checked_errors(self.metric, errors) / self.metric.unit
         metric, x = self.metric.normalized, self._normalized
         try:
-            volume_rates = self._derivatives.vjp(volume_gradient(metric.triangulation, x))
+            volume_rates = self._derivatives.vjp(volume_gradient(metric.triangulation, x, metric.space))
         except SingularMatrix:
             volume_rates = np.full(len(sigma), np.inf)
         return IntegralDeviation.of(metric, x, sigma, volume_rates).scaled(self.metric.unit)
@@ -169,7 +172,7 @@ class Sensitivity:
         OutOfMemory
             As `jvp`.
         """
-        bounds = checked_errors(self.metric, errors) / self.metric.unit
+        bounds = self._flat_errors(errors)
         metric, x = self.metric.normalized, self._normalized
         try:
             volume_rates = self._derivatives.vjp(volume_gradient(metric.triangulation, x))
@@ -177,3 +180,9 @@ class Sensitivity:
         except (SingularMatrix, NotProven) as obstacle:
             return DeviationBound.unproven(metric.triangulation, str(obstacle))
         return found.scaled(self.metric.unit)
+
+    def _flat_errors(self, errors: ArrayLike) -> Floats:
+        """Errors of the lengths of a surface in R^3 in the normalized unit, (E,), checked."""
+        if not self.metric.space.is_euclidean:
+            raise InvalidParameter(f"deviations are those of surfaces in R^3, not in {self.metric.space!r}")
+        return checked_errors(self.metric, errors) / self.metric.unit

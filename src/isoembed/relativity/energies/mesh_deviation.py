@@ -44,7 +44,6 @@ def mesh_deviation(
     Parameters
     ----------
     embedding : Embedding
-        In R^3.
     errors : float or array_like, shape (E,)
         As of `Embedding.deviation`.
     mean_curvature, momentum, lengths
@@ -57,8 +56,10 @@ def mesh_deviation(
 
     Raises
     ------
-    InvalidParameter, SingularMatrix, OutOfMemory
-        As `Embedding.deviation`.
+    InvalidParameter
+        As `Embedding.integral_deviation`, and `mesh_energies`.
+    SingularMatrix, OutOfMemory
+        As `Embedding.jvp`.
     """
     noisy = checked_errors(embedding.metric, errors)
     given = lengths or "geodesic"

@@ -1,0 +1,66 @@
+"""How the volume in hyperbolic and spherical space changes with the vertices.
+
+With the fourth coordinate w, a point of a triangle is ``sum of s_i X_i`` over its norm, s barycentric, and a
+motion with the normal speeds phi_i of the corners has the speed ``sum of s_i phi_i`` there, over the same
+norm.  So a triangle sweeps the volume ``sum of c_i phi_i``,
+
+    c_i = sn b sn c sin A  int s_i / q^2 ds,    q = sum of s_i s_j cs(l_ij),
+
+over the simplex of the s; in Euclidean space it is a third of the area.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from isoembed.arrays import Floats
+from isoembed.mesh.triangulation import Triangulation
+from isoembed.space import Space
+from isoembed.surface.measures import amplitudes, edge_lengths
+from isoembed.thresholds import threshold
+
+
+@dataclass(frozen=True)
+class SweptThresholds:
+    """Thresholds of the derivatives of volumes in curved space."""
+
+    points: int = threshold(6, "points", "Of Gauss's formula, in either direction of a triangle.")
+    longer: float = threshold(6.0, "points", "More for every radius of curvature of the longest edge.")
+    most: int = threshold(80, "points", "At most.")
+
+
+SWEPT = SweptThresholds()
+
+
+def curved_volume_gradient(triangulation: Triangulation, vertices: Floats, space: Space) -> Floats:
+    """Derivatives of the volume by vertices on hyperboloid or sphere, (V, 3).
+
+    The unit normal of a triangle is ``(n, -k d)``, n and d those of its plane ``n . y = d`` in projective
+    coordinates y, with ``|n|^2 + k d^2 = 1``; of a corner that moves by x' it is ``(n + k d y) . x'``.
+    """
+    t, k = triangulation, space.curvature
+    y = vertices / space.heights(vertices)[:, None]
+    corners = y[t.faces]
+    n = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
+    d = np.einsum("fi,fi->f", n, corners[:, 0])
+    size = np.sqrt(np.einsum("fi,fi->f", n, n) + k * d * d)[:, None]
+    n, d = n / size, d / size[:, 0]
+    speeds = n[:, None, :] + k * d[:, None, None] * corners
+    gradients = (_shares(t, vertices, space)[:, :, None] * speeds).reshape(-1, 3)
+    return np.stack([np.bincount(t.faces.ravel(), column) for column in gradients.T], axis=1)
+
+
+def _shares(t: Triangulation, vertices: Floats, space: Space) -> Floats:
+    """c, (F, 3)."""
+    lengths = edge_lengths(t.edges, vertices, space)[t.face_edges]  # from each corner to the next one
+    wanted = SWEPT.points + SWEPT.longer * space.root * float(lengths.max())
+    nodes, weights = np.polynomial.legendre.leggauss(int(min(wanted, SWEPT.most)))
+    nodes, weights = (nodes + 1) / 2, weights / 2
+    short = 2 * (1 - space.cs(lengths))
+    found = np.zeros((t.n_faces, 3))
+    for u, of_u in zip(nodes, weights, strict=True):
+        for v, of_v in zip(nodes, weights, strict=True):
+            s = np.array([1 - u, u * (1 - v), u * v])
+            q = 1 - short @ (s * np.roll(s, -1))
+            found += of_u * of_v * u * s / q[:, None] ** 2
+    return found * amplitudes(t.faces, vertices, space)[:, None]
