@@ -153,3 +153,11 @@ def test_faces_that_are_polygons_look_as_their_triangles_do(folded):
         own = owners == face
         assert sum(map(area, parts.polygons[own])) == pytest.approx(area(polygon))
         np.testing.assert_allclose(parts.light[own], light, atol=1e-9)
+
+
+def test_ticks_of_whole_numbers_are_whole():
+    cube = embed(PolyhedralMetric.from_mesh(*zoo.cube()), method="alexandrov")
+    drawn = figure(cube, color="sides")
+    drawn.canvas.draw()
+    ticks = drawn.axes[-1].get_yticks()
+    assert 4 in ticks and (ticks == ticks.round()).all()

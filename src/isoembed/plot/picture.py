@@ -185,7 +185,7 @@ def _row(
     color_bar(picture, bar_axes, scale, np.concatenate([panel.values for panel in surfaces]))
     bar_axes.set_ylabel(shown.label, color=INK, labelpad=8, fontsize=10 if height > 2.5 else 8)
     if shown.at == "faces":
-        bar_axes.yaxis.set_major_locator(MaxNLocator(integer=True))
+        bar_axes.yaxis.set_major_locator(MaxNLocator(integer=True, min_n_ticks=1))
     picture.text(0.43, 0.25 * MARGINS / total, caption, ha="center", va="center", fontsize=9, color=INK)
     return picture
 
