@@ -8,6 +8,7 @@ import sys
 import numpy as np
 import pytest
 
+import zoo
 from isoembed import Embedding, PolyhedralMetric, embed, glue
 from isoembed.gallery import CassiniPeanut, Sphere, triangulate
 from isoembed.gluing.classics import CLASSICS, LATIN_CROSS
