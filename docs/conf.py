@@ -33,7 +33,7 @@ numpydoc_show_class_members = False
 nb_execution_mode = "force"  # the repository has no outputs
 nb_execution_raise_on_error = True
 nb_execution_in_temp = True
-nb_execution_timeout = 120
+nb_execution_timeout = 1200
 nb_merge_streams = True
 
 copybutton_exclude = ".linenos, .gp, .go"
