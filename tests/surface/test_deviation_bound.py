@@ -5,7 +5,7 @@ import pytest
 
 import isoembed
 import zoo
-from isoembed.gallery import CassiniPeanut, Ellipsoid
+from isoembed.gallery import CassiniPeanut, Ellipsoid, Ergosphere, triangulate
 from isoembed.metric.variation import area_derivative
 from isoembed.surface.curvature import dihedral_angles
 from isoembed.surface.derivatives import volume_gradient
@@ -44,6 +44,52 @@ def test_integrals_come_near_their_bounds(body, largest):
         lengths = found.metric.lengths + errors * np.sign(rate)
         change = differences(found, realized(found, system, lengths))[name]
         assert 0.8 < change / getattr(bound, name) < 1, name
+
+
+@pytest.mark.skipif(np.finfo(np.longdouble).eps > 1e-18, reason="long doubles have no more digits here")
+@pytest.mark.parametrize("body", (CassiniPeanut(), Ergosphere(0.1)))
+def test_the_exact_surface_is_within_the_bounds_without_errors(body):
+    """That of the lengths as they are, found and measured in long doubles."""
+    metric = isoembed.PolyhedralMetric.from_mesh(*triangulate(body, 200, irregular=2))
+    found = isoembed.embed(metric)
+    t, lengths = metric.triangulation, metric.lengths.astype(np.longdouble)
+    system, x = LengthSystem(t), found.vertices.astype(np.longdouble)
+    for _ in range(4):
+        missed = lengths_of(t, x) - lengths
+        x = x - system.step(found.vertices, metric.lengths, missed.astype(np.float64))
+    assert np.abs(missed).max() < 1e-17
+    bound, theta = found.deviation_bound(0), angles_of(t, x)
+    a, b, c = x[t.faces].transpose(1, 0, 2) - x.mean(axis=0)
+    normals = np.cross(b - a, c - a)
+    areas = np.sqrt((normals**2).sum(axis=1)) / 2
+    around = np.zeros(t.n_vertices, dtype=np.longdouble)
+    integrals = np.zeros(t.n_vertices, dtype=np.longdouble)
+    np.add.at(around, t.faces.ravel(), np.repeat(areas / 3, 3))
+    np.add.at(integrals, t.edges.ravel(), np.repeat(lengths * theta / 4, 2))
+    exact = {
+        "dihedral_angles": theta - dihedral_angles(t, found.vertices),
+        "mean_curvature": integrals / around - found.mean_curvature,
+        "area": areas.sum() - found.area,
+        "volume": (a * normals).sum() / 6 - found.volume,
+        "integrated_mean_curvature": integrals.sum() - found.integrated_mean_curvature,
+    }
+    for name, off in exact.items():
+        assert np.all(np.abs(off) <= getattr(bound, name)) and np.max(getattr(bound, name)) < 1e-9, name
+
+
+def lengths_of(t, x):
+    """Distances of the ends of the edges, in the precision of the vertices."""
+    return np.sqrt(((x[t.edges[:, 0]] - x[t.edges[:, 1]]) ** 2).sum(axis=1))
+
+
+def angles_of(t, x):
+    """Exterior dihedral angles, in the precision of the vertices."""
+    a, b, c = x[t.faces].transpose(1, 0, 2)
+    n = np.cross(b - a, c - a)
+    left, right = n[t.edge_faces[:, 0]], n[t.edge_faces[:, 1]]
+    along = x[t.edges[:, 1]] - x[t.edges[:, 0]]
+    across = (np.cross(left, right) * along).sum(axis=1) / np.sqrt((along**2).sum(axis=1))
+    return np.arctan2(across, (left * right).sum(axis=1))
 
 
 def test_no_bound_is_proven_for_large_errors():
