@@ -22,9 +22,8 @@ from isoembed.io.registry import METRIC_ENDINGS
 from isoembed.io.surface import mesh_writer, surface_data
 from isoembed.plot import PICTURE_ENDINGS, picture_writer
 from isoembed.plot.quantity import mean_curvature_difference
-from isoembed.surface.comparison import Comparison
+from isoembed.surface.comparison import Comparison, stated
 from isoembed.surface.embedding import Embedding
-from isoembed.surface.estimate import Estimate
 
 NEEDED = "surfaces are compared on"
 SHOWN = {
@@ -109,24 +108,16 @@ def _summary(first: Embedding, found: Comparison) -> str:
         values, errors = np.abs(getattr(apart, name)), getattr(error, name)
         worst = int(np.argmax(values))
         lines.append(
-            f"{SHOWN[name]:12}{_known(values[worst], errors.max())}{unit} at most (at {place} {worst}), "
+            f"{SHOWN[name]:12}{stated(values[worst], errors.max())}{unit} at most (at {place} {worst}), "
             f"{np.sqrt(np.mean(values**2)):.3g} in root mean square"
         )
-    lines.append(f"{SHOWN['area']:12}{'equal' if found.certified else _known(apart.area, error.area)}")
+    lines.append(f"{SHOWN['area']:12}{'equal' if found.certified else stated(apart.area, error.area)}")
     for name in ("volume", "integrated_mean_curvature"):
         change, whole = getattr(apart, name), getattr(first, name)
-        known = _known(change, getattr(error, name))
+        known = stated(change, getattr(error, name))
         lines.append(f"{SHOWN[name]:12}{known}, {abs(change / whole):.1e} of {whole:.9g}")
     rough = " and ".join(f"{each:.4g}" for each in found.fine_roughness)
     lines.append(f"{'roughness':12}{rough}")
     if found.certified:
         lines.append("what follows +- is proven, for the exact surfaces")
     return "\n".join(lines)
-
-
-def _known(value: float, error: float) -> str:
-    """A number and its proven error, if there is one."""
-    if not np.isfinite(error):
-        return f"{value:.6g}"
-    # Neither the error nor the number may be rounded so that they prove less.
-    return f"{Estimate(value, error).rounded} +- {1.12 * error:.1e}"

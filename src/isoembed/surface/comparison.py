@@ -32,6 +32,7 @@ from isoembed.surface.curvature import (
     vertex_mean_curvature,
 )
 from isoembed.surface.deviation_bound import DeviationBound
+from isoembed.surface.estimate import Estimate
 from isoembed.surface.measures import area, face_normals, volume
 
 if TYPE_CHECKING:
@@ -110,7 +111,7 @@ def compare(first: Embedding, second: Embedding) -> Comparison:
     )
     x, own = first.vertices / unit, second.vertices / unit
     y = aligned(own, x)
-    rounding = DIHEDRAL.rounding * float(np.abs(x).max())  # of y as a rigid image
+    rounding = DIHEDRAL.rounding * float(max(np.abs(x).max(), np.abs(own).max()))  # of y as a rigid image
     turned, moved = _misaligned(x, y, one.vertices / unit, other.vertices / unit + rounding)
     rotated = turned + turning_errors(t, x) + turning_errors(t, y)
     difference = differences(t, x, own)
@@ -132,8 +133,13 @@ def compare(first: Embedding, second: Embedding) -> Comparison:
     isolation = None if obstacle else max(_isolation(first), _isolation(second))
     same = None if isolation is None else _same(first, distance, uncertain, isolation)
     rough = first.fine_roughness, second.fine_roughness
+    difference = difference.scaled(unit)
+    bounds = [
+        float(np.max(np.abs(getattr(difference, name)) + getattr(error, name)))
+        for name in ("dihedral_angles", "integrated_mean_curvature")
+    ]
     return Comparison(
-        difference=difference.scaled(unit),
+        difference=difference,
         error=error,
         distance=distance,
         distance_error=uncertain,
@@ -141,9 +147,17 @@ def compare(first: Embedding, second: Embedding) -> Comparison:
         same=same,
         isolation=isolation,
         fine_roughness=rough,
-        reason=_sentence(obstacle, same, f"{distance:.3g} mean edge lengths apart", uncertain)
+        reason=_sentence(obstacle, same, f"{stated(distance, uncertain)} mean edge lengths apart", bounds)
         + ("" if same else f"; the {('first', 'second')[rough[1] < rough[0]]} is the smoother"),
     )
+
+
+def stated(value: float, error: float) -> str:
+    """A number and its proven error, to the digits that it leaves; the number alone if there is none."""
+    if not np.isfinite(error):
+        return f"{value:.6g}"
+    # Two digits of the error may be 5 % off, and the number as much: what is printed is to be proven, too.
+    return f"{Estimate(value, error).rounded} +- {1.12 * error:.1e}"
 
 
 def differences(triangulation: Triangulation, x: Floats, y: Floats) -> Changes:
@@ -190,14 +204,17 @@ def _same(first: Embedding, distance: float, error: float, isolation: float) -> 
     return True if factor * (distance + error) < isolation else None
 
 
-def _sentence(obstacle: str, same: bool | None, apart: str, error: float) -> str:
+def _sentence(obstacle: str, same: bool | None, apart: str, bounds: list[float]) -> str:
     if obstacle:
         return f"{apart}, but not proven to be near exact surfaces with the same lengths, because {obstacle}"
     if same:
         return "proven to be the same exact surface"
     what = "two exact surfaces with these lengths" if same is False else "exact surfaces, one or two"
-    # Two digits may be 5 % off, and what is printed is to be proven, too.
-    return f"proven to be {what}, {apart}, up to {1.05 * error:.1e}"
+    angle, integral = (f"{1.005 * bound:.3g}" for bound in bounds)  # not rounded down
+    return (
+        f"proven to be {what}, {apart}, whose dihedral angles differ by at most {angle} radians, and "
+        f"int H dA by at most {integral}"
+    )
 
 
 def _misaligned(x: Floats, y: Floats, first: Floats, second: Floats) -> tuple[float, Floats]:
