@@ -27,6 +27,7 @@ from isoembed.aim.convexification import CONVEXIFICATION, Convexification
 from isoembed.aim.diagnosis import diagnosis
 from isoembed.aim.lengths_newton import LENGTHS_NEWTON, newton_on_lengths
 from isoembed.aim.levels import goes_by_levels, pulled_back_by_levels
+from isoembed.aim.local_search import local_search
 from isoembed.aim.mirrored_patches import mirrored_realizations
 from isoembed.aim.nearby_realizations import nearby_realizations
 from isoembed.aim.radii_newton import RADII_NEWTON, newton_on_radii, radii_start
@@ -76,6 +77,7 @@ PULL_BACK = {
     "polish": 2.0,
     "neighbors": 15.0,
     "mirrored patches": 50.0,
+    "local search": 100.0,
 }
 
 
@@ -88,9 +90,13 @@ class Aim(Method):
     best_fit : bool
         Whether to return the smooth surface that comes nearest to the lengths, a `FittedSurface`, where none
         is found that has them.
+    effort : float
+        What the search for a surface may cost after the pull-back has failed, in factorizations, over those
+        of the pull-back.
     """
 
     best_fit: bool = False
+    effort: float = 1.0
 
     name: ClassVar[str] = "aim"
     takes_curved: ClassVar[bool] = True
@@ -98,6 +104,8 @@ class Aim(Method):
     def __post_init__(self) -> None:
         if not isinstance(self.best_fit, bool):
             raise InvalidParameter(f"best_fit is {self.best_fit!r}, not True or False")
+        if not 0 <= self.effort < np.inf:
+            raise InvalidParameter(f"effort is {self.effort!r}, not a finite number of at least 0")
 
     def run(self, metric: PolyhedralMetric, tolerance: float, log: Log) -> Embedding:
         """Embed the metric.
@@ -116,6 +124,9 @@ class Aim(Method):
         if not search.newton_on_lengths():
             search.continue_regularized()
         embedding = search.smoothest()
+        if embedding.residual > search.good and self.effort > 0:
+            search.turn_patches(self.effort)
+            embedding = search.smoothest()
         if embedding.residual > search.good:
             fitted = search.best_fit()
             embedding = search.smoothest()
@@ -289,6 +300,18 @@ class _Search:
         with self.log.stage("mirrored patches") as recorder:
             choices = mirrored_realizations(self.metric, self.system, self.energy, guided, patches, recorder)
             self.surfaces += [self.surface(vertices) for vertices in choices]
+
+    def turn_patches(self, effort: float) -> None:
+        """Search for what the pull-back left on the wrong side, for so many times its factorizations."""
+        if not self.metric.space.is_euclidean:
+            return
+        nearest = min(self.surfaces, key=lambda surface: surface.residual)
+        spent = sum(stage.factorizations for stage in self.log.stages)
+        with self.log.stage("local search") as recorder:
+            found = local_search(self.energy, nearest.vertices, self.metric.lengths, recorder, effort * spent)
+            recorder.show(vertices=found)
+            polished = anneal(self.system, found, self.metric.lengths, recorder).vertices
+            self.surfaces.append(self.surface(polished))
 
     def guided(self, recorder: StageRecorder) -> Floats:
         """Where the guided path ends, near enough to the lengths for Newton's method."""

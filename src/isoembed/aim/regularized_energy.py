@@ -103,6 +103,16 @@ class RegularizedEnergy:
         self._R = csr_array(diags_array(1 / size) @ residuals)
         self._RT = csr_array(self._R.T)
 
+    @property
+    def fit_residuals(self) -> csr_array:
+        """R, shape (V, V)."""
+        return self._R
+
+    @property
+    def fit_residuals_transposed(self) -> csr_array:
+        """R^T, shape (V, V)."""
+        return self._RT
+
     def roughness(self, vertices: Floats, w: float) -> Floats:
         """``(R^T R + w K^T K) x``, shape (V, 3): half the gradient of the penalty."""
         return self._RT @ (self._R @ vertices) + w * (self._KK @ vertices)

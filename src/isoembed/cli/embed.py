@@ -67,6 +67,12 @@ def configure(parser: argparse.ArgumentParser) -> None:
         parser, ": the report gets standard deviations of area, volume and int H dA; not with --best-fit"
     )
     parser.add_argument(
+        "--effort",
+        metavar="TIMES",
+        help="what a search may cost where the lengths are not found at once, over the cost of the first "
+        "attempt, counted in factorizations (default 1; 0: none); only with --method aim",
+    )
+    parser.add_argument(
         "--parameter",
         action="append",
         default=[],
@@ -125,10 +131,13 @@ def _method(options: argparse.Namespace) -> isoembed.Method:
         )
     if options.best_fit and "best_fit" not in known:
         raise UsageError(f"--best-fit needs the method 'aim': the method {options.method!r} has no best fit")
+    if options.effort is not None and "effort" not in known:
+        raise UsageError(f"--effort needs the method 'aim': the method {options.method!r} does not search")
     if options.length_error is not None and options.best_fit:
         raise UsageError("--length-error does not go with --best-fit, which smooths errors instead")
     best_fit = ["best_fit=true"] if options.best_fit else []
-    method = configured(options.method, options.parameter + repair + best_fit)
+    effort = [] if options.effort is None else [f"effort={options.effort}"]
+    method = configured(options.method, options.parameter + repair + best_fit + effort)
     if options.length_error is not None and not method.keeps_triangles:
         raise UsageError(f"--length-error needs a method that keeps the triangles, not {options.method!r}")
     return method

@@ -1,0 +1,316 @@
+"""Local search: patches that a pull-back left on the wrong side are turned over, one by one.
+
+A surface that was followed from a convex one and got lost is, as a rule, right but for some patches: a pit is
+a bump, a vertex stands on the other side of its neighbors.  Its energy, ``|r|^2 + mu |R x|^2``
+(`isoembed.aim.regularized_energy`), is then a local minimum, and the lengths are missed at these patches.
+Disks of triangles where they are missed most are put where their surroundings expect them, or as far beyond,
+and relaxed with the rest of the surface held.  What lowers the energy is kept.  So for one mu after the
+other, until mu vanishes.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+
+import numpy as np
+from scipy.linalg import LinAlgError, cho_factor, cho_solve
+from scipy.sparse import csr_array, eye_array
+
+from isoembed.aim.regularized_energy import RegularizedEnergy
+from isoembed.arrays import Floats, Indices
+from isoembed.progress.stages import StageRecorder
+from isoembed.thresholds import threshold
+
+
+@dataclass(frozen=True)
+class LocalSearchThresholds:
+    """Thresholds of the local search."""
+
+    weights: tuple[float, ...] = threshold(
+        (1e-3, 1e-4, 1e-5, 1e-6, 1e-7, 1e-8), "mean edge lengths^2", "mu, in turn."
+    )
+    rings: int = threshold(5, "count", "Radius of the disks at most, in edges; the least is a vertex.")
+    disks: int = threshold(12, "count", "Disks of each radius that are tried in a sweep.")
+    share: float = threshold(1e-4, "relative", "Share of |r|^2 in a disk that is worth a try.")
+    beyond: tuple[float, ...] = threshold(
+        (1.0, 2.0), "relative", "Moves of a disk, in its distances from where it is expected."
+    )
+    margin: int = threshold(2, "count", "Rings about a disk that are relaxed with it.")
+    wide: int = threshold(5, "count", "The same where this is too few to tell.")
+    doubtful: float = threshold(0.5, "relative", "Growth of the energy that may be for want of them.")
+    moved: float = threshold(
+        0.3, "relative", "Share of the root of the largest residual: a smaller move fell back."
+    )
+    gain: float = threshold(1e-4, "relative", "Decrease of the energy that counts.")
+    local_steps: int = threshold(12, "count", "Gauss-Newton steps of a patch at most.")
+    settled: float = threshold(0.998, "relative", "Share of the energy that a step leaves at a minimum.")
+    steps: int = threshold(20, "count", "Gauss-Newton steps of the surface at most.")
+    damping: float = threshold(1e-3, "relative", "Levenberg-Marquardt damping of a patch at first.")
+    stiffer: float = threshold(5.0, "relative", "Factor of the damping after a step uphill.")
+    softer: float = threshold(0.2, "relative", "Factor of the damping after a step downhill.")
+    uphill: int = threshold(6, "count", "Steps uphill in turn that end the relaxation of a patch.")
+    close: float = threshold(1e-6, "mean edge lengths", "Newton's method does not get lost from here.")
+
+
+LOCAL_SEARCH = LocalSearchThresholds()
+
+
+def local_search(
+    energy: RegularizedEnergy, vertices: Floats, lengths: Floats, recorder: StageRecorder, most: float
+) -> Floats:
+    """Turn over what is on the wrong side of a surface that misses its lengths.
+
+    Parameters
+    ----------
+    energy : RegularizedEnergy
+        Of a metric in Euclidean space.
+    vertices : ndarray, shape (V, 3)
+    lengths : ndarray, shape (E,)
+    recorder : StageRecorder
+        Counts factorizations; one of a patch counts as its share of the vertices.
+    most : float
+        Factorizations at most, or a few more.
+
+    Returns
+    -------
+    ndarray, shape (V, 3)
+        Of the surfaces met the one that is nearest to the lengths.
+    """
+    search = _LocalSearch(energy, lengths, recorder, most)
+    x = vertices
+    for weight in LOCAL_SEARCH.weights:
+        x = search.at(x, weight * energy.unit**2)
+        if search.is_done(x):
+            break
+    return x
+
+
+class _LocalSearch:
+    """The search, and what it has spent."""
+
+    def __init__(
+        self, energy: RegularizedEnergy, lengths: Floats, recorder: StageRecorder, most: float
+    ) -> None:
+        self.energy, self.lengths, self.recorder = energy, lengths, recorder
+        self.begun, self.most, self.local = recorder.factorizations, most, 0.0
+        n = energy.triangulation.n_vertices
+        near = csr_array(energy.triangulation.adjacency + eye_array(n))
+        near.data[:] = 1.0
+        self.disks = [csr_array(eye_array(n))]
+        for _ in range(LOCAL_SEARCH.rings):
+            wider = csr_array(self.disks[-1] @ near)
+            wider.data[:] = 1.0
+            self.disks.append(wider)
+        self.near = near
+
+    @property
+    def exhausted(self) -> bool:
+        """Whether as much is spent as may be."""
+        return self.recorder.factorizations - self.begun + self.local >= self.most
+
+    def largest_residual(self, x: Floats) -> float:
+        """Largest error of the lengths, in mean edge lengths."""
+        return float(np.abs(self.energy.residuals(x, self.lengths)).max()) / self.energy.unit
+
+    def is_done(self, x: Floats) -> bool:
+        """Whether there is no more to do, or may not be done."""
+        return self.exhausted or self.largest_residual(x) <= LOCAL_SEARCH.close
+
+    def at(self, x: Floats, mu: float) -> Floats:
+        """The least energy that is met with one mu."""
+        x = self.settled(x, mu)
+        stale = np.ones(len(x), dtype=bool)
+        while not self.is_done(x):
+            turned = self.sweep(x, mu, stale)
+            if turned is x:
+                break
+            relaxed = self.settled(turned, mu)
+            moved = np.linalg.norm(relaxed - x, axis=1) > LOCAL_SEARCH.moved * self.reach(x)
+            stale, x = np.asarray(self.near @ moved > 0), relaxed
+            self.recorder.show(vertices=x, residual=self.largest_residual(x))
+        return x
+
+    def reach(self, x: Floats) -> float:
+        """How far apart surfaces are that stand on different sides, by the residual that is between them."""
+        return self.energy.unit * float(np.sqrt(self.largest_residual(x)))
+
+    def value(self, x: Floats, mu: float) -> float:
+        """The energy of a surface."""
+        r = self.energy.residuals(x, self.lengths)
+        return float(r @ r + mu * np.sum(x * self.energy.roughness(x, 0.0)))
+
+    def settled(self, x: Floats, mu: float) -> Floats:
+        """The local minimum of the energy."""
+        value = self.value(x, mu)
+        for _ in range(LOCAL_SEARCH.steps):
+            x = self.energy.relaxed(x, self.lengths, mu, 0.0, self.recorder)
+            before, value = value, self.value(x, mu)
+            if not value < LOCAL_SEARCH.settled * before:
+                break
+        return x
+
+    def sweep(self, x: Floats, mu: float, stale: Floats) -> Floats:
+        """Try disks of all sizes once, those with a vertex that is ``stale``; x itself if none is turned."""
+        found, enough = x, LOCAL_SEARCH.gain * self.value(x, mu)
+        for disks in self.disks:
+            for center in self.chosen(found, disks):
+                disk = np.sort(disks[[center]].indices)
+                if stale[disk].any():
+                    found = self.turned(found, disk, mu, enough)
+                if self.exhausted:
+                    return found
+        return found
+
+    def chosen(self, x: Floats, disks: csr_array) -> Iterator[int]:
+        """Centers of disks in which the lengths are missed most; none is in the disk of another."""
+        squares = self.energy.residuals(x, self.lengths) ** 2
+        edges = self.energy.triangulation.edges
+        missed = disks @ np.bincount(edges.ravel(), np.repeat(squares / 2, 2), minlength=len(x))
+        free, count = missed > LOCAL_SEARCH.share * squares.sum(), 0
+        for center in np.argsort(-missed, kind="stable").tolist():
+            if not free[center]:
+                continue
+            yield center
+            free[disks[[center]].indices] = False
+            count += 1
+            if count == LOCAL_SEARCH.disks:
+                return
+
+    def turned(self, x: Floats, disk: Indices, mu: float, enough: float) -> Floats:
+        """The surface with a disk turned over, if that is better by ``enough``; else x itself."""
+        patch = _Patch.of(self, self.grown(disk, LOCAL_SEARCH.margin), mu)
+        offset = patch.offset(x, disk)
+        least = LOCAL_SEARCH.moved * self.reach(x)
+        for times in LOCAL_SEARCH.beyond:
+            trial = x.copy()
+            trial[disk] += times * offset
+            if not np.isfinite(trial).all():
+                continue
+            before = patch.value(x)
+            found, after = patch.relaxed(trial)
+            if np.linalg.norm(found - x, axis=1).max() < least:
+                continue
+            if enough > before - after > -LOCAL_SEARCH.doubtful * before:
+                wide = _Patch.of(self, self.grown(disk, LOCAL_SEARCH.wide), mu)
+                before = wide.value(x)
+                found, after = wide.relaxed(found)
+            if before - after > enough:
+                return found
+        return x
+
+    def grown(self, patch: Indices, rings: int) -> Indices:
+        """A patch with rings of neighbors."""
+        for _ in range(rings):
+            patch = np.unique(self.near[patch].indices)
+        return patch
+
+
+@dataclass(frozen=True, eq=False)
+class _Patch:
+    """The energy as a function of a few vertices, the others being held.
+
+    Attributes
+    ----------
+    search : _LocalSearch
+    vertices : ndarray of int, shape (n,)
+        Those that move.
+    edges, lengths : ndarray, shape (m, 2), (m,)
+        Edges that change, and the lengths that they are to have.
+    place : ndarray of int, shape (m, 2)
+        The ends of edges among the vertices; n where they are held.
+    rows : sparse, shape (k, V)
+        The rows of R that change.
+    columns : ndarray, shape (k, n)
+        Their columns.
+    stiffness : ndarray, shape (n, n)
+        ``mu R^T R``.
+    mu : float
+    """
+
+    search: _LocalSearch
+    vertices: Indices
+    edges: Indices
+    lengths: Floats
+    place: Indices
+    rows: csr_array
+    columns: Floats
+    stiffness: Floats
+    mu: float
+
+    @classmethod
+    def of(cls, search: _LocalSearch, vertices: Indices, mu: float) -> _Patch:
+        """That of these vertices."""
+        triangulation, R = search.energy.triangulation, search.energy.fit_residuals
+        n = len(vertices)
+        changing = np.unique(triangulation.incidence[vertices].indices)
+        edges = triangulation.edges[changing]
+        place = np.full(triangulation.n_vertices, n)
+        place[vertices] = np.arange(n)
+        rows = R[np.unique(search.energy.fit_residuals_transposed[vertices].indices)]
+        columns = rows[:, vertices].toarray()
+        stiffness = mu * (columns.T @ columns)
+        return cls(
+            search, vertices, edges, search.lengths[changing], place[edges], rows, columns, stiffness, mu
+        )
+
+    def value(self, x: Floats) -> float:
+        """The part of the energy that changes."""
+        r, rough, _ = self._terms(x)
+        return float(r @ r + self.mu * np.sum(rough**2))
+
+    def offset(self, x: Floats, disk: Indices) -> Floats:
+        """What is to be added to vertices of the patch for R x to be least, shape (k, 3)."""
+        of = np.searchsorted(self.vertices, disk)
+        columns = self.columns[:, of]
+        return -np.linalg.lstsq(columns, self.rows @ x, rcond=None)[0]
+
+    def relaxed(self, x: Floats) -> tuple[Floats, float]:
+        """The local minimum near x, and its part of the energy, by Levenberg-Marquardt."""
+        n, damping = len(self.vertices), LOCAL_SEARCH.damping
+        r, rough, directions = self._terms(x)
+        value = float(r @ r + self.mu * np.sum(rough**2))
+        held = np.kron(self.stiffness, np.eye(3))
+        for _ in range(LOCAL_SEARCH.local_steps):
+            gradient = self.mu * (self.columns.T @ rough)
+            blocks = np.zeros((n + 1, n + 1, 3, 3))
+            pull = np.zeros((n + 1, 3))
+            products = np.einsum("ei,ej->eij", directions, directions)
+            for sign, end in ((1.0, 0), (-1.0, 1)):
+                np.add.at(pull, self.place[:, end], sign * directions * r[:, None])
+                np.add.at(blocks, (self.place[:, end], self.place[:, end]), products)
+            blocks[self.place[:, 0], self.place[:, 1]] -= products
+            blocks[self.place[:, 1], self.place[:, 0]] -= products
+            matrix = blocks[:n, :n].transpose(0, 2, 1, 3).reshape(3 * n, 3 * n) + held
+            gradient = (gradient + pull[:n]).ravel()
+            for _ in range(LOCAL_SEARCH.uphill):
+                self.search.local += n / len(x)
+                matrix_damped = matrix.copy()
+                matrix_damped[np.diag_indices(3 * n)] += damping
+                try:
+                    factor = cho_factor(matrix_damped, overwrite_a=True, check_finite=False)
+                except LinAlgError:
+                    damping *= LOCAL_SEARCH.stiffer
+                    continue
+                trial = x.copy()
+                trial[self.vertices] -= cho_solve(factor, gradient, check_finite=False).reshape(-1, 3)
+                r_trial, rough_trial, directions_trial = self._terms(trial)
+                reached = float(r_trial @ r_trial + self.mu * np.sum(rough_trial**2))
+                if reached < value:
+                    break
+                damping *= LOCAL_SEARCH.stiffer
+            else:
+                return x, value
+            settled = value - reached < (1 - LOCAL_SEARCH.settled) * value
+            x, r, rough, directions, value = trial, r_trial, rough_trial, directions_trial, reached
+            damping *= LOCAL_SEARCH.softer
+            if settled:
+                break
+        return x, value
+
+    def _terms(self, x: Floats) -> tuple[Floats, Floats, Floats]:
+        """Errors of the lengths, R x, and the nonzeros of J."""
+        d = x[self.edges[:, 0]] - x[self.edges[:, 1]]
+        lengths = self.lengths
+        r = (np.einsum("ei,ei->e", d, d) - lengths**2) / (2 * lengths)
+        return r, self.rows @ x, d / lengths[:, None]
