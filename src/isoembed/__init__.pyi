@@ -3,6 +3,8 @@ from ._embed import Method as Method
 from ._embed import embed as embed
 from .aim.adaptive import Aim as Aim
 from .aim.paper import Paper as Paper
+from .aim.realizations import Realizations as Realizations
+from .aim.realizations import realizations as realizations
 from .alexandrov.method import Alexandrov as Alexandrov
 from .alexandrov.polyhedron import ConvexPolyhedron as ConvexPolyhedron
 from .errors import Interrupted as Interrupted

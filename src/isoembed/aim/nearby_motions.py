@@ -1,0 +1,127 @@
+"""Motions from a surface to where other realizations of its lengths are predicted.
+
+If x + d has the lengths of x, then ``J d + 1/2 Q(d, d) = 0`` (`length_expansion`): d is a fixed point of
+
+    ``d -> -1/2 J^+ Q(d, d)``,
+
+up to a factor an eigenvector of the tensor ``J^+ Q``, and the nearer it is, the larger its eigenvalue.  So
+power iteration finds the near ones (as De Lathauwer, De Moor and Vandewalle, SIAM J. Matrix Anal. Appl. 21
+(2000) 1324, do for the largest).  It starts at each vertex, moved alone: ``Q(d, d)`` is then 1 / l on its
+edges, whatever the direction.  The motions with the smallest singular values of J are not always among the
+nearest: where a single vertex can be pushed in, its edges are as stiff as others, but it is not far.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+
+import numpy as np
+
+from isoembed.aim.length_expansion import LengthExpansion
+from isoembed.arrays import Floats, Indices
+from isoembed.thresholds import threshold
+
+
+@dataclass(frozen=True)
+class MotionThresholds:
+    """Thresholds of motions to other realizations."""
+
+    at_once: int = threshold(128, "vertices", "From so many power iteration goes at a time: for the memory.")
+    powers: int = threshold(5, "count", "Of its steps.")
+    defect: float = threshold(0.5, "relative", "Most that the lengths are off at the end of a motion.")
+    alike: float = threshold(0.9, "cosine", "More have motions that are one.")
+    most: int = threshold(40, "count", "Of motions, the nearest.")
+
+
+MOTIONS = MotionThresholds()
+
+
+@dataclass(frozen=True, eq=False)
+class Motions:
+    """Motions of a surface, each as long as takes it to where another realization is predicted.
+
+    Attributes
+    ----------
+    motions : ndarray, shape (m, V, 3)
+    reach : ndarray, shape (m,)
+        How far the farthest vertex moves.
+    defect : ndarray, shape (m,)
+        How much the lengths change, over how much they change to first order: 0 if a realization is there.
+    """
+
+    motions: Floats
+    reach: Floats
+    defect: Floats
+
+    @classmethod
+    def of(cls, expansion: LengthExpansion, directions: Floats) -> Motions:
+        """Along directions, (m, V, 3); where none is predicted, they are infinitely long, or not numbers.
+
+        Of ``s J v + s^2 / 2 Q(v, v)``, the component along J v is zero.
+        """
+        rates, bends = expansion.rates(directions), expansion.bends(directions, directions)
+        squares = np.einsum("me,me->m", rates, rates)
+        with np.errstate(divide="ignore", invalid="ignore", over="ignore"):
+            s = -2 * squares / np.einsum("me,me->m", rates, bends)
+            missed = np.linalg.norm(rates + s[:, None] / 2 * bends, axis=1) / np.sqrt(squares)
+            motions = s[:, None, None] * directions
+        return cls(motions, np.linalg.norm(motions, axis=2).max(axis=1), missed)
+
+    def __getitem__(self, which: Indices | list[int]) -> Motions:
+        return Motions(self.motions[which], self.reach[which], self.defect[which])
+
+    def joined(self, others: Motions) -> Motions:
+        """These and others."""
+        return Motions(
+            np.concatenate([self.motions, others.motions]),
+            np.concatenate([self.reach, others.reach]),
+            np.concatenate([self.defect, others.defect]),
+        )
+
+    def within(self, distance: float) -> Motions:
+        """Those that reach no farther, and to where the lengths are nearly right."""
+        return self[np.flatnonzero((self.reach <= distance) & (self.defect <= MOTIONS.defect))]
+
+    def different(self) -> Motions:
+        """Of those that are alike, the one with the least defect; the nearest come first."""
+        flat = self.motions.reshape(len(self.motions), self.motions[0].size if len(self.motions) else 0)
+        flat = flat / np.linalg.norm(flat, axis=1, keepdims=True)
+        kept: list[int] = []
+        for i in np.argsort(self.defect, kind="stable"):
+            if not kept or np.abs(flat[kept] @ flat[i]).max() <= MOTIONS.alike:
+                kept.append(int(i))
+        order = np.argsort(self.reach[kept], kind="stable")[: MOTIONS.most]
+        return self[[kept[i] for i in order]]
+
+
+def nearby_motions(expansion: LengthExpansion, softest: Floats, distance: float) -> Motions:
+    """The motions of a surface to where other realizations are predicted, the nearest first.
+
+    Parameters
+    ----------
+    expansion : LengthExpansion
+    softest : ndarray, shape (m, V, 3)
+        Motions that change the lengths little, to start from besides the single vertices.
+    distance : float
+        How far a vertex may move.
+    """
+    found = Motions.of(expansion, softest).within(distance)
+    for changes in _changes_about_vertices(expansion):
+        for _ in range(MOTIONS.powers):
+            met = Motions.of(expansion, expansion.motions(changes))
+            found = found.joined(met.within(distance)).different()
+            met = met[np.flatnonzero(np.isfinite(met.reach) & (met.reach > 0))]
+            if not len(met.reach):
+                break
+            changes = -expansion.bends(met.motions, met.motions) / 2
+    return found
+
+
+def _changes_about_vertices(expansion: LengthExpansion) -> Iterator[Floats]:
+    """``Q(d, d)`` where one vertex alone moves by 1, (m, E), for some vertices after the other."""
+    t = expansion.system.triangulation
+    weights = 1 / expansion.system.space.sn(expansion.lengths)
+    for first in range(0, t.n_vertices, MOTIONS.at_once):
+        some = np.arange(first, min(first + MOTIONS.at_once, t.n_vertices))
+        yield weights * (t.edges[:, :, None] == some).any(axis=1).T

@@ -1,0 +1,167 @@
+"""The realizations of a metric near one of them."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Any
+
+import numpy as np
+
+from isoembed.aim.realization_search import RealizationSearch
+from isoembed.arrays import Floats, Mask
+from isoembed.errors import InvalidParameter
+from isoembed.mesh.triangulation import frozen
+from isoembed.progress.stages import Log
+from isoembed.strict_json import plain
+from isoembed.surface.embedding import Embedding
+from isoembed.surface.rigidity import LengthSystem
+
+FEWEST, MOST = 2, 8  # motions together: 2^8 roots
+
+
+@dataclass(frozen=True, eq=False)
+class Realizations:
+    """Surfaces with the same lengths in the same triangles, near a surface, and where they were sought.
+
+    Attributes
+    ----------
+    about : Embedding
+        The surface that they are near to.  It is one of them, up to rounding, if it has the lengths.
+    surfaces : tuple of Embedding
+        The smoothest, of the least `fine_roughness`, comes first.
+    searched : ndarray of bool, shape (n,)
+        Whether each was searched from.
+    distance : float
+        How far from the surface a vertex may be, in mean edge lengths: the region.
+    motions : int
+        How many motions were taken together at most.
+    unsolved : int
+        How many times something was left out: a surface that flexes to first order is not searched from, and
+        quadratic equations may be solved incompletely.
+    """
+
+    about: Embedding
+    surfaces: tuple[Embedding, ...]
+    searched: Mask
+    distance: float
+    motions: int
+    unsolved: int
+
+    @cached_property
+    def distances(self) -> Floats:
+        """How far each is from the surface, in mean edge lengths, shape (n,)."""
+        return frozen(np.array([self.about.distance(each) for each in self.surfaces]))
+
+    @cached_property
+    def apart(self) -> Floats:
+        """How far they are from each other, in mean edge lengths, shape (n, n)."""
+        found = np.zeros((len(self.surfaces), len(self.surfaces)))
+        for i, surface in enumerate(self.surfaces):
+            for j in range(i):
+                found[i, j] = found[j, i] = surface.distance(self.surfaces[j])
+        return frozen(found)
+
+    @property
+    def message(self) -> str:
+        """What was found and searched, and what was not."""
+        found, searched = len(self.surfaces), int(self.searched.sum())
+        region = f"within {self.distance:g} mean edge lengths of the surface"
+        if not found:
+            said = f"no realization of these lengths was found {region}"
+        else:
+            said = (
+                f"{found} realization{'s' if found > 1 else ''} of these lengths found {region}, {searched} "
+                "of them searched from, the smoothest first"
+            )
+        said += (
+            f"; sought along the motions to where another is predicted, up to {self.motions} together, all "
+            "roots of their quadratic equations. Not searched: what is farther"
+        )
+        if found > searched:
+            said += f", about {found - searched} of those that were found"
+        if self.unsolved:
+            said += f", and {self.unsolved} times a surface that flexes or equations that were not solved"
+        return f"{said}; others may be near that are not predicted so"
+
+    @property
+    def report(self) -> dict[str, Any]:
+        """What was found, as a JSON object; certificates are made for it."""
+        found = {
+            "message": self.message,
+            "region": {"distance": self.distance, "motions": self.motions, "unsolved": self.unsolved},
+            "realizations": [
+                {
+                    "distance": distance,
+                    "searched": bool(searched),
+                    "residual": surface.residual,
+                    "roughness": surface.roughness,
+                    "fine_roughness": surface.fine_roughness,
+                    "certificate": surface.certificate.as_json(),
+                }
+                for surface, distance, searched in zip(
+                    self.surfaces, self.distances, self.searched, strict=True
+                )
+            ],
+            "apart": self.apart.tolist(),
+        }
+        return dict(plain(found))
+
+
+def realizations(
+    embedding: Embedding, *, distance: float = 0.12, motions: int = 5, surfaces: int = 8
+) -> Realizations:
+    """Enumerate the realizations of a metric near one of them, or near an attempt.
+
+    Parameters
+    ----------
+    embedding : Embedding
+        Such as `embed` returns, or as a `NotEmbedded` carries.
+    distance : float
+        How far a vertex of a realization may be from its place there, in mean edge lengths.
+    motions : int
+        How many motions are taken together, from 2 to 8: their quadratic equations have 2^motions roots.
+    surfaces : int
+        From how many realizations to search on, the smoothest first.  There are more of them than can be
+        found where many vertices can be pushed in.
+
+    Returns
+    -------
+    Realizations
+
+    Raises
+    ------
+    InvalidParameter
+        A parameter is out of range.
+    """
+    if not 0 < distance < np.inf:
+        raise InvalidParameter(f"the distance is {distance!r}, not a positive number of mean edge lengths")
+    for name, value, least, most in (("motions", motions, FEWEST, MOST), ("surfaces", surfaces, 1, np.inf)):
+        if not (isinstance(value, int) and least <= value <= most):
+            wanted = f"from {least} to {most}" if most < np.inf else f"of at least {least}"
+            raise InvalidParameter(f"the number of {name} is {value!r}, not an integer {wanted}")
+    metric, normalized = embedding.metric, embedding.metric.normalized
+    with Log().stage("realizations") as recorder:
+        search = RealizationSearch(
+            LengthSystem(metric.triangulation, space=normalized.space),
+            embedding.vertices / metric.unit,
+            normalized.lengths,
+            recorder,
+            motions,
+            distance,
+        )
+        for _ in search.steps(surfaces):
+            pass
+    found = [
+        Embedding(metric, metric.unit * each, method=embedding.method, tolerance=embedding.tolerance)
+        for each in search.found
+    ]
+    order = sorted(range(len(found)), key=lambda i: found[i].fine_roughness)
+    return Realizations(
+        embedding,
+        tuple(found[i] for i in order),
+        frozen(np.array([search.searched[i] for i in order], dtype=np.bool_)),
+        float(distance),
+        motions,
+        search.flexible + search.incomplete,
+    )

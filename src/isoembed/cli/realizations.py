@@ -1,0 +1,105 @@
+"""``isoembed realizations``: enumerate the surfaces with the same lengths near the one in a file."""
+
+import argparse
+from pathlib import Path
+
+from isoembed.aim.realizations import FEWEST, MOST, Realizations, realizations
+from isoembed.cli.options import add_json_option, add_merge_option, add_output_option
+from isoembed.cli.same_triangles import check_same_triangles
+from isoembed.cli.screen import UsageError, print_json, print_out
+from isoembed.cli.status import NOT_EMBEDDED, OK
+from isoembed.io import MESH_ENDINGS, read_metric, read_surface, write_atomically
+from isoembed.io.registry import METRIC_ENDINGS
+from isoembed.io.surface import surface_writer
+from isoembed.surface.embedding import Embedding
+
+
+def configure(parser: argparse.ArgumentParser) -> None:
+    """Add the options of ``isoembed realizations``."""
+    endings = " ".join((*METRIC_ENDINGS, *MESH_ENDINGS))
+    parser.add_argument("surface", type=Path, metavar="SURFACE", help=f"vertices and triangles ({endings})")
+    parser.add_argument(
+        "metric", type=Path, metavar="METRIC", help=f"the lengths, on the same triangles ({endings})"
+    )
+    parser.add_argument(
+        "--distance",
+        type=float,
+        default=0.12,
+        metavar="D",
+        help="how far a vertex may be from SURFACE, in mean edge lengths (default %(default)s)",
+    )
+    parser.add_argument(
+        "--motions",
+        type=int,
+        default=5,
+        metavar="K",
+        help=f"how many motions are taken together, {FEWEST} to {MOST} (default %(default)s)",
+    )
+    parser.add_argument(
+        "--surfaces",
+        type=int,
+        default=8,
+        metavar="N",
+        help="from how many of those that are found to search on, the smoothest first (default %(default)s)",
+    )
+    add_output_option(
+        parser, "for the surfaces: realization-1.ply, the smoothest, and so on", metavar="FOLDER"
+    )
+    add_merge_option(parser)
+    add_json_option(parser)
+
+
+def run(options: argparse.Namespace) -> int:
+    """Enumerate the realizations; return the exit status."""
+    metric = read_metric(options.metric, merge=options.merge)
+    given = read_surface(options.surface, merge=options.merge)
+    check_same_triangles(metric, given.metric, options.metric, options.surface, "realizations are on")
+    about = Embedding(metric, given.vertices, method=given.method, tolerance=given.tolerance)
+    found = realizations(about, distance=options.distance, motions=options.motions, surfaces=options.surfaces)
+    if options.output:
+        _write(options, found)
+    if options.json:
+        print_json(found.report)
+    else:
+        print_out("\n".join([*_table(found), found.message]))
+    return OK if found.surfaces else NOT_EMBEDDED
+
+
+def _write(options: argparse.Namespace, found: Realizations) -> None:
+    paths = [options.output / f"realization-{i}.ply" for i in range(1, len(found.surfaces) + 1)]
+    inputs = {path.resolve() for path in (options.surface, options.metric)}
+    for path in paths:
+        if path.resolve() in inputs:
+            raise UsageError(f"{path} would take the place of the input: take another folder")
+    if paths:
+        options.output.mkdir(parents=True, exist_ok=True)
+    write_atomically(
+        {path: surface_writer(path, each) for path, each in zip(paths, found.surfaces, strict=True)}
+    )
+
+
+def _table(found: Realizations) -> list[str]:
+    """A line for each realization, the smoothest first."""
+    if not found.surfaces:
+        return []
+    lines = [
+        f"{'':>4} {'distance':>9} {'nearest':>9} {'roughness':>10} {'fine':>9} {'radius':>8} {'isolation':>9}"
+    ]
+    for i, (surface, distance) in enumerate(zip(found.surfaces, found.distances, strict=True)):
+        proof = surface.certificate
+        nearest = min((float(d) for j, d in enumerate(found.apart[i]) if j != i), default=None)
+        numbers = [
+            "-" if value is None else f"{value:.{digits}e}"
+            for value, digits in (
+                (distance, 2),
+                (nearest, 2),
+                (surface.roughness, 3),
+                (surface.fine_roughness, 2),
+                (proof.radius if proof.certified else None, 1),
+                (proof.isolation if proof.certified else None, 2),
+            )
+        ]
+        widths = (9, 9, 10, 9, 8, 9)
+        row = " ".join(f"{number:>{width}}" for number, width in zip(numbers, widths, strict=True))
+        lines.append(f"{i + 1:>4} {row}{'' if found.searched[i] else '  not searched from'}")
+    return lines

@@ -1,0 +1,204 @@
+"""All realizations near a surface: counted where they are known, and exact pairs found from one of them."""
+
+import itertools
+
+import numpy as np
+import pytest
+
+import curved_bodies
+import isoembed
+import zoo
+from isoembed.aim.length_expansion import LengthExpansion
+from isoembed.aim.nearby_motions import nearby_motions
+from isoembed.aim.nearby_realizations import softest_motions
+from isoembed.errors import InvalidParameter
+from isoembed.gallery import HarmonicSurface, triangulate
+from isoembed.metric.polyhedral import PolyhedralMetric
+from isoembed.space import Space
+from isoembed.surface.alignment import aligned, distance
+from isoembed.surface.embedding import Embedding
+from isoembed.surface.rigidity import LengthSystem, edge_rows
+
+HEIGHT = 0.02
+
+
+def embedding(vertices, faces, lengths_of=None):
+    metric = PolyhedralMetric.from_mesh(vertices if lengths_of is None else lengths_of, faces)
+    return Embedding(metric, vertices, method="given", tolerance=1e-10)
+
+
+def capped(vertices, faces, which, heights):
+    """A body with flat pyramids on some of its triangles, their apexes out or in."""
+    corners = vertices[faces[which]]
+    normals = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
+    normals /= np.linalg.norm(normals, axis=1, keepdims=True)
+    apexes = corners.mean(axis=1) + np.asarray(heights)[:, None] * normals
+    n = len(vertices)
+    sides = [
+        [a, b, n + i]
+        for i, f in enumerate(which)
+        for a, b in zip(faces[f], np.roll(faces[f], -1), strict=True)
+    ]
+    return np.vstack([vertices, apexes]), np.vstack([np.delete(faces, which, axis=0), sides])
+
+
+def contains(found, surface):
+    return any(surface.distance(each) < 1e-9 for each in found.surfaces)
+
+
+@pytest.mark.parametrize(
+    ("which", "motions", "surfaces"), [([0, 7], 2, 4), ([0, 3, 7, 12], 4, 1), ([0, 3, 7, 12], 2, 4)]
+)
+def test_every_apex_is_out_or_in(which, motions, surfaces):
+    """The icosahedron is rigid, and nothing else moves: 2^n realizations, and all of them are found.
+
+    With as many motions as apexes they are the roots of one system of equations; with two motions the search
+    goes on from some that were found.
+    """
+    x, faces = capped(*zoo.icosahedron(), which, np.full(len(which), HEIGHT))
+    about = embedding(x, faces)
+    found = isoembed.realizations(about, distance=0.1, motions=motions, surfaces=surfaces)
+    assert len(found.surfaces) == 2 ** len(which)
+    assert found.searched.sum() == surfaces
+    for signs in itertools.product((-1, 1), repeat=len(which)):
+        other = capped(*zoo.icosahedron(), which, HEIGHT * np.array(signs))[0]
+        assert contains(found, embedding(other, faces, lengths_of=x))
+    assert found.apart[~np.eye(len(found.apart), dtype=np.bool_)].min() > 0.9 * HEIGHT
+
+
+def test_nothing_beyond_the_region_is_told():
+    x, faces = capped(*zoo.icosahedron(), [0, 7], [HEIGHT / 2, HEIGHT])
+    near, far = (isoembed.realizations(embedding(x, faces), distance=d) for d in (0.7 * HEIGHT, HEIGHT / 2.5))
+    assert len(near.surfaces) == 2
+    assert len(far.surfaces) == 1
+
+
+@pytest.mark.parametrize("curvature", [-1.0, 1.0])
+def test_an_apex_in_curved_space_is_out_or_in(curvature):
+    """Its mirror image in the plane of three vertices has the same distances from them."""
+    space = Space(curvature)
+    x, faces = curved_bodies.hull(space, 8, 0.8, 0)
+    straight, flat = capped(x / space.heights(x)[:, None], faces, [0], [1e-2])
+    x = straight / np.sqrt(1 + space.curvature * np.einsum("ij,ij->i", straight, straight))[:, None]
+    metric = curved_bodies.metric_of(space, x, flat)
+    about = Embedding(metric, x, method="given", tolerance=1e-10)
+    found = isoembed.realizations(about, distance=0.1)
+    assert len(found.surfaces) == 2
+    assert contains(found, about)
+    (other,) = (each for each in found.surfaces if each.distance(about) > 1e-9)
+    assert other.residual < 1e-12
+    apart = space.distances(aligned(other.vertices, about.vertices, space), about.vertices)
+    assert apart.argmax() == len(x) - 1
+
+
+@pytest.fixture(scope="module")
+def saddle():
+    """A surface with others near, as they are found."""
+    vertices, faces = triangulate(HarmonicSurface(degree=2, order=2, amplitude=0.35), 150, irregular=1)
+    return isoembed.realizations(embedding(vertices, faces), surfaces=2)
+
+
+def test_those_that_are_found_are_realizations_and_apart(saddle):
+    assert len(saddle.surfaces) >= 3
+    assert contains(saddle, saddle.about)
+    assert saddle.searched.sum() == 2
+    assert (np.diff([each.fine_roughness for each in saddle.surfaces]) >= 0).all()
+    isolation = []
+    for surface, away in zip(saddle.surfaces, saddle.distances, strict=True):
+        assert surface.residual < 1e-11
+        assert away <= saddle.distance
+        assert surface.certificate.certified
+        isolation.append(surface.certificate.isolation)
+    apart = saddle.apart + np.diag(np.full(len(isolation), np.inf))
+    assert (apart >= np.array(isolation)[:, None]).all()
+
+
+@pytest.mark.parametrize("factor", [0.4, 1.5])
+def test_exact_pairs_along_a_flex(saddle, factor):
+    """x + d and x - d have the same lengths just if d is an infinitesimal flex of x.
+
+    The mean x of two realizations has half of their difference for a flex d.  So have all x + s d and x - s d
+    the same lengths, which are others than those the pair came from.
+    """
+    first, second = (each.vertices for each in saddle.surfaces[:2])
+    x, d = (first + second) / 2, (first - second) / 2
+    t = saddle.about.triangulation
+    lengths = PolyhedralMetric.from_mesh(x, t.faces).lengths
+    rates = np.einsum("ij,ij->i", edge_rows(t, x, lengths), d[t.edges[:, 0]] - d[t.edges[:, 1]])
+    assert np.abs(rates).max() < 1e-13
+    one, other = embedding(x + factor * d, t.faces), x - factor * d
+    assert one.metric.lengths == pytest.approx(PolyhedralMetric.from_mesh(other, t.faces).lengths, abs=1e-14)
+    found = isoembed.realizations(one, surfaces=1)
+    assert contains(found, embedding(other, t.faces, lengths_of=one.vertices))
+
+
+def test_from_an_attempt_that_misses_the_lengths(saddle):
+    first, second = saddle.surfaces[:2]
+    between = 0.6 * first.vertices + 0.4 * aligned(second.vertices, first.vertices)
+    attempt = Embedding(first.metric, between, method="given", tolerance=1e-10)
+    assert attempt.residual > 1e-7
+    found = isoembed.realizations(attempt, surfaces=1)
+    assert contains(found, first)
+    assert contains(found, second)
+    assert found.distances.min() > 1e-4
+
+
+def test_motions_end_where_realizations_are(saddle):
+    """To the second surface leads a motion that is predicted, from each of two: not the softest."""
+    first, second = saddle.surfaces[:2]
+    normalized = first.metric.normalized
+    x, y = (each.vertices / first.metric.unit for each in (first, second))
+    about = LengthExpansion(LengthSystem(first.triangulation), x, normalized.lengths)
+    found = nearby_motions(about, softest_motions(about, 4), 0.1 * normalized.mean_length)
+    assert (np.diff(found.reach) >= 0).all()
+    misses = [distance(x + motion, y) for motion in found.motions]
+    assert min(misses) < 0.1 * distance(x, y)
+
+
+@pytest.mark.parametrize("mesh", [zoo.tetrahedron(), zoo.icosahedron(), zoo.random_hull(30, 0)])
+def test_alone(mesh):
+    found = isoembed.realizations(embedding(*mesh), distance=0.05)
+    assert len(found.surfaces) == 1
+    assert found.searched.all()
+    assert found.message.startswith("1 realization of these lengths found within 0.05 mean edge lengths")
+
+
+def test_a_surface_that_flexes_is_not_searched_from():
+    vertices, faces = zoo.icosphere(1)
+    found = isoembed.realizations(embedding(vertices * [1, 1, 0], faces, lengths_of=vertices))
+    assert found.surfaces == ()
+    assert found.unsolved == 1
+    assert found.message.startswith("no realization of these lengths was found within 0.12 mean edge lengths")
+    assert "1 times a surface that flexes" in found.message
+
+
+def test_the_unit_does_not_matter():
+    x, faces = capped(*zoo.icosahedron(), [0, 7], [HEIGHT, HEIGHT])
+    small, large = (isoembed.realizations(embedding(scale * x, faces)) for scale in (1e-150, 1e12))
+    assert len(small.surfaces) == 4
+    assert np.sort(small.distances) == pytest.approx(np.sort(large.distances), rel=1e-6, abs=1e-12)
+
+
+def test_the_report(saddle):
+    report = saddle.report
+    assert report["message"] == saddle.message
+    assert "about" in report["message"]
+    assert report["region"] == {"distance": 0.12, "motions": 5, "unsolved": 0}
+    assert np.array(report["apart"]) == pytest.approx(saddle.apart)
+    assert [each["searched"] for each in report["realizations"]] == saddle.searched.tolist()
+    assert all(each["certificate"]["certified"] for each in report["realizations"])
+
+
+@pytest.mark.parametrize(
+    ("options", "sentence"),
+    [
+        ({"distance": 0.0}, "the distance is 0.0, not a positive number of mean edge lengths"),
+        ({"distance": np.nan}, "the distance is nan, not a positive number"),
+        ({"motions": 9}, "the number of motions is 9, not an integer from 2 to 8"),
+        ({"motions": 2.0}, "the number of motions is 2.0, not an integer from 2 to 8"),
+        ({"surfaces": 0}, "the number of surfaces is 0, not an integer of at least 1"),
+    ],
+)
+def test_parameters_out_of_range(options, sentence):
+    with pytest.raises(InvalidParameter, match=sentence):
+        isoembed.realizations(embedding(*zoo.icosahedron()), **options)

@@ -1,0 +1,74 @@
+"""``isoembed realizations``: what is listed, what is written, and what is refused."""
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import zoo
+from isoembed import PolyhedralMetric
+from isoembed.io import read_surface, write_metric
+from strict_json import strict
+
+
+@pytest.fixture
+def files():
+    """A metric, m.npz, with two realizations, and one of them, s.npz: an icosahedron, an apex out or in."""
+    x, faces = zoo.icosahedron()
+    normal = x[faces[0]].mean(axis=0)
+    x = np.vstack([x, 1.02 * normal])
+    a, b, c = faces[0]
+    faces = np.vstack([faces[1:], [[a, b, 12], [b, c, 12], [c, a, 12]]])
+    metric = PolyhedralMetric.from_mesh(x, faces)
+    write_metric("m.npz", metric)
+    np.savez("s.npz", vertices=x, faces=faces)
+    return metric
+
+
+def test_the_realizations_are_listed_and_written(call, files):
+    status, out, err = call("realizations", "s.npz", "m.npz", "-o", "out")
+    assert (status, err) == (0, "")
+    head, first, second, message = out.splitlines()
+    assert head.split() == ["distance", "nearest", "roughness", "fine", "radius", "isolation"]
+    assert (first.split()[0], second.split()[0]) == ("1", "2")
+    assert message.startswith("2 realizations of these lengths found within 0.12 mean edge lengths of the")
+    surfaces = [read_surface(Path("out", f"realization-{i}.ply")) for i in (1, 2)]
+    for surface in surfaces:
+        assert surface.metric.lengths == pytest.approx(files.lengths, abs=1e-12)
+    assert sorted(surface.concave_edges.any() for surface in surfaces) == [False, True]
+    found = strict(call("realizations", "s.npz", "m.npz", "--json", "--surfaces", "1")[1])
+    assert found["region"] == {"distance": 0.12, "motions": 5, "unsolved": 0}
+    assert [each["searched"] for each in found["realizations"]].count(True) == 1
+    assert found["apart"][0][1] > found["realizations"][0]["certificate"]["isolation"]
+
+
+def test_none_is_found(call, files):
+    write_metric("other.npz", files.with_lengths(files.lengths * np.linspace(1, 1.3, len(files.lengths))))
+    status, out, _ = call("realizations", "s.npz", "other.npz", "--distance", "1e-3", "-o", "out")
+    assert status == 3
+    assert out.startswith("no realization of these lengths was found within 0.001 mean edge lengths")
+    assert not Path("out").exists()
+
+
+@pytest.mark.parametrize(
+    ("arguments", "sentence"),
+    [
+        (["--motions", "9"], "the number of motions is 9, not an integer from 2 to 8"),
+        (["--distance", "-1"], "the distance is -1.0, not a positive number of mean edge lengths"),
+    ],
+)
+def test_numbers_out_of_range(call, files, arguments, sentence):
+    assert call("realizations", "s.npz", "m.npz", *arguments) == (2, "", f"isoembed: error: {sentence}\n")
+
+
+def test_files_that_do_not_go_together(call, files):
+    write_metric("small.npz", PolyhedralMetric.from_mesh(*zoo.icosahedron()))
+    status, _, err = call("realizations", "s.npz", "small.npz")
+    assert (status, err) == (2, "isoembed: error: s.npz has 13 vertices, small.npz has 12\n")
+
+
+def test_the_input_is_not_overwritten(call, files):
+    assert call("embed", "m.npz", "-o", "realization-1.ply")[0] == 0
+    status, _, err = call("realizations", "realization-1.ply", "m.npz", "-o", ".")
+    assert status == 2
+    assert "realization-1.ply would take the place of the input: take another folder" in err
