@@ -19,7 +19,7 @@ class NotebookThresholds:
     """Thresholds of what notebooks show."""
 
     page: int = threshold(
-        2000, "vertices", "Number up to which notebooks show pages; longer ones take long to prove."
+        5000, "vertices", "Number up to which notebooks show pages: the reports of others take seconds."
     )
     height: int = threshold(560, "pixels", "Height of a page in a notebook.")
 
@@ -34,7 +34,7 @@ def notebook_html(embedding: Embedding) -> str | None:
     -------
     str or None
         A frame with the page of `isoembed.plot.write_page`, which loads nothing from anywhere; of more than
-        2,000 vertices a picture.  None, so that the notebook shows the text, without matplotlib.
+        5,000 vertices a picture.  None, so that the notebook shows the text, without matplotlib.
     """
     if embedding.triangulation.n_vertices <= NOTEBOOK.page:
         page = escape(page_html(embedding, title="Surface"))
