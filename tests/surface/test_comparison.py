@@ -9,24 +9,15 @@ from isoembed.errors import InvalidParameter
 from isoembed.gallery import CassiniPeanut, Ellipsoid, triangulate
 from isoembed.surface.alignment import best_rotation
 from noisy import ARRAYS, SCALARS, surface
+from two_realizations import cap_outside_and_inside
 
 H = 0.5
-
-
-def capped(height):
-    """The corners of a regular tetrahedron, and a fifth vertex over its first face, or below it."""
-    x, faces = zoo.tetrahedron()
-    a, b, c = faces[0]
-    normal = np.cross(x[b] - x[a], x[c] - x[a])
-    apex = x[faces[0]].mean(axis=0) + height * normal / np.linalg.norm(normal)
-    return np.vstack([x, apex]), np.vstack([faces[1:], [[a, b, 4], [b, c, 4], [c, a, 4]]])
 
 
 @pytest.fixture(scope="module")
 def pair():
     """Two realizations of the same lengths: with the cap outside and inside."""
-    metric = isoembed.PolyhedralMetric.from_mesh(*capped(H))
-    return tuple(isoembed.Embedding(metric, capped(h)[0], method="given", tolerance=1e-10) for h in (H, -H))
+    return cap_outside_and_inside(H)
 
 
 def rotated(x, seed):
@@ -37,7 +28,7 @@ def rotated(x, seed):
 
 def test_cap_outside_and_inside(pair):
     found = pair[0].comparison(pair[1])
-    x, _ = capped(H)
+    x = pair[0].vertices
     base = np.linalg.norm(np.cross(x[1] - x[0], x[2] - x[0])) / 2
     assert (found.certified, found.same) == (True, False)
     assert abs(found.difference.volume + 2 * base * H / 3) <= found.error.volume < 1e-11

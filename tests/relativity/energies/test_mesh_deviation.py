@@ -13,6 +13,7 @@ from noisy import realized, surface
 NAMES = ("area", "integrated_mean_curvature", "irreducible_mass", "hawking", "brown_york", "liu_yau")
 
 
+@pytest.mark.slow
 def test_a_hundred_noises():
     found, s, k = surface(Ellipsoid((1.5, 1.2, 1.0)), 100), 1e-7, np.full(100, 1.4)
     sigma = mesh_deviation(found, s, k, lengths="chord")
