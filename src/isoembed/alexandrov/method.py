@@ -19,6 +19,7 @@ from isoembed.alexandrov.newton import Solution
 from isoembed.alexandrov.placement import realized, relaxed, relaxed_polytope
 from isoembed.alexandrov.polyhedron import ConvexPolyhedron, metric_on
 from isoembed.alexandrov.polytope import Polytope
+from isoembed.alexandrov.tetrahedron import Tetrahedron, tetrahedron
 from isoembed.arrays import Floats, Indices, Mask
 from isoembed.errors import InvalidMetric, InvalidParameter, NotEmbedded
 from isoembed.intrinsic.edge_paths import edge_paths
@@ -171,9 +172,8 @@ class _Search:
                 None if kept is None else Waypoint.of_arrays(kept),
             )
             found = _polyhedron(tables, path, watch)
-        nearest = found.polytope if isinstance(found, Solution) else found
         with log.stage("placement") as recorder:
-            if isinstance(found, DoublyCovered):
+            if isinstance(found, DoublyCovered | Tetrahedron):
                 tables, vertices = found.tables, found.vertices
             elif isinstance(found, Solution):
                 tables, vertices = found.polytope.tables, _placed(found, recorder)
@@ -253,12 +253,16 @@ class _Watch:
 
 def _polyhedron(
     core: HalfEdges, path: Iterator[Polytope | Solution], watch: _Watch
-) -> Solution | DoublyCovered | Polytope | None:
+) -> Solution | DoublyCovered | Tetrahedron | Polytope | None:
     """Solve, watching for a body that turns flat; failing that, the polytope with the least curvatures."""
     if core.corners.size == 6:
         triangle = doubly_covered_triangle(core)
         if triangle is not None:
             return triangle
+    if core.corners.size == 12 and core.curvature == 0:
+        body = tetrahedron(core)
+        if body is not None:
+            return body
     for found in path:
         if isinstance(found, Solution):
             return found

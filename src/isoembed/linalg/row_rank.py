@@ -51,7 +51,7 @@ class RowRankThresholds:
     """Thresholds of the proof that a matrix has full row rank."""
 
     hopeless: float = threshold(1e-4, "lost to rounding", "Least eigenvalue that is not looked into.")
-    clear: float = threshold(3.0, "lost to rounding", "Of nu.")
+    clear: tuple[float, ...] = threshold((3.0, 2.7, 3.5, 4.0), "lost to rounding", "Of nu, in turn.")
     lifted: float = threshold(1.5, "nu", "Eigenvalues whose vectors are in V.")
     lift: float = threshold(100.0, "nu", "Of tau.")
     counts: tuple[int, ...] = threshold((16, 32, 64, 128), "count", "Of vectors that are asked for, in turn.")
@@ -93,7 +93,7 @@ def prove_row_rank(J: sp.csr_array, order: Indices) -> tuple[PositiveDefinite, f
     if not lost < shift:
         if estimate < ROW_RANK.hopeless * lost:
             raise hidden(estimate, lost)
-        least = _Deflated.of(J, A, lu, ROW_RANK.clear * lost).least_eigenvalue()
+        least = _Deflated.of(J, A, lu, lost).least_eigenvalue()
         if not least > 0:
             raise hidden(estimate, lost)
     return PositiveDefinite(least, lu, order), float(np.sqrt(least)) / GUARD
@@ -116,18 +116,14 @@ class _Deflated:
     across: float
 
     @classmethod
-    def of(cls, J: sp.csr_array, A: sp.csc_array, lu: SuperLU, nu: float) -> _Deflated:
-        V, eigenvalues = _soft(A, lu, ROW_RANK.lifted * nu)
-        n, m = V.shape
-        s, diagonal = 2.0 ** np.round(np.log2(nu) / 2), 1 / ROW_RANK.lift
-        W = s * V  # without rounding
-        shifted = sp.csc_array(A - nu * sp.eye_array(n, format="csc"))
-        K = sp.block_array([[shifted, W], [W.T, -diagonal * sp.eye_array(m)]], format="csc")
-        factors = Pivots.of(symmetric_lu(K))
+    def of(cls, J: sp.csr_array, A: sp.csc_array, lu: SuperLU, lost: float) -> _Deflated:
+        V, eigenvalues = _soft(A, lu, ROW_RANK.lifted * max(ROW_RANK.clear) * lost)
         across = -np.inf
-        if factors.negative <= m:
-            across = nu - _interior_error(factors, n, diagonal) - U * float(np.abs(shifted.diagonal()).max())
-        return cls(J, V, eigenvalues, across - _forming(J))
+        for clear in ROW_RANK.clear:  # nu near an eigenvalue of a part of A makes large factors
+            across = max(across, _across(A, V, clear * lost) - _forming(J))
+            if across > 2 * eigenvalues.min():
+                break
+        return cls(J, V, eigenvalues, across)
 
     def least_eigenvalue(self) -> float:
         """Lower bound on the eigenvalues of J J^T; 0 if there is none."""
@@ -151,6 +147,19 @@ class _Deflated:
             if float(np.linalg.eigvalsh((M + M.T) / 2)[0]) > GUARD * error:
                 return t / GUARD
         return 0.0
+
+
+def _across(A: sp.csc_array, V: Floats, nu: float) -> float:
+    """Lower bound, nu - e, on A across the columns of V; minus infinity if there is none."""
+    n, m = V.shape
+    s, diagonal = 2.0 ** np.round(np.log2(nu) / 2), 1 / ROW_RANK.lift
+    W = s * V  # without rounding
+    shifted = sp.csc_array(A - nu * sp.eye_array(n, format="csc"))
+    K = sp.block_array([[shifted, W], [W.T, -diagonal * sp.eye_array(m)]], format="csc")
+    factors = Pivots.of(symmetric_lu(K))
+    if factors.negative > m:
+        return -np.inf
+    return nu - _interior_error(factors, n, diagonal) - U * float(np.abs(shifted.diagonal()).max())
 
 
 def _soft(A: sp.csc_array, lu: SuperLU, most: float) -> tuple[Floats, Floats]:
