@@ -117,10 +117,11 @@ class _Deflated:
 
     @classmethod
     def of(cls, J: sp.csr_array, A: sp.csc_array, lu: SuperLU, lost: float) -> _Deflated:
-        V, eigenvalues = _soft(A, lu, ROW_RANK.lifted * max(ROW_RANK.clear) * lost)
-        across = -np.inf
-        for clear in ROW_RANK.clear:  # nu near an eigenvalue of a part of A makes large factors
-            across = max(across, _across(A, V, clear * lost) - _forming(J))
+        every, values = _soft(A, lu, ROW_RANK.lifted * max(ROW_RANK.clear) * lost)
+        for clear in ROW_RANK.clear:  # a shift near an eigenvalue of a part of A makes large factors
+            soft = values <= ROW_RANK.lifted * clear * lost
+            V, eigenvalues = every[:, soft], values[soft]
+            across = _across(A, V, clear * lost) - _forming(J)
             if across > 2 * eigenvalues.min():
                 break
         return cls(J, V, eigenvalues, across)
