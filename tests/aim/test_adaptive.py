@@ -190,6 +190,7 @@ def test_another_realization_is_reported():
             "distance": surface.distance(other),
             "roughness": other.roughness,
             "fine_roughness": other.fine_roughness,
+            "mirrored": 0,
         }
     ]
 

@@ -4,7 +4,7 @@ from functools import cache
 
 import numpy as np
 
-from isoembed.gallery import Drum, Ellipsoid, triangulate
+from isoembed.gallery import Drum, Ellipsoid, Sphere, triangulate
 from isoembed.progress.stages import Log, StageRecorder
 
 
@@ -18,6 +18,13 @@ def ellipsoid(n=200):
 def drum(n=400):
     """The paper's: (vertices, faces)."""
     return triangulate(Drum(), n)
+
+
+@cache
+def dimpled(n, centers=((0.0, 0.0, 1.0),), depth=0.4, width=0.4):
+    """The unit sphere less ``depth exp((u . c - 1) / width^2)`` for each center c: (vertices, faces)."""
+    u, faces = triangulate(Sphere(), n)
+    return u * (1 - depth * np.exp((u @ np.array(centers).T - 1) / width**2).sum(axis=1))[:, None], faces
 
 
 def recorder():

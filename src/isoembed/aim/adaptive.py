@@ -271,6 +271,8 @@ class _Search:
 
     def continue_regularized(self) -> None:
         """Go from the start to the lengths step by step, then to smoother realizations nearby."""
+        if self.mirror_patches():
+            return
         guided = self.kept.get("guided")
         if guided is None:
             with self.log.stage("guided pull back") as recorder:
@@ -280,26 +282,36 @@ class _Search:
             vertices = anneal(self.system, guided, self.metric.lengths, recorder).vertices
             recorder.show(vertices=vertices)
         self.surfaces.append(self.surface(vertices))
-        if self.surfaces[-1].residual < ADAPTIVE.nearly:
+        self.search_nearby(self.surfaces[-1])
+
+    def search_nearby(self, surface: Embedding) -> None:
+        """Go to smoother realizations near one."""
+        if surface.residual < ADAPTIVE.nearly:
             with self.log.stage("neighbors") as recorder:
                 met = nearby_realizations(
                     self.system,
-                    vertices,
+                    surface.vertices,
                     self.metric.lengths,
                     recorder,
                     residual_tolerance=LENGTHS_NEWTON.exact,
                 )
             self.surfaces += [self.surface(vertices) for vertices in met]
-        self.mirror_patches(guided)
 
-    def mirror_patches(self, guided: Floats) -> None:
-        """Try which bumps of the end of the guided path are dents, and which dents bumps."""
-        patches = dents(self.metric)
+    def mirror_patches(self) -> bool:
+        """Make the dents of the metric, each pushed in or out; return whether a realization is found."""
+        patches = [] if self.kept.keys() - {"start"} else dents(self.metric)
         if not patches:
-            return
+            return False
         with self.log.stage("mirrored patches") as recorder:
-            choices = mirrored_realizations(self.metric, self.system, self.energy, guided, patches, recorder)
-            self.surfaces += [self.surface(vertices) for vertices in choices]
+            choices = mirrored_realizations(
+                self.metric, self.system, self.energy, self.start, patches, recorder
+            )
+            found = [self.surface(vertices) for vertices in choices]
+        self.surfaces += found
+        realized = [surface for surface in found if self.is_exact(surface)]
+        if realized:
+            self.search_nearby(min(realized, key=lambda surface: surface.fine_roughness))
+        return bool(realized)
 
     def turn_patches(self, effort: float) -> None:
         """Search for what the pull-back left on the wrong side, for so many times its factorizations."""

@@ -1,13 +1,15 @@
-"""Mirrored patches: realizations in which dents are bumps, and bumps dents.
+"""Mirrored patches: realizations of metrics with dents, each pushed in or out.
 
 A path of smooth surfaces from a convex one comes to a dent by way of a flat spot, and may leave it on the
-wrong side.  Where the metric has a dent (`isoembed.metric.dents`), what the path has made of it is reflected:
-each vertex of the patch in the harmonic surface that its rim spans, a plane if the rim is plane.  From there
-a few steps of the regularized continuation lead to the lengths, if they lead to any surface at all.
+wrong side.  Where a metric has dents (`isoembed.metric.dents`), they are made at once: the vertices of a
+patch of the convex surface are reflected in the harmonic surface that its rim spans, a plane if the rim is
+plane.  From there a few steps of the regularized continuation lead to the lengths, if they lead to any
+surface at all.
 
-Of k patches there are 2^k choices.  A choice is judged by its energy after two steps; the best is found by
-descent, patch by patch, and brought to the lengths.  From a realization its neighbors are tried, which differ
-in one patch, and from those that are realizations theirs.
+Of k patches there are 2^k choices.  First all are reflected.  Where that leads nowhere, choices are judged by
+their energies after the first steps, and a descent, patch by patch, tells which to bring to the lengths.
+From a realization its neighbors are tried, which differ in one patch, and from those that are realizations
+theirs.
 """
 
 from __future__ import annotations
@@ -19,7 +21,7 @@ import numpy as np
 from scipy.sparse import csc_array, csr_array
 
 from isoembed.aim.anneal import anneal
-from isoembed.aim.regularized_continuation import CONTINUATION, let_go
+from isoembed.aim.regularized_continuation import let_go
 from isoembed.aim.regularized_energy import RegularizedEnergy
 from isoembed.arrays import Floats, Indices, Mask
 from isoembed.linalg import Factor, factor_general
@@ -28,7 +30,7 @@ from isoembed.metric.laplacian import cotangent_laplacian
 from isoembed.metric.polyhedral import PolyhedralMetric
 from isoembed.progress.stages import StageRecorder
 from isoembed.surface.measures import vertex_normals
-from isoembed.surface.rigidity import LengthSystem, length_residuals
+from isoembed.surface.rigidity import LengthSystem
 from isoembed.thresholds import threshold
 
 
@@ -38,10 +40,12 @@ class MirrorThresholds:
 
     smallest_cotangent: float = threshold(0.01, "relative", "Smaller weights could fold a harmonic surface.")
     weights: tuple[float, ...] = threshold(
-        (0.1, 0.01), "mean edge lengths^2", "mu of the steps after a reflection, in turn."
+        (0.1, 0.01, 0.01), "mean edge lengths^2", "mu of the steps after a reflection, in turn."
     )
+    fade: float = threshold(0.3, "relative", "Factor of mu from step to step, after that.")
     exact: float = threshold(1e-10, "mean edge lengths", "Largest residual of a realization.")
     patches: int = threshold(8, "count", "Patches at most: those with the most curvature on their caps.")
+    begun: int = threshold(16, "count", "Choices that are judged by their energy, at most.")
     finished: int = threshold(8, "count", "Choices that are brought to the lengths, at most.")
     failures: int = threshold(2, "count", "Neighbors of realizations that are none; then no more are tried.")
 
@@ -50,8 +54,6 @@ MIRROR = MirrorThresholds()
 
 Choice = frozenset[int]
 """The patches that are reflected."""
-
-NONE = Choice()
 
 
 @dataclass(frozen=True, eq=False)
@@ -94,7 +96,7 @@ def mirrored_realizations(
     metric: PolyhedralMetric,
     system: LengthSystem,
     energy: RegularizedEnergy,
-    surface: Floats,
+    start: Floats,
     patches: Sequence[Mask],
     recorder: StageRecorder,
 ) -> Iterator[Floats]:
@@ -107,9 +109,9 @@ def mirrored_realizations(
     system : LengthSystem
         Of its triangulation.
     energy : RegularizedEnergy
-        Of the metric, about a surface nearby.
-    surface : ndarray, shape (V, 3)
-        Has these lengths, or nearly; it is not brought to the lengths again.
+        Of the metric, about the start.
+    start : ndarray, shape (V, 3)
+        A convex surface nearby.
     patches : sequence of ndarray of bool, shape (V,)
         Disjoint, such as `isoembed.metric.dents.dents`.
     recorder : StageRecorder
@@ -120,107 +122,100 @@ def mirrored_realizations(
     ndarray, shape (V, 3)
         What comes of one choice after the other, the most promising first: of as many as are taken.
     """
-    search = _Search(metric, system, energy, patches[: MIRROR.patches], recorder)
-    realized = [(NONE, surface)] if search.is_realized(surface) else []
-    for begun in search.promising(search.begun(NONE, surface)):
-        found = search.finished(begun)
+    search = _Search(metric, system, energy, start, patches[: MIRROR.patches], recorder)
+    realized = []
+    for choice in search.promising():
+        found = search.finished(choice)
         yield found
         if search.is_realized(found):
-            realized.append((begun.choice, found))
+            realized.append(choice)
             break
     failures = 0
-    for choice, found in realized:  # it grows
+    for choice in realized:  # it grows
         for other in search.flips(choice):
-            if failures == MIRROR.failures or len(search.finished_choices) == MIRROR.finished:
+            if failures == MIRROR.failures or len(search.done) == MIRROR.finished:
                 return
-            if other in search.finished_choices:
+            if other in search.done:
                 continue
-            neighbor = search.finished(search.begun(other, found, choice))
-            yield neighbor
-            if search.is_realized(neighbor):
-                realized.append((other, neighbor))
+            found = search.finished(other)
+            yield found
+            if search.is_realized(found):
+                realized.append(other)
             else:
                 failures += 1
 
 
-@dataclass(frozen=True, eq=False)
-class _Begun:
-    """A choice after the first steps."""
-
-    choice: Choice
-    surface: Floats
-    energy: float
-
-
-def _by_energy(begun: _Begun) -> float:
-    return begun.energy
-
-
 class _Search:
-    """The search among the choices of one metric."""
+    """The search among the choices of one metric.
+
+    Attributes
+    ----------
+    done : set of Choice
+        Those that were brought to the lengths.
+    """
 
     def __init__(
         self,
         metric: PolyhedralMetric,
         system: LengthSystem,
         energy: RegularizedEnergy,
+        start: Floats,
         patches: Sequence[Mask],
         recorder: StageRecorder,
     ) -> None:
         self.metric, self.system, self.energy, self.recorder = metric, system, energy, recorder
+        self.start = start
         laplacian = cotangent_laplacian(GluedMetric.of(metric), least=MIRROR.smallest_cotangent)
         self.patches = [HarmonicPatch.of(csr_array(laplacian), patch) for patch in patches]
-        self.finished_choices = {NONE}
+        self.done: set[Choice] = set()
+        self._begun: dict[Choice, tuple[Floats, float]] = {}
 
     def is_realized(self, surface: Floats) -> bool:
         """Whether a surface has the lengths."""
-        r = length_residuals(self.metric.triangulation, surface, self.metric.lengths, self.metric.space)
+        r = self.energy.residuals(surface, self.metric.lengths)
         return bool(np.abs(r).max() <= MIRROR.exact * self.energy.unit)
 
-    def flips(self, choice: Choice) -> Iterator[Choice]:
+    def flips(self, choice: Choice) -> list[Choice]:
         """The choices that differ in one patch."""
-        return (choice ^ {k} for k in range(len(self.patches)))
+        return [choice ^ {k} for k in range(len(self.patches))]
 
-    def begun(self, choice: Choice, surface: Floats, reflected: Choice = NONE) -> _Begun:
-        """The first steps of a choice from a surface where others are reflected."""
-        lengths, unit = self.metric.lengths, self.energy.unit
-        for k in choice ^ reflected:
-            surface = self.patches[k].reflected(self.metric.faces, surface)
-        for mu in MIRROR.weights:
-            surface = self.energy.relaxed(surface, lengths, mu * unit**2, 0.0, self.recorder)
-        r, pull = self.energy.residuals(surface, lengths), self.energy.roughness(surface, 0.0)
-        value = float(r @ r + MIRROR.weights[-1] * unit**2 * np.sum(surface * pull))
-        return _Begun(choice, surface, value)
+    def begun(self, choice: Choice) -> tuple[Floats, float]:
+        """The surface of a choice after the first steps, and its energy."""
+        if choice not in self._begun:
+            lengths, x = self.metric.lengths, self.start
+            for k in choice:
+                x = self.patches[k].reflected(self.metric.faces, x)
+            for weight in MIRROR.weights:
+                mu = weight * self.energy.unit**2
+                x = self.energy.relaxed(x, lengths, mu, 0.0, self.recorder)
+            r = self.energy.residuals(x, lengths)
+            self._begun[choice] = x, float(r @ r + mu * np.sum(x * self.energy.roughness(x, 0.0)))
+        return self._begun[choice]
 
-    def promising(self, given: _Begun) -> Iterator[_Begun]:
-        """Choices with less energy than the given one: of all patches, and where a descent ends."""
-        every = self.begun(Choice(range(len(self.patches))), given.surface)
-        begun = {given.choice: given, every.choice: every}
-        best = min(given, every, key=_by_energy)
-        if best is every:
-            yield every
-        while True:
-            for choice in self.flips(best.choice):
-                if choice not in begun:
-                    begun[choice] = self.begun(choice, given.surface)
-            lower = [
-                flip for flip in map(begun.__getitem__, self.flips(best.choice)) if flip.energy < best.energy
-            ]
+    def value(self, choice: Choice) -> float:
+        """The energy of a choice after the first steps."""
+        return self.begun(choice)[1]
+
+    def promising(self) -> Iterator[Choice]:
+        """The choice of all patches, and the one where a descent ends."""
+        every, none = Choice(range(len(self.patches))), Choice()
+        yield every
+        best = min(every, none, key=self.value)
+        while len(self._begun) < MIRROR.begun:
+            lower = [flip for flip in self.flips(best) if self.value(flip) < self.value(best)]
             if not lower:
                 break
-            together = best.choice ^ NONE.union(*(flip.choice ^ best.choice for flip in lower))
-            if together not in begun:
-                begun[together] = self.begun(together, given.surface)
-            best = min(*lower, begun[together], key=_by_energy)
-        if best.choice not in self.finished_choices:
+            together = best ^ Choice().union(*(flip ^ best for flip in lower))
+            best = min([*lower, together], key=self.value)
+        if best not in self.done:
             yield best
 
-    def finished(self, begun: _Begun) -> Floats:
+    def finished(self, choice: Choice) -> Floats:
         """Where a choice ends when mu vanishes, by Newton's method in the end."""
-        self.finished_choices.add(begun.choice)
-        mu = MIRROR.weights[-1] * CONTINUATION.fade * self.energy.unit**2
-        finer = self.energy.finer(begun.surface)
-        near, _ = let_go(finer, begun.surface, self.metric.lengths, mu, self.recorder)
+        self.done.add(choice)
+        x, _ = self.begun(choice)
+        mu = MIRROR.weights[-1] * MIRROR.fade * self.energy.unit**2
+        near, _ = let_go(self.energy.finer(x), x, self.metric.lengths, mu, self.recorder, fade=MIRROR.fade)
         found = anneal(self.system, near, self.metric.lengths, self.recorder).vertices
         self.recorder.show(vertices=found)
         return found

@@ -138,7 +138,12 @@ def guided(
 
 
 def let_go(
-    energy: RegularizedEnergy, x: Floats, lengths: Floats, mu: float, recorder: StageRecorder
+    energy: RegularizedEnergy,
+    x: Floats,
+    lengths: Floats,
+    mu: float,
+    recorder: StageRecorder,
+    fade: float = CONTINUATION.fade,
 ) -> tuple[Floats, float]:
     """Let mu vanish.
 
@@ -150,6 +155,8 @@ def let_go(
     mu : float
         Of the first step.
     recorder : StageRecorder
+    fade : float
+        Factor of mu from step to step.
 
     Returns
     -------
@@ -166,5 +173,5 @@ def let_go(
         if residual <= close or slow == 2:
             break
         before = residual
-        mu *= CONTINUATION.fade
+        mu *= fade
     return x, residual

@@ -12,7 +12,7 @@ from numpy.typing import ArrayLike
 from isoembed.arrays import Floats, Indices, Mask
 from isoembed.linalg import SingularMatrix
 from isoembed.mesh.triangulation import Triangulation, frozen
-from isoembed.metric.curvature import negative_deficits
+from isoembed.metric.curvature import deficits, negative_deficits
 from isoembed.metric.glued import GluedMetric
 from isoembed.metric.polyhedral import PolyhedralMetric
 from isoembed.progress.stages import Stage
@@ -24,6 +24,7 @@ from isoembed.surface.certificate import NOT_ASKED, Certificate, certify
 from isoembed.surface.comparison import Comparison, compare
 from isoembed.surface.deviation import checked_errors
 from isoembed.surface.intersection import self_intersections
+from isoembed.surface.mirrored import mirrored_caps
 from isoembed.surface.nearby_realization import CERTIFICATE
 from isoembed.surface.rigidity import LengthSystem
 from isoembed.surface.rigidity_matrix import RIGIDITY
@@ -118,12 +119,21 @@ class Embedding(Sensitivity, Views):
                 f"; these lengths have another realization too, {self.distance(other):.1g} mean edge lengths "
                 f"from this one and {'not convex' if dented else 'rougher'}"
             )
+            mirrored = self._mirrored(other)
+            if mirrored:
+                these = "one dent of one is a bump" if mirrored == 1 else f"{mirrored} dents of one are bumps"
+                sentence += f", a mirror choice: {these} of the other"
         return sentence
 
     def distance(self, other: "Embedding") -> float:
         """How far the vertices are from another realization's, rigid motions aside, in mean edge lengths."""
         apart = alignment.distance(self._normalized, other.vertices / self.metric.unit, self._space)
         return apart / self.metric.normalized.mean_length
+
+    def _mirrored(self, other: "Embedding") -> int:
+        """How many dents of the one are bumps of the other."""
+        curved = deficits(self.metric.normalized)
+        return len(mirrored_caps(self.triangulation, curved, self.mean_curvature, other.mean_curvature))
 
     def with_message(self, message: str) -> Self:
         """Return the same embedding with another message."""
@@ -450,6 +460,7 @@ class Embedding(Sensitivity, Views):
                     "distance": self.distance(other),
                     "roughness": other.roughness,
                     "fine_roughness": other.fine_roughness,
+                    "mirrored": self._mirrored(other),
                 }
                 for other in self.others
             ],

@@ -1,0 +1,46 @@
+"""Patches in which two surfaces with the same lengths are mirror images: bumps of one, dents of the other."""
+
+from dataclasses import dataclass
+
+import numpy as np
+from scipy.sparse.csgraph import connected_components
+
+from isoembed.arrays import Floats, Indices
+from isoembed.mesh.triangulation import Triangulation
+from isoembed.thresholds import threshold
+
+
+@dataclass(frozen=True)
+class MirroredThresholds:
+    """Thresholds of the comparison of two surfaces with the same lengths."""
+
+    fewest: int = threshold(
+        3, "vertices", "Fewer that bend the other way are inverted vertices, not a patch."
+    )
+
+
+MIRRORED = MirroredThresholds()
+
+
+def mirrored_caps(
+    triangulation: Triangulation, deficits: Floats, first: Floats, second: Floats
+) -> list[Indices]:
+    """Connected vertices with K > 0 at which two surfaces with the same lengths bend to opposite sides.
+
+    Parameters
+    ----------
+    triangulation : Triangulation
+    deficits : ndarray, shape (V,)
+        Where they are positive, both principal curvatures have the sign of the mean curvature.
+    first, second : ndarray, shape (V,)
+        Mean curvatures of the two surfaces.
+
+    Returns
+    -------
+    list of ndarray of int
+        The vertices of each cap: the middle of a bump or a dent, inside of the ring with K < 0.
+    """
+    opposite = np.flatnonzero((deficits > 0) & (np.sign(first) * np.sign(second) < 0))
+    count, labels = connected_components(triangulation.adjacency[opposite][:, opposite], directed=False)
+    caps = [opposite[labels == label] for label in range(count)]
+    return [cap for cap in caps if len(cap) >= MIRRORED.fewest]
