@@ -23,15 +23,16 @@ from dataclasses import dataclass
 
 import numpy as np
 import scipy.sparse as sp
-from scipy.sparse.linalg import SuperLU, splu
+from scipy.sparse.linalg import SuperLU
 
 from isoembed.arrays import Floats, Indices, Mask
 from isoembed.errors import InvalidParameter
 from isoembed.intrinsic.edge_paths import EdgePaths
 from isoembed.intrinsic.path_derivatives import path_derivatives
-from isoembed.linalg import SingularMatrix
+from isoembed.linalg.superlu import checked_lu
 from isoembed.metric.variation import deficit_derivative
 from isoembed.surface.polyhedron import Polyhedron
+from isoembed.surface.projected import Projected
 from isoembed.surface.rigidity import edge_rows
 from isoembed.thresholds import threshold
 
@@ -85,7 +86,7 @@ class GivenLengthDerivatives:
         InvalidParameter
             The polyhedron is not in R^3, or has another number of edges than were given.
         SingularMatrix
-            It is flat.
+            It is too thin for floats.
         """
         metric, t = body.metric.normalized, body.triangulation
         if not metric.space.is_euclidean:
@@ -108,20 +109,17 @@ class GivenLengthDerivatives:
         W = slopes[inside].T
         pins = _pins(x)
         M = sp.block_array([[J, W], [planes, None], [pins, None]], format="csc")
-        try:
-            return cls(
-                np.flatnonzero(flat),
-                inside,
-                splu(A),
-                splu(M),
-                slopes[flat],
-                planes,
-                faces,
-                broken,
-                _rigid(x),
-            )
-        except RuntimeError as error:
-            raise SingularMatrix("the polyhedron is flat, or too thin for floats") from error
+        return cls(
+            np.flatnonzero(flat),
+            inside,
+            checked_lu(A, "COLAMD"),
+            checked_lu(M, "COLAMD"),
+            slopes[flat],
+            planes,
+            faces,
+            broken,
+            Projected.of(metric.space, x).isometries(),
+        )
 
     def own_changes(self, changes: Floats) -> Floats:
         """Changes of the lengths of the polyhedron's edges, (E,), from those of the given ones, (E,)."""
@@ -245,12 +243,3 @@ def _pins(x: Floats) -> sp.csr_array:
     columns = (3 * np.array([a, b, c])[:, None] + np.arange(3)).ravel()
     place = np.repeat(np.arange(6), 9), np.tile(columns, 6)
     return sp.csr_array((rows.ravel(), place), shape=(6, x.size))
-
-
-def _rigid(x: Floats) -> Floats:
-    """Orthonormal rigid motions, (3V, 6)."""
-    y = x - x.mean(axis=0)
-    fields = [np.broadcast_to(axis, y.shape) for axis in np.eye(3)] + [
-        np.cross(axis, y) for axis in np.eye(3)
-    ]
-    return np.asarray(np.linalg.qr(np.stack([field.ravel() for field in fields], axis=1))[0])
