@@ -55,7 +55,7 @@ SIZES = (3226, 12800, 51200)
 OWN, TIGHT = (0.0, 0.0), (1e-12, 1e-12)  # of angles about radii, and by which edges may be concave
 TRIED = ((1e-8, 1e-3), (1e-8, 1e-8), OWN)  # on degenerate inputs: the best answer counts
 RIGHT = 1e-6
-LIMIT = 5  # seconds of the processor, of degenerate inputs
+LIMIT = 2  # seconds of the processor, of degenerate inputs
 STATES = ("found", "failed", "wrong", "ended")
 FAMILIES = (
     *("hulls", "flipped", "flat vertices", "polygons", "needles", "slabs", "caps", "near", "stacked"),

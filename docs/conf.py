@@ -17,7 +17,14 @@ author = "The isoembed contributors"
 release = version = isoembed.__version__
 html_title = "isoembed"
 
-extensions = ["myst_nb", "sphinx.ext.autodoc", "numpydoc", "sphinx_copybutton", "example_gallery"]
+extensions = [
+    "myst_nb",
+    "sphinx.ext.autodoc",
+    "numpydoc",
+    "sphinx_copybutton",
+    "example_gallery",
+    "accessible_html",
+]
 exclude_patterns = ["examples"]
 
 # The pages are written for GitHub as much as for the site: dollars are math, headings have GitHub's anchors.
