@@ -1,4 +1,4 @@
-"""Sphinx extension: what the theme leaves out of the pages for those who read with a keyboard or a screen reader."""
+"""Sphinx extension: what the theme leaves out of the pages for keyboards and screen readers."""
 
 import re
 from pathlib import Path
@@ -10,6 +10,7 @@ MENDED = (
     (re.compile(r'<aside class="sidebar-drawer">'), '<aside class="sidebar-drawer" aria-label="All pages">'),
     (re.compile(r'<aside class="toc-drawer">'), '<aside class="toc-drawer" aria-label="On this page">'),
     (re.compile(r"<pre>"), '<pre tabindex="0">'),  # long lines are scrolled
+    (re.compile(r'(<div class="math-wrapper[^>]*)>'), r'\1 tabindex="0">'),  # and so are formulas
     (re.compile(r"<th[^>]*>(?:<p></p>)?</th>"), "<td></td>"),  # tables whose columns need no names
 )
 """What stands in pages, and what is better."""
