@@ -91,8 +91,8 @@ class Aim(Method):
         Whether to return the smooth surface that comes nearest to the lengths, a `FittedSurface`, where none
         is found that has them.
     effort : float
-        What the search for a surface may cost after the pull-back has failed, in factorizations, over those
-        of the pull-back.
+        What the search may cost where the pull-back misses the lengths, over the cost of all that was done
+        before, in factorizations: results do not depend on the speed of the machine.
     """
 
     best_fit: bool = False
@@ -314,7 +314,7 @@ class _Search:
         return bool(realized)
 
     def turn_patches(self, effort: float) -> None:
-        """Search for what the pull-back left on the wrong side, for so many times its factorizations."""
+        """Turn over what is on the wrong side, for so many times the factorizations so far."""
         if not self.metric.space.is_euclidean:
             return
         nearest = min(self.surfaces, key=lambda surface: surface.residual)
@@ -323,7 +323,8 @@ class _Search:
             found = local_search(self.energy, nearest.vertices, self.metric.lengths, recorder, effort * spent)
             recorder.show(vertices=found)
             polished = anneal(self.system, found, self.metric.lengths, recorder).vertices
-            self.surfaces.append(self.surface(polished))
+        self.surfaces.append(self.surface(polished))
+        self.search_nearby(self.surfaces[-1])
 
     def guided(self, recorder: StageRecorder) -> Floats:
         """Where the guided path ends, near enough to the lengths for Newton's method."""

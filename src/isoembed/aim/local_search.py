@@ -17,8 +17,9 @@ import numpy as np
 from scipy.linalg import LinAlgError, cho_factor, cho_solve
 from scipy.sparse import csr_array, eye_array
 
+from isoembed.aim.regularized_continuation import let_go
 from isoembed.aim.regularized_energy import RegularizedEnergy
-from isoembed.arrays import Floats, Indices
+from isoembed.arrays import Floats, Indices, Mask
 from isoembed.progress.stages import StageRecorder
 from isoembed.thresholds import threshold
 
@@ -50,6 +51,11 @@ class LocalSearchThresholds:
     stiffer: float = threshold(5.0, "relative", "Factor of the damping after a step uphill.")
     softer: float = threshold(0.2, "relative", "Factor of the damping after a step downhill.")
     uphill: int = threshold(6, "count", "Steps uphill in turn that end the relaxation of a patch.")
+    coarse: int = threshold(150, "count", "Vertices of a surface at most that is searched for lengths alone.")
+    guided: float = threshold(0.5, "relative", "Share of its search that smoothness guides.")
+    dense: float = threshold(0.05, "relative", "Cost of a factorization of its patches, by their vertices.")
+    coarse_steps: int = threshold(25, "count", "Gauss-Newton steps after a vertex was mirrored at most.")
+    converged: float = threshold(1e-6, "relative", "Decrease of |r|^2 that is none.")
     close: float = threshold(1e-6, "mean edge lengths", "Newton's method does not get lost from here.")
 
 
@@ -75,14 +81,20 @@ def local_search(
     Returns
     -------
     ndarray, shape (V, 3)
-        Of the surfaces met the one that is nearest to the lengths.
+        Where it ended.
     """
     search = _LocalSearch(energy, lengths, recorder, most)
     x = vertices
+    if search.is_coarse:
+        search.most = LOCAL_SEARCH.guided * most
     for weight in LOCAL_SEARCH.weights:
         x = search.at(x, weight * energy.unit**2)
         if search.is_done(x):
             break
+    if search.is_coarse:
+        search.most = most
+        x = search.mirrored(x)
+    recorder.factorizations += round(search.local)
     return x
 
 
@@ -95,6 +107,8 @@ class _LocalSearch:
         self.energy, self.lengths, self.recorder = energy, lengths, recorder
         self.begun, self.most, self.local = recorder.factorizations, most, 0.0
         n = energy.triangulation.n_vertices
+        self.is_coarse = n <= LOCAL_SEARCH.coarse
+        self.cost = LOCAL_SEARCH.dense if self.is_coarse else 1.0
         near = csr_array(energy.triangulation.adjacency + eye_array(n))
         near.data[:] = 1.0
         self.disks = [csr_array(eye_array(n))]
@@ -122,6 +136,9 @@ class _LocalSearch:
         x = self.settled(x, mu)
         stale = np.ones(len(x), dtype=bool)
         while not self.is_done(x):
+            freed, _ = let_go(self.energy, x, self.lengths, mu, self.recorder)
+            if self.is_done(freed):
+                return freed
             turned = self.sweep(x, mu, stale)
             if turned is x:
                 break
@@ -150,7 +167,7 @@ class _LocalSearch:
                 break
         return x
 
-    def sweep(self, x: Floats, mu: float, stale: Floats) -> Floats:
+    def sweep(self, x: Floats, mu: float, stale: Mask) -> Floats:
         """Try disks of all sizes once, those with a vertex that is ``stale``; x itself if none is turned."""
         found, enough = x, LOCAL_SEARCH.gain * self.value(x, mu)
         for disks in self.disks:
@@ -165,9 +182,9 @@ class _LocalSearch:
     def chosen(self, x: Floats, disks: csr_array) -> Iterator[int]:
         """Centers of disks in which the lengths are missed most; none is in the disk of another."""
         squares = self.energy.residuals(x, self.lengths) ** 2
-        edges = self.energy.triangulation.edges
-        missed = disks @ np.bincount(edges.ravel(), np.repeat(squares / 2, 2), minlength=len(x))
+        missed = disks @ self.at_vertices(squares)
         free, count = missed > LOCAL_SEARCH.share * squares.sum(), 0
+        free &= np.diff(disks.indptr) <= len(x) / 2  # else it is the rest that would be turned
         for center in np.argsort(-missed, kind="stable").tolist():
             if not free[center]:
                 continue
@@ -182,9 +199,9 @@ class _LocalSearch:
         patch = _Patch.of(self, self.grown(disk, LOCAL_SEARCH.margin), mu)
         offset = patch.offset(x, disk)
         least = LOCAL_SEARCH.moved * self.reach(x)
-        for times in LOCAL_SEARCH.beyond:
+        for motion in (*(times * offset for times in LOCAL_SEARCH.beyond), self.reflection(x, disk)):
             trial = x.copy()
-            trial[disk] += times * offset
+            trial[disk] += motion
             if not np.isfinite(trial).all():
                 continue
             before = patch.value(x)
@@ -198,6 +215,49 @@ class _LocalSearch:
             if before - after > enough:
                 return found
         return x
+
+    def mirrored(self, x: Floats) -> Floats:
+        """The least errors of the lengths that are met by reflecting vertices, or pairs of neighbors.
+
+        For coarse surfaces, on which smoothness tells little.
+        """
+        whole = _Patch.of(self, np.arange(len(x)), 0.0)
+        rng, adjacency = np.random.default_rng(0), self.energy.triangulation.adjacency
+        x, value = whole.relaxed(x, LOCAL_SEARCH.coarse_steps, LOCAL_SEARCH.converged)
+        tried: set[int] = set()
+        while not self.is_done(x):
+            squares = self.energy.residuals(x, self.lengths) ** 2
+            missed = self.at_vertices(squares)
+            left = [v for v in np.argsort(-missed, kind="stable").tolist() if v not in tried]
+            if left:
+                tried.add(left[0])
+                flipped = [left[0]]
+            else:
+                first = int(rng.choice(len(x), p=missed / missed.sum()))
+                flipped = [first, int(rng.choice(adjacency[[first]].indices))]
+            trial = x
+            for v in flipped:
+                trial = trial.copy()
+                trial[v] += self.reflection(trial, np.array([v]))[0]
+            found, reached = whole.relaxed(trial, LOCAL_SEARCH.coarse_steps, LOCAL_SEARCH.converged)
+            if reached < (1 - LOCAL_SEARCH.converged) * value:
+                x, value = found, reached
+                tried.clear()
+        return x
+
+    def at_vertices(self, squares: Floats) -> Floats:
+        """Sums of a quantity of the edges, (E,), half of it at each end, (V,)."""
+        triangulation = self.energy.triangulation
+        return np.bincount(
+            triangulation.edges.ravel(), np.repeat(squares / 2, 2), minlength=triangulation.n_vertices
+        )
+
+    def reflection(self, x: Floats, disk: Indices) -> Floats:
+        """The motion that reflects a disk in the plane of its rim: lengths are kept if that is plane."""
+        rim = x[np.setdiff1d(self.near[disk].indices, disk)]
+        middle = rim.mean(axis=0)
+        normal = np.linalg.svd(rim - middle, full_matrices=False)[2][-1]
+        return -2 * np.outer((x[disk] - middle) @ normal, normal)
 
     def grown(self, patch: Indices, rings: int) -> Indices:
         """A patch with rings of neighbors."""
@@ -265,13 +325,18 @@ class _Patch:
         columns = self.columns[:, of]
         return -np.linalg.lstsq(columns, self.rows @ x, rcond=None)[0]
 
-    def relaxed(self, x: Floats) -> tuple[Floats, float]:
+    def relaxed(
+        self,
+        x: Floats,
+        steps: int = LOCAL_SEARCH.local_steps,
+        settled: float = 1 - LOCAL_SEARCH.settled,
+    ) -> tuple[Floats, float]:
         """The local minimum near x, and its part of the energy, by Levenberg-Marquardt."""
         n, damping = len(self.vertices), LOCAL_SEARCH.damping
         r, rough, directions = self._terms(x)
         value = float(r @ r + self.mu * np.sum(rough**2))
         held = np.kron(self.stiffness, np.eye(3))
-        for _ in range(LOCAL_SEARCH.local_steps):
+        for _ in range(steps):
             gradient = self.mu * (self.columns.T @ rough)
             blocks = np.zeros((n + 1, n + 1, 3, 3))
             pull = np.zeros((n + 1, 3))
@@ -284,7 +349,7 @@ class _Patch:
             matrix = blocks[:n, :n].transpose(0, 2, 1, 3).reshape(3 * n, 3 * n) + held
             gradient = (gradient + pull[:n]).ravel()
             for _ in range(LOCAL_SEARCH.uphill):
-                self.search.local += n / len(x)
+                self.search.local += self.search.cost * n / len(x)
                 matrix_damped = matrix.copy()
                 matrix_damped[np.diag_indices(3 * n)] += damping
                 try:
@@ -301,10 +366,10 @@ class _Patch:
                 damping *= LOCAL_SEARCH.stiffer
             else:
                 return x, value
-            settled = value - reached < (1 - LOCAL_SEARCH.settled) * value
+            enough = value - reached < settled * value
             x, r, rough, directions, value = trial, r_trial, rough_trial, directions_trial, reached
             damping *= LOCAL_SEARCH.softer
-            if settled:
+            if enough:
                 break
         return x, value
 

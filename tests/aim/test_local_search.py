@@ -1,0 +1,82 @@
+"""The local search: patches that stand on the wrong side are turned over, and coarse stars are found."""
+
+import numpy as np
+import pytest
+
+import isoembed
+import smooth_bodies
+import zoo
+from isoembed.aim.adaptive import Aim
+from isoembed.aim.local_search import local_search
+from isoembed.aim.regularized_energy import RegularizedEnergy
+from isoembed.errors import InvalidParameter, NotEmbedded
+from isoembed.gallery import HarmonicSurface, triangulate
+from isoembed.metric.polyhedral import PolyhedralMetric
+from isoembed.surface.measures import edge_lengths
+
+
+@pytest.fixture
+def saddle():
+    vertices, faces = triangulate(HarmonicSurface(2, 2, 0.3), 300)
+    metric = PolyhedralMetric.from_mesh(vertices, faces).normalized
+    return metric, vertices * (metric.mean_length / edge_lengths(metric.edges, vertices).mean())
+
+
+def disk(metric, center, rings):
+    inside = np.array([center])
+    for _ in range(rings):
+        inside = np.unique(np.concatenate([inside, metric.triangulation.adjacency[inside].indices]))
+    return inside
+
+
+def reflected(metric, vertices, inside):
+    """The disk reflected in the plane of its rim."""
+    rim = vertices[np.setdiff1d(metric.triangulation.adjacency[inside].indices, inside)]
+    normal = np.linalg.svd(rim - rim.mean(axis=0))[2][-1]
+    moved = vertices.copy()
+    moved[inside] -= 2 * np.outer((vertices[inside] - rim.mean(axis=0)) @ normal, normal)
+    return moved
+
+
+@pytest.mark.parametrize(("center", "rings"), [(0, 1), (150, 2)])
+def test_a_patch_on_the_wrong_side_is_turned_back(saddle, center, rings):
+    (metric, true), recorder = saddle, smooth_bodies.recorder()
+    wrong = reflected(metric, true, disk(metric, center, rings))
+    energy = RegularizedEnergy(metric, true)
+    found = local_search(energy, wrong, metric.lengths, recorder, 200.0)
+    assert np.abs(energy.residuals(wrong, metric.lengths)).max() > 1e-3
+    assert np.abs(energy.residuals(found, metric.lengths)).max() < 1e-6 * metric.mean_length
+    assert recorder.factorizations < 200
+
+
+def test_what_it_may_cost(saddle):
+    (metric, true), recorder = saddle, smooth_bodies.recorder()
+    wrong = reflected(metric, true, disk(metric, 150, 3))
+    local_search(RegularizedEnergy(metric, true), wrong, metric.lengths, recorder, 0.0)
+    assert recorder.factorizations <= 20  # it relaxes once, and tries no disk
+
+
+def star(seed, n, amount):
+    """Lengths of a star-shaped body, each vertex at a random distance."""
+    rng = np.random.default_rng(seed)
+    points = rng.normal(size=(n, 3))
+    vertices, faces = zoo.outward_hull(points / np.linalg.norm(points, axis=1)[:, None])
+    return PolyhedralMetric.from_mesh(vertices * np.exp(amount * rng.normal(size=(n, 1))), faces)
+
+
+def test_a_coarse_star_that_the_pull_back_does_not_find():
+    metric = star(0, 40, 0.1)
+    with pytest.raises(NotEmbedded) as caught:
+        isoembed.embed(metric, method=Aim(effort=0))
+    assert caught.value.embedding.residual > 1e-4
+    assert "local search" not in [stage.name for stage in caught.value.embedding.stages]
+    found = isoembed.embed(metric)
+    assert np.abs(edge_lengths(metric.edges, found.vertices) - metric.lengths).max() < 1e-12
+    again = isoembed.embed(metric)
+    assert (again.vertices == found.vertices).all()
+
+
+@pytest.mark.parametrize("effort", [-1.0, np.inf, np.nan])
+def test_no_effort(effort):
+    with pytest.raises(InvalidParameter, match="not a finite number of at least 0"):
+        Aim(effort=effort)
