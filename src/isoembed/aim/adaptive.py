@@ -29,7 +29,7 @@ from isoembed.aim.lengths_newton import LENGTHS_NEWTON, newton_on_lengths
 from isoembed.aim.levels import goes_by_levels, pulled_back_by_levels
 from isoembed.aim.local_search import local_search
 from isoembed.aim.mirrored_patches import mirrored_realizations
-from isoembed.aim.nearby_realizations import nearby_realizations
+from isoembed.aim.nearby_realizations import NEARBY, nearby_realizations
 from isoembed.aim.radii_newton import RADII_NEWTON, newton_on_radii, radii_start
 from isoembed.aim.regularized_continuation import log_linear, regularized_continuation
 from isoembed.aim.regularized_energy import RegularizedEnergy
@@ -63,6 +63,11 @@ class AdaptiveThresholds:
 
 
 ADAPTIVE = AdaptiveThresholds()
+
+SOUGHT = (
+    f"others were sought along the {NEARBY.motions} softest motions, within {NEARBY.near:g} mean edge lengths, "
+    "not all there are: isoembed realizations enumerates more"
+)
 
 # Seconds that stages take as a rule, 40,000 vertices, for the time left.
 AT_ONCE = {"nearest waypoint": 0.5, "polytopes": 1.0, "leap": 0.8}
@@ -153,6 +158,8 @@ class _Search:
         The vertices in the order of the `convexification`, in which what is near is near in memory.
     surfaces : list of Embedding
         What was found, in order.
+    sought : bool
+        Whether other realizations were sought near one.
     """
 
     start: Floats
@@ -165,6 +172,7 @@ class _Search:
         self.convexification = Convexification(GluedMetric.flipped(tables.in_order(self.numbers)))
         self.kept = _kept(log)
         self.surfaces: list[Embedding] = []
+        self.sought = False
 
     @cached_property
     def system(self) -> LengthSystem:
@@ -296,6 +304,7 @@ class _Search:
                     residual_tolerance=LENGTHS_NEWTON.exact,
                 )
             self.surfaces += [self.surface(vertices) for vertices in met]
+            self.sought = True
 
     def mirror_patches(self) -> bool:
         """Make the dents of the metric, each pushed in or out; return whether a realization is found."""
@@ -370,4 +379,5 @@ class _Search:
         if len(different) > 1:
             convex = self.convexification.is_convex
             different.sort(key=lambda s: (convex and s.concave_edges.any(), s.fine_roughness))
-        return different[0].with_others(different[1:])
+        found = different[0].with_others(different[1:])
+        return found.with_message(f"{found.message}; {SOUGHT}") if self.sought else found

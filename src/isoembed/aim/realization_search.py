@@ -2,9 +2,9 @@
 
 From one realization to the next: of each, the motions to where others are predicted one by one
 (`nearby_motions`), and all roots of the quadratic equations in several of these together
-(`nearby_realizations`), each polished by Newton's method.  What is found is searched from in turn, the
-smoothest first: where n vertices can be pushed in one by one there are 2^n realizations, and the surface that
-is meant is among the smooth ones.
+(`nearby_realizations`), each polished by Newton's method.  What is found is searched from in turn, breadth
+first and smoothest first: where n vertices can be pushed in one by one there are 2^n realizations, too many
+for all of them, and the surface that is meant is among the smooth ones.
 """
 
 from __future__ import annotations
@@ -90,30 +90,37 @@ class RealizationSearch:
     flexible: int = 0
     incomplete: int = 0
     _roughness: list[float] = field(default_factory=list)
+    _moves: list[int] = field(default_factory=list)
+    _attempts: dict[float, Floats] = field(default_factory=dict)  # by the residual
 
     def steps(self, surfaces: int) -> Iterator[None]:
-        """Search from the given vertices, then from so many realizations at most, the smoothest first.
+        """Search from the given vertices, then from so many realizations at most.
 
-        It stops after each, with `found` as it is then.
+        These are in turn the smoothest of all, and the smoothest of those that the fewest moves from
+        realization to realization lead to.  It stops after each, with `found` as it is then.  As long as
+        nothing is found it goes on from the attempts that miss the lengths by least.
         """
         self._polish(self.vertices)
         if not self.found:
             self._search_from(self.vertices)
             yield
-        for _ in range(surfaces):
-            left = np.where(self.searched, np.inf, self._roughness)
-            if not np.isfinite(left).any():
+        for step in range(surfaces):
+            left = [i for i, searched in enumerate(self.searched) if not searched]
+            if left:
+                i = min(left, key=lambda i: (self._moves[i] if step % 2 else 0, self._roughness[i]))
+                self.searched[i] = True
+                self._search_from(self.found[i], self._moves[i] + 1)
+            elif not self.found and self._attempts:
+                self._search_from(self._attempts.pop(min(self._attempts)))
+            else:
                 return
-            i = int(np.argmin(left))
-            self._search_from(self.found[i])
-            self.searched[i] = True
             yield
 
     @property
     def _unit(self) -> float:
         return float(self.lengths.mean())
 
-    def _search_from(self, vertices: Floats) -> None:
+    def _search_from(self, vertices: Floats, moves: int = 0) -> None:
         expansion = LengthExpansion(self.system, vertices, self.lengths)
         near = SEARCH.beyond * self.distance
         self.recorder.factorizations += 2
@@ -132,7 +139,7 @@ class RealizationSearch:
                 if all(np.abs(motion - other).max() > close for other in tried):
                     tried.append(motion)
                     if _is_plausible(expansion, motion):
-                        self._polish(vertices + motion)
+                        self._polish(vertices + motion, moves)
 
     def _groups(self, found: Motions, softest: Floats) -> list[Floats]:
         """The motions that are taken together: the nearest, then each of the others with those beside it.
@@ -149,15 +156,17 @@ class RealizationSearch:
         groups = [found.motions[:count], *(found.motions[each] for each in beside)]
         return [np.concatenate([soft, group]) for group in groups]
 
-    def _polish(self, vertices: Floats) -> None:
+    def _polish(self, vertices: Floats, moves: int = 0) -> None:
         """Add the realization that Newton's method leads to, if it is new and near enough."""
         start = self._residual(vertices)
         probed = self._annealed(vertices, SEARCH.probe)
         good = probed.residual <= max(SEARCH.promising * start, SEARCH.realized * self._unit)
-        if not good or self._is_known(probed.vertices, SEARCH.returns):
+        if good and self._is_known(probed.vertices, SEARCH.returns):
             return
-        found = self._annealed(probed.vertices, SEARCH.steps)
+        found = self._annealed(probed.vertices, SEARCH.steps) if good else probed
         if found.residual > SEARCH.realized * self._unit:
+            if not self.found and found.vertices is not vertices:
+                self._attempts[found.residual] = found.vertices
             return
         space, x = self.system.space, found.vertices
         if distance(x, self.vertices, space) > self.distance * self._unit:
@@ -165,6 +174,7 @@ class RealizationSearch:
         if not self._is_known(x, SEARCH.same):
             self.found.append(x)
             self.searched.append(False)
+            self._moves.append(moves)
             self._roughness.append(fine_roughness(self.system.triangulation, x))
 
     def _is_known(self, vertices: Floats, near: float) -> bool:

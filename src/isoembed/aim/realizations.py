@@ -72,7 +72,7 @@ class Realizations:
         else:
             said = (
                 f"{found} realization{'s' if found > 1 else ''} of these lengths found {region}, {searched} "
-                "of them searched from, the smoothest first"
+                "of them searched from, breadth first and smoothest first"
             )
         said += (
             f"; sought along the motions to where another is predicted, up to {self.motions} together, all "
@@ -122,8 +122,8 @@ def realizations(
     motions : int
         How many motions are taken together, from 2 to 8: their quadratic equations have 2^motions roots.
     surfaces : int
-        From how many realizations to search on, the smoothest first.  There are more of them than can be
-        found where many vertices can be pushed in.
+        From how many realizations to search on, in turn breadth first and smoothest first.  Where many
+        vertices can be pushed in there are more than can be found.
 
     Returns
     -------

@@ -40,7 +40,8 @@ def configure(parser: argparse.ArgumentParser) -> None:
         type=int,
         default=8,
         metavar="N",
-        help="from how many of those that are found to search on, the smoothest first (default %(default)s)",
+        help="from how many of those that are found to search on, in turn breadth first and smoothest first "
+        "(default %(default)s)",
     )
     add_output_option(
         parser, "for the surfaces: realization-1.ply, the smoothest, and so on", metavar="FOLDER"
