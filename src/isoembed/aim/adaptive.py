@@ -65,8 +65,8 @@ class AdaptiveThresholds:
 ADAPTIVE = AdaptiveThresholds()
 
 SOUGHT = (
-    f"others were sought along the {NEARBY.motions} softest motions, within {NEARBY.near:g} mean edge lengths, "
-    "not all there are: isoembed realizations enumerates more"
+    f"others were sought along the {NEARBY.motions} softest motions, within {NEARBY.near:g} mean edge "
+    "lengths, not all there are: isoembed realizations enumerates more"
 )
 
 # Seconds that stages take as a rule, 40,000 vertices, for the time left.
