@@ -5,7 +5,7 @@ import pytest
 
 import smooth_bodies
 import zoo
-from isoembed.gallery import CassiniPeanut, Ergosphere, HarmonicSurface, triangulate
+from isoembed.gallery import CassiniPeanut, Ergosphere, HarmonicSurface, Sphere, triangulate
 from isoembed.metric.curvature import deficits
 from isoembed.metric.dents import dents
 from isoembed.metric.polyhedral import PolyhedralMetric
@@ -68,3 +68,11 @@ def test_names_and_units_do_not_matter():
     second = {frozenset(order[np.flatnonzero(patch)]) for patch in dents(other)}
     assert len(first) == 2
     assert first == second
+
+
+def test_rough_bodies_have_no_dents():
+    u, faces = triangulate(Sphere(), 400)
+    rough = u * (1 + 0.05 * np.random.default_rng(0).standard_normal(len(u)))[:, None]
+    metric = PolyhedralMetric.from_mesh(rough, faces)
+    assert np.mean(deficits(metric) < 0) > 0.3
+    assert dents(metric) == []

@@ -26,6 +26,9 @@ class DentThresholds:
     total: tuple[float, float] = threshold(
         (-0.5, 0.2), "relative", "Total curvature of a ring with its caps, over that of the caps."
     )
+    area: float = threshold(
+        0.5, "relative", "Share of a larger region: K < 0 all over the surface, in no ring."
+    )
     plain: float = threshold(
         0.3, "relative", "Caps with less curvature, of the largest within a ring, are noise."
     )
@@ -67,7 +70,8 @@ def dents(metric: PolyhedralMetric) -> list[Mask]:
         caps = _components(adjacency, inside & ~negative)
         totals = np.array([curvature[cap].sum() for cap in caps])
         least, most = np.multiply(DENTS.total, totals.sum())
-        if not least <= curvature[region].sum() <= most:
+        is_small = area[region].sum() < DENTS.area * area.sum()
+        if not (is_small and least <= curvature[region].sum() <= most):
             continue
         plain = np.flatnonzero(totals > DENTS.plain * totals.max())
         patches = [inside] if len(plain) == 1 else _shared(metric, inside, [caps[k] for k in plain])
