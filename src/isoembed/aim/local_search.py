@@ -21,6 +21,7 @@ from isoembed.aim.regularized_continuation import let_go
 from isoembed.aim.regularized_energy import RegularizedEnergy
 from isoembed.arrays import Floats, Indices, Mask
 from isoembed.progress.stages import StageRecorder
+from isoembed.surface.local_fit import sums_at_ends
 from isoembed.thresholds import threshold
 
 
@@ -94,6 +95,8 @@ def local_search(
     if search.is_coarse:
         search.most = most
         x = search.mirrored(x)
+    elif search.largest_residual(x) > LOCAL_SEARCH.close:
+        x, _ = let_go(energy, x, lengths, weight * energy.unit**2, recorder)
     recorder.factorizations += round(search.local)
     return x
 
@@ -127,6 +130,12 @@ class _LocalSearch:
         """Largest error of the lengths, in mean edge lengths."""
         return float(np.abs(self.energy.residuals(x, self.lengths)).max()) / self.energy.unit
 
+    def show(self, x: Floats) -> None:
+        """Tell a listener of a surface, and of the share of the search that is done."""
+        spent = self.recorder.factorizations - self.begun + self.local
+        residual = float(np.abs(self.energy.residuals(x, self.lengths)).max())
+        self.recorder.show(vertices=x, residual=residual, done=min(spent / self.most, 1.0))
+
     def is_done(self, x: Floats) -> bool:
         """Whether there is no more to do, or may not be done."""
         return self.exhausted or self.largest_residual(x) <= LOCAL_SEARCH.close
@@ -145,7 +154,6 @@ class _LocalSearch:
             relaxed = self.settled(turned, mu)
             moved = np.linalg.norm(relaxed - x, axis=1) > LOCAL_SEARCH.moved * self.reach(x)
             stale, x = np.asarray(self.near @ moved > 0), relaxed
-            self.recorder.show(vertices=x, residual=self.largest_residual(x))
         return x
 
     def reach(self, x: Floats) -> float:
@@ -171,6 +179,7 @@ class _LocalSearch:
         """Try disks of all sizes once, those with a vertex that is ``stale``; x itself if none is turned."""
         found, enough = x, LOCAL_SEARCH.gain * self.value(x, mu)
         for disks in self.disks:
+            self.show(found)
             for center in self.chosen(found, disks):
                 disk = np.sort(disks[[center]].indices)
                 if stale[disk].any():
@@ -182,7 +191,7 @@ class _LocalSearch:
     def chosen(self, x: Floats, disks: csr_array) -> Iterator[int]:
         """Centers of disks in which the lengths are missed most; none is in the disk of another."""
         squares = self.energy.residuals(x, self.lengths) ** 2
-        missed = disks @ self.at_vertices(squares)
+        missed = disks @ sums_at_ends(self.energy.triangulation, squares / 2)
         free, count = missed > LOCAL_SEARCH.share * squares.sum(), 0
         free &= np.diff(disks.indptr) <= len(x) / 2  # else it is the rest that would be turned
         for center in np.argsort(-missed, kind="stable").tolist():
@@ -227,8 +236,9 @@ class _LocalSearch:
         tried: set[int] = set()
         while not self.is_done(x):
             squares = self.energy.residuals(x, self.lengths) ** 2
-            missed = self.at_vertices(squares)
+            missed = sums_at_ends(self.energy.triangulation, squares)
             left = [v for v in np.argsort(-missed, kind="stable").tolist() if v not in tried]
+            self.show(x)
             if left:
                 tried.add(left[0])
                 flipped = [left[0]]
@@ -244,13 +254,6 @@ class _LocalSearch:
                 x, value = found, reached
                 tried.clear()
         return x
-
-    def at_vertices(self, squares: Floats) -> Floats:
-        """Sums of a quantity of the edges, (E,), half of it at each end, (V,)."""
-        triangulation = self.energy.triangulation
-        return np.bincount(
-            triangulation.edges.ravel(), np.repeat(squares / 2, 2), minlength=triangulation.n_vertices
-        )
 
     def reflection(self, x: Floats, disk: Indices) -> Floats:
         """The motion that reflects a disk in the plane of its rim: lengths are kept if that is plane."""
