@@ -308,7 +308,9 @@ class _Search:
 
     def mirror_patches(self) -> bool:
         """Make the dents of the metric, each pushed in or out; return whether a realization is found."""
-        patches = [] if self.kept.keys() - {"start"} else dents(self.metric)
+        if self.kept.keys() - {"start"} or not self.metric.space.is_euclidean:
+            return False
+        patches = dents(self.metric)
         if not patches:
             return False
         with self.log.stage("mirrored patches") as recorder:

@@ -45,7 +45,7 @@ class MirrorThresholds:
     fade: float = threshold(0.3, "relative", "Factor of mu from step to step, after that.")
     exact: float = threshold(1e-10, "mean edge lengths", "Largest residual of a realization.")
     patches: int = threshold(8, "count", "Patches at most: those with the most curvature on their caps.")
-    begun: int = threshold(16, "count", "Choices that are judged by their energy, at most.")
+    begun: int = threshold(8, "count", "Choices that are judged by their energy, at most.")
     finished: int = threshold(8, "count", "Choices that are brought to the lengths, at most.")
     failures: int = threshold(2, "count", "Neighbors of realizations that are none; then no more are tried.")
 
