@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any, ClassVar
 
 import numpy as np
@@ -133,6 +133,8 @@ class Alexandrov(Method):
                 )
             search = _Search(metric, flat, repair if repair.vertices.size else None, tolerance, log)
             answer = search.answer()
+            if not answer.converged and (~flat).sum() == 4:
+                answer = replace(search, by_lengths=False).answer()
             if isinstance(answer, ConvexPolyhedron) and answer.converged:
                 break
         return answer
@@ -140,13 +142,17 @@ class Alexandrov(Method):
 
 @dataclass(frozen=True, eq=False)
 class _Search:
-    """The search for the polyhedron of a metric, some of whose vertices are taken for flat, shape (V,)."""
+    """The search for the polyhedron of a metric, some of whose vertices are taken for flat, shape (V,).
+
+    Bodies of four vertices are made from their lengths, unless that is not asked for.
+    """
 
     metric: PolyhedralMetric | GluedMetric
     flat: Mask
     repair: Repair | None
     tolerance: float
     log: Log
+    by_lengths: bool = True
 
     def answer(self) -> Embedding:
         """The polyhedron, or an attempt."""
@@ -171,7 +177,8 @@ class _Search:
                 lambda here: recorder.keep(**here.arrays(), **watch.arrays(here.polytope), **belongs),
                 None if kept is None else Waypoint.of_arrays(kept),
             )
-            found = _polyhedron(tables, path, watch)
+            body = tetrahedron(tables) if self.by_lengths and order.size == 4 else None
+            found = _polyhedron(tables, path, watch) if body is None else body
         with log.stage("placement") as recorder:
             if isinstance(found, DoublyCovered | Tetrahedron):
                 tables, vertices = found.tables, found.vertices
@@ -253,16 +260,12 @@ class _Watch:
 
 def _polyhedron(
     core: HalfEdges, path: Iterator[Polytope | Solution], watch: _Watch
-) -> Solution | DoublyCovered | Tetrahedron | Polytope | None:
+) -> Solution | DoublyCovered | Polytope | None:
     """Solve, watching for a body that turns flat; failing that, the polytope with the least curvatures."""
     if core.corners.size == 6:
         triangle = doubly_covered_triangle(core)
         if triangle is not None:
             return triangle
-    if core.corners.size == 12 and core.curvature == 0:
-        body = tetrahedron(core)
-        if body is not None:
-            return body
     for found in path:
         if isinstance(found, Solution):
             return found

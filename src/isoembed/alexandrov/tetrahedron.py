@@ -1,4 +1,4 @@
-"""Bodies of four vertices in R^3, which six lengths give at once, however thin they are.
+"""Bodies of four vertices in R^3, which six lengths give at once.
 
 Four cone points have many triangulations, of which one is the tetrahedron's.  It is looked for by flips from
 the Delaunay one: any that gives a tetrahedron gives a convex body, and there is only one.
@@ -23,7 +23,10 @@ class TetrahedronThresholds:
     """Thresholds of tetrahedra."""
 
     flips: int = threshold(3, "count", "From the Delaunay triangulation to that of the tetrahedron.")
-    flat: float = threshold(1e-7, "longest edges", "Height that rounding may hide.")
+    flat: float = threshold(1e-5, "longest edges", "Height of bodies that may be polygons but for rounding.")
+    thinnest: float = threshold(
+        1e-3, "longest sides", "Height of triangles on the way: thin ones lose digits."
+    )
     exact: float = threshold(1e-13, "mean edge lengths", "Error of a length.")
 
 
@@ -45,7 +48,9 @@ class Tetrahedron:
 
 
 def tetrahedron(core: HalfEdges) -> Tetrahedron | None:
-    """Find the body of a metric on four vertices in R^3; None if it is flat, or many flips away."""
+    """Find the body of a metric on four vertices; None if it is flat, many flips away, or not in R^3."""
+    if core.curvature != 0:
+        return None
     first = core.copy()
     make_delaunay(first, np.zeros(4))
     layer = [first]
@@ -63,7 +68,7 @@ def _flipped(tables: HalfEdges) -> list[HalfEdges]:
     found = []
     for h in tables.edges.tolist():
         after = tables.copy()
-        if flip(h, after, 0.0):
+        if flip(h, after, TETRAHEDRON.thinnest):
             found.append(after)
     return found
 
