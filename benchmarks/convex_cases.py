@@ -49,6 +49,16 @@ class Case:
     curvature: float = 0.0
 
 
+def twins_of(case):
+    """The half-edge on the other side of each, (3F,)."""
+    if case.twins is not None:
+        return case.twins
+    start, end = case.faces.ravel(), np.roll(case.faces, -1, axis=1).ravel()
+    twins = np.empty(start.size, dtype=np.int64)
+    twins[np.lexsort((end, start))] = np.lexsort((start, end))
+    return twins
+
+
 class Redo(Exception):  # noqa: N818
     """The draw made no body of the kind that is wanted."""
 

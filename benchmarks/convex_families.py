@@ -13,7 +13,7 @@ from scipy.spatial import QhullError
 
 from alexandrov import outward_hull
 from convex_bodies import fan, log_uniform, prism_like, round_body, sphere, with_flat_vertices
-from convex_cases import Redo, above, case, exact_hull
+from convex_cases import Redo, above, case, exact_hull, twins_of
 from convex_check import deficits
 from convex_gluings import nets, polygons, polygons_with_flat_vertices
 from convex_regular import COUNTS, regular
@@ -117,11 +117,7 @@ def noise(rng):
     body = round_body(rng, 5, 25)
     exact = case(rng, *with_flat_vertices(rng, *body, int(rng.integers(1, 40))), core=body)
     level = log_uniform(rng, 1e-14, 1e-6)
-    faces, twins = exact.faces, exact.twins
-    if twins is None:
-        start, end = faces.ravel(), np.roll(faces, -1, axis=1).ravel()
-        twins = np.empty(start.size, dtype=np.int64)
-        twins[np.lexsort((end, start))] = np.lexsort((start, end))
+    faces, twins = exact.faces, twins_of(exact)
     lower = np.minimum(np.arange(twins.size), twins).reshape(-1, 3)
     lengths = exact.lengths * (1 + level * rng.normal(size=3 * len(faces))[lower])
     if (2 * lengths.max(axis=1) >= lengths.sum(axis=1)).any():

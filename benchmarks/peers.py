@@ -33,7 +33,7 @@ import numpy as np
 
 import convex_families
 from alexandrov import ONE_THREAD, fibonacci, outward_hull
-from convex_cases import Case, rounded_lengths
+from convex_cases import Case, rounded_lengths, twins_of
 from convex_check import distance
 from convex_sweep import metric_of
 
@@ -107,7 +107,8 @@ def built(folder):
 def run_compiler(command):
     done = subprocess.run(command, capture_output=True, text=True)
     if done.returncode:
-        raise NotBuilt(f"it does not compile: {next(l for l in done.stderr.splitlines() if 'error' in l)}")
+        told = done.stderr.splitlines() or ["without a word"]
+        raise NotBuilt(f"it does not compile: {next((line for line in told if 'error' in line), told[-1])}")
 
 
 def limited(command, seconds):
@@ -126,16 +127,6 @@ def limited(command, seconds):
         output.seek(0)
         text = output.read()
     return (text if process.returncode == 0 else None), usage.ru_maxrss / 1024
-
-
-def twins_of(case):
-    """The half-edge on the other side of each, (3F,)."""
-    if case.twins is not None:
-        return case.twins
-    start, end = case.faces.ravel(), np.roll(case.faces, -1, axis=1).ravel()
-    twins = np.empty(start.size, dtype=np.int64)
-    twins[np.lexsort((end, start))] = np.lexsort((start, end))
-    return twins
 
 
 def theirs(program, case, tolerances, seconds=0):
