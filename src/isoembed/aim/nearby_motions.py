@@ -102,7 +102,7 @@ def nearby_motions(expansion: LengthExpansion, softest: Floats, distance: float)
     ----------
     expansion : LengthExpansion
     softest : ndarray, shape (m, V, 3)
-        Motions that change the lengths little, to start from besides the single vertices.
+        Motions that change the lengths little, which join what is found from the single vertices.
     distance : float
         How far a vertex may move.
     """

@@ -7,7 +7,7 @@ k equations of degree 2 in k unknowns have 2^k complex roots, counted with multi
 
 follow paths that do not meet before t = 1, for all gamma on the unit circle but a finite number; they are
 followed in projective space, where none is infinite.  See Sommese and Wampler, The numerical solution of
-systems of polynomials (2005).
+systems of polynomials arising in engineering and science (World Scientific, 2005).
 """
 
 from __future__ import annotations
