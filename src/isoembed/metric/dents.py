@@ -74,7 +74,10 @@ def dents(metric: PolyhedralMetric) -> list[Mask]:
         if not (is_small and least <= curvature[region].sum() <= most):
             continue
         plain = np.flatnonzero(totals > DENTS.plain * totals.max())
-        patches = [inside] if len(plain) == 1 else _shared(metric, inside, [caps[k] for k in plain])
+        patches = [inside]
+        if len(plain) > 1:
+            shared = _shared(metric, inside, [caps[k] for k in plain])
+            patches = [patch & (inside | ~filled) for patch in shared]
         found += [(float(totals[k]), patch) for k, patch in zip(plain, patches, strict=True)]
     found.sort(key=lambda pair: -pair[0])
     return [patch for _, patch in found if patch.sum() >= DENTS.fewest]
