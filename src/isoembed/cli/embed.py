@@ -68,6 +68,7 @@ def configure(parser: argparse.ArgumentParser) -> None:
     )
     parser.add_argument(
         "--effort",
+        type=float,
         metavar="TIMES",
         help="what a search may cost where the lengths are not found at once, over the cost of the first "
         "attempt, counted in factorizations (default 1; 0: none); only with --method aim",
