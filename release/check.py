@@ -19,7 +19,7 @@ from pathlib import Path, PurePosixPath
 
 ROOT = Path(__file__).resolve().parents[1]
 RUNNER = ROOT / "tests" / "support" / "page_blocks.py"
-PAGES = ["README.md", "docs/index.md", "docs/getting-started.md", "docs/command-line.md"]
+PAGES = ["README.md", "docs/index.md", "docs/getting-started.md"]
 EXTRAS = "plot,hdf5"
 FIRST = ("surface ellipsoid --axes 3 2 1 --vertices 400 -o m.npz", "embed m.npz --html first.html")
 """Commands that make the first picture."""
