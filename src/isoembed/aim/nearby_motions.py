@@ -95,7 +95,7 @@ class Motions:
         return self[[kept[i] for i in order]]
 
 
-def nearby_motions(expansion: LengthExpansion, softest: Floats, distance: float) -> Motions:
+def nearby_motions(expansion: LengthExpansion, softest: Floats, distance: float, hidden: int = 0) -> Motions:
     """The motions of a surface to where other realizations are predicted, the nearest first.
 
     Parameters
@@ -105,11 +105,14 @@ def nearby_motions(expansion: LengthExpansion, softest: Floats, distance: float)
         Motions that change the lengths little, which join what is found from the single vertices.
     distance : float
         How far a vertex may move.
+    hidden : int
+        How many of the softest are left out of all others: near a fold they hide them.
     """
     found = Motions.of(expansion, softest).within(distance)
+    basis = np.linalg.qr(expansion.rates(softest[:hidden]).T)[0]
     for changes in _changes_about_vertices(expansion):
         for _ in range(MOTIONS.powers):
-            met = Motions.of(expansion, expansion.motions(changes))
+            met = Motions.of(expansion, expansion.motions(changes - changes @ basis @ basis.T))
             found = found.joined(met.within(distance)).different()
             met = met[np.flatnonzero(np.isfinite(met.reach) & (met.reach > 0))]
             if not len(met.reach):

@@ -33,7 +33,9 @@ class SearchThresholds:
 
     beyond: float = threshold(1.1, "distances", "Motions may be predicted to reach so far.")
     beside: int = threshold(3, "count", "Motions that are joined to each that is not among the nearest.")
-    softest: int = threshold(2, "count", "Motions that are always taken where the lengths are missed.")
+    softest: int = threshold(
+        2, "count", "Motions that are taken always where the lengths are missed, or nothing is found."
+    )
     imaginary: float = threshold(0.3, "relative", "Roots that miss being real by less are tried.")
     defect: float = threshold(
         0.7, "relative", "Most that lengths are off at a root, over what is of second order."
@@ -121,17 +123,24 @@ class RealizationSearch:
         return float(self.lengths.mean())
 
     def _search_from(self, vertices: Floats, moves: int = 0) -> None:
+        """Search from vertices; if nothing new is found, again with the softest motions set apart."""
+        known = len(self.found)
+        self._search(vertices, moves, 0)
+        if len(self.found) == known:
+            self._search(vertices, moves, SEARCH.softest)
+
+    def _search(self, vertices: Floats, moves: int, hidden: int) -> None:
         expansion = LengthExpansion(self.system, vertices, self.lengths)
         near = SEARCH.beyond * self.distance
         self.recorder.factorizations += 2
         softest = softest_motions(expansion, self.motions)
         try:
-            found = nearby_motions(expansion, softest, near * self._unit)
+            found = nearby_motions(expansion, softest, near * self._unit, hidden)
         except SingularMatrix:
-            self.flexible += 1
+            self.flexible += not hidden
             return
         tried: list[Floats] = []
-        for group in self._groups(found, softest):
+        for group in self._groups(found, softest, hidden):
             predicted = predicted_motions(expansion, group, near, SEARCH.imaginary)
             self.incomplete += not predicted.complete
             for motion in predicted.motions:
@@ -141,12 +150,12 @@ class RealizationSearch:
                     if _is_plausible(expansion, motion):
                         self._polish(vertices + motion, moves)
 
-    def _groups(self, found: Motions, softest: Floats) -> list[Floats]:
+    def _groups(self, found: Motions, softest: Floats, hidden: int) -> list[Floats]:
         """The motions that are taken together: the nearest, then each of the others with those beside it.
 
         Where the lengths are missed, so are the softest, without which they may not be reached.
         """
-        soft = softest[: 0 if self.found else SEARCH.softest]
+        soft = softest[: hidden if self.found else SEARCH.softest]
         count = self.motions - len(soft)
         size = np.linalg.norm(found.motions, axis=2)
         size = size / np.linalg.norm(size, axis=1, keepdims=True)
