@@ -76,6 +76,18 @@ def test_a_coarse_star_that_the_pull_back_does_not_find():
     assert (again.vertices == found.vertices).all()
 
 
+def test_an_interruption_does_not_change_what_the_search_may_cost():
+    metric, checkpoints = star(0, 40, 0.1), {}
+    found = isoembed.embed(
+        metric, progress=lambda snapshot: checkpoints.setdefault(id(snapshot.checkpoint), snapshot.checkpoint)
+    )
+    kept = [checkpoint for checkpoint in checkpoints.values() if checkpoint is not None]
+    assert {"pull back", "guided pull back", "polish"} <= {checkpoint.stage for checkpoint in kept}
+    for checkpoint in kept[:: max(1, len(kept) // 3)] + kept[-1:]:
+        again = isoembed.embed(metric, resume=checkpoint)
+        assert (again.vertices == found.vertices).all()
+
+
 @pytest.mark.parametrize("effort", [-1.0, np.inf, np.nan])
 def test_no_effort(effort):
     with pytest.raises(InvalidParameter, match="not a finite number of at least 0"):

@@ -2,6 +2,8 @@
 
 import numpy as np
 import pytest
+from hypothesis import given
+from hypothesis import strategies as st
 
 import zoo
 from isoembed.io import read_surface, write_metric, write_surface
@@ -73,3 +75,18 @@ def test_files_that_do_not_go_together(call, files):
     assert (status, err) == (2, "isoembed: error: small.npz has 12 vertices, a.ply has 5\n")
     status, _, err = call("compare", "small.npz", "a.ply", "m.npz")
     assert (status, err) == (2, "isoembed: error: small.npz has 12 vertices, m.npz has 5\n")
+
+
+@given(st.floats(-1e3, 1e3), st.floats(-12, 3).map(lambda power: 10.0**power))
+def test_what_is_printed_holds_what_is_proven(value, error):
+    printed, printed_error = map(float, stated(value, error).split(" +- "))
+    assert printed - printed_error <= value - error
+    assert value + error <= printed + printed_error
+
+
+def test_flat_surfaces_have_no_volume_to_compare_with(call):
+    square = np.array([[0.0, 0, 0], [1, 0, 0], [1, 1, 0], [0, 1, 0]])
+    np.savez("flat.npz", vertices=square, faces=[[0, 1, 2], [0, 2, 3], [0, 3, 1], [1, 3, 2]])
+    status, out, _ = call("compare", "flat.npz", "flat.npz")
+    assert status == 3
+    assert "\nvolume      0\n" in out

@@ -44,7 +44,7 @@ def test_bounds(call, peanut):
     status, out, err = call("deviation", "s.npz", "--length-error", "1e-10", "--bound")
     bound = peanut.deviation_bound(1e-10)
     assert (status, err) == (0, "")
-    assert f"volume      {peanut.volume:.12g} +- {1.05 * bound.volume:.2g}\n" in out
+    assert f"volume      {peanut.volume:.17g} +- {1.06 * bound.volume:.2g}\n" in out
     assert out.splitlines()[-1].startswith("proven: ")
     found = strict(call("deviation", "s.npz", "--length-error", "1e-10", "--bound", "--json")[1])
     assert found == bound.report and found["reason"] == ""

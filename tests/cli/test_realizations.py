@@ -25,6 +25,11 @@ def files():
     return metric
 
 
+def test_a_file_is_no_folder(call, files):
+    status, out, err = call("realizations", "s.npz", "m.npz", "-o", "m.npz")
+    assert (status, out, err) == (2, "", "isoembed: error: the output m.npz is not a folder\n")
+
+
 def test_the_realizations_are_listed_and_written(call, files):
     status, out, err = call("realizations", "s.npz", "m.npz", "-o", "out")
     assert (status, err) == (0, "")

@@ -75,6 +75,32 @@ def test_what_is_resumed_is_the_checkpoint_until_more_is_kept():
     assert log.resumed_at("first") is resumed.arrays
 
 
+def test_factorizations_are_counted_once_however_often_a_run_is_interrupted():
+    def run(log, kept=None):
+        """Three stages; the second keeps what it has, and goes on from it."""
+        with log.stage("first") as recorder:
+            recorder.factorizations += 3
+        with log.stage("second") as recorder:
+            for step in range(int(kept["step"]) + 1 if kept else 0, 4):
+                recorder.factorizations += 10
+                recorder.keep(step=step)
+                yield log
+        with log.stage("third") as recorder:
+            recorder.factorizations += 1
+
+    whole = Log()
+    assert len(list(run(whole))) == 4
+    assert whole.factorizations == 44
+    checkpoint, kept = None, None
+    for _ in range(4):
+        part = next(run(Log(resumed=checkpoint), kept))
+        checkpoint, kept = part.checkpoint, part.checkpoint.arrays
+    assert (int(kept["step"]), checkpoint.factorizations) == (3, 43)
+    rest = Log(resumed=checkpoint)
+    assert list(run(rest, kept)) == []
+    assert rest.factorizations == 44
+
+
 # Progress
 
 

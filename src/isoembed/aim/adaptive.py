@@ -329,9 +329,9 @@ class _Search:
         if not self.metric.space.is_euclidean:
             return
         nearest = min(self.surfaces, key=lambda surface: surface.residual)
-        spent = sum(stage.factorizations for stage in self.log.stages)
+        most = effort * self.log.factorizations
         with self.log.stage("local search") as recorder:
-            found = local_search(self.energy, nearest.vertices, self.metric.lengths, recorder, effort * spent)
+            found = local_search(self.energy, nearest.vertices, self.metric.lengths, recorder, most)
             recorder.show(vertices=found)
             polished = anneal(self.system, found, self.metric.lengths, recorder).vertices
         self.surfaces.append(self.surface(polished))

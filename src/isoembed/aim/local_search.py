@@ -77,7 +77,8 @@ def local_search(
     recorder : StageRecorder
         Counts factorizations; one of a patch counts as its share of the vertices.
     most : float
-        Factorizations at most, or a few more.
+        Factorizations after which nothing more is turned.  The relaxation that has begun is ended, and the
+        first is made whatever this is: together they take some tens.
 
     Returns
     -------

@@ -53,7 +53,8 @@ class QuadraticRoots:
     at_infinity : int
         How many are not.
     complete : bool
-        Whether every path was followed to its end, and no two ended at one root.
+        Whether no path was lost: each came to its end, or so near that only roots which are multiple, or
+        nearly so, are left, known to few digits; and no two that came to their ends are at one root.
     """
 
     roots: Complex

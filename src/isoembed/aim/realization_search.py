@@ -155,13 +155,13 @@ class RealizationSearch:
 
         Where the lengths are missed, so are the softest, without which they may not be reached.
         """
-        soft = softest[: hidden if self.found else SEARCH.softest]
+        soft = softest[: min(hidden if self.found else SEARCH.softest, self.motions - 1)]
         count = self.motions - len(soft)
         size = np.linalg.norm(found.motions, axis=2)
         size = size / np.linalg.norm(size, axis=1, keepdims=True)
         together = size @ size.T
         np.fill_diagonal(together, np.inf)
-        beside = np.argsort(-together, axis=1, kind="stable")[count:, : SEARCH.beside + 1]
+        beside = np.argsort(-together, axis=1, kind="stable")[count:, : min(SEARCH.beside + 1, count)]
         groups = [found.motions[:count], *(found.motions[each] for each in beside)]
         return [np.concatenate([soft, group]) for group in groups]
 

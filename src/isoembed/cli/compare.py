@@ -22,6 +22,7 @@ from isoembed.io.registry import METRIC_ENDINGS
 from isoembed.io.surface import mesh_writer, surface_data
 from isoembed.plot import PICTURE_ENDINGS, picture_writer
 from isoembed.plot.quantity import mean_curvature_difference
+from isoembed.surface.changes import root_mean_square
 from isoembed.surface.comparison import Comparison, stated
 from isoembed.surface.embedding import Embedding
 
@@ -109,13 +110,14 @@ def _summary(first: Embedding, found: Comparison) -> str:
         worst = int(np.argmax(values))
         lines.append(
             f"{SHOWN[name]:12}{stated(values[worst], errors.max())}{unit} at most (at {place} {worst}), "
-            f"{np.sqrt(np.mean(values**2)):.3g} in root mean square"
+            f"{root_mean_square(values):.3g} in root mean square"
         )
     lines.append(f"{SHOWN['area']:12}{'equal' if found.certified else stated(apart.area, error.area)}")
     for name in ("volume", "integrated_mean_curvature"):
         change, whole = getattr(apart, name), getattr(first, name)
         known = stated(change, getattr(error, name))
-        lines.append(f"{SHOWN[name]:12}{known}, {abs(change / whole):.1e} of {whole:.9g}")
+        share = f", {abs(change / whole):.1e} of {whole:.9g}" if whole and np.isfinite(whole) else ""
+        lines.append(f"{SHOWN[name]:12}{known}{share}")
     rough = " and ".join(f"{each:.4g}" for each in found.fine_roughness)
     lines.append(f"{'roughness':12}{rough}")
     if found.certified:

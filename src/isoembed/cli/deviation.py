@@ -16,7 +16,7 @@ from isoembed.io.surface import mesh_writer, surface_data
 from isoembed.linalg import SingularMatrix
 from isoembed.plot import PICTURE_ENDINGS, picture_writer
 from isoembed.plot.quantity import vertex_deviation
-from isoembed.surface.changes import Changes
+from isoembed.surface.changes import Changes, root_mean_square
 from isoembed.surface.deviation import Deviation
 from isoembed.surface.deviation_bound import DeviationBound
 from isoembed.surface.embedding import Embedding
@@ -78,13 +78,15 @@ def _summary(surface: Embedding, found: Deviation | DeviationBound) -> str:
         known = f", the last four known to {100 * found.relative_error:.2g} %" if found.probes else ""
         meaning, more = f"one standard deviation, to first order{known}", 1.0
     else:
-        # Two digits may be 5 % off, and what is printed is to be proven, too.
+        # Two digits may be 5 % low, and what is printed is to be proven, too.
         meaning, more = (
             "proven: whatever the lengths within E are, a surface has them that is this near",
-            1.05,
+            1.06,
         )
     lines = [
-        f"{name:12}{value:.12g} +- {more * error:.2g}"
+        f"{name:12}{value:.17g} +- {more * error:.2g}"
+        if isinstance(found, DeviationBound)
+        else f"{name:12}{value:.12g} +- {error:.2g}"
         for name, value, error in (
             ("area", surface.area, found.area),
             ("volume", surface.volume, found.volume),
@@ -99,7 +101,7 @@ def _summary(surface: Embedding, found: Deviation | DeviationBound) -> str:
     ):
         worst = int(np.argmax(values))
         lines.append(
-            f"{name:12}+- {more * np.sqrt(np.mean(values**2)):.2g}{unit}, "
+            f"{name:12}+- {more * root_mean_square(values):.2g}{unit}, "
             f"at most {more * values[worst]:.2g} (at {place} {worst})"
         )
     return "\n".join([*lines, meaning])

@@ -52,6 +52,8 @@ def configure(parser: argparse.ArgumentParser) -> None:
 
 def run(options: argparse.Namespace) -> int:
     """Enumerate the realizations; return the exit status."""
+    if options.output and options.output.exists() and not options.output.is_dir():
+        raise UsageError(f"the output {options.output} is not a folder")
     metric = read_metric(options.metric, merge=options.merge)
     given = read_surface(options.surface, merge=options.merge)
     check_same_triangles(metric, given.metric, options.metric, options.surface, "realizations are on")

@@ -18,6 +18,7 @@ CHECKPOINT_ENDINGS = (".npz",)
 KEPT = "kept/"  # before the names of the arrays, which are the method's own
 TEXTS = ("stage", "metric", "method", "version")
 TOLERANCE = "tolerance"
+FACTORIZATIONS = "factorizations"
 
 
 def read_checkpoint(path: str | os.PathLike[str]) -> Checkpoint:
@@ -44,7 +45,7 @@ def read_checkpoint(path: str | os.PathLike[str]) -> Checkpoint:
     tolerance = _scalar(tables, TOLERANCE, "f", file)
     fingerprint = Fingerprint(texts["metric"], texts["method"], tolerance, texts["version"])
     arrays = {name.removeprefix(KEPT): array for name, array in tables.items() if name.startswith(KEPT)}
-    return Checkpoint(texts["stage"], arrays, fingerprint)
+    return Checkpoint(texts["stage"], arrays, fingerprint, _scalar(tables, FACTORIZATIONS, "i", file))
 
 
 def checkpoint_writer(checkpoint: Checkpoint) -> Writer:
@@ -61,6 +62,7 @@ def checkpoint_writer(checkpoint: Checkpoint) -> Writer:
     tables: dict[str, Any] = {KEPT + name: array for name, array in checkpoint.arrays.items()}
     tables |= {name: getattr(fingerprint, name) for name in ("metric", "method", "version")}
     tables |= {"stage": checkpoint.stage, TOLERANCE: fingerprint.tolerance}
+    tables[FACTORIZATIONS] = checkpoint.factorizations
     return lambda temporary: npz.write(temporary, tables)
 
 

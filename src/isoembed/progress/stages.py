@@ -97,11 +97,14 @@ class Checkpoint:
         What that stage needs to go on.
     fingerprint : Fingerprint or None
         What was being computed.
+    factorizations : int
+        Sparse factorizations of the computation until then.
     """
 
     stage: str
     arrays: Mapping[str, NDArray[Any]]
     fingerprint: Fingerprint | None = None
+    factorizations: int = 0
 
 
 Listener = Callable[[Progress], None]
@@ -118,6 +121,7 @@ class StageRecorder:
     log: Log
     iterations: int = 0
     factorizations: int = 0
+    _before: int = 0  # factorizations of the computation when the stage began
     _last: dict[str, Any] = field(
         default_factory=lambda: dict.fromkeys(("t", "residual", "inverted", "partially_inverted", "level"))
     )
@@ -161,7 +165,9 @@ class StageRecorder:
         in the unit of ``metric.normalized``, and for the given vertices in the given order.
         """
         kept = {key: np.asarray(value) for key, value in arrays.items()}
-        self.log.checkpoint = Checkpoint(self.name, kept, self.log.fingerprint)
+        self.log.checkpoint = Checkpoint(
+            self.name, kept, self.log.fingerprint, self._before + self.factorizations
+        )
 
 
 @dataclass
@@ -183,6 +189,9 @@ class Log:
     ----------
     checkpoint : Checkpoint or None
         What was kept last; until then, what the computation itself goes on from.
+    factorizations : int
+        Sparse factorizations of the closed stages and of those before the checkpoint.  What is done again to
+        go on from it counts once, so that an interruption changes nothing.
     start : float
         When it began.
     time_left : TimeLeft
@@ -194,6 +203,7 @@ class Log:
     fingerprint: Fingerprint | None = None
     clock: Callable[[], float] = working_clock
     checkpoint: Checkpoint | None = field(init=False)
+    factorizations: int = field(init=False, default=0)
     start: float = field(init=False)
     time_left: TimeLeft = field(init=False)
     _stages: list[Stage] = field(init=False, default_factory=list)
@@ -214,7 +224,9 @@ class Log:
     @contextmanager
     def stage(self, name: str) -> Iterator[StageRecorder]:
         """Open a stage; its costs are recorded when it closes, also when it fails."""
-        recorder, begin = StageRecorder(name, self), self.clock()
+        if self.resumed is not None and self.resumed.stage == name:
+            self.factorizations = self.resumed.factorizations
+        recorder, begin = StageRecorder(name, self, _before=self.factorizations), self.clock()
         functions, compiling = COMPILING.functions, COMPILING.seconds
         self.time_left.begin(name)
         try:
@@ -222,6 +234,7 @@ class Log:
             yield recorder
         finally:
             seconds = self.clock() - begin
+            self.factorizations += recorder.factorizations
             if compiled := COMPILING.functions - functions:
                 self._stages.append(Stage(COMPILATION, COMPILING.seconds - compiling, compiled, 0))
             self._stages.append(Stage(name, seconds, recorder.iterations, recorder.factorizations))

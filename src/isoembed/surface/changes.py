@@ -13,6 +13,12 @@ INTEGRALS = ("area", "volume", "integrated_mean_curvature")
 LOCAL = ("vertices", "normals", "dihedral_angles", "mean_curvature")
 
 
+def root_mean_square(values: Floats) -> float:
+    """Of numbers that are not negative, however large: their squares need not be finite."""
+    top = float(values.max())
+    return top * float(np.sqrt(np.mean((values / top) ** 2))) if 0.0 < top < np.inf else top
+
+
 @dataclass(frozen=True, eq=False)
 class Changes:
     """A number for each quantity of a surface.
@@ -53,6 +59,6 @@ class Changes:
         found: dict[str, Any] = {name: getattr(self, name) for name in INTEGRALS}
         for name in LOCAL:
             values = np.abs(getattr(self, name))
-            found[f"{name}_rms"] = float(np.sqrt(np.mean(values**2)))
+            found[f"{name}_rms"] = root_mean_square(values)
             found[f"{name}_max"] = float(values.max())
         return found

@@ -94,6 +94,8 @@ class Comparison:
 def compare(first: Embedding, second: Embedding) -> Comparison:
     """Compare two surfaces in R^3 of the same triangles, as `Embedding.comparison`.
 
+    Surfaces are as `Embedding` has them, turned over where the volume is negative: mirror images are one.
+
     Raises
     ------
     InvalidParameter
@@ -156,8 +158,9 @@ def stated(value: float, error: float) -> str:
     """A number and its proven error, to the digits that it leaves; the number alone if there is none."""
     if not np.isfinite(error):
         return f"{value:.6g}"
-    # Two digits of the error may be 5 % off, and the number as much: what is printed is to be proven, too.
-    return f"{Estimate(value, error).rounded} +- {1.12 * error:.1e}"
+    # Two digits of the error may be 5 % low, and the number is rounded: what is printed is to be proven, too.
+    printed = Estimate(value, error).rounded
+    return f"{printed} +- {1.06 * (error + abs(float(printed) - value)):.1e}"
 
 
 def differences(triangulation: Triangulation, x: Floats, y: Floats) -> Changes:

@@ -29,6 +29,7 @@ from isoembed.metric.polyhedral import PolyhedralMetric
 from isoembed.surface.changes import Changes
 from isoembed.surface.curvature import vertex_areas, vertex_mean_curvature
 from isoembed.surface.derivatives import volume_gradient
+from isoembed.surface.length_equations import NotProven
 from isoembed.surface.measures import edge_lengths
 from isoembed.surface.moved_triangles import MovedTriangles
 from isoembed.surface.nearby_realization import NearbyRealization, norm
@@ -88,6 +89,9 @@ class DeviationBound(Changes):
         NotProven
             The errors are too large for the proof.
         """
+        if (errors >= metric.lengths).any():
+            k = int(np.argmax(errors >= metric.lengths))
+            raise NotProven(f"the error of edge {k} is no smaller than its length")
         nearby, t = NearbyRealization.of(metric, vertices, errors, {}), metric.triangulation
         _, farthest = nearby.newton_kantorovich()
         s, steps = nearby.equations.weights, GUARD * nearby.steps
