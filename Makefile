@@ -13,7 +13,7 @@ BUILDERS := $(VENV)/.installed-release
 export OMP_NUM_THREADS ?= 1
 export OPENBLAS_NUM_THREADS ?= 1
 
-# Tests of the rooms where loops are: `make test` compiles what pays, which hangs on the machine.
+# Tests of the modules where loops are: `make test` compiles what pays, which hangs on the machine.
 ROOMS := kernel io mesh linalg intrinsic metric surface alexandrov gluing smooth meshing
 
 .PHONY: help demo reproduce test test-slow test-interpreted test-compiled lint lint-page lint-workflows release-check bench docs clean
@@ -25,7 +25,7 @@ help:
 	@echo 'make test       run the tests, but for the slow ones'
 	@echo 'make test-slow  run the slow ones: pages of the documentation, whole studies'
 	@echo 'make test-interpreted, make test-compiled  run those of the loops with none compiled, and with all'
-	@echo 'make lint       check style, types, the order of the rooms and spelling; make lint-page the script of a page, with npm'
+	@echo 'make lint       check style, types, the order of the modules and spelling; make lint-page the script of a page, with npm'
 	@echo 'make lint-workflows  check .github/workflows, with npm'
 	@echo 'make release-check  build what is released, install it elsewhere and run the pages with it'
 	@echo 'make bench      measure cost against size'

@@ -23,7 +23,7 @@ COMMANDS = {
     "certify": "prove that an exact surface is near the one in a file, and that no other one is",
     "compare": "say how far two surfaces with the same lengths are apart, with proven errors",
     "deviation": "say how far a surface may be off because its lengths have errors",
-    "embed": "find the surface in R^3 that has the given edge lengths",
+    "embed": "find the surface that has the given edge lengths",
     "energy": "compute quasi-local energies of a surface in spacetime (Hawking, Brown-York, Liu-Yau, ...)",
     "glue": "build a solid from a paper net: polygons whose sides are glued together",
     "horizon": "embed horizons, from files or found in a slice, and compute their energies",
@@ -60,7 +60,8 @@ def build_parser(arguments: Sequence[str]) -> Parser:
     """Make the parser; a subcommand's options are loaded only if its name is among the arguments."""
     parser = Parser(
         prog="isoembed",
-        description="From the triangles and edge lengths of a closed surface to the surface in R^3.",
+        description="From the triangles and edge lengths of a closed surface to the surface in Euclidean, "
+        "hyperbolic or spherical 3-space.",
         epilog="Exit status: 0 done; 2 wrong input or command line; 3 no embedding within the tolerance, or "
         "no horizon; 130 interrupted by Ctrl-C, 143 by SIGTERM.",
         allow_abbrev=False,
