@@ -11,6 +11,7 @@ MENDED = (
     (re.compile(r'<aside class="toc-drawer">'), '<aside class="toc-drawer" aria-label="On this page">'),
     (re.compile(r"<pre>"), '<pre tabindex="0">'),  # long lines are scrolled
     (re.compile(r'(<div class="math-wrapper[^>]*)>'), r'\1 tabindex="0">'),  # and so are formulas
+    (re.compile(r'(<div class="citation"[^>]*) role="doc-biblioentry">'), r"\1>"),  # it is in no list of such
     (re.compile(r"<th[^>]*>(?:<p></p>)?</th>"), "<td></td>"),  # tables whose columns need no names
 )
 """What stands in pages, and what is better."""
