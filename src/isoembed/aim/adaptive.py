@@ -97,7 +97,8 @@ class Aim(Method):
         is found that has them.
     effort : float
         What the search may cost where the pull-back misses the lengths, over the cost of all that was done
-        before, in factorizations: results do not depend on the speed of the machine.
+        before, in factorizations: results do not depend on the speed of the machine.  It takes some tens in
+        any case; 0 is no search.
     """
 
     best_fit: bool = False

@@ -71,7 +71,8 @@ def configure(parser: argparse.ArgumentParser) -> None:
         type=float,
         metavar="TIMES",
         help="what a search may cost where the lengths are not found at once, over the cost of the first "
-        "attempt, counted in factorizations (default 1; 0: none); only with --method aim",
+        "attempt, counted in factorizations, of which it takes some tens in any case (default 1; 0: none); "
+        "only with --method aim",
     )
     parser.add_argument(
         "--parameter",

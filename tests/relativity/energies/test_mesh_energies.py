@@ -198,3 +198,11 @@ def test_kinds_of_lengths_that_there_are_not():
     _, embedding = embedded(SCHWARZSCHILD, 400)
     with pytest.raises(InvalidParameter, match="lengths"):
         mesh_energies(embedding, lengths="secant")
+
+
+@pytest.mark.parametrize(("unit", "area"), [(1e200, "inf"), (1e-200, "0.0")])
+def test_a_unit_in_which_the_area_is_no_number(unit, area):
+    metric = triangulate_metric(SCHWARZSCHILD, 60).metric
+    embedding = embed(metric.with_lengths(unit * metric.lengths))
+    with pytest.raises(InvalidParameter, match=f"the area is {area}, beyond the range of numbers"):
+        mesh_energies(embedding)

@@ -56,6 +56,12 @@ def mesh_energies(
     The integrals are of fourth order in the edge length, with the errors that `SmoothIntegrals` estimates.
     What k and p at a vertex differ by from fits to their neighbors is taken for noise: in integrals it
     averages out, but its square enters those of k^2 - p^2 and its root.
+
+    Raises
+    ------
+    InvalidParameter
+        Arrays have other shapes, the momentum has no mean curvature beside it, or the unit of length is such
+        that the area is no number.
     """
     n = embedding.triangulation.n_vertices
     given = {"mean curvature": mean_curvature, "momentum": momentum}
@@ -66,6 +72,10 @@ def mesh_energies(
             )
     if momentum is not None and mean_curvature is None:
         raise InvalidParameter("the momentum is of use only with the mean curvature")
+    if not np.finfo(np.float64).tiny <= embedding.area < np.inf:
+        raise InvalidParameter(
+            f"the area is {embedding.area!r}, beyond the range of numbers: use another unit of length"
+        )
     parts, notes = _integrals(embedding, mean_curvature, momentum, lengths or "geodesic")
     if lengths is None:
         others, _ = _integrals(embedding, mean_curvature, momentum, "chord")
