@@ -112,7 +112,7 @@ def of_edges(vertices, faces):
 
     metric = PolyhedralMetric.from_mesh(vertices, faces)
     system = LengthSystem(metric.triangulation)
-    J = system._matrix(vertices / metric.unit, metric.lengths / metric.unit)
+    J = system.linearized(vertices / metric.unit, metric.lengths / metric.unit).J
     return least_seconds(lambda: system._factor(J))
 
 
