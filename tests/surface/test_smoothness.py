@@ -301,7 +301,7 @@ def test_a_doubly_covered_polygon_is_smooth_and_flexible():
 
 def test_reports_of_large_surfaces_do_without_a_factorization(monkeypatch):
     surface = realization(*zoo.icosphere(2))
-    monkeypatch.setattr("isoembed.surface.embedding.RIGIDITY", RigidityThresholds(reported=1000))
+    monkeypatch.setattr("isoembed.surface.report.RIGIDITY", RigidityThresholds(reported=1000))
     assert surface.report["smoothness"]["smallest_singular_value"] is None
     assert surface.smallest_singular_value > 0
     assert "smallest singular value not computed" in summary(surface)

@@ -17,9 +17,9 @@ from isoembed.mesh.checks import check_euler, check_numbering, index_array
 from isoembed.mesh.joining import reached_faces
 from isoembed.mesh.triangulation import frozen
 from isoembed.metric.curvature import Triangles
-from isoembed.metric.polyhedral import METRIC, PolyhedralMetric, first_broken
+from isoembed.metric.polyhedral import METRIC, PolyhedralMetric
 from isoembed.metric.simplicial import simplicial
-from isoembed.metric.sizes import check_sizes
+from isoembed.metric.triangle_checks import check_triangles
 from isoembed.space import Space
 
 
@@ -302,14 +302,7 @@ def _check_ends(faces: Indices, twins: Indices) -> None:
 
 
 def _check_triangles(faces: Indices, lengths: Floats, space: Space) -> None:
-    f = int(first_broken(np.arange(lengths.size).reshape(-1, 3), lengths.ravel(), 0.0))
-    if f >= 0:
-        a, b, c = np.sort(lengths, axis=1).T
-        raise InvalidMetric(
-            f"face {f} {faces[f].tolist()} breaks the triangle inequality: "
-            f"its sides are {float(a[f])!r}, {float(b[f])!r} and {float(c[f])!r}"
-        )
-    check_sizes(space, faces, lengths, _side)
+    check_triangles(faces, np.arange(lengths.size).reshape(-1, 3), lengths.ravel(), space, _side)
 
 
 def _matched(twins: Indices, lengths: Floats) -> Floats:

@@ -11,13 +11,13 @@ from numpy.typing import ArrayLike, NDArray
 
 from isoembed.arrays import Floats, Indices
 from isoembed.errors import InvalidMetric
-from isoembed.kernel import kernel
 from isoembed.mesh.checks import index_array, real_array
 from isoembed.mesh.triangulation import Triangulation, frozen
+from isoembed.metric.distances import lengths_between
 from isoembed.metric.given_mesh import merging_advice, triangle_mesh
 from isoembed.metric.other_packages import of_pyvista, of_trimesh
 from isoembed.metric.precision import Precision
-from isoembed.metric.sizes import check_sizes
+from isoembed.metric.triangle_checks import check_triangles
 from isoembed.space import EUCLIDEAN, Space
 from isoembed.space.models import Model, from_model
 from isoembed.thresholds import threshold
@@ -32,22 +32,6 @@ class MetricThresholds:
 
 
 METRIC = MetricThresholds()
-
-
-@dataclass(frozen=True)
-class LowThresholds:
-    """Thresholds of triangles so low that the rounding of lengths hides their height."""
-
-    rounding: float = threshold(
-        8 * 2.0**-52, "largest coordinate", "Heights and sums of sides as rounding makes."
-    )
-    margin: float = threshold(
-        4 * 2.0**-52, "relative", "By which a longest side is then below the sum of the others."
-    )
-    passes: int = threshold(50, "count", "Over all triangles.")
-
-
-LOW = LowThresholds()
 
 
 @dataclass(frozen=True, eq=False, init=False, repr=False)
@@ -172,7 +156,7 @@ class PolyhedralMetric:
             if not space.is_euclidean:  # a power of two: the curvature is not rounded
                 size = float(np.ldexp(1.0, int(np.frexp(size)[1])))
             with np.errstate(over="ignore"):  # a length beyond the floats is refused as infinite
-                lengths = size * _low_kept(triangulation, points / size, space.scaled(1 / size))
+                lengths = size * lengths_between(triangulation, points / size, space.scaled(1 / size))
                 metric = cls.on(triangulation, lengths, space)
             if not space.is_euclidean:
                 return metric
@@ -380,36 +364,13 @@ def _check_lengths(triangulation: Triangulation, lengths: Floats, space: Space) 
     if len(lengths) != triangulation.n_edges:
         raise InvalidMetric(f"there are {triangulation.n_edges} edges but {len(lengths)} lengths")
     _check_positive(triangulation.edges, lengths)
-    f = first_broken(triangulation.face_edges, lengths, 0.0)
-    if f >= 0:
-        a, b, c = sorted(lengths[triangulation.face_edges[f]].tolist())
-        raise InvalidMetric(
-            f"face {f} {triangulation.faces[f].tolist()} breaks the triangle inequality: "
-            f"its sides are {a!r}, {b!r} and {c!r}"
-        )
+    face_edges, edges = triangulation.face_edges, triangulation.edges
 
-    if not space.is_euclidean:
-        face_edges, edges = triangulation.face_edges, triangulation.edges
+    def name(h: int) -> str:
+        e = face_edges.flat[h]
+        return f"edge {e} {edges[e].tolist()}"
 
-        def name(h: int) -> str:
-            e = face_edges.flat[h]
-            return f"edge {e} {edges[e].tolist()}"
-
-        check_sizes(space, triangulation.faces, lengths[face_edges], name)
-
-
-@kernel
-def first_broken(face_edges: Indices, lengths: Floats, margin: float) -> int:
-    """The first face that breaks the triangle inequality up to a share of its longest side, or -1."""
-    for f in range(len(face_edges)):
-        a, b, c = lengths[face_edges[f, 0]], lengths[face_edges[f, 1]], lengths[face_edges[f, 2]]
-        least, most = min(a, b, c), max(a, b, c)
-        middle = max(min(a, b), min(max(a, b), c))
-        if (
-            not most - middle < least - margin * most
-        ):  # a difference of neighbors neither over- nor underflows
-            return f
-    return -1
+    check_triangles(triangulation.faces, face_edges, lengths, space, name)
 
 
 def _ambient(vertices: ArrayLike, space: Space, model: Model) -> Floats:
@@ -418,46 +379,3 @@ def _ambient(vertices: ArrayLike, space: Space, model: Model) -> Floats:
     if points.ndim != 2 or points.shape[1] != 3:
         raise InvalidMetric(f"the vertices have shape {points.shape}, not (V, 3)")
     return from_model(space, points, model)
-
-
-def _low_kept(triangulation: Triangulation, points: Floats, space: Space) -> Floats:
-    """Lengths of edges between points of size 1, (E,), rounded so that no triangle with a height loses it.
-
-    Two sides of a triangle that is 1e-8 of its longest high are as long as that, in floats: the longest is
-    rounded down.
-    """
-    t = triangulation
-    if space.is_euclidean:
-        lengths = edge_lengths(t.edges, points)
-    else:
-        lengths = space.distances(*np.moveaxis(points[t.edges], 1, 0))
-    if first_broken(t.face_edges, lengths, LOW.margin / 2) < 0:
-        return lengths
-    for _ in range(LOW.passes):  # the side of one may be the longest of another
-        sides = lengths[t.face_edges]
-        longest = sides.argmax(axis=1)
-        least, middle, most = np.sort(sides, axis=1).T
-        room = least - (most - middle)
-        f = np.flatnonzero((room < LOW.margin / 2 * most) & (room >= -LOW.rounding))
-        if not f.size:
-            break
-        a, b, c = (points[t.faces[f, (longest[f] + k) % 3]] for k in range(3))
-        to_b, to_c, far = space.seen_from(a, b), space.seen_from(a, c), space.sn(most[f])
-        along = to_b / np.where(far > 0, far, 1.0)[:, None]
-        heights = np.linalg.norm(to_c - (to_c * along).sum(axis=1, keepdims=True) * along, axis=1)
-        f = f[heights > LOW.rounding]
-        np.minimum.at(lengths, t.face_edges[f, longest[f]], (middle + least)[f] * (1 - LOW.margin))
-    return lengths
-
-
-@kernel
-def edge_lengths(edges: Indices, vertices: Floats) -> Floats:
-    """Distances between the ends of the edges, (E,)."""
-    lengths = np.empty(len(edges))
-    for e in range(len(edges)):
-        square = 0.0
-        for k in range(vertices.shape[1]):
-            side = vertices[edges[e, 0], k] - vertices[edges[e, 1], k]
-            square += side * side
-        lengths[e] = np.sqrt(square)
-    return lengths

@@ -2,7 +2,7 @@
 
 import copy
 from collections.abc import Sequence
-from dataclasses import KW_ONLY, asdict, dataclass, replace
+from dataclasses import KW_ONLY, dataclass, replace
 from functools import cached_property
 from typing import Any, ClassVar, Self
 
@@ -12,26 +12,21 @@ from numpy.typing import ArrayLike
 from isoembed.arrays import Floats, Indices, Mask
 from isoembed.linalg import SingularMatrix
 from isoembed.mesh.triangulation import Triangulation, frozen
-from isoembed.metric.curvature import deficits, negative_deficits
 from isoembed.metric.glued import GluedMetric
 from isoembed.metric.polyhedral import PolyhedralMetric
 from isoembed.progress.stages import Stage
 from isoembed.space import Space
 from isoembed.space.models import from_model, to_model
-from isoembed.strict_json import plain
 from isoembed.surface import alignment, convexity, curvature, measures, smoothness
-from isoembed.surface.certificate import NOT_ASKED, Certificate, certify
+from isoembed.surface.certificate import Certificate, certify
 from isoembed.surface.comparison import Comparison, compare
 from isoembed.surface.deviation import checked_errors
 from isoembed.surface.intersection import self_intersections
-from isoembed.surface.mirrored import mirrored_caps
-from isoembed.surface.nearby_realization import CERTIFICATE
+from isoembed.surface.report import report, sentence
 from isoembed.surface.rigidity import LengthSystem
-from isoembed.surface.rigidity_matrix import RIGIDITY
 from isoembed.surface.segments import Segments
 from isoembed.surface.sensitivity import Sensitivity
 from isoembed.surface.views import Views
-from isoembed.version import __version__
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -101,39 +96,12 @@ class Embedding(Sensitivity, Views):
             object.__setattr__(self, name, value)
 
     def _sentence(self) -> str:
-        e = int(np.argmax(self.residuals))
-        sentence = (
-            f"the lengths {'are within' if self.converged else 'miss'} the tolerance {self.tolerance:.0e}: "
-            f"the largest residual is {self.residual:.1e} of the mean edge length, "
-            f"at edge {e} {self.metric.edges[e].tolist()}"
-        )
-        inverted, partially = int(self.inverted_vertices.sum()), int(self.partially_inverted_vertices.sum())
-        if (inverted or partially) and self.rough_edges.any():
-            sentence += (
-                f"; {inverted} inverted and {partially} partially inverted vertices: "
-                "the surface may be crumpled"
-            )
-        for other in self.others:
-            dented = other.concave_edges.any() and not self.concave_edges.any()
-            sentence += (
-                f"; these lengths have another realization too, {self.distance(other):.1g} mean edge lengths "
-                f"from this one and {'not convex' if dented else 'rougher'}"
-            )
-            mirrored = self._mirrored(other)
-            if mirrored:
-                these = "one dent of one is a bump" if mirrored == 1 else f"{mirrored} dents of one are bumps"
-                sentence += f", a mirror choice: {these} of the other"
-        return sentence
+        return sentence(self)
 
     def distance(self, other: "Embedding") -> float:
         """How far the vertices are from another realization's, rigid motions aside, in mean edge lengths."""
         apart = alignment.distance(self._normalized, other.vertices / self.metric.unit, self._space)
         return apart / self.metric.normalized.mean_length
-
-    def _mirrored(self, other: "Embedding") -> int:
-        """How many dents of the one are bumps of the other."""
-        curved = deficits(self.metric.normalized)
-        return len(mirrored_caps(self.triangulation, curved, self.mean_curvature, other.mean_curvature))
 
     def with_message(self, message: str) -> Self:
         """Return the same embedding with another message."""
@@ -421,61 +389,7 @@ class Embedding(Sensitivity, Views):
         much as all else.  For the same reason there is no certificate beyond 30,000 vertices; the property
         has it all the same.  With `length_errors` it has the `integral_deviation` under ``deviation``.
         """
-        triangulation = self.triangulation
-        entries = np.sum(triangulation.degrees**2)  # of J J^T
-        is_small = entries <= RIGIDITY.reported
-        certificate = self.certificate if entries <= CERTIFICATE.reported else NOT_ASKED
-        found = {
-            "status": self.status,
-            "message": self.message,
-            "method": self.method,
-            "version": __version__,
-            "tolerance": self.tolerance,
-            "space": {"name": self.space.name, "curvature": self.space.curvature, "model": "conformal"},
-            "input": {
-                "vertices": triangulation.n_vertices,
-                "edges": triangulation.n_edges,
-                "faces": triangulation.n_faces,
-                "negative_deficits": int(negative_deficits(self.metric).sum()),
-            },
-            "residual": {
-                "max": self.residual,
-                "mean": float(self.residuals.mean()),
-                "std": float(self.residuals.std()),
-            },
-            "convexity": {
-                "concave_edges": int(self.concave_edges.sum()),
-                "inverted_vertices": int(self.inverted_vertices.sum()),
-                "partially_inverted_vertices": int(self.partially_inverted_vertices.sum()),
-            },
-            "smoothness": {
-                "bending_energy": self.bending_energy,
-                "roughness": self.roughness,
-                "fine_roughness": self.fine_roughness,
-                "rough_edges": int(self.rough_edges.sum()),
-                "smallest_singular_value": self.smallest_singular_value if is_small else None,
-            },
-            "other_realizations": [
-                {
-                    "distance": self.distance(other),
-                    "roughness": other.roughness,
-                    "fine_roughness": other.fine_roughness,
-                    "mirrored": self._mirrored(other),
-                }
-                for other in self.others
-            ],
-            "area": self.area,
-            "volume": self.volume,
-            "integrated_mean_curvature": self.integrated_mean_curvature,
-            "certificate": certificate.as_json(),
-            "stages": [asdict(stage) for stage in self.stages],
-        }
-        if self.length_errors is not None:
-            found["deviation"] = {
-                "length_error_rms": float(np.sqrt(np.mean(self.length_errors**2))),
-                **self.integral_deviation(self.length_errors).report,
-            }
-        return dict(plain(found))
+        return report(self)
 
 
 def _check_finite(points: Floats) -> None:

@@ -4,7 +4,7 @@ import numpy as np
 
 from isoembed.arrays import Floats, Indices
 from isoembed.kernel import kernel
-from isoembed.metric.polyhedral import edge_lengths as straight_lengths
+from isoembed.metric.distances import straight_lengths
 from isoembed.space import EUCLIDEAN, Space
 from isoembed.space.models import to_model
 from isoembed.space.trigonometry import triangle_area

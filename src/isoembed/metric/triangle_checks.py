@@ -1,4 +1,4 @@
-"""How large triangles of the sphere and of the hyperbolic plane can be."""
+"""Whether three lengths are the sides of a triangle, in the plane, the hyperbolic plane and on the sphere."""
 
 import math
 from collections.abc import Callable
@@ -8,6 +8,7 @@ import numpy as np
 
 from isoembed.arrays import Floats, Indices
 from isoembed.errors import InvalidMetric
+from isoembed.kernel import kernel
 from isoembed.space import Space
 from isoembed.thresholds import threshold
 
@@ -26,27 +27,53 @@ class SizeThresholds:
 SIZES = SizeThresholds()
 
 
-def check_sizes(space: Space, faces: Indices, lengths: Floats, name: Callable[[int], str]) -> None:
-    """Refuse triangles that are too large for the curvature.
+def check_triangles(
+    faces: Indices, sides: Indices, lengths: Floats, space: Space, name: Callable[[int], str]
+) -> None:
+    """Refuse lengths that break the triangle inequality, or are too large for the curvature.
 
     On the sphere sides are shorter than half a great circle, and perimeters than a whole one.
 
     Parameters
     ----------
-    space : Space
     faces : ndarray of int, shape (F, 3)
-    lengths : ndarray, shape (F, 3)
-        Of each half-edge.
+    sides : ndarray of int, shape (F, 3)
+        Which of the lengths each half-edge has.
+    lengths : ndarray, shape (n,)
+    space : Space
     name : callable
         What a half-edge is called.
 
     Raises
     ------
     InvalidMetric
-        The message names the first side, or else the first triangle.
+        The message names the first triangle, or else the first side.
     """
-    if space.is_euclidean:
-        return
+    f = int(first_broken(sides, lengths, 0.0))
+    if f >= 0:
+        a, b, c = sorted(lengths[sides[f]].tolist())
+        raise InvalidMetric(
+            f"face {f} {faces[f].tolist()} breaks the triangle inequality: "
+            f"its sides are {a!r}, {b!r} and {c!r}"
+        )
+    if not space.is_euclidean:
+        _check_sizes(space, faces, lengths[sides], name)
+
+
+@kernel
+def first_broken(face_edges: Indices, lengths: Floats, margin: float) -> int:
+    """The first face that breaks the triangle inequality up to a share of its longest side, or -1."""
+    for f in range(len(face_edges)):
+        a, b, c = lengths[face_edges[f, 0]], lengths[face_edges[f, 1]], lengths[face_edges[f, 2]]
+        least, most = min(a, b, c), max(a, b, c)
+        middle = max(min(a, b), min(max(a, b), c))
+        # A difference of neighbors neither over- nor underflows.
+        if not most - middle < least - margin * most:
+            return f
+    return -1
+
+
+def _check_sizes(space: Space, faces: Indices, lengths: Floats, name: Callable[[int], str]) -> None:
     sides = space.root * lengths
     spherical = space.curvature > 0
     beyond = ~(sides < (math.pi if spherical else SIZES.longest))
