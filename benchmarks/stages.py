@@ -1,4 +1,6 @@
-"""Cost of each stage against the number of vertices: ``python benchmarks/stages.py [--quick] [--json FILE]``.
+"""Cost of each stage against the number of vertices.
+
+    python benchmarks/stages.py [--sizes N ...] [--json FILE]
 
 For the paper's ellipsoid and drum and both methods: seconds, factorizations and steps a stage, the time of a
 stage over that of one factorization of J J^T, exponents fitted over N, accuracy (edge error, distance to the
@@ -116,7 +118,7 @@ def in_own_process(name, n, what):
 
 def main():
     parser = argparse.ArgumentParser(description=__doc__)
-    parser.add_argument("--quick", action="store_true", help="up to 1,600 vertices")
+    parser.add_argument("--sizes", type=int, nargs="+", default=SIZES, metavar="N")
     parser.add_argument("--json", type=Path, help="write the rows to this file")
     parser.add_argument("--measure", nargs=3, metavar=("NAME", "N", "METHOD"), help=argparse.SUPPRESS)
     arguments = parser.parse_args()
@@ -129,12 +131,11 @@ def main():
         else:
             print(json.dumps(measure(name, int(n), method)))
         return
-    sizes = [n for n in SIZES if n <= 1600 or not arguments.quick]
     everything = []
     for name in CASES:
-        steps = {n: in_own_process(name, n, "steps") for n in sizes}
+        steps = {n: in_own_process(name, n, "steps") for n in arguments.sizes}
         for method in TOLERANCE:
-            rows = [{**in_own_process(name, n, method), "steps": steps[n]} for n in sizes]
+            rows = [{**in_own_process(name, n, method), "steps": steps[n]} for n in arguments.sizes]
             show(rows)
             everything += rows
         print(f"fewest adiabatic steps (Tsteps) against N: {steps}")

@@ -74,7 +74,7 @@ def test_from_every_checkpoint_of_a_nearly_flat_body_the_same_bits_come(method, 
     assert {checkpoint.stage for checkpoint in found} >= {
         "polytope" if method == "alexandrov" else "polytopes"
     }
-    for checkpoint in found[:: max(1, len(found) // 8)]:
+    for checkpoint in found[:: max(1, len(found) // 3)]:
         goes_on_to(whole, metric, method, checkpoint, tmp_path)
 
 

@@ -58,6 +58,7 @@ def test_large_spheres_of_kerr_anti_de_sitter_have_the_conserved_mass():
     assert 0.0 < misses[1] < 1e-3
 
 
+@pytest.mark.slow
 def test_the_curvature_tends_to_zero():
     # In Euclidean space V = 1, and the energy is that of Kijowski, Liu and Yau.
     data = KerrNewmanSphere(3.0, spin=0.8).data()

@@ -132,6 +132,7 @@ def test_a_warm_start_needs_no_mesh(horizon, monkeypatch):
     within(found.energies.integrated_mean_curvature, 23.898597646410372)
 
 
+@pytest.mark.slow
 def test_what_does_not_embed(monkeypatch):
     monkeypatch.setattr(solve, "SOLVE", replace(solve.SOLVE, degrees=(8, 12, 16)))
     data = KerrNewmanHorizon(1.0, 0.9).data()

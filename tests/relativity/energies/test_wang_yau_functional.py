@@ -31,7 +31,7 @@ def test_second_variation_of_spheres():
 
 def test_derivatives_are_those_of_differences():
     _, data, embedding = minkowski()
-    X, tau = Harmonics(20, 20), Harmonics(3, 3)
+    X, tau = Harmonics(12, 12), Harmonics(3, 3)
     functional = Functional.of(data, embedding, TimeFunction.zero(), X, tau)
     rng = np.random.default_rng(2)
     t, v, h = 0.05 * rng.normal(size=tau.size - 1), rng.normal(size=tau.size - 1), 1e-4
@@ -45,6 +45,7 @@ def test_derivatives_are_those_of_differences():
     np.testing.assert_array_equal(hessian, hessian.T)
 
 
+@pytest.mark.slow
 def test_the_energy_does_not_depend_on_where_the_path_begins():
     data = KerrNewmanSphere(3.0, 1.0, 0.8).data()
     tau = TimeFunction.of(lambda u: 1.5 * u[:, 2] + 0.4 * u[:, 0] * u[:, 2], 2)

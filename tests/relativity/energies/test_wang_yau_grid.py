@@ -1,6 +1,7 @@
 """Energies of a surface without symmetry around two holes in motion, in a slice on a Cartesian grid."""
 
 import numpy as np
+import pytest
 
 from isoembed.relativity import (
     BoostedSchwarzschild,
@@ -36,6 +37,7 @@ def sampled(spacing):
     return CartesianGrid(x[0, 0, 0], spacing, gamma, K)
 
 
+@pytest.mark.slow
 def test_errors_of_a_slice_on_a_grid():
     surface = StarSurface.from_radius(radius, center=CENTER)
     assert surface.harmonics.degree == 4

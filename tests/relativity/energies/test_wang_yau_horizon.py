@@ -46,6 +46,7 @@ def outside(distance):
     return data, embed_surface(data, vertices=100)
 
 
+@pytest.mark.slow
 def test_the_least_energy_tends_to_that_of_the_horizon():
     limit = wang_yau(horizon().data, "optimal", embedding=horizon().embedding)
     assert limit.energy.value == pytest.approx(1.933768125368, rel=1e-12)

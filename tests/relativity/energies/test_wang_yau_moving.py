@@ -22,7 +22,11 @@ def few_harmonics(monkeypatch):
 
 @pytest.mark.parametrize(
     ("R", "resting", "least"),
-    [(10.0, 1.21576, 1.04726), (100.0, 1.24423, 1.00473), (1000.0, 1.24939, 1.00047)],
+    [
+        (10.0, 1.21576, 1.04726),
+        pytest.param(100.0, 1.24423, 1.00473, marks=pytest.mark.slow),
+        (1000.0, 1.24939, 1.00047),
+    ],
 )
 def test_moving_hole(R, resting, least):
     # Of energy 1.25 M; the least is that which it has at rest.

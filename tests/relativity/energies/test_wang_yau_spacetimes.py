@@ -40,6 +40,7 @@ def test_one_sphere_in_two_slices():
         assert one == pytest.approx(other, rel=1e-13)
 
 
+@pytest.mark.slow
 @pytest.mark.usefixtures("few_harmonics")
 def test_constant_density_star():
     rho, ratios = 0.01, []

@@ -18,6 +18,7 @@ def test_two_holes_in_motion():
     assert [h.irreducible_mass for h in horizons] == pytest.approx([0.5, 0.4], rel=0.02)
 
 
+@pytest.mark.slow
 def test_three_holes_of_which_two_have_a_common_horizon():
     holes = BrillLindquist((0.3, 0.3, 0.4), ((0.1, 0.0, 0.0), (-0.1, 0.0, 0.0), (0.0, 3.0, 0.0)))
     common, single = find_horizons(holes)
