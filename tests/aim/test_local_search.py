@@ -88,6 +88,29 @@ def test_an_interruption_does_not_change_what_the_search_may_cost():
         assert (again.vertices == found.vertices).all()
 
 
+def noisy_saddle():
+    """Lengths without a smooth surface."""
+    metric = PolyhedralMetric.from_mesh(*triangulate(HarmonicSurface(2, 2, 0.3), 100))
+    errors = np.random.default_rng(0).standard_normal(metric.triangulation.n_edges)
+    return metric.with_lengths(metric.lengths * (1 + 0.03 * errors))
+
+
+def lost_trefoil():
+    """Lengths of a surface that is not found."""
+    return PolyhedralMetric.from_mesh(*triangulate(HarmonicSurface(3, 3, 0.3), 400, irregular=4))
+
+
+@pytest.mark.parametrize("effort", [0.0, 1.0])
+@pytest.mark.parametrize("metric", [noisy_saddle, pytest.param(lost_trefoil, marks=pytest.mark.slow)])
+def test_a_failure_costs_as_much_as_the_effort_says(metric, effort):
+    with pytest.raises(NotEmbedded) as caught:
+        isoembed.embed(metric(), method=Aim(effort=effort))
+    stages = caught.value.embedding.stages
+    after = sum(stage.factorizations for stage in stages if stage.name in {"local search", "best fit"})
+    first = sum(stage.factorizations for stage in stages) - after
+    assert after <= (1 + effort) * first
+
+
 @pytest.mark.parametrize("effort", [-1.0, np.inf, np.nan])
 def test_no_effort(effort):
     with pytest.raises(InvalidParameter, match="not a finite number of at least 0"):

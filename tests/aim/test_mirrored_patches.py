@@ -92,6 +92,17 @@ def test_lengths_that_no_choice_has_are_given_up():
     assert min(residual(metric, x) for x in tried) > 1e-8
 
 
+def test_a_start_that_is_too_far_from_the_lengths_is_given_up_at_once():
+    vertices, faces = smooth_bodies.dimpled(300, TWO)
+    metric = PolyhedralMetric.from_mesh(vertices * [6.0, 1.0, 1.0], faces)
+    patches = dents(PolyhedralMetric.from_mesh(vertices, faces))
+    start = vertices * [1.0, 6.0, 1.0]
+    recorder, energy = smooth_bodies.recorder(), RegularizedEnergy(metric, start)
+    system = LengthSystem(metric.triangulation)
+    assert not list(mirrored_realizations(metric, system, energy, start, patches, recorder))
+    assert recorder.factorizations < 20
+
+
 @pytest.mark.slow
 def test_dimples_on_an_ellipsoid_are_found():
     centers = ((0.0, 0.0, 1.0), (0.0, 0.8, -0.6), (1.0, 0.0, 0.0))

@@ -27,7 +27,7 @@ from isoembed.aim.convexification import CONVEXIFICATION, Convexification
 from isoembed.aim.diagnosis import diagnosis
 from isoembed.aim.lengths_newton import LENGTHS_NEWTON, newton_on_lengths
 from isoembed.aim.levels import goes_by_levels, pulled_back_by_levels
-from isoembed.aim.local_search import local_search
+from isoembed.aim.local_search import LOCAL_SEARCH, local_search
 from isoembed.aim.mirrored_patches import mirrored_realizations
 from isoembed.aim.nearby_realizations import NEARBY, nearby_realizations
 from isoembed.aim.radii_newton import RADII_NEWTON, newton_on_radii, radii_start
@@ -60,6 +60,8 @@ class AdaptiveThresholds:
     placed: float = threshold(1e-10, "mean edge lengths", "Residual asked of the convex polyhedron.")
     nearly: float = threshold(1e-6, "mean edge lengths", "Most residual between two realizations.")
     same: float = threshold(1e-7, "mean edge lengths", "Surfaces as near as this are one.")
+    fit: int = threshold(50, "count", "Factorizations of the best fit at most, as a rule.")
+    ending: int = threshold(20, "count", "Factorizations that end a search; none of a coarse surface.")
 
 
 ADAPTIVE = AdaptiveThresholds()
@@ -97,8 +99,9 @@ class Aim(Method):
         is found that has them.
     effort : float
         What the search may cost where the pull-back misses the lengths, over the cost of all that was done
-        before, in factorizations: results do not depend on the speed of the machine.  It takes some tens in
-        any case; 0 is no search.
+        before, in factorizations: results do not depend on the speed of the machine.  The best fit may cost
+        as much as what was done before, too: all together ``2 + effort`` times that.  The search takes some
+        tens in any case; 0 is no search.
     """
 
     best_fit: bool = False
@@ -130,11 +133,12 @@ class Aim(Method):
         if not search.newton_on_lengths():
             search.continue_regularized()
         embedding = search.smoothest()
+        most = (2 + self.effort) * log.factorizations  # of what was done so far, and what follows
         if embedding.residual > search.good and self.effort > 0:
-            search.turn_patches(self.effort)
+            search.turn_patches(most)
             embedding = search.smoothest()
         if embedding.residual > search.good:
-            fitted = search.best_fit()
+            fitted = search.best_fit(most)
             embedding = search.smoothest()
             if not embedding.converged:
                 told = embedding.with_message(diagnosis(embedding, fitted))
@@ -325,14 +329,16 @@ class _Search:
             self.search_nearby(min(realized, key=lambda surface: surface.fine_roughness))
         return bool(realized)
 
-    def turn_patches(self, effort: float) -> None:
-        """Turn over what is on the wrong side, for so many times the factorizations so far."""
+    def turn_patches(self, most: float) -> None:
+        """Turn over what is on the wrong side, leaving the best fit its share of so many factorizations."""
         if not self.metric.space.is_euclidean:
             return
         nearest = min(self.surfaces, key=lambda surface: surface.residual)
-        most = effort * self.log.factorizations
+        left = most - self.log.factorizations - ADAPTIVE.fit
+        if self.numbers.size > LOCAL_SEARCH.coarse:
+            left -= ADAPTIVE.ending
         with self.log.stage("local search") as recorder:
-            found = local_search(self.energy, nearest.vertices, self.metric.lengths, recorder, most)
+            found = local_search(self.energy, nearest.vertices, self.metric.lengths, recorder, max(left, 0.0))
             recorder.show(vertices=found)
             polished = anneal(self.system, found, self.metric.lengths, recorder).vertices
         self.surfaces.append(self.surface(polished))
@@ -350,10 +356,11 @@ class _Search:
         path = log_linear(self.metric, self.start)
         return regularized_continuation(self.energy, self.start, path, recorder, kept)
 
-    def best_fit(self) -> FittedSurface | None:
+    def best_fit(self, most: float) -> FittedSurface | None:
         """The smooth surface that comes nearest to the lengths; it is one more start, too."""
+        left = most - self.log.factorizations
         with self.log.stage("best fit") as recorder:
-            fit = best_fit(self.metric, self.energy, self.start, recorder)
+            fit = best_fit(self.metric, self.energy, self.start, recorder, left)
             if fit is None:
                 return None
             polished = anneal(self.system, fit.vertices, self.metric.lengths, recorder).vertices

@@ -71,7 +71,11 @@ class BestFit:
 
 
 def best_fit(
-    metric: PolyhedralMetric, energy: RegularizedEnergy, start: Floats, recorder: StageRecorder
+    metric: PolyhedralMetric,
+    energy: RegularizedEnergy,
+    start: Floats,
+    recorder: StageRecorder,
+    most: float = np.inf,
 ) -> BestFit | None:
     """Fit a smooth surface to the lengths of a metric.
 
@@ -85,13 +89,15 @@ def best_fit(
         A smooth surface of about this shape and size, such as the polyhedron of a convex metric nearby.
     recorder : StageRecorder
         Counts Gauss-Newton steps and factorizations.
+    most : float
+        Factorizations after which, where a better mu was met, no other is tried.
 
     Returns
     -------
     BestFit or None
         None if nothing as smooth comes near to the lengths.
     """
-    fits = _Fits(metric, energy, recorder)
+    fits, begun = _Fits(metric, energy, recorder), recorder.factorizations
     best = first = fits.fit(start, BEST_FIT.weight)
     for direction in (-1, 1):
         last = first
@@ -100,6 +106,8 @@ def best_fit(
             if not last.score < BEST_FIT.better * best.score:
                 break
             best = last
+            if recorder.factorizations - begun >= most:
+                break
         if best is not first:
             break
     a, b = metric.edges.T

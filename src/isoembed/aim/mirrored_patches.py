@@ -7,7 +7,8 @@ plane.  From there a few steps of the regularized continuation lead to the lengt
 surface at all.
 
 Of k patches there are 2^k choices.  First all are reflected.  Where that leads nowhere, choices are judged by
-their energies after the first steps, and a descent, patch by patch, tells which to bring to the lengths.
+their energies after the first steps, and a descent, patch by patch, tells which to bring to the lengths.  A
+choice whose first step cannot go downhill is lost: the convex surface is too far from the lengths.
 From a realization its neighbors are tried, which differ in one patch, and from those that are realizations
 theirs.
 """
@@ -180,16 +181,21 @@ class _Search:
         return [choice ^ {k} for k in range(len(self.patches))]
 
     def begun(self, choice: Choice) -> tuple[Floats, float]:
-        """The surface of a choice after the first steps, and its energy."""
+        """The surface of a choice after the first steps, and its energy; infinite if it is lost."""
         if choice not in self._begun:
             lengths, x = self.metric.lengths, self.start
             for k in choice:
                 x = self.patches[k].reflected(self.metric.faces, x)
+            value = np.inf
             for weight in MIRROR.weights:
                 mu = weight * self.energy.unit**2
-                x = self.energy.relaxed(x, lengths, mu, 0.0, self.recorder)
-            r = self.energy.residuals(x, lengths)
-            self._begun[choice] = x, float(r @ r + mu * np.sum(x * self.energy.roughness(x, 0.0)))
+                before, x = x, self.energy.relaxed(x, lengths, mu, 0.0, self.recorder)
+                if x is before:
+                    break
+            else:
+                r = self.energy.residuals(x, lengths)
+                value = float(r @ r + mu * np.sum(x * self.energy.roughness(x, 0.0)))
+            self._begun[choice] = x, value
         return self._begun[choice]
 
     def value(self, choice: Choice) -> float:
@@ -197,10 +203,13 @@ class _Search:
         return self.begun(choice)[1]
 
     def promising(self) -> Iterator[Choice]:
-        """The choice of all patches, and the one where a descent ends."""
+        """The choice of all patches, and the one where a descent ends; none that is lost."""
         every, none = Choice(range(len(self.patches))), Choice()
-        yield every
+        if self.value(every) < np.inf:
+            yield every
         best = min(every, none, key=self.value)
+        if not self.value(best) < np.inf:
+            return
         while len(self._begun) < MIRROR.begun:
             lower = [flip for flip in self.flips(best) if self.value(flip) < self.value(best)]
             if not lower:
