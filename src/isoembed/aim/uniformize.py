@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any
 
@@ -101,73 +102,84 @@ def ricci_flow(
         Not converged if the flow ended first, or asked for more than 20,000 right-hand sides: then u = 0.
     """
     n = metric.triangulation.n_vertices
-    time_unit = area(metric) / (4 * np.pi)
+    flow = _RicciFlow(metric, recorder, epsilon)
+    at_once = _deviation(metric)
+    if at_once < epsilon:
+        return Uniformization(np.zeros(n), metric, np.zeros((1, n)), at_once, True)
+    try:
+        solution: Any = solve_ivp(
+            flow.velocity,
+            (0.0, t_f * flow.time_unit),
+            np.zeros(n),
+            method=integrator,
+            events=flow.until_uniform,
+            rtol=UNIFORMIZATION.rtol,
+            atol=UNIFORMIZATION.atol,
+            **({"jac": flow.jacobian} if integrator in ("BDF", "Radau") else {}),
+        )
+    except _Exhausted:
+        return Uniformization(np.zeros(n), metric, np.zeros((1, n)), at_once, False)
+    recorder.factorizations += int(solution.nlu)
+    end = solution.y_events[0][-1] if solution.status == 1 else solution.y[:, -1]
+    history = np.vstack([solution.y[:, :-1].T, end])
+    while (rho := flow.metric_at(history[-1])) is None:  # the given metric comes first
+        history = history[:-1]
+    return Uniformization(history[-1], rho, history, _deviation(rho), solution.status == 1)
 
-    def trial(u: Floats) -> PolyhedralMetric | None:
+
+@dataclass(frozen=True, eq=False)
+class _RicciFlow:
+    """The flow from a metric, as `solve_ivp` asks for it: its state is u, shape (V,)."""
+
+    metric: PolyhedralMetric
+    recorder: StageRecorder
+    epsilon: float
+
+    @property
+    def time_unit(self) -> float:
+        """``1 / kbar`` of the given metric."""
+        return area(self.metric) / (4 * np.pi)
+
+    def metric_at(self, u: Floats) -> PolyhedralMetric | None:
         """The metric at a state that the integrator tries, if there is one."""
         if not np.abs(u).max() < UNIFORMIZATION.largest_factor:
             return None
         try:
-            return rescaled(metric, u)
+            return rescaled(self.metric, u)
         except InvalidMetric:
             return None
 
-    def curvature_excess(u: Floats) -> tuple[Floats, Floats, Floats]:
-        """k_a - kbar, k_a and A*_a, not a number where there is no such metric."""
-        rho = trial(u)
-        if rho is None:  # not a number: the integrator takes a shorter step
-            nothing = np.full(n, np.nan)
-            return nothing, nothing, nothing
-        dual = dual_areas(rho)
-        k = deficits(rho) / dual
-        return k - 4 * np.pi / area(rho), k, dual
-
-    def velocity(_time: float, u: Floats) -> Floats:
-        recorder.iterations += 1
-        if recorder.iterations > UNIFORMIZATION.most_evaluations:
+    def velocity(self, _time: float, u: Floats) -> Floats:
+        """``kbar - k_a``; where there is no metric not a number, and the integrator takes a shorter step."""
+        self.recorder.iterations += 1
+        if self.recorder.iterations > UNIFORMIZATION.most_evaluations:
             raise _Exhausted
-        excess = curvature_excess(u)[0]
-        recorder.show(residual=float(np.abs(excess).max() * time_unit))
+        rho = self.metric_at(u)
+        excess = np.full(len(u), np.nan)
+        if rho is not None:
+            excess = deficits(rho) / dual_areas(rho) - 4 * np.pi / area(rho)
+        self.recorder.show(residual=float(np.abs(excess).max() * self.time_unit))
         return -excess
 
-    def jacobian(_time: float, u: Floats) -> csr_array:
-        rho = trial(u)
+    def jacobian(self, _time: float, u: Floats) -> csr_array:
+        """The derivative of the velocity but for that of kbar, which would fill it."""
+        rho = self.metric_at(u)
         if rho is None:
-            return csr_array((n, n))
-        _, k, dual = curvature_excess(u)
-        by_length = deficit_derivative(rho) - diags_array(k) @ dual_area_derivative(rho)
-        return csr_array(-(diags_array(1 / dual) @ by_length @ length_derivative(metric, u)))
+            return csr_array((len(u), len(u)))
+        dual = dual_areas(rho)
+        by_length = deficit_derivative(rho) - diags_array(deficits(rho) / dual) @ dual_area_derivative(rho)
+        return csr_array(-(diags_array(1 / dual) @ by_length @ length_derivative(self.metric, u)))
 
-    def uniform(_time: float, u: Floats) -> float:
-        rho = trial(u)
-        return (np.inf if rho is None else _deviation(rho)) - epsilon
+    @property
+    def until_uniform(self) -> Callable[[float, Floats], float]:
+        """What changes its sign where the flow ends."""
 
-    uniform.terminal = True  # type: ignore[attr-defined]
-    implicit = {"jac": jacobian} if integrator in ("BDF", "Radau") else {}
-    if _deviation(metric) < epsilon:
-        return Uniformization(np.zeros(n), metric, np.zeros((1, n)), _deviation(metric), True)
-    try:
-        solution: Any = solve_ivp(
-            velocity,
-            (0.0, t_f * time_unit),
-            np.zeros(n),
-            method=integrator,
-            events=uniform,
-            rtol=UNIFORMIZATION.rtol,
-            atol=UNIFORMIZATION.atol,
-            **implicit,
-        )
-    except _Exhausted:
-        return Uniformization(np.zeros(n), metric, np.zeros((1, n)), _deviation(metric), False)
-    recorder.factorizations += int(solution.nlu)
-    u = solution.y[:, -1]
-    if solution.status == 1:
-        u = solution.y_events[0][-1]
-    history = np.vstack([solution.y[:, :-1].T, u])
-    while (end := trial(history[-1])) is None:  # the given metric comes first
-        history = history[:-1]
-    u, rho = history[-1], end
-    return Uniformization(u, rho, history, _deviation(rho), solution.status == 1)
+        def excess(_time: float, u: Floats) -> float:
+            rho = self.metric_at(u)
+            return (np.inf if rho is None else _deviation(rho)) - self.epsilon
+
+        excess.terminal = True  # type: ignore[attr-defined]
+        return excess
 
 
 class _Exhausted(Exception):  # noqa: N818 - a signal through the integrator, caught above
@@ -175,11 +187,7 @@ class _Exhausted(Exception):  # noqa: N818 - a signal through the integrator, ca
 
 
 def newton_uniformization(
-    metric: PolyhedralMetric,
-    recorder: StageRecorder,
-    *,
-    epsilon: float,
-    max_iterations: int = UNIFORMIZATION.steps,
+    metric: PolyhedralMetric, recorder: StageRecorder, *, epsilon: float
 ) -> Uniformization:
     """Solve ``epsilon_a - kbar A*_a = 0``, the flow's fixed point, by Newton's method.
 
@@ -195,7 +203,6 @@ def newton_uniformization(
     recorder : StageRecorder
     epsilon : float
         Stop when the root mean square of ``k_a / kbar - 1``, the Moebius modes apart, is below it.
-    max_iterations : int
 
     Returns
     -------
@@ -206,7 +213,7 @@ def newton_uniformization(
     sphere = conformal_sphere(triangles, recorder)
     C = np.column_stack([np.ones(len(sphere.points)), sphere.points])
     state = _start(metric, conformal_factors(triangles.normalized, sphere), C)
-    for _ in range(max_iterations):
+    for _ in range(UNIFORMIZATION.steps):
         recorder.show(residual=state.deviation)
         if state.deviation < epsilon:
             break

@@ -218,10 +218,8 @@ def _evaluate(
         slope[f], slope[f + 1], slope[f + 2] = d_ij / h, d_jm / h, d_mi / h
     for i in range(n):
         kappa[i] = 2 * np.pi * full[i] - math.atan2(y[i], x[i])
-    lower, count = (
-        np.empty(corners.size // 2 + 1, dtype=np.int64),
-        0,
-    )  # without a branch that is hard to foresee
+    # The half-edges below their twins, without a branch that is hard to foresee.
+    lower, count = np.empty(corners.size // 2 + 1, dtype=np.int64), 0
     for e in range(corners.size):
         lower[count] = e
         count += int(e < twins[e])

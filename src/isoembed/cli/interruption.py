@@ -5,7 +5,6 @@ import shlex
 import signal
 import tempfile
 import time
-from collections.abc import Callable
 from contextlib import suppress
 from pathlib import Path
 
@@ -71,30 +70,23 @@ class Checkpoints:
         Where they go, each in the place of the one before.
     resumed : Checkpoint, optional
         What the run goes on from, which need not be written again.
-    clock : callable
-        The time in seconds.
     """
 
-    def __init__(
-        self,
-        path: Path | None,
-        resumed: Checkpoint | None = None,
-        clock: Callable[[], float] = time.monotonic,
-    ) -> None:
-        self._path, self._clock = path, clock
-        self._last, self._begun = resumed, clock()
+    def __init__(self, path: Path | None, resumed: Checkpoint | None = None) -> None:
+        self._path = path
+        self._last, self._begun = resumed, time.monotonic()
         self._written: list[Path] = []
 
     def listen(self, progress: Progress) -> None:
         """Write the checkpoint of a snapshot, if it is a new one and time for it."""
         checkpoint, last = progress.checkpoint, self._last
-        if checkpoint is None or checkpoint is last or self._clock() < self._begun + PERIOD:
+        if checkpoint is None or checkpoint is last or time.monotonic() < self._begun + PERIOD:
             return
         if self._path is not None:
             complaint, written = self._write(checkpoint)
             if complaint:
                 print_error(f"{complaint}; {_place(self._path if written else None)}")
-        self._last, self._begun = checkpoint, self._clock()
+        self._last, self._begun = checkpoint, time.monotonic()
 
     def leave(self, interrupted: Interrupted, method: str) -> str:
         """Leave the checkpoint of an interrupted run, and say so in a sentence.

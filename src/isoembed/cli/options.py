@@ -2,7 +2,6 @@
 
 import argparse
 import re
-from functools import partial
 from pathlib import Path
 from typing import Literal
 
@@ -53,23 +52,20 @@ def _merge(text: str) -> float:
     return value
 
 
-def add_space_option(
-    parser: argparse.ArgumentParser, purpose: str, names: tuple[str, ...] = ("hyperbolic", "spherical")
-) -> None:
+def add_space_option(parser: argparse.ArgumentParser, purpose: str) -> None:
     """Add the option that names a space: a `Space`, or its name where the curvature is not given."""
     parser.add_argument(
         "--space",
-        type=partial(_space, names),
-        metavar="|".join(f"{name}[=K]" for name in names),
-        help=f"{purpose}; K is negative in hyperbolic space"
-        + (", positive in spherical space" if "spherical" in names else ""),
+        type=_space,
+        metavar="hyperbolic[=K]|spherical[=K]",
+        help=f"{purpose}; K is negative in hyperbolic space, positive in spherical space",
     )
 
 
-def _space(names: tuple[str, ...], text: str) -> Space | str:
+def _space(text: str) -> Space | str:
     name, equals, curvature = text.partition("=")
-    if name not in names:
-        raise argparse.ArgumentTypeError(f"{text!r} is not {' or '.join(f'{name}[=K]' for name in names)}")
+    if name not in ("hyperbolic", "spherical"):
+        raise argparse.ArgumentTypeError(f"{text!r} is not hyperbolic[=K] or spherical[=K]")
     if not equals:
         return name
     try:

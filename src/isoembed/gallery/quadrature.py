@@ -1,10 +1,24 @@
 """Quadrature: the double-exponential rule, and any rule with more and more nodes."""
 
 from collections.abc import Callable
+from dataclasses import dataclass
 
 import numpy as np
 
 from isoembed.arrays import Floats
+from isoembed.thresholds import threshold
+
+
+@dataclass(frozen=True)
+class QuadratureThresholds:
+    """Thresholds of integrals over closed forms."""
+
+    coarsest: int = threshold(48, "nodes", "Of the first rule.")
+    finest: int = threshold(768, "nodes", "The integral of a rule with so many is returned as it is.")
+    settled: float = threshold(3e-14, "relative", "Change that is rounding when the nodes are doubled.")
+
+
+QUADRATURE = QuadratureThresholds()
 
 
 def tanh_sinh(n: int) -> tuple[Floats, Floats]:
@@ -23,20 +37,18 @@ def tanh_sinh(n: int) -> tuple[Floats, Floats]:
     return 0.5 * np.pi * x, 0.5 * np.pi * float(step) * np.pi * np.cosh(t) * x * (rest / (1.0 + rest))
 
 
-def integrate(integrand: Callable[[int], Floats], coarsest: int = 48, finest: int = 768) -> Floats:
+def integrate(integrand: Callable[[int], Floats]) -> Floats:
     """Integrals with more and more nodes, until they settle to rounding.
 
     Parameters
     ----------
     integrand
         Maps a number of nodes to the vector of integrals it gives.
-    coarsest, finest
-        The first number of nodes, and the one at which the best value so far is returned as it is.
     """
-    n, value = coarsest, integrand(coarsest)
-    while n < finest:
+    n, value = QUADRATURE.coarsest, integrand(QUADRATURE.coarsest)
+    while n < QUADRATURE.finest:
         n, last = 2 * n, value
         value = integrand(n)
-        if np.all(np.abs(value - last) <= 3e-14 * np.abs(value)):
+        if np.all(np.abs(value - last) <= QUADRATURE.settled * np.abs(value)):
             break
     return value

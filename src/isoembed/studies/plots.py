@@ -29,11 +29,11 @@ def styled(series: Iterable[T]) -> Iterator[tuple[T, dict[str, Any]]]:
         yield one, {"color": color, "marker": marker}
 
 
-def blank(height: float, width: float = WIDTH) -> Figure:
-    """An empty figure of this size in inches, with a canvas of its own: no window and no global state."""
+def blank(height: float) -> Figure:
+    """An empty figure across the page, its height in inches, with a canvas of its own: no global state."""
     from isoembed.plot.windowless import WindowlessFigure
 
-    return WindowlessFigure(width, height, facecolor=PAPER, layout="constrained")
+    return WindowlessFigure(WIDTH, height, facecolor=PAPER, layout="constrained")
 
 
 def dress(axes: Axes, x: str, y: str, title: str = "") -> None:
@@ -61,11 +61,11 @@ def legend(axes: Axes, **options: Any) -> None:
     axes.legend(frameon=False, fontsize=SMALL, labelcolor=INK, **options)
 
 
-def legend_below(figure: Figure, axes: Axes, columns: int = 4) -> None:
+def legend_below(figure: Figure, axes: Axes) -> None:
     """One legend for all axes of a figure, below them, with the lines of these axes."""
     handles, labels = axes.get_legend_handles_labels()
     style: dict[str, Any] = {"frameon": False, "fontsize": SMALL, "labelcolor": INK}
-    figure.legend(handles, labels, loc="outside lower center", ncols=columns, **style)
+    figure.legend(handles, labels, loc="outside lower center", ncols=4, **style)
 
 
 def note(axes: Axes, text: str, at: tuple[float, float], offset: tuple[float, float], **style: Any) -> None:
@@ -73,8 +73,7 @@ def note(axes: Axes, text: str, at: tuple[float, float], offset: tuple[float, fl
     axes.annotate(text, at, xytext=offset, textcoords="offset points", **{"color": INK, **style})
 
 
-def bare(axes: Axes, title: str = "") -> None:
-    """Turn axes into a plain area for a drawing to scale, with a title above."""
+def bare(axes: Axes) -> None:
+    """Turn axes into a plain area for a drawing to scale."""
     axes.set_aspect("equal")
     axes.axis("off")
-    axes.set_title(title, color=INK, fontsize=TEXT)

@@ -19,7 +19,7 @@ from scipy.sparse import csc_array, csr_array, eye_array, kron
 from scipy.sparse.linalg import LinearOperator, eigsh
 
 from isoembed.arrays import Floats, Indices
-from isoembed.linalg import Dissection, OutOfMemory, Solver, SymmetricFactor, analyze, dissect
+from isoembed.linalg import OutOfMemory, Solver, SymmetricFactor, analyze, dissect
 from isoembed.mesh.triangulation import Triangulation
 from isoembed.space import EUCLIDEAN, Space
 from isoembed.surface.projected import Projected
@@ -90,21 +90,13 @@ class LengthSystem:
     Parameters
     ----------
     triangulation : Triangulation
-    dissection : Dissection, optional
-        Of the vertex graph, where it is at hand.
     space : Space, optional
         Where the surface is.
     """
 
-    def __init__(
-        self,
-        triangulation: Triangulation,
-        dissection: Dissection | None = None,
-        *,
-        space: Space = EUCLIDEAN,
-    ) -> None:
+    def __init__(self, triangulation: Triangulation, *, space: Space = EUCLIDEAN) -> None:
         self.triangulation, self.space = triangulation, space
-        self._dissection = dissection or dissect(triangulation.adjacency)
+        self._dissection = dissect(triangulation.adjacency)
         # The edges are held in the order in which they are eliminated: neighbors then are near in memory.
         self._order = self._dissection.edge_order(triangulation.edges)
         self._ends = triangulation.edges[self._order].astype(np.int32)

@@ -27,7 +27,7 @@ from isoembed.surface.embedding import Embedding
 from isoembed.surface.rigidity import LengthSystem
 
 
-def sphere_layout(metric: PolyhedralMetric, noise: float = 0.0, seed: int = 0) -> Floats:
+def sphere_layout(metric: PolyhedralMetric, noise: float = 0.0) -> Floats:
     """A start: vertices (V, 3) on the sphere of the same area, from the lengths alone.
 
     Parameters
@@ -35,28 +35,22 @@ def sphere_layout(metric: PolyhedralMetric, noise: float = 0.0, seed: int = 0) -
     metric : PolyhedralMetric
     noise : float
         Standard deviation of random displacements of every coordinate, in mean edge lengths.
-    seed : int
-        Of the displacements.
     """
     given = metric.normalized
     with Log().stage("layout") as recorder:
         points = conformal_sphere(delaunay(given), recorder).points
     radius = np.sqrt(area(given) / (4.0 * np.pi))
-    shifts = given.mean_length * noise * np.random.default_rng(seed).standard_normal(points.shape)
+    shifts = given.mean_length * noise * np.random.default_rng(0).standard_normal(points.shape)
     return np.asarray(metric.unit * (radius * points + shifts))
 
 
-def wire_frame(
-    metric: PolyhedralMetric, start: ArrayLike, tolerance: float = BASELINES.tolerance
-) -> Embedding:
+def wire_frame(metric: PolyhedralMetric, start: ArrayLike) -> Embedding:
     """Minimize the sum of ``(|x_a - x_b|^2 - l_ab^2)^2 / (2 l_ab)^2`` from a start.
 
     Parameters
     ----------
     metric : PolyhedralMetric
     start : array_like, shape (V, 3)
-    tolerance : float
-        Largest residual that ends the search; otherwise it ends after 200 steps.
 
     Returns
     -------
@@ -80,9 +74,13 @@ def wire_frame(
             x / metric.unit,
             given.lengths,
             recorder,
-            residual_tolerance=tolerance,
+            residual_tolerance=BASELINES.tolerance,
             max_iterations=BASELINES.wire_steps,
         )
     return Embedding(
-        metric, metric.unit * found.vertices, method="wire frame", tolerance=tolerance, stages=log.stages
+        metric,
+        metric.unit * found.vertices,
+        method="wire frame",
+        tolerance=BASELINES.tolerance,
+        stages=log.stages,
     )
