@@ -10,7 +10,7 @@ from isoembed.thresholds import threshold
 
 
 @dataclass(frozen=True)
-class QuadratureThresholds:
+class IntegralThresholds:
     """Thresholds of integrals over closed forms."""
 
     coarsest: int = threshold(48, "nodes", "Of the first rule.")
@@ -18,7 +18,7 @@ class QuadratureThresholds:
     settled: float = threshold(3e-14, "relative", "Change that is rounding when the nodes are doubled.")
 
 
-QUADRATURE = QuadratureThresholds()
+INTEGRALS = IntegralThresholds()
 
 
 def tanh_sinh(n: int) -> tuple[Floats, Floats]:
@@ -45,10 +45,10 @@ def integrate(integrand: Callable[[int], Floats]) -> Floats:
     integrand
         Maps a number of nodes to the vector of integrals it gives.
     """
-    n, value = QUADRATURE.coarsest, integrand(QUADRATURE.coarsest)
-    while n < QUADRATURE.finest:
+    n, value = INTEGRALS.coarsest, integrand(INTEGRALS.coarsest)
+    while n < INTEGRALS.finest:
         n, last = 2 * n, value
         value = integrand(n)
-        if np.all(np.abs(value - last) <= QUADRATURE.settled * np.abs(value)):
+        if np.all(np.abs(value - last) <= INTEGRALS.settled * np.abs(value)):
             break
     return value
