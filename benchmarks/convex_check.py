@@ -136,25 +136,40 @@ def distance(found, true):
     return float(np.linalg.norm(a @ u @ v - b, axis=1).max() / (2 * np.linalg.norm(b, axis=1).max()))
 
 
-def uncertainty(case):
+def uncertainty(case, found, residual=0.0):
     """How far the errors of the lengths may move a vertex, to first order, over the diameter.
 
-    Root mean square of independent errors; infinite where the body is flat or unknown.
+    Those of rounding, or what an answer misses lengths by.  Root mean square of independent errors, at the
+    body that the lengths came from or at the one that was found, where they move it farther; infinite where a
+    body is flat or unknown.  A vertex in a face whose angles, by rounding, add up to a little less than 2 pi
+    is a corner, above that face by the root of what is missing.  The rigidity matrix of the body without that
+    vertex does not know of it, but that of what was found does; and the first knows a corner that was taken
+    for flat.
     """
     if case.core is None:
         return np.inf
-    points, faces = case.core
+    least = sensitivity(*case.core)
+    core = getattr(found, "core", None)
+    if core is not None:
+        tables, vertices = core
+        least = max(least, sensitivity(vertices, tables.faces))
+    return float(max(case.roundings * np.finfo(float).eps, residual) * least)
+
+
+def sensitivity(points, faces):
+    """By how much of the diameter independent relative errors of the lengths, of size 1, move a vertex."""
     points = (points - points.mean(axis=0)) / (2 * np.linalg.norm(points - points.mean(axis=0), axis=1).max())
     edges = np.unique(
         np.sort(np.stack([faces, np.roll(faces, -1, axis=1)], axis=2).reshape(-1, 2), axis=1), axis=0
     )
     arms = points[edges[:, 0]] - points[edges[:, 1]]
     lengths = np.linalg.norm(arms, axis=1)
-    rows = np.zeros((len(edges), len(points), 3))
+    columns = np.zeros((len(points), 3, len(edges)))
     i = np.arange(len(edges))
-    rows[i, edges[:, 0]], rows[i, edges[:, 1]] = arms / lengths[:, None], -arms / lengths[:, None]
-    u, s, v = np.linalg.svd(rows.reshape(len(edges), -1), full_matrices=False)
-    if s[-1] == 0:
+    columns[edges[:, 0], :, i], columns[edges[:, 1], :, i] = arms / lengths[:, None], -arms / lengths[:, None]
+    q, r = np.linalg.qr(columns.reshape(-1, len(edges)))
+    try:
+        moves = (q @ np.linalg.inv(r).T) * lengths  # the pseudoinverse of the rows
+    except np.linalg.LinAlgError:
         return np.inf
-    moves = (v.T / s) @ (u.T * lengths)
-    return float(case.roundings * np.finfo(float).eps * np.sqrt((moves**2).sum(axis=1).max()))
+    return np.sqrt((moves**2).sum(axis=1).max())

@@ -8,10 +8,11 @@ are doubly covered polygons, or convex polygons glued with no total angle above 
 No solver decides this.  Every answer is checked by code that shares nothing with the solver (`convex_check`):
 lengths of the returned triangles, given edges measured along the hull, area and volume of the hull, deficits.
 Where the lengths determine the vertices, the vertices must also be within 1e-9 of the diameter of the
-discarded ones.  They do where errors of a few machine epsilons of the lengths (256 after random flips) move
-no vertex by 1e-9, by the singular values of the rigidity matrix at the discarded coordinates.  Flat bodies,
-which may swell by the root of the rounding, nets, whose polyhedra nobody knows, and the worst of the nearly
-flat are judged on the lengths alone.
+discarded ones.  They do where errors of a few machine epsilons of the lengths (256 after random flips), or as
+large as those of the answer's lengths, move no vertex by 1e-9, by the rigidity matrices at the discarded
+coordinates and at the answer, in which flat vertices are corners where rounding has made them some.  Flat
+bodies, which may swell by the root of the rounding, nets, whose polyhedra nobody knows, and the worst of the
+nearly flat are judged on the lengths alone.
 
 With ``--regular`` it is the solids of the classics (`convex_regular`) instead, 4,644 of them.
 
@@ -101,7 +102,7 @@ def judged(case, found):
         }
     if case.points is None:
         return row | {"status": "found"}
-    uncertainty = convex_check.uncertainty(case)
+    uncertainty = convex_check.uncertainty(case, found, row["residual"])
     allowed = max(convex_check.DISTANCE, 10 * case.repair**0.5)
     row["uncertainty"] = uncertainty
     row["distance"] = distance = convex_check.distance(found.vertices, case.points)

@@ -183,9 +183,27 @@ def outside_hull(vertices, faces, k):
 
 def apart(first, second, k):
     """Largest difference of the distances between vertices, over the largest distance."""
-    i, j = np.triu_indices(len(first), 1)
-    one, two = (distances(x[i], x[j], k) for x in (np.asarray(first), np.asarray(second)))
+    one, two = (between(x, k) for x in (first, second))
     return float(np.abs(one - two).max() / two.max())
+
+
+def gap(first, second, k):
+    """Largest difference of the distances between vertices."""
+    return float(np.abs(between(first, k) - between(second, k)).max())
+
+
+def between(x, k):
+    """Distances of every two points."""
+    x = np.asarray(x)
+    i, j = np.triu_indices(len(x), 1)
+    return distances(x[i], x[j], k)
+
+
+def misfit(first, second, weights):
+    """Largest distance of a vertex after the isometry of R^3 that is best in weighted least squares."""
+    a, b = (x - np.average(x, axis=0, weights=weights) for x in (first, second))
+    u, _, v = np.linalg.svd(a.T @ (weights[:, None] * b))
+    return float(np.linalg.norm(a @ u @ v - b, axis=1).max())
 
 
 def pierced(vertices, faces, k):

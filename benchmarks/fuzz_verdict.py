@@ -10,8 +10,13 @@ import numpy as np
 import convex_check
 import fuzz_check
 import fuzz_families
+import isoembed
 from convex_cases import relabeled
 from convex_sweep import judged, metric_of
+from isoembed import Alexandrov
+from isoembed.alexandrov.certificate import certify as certify_convex
+from isoembed.alexandrov.polyhedron import metric_on
+from isoembed.surface.certificate import certify
 
 KINDS = ("found", "another", "refused", "lost", "FALSE", "differ", "exception", "warning", "hang", "crash")
 KEPT = KINDS[4:]
@@ -22,8 +27,6 @@ SAME_SURFACE = 1e-6  # of the diameter: an answer and the discarded coordinates
 
 def asked(case, family, seed):
     """The method for this case."""
-    from isoembed import Alexandrov
-
     method = fuzz_families.METHODS[family]
     if case.repair:
         return Alexandrov(repair=case.repair)
@@ -33,8 +36,6 @@ def asked(case, family, seed):
 
 def answer(case, method):
     """The embedding, or the sentence of the refusal."""
-    import isoembed
-
     try:
         return isoembed.embed(metric_of(case), method=method)
     except (isoembed.NotEmbedded, isoembed.InvalidMetric) as refusal:
@@ -100,8 +101,7 @@ def uncertainty(case, found):
         body = case.core if case.curvature == 0 else (found.vertices, found.faces)
     else:
         body = found.vertices, found.faces
-    roundings = max(case.roundings, found.residual / np.finfo(float).eps)
-    return convex_check.uncertainty(replace(case, core=body, roundings=roundings))
+    return convex_check.uncertainty(replace(case, core=body), found, found.residual)
 
 
 def right(case, found):
@@ -125,38 +125,52 @@ def right(case, found):
         return {"kind": "FALSE", "message": bad}
     if case.points is None or case.repair:
         return {"kind": "found", "message": ""}
-    off = fuzz_check.apart(found.vertices[: len(case.points)], case.points, case.curvature)
-    unsure = uncertainty(case, found)
     if len(case.points) <= CERTIFIED:
-        bad = wrong_certificate(found, case.points, unsure)
+        bad = wrong_certificate(found, case.points)
         if bad:
             return {"kind": "FALSE", "message": bad}
-    if off <= SAME_SURFACE or off <= 100 * unsure:
+    off = fuzz_check.apart(found.vertices[: len(case.points)], case.points, case.curvature)
+    if off <= SAME_SURFACE or off <= 100 * (unsure := uncertainty(case, found)):
         return {"kind": "found", "message": "", "distance": off}
     kind = "FALSE" if hasattr(found, "given") and np.isfinite(unsure) else "another"
     return {"kind": kind, "message": f"{off:.1e} of the diameter away", "distance": off}
 
 
-def wrong_certificate(found, points, unsure):
-    """What the discarded coordinates, uncertain by so much of the diameter, disprove of a certificate."""
-    certificate, k = found.certificate, found.metric.curvature
-    if not certificate.certified:
+def wrong_certificate(found, points):
+    """What the discarded coordinates disprove of a certificate, or nothing.
+
+    They have other lengths than the answer's metric, by rounding, and these differences are known: the answer
+    is certified once more, for all lengths within them, and has to be as near to the coordinates as that
+    says, or, if it need not be convex, as far.  Where nothing is proven of so different lengths, nothing is
+    disproved.
+    """
+    if not found.certificate.certified:
         return ""
-    if certificate.embedded:
-        pair = fuzz_check.pierced(found.vertices, found.faces, k)
+    if found.certificate.embedded:
+        pair = fuzz_check.pierced(found.vertices, found.faces, found.metric.curvature)
         if pair:
             return f"certified, but edge {pair[0]} crosses face {pair[1]}"
-    if k:
+    metric, vertices, convex = found.metric, found.vertices, hasattr(found, "given")
+    if convex:
+        tables, vertices = found.core
+        metric, points = metric_on(tables), np.delete(points, found.flat_vertices, axis=0)
+    k, (a, b) = metric.curvature, metric.edges.T
+    errors = np.abs(fuzz_check.distances(points[a], points[b], k) - metric.lengths).astype(float)
+    proof = (certify_convex if convex else certify)(metric, vertices, np.nextafter(errors, np.inf))
+    if not proof.certified:
         return ""
-    size = 2 * np.linalg.norm(points - points.mean(axis=0), axis=1).max()
-    off, slack = convex_check.distance(found.vertices[: len(points)], points) * size, 100 * unsure * size
-    if hasattr(found, "given"):
-        wrong = off > 4 * certificate.distance + slack
-    else:
-        # Motions that fit best in other norms leave other distances: a hundredth is no contradiction.
-        mean = found.metric.mean_length
-        wrong = certificate.radius * mean + slack < off < certificate.isolation * mean / 100
-    return f"{certificate.reason}; but a realization is {off:.1e} away" if wrong else ""
+    radius, far = proof.radius * metric.mean_length, proof.isolation * metric.mean_length
+    gap = fuzz_check.gap(vertices, points, k)
+    if gap <= 2 * radius:  # of two vertices, both moved
+        return ""
+    if not convex:
+        if k:
+            return ""
+        weights = np.bincount(np.r_[a, b], np.tile(metric.lengths**-2.0, 2))
+        off = fuzz_check.misfit(vertices, points, weights)
+        if off >= far * (1 - 1e-9):
+            return ""
+    return f"{proof.reason}; but the distances of vertices are off by {gap:.1e}"
 
 
 def wrong_lengths(found):

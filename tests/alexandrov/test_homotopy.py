@@ -7,7 +7,7 @@ import zoo
 from curved import apart, body, metric_in
 from isoembed import PolyhedralMetric, embed
 from isoembed.alexandrov import homotopy
-from isoembed.alexandrov.homotopy import HOMOTOPY, follow_path
+from isoembed.alexandrov.homotopy import HOMOTOPY, Stalled, follow_path
 from isoembed.alexandrov.newton import Analyses, Solution, newton
 from isoembed.alexandrov.pins import independent_directions
 from isoembed.alexandrov.placement import placed, polished, realized
@@ -167,3 +167,15 @@ def test_triangles_that_did_not_change_are_analyzed_once():
     flipped = tables.copy()
     assert any(flip(h, flipped, 0.0) for h in range(flipped.corners.size))
     assert analyses.solver(Polytope.on(flipped, p.radii).jacobian()) is not first
+
+
+def test_the_path_says_where_newtons_method_stalls_and_goes_on(monkeypatch):
+    monkeypatch.setattr(homotopy, "newton", lambda *_: None)
+    tables, deficits = problem(*zoo.random_hull(20, 0))
+    with Log().stage("polytope") as recorder:
+        path = follow_path(tables, deficits, recorder)
+        largest = [np.abs(p.polytope.curvatures).max() for p in path if isinstance(p, Stalled)]
+    ladder = len(HOMOTOPY.ladder)
+    assert len(largest) > ladder
+    assert largest[0] <= HOMOTOPY.close * deficits.max()
+    assert largest[1] <= HOMOTOPY.close / 10 * deficits.max()

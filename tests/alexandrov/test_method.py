@@ -278,6 +278,25 @@ def test_low_pyramids_are_finished_by_their_lengths(n, apex, height):
     assert not found.concave_edges.any()
 
 
+def shallow_cap(seed, height):
+    """A paraboloid of 30 vertices over a heptagon."""
+    rng = np.random.default_rng(seed)
+    r, a, b = 0.9 * np.sqrt(rng.random(30)), 2 * np.pi * rng.random(30), 2 * np.pi * np.arange(7) / 7
+    cap = np.column_stack([r * np.cos(a), r * np.sin(a), 1 - r * r])
+    vertices, faces = zoo.outward_hull(np.vstack([cap, np.column_stack([np.cos(b), np.sin(b), 0 * b])]))
+    return vertices * [1, 1, height], faces
+
+
+@pytest.mark.parametrize("seed", [1, 7])
+def test_shallow_caps_are_finished_by_their_lengths_where_newton_stalls(seed):
+    vertices, faces = shallow_cap(seed, 1e-4)
+    found = embed(PolyhedralMetric.from_mesh(vertices, faces), method="alexandrov")
+    assert zoo.aligned(found.vertices, vertices) < 1e-9
+    # One start of four, and no diagonal that makes a dent, however shallow.
+    assert sum(stage.iterations for stage in found.stages) < 500
+    assert found.certificate.certified
+
+
 def test_what_failed_is_no_success_however_near_its_lengths(monkeypatch):
     monkeypatch.setattr(newton, "NEWTON", replace(newton.NEWTON, steps=0))
     monkeypatch.setattr(placement, "PLACEMENT", replace(placement.PLACEMENT, relaxations=0))

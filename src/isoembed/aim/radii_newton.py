@@ -13,7 +13,7 @@ import numpy as np
 
 from isoembed.aim.adiabatic_pullback import extrapolated
 from isoembed.alexandrov.doubly_covered import FLAT_LIMIT
-from isoembed.alexandrov.homotopy import HOMOTOPY, Waypoint, follow_path
+from isoembed.alexandrov.homotopy import HOMOTOPY, Stalled, Waypoint, follow_path
 from isoembed.alexandrov.newton import Analyses, Solution, forcing_term, pinned
 from isoembed.alexandrov.placement import placed, realized
 from isoembed.alexandrov.polytope import Polytope
@@ -103,6 +103,8 @@ def radii_start(given: GluedMetric, convex: GluedMetric, analyses: Analyses, log
             analyses,
         )
         for found in path:
+            if isinstance(found, Stalled):
+                continue
             p = found.polytope if isinstance(found, Solution) else found
             if convex is given and (np.abs(p.curvatures) <= close).all():
                 return p.radii

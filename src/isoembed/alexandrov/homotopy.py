@@ -120,6 +120,18 @@ class Waypoint:
         return {**self.polytope.arrays(), **{name: getattr(self, name) for name in names}}
 
 
+@dataclass(frozen=True, eq=False)
+class Stalled:
+    """Where Newton's method began, and did not arrive: the path goes on from here.
+
+    Attributes
+    ----------
+    polytope : Polytope
+    """
+
+    polytope: Polytope
+
+
 def follow_path(
     tables: HalfEdges,
     deficits: Floats,
@@ -128,8 +140,8 @@ def follow_path(
     resumed: Waypoint | None = None,
     near: Floats | None = None,
     analyses: Analyses | None = None,
-) -> Iterator[Polytope | Solution]:
-    """Yield the polytopes of the path, and at last, if one start arrives, the solution.
+) -> Iterator[Polytope | Stalled | Solution]:
+    """Yield the polytopes of the path, where it stalled, and at last, if one start arrives, the solution.
 
     Parameters
     ----------
@@ -195,7 +207,7 @@ def _attempt(
     recorder: StageRecorder,
     keep: Callable[[Waypoint], None],
     near: Floats | None,
-) -> Generator[Polytope | Solution, None, bool]:
+) -> Generator[Polytope | Stalled | Solution, None, bool]:
     """Go on to the solution, trying Newton's method whenever it may work; return if it did."""
     while here.close >= HOMOTOPY.closest:
         path = _path(here, deficits, analyses, recorder, keep)
@@ -215,6 +227,7 @@ def _attempt(
         if solution is not None:
             yield solution
             return True
+        yield Stalled(p)
         here = Waypoint(p, here.start, here.close / 10)
     return False
 

@@ -13,13 +13,13 @@ from numpy.typing import ArrayLike, NDArray
 from isoembed._embed import Method
 from isoembed.alexandrov.attempt import attempted
 from isoembed.alexandrov.doubly_covered import FLAT_LIMIT, DoublyCovered, doubly_covered_triangle, flat_limit
-from isoembed.alexandrov.homotopy import Waypoint, follow_path
+from isoembed.alexandrov.homotopy import Stalled, Waypoint, follow_path
 from isoembed.alexandrov.lengths import rounding_size, worst_length
 from isoembed.alexandrov.newton import Solution
-from isoembed.alexandrov.placement import realized, relaxed, relaxed_polytope
+from isoembed.alexandrov.placement import Relaxed, realized, relaxed, relaxed_polytope
 from isoembed.alexandrov.polyhedron import ConvexPolyhedron, metric_on
 from isoembed.alexandrov.polytope import Polytope
-from isoembed.alexandrov.tetrahedron import Tetrahedron, tetrahedron
+from isoembed.alexandrov.tetrahedron import tetrahedron
 from isoembed.arrays import Floats, Indices, Mask
 from isoembed.errors import InvalidMetric, InvalidParameter, NotEmbedded
 from isoembed.intrinsic.edge_paths import edge_paths
@@ -178,20 +178,16 @@ class _Search:
                 None if kept is None else Waypoint.of_arrays(kept),
             )
             body = tetrahedron(tables) if self.by_lengths and order.size == 4 else None
-            found = _polyhedron(tables, path, watch) if body is None else body
+            found = _polyhedron(tables, path, watch, recorder) if body is None else body
         with log.stage("placement") as recorder:
-            if isinstance(found, DoublyCovered | Tetrahedron):
-                tables, vertices = found.tables, found.vertices
-            elif isinstance(found, Solution):
+            if isinstance(found, Polytope):
+                found = self._from_nearest(found, recorder) or found
+            if isinstance(found, Solution):
                 tables, vertices = found.polytope.tables, _placed(found, recorder)
+            elif found is None or isinstance(found, Polytope):
+                return self._failure(curved, found, _diagnosis(found, curved))
             else:
-                rescued = None if found is None else relaxed_polytope(found, recorder)
-                if rescued is not None:
-                    tables, vertices = rescued
-                elif (flat := found and flat_limit(found)) and flat.error <= self.tolerance:
-                    found, tables, vertices = flat, flat.tables, flat.vertices
-                else:
-                    return self._failure(curved, found, _diagnosis(found, curved))
+                tables, vertices = found.tables, found.vertices
             tables = tables._replace(corners=order[tables.corners])
             vertices = outward(tables.faces, vertices[np.argsort(order)], self.metric.space)
         nearest = found.polytope if isinstance(found, Solution) else None
@@ -221,6 +217,14 @@ class _Search:
             message = f"the surface found is not convex at edge {e} {result.edges[e].tolist()}"
             return self._failure(curved, nearest, message)
         return polyhedron
+
+    def _from_nearest(self, nearest: Polytope, recorder: StageRecorder) -> Relaxed | DoublyCovered | None:
+        """The body that the polytope with the least curvatures leads to, if any."""
+        body = relaxed_polytope(nearest, recorder)
+        if body is not None:
+            return body
+        flat = flat_limit(nearest)
+        return flat if flat is not None and flat.error <= self.tolerance else None
 
     def _failure(self, core: Indices, nearest: Polytope | None, message: str) -> Embedding:
         """The given triangles on the nearest polytope that there is."""
@@ -259,9 +263,13 @@ class _Watch:
 
 
 def _polyhedron(
-    core: HalfEdges, path: Iterator[Polytope | Solution], watch: _Watch
-) -> Solution | DoublyCovered | Polytope | None:
-    """Solve, watching for a body that turns flat; failing that, the polytope with the least curvatures."""
+    core: HalfEdges, path: Iterator[Polytope | Stalled | Solution], watch: _Watch, recorder: StageRecorder
+) -> Solution | Relaxed | DoublyCovered | Polytope | None:
+    """Solve, watching for a body that turns flat; failing that, the polytope with the least curvatures.
+
+    The curvatures of thin bodies are lost in rounding before Newton's method takes over, their lengths are
+    not: where it stalls, these are tried.
+    """
     if core.corners.size == 6:
         triangle = doubly_covered_triangle(core)
         if triangle is not None:
@@ -269,6 +277,11 @@ def _polyhedron(
     for found in path:
         if isinstance(found, Solution):
             return found
+        if isinstance(found, Stalled):
+            body = relaxed_polytope(found.polytope, recorder)
+            if body is not None and body.is_sure:
+                return body
+            continue
         if found.lowest < watch.thin:
             watch.thin = found.lowest / 10
             polygon = flat_limit(found)

@@ -43,8 +43,12 @@ class PlacementThresholds:
     sample: int = threshold(100_000, "edges", "Edges that determine the six numbers of a linear map.")
     relaxations: int = threshold(20, "count", "Newton steps on the lengths at most.")
     diagonals: int = threshold(8, "edges", "Of those that are repeated, to be kept one after the other.")
-    dented: float = threshold(1e-8, "mean edge lengths", "Depth of a dent beyond what rounding makes.")
+    dented: float = threshold(1e-8, "mean edge lengths", "Deeper dents are never rounding.")
+    shallow: float = threshold(1e-13, "mean edge lengths", "Less deep dents are always rounding.")
     exact: float = threshold(1e-12, "mean edge lengths", "Error of the lengths of a solution.")
+    thick: float = threshold(
+        1e-5, "lengths of the body", "Thinner ones may be polygons: errors of 1e-12 let these swell by 1e-6."
+    )
     polishes: int = threshold(3, "count", "Rounds of the polish at most.")
     polished: float = threshold(8 * 2.0**-52, "radii", "Error of the lengths at which they may end.")
     magnified: float = threshold(1e-6, "mean edge lengths", "Size to which errors are lifted above rounding.")
@@ -181,7 +185,30 @@ def relaxed(tables: HalfEdges, vertices: Floats, recorder: StageRecorder) -> Flo
     return best
 
 
-def relaxed_polytope(nearest: Polytope, recorder: StageRecorder) -> tuple[HalfEdges, Floats] | None:
+@dataclass(frozen=True, eq=False)
+class Relaxed:
+    """A body that has the lengths of a metric.
+
+    Attributes
+    ----------
+    tables : HalfEdges
+    vertices : ndarray, shape (V, 3)
+    dent : float
+        Depth of the deepest dent, none of which a flip would mend, in mean edge lengths.
+    """
+
+    tables: HalfEdges
+    vertices: Floats
+    dent: float
+
+    @property
+    def is_sure(self) -> bool:
+        """Whether it has no dents, and is no polygon that lets its lengths be nearly right as it swells."""
+        sizes = np.linalg.svd(self.vertices - self.vertices.mean(axis=0), compute_uv=False)
+        return self.dent <= PLACEMENT.dented and bool(sizes[2] > PLACEMENT.thick * sizes[0])
+
+
+def relaxed_polytope(nearest: Polytope, recorder: StageRecorder) -> Relaxed | None:
     """Where the curvatures get small but not to zero, go on with the lengths, and flip what is then concave.
 
     Parameters
@@ -192,22 +219,41 @@ def relaxed_polytope(nearest: Polytope, recorder: StageRecorder) -> tuple[HalfEd
 
     Returns
     -------
-    HalfEdges, ndarray of shape (V, 3)
-        Triangles and vertices that have the lengths of the metric and no dent; None if none are found.
+    Relaxed or None
+        None if no triangles and vertices are found that have the lengths of the metric.
     """
     try:
-        vertices = placed(pinned(nearest, Analyses.of(nearest.tables), recorder))
+        solution = pinned(nearest, Analyses.of(nearest.tables), recorder)
+        with np.errstate(invalid="ignore"):  # many radii of curvature wide, and far from a polyhedron
+            vertices = placed(solution)
     except SingularMatrix:
         return None
+    if not np.isfinite(vertices).all():
+        return None
     for tables in _simplicial(nearest.tables):
-        moved = vertices
-        for _ in range(PLACEMENT.relaxations):
-            moved = relaxed(tables, moved, recorder)
-            if not worst_length(tables, moved) <= PLACEMENT.exact:
-                break
-            if not _dents_flipped(tables, outward(tables.faces, moved, nearest.space)):
-                return tables, moved
+        body = _without_dents(tables, vertices, recorder)
+        if body is not None:
+            return body
     return None
+
+
+def _without_dents(tables: HalfEdges, vertices: Floats, recorder: StageRecorder) -> Relaxed | None:
+    """Relax and flip in turn, until there are no dents but those of rounding; None if lengths are missed."""
+    best = None
+    for _ in range(PLACEMENT.relaxations):
+        vertices = relaxed(tables, vertices, recorder)
+        if not worst_length(tables, vertices) <= PLACEMENT.exact:
+            break
+        depths = _dents(tables, outward(tables.faces, vertices, Space(tables.curvature)))
+        dent = float(depths.max())
+        if best is not None and dent >= best.dent:
+            break
+        least = PLACEMENT.dented
+        if dent <= least:
+            best, least = Relaxed(tables.copy(), vertices, dent), PLACEMENT.shallow
+        if not _flipped(tables, depths, least):
+            return best or Relaxed(tables, vertices, dent)
+    return best
 
 
 def _simplicial(tables: HalfEdges) -> Iterator[HalfEdges]:
@@ -225,13 +271,18 @@ def _simplicial(tables: HalfEdges) -> Iterator[HalfEdges]:
         yield mesh
 
 
-def _dents_flipped(tables: HalfEdges, vertices: Floats) -> int:
-    """How many edges at which the surface is concave were flipped, the deepest first, each face once."""
+def _dents(tables: HalfEdges, vertices: Floats) -> Floats:
+    """Depths of the dents, in mean edge lengths, shape (E,)."""
     triangulation = Triangulation(tables.faces)
-    depths = dent_depths(triangulation, vertices, Space(tables.curvature)) / tables.lengths.mean()
+    return dent_depths(triangulation, vertices, Space(tables.curvature)) / tables.lengths.mean()
+
+
+def _flipped(tables: HalfEdges, depths: Floats, least: float) -> int:
+    """How many edges that are dented by more than this were flipped, the deepest first, each face once."""
+    triangulation = Triangulation(tables.faces)
     whole = np.ones(triangulation.n_faces, dtype=np.bool_)
     flipped = 0
-    for e in np.argsort(-depths)[: int((depths > PLACEMENT.dented).sum())]:
+    for e in np.argsort(-depths)[: int((depths > least).sum())]:
         faces = triangulation.edge_faces[e]
         if whole[faces].all() and flip(int(triangulation.edge_halfedges[e, 0]), tables, 0.0):
             whole[faces] = False
