@@ -6,13 +6,13 @@ from pathlib import Path
 import numpy as np
 
 from isoembed.cli.options import add_json_option, add_merge_option, add_output_option
+from isoembed.cli.outputs import check_answer
 from isoembed.cli.same_triangles import check_same_triangles
-from isoembed.cli.screen import UsageError, print_json, print_out
+from isoembed.cli.screen import print_json, print_out
 from isoembed.cli.status import NOT_EMBEDDED, OK
 from isoembed.io import (
     MESH_ENDINGS,
     SURFACE_ENDINGS,
-    check_output,
     read_metric,
     read_surface,
     write_atomically,
@@ -63,9 +63,7 @@ def run(options: argparse.Namespace) -> int:
     """Compare the surfaces; return the exit status."""
     output = options.output
     if output:
-        check_output(output, (*SURFACE_ENDINGS, *PICTURE_ENDINGS))
-        if output.resolve() in {path.resolve() for path in (options.surface, options.other)}:
-            raise UsageError(f"the output is the input {output}")
+        check_answer(output, (*SURFACE_ENDINGS, *PICTURE_ENDINGS), options.surface, options.other)
     first, second = (read_surface(path, merge=options.merge) for path in (options.surface, options.other))
     named, metric = options.surface, first.metric
     if options.metric:

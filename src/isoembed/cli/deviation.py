@@ -7,9 +7,10 @@ import numpy as np
 
 from isoembed.cli.length_error import add_length_error_option, length_errors, not_rigid
 from isoembed.cli.options import add_json_option, add_merge_option, add_output_option
-from isoembed.cli.screen import UsageError, print_json, print_out
+from isoembed.cli.outputs import check_answer
+from isoembed.cli.screen import print_json, print_out
 from isoembed.cli.status import NOT_EMBEDDED, OK
-from isoembed.io import MESH_ENDINGS, SURFACE_ENDINGS, check_output, read_surface, write_atomically
+from isoembed.io import MESH_ENDINGS, SURFACE_ENDINGS, read_surface, write_atomically
 from isoembed.io.files import Writer, ending
 from isoembed.io.registry import METRIC_ENDINGS
 from isoembed.io.surface import mesh_writer, surface_data
@@ -45,9 +46,7 @@ def run(options: argparse.Namespace) -> int:
     """Estimate the deviations; return the exit status."""
     output = options.output
     if output:
-        check_output(output, (*SURFACE_ENDINGS, *PICTURE_ENDINGS))
-        if output.resolve() == options.surface.resolve():
-            raise UsageError(f"the output is the input {output}")
+        check_answer(output, (*SURFACE_ENDINGS, *PICTURE_ENDINGS), options.surface)
     errors = length_errors(options)
     assert errors is not None
     surface = read_surface(options.surface, merge=options.merge)

@@ -64,6 +64,18 @@ class Outputs(dict[str, Path]):
             raise FileError("; ".join([*failures, *(f"{path} is written" for path in written)]))
 
 
+def check_answer(path: Path, endings: Collection[str], *inputs: Path) -> None:
+    """Find out before a computation whether its result can be written here, and is none of the inputs.
+
+    Raises
+    ------
+    FileError, UsageError
+    """
+    check_output(path, endings)
+    if path.resolve() in {each.resolve() for each in inputs}:
+        raise UsageError(f"the output is the input {path}")
+
+
 def stems(files: Sequence[str]) -> list[str]:
     """Names for what is written of each of some files.
 

@@ -4,10 +4,11 @@ import argparse
 from pathlib import Path
 
 from isoembed.cli.options import add_merge_option, add_output_option, add_quiet_option
+from isoembed.cli.outputs import check_answer
 from isoembed.cli.screen import UsageError, print_aside
 from isoembed.cli.status import OK
 from isoembed.gluing import unfold
-from isoembed.io import MESH_ENDINGS, METRIC_ENDINGS, check_output, read_surface, write_atomically
+from isoembed.io import MESH_ENDINGS, METRIC_ENDINGS, read_surface, write_atomically
 from isoembed.io.files import ending
 from isoembed.io.net import NET_ENDINGS, net_writer
 from isoembed.plot.paper.placing import PAPERS
@@ -43,9 +44,7 @@ def configure(parser: argparse.ArgumentParser) -> None:
 def run(options: argparse.Namespace) -> int:
     """Unfold the surface; return the exit status."""
     output = options.output
-    check_output(output, (*SHEET_ENDINGS, *NET_ENDINGS))
-    if output.resolve() == options.file.resolve():
-        raise UsageError(f"the output is the input {output}")
+    check_answer(output, (*SHEET_ENDINGS, *NET_ENDINGS), options.file)
     drawing = {name: value for name in ("paper", "scale") if (value := getattr(options, name)) is not None}
     if drawing and ending(output) in NET_ENDINGS:
         raise UsageError(f"--{next(iter(drawing))} is for nets on pages ({' '.join(SHEET_ENDINGS)})")

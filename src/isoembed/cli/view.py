@@ -6,10 +6,11 @@ import webbrowser
 from pathlib import Path
 
 from isoembed.cli.options import add_merge_option, add_output_option
+from isoembed.cli.outputs import check_answer
 from isoembed.cli.pictures import add_color_option
 from isoembed.cli.screen import UsageError, print_out
 from isoembed.cli.status import OK
-from isoembed.io import check_output, read_surface, write_atomically
+from isoembed.io import read_surface, write_atomically
 from isoembed.io.files import ending
 from isoembed.io.registry import MESH_ENDINGS, METRIC_ENDINGS
 from isoembed.plot import PICTURE_ENDINGS, picture_writer
@@ -40,9 +41,7 @@ def run(options: argparse.Namespace) -> int:
     """Show the surface; return the exit status."""
     output = options.output
     if output:
-        check_output(output, (*PAGE_ENDINGS, *PICTURE_ENDINGS))
-        if output.resolve() == options.file.resolve():
-            raise UsageError(f"the output is the input {output}")
+        check_answer(output, (*PAGE_ENDINGS, *PICTURE_ENDINGS), options.file)
     if options.color and (not output or ending(output) in PAGE_ENDINGS):
         raise UsageError(
             f"--color is for pictures ({' '.join(PICTURE_ENDINGS)}): a page shows all quantities"

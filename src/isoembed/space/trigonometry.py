@@ -85,14 +85,20 @@ def arc(c: float, k: float) -> float:
 
 
 @kernel
-def twice_area(a: float, b: float, c: float) -> float:
-    """Twice the area of a triangle of the plane from its sides, by Kahan's formula; 0 if they make none."""
+def _descending(a: float, b: float, c: float) -> tuple[float, float, float]:
     if a < b:
         a, b = b, a
     if a < c:
         a, c = c, a
     if b < c:
         b, c = c, b
+    return a, b, c
+
+
+@kernel
+def twice_area(a: float, b: float, c: float) -> float:
+    """Twice the area of a triangle of the plane from its sides, by Kahan's formula; 0 if they make none."""
+    a, b, c = _descending(a, b, c)
     square = (a + (b + c)) * (c - (a - b)) * (c + (a - b)) * (a + (b - c))
     return np.sqrt(square) / 2 if square > 0 else 0.0
 
@@ -105,12 +111,7 @@ def amplitude(a: float, b: float, c: float, k: float) -> float:
 
 @kernel
 def _curved_amplitude(a: float, b: float, c: float, k: float) -> float:
-    if a < b:
-        a, b = b, a
-    if a < c:
-        a, c = c, a
-    if b < c:
-        b, c = c, b
+    a, b, c = _descending(a, b, c)
     square = sn((a + (b + c)) / 2, k) * sn((c - (a - b)) / 2, k)
     square *= sn((c + (a - b)) / 2, k) * sn((a + (b - c)) / 2, k)
     return 2 * np.sqrt(square) if square > 0 else 0.0
@@ -121,12 +122,7 @@ def triangle_area(a: float, b: float, c: float, k: float) -> float:
     """Area of a triangle, by L'Huilier's formula; 0 where the sides make none."""
     if k == 0:
         return twice_area(a, b, c) / 2
-    if a < b:
-        a, b = b, a
-    if a < c:
-        a, c = c, a
-    if b < c:
-        b, c = c, b
+    a, b, c = _descending(a, b, c)
     square = tn((a + (b + c)) / 4, k) * tn((c - (a - b)) / 4, k)
     square *= tn((c + (a - b)) / 4, k) * tn((a + (b - c)) / 4, k)
     return 4 * math.atan(abs(k) * np.sqrt(square)) / abs(k) if square > 0 else 0.0
