@@ -22,11 +22,11 @@ def random_symmetric(m, seed, negative=0):
     return np.triu(matrix, 1) + np.triu(matrix, 1).T + np.diag(diagonal)
 
 
-def eliminated(matrix, k, least):
+def eliminated(matrix, k, least, precision=np.float64):
     """The front after k columns are eliminated, and whether that went well."""
     m = len(matrix)
-    front = triangle(matrix)
-    done = eliminate_columns(front, k, m, least, room_to_multiply(m))
+    front = triangle(matrix).astype(precision)
+    done = eliminate_columns(front, k, m, least, room_to_multiply(front, m))
     return front, done
 
 
@@ -34,18 +34,19 @@ def eliminated(matrix, k, least):
     ("m", "k"),
     [(1, 1), (2, 1), (5, 3), (9, 4), (9, 9), (30, 13), (80, 16), (81, 16), (90, 21), (140, 66), (150, 150)],
 )
-@pytest.mark.parametrize("negative", [0, 1])
-def test_rows_and_what_is_left_are_those_of_dense_elimination(m, k, negative):
+@pytest.mark.parametrize(("negative", "precision"), [(0, np.float64), (1, np.float64), (0, np.float32)])
+def test_rows_and_what_is_left_are_those_of_dense_elimination(m, k, negative, precision):
     matrix = random_symmetric(m, 10 * m + k, negative)
-    front, done = eliminated(matrix, k, -np.inf)
-    assert done
+    front, done = eliminated(matrix, k, -np.inf, precision)
+    assert done and front.dtype == precision
+    error = m * (1e-11 if precision == np.float64 else 1e-6)
     left = matrix[k:, k:] - matrix[k:, :k] @ np.linalg.solve(matrix[:k, :k], matrix[:k, k:])
-    np.testing.assert_allclose(front[beginning(k, m) :], triangle(left) if k < m else [], atol=1e-11 * m)
+    np.testing.assert_allclose(front[beginning(k, m) :], triangle(left) if k < m else [], atol=error)
     L, D = np.zeros((m, k)), np.zeros(k)
     for j in range(k):
         row = front[beginning(j, m) : beginning(j + 1, m)]
         D[j], L[j:, j] = row[0], row / row[0]
-    np.testing.assert_allclose((L * D) @ L[:k].T, matrix[:, :k], atol=1e-11 * m)
+    np.testing.assert_allclose((L * D) @ L[:k].T, matrix[:, :k], atol=error)
 
 
 @given(st.integers(2, 12), st.integers(0, 10**6))

@@ -39,10 +39,11 @@ def test_random_sparse_matrices(n, density, definite, seed):
     assert factor.negative_pivots == int((np.linalg.eigvalsh(matrix) < 0).sum())
 
 
-def test_factors_in_single_precision_precondition():
-    matrix, order = grid(40)
+@pytest.mark.parametrize("shift", [0.0, 1.2])
+def test_factors_in_single_precision_precondition(shift):
+    matrix, order = shifted(40, shift)
     b = np.random.default_rng(0).normal(size=(1600, 2))
-    solver = analyze(matrix, order)
+    solver = analyze(matrix, order, definite=not shift)
     x = solver.factor(matrix.data).solve(b)
     single = solver.factor(matrix.data, single=True)
     assert 1e-9 < np.abs(single.solve(b, sweeps=0) - x).max() / np.abs(x).max() < 1e-5

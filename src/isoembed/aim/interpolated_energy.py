@@ -29,6 +29,7 @@ class InterpolatedEnergyThresholds:
     """Thresholds of the energy of a coarse surface."""
 
     solved: float = threshold(1e-2, "relative", "Residual of a step's linear equations.")
+    refined: float = threshold(1e-4, "relative", "The same with factors of its own, which costs little more.")
     stale: float = threshold(
         1.1e-4, "iterations over the chosen vertices to the 3/2", "New factors are worth as many."
     )
@@ -80,6 +81,7 @@ class InterpolatedEnergy(RegularizedEnergy):
         share = 3 * len(chosen) / len(self.lengths)
         self._weights = np.sqrt(share) * units[self.edges.of_edge] / self.lengths
         self.factor: SymmetricFactor | None = None
+        self._factored: Floats | None = None  # where
         self.in_charts_of(positions)
 
     def in_charts_of(self, positions: Floats) -> None:
@@ -111,7 +113,7 @@ class InterpolatedEnergy(RegularizedEnergy):
         """As of other energies; where factors of another surface lead uphill, once more with new ones."""
         before = self.factor
         trial, downhill = super().step(vertices, lengths, mu, w, recorder, stiffness)
-        if downhill or before is None or self.factor is not before:
+        if downhill or before is None or self.factor is not before or self._factored is vertices:
             return trial, downhill
         self.factor = None
         return super().step(vertices, lengths, mu, w, recorder, stiffness)
@@ -132,19 +134,20 @@ class InterpolatedEnergy(RegularizedEnergy):
             stretch = np.einsum("ij,ij->i", rows, self._differences @ d)
             return self._differences.transposed(rows * stretch[:, None]) + mu * self.roughness(d, w)
 
-        def attempt(factor: SymmetricFactor, most: int) -> Approximation:
+        def attempt(factor: SymmetricFactor, tolerance: float, most: int) -> Approximation:
             def precondition(forces: Floats) -> Floats:
                 return factor.solve(forces.ravel(), sweeps=0).reshape(-1, 3)
 
-            return conjugate_gradients(product, precondition, gradient, INTERPOLATED_ENERGY.solved, most)
+            return conjugate_gradients(product, precondition, gradient, tolerance, most)
 
         if self.factor is not None:
             worth = int(INTERPOLATED_ENERGY.stale * len(vertices) ** 1.5)
-            found = attempt(self.factor, min(worth, REGULARIZED_ENERGY.most))
+            most = min(worth, REGULARIZED_ENERGY.most)
+            found = attempt(self.factor, INTERPOLATED_ENERGY.solved, most)
             if found.residual <= INTERPOLATED_ENERGY.solved:
                 return found.x
         self.factor = None  # its memory is free for the next
         penalty = csr_array(mu * (self._RR + w * self._KK))
         recorder.factorizations += 1
-        self.factor = self.edges.factor(self._differences, rows, penalty)
-        return attempt(self.factor, REGULARIZED_ENERGY.most).x
+        self.factor, self._factored = self.edges.factor(self._differences, rows, penalty), vertices
+        return attempt(self.factor, INTERPOLATED_ENERGY.refined, REGULARIZED_ENERGY.most).x

@@ -41,6 +41,7 @@ class SplitNewtonThresholds:
     quintic_solved: float = threshold(1e-2, "relative", "Residual of the equations with quintics.")
     quintic_most: int = threshold(70, "count", "Iterations with quintics at most.")
     held: float = threshold(0.1, "mu", "What holds rough motions in the preconditioner of the latter.")
+    single: float = threshold(5e-7, "relative", "Damping from which single precision solves well enough.")
 
 
 SPLIT_NEWTON = SplitNewtonThresholds()
@@ -111,5 +112,5 @@ class SplitNewton:
         """J and the factors at x, and the residuals in their order."""
         recorder.iterations += 1
         recorder.factorizations += 1
-        linear = self._system.linearized(x, self._lengths, damping)
+        linear = self._system.linearized(x, self._lengths, damping, single=damping >= SPLIT_NEWTON.single)
         return linear, length_residuals(self._system.triangulation, x, self._lengths)[linear.order]

@@ -1,12 +1,13 @@
 """Dense symmetric matrices, the fronts, in which the first columns are eliminated.
 
 Of a front the upper triangle is kept, row after row: row j of m is m - j numbers, from the diagonal on. An
-eliminated row is D times a column of L. It is followed by what is left for the rows below.
+eliminated row is D times a column of L. It is followed by what is left for the rows below. The numbers are of
+double or of single precision.
 """
 
 import numpy as np
 
-from isoembed.arrays import Floats, Indices
+from isoembed.arrays import Floats, Indices, Singles
 from isoembed.kernel import kernel
 
 _BLOCK = 64  # rows whose multiples are taken from those below at once
@@ -14,9 +15,9 @@ _NARROW, _SHORT = 16, 64  # from so many of them on, and for so many rows below,
 
 
 @kernel
-def room_to_multiply(m: int) -> Floats:
-    """Room that `eliminate_columns` works in, for fronts of up to m rows."""
-    return np.empty(3 * _BLOCK * m)
+def room_to_multiply(front: Floats | Singles, m: int) -> Floats | Singles:
+    """Room that `eliminate_columns` works in, for fronts like this of up to m rows."""
+    return np.empty(3 * _BLOCK * m, dtype=front.dtype)
 
 
 @kernel
@@ -26,7 +27,7 @@ def beginning(j: int, m: int) -> int:
 
 
 @kernel
-def extend(front: Floats, m: int, passed: Floats, places: Indices) -> None:
+def extend(front: Floats | Singles, m: int, passed: Floats | Singles, places: Indices) -> None:
     """Add a triangle to a front of m rows, at these of its rows, which rise."""
     q = 0
     for a in range(places.size):
@@ -37,7 +38,7 @@ def extend(front: Floats, m: int, passed: Floats, places: Indices) -> None:
 
 
 @kernel
-def eliminate_columns(front: Floats, k: int, m: int, least: float, room: Floats) -> bool:
+def eliminate_columns(front: Floats | Singles, k: int, m: int, least: float, room: Floats | Singles) -> bool:
     """Eliminate k of m columns; whether every pivot was larger than the least and not zero."""
     for first in range(0, k, _BLOCK):
         last = min(first + _BLOCK, k)
@@ -50,7 +51,7 @@ def eliminate_columns(front: Floats, k: int, m: int, least: float, room: Floats)
 
 
 @kernel(fastmath={"contract"})
-def _eliminate_block(front: Floats, first: int, last: int, m: int, end: int, least: float) -> bool:
+def _eliminate_block(front: Floats | Singles, first: int, last: int, m: int, end: int, least: float) -> bool:
     """Eliminate some columns, four at a time, from themselves and from the rows below, up to `end`."""
     for j0 in range(first, last, 4):
         j1 = min(j0 + 4, last)
@@ -72,8 +73,11 @@ def _eliminate_block(front: Floats, first: int, last: int, m: int, end: int, lea
             beginning(e2, m) - e2,
             beginning(e3, m) - e3,
         )
-        d0, d1 = 1.0 / front[at0 + j0], (j0 + 1 < j1) / front[at1 + e1]
-        d2, d3 = (j0 + 2 < j1) / front[at2 + e2], (j0 + 3 < j1) / front[at3 + e3]
+        one = front[at0 + j0] / front[at0 + j0]  # of the precision of the front
+        zero = one - one
+        d0, d1 = one / front[at0 + j0], (one if j0 + 1 < j1 else zero) / front[at1 + e1]
+        d2 = (one if j0 + 2 < j1 else zero) / front[at2 + e2]
+        d3 = (one if j0 + 3 < j1 else zero) / front[at3 + e3]
         for r in range(j1, end):
             y = front[beginning(r, m) : beginning(r + 1, m)]
             a0, a1 = front[at0 + r : at0 + m], front[at1 + r : at1 + m]
@@ -85,7 +89,9 @@ def _eliminate_block(front: Floats, first: int, last: int, m: int, end: int, lea
 
 
 @kernel
-def _subtract_products(front: Floats, first: int, last: int, m: int, room: Floats) -> None:
+def _subtract_products(
+    front: Floats | Singles, first: int, last: int, m: int, room: Floats | Singles
+) -> None:
     """Eliminate a block of columns from all rows below, by products of matrices."""
     k, below = last - first, m - last
     part = below * k

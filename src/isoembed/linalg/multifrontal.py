@@ -31,10 +31,14 @@ class Fronts(Symbolic):
         return 8 * (self.nodes.entries + self.nodes.room)
 
     def factor(self, data: Floats, *, single: bool = False) -> "FrontalFactors":
-        """Factorize the matrix with these entries; raises SingularMatrix."""
+        """Factorize the matrix with these entries; raises SingularMatrix.
+
+        Without exchanges elimination in single precision is stable for definite matrices only: of others the
+        factors are rounded in the end.
+        """
         count = self.nodes.entries
         L: Floats | Singles = np.empty(count, dtype=np.float32) if single else np.empty(count)
-        stack = np.empty(self.nodes.room)
+        stack = np.empty(self.nodes.room, dtype=L.dtype if self.definite else np.float64)
         least = 0.0 if self.definite else -np.inf
         negative = _eliminate(self.nodes, self.indptr, self.indices, data, L, stack, least)
         if negative < 0:
@@ -64,13 +68,13 @@ def _eliminate(
     indices: Indices32,
     data: Floats,
     L: Floats | Singles,
-    stack: Floats,
+    stack: Floats | Singles,
     least: float,
 ) -> int:
     """Fill L; the number of negative pivots, or -1 where one is zero or not larger than the least."""
     starts, ends = nodes.starts, nodes.ends
     place = np.empty(indptr.size - 1, dtype=np.int64)  # in the front, of its rows
-    places, room = np.empty(nodes.widest, dtype=np.int64), room_to_multiply(nodes.widest)
+    places, room = np.empty(nodes.widest, dtype=np.int64), room_to_multiply(stack, nodes.widest)
     waiting = np.empty(starts.size, dtype=np.int64)  # supernodes, in the order of the stack
     waits = top = done = negative = 0
     for s in range(starts.size - 1):

@@ -18,7 +18,6 @@ from isoembed.kernel import kernel
 from isoembed.linalg import Solver, SymmetricFactor, analyze, dissect
 from isoembed.mesh.triangulation import Triangulation
 from isoembed.surface.interpolation import CellRows, Stencils
-from isoembed.surface.rigidity_matrix import RIGIDITY
 from isoembed.thresholds import threshold
 
 
@@ -28,6 +27,7 @@ class InterpolatedThresholds:
 
     least: int = threshold(6, "edges", "Fewer inside a cell, and those across its border are measured, too.")
     most: int = threshold(30, "edges", "Of a cell: an interpolated surface has fewer freedoms.")
+    hold: float = threshold(1e-6, "relative", "Added to the diagonal: beyond rounding in single precision.")
 
 
 INTERPOLATED = InterpolatedThresholds()
@@ -92,7 +92,7 @@ class InterpolatedRigidity:
         return analyze(kron(self.pattern, np.ones((3, 3), dtype=np.int8), format="csc"), order)
 
     def factor(self, differences: CellRows, rows: Floats, penalty: csr_array) -> SymmetricFactor:
-        """Factor ``(J P)^T J P + penalty``, the penalty (C, C) acting on x, y and z alike.
+        """Factor ``(J P)^T J P + penalty``, in single precision, the penalty acting on x, y and z alike.
 
         Parameters
         ----------
@@ -129,7 +129,7 @@ class InterpolatedRigidity:
         diagonal = self._solver.pattern.indices == np.repeat(
             np.arange(3 * n), np.diff(self._solver.pattern.indptr)
         )
-        values[diagonal] *= 1 + RIGIDITY.hold
+        values[diagonal] *= 1 + INTERPOLATED.hold
         return self._solver.factor(values, single=True)
 
 
@@ -150,7 +150,7 @@ def _add_products(
         size = stencils[0][cell + 1] - begin
         if first == last:
             continue
-        J = np.empty((last - first, 3 * size))
+        J = np.empty((last - first, 3 * size), dtype=np.float32)
         for edge in range(first, last):
             for j in range(size):
                 for k in range(3):

@@ -129,8 +129,10 @@ class LengthSystem:
             d = d + J.forces(linear.solve(r - J.rates(d)))
         return surface.motion(d)
 
-    def linearized(self, vertices: Floats, lengths: Floats, damping: float = 0.0) -> LinearizedLengths:
-        """J where the vertices are, and the factors of ``J J^T + damping I``.
+    def linearized(
+        self, vertices: Floats, lengths: Floats, damping: float = 0.0, *, single: bool = False
+    ) -> LinearizedLengths:
+        """J where the vertices are, and the factors of ``J J^T + damping I``, in `single` precision or not.
 
         Raises
         ------
@@ -140,7 +142,7 @@ class LengthSystem:
             The factors need more memory than is free.
         """
         J = self._matrix(Projected.of(self.space, vertices), lengths)
-        return LinearizedLengths(J, self._factor(J, damping), self._order)
+        return LinearizedLengths(J, self._factor(J, damping, single=single), self._order)
 
     def smallest_singular_values(
         self, vertices: Floats, lengths: Floats, count: int
@@ -203,9 +205,9 @@ class LengthSystem:
     def _mean_diagonal(self, J: RigidityMatrix) -> float:
         return MEAN_DIAGONAL if self.space.is_euclidean else 2 * float(np.mean(np.sum(J.rows**2, axis=1)))
 
-    def _factor(self, J: RigidityMatrix, damping: float = 0.0) -> SymmetricFactor:
+    def _factor(self, J: RigidityMatrix, damping: float = 0.0, *, single: bool = False) -> SymmetricFactor:
         pattern = self._solver.pattern
-        return self._solver.factor(J.gram(pattern.indptr, pattern.indices, damping))
+        return self._solver.factor(J.gram(pattern.indptr, pattern.indices, damping), single=single)
 
     @cached_property
     def _solver(self) -> Solver:
