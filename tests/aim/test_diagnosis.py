@@ -92,6 +92,7 @@ def test_a_convex_metric_has_another_way():
     assert not negative_deficits(metric).any()
     text, _ = diagnosed(metric, x)
     assert "No deficit is negative: --method alexandrov is for the convex polyhedron" in text
+    assert "effort" not in text
 
 
 def test_a_failure_carries_it():
@@ -108,4 +109,5 @@ def test_a_failure_carries_it():
     assert attempt.message.startswith("no surface with these lengths was found: the nearest misses edge")
     assert f"edge {e} {metric.edges[e].tolist()} by {attempt.residual:.1e}" in attempt.message
     assert ". ." not in attempt.message
+    assert attempt.message.endswith("a longer search may find it: --effort 10, Aim(effort=10)")
     assert "best fit" in [stage.name for stage in attempt.stages]

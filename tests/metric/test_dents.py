@@ -5,6 +5,7 @@ import pytest
 
 import smooth_bodies
 import zoo
+from isoembed import embed
 from isoembed.gallery import CassiniPeanut, Ergosphere, HarmonicSurface, Sphere, triangulate
 from isoembed.metric.curvature import deficits
 from isoembed.metric.dents import dents
@@ -45,6 +46,25 @@ def test_dimples_whose_rings_have_grown_together_are_told_apart():
     for center in close:
         at_it = angles(vertices, center) < 0.3
         assert max(patch[at_it].mean() for patch in patches) == 1
+
+
+def horn_and_dimple(n):
+    """A sphere with a dimple and a horn whose rings of K < 0 have grown together."""
+    u, faces = triangulate(Sphere(), n)
+    dimple = 0.22 * np.exp((u @ (0.0, 0.0, 1.0) - 1) / 0.3**2)
+    horn = 0.45 * np.exp((u @ (0.0, np.sin(1.0), np.cos(1.0)) - 1) / 0.25**2)
+    return u * (1 - dimple + horn)[:, None], faces
+
+
+def test_a_horn_beside_a_dimple_is_no_part_of_it():
+    vertices, faces = horn_and_dimple(1000)
+    metric = PolyhedralMetric.from_mesh(vertices, faces)
+    (patch,) = dents(metric)
+    away = angles(vertices, (0.0, 0.0, 1.0))
+    assert patch[away < 0.25].all()
+    assert not patch[away > 0.55].any()
+    surface = embed(metric)
+    assert smooth_bodies.misfit(surface.vertices, vertices) < 1e-9
 
 
 @pytest.mark.parametrize(

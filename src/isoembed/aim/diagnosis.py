@@ -45,8 +45,9 @@ def diagnosis(attempt: Embedding, fit: FittedSurface | None) -> str:
         f"no surface with these lengths was found: the nearest misses {_worst_edge(attempt)} "
         f"by {attempt.residual:.1e} of the mean edge length"
     )
+    unlike = fit is None or fit.noise > DIAGNOSIS.unlike
     return ". ".join(
-        [found, *_curvature(attempt.metric, fit is None or fit.noise > DIAGNOSIS.unlike), _errors(fit)]
+        [found, *_curvature(attempt.metric, unlike), _errors(fit), *_longer_search(attempt.metric)]
     )
 
 
@@ -112,6 +113,16 @@ def _errors(fit: FittedSurface | None) -> str:
         f"A smooth surface has them but for errors of about {fit.noise:.0e} of the mean edge length (root "
         "mean square): if yours may err as much, take the best fit (--best-fit, Aim(best_fit=True))"
     )
+
+
+def _longer_search(metric: PolyhedralMetric) -> list[str]:
+    """What helps where the lengths are right, if there is a search."""
+    if not (metric.space.is_euclidean and negative_deficits(metric).any()):
+        return []
+    return [
+        "If the lengths are exact, those of a coarse or rough body, a longer search may find it: --effort 10, "
+        "Aim(effort=10)"
+    ]
 
 
 def _worst_edge(embedding: Embedding) -> str:

@@ -32,6 +32,9 @@ class DentThresholds:
     plain: float = threshold(
         0.3, "relative", "Caps with less curvature, of the largest within a ring, are noise."
     )
+    mixed: int = threshold(
+        3, "count", "Caps of a dent and of what has grown together with it, at most: more are of a rough body."
+    )
     fewest: int = threshold(4, "vertices", "Smaller patches are for the search for nearby realizations.")
 
 
@@ -69,18 +72,32 @@ def dents(metric: PolyhedralMetric) -> list[Mask]:
         inside[region] = True
         caps = _components(adjacency, inside & ~negative)
         totals = np.array([curvature[cap].sum() for cap in caps])
-        least, most = np.multiply(DENTS.total, totals.sum())
-        is_small = area[region].sum() < DENTS.area * area.sum()
-        if not (is_small and least <= curvature[region].sum() <= most):
+        if not area[region].sum() < DENTS.area * area.sum():
             continue
-        plain = np.flatnonzero(totals > DENTS.plain * totals.max())
+        is_dent = _vanishes(curvature[region].sum(), totals.sum())
+        if is_dent:
+            plain = np.flatnonzero(totals > DENTS.plain * totals.max())
+        else:  # it may be one that has grown together with something else, such as a horn
+            plain = np.flatnonzero([len(cap) >= DENTS.fewest for cap in caps])
+            if not 1 < len(plain) <= DENTS.mixed:
+                continue
         patches = [inside]
         if len(plain) > 1:
             shared = _shared(metric, inside, [caps[k] for k in plain])
             patches = [patch & (inside | ~filled) for patch in shared]
-        found += [(float(totals[k]), patch) for k, patch in zip(plain, patches, strict=True)]
+        found += [
+            (float(totals[k]), patch)
+            for k, patch in zip(plain, patches, strict=True)
+            if is_dent or _vanishes(curvature[patch].sum(), totals[k])
+        ]
     found.sort(key=lambda pair: -pair[0])
     return [patch for _, patch in found if patch.sum() >= DENTS.fewest]
+
+
+def _vanishes(total: float, caps: float) -> bool:
+    """Whether a patch has the total curvature of a dent, given that of its caps."""
+    least, most = np.multiply(DENTS.total, caps)
+    return bool(least <= total <= most)
 
 
 def _grown(adjacency: csr_array, mask: Mask) -> Mask:
