@@ -234,6 +234,7 @@ def test_what_was_given_stays():
         assert not table.flags.writeable
 
 
+@pytest.mark.slow  # a million triangles, where it is not compiled
 def test_a_vertex_that_is_nowhere():
     vertices, faces, flat = box(2)
     core, removal = remove_flat_vertices(tables_of(vertices, faces), flat)

@@ -130,6 +130,7 @@ def test_a_tetrahedron_unfolds_to_the_lattice_of_triangles():
         assert nearest != tables.corners[0]
 
 
+@pytest.mark.slow  # a million triangles, where it is not compiled
 def test_absurdly_far():
     _, tables = square()
     assert straight(from_corner(0, 0.1, laid_out(tables)), np.inf, laid_out(tables))[0] == -1
