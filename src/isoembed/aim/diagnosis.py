@@ -120,8 +120,8 @@ def _longer_search(metric: PolyhedralMetric) -> list[str]:
     if not (metric.space.is_euclidean and negative_deficits(metric).any()):
         return []
     return [
-        "If the lengths are exact, those of a coarse or rough body, a longer search may find it: --effort 10, "
-        "Aim(effort=10)"
+        "If the lengths are exact, those of a coarse or rough body, a longer search may find it: "
+        "--effort 10, Aim(effort=10)"
     ]
 
 

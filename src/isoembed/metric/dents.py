@@ -33,7 +33,7 @@ class DentThresholds:
         0.3, "relative", "Caps with less curvature, of the largest within a ring, are noise."
     )
     mixed: int = threshold(
-        3, "count", "Caps of a dent and of what has grown together with it, at most: more are of a rough body."
+        3, "count", "Caps of a dent and of what has grown together with it: rough bodies have more."
     )
     fewest: int = threshold(4, "vertices", "Smaller patches are for the search for nearby realizations.")
 
