@@ -107,6 +107,7 @@ def content(name):
     return re.sub(r'"seconds": [\d.e-]+', "", text)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("command", WAYS)
 def test_python_writes_what_the_command_writes(here, capfd, command):
     code = WAYS[command].strip()

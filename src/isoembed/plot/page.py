@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from isoembed._embed import configuration
-from isoembed.arrays import Floats, Mask
+from isoembed.arrays import Floats, Indices, Mask
 from isoembed.errors import InvalidMetric, InvalidParameter
 from isoembed.io.files import Writer, write_atomically
 from isoembed.io.format import Polygons
@@ -22,6 +22,7 @@ from isoembed.plot.browser.report import number, report_html
 from isoembed.plot.browser.thinning import thinned
 from isoembed.plot.drawn import DRAWN, Drawn
 from isoembed.plot.film import ANSWER, FILM, Frame, shape
+from isoembed.plot.pieces import Pieces
 from isoembed.plot.quantity import (
     QUANTITY,
     Quantity,
@@ -141,11 +142,7 @@ def _data(embedding: Embedding, frames: Sequence[Frame]) -> tuple[dict[str, Any]
     limit = int(min(FILM.frames, 1 + FILM.size // size))
     chosen = thinned([frame.stage for frame in earlier] + [ANSWER], limit)
     pose, seams = _pose(drawn), drawn.seams_in_space().ends
-    faceted = pieces.cuts > 0 or embedding.polygons is not embedding.faces
     edges = pieces.edges_of_faces()  # the script finds them in this order
-
-    def bits(mask: Mask) -> NDArray[np.uint8]:
-        return np.packbits((edges >= 0) & mask[edges], bitorder="little")
 
     def entry(
         surface: Embedding, add: Callable[[Floats], dict[str, Any]], of: Sequence[Quantity]
@@ -153,7 +150,7 @@ def _data(embedding: Embedding, frames: Sequence[Frame]) -> tuple[dict[str, Any]
         return {
             "told": [],
             "mesh": 0,
-            "concave": packed.add(bits(surface.concave_edges)),
+            "concave": packed.add(_bits(edges, surface.concave_edges)),
             "positions": add(pose.put(drawn.points(surface.vertices)).ravel()),
             "values": {q.name: shades(drawn.spread(q), add, surface.polygons) for q in of},
         }
@@ -168,16 +165,8 @@ def _data(embedding: Embedding, frames: Sequence[Frame]) -> tuple[dict[str, Any]
     for k, made in enumerate(entries):
         begins = k == 0 or made["stage"] != entries[k - 1]["stage"]
         made["pause"] = 3 * PAUSE if begins else PAUSE
-    mesh = {
-        "faces": packed.add(pieces.faces.ravel()),
-        "polygons": packed.add(np.repeat(embedding.face_polygons, pieces.per_face)) if faceted else None,
-        "outlines": packed.add(bits(embedding.polygon_edges)) if faceted else None,
-        "solid": len(pieces.faces),
-        "cuts": pieces.cuts,
-        "own": packed.add(pieces.nearest()) if pieces.cuts else None,
-    }
     return {
-        "meshes": [mesh],
+        "meshes": [_mesh(embedding, pieces, edges, packed)],
         "first": len(entries) - 1,
         "seams": packed.add_floats(pose.put(seams).ravel()) if len(seams) else None,
         "space": _space(drawn.space, pose.size),
@@ -185,18 +174,38 @@ def _data(embedding: Embedding, frames: Sequence[Frame]) -> tuple[dict[str, Any]
         "alone": _why_alone(embedding.method) if len(frames) == 1 else "",
         "camera": camera().ravel().tolist(),
         "ramp": ramp(COLORS),
-        "quantities": [
-            {
-                "name": q.name,
-                "label": _plain(q.label),
-                "unit": UNITS.get(q.name, ""),
-                "scale": q.scale,
-                "at": q.at,
-            }
-            for q in shown
-        ],
+        "quantities": [_named(q) for q in shown],
         "frames": entries,
     }, packed
+
+
+def _bits(edges: Indices, mask: Mask) -> NDArray[np.uint8]:
+    """A mask of edges, (E,), at those of the sides of faces, -1 inside of one."""
+    return np.packbits((edges >= 0) & mask[edges], bitorder="little")
+
+
+def _mesh(embedding: Embedding, pieces: Pieces, edges: Indices, packed: Packed) -> dict[str, Any]:
+    """The triangles that are drawn, and the faces that they are parts of."""
+    faceted = pieces.cuts > 0 or embedding.polygons is not embedding.faces
+    return {
+        "faces": packed.add(pieces.faces.ravel()),
+        "polygons": packed.add(np.repeat(embedding.face_polygons, pieces.per_face)) if faceted else None,
+        "outlines": packed.add(_bits(edges, embedding.polygon_edges)) if faceted else None,
+        "solid": len(pieces.faces),
+        "cuts": pieces.cuts,
+        "own": packed.add(pieces.nearest()) if pieces.cuts else None,
+    }
+
+
+def _named(quantity: Quantity) -> dict[str, str]:
+    """What the script calls a quantity."""
+    return {
+        "name": quantity.name,
+        "label": _plain(quantity.label),
+        "unit": UNITS.get(quantity.name, ""),
+        "scale": quantity.scale,
+        "at": quantity.at,
+    }
 
 
 def _pose(drawn: Drawn) -> Pose:
