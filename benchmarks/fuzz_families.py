@@ -10,6 +10,7 @@ import numpy as np
 from scipy.spatial import QhullError
 
 import convex_families
+import isoembed.meshing.surface as surface_meshing
 import space_forms
 from alexandrov import outward_hull
 from convex_bodies import log_uniform, round_body, sphere
@@ -20,6 +21,9 @@ from isoembed.space import Space
 from isoembed.space.models import from_model
 
 REALIZABLE, UNKNOWN, NONE = "realizable", "unknown", "none"
+
+# Meshes of at most 250 vertices: sampling a quarter of a million cells for each cost more than embedding it.
+surface_meshing.DENSITY = replace(surface_meshing.DENSITY, cells=(128, 64))
 
 
 def make(family, seed):

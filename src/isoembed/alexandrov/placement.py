@@ -16,6 +16,7 @@ from isoembed.alexandrov.ambient import (
     conformal_radii,
     distances_from_apex,
 )
+from isoembed.alexandrov.doubly_covered import FLAT_LIMIT
 from isoembed.alexandrov.lengths import conformal_distances, worst_length, worst_of_conformal
 from isoembed.alexandrov.newton import Analyses, Solution, pinned
 from isoembed.alexandrov.polytope import Polytope
@@ -46,9 +47,7 @@ class PlacementThresholds:
     dented: float = threshold(1e-8, "mean edge lengths", "Deeper dents are never rounding.")
     shallow: float = threshold(1e-13, "mean edge lengths", "Less deep dents are always rounding.")
     exact: float = threshold(1e-12, "mean edge lengths", "Error of the lengths of a solution.")
-    thick: float = threshold(
-        1e-5, "lengths of the body", "Thinner ones may be polygons: errors of 1e-12 let these swell by 1e-6."
-    )
+    thick: float = threshold(10.0, "errors of the lengths", "By which a body that is none, flattened, misses.")
     polishes: int = threshold(3, "count", "Rounds of the polish at most.")
     polished: float = threshold(8 * 2.0**-52, "radii", "Error of the lengths at which they may end.")
     magnified: float = threshold(1e-6, "mean edge lengths", "Size to which errors are lifted above rounding.")
@@ -203,9 +202,12 @@ class Relaxed:
 
     @property
     def is_sure(self) -> bool:
-        """Whether it has no dents, and is no polygon that lets its lengths be nearly right as it swells."""
-        sizes = np.linalg.svd(self.vertices - self.vertices.mean(axis=0), compute_uv=False)
-        return self.dent <= PLACEMENT.dented and bool(sizes[2] > PLACEMENT.thick * sizes[0])
+        """Whether it has no dents, and is no polygon covered twice: flattened, it would miss its lengths."""
+        centered = self.vertices - self.vertices.mean(axis=0)
+        normal = np.linalg.svd(centered, full_matrices=False)[2][2]
+        flattened = worst_length(self.tables, self.vertices - (centered @ normal)[:, None] * normal)
+        error = max(worst_length(self.tables, self.vertices), FLAT_LIMIT.exact)
+        return self.dent <= PLACEMENT.dented and flattened > PLACEMENT.thick * error
 
 
 def relaxed_polytope(nearest: Polytope, recorder: StageRecorder) -> Relaxed | None:
