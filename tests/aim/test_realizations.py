@@ -11,9 +11,12 @@ import zoo
 from isoembed.aim.length_expansion import LengthExpansion
 from isoembed.aim.nearby_motions import nearby_motions
 from isoembed.aim.nearby_realizations import softest_motions
+from isoembed.aim.realization_leads import leads
+from isoembed.aim.realization_search import RealizationSearch
 from isoembed.errors import InvalidParameter
 from isoembed.gallery import HarmonicSurface, triangulate
 from isoembed.metric.polyhedral import PolyhedralMetric
+from isoembed.progress.stages import Log
 from isoembed.space import Space
 from isoembed.surface.alignment import aligned, distance
 from isoembed.surface.embedding import Embedding
@@ -64,6 +67,20 @@ def test_every_apex_is_out_or_in(which, motions, surfaces):
         other = capped(*zoo.icosahedron(), which, HEIGHT * np.array(signs))[0]
         assert contains(found, embedding(other, faces, lengths_of=x))
     assert found.apart[~np.eye(len(found.apart), dtype=np.bool_)].min() > 0.9 * HEIGHT
+
+
+def test_what_smooths_in_several_places_is_done_at_once():
+    """Two of five apexes are moved together at most, yet one lead is to the body with all of them out."""
+    x, faces = zoo.icosphere(1)
+    which = [12, 27, 54, 42, 20]  # apart from each other
+    (about, out) = (capped(x, faces, which, np.full(5, height)) for height in (-HEIGHT, HEIGHT))
+    metric = PolyhedralMetric.from_mesh(*about)
+    start, end = (vertices / metric.unit for vertices, _ in (about, out))
+    system = LengthSystem(metric.triangulation)
+    found = leads(LengthExpansion(system, start, metric.normalized.lengths), 2, 0.1).leads
+    assert all(one.roughness <= other.roughness for one, other in itertools.pairwise(found))
+    assert distance(found[0].vertices, end) < 1e-3 * distance(start, end)
+    assert all(distance(lead.vertices, end) > 0.1 * distance(start, end) for lead in found[1:])
 
 
 def test_nothing_beyond_the_region_is_told():
@@ -130,6 +147,25 @@ def test_exact_pairs_along_a_flex(saddle, factor):
     assert one.metric.lengths == pytest.approx(PolyhedralMetric.from_mesh(other, t.faces).lengths, abs=1e-14)
     found = isoembed.realizations(one, surfaces=1)
     assert contains(found, embedding(other, t.faces, lengths_of=one.vertices))
+
+
+def test_two_that_are_close_are_found_from_farther(saddle):
+    """Between them J is nearly singular, and Newton's method slow."""
+    first, second = (each.vertices for each in saddle.surfaces[:2])
+    faces = saddle.about.triangulation.faces
+    second = aligned(second, first)
+    x, d = (first + second) / 2, (first - second) / 2
+    one, other = x + 0.02 * d, x - 0.02 * d
+    metric = PolyhedralMetric.from_mesh(one, faces)
+    lengths = metric.normalized.lengths
+    with Log().stage("realizations") as recorder:
+        search = RealizationSearch(
+            LengthSystem(metric.triangulation), (x + 2 * d) / metric.unit, lengths, recorder, 5, 0.12
+        )
+        search.polish(search.vertices)
+    assert len(search.found) == 2
+    for each in (one, other):
+        assert min(distance(found, each / metric.unit) for found in search.found) < 1e-9
 
 
 def test_from_an_attempt_that_misses_the_lengths(saddle):

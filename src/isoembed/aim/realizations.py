@@ -122,8 +122,8 @@ def realizations(
     motions : int
         How many motions are taken together, from 2 to 8: their quadratic equations have 2^motions roots.
     surfaces : int
-        From how many realizations to search on, in turn breadth first and smoothest first.  Where many
-        vertices can be pushed in there are more than can be found.
+        From how many realizations to search, the given one included, in turn smoothest first and breadth
+        first.  Where many vertices can be pushed in there are more than can be found.
 
     Returns
     -------

@@ -1,0 +1,136 @@
+"""Leads: places near a surface from where Newton's method may come to other realizations of its lengths.
+
+They are ends of motions: all roots of the quadratic equations in several of the motions to where others are
+predicted (`nearby_motions`, `nearby_realizations`).  Each comes with the roughness that is expected there, as
+the surface that is meant is among the smooth ones.  What makes a surface smoother in one place does so beside
+what does in others: such motions are taken together in one lead more.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import NamedTuple
+
+import numpy as np
+
+from isoembed.aim.length_expansion import LengthExpansion
+from isoembed.aim.nearby_motions import Motions, nearby_motions
+from isoembed.aim.nearby_realizations import predicted_motions, softest_motions
+from isoembed.arrays import Floats
+from isoembed.surface.smoothness import QuinticResiduals
+from isoembed.thresholds import threshold
+
+
+@dataclass(frozen=True)
+class LeadThresholds:
+    """Thresholds of leads to other realizations."""
+
+    beyond: float = threshold(1.1, "distances", "Motions may be predicted to reach so far.")
+    beside: int = threshold(3, "count", "Motions that are joined to each that is not among the nearest.")
+    imaginary: float = threshold(0.3, "relative", "Roots that miss being real by less are tried.")
+    defect: float = threshold(
+        0.7, "relative", "Most that lengths are off at a root, over what is of second order."
+    )
+    adds_up: float = threshold(
+        1.5, "relative", "Most that lengths are off after motions together, over the sum of each alone."
+    )
+    tried: float = threshold(0.05, "relative", "Roots as near to one that was tried are left out.")
+
+
+LEADS = LeadThresholds()
+
+
+class Lead(NamedTuple):
+    """Where to start Newton's method, and how rough the realization is expected to be."""
+
+    roughness: float
+    vertices: Floats
+
+
+class Leads(NamedTuple):
+    """Leads, the smoothest first, and how many systems of quadratic equations were solved incompletely."""
+
+    leads: list[Lead]
+    incomplete: int
+
+
+def leads(expansion: LengthExpansion, count: int, distance: float, hidden: int = 0, always: int = 0) -> Leads:
+    """Leads from a surface.
+
+    Parameters
+    ----------
+    expansion : LengthExpansion
+    count : int
+        How many motions are taken together at most.
+    distance : float
+        How far a realization may be, in mean edge lengths.
+    hidden : int
+        How many of the softest motions are left out of all others: near a fold they hide them.
+    always : int
+        How many of the softest motions join all others.
+
+    Raises
+    ------
+    SingularMatrix
+        The surface is not infinitesimally rigid.
+    """
+    near = LEADS.beyond * distance
+    softest = softest_motions(expansion, count)
+    found = nearby_motions(expansion, softest, near * float(expansion.lengths.mean()), hidden)
+    tried: list[Floats] = []
+    incomplete = 0
+    for group in _groups(found, softest[: min(always, count - 1)], count):
+        predicted = predicted_motions(expansion, group, near, LEADS.imaginary)
+        incomplete += not predicted.complete
+        for motion in predicted.motions:
+            close = LEADS.tried * np.abs(motion).max()
+            if all(np.abs(motion - other).max() > close for other in tried):
+                tried.append(motion)
+    plausible = [motion for motion in tried if _is_plausible(expansion, motion)]
+    return Leads(_smoothest_first(expansion, plausible), incomplete)
+
+
+def _groups(found: Motions, soft: Floats, count: int) -> list[Floats]:
+    """The motions that are taken together: the nearest, then each of the others with those beside it.
+
+    The soft ones join all of them.
+    """
+    count -= len(soft)
+    size = np.linalg.norm(found.motions, axis=2)
+    size = size / np.linalg.norm(size, axis=1, keepdims=True)
+    together = size @ size.T
+    np.fill_diagonal(together, np.inf)
+    beside = np.argsort(-together, axis=1, kind="stable")[count:, : min(LEADS.beside + 1, count)]
+    groups = [found.motions[:count], *(found.motions[each] for each in beside)]
+    return [np.concatenate([soft, group]) for group in groups]
+
+
+def _smoothest_first(expansion: LengthExpansion, motions: list[Floats]) -> list[Lead]:
+    """Leads to the ends of motions, and to the end of those together that make the surface smoother.
+
+    Motions are taken together that are beside each other, so that what the lengths are off adds up.
+    """
+    x = expansion.vertices
+    charts = QuinticResiduals.of(expansion.system.triangulation, x)
+    roughness = [charts.roughness(x + motion) for motion in motions]
+    order = np.argsort(roughness, kind="stable")
+    together, smoothest, count = np.zeros_like(x), charts.roughness(x), 0
+    for i in order[: np.searchsorted(np.sort(roughness), smoothest)]:
+        end = together + motions[i]
+        expected = charts.roughness(x + end)
+        apart = _missed(expansion, together) + _missed(expansion, motions[i])
+        if expected < smoothest and (not count or _missed(expansion, end) <= LEADS.adds_up * apart):
+            together, smoothest, count = end, expected, count + 1
+    found = [Lead(roughness[i], x + motions[i]) for i in order]
+    return [Lead(smoothest, x + together), *found] if count > 1 else found
+
+
+def _is_plausible(expansion: LengthExpansion, motion: Floats) -> bool:
+    """Whether the lengths at the end of a motion are off by less than what is of second order in it."""
+    bent = float(np.linalg.norm(expansion.bends(motion, motion)))
+    return _missed(expansion, motion) <= LEADS.defect * bent / 2
+
+
+def _missed(expansion: LengthExpansion, motion: Floats) -> float:
+    """How much the lengths at the end of a motion are off."""
+    return float(np.linalg.norm(expansion.residuals_at(motion)))
