@@ -31,9 +31,9 @@ class PullBackLevels:
 
     many: int = threshold(16_000, "vertices", "Fewer are pulled back at once: that is as fast.")
     guided: int = threshold(1_700, "vertices", "Chosen for the guided path.")
-    faded: int = threshold(2, "count", "Steps after it, mu falling.")
+    charts: int = threshold(2, "count", "Steps after it, mu falling, each in the charts of the last surface.")
     cell: int = threshold(10, "vertices", "Of a cell of the level after it.")
-    settling: float = threshold(1e-6, "mean edge lengths^2", "mu of the coarse steps that follow others.")
+    settling: float = threshold(1e-6, "mean edge lengths^2", "mu of the coarse step of the level after it.")
     split: tuple[float, ...] = threshold((1e-2, 1e-4), "relative", "mu of split steps, in turn.")
     close: float = threshold(
         1e-7, "mean edge lengths", "Residual from which Newton's method does not get lost."
@@ -98,13 +98,10 @@ def pulled_back_by_levels(
     if stencils is None:
         return None
     energy = InterpolatedEnergy(metric, stencils, convex, x)
-    z = x[stencils.cells.vertices]
-    for settled in (False, True):  # the second time in better charts
-        if settled:
-            energy.in_charts_of(x)
-        z = energy.relaxed(z, energy.lengths, LEVELS.settling * energy.unit**2, 0.0, recorder)
-        split = _split(system, metric.lengths, energy, stencils, x)
-        x, z = split.step(split.P @ z, z, LEVELS.split[0], recorder)
+    settling = LEVELS.settling * energy.unit**2
+    z = energy.relaxed(x[stencils.cells.vertices], energy.lengths, settling, 0.0, recorder)
+    split = _split(system, metric.lengths, energy, stencils, x)
+    x, z = split.step(split.P @ z, z, LEVELS.split[0], recorder)
     del energy
     for mu in LEVELS.split[1:]:
         x, z = split.step(x, z, mu, recorder)
@@ -129,7 +126,11 @@ def _error(metric: PolyhedralMetric, x: Floats) -> float:
 def _guided(
     metric: PolyhedralMetric, system: LengthSystem, convex: Floats, recorder: StageRecorder
 ) -> Floats | None:
-    """The surface at the end of the guided path, and of one step for all lengths."""
+    """The surface at the end of the guided path, and of steps for all lengths that renew the charts.
+
+    The convex surface's charts are noisy: as mu falls, soft motions would follow their errors, on
+    ergospheres whose necks are narrow past the point from where they come back.
+    """
     stencils = _stencils(metric, convex, LEVELS.guided)
     if stencils is None:
         return None
@@ -140,11 +141,27 @@ def _guided(
     chosen = convex[stencils.cells.vertices]
     recorder.show(level=f"{len(chosen):,} of {len(convex):,} vertices")
     z, mu = guided(energy, chosen, lambda t: energy.lengths * ratio**t, recorder)
-    for _ in range(LEVELS.faded):
-        mu *= CONTINUATION.fade
+    x, z = _split_step(system, metric.lengths, energy, stencils, convex, z, recorder)
+    for _ in range(LEVELS.charts):
+        energy.in_charts_of(x)
         z = energy.relaxed(z, energy.lengths, mu, 0.0, recorder)
-    split = _split(system, metric.lengths, energy, stencils, convex)
-    return split.step(split.P @ z, z, LEVELS.split[0], recorder)[0]
+        x, z = _split_step(system, metric.lengths, energy, stencils, x, z, recorder)
+        mu *= CONTINUATION.fade
+    return x
+
+
+def _split_step(
+    system: LengthSystem,
+    lengths: Floats,
+    energy: InterpolatedEnergy,
+    stencils: Stencils,
+    charts: Floats,
+    z: Floats,
+    recorder: StageRecorder,
+) -> tuple[Floats, Floats]:
+    """A step for all lengths from what is interpolated in these charts: the next x and z."""
+    split = _split(system, lengths, energy, stencils, charts)
+    return split.step(split.P @ z, z, LEVELS.split[0], recorder)
 
 
 def _split(

@@ -20,7 +20,7 @@ from isoembed.arrays import Floats
 from isoembed.linalg import SingularMatrix
 from isoembed.progress.stages import StageRecorder
 from isoembed.surface.rigidity import LengthSystem, length_residuals
-from isoembed.surface.smoothness import QuinticResiduals, fine_roughness
+from isoembed.surface.smoothness import QuinticResiduals
 from isoembed.thresholds import threshold
 
 
@@ -68,10 +68,8 @@ def nearby_realizations(
         vertices do not have these lengths, and no neighbor is found that has.
     """
     triangulation = system.triangulation
-    best, met, roughness = vertices, [], np.inf
     errors = length_residuals(triangulation, vertices, lengths, system.space)
-    if np.abs(errors).max() <= residual_tolerance:
-        met, roughness = [vertices], fine_roughness(triangulation, vertices)
+    best, met = vertices, [vertices] if np.abs(errors).max() <= residual_tolerance else []
     for _ in range(NEARBY.moves):
         recorder.factorizations += 1
         expansion = LengthExpansion(system, best, lengths)
@@ -80,15 +78,15 @@ def nearby_realizations(
         if not predicted:
             return met
         charts = QuinticResiduals.of(triangulation, best)
+        roughness = charts.roughness(best) if met else np.inf
         expected = [charts.roughness(best + motion) for motion in predicted]
         motion = predicted[int(np.argmin(expected)) if min(expected) < roughness else 0]
         neighbor = _realized(system, best, motion, lengths, recorder, residual_tolerance)
         if neighbor is None:
             return met
-        rougher = fine_roughness(triangulation, neighbor)
-        if rougher >= roughness:
+        if charts.roughness(neighbor) >= roughness:
             return [*met, neighbor]
-        best, met, roughness = neighbor, [neighbor, *met], rougher
+        best, met = neighbor, [neighbor, *met]
     return met
 
 
