@@ -1,6 +1,7 @@
 """Which surfaces with dents are found: spheres and ellipsoids with dimples, and dimples like one case.
 
-    python benchmarks/dents.py [--vertices N ...] [--dimples COUNT] [--every K] [--seed SEED] [--json FILE]
+    python benchmarks/dents.py [--vertices N ...] [--dimples COUNT] [--every K [--first I]] [--seed SEED]
+                               [--json FILE]
 
 Dimples: spheres and ellipsoids of axes 1.5, 1.2 and 1 with 1 to 5 dimples of three depths, for each number of
 vertices.  A dimple at the direction c takes ``d exp((u . c - 1) / w^2)`` of the distance of the points at u
@@ -8,7 +9,7 @@ from the center; w is .3, the depth d is .5, .75 and 1 times w, and centers are 
 other mesh is irregular.
 
 Like one case: COUNT spheres of 700 vertices, irregular, with a dimple in a random place, w from .3 to .5 and
-d from .5 to 1.1 times w.  With --every only each K-th of either family is tried.
+d from .5 to 1.1 times w.  With --every only each K-th of either family is tried, from the I-th.
 
 Printed are, for each surface, the dimples, the vertices, those with a negative deficit, what was found, the
 residual, the distance to the surface that the lengths were taken from over the diameter ("aligned"), and the
@@ -200,14 +201,16 @@ def main():
     parser.add_argument("--vertices", type=int, nargs="*", default=[1000, 2000, 3000], metavar="N")
     parser.add_argument("--dimples", type=int, default=200, metavar="COUNT")
     parser.add_argument("--every", type=int, default=1, metavar="K")
+    parser.add_argument("--first", type=int, default=0, metavar="I")
     parser.add_argument("--seed", type=int, default=0)
     parser.add_argument("--json", type=Path, metavar="FILE")
     options = parser.parse_args()
     rows = []
     for n in options.vertices:
-        rows += table(islice(dimples([n], options.seed), 0, None, options.every))
+        rows += table(islice(dimples([n], options.seed), options.first, None, options.every))
     if options.dimples:
-        rows += table(islice(like_the_case(options.dimples, options.seed), 0, None, options.every))
+        alike = like_the_case(options.dimples, options.seed)
+        rows += table(islice(alike, options.first, None, options.every))
     if options.json:
         options.json.write_text(json.dumps(rows, indent=1))
 

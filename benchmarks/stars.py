@@ -8,12 +8,14 @@ where cubics through their neighbors expect them, to a twentieth of an edge.
 
 Printed are those that miss the tolerance, then by kind how many were found exactly, how many of these are the
 body that the lengths came from, and how many another one that is smoother by `fine_roughness`; the seconds of
-the processor of all and of those not found.  Every answer's lengths are measured here: "wrong" counts answers
+the processor of all and of those not found.  The same by roughness comes last, for those who draw the line of
+what is resolved elsewhere.  Every answer's lengths are measured here: "wrong" counts answers
 that claim a tolerance which they miss.
 """
 
 import argparse
 import time
+from itertools import pairwise
 
 import numpy as np
 from scipy.special import sph_harm_y
@@ -26,6 +28,7 @@ from isoembed.surface.embedding import Embedding
 from stages import aligned
 
 RESOLVED = 0.05  # of an edge
+ROUGHNESSES = (0.01, 0.02, 0.05, 0.1, 0.2, 0.5, np.inf)  # of an edge
 SAME = 1e-6  # diameters
 TOLERANCE = 1e-10  # mean edge lengths
 KINDS = ("a radius at each vertex", "smooth radii")
@@ -77,6 +80,7 @@ def measured(seed, effort):
         )
     return {
         "kind": kind,
+        "roughness": true.roughness,
         "resolved": true.roughness < RESOLVED,
         "exact": found.converged and missed <= 2 * TOLERANCE,
         "wrong": found.converged and missed > 2 * TOLERANCE,
@@ -115,6 +119,9 @@ def main():
             print(line(f"{'resolved' if resolved else 'unresolved'}, {name}", these))
     print(line("resolved", [row for row in rows if row["resolved"]]))
     print(line("all", rows))
+    for least, most in pairwise((0.0, *ROUGHNESSES)):
+        these = [row for row in rows if least <= row["roughness"] < most]
+        print(line(f"roughness from {least:g} to {most:g}", these))
 
 
 if __name__ == "__main__":
