@@ -45,6 +45,7 @@ class SolutionThresholds:
 
     accepted: float = threshold(64 * 2.0**-52, "radii", "Error of lengths that needs no Newton step.")
     dented: float = threshold(1e-6, "mean edge lengths", "Depth of a dent; rounding makes 1e-8.")
+    tried: int = threshold(4_000, "vertices", "Of bodies whose lengths are tried where Newton stalls.")
 
 
 SOLUTION = SolutionThresholds()
@@ -268,7 +269,7 @@ def _polyhedron(
     """Solve, watching for a body that turns flat; failing that, the polytope with the least curvatures.
 
     The curvatures of thin bodies are lost in rounding before Newton's method takes over, their lengths are
-    not: where it stalls, these are tried.
+    not: where it stalls, these are tried.  On large bodies that costs more than to follow the path.
     """
     if core.corners.size == 6:
         triangle = doubly_covered_triangle(core)
@@ -278,9 +279,10 @@ def _polyhedron(
         if isinstance(found, Solution):
             return found
         if isinstance(found, Stalled):
-            body = relaxed_polytope(found.polytope, recorder)
-            if body is not None and body.is_sure:
-                return body
+            if found.polytope.radii.size <= SOLUTION.tried:
+                body = relaxed_polytope(found.polytope, recorder)
+                if body is not None and body.is_sure:
+                    return body
             continue
         if found.lowest < watch.thin:
             watch.thin = found.lowest / 10

@@ -47,9 +47,7 @@ class PlacementThresholds:
     dented: float = threshold(1e-8, "mean edge lengths", "Deeper dents are never rounding.")
     shallow: float = threshold(1e-13, "mean edge lengths", "Less deep dents are always rounding.")
     exact: float = threshold(1e-12, "mean edge lengths", "Error of the lengths of a solution.")
-    thick: float = threshold(
-        10.0, "errors of the lengths", "By which a body that is none, flattened, misses."
-    )
+    thick: float = threshold(10.0, "errors of the lengths", "That one which is no polygon has, flattened.")
     polishes: int = threshold(3, "count", "Rounds of the polish at most.")
     polished: float = threshold(8 * 2.0**-52, "radii", "Error of the lengths at which they may end.")
     magnified: float = threshold(1e-6, "mean edge lengths", "Size to which errors are lifted above rounding.")
