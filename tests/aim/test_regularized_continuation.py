@@ -27,7 +27,7 @@ def test_it_leads_from_the_sphere_to_smooth_bodies(surface, irregular):
     recorder = smooth_bodies.recorder()
     found = regularized_continuation(
         RegularizedEnergy(metric, start), start, log_linear(metric, start), recorder
-    )
+    ).vertices
     assert np.abs(length_residuals(metric.triangulation, found, metric.lengths)).max() < 1e-6
     assert smooth_bodies.misfit(found, x) < 1e-3
     assert recorder.factorizations <= 30
@@ -44,7 +44,7 @@ def test_neither_the_unit_nor_the_numbering_matters():
         start = scale * moved / np.linalg.norm(moved, axis=1)[:, None]
         recorder = smooth_bodies.recorder()
         energy, path = RegularizedEnergy(metric, start), log_linear(metric, start)
-        x = regularized_continuation(energy, start, path, recorder)
+        x = regularized_continuation(energy, start, path, recorder).vertices
         found.append((x[new] / scale, recorder.factorizations))
     for x, factorizations in found[1:]:
         assert factorizations == found[0][1]
@@ -58,6 +58,6 @@ def test_lengths_without_a_surface_are_given_up_soon():
     recorder = smooth_bodies.recorder()
     found = regularized_continuation(
         RegularizedEnergy(metric, x), x, lambda t: metric.lengths**t * lengths ** (1 - t), recorder
-    )
+    ).vertices
     assert np.abs(length_residuals(metric.triangulation, found, lengths)).max() > 1e-6
     assert recorder.factorizations <= 50

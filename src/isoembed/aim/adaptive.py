@@ -31,7 +31,7 @@ from isoembed.aim.local_search import LOCAL_SEARCH, local_search
 from isoembed.aim.mirrored_patches import mirrored_realizations
 from isoembed.aim.nearby_realizations import NEARBY, nearby_realizations
 from isoembed.aim.radii_newton import RADII_NEWTON, newton_on_radii, radii_start
-from isoembed.aim.regularized_continuation import log_linear, regularized_continuation
+from isoembed.aim.regularized_continuation import Continued, log_linear, regularized_continuation
 from isoembed.aim.regularized_energy import RegularizedEnergy
 from isoembed.alexandrov.method import Alexandrov
 from isoembed.alexandrov.newton import Analyses
@@ -163,6 +163,8 @@ class _Search:
         The vertices in the order of the `convexification`, in which what is near is near in memory.
     surfaces : list of Embedding
         What was found, in order.
+    smooth : ndarray, shape (V, 3), or None
+        Where the guided path ended, before what guides was let go.
     sought : bool
         Whether other realizations were sought near one.
     """
@@ -177,6 +179,7 @@ class _Search:
         self.convexification = Convexification(GluedMetric.flipped(tables.in_order(self.numbers)))
         self.kept = _kept(log)
         self.surfaces: list[Embedding] = []
+        self.smooth: Floats | None = None
         self.sought = False
 
     @cached_property
@@ -286,13 +289,15 @@ class _Search:
         """Go from the start to the lengths step by step, then to smoother realizations nearby."""
         if self.mirror_patches():
             return
-        guided = self.kept.get("guided")
-        if guided is None:
+        if "guided" in self.kept:
+            guided = Continued(self.kept["smooth"], self.kept["guided"])
+        else:
             with self.log.stage("guided pull back") as recorder:
                 guided = self.guided(recorder)
+        self.smooth = guided.smooth
         with self.log.stage("polish") as recorder:
-            recorder.keep(start=self.start, guided=guided)
-            vertices = anneal(self.system, guided, self.metric.lengths, recorder).vertices
+            recorder.keep(start=self.start, guided=guided.vertices, smooth=guided.smooth)
+            vertices = anneal(self.system, guided.vertices, self.metric.lengths, recorder).vertices
             recorder.show(vertices=vertices)
         self.surfaces.append(self.surface(vertices))
         self.search_nearby(self.surfaces[-1])
@@ -330,28 +335,35 @@ class _Search:
         return bool(realized)
 
     def turn_patches(self, most: float) -> None:
-        """Turn over what is on the wrong side, leaving the best fit its share of so many factorizations."""
+        """Turn over what is on the wrong side, leaving the best fit its share of so many factorizations.
+
+        Coarse surfaces are searched from the nearest attempt, others from the smooth end of the path: its
+        pits are where they should be, which is more than that lengths are nearly right.
+        """
         if not self.metric.space.is_euclidean:
             return
-        nearest = min(self.surfaces, key=lambda surface: surface.residual)
+        start = min(self.surfaces, key=lambda surface: surface.residual).vertices
         left = most - self.log.factorizations - ADAPTIVE.fit
         if self.numbers.size > LOCAL_SEARCH.coarse:
             left -= ADAPTIVE.ending
+            start = start if self.smooth is None else self.smooth
         with self.log.stage("local search") as recorder:
-            found = local_search(self.energy, nearest.vertices, self.metric.lengths, recorder, max(left, 0.0))
+            found = local_search(
+                self.energy, self.system, start, self.metric.lengths, recorder, max(left, 0.0)
+            )
             recorder.show(vertices=found)
             polished = anneal(self.system, found, self.metric.lengths, recorder).vertices
         self.surfaces.append(self.surface(polished))
         self.search_nearby(self.surfaces[-1])
 
-    def guided(self, recorder: StageRecorder) -> Floats:
+    def guided(self, recorder: StageRecorder) -> Continued:
         """Where the guided path ends, near enough to the lengths for Newton's method."""
         kept = self.log.resumed_at("guided pull back")
         if goes_by_levels(self.metric, kept):
             with suppress(SingularMatrix, InvalidMetric):  # of the chosen vertices, on needles
                 found = pulled_back_by_levels(self.metric, self.system, self.start, recorder, kept)
                 if found is not None:
-                    return found
+                    return Continued(found, found)
             kept = None
         path = log_linear(self.metric, self.start)
         return regularized_continuation(self.energy, self.start, path, recorder, kept)

@@ -128,10 +128,10 @@ class _Fits:
         """The fit nearest to these vertices, with mu in units of the squared mean edge length."""
         lengths, unit = self._metric.lengths, self._metric.mean_length
         mu = weight * unit**2
-        x, value = vertices, self._value(vertices, mu)
+        x, value = vertices, self._energy.value(vertices, lengths, mu)
         for _ in range(BEST_FIT.steps):
             x = self._energy.relaxed(x, lengths, mu, 0.0, self._recorder)
-            before, value = value, self._value(x, mu)
+            before, value = value, self._energy.value(x, lengths, mu)
             if not value < BEST_FIT.settled * before:
                 break
         r = self._energy.residuals(x, lengths)
@@ -141,11 +141,6 @@ class _Fits:
             return BestFit(x, weight, np.inf, np.inf)
         noise = float(np.sqrt(r @ r / free)) / unit
         return BestFit(x, weight, noise, noise / np.sqrt(free))
-
-    def _value(self, x: Floats, mu: float) -> float:
-        """The energy of a surface."""
-        r = self._energy.residuals(x, self._metric.lengths)
-        return float(r @ r + mu * np.sum(x * self._energy.roughness(x, 0.0)))
 
     def _degrees_of_freedom(self, x: Floats, mu: float) -> float:
         """Trace of ``I - H``, which takes errors of the lengths to what the fit leaves of them.

@@ -5,7 +5,11 @@ a bump, a vertex stands on the other side of its neighbors.  Its energy, ``|r|^2
 (`isoembed.aim.regularized_energy`), is then a local minimum, and the lengths are missed at these patches.
 Disks of triangles where they are missed most are put where their surroundings expect them, or as far beyond,
 and relaxed with the rest of the surface held.  What lowers the energy is kept.  So for one mu after the
-other, until mu vanishes.
+other.
+
+From each mu the surface is let go, by other measures of smoothness, too: as mu vanishes, vertices that are
+nearly in the plane of their neighbors choose their sides, and no measure always knows which.  Where little is
+missed in the end, `isoembed.aim.completion` goes on.
 """
 
 from __future__ import annotations
@@ -17,11 +21,15 @@ import numpy as np
 from scipy.linalg import LinAlgError, cho_factor, cho_solve
 from scipy.sparse import csr_array, eye_array
 
+from isoembed.aim.anneal import anneal
+from isoembed.aim.completion import completed
+from isoembed.aim.energy_descent import descended
 from isoembed.aim.regularized_continuation import let_go
 from isoembed.aim.regularized_energy import RegularizedEnergy
 from isoembed.arrays import Floats, Indices, Mask
 from isoembed.progress.stages import StageRecorder
 from isoembed.surface.local_fit import sums_at_ends
+from isoembed.surface.rigidity import LengthSystem
 from isoembed.thresholds import threshold
 
 
@@ -32,6 +40,7 @@ class LocalSearchThresholds:
     weights: tuple[float, ...] = threshold(
         (1e-3, 1e-4, 1e-5, 1e-6, 1e-7, 1e-8), "mean edge lengths^2", "mu, in turn."
     )
+    known: float = threshold(1e-4, "mean edge lengths^2", "mu from which surfaces are let go, at most.")
     rings: int = threshold(5, "count", "Radius of the disks at most, in edges; the least is a vertex.")
     disks: int = threshold(12, "count", "Disks of each radius that are tried in a sweep.")
     share: float = threshold(1e-4, "relative", "Share of |r|^2 in a disk that is worth a try.")
@@ -48,6 +57,10 @@ class LocalSearchThresholds:
     local_steps: int = threshold(12, "count", "Gauss-Newton steps of a patch at most.")
     settled: float = threshold(0.998, "relative", "Share of the energy that a step leaves at a minimum.")
     steps: int = threshold(20, "count", "Gauss-Newton steps of the surface at most.")
+    fade: float = threshold(0.1, "relative", "Factor of mu from step to step as a surface is let go.")
+    faded: int = threshold(12, "count", "Such steps at most.")
+    stalled: float = threshold(0.9, "relative", "Share of the residual that two steps leave if it is lost.")
+    exact: float = threshold(1e-11, "mean edge lengths", "Largest residual of a realization.")
     damping: float = threshold(1e-3, "relative", "Levenberg-Marquardt damping of a patch at first.")
     stiffer: float = threshold(5.0, "relative", "Factor of the damping after a step uphill.")
     softer: float = threshold(0.2, "relative", "Factor of the damping after a step downhill.")
@@ -57,14 +70,19 @@ class LocalSearchThresholds:
     dense: float = threshold(0.05, "relative", "Cost of a factorization of its patches, by their vertices.")
     coarse_steps: int = threshold(25, "count", "Gauss-Newton steps after a vertex was mirrored at most.")
     converged: float = threshold(1e-6, "relative", "Decrease of |r|^2 that is none.")
-    close: float = threshold(1e-6, "mean edge lengths", "Newton's method does not get lost from here.")
+    close: float = threshold(1e-6, "mean edge lengths", "From here Newton's method, or completion, is tried.")
 
 
 LOCAL_SEARCH = LocalSearchThresholds()
 
 
 def local_search(
-    energy: RegularizedEnergy, vertices: Floats, lengths: Floats, recorder: StageRecorder, most: float
+    energy: RegularizedEnergy,
+    system: LengthSystem,
+    vertices: Floats,
+    lengths: Floats,
+    recorder: StageRecorder,
+    most: float,
 ) -> Floats:
     """Turn over what is on the wrong side of a surface that misses its lengths.
 
@@ -72,6 +90,8 @@ def local_search(
     ----------
     energy : RegularizedEnergy
         Of a metric in Euclidean space.
+    system : LengthSystem
+        Of its triangulation.
     vertices : ndarray, shape (V, 3)
     lengths : ndarray, shape (E,)
     recorder : StageRecorder
@@ -85,30 +105,40 @@ def local_search(
     ndarray, shape (V, 3)
         Where it ended.
     """
-    search = _LocalSearch(energy, lengths, recorder, most)
+    search = _LocalSearch(energy, system, lengths, recorder, most)
     x = vertices
     if search.is_coarse:
         search.most = LOCAL_SEARCH.guided * most
     for weight in LOCAL_SEARCH.weights:
-        x = search.at(x, weight * energy.unit**2)
+        mu = weight * energy.unit**2
+        x = search.at(x, mu)
         if search.is_done(x):
+            break
+        known = weight <= LOCAL_SEARCH.known and not search.is_coarse
+        if known and search.ends_realized(x, mu):
             break
     if search.is_coarse:
         search.most = most
         x = search.mirrored(x)
-    elif search.largest_residual(x) > LOCAL_SEARCH.close:
-        x, _ = let_go(energy, x, lengths, weight * energy.unit**2, recorder)
+    elif search.realization is None:
+        x, _ = let_go(energy, x, lengths, mu, recorder)
     recorder.factorizations += round(search.local)
-    return x
+    return x if search.realization is None else search.realization
 
 
 class _LocalSearch:
-    """The search, and what it has spent."""
+    """The search, what it has spent, and the realization that it has found."""
 
     def __init__(
-        self, energy: RegularizedEnergy, lengths: Floats, recorder: StageRecorder, most: float
+        self,
+        energy: RegularizedEnergy,
+        system: LengthSystem,
+        lengths: Floats,
+        recorder: StageRecorder,
+        most: float,
     ) -> None:
-        self.energy, self.lengths, self.recorder = energy, lengths, recorder
+        self.energy, self.system, self.lengths, self.recorder = energy, system, lengths, recorder
+        self.realization: Floats | None = None
         self.begun, self.most, self.local = recorder.factorizations, most, 0.0
         n = energy.triangulation.n_vertices
         self.is_coarse = n <= LOCAL_SEARCH.coarse
@@ -139,7 +169,41 @@ class _LocalSearch:
 
     def is_done(self, x: Floats) -> bool:
         """Whether there is no more to do, or may not be done."""
-        return self.exhausted or self.largest_residual(x) <= LOCAL_SEARCH.close
+        return self.exhausted or self.is_realized(x)
+
+    def is_realized(self, x: Floats) -> bool:
+        """Whether a realization is found, now that the surface is this."""
+        if self.realization is None and self.largest_residual(x) <= LOCAL_SEARCH.close:
+            found = anneal(self.system, x, self.lengths, self.recorder).vertices
+            if self.largest_residual(found) <= LOCAL_SEARCH.exact:
+                self.realization = found
+        return self.realization is not None
+
+    def ends_realized(self, x: Floats, mu: float) -> bool:
+        """Whether a realization is found as mu vanishes."""
+        for energy in (self.energy.coarser(x), self.energy):
+            end = self.released(energy, x, mu)
+            if self.is_done(end):
+                return True
+            if self.largest_residual(end) <= LOCAL_SEARCH.close:
+                end = completed(self.system, end, self.lengths, self.recorder, lambda _: self.exhausted)
+                if self.is_done(end):
+                    return True
+        return False
+
+    def released(self, energy: RegularizedEnergy, x: Floats, mu: float) -> Floats:
+        """Where a surface ends as mu vanishes, with a measure of smoothness."""
+        before, slow = np.inf, 0
+        for _ in range(LOCAL_SEARCH.faded):
+            x = descended(energy, x, self.lengths, mu, self.recorder, lambda _: self.exhausted)
+            self.show(x)
+            residual = self.largest_residual(x)
+            slow = slow + 1 if residual > LOCAL_SEARCH.stalled * before else 0
+            if slow == 2 or residual <= LOCAL_SEARCH.exact or self.exhausted:
+                break
+            before = residual
+            mu *= LOCAL_SEARCH.fade
+        return x
 
     def at(self, x: Floats, mu: float) -> Floats:
         """The least energy that is met with one mu."""
@@ -161,24 +225,19 @@ class _LocalSearch:
         """How far apart surfaces are that stand on different sides, by the residual that is between them."""
         return self.energy.unit * float(np.sqrt(self.largest_residual(x)))
 
-    def value(self, x: Floats, mu: float) -> float:
-        """The energy of a surface."""
-        r = self.energy.residuals(x, self.lengths)
-        return float(r @ r + mu * np.sum(x * self.energy.roughness(x, 0.0)))
-
     def settled(self, x: Floats, mu: float) -> Floats:
-        """The local minimum of the energy."""
-        value = self.value(x, mu)
+        """The local minimum of the energy, as far as Gauss-Newton steps lead."""
+        value = self.energy.value(x, self.lengths, mu)
         for _ in range(LOCAL_SEARCH.steps):
             x = self.energy.relaxed(x, self.lengths, mu, 0.0, self.recorder)
-            before, value = value, self.value(x, mu)
+            before, value = value, self.energy.value(x, self.lengths, mu)
             if not value < LOCAL_SEARCH.settled * before:
                 break
         return x
 
     def sweep(self, x: Floats, mu: float, stale: Mask) -> Floats:
         """Try disks of all sizes once, those with a vertex that is ``stale``; x itself if none is turned."""
-        found, enough = x, LOCAL_SEARCH.gain * self.value(x, mu)
+        found, enough = x, LOCAL_SEARCH.gain * self.energy.value(x, self.lengths, mu)
         for disks in self.disks:
             self.show(found)
             for center in self.chosen(found, disks):

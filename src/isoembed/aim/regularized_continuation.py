@@ -7,7 +7,7 @@ its place was taken by quintics fitted twice, which know smooth surfaces better 
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -41,6 +41,13 @@ class ContinuationThresholds:
 CONTINUATION = ContinuationThresholds()
 
 
+class Continued(NamedTuple):
+    """Where the path of metrics ended, smooth, and where letting go of R led from there, each (V, 3)."""
+
+    smooth: Floats
+    vertices: Floats
+
+
 def log_linear(metric: PolyhedralMetric, start: Floats) -> Callable[[float], Floats]:
     """The lengths ``l(t) = l(0)^{1-t} l(1)^t`` from an embedded metric at t = 1 to the given one at t = 0.
 
@@ -58,7 +65,7 @@ def regularized_continuation(
     lengths: Callable[[float], Floats],
     recorder: StageRecorder,
     kept: Mapping[str, NDArray[Any]] | None = None,
-) -> Floats:
+) -> Continued:
     """Follow a path of metrics from an embedded one at t = 1, then let go of what guides.
 
     Parameters
@@ -74,8 +81,8 @@ def regularized_continuation(
 
     Returns
     -------
-    ndarray, shape (V, 3)
-        Where it did not get lost, near enough to the metric at t = 0 for Newton's method.
+    Continued
+        Its vertices are, where it did not get lost, near enough to the metric at t = 0 for Newton's method.
     """
 
     def keep(x: list[Floats], **state: ArrayLike) -> None:
@@ -87,7 +94,7 @@ def regularized_continuation(
     found, residual = let_go(energy.finer(x), x, given, mu, recorder)
     if residual > close:  # edges too long for quintics to know the surface
         found = min((found, residual), let_go(energy, x, given, mu, recorder), key=lambda pair: pair[1])[0]
-    return found
+    return Continued(x, found)
 
 
 def guided(

@@ -92,8 +92,15 @@ class RegularizedEnergy:
 
     def finer(self, vertices: Floats) -> RegularizedEnergy:
         """The same with quintic fits, applied twice, in the charts of these vertices in the place of R."""
+        return self._fitted_twice(vertices, 5)
+
+    def coarser(self, vertices: Floats) -> RegularizedEnergy:
+        """The same with cubic fits, applied twice, in the charts of these vertices."""
+        return self._fitted_twice(vertices, 3)
+
+    def _fitted_twice(self, vertices: Floats, degree: int) -> RegularizedEnergy:
         other = copy(self)
-        residuals = fit_residuals(self.triangulation, vertices, 5)
+        residuals = fit_residuals(self.triangulation, vertices, degree)
         other._regularize_by(csr_array(residuals @ residuals))
         return other
 
@@ -134,11 +141,19 @@ class RegularizedEnergy:
         forces = self.triangulation.incidence @ (rows * tensions[:, None])
         return forces / self.space.heights(vertices)[:, None]
 
-    def solver(self, vertices: Floats, lengths: Floats, mu: float, w: float) -> Callable[[Floats], Floats]:
-        """Prepare to solve ``(J^T J + mu (R^T R + w K^T K)) d = g`` for d, (V, 3), by conjugate gradients.
+    def value(self, vertices: Floats, lengths: Floats, mu: float) -> float:
+        """``|r|^2 + mu |R x|^2``."""
+        r = self.residuals(vertices, lengths)
+        return float(r @ r + mu * np.sum(vertices * self.roughness(vertices, 0.0)))
+
+    def solver(
+        self, vertices: Floats, lengths: Floats, mu: float, w: float, tensions: Floats | float = 0.0
+    ) -> Callable[[Floats], Floats]:
+        """Prepare to solve ``(J^T J + S + mu (R^T R + w K^T K)) d = g`` for d, (V, 3).
 
         The matrix with K in the place of R, sparser by far, is factored, and preconditions: a handful of
-        iterations is enough.
+        iterations of conjugate gradients is enough.  S is the Laplacian whose weights are the tensions of
+        the edges, (E,): ``r / l`` for the matrix of Newton's method, 0 for that of Gauss and Newton.
 
         Raises
         ------
@@ -147,15 +162,17 @@ class RegularizedEnergy:
         """
         triangulation, surface = self.triangulation, Projected.of(self.space, vertices)
         rows = edge_rows(triangulation, vertices, lengths, self.space)
-        factor = self._system.penalized(rows, mu * (w + REGULARIZED_ENERGY.share), surface)
+        factor = self._system.penalized(rows, mu * (w + REGULARIZED_ENERGY.share), surface, tensions)
         fixed = surface.without_isometries()
         a, b = triangulation.edges.T
 
         def product(d: Floats) -> Floats:
             z = d.reshape(-1, 3)
-            stretch = np.einsum("ij,ij->i", rows, z[a] - z[b])
+            grown = z[a] - z[b]
+            stretch = np.einsum("ij,ij->i", rows, grown)
             pull = surface.motion(mu * self.roughness(surface.motion(z), w))
-            return fixed((triangulation.incidence @ (rows * stretch[:, None]) + pull).ravel())
+            forces = rows * stretch[:, None] + (tensions * grown.T).T
+            return fixed((triangulation.incidence @ forces + pull).ravel())
 
         n = 3 * triangulation.n_vertices
         matrix = LinearOperator((n, n), matvec=product, dtype=np.float64)

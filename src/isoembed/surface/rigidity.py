@@ -261,16 +261,23 @@ class VertexSystem:
         i, j = np.divmod(np.arange(9), 3)
         return self._slot(3 * a[:, None] + i, 3 * b[:, None] + j).ravel()
 
-    def penalized(self, rows: Floats, weight: float, surface: Projected | None = None) -> SymmetricFactor:
-        """Factor ``J^T J + weight P``, J given by its `edge_rows`; raises SingularMatrix if not definite.
+    def penalized(
+        self,
+        rows: Floats,
+        weight: float,
+        surface: Projected | None = None,
+        tensions: Floats | float = 0.0,
+    ) -> SymmetricFactor:
+        """Factor ``J^T J + S + weight P``, J given by its `edge_rows`; raises SingularMatrix if not definite.
 
-        For a surface in hyperbolic or spherical space P penalizes the motions ``w z`` of its points.
+        S is the Laplacian of the triangulation with the tensions, (E,), for the weights of its edges.  For a
+        surface in hyperbolic or spherical space P penalizes the motions ``w z`` of its points.
         """
         penalty = weight * self._penalty
         if surface is not None and not surface.space.is_euclidean:
             pattern, w = self._solver.pattern, np.repeat(surface.heights, 3)
             penalty *= w[pattern.indices] * np.repeat(w, np.diff(pattern.indptr))
-        return self._factor(rows, penalty)
+        return self._factor(rows, penalty, tensions)
 
     def spherical_step(self, vertices: Floats, lengths: Floats, residuals: Floats, radius: float) -> Floats:
         """Gauss-Newton's step, (V, 3), for the lengths and ``|x_a| = r`` together, in least squares.
@@ -286,8 +293,8 @@ class VertexSystem:
         gradient = self.triangulation.incidence @ (rows * residuals[:, None]) + outward * heights[:, None]
         return self._factor(rows, extra).solve(gradient.ravel(), sweeps=1).reshape(-1, 3)
 
-    def _factor(self, rows: Floats, extra: Floats) -> SymmetricFactor:
-        products = np.einsum("ei,ej->eij", rows, rows).ravel()
+    def _factor(self, rows: Floats, extra: Floats, tensions: Floats | float = 0.0) -> SymmetricFactor:
+        products = (np.einsum("ei,ej->eij", rows, rows) + np.multiply.outer(tensions, np.eye(3))).ravel()
         values = np.bincount(
             self._edge_slots, self._edge_signs * np.tile(products, 4), minlength=len(self._keys)
         )

@@ -1,0 +1,259 @@
+"""Completion: from a surface that nearly has its lengths to one that has them.
+
+A descent (`isoembed.aim.energy_descent`) that misses the lengths by little ends where J is singular: the
+errors r are a stress in equilibrium, ``J^T r = 0``, and no small motion mends them.  A larger one may, along
+the few motions that change the lengths least, v_1 ... v_k, which come with stresses w_1 ... w_k.  For each
+``s = sum_i s_i v_i`` the stiff motions follow: to second order by ``d = -1/2 J^+ Q(s, s)``, J^+ without the
+w.  What is left of the errors,
+
+    ``w_m . (r + J s + 1/2 Q(s, s) + Q(s, d))``,
+
+are k cubic equations (`isoembed.aim.length_expansion`): without the cubic terms they have none of the roots
+that matter.  Their roots are sought from random starts, and Newton's method goes on from there.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+from scipy.sparse.linalg import LinearOperator, eigsh
+
+from isoembed.aim.anneal import anneal
+from isoembed.aim.length_expansion import LengthExpansion
+from isoembed.arrays import Floats
+from isoembed.linalg import SingularMatrix
+from isoembed.progress.stages import StageRecorder
+from isoembed.surface.rigidity import LengthSystem, LinearizedLengths, VertexSystem, edge_rows
+from isoembed.thresholds import threshold
+
+
+@dataclass(frozen=True)
+class CompletionThresholds:
+    """Thresholds of the completion."""
+
+    motions: tuple[int, ...] = threshold((2, 3, 4, 5, 6, 8), "count", "The softest motions, so many in turn.")
+    damping: float = threshold(1e-11, "relative", "Added to J J^T, which is singular; little beside others.")
+    spare: int = threshold(20, "count", "Lanczos vectors beyond twice the motions.")
+    eigenvalue: float = threshold(1e-4, "relative", "Of the softest motions.")
+    starts: int = threshold(60, "count", "Random starts of the cubic equations.")
+    scales: tuple[float, ...] = threshold(
+        (0.5, 1.0, 2.0, 4.0), "relative", "Of a start, to where quadratic terms match the errors."
+    )
+    steps: int = threshold(60, "count", "Levenberg-Marquardt steps from a start at most.")
+    first: float = threshold(1e-3, "relative", "Damping of the first.")
+    stiffer: float = threshold(5.0, "relative", "Factor of the damping after a step uphill.")
+    softer: float = threshold(0.2, "relative", "Factor of the damping after a step downhill.")
+    stiffest: float = threshold(1e8, "relative", "Damping of the last.")
+    settled: float = threshold(1e-8, "relative", "Decrease of the squares that is none.")
+    alike: float = threshold(1e-3, "relative", "Nearer, two roots are one.")
+    tried: int = threshold(6, "count", "Roots, the best, from which Newton's method is tried.")
+    newton: int = threshold(4, "count", "Newton steps that tell whether one leads anywhere.")
+    exact: float = threshold(1e-11, "mean edge lengths", "Largest residual of a realization.")
+
+
+COMPLETION = CompletionThresholds()
+
+
+def completed(
+    system: LengthSystem,
+    vertices: Floats,
+    lengths: Floats,
+    recorder: StageRecorder,
+    is_done: Callable[[Floats], bool],
+) -> Floats:
+    """A realization near a surface that nearly has the lengths; that surface where none is found.
+
+    Parameters
+    ----------
+    system : LengthSystem
+        In Euclidean space.
+    vertices : ndarray, shape (V, 3)
+    lengths : ndarray, shape (E,)
+    recorder : StageRecorder
+        Counts factorizations.
+    is_done : callable
+        Whether no more may be spent, asked with a surface.
+    """
+    exact = COMPLETION.exact * float(lengths.mean())
+    if is_done(vertices):
+        return vertices
+    recorder.factorizations += 2
+    try:
+        soft = _SoftMotions.of(system, vertices, lengths, COMPLETION.motions[-1])
+    except SingularMatrix:
+        return vertices
+    for count in COMPLETION.motions:
+        for start in soft.equations(count).roots():
+            if is_done(vertices):
+                return vertices
+            found = anneal(
+                system,
+                start,
+                lengths,
+                recorder,
+                residual_tolerance=exact,
+                max_iterations=COMPLETION.newton,
+            )
+            if found.converged:
+                return found.vertices
+    return vertices
+
+
+@dataclass(frozen=True, eq=False)
+class _SoftMotions:
+    """The softest motions of a surface.
+
+    Attributes
+    ----------
+    expansion : LengthExpansion
+    linear : LinearizedLengths
+        Damped.
+    motions : ndarray, shape (k, V, 3)
+        v, of unit norm.
+    stresses : ndarray, shape (k, E)
+        w, of unit norm.
+    """
+
+    expansion: LengthExpansion
+    linear: LinearizedLengths
+    motions: Floats
+    stresses: Floats
+
+    @classmethod
+    def of(cls, system: LengthSystem, vertices: Floats, lengths: Floats, most: int) -> _SoftMotions:
+        """So many at most; raises SingularMatrix.
+
+        Where J is singular the motions cannot be had from the stresses: both are eigenvectors.
+        """
+        triangulation, m = system.triangulation, len(lengths)
+        linear = system.linearized(vertices, lengths, COMPLETION.damping)
+        factor = VertexSystem(triangulation).penalized(edge_rows(triangulation, vertices, lengths), 0.0)
+        count = min(most, m - 1)
+        moved = vertices - vertices.mean(axis=0)
+        turns = [np.cross(axis, moved).ravel() for axis in np.eye(3)]
+        shifts = [np.tile(axis, len(vertices)) for axis in np.eye(3)]
+        rigid = np.linalg.qr(np.array([*turns, *shifts]).T)[0]
+
+        def inverse(d: Floats) -> Floats:
+            d = factor.solve(d - rigid @ (rigid.T @ d), sweeps=0)
+            return d - rigid @ (rigid.T @ d)
+
+        motions = _softest(inverse, vertices.size, count).reshape(count, -1, 3)
+        stresses = np.empty((count, m))
+        stresses[:, linear.order] = _softest(linear.solve, m, count)
+        return cls(LengthExpansion(system, vertices, lengths), linear, motions, stresses)
+
+    def equations(self, count: int) -> _SoftEquations:
+        """Those of so many."""
+        expansion, motions, stresses = self.expansion, self.motions[:count], self.stresses[:count]
+        k = len(motions)
+        bends = np.array([expansion.bends(each, motions) for each in motions])
+        left = (bends - bends @ stresses.T @ stresses).reshape(k**2, -1)
+        tensions = self.linear.solve(np.ascontiguousarray(left[:, self.linear.order].T)).T
+        followed = -np.array([self.linear.J.forces(np.ascontiguousarray(each)) for each in tensions])
+        cubic = np.array([expansion.bends(each, followed) @ stresses.T for each in motions])
+        return _SoftEquations(
+            expansion.vertices,
+            motions,
+            followed.reshape(k, k, -1, 3),
+            stresses @ expansion.residuals,
+            stresses @ expansion.rates(motions).T,
+            np.einsum("ije,me->mij", bends, stresses),
+            np.moveaxis(cubic.reshape((k,) * 4), 3, 0) / 2,
+        )
+
+
+def _softest(inverse: Callable[[Floats], Floats], n: int, count: int) -> Floats:
+    """Eigenvectors, (k, n), to the largest eigenvalues of an inverse, the largest first."""
+    _, vectors = eigsh(
+        LinearOperator((n, n), matvec=inverse, dtype=np.float64),
+        k=count,
+        which="LA",
+        v0=np.random.default_rng(0).standard_normal(n),
+        ncv=min(n, 2 * count + COMPLETION.spare),
+        tol=COMPLETION.eigenvalue,
+    )
+    return np.asarray(vectors.T[::-1])
+
+
+@dataclass(frozen=True, eq=False)
+class _SoftEquations:
+    """The cubic equations for k motions of a surface.
+
+    Attributes
+    ----------
+    vertices : ndarray, shape (V, 3)
+    motions : ndarray, shape (k, V, 3)
+    followed : ndarray, shape (k, k, V, 3)
+        What the stiff motions add, twice d.
+    constant : ndarray, shape (k,)
+    slope : ndarray, shape (k, k)
+    Q : ndarray, shape (k, k, k)
+        Of the quadratic terms, twice.
+    C : ndarray, shape (k, k, k, k)
+        Of the cubic terms; the last two indices may be exchanged.
+    """
+
+    vertices: Floats
+    motions: Floats
+    followed: Floats
+    constant: Floats
+    slope: Floats
+    Q: Floats
+    C: Floats
+
+    def roots(self) -> list[Floats]:
+        """Surfaces, (V, 3), at the roots or least values that are met, the best first."""
+        k, rng = len(self.constant), np.random.default_rng(0)
+        bent = np.abs(np.einsum("mii->im", self.Q)).max(axis=1)
+        with np.errstate(divide="ignore"):
+            size = np.sqrt(np.abs(self.constant).max() / bent)
+        if not np.isfinite(size).all():
+            return []
+        met: list[tuple[float, Floats]] = []
+        for _ in range(COMPLETION.starts):
+            value, s = self._least(rng.standard_normal(k) * size * rng.choice(COMPLETION.scales))
+            close = COMPLETION.alike * np.abs(s).max()
+            if all(np.abs(s - other).max() > close for _, other in met):
+                met.append((value, s))
+        met.sort(key=lambda pair: pair[0])
+        return [
+            self.vertices
+            + np.tensordot(s, self.motions, axes=1)
+            + np.einsum("i,j,ijvc->vc", s, s, self.followed) / 2
+            for _, s in met[: COMPLETION.tried]
+        ]
+
+    def _evaluated(self, s: Floats) -> tuple[Floats, Floats]:
+        """The equations, (k,), and their derivatives, (k, k)."""
+        bent, curved = self.Q @ s, np.einsum("mlij,i,j->ml", self.C, s, s)
+        turned = np.einsum("mlij,l,i->mj", self.C, s, s)
+        values = self.constant + self.slope @ s + bent @ s / 2 + curved @ s
+        return values, self.slope + bent + curved + 2 * turned
+
+    def _least(self, s: Floats) -> tuple[float, Floats]:
+        """The least sum of squares that Levenberg-Marquardt steps lead to, and where it is."""
+        (f, J), damping = self._evaluated(s), COMPLETION.first
+        value = float(f @ f)
+        for _ in range(COMPLETION.steps):
+            gram = J.T @ J
+            gram[np.diag_indices(len(s))] *= 1 + damping
+            try:
+                trial = s - np.linalg.solve(gram, J.T @ f)
+            except np.linalg.LinAlgError:
+                break
+            f_trial, slopes = self._evaluated(trial)
+            reached = float(f_trial @ f_trial)
+            if reached < value:
+                enough = value - reached < COMPLETION.settled * value
+                s, f, J, value = trial, f_trial, slopes, reached
+                damping *= COMPLETION.softer
+                if enough:
+                    break
+            else:
+                damping *= COMPLETION.stiffer
+                if damping > COMPLETION.stiffest:
+                    break
+        return value, s

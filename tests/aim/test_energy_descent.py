@@ -1,0 +1,41 @@
+"""The descent to a minimum of the regularized energy."""
+
+import numpy as np
+
+import smooth_bodies
+from isoembed.aim.energy_descent import descended
+from isoembed.aim.regularized_energy import RegularizedEnergy
+from isoembed.gallery import HarmonicSurface, triangulate
+from isoembed.metric.polyhedral import PolyhedralMetric
+
+MU = 1e-7
+
+
+def test_it_ends_at_a_minimum_where_gauss_newton_steps_do_not():
+    vertices, faces = triangulate(HarmonicSurface(2, 2, 0.3), 150)
+    metric = PolyhedralMetric.from_mesh(vertices, faces)
+    errors = np.random.default_rng(0).standard_normal(metric.triangulation.n_edges)
+    lengths = metric.lengths * (1 + 1e-3 * errors)  # no surface has these: r stays, and with it S
+    energy, recorder = RegularizedEnergy(metric, vertices), smooth_bodies.recorder()
+    mu = MU * energy.unit**2
+
+    def slope(x):
+        r = energy.residuals(x, lengths)
+        return np.linalg.norm(energy.forces(x, lengths, r) + mu * energy.roughness(x, 0.0))
+
+    found = x = vertices
+    for _ in range(4):  # each ends where a step gains little
+        found = descended(energy, found, lengths, mu, recorder, lambda _: False)
+    for _ in range(recorder.factorizations):
+        x = energy.relaxed(x, lengths, mu, 0.0, smooth_bodies.recorder())
+    assert slope(found) < 1e-3 * slope(vertices)
+    assert energy.value(found, lengths, mu) <= energy.value(x, lengths, mu)
+
+
+def test_it_stops_when_told():
+    vertices, faces = triangulate(HarmonicSurface(2, 2, 0.3), 150)
+    metric = PolyhedralMetric.from_mesh(vertices, faces)
+    energy, recorder = RegularizedEnergy(metric, vertices), smooth_bodies.recorder()
+    found = descended(energy, vertices, metric.lengths, 1.0, recorder, lambda _: recorder.factorizations == 2)
+    assert recorder.factorizations == 2
+    assert energy.value(found, metric.lengths, 1.0) < energy.value(vertices, metric.lengths, 1.0)
