@@ -100,16 +100,10 @@ def noisy_saddle():
     return metric.with_lengths(metric.lengths * (1 + 0.03 * errors))
 
 
-def lost_trefoil():
-    """Lengths of a surface that is not found."""
-    return PolyhedralMetric.from_mesh(*triangulate(HarmonicSurface(3, 3, 0.3), 400, irregular=4))
-
-
 @pytest.mark.parametrize("effort", [0.0, 1.0])
-@pytest.mark.parametrize("metric", [noisy_saddle, pytest.param(lost_trefoil, marks=pytest.mark.slow)])
-def test_a_failure_costs_as_much_as_the_effort_says(metric, effort):
+def test_a_failure_costs_as_much_as_the_effort_says(effort):
     with pytest.raises(NotEmbedded) as caught:
-        isoembed.embed(metric(), method=Aim(effort=effort))
+        isoembed.embed(noisy_saddle(), method=Aim(effort=effort))
     stages = caught.value.embedding.stages
     after = sum(stage.factorizations for stage in stages if stage.name in {"local search", "best fit"})
     first = sum(stage.factorizations for stage in stages) - after

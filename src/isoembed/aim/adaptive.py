@@ -61,7 +61,6 @@ class AdaptiveThresholds:
     nearly: float = threshold(1e-6, "mean edge lengths", "Most residual between two realizations.")
     same: float = threshold(1e-7, "mean edge lengths", "Surfaces as near as this are one.")
     fit: int = threshold(50, "count", "Factorizations of the best fit at most, as a rule.")
-    ending: int = threshold(20, "count", "Factorizations that end a search; none of a coarse surface.")
 
 
 ADAPTIVE = AdaptiveThresholds()
@@ -345,7 +344,6 @@ class _Search:
         start = min(self.surfaces, key=lambda surface: surface.residual).vertices
         left = most - self.log.factorizations - ADAPTIVE.fit
         if self.numbers.size > LOCAL_SEARCH.coarse:
-            left -= ADAPTIVE.ending
             start = start if self.smooth is None else self.smooth
         with self.log.stage("local search") as recorder:
             found = local_search(
