@@ -16,7 +16,7 @@ from isoembed.alexandrov.doubly_covered import FLAT_LIMIT, DoublyCovered, doubly
 from isoembed.alexandrov.homotopy import Stalled, Waypoint, follow_path
 from isoembed.alexandrov.lengths import rounding_size, worst_length
 from isoembed.alexandrov.newton import Solution
-from isoembed.alexandrov.placement import Relaxed, realized, relaxed, relaxed_polytope
+from isoembed.alexandrov.placement import PLACEMENT, Relaxed, realized, relaxed, relaxed_polytope
 from isoembed.alexandrov.polyhedron import ConvexPolyhedron, metric_on
 from isoembed.alexandrov.polytope import Polytope
 from isoembed.alexandrov.tetrahedron import tetrahedron
@@ -220,12 +220,15 @@ class _Search:
         return polyhedron
 
     def _from_nearest(self, nearest: Polytope, recorder: StageRecorder) -> Relaxed | DoublyCovered | None:
-        """The body that the polytope with the least curvatures leads to, if any."""
+        """The body that the polytope with the least curvatures leads to, if any.
+
+        A polygon whose lengths are right to twelve digits swells, and has dents where it should be flat.
+        """
         body = relaxed_polytope(nearest, recorder)
-        if body is not None:
+        if body is not None and body.dent <= PLACEMENT.shallow:
             return body
-        flat = flat_limit(nearest)
-        return flat if flat is not None and flat.error <= self.tolerance else None
+        flat, most = flat_limit(nearest), self.tolerance if body is None else PLACEMENT.exact
+        return flat if flat is not None and flat.error <= most else body
 
     def _failure(self, core: Indices, nearest: Polytope | None, message: str) -> Embedding:
         """The given triangles on the nearest polytope that there is."""
