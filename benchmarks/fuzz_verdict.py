@@ -183,12 +183,23 @@ def wrong_lengths(found):
     return ""
 
 
+def are_two(found, other):
+    """Whether two realizations are two: clearly, or by what is proven of how far both are from exact ones."""
+    k, mean = found.metric.curvature, found.metric.mean_length
+    if fuzz_check.apart(found.vertices, other.vertices, k) > SAME:
+        return True
+    proofs = found.certificate, other.certificate
+    if not all(proof.certified for proof in proofs):
+        return False
+    return fuzz_check.gap(found.vertices, other.vertices, k) > 2 * mean * sum(p.radius for p in proofs)
+
+
 def wrong_claims(case, found):
     """What is wrong with what an answer on the given triangles says of itself, or nothing."""
     if not (np.array_equal(found.faces, case.faces) and np.allclose(found.metric.face_lengths, case.lengths)):
         return "the triangles are not the given ones"
     for other in found.others:
-        if not fuzz_check.apart(found.vertices, other.vertices, case.curvature) > SAME:
+        if not are_two(found, other):
             return "another realization is the same"
     unit = found.metric.unit
     if case.curvature == 0 and 1e-90 < unit < 1e90:  # or volumes are none that floats have
