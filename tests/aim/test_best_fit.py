@@ -65,6 +65,16 @@ def test_the_weight_is_nearly_that_of_one_who_knows_the_lengths(body):
     assert max(risks.values()) > 3 * min(risks.values())
 
 
+def test_no_other_weight_is_tried_when_no_more_may_be_spent():
+    metric, start, _ = noisy(*BODIES["peanut"], 1e-4)
+    energy, spent = RegularizedEnergy(metric, start), []
+    for most in (1.0, np.inf):
+        recorder = smooth_bodies.recorder()
+        assert best_fit(metric, energy, start, recorder, most) is not None
+        spent.append(recorder.factorizations)
+    assert spent[0] < 0.75 * spent[1]
+
+
 def test_degrees_of_freedom_are_a_trace(monkeypatch):
     monkeypatch.setattr(module, "BEST_FIT", replace(module.BEST_FIT, probes=200))
     metric, _, x = noisy(*zoo.icosphere(1), 1e-3)

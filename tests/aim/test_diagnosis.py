@@ -34,7 +34,7 @@ def diagnosed(metric, start):
         method="aim",
         tolerance=1e-10,
     )
-    return diagnosis(surface, surface), surface
+    return diagnosis(surface, surface, 1.0), surface
 
 
 def test_noise_on_a_convex_body():

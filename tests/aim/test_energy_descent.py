@@ -15,7 +15,7 @@ def test_it_ends_at_a_minimum_where_gauss_newton_steps_do_not():
     vertices, faces = triangulate(HarmonicSurface(2, 2, 0.3), 150)
     metric = PolyhedralMetric.from_mesh(vertices, faces)
     errors = np.random.default_rng(0).standard_normal(metric.triangulation.n_edges)
-    lengths = metric.lengths * (1 + 1e-3 * errors)  # no surface has these: r stays, and with it S
+    lengths = metric.lengths * (1 + 1e-2 * errors)  # no surface has these: r stays, and with it S
     energy, recorder = RegularizedEnergy(metric, vertices), smooth_bodies.recorder()
     mu = MU * energy.unit**2
 
@@ -28,7 +28,7 @@ def test_it_ends_at_a_minimum_where_gauss_newton_steps_do_not():
         found = descended(energy, found, lengths, mu, recorder, lambda _: False)
     for _ in range(recorder.factorizations):
         x = energy.relaxed(x, lengths, mu, 0.0, smooth_bodies.recorder())
-    assert slope(found) < 1e-3 * slope(vertices)
+    assert slope(found) < 1e-9 * min(slope(vertices), slope(x))
     assert energy.value(found, lengths, mu) <= energy.value(x, lengths, mu)
 
 

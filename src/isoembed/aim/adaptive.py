@@ -97,10 +97,10 @@ class Aim(Method):
         Whether to return the smooth surface that comes nearest to the lengths, a `FittedSurface`, where none
         is found that has them.
     effort : float
-        What the search may cost where the pull-back misses the lengths, over the cost of all that was done
-        before, in factorizations: results do not depend on the speed of the machine.  The best fit may cost
-        as much as what was done before, too: all together ``2 + effort`` times that.  The search takes some
-        tens in any case; 0 is no search.
+        What a failure may cost: where the pull-back misses the lengths, a search and the best fit follow,
+        which together take ``1 + effort`` times the factorizations of all that was done before; results do
+        not depend on the speed of the machine.  The search leaves some for the best fit, and takes some tens
+        in any case; 0 is no search.
     """
 
     best_fit: bool = False
@@ -140,7 +140,7 @@ class Aim(Method):
             fitted = search.best_fit(most)
             embedding = search.smoothest()
             if not embedding.converged:
-                told = embedding.with_message(diagnosis(embedding, fitted))
+                told = embedding.with_message(diagnosis(embedding, fitted, self.effort))
                 embedding = fitted if self.best_fit and fitted is not None else told
         return embedding.with_stages(log.stages)
 
@@ -288,7 +288,7 @@ class _Search:
         """Go from the start to the lengths step by step, then to smoother realizations nearby."""
         if self.mirror_patches():
             return
-        if "guided" in self.kept:
+        if "smooth" in self.kept:
             guided = Continued(self.kept["smooth"], self.kept["guided"])
         else:
             with self.log.stage("guided pull back") as recorder:

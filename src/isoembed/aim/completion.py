@@ -8,8 +8,9 @@ w.  What is left of the errors,
 
     ``w_m . (r + J s + 1/2 Q(s, s) + Q(s, d))``,
 
-are k cubic equations (`isoembed.aim.length_expansion`): without the cubic terms they have none of the roots
-that matter.  Their roots are sought from random starts, and Newton's method goes on from there.
+are k cubic equations (`isoembed.aim.length_expansion`): on rough bodies, without the stiff motions that
+follow, their roots led back to where they began.  They are sought from random starts, and Newton's method
+goes on from there.
 """
 
 from __future__ import annotations
@@ -18,7 +19,7 @@ from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
-from scipy.sparse.linalg import LinearOperator, eigsh
+from scipy.sparse.linalg import ArpackError, LinearOperator, eigsh
 
 from isoembed.aim.anneal import anneal
 from isoembed.aim.length_expansion import LengthExpansion
@@ -82,7 +83,7 @@ def completed(
     recorder.factorizations += 2
     try:
         soft = _SoftMotions.of(system, vertices, lengths, COMPLETION.motions[-1])
-    except SingularMatrix:
+    except (SingularMatrix, ArpackError):  # the latter where Lanczos' iteration does not converge
         return vertices
     for count in COMPLETION.motions:
         for start in soft.equations(count).roots():

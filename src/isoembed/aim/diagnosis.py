@@ -26,7 +26,7 @@ class DiagnosisThresholds:
 DIAGNOSIS = DiagnosisThresholds()
 
 
-def diagnosis(attempt: Embedding, fit: FittedSurface | None) -> str:
+def diagnosis(attempt: Embedding, fit: FittedSurface | None, effort: float) -> str:
     """Say where the lengths have no surface, and what the user can do.
 
     Parameters
@@ -35,6 +35,8 @@ def diagnosis(attempt: Embedding, fit: FittedSurface | None) -> str:
         The nearest that was found; it misses the lengths.
     fit : FittedSurface or None
         The best fit to them, if there is one.
+    effort : float
+        That of the search that missed them.
 
     Returns
     -------
@@ -47,7 +49,7 @@ def diagnosis(attempt: Embedding, fit: FittedSurface | None) -> str:
     )
     unlike = fit is None or fit.noise > DIAGNOSIS.unlike
     return ". ".join(
-        [found, *_curvature(attempt.metric, unlike), _errors(fit), *_longer_search(attempt.metric)]
+        [found, *_curvature(attempt.metric, unlike), _errors(fit), *_longer_search(attempt.metric, effort)]
     )
 
 
@@ -115,13 +117,14 @@ def _errors(fit: FittedSurface | None) -> str:
     )
 
 
-def _longer_search(metric: PolyhedralMetric) -> list[str]:
+def _longer_search(metric: PolyhedralMetric, effort: float) -> list[str]:
     """What helps where the lengths are right, if there is a search."""
     if not (metric.space.is_euclidean and negative_deficits(metric).any()):
         return []
+    more = f"{10 * max(effort, 1.0):g}"
     return [
         "If the lengths are exact, those of a coarse or rough body, a longer search may find it: "
-        "--effort 10, Aim(effort=10)"
+        f"--effort {more}, Aim(effort={more})"
     ]
 
 

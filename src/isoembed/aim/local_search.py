@@ -139,6 +139,7 @@ class _LocalSearch:
     ) -> None:
         self.energy, self.system, self.lengths, self.recorder = energy, system, lengths, recorder
         self.realization: Floats | None = None
+        self.asked: Floats | None = None  # the surface from which Newton's method was tried last
         self.begun, self.most, self.local = recorder.factorizations, most, 0.0
         n = energy.triangulation.n_vertices
         self.is_coarse = n <= LOCAL_SEARCH.coarse
@@ -169,11 +170,12 @@ class _LocalSearch:
 
     def is_done(self, x: Floats) -> bool:
         """Whether there is no more to do, or may not be done."""
-        return self.exhausted or self.is_realized(x)
+        return self.is_realized(x) or self.exhausted
 
     def is_realized(self, x: Floats) -> bool:
         """Whether a realization is found, now that the surface is this."""
-        if self.realization is None and self.largest_residual(x) <= LOCAL_SEARCH.close:
+        asked, self.asked = self.asked, x
+        if self.realization is None and x is not asked and self.largest_residual(x) <= LOCAL_SEARCH.close:
             found = anneal(self.system, x, self.lengths, self.recorder).vertices
             if self.largest_residual(found) <= LOCAL_SEARCH.exact:
                 self.realization = found

@@ -42,7 +42,10 @@ CONTINUATION = ContinuationThresholds()
 
 
 class Continued(NamedTuple):
-    """Where the path of metrics ended, smooth, and where letting go of R led from there, each (V, 3)."""
+    """Where the path of metrics ended, smooth, and where letting go of R led from there, each (V, 3).
+
+    By levels (`isoembed.aim.levels`) R is let go along the way, and both are where these end.
+    """
 
     smooth: Floats
     vertices: Floats

@@ -186,14 +186,14 @@ def relaxed(tables: HalfEdges, vertices: Floats, recorder: StageRecorder) -> Flo
 
 @dataclass(frozen=True, eq=False)
 class Relaxed:
-    """A body that has the lengths of a metric.
+    """A surface that has the lengths of a metric, and is convex but for dents.
 
     Attributes
     ----------
     tables : HalfEdges
     vertices : ndarray, shape (V, 3)
     dent : float
-        Depth of the deepest dent, none of which a flip would mend, in mean edge lengths.
+        Depth of the deepest dent, in mean edge lengths; no flip mends it.
     """
 
     tables: HalfEdges
@@ -222,7 +222,7 @@ def relaxed_polytope(nearest: Polytope, recorder: StageRecorder) -> Relaxed | No
     Returns
     -------
     Relaxed or None
-        None if no triangles and vertices are found that have the lengths of the metric.
+        None if no triangles and vertices are found that have the lengths of the metric.  They may have dents.
     """
     try:
         solution = pinned(nearest, Analyses.of(nearest.tables), recorder)
@@ -240,7 +240,7 @@ def relaxed_polytope(nearest: Polytope, recorder: StageRecorder) -> Relaxed | No
 
 
 def _without_dents(tables: HalfEdges, vertices: Floats, recorder: StageRecorder) -> Relaxed | None:
-    """Relax and flip in turn, until there are no dents but those of rounding; None if lengths are missed."""
+    """Relax and flip in turn, as long as that mends dents; None if lengths are missed."""
     best = None
     for _ in range(PLACEMENT.relaxations):
         vertices = relaxed(tables, vertices, recorder)

@@ -70,9 +70,9 @@ def configure(parser: argparse.ArgumentParser) -> None:
         "--effort",
         type=float,
         metavar="TIMES",
-        help="what a search may cost where the lengths are not found at once, over the cost of the first "
-        "attempt, counted in factorizations, of which it takes some tens in any case (default 1; 0: none); "
-        "only with --method aim",
+        help="what a failure may cost: where the lengths are not found at once, a search and the best fit "
+        "take 1 + TIMES the cost of the first attempt, counted in factorizations, of which the search takes "
+        "some tens in any case (default 1; 0: no search); only with --method aim",
     )
     parser.add_argument(
         "--parameter",
