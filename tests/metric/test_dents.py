@@ -48,6 +48,15 @@ def test_dimples_whose_rings_have_grown_together_are_told_apart():
         assert max(patch[at_it].mean() for patch in patches) == 1
 
 
+def test_a_cap_that_is_nearly_flat_is_no_dent():
+    vertices, faces = smooth_bodies.dimpled(1500, depth=0.174, width=0.4)
+    metric = PolyhedralMetric.from_mesh(vertices, faces)
+    cap = angles(vertices, (0, 0, 1)) < 0.2
+    assert 1e-3 < deficits(metric)[cap].clip(0).sum() < 3e-3
+    assert dents(metric) == []
+    assert smooth_bodies.misfit(embed(metric).vertices, vertices) < 1e-9
+
+
 def horn_and_dimple(n):
     """A sphere with a dimple and a horn whose rings of K < 0 have grown together."""
     u, faces = triangulate(Sphere(), n)

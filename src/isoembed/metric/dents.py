@@ -36,6 +36,7 @@ class DentThresholds:
         3, "count", "Caps of a dent and of what has grown together with it: rough bodies have more."
     )
     fewest: int = threshold(4, "vertices", "Smaller patches are for the search for nearby realizations.")
+    flattest: float = threshold(3e-3, "radians", "Less curvature of a cap is noise.")
 
 
 DENTS = DentThresholds()
@@ -91,7 +92,7 @@ def dents(metric: PolyhedralMetric) -> list[Mask]:
             if is_dent or _vanishes(curvature[patch].sum(), totals[k])
         ]
     found.sort(key=lambda pair: -pair[0])
-    return [patch for _, patch in found if patch.sum() >= DENTS.fewest]
+    return [patch for cap, patch in found if cap > DENTS.flattest and patch.sum() >= DENTS.fewest]
 
 
 def _vanishes(total: float, caps: float) -> bool:
