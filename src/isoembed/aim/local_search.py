@@ -182,7 +182,7 @@ class _LocalSearch:
         return self.realization is not None
 
     def ends_realized(self, x: Floats, mu: float) -> bool:
-        """Whether a realization is found as mu vanishes."""
+        """Whether there is no more to do: a realization is found as mu vanishes, or all is spent."""
         for energy in (self.energy.coarser(x), self.energy):
             end = self.released(energy, x, mu)
             if self.is_done(end):
