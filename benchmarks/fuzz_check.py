@@ -206,6 +206,18 @@ def misfit(first, second, weights):
     return float(np.linalg.norm(a @ u @ v - b, axis=1).max())
 
 
+def bends(vertices, faces):
+    """Six times the volume of the tetrahedron at each half-edge, over the cube of the size, (3F,)."""
+    x = np.asarray(vertices, dtype=np.longdouble)
+    x = (x - x.mean(axis=0)) / np.abs(x - x.mean(axis=0)).max()
+    third = {(f[k], f[k - 2]): f[k - 1] for f in faces.tolist() for k in range(3)}
+    p, q, r, s = (
+        x[list(corners)]
+        for corners in zip(*((a, b, c, third[b, a]) for (a, b), c in third.items()), strict=True)
+    )
+    return np.einsum("hi,hi->h", np.cross(q - p, r - p), s - p)
+
+
 def pierced(vertices, faces, k):
     """An edge and a face without a common corner that cross, clearly, or None."""
     y = np.asarray(vertices) / heights(np.asarray(vertices), k)[:, None]

@@ -184,10 +184,18 @@ def wrong_lengths(found):
 
 
 def are_two(found, other):
-    """Whether two realizations are two: clearly, or by what is proven of how far both are from exact ones."""
+    """Whether two realizations are two.
+
+    Their distances differ clearly, or an edge is convex in one and concave in the other, or it follows from
+    what is proven of how far both are from exact ones.
+    """
     k, mean = found.metric.curvature, found.metric.mean_length
     if fuzz_check.apart(found.vertices, other.vertices, k) > SAME:
         return True
+    if k == 0:
+        one, two = (fuzz_check.bends(each.vertices, each.faces) for each in (found, other))
+        if ((one * two < 0) & (np.minimum(np.abs(one), np.abs(two)) > fuzz_check.CLEAR)).any():
+            return True
     proofs = found.certificate, other.certificate
     if not all(proof.certified for proof in proofs):
         return False

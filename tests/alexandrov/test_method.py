@@ -329,6 +329,29 @@ def test_success_is_claimed_on_the_residual_of_what_is_returned():
         embed(metric, method="alexandrov", tolerance=1e-30)
 
 
+@pytest.mark.parametrize("curvature", [0.0, -1.0])
+def test_given_edges_are_measured_on_the_vertices_that_are_returned(curvature):
+    vertices, faces = zoo.cube()
+    given = PolyhedralMetric.from_mesh(vertices / 4, faces, curvature=curvature)
+    found = embed(given, method="alexandrov")
+    flown = replace(found, vertices=found.vertices * np.where(np.arange(8) == 3, 1 + 1e-6, 1.0)[:, None])
+    assert found.path_residuals.max() < 1e-14
+    a, b = found.edge_paths.ends.T
+    touched = (a == 3) | (b == 3)
+    assert (flown.path_residuals[touched] > 1e-8).all()
+    assert found.edge_paths.lengths == pytest.approx(given.lengths, rel=1e-15)
+
+
+def test_an_edge_that_is_hardly_bent_stays_if_it_is_long():
+    # Two triangles of the top are bent by 5e-8 radians, and the other diagonal is the Delaunay one.
+    top = np.array([[0.0, 0.0, 2e-8], [1.0, 0.1, 0.0], [1.3, 1.3, 2e-8], [0.1, 1.0, 0.0]])
+    vertices = np.vstack([top, [[0.6, 0.6, -0.5]]])
+    faces = [[0, 1, 2], [0, 2, 3], [1, 0, 4], [2, 1, 4], [3, 2, 4], [0, 3, 4]]
+    found = embed(PolyhedralMetric.from_mesh(vertices, faces), method="alexandrov")
+    assert {frozenset(f) for f in found.faces.tolist()} == {frozenset(f) for f in faces}
+    assert zoo.aligned(found.vertices, vertices) < 1e-12
+
+
 def test_the_report():
     vertices, faces = grid_cube(2)
     metric = scrambled(vertices, faces, 3)

@@ -14,7 +14,6 @@ from isoembed.intrinsic.flat_vertices import remove_flat_vertices
 from isoembed.intrinsic.halfedges import HalfEdges
 from isoembed.intrinsic.insert_vertices import insert_vertices
 from isoembed.intrinsic.polygons import lay_out
-from isoembed.space import Space
 from scrambling import scramble
 from sprinkled import box, checked, distances, polyhedron, sprinkled, tables_of
 
@@ -26,14 +25,6 @@ def all_edges(tables):
 def drawn(original, final, halfedges):
     """Edges of one triangulation on another, of which every triangle is a polygon."""
     return edge_paths(original, final, lay_out(final, np.ones(final.twins.size, dtype=bool)), halfedges)
-
-
-def along(paths, vertices):
-    """Length of each path through space."""
-    steps = np.linalg.norm(np.diff(paths.points(vertices), axis=0), axis=1)
-    total = np.concatenate([[0.0], np.cumsum(steps)])
-    starts = paths.point_offsets
-    return total[starts[1:] - 1] - total[starts[:-1]]
 
 
 def mismatch(paths):
@@ -99,7 +90,7 @@ def test_over_the_edges_of_a_cube():
         edges = all_edges(other)
         paths = drawn(other, tables, edges)
         assert paths.lost.size == 0 and mismatch(paths) < 1e-13
-        assert along(paths, vertices) == pytest.approx(paths.lengths, rel=1e-12)
+        assert paths.lengths_on(vertices) == pytest.approx(paths.lengths, rel=1e-12)
         for e in np.flatnonzero(np.abs(paths.lengths - 5**0.5) < 1e-9):
             i, j = paths.point_offsets[e : e + 2]
             points = paths.points(vertices)[i:j]
@@ -132,7 +123,8 @@ def test_edges_of_the_input_on_the_polyhedron(n, m, seed, length):
         part = (points[i:j] - vertices[a]) @ chord / (chord @ chord)
         assert np.abs(points[i:j] - vertices[a] - part[:, None] * chord).max() < 1e-9 * length
         assert (np.diff(part) > -1e-9).all()
-    assert along(paths, vertices) == pytest.approx(distances(tables, vertices)[all_edges(tables)], rel=1e-9)
+    straight = distances(tables, vertices)[all_edges(tables)]
+    assert paths.lengths_on(vertices) == pytest.approx(straight, rel=1e-9)
 
 
 @pytest.mark.parametrize("curvature", [-1.0, 1.0, -1e-14])
@@ -146,11 +138,8 @@ def test_edges_of_the_input_in_hyperbolic_and_spherical_space(curvature, size, n
     restored = insert_vertices(core, removal, bent)
     paths = edge_paths(tables, restored.tables, restored.polygons, all_edges(tables))
     assert mismatch(paths) < 1e-9
-    space, points = Space(curvature), paths.points(x)
-    steps = np.concatenate([[0.0], np.cumsum(space.distances(points[1:], points[:-1]))])
-    begin, end = paths.point_offsets[:-1], paths.point_offsets[1:] - 1
     straight = curved.distances_in(tables, x)[all_edges(tables)]
-    assert steps[end] - steps[begin] == pytest.approx(straight, abs=1e-9 * size)
+    assert paths.lengths_on(x) == pytest.approx(straight, abs=1e-9 * size)
     assert ((paths.parameters >= 0) & (paths.parameters <= 1)).all()
 
 
@@ -165,7 +154,7 @@ def test_there_and_back_again(seed, length):
     on_one = drawn(other, one, all_edges(other))
     assert mismatch(on_other) < 1e-10 and mismatch(on_one) < 1e-10
     assert on_one.halfedges.size == on_other.halfedges.size
-    assert along(on_one, body * [length, 1, 1]) == pytest.approx(on_one.lengths, abs=1e-10 * length)
+    assert on_one.lengths_on(body * [length, 1, 1]) == pytest.approx(on_one.lengths, abs=1e-10 * length)
 
 
 def test_grids_of_many_points_in_line():
@@ -180,7 +169,7 @@ def test_grids_of_many_points_in_line():
     for original in (tables, shuffled):
         paths = edge_paths(original, final, restored.polygons, all_edges(original))
         assert mismatch(paths) < 1e-10
-        assert along(paths, vertices) == pytest.approx(paths.lengths, abs=1e-11)
+        assert paths.lengths_on(vertices) == pytest.approx(paths.lengths, abs=1e-11)
         assert ((paths.parameters >= 0) & (paths.parameters <= 1)).all()
         s = paths.parameters[:, None]
         a, b = final.corners[paths.halfedges], final.corners[final.twins[paths.halfedges]]

@@ -45,6 +45,9 @@ class SolutionThresholds:
 
     accepted: float = threshold(64 * 2.0**-52, "radii", "Error of lengths that needs no Newton step.")
     dented: float = threshold(1e-6, "mean edge lengths", "Depth of a dent; rounding makes 1e-8.")
+    folded: float = threshold(
+        1e-10, "diameters", "Depth of an edge that is hardly bent and yet is not flipped."
+    )
     tried: int = threshold(4_000, "vertices", "Of bodies whose lengths are tried where Newton stalls.")
 
 
@@ -316,13 +319,21 @@ def _placed(solution: Solution, recorder: StageRecorder) -> Floats:
 
 
 def _creases(tables: HalfEdges, vertices: Floats) -> Mask:
-    """Half-edges at which the surface is bent, shape (3F,)."""
+    """Half-edges at which the surface is bent, by its angle or its depth, shape (3F,).
+
+    A long edge that is bent by less than can be told from an angle may still leave the hull if it is flipped.
+    """
     straight = to_model(Space(tables.curvature), vertices, "projective")
     normals = face_normals(tables.faces, straight)
     here = np.repeat(normals, 3, axis=0)
     there = normals[tables.twins // 3]
     sine = np.linalg.norm(np.cross(here, there), axis=1)
-    return np.arctan2(sine, np.einsum("ij,ij->i", here, there)) > DIHEDRAL.flat
+    angles = np.arctan2(sine, np.einsum("ij,ij->i", here, there))
+    twice = np.linalg.norm(here, axis=1)  # the area
+    along = straight[tables.faces] - straight[np.roll(tables.faces, -1, axis=1)]
+    altitudes = twice / np.linalg.norm(along, axis=2).ravel()
+    depths = angles * np.minimum(altitudes, altitudes[tables.twins])
+    return (angles > DIHEDRAL.flat) | (depths > SOLUTION.folded * np.ptp(straight, axis=0).max())
 
 
 def _one_halfedge_an_edge(metric: PolyhedralMetric | GluedMetric) -> Indices:

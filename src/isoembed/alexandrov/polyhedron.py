@@ -90,7 +90,8 @@ class ConvexPolyhedron(Polyhedron):
             self.core[0]._replace(lengths=given.unit * self.core[0].lengths, curvature=given.curvature),
             frozen(given.unit * self.core[1]),
         )
-        return super().in_unit_of(given)._with(given=own, core=core)
+        paths = self.edge_paths.scaled(given.unit)
+        return super().in_unit_of(given)._with(given=own, core=core, edge_paths=paths)
 
     @property
     def residual(self) -> float:
@@ -99,13 +100,13 @@ class ConvexPolyhedron(Polyhedron):
 
     @cached_property
     def path_residuals(self) -> Floats:
-        """Given lengths against straight distances along `edge_paths`, over the mean edge length.
+        """Given lengths against those of `edge_paths` as drawn on the surface, over the mean edge length.
 
         They measure the triangles of the polyhedron by the edges of the input, in the order of `edge_paths`;
         infinite where an edge was not found.
         """
-        paths = self.edge_paths
-        off = np.abs(paths.distances - paths.lengths) / paths.lengths.mean()
+        paths = self.edge_paths.scaled(1 / self.metric.unit)
+        off = np.abs(paths.lengths_on(self._normalized) - paths.lengths) / paths.lengths.mean()
         return frozen(np.where(np.isnan(off), np.inf, off))
 
     @cached_property

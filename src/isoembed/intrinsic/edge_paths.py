@@ -1,7 +1,7 @@
 """The edges of one triangulation as straight paths across the triangles of another of the same metric."""
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -59,6 +59,13 @@ class EdgePaths:
         """(n + 1,): where the points of each path begin in `points`."""
         return self.offsets + 2 * np.arange(self.offsets.size)
 
+    def scaled(self, factor: float) -> "EdgePaths":
+        """The paths in another unit: every length times this factor."""
+        curvature = Space(self.tables.curvature).scaled(factor).curvature
+        tables = self.tables._replace(lengths=frozen(factor * self.tables.lengths), curvature=curvature)
+        lengths, distances = frozen(factor * self.lengths), frozen(factor * self.distances)
+        return replace(self, tables=tables, lengths=lengths, distances=distances)
+
     def points(self, vertices: Floats) -> Floats:
         """Both ends of every path and the crossings between.
 
@@ -85,6 +92,23 @@ class EdgePaths:
             near, far = space.sn(near * l) / space.sn(l), space.sn(far * l) / space.sn(l)
         result[between] = near * vertices[a] + far * vertices[b]
         return result
+
+    def lengths_on(self, vertices: Floats) -> Floats:
+        """Lengths of the paths as they are drawn through their crossings, shape (n,).
+
+        They are of the surface that these vertices span, whatever rounding does to its thin triangles when
+        they are unfolded; not a number for paths that have not been found.
+
+        Parameters
+        ----------
+        vertices : ndarray, shape (V, 3)
+            As of `points`.
+        """
+        points, starts = self.points(vertices), self.point_offsets
+        steps = Space(self.tables.curvature).distances(points[1:], points[:-1])
+        steps[starts[1:-1] - 1] = 0.0  # from the end of a path to the start of the next
+        drawn = np.add.reduceat(steps, starts[:-1])
+        return np.where(np.isnan(self.distances), np.nan, drawn)
 
 
 def edge_paths(original: HalfEdges, final: HalfEdges, polygons: Polygons, halfedges: Indices) -> EdgePaths:

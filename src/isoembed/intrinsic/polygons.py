@@ -187,8 +187,12 @@ def loosened(lengths: Floats, twins: Indices) -> Floats:
         if not broken.any():
             return lengths
         # Where that makes the longest side of the next triangle longer, that one is broken in turn.
-        tight, sides = tight[broken], sides[broken]
-        shorter = (3 * tight[:, None] + np.arange(3))[sides < longest[broken, None]]
-        both = np.unique(np.concatenate([shorter, twins[shorter]]))
-        lengths[both] *= 1 + _T.loose
+        tight, sides, longest = tight[broken], sides[broken], longest[broken, None]
+        shorter = sides < longest
+        # By what is little of the longest: of the short ones themselves it might be nothing in floats.
+        step = np.broadcast_to(_T.loose / 2 * longest, shorter.shape)[shorter]
+        sides = (3 * tight[:, None] + np.arange(3))[shorter]
+        both = np.concatenate([sides, twins[sides]])
+        longer = lengths[both] + np.tile(step, 2)
+        np.maximum.at(lengths, both, longer)
         tight = np.unique(both // 3)
