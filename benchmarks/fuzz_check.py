@@ -41,8 +41,14 @@ def length_error(vertices, faces, lengths, k):
     return float(np.abs(sides - lengths).max() / lengths.mean())
 
 
-def path_error(found):
+def path_error(found, vertices):
     """Errors of the given edges, drawn straight over unfolded triangles of the answer, in mean edge lengths.
+
+    Parameters
+    ----------
+    found : ConvexPolyhedron
+    vertices : ndarray, shape (V, 3)
+        Its own, or such that differ by rounding.
 
     Returns
     -------
@@ -54,7 +60,7 @@ def path_error(found):
     paths, k = found.edge_paths, found.metric.curvature
     corners, twins = np.asarray(paths.tables.corners), np.asarray(paths.tables.twins)
     after = np.arange(corners.size) // 3 * 3 + (np.arange(corners.size) + 1) % 3
-    x = np.asarray(found.vertices, dtype=np.longdouble)
+    x = np.asarray(vertices, dtype=np.longdouble)
     if k:
         x = np.column_stack([x * np.sqrt(np.longdouble(abs(k))), heights(x, np.longdouble(k))])
     sign = np.sign(k)
@@ -65,7 +71,7 @@ def path_error(found):
     for e, (a, b) in enumerate(np.asarray(paths.ends).tolist()):
         crossed = paths.halfedges[paths.offsets[e] : paths.offsets[e + 1]].tolist()
         if not crossed:
-            direct = float(distances(found.vertices[a], found.vertices[b], k))
+            direct = float(distances(vertices[a], vertices[b], k))
             linked = (a, b) in sides or (b, a) in sides
             length = max(length, abs(direct - given[e]) / unit if linked else np.inf)
             continue
@@ -200,22 +206,16 @@ def between(x, k):
 
 
 def misfit(first, second, weights):
-    """Largest distance of a vertex after the isometry of R^3 that is best in weighted least squares."""
+    """Distances of the vertices after the isometry of R^3 that is best in weighted least squares, (V,)."""
     a, b = (x - np.average(x, axis=0, weights=weights) for x in (first, second))
     u, _, v = np.linalg.svd(a.T @ (weights[:, None] * b))
-    return float(np.linalg.norm(a @ u @ v - b, axis=1).max())
+    return np.linalg.norm(a @ u @ v - b, axis=1)
 
 
-def bends(vertices, faces):
-    """Six times the volume of the tetrahedron at each half-edge, over the cube of the size, (3F,)."""
-    x = np.asarray(vertices, dtype=np.longdouble)
-    x = (x - x.mean(axis=0)) / np.abs(x - x.mean(axis=0)).max()
-    third = {(f[k], f[k - 2]): f[k - 1] for f in faces.tolist() for k in range(3)}
-    p, q, r, s = (
-        x[list(corners)]
-        for corners in zip(*((a, b, c, third[b, a]) for (a, b), c in third.items()), strict=True)
-    )
-    return np.einsum("hi,hi->h", np.cross(q - p, r - p), s - p)
+def rounded_away(vertices, seed):
+    """The vertices, of whose coordinates some are the next float."""
+    up = np.random.default_rng(seed).integers(-1, 2, size=vertices.shape)
+    return np.where(up == 0, vertices, np.nextafter(vertices, np.inf * np.where(up == 0, 1, up)))
 
 
 def pierced(vertices, faces, k):
