@@ -77,8 +77,10 @@ clean:
 	rm -rf $(VENV) page-lint/node_modules workflow-lint/node_modules demo reproduction site build dist .pytest_cache .mypy_cache .ruff_cache .hypothesis
 	find src tests benchmarks -name __pycache__ -prune -exec rm -rf {} +
 
+# What is editable pip does not compile, nor does Python where it is told to write no bytecode: .3 s a command.
 $(INSTALLED): pyproject.toml | $(BIN)/python
 	$(PIP) install --editable '.[test,plot]'
+	$(BIN)/python -m compileall -q src
 	@touch $@
 
 $(LINTERS): $(INSTALLED)
