@@ -9,7 +9,7 @@ import curved_bodies
 import isoembed
 import zoo
 from isoembed.aim.length_expansion import LengthExpansion
-from isoembed.aim.nearby_motions import nearby_motions
+from isoembed.aim.nearby_motions import MOTIONS, Motions, nearby_motions
 from isoembed.aim.nearby_realizations import softest_motions
 from isoembed.aim.realization_leads import leads
 from isoembed.aim.realization_search import RealizationSearch
@@ -21,6 +21,7 @@ from isoembed.space import Space
 from isoembed.surface.alignment import aligned, distance
 from isoembed.surface.embedding import Embedding
 from isoembed.surface.rigidity import LengthSystem, edge_rows
+from isoembed.surface.smoothness import QuinticResiduals
 
 HEIGHT = 0.02
 
@@ -157,11 +158,8 @@ def test_two_that_are_close_are_found_from_farther(saddle):
     x, d = (first + second) / 2, (first - second) / 2
     one, other = x + 0.02 * d, x - 0.02 * d
     metric = PolyhedralMetric.from_mesh(one, faces)
-    lengths = metric.normalized.lengths
     with Log().stage("realizations") as recorder:
-        search = RealizationSearch(
-            LengthSystem(metric.triangulation), (x + 2 * d) / metric.unit, lengths, recorder, 5, 0.12
-        )
+        search = RealizationSearch(metric.normalized, (x + 2 * d) / metric.unit, recorder, 5, 0.12)
         search.polish(search.vertices)
     assert len(search.found) == 2
     for each in (one, other):
@@ -179,13 +177,45 @@ def test_from_an_attempt_that_misses_the_lengths(saddle):
     assert found.distances.min() > 1e-4
 
 
+def test_from_an_attempt_that_newtons_method_does_not_lead_from():
+    """Relaxed, as smooth as can be, an attempt with noise comes to the surface."""
+    vertices, faces = triangulate(HarmonicSurface(degree=2, order=2, amplitude=0.35), 100, irregular=1)
+    metric = PolyhedralMetric.from_mesh(vertices, faces)
+    noise = 0.02 * metric.mean_length * np.random.default_rng(0).normal(size=vertices.shape)
+    attempt = (vertices + noise) / metric.unit
+    with Log().stage("realizations") as recorder:
+        search = RealizationSearch(metric.normalized, attempt, recorder, 5, 0.12)
+        search.polish(attempt)
+        assert not search.found
+        next(search.steps(1))
+    assert min(distance(found, vertices / metric.unit) for found in search.found) < 1e-9
+
+
+def test_of_the_far_motions_those_that_smooth_are_kept():
+    """Pushed in by more than any other vertex can be moved: the farthest motion of all puts it back."""
+    x, faces = zoo.icosphere(1)
+    pushed = x.copy()
+    pushed[20] *= 0.9
+    charts = QuinticResiduals.of(PolyhedralMetric.from_mesh(x, faces).triangulation, pushed)
+    motions = np.zeros((MOTIONS.most + 2 * MOTIONS.smoother, *x.shape))
+    vertex = np.arange(len(motions)) % 20
+    motions[range(len(motions)), vertex] = np.linspace(0.01, 0.05, len(motions))[:, None] * x[vertex]
+    motions[-1] = x - pushed
+    reach = np.linalg.norm(motions, axis=2).max(axis=1)
+    kept = Motions(motions, reach, np.zeros(len(motions))).chosen(charts, pushed)
+    assert len(kept.motions) == MOTIONS.most + MOTIONS.smoother
+    assert np.array_equal(kept.reach[: MOTIONS.most], np.sort(reach)[: MOTIONS.most])
+    assert np.array_equal(kept.motions[MOTIONS.most], motions[-1])
+
+
 def test_motions_end_where_realizations_are(saddle):
     """To the second surface leads a motion that is predicted, from each of two: not the softest."""
     first, second = saddle.surfaces[:2]
     normalized = first.metric.normalized
     x, y = (each.vertices / first.metric.unit for each in (first, second))
     about = LengthExpansion(LengthSystem(first.triangulation), x, normalized.lengths)
-    found = nearby_motions(about, softest_motions(about, 4), 0.1 * normalized.mean_length)
+    charts = QuinticResiduals.of(first.triangulation, x)
+    found = nearby_motions(about, softest_motions(about, 4), 0.1 * normalized.mean_length, charts)
     assert (np.diff(found.reach) >= 0).all()
     misses = [distance(x + motion, y) for motion in found.motions]
     assert min(misses) < 0.1 * distance(x, y)

@@ -20,6 +20,7 @@ import numpy as np
 
 from isoembed.aim.length_expansion import LengthExpansion
 from isoembed.arrays import Floats, Indices
+from isoembed.surface.smoothness import QuinticResiduals
 from isoembed.thresholds import threshold
 
 
@@ -32,6 +33,7 @@ class MotionThresholds:
     defect: float = threshold(0.5, "relative", "Most that the lengths are off at the end of a motion.")
     alike: float = threshold(0.9, "cosine", "More have motions that are one.")
     most: int = threshold(40, "count", "Of motions, the nearest.")
+    smoother: int = threshold(20, "count", "Of the others, those to where the surface is smoothest.")
 
 
 MOTIONS = MotionThresholds()
@@ -91,12 +93,23 @@ class Motions:
         for i in np.argsort(self.defect, kind="stable"):
             if not kept or np.abs(flat[kept] @ flat[i]).max() <= MOTIONS.alike:
                 kept.append(int(i))
-        order = np.argsort(self.reach[kept], kind="stable")[: MOTIONS.most]
-        return self[[kept[i] for i in order]]
+        return self[[kept[i] for i in np.argsort(self.reach[kept], kind="stable")]]
+
+    def chosen(self, charts: QuinticResiduals, vertices: Floats) -> Motions:
+        """Of motions of these vertices, sorted, the nearest, then of the others those that smooth most."""
+        farther = range(MOTIONS.most, len(self.motions))
+        expected = {i: charts.roughness(vertices + self.motions[i]) for i in farther}
+        smooth = sorted(farther, key=lambda i: expected[i])[: MOTIONS.smoother]
+        return self[[*range(min(MOTIONS.most, len(self.motions))), *smooth]]
 
 
-def nearby_motions(expansion: LengthExpansion, softest: Floats, distance: float, hidden: int = 0) -> Motions:
+def nearby_motions(
+    expansion: LengthExpansion, softest: Floats, distance: float, charts: QuinticResiduals, hidden: int = 0
+) -> Motions:
     """The motions of a surface to where other realizations are predicted, the nearest first.
+
+    The more vertices, the more can be pushed in, and the farther are those that matter: of all that are not
+    among the nearest, the ones are kept that make the surface smoother.
 
     Parameters
     ----------
@@ -105,6 +118,8 @@ def nearby_motions(expansion: LengthExpansion, softest: Floats, distance: float,
         Motions that change the lengths little, which join what is found from the single vertices.
     distance : float
         How far a vertex may move.
+    charts : QuinticResiduals
+        Of the surface.
     hidden : int
         How many of the softest are left out of all others: near a fold they hide them.
     """
@@ -118,6 +133,7 @@ def nearby_motions(expansion: LengthExpansion, softest: Floats, distance: float,
             if not len(met.reach):
                 break
             changes = -expansion.bends(met.motions, met.motions) / 2
+        found = found.chosen(charts, expansion.vertices)
     return found
 
 

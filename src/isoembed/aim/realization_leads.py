@@ -14,7 +14,7 @@ from typing import NamedTuple
 import numpy as np
 
 from isoembed.aim.length_expansion import LengthExpansion
-from isoembed.aim.nearby_motions import Motions, nearby_motions
+from isoembed.aim.nearby_motions import MOTIONS, Motions, nearby_motions
 from isoembed.aim.nearby_realizations import predicted_motions, softest_motions
 from isoembed.arrays import Floats
 from isoembed.surface.smoothness import QuinticResiduals
@@ -76,18 +76,24 @@ def leads(expansion: LengthExpansion, count: int, distance: float, hidden: int =
     """
     near = LEADS.beyond * distance
     softest = softest_motions(expansion, count)
-    found = nearby_motions(expansion, softest, near * float(expansion.lengths.mean()), hidden)
+    charts = QuinticResiduals.of(expansion.system.triangulation, expansion.vertices)
+    found = nearby_motions(expansion, softest, near * float(expansion.lengths.mean()), charts, hidden)
+    groups = _groups(found, softest[: min(always, count - 1)], count)
+    nearest = len(groups) - max(len(found.motions) - MOTIONS.most, 0)
+    now = charts.roughness(expansion.vertices)
     tried: list[Floats] = []
     incomplete = 0
-    for group in _groups(found, softest[: min(always, count - 1)], count):
+    for i, group in enumerate(groups):
         predicted = predicted_motions(expansion, group, near, LEADS.imaginary)
         incomplete += not predicted.complete
         for motion in predicted.motions:
+            if i >= nearest and charts.roughness(expansion.vertices + motion) >= now:
+                continue  # of the far ones, which are many, only what smooths
             close = LEADS.tried * np.abs(motion).max()
             if all(np.abs(motion - other).max() > close for other in tried):
                 tried.append(motion)
     plausible = [motion for motion in tried if _is_plausible(expansion, motion)]
-    return Leads(_smoothest_first(expansion, plausible), incomplete)
+    return Leads(_smoothest_first(expansion, plausible, charts), incomplete)
 
 
 def _groups(found: Motions, soft: Floats, count: int) -> list[Floats]:
@@ -105,13 +111,14 @@ def _groups(found: Motions, soft: Floats, count: int) -> list[Floats]:
     return [np.concatenate([soft, group]) for group in groups]
 
 
-def _smoothest_first(expansion: LengthExpansion, motions: list[Floats]) -> list[Lead]:
+def _smoothest_first(
+    expansion: LengthExpansion, motions: list[Floats], charts: QuinticResiduals
+) -> list[Lead]:
     """Leads to the ends of motions, and to the end of those together that make the surface smoother.
 
     Motions are taken together that are beside each other, so that what the lengths are off adds up.
     """
     x = expansion.vertices
-    charts = QuinticResiduals.of(expansion.system.triangulation, x)
     roughness = [charts.roughness(x + motion) for motion in motions]
     order = np.argsort(roughness, kind="stable")
     together, smoothest, count = np.zeros_like(x), charts.roughness(x), 0

@@ -1,9 +1,10 @@
 """The search for all realizations of lengths near a surface.
 
 From one realization to the next: the leads from each (`realization_leads`) are followed by Newton's method.
-What is found is searched from in turn, breadth first and smoothest first: where n vertices can be pushed in
-one by one there are 2^n realizations, too many for all of them, and the surface that is meant is among the
-smooth ones.  So after each search the smoothest is made smoother still, as far as leads do.
+The surface that is meant is, as a rule, among the smooth ones.  So first of all the smoothest is made
+smoother still, as far as leads do: each to what is expected to be smoother is followed, then relaxed, as
+smooth as can be there, and let go.  What is found is searched from in turn, breadth first and smoothest
+first: where n vertices can be pushed in one by one there are 2^n realizations, too many for all of them.
 """
 
 from __future__ import annotations
@@ -11,6 +12,7 @@ from __future__ import annotations
 from collections import deque
 from collections.abc import Iterator
 from dataclasses import dataclass, field
+from functools import cached_property
 
 import numpy as np
 
@@ -18,8 +20,11 @@ from isoembed.aim.anneal import Annealed, anneal
 from isoembed.aim.length_expansion import LengthExpansion
 from isoembed.aim.nearby_realizations import predicted_motions, softest_motions
 from isoembed.aim.realization_leads import Lead, leads
+from isoembed.aim.regularized_continuation import let_go
+from isoembed.aim.regularized_energy import RegularizedEnergy
 from isoembed.arrays import Floats
 from isoembed.linalg import SingularMatrix
+from isoembed.metric.polyhedral import PolyhedralMetric
 from isoembed.progress.stages import StageRecorder
 from isoembed.surface.alignment import distance
 from isoembed.surface.rigidity import LengthSystem, length_residuals
@@ -33,6 +38,10 @@ class SearchThresholds:
 
     softest: int = threshold(2, "count", "Motions that may hide others, set apart, or lead across a fold.")
     smoother: int = threshold(4, "count", "Moves to smoother realizations at most after each search.")
+    relaxed: int = threshold(4, "count", "Leads at most, the smoothest, that are relaxed for each.")
+    weights: tuple[float, ...] = threshold(
+        (1e-5, 1e-6), "mean edge lengths^2", "mu at first, in turn: more forgets where a lead is."
+    )
     probe: int = threshold(3, "count", "Newton steps that tell whether an end is promising.")
     promising: float = threshold(0.1, "relative", "Residual after them, at most; so after the next.")
     returns: float = threshold(1e-4, "mean edge lengths", "As near, it leads to a realization that is known.")
@@ -50,11 +59,10 @@ class RealizationSearch:
 
     Parameters
     ----------
-    system : LengthSystem
+    metric : PolyhedralMetric
+        Of mean edge length 1 or so.
     vertices : ndarray, shape (V, 3)
         Where the search is about; the lengths may be missed there.
-    lengths : ndarray, shape (E,)
-        Of mean 1 or so.
     recorder : StageRecorder
     motions : int
         How many motions are taken together at most.
@@ -73,9 +81,8 @@ class RealizationSearch:
         How many systems of quadratic equations were solved incompletely.
     """
 
-    system: LengthSystem
+    metric: PolyhedralMetric
     vertices: Floats
-    lengths: Floats
     recorder: StageRecorder
     motions: int
     distance: float
@@ -89,32 +96,28 @@ class RealizationSearch:
     _attempts: dict[float, Floats] = field(default_factory=dict)  # by the residual
 
     def steps(self, surfaces: int) -> Iterator[None]:
-        """Search from the given vertices, then from realizations: with the given one, so many at most.
+        """Search from so many realizations, or, as long as nothing is found, attempts.
 
         These are in turn the smoothest of all, and the smoothest of those that the fewest moves from
-        realization to realization lead to.  It stops after each, and after each move to a smoother one,
-        with `found` as it is then.  As long as nothing is found it goes on from the attempts that miss the
-        lengths by least.
+        realization to realization lead to: the given one is the first of them.  Where it is the only one, it
+        is left as it is.  It stops after each, and after each move to a smoother one, with `found` as it is
+        then.
         """
         self.polish(self.vertices)
-        self.searched[:] = [True for _ in self.found]
-        given = len(self.found)
-        for hidden in (0, SEARCH.softest):
-            self._follow(self._leads_from(self.vertices, hidden), given)
-            yield
-        for step in range(surfaces - given):
-            yield from self._smoothed()
+        if not self.found:
+            yield from self._attempt(self.vertices)
+        for step in range(surfaces):
+            if surfaces > 1:
+                yield from self._smoothed()
             left = [i for i, searched in enumerate(self.searched) if not searched]
             if left:
                 i = min(left, key=lambda i: (self._moves[i] if step % 2 else 0, self._roughness[i]))
                 self.searched[i] = True
-                self._search(self.found[i], self._opened(i), self._moves[i] + 1)
+                yield from self._search(i)
             elif not self.found and self._attempts:
-                attempt = self._attempts.pop(min(self._attempts))
-                self._search(attempt, self._leads_from(attempt, 0), 0)
+                yield from self._attempt(self._attempts.pop(min(self._attempts)))
             else:
                 return
-            yield
 
     def polish(self, vertices: Floats, moves: int = 0) -> None:
         """Add the realizations that Newton's method leads to, if they are new and near enough."""
@@ -132,30 +135,87 @@ class RealizationSearch:
         if not self.found and found.vertices is not vertices:
             self._attempts[found.residual] = found.vertices
 
+    @cached_property
+    def system(self) -> LengthSystem:
+        """Of the metric."""
+        return LengthSystem(self.metric.triangulation, space=self.metric.space)
+
+    @cached_property
+    def _energy(self) -> RegularizedEnergy:
+        return RegularizedEnergy(self.metric, self.vertices)
+
     @property
     def _unit(self) -> float:
-        return float(self.lengths.mean())
+        return self.metric.mean_length
 
     def _smoothed(self) -> Iterator[None]:
-        """From the smoothest realization, follow what leads to smoother ones until there is one."""
-        for _ in range(min(SEARCH.smoother, len(self.found))):
-            best = min(self._roughness)
-            i = self._roughness.index(best)
-            if self.searched[i]:
-                return
-            left = self._opened(i)
-            while left and left[0].roughness < best == min(self._roughness):
-                self.polish(left.popleft().vertices, self._moves[i] + 1)
-            if best == min(self._roughness):
+        """From the smoothest realization, go to smoother ones as far as leads do."""
+        for _ in range(SEARCH.smoother if self.found else 0):
+            i = self._roughness.index(self._least_roughness)
+            if self.searched[i] or not self._descends(
+                self._opened(i), self._roughness[i], self._moves[i] + 1
+            ):
                 return
             yield
 
-    def _search(self, vertices: Floats, left: deque[Lead], moves: int) -> None:
-        """Follow leads from vertices; if nothing new is found, others, with the softest motions set apart."""
-        known = len(self.found)
-        self._follow(left, moves)
-        if len(self.found) == known:
-            self._follow(self._leads_from(vertices, SEARCH.softest), moves)
+    def _descends(self, left: deque[Lead], roughness: float, moves: int) -> bool:
+        """Follow leads to what is expected to be smoother, and whether there is a realization that is."""
+        relaxed = 0
+        while left and left[0].roughness < roughness:
+            weights = SEARCH.weights if relaxed < SEARCH.relaxed else ()
+            if self._is_smoother(left.popleft().vertices, roughness, moves, weights):
+                return True
+            relaxed += 1
+        return False
+
+    def _is_smoother(
+        self, vertices: Floats, roughness: float, moves: int, weights: tuple[float, ...]
+    ) -> bool:
+        """Add what is near vertices, and whether there is a realization now that is smoother than so.
+
+        Newton's method alone gets lost where many vertices have to move at once: what is as smooth as can be
+        near these vertices is let go, from each of these weights in turn.
+        """
+        self.polish(vertices, moves)
+        for weight in weights:
+            if self._least_roughness < roughness:
+                break
+            energy, mu = self._energy.finer(vertices), weight * self._unit**2
+            relaxed, _ = let_go(energy, vertices, self.metric.lengths, mu, self.recorder)
+            self.polish(relaxed, moves)
+        return self._least_roughness < roughness
+
+    @property
+    def _least_roughness(self) -> float:
+        return min(self._roughness, default=np.inf)
+
+    def _search(self, i: int) -> Iterator[None]:
+        """Follow all leads from a realization.
+
+        From the given one, and where nothing new is found, others, too, with the softest motions set apart.
+        """
+        known, moves = len(self.found), self._moves[i]
+        self._follow(self._opened(i), moves + 1)
+        yield
+        if not moves or len(self.found) == known:
+            self._follow(self._leads_from(self.found[i], SEARCH.softest, SEARCH.softest), moves + 1)
+            yield
+
+    def _attempt(self, vertices: Floats) -> Iterator[None]:
+        """From a surface that misses the lengths, go to smoother ones; if none is found, follow all leads.
+
+        An attempt ends where J is nearly singular, so at first the softest motions are set apart.
+        """
+        roughness = fine_roughness(self.metric.triangulation, vertices)
+        if self._is_smoother(vertices, roughness, 1, SEARCH.weights):
+            return
+        for hidden in (SEARCH.softest, 0):
+            if self._descends(self._leads_from(vertices, hidden), roughness, 1):
+                return
+            yield
+        for hidden in (0, SEARCH.softest):
+            self._follow(self._leads_from(vertices, hidden, SEARCH.softest), 1)
+            yield
 
     def _opened(self, i: int) -> deque[Lead]:
         """The leads from a realization that were not followed yet."""
@@ -163,15 +223,14 @@ class RealizationSearch:
             self._leads[i] = self._leads_from(self.found[i], 0)
         return self._leads[i]
 
-    def _leads_from(self, vertices: Floats, hidden: int) -> deque[Lead]:
-        """Leads from vertices; as long as nothing is found, the softest motions join all others."""
-        expansion = LengthExpansion(self.system, vertices, self.lengths)
-        always = hidden if self.found else SEARCH.softest
+    def _leads_from(self, vertices: Floats, hidden: int, always: int = 0) -> deque[Lead]:
+        """Leads from vertices, with so many of the softest motions set apart, or always taken."""
+        expansion = LengthExpansion(self.system, vertices, self.metric.lengths)
         self.recorder.factorizations += 2
         try:
             found = leads(expansion, self.motions, self.distance, hidden, always)
         except SingularMatrix:
-            self.flexible += not hidden
+            self.flexible += not (hidden or always)
             return deque()
         self.incomplete += found.incomplete
         return deque(found.leads)
@@ -182,7 +241,7 @@ class RealizationSearch:
 
     def _add_close(self, vertices: Floats, moves: int) -> None:
         """Add the two realizations near a fold, where they are close and Newton's method is slow."""
-        expansion = LengthExpansion(self.system, vertices, self.lengths)
+        expansion = LengthExpansion(self.system, vertices, self.metric.lengths)
         self.recorder.factorizations += 1
         softest = softest_motions(expansion, SEARCH.softest)
         for motion in predicted_motions(expansion, softest, self.distance).motions[:2]:
@@ -205,8 +264,8 @@ class RealizationSearch:
         return any(distance(vertices, other, space) <= near * self._unit for other in self.found)
 
     def _annealed(self, vertices: Floats, steps: int) -> Annealed:
-        return anneal(self.system, vertices, self.lengths, self.recorder, max_iterations=steps)
+        return anneal(self.system, vertices, self.metric.lengths, self.recorder, max_iterations=steps)
 
     def _residual(self, vertices: Floats) -> float:
-        errors = length_residuals(self.system.triangulation, vertices, self.lengths, self.system.space)
+        errors = length_residuals(self.system.triangulation, vertices, self.metric.lengths, self.system.space)
         return float(np.abs(errors).max())

@@ -15,7 +15,6 @@ from isoembed.mesh.triangulation import frozen
 from isoembed.progress.stages import Log
 from isoembed.strict_json import plain
 from isoembed.surface.embedding import Embedding
-from isoembed.surface.rigidity import LengthSystem
 
 FEWEST, MOST = 2, 8  # motions together: 2^8 roots
 
@@ -140,15 +139,10 @@ def realizations(
         if not (isinstance(value, int) and least <= value <= most):
             wanted = f"from {least} to {most}" if most < np.inf else f"of at least {least}"
             raise InvalidParameter(f"the number of {name} is {value!r}, not an integer {wanted}")
-    metric, normalized = embedding.metric, embedding.metric.normalized
+    metric = embedding.metric
     with Log().stage("realizations") as recorder:
         search = RealizationSearch(
-            LengthSystem(metric.triangulation, space=normalized.space),
-            embedding.vertices / metric.unit,
-            normalized.lengths,
-            recorder,
-            motions,
-            distance,
+            metric.normalized, embedding.vertices / metric.unit, recorder, motions, distance
         )
         for _ in search.steps(surfaces):
             pass
