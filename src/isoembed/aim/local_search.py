@@ -18,12 +18,12 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 
 import numpy as np
-from scipy.linalg import LinAlgError, cho_factor, cho_solve
 from scipy.sparse import csr_array, eye_array
 
 from isoembed.aim.anneal import anneal
 from isoembed.aim.completion import completed
 from isoembed.aim.energy_descent import descended
+from isoembed.aim.held_patch import HeldPatch
 from isoembed.aim.regularized_continuation import let_go
 from isoembed.aim.regularized_energy import RegularizedEnergy
 from isoembed.arrays import Floats, Indices, Mask
@@ -54,17 +54,12 @@ class LocalSearchThresholds:
         0.3, "relative", "Share of the root of the largest residual: a smaller move fell back."
     )
     gain: float = threshold(1e-4, "relative", "Decrease of the energy that counts.")
-    local_steps: int = threshold(12, "count", "Gauss-Newton steps of a patch at most.")
     settled: float = threshold(0.998, "relative", "Share of the energy that a step leaves at a minimum.")
     steps: int = threshold(20, "count", "Gauss-Newton steps of the surface at most.")
     fade: float = threshold(0.1, "relative", "Factor of mu from step to step as a surface is let go.")
     faded: int = threshold(12, "count", "Such steps at most.")
     stalled: float = threshold(0.9, "relative", "Share of the residual that two steps leave if it is lost.")
     exact: float = threshold(1e-11, "mean edge lengths", "Largest residual of a realization.")
-    damping: float = threshold(1e-3, "relative", "Levenberg-Marquardt damping of a patch at first.")
-    stiffer: float = threshold(5.0, "relative", "Factor of the damping after a step uphill.")
-    softer: float = threshold(0.2, "relative", "Factor of the damping after a step downhill.")
-    uphill: int = threshold(6, "count", "Steps uphill in turn that end the relaxation of a patch.")
     coarse: int = threshold(150, "count", "Vertices of a surface at most that is searched for lengths alone.")
     guided: float = threshold(0.5, "relative", "Share of its search that smoothness guides.")
     dense: float = threshold(0.05, "relative", "Cost of a factorization of its patches, by their vertices.")
@@ -157,6 +152,14 @@ class _LocalSearch:
     def exhausted(self) -> bool:
         """Whether as much is spent as may be."""
         return self.recorder.factorizations - self.begun + self.local >= self.most
+
+    def patch(self, vertices: Indices, mu: float) -> HeldPatch:
+        """That of these vertices, what it costs being added up."""
+
+        def spend(share: float) -> None:
+            self.local += self.cost * share
+
+        return HeldPatch.of(self.energy, self.lengths, vertices, mu, spend)
 
     def largest_residual(self, x: Floats) -> float:
         """Largest error of the lengths, in mean edge lengths."""
@@ -267,7 +270,7 @@ class _LocalSearch:
 
     def turned(self, x: Floats, disk: Indices, mu: float, enough: float) -> Floats:
         """The surface with a disk turned over, if that is better by ``enough``; else x itself."""
-        patch = _Patch.of(self, self.grown(disk, LOCAL_SEARCH.margin), mu)
+        patch = self.patch(self.grown(disk, LOCAL_SEARCH.margin), mu)
         offset = patch.offset(x, disk)
         least = LOCAL_SEARCH.moved * self.reach(x)
         for motion in (*(times * offset for times in LOCAL_SEARCH.beyond), self.reflection(x, disk)):
@@ -280,7 +283,7 @@ class _LocalSearch:
             if np.linalg.norm(found - x, axis=1).max() < least:
                 continue
             if enough > before - after > -LOCAL_SEARCH.doubtful * before:
-                wide = _Patch.of(self, self.grown(disk, LOCAL_SEARCH.wide), mu)
+                wide = self.patch(self.grown(disk, LOCAL_SEARCH.wide), mu)
                 before = wide.value(x)
                 found, after = wide.relaxed(found)
             if before - after > enough:
@@ -292,7 +295,7 @@ class _LocalSearch:
 
         For coarse surfaces, on which smoothness tells little.
         """
-        whole = _Patch.of(self, np.arange(len(x)), 0.0)
+        whole = self.patch(np.arange(len(x)), 0.0)
         rng, adjacency = np.random.default_rng(0), self.energy.triangulation.adjacency
         x, value = whole.relaxed(x, LOCAL_SEARCH.coarse_steps, LOCAL_SEARCH.converged)
         tried: set[int] = set()
@@ -329,118 +332,3 @@ class _LocalSearch:
         for _ in range(rings):
             patch = np.unique(self.near[patch].indices)
         return patch
-
-
-@dataclass(frozen=True, eq=False)
-class _Patch:
-    """The energy as a function of a few vertices, the others being held.
-
-    Attributes
-    ----------
-    search : _LocalSearch
-    vertices : ndarray of int, shape (n,)
-        Those that move.
-    edges, lengths : ndarray, shape (m, 2), (m,)
-        Edges that change, and the lengths that they are to have.
-    place : ndarray of int, shape (m, 2)
-        The ends of edges among the vertices; n where they are held.
-    rows : sparse, shape (k, V)
-        The rows of R that change.
-    columns : ndarray, shape (k, n)
-        Their columns.
-    stiffness : ndarray, shape (n, n)
-        ``mu R^T R``.
-    mu : float
-    """
-
-    search: _LocalSearch
-    vertices: Indices
-    edges: Indices
-    lengths: Floats
-    place: Indices
-    rows: csr_array
-    columns: Floats
-    stiffness: Floats
-    mu: float
-
-    @classmethod
-    def of(cls, search: _LocalSearch, vertices: Indices, mu: float) -> _Patch:
-        """That of these vertices."""
-        triangulation, R = search.energy.triangulation, search.energy.fit_residuals
-        n = len(vertices)
-        changing = np.unique(triangulation.incidence[vertices].indices)
-        edges = triangulation.edges[changing]
-        place = np.full(triangulation.n_vertices, n)
-        place[vertices] = np.arange(n)
-        rows = R[np.unique(search.energy.fit_residuals_transposed[vertices].indices)]
-        columns = rows[:, vertices].toarray()
-        stiffness = mu * (columns.T @ columns)
-        return cls(
-            search, vertices, edges, search.lengths[changing], place[edges], rows, columns, stiffness, mu
-        )
-
-    def value(self, x: Floats) -> float:
-        """The part of the energy that changes."""
-        r, rough, _ = self._terms(x)
-        return float(r @ r + self.mu * np.sum(rough**2))
-
-    def offset(self, x: Floats, disk: Indices) -> Floats:
-        """What is to be added to vertices of the patch for R x to be least, shape (k, 3)."""
-        of = np.searchsorted(self.vertices, disk)
-        columns = self.columns[:, of]
-        return -np.linalg.lstsq(columns, self.rows @ x, rcond=None)[0]
-
-    def relaxed(
-        self,
-        x: Floats,
-        steps: int = LOCAL_SEARCH.local_steps,
-        settled: float = 1 - LOCAL_SEARCH.settled,
-    ) -> tuple[Floats, float]:
-        """The local minimum near x, and its part of the energy, by Levenberg-Marquardt."""
-        n, damping = len(self.vertices), LOCAL_SEARCH.damping
-        r, rough, directions = self._terms(x)
-        value = float(r @ r + self.mu * np.sum(rough**2))
-        held = np.kron(self.stiffness, np.eye(3))
-        for _ in range(steps):
-            gradient = self.mu * (self.columns.T @ rough)
-            blocks = np.zeros((n + 1, n + 1, 3, 3))
-            pull = np.zeros((n + 1, 3))
-            products = np.einsum("ei,ej->eij", directions, directions)
-            for sign, end in ((1.0, 0), (-1.0, 1)):
-                np.add.at(pull, self.place[:, end], sign * directions * r[:, None])
-                np.add.at(blocks, (self.place[:, end], self.place[:, end]), products)
-            blocks[self.place[:, 0], self.place[:, 1]] -= products
-            blocks[self.place[:, 1], self.place[:, 0]] -= products
-            matrix = blocks[:n, :n].transpose(0, 2, 1, 3).reshape(3 * n, 3 * n) + held
-            gradient = (gradient + pull[:n]).ravel()
-            for _ in range(LOCAL_SEARCH.uphill):
-                self.search.local += self.search.cost * n / len(x)
-                matrix_damped = matrix.copy()
-                matrix_damped[np.diag_indices(3 * n)] += damping
-                try:
-                    factor = cho_factor(matrix_damped, overwrite_a=True, check_finite=False)
-                except LinAlgError:
-                    damping *= LOCAL_SEARCH.stiffer
-                    continue
-                trial = x.copy()
-                trial[self.vertices] -= cho_solve(factor, gradient, check_finite=False).reshape(-1, 3)
-                r_trial, rough_trial, directions_trial = self._terms(trial)
-                reached = float(r_trial @ r_trial + self.mu * np.sum(rough_trial**2))
-                if reached < value:
-                    break
-                damping *= LOCAL_SEARCH.stiffer
-            else:
-                return x, value
-            enough = value - reached < settled * value
-            x, r, rough, directions, value = trial, r_trial, rough_trial, directions_trial, reached
-            damping *= LOCAL_SEARCH.softer
-            if enough:
-                break
-        return x, value
-
-    def _terms(self, x: Floats) -> tuple[Floats, Floats, Floats]:
-        """Errors of the lengths, R x, and the nonzeros of J."""
-        d = x[self.edges[:, 0]] - x[self.edges[:, 1]]
-        lengths = self.lengths
-        r = (np.einsum("ei,ei->e", d, d) - lengths**2) / (2 * lengths)
-        return r, self.rows @ x, d / lengths[:, None]
