@@ -24,8 +24,8 @@ def peanut():
 
 @pytest.fixture
 def small(monkeypatch):
-    """Levels of a surface of 3,000 vertices."""
-    monkeypatch.setattr(levels, "LEVELS", PullBackLevels(many=2000, guided=700, cell=4))
+    """Levels of a surface of 3,000 vertices: two after the guided path."""
+    monkeypatch.setattr(levels, "LEVELS", PullBackLevels(many=2000, guided=600, finest=14, growth=1.2))
 
 
 def test_the_peanut_is_brought_near_also_if_interrupted(peanut, small, monkeypatch):
@@ -68,8 +68,16 @@ def test_the_default_method_goes_by_levels(peanut, small):
 
 
 def test_where_levels_fail_the_path_of_all_vertices_is_followed(small, monkeypatch):
-    monkeypatch.setattr(levels, "LEVELS", PullBackLevels(many=500, landed=0.0, guided=200, cell=4))
+    monkeypatch.setattr(levels, "LEVELS", PullBackLevels(many=500, landed=0.0, guided=200))
     x, faces = triangulate(CassiniPeanut(), 600)
     metric = PolyhedralMetric.from_mesh(x, faces)
     found = embed(metric, method=Aim())
     assert smooth_bodies.misfit(found.vertices, x) < 1e-9
+
+
+@pytest.mark.parametrize("n", [16_000, 40_000, 160_000, 1_000_000])
+def test_no_level_has_many_times_the_vertices_of_the_one_before(n):
+    counts = np.array([levels.LEVELS.guided, *levels._counts(n)])
+    assert (counts[1:] > counts[:-1]).all()
+    assert (counts[1:] < 1.01 * levels.LEVELS.growth * counts[:-1]).all()
+    assert counts[-1] == pytest.approx(levels.LEVELS.finest * np.sqrt(n), abs=1)

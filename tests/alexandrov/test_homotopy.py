@@ -1,5 +1,7 @@
 """From a metric to its polytope and its vertices, compared with discarded coordinates."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
@@ -7,7 +9,7 @@ import zoo
 from curved import apart, body, metric_in
 from isoembed import PolyhedralMetric, embed
 from isoembed.alexandrov import homotopy
-from isoembed.alexandrov.homotopy import HOMOTOPY, Stalled, follow_path
+from isoembed.alexandrov.homotopy import HOMOTOPY, Stalled, Waypoint, follow_path
 from isoembed.alexandrov.newton import Analyses, Solution, newton
 from isoembed.alexandrov.pins import independent_directions
 from isoembed.alexandrov.placement import placed, polished, realized
@@ -179,3 +181,24 @@ def test_the_path_says_where_newtons_method_stalls_and_goes_on(monkeypatch):
     assert len(largest) > ladder
     assert largest[0] <= HOMOTOPY.close * deficits.max()
     assert largest[1] <= HOMOTOPY.close / 10 * deficits.max()
+
+
+def test_after_a_step_that_was_too_short_equations_are_solved_more_exactly(monkeypatch):
+    monkeypatch.setattr(homotopy, "HOMOTOPY", replace(HOMOTOPY, too_short=-1))
+    asked, kept, roughly = [], [], homotopy._solved
+
+    def solved(p, inverse, b, residual):
+        asked.append(residual)
+        return roughly(p, inverse, b, residual)
+
+    monkeypatch.setattr(homotopy, "_solved", solved)
+    vertices, _ = zoo.random_hull(60, 3)
+    tables, deficits = problem(*zoo.outward_hull(vertices * (30, 1, 1)))
+    with Log().stage("polytope") as recorder:
+        *_, last = follow_path(tables, deficits, recorder, kept.append)
+    assert isinstance(last, Solution)
+    assert asked[0] == HOMOTOPY.forcing
+    assert set(asked[1:]) == {HOMOTOPY.exact}
+    exact = [here for here in kept if here.residual == HOMOTOPY.exact]
+    assert exact
+    assert Waypoint.of_arrays(exact[0].arrays()).residual == HOMOTOPY.exact

@@ -1,11 +1,13 @@
 """Pull-back by levels, where the curvature is negative and vertices are many.
 
-The guided path is followed for a few thousand well spread vertices; then comes a level with a tenth of all,
-and then Newton's method on all lengths, its steps split into smooth and rough ones.
+The guided path is followed for a few thousand well spread vertices; then come levels with more of them, and
+then Newton's method on all lengths, its steps split into smooth and rough ones.  How many the last level has
+grows with the root of the number of all: what quintics miss shrinks faster than edges do.
 """
 
 from collections.abc import Mapping
 from dataclasses import dataclass
+from math import ceil, log, sqrt
 from typing import Any
 
 import numpy as np
@@ -32,15 +34,18 @@ class PullBackLevels:
     many: int = threshold(16_000, "vertices", "Fewer are pulled back at once: that is as fast.")
     guided: int = threshold(1_700, "vertices", "Chosen for the guided path.")
     charts: int = threshold(2, "count", "Steps after it, mu falling, each in the charts of the last surface.")
-    cell: int = threshold(10, "vertices", "Of a cell of the level after it.")
-    settling: float = threshold(1e-6, "mean edge lengths^2", "mu of the coarse step of the level after it.")
+    finest: float = threshold(20.0, "roots of all vertices", "Chosen for the last level.")
+    growth: float = threshold(3.1, "relative", "Most, from level to level: more is too far for a step.")
+    settling: float = threshold(1e-6, "mean edge lengths^2", "mu of the coarse steps of the levels after it.")
     split: tuple[float, ...] = threshold((1e-2, 1e-4), "relative", "mu of split steps, in turn.")
     close: float = threshold(
-        1e-7, "mean edge lengths", "Residual from which Newton's method does not get lost."
+        4e-3, "mean edge lengths over vertices", "Residual from which Newton's method does not get lost."
     )
     landed: float = threshold(1e-4, "mean edge lengths", "A larger residual after the last step is lost.")
     quintic: tuple[float, ...] = threshold(
-        (1e-4, 1e-5, 1e-6, 1e-8, 1e-10), "relative", "mu of the steps that quintics hold, in turn."
+        (1e-4, 1e-5, 1e-6, 1e-7, 1e-8, 1e-9, 1e-10),
+        "relative",
+        "mu of the steps that quintics hold, in turn: where it falls faster, vertices stay on a wrong side.",
     )
 
 
@@ -94,15 +99,16 @@ def pulled_back_by_levels(
         return None
     recorder.keep(start=start, split=x)
     recorder.show(vertices=x, level=f"{n:,} vertices")
-    stencils = _stencils(metric, convex, n // LEVELS.cell)
-    if stencils is None:
-        return None
-    energy = InterpolatedEnergy(metric, stencils, convex, x)
-    settling = LEVELS.settling * energy.unit**2
-    z = energy.relaxed(x[stencils.cells.vertices], energy.lengths, settling, 0.0, recorder)
-    split = _split(system, metric.lengths, energy, stencils, x)
-    x, z = split.step(split.P @ z, z, LEVELS.split[0], recorder)
-    del energy
+    for count in _counts(n):
+        stencils = _stencils(metric, convex, count)
+        if stencils is None:
+            return None
+        energy = InterpolatedEnergy(metric, stencils, convex, x)
+        settling = LEVELS.settling * energy.unit**2
+        z = energy.relaxed(x[stencils.cells.vertices], energy.lengths, settling, 0.0, recorder)
+        split = _split(system, metric.lengths, energy, stencils, x)
+        x, z = split.step(split.P @ z, z, LEVELS.split[0], recorder)
+        del energy
     for mu in LEVELS.split[1:]:
         x, z = split.step(x, z, mu, recorder)
     quintics = QuinticResiduals.of(metric.triangulation, x)
@@ -113,9 +119,16 @@ def pulled_back_by_levels(
         x = split.smooth_step(x, quintics, mu, recorder)
         residual = _error(metric, x)
         recorder.show(residual=residual, vertices=x)
-        if residual < LEVELS.close:
+        if residual < LEVELS.close / n:
             break
     return x if residual < LEVELS.landed else None
+
+
+def _counts(n: int) -> list[int]:
+    """How many of n vertices are chosen for the levels after the guided path, the last level's last."""
+    growth = LEVELS.finest * sqrt(n) / LEVELS.guided
+    steps = max(ceil(log(growth) / log(LEVELS.growth)), 1)
+    return [round(LEVELS.guided * growth ** (k / steps)) for k in range(1, steps + 1)]
 
 
 def _error(metric: PolyhedralMetric, x: Floats) -> float:

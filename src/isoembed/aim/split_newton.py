@@ -21,6 +21,7 @@ preconditioned on two levels: ``J^T J + mu I`` for the rough motions, which the 
 from __future__ import annotations
 
 from dataclasses import dataclass
+from math import sqrt
 
 from isoembed.arrays import Floats
 from isoembed.linalg import SymmetricFactor
@@ -38,7 +39,9 @@ class SplitNewtonThresholds:
 
     solved: float = threshold(3e-2, "relative", "Residual of the equations for smooth motions.")
     most: int = threshold(30, "count", "Iterations for smooth motions at most.")
-    quintic_solved: float = threshold(1e-2, "relative", "Residual of the equations with quintics.")
+    quintic_solved: float = threshold(
+        2.0, "relative, over the root of all vertices", "Residual of the equations with quintics."
+    )
     quintic_most: int = threshold(70, "count", "Iterations with quintics at most.")
     held: float = threshold(0.1, "mu", "What holds rough motions in the preconditioner of the latter.")
     single: float = threshold(5e-7, "relative", "Damping from which single precision solves well enough.")
@@ -97,9 +100,8 @@ class SplitNewton:
             return (d - J.forces(linear.solve(J.rates(d)))) / held + P @ self._smooth(P.transposed(d))
 
         gradient = J.forces(r) + mu * quintics.pull(x)
-        found = conjugate_gradients(
-            product, precondition, gradient, SPLIT_NEWTON.quintic_solved, SPLIT_NEWTON.quintic_most
-        )
+        solved = SPLIT_NEWTON.quintic_solved / sqrt(len(x))
+        found = conjugate_gradients(product, precondition, gradient, solved, SPLIT_NEWTON.quintic_most)
         return x - found.x
 
     def _smooth(self, forces: Floats) -> Floats:

@@ -14,7 +14,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Generator, Iterator, Mapping
 from dataclasses import dataclass, replace
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -39,6 +39,10 @@ class HomotopyThresholds:
         (2.0, 16.0, 64.0, 256.0), "least radii", "Radii of the starts, until one arrives."
     )
     forcing: float = threshold(0.03, "relative", "Residual of the linear equations on the way.")
+    exact: float = threshold(1e-4, "relative", "The same once a step was too short: small deficits need it.")
+    too_short: int = threshold(
+        4, "count", "Halvings of a step with a fresh factorization: beyond, it is solved for again."
+    )
     first_step: float = threshold(1.0, "log odds", "By which a first step is to lower epsilon.")
     longest_step: float = threshold(2.5, "log odds", "Of a step at most.")
     shortest_step: float = threshold(
@@ -93,6 +97,8 @@ class Waypoint:
         The epsilon that the last step did not reach; not a number if the next one sets its own.
     way : float
         Norm of what was missing when it was set.
+    residual : float
+        Of the linear equations.
     """
 
     polytope: Polytope
@@ -104,6 +110,7 @@ class Waypoint:
     norm: float = np.inf
     target: float = np.nan
     way: float = 0.0
+    residual: float = HOMOTOPY.forcing
 
     @classmethod
     def of_arrays(cls, arrays: Mapping[str, NDArray[Any]]) -> Waypoint | None:
@@ -111,12 +118,13 @@ class Waypoint:
         polytope = Polytope.of_arrays(arrays)
         if polytope is None:
             return None
-        numbers = {name: float(arrays[name]) for name in ("close", "step", "odds", "norm", "target", "way")}
+        names = ("close", "step", "odds", "norm", "target", "way", "residual")
+        numbers = {name: float(arrays[name]) for name in names}
         return cls(polytope, int(arrays["start"]), count=int(arrays["count"]), **numbers)
 
     def arrays(self) -> dict[str, ArrayLike]:
         """What defines it, for a checkpoint."""
-        names = ("start", "close", "step", "count", "odds", "norm", "target", "way")
+        names = ("start", "close", "step", "count", "odds", "norm", "target", "way", "residual")
         return {**self.polytope.arrays(), **{name: getattr(self, name) for name in names}}
 
 
@@ -259,21 +267,20 @@ def _path(
             target = _lowered(epsilon, here.step)
             here = replace(here, target=target, way=float(np.linalg.norm(p.curvatures - target * deficits)))
         missing = p.curvatures - here.target * deficits
-        dr, iterations = _solved(p, inverse, missing)
+        dr, iterations = _solved(p, inverse, missing, here.residual)
         if iterations > NEWTON.stale and not fresh:
             inverse = None
             continue
-        size = np.linalg.norm(missing)
         # Less is allowed after a step, with the same factorization, that was halved itself.
         stale = max(HOMOTOPY.halvings_if_stale - halving, 1) if count < HOMOTOPY.lenient else 1
-        for halving in range(HOMOTOPY.halvings if fresh else stale):
-            fraction = 0.5**halving
-            q = Polytope.over(p.tables, p.radii + fraction * dr)
-            if q is not None:
-                left = np.linalg.norm(q.curvatures - here.target * deficits)
-                if left <= (1 - NEWTON.decrease * fraction) * size:
-                    break
-        else:
+        goal, most = here.target * deficits, HOMOTOPY.halvings if fresh else stale
+        stepped = _halved(p, dr, goal, most)
+        too_short = stepped is None or stepped.halving > HOMOTOPY.too_short
+        if too_short and fresh and here.residual > HOMOTOPY.exact:
+            here = replace(here, residual=HOMOTOPY.exact)
+            stepped = _halved(p, _solved(p, inverse, missing, here.residual)[0], goal, most) or stepped
+        if stepped is None:
+            halving = most - 1
             if not fresh:
                 inverse = None
                 continue
@@ -281,6 +288,8 @@ def _path(
             if here.step < HOMOTOPY.shortest_step:
                 return
             continue
+        q, halving, left = stepped
+        fraction = 0.5**halving
         p, fresh = q, False
         epsilon = _share(p.curvatures, deficits)
         if left <= HOMOTOPY.tracked * here.way:
@@ -314,13 +323,34 @@ def _factor(p: Polytope, analyses: Analyses, recorder: StageRecorder) -> Factor:
     return analyses.solver(matrix).factor(matrix.data, single=True)
 
 
-def _solved(p: Polytope, inverse: Factor, b: Floats) -> tuple[Floats, int]:
+class _Step(NamedTuple):
+    """Where a step led, how often it was halved, and the norm of what is still missing."""
+
+    polytope: Polytope
+    halving: int
+    left: float
+
+
+def _halved(p: Polytope, dr: Floats, goal: Floats, most: int) -> _Step | None:
+    """The step to these curvatures, halved until they come nearer; None if none of so many does."""
+    size = np.linalg.norm(p.curvatures - goal)
+    for halving in range(most):
+        fraction = 0.5**halving
+        q = Polytope.over(p.tables, p.radii + fraction * dr)
+        if q is not None:
+            left = float(np.linalg.norm(q.curvatures - goal))
+            if left <= (1 - NEWTON.decrease * fraction) * size:
+                return _Step(q, halving, left)
+    return None
+
+
+def _solved(p: Polytope, inverse: Factor, b: Floats, residual: float) -> tuple[Floats, int]:
     """``(-d kappa / d r)^-1 b``, roughly, preconditioned by the factor of a polytope nearby."""
     return gmres(
         lambda v: -p.times_jacobian(v),
         lambda v: inverse.solve(v, sweeps=0),
         b,
-        HOMOTOPY.forcing,
+        residual,
         NEWTON.most_iterations,
     )
 
