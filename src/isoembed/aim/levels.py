@@ -41,6 +41,10 @@ class PullBackLevels:
     close: float = threshold(
         4e-3, "mean edge lengths over vertices", "Residual from which Newton's method does not get lost."
     )
+    held: float = threshold(
+        1e-14, "relative", "Damping of the last steps: J J^T may be singular to rounding."
+    )
+    last: int = threshold(2, "count", "Such steps.")
     landed: float = threshold(1e-4, "mean edge lengths", "A larger residual after the last step is lost.")
     quintic: tuple[float, ...] = threshold(
         (1e-4, 1e-5, 1e-6, 1e-7, 1e-8, 1e-9, 1e-10),
@@ -121,7 +125,14 @@ def pulled_back_by_levels(
         recorder.show(residual=residual, vertices=x)
         if residual < LEVELS.close / n:
             break
-    return x if residual < LEVELS.landed else None
+    if not residual < LEVELS.landed:
+        return None
+    for _ in range(LEVELS.last if residual < LEVELS.close / n else 0):
+        recorder.iterations += 1
+        recorder.factorizations += 1
+        r = length_residuals(metric.triangulation, x, metric.lengths)
+        x = x - system.step(x, metric.lengths, r, LEVELS.held)
+    return x
 
 
 def _counts(n: int) -> list[int]:
