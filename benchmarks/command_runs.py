@@ -17,6 +17,7 @@ from isoembed import PolyhedralMetric
 from isoembed.io import write_metric
 from stages import aligned
 
+HELD = 1e-14  # damping: of many vertices J J^T may be singular to rounding
 THREADS = ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS")
 
 
@@ -113,7 +114,7 @@ def of_edges(vertices, faces):
     metric = PolyhedralMetric.from_mesh(vertices, faces)
     system = LengthSystem(metric.triangulation)
     return least_seconds(
-        lambda: system.linearized(vertices / metric.unit, metric.lengths / metric.unit)  # analyzed once
+        lambda: system.linearized(vertices / metric.unit, metric.lengths / metric.unit, HELD)  # analyzed once
     )
 
 
