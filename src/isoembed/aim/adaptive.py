@@ -22,6 +22,7 @@ from numpy.typing import NDArray
 
 from isoembed._embed import Method
 from isoembed.aim.anneal import anneal
+from isoembed.aim.attempt_search import realization_near
 from isoembed.aim.best_fit import best_fit
 from isoembed.aim.convexification import CONVEXIFICATION, Convexification
 from isoembed.aim.diagnosis import diagnosis
@@ -60,6 +61,9 @@ class AdaptiveThresholds:
     placed: float = threshold(1e-10, "mean edge lengths", "Residual asked of the convex polyhedron.")
     nearly: float = threshold(1e-6, "mean edge lengths", "Most residual between two realizations.")
     same: float = threshold(1e-7, "mean edge lengths", "Surfaces as near as this are one.")
+    missed: float = threshold(
+        1e-3, "mean edge lengths", "Residual of an attempt at most that is searched about."
+    )
     fit: int = threshold(50, "count", "Factorizations of the best fit at most, as a rule.")
 
 
@@ -84,6 +88,7 @@ PULL_BACK = {
     "neighbors": 15.0,
     "mirrored patches": 50.0,
     "local search": 100.0,
+    "realizations": 100.0,
 }
 
 
@@ -100,7 +105,8 @@ class Aim(Method):
         What a failure may cost: where the pull-back misses the lengths, a search and the best fit follow,
         which together take ``1 + effort`` times the factorizations of all that was done before; results do
         not depend on the speed of the machine.  The search leaves some for the best fit, and takes some tens
-        in any case; 0 is no search.
+        in any case; 0 is no search.  Above 1, where little is missed, realizations near the best attempt are
+        sought as well, for ``effort`` times as much.
     """
 
     best_fit: bool = False
@@ -138,6 +144,8 @@ class Aim(Method):
             embedding = search.smoothest()
         if embedding.residual > search.good:
             fitted = search.best_fit(most)
+            if self.effort > 1:
+                search.search_about_attempt(self.effort / (2 + self.effort) * most)
             embedding = search.smoothest()
             if not embedding.converged:
                 told = embedding.with_message(diagnosis(embedding, fitted, self.effort))
@@ -353,6 +361,16 @@ class _Search:
             polished = anneal(self.system, found, self.metric.lengths, recorder).vertices
         self.surfaces.append(self.surface(polished))
         self.search_nearby(self.surfaces[-1])
+
+    def search_about_attempt(self, most: float) -> None:
+        """Seek realizations near the nearest attempt, with so many factorizations, if it misses little."""
+        nearest = min(self.surfaces, key=lambda surface: surface.residual)
+        if self.good < nearest.residual <= ADAPTIVE.missed and self.metric.space.is_euclidean:
+            with self.log.stage("realizations") as recorder:
+                found = realization_near(self.metric, nearest.vertices, recorder, most)
+            if found is not None:
+                self.surfaces.append(self.surface(found))
+                self.search_nearby(self.surfaces[-1])
 
     def guided(self, recorder: StageRecorder) -> Continued:
         """Where the guided path ends, near enough to the lengths for Newton's method."""

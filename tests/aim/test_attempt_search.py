@@ -1,0 +1,51 @@
+"""Realizations near an attempt that misses its lengths by little."""
+
+import numpy as np
+import pytest
+
+import isoembed
+from isoembed import Aim, NotEmbedded, PolyhedralMetric
+from isoembed.aim.attempt_search import realization_near
+from isoembed.gallery import Ellipsoid, HarmonicSurface, triangulate
+from isoembed.progress.stages import Log
+from isoembed.surface.alignment import distance
+
+
+@pytest.fixture(scope="module")
+def attempt():
+    vertices, faces = triangulate(HarmonicSurface(degree=2, order=2, amplitude=0.35), 100, irregular=1)
+    metric = PolyhedralMetric.from_mesh(vertices, faces)
+    noise = 0.02 * metric.mean_length * np.random.default_rng(0).normal(size=vertices.shape)
+    return metric.normalized, (vertices + noise) / metric.unit, vertices / metric.unit
+
+
+def test_the_first_realization_is_enough(attempt):
+    metric, missed, vertices = attempt
+    with Log().stage("realizations") as recorder:
+        found = realization_near(metric, missed, recorder, 500)
+    assert distance(found, vertices) < 1e-9
+    assert 0 < recorder.factorizations < 100
+
+
+def test_no_lead_is_followed_once_all_is_spent(attempt):
+    metric, missed, _ = attempt
+    with Log().stage("realizations") as recorder:
+        # Flat, so that nothing is near.
+        found = realization_near(metric, missed * [1.0, 1.0, 0.3], recorder, 1)
+    assert found is None
+    assert recorder.factorizations < 100
+
+
+@pytest.mark.slow
+def test_a_bumpy_body_that_only_a_longer_search_finds():
+    x, faces = triangulate(Ellipsoid((1, 1, 1)), 400, irregular=3)
+    rng = np.random.default_rng(10)
+    bumps = sum(np.cos(x @ (3 * rng.normal(size=3)) + rng.uniform(0, 6.3)) for _ in range(6))
+    vertices = x * (1 + rng.uniform(0.03, 0.08) * bumps)[:, None]
+    metric = PolyhedralMetric.from_mesh(vertices, faces)
+    with pytest.raises(NotEmbedded, match="--effort 10"):
+        isoembed.embed(metric)
+    found = isoembed.embed(metric, method=Aim(effort=10))
+    assert found.residual < 1e-11
+    assert min(distance(each.vertices, vertices) for each in (found, *found.others)) < 1e-9
+    assert "realizations" in [stage.name for stage in found.stages]
