@@ -2,8 +2,8 @@
 
 A search that ends where little is missed has, as a rule, a few folds on the wrong side that together cost
 next to nothing: smoothness does not tell them, nor does any single motion.  Leads along groups of soft
-motions (`isoembed.aim.realization_leads`) do, one of them or several in turn.  Of six bumpy bodies of 400 and 800
-vertices that an effort of 10 had left at 3e-8 to 6e-4 mean edge lengths, four were found, two of them the
+motions (`isoembed.aim.realization_leads`) do, one of them or several in turn.  Of six bumpy bodies of 400 and
+800 vertices that an effort of 10 had left at 3e-8 to 6e-4 mean edge lengths, four were found, two of them the
 surface that the lengths were taken from, the others within .03 mean edge lengths of it.
 """
 
@@ -17,7 +17,7 @@ from isoembed.thresholds import threshold
 
 
 @dataclass(frozen=True)
-class AttemptThresholds:
+class AboutAttemptThresholds:
     """Thresholds of the search about an attempt."""
 
     motions: int = threshold(5, "count", "Motions that are taken together at most, about an attempt.")
@@ -27,7 +27,7 @@ class AttemptThresholds:
     surfaces: int = threshold(8, "count", "Attempts that are searched from, one after another.")
 
 
-ATTEMPT = AttemptThresholds()
+ABOUT_ATTEMPT = AboutAttemptThresholds()
 
 
 def realization_near(
@@ -57,8 +57,10 @@ def realization_near(
         recorder.show(vertices=vertices, done=min(spent / most, 1.0))
         return bool(search.found) or spent >= most
 
-    search = RealizationSearch(metric, vertices, recorder, ATTEMPT.motions, ATTEMPT.distance, is_enough)
-    for _ in search.steps(ATTEMPT.surfaces):
+    search = RealizationSearch(
+        metric, vertices, recorder, ABOUT_ATTEMPT.motions, ABOUT_ATTEMPT.distance, is_enough
+    )
+    for _ in search.steps(ABOUT_ATTEMPT.surfaces):
         if is_enough(search):
             break
     return search.smoothest if search.found else None
