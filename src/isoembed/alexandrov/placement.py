@@ -233,16 +233,18 @@ def relaxed_polytope(nearest: Polytope, recorder: StageRecorder) -> Relaxed | No
     if not np.isfinite(vertices).all():
         return None
     for tables in _simplicial(nearest.tables):
-        body = _without_dents(tables, vertices, recorder)
+        body = relaxed_without_dents(tables, vertices, recorder)
         if body is not None:
             return body
     return None
 
 
-def _without_dents(tables: HalfEdges, vertices: Floats, recorder: StageRecorder) -> Relaxed | None:
+def relaxed_without_dents(tables: HalfEdges, vertices: Floats, recorder: StageRecorder) -> Relaxed | None:
     """Relax and flip in turn, as long as that mends dents; None if lengths are missed."""
     best = None
     for _ in range(PLACEMENT.relaxations):
+        if repeated(tables).size:  # made by flips on both sides of what is nearly flat
+            break
         vertices = relaxed(tables, vertices, recorder)
         if not worst_length(tables, vertices) <= PLACEMENT.exact:
             break
