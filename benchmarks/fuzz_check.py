@@ -10,6 +10,7 @@ from scipy.spatial import ConvexHull, QhullError
 
 LENGTHS = 1.01e-10  # mean edge lengths: the tolerance, and the rounding of measuring it
 PATHS = 3e-10  # mean edge lengths
+ROUNDED = 1e-8  # mean edge lengths that rounding of the vertices may move unfolded paths by
 OFF_HULL = 1e-9  # of the size
 CLEAR = 1e-12  # of the size, cubed: volumes that are not rounding
 ASIDE = 1e-7  # mean edge lengths by which a straight path may miss the side that it crosses

@@ -5,7 +5,9 @@ import pytest
 
 import isoembed
 from isoembed import Aim, NotEmbedded, PolyhedralMetric
+from isoembed.aim import realization_search
 from isoembed.aim.attempt_search import realization_near
+from isoembed.aim.realization_leads import Leads
 from isoembed.gallery import Ellipsoid, HarmonicSurface, triangulate
 from isoembed.progress.stages import Log
 from isoembed.surface.alignment import distance
@@ -27,13 +29,23 @@ def test_the_first_realization_is_enough(attempt):
     assert 0 < recorder.factorizations < 100
 
 
-def test_no_lead_is_followed_once_all_is_spent(attempt):
+def test_no_lead_is_sought_once_all_is_spent(attempt, monkeypatch):
     metric, missed, _ = attempt
+    sought = []
+    monkeypatch.setattr(realization_search, "leads", lambda *_: sought.append(None) or Leads([], 0))
+    for most in (1, 500):
+        with Log().stage("realizations") as recorder:
+            # Flat, so that nothing is near.
+            assert realization_near(metric, missed * [1.0, 1.0, 0.3], recorder, most) is None
+        assert len(sought) == (0 if most == 1 else 4)
+
+
+def test_large_surfaces_are_not_searched_about():
+    vertices, faces = triangulate(Ellipsoid((3, 2, 1)), 1001)
+    metric = PolyhedralMetric.from_mesh(vertices, faces).normalized
     with Log().stage("realizations") as recorder:
-        # Flat, so that nothing is near.
-        found = realization_near(metric, missed * [1.0, 1.0, 0.3], recorder, 1)
-    assert found is None
-    assert recorder.factorizations < 100
+        assert realization_near(metric, vertices, recorder, 500) is None
+    assert recorder.factorizations == 0
 
 
 @pytest.mark.slow

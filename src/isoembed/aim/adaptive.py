@@ -105,8 +105,9 @@ class Aim(Method):
         What a failure may cost: where the pull-back misses the lengths, a search and the best fit follow,
         which together take ``1 + effort`` times the factorizations of all that was done before; results do
         not depend on the speed of the machine.  The search leaves some for the best fit, and takes some tens
-        in any case; 0 is no search.  Above 1, where little is missed, realizations near the best attempt are
-        sought as well, for ``effort`` times as much.
+        in any case; 0 is no search.  Above 1, where little is missed by a surface of up to 1,000
+        vertices, realizations near the best attempt are sought as well, for ``effort`` times the
+        factorizations of the first attempt, and what it takes to know where to seek.
     """
 
     best_fit: bool = False

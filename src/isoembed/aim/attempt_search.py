@@ -24,7 +24,9 @@ class AboutAttemptThresholds:
     distance: float = threshold(
         0.12, "mean edge lengths", "How far a vertex of a realization may be from it."
     )
-    surfaces: int = threshold(8, "count", "Attempts that are searched from, one after another.")
+    largest: int = threshold(
+        1_000, "vertices", "Of a surface at most: some seconds for each set of leads there."
+    )
 
 
 ABOUT_ATTEMPT = AboutAttemptThresholds()
@@ -43,13 +45,16 @@ def realization_near(
     recorder : StageRecorder
         Counts factorizations, and is shown how much is done.
     most : float
-        Factorizations after which no lead is followed any more.
+        Factorizations after which no lead is sought or followed any more; the four sets of leads that there
+        are at most cost more than these.
 
     Returns
     -------
     ndarray, shape (V, 3), or None
-        None where none is met.
+        None where none is met, or the surface is large.
     """
+    if len(vertices) > ABOUT_ATTEMPT.largest:
+        return None
     begun = recorder.factorizations
 
     def is_enough(search: RealizationSearch) -> bool:
@@ -60,7 +65,7 @@ def realization_near(
     search = RealizationSearch(
         metric, vertices, recorder, ABOUT_ATTEMPT.motions, ABOUT_ATTEMPT.distance, is_enough
     )
-    for _ in search.steps(ABOUT_ATTEMPT.surfaces):
+    for _ in search.steps(0):
         if is_enough(search):
             break
     return search.smoothest if search.found else None

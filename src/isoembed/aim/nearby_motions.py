@@ -106,7 +106,7 @@ class Motions:
 def nearby_motions(
     expansion: LengthExpansion, softest: Floats, distance: float, charts: QuinticResiduals, hidden: int = 0
 ) -> Motions:
-    """The motions of a surface to where other realizations are predicted, the nearest first.
+    """Motions of a surface to where other realizations are predicted: the nearest first, then the smooth.
 
     The more vertices, the more can be pushed in, and the farther are those that matter: of all that are not
     among the nearest, the ones are kept that make the surface smoother.

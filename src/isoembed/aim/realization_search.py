@@ -38,7 +38,7 @@ class SearchThresholds:
 
     softest: int = threshold(2, "count", "Motions that may hide others, set apart, or lead across a fold.")
     smoother: int = threshold(4, "count", "Moves to smoother realizations at most after each search.")
-    relaxed: int = threshold(4, "count", "Leads at most, the smoothest, that are relaxed for each.")
+    relaxed: int = threshold(4, "count", "Leads at most, the smoothest, that are relaxed for each move.")
     weights: tuple[float, ...] = threshold(
         (1e-5, 1e-6), "mean edge lengths^2", "mu at first, in turn: more forgets where a lead is."
     )
@@ -74,7 +74,7 @@ class RealizationSearch:
     distance : float
         How far from the given one a vertex of a realization may be, in mean edge lengths.
     is_enough : callable
-        Whether to end, asked with the search before each lead.
+        Whether to end, asked with the search before each lead and each set of leads.
 
     Attributes
     ----------
@@ -104,7 +104,7 @@ class RealizationSearch:
     _attempts: dict[float, Floats] = field(default_factory=dict)  # by the residual
 
     def steps(self, surfaces: int) -> Iterator[None]:
-        """Search from so many realizations, or, as long as nothing is found, attempts.
+        """Search from so many realizations, or, as long as nothing is found, attempts beside the given one.
 
         These are in turn the smoothest of all, and the smoothest of those that the fewest moves from
         realization to realization lead to: the given one is the first of them.  Where it is the only one, it
@@ -217,7 +217,7 @@ class RealizationSearch:
             yield
 
     def _attempt(self, vertices: Floats) -> Iterator[None]:
-        """From a surface that misses the lengths, go to smoother ones; if none is found, follow all leads.
+        """From a surface that misses the lengths, go to smoother ones; if there are none, follow all leads.
 
         An attempt ends where J is nearly singular, so at first the softest motions are set apart.
         """
@@ -225,10 +225,14 @@ class RealizationSearch:
         if self._is_smoother(vertices, roughness, 1, SEARCH.weights):
             return
         for hidden in (SEARCH.softest, 0):
+            if self.is_enough(self):
+                return
             if self._descends(self._leads_from(vertices, hidden), roughness, 1):
                 return
             yield
         for hidden in (0, SEARCH.softest):
+            if self.is_enough(self):
+                return
             self._follow(self._leads_from(vertices, hidden, SEARCH.softest), 1)
             yield
 

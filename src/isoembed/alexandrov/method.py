@@ -46,7 +46,7 @@ class SolutionThresholds:
     accepted: float = threshold(64 * 2.0**-52, "radii", "Error of lengths that needs no Newton step.")
     dented: float = threshold(1e-6, "mean edge lengths", "Depth of a dent; rounding makes 1e-8.")
     folded: float = threshold(
-        1e-10, "diameters", "Depth of an edge that is hardly bent and yet is not flipped."
+        1e-10, "extents", "Depth of an edge that is hardly bent and yet is not flipped."
     )
     tried: int = threshold(4_000, "vertices", "Of bodies whose lengths are tried where Newton stalls.")
 
@@ -329,9 +329,9 @@ def _creases(tables: HalfEdges, vertices: Floats) -> Mask:
     there = normals[tables.twins // 3]
     sine = np.linalg.norm(np.cross(here, there), axis=1)
     angles = np.arctan2(sine, np.einsum("ij,ij->i", here, there))
-    twice = np.linalg.norm(here, axis=1)  # the area
     along = straight[tables.faces] - straight[np.roll(tables.faces, -1, axis=1)]
-    altitudes = twice / np.linalg.norm(along, axis=2).ravel()
+    with np.errstate(divide="ignore", invalid="ignore"):  # of ends that coincide: not a number, no crease
+        altitudes = np.linalg.norm(here, axis=1) / np.linalg.norm(along, axis=2).ravel()
     depths = angles * np.minimum(altitudes, altitudes[tables.twins])
     return (angles > DIHEDRAL.flat) | (depths > SOLUTION.folded * np.ptp(straight, axis=0).max())
 

@@ -57,7 +57,7 @@ class ConvexPolyhedron(Polyhedron):
         The metric as it was given, or as it was repaired.
     edge_paths : EdgePaths
         Its edges on the triangles of the polyhedron, in the order of `PolyhedralMetric.edges` or of the lower
-        half-edges of a `GluedMetric`; their lengths are in the unit of the normalized metric.
+        half-edges of a `GluedMetric`; their lengths are in the unit of the metric.
     core : tuple of HalfEdges and ndarray, or None
         Triangles that use only the vertices with a deficit, in order, and the positions of these, both in the
         unit of the metric's lengths; None if the body is flat.
@@ -155,7 +155,7 @@ class ConvexPolyhedron(Polyhedron):
     def _by_given(self) -> GivenLengthDerivatives:
         if self.core is None:
             raise InvalidParameter("the body is a doubly covered polygon, which has no derivatives")
-        return GivenLengthDerivatives.of(self, self.edge_paths, self._flat)
+        return GivenLengthDerivatives.of(self, self.edge_paths.scaled(1 / self.metric.unit), self._flat)
 
     def given_jvp(self, changes: ArrayLike) -> Floats:
         """How the vertices move, to first order, when the lengths that were given change.
