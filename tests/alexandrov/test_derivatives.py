@@ -58,7 +58,6 @@ def test_units_in_which_squares_are_no_floats(unit):
     dl = np.random.default_rng(0).standard_normal(len(found.edge_paths.ends))
     rates = distance_rates(found.vertices, found.given_jvp(dl))
     assert distance_rates(scaled.vertices / unit, scaled.given_jvp(dl)) == pytest.approx(rates, abs=1e-8)
-    assert scaled.edge_paths.lengths == pytest.approx(unit * found.edge_paths.lengths, rel=1e-12)
 
 
 @pytest.mark.parametrize("seed", range(3))

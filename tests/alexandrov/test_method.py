@@ -339,7 +339,6 @@ def test_given_edges_are_measured_on_the_vertices_that_are_returned(curvature):
     a, b = found.edge_paths.ends.T
     touched = (a == 3) | (b == 3)
     assert (flown.path_residuals[touched] > 1e-8).all()
-    assert found.edge_paths.lengths == pytest.approx(given.lengths, rel=1e-15)
 
 
 def test_an_edge_that_is_hardly_bent_stays_if_it_is_long():

@@ -57,7 +57,7 @@ class ConvexPolyhedron(Polyhedron):
         The metric as it was given, or as it was repaired.
     edge_paths : EdgePaths
         Its edges on the triangles of the polyhedron, in the order of `PolyhedralMetric.edges` or of the lower
-        half-edges of a `GluedMetric`; their lengths are in the unit of the metric.
+        half-edges of a `GluedMetric`; their lengths are in the unit of the normalized metric.
     core : tuple of HalfEdges and ndarray, or None
         Triangles that use only the vertices with a deficit, in order, and the positions of these, both in the
         unit of the metric's lengths; None if the body is flat.
@@ -90,8 +90,9 @@ class ConvexPolyhedron(Polyhedron):
             self.core[0]._replace(lengths=given.unit * self.core[0].lengths, curvature=given.curvature),
             frozen(given.unit * self.core[1]),
         )
-        paths = self.edge_paths.scaled(given.unit)
-        return super().in_unit_of(given)._with(given=own, core=core, edge_paths=paths)
+        # First these: where floats cannot hold the vertices, `path_residuals` are measured anew.
+        changed = self._with(given=own, core=core)
+        return super(ConvexPolyhedron, changed).in_unit_of(given)
 
     @property
     def residual(self) -> float:
@@ -105,8 +106,9 @@ class ConvexPolyhedron(Polyhedron):
         They measure the triangles of the polyhedron by the edges of the input, in the order of `edge_paths`;
         infinite where an edge was not found.
         """
-        paths = self.edge_paths.scaled(1 / self.metric.unit)
-        off = np.abs(paths.lengths_on(self._normalized) - paths.lengths) / paths.lengths.mean()
+        paths = self.edge_paths
+        unit = np.exp2(np.rint(np.log2(self.given.mean_length / paths.lengths.mean())))
+        off = np.abs(paths.lengths_on(self.vertices / unit) - paths.lengths) / paths.lengths.mean()
         return frozen(np.where(np.isnan(off), np.inf, off))
 
     @cached_property
@@ -155,7 +157,7 @@ class ConvexPolyhedron(Polyhedron):
     def _by_given(self) -> GivenLengthDerivatives:
         if self.core is None:
             raise InvalidParameter("the body is a doubly covered polygon, which has no derivatives")
-        return GivenLengthDerivatives.of(self, self.edge_paths.scaled(1 / self.metric.unit), self._flat)
+        return GivenLengthDerivatives.of(self, self.edge_paths, self._flat)
 
     def given_jvp(self, changes: ArrayLike) -> Floats:
         """How the vertices move, to first order, when the lengths that were given change.

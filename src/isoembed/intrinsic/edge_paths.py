@@ -1,7 +1,7 @@
 """The edges of one triangulation as straight paths across the triangles of another of the same metric."""
 
 import math
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import numpy as np
 
@@ -58,13 +58,6 @@ class EdgePaths:
     def point_offsets(self) -> Indices:
         """(n + 1,): where the points of each path begin in `points`."""
         return self.offsets + 2 * np.arange(self.offsets.size)
-
-    def scaled(self, factor: float) -> "EdgePaths":
-        """The paths in another unit: every length times this factor."""
-        curvature = Space(self.tables.curvature).scaled(factor).curvature
-        tables = self.tables._replace(lengths=frozen(factor * self.tables.lengths), curvature=curvature)
-        lengths, distances = frozen(factor * self.lengths), frozen(factor * self.distances)
-        return replace(self, tables=tables, lengths=lengths, distances=distances)
 
     def points(self, vertices: Floats) -> Floats:
         """Both ends of every path and the crossings between.
