@@ -8,6 +8,7 @@ from isoembed import Aim, embed
 from isoembed.aim import adaptive, levels
 from isoembed.aim.levels import PullBackLevels, goes_by_levels, pulled_back_by_levels
 from isoembed.gallery import CassiniPeanut, triangulate
+from isoembed.linalg import SingularMatrix
 from isoembed.metric.polyhedral import PolyhedralMetric
 from isoembed.progress.stages import Log, StageRecorder
 from isoembed.surface.rigidity import LengthSystem, length_residuals
@@ -81,3 +82,21 @@ def test_no_level_has_many_times_the_vertices_of_the_one_before(n):
     assert (counts[1:] > counts[:-1]).all()
     assert (counts[1:] < 1.01 * levels.LEVELS.growth * counts[:-1]).all()
     assert counts[-1] == pytest.approx(levels.LEVELS.finest * np.sqrt(n), abs=1)
+
+
+def test_last_steps_are_held_where_rounding_makes_the_matrix_singular(peanut, monkeypatch):
+    metric, _, x = peanut
+    system, asked, step = LengthSystem(metric.triangulation), [], LengthSystem.step
+
+    def singular(self, vertices, lengths, residuals, mu=0.0):
+        asked.append(mu)
+        if mu == 0:
+            raise SingularMatrix("to rounding")
+        return step(self, vertices, lengths, residuals, mu)
+
+    monkeypatch.setattr(LengthSystem, "step", singular)
+    nearby = x * (1 + 1e-9 * np.sin(x))
+    found = levels._ended(system, metric.lengths, nearby, smooth_bodies.recorder())
+    assert np.abs(length_residuals(metric.triangulation, found, metric.lengths)).max() < 1e-12
+    assert asked[0] == 0
+    assert set(asked[1:]) == {levels.LEVELS.held}

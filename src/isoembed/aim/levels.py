@@ -41,10 +41,9 @@ class PullBackLevels:
     close: float = threshold(
         4e-3, "mean edge lengths over vertices", "Residual from which Newton's method does not get lost."
     )
-    held: float = threshold(
-        1e-14, "relative", "Damping of the last steps: J J^T may be singular to rounding."
-    )
-    last: int = threshold(2, "count", "Such steps.")
+    held: float = threshold(1e-14, "relative", "Damping of last steps where J J^T is singular to rounding.")
+    last: int = threshold(8, "count", "Such steps at most.")
+    reached: float = threshold(1e-12, "mean edge lengths", "Residual at which they end.")
     landed: float = threshold(1e-4, "mean edge lengths", "A larger residual after the last step is lost.")
     quintic: tuple[float, ...] = threshold(
         (1e-4, 1e-5, 1e-6, 1e-7, 1e-8, 1e-9, 1e-10),
@@ -127,11 +126,24 @@ def pulled_back_by_levels(
             break
     if not residual < LEVELS.landed:
         return None
-    for _ in range(LEVELS.last if residual < LEVELS.close / n else 0):
+    return _ended(system, metric.lengths, x, recorder) if residual < LEVELS.close / n else x
+
+
+def _ended(system: LengthSystem, lengths: Floats, x: Floats, recorder: StageRecorder) -> Floats:
+    """Newton's steps to the lengths; held a little, from where J J^T is singular to rounding."""
+    damping = 0.0
+    for _ in range(LEVELS.last):
+        r = length_residuals(system.triangulation, x, lengths)
+        if np.abs(r).max() < LEVELS.reached * lengths.mean():
+            break
         recorder.iterations += 1
         recorder.factorizations += 1
-        r = length_residuals(metric.triangulation, x, metric.lengths)
-        x = x - system.step(x, metric.lengths, r, LEVELS.held)
+        try:
+            x = x - system.step(x, lengths, r, damping)
+        except SingularMatrix:
+            if damping > 0:
+                raise
+            damping = LEVELS.held
     return x
 
 
