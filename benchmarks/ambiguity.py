@@ -25,6 +25,7 @@ from isoembed.gallery import Drum, Ellipsoid, Ergosphere, KerrHorizon, Superelli
 from isoembed.progress.stages import Log
 from isoembed.surface.alignment import distance
 from isoembed.surface.certificate import certify
+from isoembed.surface.rigidity import LengthSystem
 from realizations import GALLERY
 
 BODIES = {
@@ -54,7 +55,12 @@ def enumerated(surface, discarded, options):
     metric, normalized = surface.metric, surface.metric.normalized
     with Log().stage("realizations") as recorder:
         search = RealizationSearch(
-            normalized, surface.vertices / metric.unit, recorder, options.motions, options.distance
+            normalized,
+            LengthSystem(metric.triangulation),
+            surface.vertices / metric.unit,
+            recorder,
+            options.motions,
+            options.distance,
         )
         met = False
         for _ in search.steps(options.surfaces):

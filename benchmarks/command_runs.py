@@ -14,10 +14,10 @@ from pathlib import Path
 import numpy as np
 
 from isoembed import PolyhedralMetric
+from isoembed.aim.levels import LEVELS
 from isoembed.io import write_metric
 from stages import aligned
 
-HELD = 1e-14  # damping: of many vertices J J^T may be singular to rounding
 THREADS = ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS")
 
 
@@ -113,9 +113,9 @@ def of_edges(vertices, faces):
 
     metric = PolyhedralMetric.from_mesh(vertices, faces)
     system = LengthSystem(metric.triangulation)
-    return least_seconds(
-        lambda: system.linearized(vertices / metric.unit, metric.lengths / metric.unit, HELD)  # analyzed once
-    )
+    x, lengths = vertices / metric.unit, metric.lengths / metric.unit
+    # Analyzed once; of many vertices J J^T may be singular to rounding.
+    return least_seconds(lambda: system.linearized(x, lengths, LEVELS.held))
 
 
 def of_vertices(vertices, faces):

@@ -4,39 +4,33 @@ import numpy as np
 import pytest
 
 import isoembed
+import smooth_bodies
 from isoembed import Aim, NotEmbedded, PolyhedralMetric
 from isoembed.aim import realization_search
 from isoembed.aim.attempt_search import realization_near
 from isoembed.aim.realization_leads import Leads
-from isoembed.gallery import Ellipsoid, HarmonicSurface, triangulate
+from isoembed.gallery import Ellipsoid, triangulate
 from isoembed.progress.stages import Log
 from isoembed.surface.alignment import distance
+from isoembed.surface.rigidity import LengthSystem
 
 
-@pytest.fixture(scope="module")
-def attempt():
-    vertices, faces = triangulate(HarmonicSurface(degree=2, order=2, amplitude=0.35), 100, irregular=1)
-    metric = PolyhedralMetric.from_mesh(vertices, faces)
-    noise = 0.02 * metric.mean_length * np.random.default_rng(0).normal(size=vertices.shape)
-    return metric.normalized, (vertices + noise) / metric.unit, vertices / metric.unit
-
-
-def test_the_first_realization_is_enough(attempt):
-    metric, missed, vertices = attempt
+def test_the_first_realization_is_enough():
+    metric, vertices, missed = smooth_bodies.attempt_with_noise()
     with Log().stage("realizations") as recorder:
-        found = realization_near(metric, missed, recorder, 500)
+        found = realization_near(metric, LengthSystem(metric.triangulation), missed, recorder, 500)
     assert distance(found, vertices) < 1e-9
     assert 0 < recorder.factorizations < 100
 
 
-def test_no_lead_is_sought_once_all_is_spent(attempt, monkeypatch):
-    metric, missed, _ = attempt
-    sought = []
+def test_no_lead_is_sought_once_all_is_spent(monkeypatch):
+    metric, _, missed = smooth_bodies.attempt_with_noise()
+    # Flat, so that nothing is near.
+    sought, system, flat = [], LengthSystem(metric.triangulation), missed * [1.0, 1.0, 0.3]
     monkeypatch.setattr(realization_search, "leads", lambda *_: sought.append(None) or Leads([], 0))
     for most in (1, 500):
         with Log().stage("realizations") as recorder:
-            # Flat, so that nothing is near.
-            assert realization_near(metric, missed * [1.0, 1.0, 0.3], recorder, most) is None
+            assert realization_near(metric, system, flat, recorder, most) is None
         assert len(sought) == (0 if most == 1 else 4)
 
 
@@ -44,7 +38,8 @@ def test_large_surfaces_are_not_searched_about():
     vertices, faces = triangulate(Ellipsoid((3, 2, 1)), 1001)
     metric = PolyhedralMetric.from_mesh(vertices, faces).normalized
     with Log().stage("realizations") as recorder:
-        assert realization_near(metric, vertices, recorder, 500) is None
+        system = LengthSystem(metric.triangulation)
+        assert realization_near(metric, system, vertices, recorder, 500) is None
     assert recorder.factorizations == 0
 
 

@@ -7,6 +7,7 @@ import pytest
 
 import curved_bodies
 import isoembed
+import smooth_bodies
 import zoo
 from isoembed.aim.length_expansion import LengthExpansion
 from isoembed.aim.nearby_motions import MOTIONS, Motions, nearby_motions
@@ -159,7 +160,8 @@ def test_two_that_are_close_are_found_from_farther(saddle):
     one, other = x + 0.02 * d, x - 0.02 * d
     metric = PolyhedralMetric.from_mesh(one, faces)
     with Log().stage("realizations") as recorder:
-        search = RealizationSearch(metric.normalized, (x + 2 * d) / metric.unit, recorder, 5, 0.12)
+        system, start = LengthSystem(metric.triangulation), (x + 2 * d) / metric.unit
+        search = RealizationSearch(metric.normalized, system, start, recorder, 5, 0.12)
         search.polish(search.vertices)
     assert len(search.found) == 2
     for each in (one, other):
@@ -179,16 +181,13 @@ def test_from_an_attempt_that_misses_the_lengths(saddle):
 
 def test_from_an_attempt_that_newtons_method_does_not_lead_from():
     """Relaxed, as smooth as can be, an attempt with noise comes to the surface."""
-    vertices, faces = triangulate(HarmonicSurface(degree=2, order=2, amplitude=0.35), 100, irregular=1)
-    metric = PolyhedralMetric.from_mesh(vertices, faces)
-    noise = 0.02 * metric.mean_length * np.random.default_rng(0).normal(size=vertices.shape)
-    attempt = (vertices + noise) / metric.unit
+    metric, vertices, attempt = smooth_bodies.attempt_with_noise()
     with Log().stage("realizations") as recorder:
-        search = RealizationSearch(metric.normalized, attempt, recorder, 5, 0.12)
+        search = RealizationSearch(metric, LengthSystem(metric.triangulation), attempt, recorder, 5, 0.12)
         search.polish(attempt)
         assert not search.found
         next(search.steps(1))
-    assert min(distance(found, vertices / metric.unit) for found in search.found) < 1e-9
+    assert min(distance(found, vertices) for found in search.found) < 1e-9
 
 
 def test_of_the_far_motions_those_that_smooth_are_kept():

@@ -53,8 +53,10 @@ def test_of_a_polyhedral_metric_says_the_same():
 
 def test_the_arrays_given_stay_the_users():
     faces, twins, lengths = (np.array(table) for table in FOLDED)
-    GluedMetric(faces, twins, lengths)
+    metric = GluedMetric(faces, twins, lengths)
     faces[0, 0], twins[0], lengths[0, 0] = 7, 7, 7.0  # still writable
+    for own, first in zip((metric.faces, metric.twins, metric.face_lengths), FOLDED, strict=True):
+        assert np.array_equal(own, first)
 
 
 def test_a_triangle_folded_shut():

@@ -4,7 +4,8 @@ from functools import cache
 
 import numpy as np
 
-from isoembed.gallery import Drum, Ellipsoid, Sphere, triangulate
+from isoembed import PolyhedralMetric
+from isoembed.gallery import Drum, Ellipsoid, HarmonicSurface, Sphere, triangulate
 from isoembed.progress.stages import Log, StageRecorder
 
 
@@ -25,6 +26,14 @@ def dimpled(n, centers=((0.0, 0.0, 1.0),), depth=0.4, width=0.4):
     """The unit sphere less ``depth exp((u . c - 1) / width^2)`` for each center c: (vertices, faces)."""
     u, faces = triangulate(Sphere(), n)
     return u * (1 - depth * np.exp((u @ np.array(centers).T - 1) / width**2).sum(axis=1))[:, None], faces
+
+
+def attempt_with_noise():
+    """A metric in its own unit, the vertices of a saddle that has it, and these with noise."""
+    vertices, faces = triangulate(HarmonicSurface(degree=2, order=2, amplitude=0.35), 100, irregular=1)
+    metric = PolyhedralMetric.from_mesh(vertices, faces)
+    noise = 0.02 * metric.mean_length * np.random.default_rng(0).normal(size=vertices.shape)
+    return metric.normalized, vertices / metric.unit, (vertices + noise) / metric.unit
 
 
 def recorder():

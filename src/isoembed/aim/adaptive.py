@@ -368,7 +368,7 @@ class _Search:
         nearest = min(self.surfaces, key=lambda surface: surface.residual)
         if self.good < nearest.residual <= ADAPTIVE.missed and self.metric.space.is_euclidean:
             with self.log.stage("realizations") as recorder:
-                found = realization_near(self.metric, nearest.vertices, recorder, most)
+                found = realization_near(self.metric, self.system, nearest.vertices, recorder, most)
             if found is not None:
                 self.surfaces.append(self.surface(found))
                 self.search_nearby(self.surfaces[-1])

@@ -3,7 +3,7 @@
 A search that ends where little is missed has, as a rule, a few folds on the wrong side that together cost
 next to nothing: smoothness does not tell them, nor does any single motion.  Leads along groups of soft
 motions (`isoembed.aim.realization_leads`) do, one of them or several in turn.  Of six bumpy bodies of 400 and
-800 vertices that an effort of 10 had left at 3e-8 to 6e-4 mean edge lengths, four were found, two of them the
+800 vertices that an effort of 10 had left at 8e-8 to 6e-4 mean edge lengths, four were found, two of them the
 surface that the lengths were taken from, the others within .03 mean edge lengths of it.
 """
 
@@ -13,6 +13,7 @@ from isoembed.aim.realization_search import RealizationSearch
 from isoembed.arrays import Floats
 from isoembed.metric.polyhedral import PolyhedralMetric
 from isoembed.progress.stages import StageRecorder
+from isoembed.surface.rigidity import LengthSystem
 from isoembed.thresholds import threshold
 
 
@@ -33,7 +34,7 @@ ABOUT_ATTEMPT = AboutAttemptThresholds()
 
 
 def realization_near(
-    metric: PolyhedralMetric, vertices: Floats, recorder: StageRecorder, most: float
+    metric: PolyhedralMetric, system: LengthSystem, vertices: Floats, recorder: StageRecorder, most: float
 ) -> Floats | None:
     """The first realization that is met about an attempt, or the smoothest of those that come with it.
 
@@ -41,6 +42,8 @@ def realization_near(
     ----------
     metric : PolyhedralMetric
         In Euclidean space, of mean edge length 1 or so.
+    system : LengthSystem
+        Of its triangulation.
     vertices : ndarray, shape (V, 3)
     recorder : StageRecorder
         Counts factorizations, and is shown how much is done.
@@ -63,7 +66,7 @@ def realization_near(
         return bool(search.found) or spent >= most
 
     search = RealizationSearch(
-        metric, vertices, recorder, ABOUT_ATTEMPT.motions, ABOUT_ATTEMPT.distance, is_enough
+        metric, system, vertices, recorder, ABOUT_ATTEMPT.motions, ABOUT_ATTEMPT.distance, is_enough
     )
     for _ in search.steps(0):
         if is_enough(search):

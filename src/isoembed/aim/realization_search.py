@@ -66,6 +66,8 @@ class RealizationSearch:
     ----------
     metric : PolyhedralMetric
         Of mean edge length 1 or so.
+    system : LengthSystem
+        Of its triangulation.
     vertices : ndarray, shape (V, 3)
         Where the search is about; the lengths may be missed there.
     recorder : StageRecorder
@@ -89,6 +91,7 @@ class RealizationSearch:
     """
 
     metric: PolyhedralMetric
+    system: LengthSystem
     vertices: Floats
     recorder: StageRecorder
     motions: int
@@ -144,11 +147,6 @@ class RealizationSearch:
             self._add_close(found.vertices, moves)
         if not self.found and found.vertices is not vertices:
             self._attempts[found.residual] = found.vertices
-
-    @cached_property
-    def system(self) -> LengthSystem:
-        """Of the metric."""
-        return LengthSystem(self.metric.triangulation, space=self.metric.space)
 
     @cached_property
     def _energy(self) -> RegularizedEnergy:

@@ -15,6 +15,7 @@ from isoembed.mesh.triangulation import frozen
 from isoembed.progress.stages import Log
 from isoembed.strict_json import plain
 from isoembed.surface.embedding import Embedding
+from isoembed.surface.rigidity import LengthSystem
 
 FEWEST, MOST = 2, 8  # motions together: 2^8 roots
 
@@ -141,8 +142,9 @@ def realizations(
             raise InvalidParameter(f"the number of {name} is {value!r}, not an integer {wanted}")
     metric = embedding.metric
     with Log().stage("realizations") as recorder:
+        system = LengthSystem(metric.triangulation, space=metric.normalized.space)
         search = RealizationSearch(
-            metric.normalized, embedding.vertices / metric.unit, recorder, motions, distance
+            metric.normalized, system, embedding.vertices / metric.unit, recorder, motions, distance
         )
         for _ in search.steps(surfaces):
             pass
