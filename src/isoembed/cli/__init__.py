@@ -38,6 +38,9 @@ COMMANDS = {
     "view": "look at a surface, in the browser or as a picture",
 }
 
+# Bytes.  Libraries loaded into 60 to 560 million fail in their own ways: they hang, abort, or raise anything.
+ADDRESS_SPACE = 800_000_000
+
 
 class Parser(argparse.ArgumentParser):
     """A parser whose complaints are one line, and to which -1e-3 is a number."""
@@ -86,17 +89,14 @@ def _loaded(name: str) -> ModuleType:
     UsageError
         A limit on the address space leaves no room for them.
     """
-    limit = _address_space()  # asked for while there is room
-    try:
-        if limit is None:
-            from isoembed.linalg.memory import keep_freed_memory
+    limit = _address_space()
+    if limit is None:
+        from isoembed.linalg.memory import keep_freed_memory
 
-            keep_freed_memory()
-        return import_module(f"isoembed.cli.{name}")
-    except (ImportError, OSError) as error:
-        if limit is None or isinstance(error, ModuleNotFoundError):
-            raise
-        raise UsageError(f"the libraries do not fit into an address space of {limit} bytes") from error
+        keep_freed_memory()
+    elif limit < ADDRESS_SPACE:
+        raise UsageError(f"an address space of {limit} bytes is too small: libraries need {ADDRESS_SPACE}")
+    return import_module(f"isoembed.cli.{name}")
 
 
 def _address_space() -> int | None:
