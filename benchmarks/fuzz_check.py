@@ -4,13 +4,14 @@ In R^3, in hyperbolic space and on the 3-sphere.  All take vertices and tables, 
 """
 
 import itertools
+from decimal import Decimal, localcontext
 
 import numpy as np
 from scipy.spatial import ConvexHull, QhullError
 
 LENGTHS = 1.01e-10  # mean edge lengths: the tolerance, and the rounding of measuring it
 PATHS = 3e-10  # mean edge lengths
-ROUNDED = 1e-8  # mean edge lengths that rounding of the vertices may move unfolded paths by
+DIGITS = 50  # of unfolded triangles: far out in hyperbolic space, rounding grows with e^(distance)
 OFF_HULL = 1e-9  # of the size
 CLEAR = 1e-12  # of the size, cubed: volumes that are not rounding
 ASIDE = 1e-7  # mean edge lengths by which a straight path may miss the side that it crosses
@@ -42,14 +43,12 @@ def length_error(vertices, faces, lengths, k):
     return float(np.abs(sides - lengths).max() / lengths.mean())
 
 
-def path_error(found, vertices):
+def path_error(found):
     """Errors of the given edges, drawn straight over unfolded triangles of the answer, in mean edge lengths.
 
     Parameters
     ----------
     found : ConvexPolyhedron
-    vertices : ndarray, shape (V, 3)
-        Its own, or such that differ by rounding.
 
     Returns
     -------
@@ -58,27 +57,33 @@ def path_error(found, vertices):
     aside : float
         By how much a straight path misses a side that it is to cross.
     """
+    with localcontext() as context:
+        context.prec = DIGITS
+        return _path_error(found)
+
+
+def _path_error(found):
     paths, k = found.edge_paths, found.metric.curvature
     corners, twins = np.asarray(paths.tables.corners), np.asarray(paths.tables.twins)
     after = np.arange(corners.size) // 3 * 3 + (np.arange(corners.size) + 1) % 3
-    x = np.asarray(vertices, dtype=np.longdouble)
+    x = np.array([[Decimal(c) for c in vertex] for vertex in found.vertices.tolist()])
     if k:
-        x = np.column_stack([x * np.sqrt(np.longdouble(abs(k))), heights(x, np.longdouble(k))])
-    sign = np.sign(k)
+        x *= Decimal(abs(k)).sqrt()
+        x = np.column_stack([x, [(1 - int(np.sign(k)) * (vertex @ vertex)).sqrt() for vertex in x]])
     sides = {(corners[h], corners[after[h]]) for h in range(corners.size)}
-    unit = found.given.mean_length
+    unit, scale = found.given.mean_length, np.sqrt(np.longdouble(abs(k) or 1))
     length, aside = 0.0, 0.0
     given = given_lengths(found)
     for e, (a, b) in enumerate(np.asarray(paths.ends).tolist()):
         crossed = paths.halfedges[paths.offsets[e] : paths.offsets[e + 1]].tolist()
         if not crossed:
-            direct = float(distances(vertices[a], vertices[b], k))
+            direct = float(distances(found.vertices[a], found.vertices[b], k))
             linked = (a, b) in sides or (b, a) in sides
             length = max(length, abs(direct - given[e]) / unit if linked else np.inf)
             continue
         if corners[after[after[crossed[0]]]] != a:
             return np.inf, np.inf
-        plane = Plane(x, a, corners[crossed[0]], corners[after[crossed[0]]], sign)
+        plane = Plane(x, a, corners[crossed[0]], corners[after[crossed[0]]], int(np.sign(k)))
         tail, head, gates = plane.tail, plane.head, []
         for h, then in itertools.zip_longest(crossed, crossed[1:]):
             gates.append((tail, head))
@@ -94,9 +99,8 @@ def path_error(found, vertices):
             else:
                 return np.inf, np.inf
         straight, missed = plane.straight(place, gates)
-        scale = np.sqrt(abs(k)) if k else 1.0
-        length = max(length, abs(float(straight) / scale - given[e]) / unit)
-        aside = max(aside, float(missed) / scale / unit)
+        length = max(length, abs(float(straight / scale) - given[e]) / unit)
+        aside = max(aside, float(missed / scale) / unit)
     return length, aside
 
 
@@ -114,64 +118,57 @@ def given_lengths(found):
 
 
 class Plane:
-    """Where triangles are unfolded: vectors of R^3, with a plane, hyperboloid or sphere of radius 1 in it."""
+    """Where triangles are unfolded: vectors of R^3, with a plane, hyperboloid or sphere of radius 1 in it.
+
+    All numbers are `Decimal`.
+    """
 
     def __init__(self, x, a, tail, head, sign):
         self.sign = sign
-        self.start = np.array([0, 0, 1], dtype=np.longdouble)
-        self.tail = self.at(self.between(x[a], x[tail]))
+        self.start = np.array([Decimal(0), Decimal(0), Decimal(1)])
+        if sign == 0:
+            u = x[tail] - x[a]
+            self.tail = np.array([(u @ u).sqrt(), 0, 1])
+        else:
+            c = sign * self.form(x[a], x[tail])
+            self.tail = np.array([abs(1 - c * c).sqrt(), 0, c])
         self.head = self.beyond(x, (a, tail, head), (self.start, self.tail), 1)
 
     def form(self, u, v):
         """The scalar product: of differences in the plane, of points on hyperboloid or sphere."""
-        return u[..., :-1] @ v[..., :-1] + (self.sign * u[..., -1] * v[..., -1])
-
-    def at(self, d):
-        """The point at this distance along the first axis."""
-        if self.sign == 0:
-            return np.array([d, 0, 1], dtype=np.longdouble)
-        s, c = (np.sin(d), np.cos(d)) if self.sign > 0 else (np.sinh(d), np.cosh(d))
-        return np.array([s, 0, c], dtype=np.longdouble)
-
-    def between(self, u, v):
-        """Distance of two points."""
-        if self.sign == 0:
-            return np.sqrt(((u - v) ** 2).sum())
-        half = np.sqrt(np.maximum(self.form(u - v, u - v), 0)) / 2
-        return 2 * (np.arcsin(np.minimum(half, 1)) if self.sign > 0 else np.arcsinh(half))
+        return u[:-1] @ v[:-1] + self.sign * u[-1] * v[-1]
 
     def beyond(self, x, corners, edge, side):
         """Place the third corner of a triangle, left (1) or right (-1) of the edge that has the others."""
         a, b, c = (x[v] for v in corners)
         start, arm = edge[0], edge[1] - edge[0]
+        u, v = b - a, c - a
         if self.sign == 0:
-            u, v = b - a, c - a
             along = (u @ v) / (u @ u)
             off = v - along * u
-            height = np.sqrt(off @ off) / np.sqrt(u @ u)
-            normal = np.array([-arm[1], arm[0], 0])
-            return start + along * arm + side * height * normal
-        # Relative to the first corner, so that small triangles do not cancel.
-        u, v = b - a, c - a
-        e, f = a, u - self.sign * self.form(u, a) * a
+            height = ((off @ off) / (u @ u)).sqrt()
+            return start + along * arm + side * height * np.array([-arm[1], arm[0], Decimal(0)])
+        f = u - self.sign * self.form(u, a) * a
         along = self.form(f, v) / self.form(f, f)
-        up = self.sign * self.form(e, v)
-        off = v - along * f - up * e
-        height = np.sqrt(np.maximum(self.form(off, off), 0))
+        up = self.sign * self.form(a, v)
+        off = v - along * f - up * a
+        height = max(self.form(off, off), Decimal(0)).sqrt()
         arm = arm - self.sign * self.form(arm, start) * start
         normal = np.cross(start, arm)
         normal[2] *= self.sign  # orthogonal in the form
-        normal /= np.sqrt(self.form(normal, normal))
+        normal /= self.form(normal, normal).sqrt()
         return start + up * start + along * arm + side * height * normal
 
     def straight(self, end, gates):
         """Distance of the ends, and by how much the line between passes beside the gates."""
-        missed = np.longdouble(0)
-        line = np.cross(self.start, end)
-        size = np.sqrt(line @ line) + np.finfo(float).tiny
-        for tail, head in gates:
-            missed = max(missed, (line @ tail) / size, -(line @ head) / size)
-        return self.between(self.start, end) if self.sign else np.hypot(*(end - self.start)[:2]), missed
+        line, chord = np.cross(self.start, end), end - self.start
+        size = (line @ line).sqrt() or Decimal(1)
+        missed = max(max(-(line @ head), line @ tail, 0) / size for tail, head in gates)
+        if self.sign == 0:
+            return np.longdouble((chord @ chord).sqrt()), np.longdouble(missed)
+        half = np.longdouble(abs(self.form(chord, chord)).sqrt()) / 2
+        distance = 2 * (np.arcsin(min(half, 1)) if self.sign > 0 else np.arcsinh(half))
+        return distance, np.longdouble(missed)
 
 
 def outside_hull(vertices, faces, k):
@@ -211,12 +208,6 @@ def misfit(first, second, weights):
     a, b = (x - np.average(x, axis=0, weights=weights) for x in (first, second))
     u, _, v = np.linalg.svd(a.T @ (weights[:, None] * b))
     return np.linalg.norm(a @ u @ v - b, axis=1)
-
-
-def rounded_away(vertices, seed):
-    """The vertices, of whose coordinates some are the next float."""
-    up = np.random.default_rng(seed).integers(-1, 2, size=vertices.shape)
-    return np.where(up == 0, vertices, np.nextafter(vertices, np.inf * np.where(up == 0, 1, up)))
 
 
 def pierced(vertices, faces, k):

@@ -119,12 +119,8 @@ def right(case, found):
         excess = fuzz_check.outside_hull(found.vertices, found.faces, case.curvature)
         bad = "" if excess <= fuzz_check.OFF_HULL else f"off hull {excess:.1e}"
     if not bad and hasattr(found, "given") and not case.repair:
-        length, aside = fuzz_check.path_error(found, found.vertices)
-        allowed = fuzz_check.PATHS
-        if allowed < length <= fuzz_check.ROUNDED:  # or what the rounding of the vertices does
-            others = (fuzz_check.rounded_away(found.vertices, seed) for seed in range(4))
-            allowed += 4 * np.ptp([fuzz_check.path_error(found, other)[0] for other in others])
-        if not (length <= allowed and aside <= fuzz_check.ASIDE):
+        length, aside = fuzz_check.path_error(found)
+        if not (length <= fuzz_check.PATHS and aside <= fuzz_check.ASIDE):
             bad = f"unfolded paths {length:.1e}, {aside:.1e} beside what they cross"
     if bad:
         return {"kind": "FALSE", "message": bad}

@@ -250,12 +250,9 @@ def relaxed_without_dents(tables: HalfEdges, vertices: Floats, recorder: StageRe
             break
         depths = _dents(tables, outward(tables.faces, vertices, Space(tables.curvature)))
         dent = float(depths.max())
-        if best is not None and dent >= best.dent:
-            break
-        least = PLACEMENT.dented
-        if dent <= least:
-            best, least = Relaxed(tables.copy(), vertices, dent), PLACEMENT.shallow
-        if not _flipped(tables, depths, least):
+        if dent <= PLACEMENT.dented and (best is None or dent < best.dent):
+            best = Relaxed(tables.copy(), vertices, dent)
+        if not _flipped(tables, depths, PLACEMENT.dented if best is None else PLACEMENT.shallow):
             return best or Relaxed(tables, vertices, dent)
     return best
 
