@@ -195,6 +195,15 @@ def test_a_path_that_goes_astray_is_lost():
     assert np.array_equal(paths.points(vertices)[paths.point_offsets[e]], vertices[v])
 
 
+def test_an_edge_without_a_direction_is_lost_and_does_not_go_round_its_vertex():
+    tables = tables_of(*zoo.tetrahedron())
+    edges = all_edges(tables)
+    directions = tables.directions.copy()
+    directions[edges[3]] = np.nan
+    paths = drawn(tables._replace(directions=directions), tables, edges)
+    assert paths.lost.tolist() == [3]
+
+
 def test_distances_are_those_of_the_final_metric():
     vertices, faces = zoo.random_hull(20, 4)
     tables = tables_of(vertices, faces)

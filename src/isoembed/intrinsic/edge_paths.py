@@ -195,6 +195,8 @@ def _follow(
             g = preceding(polygons.twins[state[0]])
             state = crossed(state, polygons)
             end = place(g, state, polygons)
+            if np.isnan(end.real):  # by triangles too thin for a direction: round a vertex for ever
+                break
             if corners[g] == goals[e] and norm(toward(goal, end, curvature)) <= near:
                 meet[e], counts[e] = end, k + 1
                 break

@@ -152,5 +152,7 @@ def straight(state: State, length: float, polygons: Polygons) -> State:
         if reaches(state, length, polygons):
             return state
         state = crossed(state, polygons)
+        if np.isnan(state[2].real):
+            break
     _, turn, shift = state
     return -1, turn, shift
