@@ -142,7 +142,18 @@ def _add_products(
     pattern: tuple[Indices, Indices],
     values: Floats,
 ) -> None:
-    """Add the products of the rows of each cell to the entries of a matrix in blocks of 3 x 3."""
+    """Add the products of the rows of each cell to the zeros of a symmetric matrix in blocks of 3 x 3.
+
+    They are added up below the diagonal, then copied above it.
+    """
+    indptr, indices = pattern
+    n = len(indptr) - 1
+    diagonal = np.empty(n, dtype=np.int64)
+    for column in range(n):
+        p = indptr[column]
+        while indices[p] < column:
+            p += 1
+        diagonal[column] = p
     at = 0  # in the differences
     for cell in range(len(starts) - 1):
         first, last = starts[cell], starts[cell + 1]
@@ -159,14 +170,25 @@ def _add_products(
         products = np.dot(J.T, J)
         for j in range(size):
             column = stencils[1][begin + j]
-            start = pattern[0][column]
-            width = 3 * (pattern[0][column + 1] - start)
-            p = start
-            for i in range(size):
+            start, p = indptr[column], diagonal[column]
+            width = 3 * (indptr[column + 1] - start)
+            for i in range(j, size):
                 row = stencils[1][begin + i]
-                while pattern[1][p] < row:
+                while indices[p] < row:
                     p += 1
                 place = 9 * start + 3 * (p - start)
                 for b in range(3):
                     for a in range(3):
-                        values[place + b * width + a] += products[3 * i + a, 3 * j + b]
+                        values[place + b * width + a] += products[3 * j + b, 3 * i + a]
+    above = indptr[:-1].copy()  # the next block above the diagonal, by column
+    for column in range(n):
+        start, width = indptr[column], 3 * (indptr[column + 1] - indptr[column])
+        for p in range(diagonal[column] + 1, indptr[column + 1]):
+            row = indices[p]
+            first, mirrored = indptr[row], 3 * (indptr[row + 1] - indptr[row])
+            place = 9 * start + 3 * (p - start)
+            image = 9 * first + 3 * (above[row] - first)
+            above[row] += 1
+            for b in range(3):
+                for a in range(3):
+                    values[image + a * mirrored + b] = values[place + b * width + a]
