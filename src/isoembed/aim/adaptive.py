@@ -358,10 +358,10 @@ class _Search:
             found = local_search(
                 self.energy, self.system, start, self.metric.lengths, recorder, max(left, 0.0)
             )
-            recorder.show(vertices=found)
-            polished = anneal(self.system, found, self.metric.lengths, recorder).vertices
-        self.surfaces.append(self.surface(polished))
-        self.search_nearby(self.surfaces[-1])
+            recorder.show(vertices=found.end)
+            polished = anneal(self.system, found.end, self.metric.lengths, recorder).vertices
+        self.surfaces += [self.surface(polished), self.surface(found.nearest)]
+        self.search_nearby(self.surfaces[-2])
 
     def search_about_attempt(self, most: float) -> None:
         """Seek realizations near the nearest attempt, with so many factorizations, if it misses little."""

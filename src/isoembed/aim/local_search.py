@@ -16,6 +16,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 from scipy.sparse import csr_array, eye_array
@@ -71,6 +72,16 @@ class LocalSearchThresholds:
 LOCAL_SEARCH = LocalSearchThresholds()
 
 
+class Searched(NamedTuple):
+    """Where a search ended, and what missed the lengths least of all that it met, each (V, 3).
+
+    The search keeps what lowers its energy, and that need not miss less.
+    """
+
+    end: Floats
+    nearest: Floats
+
+
 def local_search(
     energy: RegularizedEnergy,
     system: LengthSystem,
@@ -78,7 +89,7 @@ def local_search(
     lengths: Floats,
     recorder: StageRecorder,
     most: float,
-) -> Floats:
+) -> Searched:
     """Turn over what is on the wrong side of a surface that misses its lengths.
 
     Parameters
@@ -97,11 +108,10 @@ def local_search(
 
     Returns
     -------
-    ndarray, shape (V, 3)
-        Where it ended.
+    Searched
     """
     search = _LocalSearch(energy, system, lengths, recorder, most)
-    x = vertices
+    x = search.nearest = vertices
     if search.is_coarse:
         search.most = LOCAL_SEARCH.guided * most
     for weight in LOCAL_SEARCH.weights:
@@ -118,7 +128,9 @@ def local_search(
     elif search.realization is None:
         x, _ = let_go(energy, x, lengths, mu, recorder)
     recorder.factorizations += round(search.local)
-    return x if search.realization is None else search.realization
+    end = x if search.realization is None else search.realization
+    search.keep(end)
+    return Searched(end, search.nearest)
 
 
 class _LocalSearch:
@@ -134,6 +146,8 @@ class _LocalSearch:
     ) -> None:
         self.energy, self.system, self.lengths, self.recorder = energy, system, lengths, recorder
         self.realization: Floats | None = None
+        self.nearest: Floats = np.empty((0, 3))  # what misses least
+        self.missed = np.inf  # and how much
         self.asked: Floats | None = None  # the surface from which Newton's method was tried last
         self.begun, self.most, self.local = recorder.factorizations, most, 0.0
         n = energy.triangulation.n_vertices
@@ -165,6 +179,12 @@ class _LocalSearch:
         """Largest error of the lengths, in mean edge lengths."""
         return float(np.abs(self.energy.residuals(x, self.lengths)).max()) / self.energy.unit
 
+    def keep(self, x: Floats) -> None:
+        """Keep a surface that misses less than all before."""
+        missed = self.largest_residual(x)
+        if missed < self.missed:
+            self.nearest, self.missed = x, missed
+
     def show(self, x: Floats) -> None:
         """Tell a listener of a surface, and of the share of the search that is done."""
         spent = self.recorder.factorizations - self.begun + self.local
@@ -173,6 +193,7 @@ class _LocalSearch:
 
     def is_done(self, x: Floats) -> bool:
         """Whether there is no more to do, or may not be done."""
+        self.keep(x)
         return self.is_realized(x) or self.exhausted
 
     def is_realized(self, x: Floats) -> bool:
