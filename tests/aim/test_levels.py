@@ -5,7 +5,7 @@ import pytest
 
 import smooth_bodies
 from isoembed import Aim, embed
-from isoembed.aim import adaptive, levels
+from isoembed.aim import levels, strategies
 from isoembed.aim.levels import PullBackLevels, goes_by_levels, pulled_back_by_levels
 from isoembed.gallery import CassiniPeanut, triangulate
 from isoembed.linalg import SingularMatrix
@@ -20,7 +20,7 @@ def peanut():
     x, faces = triangulate(CassiniPeanut(), 3000)
     metric = PolyhedralMetric.from_mesh(x, faces)
     x, metric = x / metric.unit, metric.normalized
-    return metric, adaptive._Search(metric, 1e-9, Log()).convex_start(), x
+    return metric, strategies.Search(metric, 1e-9, Log(), "aim").convex_start(), x
 
 
 @pytest.fixture

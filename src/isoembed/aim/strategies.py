@@ -1,0 +1,355 @@
+"""What the adaptive method tries, and what it finds."""
+
+from collections.abc import Mapping
+from contextlib import suppress
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from isoembed.aim.anneal import anneal
+from isoembed.aim.attempt_search import realization_near
+from isoembed.aim.best_fit import best_fit
+from isoembed.aim.convexification import CONVEXIFICATION, Convexification
+from isoembed.aim.lengths_newton import LENGTHS_NEWTON, newton_on_lengths
+from isoembed.aim.levels import goes_by_levels, pulled_back_by_levels
+from isoembed.aim.local_search import LOCAL_SEARCH, local_search
+from isoembed.aim.mirrored_patches import mirrored_realizations
+from isoembed.aim.nearby_realizations import NEARBY, nearby_realizations
+from isoembed.aim.radii_newton import RADII_NEWTON, newton_on_radii, radii_start
+from isoembed.aim.regularized_continuation import Continued, log_linear, regularized_continuation
+from isoembed.aim.regularized_energy import RegularizedEnergy
+from isoembed.alexandrov.method import Alexandrov
+from isoembed.alexandrov.newton import Analyses
+from isoembed.arrays import Floats
+from isoembed.errors import InvalidMetric, NotEmbedded
+from isoembed.linalg import SingularMatrix
+from isoembed.metric.conformal_sphere import conformal_sphere
+from isoembed.metric.curvature import area
+from isoembed.metric.delaunay import delaunay
+from isoembed.metric.dents import dents
+from isoembed.metric.glued import GluedMetric
+from isoembed.metric.polyhedral import PolyhedralMetric
+from isoembed.progress.stages import Log, StageRecorder
+from isoembed.surface.embedding import Embedding
+from isoembed.surface.fitted import FittedSurface
+from isoembed.surface.measures import outward
+from isoembed.surface.rigidity import LengthSystem
+from isoembed.thresholds import threshold
+
+
+@dataclass(frozen=True)
+class AdaptiveThresholds:
+    """Thresholds of the adaptive method."""
+
+    little: float = threshold(0.03, "4 pi", "Most negative curvature of a metric that may be nearly convex.")
+    placed: float = threshold(1e-10, "mean edge lengths", "Residual asked of the convex polyhedron.")
+    nearly: float = threshold(1e-6, "mean edge lengths", "Most residual between two realizations.")
+    same: float = threshold(1e-7, "mean edge lengths", "Surfaces as near as this are one.")
+    missed: float = threshold(
+        1e-3, "mean edge lengths", "Residual of an attempt at most that is searched about."
+    )
+    fit: int = threshold(50, "count", "Factorizations of the best fit at most, as a rule.")
+
+
+ADAPTIVE = AdaptiveThresholds()
+
+SOUGHT = (
+    f"others were sought along the {NEARBY.motions} softest motions, within {NEARBY.near:g} mean edge "
+    "lengths, not all there are: isoembed realizations enumerates more"
+)
+
+# Seconds that stages take as a rule, 40,000 vertices, for the time left.
+AT_ONCE = {"nearest waypoint": 0.5, "polytopes": 1.0, "leap": 0.8}
+PULL_BACK = {
+    "waypoint": 1.0,
+    "flat vertices": 0.05,
+    "polytope": 1.0,
+    "placement": 0.2,
+    "edge paths": 0.1,
+    "pull back": 2.0,
+    "guided pull back": 100.0,
+    "polish": 2.0,
+    "neighbors": 15.0,
+    "mirrored patches": 50.0,
+    "local search": 100.0,
+    "realizations": 100.0,
+}
+
+
+def _kept(log: Log) -> Mapping[str, NDArray[Any]]:
+    """What an interrupted run kept in the pull-back: with ``start``, if it came that far."""
+    stages = ("pull back", "guided pull back", "polish")
+    return next((kept for stage in stages if (kept := log.resumed_at(stage)) is not None), {})
+
+
+class Search:
+    """The search for the surface of a metric: what its strategies share, and what they found.
+
+    Parameters
+    ----------
+    metric : PolyhedralMetric
+    tolerance : float
+    log : Log
+    name : str
+        Of the method, which the surfaces bear.
+
+    Attributes
+    ----------
+    start : ndarray, shape (V, 3)
+        A convex surface near the one that is sought.
+    numbers : ndarray of int, shape (V,)
+        The vertices in the order of the `convexification`, in which what is near is near in memory.
+    surfaces : list of Embedding
+        What was found, in order.
+    smooth : ndarray, shape (V, 3), or None
+        Where the guided path ended, before what guides was let go.
+    sought : bool
+        Whether other realizations were sought near one.
+    """
+
+    start: Floats
+
+    def __init__(self, metric: PolyhedralMetric, tolerance: float, log: Log, name: str) -> None:
+        self.metric, self.tolerance, self.log, self.name = metric, tolerance, log, name
+        self.good = max(tolerance, LENGTHS_NEWTON.exact)  # below that, the tolerance is beyond rounding
+        tables = GluedMetric.of(metric).half_edges(directed=False)
+        self.numbers = tables.order_in_memory()
+        self.convexification = Convexification(GluedMetric.flipped(tables.in_order(self.numbers)))
+        self.kept = _kept(log)
+        self.surfaces: list[Embedding] = []
+        self.smooth: Floats | None = None
+        self.sought = False
+
+    @cached_property
+    def system(self) -> LengthSystem:
+        """The equations for the lengths."""
+        return LengthSystem(self.metric.triangulation, space=self.metric.space)
+
+    @cached_property
+    def energy(self) -> RegularizedEnergy:
+        """The regularized energy about the start."""
+        return RegularizedEnergy(self.metric, self.start)
+
+    def surface(self, vertices: Floats) -> Embedding:
+        """The surface with these vertices."""
+        return Embedding(self.metric, vertices, method=self.name, tolerance=self.tolerance)
+
+    def newton_on_radii(self) -> Embedding | None:
+        """Realize a metric that is convex or nearly so at once; None where that cannot be trusted."""
+        convexification, given, log = self.convexification, self.convexification.given, self.log
+        if self.kept or not convexification.negative_curvature < ADAPTIVE.little:
+            return None
+        log.expect(AT_ONCE)
+        analyses = Analyses.of(given.half_edges(directed=False))
+        kept = log.resumed_at("leap")
+        if kept is not None:
+            start: Floats | None = kept["start"]
+        else:
+            with log.stage("nearest waypoint") as recorder:
+                convex = convexification.metric(CONVEXIFICATION.near, recorder)
+            start = None if convex is None else radii_start(given, convex, analyses, log)
+        if start is None:
+            return None
+        if convexification.is_convex and start.ndim == 2:
+            polyhedron = self.polyhedron(self.in_given_order(start))
+            if polyhedron is not None:
+                return polyhedron
+        solution = newton_on_radii(given, start, analyses, log, self.numbers)
+        if solution is None or not solution.branch_deviation < RADII_NEWTON.trusted:
+            return None
+        found = self.surface(solution.vertices)
+        return found if found.residual <= self.good else None
+
+    def in_given_order(self, vertices: Floats) -> Floats:
+        """What the convexification has by its own numbers."""
+        return vertices[np.argsort(self.numbers)]
+
+    def polyhedron(self, vertices: Floats) -> Embedding | None:
+        """The polyhedron of a convex metric, if it has the given triangles, or others of its faces."""
+        found = self.surface(vertices)
+        if LENGTHS_NEWTON.exact < found.residual < ADAPTIVE.nearly:
+            with self.log.stage("polish") as recorder:
+                polished = self.surface(anneal(self.system, vertices, self.metric.lengths, recorder).vertices)
+            if not polished.concave_edges.any():
+                found = polished
+        return found if self.is_exact(found) else None
+
+    def is_exact(self, surface: Embedding) -> bool:
+        """Whether a surface is a realization, whatever the tolerance, as far as rounding allows."""
+        return surface.residual <= min(self.good, ADAPTIVE.placed)
+
+    def convex_start(self) -> Floats:
+        """The vertices of the polyhedron of a convex metric, or what comes nearest."""
+        self.log.expect(PULL_BACK)
+        if self.kept:
+            return self.kept["start"]
+        with self.log.stage("waypoint") as recorder:
+            convex = self.convexification.metric(CONVEXIFICATION.far, recorder)
+        if convex is not None:
+            method = Alexandrov()
+            try:
+                found = method.run(convex.normalized, ADAPTIVE.placed, self.log)
+                return self.in_given_order(convex.unit * found.vertices)
+            except NotEmbedded as failure:
+                found = failure.embedding
+                return self.in_given_order(convex.unit * found.vertices[: self.numbers.size])
+            except InvalidMetric:  # so thin that fewer than three vertices have a deficit beyond rounding
+                pass
+        faces = self.metric.faces
+        with self.log.stage("sphere") as recorder:
+            x = outward(faces, conformal_sphere(delaunay(self.metric), recorder).points)
+            return x * np.sqrt(area(self.metric) / area(PolyhedralMetric.from_mesh(x, faces)))
+
+    def newton_on_lengths(self) -> bool:
+        """Go from the start to the lengths at once; return whether what is found can be trusted."""
+        with self.log.stage("pull back") as recorder:
+            if not self.kept:
+                recorder.keep(start=self.start)
+            recorder.show(t=1.0, vertices=self.start)
+            solution = newton_on_lengths(
+                self.system,
+                self.start,
+                self.metric.lengths,
+                min(self.tolerance, LENGTHS_NEWTON.exact),
+                recorder,
+            )
+            if solution is not None:
+                recorder.show(t=0.0, vertices=solution.vertices)
+                self.surfaces.append(self.surface(solution.vertices))
+        convex = self.convexification.is_convex
+        if convex and self.is_exact(polyhedron := self.surface(self.start)):
+            self.surfaces.append(polyhedron)
+            return True
+        trusted = solution is not None and (convex or solution.branch_deviation < LENGTHS_NEWTON.trusted)
+        return trusted and self.surfaces[-1].converged
+
+    def continue_regularized(self) -> None:
+        """Go from the start to the lengths step by step, then to smoother realizations nearby."""
+        if self.mirror_patches():
+            return
+        if "smooth" in self.kept:
+            guided = Continued(self.kept["smooth"], self.kept["guided"])
+        else:
+            with self.log.stage("guided pull back") as recorder:
+                guided = self.guided(recorder)
+        self.smooth = guided.smooth
+        with self.log.stage("polish") as recorder:
+            recorder.keep(start=self.start, guided=guided.vertices, smooth=guided.smooth)
+            vertices = anneal(self.system, guided.vertices, self.metric.lengths, recorder).vertices
+            recorder.show(vertices=vertices)
+        self.surfaces.append(self.surface(vertices))
+        self.search_nearby(self.surfaces[-1])
+
+    def search_nearby(self, surface: Embedding) -> None:
+        """Go to smoother realizations near one."""
+        if surface.residual < ADAPTIVE.nearly:
+            with self.log.stage("neighbors") as recorder:
+                met = nearby_realizations(
+                    self.system,
+                    surface.vertices,
+                    self.metric.lengths,
+                    recorder,
+                    residual_tolerance=LENGTHS_NEWTON.exact,
+                )
+            self.surfaces += [self.surface(vertices) for vertices in met]
+            self.sought = True
+
+    def mirror_patches(self) -> bool:
+        """Make the dents of the metric, each pushed in or out; return whether a realization is found."""
+        if self.kept.keys() - {"start"} or not self.metric.space.is_euclidean:
+            return False
+        patches = dents(self.metric)
+        if not patches:
+            return False
+        with self.log.stage("mirrored patches") as recorder:
+            choices = mirrored_realizations(
+                self.metric, self.system, self.energy, self.start, patches, recorder
+            )
+            found = [self.surface(vertices) for vertices in choices]
+        self.surfaces += found
+        realized = [surface for surface in found if self.is_exact(surface)]
+        if realized:
+            self.search_nearby(min(realized, key=lambda surface: surface.fine_roughness))
+        return bool(realized)
+
+    def turn_patches(self, most: float) -> None:
+        """Turn over what is on the wrong side, leaving the best fit its share of so many factorizations.
+
+        Coarse surfaces are searched from the nearest attempt, others from the smooth end of the path: its
+        pits are where they should be, which is more than that lengths are nearly right.
+        """
+        if not self.metric.space.is_euclidean:
+            return
+        start = min(self.surfaces, key=lambda surface: surface.residual).vertices
+        left = most - self.log.factorizations - ADAPTIVE.fit
+        if self.numbers.size > LOCAL_SEARCH.coarse:
+            start = start if self.smooth is None else self.smooth
+        with self.log.stage("local search") as recorder:
+            found = local_search(
+                self.energy, self.system, start, self.metric.lengths, recorder, max(left, 0.0)
+            )
+            recorder.show(vertices=found.end)
+            polished = anneal(self.system, found.end, self.metric.lengths, recorder).vertices
+        self.surfaces += [self.surface(polished), self.surface(found.nearest)]
+        self.search_nearby(self.surfaces[-2])
+
+    def search_about_attempt(self, most: float) -> None:
+        """Seek realizations near the nearest attempt, with so many factorizations, if it misses little."""
+        nearest = min(self.surfaces, key=lambda surface: surface.residual)
+        if self.good < nearest.residual <= ADAPTIVE.missed and self.metric.space.is_euclidean:
+            with self.log.stage("realizations") as recorder:
+                found = realization_near(self.metric, self.system, nearest.vertices, recorder, most)
+            if found is not None:
+                self.surfaces.append(self.surface(found))
+                self.search_nearby(self.surfaces[-1])
+
+    def guided(self, recorder: StageRecorder) -> Continued:
+        """Where the guided path ends, near enough to the lengths for Newton's method."""
+        kept = self.log.resumed_at("guided pull back")
+        if goes_by_levels(self.metric, kept):
+            with suppress(SingularMatrix, InvalidMetric):  # of the chosen vertices, on needles
+                found = pulled_back_by_levels(self.metric, self.system, self.start, recorder, kept)
+                if found is not None:
+                    return Continued(found, found)
+            kept = None
+        path = log_linear(self.metric, self.start)
+        return regularized_continuation(self.energy, self.start, path, recorder, kept)
+
+    def best_fit(self, most: float) -> FittedSurface | None:
+        """The smooth surface that comes nearest to the lengths; it is one more start, too."""
+        left = most - self.log.factorizations
+        with self.log.stage("best fit") as recorder:
+            fit = best_fit(self.metric, self.energy, self.start, recorder, left)
+            if fit is None:
+                return None
+            polished = anneal(self.system, fit.vertices, self.metric.lengths, recorder).vertices
+            self.surfaces += [self.surface(near) for near in (fit.vertices, polished)]
+        return FittedSurface(
+            self.metric,
+            fit.vertices,
+            noise=fit.noise,
+            weight=fit.weight,
+            method=self.name,
+            tolerance=self.tolerance,
+        )
+
+    def smoothest(self) -> Embedding:
+        """The smoothest of the realizations, with the others beside it; if none, the nearest attempt.
+
+        Of a convex metric the convex one goes before all others.
+        """
+        different: list[Embedding] = []
+        for surface in self.surfaces:
+            realized = surface.converged and surface.residual < ADAPTIVE.nearly  # whatever the tolerance
+            if realized and all(surface.distance(other) > ADAPTIVE.same for other in different):
+                different.append(surface)
+        if not different:
+            return min(self.surfaces, key=lambda surface: surface.residual)
+        if len(different) > 1:
+            convex = self.convexification.is_convex
+            different.sort(key=lambda s: (convex and s.concave_edges.any(), s.fine_roughness))
+        found = different[0].with_others(different[1:])
+        return found.with_message(f"{found.message}; {SOUGHT}") if self.sought else found
