@@ -4,7 +4,7 @@ In R^3, in hyperbolic space and on the 3-sphere.  All take vertices and tables, 
 """
 
 import itertools
-from decimal import Decimal, localcontext
+from decimal import Decimal, InvalidOperation, localcontext
 
 import numpy as np
 from scipy.spatial import ConvexHull, QhullError
@@ -59,7 +59,10 @@ def path_error(found):
     """
     with localcontext() as context:
         context.prec = DIGITS
-        return _path_error(found)
+        try:
+            return _path_error(found)
+        except InvalidOperation:  # vertices coincide
+            return np.inf, np.inf
 
 
 def _path_error(found):

@@ -56,17 +56,15 @@ def test_a_patch_on_the_wrong_side_is_turned_back(saddle, center, rings):
 
 def test_what_misses_least_is_kept_though_the_search_goes_on(saddle):
     (metric, true), recorder = saddle, smooth_bodies.recorder()
-    wrong = reflected(metric, true, disk(metric, 150, 3))
     errors = np.random.default_rng(0).standard_normal(len(metric.lengths))
-    lengths, shown = metric.lengths * (1 + 0.01 * errors), [wrong]
+    lengths = metric.lengths * (1 + 0.01 * errors)
     energy = RegularizedEnergy(metric, true)
-    recorder.show = lambda **state: shown.append(state.get("vertices", wrong))
-    found = local_search(energy, system(metric), wrong, lengths, recorder, 100.0)
+    found = local_search(energy, system(metric), true, lengths, recorder, 20.0)
 
     def missed(x):
         return np.abs(energy.residuals(x, lengths)).max()
 
-    assert missed(found.nearest) <= min(map(missed, [found.end, *shown])) * (1 + 1e-12)
+    assert missed(found.nearest) < min(missed(found.end), missed(true))
 
 
 def test_what_it_may_cost(saddle):

@@ -213,11 +213,7 @@ def test_names_beyond_ascii(here, environment):
 @pytest.mark.skipif(not sys.platform.startswith("linux"), reason="macOS does not enforce this limit")
 def test_limits_of_the_address_space(here):
     complaint = "isoembed: error: an address space of {} bytes is too small: libraries need 800000000\n"
-    for limit in (
-        100_000_000,
-        454_000_000,
-        799_999_999,
-    ):  # within the first two, libraries break while loaded
+    for limit in (100_000_000, 454_000_000, 799_999_999):  # in the first two, libraries break while loaded
         prepare = limited(RLIMIT_AS=limit)
         done = run("embed", "m.npz", "-o", "a.vtk", folder=here, prepare=prepare)
         assert done == (2, "", complaint.format(limit))

@@ -195,7 +195,7 @@ def test_a_path_that_goes_astray_is_lost():
     assert np.array_equal(paths.points(vertices)[paths.point_offsets[e]], vertices[v])
 
 
-def test_an_edge_without_a_direction_is_lost_and_does_not_go_round_its_vertex():
+def test_an_edge_without_a_direction_is_lost():
     tables = tables_of(*zoo.tetrahedron())
     edges = all_edges(tables)
     directions = tables.directions.copy()

@@ -111,7 +111,8 @@ def local_search(
     Searched
     """
     search = _LocalSearch(energy, system, lengths, recorder, most)
-    x = search.nearest = vertices
+    x = vertices
+    search.keep(x)
     if search.is_coarse:
         search.most = LOCAL_SEARCH.guided * most
     for weight in LOCAL_SEARCH.weights:
@@ -201,6 +202,7 @@ class _LocalSearch:
         asked, self.asked = self.asked, x
         if self.realization is None and x is not asked and self.largest_residual(x) <= LOCAL_SEARCH.close:
             found = anneal(self.system, x, self.lengths, self.recorder).vertices
+            self.keep(found)
             if self.largest_residual(found) <= LOCAL_SEARCH.exact:
                 self.realization = found
         return self.realization is not None

@@ -293,8 +293,9 @@ class Search:
             )
             recorder.show(vertices=found.end)
             polished = anneal(self.system, found.end, self.metric.lengths, recorder).vertices
-        self.surfaces += [self.surface(polished), self.surface(found.nearest)]
-        self.search_nearby(self.surfaces[-2])
+        end = self.surface(polished)
+        self.surfaces += [end, self.surface(found.nearest)]
+        self.search_nearby(end)
 
     def search_about_attempt(self, most: float) -> None:
         """Seek realizations near the nearest attempt, with so many factorizations, if it misses little."""
