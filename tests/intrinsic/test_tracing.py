@@ -6,6 +6,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 import zoo
+from isoembed.intrinsic import tracing
 from isoembed.intrinsic.halfedges import HalfEdges, third_corner, total_angle
 from isoembed.intrinsic.polygons import lay_out
 from isoembed.intrinsic.tracing import (
@@ -149,3 +150,17 @@ def test_third_corner_is_to_the_left(base, height, foot, angle):
     p, q, r = corners @ [1, 1j] * (c + 1j * s) + (1.0 - 2.0j)
     assert third_corner(0, p, q, tables) == pytest.approx(r, abs=1e-9)
     assert third_corner(1, q, r, tables) == pytest.approx(p, abs=1e-9)
+
+
+def test_a_line_without_a_direction_ends_after_one_triangle(monkeypatch):
+    _, tables = square()
+    polygons, cross, triangles = laid_out(tables), tracing.crossed, []
+
+    def crossed(*line):
+        triangles.append(line)
+        assert len(triangles) < 2
+        return cross(*line)
+
+    monkeypatch.setattr(tracing, "crossed", crossed)
+    assert straight.py_func(from_corner(0, np.nan, polygons), 1.0, polygons)[0] == -1
+    assert len(triangles) == 1

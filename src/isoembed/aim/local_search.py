@@ -73,9 +73,9 @@ LOCAL_SEARCH = LocalSearchThresholds()
 
 
 class Searched(NamedTuple):
-    """Where a search ended, and what missed the lengths least of all that it met, each (V, 3).
+    """Where a search ended, and what missed the lengths least where one of its stages ended, each (V, 3).
 
-    The search keeps what lowers its energy, and that need not miss less.
+    The search goes on from what lowers its energy, and that need not miss less.
     """
 
     end: Floats
@@ -110,9 +110,8 @@ def local_search(
     -------
     Searched
     """
-    search = _LocalSearch(energy, system, lengths, recorder, most)
+    search = _LocalSearch(energy, system, vertices, lengths, recorder, most)
     x = vertices
-    search.keep(x)
     if search.is_coarse:
         search.most = LOCAL_SEARCH.guided * most
     for weight in LOCAL_SEARCH.weights:
@@ -141,14 +140,14 @@ class _LocalSearch:
         self,
         energy: RegularizedEnergy,
         system: LengthSystem,
+        vertices: Floats,
         lengths: Floats,
         recorder: StageRecorder,
         most: float,
     ) -> None:
         self.energy, self.system, self.lengths, self.recorder = energy, system, lengths, recorder
         self.realization: Floats | None = None
-        self.nearest: Floats = np.empty((0, 3))  # what misses least
-        self.missed = np.inf  # and how much
+        self.nearest, self.missed = vertices, self.largest_residual(vertices)  # what misses least
         self.asked: Floats | None = None  # the surface from which Newton's method was tried last
         self.begun, self.most, self.local = recorder.factorizations, most, 0.0
         n = energy.triangulation.n_vertices
