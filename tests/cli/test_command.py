@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import gc
 import io
 import json
 import os
@@ -427,6 +428,19 @@ def test_embed_starts_without_what_only_nets_need():
     )
     found = subprocess.run([sys.executable, "-c", program], capture_output=True, text=True, check=True)
     assert found.stdout.strip() == ""
+
+
+def test_what_libraries_bring_is_not_looked_through_for_garbage(run):
+    known = gc.get_freeze_count()
+    run("inspect", "metric.json")  # in a process that is not the command's alone
+    assert gc.get_freeze_count() == known
+    program = (
+        "import gc, sys; from isoembed.cli import main; sys.argv[1:] = ['inspect', 'metric.json']; "
+        "assert main() == 0; print(gc.isenabled(), gc.get_freeze_count())"
+    )
+    done = subprocess.run([sys.executable, "-c", program], capture_output=True, text=True, check=True)
+    enabled, count = done.stdout.split()[-2:]
+    assert enabled == "True" and int(count) > 10_000
 
 
 def test_a_reader_who_leaves_is_no_error(here):

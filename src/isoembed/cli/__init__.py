@@ -9,12 +9,13 @@ import re
 import sys
 import warnings
 from collections.abc import Iterator, Sequence
-from contextlib import contextmanager
+from contextlib import contextmanager, nullcontext
 from importlib import import_module
 from types import ModuleType
 from typing import Any
 
 from isoembed import __version__
+from isoembed.cli.collection import uncollected
 from isoembed.cli.screen import OutputError, UsageError, occupy_closed_streams, print_error, print_out
 from isoembed.cli.signals import Interruption, handled
 from isoembed.cli.status import OK, WRONG
@@ -127,7 +128,8 @@ def main(argv: Sequence[str] | None = None) -> int:
     interruption = Interruption()
     try:
         with handled(interruption):
-            options = build_parser(arguments).parse_args(arguments)
+            with uncollected() if argv is None else nullcontext():
+                options = build_parser(arguments).parse_args(arguments)
             return _run(options)
     except SystemExit as stop:  # argparse: --help, --version, a wrong command line
         return int(stop.code or OK)
