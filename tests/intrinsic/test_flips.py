@@ -1,5 +1,8 @@
 """Intrinsic flips: against the metric that they must not change."""
 
+import subprocess
+import sys
+
 import numpy as np
 import pytest
 from hypothesis import given
@@ -63,6 +66,33 @@ def test_delaunay_does_not_depend_on_the_triangles(n, seed):
         _, stuck = make_delaunay(t, np.zeros(n))
         assert stuck == 0 and non_delaunay_edges(t, np.zeros(n)).size == 0
     assert np.sort(scrambled.lengths) == pytest.approx(np.sort(tables.lengths), rel=1e-10)
+
+
+def test_compiled_flips_are_loaded_with_little_else():
+    """Whoever loads them imports the kinds of all rules for which they were ever compiled."""
+    program = (
+        "import isoembed.gluing, isoembed.smooth; from isoembed.intrinsic.delaunay import _ATTEMPTS; "
+        "print(*{kind.__module__ for kind in _ATTEMPTS})"
+    )
+    found = subprocess.run([sys.executable, "-c", program], capture_output=True, text=True, check=True)
+    kinds = found.stdout.split()
+    assert "isoembed.intrinsic.outward" in kinds
+    program = (
+        f"import sys, {', '.join(kinds)}; print(*{{'isoembed.meshing', 'scipy.spatial'}} & set(sys.modules))"
+    )
+    found = subprocess.run([sys.executable, "-c", program], capture_output=True, text=True, check=True)
+    assert found.stdout.strip() == ""
+
+
+def test_flips_do_the_same_without_directions():
+    given = GluedMetric.of(PolyhedralMetric.from_mesh(*zoo.random_hull(60, 3)))
+    directed, plain = given.half_edges(), given.half_edges(directed=False)
+    for tables in (directed, plain):
+        make_delaunay(tables, np.zeros(60))
+    assert plain.copy().directions.size == plain.in_order(np.arange(60)).directions.size == 0
+    assert not np.array_equal(directed.corners, given.faces.ravel())
+    for name in ("corners", "twins", "lengths"):
+        assert np.array_equal(getattr(plain, name), getattr(directed, name))
 
 
 def test_delaunay_agrees_with_the_flips_of_triangulations():

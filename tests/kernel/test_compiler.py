@@ -1,6 +1,7 @@
 """Compiled functions and where their code is kept, whatever the place is like."""
 
 import os
+import pickle
 import stat
 import subprocess
 import sys
@@ -88,6 +89,23 @@ def test_damaged_files_are_written_again(place, what):
     damaged.write_bytes(b"")
     assert call(place) == (path, False)
     assert call(place) == (path, True)
+
+
+def test_code_for_types_that_are_gone_is_compiled_again(place):
+    (place / "source" / "__pycache__").unlink()
+    path, _ = call(place)
+    (index,) = path.glob("*.nbi")
+    version = index.read_bytes()[: first_pickle(index)]
+    index.write_bytes(version + b"cisoembed.kernel\nNoSuchType\n.")
+    assert call(place) == (path, False)
+    assert call(place) == (path, True)
+
+
+def first_pickle(path):
+    """Where the first pickle of a file ends."""
+    with path.open("rb") as file:
+        pickle.load(file)
+        return file.tell()
 
 
 def test_what_was_kept_can_be_compiled_with_others(place):

@@ -9,8 +9,9 @@ from hypothesis import strategies as st
 
 from isoembed.errors import InvalidMetric, InvalidParameter
 from isoembed.intrinsic.halfedges import HalfEdges
+from isoembed.intrinsic.outward import flip_to_delaunay
 from isoembed.meshing.flips import twin_halfedges
-from isoembed.meshing.intrinsic_relaxation import angles_from_lengths, end_lengths, flip_to_delaunay, relaxed
+from isoembed.meshing.intrinsic_relaxation import angles_from_lengths, end_lengths, relaxed
 from isoembed.meshing.sphere import fibonacci_lattice, gauss_rule
 from isoembed.meshing.spreading import Cells
 from isoembed.metric.curvature import Triangles, deficits

@@ -86,19 +86,20 @@ def flip(h: int, mesh: HalfEdges, thinnest: float) -> bool:
     longest_j = max(diagonal, max(length_mj, length_jk))
     if not (at_i > thinnest * longest_i * longest_i and at_j > thinnest * longest_j * longest_j):
         return False
-    at_m, at_k = directions[mesh.twins[im]], directions[mesh.twins[jk]]  # of m -> i and k -> j
-    # The angles of the better triangle tell the directions.
-    if at_i * longest_j * longest_j > at_j * longest_i * longest_i:
-        at_m -= angle_between(length_im, diagonal, length_ki, k)
-        at_k = directions[ki] + angle_between(length_ki, diagonal, length_im, k)
-    else:
-        at_m = directions[mj] + angle_between(length_mj, diagonal, length_jk, k)
-        at_k -= angle_between(length_jk, diagonal, length_mj, k)
+    if len(directions):
+        at_m, at_k = directions[mesh.twins[im]], directions[mesh.twins[jk]]  # of m -> i and k -> j
+        # The angles of the better triangle tell the directions.
+        if at_i * longest_j * longest_j > at_j * longest_i * longest_i:
+            at_m -= angle_between(length_im, diagonal, length_ki, k)
+            at_k = directions[ki] + angle_between(length_ki, diagonal, length_im, k)
+        else:
+            at_m = directions[mj] + angle_between(length_mj, diagonal, length_jk, k)
+            at_k -= angle_between(length_jk, diagonal, length_mj, k)
+        directions[t], directions[h] = directions[jk], directions[im]
+        directions[jk], directions[im] = at_m, at_k
     swap_diagonals(h, mesh.corners, mesh.twins)
     lengths[t], lengths[h] = length_jk, length_im
-    directions[t], directions[h] = directions[jk], directions[im]
     lengths[jk] = lengths[im] = diagonal
-    directions[jk], directions[im] = at_m, at_k
     return True
 
 

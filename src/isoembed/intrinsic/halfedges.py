@@ -31,7 +31,7 @@ class HalfEdges(NamedTuple):
     directions : ndarray, shape (3F,)
         The angle at which it leaves its vertex, counterclockwise from a direction that flips do not change
         and modulo the total angle there (a "signpost": Sharp, Soliman and Crane, Navigating intrinsic
-        triangulations, ACM TOG 38, 2019).
+        triangulations, ACM TOG 38, 2019).  Empty where nobody asks for them.
     curvature : float
         That of the triangles; lengths are measured along their sides.
     """
@@ -56,6 +56,7 @@ class HalfEdges(NamedTuple):
             That of the triangles.
         """
         mesh = cls.without_directions(faces, twins, face_lengths, curvature)
+        mesh = mesh._replace(directions=np.zeros(mesh.corners.size))
         set_directions(mesh)
         return mesh
 
@@ -63,10 +64,10 @@ class HalfEdges(NamedTuple):
     def without_directions(
         cls, faces: Indices, twins: Indices, face_lengths: Floats, curvature: float = 0.0
     ) -> HalfEdges:
-        """Copy the triangles of a metric for those who ask for no directions: all are zero."""
+        """Copy the triangles of a metric for those who ask for no directions."""
         corners = np.array(faces, dtype=np.int64).ravel()
         lengths = np.array(face_lengths).ravel()
-        return cls(corners, np.array(twins), lengths, np.zeros(corners.size), float(curvature))
+        return cls(corners, np.array(twins), lengths, np.empty(0), float(curvature))
 
     def copy(self) -> HalfEdges:
         """Copy of all tables."""
@@ -105,7 +106,7 @@ class HalfEdges(NamedTuple):
             corners=self.corners[h],
             twins=3 * place[face] + corner,
             lengths=self.lengths[h],
-            directions=self.directions[h],
+            directions=self.directions[h] if len(self.directions) else self.directions,
         )
 
     @property

@@ -110,7 +110,8 @@ class _Cache(FunctionCache):
             return None
         except OSError:  # closed to us
             return None
-        except (EOFError, pickle.UnpicklingError):  # cut short
+        except (EOFError, pickle.UnpicklingError, AttributeError, ImportError):
+            # Cut short, or compiled for types that an older version had in another place.
             with suppress(OSError):
                 self.flush()
             return None

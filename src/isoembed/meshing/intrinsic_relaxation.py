@@ -1,42 +1,20 @@
-"""Compiled parts of the relaxation of a metric: flips and steps of triangles on the sphere, by lengths alone.
+"""Compiled parts of the relaxation of a metric: steps of triangles on the sphere, by lengths alone.
 
 The tables over half-edges are those of `isoembed.intrinsic.halfedges`.  Vertices also have directions u
 (V, 3) on the unit sphere, in which every triangle looks outward.
 """
 
 import math
-from dataclasses import dataclass
-from typing import NamedTuple
 
 import numpy as np
 
-from isoembed.arrays import Floats, Indices, Mask
-from isoembed.intrinsic.delaunay import (
-    BLOCKED,
-    FLIPPED,
-    LEFT,
-    attempts,
-    flip_edges,
-    is_delaunay,
-    non_delaunay_edges,
-)
-from isoembed.intrinsic.flips import flip
-from isoembed.intrinsic.halfedges import HalfEdges, corner_angle, edges_between, following, preceding
+from isoembed.arrays import Floats, Mask
+from isoembed.intrinsic.halfedges import HalfEdges, corner_angle, following, preceding
+from isoembed.intrinsic.outward import looks_outward
 from isoembed.kernel import kernel
 from isoembed.meshing.lloyd import RELAXATION
-from isoembed.thresholds import compiled, threshold
+from isoembed.thresholds import compiled
 
-
-@dataclass(frozen=True)
-class IntrinsicFlipThresholds:
-    """Thresholds of the flips on the sphere of directions."""
-
-    widest: float = threshold(-0.5, "cosine", "Least of the angle between the ends of a new edge.")
-    thinnest: float = threshold(1e-6, "relative", "Least height over longest side after a flip.")
-
-
-INTRINSIC_FLIPS = IntrinsicFlipThresholds()
-_FLIPS = compiled(INTRINSIC_FLIPS)
 _RELAXATION = compiled(RELAXATION)
 
 
@@ -66,71 +44,6 @@ def end_lengths(u: Floats, q: Floats, mesh: HalfEdges) -> None:
     with np.errstate(divide="ignore", invalid="ignore"):  # of vertices that coincide, or are antipodes
         lengths[lower] = np.sqrt(squares) * np.arcsin(half) / (half * np.sqrt(1.0 - half**2))
     lengths[upper] = lengths[lower]
-
-
-@kernel
-def looks_outward(u: Floats, a: int, b: int, c: int) -> bool:
-    """Whether three directions come counterclockwise, seen from outside."""
-    volume = 0.0
-    for k in range(3):
-        i, j = (k + 1) % 3, (k + 2) % 3
-        volume += u[a, k] * (u[b, i] * u[c, j] - u[b, j] * u[c, i])
-    return volume > 0.0
-
-
-class Outward(NamedTuple):
-    """The rule of a Delaunay triangulation that looks outward.
-
-    Attributes
-    ----------
-    u : ndarray, shape (V, 3)
-    weights : ndarray, shape (V,)
-        Zeros.
-    flipped : ndarray of int64, shape (k + 1,)
-        One half-edge of each edge that was flipped, and last how many these are.
-    """
-
-    u: Floats
-    weights: Floats
-    flipped: Indices
-
-
-@attempts(Outward)
-def _attempt(h: int, mesh: HalfEdges, rule: Outward) -> int:
-    if is_delaunay(h, mesh, rule.weights):
-        return LEFT
-    corners, u, t = mesh.corners, rule.u, mesh.twins[h]
-    into, other = preceding(h), preceding(t)
-    i, j, k, m = corners[h], corners[t], corners[into], corners[other]
-    if not (looks_outward(u, k, i, m) and looks_outward(u, m, j, k)):
-        return BLOCKED
-    if edges_between(into, m, corners, mesh.twins) > 0:
-        return BLOCKED
-    if u[k, 0] * u[m, 0] + u[k, 1] * u[m, 1] + u[k, 2] * u[m, 2] < _FLIPS.widest:
-        return BLOCKED
-    count = rule.flipped[-1]
-    if count + 1 == rule.flipped.size or not flip(h, mesh, _FLIPS.thinnest):
-        return BLOCKED
-    rule.flipped[count] = following(h)
-    rule.flipped[-1] += 1
-    return FLIPPED
-
-
-@kernel
-def flip_to_delaunay(u: Floats, mesh: HalfEdges) -> Indices:
-    """Flip edges until all are Delaunay whose flip leaves a triangulation that looks outward, in place.
-
-    A new edge gets its length in the plane of its two triangles unfolded.
-
-    Returns
-    -------
-    ndarray of int, shape (k,)
-        One half-edge of each edge that was flipped, some more than once.
-    """
-    n = mesh.corners.size
-    rule = Outward(u, np.zeros(n // 6 + 2), np.zeros(4 * n + 1, dtype=np.int64))
-    flip_edges(non_delaunay_edges(mesh, rule.weights), mesh, rule)
-    return rule.flipped[: rule.flipped[-1]].copy()
 
 
 @kernel

@@ -9,8 +9,9 @@ import numpy as np
 
 from isoembed.arrays import Floats, Indices, Mask
 from isoembed.intrinsic.halfedges import HalfEdges
+from isoembed.intrinsic.outward import flip_to_delaunay
 from isoembed.meshing.flips import twin_halfedges
-from isoembed.meshing.intrinsic_relaxation import angles_from_lengths, end_lengths, flip_to_delaunay, relaxed
+from isoembed.meshing.intrinsic_relaxation import angles_from_lengths, end_lengths, relaxed
 from isoembed.meshing.lloyd import RELAXATION
 from isoembed.meshing.sphere import hull_faces
 from isoembed.meshing.spreading import Cells
