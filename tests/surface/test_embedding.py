@@ -1,6 +1,7 @@
 """The embedding measures itself: residuals of what is returned, the report, mirror images, any scale."""
 
 import json
+from collections import Counter
 
 import numpy as np
 import pytest
@@ -12,6 +13,7 @@ import zoo
 from isoembed.errors import NotEmbedded
 from isoembed.metric.polyhedral import PolyhedralMetric
 from isoembed.progress.stages import Stage
+from isoembed.surface import curvature, smoothness
 from isoembed.surface.embedding import Embedding
 
 
@@ -132,6 +134,24 @@ def test_the_report_is_the_contract():
         "smallest_singular_value": surface.smallest_singular_value,
     }
     assert report["stages"] == [{"name": "layout", "seconds": 0.25, "iterations": 7, "factorizations": 4}]
+
+
+def test_a_report_measures_its_surface_once(monkeypatch):
+    counts = Counter()
+
+    def counted(module, name):
+        function = getattr(module, name)
+
+        def count(*given):
+            counts[name] += 1
+            return function(*given)
+
+        monkeypatch.setattr(module, name, count)
+
+    counted(curvature, "_folds")
+    counted(smoothness, "spatial_order")
+    assert embedding(*zoo.icosphere(1)).report["convexity"]["concave_edges"] == 0
+    assert counts == {"_folds": 2, "spatial_order": 1}  # once more where the neighbors expect the vertices
 
 
 def test_flat_vertices_are_not_negative_deficits():

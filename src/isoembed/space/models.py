@@ -29,7 +29,7 @@ NAMES: Mapping[str, Mapping[Model, str]] = {
 
 def to_model(space: Space, x: Floats, model: Model) -> Floats:
     """Coordinates (..., 3) in a model of points x (..., 3)."""
-    if model == "ambient":
+    if model == "ambient" or space.is_euclidean:
         return x
     w = space.heights(x)
     return x * ((2 / (1 + w)) if model == "conformal" else 1 / w)[..., None]

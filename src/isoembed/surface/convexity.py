@@ -9,9 +9,11 @@ from isoembed.surface.curvature import DIHEDRAL, bends, dihedral_angles
 from isoembed.surface.measures import amplitudes, edge_lengths, vertex_normals
 
 
-def concave_edges(triangulation: Triangulation, vertices: Floats, space: Space = EUCLIDEAN) -> Mask:
-    """Edges whose exterior dihedral angle is negative, shape (E,)."""
-    return bends(triangulation, vertices, space) < 0
+def concave_edges(
+    triangulation: Triangulation, vertices: Floats, space: Space = EUCLIDEAN, angles: Floats | None = None
+) -> Mask:
+    """Edges whose exterior dihedral angle is negative, shape (E,); `angles` are these, where known."""
+    return bends(triangulation, vertices, space, angles) < 0
 
 
 def dent_depths(triangulation: Triangulation, vertices: Floats, space: Space = EUCLIDEAN) -> Floats:

@@ -62,9 +62,12 @@ def dihedral_angles(triangulation: Triangulation, vertices: Floats, space: Space
     return np.arctan2(sine, cosine)
 
 
-def bends(triangulation: Triangulation, vertices: Floats, space: Space = EUCLIDEAN) -> Floats:
+def bends(
+    triangulation: Triangulation, vertices: Floats, space: Space = EUCLIDEAN, angles: Floats | None = None
+) -> Floats:
     """Dihedral angles, shape (E,), and 0 where rounding may have made them."""
-    angles = dihedral_angles(triangulation, vertices, space)
+    if angles is None:
+        angles = dihedral_angles(triangulation, vertices, space)
     turned = turning_errors(triangulation, vertices, space)[triangulation.edge_faces].max(axis=1)
     return np.where(np.abs(angles) > DIHEDRAL.flat + turned, angles, 0.0)
 
@@ -113,17 +116,23 @@ def _curved_folds(t: Triangulation, vertices: Floats, space: Space) -> tuple[Flo
     return np.where((cosine < 0) & (np.abs(sine) < _T.shut), np.abs(sine), sine), cosine
 
 
-def edge_mean_curvature(triangulation: Triangulation, vertices: Floats, space: Space = EUCLIDEAN) -> Floats:
-    """Integral of H over each edge, ``l_e theta_e / 2``, shape (E,), in the unit of length."""
-    lengths = edge_lengths(triangulation.edges, vertices, space)
-    return lengths * dihedral_angles(triangulation, vertices, space) / 2
+def edge_mean_curvature(
+    triangulation: Triangulation, vertices: Floats, space: Space = EUCLIDEAN, angles: Floats | None = None
+) -> Floats:
+    """Integral of H over each edge, ``l_e theta_e / 2``, shape (E,), in the unit of length.
+
+    Here and below, `angles` are the `dihedral_angles`, (E,), where they are known.
+    """
+    if angles is None:
+        angles = dihedral_angles(triangulation, vertices, space)
+    return edge_lengths(triangulation.edges, vertices, space) * angles / 2
 
 
 def integrated_mean_curvature(
-    triangulation: Triangulation, vertices: Floats, space: Space = EUCLIDEAN
+    triangulation: Triangulation, vertices: Floats, space: Space = EUCLIDEAN, angles: Floats | None = None
 ) -> float:
     """Integral of H over the surface, ``1/2 sum l_e theta_e`` (unit sphere 4 pi, unit cube 3 pi)."""
-    return float(edge_mean_curvature(triangulation, vertices, space).sum())
+    return float(edge_mean_curvature(triangulation, vertices, space, angles).sum())
 
 
 def vertex_mean_curvature(
@@ -131,6 +140,7 @@ def vertex_mean_curvature(
     vertices: Floats,
     areas: Floats | None = None,
     space: Space = EUCLIDEAN,
+    angles: Floats | None = None,
 ) -> Floats:
     """Mean curvature H at the vertices.
 
@@ -143,6 +153,8 @@ def vertex_mean_curvature(
     areas : ndarray, shape (V,), optional
         The vertices' shares of the area; by default `vertex_areas`.
     space : Space, optional
+    angles : ndarray, shape (E,), optional
+        The `dihedral_angles`.
 
     Returns
     -------
@@ -150,7 +162,7 @@ def vertex_mean_curvature(
         In the unit of length to the power -1; NaN where the triangles around have no area.
     """
     shares = vertex_areas(triangulation, vertices, space) if areas is None else areas
-    return _vertex_integrals(triangulation, vertices, space) / np.where(shares == 0, np.nan, shares)
+    return _vertex_integrals(triangulation, vertices, space, angles) / np.where(shares == 0, np.nan, shares)
 
 
 def bending_energy(
@@ -158,6 +170,7 @@ def bending_energy(
     vertices: Floats,
     areas: Floats | None = None,
     space: Space = EUCLIDEAN,
+    angles: Floats | None = None,
 ) -> float:
     """Willmore's energy, the integral of H^2 + k, k of space: 4 pi for every sphere, more for all others.
 
@@ -165,7 +178,7 @@ def bending_energy(
     right to second order in the edge length on good triangulations of smooth surfaces; where vertices are
     strewn at random, some percent too large.  Near an edge of a polyhedron it grows as the triangles shrink.
     """
-    integrals = _vertex_integrals(triangulation, vertices, space)
+    integrals = _vertex_integrals(triangulation, vertices, space, angles)
     shares = vertex_areas(triangulation, vertices, space) if areas is None else areas
     flat = shares == 0  # and all dihedral angles beside faces without area are 0
     energy = float(np.sum(integrals**2 / np.where(flat, 1.0, shares)))
@@ -178,9 +191,11 @@ def vertex_areas(triangulation: Triangulation, vertices: Floats, space: Space = 
     return cast(Floats, np.bincount(triangulation.faces.ravel(), third))
 
 
-def _vertex_integrals(triangulation: Triangulation, vertices: Floats, space: Space) -> Floats:
+def _vertex_integrals(
+    triangulation: Triangulation, vertices: Floats, space: Space, angles: Floats | None
+) -> Floats:
     """The vertices' shares of the integral of H, shape (V,)."""
-    half = np.repeat(edge_mean_curvature(triangulation, vertices, space) / 2, 2)
+    half = np.repeat(edge_mean_curvature(triangulation, vertices, space, angles) / 2, 2)
     return cast(Floats, np.bincount(triangulation.edges.ravel(), half))
 
 

@@ -256,9 +256,16 @@ class Embedding(Sensitivity, Views):
         return "converged" if self.converged else "not converged"
 
     @cached_property
+    def _angles(self) -> Floats:
+        """The dihedral angles, (E,)."""
+        return frozen(curvature.dihedral_angles(self.triangulation, self._normalized, self._space))
+
+    @cached_property
     def concave_edges(self) -> Mask:
         """Edges with an exterior dihedral angle below -1e-7 radians, shape (E,)."""
-        return frozen(convexity.concave_edges(self.triangulation, self._normalized, self._space))
+        return frozen(
+            convexity.concave_edges(self.triangulation, self._normalized, self._space, self._angles)
+        )
 
     @cached_property
     def inverted_vertices(self) -> Mask:
@@ -279,14 +286,18 @@ class Embedding(Sensitivity, Views):
     def mean_curvature(self) -> Floats:
         """Mean curvature H = (k1 + k2) / 2 at the vertices, shape (V,)."""
         normalized = curvature.vertex_mean_curvature(
-            self.triangulation, self._normalized, self._vertex_areas, self._space
+            self.triangulation, self._normalized, self._vertex_areas, self._space, self._angles
         )
         return frozen(normalized / self.metric.unit)
 
     @cached_property
+    def _ordered(self) -> smoothness.Ordered:
+        return smoothness.in_spatial_order(self.triangulation, self._conformal)
+
+    @cached_property
     def _offsets(self) -> Floats:
         """Distances of the vertices from fits to their neighbors, (V, 3), in conformal coordinates."""
-        return frozen(smoothness.offsets(self.triangulation, self._conformal))
+        return frozen(smoothness.offsets(self.triangulation, self._conformal, self._ordered))
 
     @cached_property
     def roughness(self) -> float:
@@ -303,21 +314,22 @@ class Embedding(Sensitivity, Views):
 
         Of two realizations of the same lengths that are near each other, the one with less is the smoother.
         """
-        return smoothness.fine_roughness(self.triangulation, self._conformal)
+        return smoothness.fine_roughness(self.triangulation, self._conformal, self._ordered)
 
     @cached_property
     def rough_edges(self) -> Mask:
         """Edges whose dihedral angle has another sign than their neighborhood gives them, shape (E,)."""
-        straight = self._straight
-        offsets = (
-            self._offsets if self.space.is_euclidean else smoothness.offsets(self.triangulation, straight)
-        )
-        return frozen(smoothness.rough_edges(self.triangulation, straight, offsets))
+        t, straight = self.triangulation, self._straight
+        if self.space.is_euclidean:
+            return frozen(smoothness.rough_edges(t, straight, self._offsets, self._angles))
+        return frozen(smoothness.rough_edges(t, straight, smoothness.offsets(t, straight)))
 
     @cached_property
     def bending_energy(self) -> float:
         """Integral of H^2 + k dA, k the curvature of space: 4 pi for a sphere, more for any other surface."""
-        return curvature.bending_energy(self.triangulation, self._normalized, self._vertex_areas, self._space)
+        return curvature.bending_energy(
+            self.triangulation, self._normalized, self._vertex_areas, self._space, self._angles
+        )
 
     @cached_property
     def smallest_singular_value(self) -> float:
@@ -377,7 +389,9 @@ class Embedding(Sensitivity, Views):
     @property
     def integrated_mean_curvature(self) -> float:
         """Integral of H dA = 1/2 sum l theta, in the unit of the lengths."""
-        normalized = curvature.integrated_mean_curvature(self.triangulation, self._normalized, self._space)
+        normalized = curvature.integrated_mean_curvature(
+            self.triangulation, self._normalized, self._space, self._angles
+        )
         return normalized * self.metric.unit
 
     @property

@@ -24,15 +24,23 @@ from isoembed.surface.measures import edge_lengths
 from isoembed.surface.normal_fits import FITS
 from isoembed.surface.spatial_order import spatial_order
 
+Ordered = tuple[Indices, Surroundings]
 
-def offsets(triangulation: Triangulation, vertices: Floats) -> Floats:
+
+def in_spatial_order(triangulation: Triangulation, vertices: Floats) -> Ordered:
+    """The vertices as they come in `spatial_order`, and the surface so numbered."""
+    order = spatial_order(vertices)
+    return order, Surroundings.of(triangulation, vertices).in_order(order)
+
+
+def offsets(triangulation: Triangulation, vertices: Floats, ordered: Ordered | None = None) -> Floats:
     """Offset of each vertex from the cubic fitted to its neighbors, along its normal, shape (V, 3).
 
     On smooth surfaces it shrinks with the fourth power of the edge length.  Zero where there is no normal.
-    Subtracted from the vertices, it gives the surface that the neighborhoods expect.
+    Subtracted from the vertices, it gives the surface that the neighborhoods expect.  What `in_spatial_order`
+    makes of the surface is `ordered`, where it is known.
     """
-    order = spatial_order(vertices)
-    surface = Surroundings.of(triangulation, vertices).in_order(order)
+    order, surface = ordered or in_spatial_order(triangulation, vertices)
     residuals = _fit_errors(_residuals(surface), surface.vertices)
     found = np.empty_like(residuals)
     found[order] = surface.normals * np.einsum("ij,ij->i", residuals, surface.normals)[:, None]
@@ -79,8 +87,7 @@ class QuinticResiduals:
     @classmethod
     def of(cls, triangulation: Triangulation, vertices: Floats) -> QuinticResiduals:
         """Those in the charts of a surface."""
-        order = spatial_order(vertices)
-        surface = Surroundings.of(triangulation, vertices).in_order(order)
+        order, surface = in_spatial_order(triangulation, vertices)
         blocks = list(_residuals(surface, 5))
         degrees = np.concatenate([np.diff(block.indptr) for block in blocks])
         indices = np.concatenate([block.indices.astype(np.int32) for block in blocks])
@@ -129,15 +136,15 @@ def _fit_errors(blocks: Iterable[FitResiduals], values: Floats) -> Floats:
     return np.concatenate([block @ values for block in blocks])
 
 
-def fine_roughness(triangulation: Triangulation, vertices: Floats) -> float:
+def fine_roughness(triangulation: Triangulation, vertices: Floats, ordered: Ordered | None = None) -> float:
     """Residual of the residuals of quintics fitted to three rings, over the mean edge length there.
 
     Realizations that are less than a thousandth of an edge apart differ in it where their `roughness` does
     not: there, what a cubic misses of the smooth shape is more than what tells them apart.  It is the mean
     over the vertices with the exponent 2/3: the few where edges are too long for the shape must not outweigh
-    all others.
+    all others.  What `in_spatial_order` makes of the surface is `ordered`, where it is known.
     """
-    surface = Surroundings.of(triangulation, vertices).in_order(spatial_order(vertices))
+    _, surface = ordered or in_spatial_order(triangulation, vertices)
     blocks = list(_residuals(surface, 5))
     twice = np.linalg.norm(_fit_errors(blocks, _fit_errors(blocks, surface.vertices)), axis=1)
     return _robust_mean(twice / surface.units)
@@ -159,7 +166,9 @@ def roughness(triangulation: Triangulation, vertices: Floats, offsets: Floats) -
     return float(np.sqrt(np.mean(relative**2)))
 
 
-def rough_edges(triangulation: Triangulation, vertices: Floats, offsets: Floats) -> Mask:
+def rough_edges(
+    triangulation: Triangulation, vertices: Floats, offsets: Floats, angles: Floats | None = None
+) -> Mask:
     """Edges that bend against their neighborhood, shape (E,), given the `offsets`.
 
     The dihedral angle of such an edge has another sign than the one between the same triangles when their
@@ -167,9 +176,9 @@ def rough_edges(triangulation: Triangulation, vertices: Floats, offsets: Floats)
     beyond a fifth of what is typical, the root mean square of the expected angles around.  The mean is taken
     over the edges at each vertex, then over each end of the edge with its neighbors, then over both ends.
     Nor does an edge bend against its neighborhood if no edge that it meets bends the other way: convex bodies
-    have no rough edges, however coarse.
+    have no rough edges, however coarse.  `angles` are the `dihedral_angles`, where they are known.
     """
-    found = dihedral_angles(triangulation, vertices)
+    found = dihedral_angles(triangulation, vertices) if angles is None else angles
     expected = dihedral_angles(triangulation, vertices - offsets)
     degrees = triangulation.degrees
     squares = sums_at_ends(triangulation, expected**2) / degrees
