@@ -72,6 +72,7 @@ class Convexification:
 
     def __init__(self, given: GluedMetric) -> None:
         self.given = given
+        self._tau = 0.0  # the time of the diffusion: before it, no margin was reached that was asked for
 
     @cached_property
     def is_convex(self) -> bool:
@@ -123,21 +124,13 @@ class Convexification:
         half = np.full(self.given.n_vertices, -np.log(2.0))
         return Convexification(equivalent(self.given, half))
 
-    @cached_property
-    def _delaunay(self) -> _Delaunay:
-        return _Delaunay.of(self.given)
-
-    @cached_property
-    def _tau(self) -> float:
-        """The time of the diffusion: before it, no margin was reached that was asked for."""
-        return self._delaunay.metric.mean_length**2
-
     def _changed(self, margin: float, recorder: StageRecorder) -> GluedMetric | None:
         """Follow the conformal change; None where it stops short."""
-        diffused = self._diffused(margin, recorder)
+        reached = _Delaunay.of(self.given)
+        diffused = self._diffused(reached, margin, recorder)
         if diffused is None:
             return None
-        reached, (goal, step) = self._delaunay, diffused
+        goal, step = diffused
         least = CONVEXIFICATION.enough * margin * reached.shares
         for count in range(CONVEXIFICATION.steps):
             missing = goal - reached.metric.deficits
@@ -158,7 +151,9 @@ class Convexification:
             reached = trial if s == 1.0 else _Delaunay.of(trial.metric)
         return None
 
-    def _diffused(self, margin: float, recorder: StageRecorder) -> tuple[Floats, Floats] | None:
+    def _diffused(
+        self, triangles: _Delaunay, margin: float, recorder: StageRecorder
+    ) -> tuple[Floats, Floats] | None:
         """The deficits after the first time at which they all have the margin, if rounding allows.
 
         With them comes Newton's first step to them, which needs no factor: from
@@ -166,11 +161,11 @@ class Convexification:
         ``u = -tau M^-1 delta(tau)``.  On the sphere and in the hyperbolic plane the derivative is another
         matrix, which is factored.
         """
-        triangles = self._delaunay
-        shape = triangles.metric.triangles
+        shape, first = triangles.metric.triangles, triangles.metric.mean_length**2
         shares = triangles.shares
         mass = shares / _total(triangles.metric) * shape.areas.sum() * shape.unit**2
-        last = triangles.metric.mean_length**2 * 2.0**CONVEXIFICATION.doublings
+        self._tau = self._tau or first
+        last = first * 2.0**CONVEXIFICATION.doublings
         while self._tau < last:
             recorder.iterations += 1
             sources = triangles.metric.deficits / self._tau
@@ -249,5 +244,7 @@ class _Delaunay:
 
 def _total(metric: GluedMetric) -> float:
     """The sum of the deficits by Gauss and Bonnet."""
-    area = metric.triangles.areas.sum() * metric.triangles.unit**2
-    return float(4 * np.pi - metric.curvature * area)
+    if metric.space.is_euclidean:
+        return 4 * np.pi
+    triangles = metric.triangles
+    return float(4 * np.pi - metric.curvature * triangles.areas.sum() * triangles.unit**2)

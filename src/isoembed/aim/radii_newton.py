@@ -39,7 +39,7 @@ class RadiiNewtonThresholds:
     settled: float = threshold(1e-12, "radians", "Curvatures that are left to the polish.")
     steps: int = threshold(20, "count", "Newton steps at most, for each step of the way.")
     loosest: float = threshold(1e-3, "relative", "Largest residual of Newton's linear equations.")
-    stale: int = threshold(4, "GMRES iterations", "More of them ask for a fresh factorization afterwards.")
+    stale: int = threshold(6, "GMRES iterations", "More of them ask for a fresh factorization afterwards.")
     nudge: float = threshold(1e-3, "mean edge lengths", "Change of height to see curvature bend.")
     trusted: float = threshold(0.25, "heights on a sphere", "Largest branch deviation that is trusted.")
     resolved: float = threshold(0.1, "deficits", "Curvature of a vertex at which its height is decided.")

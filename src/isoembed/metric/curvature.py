@@ -48,12 +48,14 @@ class Triangles:
         """Measure the triangles of this curvature with these half-edge lengths, shape (F, 3)."""
         unit = 2.0 ** float(np.frexp(face_lengths.max())[1] - 1)  # a power of two: dividing by it is exact
         space = Space(curvature * unit * unit)
-        opposite = np.roll(face_lengths, -1, axis=1) / unit
-        order = np.argsort(opposite, axis=1)
-        c, b, a = np.take_along_axis(opposite, order, axis=1).T  # a >= b >= c
-        sorted_excess = np.column_stack([a + (b - c), c + (a - b), c - (a - b)])
-        excess = np.empty_like(opposite)
-        np.put_along_axis(excess, order, sorted_excess, axis=1)
+        z, x, y = (face_lengths / unit).T.copy()  # across from the last corner, the first and the second
+        low, high = np.minimum(x, y), np.maximum(x, y)
+        a, b, c = np.maximum(high, z), np.maximum(low, np.minimum(high, z)), np.minimum(low, z)  # a >= b >= c
+        at_c, at_b, at_a = a + (b - c), c + (a - b), c - (a - b)
+        opposite, excess = np.empty((2, *face_lengths.shape))
+        for corner, side in enumerate((x, y, z)):
+            opposite[:, corner] = side
+            excess[:, corner] = np.where(side == c, at_c, np.where(side == b, at_b, at_a))
         perimeter = (a + (b + c))[:, None]
         if not space.is_euclidean:
             excess, perimeter = space.chord(excess), space.chord(perimeter)

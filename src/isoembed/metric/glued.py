@@ -202,9 +202,9 @@ class GluedMetric:
         curved = () if normalized.space.is_euclidean else (np.array(normalized.curvature),)
         return self.faces, self.twins, normalized.face_lengths, *curved
 
-    @cached_property
+    @property
     def triangles(self) -> Triangles:
-        """The shapes of the faces."""
+        """The shapes of the faces, measured anew: they take more memory than the metric."""
         return Triangles.of(self.face_lengths, self.curvature)
 
     @cached_property
@@ -217,7 +217,7 @@ class GluedMetric:
         return frozen(2 * np.pi - cast(Floats, total))
 
     def half_edges(self, directed: bool = True) -> HalfEdges:
-        """Copy of the triangles as half-edges, which may be flipped; without directions, these are zero."""
+        """Copy of the triangles as half-edges, which may be flipped, with or without directions."""
         made = HalfEdges.of if directed else HalfEdges.without_directions
         return made(self.faces, self.twins, self.face_lengths, self.curvature)
 
