@@ -18,7 +18,7 @@ import numpy as np
 
 from isoembed._embed import Method
 from isoembed.aim.diagnosis import diagnosis
-from isoembed.aim.strategies import Search
+from isoembed.aim.strategies import ADAPTIVE, Search
 from isoembed.errors import InvalidParameter
 from isoembed.metric.polyhedral import PolyhedralMetric
 from isoembed.progress.stages import Log
@@ -35,12 +35,11 @@ class Aim(Method):
         Whether to return the smooth surface that comes nearest to the lengths, a `FittedSurface`, where none
         is found that has them.
     effort : float
-        What a failure may cost: where the pull-back misses the lengths, a search and the best fit follow,
-        which together take ``1 + effort`` times the factorizations of all that was done before; results do
-        not depend on the speed of the machine.  The search leaves some for the best fit, and takes some tens
-        in any case; 0 is no search.  Above 1, where little is missed by a surface of up to 1,000
-        vertices, realizations near the best attempt are sought as well, for ``effort`` times the
-        factorizations of the first attempt, and what it takes to know where to seek.
+        What a failure may cost, in factorizations, by those of all that was done before; results do not
+        depend on the speed of the machine.  Where the pull-back misses the lengths, a search for patches on
+        the wrong side and the best fit follow, which together take ``1 + effort`` times as many, 11 times at
+        most.  The search leaves some for the best fit, and takes some tens in any case; 0 is no search.
+        Above 1, vertices on the wrong side are sought after that, for ``effort`` times as many.
     """
 
     best_fit: bool = False
@@ -72,14 +71,15 @@ class Aim(Method):
         if not search.newton_on_lengths():
             search.continue_regularized()
         embedding = search.smoothest()
-        most = (2 + self.effort) * log.factorizations  # of what was done so far, and what follows
+        first = log.factorizations
+        most = (2 + min(self.effort, ADAPTIVE.patches)) * first  # of what was done so far, and what follows
         if embedding.residual > search.good and self.effort > 0:
             search.turn_patches(most)
             embedding = search.smoothest()
         if embedding.residual > search.good:
             fitted = search.best_fit(most)
             if self.effort > 1:
-                search.search_about_attempt(self.effort / (2 + self.effort) * most)
+                search.change_sides(self.effort * first)
             embedding = search.smoothest()
             if not embedding.converged:
                 told = embedding.with_message(diagnosis(embedding, fitted, self.effort))

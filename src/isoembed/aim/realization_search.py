@@ -10,7 +10,7 @@ first: where n vertices can be pushed in one by one there are 2^n realizations, 
 from __future__ import annotations
 
 from collections import deque
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from dataclasses import dataclass, field
 from functools import cached_property
 
@@ -53,11 +53,6 @@ class SearchThresholds:
 SEARCH = SearchThresholds()
 
 
-def never(search: RealizationSearch) -> bool:
-    """No search is long enough."""
-    return False
-
-
 @dataclass(eq=False)
 class RealizationSearch:
     """The search for realizations near given vertices, and what it has found.
@@ -75,8 +70,6 @@ class RealizationSearch:
         How many motions are taken together at most.
     distance : float
         How far from the given one a vertex of a realization may be, in mean edge lengths.
-    is_enough : callable
-        Whether to end, asked with the search before each lead and each set of leads.
 
     Attributes
     ----------
@@ -96,7 +89,6 @@ class RealizationSearch:
     recorder: StageRecorder
     motions: int
     distance: float
-    is_enough: Callable[[RealizationSearch], bool] = never
     found: list[Floats] = field(default_factory=list)
     searched: list[bool] = field(default_factory=list)
     flexible: int = 0
@@ -118,8 +110,6 @@ class RealizationSearch:
         if not self.found:
             yield from self._attempt(self.vertices)
         for step in range(surfaces):
-            if self.is_enough(self):
-                return
             if surfaces > 1:
                 yield from self._smoothed()
             left = [i for i, searched in enumerate(self.searched) if not searched]
@@ -169,7 +159,7 @@ class RealizationSearch:
     def _descends(self, left: deque[Lead], roughness: float, moves: int) -> bool:
         """Follow leads to what is expected to be smoother, and whether there is a realization that is."""
         relaxed = 0
-        while left and left[0].roughness < roughness and not self.is_enough(self):
+        while left and left[0].roughness < roughness:
             weights = SEARCH.weights if relaxed < SEARCH.relaxed else ()
             if self._is_smoother(left.popleft().vertices, roughness, moves, weights):
                 return True
@@ -192,11 +182,6 @@ class RealizationSearch:
             relaxed, _ = let_go(energy, vertices, self.metric.lengths, mu, self.recorder)
             self.polish(relaxed, moves)
         return self._least_roughness < roughness
-
-    @property
-    def smoothest(self) -> Floats:
-        """Of the realizations that were found."""
-        return self.found[self._roughness.index(self._least_roughness)]
 
     @property
     def _least_roughness(self) -> float:
@@ -223,14 +208,10 @@ class RealizationSearch:
         if self._is_smoother(vertices, roughness, 1, SEARCH.weights):
             return
         for hidden in (SEARCH.softest, 0):
-            if self.is_enough(self):
-                return
             if self._descends(self._leads_from(vertices, hidden), roughness, 1):
                 return
             yield
         for hidden in (0, SEARCH.softest):
-            if self.is_enough(self):
-                return
             self._follow(self._leads_from(vertices, hidden, SEARCH.softest), 1)
             yield
 
@@ -253,7 +234,7 @@ class RealizationSearch:
         return deque(found.leads)
 
     def _follow(self, left: deque[Lead], moves: int) -> None:
-        while left and not self.is_enough(self):
+        while left:
             self.polish(left.popleft().vertices, moves)
 
     def _add_close(self, vertices: Floats, moves: int) -> None:

@@ -21,15 +21,16 @@ import numpy as np
 from scipy.sparse import csr_array, diags_array
 from scipy.sparse.linalg import LinearOperator, cg
 
-from isoembed.arrays import Floats
-from isoembed.linalg import SingularMatrix
+from isoembed.arrays import Floats, Indices
+from isoembed.linalg import SingularMatrix, SymmetricFactor
 from isoembed.metric.glued import GluedMetric
 from isoembed.metric.laplacian import cotangent_laplacian
 from isoembed.metric.polyhedral import PolyhedralMetric
 from isoembed.progress.stages import StageRecorder
 from isoembed.surface.local_fit import edge_lengths_about
+from isoembed.surface.measures import face_areas
 from isoembed.surface.projected import Projected
-from isoembed.surface.rigidity import VertexSystem, edge_rows, length_residuals
+from isoembed.surface.rigidity import HeldTriangle, VertexSystem, edge_rows, length_residuals
 from isoembed.surface.smoothness import fit_residuals
 from isoembed.thresholds import threshold
 
@@ -89,6 +90,10 @@ class RegularizedEnergy:
     @cached_property
     def _system(self) -> VertexSystem:
         return VertexSystem(self.triangulation, self._KK)
+
+    @cached_property
+    def _newton_system(self) -> VertexSystem:
+        return VertexSystem(self.triangulation, csr_array(self._RT @ self._R))
 
     def finer(self, vertices: Floats) -> RegularizedEnergy:
         """The same with quintic fits, applied twice, in the charts of these vertices in the place of R."""
@@ -192,6 +197,29 @@ class RegularizedEnergy:
             return surface.motion(d)
 
         return solve
+
+    def quiet_triangle(self, vertices: Floats, lengths: Floats) -> Indices:
+        """The corners, (3,), of the triangle whose lengths are missed least, none of the smaller half."""
+        faces, missed = self.triangulation.faces, np.abs(self.residuals(vertices, lengths))
+        areas = face_areas(faces, vertices)
+        around = missed[self.triangulation.face_edges].sum(axis=1)
+        return np.asarray(faces[np.argmin(np.where(areas < np.median(areas), np.inf, around))])
+
+    def newton_factor(
+        self, vertices: Floats, lengths: Floats, mu: float, tensions: Floats
+    ) -> SymmetricFactor:
+        """Factor ``J^T J + S + mu R^T R``, of surfaces in Euclidean space: half the second derivatives.
+
+        S is as in `solver`.  Rigid motions are held by the `quiet_triangle`.
+
+        Raises
+        ------
+        SingularMatrix
+            It is not positive definite to working precision.
+        """
+        rows = edge_rows(self.triangulation, vertices, lengths)
+        held = HeldTriangle.of(vertices, self.quiet_triangle(vertices, lengths))
+        return self._newton_system.penalized(rows, mu, tensions=tensions, held=held)
 
     def solved(
         self,

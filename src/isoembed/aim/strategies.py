@@ -10,9 +10,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from isoembed.aim.anneal import anneal
-from isoembed.aim.attempt_search import realization_near
 from isoembed.aim.best_fit import best_fit
 from isoembed.aim.convexification import CONVEXIFICATION, Convexification
+from isoembed.aim.flipped_vertices import with_flipped_vertices
 from isoembed.aim.lengths_newton import LENGTHS_NEWTON, newton_on_lengths
 from isoembed.aim.levels import goes_by_levels, pulled_back_by_levels
 from isoembed.aim.local_search import LOCAL_SEARCH, local_search
@@ -48,10 +48,10 @@ class AdaptiveThresholds:
     placed: float = threshold(1e-10, "mean edge lengths", "Residual asked of the convex polyhedron.")
     nearly: float = threshold(1e-6, "mean edge lengths", "Most residual between two realizations.")
     same: float = threshold(1e-7, "mean edge lengths", "Surfaces as near as this are one.")
-    missed: float = threshold(
-        1e-3, "mean edge lengths", "Residual of an attempt at most that is searched about."
-    )
     fit: int = threshold(50, "count", "Factorizations of the best fit at most, as a rule.")
+    patches: float = threshold(
+        10.0, "relative", "Effort at most for patches and the best fit: more does not make them better."
+    )
 
 
 ADAPTIVE = AdaptiveThresholds()
@@ -75,7 +75,6 @@ PULL_BACK = {
     "neighbors": 15.0,
     "mirrored patches": 50.0,
     "local search": 100.0,
-    "realizations": 100.0,
 }
 
 
@@ -297,15 +296,17 @@ class Search:
         self.surfaces += [end, self.surface(found.nearest)]
         self.search_nearby(end)
 
-    def search_about_attempt(self, most: float) -> None:
-        """Seek realizations near the nearest attempt, with so many factorizations, if it misses little."""
+    def change_sides(self, most: float) -> None:
+        """Reflect what is on the wrong side of the nearest attempt, with so many factorizations."""
         nearest = min(self.surfaces, key=lambda surface: surface.residual)
-        if self.good < nearest.residual <= ADAPTIVE.missed and self.metric.space.is_euclidean:
-            with self.log.stage("realizations") as recorder:
-                found = realization_near(self.metric, self.system, nearest.vertices, recorder, most)
-            if found is not None:
-                self.surfaces.append(self.surface(found))
-                self.search_nearby(self.surfaces[-1])
+        if nearest.residual > self.good and self.metric.space.is_euclidean:
+            self.log.expect({"changes of sides": 500.0})
+            with self.log.stage("changes of sides") as recorder:
+                found = with_flipped_vertices(
+                    self.energy, self.system, nearest.vertices, self.metric.lengths, recorder, most
+                )
+            self.surfaces.append(self.surface(found))
+            self.search_nearby(self.surfaces[-1])
 
     def guided(self, recorder: StageRecorder) -> Continued:
         """Where the guided path ends, near enough to the lengths for Newton's method."""

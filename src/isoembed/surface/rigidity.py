@@ -12,7 +12,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cached_property, partial
-from typing import cast
+from typing import NamedTuple, cast
 
 import numpy as np
 from scipy.sparse import csc_array, csr_array, eye_array, kron
@@ -217,6 +217,30 @@ class LengthSystem:
         return analyze(pattern, np.arange(n))
 
 
+class HeldTriangle(NamedTuple):
+    """A triangle that holds a surface against the six rigid motions, and against nothing else.
+
+    Attributes
+    ----------
+    corners : ndarray of int, shape (3,)
+        The first does not move, the second only along the edge to it, the third only in the plane.
+    blocks : ndarray, shape (3, 3, 3)
+        What that adds to the matrix at each.
+    """
+
+    corners: Indices
+    blocks: Floats
+
+    @classmethod
+    def of(cls, vertices: Floats, corners: Indices) -> HeldTriangle:
+        """That of a surface."""
+        x, y, z = vertices[corners]
+        along, normal = y - x, np.cross(y - x, z - x)
+        along, normal = along / np.linalg.norm(along), normal / np.linalg.norm(normal)
+        across = np.eye(3) - np.outer(along, along)
+        return cls(corners, MEAN_DIAGONAL * np.array([np.eye(3), across, np.outer(normal, normal)]))
+
+
 class VertexSystem:
     """``J^T J + w P`` in the coordinates, P coupling vertices of a graph: for penalized and fitted steps.
 
@@ -267,17 +291,24 @@ class VertexSystem:
         weight: float,
         surface: Projected | None = None,
         tensions: Floats | float = 0.0,
+        held: HeldTriangle | None = None,
     ) -> SymmetricFactor:
         """Factor ``J^T J + S + weight P``, J given by its `edge_rows`; raises SingularMatrix if not definite.
 
         S is the Laplacian of the triangulation with the tensions, (E,), for the weights of its edges.  For a
-        surface in hyperbolic or spherical space P penalizes the motions ``w z`` of its points.
+        surface in hyperbolic or spherical space P penalizes the motions ``w z`` of its points.  Rigid motions
+        are held at all vertices, a little, or by a triangle: where the weight is below `RIGIDITY.hold`, the
+        former would be more than P.
         """
         penalty = weight * self._penalty
         if surface is not None and not surface.space.is_euclidean:
             pattern, w = self._solver.pattern, np.repeat(surface.heights, 3)
             penalty *= w[pattern.indices] * np.repeat(w, np.diff(pattern.indptr))
-        return self._factor(rows, penalty, tensions)
+        hold = self._hold
+        if held is not None:
+            hold = RIGIDITY.negligible / RIGIDITY.hold * hold
+            hold[self._vertex_slots.reshape(-1, 9)[held.corners]] += held.blocks.reshape(3, 9)
+        return self._factor(rows, penalty, tensions, hold)
 
     def spherical_step(self, vertices: Floats, lengths: Floats, residuals: Floats, radius: float) -> Floats:
         """Gauss-Newton's step, (V, 3), for the lengths and ``|x_a| = r`` together, in least squares.
@@ -291,11 +322,11 @@ class VertexSystem:
         heights = radius * (np.einsum("ai,ai->a", outward, outward) - 1) / 2
         rows = edge_rows(self.triangulation, vertices, lengths)
         gradient = self.triangulation.incidence @ (rows * residuals[:, None]) + outward * heights[:, None]
-        return self._factor(rows, extra).solve(gradient.ravel(), sweeps=1).reshape(-1, 3)
+        return self._factor(rows, extra, 0.0, self._hold).solve(gradient.ravel(), sweeps=1).reshape(-1, 3)
 
-    def _factor(self, rows: Floats, extra: Floats, tensions: Floats | float = 0.0) -> SymmetricFactor:
+    def _factor(self, rows: Floats, extra: Floats, tensions: Floats | float, hold: Floats) -> SymmetricFactor:
         products = (np.einsum("ei,ej->eij", rows, rows) + np.multiply.outer(tensions, np.eye(3))).ravel()
         values = np.bincount(
             self._edge_slots, self._edge_signs * np.tile(products, 4), minlength=len(self._keys)
         )
-        return self._solver.factor(values + extra + self._hold)
+        return self._solver.factor(values + extra + hold)

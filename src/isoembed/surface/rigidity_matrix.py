@@ -20,6 +20,7 @@ class RigidityThresholds:
     """Thresholds of steps on the edge lengths and of what they leave open."""
 
     hold: float = threshold(1e-10, "relative", "Added to J^T J: fixes the motions that change no edge.")
+    negligible: float = threshold(1e-16, "relative", "The same where a triangle does.")
     residual: float = threshold(1e-10, "relative", "Of the equations of a step that is made without factors.")
     iterations: int = threshold(500, "count", "Of such a step: where K < 0 they take hundreds.")
     aggregate: int = threshold(48, "vertices", "Of a body of the coarse level, at most.")

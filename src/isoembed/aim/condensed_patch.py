@@ -1,0 +1,227 @@
+"""A patch of a surface that moves far while the rest follows a little: its energy, and the minima of that.
+
+About a minimum of ``|r|^2 + mu |R x|^2`` (`isoembed.aim.regularized_energy`) the energy is quadratic for
+small motions.  If the vertices of a patch change sides, only the edges among them leave that regime.  So
+these are kept as they are, all else is expanded to second order, and the vertices outside are eliminated:
+they are always where the energy is least.  What is left is a function of the patch alone, with a dense
+matrix, the Schur complement.  It is had from a block of the inverse of Newton's matrix, whose factors serve
+for all patches of the surface.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+from scipy.linalg import LinAlgError, cho_factor, cho_solve
+
+from isoembed.aim.regularized_energy import RegularizedEnergy
+from isoembed.arrays import Floats, Indices
+from isoembed.linalg import SingularMatrix, SymmetricFactor
+from isoembed.surface.rigidity import edge_rows
+from isoembed.thresholds import threshold
+
+
+@dataclass(frozen=True)
+class CondensedPatchThresholds:
+    """Thresholds of the relaxation of a patch with the rest of its surface."""
+
+    columns: int = threshold(96, "count", "Columns of the inverse that are solved for at once.")
+    solve: float = threshold(0.015, "factorizations", "Cost of a column.")
+    dense: float = threshold(0.15, "factorizations", "Cost of a step whose matrix is that of all vertices.")
+    steps: int = threshold(15, "count", "Newton steps at most.")
+    early: int = threshold(4, "count", "Steps after which those that lead nowhere are given up.")
+    nowhere: float = threshold(3e3, "relative", "Growth of the energy that leads nowhere then.")
+    falling: float = threshold(0.25, "relative", "Factor of that with each further step.")
+    damping: float = threshold(1e-6, "diagonal of J^T J", "Added to the first step's matrix.")
+    stiffer: float = threshold(4.0, "relative", "Factor of the damping after a step uphill.")
+    softer: float = threshold(0.125, "relative", "Factor of the damping after a step downhill.")
+    stiffest: float = threshold(10.0, "relative", "Damping that ends the relaxation.")
+    settled: float = threshold(1e-3, "relative", "Decrease by a step that is none, to the energy's change.")
+
+
+CONDENSED_PATCH = CondensedPatchThresholds()
+
+
+class Condensation:
+    """The energy about a minimum, its second derivatives factored.
+
+    Parameters
+    ----------
+    energy : RegularizedEnergy
+        Of a metric in Euclidean space.
+    vertices : ndarray, shape (V, 3)
+        A minimum.
+    lengths : ndarray, shape (E,)
+    mu : float
+    spend : callable
+        Told what is solved for after the factors were made, in factorizations.
+
+    Raises
+    ------
+    SingularMatrix
+        The matrix is not definite to working precision, with pushing edges left out, either.
+    """
+
+    def __init__(
+        self,
+        energy: RegularizedEnergy,
+        vertices: Floats,
+        lengths: Floats,
+        mu: float,
+        spend: Callable[[float], None],
+    ) -> None:
+        self.energy, self.vertices, self.lengths, self.mu, self.spend = energy, vertices, lengths, mu, spend
+        self.value = energy.value(vertices, lengths, mu)
+        self.residuals = energy.residuals(vertices, lengths)
+        self.tensions = self.residuals / lengths
+        self.rows = edge_rows(energy.triangulation, vertices, lengths)
+        try:
+            self._factor = self._factored()
+        except SingularMatrix:
+            self.tensions = np.maximum(self.tensions, 0.0)
+            self._factor = self._factored()
+
+    def _factored(self) -> SymmetricFactor:
+        return self.energy.newton_factor(self.vertices, self.lengths, self.mu, self.tensions)
+
+    def solve(self, forces: Floats) -> Floats:
+        """The motions, (V, 3, k), that these forces, (V, 3, k), cause."""
+        flat = forces.reshape(-1, forces.shape[-1])
+        self.spend(CONDENSED_PATCH.solve * flat.shape[1])
+        return self._factor.solve(flat, sweeps=0).reshape(forces.shape)
+
+    def patch(self, vertices: Indices) -> CondensedPatch:
+        """That of some vertices, ascending; raises SingularMatrix."""
+        n, of = len(self.vertices), (3 * vertices[:, None] + np.arange(3)).ravel()
+        block = np.empty((of.size, of.size))  # of the inverse
+        for first in range(0, of.size, CONDENSED_PATCH.columns):
+            chosen = of[first : first + CONDENSED_PATCH.columns]
+            forces = np.zeros((3 * n, chosen.size))
+            forces[chosen, np.arange(chosen.size)] = 1.0
+            moved = self.solve(forces.reshape(n, 3, -1)).reshape(3 * n, -1)
+            block[:, first : first + chosen.size] = moved[of]
+        try:
+            factor = cho_factor((block + block.T) / 2, lower=True)
+        except LinAlgError:
+            raise SingularMatrix("the inverse of Newton's matrix is not definite") from None
+        place = np.full(n, -1)
+        place[vertices] = np.arange(len(vertices))
+        ends = place[self.energy.triangulation.edges]
+        inside = np.flatnonzero((ends >= 0).all(axis=1))
+        return CondensedPatch(self, vertices, inside, ends[inside], cho_solve(factor, np.eye(of.size)))
+
+
+@dataclass(frozen=True, eq=False)
+class CondensedPatch:
+    """The energy as a function of how some vertices move, all others following.
+
+    Attributes
+    ----------
+    surface : Condensation
+    vertices : ndarray of int, shape (n,)
+    inside : ndarray of int, shape (m,)
+        The edges among them.
+    ends : ndarray of int, shape (m, 2)
+        Their places among the vertices.
+    stiffness : ndarray, shape (3n, 3n)
+        Half the second derivatives for small motions: the Schur complement.
+    """
+
+    surface: Condensation
+    vertices: Indices
+    inside: Indices
+    ends: Indices
+    stiffness: Floats
+
+    @cached_property
+    def _slots(self) -> Indices:
+        """Where the 3 x 3 blocks of the edges are in the matrix: 36 entries an edge."""
+        (a, b), size = self.ends.T, 3 * len(self.vertices)
+        i, j = np.arange(3)[:, None], np.arange(3)
+
+        def block(p: Indices, q: Indices) -> Indices:
+            return ((3 * p[:, None, None] + i) * size + 3 * q[:, None, None] + j).ravel()
+
+        return np.concatenate([block(a, a), block(b, b), block(a, b), block(b, a)])
+
+    @cached_property
+    def _outside(self) -> tuple[Floats, Floats]:
+        """What the edges inside do not give: the matrix, and the forces at rest, (n, 3)."""
+        surface, inside = self.surface, self.inside
+        rows = surface.rows[inside]
+        matrix = self.stiffness - self._assembled(rows, surface.tensions[inside])
+        return matrix, -self._forces(rows, surface.residuals[inside])
+
+    def _assembled(self, rows: Floats, tensions: Floats) -> Floats:
+        """``J^T J + S`` of the edges inside, (3n, 3n)."""
+        size = 3 * len(self.vertices)
+        blocks = rows[:, :, None] * rows[:, None, :] + tensions[:, None, None] * np.eye(3)
+        values = np.concatenate([blocks.ravel(), blocks.ravel(), -blocks.ravel(), -blocks.ravel()])
+        return np.asarray(np.bincount(self._slots, values, minlength=size**2).reshape(size, size))
+
+    def _forces(self, rows: Floats, residuals: Floats) -> Floats:
+        """``J^T r`` of the edges inside, (n, 3)."""
+        pulls, n = rows * residuals[:, None], len(self.vertices)
+        at = np.concatenate([self.ends[:, 0], self.ends[:, 1]])
+        both = np.concatenate([pulls, -pulls])
+        return np.stack([np.bincount(at, both[:, k], minlength=n) for k in range(3)], axis=1)
+
+    def _errors(self, motion: Floats) -> tuple[Floats, Floats]:
+        """The errors r of the edges inside, and their rows of J."""
+        x = self.surface.vertices[self.vertices] + motion
+        d = x[self.ends[:, 0]] - x[self.ends[:, 1]]
+        lengths = self.surface.lengths[self.inside]
+        return (np.einsum("ei,ei->e", d, d) - lengths**2) / (2 * lengths), d / lengths[:, None]
+
+    def change(self, motion: Floats) -> float:
+        """By how much the energy grows with a motion, (n, 3), of the vertices."""
+        matrix, forces = self._outside
+        r, before, d = self._errors(motion)[0], self.surface.residuals[self.inside], motion.ravel()
+        return float((r - before) @ (r + before) + d @ (matrix @ d) + 2 * np.sum(forces * motion))
+
+    def relaxed(self, motion: Floats) -> tuple[Floats, float]:
+        """The local minimum near a motion, (n, 3), and by how much the energy has grown there."""
+        matrix, forces = self._outside
+        d, value, damping = motion, self.change(motion), CONDENSED_PATCH.damping
+        share = len(self.vertices) / len(self.surface.vertices)
+        diagonal = np.diag_indices(matrix.shape[0])
+        for step in range(CONDENSED_PATCH.steps):
+            r, rows = self._errors(d)
+            gradient = self._forces(rows, r).ravel() + forces.ravel() + matrix @ d.ravel()
+            hessian = matrix + self._assembled(rows, r / self.surface.lengths[self.inside])
+            while damping <= CONDENSED_PATCH.stiffest:
+                self.surface.spend(CONDENSED_PATCH.dense * share)
+                damped = hessian.copy()
+                damped[diagonal] += damping
+                try:
+                    factor = cho_factor(damped, lower=True, overwrite_a=True, check_finite=False)
+                except LinAlgError:
+                    damping *= CONDENSED_PATCH.stiffer
+                    continue
+                trial = d - cho_solve(factor, gradient, check_finite=False).reshape(-1, 3)
+                reached = self.change(trial)
+                if reached < value:
+                    break
+                damping *= CONDENSED_PATCH.stiffer
+            else:
+                break
+            gained, d, value = value - reached, trial, reached
+            damping *= CONDENSED_PATCH.softer
+            if gained < CONDENSED_PATCH.settled * (abs(value) + self.surface.value * CONDENSED_PATCH.settled):
+                break
+            limit = CONDENSED_PATCH.nowhere * CONDENSED_PATCH.falling ** (step - CONDENSED_PATCH.early)
+            if step >= CONDENSED_PATCH.early and value > limit * self.surface.value:
+                break
+        return d, value
+
+    def followed(self, motion: Floats) -> Floats:
+        """How all vertices move, (V, 3), if these move so, (n, 3)."""
+        surface = self.surface
+        forces = np.zeros_like(surface.vertices)
+        forces[self.vertices] = (self.stiffness @ motion.ravel()).reshape(-1, 3)
+        moved = surface.solve(forces[:, :, None])[:, :, 0]
+        moved[self.vertices] = motion
+        return moved

@@ -1,0 +1,248 @@
+"""From a surface that nearly has its lengths to one that has them, by changes of sides.
+
+Such a surface has, as a rule, a few vertices on the wrong side of their neighbors.  About a minimum of
+``|r|^2 + mu |R x|^2`` changes of sides (`isoembed.aim.side_changes`) are tried; for what promises less energy
+the whole surface is brought to its minimum (`isoembed.aim.energy_descent`).  mu falls with the errors, by the
+balance of the two terms, and where nothing helps.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from isoembed.aim.anneal import anneal
+from isoembed.aim.condensed_patch import Condensation
+from isoembed.aim.energy_descent import descended
+from isoembed.aim.regularized_energy import RegularizedEnergy
+from isoembed.aim.side_changes import SIDES, SideChange, SideChanges
+from isoembed.arrays import Floats
+from isoembed.linalg import SingularMatrix
+from isoembed.progress.stages import StageRecorder
+from isoembed.surface.rigidity import LengthSystem
+from isoembed.thresholds import threshold
+
+
+@dataclass(frozen=True)
+class FlippedVerticesThresholds:
+    """Thresholds of the search by changes of sides."""
+
+    smoothness: float = threshold(2.0, "relative", "mu |R x|^2 over |r|^2 where mu is told by their balance.")
+    balanced: float = threshold(0.9, "relative", "mu falls to what is told if that is less than this of it.")
+    fade: float = threshold(0.3, "relative", "Factor of mu where nothing helps.")
+    fine: float = threshold(1e-8, "mean edge lengths^2", "mu below which every kind of change is tried.")
+    vain: int = threshold(2, "count", "Values of mu so small where nothing helps that end a search.")
+    patience: int = threshold(3, "count", "Descents in vain from changes of a kind.")
+    wild: float = threshold(1e4, "relative", "Growth of the energy from which no descent returns.")
+    descent: int = threshold(20, "count", "Factorizations of a descent at most.")
+    close: float = threshold(1e-6, "mean edge lengths", "From here Newton's method is tried.")
+    closer: float = threshold(0.5, "relative", "Share of the residual that is worth another try.")
+    exact: float = threshold(1e-11, "mean edge lengths", "Largest residual of a realization.")
+
+
+FLIPPED_VERTICES = FlippedVerticesThresholds()
+
+
+def with_flipped_vertices(
+    energy: RegularizedEnergy,
+    system: LengthSystem,
+    vertices: Floats,
+    lengths: Floats,
+    recorder: StageRecorder,
+    most: float,
+) -> Floats:
+    """Reflect what is on the wrong side of a surface that nearly has its lengths.
+
+    Where a search ends that had nearly all lengths right, another begins where that one had come near, and
+    passes over the first 1, 2, ... changes that help.
+
+    Parameters
+    ----------
+    energy : RegularizedEnergy
+        Of a metric in Euclidean space.
+    system : LengthSystem
+        Of its triangulation.
+    vertices : ndarray, shape (V, 3)
+    lengths : ndarray, shape (E,)
+    recorder : StageRecorder
+        Counts factorizations; solutions and patches count as shares of one.
+    most : float
+        Factorizations after which nothing more is tried.
+
+    Returns
+    -------
+    ndarray, shape (V, 3)
+        What misses the lengths least of all that was met.
+    """
+    search = _Flips(energy, system, vertices, lengths, recorder, most)
+    search.follow(vertices, search.told(vertices))
+    passed_over = 0
+    while search.turn is not None and not (search.is_done or search.pass_over):
+        passed_over += 1
+        search.pass_over = passed_over
+        search.follow(*search.turn)
+    recorder.factorizations += round(search.cost)
+    return search.nearest
+
+
+class _Flips:
+    """The search, what it has spent, and what misses the lengths least of all that it has met.
+
+    Attributes
+    ----------
+    turn : tuple of ndarray and float, or None
+        The surface, and mu, where mu became small.
+    pass_over : int
+        How many changes that help are not taken.
+    """
+
+    def __init__(
+        self,
+        energy: RegularizedEnergy,
+        system: LengthSystem,
+        vertices: Floats,
+        lengths: Floats,
+        recorder: StageRecorder,
+        most: float,
+    ) -> None:
+        self.energy, self.system, self.lengths, self.recorder = energy, system, lengths, recorder
+        self.begun, self.most, self.cost = recorder.factorizations, most, 0.0
+        self.nearest, self.missed, self.asked = vertices, self.largest_residual(vertices), np.inf
+        self.turn: tuple[Floats, float] | None = None
+        self.pass_over = 0
+
+    def spend(self, cost: float) -> None:
+        """Add what counts as a share of a factorization."""
+        self.cost += cost
+
+    @property
+    def spent(self) -> float:
+        """Factorizations, and what else counts as shares of one."""
+        return self.recorder.factorizations - self.begun + self.cost
+
+    @property
+    def is_done(self) -> bool:
+        """Whether there is no more to do, or may not be done."""
+        return self.missed <= FLIPPED_VERTICES.exact or self.spent >= self.most
+
+    def largest_residual(self, x: Floats) -> float:
+        """Largest error of the lengths, in mean edge lengths."""
+        return float(np.abs(self.energy.residuals(x, self.lengths)).max()) / self.energy.unit
+
+    def told(self, x: Floats) -> float:
+        """The mu that balances the two terms of the energy."""
+        r = self.energy.residuals(x, self.lengths)
+        rough = max(np.sum((self.energy.fit_residuals @ x) ** 2), np.finfo(float).tiny)
+        return FLIPPED_VERTICES.smoothness * float(r @ r / rough)
+
+    def keep(self, x: Floats) -> float:
+        """Keep a surface if it misses less than all before, and where Newton's method leads from there.
+
+        Returns its largest residual.
+        """
+        missed = self.largest_residual(x)
+        if missed < self.missed:
+            self.nearest, self.missed = x, missed
+        if missed <= min(FLIPPED_VERTICES.close, FLIPPED_VERTICES.closer * self.asked):
+            self.asked = missed
+            polished = anneal(self.system, x, self.lengths, self.recorder).vertices
+            reached = self.largest_residual(polished)
+            if reached < self.missed:
+                self.nearest, self.missed = polished, reached
+        return missed
+
+    def descended(self, x: Floats, mu: float, most: float = np.inf) -> Floats:
+        """The minimum of the energy, with so many factorizations at most."""
+        begun = self.recorder.factorizations
+
+        def is_enough(_: Floats) -> bool:
+            return self.recorder.factorizations - begun >= most or self.spent >= self.most
+
+        x = descended(self.energy, x, self.lengths, mu, self.recorder, is_enough)
+        self.recorder.show(vertices=x, residual=self.keep(x), done=min(self.spent / self.most, 1.0))
+        return x
+
+    def follow(self, x: Floats, mu: float) -> None:
+        """Let mu fall from one value on, and take what changes of sides help, until none does."""
+        x, vain, was_fine = self.descended(x, mu), 0, False
+        while not self.is_done:
+            told = self.told(x)
+            if told < FLIPPED_VERTICES.balanced * mu:
+                x, mu = self.descended(x, told), told
+                continue
+            fine = mu < FLIPPED_VERTICES.fine * self.energy.unit**2
+            if fine and not was_fine:
+                vain, was_fine = 0, True
+                self.turn = self.turn or (x, mu)
+            better = self.better(x, mu, None if fine else 1 + vain)
+            if better is not None:
+                x, vain = better, 0
+                continue
+            vain += 1
+            if fine and vain >= FLIPPED_VERTICES.vain:
+                return
+            mu *= FLIPPED_VERTICES.fade
+            x = self.descended(x, mu)
+
+    def better(self, x: Floats, mu: float, kinds: int | None) -> Floats | None:
+        """The minimum of less energy that a change of sides leads to; None if none is found.
+
+        Single vertices are reflected in patches of so many kinds; for None, all that there is.
+        """
+        self.recorder.factorizations += 1
+        try:
+            surface = Condensation(self.energy, x, self.lengths, mu, self.spend)
+        except SingularMatrix:
+            return None
+        changes = SideChanges(surface, lambda: self.is_done)
+        for tries in _tries(changes, kinds):
+            found = self.first_better(surface, tries)
+            if found is not None or self.is_done:
+                return found
+        return None
+
+    def first_better(self, surface: Condensation, tries: Sequence[Sequence[SideChange]]) -> Floats | None:
+        """The first minimum of less energy that some changes together lead to."""
+        vain = 0
+        for changes in tries:
+            trial = surface.vertices + sum(change.displacement for change in changes)
+            if self.energy.value(trial, self.lengths, surface.mu) > FLIPPED_VERTICES.wild * surface.value:
+                continue
+            end = self.descended(trial, surface.mu, FLIPPED_VERTICES.descent)
+            if self.is_done:
+                return end
+            if self.energy.value(end, self.lengths, surface.mu) < (1 - SIDES.gain) * surface.value:
+                if not self.pass_over:
+                    return end
+                self.pass_over -= 1
+            vain += 1
+            if vain == FLIPPED_VERTICES.patience:
+                break
+        return None
+
+
+def _tries(changes: SideChanges, kinds: int | None) -> Iterator[list[list[SideChange]]]:
+    """What to try, kind by kind: each time some changes together."""
+    for found in changes.singles(len(SIDES.patches) if kinds is None else kinds):
+        yield _one_by_one(found)
+    if kinds is None:
+        shallow = changes.shallow()
+        yield _halves(shallow)
+        yield _one_by_one(shallow)
+        for found in changes.pairs():
+            yield _one_by_one(found)
+
+
+def _one_by_one(changes: Iterable[SideChange]) -> list[list[SideChange]]:
+    return [[change] for change in changes]
+
+
+def _halves(changes: list[SideChange]) -> list[list[SideChange]]:
+    """All, the better half, and so on, down to two."""
+    halves = []
+    while len(changes) > 1:
+        halves.append(changes)
+        changes = changes[: len(changes) // 2]
+    return halves

@@ -1,0 +1,192 @@
+"""Changes of sides: reflections of vertices in the planes of their neighbors, and what becomes of them.
+
+No small motion brings a vertex to the other side of its neighbors: near flat places lengths change in second
+order alone.  So vertices are reflected, and the patch about each is relaxed, the rest following
+(`isoembed.aim.condensed_patch`).  Tried are those where the lengths are missed most.
+
+Where J becomes singular, the errors r that stay are a stress in equilibrium, and spread.  If the reflection
+of a vertex changes the lengths by d, what is left of them is ``(|r|^2 + r . d)^2 / |r|^2``, to first order.
+So shallow vertices, those near the planes of their neighbors, are tried for which ``r . d`` is negative.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable, Iterator, Sequence
+from dataclasses import dataclass
+from functools import cached_property
+from itertools import combinations
+from typing import NamedTuple
+
+import numpy as np
+
+from isoembed.aim.condensed_patch import Condensation, CondensedPatch
+from isoembed.arrays import Floats, Indices
+from isoembed.linalg import SingularMatrix
+from isoembed.mesh.triangulation import Triangulation
+from isoembed.surface.local_fit import sums_at_ends
+from isoembed.thresholds import threshold
+
+
+@dataclass(frozen=True)
+class SideThresholds:
+    """Thresholds of changes of sides."""
+
+    patches: tuple[tuple[int, int], ...] = threshold(
+        ((4, 3), (4, 4), (12, 3), (4, 5)), "count", "Centers, and rings of the patch about each, in turn."
+    )
+    sides: int = threshold(2, "count", "Rings about a center whose vertices are reflected.")
+    pairs: int = threshold(3, "count", "Kinds of patches in which pairs of vertices are reflected, at last.")
+    shallow: int = threshold(24, "count", "Shallow vertices.")
+    rings: int = threshold(3, "count", "Rings of the patch about each.")
+    largest: int = threshold(400, "vertices", "Of a patch at most: its matrix is dense.")
+    promise: tuple[float, float] = threshold((0.03, 2.0), "relative", "-r . d over |r|^2 of one.")
+    gain: float = threshold(1e-3, "relative", "Decrease of the energy that counts.")
+    moved: float = threshold(1e-3, "relative", "Share of its way that is left to a vertex on the other side.")
+
+
+SIDES = SideThresholds()
+
+
+class SideChange(NamedTuple):
+    """What becomes of a reflection.
+
+    Attributes
+    ----------
+    growth : float
+        Of the energy.
+    patch : CondensedPatch
+    motion : ndarray, shape (n, 3)
+        Of its vertices.
+    """
+
+    growth: float
+    patch: CondensedPatch
+    motion: Floats
+
+    @property
+    def displacement(self) -> Floats:
+        """How all vertices move, (V, 3)."""
+        return self.patch.followed(self.motion)
+
+
+class SideChanges:
+    """The changes of sides of a surface at a minimum of its energy.
+
+    Parameters
+    ----------
+    surface : Condensation
+    is_done : callable
+        Whether no more is to be looked for.
+    """
+
+    def __init__(self, surface: Condensation, is_done: Callable[[], bool]) -> None:
+        self.surface, self.is_done = surface, is_done
+
+    @cached_property
+    def _reflected(self) -> Floats:
+        return reflections(self.surface.energy.triangulation, self.surface.vertices)
+
+    def singles(self, kinds: int) -> Iterator[list[SideChange]]:
+        """Single vertices that promise less energy, the best first, in patches of so many kinds in turn."""
+        return self._in_patches(SIDES.patches[:kinds], 1)
+
+    def pairs(self) -> Iterator[list[SideChange]]:
+        """Pairs of vertices that do."""
+        return self._in_patches(SIDES.patches[: SIDES.pairs], 2)
+
+    def _in_patches(self, patches: Sequence[tuple[int, int]], count: int) -> Iterator[list[SideChange]]:
+        tried: set[tuple[int, int]] = set()
+        for centers, rings in patches:
+            changes: list[SideChange] = []
+            for center in self._most_missed(centers):
+                if (center, rings) in tried:
+                    continue
+                tried.add((center, rings))
+                flipped = combinations(self._about(center, SIDES.sides).tolist(), count)
+                changes += self._relaxed(center, rings, flipped)
+            yield self._promising(changes)
+
+    def shallow(self) -> list[SideChange]:
+        """Shallow vertices that promise less energy, the best first, their patches apart."""
+        changes: list[SideChange] = []
+        for v in self._shallow():
+            changes += self._relaxed(v, SIDES.rings, [(v,)])
+        taken = np.zeros(len(self.surface.vertices), dtype=bool)
+        apart = []
+        for change in self._promising(changes):
+            if not taken[change.patch.vertices].any():
+                taken[change.patch.vertices] = True
+                apart.append(change)
+        return apart
+
+    def _promising(self, changes: Sequence[SideChange]) -> list[SideChange]:
+        """Those with which the energy falls; where it would fall below 0 the expansion is wrong."""
+        value = self.surface.value
+        promising = [change for change in changes if -value < change.growth < -SIDES.gain * value]
+        return sorted(promising, key=lambda change: change.growth)
+
+    def _relaxed(self, center: int, rings: int, flipped: Iterable[tuple[int, ...]]) -> Iterator[SideChange]:
+        """What becomes of reflections of some vertices in the patch about a center."""
+        vertices = self._about(center, rings)
+        if self.is_done() or len(vertices) > SIDES.largest:
+            return
+        try:
+            patch = self.surface.patch(vertices)
+        except SingularMatrix:
+            return
+        for chosen in flipped:
+            if self.is_done():
+                return
+            motion = np.zeros((len(patch.vertices), 3))
+            motion[np.searchsorted(patch.vertices, chosen)] = self._reflected[list(chosen)]
+            relaxed, growth = patch.relaxed(motion)
+            if np.abs(relaxed).max() > SIDES.moved * np.abs(motion).max():  # else all have fallen back
+                yield SideChange(growth, patch, relaxed)
+
+    def _about(self, center: int, rings: int) -> Indices:
+        """The vertices within so many rings of one."""
+        found, adjacency = np.array([center]), self.surface.energy.triangulation.adjacency
+        for _ in range(rings):
+            found = np.union1d(found, adjacency[found].indices)
+        return found
+
+    def _most_missed(self, count: int) -> Iterator[int]:
+        """So many vertices where the lengths are missed most, none near another."""
+        missed = sums_at_ends(self.surface.energy.triangulation, self.surface.residuals**2)
+        free = np.ones(len(missed), dtype=bool)
+        for center in np.argsort(-missed, kind="stable").tolist():
+            if free[center]:
+                yield center
+                free[self._about(center, SIDES.sides)] = False
+                count -= 1
+                if not count:
+                    return
+
+    def _shallow(self) -> list[int]:
+        """Vertices whose reflections change the lengths little, but to the better."""
+        surface, moved = self.surface, self.surface.vertices + self._reflected
+        x, r, lengths = surface.vertices, surface.residuals, surface.lengths
+        taken, changed = np.zeros((2, len(x)))
+        for ends in surface.energy.triangulation.edges.T, surface.energy.triangulation.edges.T[::-1]:
+            apart = np.linalg.norm(moved[ends[0]] - x[ends[1]], axis=1)
+            d = (apart - lengths) * (apart + lengths) / (2 * lengths) - r
+            taken -= np.bincount(ends[0], r * d, minlength=len(x))
+            changed += np.bincount(ends[0], d**2, minlength=len(x))
+        least, most = SIDES.promise
+        promised = np.flatnonzero((taken > least * (r @ r)) & (taken < most * (r @ r)))
+        return promised[np.argsort(changed[promised], kind="stable")][: SIDES.shallow].tolist()
+
+
+def reflections(triangulation: Triangulation, vertices: Floats) -> Floats:
+    """The motions, (V, 3), of which each reflects one vertex in the plane that fits its neighbors best."""
+    n, (a, b) = triangulation.n_vertices, triangulation.edges.T
+    at, of = np.concatenate([a, b]), np.concatenate([b, a])
+
+    def sums(values: Floats) -> Floats:
+        return np.stack([np.bincount(at, column, minlength=n) for column in values.T], axis=1)
+
+    middles = sums(vertices[of]) / triangulation.degrees[:, None]
+    away = vertices[of] - middles[at]
+    spread = sums(np.einsum("hi,hj->hij", away, away).reshape(-1, 9)).reshape(-1, 3, 3)
+    normals = np.linalg.eigh(spread)[1][:, :, 0]
+    return -2 * np.einsum("vi,vi->v", vertices - middles, normals)[:, None] * normals
