@@ -38,7 +38,7 @@ class Aim(Method):
         What a failure may cost, in factorizations, by those of all that was done before; results do not
         depend on the speed of the machine.  Where the pull-back misses the lengths, a search for patches on
         the wrong side and the best fit follow, which together take ``1 + effort`` times as many, 11 times at
-        most.  The search leaves some for the best fit, and takes some tens in any case; 0 is no search.
+        most; a best fit that is asked for takes what it needs.  0 is no search.
         Above 1, vertices on the wrong side are sought after that, for ``effort`` times as many.
     """
 
@@ -77,7 +77,7 @@ class Aim(Method):
             search.turn_patches(most)
             embedding = search.smoothest()
         if embedding.residual > search.good:
-            fitted = search.best_fit(most)
+            fitted = search.best_fit(np.inf if self.best_fit else most)
             if self.effort > 1:
                 search.change_sides(self.effort * first)
             embedding = search.smoothest()

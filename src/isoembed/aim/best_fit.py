@@ -90,14 +90,14 @@ def best_fit(
     recorder : StageRecorder
         Counts Gauss-Newton steps and factorizations.
     most : float
-        Factorizations after which, where a better mu was met, no other is tried.
+        Factorizations after which no step is made, but for one with the first mu.
 
     Returns
     -------
     BestFit or None
         None if nothing as smooth comes near to the lengths.
     """
-    fits, begun = _Fits(metric, energy, recorder), recorder.factorizations
+    fits = _Fits(metric, energy, recorder, most)
     best = first = fits.fit(start, BEST_FIT.weight)
     for direction in (-1, 1):
         last = first
@@ -106,7 +106,7 @@ def best_fit(
             if not last.score < BEST_FIT.better * best.score:
                 break
             best = last
-            if recorder.factorizations - begun >= most:
+            if fits.exhausted:
                 break
         if best is not first:
             break
@@ -119,10 +119,22 @@ def best_fit(
 class _Fits:
     """Fits to one metric for any mu."""
 
-    def __init__(self, metric: PolyhedralMetric, energy: RegularizedEnergy, recorder: StageRecorder) -> None:
+    def __init__(
+        self,
+        metric: PolyhedralMetric,
+        energy: RegularizedEnergy,
+        recorder: StageRecorder,
+        most: float = np.inf,
+    ) -> None:
         self._metric, self._energy, self._recorder = metric, energy, recorder
+        self._last = recorder.factorizations + most
         signs = np.random.default_rng(0).choice([-1.0, 1.0], size=(BEST_FIT.probes, len(metric.lengths)))
         self._probes = signs[:, np.argsort(np.argsort(metric.lengths))]  # whatever the numbers of the edges
+
+    @property
+    def exhausted(self) -> bool:
+        """Whether as much is spent as may be."""
+        return self._recorder.factorizations >= self._last
 
     def fit(self, vertices: Floats, weight: float) -> BestFit:
         """The fit nearest to these vertices, with mu in units of the squared mean edge length."""
@@ -132,7 +144,7 @@ class _Fits:
         for _ in range(BEST_FIT.steps):
             x = self._energy.relaxed(x, lengths, mu, 0.0, self._recorder)
             before, value = value, self._energy.value(x, lengths, mu)
-            if not value < BEST_FIT.settled * before:
+            if self.exhausted or not value < BEST_FIT.settled * before:
                 break
         r = self._energy.residuals(x, lengths)
         try:

@@ -103,8 +103,8 @@ def local_search(
     recorder : StageRecorder
         Counts factorizations; one of a patch counts as its share of the vertices.
     most : float
-        Factorizations after which nothing more is turned.  The relaxation that has begun is ended, and the
-        first is made whatever this is: together they take some tens.
+        Factorizations after which nothing more is tried; the step that has begun is ended.  To let mu vanish
+        at last takes some more.
 
     Returns
     -------
@@ -237,7 +237,7 @@ class _LocalSearch:
         x = self.settled(x, mu)
         stale = np.ones(len(x), dtype=bool)
         while not self.is_done(x):
-            freed, _ = let_go(self.energy, x, self.lengths, mu, self.recorder)
+            freed, _ = let_go(self.energy, x, self.lengths, mu, self.recorder, is_done=lambda: self.exhausted)
             if self.is_done(freed):
                 return freed
             turned = self.sweep(x, mu, stale)
@@ -258,7 +258,7 @@ class _LocalSearch:
         for _ in range(LOCAL_SEARCH.steps):
             x = self.energy.relaxed(x, self.lengths, mu, 0.0, self.recorder)
             before, value = value, self.energy.value(x, self.lengths, mu)
-            if not value < LOCAL_SEARCH.settled * before:
+            if self.exhausted or not value < LOCAL_SEARCH.settled * before:
                 break
         return x
 

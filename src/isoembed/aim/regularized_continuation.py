@@ -153,7 +153,9 @@ def let_go(
     lengths: Floats,
     mu: float,
     recorder: StageRecorder,
+    *,
     fade: float = CONTINUATION.fade,
+    is_done: Callable[[], bool] = lambda: False,
 ) -> tuple[Floats, float]:
     """Let mu vanish.
 
@@ -167,6 +169,8 @@ def let_go(
     recorder : StageRecorder
     fade : float
         Factor of mu from step to step.
+    is_done : callable
+        Whether no more may be spent, asked after each step.
 
     Returns
     -------
@@ -180,7 +184,7 @@ def let_go(
         x = energy.relaxed(x, lengths, mu, 0.0, recorder)
         residual = float(np.abs(energy.residuals(x, lengths)).max())
         slow = slow + 1 if residual > CONTINUATION.stalled * before else 0
-        if residual <= close or slow == 2:
+        if residual <= close or slow == 2 or is_done():
             break
         before = residual
         mu *= fade

@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from isoembed.aim.anneal import anneal
+from isoembed.aim.anneal import ANNEALING, anneal
 from isoembed.aim.best_fit import best_fit
 from isoembed.aim.convexification import CONVEXIFICATION, Convexification
 from isoembed.aim.flipped_vertices import with_flipped_vertices
@@ -322,7 +322,7 @@ class Search:
 
     def best_fit(self, most: float) -> FittedSurface | None:
         """The smooth surface that comes nearest to the lengths; it is one more start, too."""
-        left = most - self.log.factorizations
+        left = most - self.log.factorizations - ANNEALING.polish
         with self.log.stage("best fit") as recorder:
             fit = best_fit(self.metric, self.energy, self.start, recorder, left)
             if fit is None:

@@ -71,9 +71,9 @@ def configure(parser: argparse.ArgumentParser) -> None:
         type=float,
         metavar="TIMES",
         help="what a failure may cost: where the lengths are not found at once, a search and the best fit "
-        "take 1 + TIMES the cost of the first attempt, 11 times at most, counted in factorizations, of which "
-        "the search takes some tens in any case; above 1, vertices on the wrong side are sought then, for "
-        "TIMES that cost (default 1; 0: no search); only with --method aim",
+        "take 1 + TIMES the cost of the first attempt, 11 times at most, counted in factorizations; above 1, "
+        "vertices on the wrong side are sought then, for TIMES that cost (default 1; 0: no search); only "
+        "with --method aim",
     )
     parser.add_argument(
         "--parameter",
