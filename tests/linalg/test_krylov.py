@@ -97,6 +97,17 @@ def test_conjugate_gradients_stop_at_the_most_and_where_rounding_rules():
     assert (found.iterations, found.residual) == (0, 1.0)
 
 
+def test_conjugate_gradients_give_up_when_they_are_too_slow():
+    A, b = np.diag(np.geomspace(1.0, 30.0, 60)), np.ones(60)
+
+    def solved(most):
+        return conjugate_gradients(lambda v: A @ v, lambda v: v, b, 1e-8, most, patience=4)
+
+    assert solved(20).iterations == 4
+    found = solved(100)
+    assert found.residual <= 1e-8 and found.iterations > 20
+
+
 def test_zero_needs_no_direction():
     found = conjugate_gradients(lambda v: v, lambda v: v, np.zeros(4), 1e-10, 5)
     assert found.iterations == 0 and found.residual == 0 and not found.x.any()

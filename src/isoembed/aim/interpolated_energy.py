@@ -33,6 +33,7 @@ class InterpolatedEnergyThresholds:
     stale: float = threshold(
         1.1e-4, "iterations over the chosen vertices to the 3/2", "New factors are worth as many."
     )
+    patience: int = threshold(3, "iterations", "Made before it is judged whether so many will do.")
 
 
 INTERPOLATED_ENERGY = InterpolatedEnergyThresholds()
@@ -134,16 +135,18 @@ class InterpolatedEnergy(RegularizedEnergy):
             stretch = np.einsum("ij,ij->i", rows, self._differences @ d)
             return self._differences.transposed(rows * stretch[:, None]) + mu * self.roughness(d, w)
 
-        def attempt(factor: SymmetricFactor, tolerance: float, most: int) -> Approximation:
+        def attempt(
+            factor: SymmetricFactor, tolerance: float, most: int, patience: int | None = None
+        ) -> Approximation:
             def precondition(forces: Floats) -> Floats:
                 return factor.solve(forces.ravel(), sweeps=0).reshape(-1, 3)
 
-            return conjugate_gradients(product, precondition, gradient, tolerance, most)
+            return conjugate_gradients(product, precondition, gradient, tolerance, most, patience=patience)
 
         if self.factor is not None:
             worth = int(INTERPOLATED_ENERGY.stale * len(vertices) ** 1.5)
             most = min(worth, REGULARIZED_ENERGY.most)
-            found = attempt(self.factor, INTERPOLATED_ENERGY.solved, most)
+            found = attempt(self.factor, INTERPOLATED_ENERGY.solved, most, INTERPOLATED_ENERGY.patience)
             if found.residual <= INTERPOLATED_ENERGY.solved:
                 return found.x
         self.factor = None  # its memory is free for the next

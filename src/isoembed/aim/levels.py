@@ -34,7 +34,7 @@ class PullBackLevels:
     many: int = threshold(16_000, "vertices", "Fewer are pulled back at once: that is as fast.")
     guided: int = threshold(1_700, "vertices", "Chosen for the guided path.")
     charts: int = threshold(2, "count", "Steps after it, mu falling, each in the charts of the last surface.")
-    finest: float = threshold(20.0, "roots of all vertices", "Chosen for the last level.")
+    finest: float = threshold(17.0, "roots of all vertices", "Chosen for the last level.")
     growth: float = threshold(3.1, "relative", "Most, from level to level: more is too far for a step.")
     settling: float = threshold(1e-6, "mean edge lengths^2", "mu of the coarse steps of the levels after it.")
     split: tuple[float, ...] = threshold((1e-2, 1e-4), "relative", "mu of split steps, in turn.")

@@ -37,10 +37,10 @@ from isoembed.thresholds import threshold
 class SplitNewtonThresholds:
     """Thresholds of Newton's method with smooth and rough motions."""
 
-    solved: float = threshold(3e-2, "relative", "Residual of the equations for smooth motions.")
+    solved: float = threshold(3e-2, "relative", "Residual of linear equations at most.")
     most: int = threshold(30, "count", "Iterations for smooth motions at most.")
     quintic_solved: float = threshold(
-        2.0, "relative, over the root of all vertices", "Residual of the equations with quintics."
+        6.0, "relative, over the root of all vertices", "The same of those with quintics, if that is less."
     )
     quintic_most: int = threshold(70, "count", "Iterations with quintics at most.")
     held: float = threshold(0.1, "mu", "What holds rough motions in the preconditioner of the latter.")
@@ -100,7 +100,7 @@ class SplitNewton:
             return (d - J.forces(linear.solve(J.rates(d)))) / held + P @ self._smooth(P.transposed(d))
 
         gradient = J.forces(r) + mu * quintics.pull(x)
-        solved = SPLIT_NEWTON.quintic_solved / sqrt(len(x))
+        solved = min(SPLIT_NEWTON.solved, SPLIT_NEWTON.quintic_solved / sqrt(len(x)))
         found = conjugate_gradients(product, precondition, gradient, solved, SPLIT_NEWTON.quintic_most)
         return x - found.x
 

@@ -101,12 +101,19 @@ class Approximation:
 
 
 def conjugate_gradients(
-    apply: Operator, precondition: Operator, b: Floats, tolerance: float, most: int
+    apply: Operator,
+    precondition: Operator,
+    b: Floats,
+    tolerance: float,
+    most: int,
+    *,
+    patience: int | None = None,
 ) -> Approximation:
     """Solve A x = b for A symmetric and positive semidefinite, b of any shape and in its range.
 
     The parameters are those of `gmres`; the preconditioner must be symmetric and positive definite, and must
-    not change.  It ends before the tolerance is reached where rounding spoils a direction.
+    not change.  It ends before the tolerance is reached where rounding spoils a direction, and, from
+    `patience` iterations on, where `most` of them would not reach it at the mean rate so far.
 
     References
     ----------
@@ -130,4 +137,6 @@ def conjugate_gradients(
         r -= alpha * q
         residual = float(np.linalg.norm(r)) / size
         iterations += 1
+        if patience is not None and iterations >= patience and residual > tolerance ** (iterations / most):
+            break
     return Approximation(x, residual, iterations)
