@@ -86,9 +86,12 @@ class Preconditioner:
     factor: Factor | None = None
 
     def renew(self, data: Floats) -> None:
-        """Factor another matrix of the same triangles."""
+        """Factor another matrix of the same triangles; in double precision where single loses it."""
         self.factor = None
-        self.factor = self.solver.factor(data, single=True)
+        try:
+            self.factor = self.solver.factor(data, single=True)
+        except SingularMatrix:  # pivots of both signs are not exchanged, and of large bodies some are small
+            self.factor = self.solver.factor(data)
 
     def solve(self, b: Floats) -> Floats:
         """What the last factor makes of b, (V,) or (V, n)."""
