@@ -39,7 +39,7 @@ def everywhere() -> Iterator[tuple[str, str, Any]]:
 def shown(value: Any) -> str:
     """A value as it is written in a table."""
     if isinstance(value, tuple):
-        return ", ".join(shown(each) for each in value)
+        return ", ".join(f"({shown(each)})" if isinstance(each, tuple) else shown(each) for each in value)
     return f"{value:,}" if isinstance(value, int) else f"{value:.6g}"
 
 

@@ -42,7 +42,6 @@ def test_the_energy_of_a_patch_of_all_vertices_is_exact(minimum):
     surface = Condensation(energy, x, lengths, MU, ignore)
     patch = surface.patch(np.arange(len(x)))
     motion = 0.3 * np.random.default_rng(1).standard_normal(x.shape)
-    motion[energy.quiet_triangle(x, lengths)] = 0.0  # it holds the rest
     grown = energy.value(x + motion, lengths, MU) - surface.value
     assert patch.change(motion) == pytest.approx(grown, rel=1e-6)
 
@@ -83,7 +82,7 @@ def test_a_patch_relaxes_to_where_the_surface_does(minimum):
     assert growth < 1e-3 * patch.change(motion)
     assert patch.change(relaxed) == growth
     assert np.abs(relaxed).max() < 0.05 * 0.05  # it has fallen back
-    assert 0 < sum(spent) < 10
+    assert 1 < sum(spent) < 11
 
 
 def test_pushing_edges_are_left_out_where_they_would_make_it_indefinite(minimum):

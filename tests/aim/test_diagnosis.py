@@ -25,7 +25,7 @@ def of_body(vertices, faces):
 def diagnosed(metric, start):
     """The diagnosis where the best fit itself is the nearest attempt."""
     unit, start = metric.normalized, start / metric.unit
-    fit = best_fit(unit, RegularizedEnergy(unit, start), start, smooth_bodies.recorder())
+    fit = best_fit(unit, RegularizedEnergy(unit, start), start, smooth_bodies.recorder(), np.inf)
     surface = FittedSurface(
         metric,
         metric.unit * fit.vertices,

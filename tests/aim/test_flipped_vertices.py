@@ -11,6 +11,7 @@ from isoembed.aim.flipped_vertices import _halves, with_flipped_vertices
 from isoembed.aim.regularized_energy import RegularizedEnergy
 from isoembed.aim.side_changes import reflections
 from isoembed.gallery import Ellipsoid, triangulate
+from isoembed.linalg import OutOfMemory
 from isoembed.metric.polyhedral import PolyhedralMetric
 from isoembed.surface.rigidity import LengthSystem, length_residuals
 
@@ -53,6 +54,16 @@ def test_it_stops_when_all_is_spent(pushed_in):
     assert recorder.factorizations == 3
     more, _ = searched(metric, whole, whole, 20)
     assert missed(metric, more) < missed(metric, few) < missed(metric, whole)
+
+
+def test_where_memory_is_short_what_was_met_is_kept(pushed_in, monkeypatch):
+    def refused(*_):
+        raise OutOfMemory("the factors need more than is free")
+
+    monkeypatch.setattr(RegularizedEnergy, "newton_factor", refused)
+    metric, whole = pushed_in
+    found, _ = searched(metric, whole, whole, 500)
+    assert 0 < missed(metric, found) < missed(metric, whole)
 
 
 def test_a_search_that_finds_nothing_more_ends_before_all_is_spent():

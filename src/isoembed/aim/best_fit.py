@@ -75,7 +75,7 @@ def best_fit(
     energy: RegularizedEnergy,
     start: Floats,
     recorder: StageRecorder,
-    most: float = np.inf,
+    most: float,
 ) -> BestFit | None:
     """Fit a smooth surface to the lengths of a metric.
 
@@ -90,7 +90,7 @@ def best_fit(
     recorder : StageRecorder
         Counts Gauss-Newton steps and factorizations.
     most : float
-        Factorizations after which no step is made, but for one with the first mu.
+        Factorizations: no mu but the first is tried where that might take more.
 
     Returns
     -------
@@ -102,12 +102,12 @@ def best_fit(
     for direction in (-1, 1):
         last = first
         for level in range(1, BEST_FIT.levels + 1):
+            if fits.exhausted:
+                break
             last = fits.fit(last.vertices, BEST_FIT.weight * BEST_FIT.factor ** (direction * level))
             if not last.score < BEST_FIT.better * best.score:
                 break
             best = last
-            if fits.exhausted:
-                break
         if best is not first:
             break
     a, b = metric.edges.T
@@ -124,7 +124,7 @@ class _Fits:
         metric: PolyhedralMetric,
         energy: RegularizedEnergy,
         recorder: StageRecorder,
-        most: float = np.inf,
+        most: float,
     ) -> None:
         self._metric, self._energy, self._recorder = metric, energy, recorder
         self._last = recorder.factorizations + most
@@ -133,8 +133,8 @@ class _Fits:
 
     @property
     def exhausted(self) -> bool:
-        """Whether as much is spent as may be."""
-        return self._recorder.factorizations >= self._last
+        """Whether another fit might take more than is left."""
+        return self._recorder.factorizations + BEST_FIT.steps + 1 > self._last
 
     def fit(self, vertices: Floats, weight: float) -> BestFit:
         """The fit nearest to these vertices, with mu in units of the squared mean edge length."""
@@ -144,7 +144,7 @@ class _Fits:
         for _ in range(BEST_FIT.steps):
             x = self._energy.relaxed(x, lengths, mu, 0.0, self._recorder)
             before, value = value, self._energy.value(x, lengths, mu)
-            if self.exhausted or not value < BEST_FIT.settled * before:
+            if not value < BEST_FIT.settled * before:
                 break
         r = self._energy.residuals(x, lengths)
         try:

@@ -20,7 +20,7 @@ from scipy.linalg import LinAlgError, cho_factor, cho_solve
 from isoembed.aim.regularized_energy import RegularizedEnergy
 from isoembed.arrays import Floats, Indices
 from isoembed.linalg import SingularMatrix, SymmetricFactor
-from isoembed.surface.rigidity import edge_rows
+from isoembed.surface.rigidity import HeldTriangle, edge_rows
 from isoembed.thresholds import threshold
 
 
@@ -35,10 +35,10 @@ class CondensedPatchThresholds:
     early: int = threshold(4, "count", "Steps after which those that lead nowhere are given up.")
     nowhere: float = threshold(3e3, "relative", "Growth of the energy that leads nowhere then.")
     falling: float = threshold(0.25, "relative", "Factor of that with each further step.")
-    damping: float = threshold(1e-6, "diagonal of J^T J", "Added to the first step's matrix.")
+    damping: float = threshold(1e-6, "stiffness of an edge", "Added to the first step's matrix.")
     stiffer: float = threshold(4.0, "relative", "Factor of the damping after a step uphill.")
     softer: float = threshold(0.125, "relative", "Factor of the damping after a step downhill.")
-    stiffest: float = threshold(10.0, "relative", "Damping that ends the relaxation.")
+    stiffest: float = threshold(10.0, "stiffness of an edge", "Damping that ends the relaxation.")
     settled: float = threshold(1e-3, "relative", "Decrease by a step that is none, to the energy's change.")
 
 
@@ -57,7 +57,7 @@ class Condensation:
     lengths : ndarray, shape (E,)
     mu : float
     spend : callable
-        Told what is solved for after the factors were made, in factorizations.
+        Told what is factored and solved for, in factorizations.
 
     Raises
     ------
@@ -78,6 +78,7 @@ class Condensation:
         self.residuals = energy.residuals(vertices, lengths)
         self.tensions = self.residuals / lengths
         self.rows = edge_rows(energy.triangulation, vertices, lengths)
+        self.held = HeldTriangle.of(vertices, energy.quiet_triangle(vertices, lengths))
         try:
             self._factor = self._factored()
         except SingularMatrix:
@@ -85,7 +86,8 @@ class Condensation:
             self._factor = self._factored()
 
     def _factored(self) -> SymmetricFactor:
-        return self.energy.newton_factor(self.vertices, self.lengths, self.mu, self.tensions)
+        self.spend(1.0)
+        return self.energy.newton_factor(self.vertices, self.lengths, self.mu, self.tensions, self.held)
 
     def solve(self, forces: Floats) -> Floats:
         """The motions, (V, 3, k), that these forces, (V, 3, k), cause."""
@@ -153,6 +155,10 @@ class CondensedPatch:
         surface, inside = self.surface, self.inside
         rows = surface.rows[inside]
         matrix = self.stiffness - self._assembled(rows, surface.tensions[inside])
+        for corner, block in zip(*surface.held, strict=True):  # nothing holds what moves far
+            for place in np.flatnonzero(self.vertices == corner):
+                own = slice(3 * place, 3 * place + 3)
+                matrix[own, own] -= block
         return matrix, -self._forces(rows, surface.residuals[inside])
 
     def _assembled(self, rows: Floats, tensions: Floats) -> Floats:

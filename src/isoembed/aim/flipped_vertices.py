@@ -19,7 +19,7 @@ from isoembed.aim.energy_descent import descended
 from isoembed.aim.regularized_energy import RegularizedEnergy
 from isoembed.aim.side_changes import SIDES, SideChange, SideChanges
 from isoembed.arrays import Floats
-from isoembed.linalg import SingularMatrix
+from isoembed.linalg import OutOfMemory, SingularMatrix
 from isoembed.progress.stages import StageRecorder
 from isoembed.surface.rigidity import LengthSystem
 from isoembed.thresholds import threshold
@@ -191,10 +191,9 @@ class _Flips:
 
         Single vertices are reflected in patches of so many kinds; for None, all that there is.
         """
-        self.recorder.factorizations += 1
         try:
             surface = Condensation(self.energy, x, self.lengths, mu, self.spend)
-        except SingularMatrix:
+        except (SingularMatrix, OutOfMemory):
             return None
         changes = SideChanges(surface, lambda: self.is_done)
         for tries in _tries(changes, kinds):

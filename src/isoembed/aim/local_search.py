@@ -25,7 +25,7 @@ from isoembed.aim.anneal import anneal
 from isoembed.aim.completion import completed
 from isoembed.aim.energy_descent import descended
 from isoembed.aim.held_patch import HeldPatch
-from isoembed.aim.regularized_continuation import let_go
+from isoembed.aim.regularized_continuation import CONTINUATION, let_go
 from isoembed.aim.regularized_energy import RegularizedEnergy
 from isoembed.arrays import Floats, Indices, Mask
 from isoembed.progress.stages import StageRecorder
@@ -103,8 +103,7 @@ def local_search(
     recorder : StageRecorder
         Counts factorizations; one of a patch counts as its share of the vertices.
     most : float
-        Factorizations after which nothing more is tried; the step that has begun is ended.  To let mu vanish
-        at last takes some more.
+        Factorizations after which nothing more is tried; the step that has begun is ended.
 
     Returns
     -------
@@ -112,8 +111,7 @@ def local_search(
     """
     search = _LocalSearch(energy, system, vertices, lengths, recorder, most)
     x = vertices
-    if search.is_coarse:
-        search.most = LOCAL_SEARCH.guided * most
+    search.most = LOCAL_SEARCH.guided * most if search.is_coarse else most - CONTINUATION.faded
     for weight in LOCAL_SEARCH.weights:
         mu = weight * energy.unit**2
         x = search.at(x, mu)
@@ -122,11 +120,11 @@ def local_search(
         known = weight <= LOCAL_SEARCH.known and not search.is_coarse
         if known and search.ends_realized(x, mu):
             break
+    search.most = most
     if search.is_coarse:
-        search.most = most
         x = search.mirrored(x)
     elif search.realization is None:
-        x, _ = let_go(energy, x, lengths, mu, recorder)
+        x, _ = let_go(energy, x, lengths, mu, recorder, is_done=lambda: search.exhausted)
     recorder.factorizations += round(search.local)
     end = x if search.realization is None else search.realization
     search.keep(end)

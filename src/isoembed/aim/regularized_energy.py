@@ -206,11 +206,11 @@ class RegularizedEnergy:
         return np.asarray(faces[np.argmin(np.where(areas < np.median(areas), np.inf, around))])
 
     def newton_factor(
-        self, vertices: Floats, lengths: Floats, mu: float, tensions: Floats
+        self, vertices: Floats, lengths: Floats, mu: float, tensions: Floats, held: HeldTriangle
     ) -> SymmetricFactor:
         """Factor ``J^T J + S + mu R^T R``, of surfaces in Euclidean space: half the second derivatives.
 
-        S is as in `solver`.  Rigid motions are held by the `quiet_triangle`.
+        S is as in `solver`.  Rigid motions are held by a triangle.
 
         Raises
         ------
@@ -218,7 +218,6 @@ class RegularizedEnergy:
             It is not positive definite to working precision.
         """
         rows = edge_rows(self.triangulation, vertices, lengths)
-        held = HeldTriangle.of(vertices, self.quiet_triangle(vertices, lengths))
         return self._newton_system.penalized(rows, mu, tensions=tensions, held=held)
 
     def solved(
