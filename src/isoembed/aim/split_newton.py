@@ -37,10 +37,10 @@ from isoembed.thresholds import threshold
 class SplitNewtonThresholds:
     """Thresholds of Newton's method with smooth and rough motions."""
 
-    solved: float = threshold(3e-2, "relative", "Residual of linear equations at most.")
+    solved: float = threshold(5e-2, "relative", "Residual of linear equations at most.")
     most: int = threshold(30, "count", "Iterations for smooth motions at most.")
     quintic_solved: float = threshold(
-        6.0, "relative, over the root of all vertices", "The same of those with quintics, if that is less."
+        10.0, "relative, over the root of all vertices", "The same of those with quintics, if that is less."
     )
     quintic_most: int = threshold(70, "count", "Iterations with quintics at most.")
     held: float = threshold(0.1, "mu", "What holds rough motions in the preconditioner of the latter.")
