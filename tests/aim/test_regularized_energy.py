@@ -11,7 +11,7 @@ from isoembed.gallery import CassiniPeanut, triangulate
 from isoembed.metric.polyhedral import PolyhedralMetric
 from isoembed.space import Space
 from isoembed.surface.projected import Projected
-from isoembed.surface.rigidity import edge_rows, length_residuals
+from isoembed.surface.rigidity import HeldTriangle, edge_rows, length_residuals
 
 
 def normalized(vertices, faces):
@@ -108,3 +108,15 @@ def test_steps_in_curved_space_go_downhill_and_contain_no_isometry(curvature, si
     isometry = surface.motion((kept - surface.without_isometries()(kept)).reshape(-1, 3))
     rates = energy.rates(start, metric.lengths, isometry)
     assert np.abs(rates).max() < 1e-12 * np.abs(isometry).max()
+
+
+def test_what_is_solved_for_with_a_held_triangle_does_not_hang_on_which_it_is():
+    metric, x = normalized(*triangulate(CassiniPeanut(), 150))
+    energy, lengths = RegularizedEnergy(metric, x), metric.lengths
+    forces = energy.forces(x, lengths, np.random.default_rng(0).standard_normal(len(lengths)))
+    stretches = []
+    for face in (0, 100):
+        held = HeldTriangle.of(x, metric.faces[face])
+        factor = energy.newton_factor(x, lengths, 1e-9, np.zeros(len(lengths)), held)
+        stretches.append(energy.rates(x, lengths, factor.solve(forces.ravel()).reshape(-1, 3)))
+    np.testing.assert_allclose(*stretches, atol=1e-6 * np.abs(stretches[0]).max())

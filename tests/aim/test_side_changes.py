@@ -1,9 +1,12 @@
 """Reflections of vertices, and which are tried."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
 import smooth_bodies
+from isoembed.aim import side_changes as module
 from isoembed.aim.condensed_patch import Condensation
 from isoembed.aim.energy_descent import descended
 from isoembed.aim.regularized_energy import RegularizedEnergy
@@ -89,3 +92,25 @@ def test_nothing_is_tried_once_all_is_spent(surface):
     for changes in SideChanges(surface, is_done).singles(1):
         assert len(changes) <= 2
     assert len(tried) < 10
+
+
+def test_shallow_vertices_that_are_tried_together_have_patches_apart(surface, monkeypatch):
+    monkeypatch.setattr(module, "SIDES", replace(SIDES, rings=1))
+    together = SideChanges(surface, never).shallow()
+    vertices = np.concatenate([change.patch.vertices for change in together])
+    assert len(together) > 1
+    assert len(np.unique(vertices)) == len(vertices)
+
+
+def test_pairs_are_two_near_a_center(surface, monkeypatch):
+    monkeypatch.setattr(module, "SIDES", replace(SIDES, patches=((1, 2),), sides=1))
+    (changes,) = SideChanges(surface, never).pairs()
+    (center,) = SideChanges(surface, never)._most_missed(1)
+    near = SideChanges(surface, never)._about(center, 2)
+    assert changes
+    assert all(np.array_equal(change.patch.vertices, near) for change in changes)
+
+
+def test_large_patches_are_left_out(surface, monkeypatch):
+    monkeypatch.setattr(module, "SIDES", replace(SIDES, largest=10))
+    assert list(SideChanges(surface, never).singles(2)) == [[], []]
