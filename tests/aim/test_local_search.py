@@ -71,7 +71,7 @@ def test_what_it_may_cost(saddle):
     (metric, true), recorder = saddle, smooth_bodies.recorder()
     wrong = reflected(metric, true, disk(metric, 150, 3))
     local_search(RegularizedEnergy(metric, true), system(metric), wrong, metric.lengths, recorder, 0.0)
-    assert recorder.factorizations < 40  # it relaxes, lets go and tries no disk
+    assert 0 < recorder.factorizations <= 10  # a step of either relaxation, and no disk
 
 
 def star(seed, n, amount):

@@ -16,6 +16,7 @@ import numpy as np
 from isoembed.aim.anneal import anneal
 from isoembed.aim.condensed_patch import Condensation
 from isoembed.aim.energy_descent import descended
+from isoembed.aim.length_search import LengthSearch
 from isoembed.aim.regularized_energy import RegularizedEnergy
 from isoembed.aim.side_changes import SIDES, SideChange, SideChanges
 from isoembed.arrays import Floats
@@ -87,8 +88,8 @@ def with_flipped_vertices(
     return search.nearest
 
 
-class _Flips:
-    """The search, what it has spent, and what misses the lengths least of all that it has met.
+class _Flips(LengthSearch):
+    """The search by changes of sides.
 
     Attributes
     ----------
@@ -98,38 +99,14 @@ class _Flips:
         How many changes that help are not taken.
     """
 
-    def __init__(
-        self,
-        energy: RegularizedEnergy,
-        system: LengthSystem,
-        vertices: Floats,
-        lengths: Floats,
-        recorder: StageRecorder,
-        most: float,
-    ) -> None:
-        self.energy, self.system, self.lengths, self.recorder = energy, system, lengths, recorder
-        self.begun, self.most, self.cost = recorder.factorizations, most, 0.0
-        self.nearest, self.missed, self.asked = vertices, self.largest_residual(vertices), np.inf
-        self.turn: tuple[Floats, float] | None = None
-        self.pass_over = 0
-
-    def spend(self, cost: float) -> None:
-        """Add what counts as a share of a factorization."""
-        self.cost += cost
-
-    @property
-    def spent(self) -> float:
-        """Factorizations, and what else counts as shares of one."""
-        return self.recorder.factorizations - self.begun + self.cost
+    turn: tuple[Floats, float] | None = None
+    pass_over = 0
+    _asked = np.inf  # the residual from which Newton's method was tried last
 
     @property
     def is_done(self) -> bool:
         """Whether there is no more to do, or may not be done."""
-        return self.missed <= FLIPPED_VERTICES.exact or self.spent >= self.most
-
-    def largest_residual(self, x: Floats) -> float:
-        """Largest error of the lengths, in mean edge lengths."""
-        return float(np.abs(self.energy.residuals(x, self.lengths)).max()) / self.energy.unit
+        return self.missed <= FLIPPED_VERTICES.exact or self.exhausted
 
     def told(self, x: Floats) -> float:
         """The mu that balances the two terms of the energy."""
@@ -137,31 +114,24 @@ class _Flips:
         rough = max(np.sum((self.energy.fit_residuals @ x) ** 2), np.finfo(float).tiny)
         return FLIPPED_VERTICES.smoothness * float(r @ r / rough)
 
-    def keep(self, x: Floats) -> float:
-        """Keep a surface if it misses less than all before, and where Newton's method leads from there.
-
-        Returns its largest residual.
-        """
+    def keep(self, x: Floats) -> None:
+        """Keep a surface if it misses less than all before, and where Newton's method leads from there."""
+        super().keep(x)
         missed = self.largest_residual(x)
-        if missed < self.missed:
-            self.nearest, self.missed = x, missed
-        if missed <= min(FLIPPED_VERTICES.close, FLIPPED_VERTICES.closer * self.asked):
-            self.asked = missed
-            polished = anneal(self.system, x, self.lengths, self.recorder).vertices
-            reached = self.largest_residual(polished)
-            if reached < self.missed:
-                self.nearest, self.missed = polished, reached
-        return missed
+        if missed <= min(FLIPPED_VERTICES.close, FLIPPED_VERTICES.closer * self._asked):
+            self._asked = missed
+            super().keep(anneal(self.system, x, self.lengths, self.recorder).vertices)
 
     def descended(self, x: Floats, mu: float, most: float = np.inf) -> Floats:
         """The minimum of the energy, with so many factorizations at most."""
         begun = self.recorder.factorizations
 
         def is_enough(_: Floats) -> bool:
-            return self.recorder.factorizations - begun >= most or self.spent >= self.most
+            return self.recorder.factorizations - begun >= most or self.exhausted
 
         x = descended(self.energy, x, self.lengths, mu, self.recorder, is_enough)
-        self.recorder.show(vertices=x, residual=self.keep(x), done=min(self.spent / self.most, 1.0))
+        self.keep(x)
+        self.show(x)
         return x
 
     def follow(self, x: Floats, mu: float) -> None:

@@ -25,6 +25,7 @@ from isoembed.aim.anneal import anneal
 from isoembed.aim.completion import completed
 from isoembed.aim.energy_descent import descended
 from isoembed.aim.held_patch import HeldPatch
+from isoembed.aim.length_search import LengthSearch
 from isoembed.aim.regularized_continuation import CONTINUATION, let_go
 from isoembed.aim.regularized_energy import RegularizedEnergy
 from isoembed.arrays import Floats, Indices, Mask
@@ -125,14 +126,14 @@ def local_search(
         x = search.mirrored(x)
     elif search.realization is None:
         x, _ = let_go(energy, x, lengths, mu, recorder, is_done=lambda: search.exhausted)
-    recorder.factorizations += round(search.local)
+    recorder.factorizations += round(search.cost)
     end = x if search.realization is None else search.realization
     search.keep(end)
     return Searched(end, search.nearest)
 
 
-class _LocalSearch:
-    """The search, what it has spent, and the realization that it has found."""
+class _LocalSearch(LengthSearch):
+    """The local search, and the realization that it has found."""
 
     def __init__(
         self,
@@ -143,14 +144,12 @@ class _LocalSearch:
         recorder: StageRecorder,
         most: float,
     ) -> None:
-        self.energy, self.system, self.lengths, self.recorder = energy, system, lengths, recorder
+        super().__init__(energy, system, vertices, lengths, recorder, most)
         self.realization: Floats | None = None
-        self.nearest, self.missed = vertices, self.largest_residual(vertices)  # what misses least
         self.asked: Floats | None = None  # the surface from which Newton's method was tried last
-        self.begun, self.most, self.local = recorder.factorizations, most, 0.0
         n = energy.triangulation.n_vertices
         self.is_coarse = n <= LOCAL_SEARCH.coarse
-        self.cost = LOCAL_SEARCH.dense if self.is_coarse else 1.0
+        self.patch_cost = LOCAL_SEARCH.dense if self.is_coarse else 1.0  # of one of all vertices
         near = csr_array(energy.triangulation.adjacency + eye_array(n))
         near.data[:] = 1.0
         self.disks = [csr_array(eye_array(n))]
@@ -160,34 +159,13 @@ class _LocalSearch:
             self.disks.append(wider)
         self.near = near
 
-    @property
-    def exhausted(self) -> bool:
-        """Whether as much is spent as may be."""
-        return self.recorder.factorizations - self.begun + self.local >= self.most
-
     def patch(self, vertices: Indices, mu: float) -> HeldPatch:
         """That of these vertices, what it costs being added up."""
 
         def spend(share: float) -> None:
-            self.local += self.cost * share
+            self.spend(self.patch_cost * share)
 
         return HeldPatch.of(self.energy, self.lengths, vertices, mu, spend)
-
-    def largest_residual(self, x: Floats) -> float:
-        """Largest error of the lengths, in mean edge lengths."""
-        return float(np.abs(self.energy.residuals(x, self.lengths)).max()) / self.energy.unit
-
-    def keep(self, x: Floats) -> None:
-        """Keep a surface that misses less than all before."""
-        missed = self.largest_residual(x)
-        if missed < self.missed:
-            self.nearest, self.missed = x, missed
-
-    def show(self, x: Floats) -> None:
-        """Tell a listener of a surface, and of the share of the search that is done."""
-        spent = self.recorder.factorizations - self.begun + self.local
-        residual = float(np.abs(self.energy.residuals(x, self.lengths)).max())
-        self.recorder.show(vertices=x, residual=residual, done=min(spent / self.most, 1.0))
 
     def is_done(self, x: Floats) -> bool:
         """Whether there is no more to do, or may not be done."""
