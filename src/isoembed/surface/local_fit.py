@@ -23,7 +23,7 @@ from isoembed.space import EUCLIDEAN, Space
 from isoembed.space.models import to_model
 from isoembed.surface.measures import edge_lengths, vertex_normals
 from isoembed.surface.normal_fits import FITS, fewest, normal_weights
-from isoembed.surface.rows import dot, multiply, subtract_multiple
+from isoembed.surface.rows import copy, dot, multiply, subtract_multiple
 from isoembed.thresholds import compiled
 
 Graph = tuple[NDArray[Any], NDArray[Any]]  # of a vertex i: indices[indptr[i]:indptr[i + 1]]
@@ -244,7 +244,7 @@ def _constant_term(chart: Floats, weights: Floats, most: int) -> None:
             break
         for power in range(degree + 1):
             column = columns[count]
-            column[:] = root
+            copy(root, column)
             for factor in range(degree):
                 multiply(column, chart[:, int(factor < power)], column)
             size = dot(column, column)
@@ -257,8 +257,9 @@ def _constant_term(chart: Floats, weights: Floats, most: int) -> None:
             count += 1
         if not dot(rest, rest) >= _T.kept * whole:
             break
-        best[:] = rest
-    weights[:] = root * best / dot(root, best)
+        copy(rest, best)
+    multiply(root, best, weights)
+    weights /= dot(root, best)
 
 
 @kernel
