@@ -283,7 +283,7 @@ class Search:
         if not self.metric.space.is_euclidean:
             return
         start = min(self.surfaces, key=lambda surface: surface.residual).vertices
-        left = most - self.log.factorizations - ADAPTIVE.fit - ANNEALING.polish
+        left = most - self.log.factorizations - ADAPTIVE.fit
         if self.numbers.size > LOCAL_SEARCH.coarse:
             start = start if self.smooth is None else self.smooth
         with self.log.stage("local search") as recorder:
