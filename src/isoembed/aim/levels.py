@@ -2,12 +2,12 @@
 
 The guided path is followed for a few thousand well spread vertices; then come levels with more of them, and
 then Newton's method on all lengths, its steps split into smooth and rough ones.  How many the last level has
-grows with the root of the number of all: what quintics miss shrinks faster than edges do.
+grows more slowly than the number of all: what quintics miss shrinks faster than edges do.
 """
 
 from collections.abc import Mapping
 from dataclasses import dataclass
-from math import ceil, log, sqrt
+from math import ceil, log
 from typing import Any
 
 import numpy as np
@@ -34,7 +34,7 @@ class PullBackLevels:
     many: int = threshold(16_000, "vertices", "Fewer are pulled back at once: that is as fast.")
     guided: int = threshold(1_700, "vertices", "Chosen for the guided path.")
     charts: int = threshold(2, "count", "Steps after it, mu falling, each in the charts of the last surface.")
-    finest: float = threshold(17.0, "roots of all vertices", "Chosen for the last level.")
+    finest: float = threshold(4.5, "vertices, by all to the 5/8", "Chosen for the last level.")
     growth: float = threshold(3.1, "relative", "Most, from level to level: more is too far for a step.")
     settling: float = threshold(1e-6, "mean edge lengths^2", "mu of the coarse steps of the levels after it.")
     split: tuple[float, ...] = threshold((1e-2, 1e-4), "relative", "mu of split steps, in turn.")
@@ -149,7 +149,7 @@ def _ended(system: LengthSystem, lengths: Floats, x: Floats, recorder: StageReco
 
 def _counts(n: int) -> list[int]:
     """How many of n vertices are chosen for the levels after the guided path, the last level's last."""
-    growth = LEVELS.finest * sqrt(n) / LEVELS.guided
+    growth = LEVELS.finest * n ** (5 / 8) / LEVELS.guided
     steps = max(ceil(log(growth) / log(LEVELS.growth)), 1)
     return [round(LEVELS.guided * growth ** (k / steps)) for k in range(1, steps + 1)]
 

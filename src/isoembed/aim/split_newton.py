@@ -40,8 +40,9 @@ class SplitNewtonThresholds:
     solved: float = threshold(5e-2, "relative", "Residual of linear equations at most.")
     most: int = threshold(30, "count", "Iterations for smooth motions at most.")
     quintic_solved: float = threshold(
-        10.0, "relative, over the root of all vertices", "The same of those with quintics, if that is less."
+        2.0, "relative, over the root of all vertices", "The same of those with quintics, if that is less."
     )
+    many: float = threshold(2e5, "vertices", "As much more where they are fewer: steps are cheap there.")
     quintic_most: int = threshold(70, "count", "Iterations with quintics at most.")
     held: float = threshold(0.1, "mu", "What holds rough motions in the preconditioner of the latter.")
     single: float = threshold(5e-7, "relative", "Damping from which single precision solves well enough.")
@@ -100,7 +101,8 @@ class SplitNewton:
             return (d - J.forces(linear.solve(J.rates(d)))) / held + P @ self._smooth(P.transposed(d))
 
         gradient = J.forces(r) + mu * quintics.pull(x)
-        solved = min(SPLIT_NEWTON.solved, SPLIT_NEWTON.quintic_solved / sqrt(len(x)))
+        looser = max(SPLIT_NEWTON.many / len(x), 1.0)
+        solved = min(SPLIT_NEWTON.solved, looser * SPLIT_NEWTON.quintic_solved / sqrt(len(x)))
         found = conjugate_gradients(product, precondition, gradient, solved, SPLIT_NEWTON.quintic_most)
         return x - found.x
 
