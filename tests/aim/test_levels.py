@@ -26,7 +26,7 @@ def peanut():
 @pytest.fixture
 def small(monkeypatch):
     """Levels of a surface of 3,000 vertices: two after the guided path."""
-    monkeypatch.setattr(levels, "LEVELS", PullBackLevels(many=2000, guided=600, finest=14, growth=1.2))
+    monkeypatch.setattr(levels, "LEVELS", PullBackLevels(many=2000, guided=600, finest=5.15, growth=1.2))
 
 
 def test_the_peanut_is_brought_near_also_if_interrupted(peanut, small, monkeypatch):
@@ -81,7 +81,7 @@ def test_no_level_has_many_times_the_vertices_of_the_one_before(n):
     counts = np.array([levels.LEVELS.guided, *levels._counts(n)])
     assert (counts[1:] > counts[:-1]).all()
     assert (counts[1:] < 1.01 * levels.LEVELS.growth * counts[:-1]).all()
-    assert counts[-1] == pytest.approx(levels.LEVELS.finest * np.sqrt(n), abs=1)
+    assert counts[-1] == pytest.approx(levels.LEVELS.finest * n ** (5 / 8), abs=1)
 
 
 def test_last_steps_are_held_where_rounding_makes_the_matrix_singular(peanut, monkeypatch):
