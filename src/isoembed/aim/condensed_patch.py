@@ -53,7 +53,7 @@ class Condensation:
     energy : RegularizedEnergy
         Of a metric in Euclidean space.
     vertices : ndarray, shape (V, 3)
-        A minimum.
+        At a minimum, or nearly.
     lengths : ndarray, shape (E,)
     mu : float
     spend : callable

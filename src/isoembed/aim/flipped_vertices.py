@@ -114,13 +114,13 @@ class _Flips(LengthSearch):
         rough = max(np.sum((self.energy.fit_residuals @ x) ** 2), np.finfo(float).tiny)
         return FLIPPED_VERTICES.smoothness * float(r @ r / rough)
 
-    def keep(self, x: Floats) -> None:
-        """Keep a surface if it misses less than all before, and where Newton's method leads from there."""
-        super().keep(x)
-        missed = self.largest_residual(x)
+    def keep(self, x: Floats) -> float:
+        """As of all searches; and keep where Newton's method leads from there."""
+        missed = super().keep(x)
         if missed <= min(FLIPPED_VERTICES.close, FLIPPED_VERTICES.closer * self._asked):
             self._asked = missed
             super().keep(anneal(self.system, x, self.lengths, self.recorder).vertices)
+        return missed
 
     def descended(self, x: Floats, mu: float, most: float = np.inf) -> Floats:
         """The minimum of the energy, with so many factorizations at most."""

@@ -66,11 +66,12 @@ class LengthSearch:
         """Largest error of the lengths, in mean edge lengths."""
         return float(np.abs(self.energy.residuals(x, self.lengths)).max()) / self.energy.unit
 
-    def keep(self, x: Floats) -> None:
-        """Keep a surface if it misses less than all before."""
+    def keep(self, x: Floats) -> float:
+        """Keep a surface if it misses less than all before; returns its largest residual."""
         missed = self.largest_residual(x)
         if missed < self.missed:
             self.nearest, self.missed = x, missed
+        return missed
 
     def show(self, x: Floats) -> None:
         """Tell a listener of a surface, and of the share of the search that is done."""

@@ -42,7 +42,7 @@ class SplitNewtonThresholds:
     quintic_solved: float = threshold(
         2.0, "relative, over the root of all vertices", "The same of those with quintics, if that is less."
     )
-    many: float = threshold(2e5, "vertices", "As much more where they are fewer: steps are cheap there.")
+    many: float = threshold(2e5, "vertices", "Fewer are solved for less exactly, by their ratio.")
     quintic_most: int = threshold(70, "count", "Iterations with quintics at most.")
     held: float = threshold(0.1, "mu", "What holds rough motions in the preconditioner of the latter.")
     single: float = threshold(5e-7, "relative", "Damping from which single precision solves well enough.")
