@@ -48,7 +48,7 @@ class AdaptiveThresholds:
     placed: float = threshold(1e-10, "mean edge lengths", "Residual asked of the convex polyhedron.")
     nearly: float = threshold(1e-6, "mean edge lengths", "Most residual between two realizations.")
     same: float = threshold(1e-7, "mean edge lengths", "Surfaces as near as this are one.")
-    fit: int = threshold(50, "count", "Factorizations of the best fit at most, as a rule.")
+    fit: int = threshold(36, "count", "Factorizations of the best fit at most, as a rule.")
     patches: float = threshold(
         10.0, "relative", "Effort at most for patches and the best fit: more does not make them better."
     )

@@ -7,6 +7,7 @@ from functools import cached_property, partial
 import numpy as np
 
 from isoembed._embed import embed
+from isoembed.aim.adaptive import Aim
 from isoembed.arrays import Floats
 from isoembed.errors import InvalidMetric, InvalidParameter, NotEmbedded
 from isoembed.meshing.sphere import angles_of, gauss_rule
@@ -277,11 +278,11 @@ def _composed(
 
 
 def _embedded(mesh: SphereMesh) -> Floats:
-    """The vertices (V, 3) of the embedded triangulation, or of the best attempt: the equations decide."""
+    """The vertices (V, 3) of the embedded triangulation, or of the best fit: the equations decide."""
     try:
-        points = embed(mesh.metric, tolerance=SOLVE.rough).vertices
+        points = embed(mesh.metric, method=Aim(best_fit=True), tolerance=SOLVE.rough).vertices
     except NotEmbedded as error:
-        points = np.asarray(error.embedding.vertices)
+        points = error.embedding.vertices
     space = mesh.metric.space
     return points if space.is_euclidean else space.centered(points)
 
