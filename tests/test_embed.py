@@ -96,7 +96,7 @@ def test_the_report(method, noise):
     assert (report["residual"]["max"] > 1e-10) == bool(noise)
     assert report["input"]["vertices"] == 100
     assert all(stage["seconds"] >= 0 for stage in report["stages"])
-    assert sum(stage["factorizations"] for stage in report["stages"]) > 3
+    assert sum(stage["factorizations"] for stage in report["stages"]) >= 3
 
 
 @pytest.mark.parametrize("method", METHODS)
@@ -146,7 +146,7 @@ def test_a_listener_that_raises_ends_the_computation():
         pass
 
     def stop(snapshot):
-        if snapshot.stage == "leap":
+        if snapshot.stage == "radii":
             raise Stopped
 
     with pytest.raises(Stopped):

@@ -55,7 +55,7 @@ def test_convex_bodies_come_back_from_their_lengths(mesh, factorizations):
     assert not surface.others
     assert sum(stage.factorizations for stage in surface.stages) <= factorizations
     if factorizations < 30:
-        assert worked(surface.stages)[-1].name == "leap"
+        assert worked(surface.stages)[-1].name == "radii"
 
 
 NON_CONVEX = {

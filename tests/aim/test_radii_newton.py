@@ -1,4 +1,4 @@
-"""Newton's method on the radii: convex and nearly convex metrics in two or three factorizations, or None."""
+"""Newton's method on the radii: convex and nearly convex metrics in three or four factorizations, or None."""
 
 import numpy as np
 import pytest
@@ -11,12 +11,14 @@ from isoembed.aim.radii_newton import (
     _without_curvature,
     inverted_vertices,
     newton_on_radii,
+    newton_on_radii_at_once,
     radii_start,
 )
+from isoembed.alexandrov import homotopy
 from isoembed.alexandrov.newton import Analyses, pinned
 from isoembed.alexandrov.placement import realized
 from isoembed.alexandrov.polytope import Polytope
-from isoembed.gallery import CassiniPeanut, Ellipsoid, KerrHorizon, triangulate
+from isoembed.gallery import CassiniPeanut, Ellipsoid, HarmonicSurface, KerrHorizon, triangulate
 from isoembed.metric.glued import GluedMetric
 from isoembed.metric.polyhedral import PolyhedralMetric
 from isoembed.progress.stages import Log
@@ -58,6 +60,53 @@ def test_convex_metrics_in_three_factorizations(name):
     assert smooth_bodies.misfit(solution.vertices, vertices) < 1e-12
     assert np.abs(length_residuals(metric.triangulation, solution.vertices, metric.lengths)).max() < 1e-12
     assert sum(stage.factorizations for stage in log.stages) <= 3
+
+
+def at_once(metric):
+    """What the given triangles alone lead to, and the log."""
+    given, log = GluedMetric.of(metric), Log()
+    analyses = Analyses.of(given.half_edges())
+    return newton_on_radii_at_once(given, analyses, log, np.arange(given.n_vertices)), log
+
+
+AT_ONCE = {**CONVEX, "drum": smooth_bodies.drum(), "fluted": triangulate(HarmonicSurface(3, 2, 0.12), 500)}
+
+
+@pytest.mark.parametrize("name", AT_ONCE)
+def test_the_given_triangles_lead_there_at_once(name):
+    vertices, metric = in_units(*AT_ONCE[name])
+    found, log = at_once(metric)
+    assert smooth_bodies.misfit(found, vertices) < 1e-12
+    assert np.abs(length_residuals(metric.triangulation, found, metric.lengths)).max() < 1e-12
+    assert sum(stage.factorizations for stage in log.stages) <= 4
+
+
+def test_at_once_or_not_at_all():
+    flat, faces, _ = box(3)
+    for mesh in ((flat, faces), triangulate(HarmonicSurface(3, 2, 0.2), 500), needles()):
+        assert at_once(in_units(*mesh)[1])[0] is None
+
+
+def needles():
+    """Points strewn on a sphere, on a long ellipsoid: their triangles are far from Delaunay there."""
+    vertices, faces = zoo.random_hull(200, 1)
+    return vertices * [20, 1, 1], faces
+
+
+@pytest.mark.parametrize("count", [0, 1, 3])
+def test_every_vertex_that_is_turned_inside_out_adds_a_negative_eigenvalue(count):
+    vertices, faces = zoo.icosphere(2)
+    inward = np.isin(np.arange(len(vertices)), [0, 3, 9][:count])  # no neighbors
+    metric = PolyhedralMetric.from_mesh(vertices, faces)
+    t = metric.triangulation
+    rings = t.adjacency @ vertices / t.adjacency.sum(axis=1)[:, None]
+    mirrored = vertices * np.where(inward, 2 * (rings * vertices).sum(axis=1) - 1, 1.0)[:, None]
+    assert np.abs(length_residuals(t, mirrored, metric.lengths)).max() < 1e-12  # the same lengths
+    tables = GluedMetric.of(metric).half_edges()
+    p = Polytope.on(tables, np.linalg.norm(mirrored + np.array([0.01, 0.02, 0.03]), axis=1))
+    assert np.abs(p.curvatures).max() < 1e-12
+    state = pinned(p, Analyses.of(tables), smooth_bodies.recorder())
+    assert state.inverse.negative_pivots == homotopy.CONVEX + count
 
 
 def test_many_edges_of_what_is_found_may_be_concave():

@@ -102,7 +102,7 @@ def test_control_c_leaves_a_checkpoint_in_a_real_process(tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     write_metric("m.npz", PolyhedralMetric.from_mesh(*triangulate(Drum(), 3000)))
     arguments = ["embed", "m.npz", "-o", "a.npz"]
-    stage = "polytopes"  # the stage that keeps
+    stage = "radii"  # the stage that keeps
     done = subprocess.run([sys.executable, "-c", STOPPED, *arguments, stage], capture_output=True, text=True)
     assert done.returncode == 130
     assert f"the stage {stage!r}; the checkpoint is in a.npz.checkpoint.npz" in done.stderr

@@ -121,7 +121,7 @@ def test_what_is_no_terminal_gets_the_last_state(metric, capfd):
     assert out == ""
     lines = err.splitlines()
     assert lines[0].split()[:2] == ["stage", "iteration"]
-    assert sum(line.startswith("polytopes") for line in lines) == 1
+    assert sum(line.startswith("radii") for line in lines) == 1
 
 
 def test_without_standard_error_the_bar_shows_nothing(metric, monkeypatch):

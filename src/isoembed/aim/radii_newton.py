@@ -13,7 +13,14 @@ import numpy as np
 
 from isoembed.aim.adiabatic_pullback import extrapolated
 from isoembed.alexandrov.doubly_covered import FLAT_LIMIT
-from isoembed.alexandrov.homotopy import HOMOTOPY, Stalled, Waypoint, follow_path
+from isoembed.alexandrov.homotopy import (
+    CONVEX,
+    HOMOTOPY,
+    Stalled,
+    Waypoint,
+    follow_path,
+    follow_path_without_flips,
+)
 from isoembed.alexandrov.newton import Analyses, Solution, forcing_term, pinned
 from isoembed.alexandrov.placement import placed, realized
 from isoembed.alexandrov.polytope import Polytope
@@ -42,7 +49,7 @@ class RadiiNewtonThresholds:
     stale: int = threshold(6, "GMRES iterations", "More of them ask for a fresh factorization afterwards.")
     nudge: float = threshold(1e-3, "mean edge lengths", "Change of height to see curvature bend.")
     trusted: float = threshold(0.25, "heights on a sphere", "Largest branch deviation that is trusted.")
-    resolved: float = threshold(0.1, "deficits", "Curvature of a vertex at which its height is decided.")
+    resolved: float = threshold(0.3, "deficits", "Curvature of a vertex at which its height is decided.")
     solved: float = threshold(0.4, "relative", "Share of all work done when vertices can be placed.")
 
 
@@ -64,6 +71,55 @@ class RadiiSolution:
 
     vertices: Floats
     branch_deviation: float
+
+
+def newton_on_radii_at_once(
+    given: GluedMetric, analyses: Analyses, log: Log, numbers: Indices
+) -> Floats | None:
+    """Realize a metric that is convex or nearly so, with nothing but its own triangles on the way.
+
+    Parameters
+    ----------
+    given : GluedMetric
+        Of mean edge length 1 or so.
+    analyses : Analyses
+        Of the given triangles.
+    log : Log
+    numbers : ndarray of int, shape (V,)
+        Other numbers of the vertices, by which they are shown and returned.
+
+    Returns
+    -------
+    ndarray, shape (V, 3), or None
+        None where the path or Newton's method meets anything in the way, or ends with something turned
+        inside out: ``-d kappa / d r`` then has more than the one negative eigenvalue of convex bodies.
+    """
+    tables, deficits = given.half_edges(directed=False), given.deficits
+    rounding = deficit_rounding(given.faces, given.face_lengths, given.curvature)
+    if (np.abs(deficits) <= rounding).any():  # nothing determines the radius of a flat vertex
+        return None
+    near = np.full(deficits.size, HOMOTOPY.close * deficits.max())
+    if (deficits > 0).all():
+        near = np.minimum(near, RADII_NEWTON.resolved * deficits)
+    kept = log.resumed_at("radii")
+    with log.stage("radii") as recorder:
+        recorder.show(level=f"{given.n_vertices:,} vertices")
+        try:
+            begun = None if kept is None else Waypoint.of_arrays(kept)
+            p = follow_path_without_flips(tables, deficits, recorder, analyses, near, begun)
+            if p is None:
+                return None
+            found = _without_curvature(pinned(p, analyses, recorder), RADII_NEWTON.settled, recorder)
+            if found is None:
+                return None
+            state = found[0].refactorized(found[0].polytope, recorder)
+        except SingularMatrix:
+            return None
+        if state.inverse.negative_pivots != CONVEX or inverted_vertices(state.polytope).any():
+            return None
+        vertices = outward(given.faces, realized(state, recorder))[np.argsort(numbers)]
+        recorder.show(vertices=vertices, t=0.0)
+    return vertices
 
 
 def radii_start(given: GluedMetric, convex: GluedMetric, analyses: Analyses, log: Log) -> Floats | None:

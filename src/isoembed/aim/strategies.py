@@ -18,7 +18,7 @@ from isoembed.aim.levels import goes_by_levels, pulled_back_by_levels
 from isoembed.aim.local_search import LOCAL_SEARCH, local_search
 from isoembed.aim.mirrored_patches import mirrored_realizations
 from isoembed.aim.nearby_realizations import NEARBY, nearby_realizations
-from isoembed.aim.radii_newton import RADII_NEWTON, newton_on_radii, radii_start
+from isoembed.aim.radii_newton import RADII_NEWTON, newton_on_radii, newton_on_radii_at_once, radii_start
 from isoembed.aim.regularized_continuation import Continued, log_linear, regularized_continuation
 from isoembed.aim.regularized_energy import RegularizedEnergy
 from isoembed.alexandrov.method import Alexandrov
@@ -62,7 +62,8 @@ SOUGHT = (
 )
 
 # Seconds that stages take as a rule, 40,000 vertices, for the time left.
-AT_ONCE = {"nearest waypoint": 0.5, "polytopes": 1.0, "leap": 0.8}
+AT_ONCE = {"radii": 1.0}
+BY_A_POLYHEDRON = {"nearest waypoint": 0.5, "polytopes": 1.0, "leap": 0.8}
 PULL_BACK = {
     "waypoint": 1.0,
     "flat vertices": 0.05,
@@ -143,6 +144,10 @@ class Search:
             return None
         log.expect(AT_ONCE)
         analyses = Analyses.of(given.half_edges(directed=False))
+        vertices = newton_on_radii_at_once(given, analyses, log, self.numbers)
+        if vertices is not None and (found := self.surface(vertices)).residual <= self.good:
+            return found
+        log.expect(BY_A_POLYHEDRON)
         kept = log.resumed_at("leap")
         if kept is not None:
             start: Floats | None = kept["start"]

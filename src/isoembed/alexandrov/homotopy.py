@@ -25,7 +25,7 @@ from isoembed.alexandrov.starts import equal_radii
 from isoembed.arrays import Floats
 from isoembed.intrinsic.delaunay import make_delaunay
 from isoembed.intrinsic.halfedges import HalfEdges
-from isoembed.linalg import Factor, SingularMatrix
+from isoembed.linalg import Factor, SingularMatrix, SymmetricFactor
 from isoembed.linalg.krylov import gmres
 from isoembed.progress.stages import StageRecorder
 from isoembed.thresholds import threshold
@@ -74,6 +74,9 @@ class HomotopyThresholds:
 
 
 HOMOTOPY = HomotopyThresholds()
+
+CONVEX = 1
+"""Negative eigenvalues of ``-d kappa / d r`` of convex polytopes, by the Alexandrov-Fenchel inequalities."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -188,6 +191,53 @@ def follow_path(
             return
 
 
+def follow_path_without_flips(
+    tables: HalfEdges,
+    deficits: Floats,
+    recorder: StageRecorder,
+    analyses: Analyses,
+    near: Floats,
+    resumed: Waypoint | None = None,
+) -> Polytope | None:
+    """Lead the curvatures over triangles as they are to where Newton's method begins.
+
+    Edges may be reflex on the way and in the end, and deficits negative.  Whether anything is turned inside
+    out, every factor tells: ``-d kappa / d r`` then has more than one negative eigenvalue.
+
+    Parameters
+    ----------
+    tables : HalfEdges
+    deficits : ndarray, shape (V,)
+        Some positive.
+    recorder : StageRecorder
+        Counts steps and factorizations, and keeps every waypoint.
+    analyses : Analyses
+        Of these triangles.
+    near : ndarray, shape (V,)
+        Curvatures to which the path is followed.
+    resumed : Waypoint, optional
+        To go on from, exactly as the path that kept it.
+
+    Returns
+    -------
+    Polytope or None
+        None where anything is in the way: triangles that are far from a Delaunay triangulation, say.
+
+    Raises
+    ------
+    SingularMatrix
+    """
+    here = resumed
+    if here is None:
+        radius = equal_radii(tables, HOMOTOPY.ladder)[0]
+        p = Polytope.over(tables, np.full(deficits.size, radius), flips=False)
+        here = None if p is None else _start(p, 0, deficits)
+    if here is None:
+        return None
+    path = _path(here, deficits, analyses, recorder, lambda w: recorder.keep(**w.arrays()), flips=False)
+    return next((p for p in path if (np.abs(p.curvatures) <= near).all()), None)
+
+
 def _start(p: Polytope, number: int, deficits: Floats) -> Waypoint:
     """Where a path begins, and in hyperbolic space also its first aim.
 
@@ -246,11 +296,13 @@ def _path(
     analyses: Analyses,
     recorder: StageRecorder,
     keep: Callable[[Waypoint], None],
+    *,
+    flips: bool = True,
 ) -> Generator[Polytope, None, None]:
-    """Lead the curvatures toward zero along ``epsilon delta``."""
+    """Lead the curvatures toward zero along ``epsilon delta``; without flips while nothing is inside out."""
     p = here.polytope
     epsilon = _share(p.curvatures, deficits)
-    inverse: Factor | None = None
+    inverse: SymmetricFactor | None = None
     fresh, halving, shown = True, 0, epsilon
     yield p
     for count in range(here.count, HOMOTOPY.most_steps):
@@ -258,6 +310,8 @@ def _path(
             here = replace(here, polytope=p, count=count)
             keep(here)
             inverse, fresh = _factor(p, analyses, recorder), True
+            if not flips and inverse.negative_pivots != CONVEX:
+                return
         if count % HOMOTOPY.creep == 0:
             odds, norm = _odds(epsilon), float(np.linalg.norm(p.curvatures))
             if odds > HOMOTOPY.crept_odds * here.odds and norm > HOMOTOPY.crept_norm * here.norm:
@@ -274,11 +328,12 @@ def _path(
         # Less is allowed after a step, with the same factorization, that was halved itself.
         stale = max(HOMOTOPY.halvings_if_stale - halving, 1) if count < HOMOTOPY.lenient else 1
         goal, most = here.target * deficits, HOMOTOPY.halvings if fresh else stale
-        stepped = _halved(p, dr, goal, most)
+        stepped = _halved(p, dr, goal, most, flips)
         too_short = stepped is None or stepped.halving > HOMOTOPY.too_short
         if too_short and fresh and here.residual > HOMOTOPY.exact:
             here = replace(here, residual=HOMOTOPY.exact)
-            stepped = _halved(p, _solved(p, inverse, missing, here.residual)[0], goal, most) or stepped
+            dr, _ = _solved(p, inverse, missing, here.residual)
+            stepped = _halved(p, dr, goal, most, flips) or stepped
         if stepped is None:
             halving = most - 1
             if not fresh:
@@ -316,7 +371,7 @@ def _lowered(epsilon: float, step: float) -> float:
     return odds / (1 + odds)
 
 
-def _factor(p: Polytope, analyses: Analyses, recorder: StageRecorder) -> Factor:
+def _factor(p: Polytope, analyses: Analyses, recorder: StageRecorder) -> SymmetricFactor:
     recorder.factorizations += 1
     matrix = p.jacobian()
     matrix.data *= -1
@@ -331,12 +386,12 @@ class _Step(NamedTuple):
     left: float
 
 
-def _halved(p: Polytope, dr: Floats, goal: Floats, most: int) -> _Step | None:
+def _halved(p: Polytope, dr: Floats, goal: Floats, most: int, flips: bool) -> _Step | None:
     """The step to these curvatures, halved until they come nearer; None if none of so many does."""
     size = np.linalg.norm(p.curvatures - goal)
     for halving in range(most):
         fraction = 0.5**halving
-        q = Polytope.over(p.tables, p.radii + fraction * dr)
+        q = Polytope.over(p.tables, p.radii + fraction * dr, flips=flips)
         if q is not None:
             left = float(np.linalg.norm(q.curvatures - goal))
             if left <= (1 - NEWTON.decrease * fraction) * size:

@@ -15,7 +15,7 @@ from isoembed.alexandrov.polytope import Polytope
 from isoembed.arrays import Floats, Indices
 from isoembed.intrinsic.halfedges import HalfEdges
 from isoembed.intrinsic.vertex_matrix import vertex_matrix
-from isoembed.linalg import Dissection, Factor, SingularMatrix, Solver, analyze, dissect
+from isoembed.linalg import Dissection, SingularMatrix, Solver, SymmetricFactor, analyze, dissect
 from isoembed.linalg.krylov import gmres
 from isoembed.progress.stages import StageRecorder
 from isoembed.thresholds import threshold
@@ -83,7 +83,7 @@ class Preconditioner:
     """
 
     solver: Solver
-    factor: Factor | None = None
+    factor: SymmetricFactor | None = None
 
     def renew(self, data: Floats) -> None:
         """Factor another matrix of the same triangles; in double precision where single loses it."""
@@ -93,11 +93,20 @@ class Preconditioner:
         except SingularMatrix:  # pivots of both signs are not exchanged, and of large bodies some are small
             self.factor = self.solver.factor(data)
 
+    @property
+    def negative_pivots(self) -> int:
+        """Negative eigenvalues of the last matrix."""
+        return self._last.negative_pivots
+
     def solve(self, b: Floats) -> Floats:
         """What the last factor makes of b, (V,) or (V, n)."""
+        return self._last.solve(b, sweeps=0)
+
+    @property
+    def _last(self) -> SymmetricFactor:
         if self.factor is None:
             raise SingularMatrix("the last matrix had no factors")
-        return self.factor.solve(b, sweeps=0)
+        return self.factor
 
 
 @dataclass(frozen=True, eq=False)

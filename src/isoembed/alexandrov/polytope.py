@@ -74,13 +74,18 @@ class Polytope:
     lowest: float
 
     @classmethod
-    def over(cls, tables: HalfEdges, radii: Floats) -> Polytope | None:
-        """Flip a copy of the triangles until no edge is reflex; None if no polytope has these radii."""
+    def over(cls, tables: HalfEdges, radii: Floats, *, flips: bool = True) -> Polytope | None:
+        """Flip a copy of the triangles until no edge is reflex; None if no polytope has these radii.
+
+        Without flips the triangles stay as they are, and any edges of theirs may be reflex.
+        """
         space = Space(tables.curvature)
         if not radii.min() > 0:  # not a number is no radius either
             return None
         if not radii.max() * space.root < (np.pi if space.curvature > 0 else POLYTOPE.longest):
             return None
+        if not flips:
+            return cls.on(tables, radii)
         weights, _ = delaunay_weights(space, radii)
         non_delaunay = non_delaunay_edges(tables, weights)
         if non_delaunay.size:
