@@ -49,7 +49,8 @@ class RadiiNewtonThresholds:
     stale: int = threshold(6, "GMRES iterations", "More of them ask for a fresh factorization afterwards.")
     nudge: float = threshold(1e-3, "mean edge lengths", "Change of height to see curvature bend.")
     trusted: float = threshold(0.25, "heights on a sphere", "Largest branch deviation that is trusted.")
-    resolved: float = threshold(0.3, "deficits", "Curvature of a vertex at which its height is decided.")
+    resolved: float = threshold(0.1, "deficits", "Curvature of a vertex at which its height is decided.")
+    followed: float = threshold(0.3, "deficits", "The same where the last matrix tells on which side it is.")
     solved: float = threshold(0.4, "relative", "Share of all work done when vertices can be placed.")
 
 
@@ -100,7 +101,7 @@ def newton_on_radii_at_once(
         return None
     near = np.full(deficits.size, HOMOTOPY.close * deficits.max())
     if (deficits > 0).all():
-        near = np.minimum(near, RADII_NEWTON.resolved * deficits)
+        near = np.minimum(near, RADII_NEWTON.followed * deficits)
     kept = log.resumed_at("radii")
     with log.stage("radii") as recorder:
         recorder.show(level=f"{given.n_vertices:,} vertices")
