@@ -41,6 +41,8 @@ class RadiiNewtonThresholds:
 
     parts: int = threshold(4, "count", "Steps of the way to a metric that is not convex.")
     converging: float = threshold(0.5, "relative", "Share of the curvatures that each step leaves at most.")
+    descending: float = threshold(0.9, "relative", "The same where the last matrix tells the branch.")
+    flat: float = threshold(0.1, "vertices", "Share of flat ones from which the given triangles are not tried.")
     nearly: float = threshold(1e-4, "mean deficits", "Curvatures that end a step on the way.")
     closely: float = threshold(1e-9, "radians", "Curvatures that do not fall any more, but may be rounding.")
     settled: float = threshold(1e-12, "radians", "Curvatures that are left to the polish.")
@@ -50,7 +52,7 @@ class RadiiNewtonThresholds:
     nudge: float = threshold(1e-3, "mean edge lengths", "Change of height to see curvature bend.")
     trusted: float = threshold(0.25, "heights on a sphere", "Largest branch deviation that is trusted.")
     resolved: float = threshold(0.1, "deficits", "Curvature of a vertex at which its height is decided.")
-    followed: float = threshold(0.3, "deficits", "The same where the last matrix tells on which side it is.")
+    followed: float = threshold(0.3, "deficits", "The same where the last matrix tells the branch.")
     solved: float = threshold(0.4, "relative", "Share of all work done when vertices can be placed.")
 
 
@@ -97,7 +99,7 @@ def newton_on_radii_at_once(
     """
     tables, deficits = given.half_edges(directed=False), given.deficits
     rounding = deficit_rounding(given.faces, given.face_lengths, given.curvature)
-    if (np.abs(deficits) <= rounding).any():  # nothing determines the radius of a flat vertex
+    if np.mean(np.abs(deficits) <= rounding) > RADII_NEWTON.flat:  # where nothing determines a radius
         return None
     near = np.full(deficits.size, HOMOTOPY.close * deficits.max())
     if (deficits > 0).all():
@@ -110,7 +112,9 @@ def newton_on_radii_at_once(
             p = follow_path_without_flips(tables, deficits, recorder, analyses, near, begun)
             if p is None:
                 return None
-            found = _without_curvature(pinned(p, analyses, recorder), RADII_NEWTON.settled, recorder)
+            found = _without_curvature(
+                pinned(p, analyses, recorder), RADII_NEWTON.settled, recorder, RADII_NEWTON.descending
+            )
             if found is None:
                 return None
             state = found[0].refactorized(found[0].polytope, recorder)
@@ -294,7 +298,10 @@ def inverted_vertices(p: Polytope) -> Mask:
 
 
 def _without_curvature(
-    state: Solution, settled: float, recorder: StageRecorder
+    state: Solution,
+    settled: float,
+    recorder: StageRecorder,
+    converging: float = RADII_NEWTON.converging,
 ) -> tuple[Solution, Floats] | None:
     """Newton's method while it converges; and the radii after its first step."""
     p, forcing = state.polytope, RADII_NEWTON.loosest
@@ -307,7 +314,7 @@ def _without_curvature(
         if q is None:
             return None
         ratio = float(np.linalg.norm(q.curvatures) / np.linalg.norm(p.curvatures))
-        if not ratio < RADII_NEWTON.converging:
+        if not ratio < converging:
             if np.abs(p.curvatures).max() > RADII_NEWTON.closely:
                 return None
             break
