@@ -42,7 +42,7 @@ class RadiiNewtonThresholds:
     parts: int = threshold(4, "count", "Steps of the way to a metric that is not convex.")
     converging: float = threshold(0.5, "relative", "Share of the curvatures that each step leaves at most.")
     descending: float = threshold(0.9, "relative", "The same where the last matrix tells the branch.")
-    flat: float = threshold(0.1, "vertices", "Share of flat ones from which the given triangles are not tried.")
+    flat: float = threshold(0.1, "vertices", "Share of flat ones that is too much for this.")
     nearly: float = threshold(1e-4, "mean deficits", "Curvatures that end a step on the way.")
     closely: float = threshold(1e-9, "radians", "Curvatures that do not fall any more, but may be rounding.")
     settled: float = threshold(1e-12, "radians", "Curvatures that are left to the polish.")
