@@ -31,7 +31,7 @@ def test_convex_hulls_come_back_from_their_lengths(curvature, size, n, seed):
     assert surface.space == space
     assert error < 1e-12 * max(size, 1.0)
     assert not surface.concave_edges.any()
-    assert worked(surface.stages)[-1].name in ("radii", "leap")
+    assert worked(surface.stages)[-1].name in (["radii"] if size <= 1 else ["radii", "leap"])
     assert sum(stage.factorizations for stage in surface.stages) <= 5  # two by a first try
 
 

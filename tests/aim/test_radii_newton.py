@@ -3,8 +3,10 @@
 import numpy as np
 import pytest
 
+import isoembed
 import smooth_bodies
 import zoo
+from isoembed.aim import radii_newton
 from isoembed.aim.convexification import CONVEXIFICATION, Convexification
 from isoembed.aim.radii_newton import (
     _reflected,
@@ -85,6 +87,17 @@ def test_at_once_or_not_at_all():
     flat, faces, _ = box(3)
     for mesh in ((flat, faces), triangulate(HarmonicSurface(3, 2, 0.2), 500), needles()):
         assert at_once(in_units(*mesh)[1])[0] is None
+
+
+def test_what_has_too_many_negative_eigenvalues_is_left_to_flips(monkeypatch):
+    mesh = zoo.shallow_cap(51, 0.061774863832462806, 20)
+    vertices, metric = in_units(*mesh)
+    assert at_once(metric)[0] is None
+    assert smooth_bodies.misfit(isoembed.embed(metric).vertices, vertices) < 1e-10
+    monkeypatch.setattr(radii_newton, "CONVEX", 2)
+    found, _ = at_once(metric)  # it has the same lengths
+    assert np.abs(length_residuals(metric.triangulation, found, metric.lengths)).max() < 1e-12
+    assert smooth_bodies.misfit(found, vertices) > 1e-3
 
 
 def needles():

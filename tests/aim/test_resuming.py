@@ -10,6 +10,7 @@ from scipy.spatial import ConvexHull
 
 import curved_bodies
 import isoembed
+import zoo
 from isoembed import PolyhedralMetric
 from isoembed.gallery import BentTube, Drum, Ellipsoid, Ergosphere, triangulate
 from isoembed.io import read_checkpoint, write_checkpoint, write_metric
@@ -76,6 +77,19 @@ def test_from_every_checkpoint_of_a_nearly_flat_body_the_same_bits_come(method, 
     }
     for checkpoint in found[:: max(1, len(found) // 3)]:
         goes_on_to(whole, metric, method, checkpoint, tmp_path)
+
+
+def test_what_was_in_vain_is_not_tried_again():
+    vertices, faces = zoo.random_hull(200, 1)
+    metric = PolyhedralMetric.from_mesh(vertices * [20, 1, 1], faces)
+    found, _ = every_checkpoint(metric, "aim")
+    stages = [checkpoint.stage for checkpoint in found]
+    assert list(dict.fromkeys(stages)) == ["radii", "polytopes", "leap"]
+    for checkpoint in found[:: max(1, len(found) // 5)]:
+        seen: list = []
+        isoembed.embed(metric, resume=checkpoint, progress=seen.append)
+        later = {progress.checkpoint.stage for progress in seen if progress.checkpoint is not None}
+        assert later <= set(stages[stages.index(checkpoint.stage) :])
 
 
 @pytest.mark.slow

@@ -41,8 +41,8 @@ class RadiiNewtonThresholds:
 
     parts: int = threshold(4, "count", "Steps of the way to a metric that is not convex.")
     converging: float = threshold(0.5, "relative", "Share of the curvatures that each step leaves at most.")
-    descending: float = threshold(0.9, "relative", "The same where the last matrix tells the branch.")
-    flat: float = threshold(0.1, "vertices", "Share of flat ones that is too much for this.")
+    descending: float = threshold(0.9, "relative", "The same after a path without flips.")
+    flat: float = threshold(0.1, "vertices", "Share of flat ones from which that path is not tried.")
     nearly: float = threshold(1e-4, "mean deficits", "Curvatures that end a step on the way.")
     closely: float = threshold(1e-9, "radians", "Curvatures that do not fall any more, but may be rounding.")
     settled: float = threshold(1e-12, "radians", "Curvatures that are left to the polish.")
@@ -52,7 +52,7 @@ class RadiiNewtonThresholds:
     nudge: float = threshold(1e-3, "mean edge lengths", "Change of height to see curvature bend.")
     trusted: float = threshold(0.25, "heights on a sphere", "Largest branch deviation that is trusted.")
     resolved: float = threshold(0.1, "deficits", "Curvature of a vertex at which its height is decided.")
-    followed: float = threshold(0.3, "deficits", "The same where the last matrix tells the branch.")
+    followed: float = threshold(0.3, "deficits", "The same at the end of a path without flips.")
     solved: float = threshold(0.4, "relative", "Share of all work done when vertices can be placed.")
 
 
@@ -94,15 +94,16 @@ def newton_on_radii_at_once(
     Returns
     -------
     ndarray, shape (V, 3), or None
-        None where the path or Newton's method meets anything in the way, or ends with something turned
-        inside out: ``-d kappa / d r`` then has more than the one negative eigenvalue of convex bodies.
+        None where the path or Newton's method meets anything in the way, or ends where ``-d kappa / d r`` has
+        more than the one negative eigenvalue of convex bodies: there something may be turned inside out.
     """
     tables, deficits = given.half_edges(directed=False), given.deficits
     rounding = deficit_rounding(given.faces, given.face_lengths, given.curvature)
-    if np.mean(np.abs(deficits) <= rounding) > RADII_NEWTON.flat:  # where nothing determines a radius
+    flat = np.mean(np.abs(deficits) <= rounding)  # where nothing determines a radius
+    if not deficits.max() > 0 or flat > RADII_NEWTON.flat:
         return None
     near = np.full(deficits.size, HOMOTOPY.close * deficits.max())
-    if (deficits > 0).all():
+    if (deficits > rounding).all():
         near = np.minimum(near, RADII_NEWTON.followed * deficits)
     kept = log.resumed_at("radii")
     with log.stage("radii") as recorder:
@@ -115,12 +116,12 @@ def newton_on_radii_at_once(
             found = _without_curvature(
                 pinned(p, analyses, recorder), RADII_NEWTON.settled, recorder, RADII_NEWTON.descending
             )
-            if found is None:
+            if found is None or inverted_vertices(found[0].polytope).any():
                 return None
             state = found[0].refactorized(found[0].polytope, recorder)
         except SingularMatrix:
             return None
-        if state.inverse.negative_pivots != CONVEX or inverted_vertices(state.polytope).any():
+        if state.inverse.negative_pivots != CONVEX:
             return None
         vertices = outward(given.faces, realized(state, recorder))[np.argsort(numbers)]
         recorder.show(vertices=vertices, t=0.0)

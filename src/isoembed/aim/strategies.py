@@ -140,13 +140,17 @@ class Search:
     def newton_on_radii(self) -> Embedding | None:
         """Realize a metric that is convex or nearly so at once; None where that cannot be trusted."""
         convexification, given, log = self.convexification, self.convexification.given, self.log
-        if self.kept or not convexification.negative_curvature < ADAPTIVE.little:
+        begun = None if log.resumed is None else log.resumed.stage
+        if begun not in (None, *AT_ONCE, *BY_A_POLYHEDRON):  # what comes before it was in vain
             return None
-        log.expect(AT_ONCE)
+        if not convexification.negative_curvature < ADAPTIVE.little:
+            return None
         analyses = Analyses.of(given.half_edges(directed=False))
-        vertices = newton_on_radii_at_once(given, analyses, log, self.numbers)
-        if vertices is not None and (found := self.surface(vertices)).residual <= self.good:
-            return found
+        if begun not in BY_A_POLYHEDRON:
+            log.expect(AT_ONCE)
+            vertices = newton_on_radii_at_once(given, analyses, log, self.numbers)
+            if vertices is not None and (found := self.surface(vertices)).residual <= self.good:
+                return found
         log.expect(BY_A_POLYHEDRON)
         kept = log.resumed_at("leap")
         if kept is not None:

@@ -76,7 +76,10 @@ class HomotopyThresholds:
 HOMOTOPY = HomotopyThresholds()
 
 CONVEX = 1
-"""Negative eigenvalues of ``-d kappa / d r`` of convex polytopes, by the Alexandrov-Fenchel inequalities."""
+"""Negative eigenvalues of ``-d kappa / d r`` of convex polytopes, by the Alexandrov-Fenchel inequalities.
+
+With three radii pinned they are as many where the curvatures vanish.
+"""
 
 
 @dataclass(frozen=True, eq=False)
@@ -201,8 +204,8 @@ def follow_path_without_flips(
 ) -> Polytope | None:
     """Lead the curvatures over triangles as they are to where Newton's method begins.
 
-    Edges may be reflex on the way and in the end, and deficits negative.  Whether anything is turned inside
-    out, every factor tells: ``-d kappa / d r`` then has more than one negative eigenvalue.
+    Edges may be reflex on the way and in the end, and deficits negative.  The path ends where a factor has
+    more negative pivots than that of a convex polytope.
 
     Parameters
     ----------
@@ -214,7 +217,7 @@ def follow_path_without_flips(
     analyses : Analyses
         Of these triangles.
     near : ndarray, shape (V,)
-        Curvatures to which the path is followed.
+        Curvatures to which the path is followed, positive.
     resumed : Waypoint, optional
         To go on from, exactly as the path that kept it.
 
@@ -299,7 +302,7 @@ def _path(
     *,
     flips: bool = True,
 ) -> Generator[Polytope, None, None]:
-    """Lead the curvatures toward zero along ``epsilon delta``; without flips while nothing is inside out."""
+    """Lead the curvatures toward zero along ``epsilon delta``; without flips, while factors allow."""
     p = here.polytope
     epsilon = _share(p.curvatures, deficits)
     inverse: SymmetricFactor | None = None

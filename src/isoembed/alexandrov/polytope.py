@@ -53,7 +53,7 @@ class Polytope:
     Attributes
     ----------
     tables : HalfEdges
-        A weighted Delaunay triangulation for the squared radii.
+        A weighted Delaunay triangulation for the squared radii, or triangles with edges that may be reflex.
     radii : ndarray, shape (V,)
     curvatures : ndarray, shape (V,)
         kappa.

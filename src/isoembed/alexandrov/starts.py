@@ -12,7 +12,7 @@ EPS = 2.0**-52
 
 
 def equal_radii(tables: HalfEdges, ladder: tuple[float, ...]) -> list[float]:
-    """The radii of the starts, by multiples of the least, over a Delaunay triangulation.
+    """The radii of the starts, by multiples of the least, over a Delaunay triangulation or what is like one.
 
     The polytope of equal radii R exists if every circle around a triangle is smaller; and its curvatures sum
     to about ``4 pi - A / sn(R)^2``.
