@@ -1,10 +1,11 @@
-"""Newton's method on the radii of a generalized polytope, from a convex metric to the given triangles.
+"""Newton's method on the radii of a generalized polytope over the given triangles.
 
 The pyramids over the *given* triangles, of the given lengths, with a common apex, fit together in space when
 their curvatures vanish, whether the edges be convex or not (Bobenko and Izmestiev, Annales de l'Institut
-Fourier 58, 2008, who need convexity for existence only).  So the radii of a polyhedron nearby are all that
-has to be put right: one unknown a vertex, and a matrix with the pattern of the triangulation, in the place of
-three unknowns and the edges.  The positions follow at the end, all at once.
+Fourier 58, 2008, who need convexity for existence only).  So the radii are all that has to be found: one
+unknown a vertex, and a matrix with the pattern of the triangulation, in the place of three unknowns and the
+edges.  They are led there from equal radii at once, or else from those of a polyhedron nearby.  The positions
+follow at the end.
 """
 
 from dataclasses import dataclass, replace
