@@ -10,7 +10,8 @@ import smooth_bodies
 import zoo
 from isoembed.aim.adaptive import Aim
 from isoembed.aim.convexification import Convexification
-from isoembed.aim.strategies import Search
+from isoembed.aim.search import Search
+from isoembed.aim.strategies import Strategies
 from isoembed.errors import NotEmbedded
 from isoembed.gallery import (
     Bean,
@@ -120,7 +121,7 @@ def test_of_a_convex_metric_the_convex_realization_goes_before_a_smoother_one():
     vertices = np.vstack([ring, [[0, 0, 0.3], [0, 0, -0.8]]])
     faces = [[i, (i + 1) % 5, 5] for i in range(5)] + [[(i + 1) % 5, i, 6] for i in range(5)]
     metric = PolyhedralMetric.from_mesh(vertices, faces)
-    search = Search(metric, 1e-10, Log(), "aim")
+    search = Strategies(Search(metric, 1e-10, Log(), "aim"))
     tip_in = vertices * np.where(np.arange(7) == 5, -1, 1)[:, None]  # it has the same lengths
     search.surfaces = [search.surface(tip_in), search.surface(vertices)]
     found = search.smoothest()

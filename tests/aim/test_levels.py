@@ -5,8 +5,10 @@ import pytest
 
 import smooth_bodies
 from isoembed import Aim, embed
-from isoembed.aim import levels, strategies
+from isoembed.aim import levels
 from isoembed.aim.levels import PullBackLevels, goes_by_levels, pulled_back_by_levels
+from isoembed.aim.search import Search
+from isoembed.aim.strategies import Strategies
 from isoembed.gallery import CassiniPeanut, triangulate
 from isoembed.linalg import SingularMatrix
 from isoembed.metric.polyhedral import PolyhedralMetric
@@ -20,7 +22,7 @@ def peanut():
     x, faces = triangulate(CassiniPeanut(), 3000)
     metric = PolyhedralMetric.from_mesh(x, faces)
     x, metric = x / metric.unit, metric.normalized
-    return metric, strategies.Search(metric, 1e-9, Log(), "aim").convex_start(), x
+    return metric, Strategies(Search(metric, 1e-9, Log(), "aim")).convex_start(), x
 
 
 @pytest.fixture

@@ -8,14 +8,8 @@ import smooth_bodies
 import zoo
 from isoembed.aim import radii_newton
 from isoembed.aim.convexification import CONVEXIFICATION, Convexification
-from isoembed.aim.radii_newton import (
-    _reflected,
-    _without_curvature,
-    inverted_vertices,
-    newton_on_radii,
-    newton_on_radii_at_once,
-    radii_start,
-)
+from isoembed.aim.radii_leap import _reflected, newton_on_radii, radii_start
+from isoembed.aim.radii_newton import inverted_vertices, newton_on_radii_at_once, without_curvature
 from isoembed.alexandrov import homotopy
 from isoembed.alexandrov.newton import Analyses, pinned
 from isoembed.alexandrov.placement import realized
@@ -193,7 +187,7 @@ def test_a_vertex_that_went_in_comes_out(rank):
     recorder = smooth_bodies.recorder()
     p = Polytope.on(tables, np.linalg.norm(pushed, axis=1))
     start = pinned(p, Analyses.of(tables), recorder)
-    inside, _ = _without_curvature(start, 1e-12, recorder)
+    inside, _ = without_curvature(start, 1e-12, recorder)
     assert np.flatnonzero(inverted_vertices(inside.polytope)).tolist() == [v]
     outside = _reflected(inside, recorder)
     assert not inverted_vertices(outside.polytope).any()

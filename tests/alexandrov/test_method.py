@@ -12,7 +12,7 @@ from hypothesis import strategies as st
 import isoembed
 import zoo
 from isoembed import Alexandrov, ConvexPolyhedron, GluedMetric, PolyhedralMetric, embed
-from isoembed.alexandrov import newton, placement
+from isoembed.alexandrov import newton, relaxation
 from isoembed.metric.convexity import noise_level
 from lost_edges import octahedron_with_a_lost_edge
 from scrambling import scramble
@@ -255,7 +255,7 @@ def test_a_glued_metric_needs_this_method():
 
 def test_failure_is_reported_with_what_there_is(monkeypatch):
     monkeypatch.setattr(newton, "NEWTON", replace(newton.NEWTON, steps=0))
-    monkeypatch.setattr(placement, "PLACEMENT", replace(placement.PLACEMENT, relaxations=0))
+    monkeypatch.setattr(relaxation, "NEARLY_FLAT", replace(relaxation.NEARLY_FLAT, relaxations=0))
     vertices, faces = grid_cube(2)
     metric = PolyhedralMetric.from_mesh(vertices, faces)
     with pytest.raises(isoembed.NotEmbedded, match="no polytope without curvature") as failure:
@@ -299,7 +299,7 @@ def test_shallow_caps_are_finished_by_their_lengths_where_newton_stalls(seed):
 
 def test_what_failed_is_no_success_however_near_its_lengths(monkeypatch):
     monkeypatch.setattr(newton, "NEWTON", replace(newton.NEWTON, steps=0))
-    monkeypatch.setattr(placement, "PLACEMENT", replace(placement.PLACEMENT, relaxations=0))
+    monkeypatch.setattr(relaxation, "NEARLY_FLAT", replace(relaxation.NEARLY_FLAT, relaxations=0))
     with pytest.raises(isoembed.NotEmbedded, match="no polytope without curvature"):
         embed(PolyhedralMetric.from_mesh(*zoo.icosahedron()), method="alexandrov", tolerance=1.0)
 

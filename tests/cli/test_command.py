@@ -421,12 +421,16 @@ def test_start_imports_nothing_heavy(option):
     subprocess.run([sys.executable, "-c", code, option], check=True, capture_output=True)
 
 
-def test_embed_starts_without_what_only_nets_need():
+def test_a_convex_surface_is_found_without_what_only_others_need(here):
     program = (
-        "import sys, isoembed.cli.embed; "
-        "print(*{'isoembed.gluing', 'scipy.optimize', 'scipy.spatial'} & set(sys.modules))"
+        "import sys; from isoembed.cli import main; assert main(sys.argv[1:]) == 0; "
+        "print(*{'isoembed.gluing', 'isoembed.aim.strategies', 'isoembed.alexandrov.method', "
+        "'isoembed.surface.certificate', 'isoembed.surface.rigidity', 'isoembed.plot.picture', "
+        "'scipy.optimize', 'scipy.spatial', 'scipy.sparse.csgraph', 'numpy.f2py.crackfortran', "
+        "'numpy.testing._private'} & set(sys.modules))"
     )
-    found = subprocess.run([sys.executable, "-c", program], capture_output=True, text=True, check=True)
+    command = [sys.executable, "-c", program, "embed", "metric.json", "-o", "surface.ply"]
+    found = subprocess.run(command, capture_output=True, text=True, check=True)
     assert found.stdout.strip() == ""
 
 

@@ -121,6 +121,25 @@ def test_what_was_kept_can_be_compiled_with_others(place):
     assert call(place, script)[1]  # compiled with a kept one, for other numbers too
 
 
+def test_what_was_kept_is_loaded_without_what_numba_compiles_arrays_with(place):
+    (place / "source" / "spread.py").write_text(
+        MODULE.replace("halved(a)", "spread(a)")
+        .replace("a / 2", "np.linspace(0.0, a.sum(), 3).max() + np.zeros(2).sum()")
+        .replace("\n@", "\nimport numpy as np\n\n@")
+    )
+    script = (
+        SCRIPT
+        + """
+import numpy as np
+from spread import spread
+assert spread(np.ones(3)) == 3.0
+hit = sum(spread.stats.cache_hits.values())
+assert ("numba.np.arrayobj" in sys.modules) is not bool(hit)
+"""
+    )
+    assert [call(place, script)[1] for _ in range(2)] == [False, True]
+
+
 def test_what_an_interruption_leaves_is_told_the_next_time(monkeypatch):
     told = []
 

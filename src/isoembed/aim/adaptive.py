@@ -17,8 +17,7 @@ from typing import ClassVar
 import numpy as np
 
 from isoembed._embed import Method
-from isoembed.aim.diagnosis import diagnosis
-from isoembed.aim.strategies import ADAPTIVE, Search
+from isoembed.aim.search import Search
 from isoembed.errors import InvalidParameter
 from isoembed.metric.polyhedral import PolyhedralMetric
 from isoembed.progress.stages import Log
@@ -64,24 +63,9 @@ class Aim(Method):
             attempt, with a diagnosis, or the best fit.
         """
         search = Search(metric, tolerance, log, self.name)
-        exact = search.newton_on_radii()
-        if exact is not None:
-            return exact.with_stages(log.stages)
-        search.start = search.convex_start()
-        if not search.newton_on_lengths():
-            search.continue_regularized()
-        embedding = search.smoothest()
-        first = log.factorizations
-        most = (2 + min(self.effort, ADAPTIVE.patches)) * first  # of what was done so far, and what follows
-        if embedding.residual > search.good and self.effort > 0:
-            search.turn_patches(most)
-            embedding = search.smoothest()
-        if embedding.residual > search.good:
-            fitted = search.best_fit(np.inf if self.best_fit else most)
-            if self.effort > 1:
-                search.change_sides(self.effort * first)
-            embedding = search.smoothest()
-            if not embedding.converged:
-                told = embedding.with_message(diagnosis(embedding, fitted, self.effort))
-                embedding = fitted if self.best_fit and fitted is not None else told
+        embedding = search.realized_at_once()
+        if embedding is None:
+            from isoembed.aim.strategies import Strategies  # slow to import, and convex bodies do without
+
+            embedding = Strategies(search).run(self.best_fit, self.effort)
         return embedding.with_stages(log.stages)

@@ -15,7 +15,6 @@ from typing import cast
 
 import numpy as np
 from scipy.sparse import csc_array, diags_array
-from scipy.sparse.linalg import cg
 
 from isoembed.arrays import Floats
 from isoembed.errors import InvalidMetric
@@ -218,6 +217,8 @@ class _Delaunay:
 
     def steady(self, diagonal: Floats, sources: Floats, recorder: StageRecorder) -> Floats:
         """Solve with the Laplacian and this on its diagonal: without factoring, as long as it is large."""
+        from scipy.sparse.linalg import cg  # slow to import, and convex metrics do without
+
         matrix, t = self.shifted(cotangent_laplacian(self.metric), diagonal), CONVEXIFICATION
         jacobi = diags_array(1 / matrix.diagonal())
         found, failed = cg(matrix, sources, rtol=t.diffused, maxiter=t.most, M=jacobi)

@@ -3,9 +3,9 @@
 from dataclasses import dataclass
 
 import numpy as np
-from scipy.sparse.csgraph import connected_components
 
 from isoembed.arrays import Mask
+from isoembed.mesh.components import connected_parts
 from isoembed.metric.curvature import deficits, negative_deficits
 from isoembed.metric.polyhedral import PolyhedralMetric
 from isoembed.surface.embedding import Embedding
@@ -58,7 +58,7 @@ def _curvature(metric: PolyhedralMetric, unlike: bool) -> list[str]:
     negative = negative_deficits(metric)
     if not negative.any():
         return ["No deficit is negative: --method alexandrov is for the convex polyhedron of such lengths"]
-    regions = connected_components(metric.triangulation.adjacency[negative][:, negative])[0]
+    regions = len(connected_parts(metric.triangulation.adjacency, negative))
     found = _negative(metric, negative, regions)
     if unlike:
         return [found]

@@ -17,7 +17,6 @@ from isoembed.thresholds import threshold
 class LengthsNewtonThresholds:
     """Thresholds of Newton's method on the lengths."""
 
-    exact: float = threshold(1e-11, "mean edge lengths", "A start this good is left alone.")
     decided: float = threshold(1e-4, "mean edge lengths", "Residual below which it is decided where it goes.")
     converging: float = threshold(0.5, "relative", "Share of the residual that each step leaves at most.")
     lost: float = threshold(0.5, "mean edge lengths", "From a larger residual it is taken for lost.")

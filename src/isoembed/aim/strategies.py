@@ -1,8 +1,7 @@
-"""What the adaptive method tries, and what it finds."""
+"""What the adaptive method tries where metrics are not convex, or not realized at once; and what it finds."""
 
 from collections.abc import Mapping
 from contextlib import suppress
-from dataclasses import dataclass
 from functools import cached_property
 from typing import Any
 
@@ -11,18 +10,19 @@ from numpy.typing import NDArray
 
 from isoembed.aim.anneal import ANNEALING, anneal
 from isoembed.aim.best_fit import best_fit
-from isoembed.aim.convexification import CONVEXIFICATION, Convexification
+from isoembed.aim.convexification import CONVEXIFICATION
+from isoembed.aim.diagnosis import diagnosis
 from isoembed.aim.flipped_vertices import with_flipped_vertices
 from isoembed.aim.lengths_newton import LENGTHS_NEWTON, newton_on_lengths
 from isoembed.aim.levels import goes_by_levels, pulled_back_by_levels
 from isoembed.aim.local_search import LOCAL_SEARCH, local_search
 from isoembed.aim.mirrored_patches import mirrored_realizations
 from isoembed.aim.nearby_realizations import NEARBY, nearby_realizations
-from isoembed.aim.radii_newton import RADII_NEWTON, newton_on_radii, newton_on_radii_at_once, radii_start
+from isoembed.aim.radii_leap import RADII_LEAP, newton_on_radii, radii_start
 from isoembed.aim.regularized_continuation import Continued, log_linear, regularized_continuation
 from isoembed.aim.regularized_energy import RegularizedEnergy
+from isoembed.aim.search import ADAPTIVE, AT_ONCE, Search
 from isoembed.alexandrov.method import Alexandrov
-from isoembed.alexandrov.newton import Analyses
 from isoembed.arrays import Floats
 from isoembed.errors import InvalidMetric, NotEmbedded
 from isoembed.linalg import SingularMatrix
@@ -30,31 +30,12 @@ from isoembed.metric.conformal_sphere import conformal_sphere
 from isoembed.metric.curvature import area
 from isoembed.metric.delaunay import delaunay
 from isoembed.metric.dents import dents
-from isoembed.metric.glued import GluedMetric
 from isoembed.metric.polyhedral import PolyhedralMetric
 from isoembed.progress.stages import Log, StageRecorder
 from isoembed.surface.embedding import Embedding
 from isoembed.surface.fitted import FittedSurface
 from isoembed.surface.measures import outward
 from isoembed.surface.rigidity import LengthSystem
-from isoembed.thresholds import threshold
-
-
-@dataclass(frozen=True)
-class AdaptiveThresholds:
-    """Thresholds of the adaptive method."""
-
-    little: float = threshold(0.03, "4 pi", "Most negative curvature of a metric that may be nearly convex.")
-    placed: float = threshold(1e-10, "mean edge lengths", "Residual asked of the convex polyhedron.")
-    nearly: float = threshold(1e-6, "mean edge lengths", "Most residual between two realizations.")
-    same: float = threshold(1e-7, "mean edge lengths", "Surfaces as near as this are one.")
-    fit: int = threshold(36, "count", "Factorizations of the best fit at most, as a rule.")
-    patches: float = threshold(
-        10.0, "relative", "Effort at most for patches and the best fit: more does not make them better."
-    )
-
-
-ADAPTIVE = AdaptiveThresholds()
 
 SOUGHT = (
     f"others were sought along the {NEARBY.motions} softest motions, within {NEARBY.near:g} mean edge "
@@ -62,7 +43,6 @@ SOUGHT = (
 )
 
 # Seconds that stages take as a rule, 40,000 vertices, for the time left.
-AT_ONCE = {"radii": 1.0}
 BY_A_POLYHEDRON = {"nearest waypoint": 0.5, "polytopes": 1.0, "leap": 0.8}
 PULL_BACK = {
     "waypoint": 1.0,
@@ -85,23 +65,17 @@ def _kept(log: Log) -> Mapping[str, NDArray[Any]]:
     return next((kept for stage in stages if (kept := log.resumed_at(stage)) is not None), {})
 
 
-class Search:
-    """The search for the surface of a metric: what its strategies share, and what they found.
+class Strategies:
+    """What the adaptive method tries where the given triangles do not lead to the surface at once.
 
     Parameters
     ----------
-    metric : PolyhedralMetric
-    tolerance : float
-    log : Log
-    name : str
-        Of the method, which the surfaces bear.
+    search : Search
 
     Attributes
     ----------
     start : ndarray, shape (V, 3)
         A convex surface near the one that is sought.
-    numbers : ndarray of int, shape (V,)
-        The vertices in the order of the `convexification`, in which what is near is near in memory.
     surfaces : list of Embedding
         What was found, in order.
     smooth : ndarray, shape (V, 3), or None
@@ -112,13 +86,10 @@ class Search:
 
     start: Floats
 
-    def __init__(self, metric: PolyhedralMetric, tolerance: float, log: Log, name: str) -> None:
-        self.metric, self.tolerance, self.log, self.name = metric, tolerance, log, name
-        self.good = max(tolerance, LENGTHS_NEWTON.exact)  # below that, the tolerance is beyond rounding
-        tables = GluedMetric.of(metric).half_edges(directed=False)
-        self.numbers = tables.order_in_memory()
-        self.convexification = Convexification(GluedMetric.flipped(tables.in_order(self.numbers)))
-        self.kept = _kept(log)
+    def __init__(self, search: Search) -> None:
+        self.search, self.metric, self.log = search, search.metric, search.log
+        self.good, self.surface = search.good, search.surface
+        self.kept = _kept(search.log)
         self.surfaces: list[Embedding] = []
         self.smooth: Floats | None = None
         self.sought = False
@@ -133,24 +104,36 @@ class Search:
         """The regularized energy about the start."""
         return RegularizedEnergy(self.metric, self.start)
 
-    def surface(self, vertices: Floats) -> Embedding:
-        """The surface with these vertices."""
-        return Embedding(self.metric, vertices, method=self.name, tolerance=self.tolerance)
+    def run(self, best_fit: bool, effort: float) -> Embedding:
+        """Try one after the other; the parameters are those of `isoembed.Aim`."""
+        found = self.leap()
+        if found is not None:
+            return found
+        self.start = self.convex_start()
+        if not self.newton_on_lengths():
+            self.continue_regularized()
+        embedding = self.smoothest()
+        first = self.log.factorizations
+        most = (2 + min(effort, ADAPTIVE.patches)) * first  # of what was done so far, and what follows
+        if embedding.residual > self.good and effort > 0:
+            self.turn_patches(most)
+            embedding = self.smoothest()
+        if embedding.residual > self.good:
+            fitted = self.best_fit(np.inf if best_fit else most)
+            if effort > 1:
+                self.change_sides(effort * first)
+            embedding = self.smoothest()
+            if not embedding.converged:
+                told = embedding.with_message(diagnosis(embedding, fitted, effort))
+                embedding = fitted if best_fit and fitted is not None else told
+        return embedding
 
-    def newton_on_radii(self) -> Embedding | None:
-        """Realize a metric that is convex or nearly so at once; None where that cannot be trusted."""
-        convexification, given, log = self.convexification, self.convexification.given, self.log
-        begun = None if log.resumed is None else log.resumed.stage
-        if begun not in (None, *AT_ONCE, *BY_A_POLYHEDRON):  # what comes before it was in vain
+    def leap(self) -> Embedding | None:
+        """Realize a metric that is convex or nearly so by a polyhedron; None where that cannot be trusted."""
+        search, log = self.search, self.log
+        if log.begun not in (None, *AT_ONCE, *BY_A_POLYHEDRON) or not search.is_nearly_convex:
             return None
-        if not convexification.negative_curvature < ADAPTIVE.little:
-            return None
-        analyses = Analyses.of(given.half_edges(directed=False))
-        if begun not in BY_A_POLYHEDRON:
-            log.expect(AT_ONCE)
-            vertices = newton_on_radii_at_once(given, analyses, log, self.numbers)
-            if vertices is not None and (found := self.surface(vertices)).residual <= self.good:
-                return found
+        convexification, given = search.convexification, search.convexification.given
         log.expect(BY_A_POLYHEDRON)
         kept = log.resumed_at("leap")
         if kept is not None:
@@ -158,27 +141,27 @@ class Search:
         else:
             with log.stage("nearest waypoint") as recorder:
                 convex = convexification.metric(CONVEXIFICATION.near, recorder)
-            start = None if convex is None else radii_start(given, convex, analyses, log)
+            start = None if convex is None else radii_start(given, convex, search.analyses, log)
         if start is None:
             return None
         if convexification.is_convex and start.ndim == 2:
             polyhedron = self.polyhedron(self.in_given_order(start))
             if polyhedron is not None:
                 return polyhedron
-        solution = newton_on_radii(given, start, analyses, log, self.numbers)
-        if solution is None or not solution.branch_deviation < RADII_NEWTON.trusted:
+        solution = newton_on_radii(given, start, search.analyses, log, search.numbers)
+        if solution is None or not solution.branch_deviation < RADII_LEAP.trusted:
             return None
         found = self.surface(solution.vertices)
         return found if found.residual <= self.good else None
 
     def in_given_order(self, vertices: Floats) -> Floats:
         """What the convexification has by its own numbers."""
-        return vertices[np.argsort(self.numbers)]
+        return vertices[np.argsort(self.search.numbers)]
 
     def polyhedron(self, vertices: Floats) -> Embedding | None:
         """The polyhedron of a convex metric, if it has the given triangles, or others of its faces."""
         found = self.surface(vertices)
-        if LENGTHS_NEWTON.exact < found.residual < ADAPTIVE.nearly:
+        if ADAPTIVE.exact < found.residual < ADAPTIVE.nearly:
             with self.log.stage("polish") as recorder:
                 polished = self.surface(anneal(self.system, vertices, self.metric.lengths, recorder).vertices)
             if not polished.concave_edges.any():
@@ -195,7 +178,7 @@ class Search:
         if self.kept:
             return self.kept["start"]
         with self.log.stage("waypoint") as recorder:
-            convex = self.convexification.metric(CONVEXIFICATION.far, recorder)
+            convex = self.search.convexification.metric(CONVEXIFICATION.far, recorder)
         if convex is not None:
             method = Alexandrov()
             try:
@@ -203,7 +186,7 @@ class Search:
                 return self.in_given_order(convex.unit * found.vertices)
             except NotEmbedded as failure:
                 found = failure.embedding
-                return self.in_given_order(convex.unit * found.vertices[: self.numbers.size])
+                return self.in_given_order(convex.unit * found.vertices[: self.search.numbers.size])
             except InvalidMetric:  # so thin that fewer than three vertices have a deficit beyond rounding
                 pass
         faces = self.metric.faces
@@ -221,13 +204,13 @@ class Search:
                 self.system,
                 self.start,
                 self.metric.lengths,
-                min(self.tolerance, LENGTHS_NEWTON.exact),
+                min(self.search.tolerance, ADAPTIVE.exact),
                 recorder,
             )
             if solution is not None:
                 recorder.show(t=0.0, vertices=solution.vertices)
                 self.surfaces.append(self.surface(solution.vertices))
-        convex = self.convexification.is_convex
+        convex = self.search.convexification.is_convex
         if convex and self.is_exact(polyhedron := self.surface(self.start)):
             self.surfaces.append(polyhedron)
             return True
@@ -260,7 +243,7 @@ class Search:
                     surface.vertices,
                     self.metric.lengths,
                     recorder,
-                    residual_tolerance=LENGTHS_NEWTON.exact,
+                    residual_tolerance=ADAPTIVE.exact,
                 )
             self.surfaces += [self.surface(vertices) for vertices in met]
             self.sought = True
@@ -293,7 +276,7 @@ class Search:
             return
         start = min(self.surfaces, key=lambda surface: surface.residual).vertices
         left = most - self.log.factorizations - ADAPTIVE.fit
-        if self.numbers.size > LOCAL_SEARCH.coarse:
+        if self.search.numbers.size > LOCAL_SEARCH.coarse:
             start = start if self.smooth is None else self.smooth
         with self.log.stage("local search") as recorder:
             found = local_search(
@@ -343,8 +326,8 @@ class Search:
             fit.vertices,
             noise=fit.noise,
             weight=fit.weight,
-            method=self.name,
-            tolerance=self.tolerance,
+            method=self.search.name,
+            tolerance=self.search.tolerance,
         )
 
     def smoothest(self) -> Embedding:
@@ -360,7 +343,7 @@ class Search:
         if not different:
             return min(self.surfaces, key=lambda surface: surface.residual)
         if len(different) > 1:
-            convex = self.convexification.is_convex
+            convex = self.search.convexification.is_convex
             different.sort(key=lambda s: (convex and s.concave_edges.any(), s.fine_roughness))
         found = different[0].with_others(different[1:])
         return found.with_message(f"{found.message}; {SOUGHT}") if self.sought else found

@@ -5,10 +5,9 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from scipy.sparse import coo_array
-from scipy.sparse.csgraph import connected_components
 
 from isoembed.arrays import Indices, Mask
+from isoembed.mesh.components import components
 from isoembed.mesh.triangulation import Triangulation
 
 
@@ -44,8 +43,7 @@ class Cells:
     def across(cls, triangulation: Triangulation, flat: Mask) -> Cells:
         """Put faces together across the given edges, shape (E,)."""
         t = triangulation
-        links = coo_array((np.ones(flat.sum()), t.edge_faces[flat].T), shape=(t.n_faces, t.n_faces))
-        labels = connected_components(links, directed=False)[1].astype(np.int64)
+        labels = components(t.edge_faces[flat, 0], t.edge_faces[flat, 1], t.n_faces)
         _, first, sizes = np.unique(labels, return_index=True, return_counts=True)
 
         outer = np.flatnonzero(~flat[t.face_edges.ravel()])

@@ -7,8 +7,6 @@ already lie on the two sheets, and the polygon can be read off.
 from dataclasses import dataclass
 
 import numpy as np
-from scipy.sparse import coo_array
-from scipy.sparse.csgraph import connected_components
 
 from isoembed.alexandrov.ambient import away_from_apex
 from isoembed.alexandrov.lengths import worst_length
@@ -17,6 +15,7 @@ from isoembed.arrays import Floats, Indices, Mask
 from isoembed.intrinsic.delaunay import make_delaunay, tilts
 from isoembed.intrinsic.flips import flip
 from isoembed.intrinsic.halfedges import HalfEdges, set_directions
+from isoembed.mesh.components import components
 from isoembed.metric.curvature import Triangles
 from isoembed.space import Space
 from isoembed.thresholds import threshold
@@ -145,9 +144,7 @@ def _laid_out(space: Space, sides: Floats, exterior: Floats) -> Floats | None:
 def _sheet(tables: HalfEdges, folds: Mask) -> Indices:
     """Which side of the folds each face is on, shape (F,)."""
     inside = np.flatnonzero(~folds)
-    faces = tables.corners.size // 3
-    graph = coo_array((np.ones(inside.size), (inside // 3, tables.twins[inside] // 3)), shape=(faces, faces))
-    return connected_components(graph)[1].astype(np.int64)
+    return components(inside // 3, tables.twins[inside] // 3, tables.corners.size // 3)
 
 
 def _boundary(tables: HalfEdges, folds: Mask) -> Indices | None:

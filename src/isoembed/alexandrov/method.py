@@ -16,9 +16,10 @@ from isoembed.alexandrov.doubly_covered import FLAT_LIMIT, DoublyCovered, doubly
 from isoembed.alexandrov.homotopy import Stalled, Waypoint, follow_path
 from isoembed.alexandrov.lengths import rounding_size, worst_length
 from isoembed.alexandrov.newton import Solution
-from isoembed.alexandrov.placement import PLACEMENT, Relaxed, realized, relaxed, relaxed_polytope
+from isoembed.alexandrov.placement import realized
 from isoembed.alexandrov.polyhedron import ConvexPolyhedron, metric_on
 from isoembed.alexandrov.polytope import Polytope
+from isoembed.alexandrov.relaxation import NEARLY_FLAT, Relaxed, relaxed, relaxed_polytope
 from isoembed.alexandrov.tetrahedron import tetrahedron
 from isoembed.arrays import Floats, Indices, Mask
 from isoembed.errors import InvalidMetric, InvalidParameter, NotEmbedded
@@ -228,9 +229,9 @@ class _Search:
         A polygon whose lengths are right to twelve digits swells, and has dents where it should be flat.
         """
         body = relaxed_polytope(nearest, recorder)
-        if body is not None and body.dent <= PLACEMENT.shallow:
+        if body is not None and body.dent <= NEARLY_FLAT.shallow:
             return body
-        flat, most = flat_limit(nearest), self.tolerance if body is None else PLACEMENT.exact
+        flat, most = flat_limit(nearest), self.tolerance if body is None else NEARLY_FLAT.exact
         return flat if flat is not None and flat.error <= most else body
 
     def _failure(self, core: Indices, nearest: Polytope | None, message: str) -> Embedding:

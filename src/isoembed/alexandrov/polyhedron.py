@@ -19,8 +19,8 @@ from isoembed.metric.polyhedral import PolyhedralMetric
 from isoembed.metric.repair import Repair
 from isoembed.space import Space
 from isoembed.strict_json import plain
+from isoembed.surface.checked import checked
 from isoembed.surface.convexity import dent_depths
-from isoembed.surface.derivatives import checked
 from isoembed.surface.embedding import Embedding
 from isoembed.surface.polyhedron import Polyhedron
 from isoembed.surface.segments import Segments

@@ -12,7 +12,8 @@ from isoembed.arrays import Floats
 from isoembed.errors import InvalidParameter
 from isoembed.linalg import SingularMatrix
 from isoembed.surface.alignment import aligned
-from isoembed.surface.derivatives import LengthDerivatives, checked
+from isoembed.surface.checked import checked
+from isoembed.surface.derivatives import LengthDerivatives
 from isoembed.surface.embedding import Embedding
 from isoembed.surface.rigidity import LengthSystem, length_residuals
 from isoembed.thresholds import threshold

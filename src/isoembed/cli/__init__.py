@@ -91,12 +91,15 @@ def _loaded(name: str) -> ModuleType:
         A limit on the address space leaves no room for them.
     """
     limit = _address_space()
+    if limit is not None and limit < ADDRESS_SPACE:
+        raise UsageError(f"an address space of {limit} bytes is too small: libraries need {ADDRESS_SPACE}")
+    from isoembed.cli.lazy_numpy import import_lazily
+
+    import_lazily()
     if limit is None:
         from isoembed.linalg.memory import keep_freed_memory
 
         keep_freed_memory()
-    elif limit < ADDRESS_SPACE:
-        raise UsageError(f"an address space of {limit} bytes is too small: libraries need {ADDRESS_SPACE}")
     return import_module(f"isoembed.cli.{name}")
 
 

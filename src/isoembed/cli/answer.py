@@ -11,14 +11,13 @@ from typing import Any
 import isoembed
 from isoembed.cli.options import add_json_option, add_output_option, add_quiet_option
 from isoembed.cli.outputs import Outputs
-from isoembed.cli.pictures import PICTURES, add_picture_options, check_pictures, picture_writers
+from isoembed.cli.pictures import PICTURES, add_picture_options, check_pictures, film, picture_writers
 from isoembed.cli.screen import UsageError, print_aside, print_error, print_json, print_out
 from isoembed.cli.status import NOT_EMBEDDED, OK
 from isoembed.cli.summary import summary
 from isoembed.errors import NotEmbedded
 from isoembed.io import REPORT_ENDINGS, SURFACE_ENDINGS, report_writer, surface_writer
 from isoembed.io.files import Writer
-from isoembed.plot.film import Film
 from isoembed.progress import bar
 from isoembed.progress.stages import Listener, Progress
 
@@ -84,11 +83,11 @@ def answer(
     int
         The exit status.
     """
-    film = Film() if outputs.keys() & {"html", "animate"} else None
-    embedding, failure = solved(solve, film, quiet=options.quiet)
+    seen = film(options)
+    embedding, failure = solved(solve, seen, quiet=options.quiet)
     if failure is None or options.keep:
         beside["output"] = lambda path: surface_writer(path, embedding)
-        beside |= picture_writers(options, embedding, film)
+        beside |= picture_writers(options, embedding, seen)
 
     @cache
     def report() -> Mapping[str, Any]:  # it takes a while: only if it is asked for
@@ -111,13 +110,16 @@ def answer(
 
 
 def solved(
-    solve: Callable[[Listener | None], isoembed.Embedding], film: Film | None = None, *, quiet: bool = False
+    solve: Callable[[Listener | None], isoembed.Embedding],
+    seen: Listener | None = None,
+    *,
+    quiet: bool = False,
 ) -> tuple[isoembed.Embedding, str | None]:
     """Solve under a live view; return the surface, or the best attempt and why it is no answer."""
     try:
         watched = not quiet and sys.stderr is not None and sys.stderr.isatty()
         with bar() if watched else nullcontext() as view:
-            return solve(heard_by(view, film)), None
+            return solve(heard_by(view, seen)), None
     except NotEmbedded as error:
         return error.embedding, str(error)
 

@@ -14,7 +14,7 @@ from isoembed.cli.screen import UsageError, print_error
 from isoembed.errors import Interrupted
 from isoembed.io import MESH_ENDINGS, FileError, read_checkpoint, read_metric
 from isoembed.progress.stages import Listener
-from isoembed.surface.deviation import checked_errors
+from isoembed.surface.checked import checked_errors
 
 
 def configure(parser: argparse.ArgumentParser) -> None:

@@ -57,7 +57,7 @@ from isoembed.smooth.grid_metric import GridMetric
 from isoembed.smooth.two_metric import TwoMetric
 from isoembed.space import Space
 from isoembed.space.models import to_model
-from isoembed.surface.deviation import checked_errors
+from isoembed.surface.checked import checked_errors
 from isoembed.surface.smooth_integrals import Lengths
 
 OF_METRIC = ("merge", "mean_curvature", "momentum", "normal_momentum", "lengths", "length_error")

@@ -1,18 +1,21 @@
-"""The pictures, pages and films that a command makes of its answer."""
+"""The pictures, pages and films that a command makes of its answer: what draws them is imported for them."""
+
+from __future__ import annotations
 
 import argparse
 from collections.abc import Callable, Sequence
 from functools import cache
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 from isoembed.cli.screen import UsageError
 from isoembed.io.files import Writer
-from isoembed.plot.animation import ANIMATION_ENDINGS, animation_writer, check_animation
-from isoembed.plot.film import Film, Frame
-from isoembed.plot.page import PAGE_ENDINGS, page_writer
-from isoembed.plot.picture import PICTURE_ENDINGS, check_drawable, picture_writer
+from isoembed.plot.endings import ANIMATION_ENDINGS, PAGE_ENDINGS, PICTURE_ENDINGS
 from isoembed.plot.quantity import MEAN_CURVATURE, QUANTITIES
 from isoembed.surface.embedding import Embedding
+
+if TYPE_CHECKING:
+    from isoembed.plot.film import Film, Frame
 
 PICTURES = {"picture": PICTURE_ENDINGS, "html": PAGE_ENDINGS, "animate": ANIMATION_ENDINGS}
 
@@ -60,21 +63,37 @@ def check_pictures(options: argparse.Namespace) -> None:
         Naming what is missing.
     """
     if options.picture:
+        from isoembed.plot.picture import check_drawable
+
         check_drawable()
     if options.animate:
+        from isoembed.plot.animation import check_animation
+
         check_animation(options.animate)
     if options.color and not options.picture:
         raise UsageError("--color needs a --picture whose colors it chooses")
 
 
+def film(options: argparse.Namespace) -> Film | None:
+    """What listens for the surfaces on the way, if they are to be shown."""
+    if not (options.html or options.animate):
+        return None
+    from isoembed.plot.film import Film
+
+    return Film()
+
+
 def picture_writers(
-    options: argparse.Namespace, embedding: Embedding, film: Film | None
+    options: argparse.Namespace, embedding: Embedding, seen: Film | None
 ) -> dict[str, Callable[[Path], Writer]]:
-    """Makers of the pictures, by the names of their options."""
+    """Makers of the pictures that are asked for, by the names of their options."""
+    if not any(getattr(options, name) for name in PICTURES):
+        return {}
+    from isoembed.plot import animation_writer, page_writer, picture_writer
 
     @cache
     def frames() -> Sequence[Frame]:
-        return () if film is None else film.frames(embedding)
+        return () if seen is None else seen.frames(embedding)
 
     return {
         "picture": lambda path: picture_writer(path, embedding, color=options.color or MEAN_CURVATURE),

@@ -7,8 +7,6 @@ from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike
-from scipy.sparse import coo_array
-from scipy.sparse.csgraph import connected_components
 
 from isoembed.arrays import Floats, Indices, Mask
 from isoembed.errors import InvalidMetric, InvalidParameter
@@ -16,6 +14,7 @@ from isoembed.gluing.named_corners import check_together, faced_alike, read_name
 from isoembed.gluing.polygon import Polygon, distances, shape_of, side_lengths
 from isoembed.gluing.runs import Run, cut, read_sides
 from isoembed.intrinsic.ears import triangulated, twins_inside
+from isoembed.mesh.components import components
 from isoembed.mesh.triangulation import frozen
 from isoembed.metric.glued import GluedMetric
 from isoembed.space import Space
@@ -209,9 +208,8 @@ def _glued_points(first: Indices, mates: Indices, corners: Indices) -> Indices:
     """
     n = len(mates)
     owners = np.repeat(np.arange(len(first) - 1), np.diff(first))
-    parts, part = connected_components(
-        coo_array((np.ones(n), (owners, owners[mates])), shape=(len(first) - 1,) * 2)
-    )
+    part = components(owners, owners[mates], len(first) - 1)
+    parts = int(part.max()) + 1
     if parts > 1:
         raise InvalidMetric(
             f"the polygons make {parts} surfaces, not one: "
@@ -219,7 +217,8 @@ def _glued_points(first: Indices, mates: Indices, corners: Indices) -> Indices:
         )
     ends = np.arange(1, n + 1)
     ends[first[1:] - 1] = first[:-1]
-    count, classes = connected_components(coo_array((np.ones(n), (np.arange(n), ends[mates])), shape=(n, n)))
+    classes = components(np.arange(n), ends[mates], n)
+    count = int(classes.max()) + 1
     euler = count - n // 2 + len(first) - 1
     if euler != 2:
         raise InvalidMetric(

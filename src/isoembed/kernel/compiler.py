@@ -87,6 +87,12 @@ class _Library(JITCodeLibrary):
 class _Implementation(CompileResultCacheImpl):
     _locator_classes = [_Locator]  # noqa: RUF012
 
+    def reduce(self, compiled: Any) -> Any:
+        # To load an environment is to import its module: of numba's own functions all that implements arrays,
+        # and scipy.linalg with it, .08 s.  Machine code takes nothing but constants from environments.
+        *kept, environments = super().reduce(compiled)
+        return (*kept, tuple(environment for environment in environments if environment.consts))
+
     def rebuild(self, target: Any, kept: Any) -> Any:
         codegen = target.codegen()
         numbas, codegen._library_class = codegen._library_class, _Library

@@ -23,16 +23,19 @@ priori on the error of Cholesky's method, which would be some ten thousand times
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import TYPE_CHECKING
 
 import numpy as np
 import scipy.sparse as sp
-from scipy.sparse.linalg import SuperLU
 
 from isoembed.arrays import Floats, Indices
 from isoembed.linalg.rounding import GUARD, UNDERFLOW, U
 from isoembed.linalg.superlu import has_row_exchanges, symmetric_lu
 from isoembed.linalg.symbolic import SingularMatrix
 from isoembed.thresholds import threshold
+
+if TYPE_CHECKING:
+    from scipy.sparse.linalg import SuperLU
 
 
 @dataclass(frozen=True)

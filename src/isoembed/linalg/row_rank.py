@@ -27,10 +27,10 @@ the factors of A.  (On bounds by residuals see Parlett, The symmetric eigenvalue
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import TYPE_CHECKING
 
 import numpy as np
 import scipy.sparse as sp
-from scipy.sparse.linalg import LinearOperator, SuperLU, eigsh
 
 from isoembed.arrays import Floats, Indices
 from isoembed.linalg.definite import (
@@ -44,6 +44,9 @@ from isoembed.linalg.definite import (
 from isoembed.linalg.rounding import GUARD, UNDERFLOW, U, gamma
 from isoembed.linalg.superlu import symmetric_lu
 from isoembed.thresholds import threshold
+
+if TYPE_CHECKING:
+    from scipy.sparse.linalg import SuperLU
 
 
 @dataclass(frozen=True)
@@ -165,6 +168,8 @@ def _across(A: sp.csc_array, V: Floats, nu: float) -> float:
 
 def _soft(A: sp.csc_array, lu: SuperLU, most: float) -> tuple[Floats, Floats]:
     """Eigenvectors (n, m) with the eigenvalues (m,) up to `most`, or as many as are worth it."""
+    from scipy.sparse.linalg import LinearOperator, eigsh  # slow to import
+
     n = A.shape[0]
     inverse = LinearOperator((n, n), matvec=lu.solve, dtype=np.float64)
     start = np.random.default_rng(0).standard_normal(n)

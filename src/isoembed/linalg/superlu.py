@@ -4,13 +4,16 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from functools import cached_property
+from typing import TYPE_CHECKING
 
 import numpy as np
 import scipy.sparse as sp
-from scipy.sparse.linalg import SuperLU, splu
 
 from isoembed.arrays import Floats
 from isoembed.linalg.symbolic import SingularMatrix, Symbolic
+
+if TYPE_CHECKING:
+    from scipy.sparse.linalg import SuperLU
 
 # Bytes for an entry of L, as measured: where the pivots are looked at, scipy copies all of L and of U.
 PIVOTS_SEEN, PIVOTS_UNSEEN = 49, 32
@@ -23,6 +26,8 @@ def symmetric_lu(matrix: sp.csc_matrix | sp.csc_array) -> SuperLU:
 
 def checked_lu(matrix: sp.csc_matrix | sp.csc_array, order: str, **options: object) -> SuperLU:
     """Factors L U in an order of scipy's; raises SingularMatrix where there is no pivot left."""
+    from scipy.sparse.linalg import splu  # slow to import, and large matrices do without
+
     try:
         return splu(matrix, permc_spec=order, **options)
     except RuntimeError as error:

@@ -7,11 +7,10 @@ from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
-from scipy.sparse import coo_array
-from scipy.sparse.csgraph import connected_components
 
 from isoembed.arrays import Floats, Indices
 from isoembed.errors import InvalidMetric
+from isoembed.mesh.components import components
 
 LARGEST = 2**62  # what 64 bits hold; gaps among the indices are refused anyway
 
@@ -233,7 +232,7 @@ def _check_edges(edges: Indices, face_edges: Indices, faces: Indices) -> None:
     F = len(faces)
     u = np.concatenate([left, left + F])
     v = np.concatenate([np.where(alike, right, right + F), np.where(alike, right + F, right)])
-    _, label = connected_components(coo_array((np.ones(2 * len(left)), (u, v)), shape=(2 * F, 2 * F)))
+    label = components(u, v, 2 * F)
     if (label[:F] == label[F:]).any():
         raise InvalidMetric("the surface cannot be oriented (it is one-sided), so it is not a sphere")
     e = int(np.argmax(~alike))
@@ -246,7 +245,8 @@ def _check_edges(edges: Indices, face_edges: Indices, faces: Indices) -> None:
 def _check_sphere(faces: Indices, edges: Indices, edge_halfedges: Indices) -> None:
     """Refuse closed oriented surfaces of several components, with pinched vertices, or of another genus."""
     n = int(faces.max()) + 1
-    parts, label = connected_components(coo_array((np.ones(len(edges)), edges.T), shape=(n, n)))
+    label = components(edges[:, 0], edges[:, 1], n)
+    parts = int(label.max()) + 1
     if parts > 1:
         v = int(np.argmax(label != label[0]))
         raise InvalidMetric(f"the surface has {parts} components: vertex {v} is not connected to vertex 0")
@@ -255,8 +255,7 @@ def _check_sphere(faces: Indices, edges: Indices, edge_halfedges: Indices) -> No
     twin[edge_halfedges[:, 0]], twin[edge_halfedges[:, 1]] = edge_halfedges[:, 1], edge_halfedges[:, 0]
     corner = np.arange(faces.size)
     entering = corner + np.where(corner % 3 == 0, 2, -1)
-    ring = coo_array((np.ones(faces.size), (corner, twin[entering])), shape=(faces.size, faces.size))
-    _, fan = connected_components(ring)
+    fan = components(corner, twin[entering], faces.size)
     first = np.full(n, -1)
     first[faces.ravel()[::-1]] = fan[::-1]
     pinched = first[faces.ravel()] != fan

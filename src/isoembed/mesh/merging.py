@@ -1,10 +1,9 @@
 """Vertices that coincide: which are one, and what is left of the faces once they are."""
 
 import numpy as np
-from scipy.sparse import coo_array
-from scipy.sparse.csgraph import connected_components
 
 from isoembed.arrays import Floats, Indices, Mask
+from isoembed.mesh.components import components
 
 
 def representatives(points: Floats, distance: float) -> Indices:
@@ -23,10 +22,8 @@ def representatives(points: Floats, distance: float) -> Indices:
 
     n = len(points)
     a, b = cKDTree(points).query_pairs(distance, output_type="ndarray").T
-    count, label = connected_components(coo_array((np.ones(len(a)), (a, b)), shape=(n, n)), directed=False)
-    first = np.full(count, n)
-    np.minimum.at(first, label, np.arange(n))
-    return first[label]
+    label = components(a, b, n)
+    return np.unique(label, return_index=True)[1][label]
 
 
 def _of_equals(points: Floats) -> Indices:

@@ -11,9 +11,10 @@ from dataclasses import dataclass
 
 import numpy as np
 from scipy.sparse import csr_array
-from scipy.sparse.csgraph import connected_components, dijkstra
+from scipy.sparse.csgraph import dijkstra
 
 from isoembed.arrays import Floats, Indices, Mask
+from isoembed.mesh.components import connected_parts
 from isoembed.metric.curvature import deficits, face_areas, negative_deficits
 from isoembed.metric.polyhedral import PolyhedralMetric
 from isoembed.thresholds import threshold
@@ -62,16 +63,16 @@ def dents(metric: PolyhedralMetric) -> list[Mask]:
     area = np.bincount(metric.faces.ravel(), np.repeat(face_areas(metric), 3))
     # Gaps of an edge or two in the rings are closed: about irregular triangles deficits are noisy.
     ring = ~_grown(adjacency, ~_grown(adjacency, negative)) | negative
-    outside = _components(adjacency, ~ring)
+    outside = connected_parts(adjacency, ~ring)
     if not outside:
         return []
     filled = np.ones(len(curvature), dtype=np.bool_)
     filled[max(outside, key=lambda part: float(area[part].sum()))] = False
     found: list[tuple[float, Mask]] = []
-    for region in _components(adjacency, filled):
+    for region in connected_parts(adjacency, filled):
         inside = np.zeros_like(filled)
         inside[region] = True
-        caps = _components(adjacency, inside & ~negative)
+        caps = connected_parts(adjacency, inside & ~negative)
         totals = np.array([curvature[cap].sum() for cap in caps])
         if not area[region].sum() < DENTS.area * area.sum():
             continue
@@ -104,13 +105,6 @@ def _vanishes(total: float, caps: float) -> bool:
 def _grown(adjacency: csr_array, mask: Mask) -> Mask:
     """The vertices and their neighbors."""
     return mask | (adjacency @ mask.astype(np.float64) > 0)
-
-
-def _components(adjacency: csr_array, mask: Mask) -> list[Indices]:
-    """The connected parts of some vertices."""
-    vertices = np.flatnonzero(mask)
-    count, labels = connected_components(adjacency[vertices][:, vertices], directed=False)
-    return [vertices[labels == label] for label in range(count)]
 
 
 def _shared(metric: PolyhedralMetric, region: Mask, caps: list[Indices]) -> list[Mask]:

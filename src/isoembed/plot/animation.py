@@ -13,6 +13,7 @@ from isoembed.arrays import Floats
 from isoembed.io.files import FileError, Writer, ending, write_atomically
 from isoembed.io.registry import check_output
 from isoembed.plot.drawn import Drawn
+from isoembed.plot.endings import ANIMATION_ENDINGS
 from isoembed.plot.film import ANSWER, FILM, Frame, shape
 from isoembed.plot.infinity import ball, draw_infinity
 from isoembed.plot.panel import Panel
@@ -23,7 +24,6 @@ from isoembed.surface.embedding import Embedding
 
 Pixels = NDArray[np.uint8]
 
-ANIMATION_ENDINGS = (".gif", ".mp4")
 WIDTH, DPI = 5.6, 100  # inches, dots an inch
 FOOT, HEAD = 0.5, 0.6  # inches, below and above the surface
 

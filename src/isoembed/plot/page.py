@@ -21,6 +21,7 @@ from isoembed.plot.browser.ramp import ramp
 from isoembed.plot.browser.report import number, report_html
 from isoembed.plot.browser.thinning import thinned
 from isoembed.plot.drawn import DRAWN, Drawn
+from isoembed.plot.endings import PAGE_ENDINGS
 from isoembed.plot.film import ANSWER, FILM, Frame, shape
 from isoembed.plot.pieces import Pieces
 from isoembed.plot.quantity import (
@@ -40,7 +41,6 @@ from isoembed.space.models import MODELS, NAMES
 from isoembed.strict_json import plain
 from isoembed.surface.embedding import Embedding
 
-PAGE_ENDINGS = (".html",)
 LEAPT = (
     "The method leaped to this surface: there is none on the way to it. With --method paper there are some."
 )

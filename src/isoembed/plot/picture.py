@@ -13,6 +13,7 @@ from isoembed.arrays import Floats
 from isoembed.io.files import FileError, Writer, ending, write_atomically
 from isoembed.io.registry import check_output
 from isoembed.plot.drawn import Drawn, said
+from isoembed.plot.endings import PICTURE_ENDINGS
 from isoembed.plot.infinity import draw_infinity, window
 from isoembed.plot.lines import Shapes, among_faces
 from isoembed.plot.panel import Panel
@@ -27,7 +28,6 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 
-PICTURE_ENDINGS = (".png", ".svg", ".pdf")
 WIDTH, DPI = 8.0, 220  # inches, dots an inch
 COLORS, DARKEST = "viridis", 0.14  # ordered in lightness, so it survives color blindness and gray printing
 UNKNOWN = 0.72  # gray, where a quantity has no meaning

@@ -1,7 +1,9 @@
 """What the colors of a picture show: quantities at the vertices of a surface."""
 
+from __future__ import annotations
+
 from dataclasses import dataclass
-from typing import Literal
+from typing import TYPE_CHECKING, Literal
 
 import numpy as np
 
@@ -9,14 +11,14 @@ from isoembed.arrays import Floats
 from isoembed.errors import InvalidParameter
 from isoembed.io.format import Polygons, flattened
 from isoembed.io.surface import vertex_residuals
-from isoembed.metric.conformal_sphere import conformal_factors, conformal_sphere
 from isoembed.metric.curvature import area, dual_areas, gaussian_curvature
-from isoembed.metric.delaunay import delaunay
 from isoembed.progress.stages import Log
-from isoembed.surface.changes import Changes
-from isoembed.surface.comparison import Comparison
 from isoembed.surface.embedding import Embedding
 from isoembed.thresholds import threshold
+
+if TYPE_CHECKING:
+    from isoembed.surface.changes import Changes
+    from isoembed.surface.comparison import Comparison
 
 
 @dataclass(frozen=True)
@@ -123,6 +125,9 @@ def conformal_factor(embedding: Embedding) -> Quantity | None:
     """
     if embedding.triangulation.n_faces == 2:  # the two sides of a triangle: nothing is left without the pole
         return None
+    from isoembed.metric.conformal_sphere import conformal_factors, conformal_sphere  # slow to import
+    from isoembed.metric.delaunay import delaunay
+
     unit = delaunay(embedding.metric.normalized)
     with Log().stage("conformal map") as recorder:
         sphere = conformal_sphere(unit, recorder)

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 from isoembed.io.files import Writer, ending, write_atomically
 from isoembed.io.registry import check_output
+from isoembed.plot.endings import SHEET_ENDINGS
 from isoembed.plot.paper.drawing import drawn
 from isoembed.plot.paper.pdf import write_pdf
 from isoembed.plot.paper.svg import svg
@@ -15,8 +16,6 @@ from isoembed.plot.picture import check_drawable
 
 if TYPE_CHECKING:
     from isoembed.gluing.unfolding import Unfolding
-
-SHEET_ENDINGS = (".svg", ".pdf")
 
 
 def sheets_writer(path: str | os.PathLike[str], unfolding: Unfolding, **drawing: Any) -> Writer:

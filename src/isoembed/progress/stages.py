@@ -213,13 +213,18 @@ class Log:
         self.start = self.clock()
         self.time_left = TimeLeft(self.clock)
 
+    @property
+    def begun(self) -> str | None:
+        """The stage to go on from, if any."""
+        return None if self.resumed is None else self.resumed.stage
+
     def expect(self, weights: Mapping[str, float]) -> None:
         """Announce which stages come next and what they cost; see `TimeLeft.expect`."""
         self.time_left.expect(weights)
 
     def resumed_at(self, stage: str) -> Mapping[str, NDArray[Any]] | None:
         """Arrays of the checkpoint to go on from, if this stage kept it."""
-        return self.resumed.arrays if self.resumed is not None and self.resumed.stage == stage else None
+        return self.resumed.arrays if self.resumed is not None and stage == self.begun else None
 
     @contextmanager
     def stage(self, name: str) -> Iterator[StageRecorder]:

@@ -10,10 +10,8 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import ArrayLike
 
 from isoembed.arrays import Floats
-from isoembed.errors import InvalidParameter
 from isoembed.mesh.triangulation import Triangulation
 from isoembed.space import EUCLIDEAN, Space
 from isoembed.surface.curvature import dihedral_angles
@@ -149,17 +147,6 @@ def volume_gradient(triangulation: Triangulation, vertices: Floats, space: Space
     thirds = np.repeat(face_normals(triangulation.faces, vertices) / 6, 3, axis=0)
     corners = triangulation.faces.ravel()
     return np.stack([np.bincount(corners, column) for column in thirds.T], axis=1)
-
-
-def checked(values: ArrayLike, shape: tuple[int, ...], name: str) -> Floats:
-    """Arrays whose last axes have a shape; raises InvalidParameter if they do not, or are not finite."""
-    array = np.asarray(values, dtype=np.float64)
-    if array.shape[array.ndim - len(shape) :] != shape or array.ndim < len(shape):
-        raise InvalidParameter(f"the {name} have the shape {array.shape}, which does not end in {shape}")
-    if not np.isfinite(array).all():
-        i = np.unravel_index(int(np.argmin(np.isfinite(array))), array.shape)
-        raise InvalidParameter(f"the {name} at {list(map(int, i))} are {array[i]}, which is not finite")
-    return array
 
 
 def normal_rates(t: Triangulation, x: Floats, v: Floats) -> tuple[Floats, Floats]:

@@ -11,10 +11,8 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-from numpy.typing import ArrayLike
 
 from isoembed.arrays import Floats
-from isoembed.errors import InvalidParameter
 from isoembed.mesh.triangulation import Triangulation
 from isoembed.metric.polyhedral import PolyhedralMetric
 from isoembed.metric.variation import area_derivative
@@ -22,7 +20,6 @@ from isoembed.surface.changes import INTEGRALS, Changes
 from isoembed.surface.curvature import dihedral_angles, vertex_areas, vertex_mean_curvature
 from isoembed.surface.derivatives import (
     LengthDerivatives,
-    checked,
     dihedral_rates,
     normal_rates,
     volume_gradient,
@@ -42,24 +39,6 @@ class DeviationThresholds:
 
 
 DEVIATION = DeviationThresholds()
-
-
-def checked_errors(metric: PolyhedralMetric, errors: ArrayLike) -> Floats:
-    """Errors of the lengths, one for all or one for each edge, as an array, (E,).
-
-    Raises
-    ------
-    InvalidParameter
-        They are of another shape, not finite or negative.
-    """
-    given, shape = np.asarray(errors, dtype=np.float64), metric.lengths.shape
-    sigma = checked(np.broadcast_to(given, shape) if given.ndim == 0 else given, shape, "errors")
-    if sigma.ndim > 1:
-        raise InvalidParameter(f"the errors have the shape {sigma.shape}, not {shape}")
-    if (sigma < 0).any():
-        e = int(np.argmax(sigma < 0))
-        raise InvalidParameter(f"the error of edge {e} is {sigma[e]}, which is negative")
-    return sigma
 
 
 @dataclass(frozen=True, eq=False)

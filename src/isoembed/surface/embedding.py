@@ -1,10 +1,13 @@
-"""Embeddings: vertices in space, the metric that they realize, and how they were found."""
+"""Embeddings: vertices in space, the metric that they realize, and how they were found.
+
+What is costly to compute, or slow to import, is computed and imported when it is asked for.
+"""
 
 import copy
 from collections.abc import Sequence
 from dataclasses import KW_ONLY, dataclass, replace
 from functools import cached_property
-from typing import Any, ClassVar, Self
+from typing import TYPE_CHECKING, Any, ClassVar, Self
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -18,15 +21,15 @@ from isoembed.progress.stages import Stage
 from isoembed.space import Space
 from isoembed.space.models import from_model, to_model
 from isoembed.surface import alignment, convexity, curvature, measures, smoothness
-from isoembed.surface.certificate import Certificate, certify
-from isoembed.surface.comparison import Comparison, compare
-from isoembed.surface.deviation import checked_errors
-from isoembed.surface.intersection import self_intersections
-from isoembed.surface.report import report, sentence
-from isoembed.surface.rigidity import LengthSystem
+from isoembed.surface.checked import checked_errors
 from isoembed.surface.segments import Segments
 from isoembed.surface.sensitivity import Sensitivity
+from isoembed.surface.sentence import sentence
 from isoembed.surface.views import Views
+
+if TYPE_CHECKING:
+    from isoembed.surface.certificate import Certificate
+    from isoembed.surface.comparison import Comparison
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -280,6 +283,8 @@ class Embedding(Sensitivity, Views):
     @cached_property
     def self_intersections(self) -> Indices:
         """Pairs of faces that intersect, shape (n, 2): none on an embedded surface."""
+        from isoembed.surface.intersection import self_intersections
+
         return frozen(self_intersections(self.faces, self._straight))
 
     @cached_property
@@ -338,6 +343,8 @@ class Embedding(Sensitivity, Views):
         To first order, the vertices need not move by more than its inverse times a change of the lengths,
         both in the Euclidean norm.  It takes one factorization of J J^T, as a step of Newton's method does.
         """
+        from isoembed.surface.rigidity import LengthSystem
+
         system = LengthSystem(self.triangulation, space=self._space)
         lengths = self.metric.normalized.lengths
         try:
@@ -346,17 +353,19 @@ class Embedding(Sensitivity, Views):
             return 0.0
 
     @cached_property
-    def certificate(self) -> Certificate:
+    def certificate(self) -> "Certificate":
         """The proof that an exact realization of the lengths is near these vertices, or why there is none.
 
         It says how near, how far away any other is at least, and whether the faces cross.  It takes two
         factorizations of J J^T, and a search for self-intersections.
         """
+        from isoembed.surface.certificate import Certificate, certify
+
         if not self.converged:
             return Certificate(False, "not certified, because the lengths miss the tolerance")
         return certify(self.metric, self.vertices)
 
-    def comparison(self, other: "Embedding") -> Comparison:
+    def comparison(self, other: "Embedding") -> "Comparison":
         """How another surface in R^3, of the same triangles, differs from this one.
 
         If both have the same lengths and a `certificate`, it is the exact surfaces that are compared, with
@@ -372,6 +381,8 @@ class Embedding(Sensitivity, Views):
         InvalidParameter
             The triangles are others, or space is curved.
         """
+        from isoembed.surface.comparison import compare
+
         return compare(self, other)
 
     @property
@@ -403,6 +414,8 @@ class Embedding(Sensitivity, Views):
         much as all else.  For the same reason there is no certificate beyond 30,000 vertices; the property
         has it all the same.  With `length_errors` it has the `integral_deviation` under ``deviation``.
         """
+        from isoembed.surface.report import report
+
         return report(self)
 
 

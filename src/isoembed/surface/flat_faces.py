@@ -1,10 +1,9 @@
 """Flat faces of a triangulated surface: triangles joined where no crease is between them."""
 
 import numpy as np
-from scipy.sparse import coo_array
-from scipy.sparse.csgraph import connected_components
 
 from isoembed.arrays import Floats, Indices, Mask
+from isoembed.mesh.components import components
 from isoembed.mesh.triangulation import Triangulation
 from isoembed.space import EUCLIDEAN, Space
 from isoembed.surface.curvature import DIHEDRAL, dihedral_angles, turning_errors
@@ -50,9 +49,7 @@ def flat_faces(triangulation: Triangulation, creased: Mask) -> Indices:
     """The face that each triangle is part of, shape (F,), numbered in the order of their first triangles."""
     t = triangulation
     inside = np.flatnonzero(~creased)
-    pairs = (inside // 3, t.twins[inside] // 3)
-    graph = coo_array((np.ones(inside.size), pairs), shape=(t.n_faces, t.n_faces))
-    return np.asarray(connected_components(graph)[1], dtype=np.int64)
+    return components(inside // 3, t.twins[inside] // 3, t.n_faces)
 
 
 def coplanar_faces(triangulation: Triangulation, vertices: Floats, space: Space = EUCLIDEAN) -> Indices:

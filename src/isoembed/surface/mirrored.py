@@ -3,9 +3,9 @@
 from dataclasses import dataclass
 
 import numpy as np
-from scipy.sparse.csgraph import connected_components
 
 from isoembed.arrays import Floats, Indices
+from isoembed.mesh.components import connected_parts
 from isoembed.mesh.triangulation import Triangulation
 from isoembed.thresholds import threshold
 
@@ -40,7 +40,6 @@ def mirrored_caps(
     list of ndarray of int
         The vertices of each cap: the middle of a bump or a dent, inside of the ring with K < 0.
     """
-    opposite = np.flatnonzero((deficits > 0) & (np.sign(first) * np.sign(second) < 0))
-    count, labels = connected_components(triangulation.adjacency[opposite][:, opposite], directed=False)
-    caps = [opposite[labels == label] for label in range(count)]
+    opposite = (deficits > 0) & (np.sign(first) * np.sign(second) < 0)
+    caps = connected_parts(triangulation.adjacency, opposite)
     return [cap for cap in caps if len(cap) >= MIRRORED.fewest]

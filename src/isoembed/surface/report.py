@@ -1,4 +1,4 @@
-"""What an embedding has to say of itself: a sentence, and the report of the command."""
+"""The report of an embedding, as the command writes it."""
 
 from __future__ import annotations
 
@@ -7,53 +7,16 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from isoembed.metric.curvature import deficits, negative_deficits
+from isoembed.metric.curvature import negative_deficits
 from isoembed.strict_json import plain
 from isoembed.surface.certificate import NOT_ASKED
-from isoembed.surface.mirrored import mirrored_caps
 from isoembed.surface.nearby_realization import CERTIFICATE
 from isoembed.surface.rigidity_matrix import RIGIDITY
+from isoembed.surface.sentence import mirrored_dents
 from isoembed.version import __version__
 
 if TYPE_CHECKING:
     from isoembed.surface.embedding import Embedding
-
-
-def sentence(surface: Embedding) -> str:
-    """Whether the lengths are met, whether the surface may be crumpled, and which others there are."""
-    e = int(np.argmax(surface.residuals))
-    said = (
-        f"the lengths {'are within' if surface.converged else 'miss'} the tolerance {surface.tolerance:.0e}: "
-        f"the largest residual is {surface.residual:.1e} of the mean edge length, "
-        f"at edge {e} {surface.metric.edges[e].tolist()}"
-    )
-    inverted = int(surface.inverted_vertices.sum())
-    partially = int(surface.partially_inverted_vertices.sum())
-    if (inverted or partially) and surface.rough_edges.any():
-        said += (
-            f"; {inverted} inverted and {partially} partially inverted vertices: the surface may be crumpled"
-        )
-    return said + "".join(_beside(surface, other) for other in surface.others)
-
-
-def _beside(surface: Embedding, other: Embedding) -> str:
-    """How another realization differs."""
-    dented = other.concave_edges.any() and not surface.concave_edges.any()
-    said = (
-        f"; these lengths have another realization too, {surface.distance(other):.1g} mean edge lengths "
-        f"from this one and {'not convex' if dented else 'rougher'}"
-    )
-    mirrored = _mirrored(surface, other)
-    if mirrored:
-        these = "one dent of one is a bump" if mirrored == 1 else f"{mirrored} dents of one are bumps"
-        said += f", a mirror choice: {these} of the other"
-    return said
-
-
-def _mirrored(surface: Embedding, other: Embedding) -> int:
-    """How many dents of the one are bumps of the other."""
-    curved = deficits(surface.metric.normalized)
-    return len(mirrored_caps(surface.triangulation, curved, surface.mean_curvature, other.mean_curvature))
 
 
 def report(surface: Embedding) -> dict[str, Any]:
@@ -97,7 +60,7 @@ def report(surface: Embedding) -> dict[str, Any]:
                 "distance": surface.distance(other),
                 "roughness": other.roughness,
                 "fine_roughness": other.fine_roughness,
-                "mirrored": _mirrored(surface, other),
+                "mirrored": mirrored_dents(surface, other),
             }
             for other in surface.others
         ],

@@ -16,7 +16,6 @@ from typing import NamedTuple, cast
 
 import numpy as np
 from scipy.sparse import csc_array, csr_array, eye_array, kron
-from scipy.sparse.linalg import LinearOperator, eigsh
 
 from isoembed.arrays import Floats, Indices
 from isoembed.linalg import OutOfMemory, Solver, SymmetricFactor, analyze, dissect
@@ -167,6 +166,8 @@ class LengthSystem:
         SingularMatrix
             J J^T is singular to working precision.
         """
+        from scipy.sparse.linalg import LinearOperator, eigsh  # slow to import
+
         surface = Projected.of(self.space, vertices)
         J = self._matrix(surface, lengths)
         factor = self._factor(J)

@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
-from typing import NamedTuple
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
 from isoembed.arrays import Floats, Indices
-from isoembed.intrinsic.edge_paths import EdgePaths
+
+if TYPE_CHECKING:
+    from isoembed.intrinsic.edge_paths import EdgePaths
 
 
 class Segments(NamedTuple):

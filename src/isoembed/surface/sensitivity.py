@@ -1,7 +1,13 @@
-"""Sensitivity of a surface to its lengths: derivatives, and what errors of the lengths do."""
+"""Sensitivity of a surface to its lengths: derivatives, and what errors of the lengths do.
+
+What computes them is imported when they are asked for.
+"""
+
+from __future__ import annotations
 
 from abc import abstractmethod
 from functools import cached_property
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -10,10 +16,12 @@ from isoembed.arrays import Floats
 from isoembed.errors import InvalidParameter
 from isoembed.linalg import SingularMatrix
 from isoembed.metric.polyhedral import PolyhedralMetric
-from isoembed.surface.derivatives import LengthDerivatives, Variation, checked, volume_gradient
-from isoembed.surface.deviation import Deviation, IntegralDeviation, checked_errors
-from isoembed.surface.deviation_bound import DeviationBound
-from isoembed.surface.length_equations import NotProven
+from isoembed.surface.checked import checked, checked_errors
+
+if TYPE_CHECKING:
+    from isoembed.surface.derivatives import LengthDerivatives, Variation
+    from isoembed.surface.deviation import Deviation, IntegralDeviation
+    from isoembed.surface.deviation_bound import DeviationBound
 
 
 class Sensitivity:
@@ -30,6 +38,8 @@ class Sensitivity:
     @cached_property
     def _derivatives(self) -> LengthDerivatives:
         """J and its factors where the vertices are, kept for all derivatives."""
+        from isoembed.surface.derivatives import LengthDerivatives
+
         normalized = self.metric.normalized
         return LengthDerivatives.of(
             self.metric.triangulation, self._normalized, normalized.lengths, normalized.space
@@ -99,6 +109,8 @@ class Sensitivity:
         SingularMatrix, OutOfMemory
             As `jvp`.
         """
+        from isoembed.surface.derivatives import Variation
+
         metric = self.metric
         if not metric.space.is_euclidean:
             raise InvalidParameter(
@@ -126,6 +138,8 @@ class Sensitivity:
         SingularMatrix, OutOfMemory
             As `jvp`.
         """
+        from isoembed.surface.deviation import Deviation
+
         sigma = self._flat_errors(errors)
         found = Deviation.of(self._derivatives, self.metric.normalized, self._normalized, sigma)
         return found.scaled(self.metric.unit)
@@ -145,6 +159,9 @@ class Sensitivity:
         OutOfMemory
             As `jvp`.
         """
+        from isoembed.surface.derivatives import volume_gradient
+        from isoembed.surface.deviation import IntegralDeviation
+
         sigma = checked_errors(self.metric, errors) / self.metric.unit
         metric, x = self.metric.normalized, self._normalized
         try:
@@ -172,6 +189,10 @@ class Sensitivity:
         OutOfMemory
             As `jvp`.
         """
+        from isoembed.surface.derivatives import volume_gradient
+        from isoembed.surface.deviation_bound import DeviationBound
+        from isoembed.surface.length_equations import NotProven
+
         bounds = self._flat_errors(errors)
         metric, x = self.metric.normalized, self._normalized
         try:

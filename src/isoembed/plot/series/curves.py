@@ -15,7 +15,8 @@ from isoembed.arrays import Floats, Mask
 from isoembed.errors import InvalidParameter
 from isoembed.io.files import write_atomically
 from isoembed.io.registry import check_output
-from isoembed.plot.picture import INK, PAPER, PICTURE_ENDINGS, check_drawable, figure_writer
+from isoembed.plot.endings import PICTURE_ENDINGS
+from isoembed.plot.picture import INK, PAPER, check_drawable, figure_writer
 from isoembed.plot.series.abscissa import Abscissa
 from isoembed.plot.series.labels import AXIS, SYMBOLS, colors_of, escaped, power_of_ten
 from isoembed.plot.series.outcomes import MARKS, draw_outcomes

@@ -9,7 +9,7 @@ from numpy.typing import ArrayLike
 
 from isoembed.relativity.energies.energies import Energies
 from isoembed.relativity.energies.mesh_energies import mesh_energies
-from isoembed.surface.deviation import checked_errors
+from isoembed.surface.checked import checked_errors
 from isoembed.surface.embedding import Embedding
 from isoembed.surface.estimate import Estimate
 from isoembed.surface.smooth_integrals import Lengths

@@ -9,13 +9,12 @@ from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
 
 import numpy as np
-from scipy.sparse import coo_array
-from scipy.sparse.csgraph import connected_components
-from scipy.spatial import ConvexHull, cKDTree
+from scipy.spatial import ConvexHull
 
 from isoembed.arrays import Floats, Indices
 from isoembed.io.files import FileError
 from isoembed.mesh.joining import join
+from isoembed.mesh.merging import representatives
 from isoembed.thresholds import threshold
 
 
@@ -171,7 +170,7 @@ def triangulate_star_shaped(
             f"that is no surface around {_triple(center)}"
         )
     u = arrow / r[:, None]
-    first = _first_alike(u, same)
+    first = representatives(u, same)
     differs = np.abs(r - r[first]) > STAR_SHAPE.same_radius * r
     if differs.any():
         i = int(np.argmax(differs))
@@ -242,16 +241,6 @@ def _dimension(points: Floats) -> int:
     arrow = x - x[0]
     thin = STAR_SHAPE.flat * np.max(np.abs(arrow)) + 8.0 * np.finfo(np.float64).eps
     return int(np.linalg.matrix_rank(arrow, tol=thin * np.sqrt(len(points))))
-
-
-def _first_alike(u: Floats, same: float) -> Indices:
-    """First direction that is the same, for each of (n, 3)."""
-    n = len(u)
-    a, b = cKDTree(u).query_pairs(same, output_type="ndarray").T
-    count, label = connected_components(coo_array((np.ones(len(a)), (a, b)), shape=(n, n)), directed=False)
-    first = np.full(count, n)
-    np.minimum.at(first, label, np.arange(n))
-    return first[label]
 
 
 def _check_turns(

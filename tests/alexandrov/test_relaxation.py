@@ -1,10 +1,10 @@
-"""Vertices of a polytope that is a polyhedron, or nearly one."""
+"""Vertices of a polytope that is nearly a polyhedron, put right by their lengths and by flips."""
 
 import numpy as np
 import pytest
 
 import zoo
-from isoembed.alexandrov.placement import relaxed_without_dents
+from isoembed.alexandrov.relaxation import relaxed_without_dents
 from isoembed.intrinsic.flips import flip
 from isoembed.progress.stages import Log
 from sprinkled import tables_of

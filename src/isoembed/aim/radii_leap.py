@@ -1,0 +1,224 @@
+"""Newton's method on the radii where the given triangles do not lead there at once: from a convex polyhedron.
+
+The polyhedron is that of the metric itself, on triangles of its own, or of a convex metric near it.  The path
+to it follows `isoembed.alexandrov`, with flips; from there one leap, or a few, lead back to the given
+triangles.
+"""
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from isoembed.aim.adiabatic_pullback import extrapolated
+from isoembed.aim.radii_newton import RADII_NEWTON, inverted_vertices, without_curvature
+from isoembed.alexandrov.doubly_covered import FLAT_LIMIT
+from isoembed.alexandrov.homotopy import HOMOTOPY, Stalled, Waypoint, follow_path
+from isoembed.alexandrov.newton import Analyses, Solution, pinned
+from isoembed.alexandrov.placement import placed, realized
+from isoembed.alexandrov.polytope import Polytope
+from isoembed.arrays import Floats, Indices
+from isoembed.intrinsic.halfedges import HalfEdges
+from isoembed.linalg import SingularMatrix
+from isoembed.metric.convexity import deficit_rounding
+from isoembed.metric.glued import GluedMetric
+from isoembed.progress.stages import Log, StageRecorder
+from isoembed.space import Space
+from isoembed.surface.measures import outward
+from isoembed.thresholds import threshold
+
+
+@dataclass(frozen=True)
+class RadiiLeapThresholds:
+    """Thresholds of the leap from a polyhedron to the given triangles."""
+
+    parts: int = threshold(4, "count", "Steps of the way to a metric that is not convex.")
+    nearly: float = threshold(1e-4, "mean deficits", "Curvatures that end a step on the way.")
+    nudge: float = threshold(1e-3, "mean edge lengths", "Change of height to see curvature bend.")
+    trusted: float = threshold(0.25, "heights on a sphere", "Largest branch deviation that is trusted.")
+    resolved: float = threshold(0.1, "deficits", "Curvature of a vertex at which its height is decided.")
+    solved: float = threshold(0.4, "relative", "Share of all work done when vertices can be placed.")
+
+
+RADII_LEAP = RadiiLeapThresholds()
+
+
+@dataclass(frozen=True, eq=False)
+class RadiiSolution:
+    """Where Newton's method on the radii ends.
+
+    Attributes
+    ----------
+    vertices : ndarray, shape (V, 3)
+    branch_deviation : float
+        The most that the height of a vertex above its neighbors, measured in radii, differed from what was
+        expected, over what such heights are on a sphere.  Newton's method can cross over to a neighboring
+        realization, with some vertices turned inside out, that has the same lengths.
+    """
+
+    vertices: Floats
+    branch_deviation: float
+
+
+def radii_start(given: GluedMetric, convex: GluedMetric, analyses: Analyses, log: Log) -> Floats | None:
+    """Lead a polytope over a convex metric to where Newton's method may begin.
+
+    Parameters
+    ----------
+    given : GluedMetric
+        Of mean edge length 1 or so.
+    convex : GluedMetric
+        A convex metric near it, on the same vertices; it may be the given one.
+    analyses : Analyses
+        Of the given triangles.
+    log : Log
+
+    Returns
+    -------
+    ndarray or None
+        Radii, shape (V,), if the convex metric is the given one: triangles change only, and the polyhedron
+        need not be reached, as long as every vertex has come near to where it will be, by its own deficit.
+        Otherwise the vertices of the polyhedron, shape (V, 3).  None where the convex metric is flat at a
+        vertex, whose radius nothing determines, or all of it is.
+    """
+    if (convex.deficits <= deficit_rounding(convex.faces, convex.face_lengths, convex.curvature)).any():
+        return None
+    deficits, kept = convex.deficits, log.resumed_at("polytopes")
+    close = np.minimum(HOMOTOPY.close * deficits.max(), RADII_LEAP.resolved * deficits)
+    with log.stage("polytopes") as recorder:
+        recorder.show(level=f"{given.n_vertices:,} vertices")
+        path = follow_path(
+            convex.half_edges(directed=False),
+            deficits,
+            recorder,
+            lambda here: recorder.keep(**here.arrays()),
+            None if kept is None else Waypoint.of_arrays(kept),
+            close,
+            analyses,
+        )
+        for found in path:
+            if isinstance(found, Stalled):
+                continue
+            p = found.polytope if isinstance(found, Solution) else found
+            if convex is given and (np.abs(p.curvatures) <= close).all():
+                return p.radii
+            if isinstance(found, Solution):
+                vertices = realized(found, recorder) if convex is given else placed(found)
+                return convex.space.centered(vertices)
+            if p.lowest < FLAT_LIMIT.thin:
+                return None
+    return None
+
+
+def newton_on_radii(
+    given: GluedMetric,
+    start: Floats,
+    analyses: Analyses,
+    log: Log,
+    numbers: Indices | None = None,
+) -> RadiiSolution | None:
+    """Realize a metric that is convex or nearly so.
+
+    Parameters
+    ----------
+    given : GluedMetric
+        Of mean edge length 1 or so.
+    start : ndarray, shape (V,) or (V, 3)
+        Radii or vertices, from `radii_start`.
+    analyses : Analyses
+        Of the given triangles.
+    log : Log
+    numbers : ndarray of int, shape (V,), optional
+        Other numbers of the vertices, by which they are shown and returned.
+
+    Returns
+    -------
+    RadiiSolution or None
+        None where Newton's method does not converge at once.
+
+    Notes
+    -----
+    From radii, Newton's method is applied once.  From vertices it follows the lengths
+    ``l(t) = l(0)^{1-t} l(1)^t`` in a few steps, l(1) being the distances of the vertices: where a surface is
+    nearly flat, one step would be decided by chance.
+    """
+    with log.stage("leap") as recorder:
+        recorder.show(level=f"{given.n_vertices:,} vertices")
+        recorder.keep(start=start)
+        try:
+            found = _followed(given.half_edges(directed=False), start, analyses, recorder)
+        except SingularMatrix:
+            return None
+        if found is None:
+            return None
+        solution, branch_deviation = found
+        vertices = outward(given.faces, realized(solution, recorder))
+        if numbers is not None:
+            vertices = vertices[np.argsort(numbers)]
+        recorder.show(vertices=vertices)
+    return RadiiSolution(vertices, branch_deviation)
+
+
+def _followed(
+    tables: HalfEdges, start: Floats, analyses: Analyses, recorder: StageRecorder
+) -> tuple[Solution, float] | None:
+    """From radii in one step, or from vertices in several; and the branch deviation."""
+    space, ends = Space(tables.curvature), (tables.corners, tables.corners[tables.twins])
+    if start.ndim == 1:
+        steps, ratio, directions = 1, np.ones(tables.lengths.size), None
+    else:
+        steps = RADII_LEAP.parts
+        ratio = space.distances(start[ends[0]], start[ends[1]]) / tables.lengths
+        sines = np.linalg.norm(start, axis=1)
+        directions, start = start / sines[:, None], space.asn(sines)
+    degrees, mean = np.bincount(ends[0]), start.mean()
+    round_height = np.mean(tables.lengths**2) * space.cs(mean) / (2 * space.sn(mean))
+
+    nearly = RADII_LEAP.nearly * 4 * np.pi / start.size
+
+    def heights(radii: Floats) -> Floats:
+        return radii - np.bincount(ends[0], radii[ends[1]]) / degrees
+
+    known: list[tuple[float, Floats]] = [(1.0, start)]
+    state: Solution | None = None
+    branch_deviation = 0.0
+    for t in np.linspace(1, 0, steps + 1)[1:].tolist():
+        p = Polytope.on(tables._replace(lengths=tables.lengths * ratio**t), extrapolated(known[-3:], t))
+        if p is None:
+            return None
+        state = replace(state, polytope=p) if state else pinned(p, analyses, recorder, directions)
+        found = without_curvature(state, RADII_NEWTON.settled if t == 0 else nearly, recorder)
+        if found is None:
+            return None
+        state, expected = found
+        if len(known) > 1:
+            expected = p.radii
+        change = np.abs(heights(state.polytope.radii - expected)).max() / round_height
+        branch_deviation = max(branch_deviation, float(change))
+        known.append((t, state.polytope.radii))
+        recorder.show(t=t, done=RADII_LEAP.solved * (1 - t))
+    return None if state is None else (_reflected(state, recorder), branch_deviation)
+
+
+def _reflected(state: Solution, recorder: StageRecorder) -> Solution:
+    """Turn out the vertices all of whose edges are concave, where that gives another realization.
+
+    Where the metric is nearly flat, Newton's method may find either.  Of the height of one vertex alone, the
+    curvature there is a parabola: the other root is as far from its top.
+    """
+    p = state.polytope
+    inverted = inverted_vertices(p)
+    if not inverted.any():
+        return state
+    nudge = RADII_LEAP.nudge * float(p.tables.lengths.mean())
+    nudged = Polytope.on(p.tables, p.radii + nudge * inverted)
+    if nudged is None:
+        return state
+    with np.errstate(all="ignore"):
+        across = np.where(inverted, -2 * nudge * p.diagonal / (nudged.diagonal - p.diagonal), 0.0)
+    q = Polytope.on(p.tables, p.radii + across) if np.isfinite(across).all() else None
+    if q is None:
+        return state
+    found = without_curvature(state.refactorized(q, recorder), RADII_NEWTON.settled, recorder)
+    if found is None or inverted_vertices(found[0].polytope).sum() >= inverted.sum():
+        return state
+    return found[0]

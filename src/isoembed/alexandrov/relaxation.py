@@ -1,0 +1,186 @@
+"""Newton's method on the lengths, and flips, where curvatures of the radii get small but not to zero.
+
+Nearly flat vertices leave ``d kappa / d r`` nearly singular; their places are determined by the lengths all
+the same.
+"""
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+
+import numpy as np
+
+from isoembed.alexandrov.doubly_covered import FLAT_LIMIT
+from isoembed.alexandrov.lengths import worst_length
+from isoembed.alexandrov.newton import Analyses, pinned
+from isoembed.alexandrov.placement import placed
+from isoembed.alexandrov.polytope import Polytope
+from isoembed.arrays import Floats
+from isoembed.errors import InvalidMetric
+from isoembed.intrinsic.flips import flip
+from isoembed.intrinsic.halfedges import HalfEdges
+from isoembed.intrinsic.multi_edges import remove_multi_edges, repeated
+from isoembed.linalg import SingularMatrix
+from isoembed.mesh.triangulation import Triangulation
+from isoembed.progress.stages import StageRecorder
+from isoembed.space import Space
+from isoembed.surface.convexity import dent_depths
+from isoembed.surface.measures import outward
+from isoembed.surface.rigidity import LengthSystem, length_residuals
+from isoembed.thresholds import threshold
+
+
+@dataclass(frozen=True)
+class NearlyFlatThresholds:
+    """Thresholds of the relaxation of nearly flat polytopes."""
+
+    relaxations: int = threshold(20, "count", "Newton steps on the lengths at most.")
+    diagonals: int = threshold(8, "edges", "Of those that are repeated, to be kept one after the other.")
+    dented: float = threshold(1e-8, "mean edge lengths", "Deeper dents are never rounding.")
+    shallow: float = threshold(1e-13, "mean edge lengths", "Less deep dents are always rounding.")
+    exact: float = threshold(1e-12, "mean edge lengths", "Error of the lengths of a solution.")
+    thick: float = threshold(10.0, "errors of the lengths", "That one which is no polygon has, flattened.")
+
+
+NEARLY_FLAT = NearlyFlatThresholds()
+
+
+def relaxed(tables: HalfEdges, vertices: Floats, recorder: StageRecorder) -> Floats:
+    """Newton's method on the lengths, where nearly flat vertices leave ``d kappa / d r`` nearly singular.
+
+    Returns
+    -------
+    ndarray, shape (V, 3)
+        The best on the way.
+    """
+    try:
+        triangulation = Triangulation(tables.faces)
+    except InvalidMetric:  # flat bodies may have repeated edges, and no Newton step either
+        return vertices
+    lengths = np.empty(triangulation.n_edges)
+    lengths[triangulation.face_edges.ravel()] = tables.lengths
+    space = Space(tables.curvature)
+    system = LengthSystem(triangulation, space=space)
+    best = vertices
+    for _ in range(NEARLY_FLAT.relaxations):
+        recorder.factorizations += 1
+        try:
+            residuals = length_residuals(triangulation, vertices, lengths, space)
+            step = system.step(vertices, lengths, residuals)
+        except SingularMatrix:
+            break
+        vertices = vertices - step
+        if not (space.curvature * np.einsum("ij,ij->i", vertices, vertices) < 1).all():
+            break  # out of the half of the sphere
+        before, worst = worst_length(tables, best), worst_length(tables, vertices)
+        if worst < before:
+            best = vertices
+        if before <= NEARLY_FLAT.exact and worst > before / 2:
+            break  # the rounding floor; where the body is thin, each step halves the errors, at least
+    return best
+
+
+@dataclass(frozen=True, eq=False)
+class Relaxed:
+    """A surface that has the lengths of a metric, and is convex but for dents.
+
+    Attributes
+    ----------
+    tables : HalfEdges
+    vertices : ndarray, shape (V, 3)
+    dent : float
+        Depth of the deepest dent, in mean edge lengths; no flip mends it.
+    """
+
+    tables: HalfEdges
+    vertices: Floats
+    dent: float
+
+    @property
+    def is_sure(self) -> bool:
+        """Whether it has no dents, and is no polygon covered twice: flattened, it would miss its lengths."""
+        centered = self.vertices - self.vertices.mean(axis=0)
+        normal = np.linalg.svd(centered, full_matrices=False)[2][2]
+        flattened = worst_length(self.tables, self.vertices - (centered @ normal)[:, None] * normal)
+        error = max(worst_length(self.tables, self.vertices), FLAT_LIMIT.exact)
+        return self.dent <= NEARLY_FLAT.dented and flattened > NEARLY_FLAT.thick * error
+
+
+def relaxed_polytope(nearest: Polytope, recorder: StageRecorder) -> Relaxed | None:
+    """Where the curvatures get small but not to zero, go on with the lengths, and flip what is then concave.
+
+    Parameters
+    ----------
+    nearest : Polytope
+        With small curvatures.
+    recorder : StageRecorder
+
+    Returns
+    -------
+    Relaxed or None
+        None if no triangles and vertices are found that have the lengths of the metric.  They may have dents.
+    """
+    try:
+        solution = pinned(nearest, Analyses.of(nearest.tables), recorder)
+        with np.errstate(invalid="ignore"):  # many radii of curvature wide, and far from a polyhedron
+            vertices = placed(solution)
+    except SingularMatrix:
+        return None
+    if not np.isfinite(vertices).all():
+        return None
+    for tables in _simplicial(nearest.tables):
+        body = relaxed_without_dents(tables, vertices, recorder)
+        if body is not None:
+            return body
+    return None
+
+
+def relaxed_without_dents(tables: HalfEdges, vertices: Floats, recorder: StageRecorder) -> Relaxed | None:
+    """Relax and flip in turn, as long as that mends dents; None if lengths are missed."""
+    best = None
+    for _ in range(NEARLY_FLAT.relaxations):
+        if repeated(tables).size:  # made by flips on both sides of what is nearly flat
+            break
+        vertices = relaxed(tables, vertices, recorder)
+        if not worst_length(tables, vertices) <= NEARLY_FLAT.exact:
+            break
+        depths = _dents(tables, outward(tables.faces, vertices, Space(tables.curvature)))
+        dent = float(depths.max())
+        if dent <= NEARLY_FLAT.dented and (best is None or dent < best.dent):
+            best = Relaxed(tables.copy(), vertices, dent)
+        if not _flipped(tables, depths, NEARLY_FLAT.dented if best is None else NEARLY_FLAT.shallow):
+            return best or Relaxed(tables, vertices, dent)
+    return best
+
+
+def _simplicial(tables: HalfEdges) -> Iterator[HalfEdges]:
+    """The triangles, or those that are left without repeated edges where one of these is kept.
+
+    Nearly flat bodies have the same diagonal on both sides until their path ends, and not on both there.
+    """
+    edges = repeated(tables)
+    if not edges.size:
+        yield tables.copy()
+    for h in edges[: NEARLY_FLAT.diagonals]:
+        mesh, kept = tables.copy(), np.zeros(tables.corners.size, dtype=np.bool_)
+        kept[[h, tables.twins[h]]] = True
+        remove_multi_edges(mesh, kept)
+        yield mesh
+
+
+def _dents(tables: HalfEdges, vertices: Floats) -> Floats:
+    """Depths of the dents, in mean edge lengths, shape (E,)."""
+    triangulation = Triangulation(tables.faces)
+    return dent_depths(triangulation, vertices, Space(tables.curvature)) / tables.lengths.mean()
+
+
+def _flipped(tables: HalfEdges, depths: Floats, least: float) -> int:
+    """How many edges that are dented by more than this were flipped, the deepest first, each face once."""
+    triangulation = Triangulation(tables.faces)
+    whole = np.ones(triangulation.n_faces, dtype=np.bool_)
+    flipped = 0
+    for e in np.argsort(-depths)[: int((depths > least).sum())]:
+        faces = triangulation.edge_faces[e]
+        if whole[faces].all() and flip(int(triangulation.edge_halfedges[e, 0]), tables, 0.0):
+            whole[faces] = False
+            flipped += 1
+    return flipped

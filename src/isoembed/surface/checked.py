@@ -1,0 +1,37 @@
+"""Checks of changes of the vertices or the lengths of a surface, and of errors."""
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from isoembed.arrays import Floats
+from isoembed.errors import InvalidParameter
+from isoembed.metric.polyhedral import PolyhedralMetric
+
+
+def checked(values: ArrayLike, shape: tuple[int, ...], name: str) -> Floats:
+    """Arrays whose last axes have a shape; raises InvalidParameter if they do not, or are not finite."""
+    array = np.asarray(values, dtype=np.float64)
+    if array.shape[array.ndim - len(shape) :] != shape or array.ndim < len(shape):
+        raise InvalidParameter(f"the {name} have the shape {array.shape}, which does not end in {shape}")
+    if not np.isfinite(array).all():
+        i = np.unravel_index(int(np.argmin(np.isfinite(array))), array.shape)
+        raise InvalidParameter(f"the {name} at {list(map(int, i))} are {array[i]}, which is not finite")
+    return array
+
+
+def checked_errors(metric: PolyhedralMetric, errors: ArrayLike) -> Floats:
+    """Errors of the lengths, one for all or one for each edge, as an array, (E,).
+
+    Raises
+    ------
+    InvalidParameter
+        They are of another shape, not finite or negative.
+    """
+    given, shape = np.asarray(errors, dtype=np.float64), metric.lengths.shape
+    sigma = checked(np.broadcast_to(given, shape) if given.ndim == 0 else given, shape, "errors")
+    if sigma.ndim > 1:
+        raise InvalidParameter(f"the errors have the shape {sigma.shape}, not {shape}")
+    if (sigma < 0).any():
+        e = int(np.argmax(sigma < 0))
+        raise InvalidParameter(f"the error of edge {e} is {sigma[e]}, which is negative")
+    return sigma
