@@ -140,6 +140,24 @@ assert ("numba.np.arrayobj" in sys.modules) is not bool(hit)
     assert [call(place, script)[1] for _ in range(2)] == [False, True]
 
 
+def test_arrays_of_what_was_kept_are_of_the_types_that_numpy_knows_at_once(place):
+    (place / "source" / "powers.py").write_text(
+        MODULE.replace("halved(a)", "powers(a)")
+        .replace("a / 2", "np.array([a, a * a]), np.arange(2), np.array([a > 0])")
+        .replace("\n@", "\nimport numpy as np\n\n@")
+    )
+    script = (
+        SCRIPT
+        + """
+import numpy as np
+from powers import powers
+for found, kind in zip(powers(3.0), (np.float64, np.int64, np.bool_)):
+    assert found.dtype is np.dtype(kind)
+"""
+    )
+    assert [call(place, script)[1] for _ in range(2)] == [False, True]
+
+
 def test_what_an_interruption_leaves_is_told_the_next_time(monkeypatch):
     told = []
 

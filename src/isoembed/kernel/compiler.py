@@ -6,6 +6,7 @@ from contextlib import suppress
 from pathlib import Path
 from typing import Any
 
+import numpy as np
 from llvmlite.binding import parse_bitcode  # type: ignore[import-untyped]
 from numba.core.caching import CompileResultCacheImpl, FunctionCache, InTreeCacheLocator
 from numba.core.codegen import JITCodeLibrary
@@ -84,6 +85,10 @@ class _Library(JITCodeLibrary):
         return self._codegen._engine.get_function_address(name)
 
 
+def _is_plain(constant: Any) -> bool:
+    return isinstance(constant, np.dtype) and constant.isnative and constant.kind in "biufc"
+
+
 class _Implementation(CompileResultCacheImpl):
     _locator_classes = [_Locator]  # noqa: RUF012
 
@@ -94,6 +99,9 @@ class _Implementation(CompileResultCacheImpl):
         return (*kept, tuple(environment for environment in environments if environment.consts))
 
     def rebuild(self, target: Any, kept: Any) -> Any:
+        # Types that were pickled are copies, of whose arrays NumPy does not know at once that it is quick.
+        consts = kept[2].consts
+        consts[:] = [np.dtype(each.type) if _is_plain(each) else each for each in consts]
         codegen = target.codegen()
         numbas, codegen._library_class = codegen._library_class, _Library
         try:

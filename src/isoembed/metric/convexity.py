@@ -1,6 +1,7 @@
 """Whether a metric is convex: whether its deficits are negative nowhere, up to rounding or noise."""
 
 from dataclasses import dataclass
+from functools import reduce
 from typing import cast
 
 import numpy as np
@@ -41,7 +42,9 @@ def deficit_rounding(faces: Indices, face_lengths: Floats, curvature: float = 0.
         Of the triangles.
     """
     triangles = Triangles.of(face_lengths, curvature)
-    slenderness = triangles.opposite.max(axis=1) * triangles.sines.max(axis=1) / triangles.amplitudes
+    # Three columns are compared in a fifth of the time of rows of three.
+    longest, sine = (reduce(np.maximum, sides.T) for sides in (triangles.opposite, triangles.sines))
+    slenderness = longest * sine / triangles.amplitudes
     at_corners = np.repeat(CONVEXITY.roundings * np.finfo(np.float64).eps * slenderness, 3)
     return np.clip(cast(Floats, np.bincount(faces.ravel(), at_corners)), CONVEXITY.least, CONVEXITY.most)
 

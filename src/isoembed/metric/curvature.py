@@ -10,6 +10,7 @@ replaced by its chord, ``2 sn(x / 2)``.
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import reduce
 from typing import cast
 
 import numpy as np
@@ -69,7 +70,7 @@ class Triangles:
     @property
     def amplitudes(self) -> Floats:
         """(F,): the sines of two sides times that of the angle between; twice the area in the plane."""
-        return np.sqrt(self.perimeter[:, 0] * np.prod(self.excess, axis=1)) / 2
+        return np.sqrt(self.perimeter[:, 0] * reduce(np.multiply, self.excess.T)) / 2
 
     @property
     def areas(self) -> Floats:

@@ -4,6 +4,7 @@ Relativity writes k = k1 + k2 = 2 H: its integral is twice `integrated_mean_curv
 """
 
 from dataclasses import dataclass
+from functools import reduce
 from typing import cast
 
 import numpy as np
@@ -68,14 +69,16 @@ def bends(
     """Dihedral angles, shape (E,), and 0 where rounding may have made them."""
     if angles is None:
         angles = dihedral_angles(triangulation, vertices, space)
-    turned = turning_errors(triangulation, vertices, space)[triangulation.edge_faces].max(axis=1)
+    errors = turning_errors(triangulation, vertices, space)
+    turned = reduce(np.maximum, (errors[faces] for faces in triangulation.edge_faces.T))
     return np.where(np.abs(angles) > DIHEDRAL.flat + turned, angles, 0.0)
 
 
 def turning_errors(triangulation: Triangulation, vertices: Floats, space: Space = EUCLIDEAN) -> Floats:
     """Radians by which rounding of the vertices may turn each triangle, shape (F,): the lower, the more."""
     t = triangulation
-    longest = space.sn(edge_lengths(t.edges, vertices, space)[t.face_edges].max(axis=1))
+    lengths = edge_lengths(t.edges, vertices, space)
+    longest = space.sn(reduce(np.maximum, (lengths[edges] for edges in t.face_edges.T)))
     error = DIHEDRAL.rounding * float(np.abs(vertices).max()) * longest
     if not space.is_euclidean:  # far out on the sphere a little of x is a long way
         error /= min(1.0, float(space.heights(vertices).min()))
