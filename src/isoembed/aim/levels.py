@@ -32,7 +32,9 @@ class PullBackLevels:
     """Thresholds of the pull-back by levels."""
 
     many: int = threshold(16_000, "vertices", "Fewer are pulled back at once: that is as fast.")
-    guided: int = threshold(1_700, "vertices", "Chosen for the guided path.")
+    guided: int = threshold(1_500, "vertices", "Chosen for the guided path.")
+    large: int = threshold(100_000, "vertices", "From here on a start that is not near enough costs more.")
+    guided_large: int = threshold(1_700, "vertices", "Chosen for the guided path of so many.")
     charts: int = threshold(2, "count", "Steps after it, mu falling, each in the charts of the last surface.")
     finest: float = threshold(4.5, "vertices, by all to the 5/8", "Chosen for the last level.")
     growth: float = threshold(3.1, "relative", "Most, from level to level: more is too far for a step.")
@@ -149,9 +151,15 @@ def _ended(system: LengthSystem, lengths: Floats, x: Floats, recorder: StageReco
 
 def _counts(n: int) -> list[int]:
     """How many of n vertices are chosen for the levels after the guided path, the last level's last."""
-    growth = LEVELS.finest * n ** (5 / 8) / LEVELS.guided
+    first = _first(n)
+    growth = LEVELS.finest * n ** (5 / 8) / first
     steps = max(ceil(log(growth) / log(LEVELS.growth)), 1)
-    return [round(LEVELS.guided * growth ** (k / steps)) for k in range(1, steps + 1)]
+    return [round(first * growth ** (k / steps)) for k in range(1, steps + 1)]
+
+
+def _first(n: int) -> int:
+    """How many of n vertices are chosen for the guided path."""
+    return LEVELS.guided if n < LEVELS.large else LEVELS.guided_large
 
 
 def _error(metric: PolyhedralMetric, x: Floats) -> float:
@@ -167,7 +175,7 @@ def _guided(
     The convex surface's charts are noisy: as mu falls, soft motions would follow their errors, on
     ergospheres whose necks are narrow past the point from where they come back.
     """
-    stencils = _stencils(metric, convex, LEVELS.guided)
+    stencils = _stencils(metric, convex, _first(len(convex)))
     if stencils is None:
         return None
     energy = InterpolatedEnergy(metric, stencils, convex, convex)
