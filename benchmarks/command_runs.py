@@ -59,6 +59,21 @@ def run(command, threads, seconds=resource.RLIM_INFINITY):
     return child.returncode, used.ru_utime + used.ru_stime, clock, used.ru_maxrss / 1024, message
 
 
+def embedding(inside, metric, *options):
+    """The command that embeds a metric in a folder, in which it leaves the surface."""
+    write_metric(inside / "metric.npz", metric)
+    isoembed = shutil.which("isoembed", path=Path(sys.executable).parent) or "isoembed"
+    written = ["-o", str(inside / "surface.npz"), *map(str, options)]
+    return [isoembed, "embed", str(inside / "metric.npz"), *written, "--quiet"]
+
+
+def least_without_report(path, threads=1, runs=3):
+    """The least seconds of the processor of some runs that write the surface and nothing else."""
+    with tempfile.TemporaryDirectory() as scratch:
+        command = embedding(Path(scratch), PolyhedralMetric.from_mesh(*read_mesh(path)))
+        return min(run(command, threads)[1] for _ in range(runs))
+
+
 def measure(path, most, threads=1, seconds=resource.RLIM_INFINITY):
     """Embed the lengths of a mesh.
 
@@ -77,10 +92,7 @@ def measure(path, most, threads=1, seconds=resource.RLIM_INFINITY):
     row = {"n": len(vertices), "threads": threads}
     with tempfile.TemporaryDirectory() as scratch:
         inside = Path(scratch)
-        write_metric(inside / "metric.npz", metric)
-        isoembed = shutil.which("isoembed", path=Path(sys.executable).parent) or "isoembed"
-        files = ["-o", str(inside / "surface.npz"), "--report", str(inside / "report.json"), "--keep"]
-        command = [isoembed, "embed", str(inside / "metric.npz"), *files, "--quiet"]
+        command = embedding(inside, metric, "--report", inside / "report.json", "--keep")
         status, cpu, clock, peak, message = run(command, threads, seconds)
         row |= {"status": status, "cpu": cpu, "clock": clock, "peak": peak}
         if not (inside / "report.json").exists():

@@ -1,9 +1,12 @@
 """What is public changes only where it is meant to."""
 
 import enum
+import re
+from pathlib import Path
 
 import pytest
 
+import isoembed
 import public_api
 from public_api import KEPT, changes, lines, parameters
 
@@ -13,6 +16,17 @@ UPDATE = "If that is meant, say it in CHANGELOG.md and run: python tests/support
 def test_names_and_parameters_are_those_that_were_promised():
     told = list(changes(KEPT.read_text(encoding="utf-8").splitlines(), list(lines())))
     assert not told, "\n".join(["what is public has changed:", *told, UPDATE])
+
+
+@pytest.mark.parametrize("package", ["", "plot/", "relativity/"])
+def test_what_is_imported_on_first_use_has_no_name_of_a_module(package):
+    stub = Path(isoembed.__file__).parent / package / "__init__.pyi"
+    found = re.findall(r"from \.(\S*) import (\w+) as (\w+)", stub.read_text(encoding="utf-8"))
+    assert len(found) > 10
+    for module, name, known in found:
+        assert name == known
+        shadowed = [stub.parent / name, (stub.parent / name).with_suffix(".py")]
+        assert not module or not any(map(Path.exists, shadowed)), f"{name}: once imported, it is the module"
 
 
 def test_changes_are_told():

@@ -14,8 +14,8 @@ from browser_tab import CHROMIUM, Tab, chromium
 from isoembed import Embedding, PolyhedralMetric, embed, glue
 from isoembed.gluing.classics import LATIN_CROSS
 from isoembed.plot import Frame
+from isoembed.plot.coloring import intrinsic_curvature
 from isoembed.plot.page import write_page
-from isoembed.plot.quantity import intrinsic_curvature
 from isoembed.surface.polyhedron import Polyhedron
 from regular_in_space import regular_solid
 

@@ -6,9 +6,10 @@ The paper's three steps, each of them replaced by one that does not fail:
 2. embed where it is easy, which for a convex metric is everywhere: the exact polyhedron of Alexandrov's
    theorem (`isoembed.alexandrov`);
 3. pull back: where the given metric is convex or nearly so, Newton's method gets there at once, on the radii
-   (`isoembed.aim.radii_newton`) or on the lengths (`isoembed.aim.lengths_newton`); where it does not, dents
-   are made at once (`isoembed.aim.mirrored_patches`), and all else step by step, as smooth as can be
-   (`isoembed.aim.regularized_continuation`), many vertices by levels (`isoembed.aim.levels`).
+   (`isoembed.aim.radii_newton`, `isoembed.aim.radii_leap`) or on the lengths (`isoembed.aim.lengths_newton`);
+   where it does not, dents are made at once (`isoembed.aim.mirrored_patches`), and all else step by step, as
+   smooth as can be (`isoembed.aim.regularized_continuation`), many vertices by levels
+   (`isoembed.aim.levels`).
 """
 
 from dataclasses import dataclass

@@ -33,8 +33,8 @@ class PullBackLevels:
 
     many: int = threshold(16_000, "vertices", "Fewer are pulled back at once: that is as fast.")
     guided: int = threshold(1_500, "vertices", "Chosen for the guided path.")
-    large: int = threshold(100_000, "vertices", "From here on a start that is not near enough costs more.")
-    guided_large: int = threshold(1_700, "vertices", "Chosen for the guided path of so many.")
+    large: int = threshold(100_000, "vertices", "From so many on `guided_large` are chosen.")
+    guided_large: int = threshold(1_700, "vertices", "Chosen for the guided path of many.")
     charts: int = threshold(2, "count", "Steps after it, mu falling, each in the charts of the last surface.")
     finest: float = threshold(4.5, "vertices, by all to the 5/8", "Chosen for the last level.")
     growth: float = threshold(3.1, "relative", "Most, from level to level: more is too far for a step.")

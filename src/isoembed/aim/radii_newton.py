@@ -30,14 +30,14 @@ class RadiiNewtonThresholds:
     """Thresholds of Newton's method on the radii."""
 
     converging: float = threshold(0.5, "relative", "Share of the curvatures that each step leaves at most.")
-    descending: float = threshold(0.9, "relative", "The same after the path without flips.")
+    descending: float = threshold(0.9, "relative", "The same after the path that comes first.")
     flat: float = threshold(0.1, "vertices", "Share of flat ones from which that path is not tried.")
     closely: float = threshold(1e-9, "radians", "Curvatures that do not fall any more, but may be rounding.")
     settled: float = threshold(1e-12, "radians", "Curvatures that are left to the polish.")
     steps: int = threshold(20, "count", "Newton steps at most, for each step of the way.")
     loosest: float = threshold(1e-3, "relative", "Largest residual of Newton's linear equations.")
     stale: int = threshold(6, "GMRES iterations", "More of them ask for a fresh factorization afterwards.")
-    followed: float = threshold(0.3, "deficits", "Curvature of a vertex at which its height is decided.")
+    followed: float = threshold(0.3, "deficits", "Curvature of a vertex at which that path may end.")
 
 
 RADII_NEWTON = RadiiNewtonThresholds()

@@ -31,8 +31,8 @@ class AdaptiveThresholds:
 
 ADAPTIVE = AdaptiveThresholds()
 
+# Seconds that stages take as a rule, 40,000 vertices, for the time left.
 AT_ONCE = {"radii": 1.0}
-"""Seconds that stages take as a rule, 40,000 vertices, for the time left."""
 
 
 class Search:

@@ -74,6 +74,10 @@ class Strategies:
 
     Attributes
     ----------
+    good : float
+        Residual of a surface that is taken.
+    kept : mapping of str to ndarray
+        What an interrupted run kept in the pull-back.
     start : ndarray, shape (V, 3)
         A convex surface near the one that is sought.
     surfaces : list of Embedding
@@ -88,11 +92,15 @@ class Strategies:
 
     def __init__(self, search: Search) -> None:
         self.search, self.metric, self.log = search, search.metric, search.log
-        self.good, self.surface = search.good, search.surface
+        self.good = search.good
         self.kept = _kept(search.log)
         self.surfaces: list[Embedding] = []
         self.smooth: Floats | None = None
         self.sought = False
+
+    def surface(self, vertices: Floats) -> Embedding:
+        """The surface with these vertices."""
+        return self.search.surface(vertices)
 
     @cached_property
     def system(self) -> LengthSystem:
@@ -107,6 +115,7 @@ class Strategies:
     def run(self, best_fit: bool, effort: float) -> Embedding:
         """Try one after the other; the parameters are those of `isoembed.Aim`."""
         found = self.leap()
+        vars(self.search).pop("analyses", None)  # nobody needs it any more, and large bodies need the room
         if found is not None:
             return found
         self.start = self.convex_start()

@@ -21,7 +21,7 @@ from isoembed.io.files import Writer, ending
 from isoembed.io.registry import METRIC_ENDINGS
 from isoembed.io.surface import mesh_writer, surface_data
 from isoembed.plot import PICTURE_ENDINGS, picture_writer
-from isoembed.plot.quantity import mean_curvature_difference
+from isoembed.plot.coloring import mean_curvature_difference
 from isoembed.surface.changes import root_mean_square
 from isoembed.surface.comparison import Comparison, stated
 from isoembed.surface.embedding import Embedding

@@ -16,7 +16,7 @@ from isoembed.io.registry import METRIC_ENDINGS
 from isoembed.io.surface import mesh_writer, surface_data
 from isoembed.linalg import SingularMatrix
 from isoembed.plot import PICTURE_ENDINGS, picture_writer
-from isoembed.plot.quantity import vertex_deviation
+from isoembed.plot.coloring import vertex_deviation
 from isoembed.surface.changes import Changes, root_mean_square
 from isoembed.surface.deviation import Deviation
 from isoembed.surface.deviation_bound import DeviationBound

@@ -10,8 +10,8 @@ from typing import TYPE_CHECKING
 
 from isoembed.cli.screen import UsageError
 from isoembed.io.files import Writer
+from isoembed.plot.coloring import MEAN_CURVATURE, QUANTITIES
 from isoembed.plot.endings import ANIMATION_ENDINGS, PAGE_ENDINGS, PICTURE_ENDINGS
-from isoembed.plot.quantity import MEAN_CURVATURE, QUANTITIES
 from isoembed.surface.embedding import Embedding
 
 if TYPE_CHECKING:

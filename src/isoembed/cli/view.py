@@ -14,9 +14,9 @@ from isoembed.io import read_surface, write_atomically
 from isoembed.io.files import ending
 from isoembed.io.registry import MESH_ENDINGS, METRIC_ENDINGS
 from isoembed.plot import PICTURE_ENDINGS, picture_writer
+from isoembed.plot.coloring import MEAN_CURVATURE
 from isoembed.plot.endings import PAGE_ENDINGS
 from isoembed.plot.page import page_writer, write_page
-from isoembed.plot.quantity import MEAN_CURVATURE
 from isoembed.surface.embedding import Embedding
 
 

@@ -37,6 +37,7 @@ def kernel(function: Callable[..., Any] | None = None, **options: Any) -> Any:
     - roundings are those of numba: `math` has its arc tangent, sine and cosine, and raises errors where they
       are not finite; NumPy has its square root and `hypot`.  Squares are products, sums are loops, and no
       complex numbers are divided, nor their `abs` taken.
+    - nothing is printed or raised.
     - nothing rests on the overflow of integers: numba adds int32 as int64, NumPy does not.
     - arguments are arrays, numbers and named tuples of them, which do not hold named tuples, and are not
       given by name.

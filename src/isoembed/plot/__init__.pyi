@@ -1,5 +1,9 @@
 from .animation import animation_writer as animation_writer
 from .animation import write_animation as write_animation
+from .coloring import QUANTITIES as QUANTITIES
+from .coloring import Quantity as Quantity
+from .coloring import quantities as quantities
+from .coloring import quantity as quantity
 from .endings import ANIMATION_ENDINGS as ANIMATION_ENDINGS
 from .endings import PAGE_ENDINGS as PAGE_ENDINGS
 from .endings import PICTURE_ENDINGS as PICTURE_ENDINGS
@@ -16,9 +20,5 @@ from .picture import picture_writer as picture_writer
 from .picture import write_picture as write_picture
 from .placed import Scale as Scale
 from .placed import placed_figure as placed_figure
-from .quantity import QUANTITIES as QUANTITIES
-from .quantity import Quantity as Quantity
-from .quantity import quantities as quantities
-from .quantity import quantity as quantity
 from .sheets import sheets_writer as sheets_writer
 from .sheets import write_sheets as write_sheets

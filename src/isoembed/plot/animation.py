@@ -12,13 +12,13 @@ from numpy.typing import NDArray
 from isoembed.arrays import Floats
 from isoembed.io.files import FileError, Writer, ending, write_atomically
 from isoembed.io.registry import check_output
+from isoembed.plot.coloring import mean_curvature
 from isoembed.plot.drawn import Drawn
 from isoembed.plot.endings import ANIMATION_ENDINGS
 from isoembed.plot.film import ANSWER, FILM, Frame, shape
 from isoembed.plot.infinity import ball, draw_infinity
 from isoembed.plot.panel import Panel
 from isoembed.plot.picture import INK, PAPER, check_drawable, color_scale, draw
-from isoembed.plot.quantity import mean_curvature
 from isoembed.plot.view import Pose, View, camera
 from isoembed.surface.embedding import Embedding
 

@@ -14,8 +14,8 @@ from isoembed.arrays import Floats
 from isoembed.errors import InvalidParameter
 from isoembed.io.format import Polygons
 from isoembed.io.space_line import WRITTEN
+from isoembed.plot.coloring import Quantity, face_means
 from isoembed.plot.pieces import Pieces, middles
-from isoembed.plot.quantity import Quantity, face_means
 from isoembed.space import Space
 from isoembed.space.models import radius_of, to_model
 from isoembed.surface.embedding import Embedding

@@ -20,11 +20,7 @@ from isoembed.plot.browser.packing import Packed
 from isoembed.plot.browser.ramp import ramp
 from isoembed.plot.browser.report import number, report_html
 from isoembed.plot.browser.thinning import thinned
-from isoembed.plot.drawn import DRAWN, Drawn
-from isoembed.plot.endings import PAGE_ENDINGS
-from isoembed.plot.film import ANSWER, FILM, Frame, shape
-from isoembed.plot.pieces import Pieces
-from isoembed.plot.quantity import (
+from isoembed.plot.coloring import (
     QUANTITY,
     Quantity,
     concavity,
@@ -35,6 +31,10 @@ from isoembed.plot.quantity import (
     quantities,
     residual,
 )
+from isoembed.plot.drawn import DRAWN, Drawn
+from isoembed.plot.endings import PAGE_ENDINGS
+from isoembed.plot.film import ANSWER, FILM, Frame, shape
+from isoembed.plot.pieces import Pieces
 from isoembed.plot.view import Pose, camera
 from isoembed.space import Space
 from isoembed.space.models import MODELS, NAMES

@@ -9,8 +9,8 @@ import numpy as np
 
 from isoembed.arrays import Floats
 from isoembed.io.format import Polygons
+from isoembed.plot.coloring import Quantity, face_means
 from isoembed.plot.drawn import Drawn
-from isoembed.plot.quantity import Quantity, face_means
 from isoembed.surface.segments import Segments
 
 

@@ -12,12 +12,12 @@ import numpy as np
 from isoembed.arrays import Floats
 from isoembed.io.files import FileError, Writer, ending, write_atomically
 from isoembed.io.registry import check_output
+from isoembed.plot.coloring import MEAN_CURVATURE, QUANTITY, Quantity, faces_counted, quantity
 from isoembed.plot.drawn import Drawn, said
 from isoembed.plot.endings import PICTURE_ENDINGS
 from isoembed.plot.infinity import draw_infinity, window
 from isoembed.plot.lines import Shapes, among_faces
 from isoembed.plot.panel import Panel
-from isoembed.plot.quantity import MEAN_CURVATURE, QUANTITY, Quantity, faces_counted, quantity
 from isoembed.plot.view import View
 from isoembed.surface.embedding import Embedding
 from isoembed.surface.segments import Segments

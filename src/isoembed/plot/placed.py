@@ -10,9 +10,9 @@ import numpy as np
 
 from isoembed.arrays import Floats
 from isoembed.errors import InvalidParameter
+from isoembed.plot.coloring import Quantity, face_means
 from isoembed.plot.panel import Panel
 from isoembed.plot.picture import INK, PAPER, check_drawable, color_bar, color_scale, draw
-from isoembed.plot.quantity import Quantity, face_means
 from isoembed.plot.view import Pose, View, camera
 
 if TYPE_CHECKING:

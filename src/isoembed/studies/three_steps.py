@@ -16,8 +16,8 @@ from isoembed.mesh.triangulation import Triangulation
 from isoembed.metric.curvature import area, corner_angles, gaussian_curvature
 from isoembed.metric.polyhedral import PolyhedralMetric
 from isoembed.plot import Film
+from isoembed.plot.coloring import face_means
 from isoembed.plot.picture import color_scale, draw
-from isoembed.plot.quantity import face_means
 from isoembed.plot.view import View
 from isoembed.progress.stages import Log, StageRecorder
 from isoembed.studies import plots

@@ -15,10 +15,10 @@ from isoembed.errors import InvalidParameter
 from isoembed.io.files import write_atomically
 from isoembed.io.registry import check_output
 from isoembed.plot.animation import Pixels, check_animation, pixels_writer
+from isoembed.plot.coloring import Quantity, face_means
 from isoembed.plot.endings import ANIMATION_ENDINGS
 from isoembed.plot.picture import INK, PAPER, color_bar, color_scale, draw
 from isoembed.plot.placed import TIP, draw_arrow, draw_length, draw_triad
-from isoembed.plot.quantity import Quantity, face_means
 from isoembed.plot.series.labels import CURVATURE, colors_of, escaped, known_of
 from isoembed.plot.series.placing import PlacedHorizon, PlacedHorizons
 from isoembed.plot.series.scenes import Scene, evenly, scenes

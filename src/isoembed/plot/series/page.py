@@ -17,9 +17,9 @@ from isoembed.io.registry import check_output
 from isoembed.plot.browser.document import Document
 from isoembed.plot.browser.packing import Packed
 from isoembed.plot.browser.ramp import ramp
+from isoembed.plot.coloring import QUANTITY, Quantity
 from isoembed.plot.endings import PAGE_ENDINGS
 from isoembed.plot.page import COLORS
-from isoembed.plot.quantity import QUANTITY, Quantity
 from isoembed.plot.series.labels import known_of
 from isoembed.plot.series.page_report import run_caption, run_report_html
 from isoembed.plot.series.placing import PlacedHorizon, PlacedHorizons
