@@ -121,40 +121,31 @@ def test_what_was_kept_can_be_compiled_with_others(place):
     assert call(place, script)[1]  # compiled with a kept one, for other numbers too
 
 
-def test_what_was_kept_is_loaded_without_what_numba_compiles_arrays_with(place):
-    (place / "source" / "spread.py").write_text(
-        MODULE.replace("halved(a)", "spread(a)")
-        .replace("a / 2", "np.linspace(0.0, a.sum(), 3).max() + np.zeros(2).sum()")
-        .replace("\n@", "\nimport numpy as np\n\n@")
-    )
-    script = (
-        SCRIPT
-        + """
+def of_arrays(place, value, check):
+    """A script that calls a kernel with arrays in it, which is kept if `halved` is, and checks it."""
+    module = MODULE.replace("halved(a)", "arrays(a)").replace("a / 2", value)
+    (place / "source" / "arrays.py").write_text(f"import numpy as np\n{module}")
+    return f"""{SCRIPT}
 import numpy as np
-from spread import spread
-assert spread(np.ones(3)) == 3.0
-hit = sum(spread.stats.cache_hits.values())
-assert ("numba.np.arrayobj" in sys.modules) is not bool(hit)
+from arrays import arrays
+found, kept = arrays(3.0), bool(sum(arrays.stats.cache_hits.values()))
+assert kept is bool(sum(halved.stats.cache_hits.values()))
+{check}
 """
+
+
+def test_what_was_kept_is_loaded_without_what_numba_compiles_arrays_with(place):
+    value = "np.linspace(0.0, a, 3).max() + np.zeros(2).sum()"
+    script = of_arrays(
+        place, value, "assert found == 3.0 and kept is not ('numba.np.arrayobj' in sys.modules)"
     )
     assert [call(place, script)[1] for _ in range(2)] == [False, True]
 
 
 def test_arrays_of_what_was_kept_are_of_the_types_that_numpy_knows_at_once(place):
-    (place / "source" / "powers.py").write_text(
-        MODULE.replace("halved(a)", "powers(a)")
-        .replace("a / 2", "np.array([a, a * a]), np.arange(2), np.array([a > 0])")
-        .replace("\n@", "\nimport numpy as np\n\n@")
-    )
-    script = (
-        SCRIPT
-        + """
-import numpy as np
-from powers import powers
-for found, kind in zip(powers(3.0), (np.float64, np.int64, np.bool_)):
-    assert found.dtype is np.dtype(kind)
-"""
-    )
+    value = "np.array([a, a * a]), np.arange(2), np.array([a > 0])"
+    check = "assert [x.dtype is np.dtype(t) for x, t in zip(found, (float, np.int64, bool))] == [True] * 3"
+    script = of_arrays(place, value, check)
     assert [call(place, script)[1] for _ in range(2)] == [False, True]
 
 

@@ -3,6 +3,7 @@
 from dataclasses import dataclass
 
 import numpy as np
+from scipy.linalg import qr
 
 from isoembed.alexandrov.ambient import ambient_lengths
 from isoembed.alexandrov.polytope import Polytope
@@ -29,19 +30,12 @@ def independent_directions(p: Polytope, directions: Floats) -> Indices:
     """Pivots of a QR decomposition of the directions from the apex to the vertices, shape (3,).
 
     Three that are chosen by the angles between them may be in one plane with the apex: 68 + 146 + 146 degrees
-    are a full turn.  The three columns are eliminated here: of 50,000 directions SciPy's ``qr`` takes 5 ms,
-    this 3, and to import it 40.
+    are a full turn.
     """
     # All are of length 1: the farthest is the first, not one that rounding or the numbering picks.
-    left = directions * (1 + PINS.tie * p.radii / p.radii.max())[:, None]
-    pins: list[int] = []
-    for _ in range(3):
-        sizes = np.linalg.norm(left, axis=1)
-        sizes[pins] = -1.0  # where all that is left is zero, another one still
-        pins.append(int(np.argmax(sizes)))
-        axis = left[pins[-1]] / (sizes[pins[-1]] or 1.0)
-        left -= np.outer(left @ axis, axis)
-    return np.sort(pins).astype(np.int64)
+    longer = directions * (1 + PINS.tie * p.radii / p.radii.max())[:, None]
+    _, pivots = qr(longer.T, mode="r", pivoting=True, check_finite=False)
+    return np.sort(pivots[:3]).astype(np.int64)
 
 
 def rough_directions(p: Polytope, dissection: Dissection) -> Floats:

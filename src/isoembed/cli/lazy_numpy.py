@@ -1,8 +1,8 @@
 """Parts of NumPy that SciPy imports with ``from numpy import *``, and that are not used by a command.
 
 NumPy itself imports them when they are first asked for, as do the modules that are left in their places.
-Measured with NumPy 2.4 and SciPy 1.17: SciPy's sparse matrices take .15 s to import without them and .22 s
-with them, in every run.
+Measured with NumPy 2.4 and SciPy 1.17: an ``isoembed embed`` takes .04 s less, .59 in the place of .63 for
+400 vertices.
 """
 
 import sys

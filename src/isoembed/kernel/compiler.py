@@ -94,7 +94,7 @@ class _Implementation(CompileResultCacheImpl):
 
     def reduce(self, compiled: Any) -> Any:
         # To load an environment is to import its module: of numba's own functions all that implements arrays,
-        # and scipy.linalg with it, .08 s.  Machine code takes constants from environments, and asks for those
+        # and scipy.linalg with it, .04 s.  Machine code takes constants from environments, and asks for those
         # without any only where it prints, or raises with arguments known at run time: kernels do neither.
         *kept, environments = super().reduce(compiled)
         return (*kept, tuple(environment for environment in environments if environment.consts))
