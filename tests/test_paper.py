@@ -43,7 +43,7 @@ def test_length_and_sections_are_those_that_the_journal_asks_for():
 @pytest.mark.parametrize(
     ("number", "page"),
     [
-        ("24 s, 2.3 GB", "large.md"),
+        ("24 s, 2.0 GB", "large.md"),
         ("ten of ten for seven bodies, six to nine for the other five", "benchmarks.md"),
         ("500 of 500 | 500 of 500", "space-forms.md"),
         ("2e-14 and less", "benchmarks.md"),
