@@ -21,7 +21,6 @@ preconditioned on two levels: ``J^T J + mu I`` for the rough motions, which the 
 from __future__ import annotations
 
 from dataclasses import dataclass
-from math import sqrt
 
 from isoembed.arrays import Floats
 from isoembed.linalg import SymmetricFactor
@@ -39,10 +38,8 @@ class SplitNewtonThresholds:
 
     solved: float = threshold(5e-2, "relative", "Residual of linear equations at most.")
     most: int = threshold(30, "count", "Iterations for smooth motions at most.")
-    quintic_solved: float = threshold(
-        2.0, "relative, over the root of all vertices", "The same of those with quintics, if that is less."
-    )
-    many: float = threshold(2e5, "vertices", "Fewer are solved for less exactly, by their ratio.")
+    many: int = threshold(60_000, "vertices", "Of so many, soft motions hide in such a residual.")
+    quintic_solved: float = threshold(1e-3, "relative", "The same where quintics hold so many.")
     quintic_most: int = threshold(70, "count", "Iterations with quintics at most.")
     held: float = threshold(0.1, "mu", "What holds rough motions in the preconditioner of the latter.")
     single: float = threshold(5e-7, "relative", "Damping from which single precision solves well enough.")
@@ -101,8 +98,7 @@ class SplitNewton:
             return (d - J.forces(linear.solve(J.rates(d)))) / held + P @ self._smooth(P.transposed(d))
 
         gradient = J.forces(r) + mu * quintics.pull(x)
-        looser = max(SPLIT_NEWTON.many / len(x), 1.0)
-        solved = min(SPLIT_NEWTON.solved, looser * SPLIT_NEWTON.quintic_solved / sqrt(len(x)))
+        solved = SPLIT_NEWTON.quintic_solved if len(x) >= SPLIT_NEWTON.many else SPLIT_NEWTON.solved
         found = conjugate_gradients(product, precondition, gradient, solved, SPLIT_NEWTON.quintic_most)
         return x - found.x
 
