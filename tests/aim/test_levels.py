@@ -102,3 +102,16 @@ def test_last_steps_are_held_where_rounding_makes_the_matrix_singular(peanut, mo
     assert np.abs(length_residuals(metric.triangulation, found, metric.lengths)).max() < 1e-12
     assert asked[0] == 0
     assert set(asked[1:]) == {levels.LEVELS.held}
+
+
+def test_last_steps_end_where_they_cannot_be_held(peanut, monkeypatch):
+    metric, _, x = peanut
+
+    def singular(*_):
+        raise SingularMatrix("to rounding")
+
+    monkeypatch.setattr(LengthSystem, "step", singular)
+    recorder, nearby = smooth_bodies.recorder(), x * (1 + 1e-9 * np.sin(x))
+    found = levels._ended(LengthSystem(metric.triangulation), metric.lengths, nearby, recorder)
+    assert (found == nearby).all()
+    assert recorder.factorizations == 2

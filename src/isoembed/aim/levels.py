@@ -43,7 +43,7 @@ class PullBackLevels:
     close: float = threshold(
         4e-3, "mean edge lengths over vertices", "Residual from which Newton's method does not get lost."
     )
-    held: float = threshold(1e-14, "relative", "Damping of last steps where J J^T is singular to rounding.")
+    held: float = threshold(4e-15, "relative", "Damping of last steps where J J^T is singular to rounding.")
     last: int = threshold(8, "count", "Such steps at most.")
     reached: float = threshold(1e-12, "mean edge lengths", "Residual at which they end.")
     landed: float = threshold(1e-4, "mean edge lengths", "A larger residual after the last step is lost.")
@@ -132,7 +132,10 @@ def pulled_back_by_levels(
 
 
 def _ended(system: LengthSystem, lengths: Floats, x: Floats, recorder: StageRecorder) -> Floats:
-    """Newton's steps to the lengths; held a little, from where J J^T is singular to rounding."""
+    """Newton's steps to the lengths; held a little, from where J J^T is singular to rounding.
+
+    Where that is not enough, the polish may do better.
+    """
     damping = 0.0
     for _ in range(LEVELS.last):
         r = length_residuals(system.triangulation, x, lengths)
@@ -144,7 +147,7 @@ def _ended(system: LengthSystem, lengths: Floats, x: Floats, recorder: StageReco
             x = x - system.step(x, lengths, r, damping)
         except SingularMatrix:
             if damping > 0:
-                raise
+                break
             damping = LEVELS.held
     return x
 
