@@ -74,21 +74,33 @@ class NoHorizon(RuntimeError):  # noqa: N818 - as the others
     least : float, optional
         The least ``c R / 2`` of the surfaces of constant expansion c and areal radius R that were met on the
         way, which is 1 for spheres in flat space and 0 on a horizon.
-    evidence : Evidence
-        What was searched, or the proof that there is no horizon.
+    least_error : float, optional
+        Its error, where it is a minimum above zero.
+    evidence : Evidence, optional
+        Whether there is none, or one between the barriers: a proof, or a search that ended.
+    barriers : tuple of two Surface, optional
+        Surfaces of positive and of negative expansion, the second one inside the first one: a horizon exists
+        between them, and was not resolved.
 
     Attributes
     ----------
-    least : float or None
-        As given.
-    evidence : Evidence
+    least, least_error, evidence, barriers
         As given.
     """
 
-    def __init__(self, message: str, least: float | None = None, evidence: Evidence = SEARCHED) -> None:
-        super().__init__(message, least, evidence)  # all, for pickle
+    def __init__(
+        self,
+        message: str,
+        least: float | None = None,
+        least_error: float | None = None,
+        evidence: Evidence | None = None,
+        barriers: tuple[Any, Any] | None = None,
+    ) -> None:
+        super().__init__(message, least, least_error, evidence, barriers)  # all, for pickle
         self.least = least
+        self.least_error = least_error
         self.evidence = evidence
+        self.barriers = barriers
 
     def __str__(self) -> str:
         return str(self.args[0])

@@ -82,7 +82,10 @@ def test_the_same_off_the_axis():
 def test_two_separate_horizons():
     horizons = find_horizons(pair(1.0))
     assert [horizon.irreducible_mass for horizon in horizons] == pytest.approx([0.624999260] * 2, abs=6e-10)
-    assert "2 separate outermost horizons" in find_horizon(pair(1.0, (0.4, 0.6))).notes[0]
+    largest = find_horizon(pair(1.0, (0.4, 0.6)))
+    assert "of 2 separate horizons" in largest.notes[0]
+    assert largest.outermost.kind == "searched"
+    assert "reach a least c R / 2 above zero" in largest.outermost.basis
 
 
 def test_the_horizon_near_a_guess():

@@ -3,16 +3,19 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
+from typing import Literal
 
 from isoembed.errors import InvalidMetric, InvalidParameter, NoHorizon
+from isoembed.evidence import Evidence
 from isoembed.meshing.sphere import gauss_rule
+from isoembed.relativity.horizons.foliation import Foliation, crossing, foliate, inside
 from isoembed.relativity.horizons.found_horizon import FoundHorizon, mapped_horizon, star_horizon
 from isoembed.relativity.horizons.ladder import is_symmetric
 from isoembed.relativity.horizons.mapped_ladder import swept_mapped
 from isoembed.relativity.horizons.newton import NoConvergence
 from isoembed.relativity.horizons.search_places import Place, places_of
 from isoembed.relativity.horizons.sheet import Sheet
-from isoembed.relativity.horizons.sweep import Sweep, swept
+from isoembed.relativity.horizons.symmetry_axis import symmetry_axis
 from isoembed.relativity.spacetimes.star_surface import StarSurface
 from isoembed.relativity.spacetimes.surface import Surface
 from isoembed.relativity.spacetimes.three_geometry import ThreeGeometry
@@ -25,11 +28,16 @@ class FinderThresholds:
 
     nodes: tuple[int, int] = threshold((16, 32), "count", "Heights and angles at which a guess is tried.")
     sheet: int = threshold(24, "count", "First degree of surfaces inside of a horizon.")
-    smaller: float = threshold(0.8, "relative", "First sphere over the one before, that was too large.")
-    spheres: int = threshold(6, "count", "First spheres that are tried.")
+    spheres: tuple[float, ...] = threshold(
+        (1.0, 0.8, 0.64, 0.5, 0.4, 0.32, 2.0, 4.0, 8.0, 16.0, 32.0),
+        "relative",
+        "First spheres that are tried: small ones in grids and among holes, large ones around fast holes.",
+    )
 
 
 FINDER = FinderThresholds()
+FAILURES = (NoConvergence, InvalidMetric, InvalidParameter)
+"""Ends of a search: Newton's method, or the slice, leads no further."""
 
 
 def find_horizon(geometry: ThreeGeometry, guess: Surface | None = None) -> FoundHorizon:
@@ -41,18 +49,20 @@ def find_horizon(geometry: ThreeGeometry, guess: Surface | None = None) -> Found
         Any slice.
     guess : StarSurface or MappedSurface, optional
         A surface near the one that is looked for, such as a sphere; if Newton's method does not lead from one
-        that is star-shaped to a horizon, surfaces of constant expansion do, one inside the other.  By default
-        they begin at a large sphere around all black holes of a closed form, or at the largest one in a grid.
+        that is star-shaped to a horizon, a foliation by surfaces of constant expansion does.  By default the
+        foliation begins at a large sphere around all black holes of a closed form, or at the largest one in a
+        grid.
 
     Returns
     -------
     FoundHorizon
-        If there are several outermost ones, the one of the largest area; a note says so.
+        If there are several that no other one encloses, as far as was searched, the one of the largest area;
+        a note says so.
 
     Raises
     ------
     NoHorizon
-        None was found; the message says what ended the search.
+        None was found; the message says whether one exists, and what ended the search.
     InvalidParameter
         The guess leaves the slice, or there is none and the slice does not say where to look.
 
@@ -62,41 +72,46 @@ def find_horizon(geometry: ThreeGeometry, guess: Surface | None = None) -> Found
     degree grows until the expansion is zero to rounding, or to the error of the slice.  From a mapped surface
     the displacement along its normals is sought instead, in coordinates that are made to fit.
 
+    The foliation proves what its leaves are barriers for, see
+    `isoembed.relativity.horizons.foliation`: where the expansion changes sign there is a horizon, and none
+    reaches outside of the one that is returned.  `FoundHorizon.outermost` says what was proved.
+
     Examples
     --------
     >>> from isoembed.relativity import BrillLindquist
     >>> horizon = find_horizon(BrillLindquist((0.5, 0.5), ((0, 0, 0.25), (0, 0, -0.25))))
-    >>> round(horizon.irreducible_mass, 9), horizon.outer
-    (0.998248418, True)
+    >>> round(horizon.irreducible_mass, 9), horizon.outer, horizon.outermost.kind
+    (0.998248418, True, 'proved')
     """
     if guess is None:
-        found = find_horizons(geometry)
-        first = found[0]
-        if len(found) == 1:
+        search = _search(geometry)
+        first = search.horizons[0]
+        if len(search.horizons) == 1:
             return first
-        others = ", ".join(f"{other.area:.6g}" for other in found[1:])
+        others = ", ".join(f"{other.area:.6g}" for other in search.horizons[1:])
+        separate = "separate horizons" if search.separate else "horizons that were found"
         note = (
-            f"there are {len(found)} separate outermost horizons: this is the one of the largest area, "
-            f"{first.area:.6g}; the others have {others}"
+            f"this is the one of the largest area, {first.area:.6g}, of {len(search.horizons)} {separate}; "
+            f"the others have {others}"
         )
         return replace(first, notes=(*first.notes, note))
     guess.expansion(geometry, gauss_rule(*FINDER.nodes)[0])  # refuses a guess that leaves the slice
     try:
         return _near(geometry, guess, 0.0)
-    except (NoConvergence, InvalidMetric, InvalidParameter) as error:
+    except FAILURES as error:
         why = str(error)
     if isinstance(guess, StarSurface):
         try:
-            return _from_sweep(geometry, guess, is_symmetric(geometry, guess))
-        except (NoConvergence, InvalidMetric, InvalidParameter) as error:
+            return _foliated(geometry, guess)
+        except FAILURES as error:
             why = str(error)
     raise NoHorizon(f"no horizon was found from the guess: {why}")
 
 
 def find_horizons(geometry: ThreeGeometry) -> tuple[FoundHorizon, ...]:
-    """All outermost horizons around the black holes of a slice, the one of the largest area first.
+    """All horizons around the black holes of a slice that no other one encloses, the largest area first.
 
-    Where there is no common horizon of several holes they are parted at the widest gap, until there is.
+    Where no common horizon of all holes is found, those of fewer holes are looked for, group by group.
 
     Parameters
     ----------
@@ -107,19 +122,7 @@ def find_horizons(geometry: ThreeGeometry) -> tuple[FoundHorizon, ...]:
     NoHorizon, InvalidParameter
         See `find_horizon`.
     """
-    found: list[FoundHorizon] = []
-    failures: list[NoHorizon] = []
-    waiting = [places_of(geometry)]
-    while waiting:
-        place = waiting.pop()
-        try:
-            found.append(_around(geometry, place))
-        except NoHorizon as failure:
-            failures.append(failure)
-            waiting.extend(place.parts)
-    if not found:
-        raise failures[0]
-    return tuple(sorted(found, key=lambda horizon: -horizon.area))
+    return _search(geometry).horizons
 
 
 def constant_expansion(geometry: ThreeGeometry, expansion: float, guess: Surface) -> FoundHorizon:
@@ -148,7 +151,7 @@ def constant_expansion(geometry: ThreeGeometry, expansion: float, guess: Surface
     """
     try:
         return _near(geometry, guess, expansion)
-    except (NoConvergence, InvalidMetric, InvalidParameter) as error:
+    except FAILURES as error:
         raise NoHorizon(
             f"no surface of expansion {expansion:.6g} was found near the guess: {error}"
         ) from None
@@ -174,8 +177,8 @@ def inner_horizon(outer: FoundHorizon) -> FoundHorizon:
     try:
         start = Sheet.of(surface, FINDER.sheet, symmetric=is_symmetric(geometry, surface)).even()
         return mapped_horizon(geometry, swept_mapped(geometry, start), 0.0)
-    except (NoConvergence, InvalidMetric, InvalidParameter) as error:
-        raise NoHorizon(f"there is no inner horizon where it was looked for: {error}") from None
+    except FAILURES as error:
+        raise NoHorizon(f"no inner horizon was found where it was looked for: {error}") from None
 
 
 def _near(geometry: ThreeGeometry, guess: Surface, expansion: float) -> FoundHorizon:
@@ -186,34 +189,176 @@ def _near(geometry: ThreeGeometry, guess: Surface, expansion: float) -> FoundHor
     return mapped_horizon(geometry, Sheet.of(guess, guess.harmonics.degree, symmetric=symmetric), expansion)
 
 
+@dataclass(frozen=True, eq=False)
+class _Search:
+    """Horizons that were found, the largest area first, and whether larger ones around them are excluded."""
+
+    horizons: tuple[FoundHorizon, ...]
+    separate: bool
+
+
+def _search(geometry: ThreeGeometry) -> _Search:
+    """The horizons around groups of holes, the largest groups first."""
+    found: list[tuple[Place, FoundHorizon]] = []
+    failures: list[tuple[Place, NoHorizon]] = []
+    for place in places_of(geometry):
+        if any(place.holes & other.holes for other, _ in found):
+            continue
+        try:
+            found.append((place, _around(geometry, place)))
+        except NoHorizon as failure:
+            if failure.barriers is not None:
+                raise
+            failures.append((place, failure))
+    if not found:
+        raise failures[0][1]
+    horizons, separate = [], True
+    for place, horizon in found:
+        around = [failure for other, failure in failures if place.holes < other.holes]
+        separate &= all(failure.least_error is not None for failure in around)
+        horizons.append(_within(horizon, around))
+    return _Search(tuple(sorted(horizons, key=lambda horizon: -horizon.area)), separate)
+
+
+def _within(horizon: FoundHorizon, around: list[NoHorizon]) -> FoundHorizon:
+    """A horizon with the evidence that no larger one encloses it, from searches that found none."""
+    if not around:
+        return horizon
+    unknown = [failure for failure in around if failure.least_error is None]
+    if unknown:
+        sentence = f"it is not known whether a larger horizon encloses this one: {unknown[0]}"
+        return replace(horizon, outermost=Evidence("searched", sentence), notes=(*horizon.notes, sentence))
+    least = min(around, key=lambda failure: failure.least or 0.0)
+    basis = (
+        "the surfaces of constant expansion around more holes reach a least c R / 2 above zero: "
+        f"{least.least:.6g} +- {least.least_error:.1g}"
+    )
+    return replace(horizon, outermost=Evidence("searched", basis))
+
+
 def _around(geometry: ThreeGeometry, place: Place) -> FoundHorizon:
     """The outermost horizon inside of a large sphere."""
-    radius = place.radius
-    for _ in range(FINDER.spheres):
-        start = StarSurface.sphere(place.center, radius)
+    for factor in FINDER.spheres:
+        start = StarSurface.sphere(place.center, factor * place.radius)
         try:
-            return _from_sweep(geometry, start, is_symmetric(geometry, start))
-        except (NoConvergence, InvalidMetric, InvalidParameter) as error:
+            return _foliated(geometry, start)
+        except FAILURES as error:
             why = str(error)
-            radius *= FINDER.smaller
     raise NoHorizon(f"no surface of constant expansion was found near the sphere to begin with: {why}")
 
 
-def _from_sweep(geometry: ThreeGeometry, start: StarSurface, symmetric: bool) -> FoundHorizon:
-    sweep = swept(geometry, start, symmetric=symmetric)
-    if sweep.horizon is None:
-        raise NoHorizon(_least(sweep), sweep.least.fall)
+def _foliated(geometry: ThreeGeometry, start: StarSurface) -> FoundHorizon:
+    """The horizon to which a foliation leads, in a frame where it needs the fewest harmonics.
+
+    Raises
+    ------
+    NoConvergence, InvalidMetric, InvalidParameter
+        There is no surface of constant expansion near the first one.
+    NoHorizon
+        There is no change of sign, or the horizon beside it is not resolved.
+    """
+    symmetric = is_symmetric(geometry, start)
+    axis = None if symmetric else symmetry_axis(geometry, start)
+    if axis is not None:
+        upright = StarSurface((0.0, 0.0, 0.0), start.harmonics, start.coefficients)
+        return axis.horizon(_foliated(axis.frame, upright))
+    foliation = foliate(geometry, start, symmetric=symmetric)
+    if foliation.barriers is not None:
+        return _between(geometry, foliation, symmetric)
+    if foliation.undecided:
+        degenerate = _degenerate(geometry, foliation, symmetric)
+        if degenerate is not None:
+            return degenerate
+    raise _none(foliation)
+
+
+def _between(geometry: ThreeGeometry, foliation: Foliation, symmetric: bool) -> FoundHorizon:
+    """The stable horizon between barriers, which exists.
+
+    Raises
+    ------
+    NoHorizon
+        It was not resolved; the message names the barriers.
+    """
+    assert foliation.barriers is not None
+    outer, inner = foliation.barriers
+    for closeness in (1e-4, 1e-6, 1e-8):
+        try:
+            outer, inner, guess = crossing(geometry, outer, inner, symmetric=symmetric, closeness=closeness)
+            horizon = star_horizon(geometry, guess, 0.0, symmetric=symmetric)
+        except FAILURES as error:
+            why = str(error)
+            continue
+        if not horizon.outer:
+            why = f"the one that was found is not stable, with the eigenvalue {horizon.stability:.3g} / R^2"
+        elif not _is_between(horizon, foliation):
+            why = "the one that was found does not lie between them"
+        else:
+            return replace(horizon, outermost=_outermost(foliation))
+    outer, inner = foliation.barriers
+    kind: Literal["proved", "searched"] = "proved" if inner.greatest < 0.0 < outer.least else "searched"
+    raise NoHorizon(
+        f"a horizon exists between two surfaces, and was not resolved: one of areal radius "
+        f"{outer.areal_radius:.9g} and expansion {outer.expansion:.3g}, and one inside it of areal radius "
+        f"{inner.areal_radius:.9g} and expansion {inner.expansion:.3g}; {why}",
+        evidence=Evidence(kind, "barriers: a surface of negative expansion inside one of positive expansion"),
+        barriers=(outer.surface, inner.surface),
+    )
+
+
+def _is_between(horizon: FoundHorizon, foliation: Foliation) -> bool:
+    """Whether a horizon lies inside the leaves of positive expansion, and around the trapped ones."""
+    surface = horizon.surface
+    assert isinstance(surface, StarSurface)
+    return all(
+        inside(surface, leaf.surface) if leaf.expansion > 0.0 else inside(leaf.surface, surface)
+        for leaf in foliation.leaves
+    )
+
+
+def _outermost(foliation: Foliation) -> Evidence:
+    """The evidence that no horizon in the first leaf reaches outside of the one between the barriers."""
+    above = [leaf for leaf in foliation.leaves if leaf.expansion > 0.0]
+    if foliation.leaves[0] is above[0] and all(leaf.least > 0.0 for leaf in above):
+        return Evidence(
+            "proved",
+            f"maximum principle: {len(above)} surfaces of positive expansion, each inside the one before, "
+            f"from the areal radius {above[0].areal_radius:.6g} on",
+        )
+    return Evidence("searched", "surfaces of constant expansion, one outside the other")
+
+
+def _degenerate(geometry: ThreeGeometry, foliation: Foliation, symmetric: bool) -> FoundHorizon | None:
+    """The surface of least expansion, where that is zero to rounding: a horizon of stability zero."""
+    assert foliation.minimum is not None
     try:
-        return star_horizon(geometry, sweep.horizon, 0.0, symmetric=symmetric)
-    except (NoConvergence, InvalidMetric, InvalidParameter) as error:
-        raise NoHorizon(f"the expansion falls below zero, but no horizon was found there: {error}") from None
+        horizon = star_horizon(geometry, foliation.minimum.surface, 0.0, symmetric=symmetric)
+    except FAILURES:
+        return None
+    if horizon.residual > 1e-9:
+        return None
+    return replace(horizon, outermost=_outermost(foliation))
 
 
-def _least(sweep: Sweep) -> str:
-    least = sweep.least
+def _none(foliation: Foliation) -> NoHorizon:
+    """The error that there was no change of sign, with what that proves."""
+    least = foliation.least
     center = ", ".join(f"{x:.4g}" for x in least.surface.center)
-    return (
+    error = 0.5 * foliation.minimum_error * least.areal_radius if foliation.excludes else None
+    off = "" if error is None else f" +- {error:.1g}"
+    if foliation.vanishing and all(leaf.least > 0.0 for leaf in foliation.leaves):
+        evidence = Evidence(
+            "proved",
+            "maximum principle: surfaces of positive expansion, each inside the one before, from the areal "
+            f"radius {foliation.leaves[0].areal_radius:.6g} to {foliation.leaves[-1].areal_radius:.6g}",
+        )
+    else:
+        evidence = Evidence("searched", "surfaces of constant expansion, one inside the other")
+    return NoHorizon(
         "no horizon was found: of the surfaces of constant expansion c and areal radius R, from the first "
-        f"one on, the least c R / 2 is {least.fall:.6g}, at R = {least.areal_radius:.6g} around ({center}), "
-        f"and on a horizon it is 0; they ended because {sweep.why}"
+        f"one on, the least c R / 2 is {least.fall:.6g}{off}, at R = {least.areal_radius:.6g} around "
+        f"({center}), and on a horizon it is 0; they ended because {foliation.end}",
+        least.fall,
+        error,
+        evidence,
     )

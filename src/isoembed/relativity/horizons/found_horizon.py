@@ -8,6 +8,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from isoembed.arrays import Floats
+from isoembed.evidence import Evidence
 from isoembed.relativity.horizons.ladder import climbed, shape_apart
 from isoembed.relativity.horizons.mapped_ladder import climbed_mapped, mapped_shape_apart
 from isoembed.relativity.horizons.newton import NoConvergence
@@ -29,6 +30,8 @@ class FoundThresholds:
 
     marginal: float = threshold(1e-9, "relative", "Stability eigenvalue above minus this, not negative.")
     off: float = threshold(0.01, "radius", "Distance by which a surface may be off to be the one asked for.")
+    unresolved: float = threshold(0.01, "over the areal radius", "Expansion that is not that asked for.")
+    degenerate: float = threshold(1e-7, "relative", "Stability eigenvalue that is zero.")
 
 
 FOUND = FoundThresholds()
@@ -57,6 +60,9 @@ class FoundHorizon:
         Newton's steps, in all degrees.
     notes : tuple of str
         What one should know.
+    outermost : Evidence or None
+        Whether it was proved, or only searched, that no other horizon encloses it; nothing is known of one
+        that was found near a guess.
 
     References
     ----------
@@ -71,6 +77,7 @@ class FoundHorizon:
     area: float
     iterations: int
     notes: tuple[str, ...] = ()
+    outermost: Evidence | None = None
 
     @property
     def degree(self) -> int:
@@ -164,14 +171,22 @@ def _described(
     off = surface.misfit / surface.mean_radius
     if off > FOUND.off:
         raise NoConvergence(f"{left}, and the slice may displace the surface by {100.0 * off:.2g} %")
-    notes = (f"{left}: no higher degree was tried",) if ended == "exhausted" else ()
+    if residual > FOUND.unresolved:
+        raise NoConvergence(f"{left}, and no higher degree was tried")
+    stability = principal_eigenvalue(level.equations(shape), R) * R * R
+    notes = [f"{left}: no higher degree was tried"] if ended == "exhausted" else []
+    if expansion == 0.0 and abs(stability) <= FOUND.degenerate:
+        notes.append(
+            f"degenerate: its stability eigenvalue is {stability:.1g} / R^2, zero to rounding, as that of an "
+            "extreme black hole, or of two horizons where they merge"
+        )
     return FoundHorizon(
         surface=surface,
         geometry=level.geometry,
         expansion=expansion,
         residual=residual,
-        stability=principal_eigenvalue(level.equations(shape), R) * R * R,
+        stability=stability,
         area=4.0 * np.pi * R * R,
         iterations=steps,
-        notes=notes,
+        notes=tuple(notes),
     )

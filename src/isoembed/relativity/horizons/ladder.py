@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import lru_cache, partial
 
@@ -33,6 +34,7 @@ class LadderThresholds:
     symmetric: int = threshold(512, "count", "Highest degree with symmetry about z.")
     rounding: float = threshold(1e-12, "over the areal radius", "Expansion that is rounding.")
     noise: float = threshold(0.1, "relative", "Expansion over the slice's error that is as small as that.")
+    resolved: float = threshold(1e-3, "over the areal radius", "Expansion that shows all of the surface.")
     stalled: float = threshold(0.5, "relative", "Decrease of the expansion from degree to degree, at least.")
     patience: int = threshold(2, "count", "Degrees in a row without it that end the search.")
     off: float = threshold(0.01, "mean radius", "Distance of the center from the centroid that is moved.")
@@ -42,7 +44,7 @@ class LadderThresholds:
     met: float = threshold(1e-14, "relative", "Step that is the last of these.")
     directions: int = threshold(200, "count", "Directions in which symmetry about z is looked for.")
     twist: float = threshold(1e-12, "mean radius", "Displacement around z that is none.")
-    trials: int = threshold(2, "count", "Degrees in which a first solution is looked for.")
+    trials: int = threshold(3, "count", "Degrees without a solution that do not end the search.")
 
 
 LADDER = LadderThresholds()
@@ -143,7 +145,7 @@ def climbed(
         See `isoembed.relativity.horizons.newton.solve`.
     """
     highest = LADDER.symmetric if symmetric else LADDER.highest
-    degree, steps, waited = max(LADDER.first, min(start.harmonics.degree, highest)), 0, 0
+    degree, steps, waited, failures = max(LADDER.first, min(start.harmonics.degree, highest)), 0, 0, 0
     best: Rung | None = None
     surface, moves = start, 0
     while True:
@@ -153,11 +155,12 @@ def climbed(
             enough = 0.0 if best is None else 1e-3 * LADDER.rounding
             solution = solve(level, surface.coefficients, expansion, enough)
         except NoConvergence:
-            if best is not None:
+            if best is not None and best.residual <= LADDER.resolved:
                 return best, steps, "stalled"
-            if degree >= LADDER.first * LADDER.growth**LADDER.trials:
+            failures += 1
+            if failures > LADDER.trials or degree >= highest:
                 raise
-            degree = _next(degree)
+            degree = min(highest, _next(degree))
             continue
         steps += solution.steps
         surface = StarSurface(surface.center, surface.harmonics, solution.shape.f)
@@ -167,7 +170,8 @@ def climbed(
             continue
         apart, shape = shape_apart(geometry, surface)
         residual = apart.areal_radius(shape) * float(np.abs(shape.local.expansion - expansion).max())
-        waited = 0 if best is None or residual <= LADDER.stalled * best.residual else waited + 1
+        falls = best is None or residual <= LADDER.stalled * best.residual
+        waited = 0 if falls or residual > LADDER.resolved else waited + 1
         if best is None or residual < best.residual:
             best = Rung(surface, level, solution, residual)
         known = float(np.abs(apart.expansion_errors(shape)).max()) * apart.areal_radius(shape)
@@ -184,16 +188,23 @@ def recentered(surface: StarSurface, symmetric: bool) -> StarSurface:
     """The same surface about its centroid, as right as its harmonics are, if the center is off it."""
     degree = surface.harmonics.degree
     n = 2 * degree + 4
-    u, weights = gauss_rule(n, 2 * n)
+    u, weights = gauss_rule(n, 2 * n if surface.harmonics.order else 1)
     r = surface.radius(u)
     volume = weights * r**3 / 3.0
     off = (volume * 0.75 * r) @ u / volume.sum()
-    if symmetric:
+    if symmetric or not surface.harmonics.order:
         off[:2] = 0.0
     if np.linalg.norm(off) <= LADDER.off * surface.mean_radius:
         return surface
+    return about(surface, (np.array(surface.center) + off).tolist())
+
+
+def about(surface: StarSurface, center: Sequence[float]) -> StarSurface:
+    """The same surface about another center, as right as its harmonics are."""
+    off = np.subtract(center, surface.center)
+    degree = surface.harmonics.degree
     # From the new center: the ray off + t u meets the surface.
-    transform = _transform(surface.harmonics, degree + 1, 2 * degree + 2)
+    transform = _transform(surface.harmonics, degree + 1, 2 * degree + 2 if surface.harmonics.order else 1)
     u = transform.u
     t = surface.radius(u)
     for _ in range(LADDER.rays):
@@ -208,7 +219,7 @@ def recentered(surface: StarSurface, symmetric: bool) -> StarSurface:
         if np.abs(change).max() <= LADDER.met * size.max():
             break
     coefficients = transform.analysis(t[:, None])[:, 0]
-    return StarSurface((np.array(surface.center) + off).tolist(), surface.harmonics, coefficients)
+    return StarSurface(center, surface.harmonics, coefficients)
 
 
 def _level(geometry: ThreeGeometry, surface: StarSurface, n: int, around: int) -> Level:

@@ -16,7 +16,6 @@ from isoembed.thresholds import threshold
 class HorizonNewtonThresholds:
     """Thresholds of Newton's method for surfaces of constant expansion."""
 
-    steps: int = threshold(15, "count", "Most steps.")
     longest: float = threshold(0.3, "radius", "Longest step, at any point.")
     shortest: float = threshold(1.0 / 16.0, "relative", "Shortest part of a step that is tried.")
     decrease: float = threshold(0.2, "relative", "Decrease of the residual over that of a linear one.")
@@ -27,6 +26,8 @@ class HorizonNewtonThresholds:
 
 
 HORIZON_NEWTON = HorizonNewtonThresholds()
+PATIENCE = 10
+"""Steps in which the residual must fall tenfold: damped steps of 1/4 do, a search in vain does not."""
 
 
 class NoConvergence(ArithmeticError):  # noqa: N818 - as the package's others
@@ -71,7 +72,7 @@ def solve(level: Level, f: Floats, expansion: float | None, enough: float = 0.0)
     Raises
     ------
     NoConvergence
-        There is none near by, or not where the slice is known.
+        The residual falls no more, or less than tenfold in ten steps.
     InvalidMetric, InvalidParameter
         The slice is not known on the first surface.
     """
@@ -79,14 +80,18 @@ def solve(level: Level, f: Floats, expansion: float | None, enough: float = 0.0)
     shape = level.shape(f)
     if expansion is None:
         expansion = float(level.transform.weights @ shape.local.expansion / (4.0 * np.pi))
-    equations, size = _linearized(level, shape, free), np.inf
+    equations, sizes = _linearized(level, shape, free), list[float]()
     noise = float(np.linalg.norm(equations.projected(level.expansion_errors(shape)[:, None]))) / _size(shape)
     enough = max(enough, HORIZON_NEWTON.noise * noise, HORIZON_NEWTON.exact)
-    for step in range(HORIZON_NEWTON.steps):
-        before, right = size, _residual(equations, shape, expansion)
+    while True:
+        right, step = _residual(equations, shape, expansion), len(sizes)
         size = float(np.linalg.norm(right)) / _size(shape)
-        if size <= enough or (size <= HORIZON_NEWTON.rounding and size > 0.5 * before):
+        falls = not sizes or size <= 0.5 * sizes[-1]
+        sizes.append(size)
+        if size <= enough or (size <= HORIZON_NEWTON.rounding and not falls):
             return Solution(shape, expansion, equations, step, noise)
+        if step >= PATIENCE and size > 0.1 * sizes[step - PATIENCE]:
+            raise NoConvergence(f"the residual {size:.2g} falls too slowly")
         change = equations.solved(right)
         rate = float(change[0]) if free else 0.0
         if free:
@@ -100,7 +105,6 @@ def solve(level: Level, f: Floats, expansion: float | None, enough: float = 0.0)
         expansion -= part * rate
         if left > HORIZON_NEWTON.again * size:
             equations = _linearized(level, shape, free)
-    raise NoConvergence(f"the residual is still {size:.2g} after {HORIZON_NEWTON.steps} steps")
 
 
 def _linearized(level: Level, shape: Shape, free: bool) -> Equations:

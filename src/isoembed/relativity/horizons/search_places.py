@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
+from itertools import combinations
 
 import numpy as np
 
-from isoembed.arrays import Floats
 from isoembed.errors import InvalidParameter
 from isoembed.relativity.spacetimes.three_geometry import ThreeGeometry
 from isoembed.thresholds import threshold
@@ -23,6 +23,8 @@ class PlaceThresholds:
     masses: float = threshold(3.0, "mass", "Distance of the sphere from the outermost hole.")
     gap: float = threshold(0.45, "relative", "The same over the distance to the nearest hole outside.")
     within: float = threshold(0.9, "relative", "The sphere over the largest one in a grid.")
+    linked: float = threshold(2.0, "mass", "Longest distance of holes that may have a common horizon.")
+    most: int = threshold(8, "count", "Holes of which all groups are tried.")
 
 
 PLACES = PlaceThresholds()
@@ -36,62 +38,67 @@ class Place:
     ----------
     center : three floats
     radius : float
-    parts : tuple of Place
-        Spheres around less of them, on both sides of the widest gap; none around one hole.
+    holes : frozenset of int
+        Their indices; empty for a sphere in a grid.
     """
 
     center: tuple[float, float, float]
     radius: float
-    parts: tuple[Place, ...] = ()
+    holes: frozenset[int] = frozenset()
 
 
-def places_of(geometry: ThreeGeometry) -> Place:
-    """A sphere around all that there is in a slice.
+def places_of(geometry: ThreeGeometry) -> Iterator[Place]:
+    """Spheres around all that there is in a slice, and around groups of its holes, the largest first.
+
+    Groups whose sphere reaches another hole are left out, as are those of holes further apart than twice
+    their mass: in Brill-Lindquist's slices a common horizon ends at .77 of it.
 
     Raises
     ------
     InvalidParameter
-        The slice does not say where that is.
+        The slice does not say where its holes are.
     """
     holes = tuple(getattr(geometry, "black_holes", ()))
     box = getattr(geometry, "box", None)
     if box is not None:
         low, high = (np.array(corner) for corner in box)
         x, y, z = (0.5 * (low + high)).tolist()
-        return Place((x, y, z), PLACES.within * 0.5 * float((high - low).min()))
+        yield Place((x, y, z), PLACES.within * 0.5 * float((high - low).min()))
+        return
     if not holes:
         raise InvalidParameter(
             "the slice does not say where its black holes are: give a guess, such as a sphere around them"
         )
-    return _around(holes, np.inf)
+    everything = frozenset(range(len(holes)))
+    sizes = range(len(holes) - 1, 0, -1) if len(holes) <= PLACES.most else (1,)
+    groups = [everything]
+    groups += [frozenset(group) for size in sizes for group in combinations(sorted(everything), size)]
+    for group in groups:
+        place = _around(holes, group)
+        if place is not None:
+            yield place
 
 
-def _around(holes: Sequence[Hole], room: float) -> Place:
-    """A sphere around some holes, as far from other ones as it can be."""
-    masses = np.array([mass for mass, _ in holes])
-    at = np.array([position for _, position in holes], dtype=float)
+def _around(holes: Sequence[Hole], group: frozenset[int]) -> Place | None:
+    """A sphere around some holes, as far from the others as it can be."""
+    masses = np.array([holes[i][0] for i in sorted(group)])
+    at = np.array([holes[i][1] for i in sorted(group)], dtype=float)
     center = masses @ at / masses.sum()
     extent = float(np.linalg.norm(at - center, axis=1).max())
+    others = [holes[i][1] for i in range(len(holes)) if i not in group]
+    room = min((float(np.linalg.norm(center - other)) for other in others), default=np.inf) - extent
+    apart = others and len(group) > 1 and not _linked(masses, at)
+    if room <= 0.0 or apart:
+        return None
     radius = extent + min(PLACES.masses * float(masses.sum()) + extent, PLACES.gap * room)
     x, y, z = center.tolist()
-    return Place((x, y, z), radius, _parted(holes, at, room) if len(holes) > 1 else ())
+    return Place((x, y, z), radius, group)
 
 
-def _parted(holes: Sequence[Hole], at: Floats, room: float) -> tuple[Place, ...]:
-    """Both sides of the longest edge of the least spanning tree."""
-    apart = np.linalg.norm(at[:, None] - at[None], axis=2)
-    tree: list[tuple[float, int, int]] = []
-    joined = [0]
-    while len(joined) < len(at):
-        rest = [i for i in range(len(at)) if i not in joined]
-        tree.append(min((float(apart[i, j]), i, j) for i in joined for j in rest))
-        joined.append(tree[-1][2])
-    widest = max(tree)
-    side = {widest[1]}
-    edges = [edge for edge in tree if edge is not widest]
-    for _ in edges:
-        for _, i, j in edges:
-            if {i, j} & side:
-                side |= {i, j}
-    groups = ([i for i in range(len(at)) if (i in side) == inside] for inside in (True, False))
-    return tuple(_around([holes[i] for i in group], min(room, widest[0])) for group in groups)
+def _linked(masses: np.ndarray, at: np.ndarray) -> bool:
+    """Whether the holes hang together by distances that are not too long."""
+    near = np.linalg.norm(at[:, None] - at[None], axis=2) <= PLACES.linked * masses.sum()
+    reached = near[0]
+    for _ in at:
+        reached = near[reached].any(axis=0)
+    return bool(reached.all())

@@ -27,7 +27,11 @@ from isoembed.thresholds import threshold
 class LevelThresholds:
     """Thresholds of linear equations for surfaces in harmonics."""
 
-    dense: int = threshold(300, "count", "Harmonics up to which equations are solved directly.")
+    dense: tuple[int, int] = threshold(
+        (300, 1100),
+        "count",
+        "Harmonics up to which equations are solved directly, and with symmetry about z.",
+    )
     block: int = threshold(8, "count", "Degree of those whose equations precondition more of them.")
     krylov: int = threshold(100, "count", "Most iterations, without a restart.")
     linear: float = threshold(1e-8, "relative", "Residual of linear equations.")
@@ -111,7 +115,7 @@ class LowDegrees:
     def of(transform: SphereTransform) -> LowDegrees:
         """All that a transform has if they are few, and otherwise some."""
         T, harmonics = transform, transform.harmonics
-        if harmonics.size > LEVEL.dense:
+        if harmonics.size > LEVEL.dense[int(harmonics.order == 0)]:
             degree = LEVEL.block
             T = SphereTransform(Harmonics(degree, min(degree, harmonics.order)), T.n, T.around)
         places = {label: i for i, label in enumerate(zip(*harmonics.labels, strict=True))}

@@ -61,7 +61,9 @@ def check_finite(what: str, x: Floats, values: Floats) -> Floats:
     """The values (n, ...) at the points x (n, 3); `InvalidMetric` where they are not finite."""
     good = np.isfinite(values.reshape(len(x), -1)).all(axis=1)
     if not good.all():
-        raise InvalidMetric(f"{what} at {written(x[int(np.argmin(good))])} is not finite")
+        raise InvalidMetric(
+            f"{what} at {written(x[int(np.argmin(good))])} is not finite: data are missing there or nearby"
+        )
     return values
 
 

@@ -1,0 +1,118 @@
+"""Axis of symmetry of a slice: horizons around it are surfaces of revolution, and need few harmonics."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from isoembed.arrays import Floats
+from isoembed.meshing.sphere import gauss_rule
+from isoembed.relativity.horizons.found_horizon import FoundHorizon
+from isoembed.relativity.horizons.ladder import LADDER, is_symmetric
+from isoembed.relativity.spacetimes.framed import Framed
+from isoembed.relativity.spacetimes.mapped_surface import MappedSurface
+from isoembed.relativity.spacetimes.star_surface import StarSurface
+from isoembed.relativity.spacetimes.surface import Surface
+from isoembed.relativity.spacetimes.three_geometry import ThreeGeometry
+from isoembed.smooth.harmonics import Harmonics
+from isoembed.smooth.scattered_fit import deviating
+from isoembed.smooth.sphere_transform import SphereTransform
+from isoembed.smooth.transforms import resized
+
+
+@dataclass(frozen=True, eq=False)
+class Axis:
+    """An axis of symmetry of a slice through the center of a sphere.
+
+    Attributes
+    ----------
+    geometry : ThreeGeometry
+    frame : Framed
+        The slice in a frame whose z-axis it is.
+    """
+
+    geometry: ThreeGeometry
+    frame: Framed
+
+    def surface(self, found: Surface) -> Surface:
+        """A surface of revolution that was found in the frame, in the coordinates of the slice.
+
+        Star-shaped ones in harmonics about z, by the addition theorem, where these are not too many;
+        otherwise a map whose directions are those of the frame.
+        """
+        rotation, origin = self.frame.rotation, self.frame.origin
+        if isinstance(found, StarSurface) and found.harmonics.degree <= LADDER.highest:
+            center = (origin + rotation @ np.array(found.center)).tolist()
+            harmonics = Harmonics(found.harmonics.degree, found.harmonics.degree)
+            fit = deviating(found.harmonics)
+            drawn = None
+            if found.deviations is not None:
+                zonal = resized(found.deviations.T, fit, Harmonics(fit.degree, 0)).T
+                drawn = np.stack([self._turned(each, fit) for each in zonal])
+            f = self._turned(found.coefficients, harmonics)
+            return StarSurface(center, harmonics, f, found.misfit, drawn, found.notes)
+        mapped = _mapped(found) if isinstance(found, StarSurface) else found
+        assert isinstance(mapped, MappedSurface)
+        coefficients = mapped.coefficients @ rotation.T
+        coefficients[0] += np.sqrt(4.0 * np.pi) * origin
+        drawn = None if mapped.deviations is None else mapped.deviations @ rotation.T
+        return MappedSurface(
+            mapped.harmonics, coefficients, misfit=mapped.misfit, deviations=drawn, notes=mapped.notes
+        )
+
+    def horizon(self, found: FoundHorizon) -> FoundHorizon:
+        """A horizon that was found in the frame, in the slice."""
+        surface = self.surface(found.surface)
+        assert isinstance(surface, StarSurface | MappedSurface)
+        return replace(found, surface=surface, geometry=self.geometry)
+
+    def _turned(self, zonal: Floats, harmonics: Harmonics) -> Floats:
+        """Coefficients of a function of the angle from the axis: the addition theorem of harmonics."""
+        degrees, _ = harmonics.labels
+        Y = harmonics.values(self.frame.rotation[None, :, 2])[0]
+        return np.asarray(np.sqrt(4.0 * np.pi / (2.0 * degrees + 1.0)) * zonal[degrees] * Y)
+
+
+def symmetry_axis(geometry: ThreeGeometry, sphere: StarSurface) -> Axis | None:
+    """The axis of symmetry of a slice through the center of a sphere, if it has one.
+
+    Candidates are the dipole and the principal axes of the expansion on the sphere; one is taken if the
+    expansion of several surfaces does not change around it.  None is known where there is none that is seen,
+    or where all directions are equal.
+
+    Raises
+    ------
+    InvalidMetric, InvalidParameter
+        The sphere leaves the slice.
+    """
+    center = np.array(sphere.center)
+    u, weights = gauss_rule(128, 256)  # resolves the expansion around fast holes to rounding
+    theta = sphere.expansion(geometry, u) * weights
+    quadrupole = np.einsum("n,ni,nj->ij", theta, u, u)
+    dipole = theta @ u
+    scale = np.abs(theta).sum()
+    candidates = list(np.linalg.eigh(quadrupole)[1].T)
+    if np.linalg.norm(dipole) > 1e-9 * scale:
+        candidates.insert(0, dipole / np.linalg.norm(dipole))
+    for axis in candidates:
+        frame = Framed(geometry, center, _upright(axis))
+        if is_symmetric(frame, StarSurface.sphere((0.0, 0.0, 0.0), sphere.mean_radius)):
+            return Axis(geometry, frame)
+    return None
+
+
+def _upright(axis: Floats) -> Floats:
+    """A rotation (3, 3) that takes z to an axis."""
+    first = np.cross(np.eye(3)[int(np.argmin(np.abs(axis)))], axis)
+    first /= np.linalg.norm(first)
+    return np.stack([first, np.cross(axis, first), axis], axis=1)
+
+
+def _mapped(star: StarSurface) -> MappedSurface:
+    """A surface of revolution as a map: exact, in harmonics of one degree more."""
+    assert star.harmonics.order == 0
+    harmonics = Harmonics(star.harmonics.degree + 1, 1)
+    T = SphereTransform(harmonics, harmonics.degree + 1, 4)
+    x = star.points(T.u)
+    return MappedSurface(harmonics, T.analysis(x), misfit=star.misfit)

@@ -1,0 +1,44 @@
+"""A slice with its extrinsic curvature multiplied by a factor, for continuation from a time-symmetric one."""
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+
+from isoembed.arrays import Floats
+from isoembed.relativity.spacetimes.three_geometry import ThreeGeometry
+
+
+@dataclass(frozen=True)
+class ScaledCurvature:
+    """The metric of a slice with ``factor * K_ij``.
+
+    Attributes
+    ----------
+    geometry : ThreeGeometry
+    factor : float
+    """
+
+    geometry: ThreeGeometry
+    factor: float
+
+    @property
+    def time_symmetric(self) -> bool:
+        """See `ThreeGeometry`."""
+        return self.geometry.time_symmetric or self.factor == 0.0
+
+    def metric(self, x: Floats) -> Floats:
+        """See `ThreeGeometry`."""
+        return self.geometry.metric(x)
+
+    def gradient(self, x: Floats) -> Floats:
+        """See `ThreeGeometry`."""
+        return self.geometry.gradient(x)
+
+    def extrinsic_curvature(self, x: Floats) -> Floats:
+        """See `ThreeGeometry`."""
+        return np.asarray(self.factor * self.geometry.extrinsic_curvature(x))
+
+    def error(self, quantity: Callable[[ThreeGeometry], Floats]) -> Floats:
+        """See `ThreeGeometry`."""
+        return self.geometry.error(lambda slice_: quantity(ScaledCurvature(slice_, self.factor)))
