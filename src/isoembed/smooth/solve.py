@@ -10,6 +10,7 @@ from isoembed._embed import embed
 from isoembed.aim.adaptive import Aim
 from isoembed.arrays import Floats
 from isoembed.errors import InvalidMetric, InvalidParameter, NotEmbedded
+from isoembed.evidence import Evidence
 from isoembed.meshing.sphere import angles_of, gauss_rule
 from isoembed.smooth.axisymmetric import AxisymmetricEmbedding
 from isoembed.smooth.coordinates import fitting_coordinates
@@ -60,6 +61,11 @@ class SolveThresholds:
 
 
 SOLVE = SolveThresholds()
+
+NO_REVOLUTION = (
+    "of surfaces of revolution: the circumference changes faster than the meridian allows, by more than the "
+    "error of the metric; whether another surface has the metric is not known"
+)
 
 
 def embed_smooth(
@@ -137,7 +143,8 @@ def embed_smooth(
     coordinates = None if turn is None or np.array_equal(turn, np.eye(3)) else SphereMap.linear(turn)
     ladder = [Harmonics(L, 1 if symmetric else L) for L in SOLVE.degrees]
     profile = _profile(metric_in(metric, coordinates), space) if symmetric else None
-    hindrance = "" if profile is None or profile.embeds else _about(coordinates) + profile.explanation
+    obstructed = profile is not None and _is_obstructed(profile, metric)
+    hindrance = _about(coordinates) + profile.explanation if profile is not None and obstructed else ""
     if hindrance:
         ladder = [h for h in ladder if h.degree <= SOLVE.hindered]
     if start is None and profile is not None and profile.embeds and not space.is_euclidean:
@@ -162,7 +169,8 @@ def embed_smooth(
         best, residuals = goal.approached(high, _from_profile(profile))
     if best.converged or best_fit:
         return best
-    raise NotEmbedded(_diagnosis(best, residuals, profile), best)
+    evidence = Evidence("proved", NO_REVOLUTION) if obstructed else _search(best)
+    raise NotEmbedded(_diagnosis(best, residuals, profile), best, evidence)
 
 
 @dataclass(frozen=True)
@@ -235,7 +243,7 @@ class _Goal:
         return bool(before) and residuals[-1] >= SOLVE.standing * before[-1]
 
     def _judged(self, surface: SmoothEmbedding, residuals: list[float]) -> SmoothEmbedding:
-        """A surface that more harmonics are in vain for: with K < 0 somewhere there need not be one."""
+        """A surface whose residual more harmonics do not reduce: where K < 0 there need not be one."""
         uncertain = getattr(self.metric, "error", EXACT).pointwise
         enough = max(SOLVE.exact, SOLVE.uncertain * uncertain)
         if surface.residual <= enough or surface.hindrance or self._least_curvature >= self.space.curvature:
@@ -321,6 +329,21 @@ def _profile(metric: TwoMetric, space: Space) -> AxisymmetricEmbedding | None:
         return None
 
 
+def _is_obstructed(profile: AxisymmetricEmbedding, metric: TwoMetric) -> bool:
+    """Whether no surface of revolution has the metric, whatever its error."""
+    uncertain = getattr(metric, "error", EXACT).pointwise
+    return not profile.embeds and (uncertain == 0.0 or profile.is_obstructed_beyond(uncertain))
+
+
+def _search(best: SmoothEmbedding) -> Evidence:
+    """What was searched for the surface."""
+    return Evidence(
+        "searched",
+        f"maps in spherical harmonics up to degree {best.harmonics.degree}, from one start; that none was "
+        "found proves nothing",
+    )
+
+
 def _diagnosis(best: SmoothEmbedding, residuals: list[float], profile: AxisymmetricEmbedding | None) -> str:
     trend = ", ".join(f"{r:.1e}" for r in residuals[-3:])
     missed = (
@@ -330,24 +353,27 @@ def _diagnosis(best: SmoothEmbedding, residuals: list[float], profile: Axisymmet
         return best.hindrance if profile is None else f"{best.hindrance}; {missed}"
     if len(residuals) > 1 and residuals[-1] < SOLVE.falling * residuals[-2]:
         missed += ": the metric has details that are too fine for so few"
-    if profile is not None:
+    if profile is not None and profile.embeds:
         return f"{missed}; the surface of revolution exists, and isoembed.smooth.AxisymmetricEmbedding has it"
     return f"{missed}; {_sign_of_curvature(best.metric, best.space)}"
 
 
 def _sign_of_curvature(metric: TwoMetric, space: Space) -> str:
-    """Meaning of the sign of the Gaussian curvature, less that of space, for the embedding, in one clause."""
+    """Clause on what the sign of the Gaussian curvature, less that of space, says of an embedding."""
     u, _ = gauss_rule(*SOLVE.sampled)
     K = gaussian_curvature(metric, u)
     k = int(np.argmin(K))
-    sign = ("positive,", "negative")
+    sign = ("positive", "negative")
     if not space.is_euclidean:
         sign = (
             f"more than that of space, {space.curvature:.6g},",
             f"less than that of space, {space.curvature:.6g},",
         )
     if K[k] > space.curvature:
-        return f"where it was looked at the Gaussian curvature is {sign[0]} so that an embedding should exist"
+        return (
+            f"the Gaussian curvature is {sign[0]} at the {len(K)} directions that were looked at: if it is "
+            "so everywhere, an embedding exists (Nirenberg, Pogorelov)"
+        )
     theta, phi = angles_of(u)
     return (
         f"the Gaussian curvature is {sign[1]} in places, least {K[k]:.4g} at theta = {theta[k]:.3f}, "
