@@ -60,6 +60,11 @@ class NotEmbedded(RuntimeError):  # noqa: N818 - the contract's name
     def __str__(self) -> str:
         return str(self.args[0])
 
+    @property
+    def report(self) -> dict[str, str]:
+        """The message, and the evidence for it, as entries of a report."""
+        return {"message": str(self), **self.evidence.report}
+
 
 class NoMinimum(RuntimeError):  # noqa: N818 - as the others
     """The search for a least energy ended where the energy still falls; the message says how fast."""
@@ -92,6 +97,11 @@ class NoHorizon(RuntimeError):  # noqa: N818 - as the others
 
     def __str__(self) -> str:
         return str(self.args[0])
+
+    @property
+    def report(self) -> dict[str, Any]:
+        """The message, the least that was met, and the evidence, as entries of a report."""
+        return {"message": str(self), "least_expansion": self.least, **self.evidence.report}
 
 
 class Interrupted(KeyboardInterrupt):

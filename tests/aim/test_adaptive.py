@@ -197,6 +197,8 @@ def test_another_realization_is_reported():
             "mirrored": 0,
         }
     ]
+    assert surface.report["uniqueness"]["evidence"] == "searched"
+    assert surface.uniqueness.basis in surface.message
 
 
 def noisy(amount):
