@@ -1,4 +1,4 @@
-"""The realizations of a metric near one of them."""
+"""Realizations of a metric near one of them, as far as a search finds them."""
 
 from __future__ import annotations
 
@@ -119,7 +119,7 @@ class Realizations:
 def realizations(
     embedding: Embedding, *, distance: float = 0.12, motions: int = 5, surfaces: int = 8
 ) -> Realizations:
-    """Enumerate the realizations of a metric near one of them, or near an attempt.
+    """Search for realizations of a metric near one of them, or near an attempt.
 
     Parameters
     ----------

@@ -40,7 +40,7 @@ from isoembed.surface.rigidity import LengthSystem
 
 SOUGHT = (
     f"others were sought along the {NEARBY.motions} softest motions, within {NEARBY.near:g} mean edge "
-    "lengths, not all there are: isoembed realizations enumerates more"
+    "lengths, which need not find all: isoembed realizations searches further"
 )
 
 # Seconds that stages take as a rule, 40,000 vertices, for the time left.

@@ -86,7 +86,7 @@ class Inspection:
         width = max(len(measure.name) for measure in self.measures)
         lines = [f"{measure.name:{width}}  {measure.text}" for measure in self.measures]
         lines += ["", *(f"warning: {warning.text}" for warning in self.warnings)]
-        return "\n".join(lines if self.warnings else [*lines, "No warnings."])
+        return "\n".join(lines if self.warnings else [*lines, "None of these rules out an embedding."])
 
 
 def inspect(metric: PolyhedralMetric) -> Inspection:

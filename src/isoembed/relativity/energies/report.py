@@ -92,7 +92,7 @@ def _horizon_lines(horizon: dict[str, Any]) -> Iterator[str]:
     yield (
         f"the expansion of outgoing rays, 0 on a horizon, is at most "
         f"{horizon['largest_expansion']:.1e} +- {horizon['expansion_error']:.0e}"
-        + ("" if horizon["marginal"] else ": in this geometry it is no horizon")
+        + ("" if horizon["marginal"] else ": it is not treated as a horizon of this geometry")
     )
 
 
