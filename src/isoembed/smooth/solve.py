@@ -48,12 +48,12 @@ class SolveThresholds:
     rough_flat: float = threshold(
         1e-8, "relative", "Accuracy of int H dA with it: the surface is not smooth."
     )
-    exact: float = threshold(1e-6, "relative", "Error of lengths that never stands for no embedding.")
+    exact: float = threshold(1e-6, "relative", "Residual at which slow progress is no failure.")
     uncertain: float = threshold(10.0, "relative", "The same over the error of the metric.")
     falling: float = threshold(0.6, "relative", "Residual over the one before that is a decrease.")
-    hindered: int = threshold(32, "count", "Highest degree of the best fit to what has no embedding.")
+    hindered: int = threshold(32, "count", "Highest degree if no surface of revolution has the metric.")
     standing: float = threshold(0.5, "relative", "The same over several degrees, before a surface is found.")
-    in_vain: int = threshold(3, "count", "Degrees in turn that tell whether there is a surface.")
+    in_vain: int = threshold(3, "count", "Degrees in turn without progress that end the search.")
     determined: int = threshold(3, "count", "Vertices for each harmonic that is fitted to them.")
     high: int = threshold(48, "count", "Least degree in which a surface of revolution is projected.")
     written: int = threshold(12, "decimals", "Rounding of an axis of symmetry in sentences.")

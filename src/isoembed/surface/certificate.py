@@ -54,7 +54,7 @@ class Certificate:
     kantorovich: float | None = None
 
     _THEOREMS: ClassVar[str] = (
-        "Brouwer's fixed-point theorem for Newton's map of the length equations, with bounds on rounding"
+        "a theorem of Newton-Kantorovich type for the length equations, with bounds on rounding"
     )
 
     @property
