@@ -498,6 +498,12 @@ def test_tolerances_that_are_none(name, value):
         embed_smooth(LOPSIDED, **{name: value})
 
 
+@pytest.mark.parametrize("value", [-1e-3, np.nan, np.inf])
+def test_an_error_that_is_none(value):
+    with pytest.raises(InvalidParameter, match=f"the lengths_error is {value!r}, not a finite number"):
+        embed_smooth(LOPSIDED, lengths_error=value)
+
+
 def negative(theta, phi):
     return np.cos(theta) + 0.5, 0.0, np.sin(theta) ** 2
 

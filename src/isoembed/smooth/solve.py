@@ -78,6 +78,7 @@ def embed_smooth(
     tolerance: float = 1e-4,
     accuracy: float = 1e-12,
     best_fit: bool = False,
+    lengths_error: float | None = None,
 ) -> SmoothEmbedding:
     """Find the smooth surface in R^3, or in another space, that realizes a smooth metric on the sphere.
 
@@ -106,6 +107,9 @@ def embed_smooth(
     best_fit : bool
         Return the surface that comes nearest to the metric, in the mean square of its strains, even if it
         misses the tolerance.
+    lengths_error : float, optional
+        Relative error of the lengths, beyond which an obstruction counts; by default what a metric on a grid
+        or of a surface in a slice says of itself, and 0 for others.
 
     Returns
     -------
@@ -143,7 +147,11 @@ def embed_smooth(
     coordinates = None if turn is None or np.array_equal(turn, np.eye(3)) else SphereMap.linear(turn)
     ladder = [Harmonics(L, 1 if symmetric else L) for L in SOLVE.degrees]
     profile = _profile(metric_in(metric, coordinates), space) if symmetric else None
-    obstructed = profile is not None and _is_obstructed(profile, metric)
+    if lengths_error is None:
+        lengths_error = float(getattr(metric, "error", EXACT).pointwise)
+    if not 0.0 <= lengths_error < np.inf:
+        raise InvalidParameter(f"the lengths_error is {lengths_error!r}, not a finite number of at least 0")
+    obstructed = profile is not None and _is_obstructed(profile, lengths_error)
     hindrance = _about(coordinates) + profile.explanation if profile is not None and obstructed else ""
     if hindrance:
         ladder = [h for h in ladder if h.degree <= SOLVE.hindered]
@@ -162,7 +170,7 @@ def embed_smooth(
             coordinates = start.coordinates
         mesh, origin = None, partial(start.in_directions_of, coordinates)
         first = max(0, sum(h.degree < start.harmonics.degree for h in ladder) - 1)
-    goal = _Goal(metric, space, coordinates, shape, tolerance, accuracy, hindrance, mesh)
+    goal = _Goal(metric, space, coordinates, shape, tolerance, accuracy, hindrance, mesh, lengths_error)
     best, residuals = goal.approached(ladder[first:], origin)
     if not best.converged and profile is not None and profile.embeds:
         high = [h for h in ladder if h.degree >= SOLVE.high] or ladder[-1:]
@@ -188,6 +196,7 @@ class _Goal:
     accuracy: float
     hindrance: str
     mesh: SphereMesh | None
+    lengths_error: float
 
     def approached(
         self, ladder: list[Harmonics], origin: Callable[[Harmonics], Floats]
@@ -244,8 +253,7 @@ class _Goal:
 
     def _judged(self, surface: SmoothEmbedding, residuals: list[float]) -> SmoothEmbedding:
         """A surface whose residual more harmonics do not reduce: where K < 0 there need not be one."""
-        uncertain = getattr(self.metric, "error", EXACT).pointwise
-        enough = max(SOLVE.exact, SOLVE.uncertain * uncertain)
+        enough = max(SOLVE.exact, SOLVE.uncertain * self.lengths_error)
         if surface.residual <= enough or surface.hindrance or self._least_curvature >= self.space.curvature:
             return surface
         stays = ", ".join(f"{r:.1e}" for r in residuals[-SOLVE.in_vain :])
@@ -329,10 +337,9 @@ def _profile(metric: TwoMetric, space: Space) -> AxisymmetricEmbedding | None:
         return None
 
 
-def _is_obstructed(profile: AxisymmetricEmbedding, metric: TwoMetric) -> bool:
-    """Whether no surface of revolution has the metric, whatever its error."""
-    uncertain = getattr(metric, "error", EXACT).pointwise
-    return not profile.embeds and (uncertain == 0.0 or profile.is_obstructed_beyond(uncertain))
+def _is_obstructed(profile: AxisymmetricEmbedding, error: float) -> bool:
+    """Whether no surface of revolution has lengths within a relative error of the metric's."""
+    return not profile.embeds and (error == 0.0 or profile.is_obstructed_beyond(error))
 
 
 def _search(best: SmoothEmbedding) -> Evidence:
