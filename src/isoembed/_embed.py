@@ -82,7 +82,7 @@ class Method(ABC):
         InvalidMetric
             The metric is none that the method takes.
         NotEmbedded
-            There is no surface; the exception holds the best attempt.
+            No surface was found; the exception holds the best attempt.
         """
 
 
@@ -173,7 +173,8 @@ def embed(
     try:
         embedding = chosen.run(unit, tolerance, log).in_unit_of(metric)
     except NotEmbedded as failure:
-        raise NotEmbedded(str(failure), failure.embedding.in_unit_of(metric)) from None
+        attempt = failure.embedding.in_unit_of(metric)
+        raise NotEmbedded(str(failure), attempt, failure.evidence) from None
     except KeyboardInterrupt as interruption:
         raise Interrupted(log.checkpoint, log.stages) from interruption
     if embedding.status == "not converged":

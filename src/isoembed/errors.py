@@ -60,6 +60,11 @@ class NotEmbedded(RuntimeError):  # noqa: N818 - the contract's name
     def __str__(self) -> str:
         return str(self.args[0])
 
+    @property
+    def report(self) -> dict[str, str]:
+        """The message, and the evidence for it, as entries of a report."""
+        return {"message": str(self), **self.evidence.report}
+
 
 class NoMinimum(RuntimeError):  # noqa: N818 - as the others
     """The search for a least energy ended where the energy still falls; the message says how fast."""
@@ -74,17 +79,17 @@ class NoHorizon(RuntimeError):  # noqa: N818 - as the others
     least : float, optional
         The least ``c R / 2`` of the surfaces of constant expansion c and areal radius R that were met on the
         way, which is 1 for spheres in flat space and 0 on a horizon.
+    evidence : Evidence
+        What was searched, or the proof that there is no horizon.
     least_error : float, optional
-        Its error, where it is a minimum above zero.
-    evidence : Evidence, optional
-        Whether there is none, or one between the barriers: a proof, or a search that ended.
+        The error of `least`, where it is a minimum above zero.
     barriers : tuple of two Surface, optional
         Surfaces of positive and of negative expansion, the second one inside the first one: a horizon exists
         between them, and was not resolved.
 
     Attributes
     ----------
-    least, least_error, evidence, barriers
+    least, evidence, least_error, barriers
         As given.
     """
 
@@ -92,18 +97,24 @@ class NoHorizon(RuntimeError):  # noqa: N818 - as the others
         self,
         message: str,
         least: float | None = None,
+        evidence: Evidence = SEARCHED,
         least_error: float | None = None,
-        evidence: Evidence | None = None,
         barriers: tuple[Any, Any] | None = None,
     ) -> None:
-        super().__init__(message, least, least_error, evidence, barriers)  # all, for pickle
+        super().__init__(message, least, evidence, least_error, barriers)  # all, for pickle
         self.least = least
-        self.least_error = least_error
         self.evidence = evidence
+        self.least_error = least_error
         self.barriers = barriers
 
     def __str__(self) -> str:
         return str(self.args[0])
+
+    @property
+    def report(self) -> dict[str, Any]:
+        """The message, the least that was met, and the evidence, as entries of a report."""
+        least = {"least_expansion": self.least, "least_expansion_error": self.least_error}
+        return {"message": str(self), **least, **self.evidence.report}
 
 
 class Interrupted(KeyboardInterrupt):

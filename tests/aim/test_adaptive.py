@@ -188,7 +188,7 @@ def test_another_realization_is_reported():
     assert other.fine_roughness > surface.fine_roughness
     assert surface.distance(other) > 1e-5
     assert "these lengths have another realization too" in surface.message
-    assert surface.message.endswith("not all there are: isoembed realizations enumerates more")
+    assert surface.message.endswith("which need not find all: isoembed realizations searches further")
     assert surface.report["other_realizations"] == [
         {
             "distance": surface.distance(other),
@@ -197,6 +197,8 @@ def test_another_realization_is_reported():
             "mirrored": 0,
         }
     ]
+    assert surface.report["uniqueness"]["evidence"] == "searched"
+    assert surface.uniqueness.basis in surface.message
 
 
 def noisy(amount):

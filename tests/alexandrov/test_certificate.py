@@ -366,7 +366,8 @@ def test_reports():
     vertices, faces = zoo.icosahedron()
     found = certified(vertices, faces).as_json()
     assert json.loads(json.dumps(found, allow_nan=False)) == found
-    assert found["certified"] is True
+    assert found["certified"] is True and found["evidence"] == "proved"
+    assert found["basis"].endswith("Alexandrov's theorem (1941)")
     within, angle = (float(number) for number in re.findall(r"\d\.\de[+-]\d+", found["reason"]))
     assert found["distance"] < within < 1.2 * found["distance"]
     assert 0.8 * found["smallest_dihedral"] < angle < found["smallest_dihedral"]

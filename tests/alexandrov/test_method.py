@@ -263,7 +263,9 @@ def test_failure_is_reported_with_what_there_is(monkeypatch):
     attempt = failure.value.embedding
     assert attempt.metric is metric and attempt.residual > 1e-10
     assert attempt.residual < 1  # not far
-    assert attempt.report["status"] == "not converged"
+    assert attempt.report["status"] == "not converged" and attempt.report["uniqueness"] is None
+    assert failure.value.evidence.kind == "searched"
+    assert "the polyhedron exists by Alexandrov's theorem" in failure.value.evidence.basis
 
 
 @pytest.mark.parametrize(
@@ -360,6 +362,8 @@ def test_the_report():
     assert report["input"]["edges"] == metric.n_edges
     assert report["polyhedron"] == {"vertices": 8, "faces": 6, "flat_vertices": 18}
     assert report["certificate"]["certified"]
+    assert report["uniqueness"]["evidence"] == "proved"
+    assert "no other convex polyhedron" in report["uniqueness"]["basis"]
     assert report["residual"]["max"] >= report["residual"]["paths"]
     names = [stage["name"] for stage in worked(report["stages"])]
     assert names == ["flat vertices", "polytope", "placement", "edge paths"]

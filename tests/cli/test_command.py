@@ -198,6 +198,7 @@ def test_embed_that_fails_says_so_in_json(run, here, monkeypatch):
     assert (status, err) == (3, "isoembed: error: the path ended at t = 0.3\n")
     report = strict(out)
     assert (report["status"], report["message"]) == ("not converged", "the path ended\nat t = 0.3")
+    assert report["evidence"] == "searched"
     assert os.listdir() == ["metric.json"]
 
 

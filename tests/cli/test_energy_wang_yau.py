@@ -24,6 +24,7 @@ def test_the_wang_yau_energy_is_the_least(report, tmp_path):
     exact = 4.0 * (1.0 - np.sqrt(0.5))
     assert abs(found["wang_yau"] - exact) <= found["errors"]["wang_yau"] <= 1e-9
     assert found["minimum"]["least_second_derivative"] > 0.0 and found["minimum"]["admissible"] > 0.0
+    assert found["minimum"]["evidence"] == "searched" and "local minimum" in found["minimum"]["basis"]
     written = np.load("a.npz")
     np.testing.assert_allclose(np.linalg.norm(written["vertices"], axis=1), 4.0, rtol=1e-9)
     np.testing.assert_allclose(written["tau"], 0.0, atol=1e-9)
@@ -35,6 +36,7 @@ def test_of_a_horizon_the_wang_yau_energy_is_the_limit(report):
     found = report(*horizon, "--wang-yau", "--vertices", 60)
     assert abs(found["wang_yau"] - 1.9337681253680011) <= found["errors"]["wang_yau"] <= 1e-10
     assert "arXiv:2406.10751" in found["minimum"]["notes"][0]
+    assert "evidence" not in found["minimum"]  # a theorem says which tau is the best
 
 
 def test_where_there_is_no_wang_yau_energy_the_reason_is_said(report):

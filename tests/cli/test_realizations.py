@@ -53,6 +53,9 @@ def test_none_is_found(call, files):
     assert status == 3
     assert out.startswith("no realization of these lengths was found within 0.001 mean edge lengths")
     assert not Path("out").exists()
+    found = strict(call("realizations", "s.npz", "other.npz", "--distance", "1e-3", "--json")[1])
+    assert found["realizations"] == [] and found["evidence"] == "searched"
+    assert found["basis"] in found["message"] and found["message"].endswith("that are not predicted so")
 
 
 @pytest.mark.parametrize(

@@ -1,6 +1,6 @@
 """Surfaces of revolution from their metrics, against closed forms, the gallery and direct quadrature."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cache
 from math import acos, pi
 
@@ -14,6 +14,7 @@ from isoembed.errors import InvalidMetric, InvalidParameter
 from isoembed.gallery import CassiniPeanut, Ergosphere, KerrHorizon
 from isoembed.smooth.axisymmetric import AxisymmetricEmbedding
 from isoembed.smooth.two_metric import AngleMetric, from_angles
+from isoembed.space import Hyperbolic
 
 THETA = np.linspace(0.0, pi, 61)
 
@@ -152,6 +153,20 @@ def test_what_does_not_embed_in_the_middle():
         e.z(0.1)
     with pytest.raises(InvalidMetric, match="no surface of revolution"):
         _ = e.integrated_mean_curvature
+
+
+def test_an_obstruction_is_told_from_the_error_of_the_metric():
+    surface = window()
+    (interval,) = surface.obstruction
+    small, large = np.sin(interval)
+    length, _ = quad(
+        lambda t: np.sqrt(np.cos(t) ** 2 + np.sin(t) ** 2 * (np.cos(t) - 0.3) * (np.cos(t) - 0.6)), *interval
+    )
+    error = (large - small - length) / (large + small + length)
+    assert surface.is_obstructed_beyond(0.999 * error)
+    assert not surface.is_obstructed_beyond(1.001 * error)
+    enough = Hyperbolic(-1.001 * surface.greatest_curvature)
+    assert not replace(surface, space=enough).is_obstructed_beyond(0.0)
 
 
 def test_the_total_curvature_of_the_cap_that_does_not_embed_is_zero_at_its_edge():

@@ -15,6 +15,7 @@ from isoembed.meshing.sphere import gauss_rule
 from isoembed.relativity import KerrNewmanErgosphere, KerrNewmanHorizon
 from isoembed.smooth import (
     AngleMetric,
+    AxisymmetricEmbedding,
     GridMetric,
     Harmonics,
     PulledBack,
@@ -24,7 +25,7 @@ from isoembed.smooth import (
 )
 from isoembed.smooth.gauss_newton import gauss_newton
 from isoembed.smooth.transforms import resized
-from isoembed.smooth.two_metric import TwoMetric, area_density, is_axisymmetric
+from isoembed.smooth.two_metric import TwoMetric, angle_components, area_density, is_axisymmetric
 
 TILTED = np.array([[2.0, 0.3, -0.2], [0.0, 1.5, 0.4], [0.1, 0.0, 1.0]])
 ROUNDING = 1e-13
@@ -403,16 +404,48 @@ def test_beyond_smarrs_limit_the_reason_names_the_band(few):
     assert 1e-3 < fit.residual < 5e-3
 
 
+def kerr_on_a_grid(spin, noise):
+    """The horizon of Kerr on 24 angles theta, with independent relative errors of the components."""
+    theta = np.pi * (np.arange(24) + 0.5) / 24
+    u = np.stack([np.sin(theta), np.zeros(24), np.cos(theta)], axis=1)
+    q = angle_components(u, KerrNewmanHorizon(1.0, spin).tensor(u))
+    tt, pp = (1.0 + noise * np.random.default_rng(0).standard_normal((2, 24))) * np.einsum("nii->in", q)
+    return GridMetric(theta, [0.0], *np.stack([tt, 0.0 * tt, np.sin(theta) ** 2 * pp])[:, :, None])
+
+
+def test_an_obstruction_within_the_error_of_the_metric_is_none(few):
+    # Below Smarr's limit, 0.8660254038, by less than the noise shows: K < 0 at the interpolated poles.
+    metric = kerr_on_a_grid(0.8660254, 1e-9)
+    profile = AxisymmetricEmbedding.of(metric)
+    assert not profile.embeds
+    assert not profile.is_obstructed_beyond(metric.error.pointwise)
+    assert embed_smooth(metric, vertices=200).converged
+
+
+@pytest.mark.slow
+def test_an_obstruction_beyond_the_error_of_the_metric_is_a_proof(few):
+    with pytest.raises(NotEmbedded, match="no surface of revolution has this metric") as refusal:
+        embed_smooth(kerr_on_a_grid(0.9, 1e-9), vertices=200)
+    assert refusal.value.evidence.kind == "proved"
+    assert refusal.value.evidence.basis.startswith("of surfaces of revolution")
+
+
 @pytest.mark.slow
 def test_of_a_metric_without_symmetry_the_sign_of_the_curvature_is_told(few):
-    with pytest.raises(NotEmbedded, match=r"curvature is negative in places, least -0\.04.* is not known$"):
+    match = r"curvature is negative in places, least -0\.04.* is not known$"
+    with pytest.raises(NotEmbedded, match=match) as refusal:
         embed_smooth(Disturbed(KerrNewmanHorizon(1.0, 0.9)), vertices=200)
+    assert refusal.value.evidence.kind == "searched"
 
 
 def test_details_that_are_too_fine(monkeypatch):
     monkeypatch.setattr(solve, "SOLVE", replace(solve.SOLVE, degrees=(4, 6)))
-    with pytest.raises(NotEmbedded, match=r"too fine for so few; where it was looked at .* is positive"):
+    with pytest.raises(
+        NotEmbedded,
+        match=r"too fine for so few; .* is positive at the 4608 directions .*: if it is so everywhere",
+    ) as refusal:
         embed_smooth(Disturbed(KerrNewmanHorizon(1.0, 0.8)), vertices=100)
+    assert refusal.value.evidence.kind == "searched"
 
 
 @pytest.mark.slow
@@ -463,6 +496,12 @@ def test_the_tolerance_decides():
 def test_tolerances_that_are_none(name, value):
     with pytest.raises(InvalidParameter, match=f"the {name} is {value!r}, not a positive finite number"):
         embed_smooth(LOPSIDED, **{name: value})
+
+
+@pytest.mark.parametrize("value", [-1e-3, np.nan, np.inf])
+def test_an_error_that_is_none(value):
+    with pytest.raises(InvalidParameter, match=f"the lengths_error is {value!r}, not a finite number"):
+        embed_smooth(LOPSIDED, lengths_error=value)
 
 
 def negative(theta, phi):

@@ -193,6 +193,7 @@ def test_an_embedding_has_its_certificate_in_the_report():
     missed = embedding(vertices, faces, dented(0.2)[0]).report["certificate"]
     assert missed["reason"] == "not certified, because the lengths miss the tolerance"
     assert missed["certified"] is False and missed["radius"] is None
+    assert found["evidence"] == "proved" and "evidence" not in missed
 
 
 def test_a_step_of_newtons_method_makes_a_certificate_of_an_approximation():

@@ -1,7 +1,7 @@
 """The best fit to noisy lengths.
 
-With one percent of noise no surface near the body has these lengths. The least-squares surface comes near to
-them, and estimates the noise.
+With one percent of noise no surface with these lengths is found near the body. The least-squares surface
+comes near to them, and estimates the noise.
 """
 
 import numpy as np

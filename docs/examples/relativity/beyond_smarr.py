@@ -1,7 +1,7 @@
 """Energies beyond Smarr's limit.
 
-With a = 0.95 M there is no surface in R³; in the least curved hyperbolic space that takes the horizon there
-is, and the energy has a value with it for reference.
+With a = 0.95 M the horizon is no surface of revolution in R³. It is one in hyperbolic space of enough
+curvature, and the energy has a value with the least curved of these for reference.
 """
 
 from isoembed.plot import Panel, panels

@@ -1,7 +1,7 @@
 """The energy of a Kerr horizon.
 
 Kijowski's, Liu and Yau's energy falls from 2 M to 1.76569 M at Smarr's limit [Dunajski and
-Tod](https://arxiv.org/abs/2107.12400), where the surface in R³ ends.
+Tod](https://arxiv.org/abs/2107.12400), beyond which no surface of revolution in R³ has its metric.
 """
 
 import numpy as np

@@ -1,7 +1,7 @@
 """The least curved space for a fast horizon.
 
-A Kerr horizon has no surface in R³ beyond a = 0.866 M. The curvature that hyperbolic space must have at least
-grows from there to one half over M².
+A Kerr horizon is no surface of revolution in R³ beyond a = 0.866 M. The curvature that hyperbolic space must
+have at least grows from there to one half over M².
 """
 
 import numpy as np

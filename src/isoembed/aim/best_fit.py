@@ -1,6 +1,6 @@
-"""The best fit to lengths that no smooth surface has: as near to them as a smooth surface comes.
+"""The best fit to lengths with errors: a smooth surface near to them.
 
-Errors of the lengths make dimples, and where they are larger than the curvature allows, no surface at all.
+Surfaces that have such lengths have dimples; where the errors are large, often none is found.
 The best fit minimizes
 
     ``|r|^2 + mu |R x|^2``,

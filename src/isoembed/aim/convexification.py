@@ -43,7 +43,7 @@ class ConvexificationThresholds:
     most: int = threshold(150, "count", "Their iterations at most; beyond, the matrix is factored.")
     doublings: int = threshold(50, "count", "Of the time: beyond, only rounding keeps curvature uneven.")
     steps: int = threshold(100, "count", "Newton steps at most.")
-    shortest: float = threshold(1e-3, "Newton steps", "A shorter step means that there is no such metric.")
+    shortest: float = threshold(1e-3, "Newton steps", "A shorter step ends the search for the metric.")
     curved: float = threshold(0.01, "4 pi", "Curvature of space times area that is worth a smaller metric.")
 
 

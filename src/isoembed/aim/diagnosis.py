@@ -1,4 +1,4 @@
-"""What to say of lengths that no surface was found for: where it goes wrong, and what can be done."""
+"""What to say of lengths for which no surface was found: where they are missed, and what can be done."""
 
 from dataclasses import dataclass
 
@@ -27,7 +27,7 @@ DIAGNOSIS = DiagnosisThresholds()
 
 
 def diagnosis(attempt: Embedding, fit: FittedSurface | None, effort: float) -> str:
-    """Say where the lengths have no surface, and what the user can do.
+    """Say where the nearest surface misses the lengths, and what the user can do.
 
     Parameters
     ----------
@@ -57,7 +57,10 @@ def _curvature(metric: PolyhedralMetric, unlike: bool) -> list[str]:
     """The negative deficits, and what follows from them if the lengths are like those of a surface."""
     negative = negative_deficits(metric)
     if not negative.any():
-        return ["No deficit is negative: --method alexandrov is for the convex polyhedron of such lengths"]
+        return [
+            "No deficit is negative: --method alexandrov is for the convex polyhedron of such lengths, which "
+            "exists by Alexandrov's theorem"
+        ]
     regions = len(connected_parts(metric.triangulation.adjacency, negative))
     found = _negative(metric, negative, regions)
     if unlike:
@@ -65,8 +68,8 @@ def _curvature(metric: PolyhedralMetric, unlike: bool) -> list[str]:
     if regions * DIAGNOSIS.region <= negative.sum():
         return [
             found,
-            "Negative curvature over whole regions is not noise, and not every metric with it has a smooth "
-            "surface",
+            "Negative curvature over whole regions is unlikely to be noise, and not every metric with it has "
+            "a smooth surface",
         ]
     lowest, total = deficits(metric).min(), deficits(metric)[negative].sum()
     if -total > DIAGNOSIS.almost_convex * 4 * np.pi:
@@ -95,12 +98,12 @@ def _negative(metric: PolyhedralMetric, negative: Mask, regions: int) -> str:
 def _errors(fit: FittedSurface | None) -> str:
     """What the best fit tells of the lengths."""
     if fit is None:
-        return "No smooth surface comes near to them: check that each length is with its edge"
+        return "No smooth surface near to them was found: check that each length is with its edge"
     if fit.noise > DIAGNOSIS.unlike:
         return (
-            f"No smooth surface comes near to them: the best fit misses {fit.residual_rms:.0%} of the mean "
-            f"edge length (root mean square), most at {_worst_edge(fit)}: check that each length is with its "
-            "edge"
+            f"No smooth surface near to them was found: the best fit misses {fit.residual_rms:.0%} of the "
+            f"mean edge length (root mean square), most at {_worst_edge(fit)}: check that each length is "
+            "with its edge"
         )
     squares = fit.residuals**2
     at_vertices = np.bincount(fit.metric.edges.ravel(), np.repeat(squares, 2)) / fit.triangulation.degrees

@@ -1,4 +1,4 @@
-"""The search for all realizations of lengths near a surface.
+"""The search for realizations of lengths near a surface.
 
 From one realization to the next: the leads from each (`realization_leads`) are followed by Newton's method.
 The surface that is meant is, as a rule, among the smooth ones.  So first of all the smoothest is made
@@ -34,7 +34,7 @@ from isoembed.thresholds import threshold
 
 @dataclass(frozen=True)
 class SearchThresholds:
-    """Thresholds of the search for all realizations."""
+    """Thresholds of the search for realizations."""
 
     softest: int = threshold(2, "count", "Motions that may hide others, set apart, or lead across a fold.")
     smoother: int = threshold(4, "count", "Moves to smoother realizations at most after each search.")

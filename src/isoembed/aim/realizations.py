@@ -1,4 +1,4 @@
-"""The realizations of a metric near one of them."""
+"""Realizations of a metric near one of them, as far as a search finds them."""
 
 from __future__ import annotations
 
@@ -11,6 +11,7 @@ import numpy as np
 from isoembed.aim.realization_search import RealizationSearch
 from isoembed.arrays import Floats, Mask
 from isoembed.errors import InvalidParameter
+from isoembed.evidence import Evidence
 from isoembed.mesh.triangulation import frozen
 from isoembed.progress.stages import Log
 from isoembed.strict_json import plain
@@ -74,10 +75,7 @@ class Realizations:
                 f"{found} realization{'s' if found > 1 else ''} of these lengths found {region}, {searched} "
                 "of them searched from, breadth first and smoothest first"
             )
-        said += (
-            f"; sought along the motions to where another is predicted, up to {self.motions} together, all "
-            "roots of their quadratic equations. Not searched: what is farther"
-        )
+        said += f"; {self.evidence.basis}. Not searched: what is farther"
         if found > searched:
             said += f", about {found - searched} of those that were found"
         if self.unsolved:
@@ -85,10 +83,20 @@ class Realizations:
         return f"{said}; others may be near that are not predicted so"
 
     @property
+    def evidence(self) -> Evidence:
+        """Evidence that there are no others: how they were sought."""
+        return Evidence(
+            "searched",
+            f"sought along the motions to where another is predicted, up to {self.motions} together, all "
+            "roots of their quadratic equations",
+        )
+
+    @property
     def report(self) -> dict[str, Any]:
         """What was found, as a JSON object; certificates are made for it."""
         found = {
             "message": self.message,
+            **self.evidence.report,
             "region": {"distance": self.distance, "motions": self.motions, "unsolved": self.unsolved},
             "realizations": [
                 {
@@ -111,7 +119,7 @@ class Realizations:
 def realizations(
     embedding: Embedding, *, distance: float = 0.12, motions: int = 5, surfaces: int = 8
 ) -> Realizations:
-    """Enumerate the realizations of a metric near one of them, or near an attempt.
+    """Search for realizations of a metric near one of them, or near an attempt.
 
     Parameters
     ----------

@@ -25,6 +25,7 @@ from isoembed.aim.search import ADAPTIVE, AT_ONCE, Search
 from isoembed.alexandrov.method import Alexandrov
 from isoembed.arrays import Floats
 from isoembed.errors import InvalidMetric, NotEmbedded
+from isoembed.evidence import Evidence
 from isoembed.linalg import SingularMatrix
 from isoembed.metric.conformal_sphere import conformal_sphere
 from isoembed.metric.curvature import area
@@ -39,7 +40,7 @@ from isoembed.surface.rigidity import LengthSystem
 
 SOUGHT = (
     f"others were sought along the {NEARBY.motions} softest motions, within {NEARBY.near:g} mean edge "
-    "lengths, not all there are: isoembed realizations enumerates more"
+    "lengths, which need not find all: isoembed realizations searches further"
 )
 
 # Seconds that stages take as a rule, 40,000 vertices, for the time left.
@@ -354,5 +355,7 @@ class Strategies:
         if len(different) > 1:
             convex = self.search.convexification.is_convex
             different.sort(key=lambda s: (convex and s.concave_edges.any(), s.fine_roughness))
-        found = different[0].with_others(different[1:])
-        return found.with_message(f"{found.message}; {SOUGHT}") if self.sought else found
+        if not self.sought:
+            return different[0].with_others(different[1:])
+        found = different[0].with_others(different[1:], Evidence("searched", SOUGHT))
+        return found.with_message(f"{found.message}; {SOUGHT}")

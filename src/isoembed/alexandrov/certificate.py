@@ -27,7 +27,7 @@ Errors of the lengths enter rho with their norm; the proof then holds for every 
 """
 
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, ClassVar
 
 import numpy as np
 
@@ -62,6 +62,8 @@ class ConvexCertificate(Certificate):
     distance: float | None = None
     smallest_dihedral: float | None = None
     flat_edges: int | None = None
+
+    _THEOREMS: ClassVar[str] = f"{Certificate._THEOREMS}; and Alexandrov's theorem (1941)"
 
 
 def certify(

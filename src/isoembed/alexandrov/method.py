@@ -23,6 +23,7 @@ from isoembed.alexandrov.relaxation import NEARLY_FLAT, Relaxed, relaxed, relaxe
 from isoembed.alexandrov.tetrahedron import tetrahedron
 from isoembed.arrays import Floats, Indices, Mask
 from isoembed.errors import InvalidMetric, InvalidParameter, NotEmbedded
+from isoembed.evidence import Evidence
 from isoembed.intrinsic.edge_paths import edge_paths
 from isoembed.intrinsic.flat_vertices import remove_flat_vertices
 from isoembed.intrinsic.halfedges import HalfEdges
@@ -55,6 +56,17 @@ class SolutionThresholds:
 SOLUTION = SolutionThresholds()
 
 NEAREST = "nearest "  # before the names of its arrays
+
+ONLY_CONVEX = Evidence(
+    "proved",
+    "Alexandrov's theorem (1941): no other convex polyhedron has the metric; surfaces that are not convex "
+    "were not sought",
+)
+NOT_FOUND = Evidence(
+    "searched",
+    "generalized polytopes led to zero curvature; where no deficit is negative, the polyhedron exists by "
+    "Alexandrov's theorem (1941)",
+)
 
 
 @dataclass(frozen=True)
@@ -117,7 +129,7 @@ class Alexandrov(Method):
                 return answer
             given = GluedMetric.of(lifted)
         rounding = deficit_rounding(given.faces, given.face_lengths)
-        raise NotEmbedded(answer.message + flattening_advice(given.deficits, rounding), answer)
+        raise NotEmbedded(answer.message + flattening_advice(given.deficits, rounding), answer, NOT_FOUND)
 
     def _search(
         self, metric: PolyhedralMetric | GluedMetric, repair: Repair, tolerance: float, log: Log
@@ -215,6 +227,7 @@ class _Search:
             repair=self.repair,
             tolerance=self.tolerance,
             stages=log.stages,
+            uniqueness=ONLY_CONVEX,
         )
         depths = polyhedron.dents
         if polyhedron.converged and depths.max() > SOLUTION.dented:

@@ -65,7 +65,7 @@ class ConvexPolyhedron(Polyhedron):
         The vertices without a deficit.
     repair : Repair or None
         What was changed to make the metric convex.
-    tolerance, stages, message
+    tolerance, stages, message, uniqueness
         As of an `Embedding`.
     """
 

@@ -1,7 +1,7 @@
 """The command ``isoembed``: one file a subcommand, each imported when it is called for.
 
-Exit status: 0 done, 2 the input or the command line is wrong, 3 no embedding within the tolerance, or no
-horizon, 130 interrupted by Ctrl-C, 143 by SIGTERM.
+Exit status: 0 done, 2 the input or the command line is wrong, 3 no embedding within the tolerance, no
+horizon or no proof was found, 130 interrupted by Ctrl-C, 143 by SIGTERM.
 """
 
 import argparse
@@ -30,7 +30,7 @@ COMMANDS = {
     "horizon": "embed horizons, from files or found in a slice, and compute their energies",
     "inspect": "say what kind of metric a file holds, and what that means for its embedding",
     "nets": "solve classic nets: the Latin cross, tetramonohedra, pita forms, D-forms, ...",
-    "realizations": "enumerate the surfaces with the same lengths near the one in a file",
+    "realizations": "search for surfaces with the same lengths near the one in a file",
     "reproduce": "make the figures and numbers of the paper again, in one report",
     "series": "embed the horizons of a whole simulation, each in its own slice: tables, plots, films",
     "surface": "write the metric of a closed-form surface (ellipsoid, drum, Kerr horizon, ...)",

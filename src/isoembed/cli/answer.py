@@ -91,13 +91,13 @@ def answer(
 
     @cache
     def report() -> Mapping[str, Any]:  # it takes a while: only if it is asked for
-        return embedding.report if failure is None else {**embedding.report, "message": failure}
+        return embedding.report if failure is None else {**embedding.report, **failure.report}
 
     try:
         outputs.write(report=lambda _: report_writer(report()), **beside)
     finally:
         if failure is not None:
-            print_error(failure)
+            print_error(str(failure))
         if options.json:
             print_json(report())
         elif not options.quiet:
@@ -114,14 +114,14 @@ def solved(
     seen: Listener | None = None,
     *,
     quiet: bool = False,
-) -> tuple[isoembed.Embedding, str | None]:
-    """Solve under a live view; return the surface, or the best attempt and why it is no answer."""
+) -> tuple[isoembed.Embedding, NotEmbedded | None]:
+    """Solve under a live view; return the surface, or the best attempt and the failure."""
     try:
         watched = not quiet and sys.stderr is not None and sys.stderr.isatty()
         with bar() if watched else nullcontext() as view:
             return solve(heard_by(view, seen)), None
     except NotEmbedded as error:
-        return error.embedding, str(error)
+        return error.embedding, error
 
 
 def heard_by(*listeners: Listener | None) -> Listener | None:

@@ -60,8 +60,8 @@ def configure(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--best-fit",
         action="store_true",
-        help="where no surface has the lengths, write the smooth one that comes nearest to them and succeed, "
-        'with the status "best fit"; only with --method aim',
+        help="where no surface with the lengths is found, write the smooth one that comes nearest to them "
+        'and succeed, with the status "best fit"; only with --method aim',
     )
     add_length_error_option(
         parser, ": the report gets standard deviations of area, volume and int H dA; not with --best-fit"

@@ -123,20 +123,21 @@ def configure(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--wang-yau",
         action="store_true",
-        help="add the Wang-Yau energy of a smooth surface, the least over all time functions; --output then "
-        "writes the projection of its surface in Minkowski space, with tau at the vertices; with a --space, "
-        "that of tau = 0 with (anti-)de Sitter space for reference",
+        help="add the Wang-Yau energy of a smooth surface, the least that is found from tau = 0 over time "
+        "functions; --output then writes the projection of its surface in Minkowski space, with tau at the "
+        "vertices; with a --space, that of tau = 0 with (anti-)de Sitter space for reference",
     )
     parser.add_argument(
         "--best-fit",
         action="store_true",
-        help="if a smooth surface does not embed, take the one that comes nearest to it",
+        help="if no embedding of a smooth surface is found, take the one that comes nearest to it",
     )
     parser.add_argument(
         "--band",
         type=Path,
         metavar="FILE",
-        help="if an axisymmetric surface does not embed, write the band of it that does, as a mesh",
+        help="if no embedding of an axisymmetric surface is found, write the largest band of it that embeds, "
+        "as a mesh",
     )
 
 
@@ -189,14 +190,14 @@ def _with_check(data: SurfaceData, report: dict[str, Any]) -> dict[str, Any]:
 
 
 def _write_band(outputs: Outputs, data: SurfaceData, space: Space) -> None:
-    """Write the largest band of an axisymmetric surface that embeds, or say why there is none."""
+    """Write the largest band of an axisymmetric surface that embeds, or say why none is written."""
     try:
         bands = AxisymmetricEmbedding.of(data.metric, space=space).bands
     except InvalidMetric as error:
         print_error(f"--band is for surfaces that are symmetric about the z-axis: {error}")
         return
     if not bands:
-        print_error(f"{outputs['band']} is not written: no part of the surface is a surface of revolution")
+        print_error(f"{outputs['band']} is not written: no part of the surface is one of revolution")
         return
     vertices, faces = max(bands, key=lambda band: band.area).mesh()
     vertices = to_model(space, vertices, WRITTEN)
@@ -271,8 +272,8 @@ def _triangles(options: argparse.Namespace, outputs: Outputs, metric: Polyhedral
     embedding, failure = solved(lambda progress: isoembed.embed(metric, progress=progress))
     if failure is not None:
         if options.json:
-            print_json({"status": "not embedded", "message": failure, "name": str(options.input)})
-        print_error(failure)
+            print_json({"status": "not embedded", "name": str(options.input), **failure.report})
+        print_error(str(failure))
         return NOT_EMBEDDED
     energies = mesh_energies(embedding, k, p, lengths=lengths)
     try:

@@ -102,8 +102,7 @@ def run(options: argparse.Namespace) -> int:
     except NoHorizon as error:
         print_error(str(error))
         if options.json:
-            message = {"message": str(error), "least_expansion": error.least}
-            print_json({"status": "no horizon", "name": _found_name(options), **message})
+            print_json({"status": "no horizon", "name": _found_name(options), **error.report})
         return NOT_EMBEDDED
     axis = tuple(options.axis) if options.axis else None
     asked = HorizonOptions(number, options.wang_yau, axis, marginal(options), reference(options))

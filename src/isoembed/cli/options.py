@@ -114,7 +114,9 @@ def add_report_options(parser: argparse.ArgumentParser) -> None:
         help="additional axis for which to report the angular momentum",
     )
     parser.add_argument(
-        "--wang-yau", action="store_true", help="add the Wang-Yau energy, the least over all time functions"
+        "--wang-yau",
+        action="store_true",
+        help="add the Wang-Yau energy, the least that is found from tau = 0 over time functions",
     )
     add_reference_option(parser)
 
@@ -124,7 +126,7 @@ def add_reference_option(parser: argparse.ArgumentParser) -> None:
     add_space_option(
         parser,
         "the space to embed in, the reference of energies (default: R^3); without K, hyperbolic space of the "
-        "least curvature that takes a smooth metric",
+        "least curvature that is known to take a smooth metric",
     )
 
 

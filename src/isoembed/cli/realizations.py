@@ -1,4 +1,4 @@
-"""``isoembed realizations``: enumerate the surfaces with the same lengths near the one in a file."""
+"""``isoembed realizations``: search for surfaces with the same lengths near the one in a file."""
 
 import argparse
 from pathlib import Path
@@ -51,7 +51,7 @@ def configure(parser: argparse.ArgumentParser) -> None:
 
 
 def run(options: argparse.Namespace) -> int:
-    """Enumerate the realizations; return the exit status."""
+    """Search for realizations; return the exit status."""
     if options.output and options.output.exists() and not options.output.is_dir():
         raise UsageError(f"the output {options.output} is not a folder")
     metric = read_metric(options.metric, merge=options.merge)

@@ -113,7 +113,7 @@ def lost_to_rounding(matrix: sp.csc_array, shift: float) -> float:
     shifted = sp.csc_array(matrix - shift * sp.eye_array(matrix.shape[0], format="csc"))
     factors = Pivots.of(symmetric_lu(shifted))
     if factors.negative:
-        raise SingularMatrix("the matrix is not positive definite")
+        raise SingularMatrix("the matrix is not positive definite, as far as floats tell")
     return factors.largest_error() + U * float(np.abs(shifted.diagonal()).max())
 
 
@@ -153,7 +153,7 @@ class Pivots:
         upper = lu.U
         pivots = upper.diagonal()
         if has_row_exchanges(lu) or not (pivots != 0).all():  # an exchange avoids a pivot of zero
-            raise SingularMatrix("the matrix is not positive definite")
+            raise SingularMatrix("the matrix is not positive definite, as far as floats tell")
         lower = lu.L
         roundings = np.bincount(lower.indices, minlength=pivots.size) + DEFINITENESS.spare
         relative = roundings * U / (1 - roundings * U)

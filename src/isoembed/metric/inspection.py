@@ -86,7 +86,7 @@ class Inspection:
         width = max(len(measure.name) for measure in self.measures)
         lines = [f"{measure.name:{width}}  {measure.text}" for measure in self.measures]
         lines += ["", *(f"warning: {warning.text}" for warning in self.warnings)]
-        return "\n".join(lines if self.warnings else [*lines, "Nothing stands against an embedding."])
+        return "\n".join(lines if self.warnings else [*lines, "None of these rules out an embedding."])
 
 
 def inspect(metric: PolyhedralMetric) -> Inspection:
@@ -196,7 +196,7 @@ def _warnings(
             *("degree_three", t.degrees == 3, "vertices of degree 3"),
             lambda v: (
                 f"vertex {v} has only 3 edges: it can be mirrored in the plane of its neighbors without "
-                "changing a length, so there are two embeddings for each"
+                "changing a length, so every realization has a second one beside it"
             ),
         ),
         (

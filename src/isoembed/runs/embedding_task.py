@@ -79,7 +79,7 @@ class EmbeddingTask:
                 if self.length_error is not None:
                     found = found.with_length_errors(self.length_error)
             except NotEmbedded as error:
-                report = {**error.embedding.report, "message": str(error), **self.facts}
+                report = {**error.embedding.report, **error.report, **self.facts}
                 return Result(self.label, error.embedding.status, report)
             except (FileError, InvalidMetric, InvalidParameter) as error:
                 return Result.without_answer(self.label, REFUSED, str(error), **self.facts)

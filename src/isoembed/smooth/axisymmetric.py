@@ -156,6 +156,27 @@ class AxisymmetricEmbedding:
         """
         return self._negative(lambda x: self._terms(x)[0], 1.0)
 
+    def is_obstructed_beyond(self, error: float) -> bool:
+        """Whether no surface of revolution has lengths within a relative error of the metric's.
+
+        Between two circles of latitude of such a surface the distance from the axis changes by at most the
+        length of the meridian; the intervals of `obstruction` are tested for it.
+
+        Parameters
+        ----------
+        error : float
+            Of the lengths of meridians and circles of latitude.
+        """
+        nodes, weights = np.polynomial.legendre.leggauss(64)
+        for start, stop in self.obstruction:
+            theta = 0.5 * (start + stop + (stop - start) * nodes)
+            length = 0.5 * (stop - start) * float(weights @ np.sqrt(self.T(np.cos(theta)))) * self.unit
+            small, large = np.sort(self.rho([start, stop]))
+            change = self.space.asn((1.0 - error) * large) - self.space.asn((1.0 + error) * small)
+            if change > (1.0 + error) * length:
+                return True
+        return False
+
     @cached_property
     def negative_curvature(self) -> tuple[Interval, ...]:
         """The intervals of theta on which K is less than the curvature of space: the surface is a saddle."""

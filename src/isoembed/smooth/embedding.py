@@ -60,7 +60,8 @@ class SmoothEmbedding:
     coarser : float
         The integral of H of the best map of lower degree, infinite if there is none.
     hindrance : str
-        Why no surface has the metric, where that is known.
+        Why the map is not taken for an embedding, whatever its residual: no surface of revolution has the
+        metric, or the search for a smaller residual ended.  Empty for an embedding.
     coordinates : SphereMap, optional
         The map u = F(v) to the metric's directions u from those of the harmonics, v, in which the surface
         needs fewer of them.  By default they are the same.
@@ -127,7 +128,7 @@ class SmoothEmbedding:
 
     @property
     def converged(self) -> bool:
-        """Whether the residual is within the tolerance and nothing is known to stand against it."""
+        """Whether the residual is within the tolerance and there is no `hindrance`."""
         return self.residual <= self.tolerance and not self.hindrance
 
     @property

@@ -227,7 +227,7 @@ def _cause(given: Floats, repaired: Floats) -> str:
 
 
 def check_within(sight: PoleSight, tolerance: float) -> None:
-    """Refuse what no smooth surface has to within a relative error of lengths.
+    """Refuse what, as far as the poles are resolved, no smooth surface has to within an error of lengths.
 
     Raises
     ------
@@ -236,8 +236,8 @@ def check_within(sight: PoleSight, tolerance: float) -> None:
     """
     if sight.jump > SMOOTHNESS.strained * tolerance:
         raise InvalidMetric(
-            f"the metric is not smooth at the poles: {_seen(sight)}; no smooth surface has such lengths to "
-            f"within {tolerance:.2g}"
+            f"the metric is not smooth at the poles: {_seen(sight)}; as far as these are resolved, every "
+            f"smooth surface misses such lengths by more than {tolerance:.2g}"
         )
 
 

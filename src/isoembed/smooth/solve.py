@@ -10,6 +10,7 @@ from isoembed._embed import embed
 from isoembed.aim.adaptive import Aim
 from isoembed.arrays import Floats
 from isoembed.errors import InvalidMetric, InvalidParameter, NotEmbedded
+from isoembed.evidence import Evidence
 from isoembed.meshing.sphere import angles_of, gauss_rule
 from isoembed.smooth.axisymmetric import AxisymmetricEmbedding
 from isoembed.smooth.coordinates import fitting_coordinates
@@ -47,12 +48,12 @@ class SolveThresholds:
     rough_flat: float = threshold(
         1e-8, "relative", "Accuracy of int H dA with it: the surface is not smooth."
     )
-    exact: float = threshold(1e-6, "relative", "Error of lengths that never stands for no embedding.")
+    exact: float = threshold(1e-6, "relative", "Residual at which slow progress is no failure.")
     uncertain: float = threshold(10.0, "relative", "The same over the error of the metric.")
     falling: float = threshold(0.6, "relative", "Residual over the one before that is a decrease.")
-    hindered: int = threshold(32, "count", "Highest degree of the best fit to what has no embedding.")
+    hindered: int = threshold(32, "count", "Highest degree if no surface of revolution has the metric.")
     standing: float = threshold(0.5, "relative", "The same over several degrees, before a surface is found.")
-    in_vain: int = threshold(3, "count", "Degrees in turn that tell whether there is a surface.")
+    in_vain: int = threshold(3, "count", "Degrees in turn without progress that end the search.")
     determined: int = threshold(3, "count", "Vertices for each harmonic that is fitted to them.")
     high: int = threshold(48, "count", "Least degree in which a surface of revolution is projected.")
     written: int = threshold(12, "decimals", "Rounding of an axis of symmetry in sentences.")
@@ -60,6 +61,11 @@ class SolveThresholds:
 
 
 SOLVE = SolveThresholds()
+
+NO_REVOLUTION = (
+    "of surfaces of revolution: the circumference changes faster than the meridian allows, by more than the "
+    "error of the metric; whether another surface has the metric is not known"
+)
 
 
 def embed_smooth(
@@ -72,6 +78,7 @@ def embed_smooth(
     tolerance: float = 1e-4,
     accuracy: float = 1e-12,
     best_fit: bool = False,
+    lengths_error: float | None = None,
 ) -> SmoothEmbedding:
     """Find the smooth surface in R^3, or in another space, that realizes a smooth metric on the sphere.
 
@@ -100,6 +107,9 @@ def embed_smooth(
     best_fit : bool
         Return the surface that comes nearest to the metric, in the mean square of its strains, even if it
         misses the tolerance.
+    lengths_error : float, optional
+        Relative error of the lengths, beyond which an obstruction counts; by default what a metric on a grid
+        or of a surface in a slice says of itself, and 0 for others.
 
     Returns
     -------
@@ -137,7 +147,12 @@ def embed_smooth(
     coordinates = None if turn is None or np.array_equal(turn, np.eye(3)) else SphereMap.linear(turn)
     ladder = [Harmonics(L, 1 if symmetric else L) for L in SOLVE.degrees]
     profile = _profile(metric_in(metric, coordinates), space) if symmetric else None
-    hindrance = "" if profile is None or profile.embeds else _about(coordinates) + profile.explanation
+    if lengths_error is None:
+        lengths_error = float(getattr(metric, "error", EXACT).pointwise)
+    if not 0.0 <= lengths_error < np.inf:
+        raise InvalidParameter(f"the lengths_error is {lengths_error!r}, not a finite number of at least 0")
+    obstructed = profile is not None and _is_obstructed(profile, lengths_error)
+    hindrance = _about(coordinates) + profile.explanation if profile is not None and obstructed else ""
     if hindrance:
         ladder = [h for h in ladder if h.degree <= SOLVE.hindered]
     if start is None and profile is not None and profile.embeds and not space.is_euclidean:
@@ -155,14 +170,15 @@ def embed_smooth(
             coordinates = start.coordinates
         mesh, origin = None, partial(start.in_directions_of, coordinates)
         first = max(0, sum(h.degree < start.harmonics.degree for h in ladder) - 1)
-    goal = _Goal(metric, space, coordinates, shape, tolerance, accuracy, hindrance, mesh)
+    goal = _Goal(metric, space, coordinates, shape, tolerance, accuracy, hindrance, mesh, lengths_error)
     best, residuals = goal.approached(ladder[first:], origin)
     if not best.converged and profile is not None and profile.embeds:
         high = [h for h in ladder if h.degree >= SOLVE.high] or ladder[-1:]
         best, residuals = goal.approached(high, _from_profile(profile))
     if best.converged or best_fit:
         return best
-    raise NotEmbedded(_diagnosis(best, residuals, profile), best)
+    evidence = Evidence("proved", NO_REVOLUTION) if obstructed else _search(best)
+    raise NotEmbedded(_diagnosis(best, residuals, profile), best, evidence)
 
 
 @dataclass(frozen=True)
@@ -180,6 +196,7 @@ class _Goal:
     accuracy: float
     hindrance: str
     mesh: SphereMesh | None
+    lengths_error: float
 
     def approached(
         self, ladder: list[Harmonics], origin: Callable[[Harmonics], Floats]
@@ -235,9 +252,8 @@ class _Goal:
         return bool(before) and residuals[-1] >= SOLVE.standing * before[-1]
 
     def _judged(self, surface: SmoothEmbedding, residuals: list[float]) -> SmoothEmbedding:
-        """A surface that more harmonics are in vain for: with K < 0 somewhere there need not be one."""
-        uncertain = getattr(self.metric, "error", EXACT).pointwise
-        enough = max(SOLVE.exact, SOLVE.uncertain * uncertain)
+        """A surface whose residual more harmonics do not reduce: where K < 0 there need not be one."""
+        enough = max(SOLVE.exact, SOLVE.uncertain * self.lengths_error)
         if surface.residual <= enough or surface.hindrance or self._least_curvature >= self.space.curvature:
             return surface
         stays = ", ".join(f"{r:.1e}" for r in residuals[-SOLVE.in_vain :])
@@ -321,6 +337,20 @@ def _profile(metric: TwoMetric, space: Space) -> AxisymmetricEmbedding | None:
         return None
 
 
+def _is_obstructed(profile: AxisymmetricEmbedding, error: float) -> bool:
+    """Whether no surface of revolution has lengths within a relative error of the metric's."""
+    return not profile.embeds and (error == 0.0 or profile.is_obstructed_beyond(error))
+
+
+def _search(best: SmoothEmbedding) -> Evidence:
+    """What was searched for the surface."""
+    return Evidence(
+        "searched",
+        f"maps in spherical harmonics up to degree {best.harmonics.degree}, from one start; that none was "
+        "found proves nothing",
+    )
+
+
 def _diagnosis(best: SmoothEmbedding, residuals: list[float], profile: AxisymmetricEmbedding | None) -> str:
     trend = ", ".join(f"{r:.1e}" for r in residuals[-3:])
     missed = (
@@ -330,24 +360,27 @@ def _diagnosis(best: SmoothEmbedding, residuals: list[float], profile: Axisymmet
         return best.hindrance if profile is None else f"{best.hindrance}; {missed}"
     if len(residuals) > 1 and residuals[-1] < SOLVE.falling * residuals[-2]:
         missed += ": the metric has details that are too fine for so few"
-    if profile is not None:
+    if profile is not None and profile.embeds:
         return f"{missed}; the surface of revolution exists, and isoembed.smooth.AxisymmetricEmbedding has it"
     return f"{missed}; {_sign_of_curvature(best.metric, best.space)}"
 
 
 def _sign_of_curvature(metric: TwoMetric, space: Space) -> str:
-    """Meaning of the sign of the Gaussian curvature, less that of space, for the embedding, in one clause."""
+    """Clause on what the sign of the Gaussian curvature, less that of space, says of an embedding."""
     u, _ = gauss_rule(*SOLVE.sampled)
     K = gaussian_curvature(metric, u)
     k = int(np.argmin(K))
-    sign = ("positive,", "negative")
+    sign = ("positive", "negative")
     if not space.is_euclidean:
         sign = (
             f"more than that of space, {space.curvature:.6g},",
             f"less than that of space, {space.curvature:.6g},",
         )
     if K[k] > space.curvature:
-        return f"where it was looked at the Gaussian curvature is {sign[0]} so that an embedding should exist"
+        return (
+            f"the Gaussian curvature is {sign[0]} at the {len(K)} directions that were looked at: if it is "
+            "so everywhere, an embedding exists (Nirenberg, Pogorelov)"
+        )
     theta, phi = angles_of(u)
     return (
         f"the Gaussian curvature is {sign[1]} in places, least {K[k]:.4g} at theta = {theta[k]:.3f}, "

@@ -13,6 +13,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from isoembed.arrays import Floats, Indices, Mask
+from isoembed.evidence import Evidence
 from isoembed.linalg import SingularMatrix
 from isoembed.mesh.triangulation import Triangulation, frozen
 from isoembed.metric.glued import GluedMetric
@@ -53,12 +54,14 @@ class Embedding(Sensitivity, Views):
         What the method has to say; by default a sentence on the residual.
     others : sequence of Embedding
         Other realizations of the same lengths that were met: the metric has more than one.
+    uniqueness : Evidence, optional
+        Evidence that there are no realizations but this one and `others`; None if none were sought.
     length_errors : ndarray, shape (E,), optional
         Standard deviations of the lengths, if they are known (`with_length_errors`).
 
     Attributes
     ----------
-    metric, vertices, method, tolerance, stages, others, length_errors
+    metric, vertices, method, tolerance, stages, others, uniqueness, length_errors
         As given; `vertices` is read-only.
 
     Raises
@@ -76,6 +79,7 @@ class Embedding(Sensitivity, Views):
     stages: Sequence[Stage] = ()
     message: str = ""
     others: "Sequence[Embedding]" = ()
+    uniqueness: Evidence | None = None
     length_errors: Floats | None = None
 
     _DIMENSIONAL: ClassVar[tuple[str, ...]] = ("mean_curvature",)  # cached properties that have a unit
@@ -114,9 +118,9 @@ class Embedding(Sensitivity, Views):
         """Return the same embedding with other stages."""
         return self._with(stages=tuple(stages))
 
-    def with_others(self, others: "Sequence[Embedding]") -> Self:
+    def with_others(self, others: "Sequence[Embedding]", uniqueness: Evidence | None = None) -> Self:
         """Return the same embedding with other realizations beside it, which the message then names."""
-        both = self._with(others=tuple(others))
+        both = self._with(others=tuple(others), uniqueness=uniqueness)
         return both._with(message=both._sentence())
 
     def with_length_errors(self, errors: ArrayLike) -> Self:

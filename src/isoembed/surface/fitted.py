@@ -1,4 +1,4 @@
-"""Least-squares surfaces, for lengths that no surface has."""
+"""Least-squares surfaces, for lengths with which no surface was found."""
 
 from dataclasses import KW_ONLY, dataclass
 from typing import Any, Self

@@ -64,6 +64,7 @@ def report(surface: Embedding) -> dict[str, Any]:
             }
             for other in surface.others
         ],
+        "uniqueness": surface.uniqueness and surface.uniqueness.report,
         "area": surface.area,
         "volume": surface.volume,
         "integrated_mean_curvature": surface.integrated_mean_curvature,

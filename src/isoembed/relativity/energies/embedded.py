@@ -219,6 +219,7 @@ def embed_surface(
         tolerance=max(tolerance, SURFACE.rougher * uncertain.mean, 2.0 * uncertain.pointwise),
         accuracy=max(SURFACE.settled, uncertain.mean, SURFACE.sought * uncertain.pointwise),
         best_fit=best_fit,
+        lengths_error=uncertain.pointwise,
     )
     return EmbeddedSurface(data, embedding, least)
 

@@ -1,4 +1,4 @@
-"""Reports of energies: of embedded surfaces, of those that do not embed, of triangles and of horizons."""
+"""Reports of energies: of surfaces, embedded or not, of triangles and of horizons."""
 
 from __future__ import annotations
 
@@ -84,7 +84,7 @@ def _horizon_lines(horizon: dict[str, Any]) -> Iterator[str]:
             f"{horizon['mean_coordinate_radius']:.6g} in coordinates"
         )
     if "stability" in horizon:
-        stable = "stable, as outermost horizons are" if horizon["outer"] else "unstable: an inner horizon"
+        stable = "stable, as outermost horizons are" if horizon["outer"] else "unstable, and so not outermost"
         yield (
             f"found in harmonics of degree {horizon['degree']}; the least eigenvalue of the stability "
             f"operator is {horizon['stability']:.6g} / R^2, R the areal radius: {stable}"
@@ -92,7 +92,7 @@ def _horizon_lines(horizon: dict[str, Any]) -> Iterator[str]:
     yield (
         f"the expansion of outgoing rays, 0 on a horizon, is at most "
         f"{horizon['largest_expansion']:.1e} +- {horizon['expansion_error']:.0e}"
-        + ("" if horizon["marginal"] else ": in this geometry it is no horizon")
+        + ("" if horizon["marginal"] else ": it is not treated as a horizon of this geometry")
     )
 
 
@@ -114,11 +114,11 @@ def _triple(x: list[float], error: float) -> str:
 
 
 def unembedded_report(data: SurfaceData, error: NotEmbedded) -> dict[str, Any]:
-    """Report of a surface that does not embed: why, and the energies that need no embedding."""
+    """Report of a surface that was not embedded: why, and the energies that need no embedding."""
     spin = find_spin(data)
     return {
         "status": "not embedded",
-        "message": str(error),
+        **error.report,
         "name": data.name,
         **intrinsic_energies(data, spin).report,
         "spin": spin_report(data, spin),
@@ -153,7 +153,7 @@ def mesh_report(
 
 
 def wang_yau_report(surface: EmbeddedSurface) -> tuple[dict[str, Any], WangYau | None]:
-    """Report of an embedded surface with its least Wang-Yau energy, or why there is none; and that energy.
+    """Report of an embedded surface with its least Wang-Yau energy, or why none was found; and that energy.
 
     In hyperbolic and spherical space, which are slices of anti-de Sitter and de Sitter space, it is that of
     tau = 0 (`isoembed.relativity.chen_wang_yau`), whose surface is the embedded one.

@@ -7,6 +7,7 @@ from typing import Any
 
 from numpy.typing import NDArray
 
+from isoembed.evidence import Evidence
 from isoembed.relativity.energies.time_function import TimeFunction
 from isoembed.smooth.embedding import SmoothEmbedding
 from isoembed.surface.estimate import Estimate
@@ -64,6 +65,17 @@ class WangYau:
         }
 
     @property
+    def evidence(self) -> Evidence | None:
+        """Evidence that no time function has less energy: how it was sought; None if tau was given."""
+        if self.least_second_derivative is None:
+            return None
+        return Evidence(
+            "searched",
+            f"Newton's method from tau = 0 in harmonics up to degree {self.tau.harmonics.degree}, to a local "
+            "minimum; that no other is lower is not proven",
+        )
+
+    @property
     def report(self) -> dict[str, Any]:
         """Plain numbers, for JSON."""
         degrees, orders = self.tau.harmonics.labels
@@ -80,6 +92,7 @@ class WangYau:
                 if l > 0
             ],
             "notes": list(self.notes),
+            **(self.evidence.report if self.evidence else {}),
         }
 
 

@@ -359,6 +359,6 @@ def _none(foliation: Foliation) -> NoHorizon:
         f"one on, the least c R / 2 is {least.fall:.6g}{off}, at R = {least.areal_radius:.6g} around "
         f"({center}), and on a horizon it is 0; they ended because {foliation.end}",
         least.fall,
-        error,
         evidence,
+        error,
     )

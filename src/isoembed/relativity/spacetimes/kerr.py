@@ -169,7 +169,7 @@ class KerrNewmanSurface(ABC):
 
 @dataclass(frozen=True)
 class KerrNewmanHorizon(KerrNewmanSurface):
-    """The outer horizon r = r_+.  Beyond `smarr_limit` it does not embed in R^3.
+    """The outer horizon r = r_+.  Beyond `smarr_limit` it is no surface of revolution in R^3.
 
     Attributes
     ----------
@@ -282,9 +282,9 @@ class KerrNewmanErgosphere(KerrNewmanSurface):
 
 
 def smarr_limit(mass: float = 1.0, charge: float = 0.0) -> float:
-    """The largest spin with which a horizon of this mass and charge embeds in R^3, r_+ = sqrt(3) a.
+    """The largest spin with which a horizon is a surface of revolution in R^3, r_+ = sqrt(3) a.
 
-    sqrt(3)/2 M without charge; from charge^2 = 2/3 M^2 on, every horizon embeds.
+    sqrt(3)/2 M without charge; from charge^2 = 2/3 M^2 on, every horizon is one.
 
     Raises
     ------
