@@ -185,6 +185,14 @@ def test_a_failure_cannot_be_made_a_success_and_survives_pickling():
     error = pickle.loads(pickle.dumps(isoembed.NotEmbedded("no", attempt)))
     assert str(error) == "no"
     assert error.embedding.residual == attempt.residual
+    assert error.evidence.kind == "searched"
+
+
+def test_a_failure_says_whether_absence_is_proved():
+    proof = isoembed.Evidence("proved", "Gauss-Bonnet")
+    error = pickle.loads(pickle.dumps(isoembed.NoHorizon("no", 0.5, proof)))
+    assert (str(error), error.least, error.evidence) == ("no", 0.5, proof)
+    assert isoembed.NoHorizon("no").evidence.report["evidence"] == "searched"
 
 
 @pytest.mark.parametrize("flow", ["BDF", "RK45"])

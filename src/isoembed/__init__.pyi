@@ -14,6 +14,7 @@ from .errors import MeshNote as MeshNote
 from .errors import NoHorizon as NoHorizon
 from .errors import NoMinimum as NoMinimum
 from .errors import NotEmbedded as NotEmbedded
+from .evidence import Evidence as Evidence
 from .gluing.net import glue as glue
 from .gluing.unfolding import unfold as unfold
 from .mesh.triangulation import Triangulation as Triangulation

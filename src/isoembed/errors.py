@@ -7,8 +7,13 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Any
 
+from isoembed.evidence import Evidence
+
 if TYPE_CHECKING:
     from isoembed.progress.stages import Checkpoint, Stage
+
+
+SEARCHED = Evidence("searched", "the search that the message describes")
 
 
 class InvalidMetric(ValueError):  # noqa: N818 - the contract's name
@@ -36,16 +41,21 @@ class NotEmbedded(RuntimeError):  # noqa: N818 - the contract's name
     embedding : Embedding or SmoothEmbedding
         The best attempt: of a polyhedral metric an `Embedding`, whose ``report`` says how far from the
         lengths it is; of a smooth metric a `SmoothEmbedding`, whose ``residual`` does.
+    evidence : Evidence
+        What was searched, or the proof that there is no embedding.
 
     Attributes
     ----------
     embedding : Embedding
         As given.
+    evidence : Evidence
+        As given.
     """
 
-    def __init__(self, message: str, embedding: Any) -> None:
-        super().__init__(message, embedding)  # both, for pickle
+    def __init__(self, message: str, embedding: Any, evidence: Evidence = SEARCHED) -> None:
+        super().__init__(message, embedding, evidence)  # all, for pickle
         self.embedding = embedding
+        self.evidence = evidence
 
     def __str__(self) -> str:
         return str(self.args[0])
@@ -64,16 +74,21 @@ class NoHorizon(RuntimeError):  # noqa: N818 - as the others
     least : float, optional
         The least ``c R / 2`` of the surfaces of constant expansion c and areal radius R that were met on the
         way, which is 1 for spheres in flat space and 0 on a horizon.
+    evidence : Evidence
+        What was searched, or the proof that there is no horizon.
 
     Attributes
     ----------
     least : float or None
         As given.
+    evidence : Evidence
+        As given.
     """
 
-    def __init__(self, message: str, least: float | None = None) -> None:
-        super().__init__(message, least)  # both, for pickle
+    def __init__(self, message: str, least: float | None = None, evidence: Evidence = SEARCHED) -> None:
+        super().__init__(message, least, evidence)  # all, for pickle
         self.least = least
+        self.evidence = evidence
 
     def __str__(self) -> str:
         return str(self.args[0])
