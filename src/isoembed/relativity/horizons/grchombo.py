@@ -24,7 +24,7 @@ from isoembed.meshing.sphere import directions_at
 from isoembed.relativity.horizons.coordinate_shape import CoordinateShape
 from isoembed.relativity.horizons.horizon_format import HorizonFormat
 
-HEADER = re.compile(r"#\s*(theta|z/r|u)\s+(phi|v)\s+(r|F)\b")
+HEADER = re.compile(r"#\s*(theta|z/r|u)\s+(phi|v)\s+(r|F)\b")  # u, v, F: its variables for theta, phi, r
 NAME = re.compile(r"coords_(\w+)_(\d+)\.dat(?:\.gz)?")
 
 
@@ -67,7 +67,7 @@ def read_grchombo(path: str | os.PathLike[str]) -> CoordinateShape:
         The file cannot be read, is cut short or malformed, or the table has no row for it.
     """
     with opened(path) as file:
-        header, name = HEADER.search(file.head), NAME.fullmatch(file.path.name)
+        header, name = HEADER.match(file.head), NAME.fullmatch(file.path.name)
         if header is None:
             raise FileError(f"{file} has no header '# theta phi r': it is not a coordinate file of GRChombo")
         u, r = _grid(read_text_table(file), header[1] == "z/r", str(file))
@@ -161,5 +161,5 @@ def _grid(table: TextTable, of_cosine: bool, source: str) -> tuple[Floats, Float
 
 
 GRCHOMBO = HorizonFormat(
-    "GRChombo", lambda file: file.ending == ".dat" and bool(HEADER.search(file.head)), read_grchombo
+    "GRChombo", lambda file: file.ending == ".dat" and bool(HEADER.match(file.head)), read_grchombo
 )

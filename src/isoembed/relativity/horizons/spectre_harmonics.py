@@ -33,7 +33,7 @@ from isoembed.relativity.horizons.coordinate_shape import CoordinateShape
 from isoembed.smooth.harmonics import Harmonics
 
 MONOPOLE = "coef(0,0)"
-COLUMN = re.compile(r"\[\d+\]\s*=?\s*(\S+)")  # a comment of a text file: "[3] InertialExpansionCenter_z"
+COLUMN = re.compile(r"\[\d+\]\s+(\S+)")  # a comment of a text file: "[3] InertialExpansionCenter_z"
 CENTER = re.compile(r"(\w*)ExpansionCenter_[xyz]")
 FRAMES = ("Inertial", "")  # older files do not say
 FEWEST = 16  # heights of points: a fit through them has few degrees of freedom even of a sphere

@@ -101,8 +101,10 @@ def _may_be_shape(path: Path) -> bool:
 
 
 def _is_of(known: HorizonFormat, path: str | Path) -> bool:
-    with InputFile(path) as file:
+    """Whether a file can be read and is of this format."""
+    with contextlib.suppress(FileError), InputFile(path) as file:
         return known.recognizes(file)
+    return False
 
 
 def _of_grchombo(path: str, times: dict[Path, dict[int, float]]) -> ListedShape:
