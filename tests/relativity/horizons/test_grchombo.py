@@ -85,10 +85,14 @@ BAD = {
     ),
     "cut between meridians": (lambda text: rows(text, lambda k: k < 13 * 15), "not a whole grid of 13 x 15"),
     "a half": (lambda text: rows(text, lambda k: k % 13 < 7), "not a whole grid of 7 x 20 angles"),
+    "beyond the poles": (
+        lambda text: text.replace("3.1415927", "3.4000000"),
+        "not a whole grid of 13 x 20 angles",
+    ),
     "twice": (lambda text: rows(text, lambda k: k) + text.splitlines()[2], "not a whole grid of 13 x 20"),
     "a radius of 0": (
         lambda text: text.replace(text.splitlines()[4], "0.7853982 0.0 0.0"),
-        "line 5: there are no angles and a positive radius",
+        "line 5: an angle is not finite, or the radius is not positive",
     ),
     "two columns": (
         lambda text: "# theta phi r\n0.1 0.2\n",
@@ -112,7 +116,7 @@ def test_refusals(change, message, tmp_path):
             grchombo_stats([(0.0, 0, ORIGIN)]),
             r"stats_AH2\.dat has no row of the file 12, .*coords_AH2_000012\.dat",
         ),
-        ("1 2 3\n", r"stats_AH2\.dat has no header 'time file \.\.\. origin_z'"),
+        ("1 2 3\n", r"stats_AH2\.dat has no columns 'time file \.\.\. origin_z'"),
         (grchombo_stats([(0.75, 12, (np.nan, 0.0, 0.0))]), "point 0 is not finite"),
     ],
 )

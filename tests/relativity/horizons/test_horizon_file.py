@@ -304,7 +304,7 @@ class TestOfHDF5FilesWithoutASurface:
             (
                 "Norms.dat",
                 "x",
-                "its tables *.dat have no coefficients coef(l,m) of surfaces",
+                "it has no tables *_Ylm.dat with coefficients of surfaces",
             ),
         ],
     )

@@ -119,10 +119,10 @@ def finder_outputs(path: Path) -> dict[int, FinderOutput]:
     with opened(path) as file:
         table = read_text_table(file)
     names = next((words for words in map(str.split, table.comments) if "origin_z" in words), [])
-    if names[:2] != ["time", "file"]:
-        raise FileError(f"{path} has no header 'time file ... origin_z': it is not a table of GRChombo")
     # Some names are of two words, but none from the origin on.
-    first = names.index("origin_z") - 2 - len(names) + table.numbers.shape[1]
+    first = table.numbers.shape[1] - len(names[names.index("origin_z") :]) - 2 if names else 0
+    if names[:2] != ["time", "file"] or first < 2:
+        raise FileError(f"{path} has no columns 'time file ... origin_z': it is not a table of GRChombo")
     return {
         int(number): FinderOutput(time, (x, y, z))
         for time, number, x, y, z in table.numbers[:, [0, 1, first, first + 1, first + 2]].tolist()
@@ -137,23 +137,26 @@ def _grid(table: TextTable, of_cosine: bool, source: str) -> tuple[Floats, Float
         raise FileError(f"{source}, line {lines[0]}: there are {numbers.shape[1]} columns, fewer than 3")
     good = np.isfinite(numbers).all(axis=1) & (numbers[:, -1] > 0.0)
     if not good.all():
-        raise FileError(f"{source}, line {lines[np.argmin(good)]}: there are no angles and a positive radius")
+        bad = lines[np.argmin(good)]
+        raise FileError(f"{source}, line {bad}: an angle is not finite, or the radius is not positive")
     u, phi, r = numbers.T.copy()
     heights, i = np.unique(u, return_inverse=True)
     angles, j = np.unique(phi, return_inverse=True)
     low, high = (-1.0, 1.0) if of_cosine else (0.0, np.pi)
-    reach = 1.01 * (heights[-1] - heights[0]) / max(len(heights) - 1, 1)  # printed digits are far below 1 %
-    gaps = np.diff(angles, append=angles[0] + 2.0 * np.pi)
+    margins = heights[0] - low, high - heights[-1]
+    # The printed digits are far below 1 % of a step.
+    step = 1.01 * (heights[-1] - heights[0]) / max(len(heights) - 1, 1)
+    turn = np.diff(angles, append=angles[0] + 2.0 * np.pi)
     if (
         len(np.unique(len(angles) * i + j)) != len(heights) * len(angles)
-        or gaps.max() > 1.01 * 2.0 * np.pi / len(angles)
-        or max(heights[0] - low, high - heights[-1]) > reach
+        or turn.max() > 1.01 * 2.0 * np.pi / len(angles)
+        or not -1e-6 < min(margins) <= max(margins) <= step
     ):
         raise FileError(
             f"{source}: its {len(r)} points are not a whole grid of {len(heights)} x {len(angles)} angles "
             "theta and phi: the file is cut short, or of a part of the sphere"
         )
-    z = u if of_cosine else np.cos(u)
+    z = np.clip(u, -1.0, 1.0) if of_cosine else np.cos(u)
     for pole in (z > 1.0 - 1e-12, z < -1.0 + 1e-12):  # within 1e-6 radians, of angles of seven decimals
         if pole.any():
             r[pole] = r[pole].mean()

@@ -43,7 +43,8 @@ UNREAD = (
     ),
     (
         r"\.dat\b",
-        "; its tables *.dat have no coefficients coef(l,m) of surfaces: they are histories of numbers",
+        "; it has no tables *_Ylm.dat with coefficients of surfaces: other tables *.dat hold histories of "
+        "numbers",
     ),
 )
 

@@ -176,7 +176,7 @@ def _surfaces_in(file: Any, path: str) -> dict[str, SurfaceGroup | HarmonicTable
             seen.add(item)
             called = surface_name(item.name.strip("/"))
             if not hasattr(item, "items"):
-                if name.endswith(TEXT) and (table := HarmonicTable.in_dataset(item)):
+                if name.endswith(HARMONICS) and (table := HarmonicTable.in_dataset(item)):
                     tables[called] = table
             elif not name.endswith(VOLUME):
                 left.append(item)
