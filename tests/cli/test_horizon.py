@@ -7,6 +7,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from finder_files import ylm_legend, ylm_row, ylm_text
 from horizons import IMC, check, shape_text, write_grid, write_kerr
 from isoembed.cli import horizon as command
 from isoembed.io import InputFile, read_metric
@@ -276,3 +277,14 @@ def test_refusals_of_files_with_several_name_the_option(run):
     status, _, err = run("surfaces.h5", *KERR_SCHILD)
     assert status == 2
     assert "holds several surfaces: choose one of AhA, AhB, by --surface" in err
+    rows = [ylm_row(time, (0.0, 0.0, 0.0)) for time in (0.5, 1.5)]
+    Path("AhC_Ylm.dat").write_text(ylm_text(rows, ylm_legend(4)))
+    status, _, err = run("AhC_Ylm.dat", *KERR_SCHILD)
+    assert status == 2
+    assert "AhC holds 2 observations: choose one of t = 0.5, 1.5, by --time" in err
+    status, _, err = run("AhC_Ylm.dat", "--time", "1.5", "--surface", "AhC")
+    assert status == 2
+    assert "AhC_Ylm.dat holds the coordinates of 512 points of a horizon, but no metric" in err
+    status, _, err = run("h.t0.ah1.gp", "--time", "1.5", *KERR_SCHILD)
+    assert status == 2
+    assert "--time and --surface are for SpECTRE's files, and h.t0.ah1.gp is none" in err

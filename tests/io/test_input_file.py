@@ -18,6 +18,7 @@ from isoembed.io import (
     read_metric,
     read_surface,
 )
+from isoembed.io.hdf5 import listing
 from isoembed.io.input_file import opened
 from isoembed.io.registry import FORMATS
 from isoembed.relativity import read_horizon, read_metric_or_grid
@@ -138,3 +139,14 @@ def test_it_is_closed(tmp_path):
         stream = file._stream
         assert not stream.closed
     assert stream.closed
+
+
+def test_names_that_are_bytes_in_damaged_files():
+    """As h5py passes them where they are not UTF-8."""
+
+    class Damaged:
+        def visititems(self, visit):
+            visit("mass", 1.0)
+            visit(b"m\xffss", 1.0)
+
+    assert listing(Damaged()) == "the data sets mass, m�ss"

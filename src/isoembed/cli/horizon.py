@@ -31,7 +31,6 @@ from isoembed.cli.status import NOT_EMBEDDED, OK, WRONG
 from isoembed.errors import InvalidMetric, InvalidParameter, NoHorizon
 from isoembed.io import FileError, mesh_writer, report_writer
 from isoembed.io.files import AmbiguousFileError, check_target, input_ending, write_atomically
-from isoembed.io.hdf5 import HDF5_ENDINGS
 from isoembed.plot.picture import figure_writer
 from isoembed.plot.series.stills import horizon_figures
 from isoembed.relativity.energies.report import energy_table
@@ -39,7 +38,7 @@ from isoembed.relativity.horizons.coordinate_shape import CoordinateShape
 from isoembed.relativity.horizons.finder import find_horizon
 from isoembed.relativity.horizons.horizon import GivenHorizon
 from isoembed.relativity.horizons.horizon_file import read_horizon
-from isoembed.relativity.horizons.spectre import read_spectre
+from isoembed.relativity.horizons.spectre import SPECTRE_ENDINGS, read_spectre
 from isoembed.relativity.series.horizon_task import HorizonOptions, HorizonTask, mesh_of
 from isoembed.relativity.series.moment import Moment
 from isoembed.relativity.series.source import HeldShape, HeldSlice
@@ -59,8 +58,9 @@ def configure(parser: argparse.ArgumentParser) -> None:
         "files",
         nargs="*",
         metavar="FILE",
-        help="horizons: AHFinderDirect's h.t*.ah*.gp, SpECTRE's or other HDF5, .npz, VTK, or a metric on a "
-        "grid; several are taken as a sequence, and each is embedded from the one before",
+        help="horizons: h.t*.ah*.gp of AHFinderDirect or BHaHAHA, SpECTRE's *.vol or *_Ylm.dat, GRChombo's "
+        "coords_AH*.dat, other HDF5, .npz, VTK, or a metric on a grid; several are taken as a sequence, and "
+        "each is embedded from the one before",
     )
     parser.add_argument(
         "--find",
@@ -234,8 +234,8 @@ def _read(name: str, options: argparse.Namespace) -> CoordinateShape | SurfaceDa
     try:
         if options.time is None and options.surface is None:
             return read_horizon(name)
-        if input_ending(name) not in HDF5_ENDINGS:
-            raise UsageError(f"--time and --surface are for SpECTRE's HDF5 files, and {name} is none")
+        if input_ending(name) not in SPECTRE_ENDINGS:
+            raise UsageError(f"--time and --surface are for SpECTRE's files, and {name} is none")
         return read_spectre(name, options.surface, options.time)
     except AmbiguousFileError as error:
         option = {"surface": "--surface", "observation": "--time"}[error.parameter]

@@ -39,10 +39,15 @@ def listing(file: Any) -> str:
     """The data sets of a file by their paths, the first of many, or its groups where there are none."""
     sets: list[str] = []
     groups: list[str] = []
-    file.visititems(lambda name, item: (groups if hasattr(item, "items") else sets).append(name))
+    file.visititems(lambda name, item: (groups if hasattr(item, "items") else sets).append(_written(name)))
     if not sets:
         return f"no data sets, but the groups {enumerated(groups)}" if groups else "nothing"
     return f"the data sets {enumerated(sets)}"
+
+
+def _written(name: str | bytes) -> str:
+    """A name, which is bytes in some damaged files."""
+    return name if isinstance(name, str) else name.decode("utf-8", errors="replace")
 
 
 def enumerated(names: Collection[str]) -> str:

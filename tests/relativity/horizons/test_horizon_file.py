@@ -239,7 +239,9 @@ def test_other_files(tmp_path):
         read_horizon(path)
     path = tmp_path / "notes.txt"
     path.write_text("nothing")
-    with pytest.raises(FileError, match="is neither a shape file of AHFinderDirect, nor of a kind"):
+    with pytest.raises(
+        FileError, match=r"is neither a file of AHFinderDirect .* SpECTRE \(\*_Ylm\.dat\), nor of a kind"
+    ):
         read_horizon(path)
     with pytest.raises(FileError, match="there is no file"):
         read_horizon(tmp_path / "none.npz")
@@ -299,7 +301,11 @@ class TestOfHDF5FilesWithoutASurface:
         [
             ("AhA.dir", "ArealMass.dat", "it looks like SpEC's Horizons.h5, which has the masses"),
             ("", "ADMBASE::gxx it=0 tl=0 rl=0 c=0", "it looks like output of Carpet"),
-            ("Norms.dat", "x", "tables *.dat are histories of numbers"),
+            (
+                "Norms.dat",
+                "x",
+                "it has no tables *_Ylm.dat with coefficients of surfaces",
+            ),
         ],
     )
     def test_known_kinds_are_named(self, group, name, kind, tmp_path):

@@ -149,7 +149,7 @@ def test_files_without_surfaces(tmp_path):
     path = tmp_path / "other.h5"
     with h5py.File(path, "w") as file:
         file["theta"] = [1.0]
-    with pytest.raises(FileError, match=r"holds no groups \*.vol, but nothing"):
+    with pytest.raises(FileError, match=r"holds no groups \*.vol or tables \*_Ylm.dat, but nothing"):
         read_spectre(path)
     path.write_bytes(b"no HDF5 at all")
     with pytest.raises(FileError, match="is not a readable HDF5 file"):

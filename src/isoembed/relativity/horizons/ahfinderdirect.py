@@ -13,6 +13,7 @@ import itertools
 import os
 import re
 from dataclasses import dataclass, field, replace
+from pathlib import Path
 
 import numpy as np
 
@@ -89,11 +90,14 @@ def read_ahfinderdirect(path: str | os.PathLike[str]) -> CoordinateShape:
     """
     with opened(path) as file:
         origin, arrows = _patches(file)
-    horizon, iteration = (re.search(pattern, file.path.name) for pattern in (r"ah\d+", r"\.t(\d+)\."))
-    shape = shape_of_patches(origin, arrows, str(file))
-    return replace(
-        shape, name=horizon[0] if horizon else "", iteration=int(iteration[1]) if iteration else None
-    )
+    name, iteration = horizon_and_iteration(file.path)
+    return replace(shape_of_patches(origin, arrows, str(file)), name=name, iteration=iteration)
+
+
+def horizon_and_iteration(path: Path) -> tuple[str, int | None]:
+    """The horizon, such as "ah1", and the iteration in a file name h.t<iteration>.ah<number>.gp."""
+    horizon, iteration = (re.search(pattern, path.name) for pattern in (r"ah\d+", r"\.t(\d+)\."))
+    return horizon[0] if horizon else "", int(iteration[1]) if iteration else None
 
 
 def shape_of_patches(origin: Floats, arrows: dict[str, Floats], source: str) -> CoordinateShape:

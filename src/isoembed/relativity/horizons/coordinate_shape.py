@@ -59,6 +59,8 @@ class CoordinateShape:
         Of the simulation, where the file says it.
     is_hull : bool
         Whether the triangles are the convex hull of the directions from the center.
+    notes : tuple of str
+        What was assumed in reading the file, in sentences.
     """
 
     points: Floats
@@ -70,6 +72,7 @@ class CoordinateShape:
     fields: Mapping[str, Floats] = field(default_factory=dict)
     iteration: int | None = None
     is_hull: bool = False
+    notes: tuple[str, ...] = ()
 
     @classmethod
     def star_shaped(

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -27,7 +27,7 @@ COORDINATE_SURFACE = CoordinateSurfaceThresholds()
 
 
 def coordinate_surface(found: CoordinateShape) -> StarSurface | MappedSurface:
-    """The surface through the points of a file.
+    """The surface through the points of a file, with its notes.
 
     A file's triangles are used where the center does not see all of them from inside, and where a surface in
     mapped coordinates fits their corners much better.
@@ -38,6 +38,11 @@ def coordinate_surface(found: CoordinateShape) -> StarSurface | MappedSurface:
         The points are not star-shaped about the center, and there are no triangles; or the triangles are too
         few for a smooth surface.
     """
+    surface = _fitted(found)
+    return replace(surface, notes=(*found.notes, *surface.notes)) if found.notes else surface
+
+
+def _fitted(found: CoordinateShape) -> StarSurface | MappedSurface:
     if found.is_hull:
         star = StarSurface.from_points(found.points, found.center.tolist(), found.faces)
         if star.misfit > COORDINATE_SURFACE.apart * star.mean_radius:

@@ -18,7 +18,9 @@ from isoembed.io.registry import MESH_ENDINGS
 from isoembed.io.vtk import is_polydata, read_polydata
 from isoembed.mesh.triangulation import Triangulation
 from isoembed.relativity.horizons.ahfinderdirect import AHFINDERDIRECT
+from isoembed.relativity.horizons.bhahaha import BHAHAHA
 from isoembed.relativity.horizons.coordinate_shape import CoordinateShape, check_solid, middle
+from isoembed.relativity.horizons.grchombo import GRCHOMBO
 from isoembed.relativity.horizons.grid_file import ARRAY_ENDINGS, METRIC_GRID
 from isoembed.relativity.horizons.horizon_format import HorizonFormat
 from isoembed.relativity.horizons.spectre import SPECTRE
@@ -41,7 +43,8 @@ UNREAD = (
     ),
     (
         r"\.dat\b",
-        "; tables *.dat are histories of numbers, not surfaces",
+        "; it has no tables *_Ylm.dat with coefficients of surfaces: other tables *.dat hold histories of "
+        "numbers",
     ),
 )
 
@@ -52,11 +55,12 @@ def read_horizon(path: str | os.PathLike[str]) -> CoordinateShape | SurfaceData:
     Parameters
     ----------
     path : path
-        By its content and ending: a shape file of AHFinderDirect; ``.npz``, ``.h5`` or ``.hdf5`` with a
-        metric on a grid (see `read_grid_data`), with SpECTRE's surface data (see `read_spectre`), or with
-        ``points`` (V, 3) or ``x``, ``y``, ``z``, and maybe ``faces`` (F, 3), ``center`` (3,) and ``time``;
-        polygons in a legacy VTK file as QuasiLocalMeasures writes them; or a closed mesh, whose equal
-        vertices are merged; or a `HorizonFormat` of another package.  It may be compressed (``.gz``).
+        By its content and ending: a shape file of AHFinderDirect or BHaHAHA; coordinates of GRChombo;
+        surface data or harmonic coefficients of SpECTRE (see `read_spectre`); ``.npz``, ``.h5`` or ``.hdf5``
+        with a metric on a grid (see `read_grid_data`), or with ``points`` (V, 3) or ``x``, ``y``, ``z``, and
+        maybe ``faces`` (F, 3), ``center`` (3,) and ``time``; polygons in a legacy VTK file as
+        QuasiLocalMeasures writes them; or a closed mesh, whose equal vertices are merged; or a
+        `HorizonFormat` of another package.  It may be compressed (``.gz``).
 
     Returns
     -------
@@ -83,7 +87,8 @@ def read_horizon(path: str | os.PathLike[str]) -> CoordinateShape | SurfaceData:
                 f"{file} holds {there}: neither a metric (theta, phi, q_tt, q_tp, q_pp) nor points{kind}"
             )
     raise FileError(
-        f"{file} is neither a shape file of AHFinderDirect, nor of a kind that the endings "
+        f"{file} is neither a file of AHFinderDirect or BHaHAHA (h.t*.ah*.gp), of GRChombo (coords_AH*.dat) "
+        "or of SpECTRE (*_Ylm.dat), nor of a kind that the endings "
         f"{' '.join(ARRAY_ENDINGS)} {' '.join(MESH_ENDINGS)} tell"
     )
 
@@ -167,9 +172,11 @@ def _outward(faces: Any, points: Floats, source: str) -> Indices:
 
 
 FORMATS = (
+    BHAHAHA,  # before AHFinderDirect, whose ending it has
     AHFINDERDIRECT,
     HorizonFormat("VTK polydata", lambda file: is_polydata(file.head), _read_polydata),
     SPECTRE,
+    GRCHOMBO,
     METRIC_GRID,
     HorizonFormat("points", lambda file: bool(_groups_of_points(file)), _read_points),
     HorizonFormat("mesh", lambda file: file.ending in MESH_ENDINGS, _read_mesh),

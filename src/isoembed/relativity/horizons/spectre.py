@@ -1,7 +1,13 @@
-"""Horizon files of SpECTRE: surface data in HDF5, in groups with the ending .vol."""
+"""Horizon files of SpECTRE: surface data, and harmonic coefficients of surfaces.
 
+Surface data are in HDF5 groups ``<surface>.vol``.  Coefficients are in HDF5 datasets ``<surface>_Ylm.dat``,
+or in text files of such a name.
+"""
+
+import contextlib
 import numbers
 import os
+from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from typing import Any
 
@@ -10,10 +16,16 @@ from numpy.typing import NDArray
 
 from isoembed.arrays import Indices
 from isoembed.io.files import AmbiguousFileError, FileError
-from isoembed.io.hdf5 import HDF5_ENDINGS, numbers_in
+from isoembed.io.hdf5 import HDF5_ENDINGS, enumerated, numbers_in
 from isoembed.io.input_file import InputFile, opened
 from isoembed.relativity.horizons.coordinate_shape import CoordinateShape
 from isoembed.relativity.horizons.horizon_format import HorizonFormat
+from isoembed.relativity.horizons.spectre_harmonics import (
+    MONOPOLE,
+    HarmonicTable,
+    harmonic_shape,
+    is_harmonic_text,
+)
 from isoembed.thresholds import threshold
 
 
@@ -26,6 +38,37 @@ class ObservationThresholds:
 
 OBSERVATIONS = ObservationThresholds()
 COORDINATES = tuple(f"InertialCoordinates_{axis}" for axis in "xyz")
+VOLUME, HARMONICS, TEXT = ".vol", "_Ylm.dat", ".dat"
+SPECTRE_ENDINGS = (*HDF5_ENDINGS, TEXT)
+
+
+@dataclass(frozen=True)
+class SurfaceGroup:
+    """A surface in a group ``<surface>.vol``, which has a group ``ObservationId<number>`` for each time.
+
+    Attributes
+    ----------
+    group : h5py.Group
+    path : str
+        The file, for messages.
+    """
+
+    group: Any
+    path: str
+
+    def observations(self) -> list[tuple[float, str]]:
+        """The times, in order, and the names of their groups."""
+        timed = ((self.time(name), name) for name in _inside(self.group))
+        return sorted(((time, name) for time, name in timed if time is not None), key=lambda pair: pair[0])
+
+    def time(self, name: str) -> float | None:
+        """The time of an observation; None if there is none of that name."""
+        time = self.group[name].attrs.get("observation_value") if name in self.group else None
+        return None if time is None else float(time)
+
+    def tables(self, name: str) -> dict[str, NDArray[Any]]:
+        """The arrays of an observation."""
+        return numbers_in(self.group[name], self.path)
 
 
 def read_spectre(
@@ -37,17 +80,22 @@ def read_spectre(
     ----------
     path : path
         An HDF5 file with groups ``<surface>.vol/ObservationId<number>``, each with the inertial coordinates
-        of the collocation points (Gauss-Legendre in theta, equiangular in phi) and scalars there.
+        of the collocation points (Gauss-Legendre in theta, equiangular in phi) and scalars there; or with
+        datasets ``<surface>_Ylm.dat``, whose rows are the harmonic coefficients of a surface in the inertial
+        frame, one for each time; or such a table as text, with ``# [k] <name>`` for each column.  Of a
+        surface that a file has in both ways the points are read.
     surface : str, optional
-        Its name, with or without ``.vol``; may be left out if there is one only.
+        Its name, with or without ``.vol`` or ``_Ylm.dat``; may be left out if there is one only.
     observation : int, float or str, optional
         An int counts observations in the order of time, from 0, or from the end if it is negative; a float
-        is the time itself; a str is the name of the group.  May be left out if there is one only.
+        is the time itself; a str is the name of the group, or the number of the row.  May be left out if
+        there is one only.
 
     Returns
     -------
     CoordinateShape
-        With the scalars as its fields, ``RicciScalar`` (twice the Gauss curvature) for one.
+        With the scalars as its fields, ``RicciScalar`` (twice the Gauss curvature) for one.  Harmonic
+        coefficients are evaluated at twice as many points each way as determine them.
 
     Raises
     ------
@@ -56,8 +104,90 @@ def read_spectre(
         the message lists those that are there.
     """
     tables, name, time = spectre_tables(path, surface, observation)
-    extents = tables.get("total_extents")
     source = f"{path} ({name} at t = {time:g})"
+    read = harmonic_shape if MONOPOLE in tables else _shape_of_points
+    return replace(read(tables, source, time), name=name, source=str(path))
+
+
+def spectre_tables(
+    path: str | os.PathLike[str], surface: str | None = None, observation: float | str | None = None
+) -> tuple[dict[str, NDArray[Any]], str, float]:
+    """All numbers that a file has of one surface at one time, the name of the surface, and the time.
+
+    Parameters and errors are those of `read_spectre`.
+    """
+    with _surfaces(path) as surfaces:
+        found, name = _chosen_surface(surfaces, surface, str(path))
+        observed, time = _chosen_observation(found, observation, f"{path}: {name}")
+        return found.tables(observed), name, time
+
+
+def spectre_times(path: str | os.PathLike[str]) -> dict[str, list[tuple[float, str]]]:
+    """Times of the surfaces of a file, in order, and the names of their observations, by surface.
+
+    There are none in a file of another kind.
+
+    Raises
+    ------
+    FileError
+        It cannot be read.
+    """
+    with _surfaces(path) as surfaces:
+        return {name: found.observations() for name, found in surfaces.items()}
+
+
+def surface_name(name: str) -> str:
+    """Name of a surface without the ending that says how it is stored."""
+    return name.removesuffix(VOLUME).removesuffix(HARMONICS)
+
+
+def _recognizes(file: InputFile) -> bool:
+    if file.ending == TEXT:
+        return is_harmonic_text(file)
+    if file.ending not in HDF5_ENDINGS:
+        return False
+    with _surfaces(file) as surfaces:
+        return bool(surfaces)
+
+
+@contextlib.contextmanager
+def _surfaces(path: str | os.PathLike[str]) -> Iterator[dict[str, SurfaceGroup | HarmonicTable]]:
+    """The surfaces in a file by their names, to be read in this block; none in a file of another kind."""
+    with opened(path) as given:
+        if given.ending == TEXT:
+            name = surface_name(given.path.name.removesuffix(".gz"))
+            yield {name: HarmonicTable.in_text(given)} if is_harmonic_text(given) else {}
+            return
+        with given.hdf5() as file:
+            yield dict(sorted(_surfaces_in(file, str(given)).items()))
+
+
+def _surfaces_in(file: Any, path: str) -> dict[str, SurfaceGroup | HarmonicTable]:
+    """The surfaces in an open HDF5 file; those with points hide those of the same name with coefficients."""
+    groups: dict[str, SurfaceGroup] = {}
+    tables: dict[str, HarmonicTable] = {}
+    seen, left = {file}, [file]  # a group may be in itself
+    while left:
+        above = left.pop()
+        for name in _inside(above):
+            item = above[name]
+            if item in seen:
+                continue
+            seen.add(item)
+            called = surface_name(item.name.strip("/"))
+            if not hasattr(item, "items"):
+                if name.endswith(HARMONICS) and (table := HarmonicTable.in_dataset(item)):
+                    tables[called] = table
+            elif not name.endswith(VOLUME):
+                left.append(item)
+            elif item.attrs.get("dimension", 2) == 2:
+                groups[called] = SurfaceGroup(item, path)
+    return tables | groups
+
+
+def _shape_of_points(tables: dict[str, NDArray[Any]], source: str, time: float) -> CoordinateShape:
+    """The surface through the collocation points of an observation."""
+    extents = tables.get("total_extents")
     absent = [axis for axis in COORDINATES if axis not in tables]
     if absent:
         raise FileError(f"{source} has no {absent[0]}: it is not a surface in space")
@@ -72,63 +202,7 @@ def read_spectre(
         if key not in COORDINATES and value.dtype.kind == "f" and value.shape == (len(points),)
     }
     quads = _quads(extents).tolist() if extents is not None else ()
-    shape = CoordinateShape.star_shaped(points, source, polygons=quads, fields=fields, time=time)
-    return replace(shape, name=name, source=str(path))
-
-
-def spectre_tables(
-    path: str | os.PathLike[str], surface: str | None = None, observation: float | str | None = None
-) -> tuple[dict[str, NDArray[Any]], str, float]:
-    """All numbers that a file has of one surface at one time, the name of the surface, and the time.
-
-    Parameters and errors are those of `read_spectre`.
-    """
-    with opened(path) as given, given.hdf5() as file:
-        group, name = _chosen_surface(_surfaces(file), surface, str(path))
-        observed, time = _chosen_observation(group, observation, f"{path}: {name}")
-        return numbers_in(observed, path), name, time
-
-
-def spectre_times(path: str | os.PathLike[str]) -> dict[str, list[tuple[float, str]]]:
-    """Times of the surfaces of a file, in order, and the names of their groups, by the names of the surfaces.
-
-    There are none in a file of another kind.
-
-    Raises
-    ------
-    FileError
-        It cannot be read.
-    """
-    with opened(path) as given, given.hdf5() as file:
-        return {
-            name: [(time, str(one.name).rsplit("/", 1)[1]) for time, one in _observations(group)]
-            for name, group in _surfaces(file).items()
-        }
-
-
-def _recognizes(file: InputFile) -> bool:
-    if file.ending not in HDF5_ENDINGS:
-        return False
-    with file.hdf5() as contents:
-        return bool(_surfaces(contents))
-
-
-def _surfaces(file: Any) -> dict[str, Any]:
-    """The groups of surface data in an open file, by their names without ``.vol``; nothing in them."""
-    found: dict[str, Any] = {}
-    seen, left = {file}, [file]  # a group may be in itself
-    while left:
-        above = left.pop()
-        for name in _inside(above):
-            group = above[name]
-            if not hasattr(group, "items") or group in seen:
-                continue
-            seen.add(group)
-            if not name.endswith(".vol"):
-                left.append(group)
-            elif group.attrs.get("dimension", 2) == 2:
-                found[group.name.strip("/").removesuffix(".vol")] = group
-    return dict(sorted(found.items()))
+    return CoordinateShape.star_shaped(points, source, polygons=quads, fields=fields, time=time)
 
 
 def _quads(extents: NDArray[np.integer]) -> Indices:
@@ -140,26 +214,29 @@ def _quads(extents: NDArray[np.integer]) -> Indices:
 
 def _chosen_surface(surfaces: dict[str, Any], surface: str | None, source: str) -> tuple[Any, str]:
     there = ", ".join(surfaces) or "nothing"
-    name = surface.removesuffix(".vol") if surface is not None else next(iter(surfaces), "")
+    name = surface_name(surface) if surface is not None else next(iter(surfaces), "")
     if surface is None and len(surfaces) > 1:
         raise AmbiguousFileError(f"{source} holds several surfaces: choose one of {there}", "surface")
     if name not in surfaces:
-        wanted = f"no surface {name}" if surface is not None else "no groups *.vol"
+        wanted = f"no surface {name}" if surface is not None else "no groups *.vol or tables *_Ylm.dat"
         raise FileError(f"{source} holds {wanted}, but {there}")
     return surfaces[name], name
 
 
-def _chosen_observation(group: Any, observation: float | str | None, source: str) -> tuple[Any, float]:
+def _chosen_observation(
+    found: SurfaceGroup | HarmonicTable, observation: float | str | None, source: str
+) -> tuple[str, float]:
+    """The name of an observation, and its time."""
     if isinstance(observation, str):
-        if observation not in group or "observation_value" not in group[observation].attrs:
+        if (time := found.time(observation)) is None:
             raise FileError(f"{source} holds no observation {observation}")
-        return group[observation], float(group[observation].attrs["observation_value"])
-    timed = _observations(group)
+        return observation, time
+    timed = found.observations()
     times = np.array([time for time, _ in timed])
-    listed = ", ".join(f"{time:g}" for time in times) or "none"
+    listed = enumerated([f"{time:g}" for time in times]) or "none"
     if observation is None:
         if not timed:
-            raise FileError(f"{source} holds no observation: no group in it has an observation_value")
+            raise FileError(f"{source} holds no observation: there is no time in it")
         if len(timed) > 1:
             raise AmbiguousFileError(
                 f"{source} holds {len(timed)} observations: choose one of t = {listed}", "observation"
@@ -182,13 +259,6 @@ def _inside(group: Any) -> list[str]:
     return [
         name for name in group if isinstance(name, str) and not hasattr(group.get(name, getlink=True), "path")
     ]
-
-
-def _observations(group: Any) -> list[tuple[float, Any]]:
-    """The times of a surface and their groups, in order."""
-    there = (group[name] for name in _inside(group))
-    timed = ((item.attrs.get("observation_value"), item) for item in there)
-    return sorted(((float(time), item) for time, item in timed if time is not None), key=lambda pair: pair[0])
 
 
 SPECTRE = HorizonFormat("SpECTRE", _recognizes, read_spectre)

@@ -9,6 +9,7 @@ from isoembed.errors import InvalidMetric, InvalidParameter
 from isoembed.io.files import FileError, input_ending
 from isoembed.io.hdf5 import HDF5_ENDINGS, enumerated
 from isoembed.relativity.horizons.coordinate_shape import CoordinateShape
+from isoembed.relativity.horizons.spectre import surface_name
 from isoembed.relativity.series.file_names import is_pattern, listing_of
 from isoembed.relativity.series.matching import matched, ordered
 from isoembed.relativity.series.moment import ListedShape, ListedSlice, Moment
@@ -108,7 +109,7 @@ def _chosen(shapes: list[ListedShape], horizons: Sequence[Any], surface: str | N
     if not shapes:
         names = [str(getattr(given, "path", given)) for given in horizons]
         raise FileError(f"there are no horizons in {enumerated(names) or 'no files'}")
-    chosen = [shape for shape in shapes if surface is None or shape.series == surface.removesuffix(".vol")]
+    chosen = [shape for shape in shapes if surface is None or shape.series == surface_name(surface)]
     if not chosen:
         there = enumerated(list(dict.fromkeys(shape.series for shape in shapes)))
         raise FileError(f"there is no horizon {surface}, but {there}")

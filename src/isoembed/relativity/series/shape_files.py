@@ -15,17 +15,25 @@ from isoembed.io.files import FileError, input_ending
 from isoembed.io.hdf5 import HDF5_ENDINGS, groups_in
 from isoembed.io.input_file import InputFile
 from isoembed.io.registry import MESH_ENDINGS
+from isoembed.relativity.horizons.grchombo import GRCHOMBO, NAME, finder_outputs, stats_path
 from isoembed.relativity.horizons.grid_file import ARRAY_ENDINGS
-from isoembed.relativity.horizons.spectre import spectre_times
+from isoembed.relativity.horizons.horizon_format import HorizonFormat
+from isoembed.relativity.horizons.spectre import SPECTRE, spectre_times
 from isoembed.relativity.horizons.time_axis import INSTANT, SHAPES, horizon_times
 from isoembed.relativity.series.file_names import DECIMAL, INTEGER, files_in, name_parts
 from isoembed.relativity.series.moment import ListedShape
-from isoembed.relativity.series.shape_sources import ShapeAtIndex, ShapeFile, SpectreShape
+from isoembed.relativity.series.shape_sources import (
+    GRChomboShape,
+    ShapeAtIndex,
+    ShapeFile,
+    SpectreShape,
+)
 from isoembed.relativity.spacetimes.slice_file import instants
 from isoembed.relativity.spacetimes.spectre_volume import volume_times
 
-SHAPE, NUMBER = ".gp", re.compile(r"\bah\d+\b")  # of AHFinderDirect
-DIAGNOSTICS = "BH_diagnostics"
+SHAPE, NUMBER = ".gp", re.compile(r"\bah\d+\b")  # of AHFinderDirect and BHaHAHA
+DIAGNOSTICS = ("BH_diagnostics", "BHaHAHA_diagnostics")
+TEXT = ".dat"  # of GRChombo and SpECTRE
 NUMBERS = re.compile(rf"{INTEGER} {DECIMAL}")
 
 
@@ -37,22 +45,24 @@ def shapes_in_files(paths: Iterable[str | os.PathLike[str]]) -> list[ListedShape
     paths : iterable of path
         Of any format that `isoembed.relativity.read_horizon` knows: one horizon a file; all surfaces at all
         times of a SpECTRE file; all horizons of an HDF5 file with axes of time (see
-        `isoembed.relativity.horizons.time_axis`).  Tables BH_diagnostics of AHFinderDirect are passed over:
-        they tell the times of the shapes beside them.
+        `isoembed.relativity.horizons.time_axis`).  Tables BH_diagnostics of AHFinderDirect and
+        BHaHAHA_diagnostics of BHaHAHA are passed over: they tell the times of the shapes beside them.
 
     Raises
     ------
     FileError
-        There is no such file.
+        There is no such file, or no table stats_AH<number>.dat for a coordinate file of GRChombo.
     InvalidParameter
         A file holds slices.
     """
     out: list[ListedShape] = []
-    times: dict[Path, dict[int, float]] = {}  # by folder
+    times: dict[Path, dict[int, float]] = {}  # by folder, of GRChombo by table
     for path in map(str, paths):
         if not os.path.exists(path):
             raise FileError(f"there is no file {path}")
-        if input_ending(path) != SHAPE:
+        if input_ending(path) == TEXT and _is_of(GRCHOMBO, path):
+            out.append(_of_grchombo(path, times))
+        elif input_ending(path) != SHAPE:
             out += _listed(path)
         elif not Path(path).name.startswith(DIAGNOSTICS):
             number, parts = NUMBER.search(Path(path).name), name_parts(path)
@@ -74,6 +84,8 @@ def _may_be_shape(path: Path) -> bool:
     ending = input_ending(path)
     if ending == SHAPE:
         return NUMBER.search(path.name) is not None and not path.name.startswith(DIAGNOSTICS)
+    if ending == TEXT:
+        return _is_of(GRCHOMBO, path) or _is_of(SPECTRE, path)
     if ending not in ARRAY_ENDINGS:
         return ending in MESH_ENDINGS
     try:
@@ -88,14 +100,36 @@ def _may_be_shape(path: Path) -> bool:
         return True  # reading will say why
 
 
+def _is_of(known: HorizonFormat, path: str | Path) -> bool:
+    """Whether a file can be read and is of this format."""
+    with contextlib.suppress(FileError), InputFile(path) as file:
+        return known.recognizes(file)
+    return False
+
+
+def _of_grchombo(path: str, times: dict[Path, dict[int, float]]) -> ListedShape:
+    """A coordinate file with its time: its number counts outputs of the finder, and is no iteration."""
+    table, parts = stats_path(path), NAME.fullmatch(Path(path).name)
+    if table is None or parts is None:
+        raise FileError(f"{path} has no table stats_AH<number>.dat, which says its time and its origin")
+    if table not in times:
+        times[table] = {}
+        with contextlib.suppress(FileError):  # reading will say why
+            times[table] = {number: row.time for number, row in finder_outputs(table).items()}
+    time = times[table].get(int(parts[2]))
+    return ListedShape(parts[1], int(parts[2]) if time is None else None, time, GRChomboShape(path))
+
+
 def _listed(path: str) -> list[ListedShape]:
     """Horizons in one file, by its name where it does not say more."""
     parts = name_parts(path)
     series, iteration, time = parts.series or "horizon", parts.iteration, parts.time
-    if input_ending(path) in ARRAY_ENDINGS:
+    if input_ending(path) in (*ARRAY_ENDINGS, TEXT):
         with contextlib.suppress(FileError):  # reading will say why
             if many := _many(path):
                 return many
+    if input_ending(path) in ARRAY_ENDINGS:
+        with contextlib.suppress(FileError):
             if holds_slices(path):
                 raise InvalidParameter(f"{path} holds slices, not horizons: it goes with --geometry")
             with InputFile(path) as file:
@@ -122,8 +156,8 @@ def _is_number(values: NDArray[Any]) -> bool:
 
 
 def _many(path: str) -> list[ListedShape]:
-    """Horizons of an HDF5 file that holds them at several times."""
-    if input_ending(path) not in HDF5_ENDINGS:
+    """Horizons of a file that holds them at several times."""
+    if input_ending(path) not in (*HDF5_ENDINGS, TEXT):
         return []
     out = [
         ListedShape(surface, None, time, SpectreShape(path, surface, time, group))
@@ -140,9 +174,9 @@ def _many(path: str) -> list[ListedShape]:
 
 
 def _times_in(folder: Path) -> dict[int, float]:
-    """Times by iteration, the first two columns of the tables of AHFinderDirect in a folder, of one run."""
+    """Times by iteration, the first two columns of the tables of the finders in a folder, of one run."""
     times: dict[int, float] = {}
-    for path in sorted(folder.glob(f"{DIAGNOSTICS}*{SHAPE}")):
+    for path in sorted(path for name in DIAGNOSTICS for path in folder.glob(f"{name}*{SHAPE}")):
         with contextlib.suppress(OSError):  # a horizon without a time, which is no fault of its own file
             lines = path.read_text(encoding="utf-8", errors="replace").splitlines()
             rows = (line.split(maxsplit=2)[:2] for line in lines)

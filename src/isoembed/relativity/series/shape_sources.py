@@ -1,10 +1,12 @@
 """Sources of horizons: a file, or one moment of a file with many."""
 
+import hashlib
 from dataclasses import dataclass
 
 from isoembed.io.digest import arrays_digest, file_digest, unchanged
 from isoembed.io.input_file import InputFile
 from isoembed.relativity.horizons.coordinate_shape import CoordinateShape
+from isoembed.relativity.horizons.grchombo import finder_output, read_grchombo
 from isoembed.relativity.horizons.horizon_file import read_horizon
 from isoembed.relativity.horizons.spectre import read_spectre, spectre_tables
 from isoembed.relativity.horizons.time_axis import HorizonAtIndex
@@ -35,6 +37,33 @@ class ShapeFile:
         """See `Source`."""
         with unchanged(self.path):
             return read_horizon(self.path)
+
+
+@dataclass(frozen=True)
+class GRChomboShape:
+    """A coordinate file of GRChombo, whose origin is in another file.
+
+    Attributes
+    ----------
+    path : str
+    """
+
+    path: str
+
+    @property
+    def name(self) -> str:
+        """The path."""
+        return self.path
+
+    def digest(self) -> str:
+        """Hash of the file and of its row in the table of the finder: see `Source`."""
+        there = f"{file_digest(self.path)} {finder_output(self.path)}"
+        return hashlib.sha256(there.encode()).hexdigest()
+
+    def read(self) -> CoordinateShape | SurfaceData:
+        """See `Source`."""
+        with unchanged(self.path):
+            return read_grchombo(self.path)
 
 
 @dataclass(frozen=True)

@@ -21,7 +21,7 @@ from isoembed.relativity.series.carpetx import carpetx_slices
 from isoembed.relativity.series.moment import ListedShape, ListedSlice
 from isoembed.relativity.series.shape_files import shapes_in_files
 
-AHFINDERDIRECT = re.compile(r"h\.t\d+\.ah\d+\.gp(?:\.gz)?")
+SHAPES = re.compile(r"h\.t\d+\.ah\d+\.gp(?:\.gz)?")
 QUASILOCALMEASURES = re.compile(r"surface\d+_\d+\.vtk(?:\.gz)?")
 
 
@@ -31,15 +31,16 @@ def simulation(folder: Any) -> tuple[list[ListedShape], list[ListedSlice]]:
     Parameters
     ----------
     folder : path or kuibit.simdir.SimDir
-        With ``h.t*.ah*.gp`` and ``BH_diagnostics.ah*.gp`` of AHFinderDirect, or else ``surface*.vtk`` of
-        QuasiLocalMeasures; and three-dimensional HDF5 files
-        of ``ADMBase::metric`` and ``ADMBase::curv`` by Carpet, or openPMD files of those of ADMBaseX by
-        CarpetX, in any subfolders.  Of what is in several of them, as after restarts, the last one counts.
+        With ``h.t*.ah*.gp`` and ``BH_diagnostics.ah*.gp`` of AHFinderDirect, or ``h.t*.ah*.gp`` and
+        ``BHaHAHA_diagnostics.ah*.gp`` of BHaHAHA, or else ``surface*.vtk`` of QuasiLocalMeasures; and
+        three-dimensional HDF5 files of ``ADMBase::metric`` and ``ADMBase::curv`` by Carpet, or openPMD files
+        of those of ADMBaseX by CarpetX, in any subfolders.  Of what is in several of them, as after restarts,
+        the last one counts.
 
     Returns
     -------
     shapes : list of ListedShape
-        One whose time AHFinderDirect does not tell has that of its slice.
+        One whose time the finder does not tell has that of its slice.
     slices : list of ListedSlice
 
     Raises
@@ -49,7 +50,7 @@ def simulation(folder: Any) -> tuple[list[ListedShape], list[ListedSlice]]:
         is not installed.
     """
     files = sorted(map(Path, _files(folder)), key=natural)
-    shapes = _shapes(files, AHFINDERDIRECT) or _shapes(files, QUASILOCALMEASURES)
+    shapes = _shapes(files, SHAPES) or _shapes(files, QUASILOCALMEASURES)
     slices = carpet_slices(files) or carpetx_slices(files)
     if not shapes and not slices:
         name = getattr(folder, "path", folder)

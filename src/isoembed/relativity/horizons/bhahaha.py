@@ -1,0 +1,107 @@
+"""Shape files of BHaHAHA, the horizon finder of NRPy: h.t<iteration>.ah<number>.gp.
+
+They hold points of the horizon in the coordinates of the slice, on a cell-centered grid in theta and phi
+[1]_; no metric, and no center.
+
+References
+----------
+.. [1] Z. B. Etienne, T. Assumpcao, L. R. Werneck and S. D. Tootle, "BHaHAHA: A fast, robust apparent horizon
+   finder library for numerical relativity", Classical and Quantum Gravity (2026), arXiv:2505.15912.
+"""
+
+import os
+import re
+from dataclasses import replace
+
+import numpy as np
+
+from isoembed.arrays import Floats
+from isoembed.io.files import FileError
+from isoembed.io.input_file import InputFile, opened
+from isoembed.io.text_table import read_text_table
+from isoembed.meshing.sphere import directions_at
+from isoembed.relativity.horizons.ahfinderdirect import horizon_and_iteration
+from isoembed.relativity.horizons.coordinate_shape import CoordinateShape
+from isoembed.relativity.horizons.horizon_format import HorizonFormat
+
+TIME = re.compile(r"\btime\b[^\d+-]*([+-]?\d+(?:\.\d+)?(?:[eE][+-]?\d+)?)")
+
+
+def read_bhahaha(path: str | os.PathLike[str]) -> CoordinateShape:
+    """Read the shape of a horizon from a file of BHaHAHA.
+
+    The file holds one row ``x y z`` for each point: rings of constant theta, each closed by its first point
+    and followed by a blank line.  The angles about the center are theta = (i + 1/2) pi / n_theta and
+    phi = -pi + (j + 1/2) 2 pi / n_phi.  The file does not name the center: it is the point from which the
+    points are seen at these angles.
+
+    Parameters
+    ----------
+    path : path
+        ``h.t*.ah*.gp``, which may be compressed (``.gz``).
+
+    Returns
+    -------
+    CoordinateShape
+        With the time in the comments of the file, and the iteration in its name.
+
+    Raises
+    ------
+    FileError
+        The file cannot be read, is cut short or malformed; the message names the line where it can.
+    """
+    with opened(path) as file:
+        table = read_text_table(file)
+        source = str(file)
+        if table.numbers.shape[1] != 3:
+            raise FileError(f"{file} has {table.numbers.shape[1]} columns, not the 3 of BHaHAHA: x, y and z")
+        if not (finite := np.isfinite(table.numbers).all(axis=1)).all():
+            raise FileError(f"{file}, line {table.lines[np.argmin(finite)]}: a coordinate is not finite")
+        ends = [*np.flatnonzero(np.diff(table.lines) > 1), len(table.lines) - 1]
+        n_phi = int(ends[0])  # the last point of a ring is its first
+        rings = []
+        for begin, end in zip([0, *(end + 1 for end in ends)], ends, strict=False):
+            ring = table.numbers[begin : end + 1]
+            if n_phi < 3 or len(ring) != n_phi + 1 or (ring[0] != ring[-1]).any():
+                raise FileError(
+                    f"{file}, line {table.lines[end]}: the ring that ends here is not {max(n_phi, 3)} points "
+                    "and the first of them again"
+                )
+            rings.append(ring[:-1])
+        times = [TIME.search(comment) for comment in table.comments]
+        name, iteration = horizon_and_iteration(file.path)
+    points = np.array(rings)
+    shape = CoordinateShape.star_shaped(points.reshape(-1, 3), source, _center(points, source))
+    time = next((float(match[1]) for match in times if match), None)
+    return replace(shape, name=name, iteration=iteration, time=time)
+
+
+def _center(points: Floats, source: str) -> Floats:
+    """The point (3,) from which points (n_theta, n_phi, 3) are seen at the angles of the grid."""
+    n_theta, n_phi, _ = points.shape
+    theta = (np.arange(n_theta) + 0.5) * np.pi / n_theta
+    phi = -np.pi + (np.arange(n_phi) + 0.5) * 2.0 * np.pi / n_phi
+    u = directions_at(np.cos(theta)[:, None], phi)
+    across = np.eye(3) - u[..., :, None] * u[..., None, :]
+    # Least squares of the distances of the center from the lines through the points along u.
+    origin = points.mean(axis=(0, 1))
+    moments = np.einsum("tpij,tpj->i", across, points - origin)
+    center = origin + np.linalg.solve(across.sum(axis=(0, 1)), moments)
+    arrows = points - center
+    off = np.linalg.norm(np.einsum("tpij,tpj->tpi", across, arrows), axis=2)
+    # A grid of one ring more or less differs by about pi / n_theta; printed digits are far below 1 % of that.
+    worst = np.unravel_index(np.argmax(off / np.linalg.norm(arrows, axis=2)), off.shape)
+    if not off[worst] <= 0.01 * np.pi / n_theta * np.linalg.norm(arrows[worst]):
+        raise FileError(
+            f"{source}: the {n_theta} rings of {n_phi} points are not at the angles of a cell-centered grid "
+            "about any one center: the file is cut short, or in another order"
+        )
+    return center
+
+
+def _recognizes(file: InputFile) -> bool:
+    rows = (line.split() for line in file.head.splitlines() if not line.lstrip().startswith("#"))
+    return file.ending == ".gp" and len(next(filter(None, rows), ())) == 3
+
+
+BHAHAHA = HorizonFormat("BHaHAHA", _recognizes, read_bhahaha)
