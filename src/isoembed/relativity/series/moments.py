@@ -122,7 +122,7 @@ def _slices(
     if not isinstance(geometry, str | os.PathLike):
         return HeldSlice(geometry), []
     if os.path.isdir(geometry):
-        slices = slices_in_folder(geometry)
+        slices: list[ListedSlice] = [*slices_in_folder(geometry)]
         if not slices and not _holds(geometry, GRIDS):
             raise FileError(f"there are no files of slices in {geometry}: {listing_of(geometry)}")
         return None, slices or simulation_in(geometry)[1]
@@ -130,7 +130,7 @@ def _slices(
         if is_pattern(str(geometry)):
             return None, slices_of_pattern(str(geometry))
         raise FileError(f"there is no file or folder {geometry}, nor a slice in closed form of that name")
-    slices = slices_in_file(geometry)
+    slices = [*slices_in_file(geometry)]
     if len(slices) == 1 and slices[0].iteration is None and slices[0].time is None:
         return slices[0].source, []
     return None, slices
