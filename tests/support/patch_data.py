@@ -1,7 +1,7 @@
 """Files as GRChombo, AMReX's codes and AthenaK write them, of slices in closed form on refinement levels."""
 
 import struct
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 
 import numpy as np
 
@@ -9,7 +9,6 @@ SIX = ((0, 0), (0, 1), (0, 2), (1, 1), (1, 2), (2, 2))
 LETTERS = ("xx", "xy", "xz", "yy", "yz", "zz")
 NUMBERS = ("11", "12", "13", "22", "23", "33")
 STALE = 1e3  # what ghost zones hold, which must not be read
-EXCISED = 0.5
 
 
 @dataclass(frozen=True)
@@ -26,12 +25,15 @@ class Grid:
         Of each level: first cells, and numbers of cells.
     center : tuple of floats
         Where the hole is.
+    excised : float
+        Radius of the sphere around it without data.
     """
 
     low: tuple
     spacing: float
     boxes: tuple
     center: tuple = (0.0, 0.0, 0.0)
+    excised: float = 0.5
 
     def points(self, level, start, shape, shift=0.5):
         """Points (nx, ny, nz, 3) of a box."""
@@ -43,9 +45,9 @@ class Grid:
 
 
 def adm(geometry, grid, points):
-    """gamma_ij and K_ij (nx, ny, nz, 3, 3); flat near the center of the hole."""
+    """gamma_ij and K_ij (nx, ny, nz, 3, 3); flat where the hole is excised."""
     x = points.reshape(-1, 3) - np.array(grid.center)
-    there = np.linalg.norm(x, axis=1) > EXCISED
+    there = np.linalg.norm(x, axis=1) > grid.excised
     gamma, curvature = np.tile(np.eye(3), (len(x), 1, 1)), np.zeros((len(x), 3, 3))
     gamma[there], curvature[there] = geometry.metric(x[there]), geometry.extrinsic_curvature(x[there])
     return (each.reshape(*points.shape[:-1], 3, 3) for each in (gamma, curvature))
@@ -215,7 +217,8 @@ class Tree:
     refined : callable
         Takes the level and the corners of a block.
     center : tuple of floats
-        Where the hole is.
+    excised : float
+        As of `Grid`.
     """
 
     low: tuple
@@ -224,7 +227,8 @@ class Tree:
     cells: int
     refined: object
     center: tuple = (0.0, 0.0, 0.0)
-    finest: int = field(default=3)
+    excised: float = 0.5
+    finest: int = 3
 
     def leaves(self):
         """The level, the place and the corners of each block."""

@@ -207,9 +207,7 @@ class _Level:
                 raise FileError(f"{path} is of the version {version}: {CELL_VERSION} is read")
             next(lines)  # how the data are spread over files, which they say themselves
             if (components := int(next(lines))) != count:
-                raise FileError(
-                    f"{path} has {components} variables, and {path.parent.parent / HEADER} {count}"
-                )
+                raise FileError(f"{path} has {components} variables, but {HEADER} names {count}")
             ghosts = np.broadcast_to(np.array(INTEGER.findall(next(lines)), dtype=np.int64), 3)
             number = int(next(lines).strip("(").split()[0])
             boxes = np.array([_boxes(next(lines))[0] for _ in range(number)]).reshape(-1, 3, 3)
@@ -243,9 +241,7 @@ class _Level:
             raise FileError(f"{path} has no box of numbers known here at byte {start}")
         stored = _boxes(head[5].decode())[0]
         if (stored[1] - stored[0] + 1).tolist() != shape or max(columns) >= (count := int(head[6])):
-            raise FileError(
-                f"{path}: the box at byte {start} is not the one that {path.parent.name}/Cell_H says"
-            )
+            raise FileError(f"{path}: the box at byte {start} is not the one that Cell_H says")
         first, dtype = start + len(line), np.dtype(kind)
         if size < first + dtype.itemsize * count * int(np.prod(shape)):
             raise FileError(f"{path} is cut short")

@@ -19,7 +19,7 @@ from numpy.lib.stride_tricks import sliding_window_view
 from isoembed.arrays import Floats, Indices, Mask
 from isoembed.io.files import FileError
 from isoembed.relativity.series.refined_grid import Block, Component, Layout, Level
-from isoembed.relativity.spacetimes.cartesian_grid import INTERPOLATION, CartesianGrid
+from isoembed.relativity.spacetimes.cartesian_grid import INTERPOLATION, CartesianGrid, wider
 from isoembed.relativity.spacetimes.checks import refuse_points, written
 from isoembed.relativity.spacetimes.three_geometry import ThreeGeometry
 
@@ -109,29 +109,27 @@ class LeveledGrid:
         FileError
             The files cannot be read, or have changed.
         """
-        return self._values(CartesianGrid.metric, x, (3, 3))
+        return self._values("metric", x, (3, 3))
 
     def gradient(self, x: Floats) -> Floats:
         """See `ThreeGeometry`."""
-        return self._values(CartesianGrid.gradient, x, (3, 3, 3))
+        return self._values("gradient", x, (3, 3, 3))
 
     def extrinsic_curvature(self, x: Floats) -> Floats:
         """See `ThreeGeometry`."""
-        return self._values(CartesianGrid.extrinsic_curvature, x, (3, 3))
+        return self._values("extrinsic_curvature", x, (3, 3))
 
     def error(self, quantity: Callable[[ThreeGeometry], Floats]) -> Floats:
         """See `ThreeGeometry`: as of `CartesianGrid`."""
         return np.asarray(INTERPOLATION.noise * (quantity(_Wider(self)) - quantity(self)))
 
-    def _values(
-        self, field: Callable[[Any, Floats], Floats], x: Floats, shape: tuple[int, ...], wider: bool = False
-    ) -> Floats:
+    def _values(self, field: str, x: Floats, shape: tuple[int, ...], more: bool = False) -> Floats:
         out = np.empty((len(x), *shape))
         located = self._located(np.asarray(x, dtype=np.float64))
         self._read([cell for cell, _ in located])
         for cell, points in located:
-            grid = self._cubes[cell]
-            out[points] = getattr(grid.wider if wider else grid, field.__name__)(x[points])
+            cube = self._cubes[cell]
+            out[points] = getattr(wider(cube) if more else cube, field)(x[points])
         return out
 
     def _located(self, x: Floats) -> list[tuple[Cell, Indices]]:
@@ -266,13 +264,13 @@ class _Wider:
         return False
 
     def metric(self, x: Floats) -> Floats:
-        return self.grid._values(CartesianGrid.metric, x, (3, 3), wider=True)
+        return self.grid._values("metric", x, (3, 3), more=True)
 
     def gradient(self, x: Floats) -> Floats:
-        return self.grid._values(CartesianGrid.gradient, x, (3, 3, 3), wider=True)
+        return self.grid._values("gradient", x, (3, 3, 3), more=True)
 
     def extrinsic_curvature(self, x: Floats) -> Floats:
-        return self.grid._values(CartesianGrid.extrinsic_curvature, x, (3, 3), wider=True)
+        return self.grid._values("extrinsic_curvature", x, (3, 3), more=True)
 
     def error(self, quantity: Callable[[ThreeGeometry], Floats]) -> Floats:
         return self.grid.error(quantity)

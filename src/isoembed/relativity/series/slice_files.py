@@ -197,18 +197,19 @@ def slices_of_pattern(pattern: str) -> list[ListedSlice]:
 def slices_in_folder(folder: str | os.PathLike[str]) -> list[ListedFile]:
     """Slices in the files right inside a folder, by what is in them, else by name; damaged files, too.
 
-    Files that are parts of a slice, such as those of the processes of a run, are taken together.  A plot file
-    of AMReX, which is a folder, has one slice.  Empty if there are damaged files only: they may be anything.
+    Files that are parts of a slice, such as those of the processes of a run, are taken together.  Empty if
+    there are damaged files only: they may be anything.
 
     Raises
     ------
     FileError
-        The folder cannot be read.
+        The folder cannot be read; or it is a plot file of AMReX, one slice itself, and damaged.
     """
-    paths = [Path(folder)] if is_plot_file(Path(folder)) else entries_in(folder)
+    if _format_of(Path(folder)) is not None:
+        return slices_in_file(folder)
     found: dict[int, list[Path]] = {}
     damaged = []
-    for path in paths:
+    for path in entries_in(folder):
         try:
             kind = _format_of(path)
         except FileError:  # reading will say why
@@ -261,7 +262,7 @@ def slices_in_file(path: str | os.PathLike[str]) -> list[ListedFile]:
     if CARPET_FILE.fullmatch(Path(path).name):
         raise FileError(f"{path} is a part of a slice, as Carpet writes it: name the folder of the run")
     check_ending(path, (*SLICE_ENDINGS, ".bin"))
-    raise FileError(f"{path} has no {", nor ".join(form.name for form in FORMATS)}")
+    raise FileError(f"{path} has no {', nor '.join(form.name for form in FORMATS)}")
 
 
 def _format_of(path: Path) -> int | None:

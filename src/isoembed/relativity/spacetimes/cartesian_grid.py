@@ -118,20 +118,20 @@ class CartesianGrid:
         """See `ThreeGeometry`."""
         return self._through(INTERPOLATION.nodes).extrinsic_curvature(x)
 
-    @property
-    def wider(self) -> ThreeGeometry:
-        """The same slice through two points more along each axis, or two less where they are missing."""
-        return _Wider(self)
-
     def error(self, quantity: Callable[[ThreeGeometry], Floats]) -> Floats:
         """See `ThreeGeometry`: what interpolation through ten points tells, of noise a tenth.
 
         It knows of no error that is smooth on the grid.
         """
-        return np.asarray(INTERPOLATION.noise * (quantity(self.wider) - quantity(self)))
+        return np.asarray(INTERPOLATION.noise * (quantity(wider(self)) - quantity(self)))
 
     def _through(self, nodes: int) -> _Interpolation:
         return _Interpolation(self, nodes)
+
+
+def wider(grid: CartesianGrid) -> ThreeGeometry:
+    """The same slice through two points more along each axis, or two less where they are missing."""
+    return _Wider(grid)
 
 
 @dataclass(frozen=True, eq=False)
