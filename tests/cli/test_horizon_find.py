@@ -99,7 +99,14 @@ def test_a_horizon_in_a_file(found):
     check(found("slice.npz", "--guess", 0, 0, 0, 2), 0.5, 1e-2)
 
 
-@pytest.mark.parametrize("layout", ["plt00010", "checkpoint_000010.3d.hdf5", "run.z4c.00010.bin"])
+@pytest.mark.parametrize(
+    "layout",
+    [
+        "plt00010",
+        pytest.param("checkpoint_000010.3d.hdf5", marks=pytest.mark.slow),
+        pytest.param("run.z4c.00010.bin", marks=pytest.mark.slow),
+    ],
+)
 def test_a_horizon_in_files_of_other_codes(found, call, layout):
     """Kerr, a = 0.5, on two levels: found, and embedded from its coordinates in a file."""
     kerr, path, at = KerrSchild(1.0, (0.0, 0.3, 0.4)), Path(layout), 0.0

@@ -109,8 +109,19 @@ def grown(geometry, grid, variables, level, box, ghosts, shift=0.5):
     return list(out), np.stack([array.T for array in out.values()])
 
 
-def write_chombo(path, geometry, grid, variables=grchombo, *, ghosts=3, dimensions=3, time=0.0, iteration=0):
-    """A checkpoint or plot file."""
+def mirrored(names, values, box, ghosts, axis):
+    """Fill the ghost zones of a box at a mirror, x_axis = 0, as reflective boundaries do."""
+    if box[0][axis] == 0:
+        along = np.moveaxis(values, 3 - axis, -1)
+        odd = [name[0] in "hA" and name.count(str(axis + 1)) == 1 for name in names]
+        signs = np.where(odd, -1.0, 1.0)[:, None, None, None]
+        along[..., :ghosts] = signs * along[..., 2 * ghosts - 1 : ghosts - 1 : -1]
+
+
+def write_chombo(
+    path, geometry, grid, variables=grchombo, *, ghosts=3, mirrors=(), dimensions=3, time=0.0, iteration=0
+):
+    """A checkpoint or plot file; at mirrors the ghost zones are copies of the cells inside."""
     import h5py
 
     vector = np.dtype([(f"intvect{a}", "<i4") for a in "ijk"])
@@ -125,7 +136,12 @@ def write_chombo(path, geometry, grid, variables=grchombo, *, ghosts=3, dimensio
             group.attrs.update({"dx": grid.spacing / 2**level, "ref_ratio": 2, "time": time})
             ends = [(*start, *(np.array(start) + shape - 1)) for start, shape in boxes]
             group["boxes"] = np.array(ends, dtype=corners)
+            low, high = np.min(ends, axis=0)[:3], np.max(ends, axis=0)[3:]
+            group.attrs["prob_domain"] = np.array((*low, *high), dtype=corners)
             parts = [grown(geometry, grid, variables, level, box, ghosts) for box in boxes]
+            for (names, values), box in zip(parts, boxes, strict=True):
+                for axis in mirrors:
+                    mirrored(names, values, box, ghosts, axis)
             names = parts[0][0]
             group["data:datatype=0"] = np.concatenate([values.ravel() for _, values in parts])
             group["data:offsets=0"] = np.cumsum([0, *(values.size for _, values in parts)])

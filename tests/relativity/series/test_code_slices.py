@@ -9,6 +9,7 @@ import pytest
 h5py = pytest.importorskip("h5py")
 
 import patch_data  # noqa: E402
+from isoembed.errors import InvalidParameter  # noqa: E402
 from isoembed.io.files import FileError  # noqa: E402
 from isoembed.relativity.horizons.finder import find_horizon  # noqa: E402
 from isoembed.relativity.series.moments import moments  # noqa: E402
@@ -24,6 +25,7 @@ from patch_data import Grid, Tree, grchombo, plain, write_amrex, write_athenak, 
 
 KERR = KerrSchild(1.0, (0.1, 0.2, 0.2))
 UPRIGHT = KerrSchild(1.0, (0.0, 0.0, 0.3))
+STATIC = KerrSchild(1.0, (0.0, 0.0, 0.0))
 LOW = (-6.0,) * 3
 HALVES = (((0, 0, 0), (24, 24, 10)), ((0, 0, 10), (24, 24, 14)))
 BOXES = (HALVES, (((12, 12, 12), (24, 24, 24)),))
@@ -155,8 +157,22 @@ def test_reflections_of_athenak(tmp_path):
     write_athenak(path, UPRIGHT, half, bounds=("outflow", "outflow", "reflect"))
     assert (np.array(worst(read_slice(path), sphere(1.9), exact=UPRIGHT)) < [3e-5, 5e-4, 1e-4]).all()
     write_athenak(path, UPRIGHT, half)
-    with pytest.raises(ValueError, match="is in no refinement level"):
+    with pytest.raises(InvalidParameter, match="is in no refinement level"):
         read_slice(path).metric(sphere(1.9))
+
+
+@pytest.mark.parametrize(("geometry", "axes"), [(UPRIGHT, (2,)), (STATIC, (0, 1, 2))])
+def test_mirrors_of_grchombo(tmp_path, geometry, axes):
+    """Half and an eighth of a domain: the ghost zones at a mirror are copies, those elsewhere are not."""
+    start, shape = np.where(np.isin(range(3), axes), 0, -12), np.where(np.isin(range(3), axes), 12, 24)
+    grid = Grid((0.0,) * 3, 0.5, (((start, shape),), ((start, shape),)), excised=0.6)
+    path, x = tmp_path / "a.hdf5", sphere(1.9)
+    write_chombo(path, geometry, grid, mirrors=axes)
+    assert (np.array(worst(read_slice(path), x, exact=geometry)) < [5e-5, 1e-3, 3e-4]).all()
+    for others in ({"mirrors": axes[1:]}, {"mirrors": axes, "ghosts": 1}):
+        write_chombo(path, geometry, grid, **others)
+        with pytest.raises(InvalidParameter, match="is in no refinement level"):
+            read_slice(path).metric(x)
 
 
 def test_files_of_the_processes_of_athenak(tmp_path, kerr):

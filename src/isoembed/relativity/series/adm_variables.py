@@ -39,7 +39,7 @@ class Variables(Protocol):
         ...
 
     def adm(self, values: Floats) -> Floats:
-        """Gxx ... gzz and kxx ... kzz, (12, ...), from the values (n, ...) of the variables."""
+        """The twelve fields gxx ... gzz and kxx ... kzz from the values (n, ...) of the variables."""
         ...
 
 

@@ -3,7 +3,8 @@
 The root has the names of the variables as attributes ``component_0`` ..., and each group ``level_N`` has its
 spacing ``dx``, its boxes, and for each box the values of all variables one after the other, x running
 fastest, with as many ghost zones as ``data_attributes`` says [1]_.  Cell [i, j, k] is at
-``dx (i + 1/2, j + 1/2, k + 1/2)``: the lower corner of the usual domain is the origin.
+``dx (i + 1/2, j + 1/2, k + 1/2)``: the lower corner of the usual domain is the origin.  Ghost zones serve only
+to find out whether the domain ends at a mirror.
 
 References
 ----------
@@ -28,7 +29,7 @@ from isoembed.io.expansion import check_expansion
 from isoembed.io.files import FileError
 from isoembed.io.input_file import InputFile
 from isoembed.relativity.series.adm_variables import GRCHOMBO, AdmVariables, variables_in
-from isoembed.relativity.series.grid_symmetry import IDENTITY, AxisMap
+from isoembed.relativity.series.grid_symmetry import AxisMap, reflections
 from isoembed.relativity.series.moment import ListedFile
 from isoembed.relativity.series.patch_slice import PatchSlice
 from isoembed.relativity.series.refined_grid import Component
@@ -103,8 +104,6 @@ class ChomboSlice(PatchSlice):
 class _Data:
     """The data of a file: `PatchData`."""
 
-    symmetry: tuple[AxisMap, ...] = (IDENTITY,)
-
     def __init__(self, name: str, root: Any) -> None:
         self.name = name
         self._root = root
@@ -118,6 +117,10 @@ class _Data:
         self._variables = variables_in(names.keys(), (GRCHOMBO, AdmVariables()), name)
         self._columns = [names[each] for each in self._variables.names]
         self._count = int(root.attrs["num_components"])
+
+    @cached_property
+    def symmetry(self) -> tuple[AxisMap, ...]:
+        return reflections(axis for axis in range(3) if self._is_mirror(axis))
 
     @cached_property
     def levels(self) -> list[int]:
@@ -140,6 +143,31 @@ class _Data:
             planes = data[first + k.start * nx * ny : first + k.stop * nx * ny]
             rows.append(planes.reshape(-1, ny, nx)[:, j, i].transpose())
         return self._variables.adm(np.stack(rows).astype(np.float64))
+
+    def _is_mirror(self, axis: int) -> bool:
+        """Whether the domain ends at a mirror, the plane where the coordinate along an axis is zero.
+
+        The file does not say so, but where its ghost zones are written they are copies of the cells on the
+        other side of such a plane, with the signs of the components.
+        """
+        if _triples(self._root["level_0"].attrs["prob_domain"], "lo_")[axis] != 0:
+            return False
+        image = reflections([axis])[1]
+        signs = np.array([image.entry(row % 6)[1] for row in range(12)])
+        varies = False
+        for component in self.components(0):
+            ghosts = component.key[1][axis]
+            if component.origin[axis] < component.spacing[axis]:
+                if ghosts < 2:  # one cell beyond a boundary may also be extrapolated from one cell
+                    return False
+                part = [slice(0, n) for n in component.shape]
+                part[axis] = slice(-ghosts, ghosts)
+                fields = np.moveaxis(self.values(0, component, tuple(part)), axis + 1, -1)
+                mirrored = fields[..., ::-1] * signs[:, None, None, None]
+                if not np.array_equal(fields, mirrored, equal_nan=True):
+                    return False
+                varies = varies or bool((fields[..., ghosts] != fields[..., ghosts + 1]).any())
+        return varies
 
     @cached_property
     def _levels(self) -> dict[int, list[Component]]:

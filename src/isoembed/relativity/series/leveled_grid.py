@@ -38,7 +38,7 @@ class PatchData(Layout, Protocol):
     """The ADM variables on refinement levels, of which parts can be read."""
 
     def values(self, level: int, component: Component, part: tuple[slice, ...]) -> Floats:
-        """Gxx ... gzz and kxx ... kzz, (12, nx, ny, nz), on a part of a component."""
+        """The twelve fields gxx ... gzz and kxx ... kzz, (12, nx, ny, nz), on a part of a component."""
         ...
 
 
