@@ -63,6 +63,20 @@ def worst(geometry, x, center=0.0, exact=KERR):
     ]
 
 
+def without(*names, of=grchombo):
+    """Variables of which some are missing."""
+
+    def variables(*arguments):
+        return {name: values for name, values in of(*arguments).items() if name not in names}
+
+    return variables
+
+
+def nothing(geometry, grid, points):
+    """Variables that make no slice."""
+    return {"Weyl4_Re": points[..., 0]}
+
+
 @pytest.fixture(scope="module", params=LAYOUTS)
 def kerr(request, tmp_path_factory):
     """A slice of each layout: its path, and where the hole is."""
@@ -211,6 +225,26 @@ def test_plot_files_of_groups_of_variables(tmp_path):
         read_slice(tmp_path / "admbasex-metric.it00000008")
 
 
+def test_other_output_of_a_run_is_passed_over(tmp_path):
+    """Constraints, plots of a few variables, and ``adm`` beside ``z4c``; two runs in one folder are not."""
+    bins, plots, levels = (tmp_path / name for name in ("bin", "plots", "levels"))
+    for folder in (bins, plots, levels):
+        folder.mkdir()
+    for name, variables in (("con", nothing), ("z4c", z4c(-4.0)), ("adm", patch_data.athenak_adm)):
+        write_athenak(bins / f"run.{name}.00000.bin", KERR, TREE, variables)
+    write_athenak(bins / "run.con.00001.bin", KERR, TREE, nothing, cycle=7, time=0.1)
+    write_amrex(plots / "admbasex-metric", KERR, AT_ORIGIN, plain, nodal=True)
+    write_amrex(plots / "hydrobasex-rho", KERR, AT_ORIGIN, nothing)
+    write_chombo(levels / "chk_000000.hdf5", KERR, IN_CORNER)
+    write_chombo(levels / "p_000000.hdf5", KERR, IN_CORNER, without("A33"))
+    names = [
+        [each.source.name.rpartition("/")[2] for each in slices_in_folder(f)] for f in (bins, plots, levels)
+    ]
+    assert names == [["run.adm.00000.bin", "run.con.00001.bin"], ["admbasex-metric"], ["chk_000000.hdf5"]]
+    write_athenak(bins / "second.adm.00000.bin", KERR, TREE)
+    assert len(slices_in_folder(bins)) == 3
+
+
 def test_moments_of_a_run(tmp_path):
     run = tmp_path / "run"
     run.mkdir()
@@ -233,20 +267,6 @@ def test_moments_of_a_run(tmp_path):
     assert moment.slice.name == str(run / "p_000016.3d.hdf5")
     with pytest.raises(FileError, match="run holds 3 slices, as `isoembed series` takes them"):
         read_slice(run)
-
-
-def without(*names, of=grchombo):
-    """Variables of which some are missing."""
-
-    def variables(*arguments):
-        return {name: values for name, values in of(*arguments).items() if name not in names}
-
-    return variables
-
-
-def nothing(geometry, grid, points):
-    """Variables that make no slice."""
-    return {"Weyl4_Re": points[..., 0]}
 
 
 @pytest.mark.parametrize("code", ["GRChombo", "GRTeclyn"])
@@ -371,7 +391,7 @@ def change(file, old, new):
         ),
         (
             lambda p: (p / "Level_1/Cell_D_00000").write_bytes(
-                (p / "Level_1/Cell_D_00000").read_bytes()[:-8]
+                (p / "Level_1/Cell_D_00000").read_bytes()[:200_000]
             ),
             "Cell_D_00000 is cut short",
         ),

@@ -102,6 +102,12 @@ GRCHOMBO = ConformalVariables(
 )
 
 
+def rank(there: Collection[str], known: Sequence[Variables]) -> int:
+    """The position of the first kind of variables that is complete; the number of kinds if none is."""
+    complete = (k for k, variables in enumerate(known) if {*variables.names} <= {*there})
+    return next(complete, len(known))
+
+
 def variables_in(there: Collection[str], known: Sequence[Variables], name: str) -> Variables:
     """The first of several kinds of variables that are all there.
 
@@ -110,9 +116,8 @@ def variables_in(there: Collection[str], known: Sequence[Variables], name: str) 
     FileError
         None of them is complete; the message names what the most complete one lacks.
     """
-    for variables in known:
-        if {*variables.names} <= {*there}:
-            return variables
+    if (first := rank(there, known)) < len(known):
+        return known[first]
     most = max(known, key=lambda variables: len({*variables.names} & {*there}))
     if not {*most.names} & {*there}:
         kinds = "; or ".join(", ".join(variables.names) for variables in known)

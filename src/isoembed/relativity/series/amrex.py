@@ -55,7 +55,9 @@ def is_plot_file(path: Path) -> bool:
 
 
 def amrex_slices(paths: Iterable[Path]) -> list[ListedFile]:
-    """The slices of plot files, those that have other variables of the same time together.
+    """The slices of plot files, those with different variables of the same time together.
+
+    Plot files with none of the variables that make a slice are left out where others of that time have some.
 
     Raises
     ------
@@ -67,9 +69,10 @@ def amrex_slices(paths: Iterable[Path]) -> list[ListedFile]:
         header = _Header.read(path)
         found.setdefault((header.iteration, header.time), []).append(header)
     out = []
+    wanted = {name for variables in KNOWN for name in variables.names}
     for (iteration, time), headers in found.items():
         groups: list[list[_Header]] = []
-        for header in headers:
+        for header in [each for each in headers if wanted & {*each.names}] or headers[:1]:
             apart = (g for g in groups if not any({*h.names} & {*header.names} for h in g))
             group = next(apart, None)
             if group is None:
@@ -227,27 +230,29 @@ class _Level:
     def values(self, box: int, columns: list[int], part: tuple[slice, ...]) -> Floats:
         """Some of the variables on a part of a box, (n, nx, ny, nz)."""
         path, start = self.places[box]
-        shape = (self.high[box] - self.low[box] + 1 + 2 * self.ghosts).tolist()
+        nx, ny, nz = shape = (self.high[box] - self.low[box] + 1 + 2 * self.ghosts).tolist()
+        i, j, k = (slice(s.start + g, s.stop + g) for s, g in zip(part, self.ghosts.tolist(), strict=True))
+        rows = []
         try:
             with path.open("rb") as file:
                 file.seek(start)
-                line = file.readline(LINE)
-                size = path.stat().st_size
+                head = FAB.fullmatch(file.readline(LINE))
+                kind = head and REALS.get((head[2].decode(), head[4].decode()))
+                if not head or not kind:
+                    raise FileError(f"{path} has no box of numbers known here at byte {start}")
+                stored = _boxes(head[5].decode())[0]
+                if (stored[1] - stored[0] + 1).tolist() != shape or max(columns) >= int(head[6]):
+                    raise FileError(f"{path}: the box at byte {start} is not the one that Cell_H says")
+                first, dtype, count = file.tell(), np.dtype(kind), (k.stop - k.start) * ny * nx
+                for column in columns:
+                    file.seek(first + dtype.itemsize * nx * ny * (column * nz + k.start))
+                    planes = np.fromfile(file, dtype, count)
+                    if len(planes) < count:
+                        raise FileError(f"{path} is cut short")
+                    rows.append(planes.reshape(-1, ny, nx)[:, j, i].T)
         except OSError as error:
             raise FileError(f"cannot read {path}: {error.strerror}") from None
-        head = FAB.fullmatch(line)
-        kind = head and REALS.get((head[2].decode(), head[4].decode()))
-        if not head or not kind:
-            raise FileError(f"{path} has no box of numbers known here at byte {start}")
-        stored = _boxes(head[5].decode())[0]
-        if (stored[1] - stored[0] + 1).tolist() != shape or max(columns) >= (count := int(head[6])):
-            raise FileError(f"{path}: the box at byte {start} is not the one that Cell_H says")
-        first, dtype = start + len(line), np.dtype(kind)
-        if size < first + dtype.itemsize * count * int(np.prod(shape)):
-            raise FileError(f"{path} is cut short")
-        data = np.memmap(path, dtype, "r", first, (count, *shape[::-1]))
-        i, j, k = (slice(s.start + g, s.stop + g) for s, g in zip(part, self.ghosts.tolist(), strict=True))
-        return np.stack([data[column, k, j, i].T for column in columns]).astype(np.float64)
+        return np.stack(rows).astype(np.float64)
 
 
 class _Data:

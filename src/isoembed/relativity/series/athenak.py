@@ -21,22 +21,23 @@ from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from functools import cached_property, lru_cache
 from pathlib import Path
-from typing import Any
+from typing import Any, BinaryIO
 
 import numpy as np
 
-from isoembed.arrays import Floats
+from isoembed.arrays import Floats, Indices
 from isoembed.io.files import FileError
 from isoembed.relativity.series.adm_variables import (
     PAIRS,
     AdmVariables,
     ConformalVariables,
     Variables,
+    rank,
     variables_in,
 )
 from isoembed.relativity.series.grid_symmetry import AxisMap, reflections
 from isoembed.relativity.series.moment import ListedFile
-from isoembed.relativity.series.patch_slice import PatchSlice
+from isoembed.relativity.series.patch_slice import PatchSlice, best_of_moments
 from isoembed.relativity.series.refined_grid import Component
 from isoembed.relativity.spacetimes.cartesian_grid import INTERPOLATION, lagrange_weights
 
@@ -74,6 +75,8 @@ class AthenaKSlice(PatchSlice):
 
 def is_athenak(path: Path) -> bool:
     """Whether a file is one of AthenaK, of whatever version."""
+    if not path.is_file():
+        return False
     try:
         with path.open("rb") as file:
             return file.read(len(MAGIC)) == MAGIC.encode()
@@ -82,7 +85,9 @@ def is_athenak(path: Path) -> bool:
 
 
 def athenak_slices(paths: Iterable[Path]) -> list[ListedFile]:
-    """The slices of files; those in folders ``rank_...`` are parts of one, for which any of them stands.
+    """The slices of files; any file in a folder ``rank_...`` stands for those of all processes.
+
+    Of files of the same moment those count that have all variables, and ``adm`` before ``z4c``.
 
     Raises
     ------
@@ -98,8 +103,9 @@ def athenak_slices(paths: Iterable[Path]) -> list[ListedFile]:
     out = []
     for first, parts in found.items():
         head = _File.read(first)
-        out.append(ListedFile(head.cycle, head.time, AthenaKSlice(tuple(map(str, parts)))))
-    return out
+        listed = ListedFile(head.cycle, head.time, AthenaKSlice(tuple(map(str, parts))))
+        out.append((rank(head.names, _known(head)), listed))
+    return best_of_moments(out, incomplete=2)  # neither of the two that are known
 
 
 @dataclass(frozen=True)
@@ -114,9 +120,13 @@ class _File:
         Of the variables.
     parameters : dict of str to str
         Of the run, by ``block/name``.
-    blocks : ndarray of structures
-        ``cells``, first and last index along each axis; ``place``, of the block on its level, and the level;
-        ``corners``; and ``data`` (variables, nz, ny, nx).  They are read when they are used.
+    heads : ndarray of structures
+        What is before the data of each block: ``cells``, first and last index along each axis; ``place``, of
+        the block on its level, and the level; and ``corners``.
+    start : int
+        The byte at which the first block begins.
+    data : dtype
+        Of the data of a block, (variables, nz, ny, nx).
     """
 
     path: Path
@@ -124,7 +134,9 @@ class _File:
     cycle: int
     names: list[str]
     parameters: dict[str, str]
-    blocks: Any
+    heads: Any
+    start: int
+    data: Any
 
     @property
     def cells(self) -> list[int]:
@@ -132,50 +144,80 @@ class _File:
         given = self.parameters
         return [int(given.get(f"meshblock/nx{a}", given[f"mesh/nx{a}"])) for a in "123"]
 
+    @property
+    def levels(self) -> Indices:
+        """Of the blocks."""
+        return np.asarray(self.heads["place"][:, 3], dtype=np.int64)
+
     @classmethod
     def read(cls, path: Path) -> _File:
-        """Read what is before the blocks."""
+        """Read all but the data of the blocks."""
         try:
             with path.open("rb") as file:
-                if (version := _line(file).removeprefix(MAGIC)) != VERSION:
-                    raise FileError(f"{path} is of the version {version!r} of AthenaK: {VERSION} is read")
-                count = int(_after(_line(file)))
-                lines = (_line(file).partition("=") for _ in range(count - 1))
-                facts = {name.strip(): value.strip() for name, _, value in lines}
-                number = int(_after(_line(file)))
-                names = _line(file).split()[1:]
-                text = file.read(int(_after(_line(file)))).decode("utf-8", errors="replace")
-                start, end = file.tell(), file.seek(0, 2)
-            if "coarsening factor" in facts:
-                raise FileError(f"{path} holds averages over several cells, not values at points")
-            if len(names) != number:
-                raise FileError(f"{path} has the names of {len(names)} variables, not of {number}")
-            parameters = _parameters(text)
-            flat = [axis for axis in "123" if int(parameters.get(f"mesh/nx{axis}", 0)) < 2]
-            if flat:
-                raise FileError(f"{path} is not three-dimensional: there is one cell along x{flat[0]}")
-            sizes = (facts["size of location"], facts["size of variable"])
-            real, value = (f"<f{int(size)}" for size in sizes)
-            head = np.dtype([("cells", "<i4", (3, 2)), ("place", "<i4", 4), ("corners", real, (3, 2))])
-            if end - start < head.itemsize:
-                raise FileError(f"{path} has no MeshBlock, or is cut short")
-            with path.open("rb") as file:
-                file.seek(start)
-                first = np.frombuffer(file.read(head.itemsize), head)[0]
-            nx, ny, nz = (first["cells"][:, 1] - first["cells"][:, 0] + 1).tolist()
-            record = np.dtype([*head.descr, ("data", value, (number, nz, ny, nx))])
-            if min(nx, ny, nz) < 2:
-                raise FileError(f"{path} is a plane or a line through the mesh (slice_x1 ... slice_x3)")
-            if (end - start) % record.itemsize:
-                raise FileError(f"{path} is cut short in the MeshBlock {(end - start) // record.itemsize}")
-            blocks = np.memmap(path, record, "r", start, ((end - start) // record.itemsize,))
-            return cls(path, float(facts["time"]), int(facts["cycle"]), names, parameters, blocks)
+                return cls._read(path, file)
         except FileError:
             raise
         except OSError as error:
             raise FileError(f"cannot read {path}: {error.strerror}") from None
         except (ValueError, KeyError, TypeError, IndexError):
             raise FileError(f"{path} is cut short or damaged") from None
+
+    @classmethod
+    def _read(cls, path: Path, file: BinaryIO) -> _File:
+        if (version := _line(file).removeprefix(MAGIC)) != VERSION:
+            raise FileError(f"{path} is of the version {version!r} of AthenaK: {VERSION} is read")
+        count = int(_after(_line(file)))
+        lines = (_line(file).partition("=") for _ in range(count - 1))
+        facts = {name.strip(): value.strip() for name, _, value in lines}
+        number = int(_after(_line(file)))
+        names = _line(file).split()[1:]
+        parameters = _parameters(file.read(int(_after(_line(file)))).decode("utf-8", errors="replace"))
+        if "coarsening factor" in facts:
+            raise FileError(f"{path} holds averages over several cells, not values at points")
+        if len(names) != number:
+            raise FileError(f"{path} has the names of {len(names)} variables, not of {number}")
+        for axis in "123":
+            if int(parameters[f"mesh/nx{axis}"]) < 2:
+                raise FileError(f"{path} is not three-dimensional: there is one cell along x{axis}")
+        start, end = file.tell(), file.seek(0, 2)
+        real, value = (f"<f{int(facts[f'size of {each}'])}" for each in ("location", "variable"))
+        head = np.dtype([("cells", "<i4", (3, 2)), ("place", "<i4", 4), ("corners", real, (3, 2))])
+        if end - start < head.itemsize:
+            raise FileError(f"{path} has no MeshBlock, or is cut short")
+        file.seek(start)
+        cells = np.fromfile(file, head, 1)["cells"][0]
+        shape = (cells[:, 1] - cells[:, 0] + 1).tolist()
+        if min(shape) < 2:
+            raise FileError(f"{path} is a plane or a line through the mesh (slice_x1 ... slice_x3)")
+        data = np.dtype((value, (number, *shape[::-1])))
+        size = head.itemsize + data.itemsize
+        if (end - start) % size:
+            raise FileError(f"{path} is cut short in the MeshBlock {(end - start) // size}")
+        heads = []
+        for at in range(start, end, size):
+            file.seek(at)
+            heads.append(np.fromfile(file, head, 1))
+        return cls(
+            path,
+            float(facts["time"]),
+            int(facts["cycle"]),
+            names,
+            parameters,
+            np.concatenate(heads),
+            start,
+            data,
+        )
+
+    def block(self, index: int) -> Any:
+        """The data of a block, (variables, nz, ny, nx)."""
+        size = self.heads.itemsize
+        at = self.start + index * (size + self.data.itemsize) + size
+        try:
+            return np.fromfile(self.path, self.data, 1, offset=at)[0]
+        except OSError as error:
+            raise FileError(f"cannot read {self.path}: {error.strerror}") from None
+        except (ValueError, IndexError):
+            raise FileError(f"{self.path} is cut short in the MeshBlock {index}") from None
 
 
 @dataclass(frozen=True)
@@ -202,8 +244,7 @@ class _Data:
         first = files[0]
         if strange := next((f for f in files if (f.names, f.cycle) != (first.names, first.cycle)), None):
             raise FileError(f"{strange.path} and {first.path} are not parts of the same output")
-        power = float(first.parameters.get("z4c/chi_psi_power", -4.0))
-        self._variables: Variables = variables_in(first.names, (ADM, _z4c(4.0 / power)), name)
+        self._variables = variables_in(first.names, _known(first), name)
         self._columns = [first.names.index(each) for each in self._variables.names]
         self._cells = first.cells
         self._check_whole()
@@ -219,18 +260,18 @@ class _Data:
 
     @cached_property
     def levels(self) -> list[int]:
-        finest = max(int(file.blocks["place"][:, 3].max()) for file in self._files)
+        finest = max(int(file.levels.max()) for file in self._files)
         return [level for level in range(finest + 1) if self.components(level)]
 
     def components(self, level: int) -> list[Component]:
         out = []
         for number, file in enumerate(self._files):
-            for record in np.flatnonzero(file.blocks["place"][:, 3] >= level):
-                coarsened = int(file.blocks["place"][record, 3]) - level
+            for record in np.flatnonzero(file.levels >= level):
+                coarsened = int(file.levels[record]) - level
                 if coarsened == 0 or all(
                     n >= INTERPOLATION.nodes and n % 2**coarsened == 0 for n in self._cells
                 ):
-                    low, high = file.blocks["corners"][record].astype(np.float64).T
+                    low, high = file.heads["corners"][record].astype(np.float64).T
                     shape = np.array(self._cells) >> coarsened
                     spacing = (high - low) / shape
                     place = (tuple(each.tolist()) for each in (low + 0.5 * spacing, spacing, shape))
@@ -239,7 +280,7 @@ class _Data:
 
     def values(self, level: int, component: Component, part: tuple[slice, ...]) -> Floats:
         block: _Block = component.key
-        data = self._files[block.file].blocks[block.record]["data"]
+        data = self._files[block.file].block(block.record)
         ghosts = [(n - cells) // 2 for n, cells in zip(data.shape[:0:-1], self._cells, strict=True)]
         taken = part if block.coarsened == 0 else tuple(slice(0, n) for n in self._cells)
         i, j, k = (slice(s.start + g, s.stop + g) for s, g in zip(taken, ghosts, strict=True))
@@ -254,7 +295,7 @@ class _Data:
         """Refuse files that lack MeshBlocks, by the volume of those that there are."""
         given = self._files[0].parameters
         roots = np.prod([int(given[f"mesh/nx{a}"]) // n for a, n in zip("123", self._cells, strict=True)])
-        there = sum(float((0.125 ** file.blocks["place"][:, 3]).sum()) for file in self._files)
+        there = sum(float((0.125**file.levels).sum()) for file in self._files)
         if abs(there / roots - 1.0) > 1e-9:
             raise FileError(f"{self.name} has MeshBlocks for {there / roots:.6g} of the mesh only")
 
@@ -275,10 +316,12 @@ def _coarsening(cells: int, levels: int) -> Floats:
     return matrix
 
 
-def _z4c(power: float) -> ConformalVariables:
-    """The variables of Z4c, with the power of chi which is psi^4."""
+def _known(file: _File) -> tuple[Variables, Variables]:
+    """The ADM variables, and those of Z4c with the power of chi that the run has."""
     metric, curvature = (tuple(f"z4c_{letter}{ij}" for ij in PAIRS) for letter in "gA")
-    return ConformalVariables("z4c_chi", metric, curvature, (("z4c_Khat", 1.0), ("z4c_Theta", 2.0)), power)
+    trace = (("z4c_Khat", 1.0), ("z4c_Theta", 2.0))
+    power = 4.0 / float(file.parameters.get("z4c/chi_psi_power", -4.0))
+    return ADM, ConformalVariables("z4c_chi", metric, curvature, trace, power)
 
 
 def _parameters(text: str) -> dict[str, str]:

@@ -3,8 +3,8 @@
 The root has the names of the variables as attributes ``component_0`` ..., and each group ``level_N`` has its
 spacing ``dx``, its boxes, and for each box the values of all variables one after the other, x running
 fastest, with as many ghost zones as ``data_attributes`` says [1]_.  Cell [i, j, k] is at
-``dx (i + 1/2, j + 1/2, k + 1/2)``: the lower corner of the usual domain is the origin.  Ghost zones serve only
-to find out whether the domain ends at a mirror.
+``dx (i + 1/2, j + 1/2, k + 1/2)``: the lower corner of the usual domain is the origin.  Ghost zones tell only
+whether the domain ends at a mirror.
 
 References
 ----------
@@ -28,14 +28,15 @@ from isoembed.arrays import Floats, Indices
 from isoembed.io.expansion import check_expansion
 from isoembed.io.files import FileError
 from isoembed.io.input_file import InputFile
-from isoembed.relativity.series.adm_variables import GRCHOMBO, AdmVariables, variables_in
+from isoembed.relativity.series.adm_variables import GRCHOMBO, AdmVariables, rank, variables_in
 from isoembed.relativity.series.grid_symmetry import AxisMap, reflections
 from isoembed.relativity.series.moment import ListedFile
-from isoembed.relativity.series.patch_slice import PatchSlice
+from isoembed.relativity.series.patch_slice import PatchSlice, best_of_moments
 from isoembed.relativity.series.refined_grid import Component
 
 GLOBAL = "Chombo_global"
 COMPONENT = re.compile(r"component_(\d+)")
+KNOWN = (GRCHOMBO, AdmVariables())
 DATA, OFFSETS = "data:datatype=0", "data:offsets=0"
 
 
@@ -52,7 +53,7 @@ def is_chombo(path: Path) -> bool:
 
 
 def chombo_slices(paths: Iterable[Path]) -> list[ListedFile]:
-    """The slices of files, one in each.
+    """The slices of files, one of each moment where others lack variables.
 
     Raises
     ------
@@ -64,14 +65,14 @@ def chombo_slices(paths: Iterable[Path]) -> list[ListedFile]:
         with InputFile(path) as file, file.hdf5() as root:
             time = root.attrs.get("time", root["level_0"].attrs.get("time"))
             iteration = root.attrs.get("iteration")
-        out.append(
-            ListedFile(
-                None if iteration is None else int(iteration),
-                None if time is None else float(time),
-                ChomboSlice(str(path)),
-            )
+            order = rank(_names(root), KNOWN)
+        listed = ListedFile(
+            None if iteration is None else int(iteration),
+            None if time is None else float(time),
+            ChomboSlice(str(path)),
         )
-    return out
+        out.append((order, listed))
+    return best_of_moments(out, len(KNOWN))
 
 
 @dataclass(frozen=True)
@@ -109,12 +110,8 @@ class _Data:
         self._root = root
         if (dimensions := int(root[GLOBAL].attrs["SpaceDim"])) != 3:
             raise FileError(f"{name} has {dimensions} dimensions of space, not three")
-        names = {
-            _text(value): int(match[1])
-            for key, value in root.attrs.items()
-            if (match := COMPONENT.fullmatch(key))
-        }
-        self._variables = variables_in(names.keys(), (GRCHOMBO, AdmVariables()), name)
+        names = _names(root)
+        self._variables = variables_in(names, KNOWN, name)
         self._columns = [names[each] for each in self._variables.names]
         self._count = int(root.attrs["num_components"])
 
@@ -196,6 +193,12 @@ class _Data:
             )
             for b in range(len(boxes))
         ]
+
+
+def _names(root: Any) -> dict[str, int]:
+    """Positions of the variables by their names."""
+    components = ((COMPONENT.fullmatch(key), value) for key, value in root.attrs.items())
+    return {_text(value): int(match[1]) for match, value in components if match}
 
 
 def _triples(structured: Any, prefix: str) -> Indices:

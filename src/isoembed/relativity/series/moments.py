@@ -36,7 +36,8 @@ def moments(
         Files with horizons (see `isoembed.relativity.series.shape_files.shapes_in_files`), folders of them,
         or folders of simulations of the Einstein Toolkit, which take kuibit; a SimDir is such a folder.
     geometry : ThreeGeometry or path, optional
-        One slice for all; a file with one slice, or with those of an evolution; a pattern of such files as
+        One slice for all; a file with one slice, or with those of an evolution, of any format of
+        `isoembed.relativity.read_slice`; a pattern of such files as
         ``slices/gxx.{iteration}.h5``; or a folder of them or of a simulation.  Horizons and slices are
         matched by iteration where both have one, else by time; a file with one slice that does not say when
         it is holds for all.  By default horizons are from a simulation with slices of its own, or have

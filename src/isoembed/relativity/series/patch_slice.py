@@ -5,13 +5,14 @@ from __future__ import annotations
 import contextlib
 import hashlib
 from abc import ABC, abstractmethod
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from pathlib import Path
 from typing import Any
 
 from isoembed.arrays import Floats
 from isoembed.io.digest import file_digest, file_state, unchanged
 from isoembed.relativity.series.leveled_grid import LeveledGrid, PatchData
+from isoembed.relativity.series.moment import ListedFile
 
 
 class PatchSlice(ABC):
@@ -80,3 +81,26 @@ class PatchSlice(ABC):
         """
         with self.opened():
             return LeveledGrid(self, self.state)
+
+
+def best_of_moments(found: Iterable[tuple[int, ListedFile]], incomplete: int) -> list[ListedFile]:
+    """Of the slices of each moment those with the variables that are best to have.
+
+    The folder of a run has other output of the same moments: constraints, or plots of a few variables.
+
+    Parameters
+    ----------
+    found : iterable of (int, ListedFile)
+        Slices with the ranks of their variables (`isoembed.relativity.series.adm_variables.rank`).
+    incomplete : int
+        The rank of files that lack variables.  Where all of a moment do, the first is taken.
+    """
+    moments: dict[tuple[int | None, float | None], list[tuple[int, ListedFile]]] = {}
+    for one in found:
+        moments.setdefault((one[1].iteration, one[1].time), []).append(one)
+    out = []
+    for there in moments.values():
+        best = min(rank for rank, _ in there)
+        listed = [one for rank, one in there if rank == best]
+        out += listed[:1] if best == incomplete else listed
+    return out
