@@ -9,7 +9,9 @@ import pytest
 
 from horizons import check
 from isoembed.cli import horizon as command
+from isoembed.meshing.sphere import fibonacci_directions
 from isoembed.relativity import AnalyticCallable, KerrSchild
+from patch_data import Grid, Tree, write_amrex, write_athenak, write_chombo, z4c
 from slice_files import write_slice
 from strict_json import strict
 
@@ -95,6 +97,37 @@ def test_a_horizon_in_a_file(found):
     """Kerr, a = 0.5, on a grid of spacing 1/4: what is stated holds what is missed."""
     write_slice("slice.npz", KerrSchild(1.0, (0.0, 0.0, 0.5)), half=3.125, points=26)
     check(found("slice.npz", "--guess", 0, 0, 0, 2), 0.5, 1e-2)
+
+
+@pytest.mark.parametrize(
+    "layout",
+    [
+        "plt00010",
+        pytest.param("checkpoint_000010.3d.hdf5", marks=pytest.mark.slow),
+        pytest.param("run.z4c.00010.bin", marks=pytest.mark.slow),
+    ],
+)
+def test_a_horizon_in_files_of_other_codes(found, call, layout):
+    """Kerr, a = 0.5, on two levels: found, and embedded from its coordinates in a file."""
+    kerr, path, at = KerrSchild(1.0, (0.0, 0.3, 0.4)), Path(layout), 0.0
+    boxes = ((((0, 0, 0), (24, 24, 24)),), (((12, 12, 12), (24, 24, 24)),))
+    if path.suffix == ".bin":
+        tree = Tree((-8.0,) * 3, 0.5, (4,) * 3, 8, lambda level, a, b: level < 1 and np.abs(a + b).max() < 5)
+        write_athenak(path, kerr, tree, z4c(-4.0))
+    elif path.suffix == ".hdf5":
+        pytest.importorskip("h5py")
+        at = 6.0
+        write_chombo(path, kerr, Grid((0.0,) * 3, 0.5, boxes, (at,) * 3))
+    else:
+        write_amrex(path, kerr, Grid((-6.0,) * 3, 0.5, boxes))
+    report = found(layout, "--guess", at, at, at, 2.1)
+    check(report, 0.5, 1e-2)
+    assert report["name"] == f"horizon near ({at:.9g}, {at:.9g}, {at:.9g}; 2.1) in {layout}"
+    u = fibonacci_directions(600)
+    np.savez("shape.npz", points=at + u * kerr.spheroid(kerr.horizon)(u)[:, None])
+    status, out, err = call("horizon", "shape.npz", "--geometry", layout, *FEW, "--json")
+    assert (status, err) == (0, "")
+    check(strict(out), 0.5, 1e-2)
 
 
 def test_what_is_written_and_said(run):

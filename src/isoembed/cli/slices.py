@@ -11,12 +11,12 @@ import numpy as np
 from isoembed.cli.screen import UsageError
 from isoembed.errors import InvalidParameter
 from isoembed.io.files import input_ending
+from isoembed.relativity.series.slice_files import read_slice
 from isoembed.relativity.spacetimes.boosted import BoostedSchwarzschild, Superposed
 from isoembed.relativity.spacetimes.boyer_lindquist import BoyerLindquist
 from isoembed.relativity.spacetimes.conformally_flat import BrillLindquist, IsotropicSchwarzschild
 from isoembed.relativity.spacetimes.kerr_schild import KerrSchild, horizon_radius
 from isoembed.relativity.spacetimes.painleve_gullstrand import PainleveGullstrand
-from isoembed.relativity.spacetimes.slice_file import read_cartesian_grid
 from isoembed.relativity.spacetimes.three_geometry import ThreeGeometry
 from isoembed.relativity.spacetimes.translated import Translated
 
@@ -78,8 +78,8 @@ def add_geometry_option(parser: argparse.ArgumentParser, purpose: str) -> None:
     parser.add_argument(
         "--geometry",
         metavar="GEOMETRY",
-        help=f"{purpose}: a file (.h5 .hdf5 .npz) with gxx ... gzz, and kxx ... kzz, on a Cartesian grid; or "
-        f"one of {', '.join(CLOSED_FORMS)}",
+        help=f"{purpose}: a file (.h5 .hdf5 .npz) with gxx ... gzz, and kxx ... kzz, on a Cartesian grid; "
+        f"a file of GRChombo or AthenaK, or a plot file of AMReX; or one of {', '.join(CLOSED_FORMS)}",
     )
 
 
@@ -137,11 +137,11 @@ def slice_named(name: str, options: argparse.Namespace) -> ThreeGeometry:
     """
     form, given = CLOSED_FORMS.get(name), _given(options)
     if form is None:
-        if not input_ending(name):
+        if not input_ending(name) and not Path(name).exists():
             raise UsageError(f"the geometry {name}: there are {', '.join(CLOSED_FORMS)}, or a file")
         for option in given:
             raise UsageError(f"--{option} does not go with the geometry {name}, a file")
-        return read_cartesian_grid(name)
+        return read_slice(name)
     known = (*form.needs, *form.takes)
     for option in given:
         if option not in known:

@@ -41,6 +41,7 @@ from .series.horizon_task import HorizonTask as HorizonTask
 from .series.kuibit_data import kuibit_shape as kuibit_shape
 from .series.moment import Moment as Moment
 from .series.moments import moments as moments
+from .series.slice_files import read_slice as read_slice
 from .series.table import SeriesTable as SeriesTable
 from .series.table import write_table as write_table
 from .spacetimes.boosted import BoostedSchwarzschild as BoostedSchwarzschild

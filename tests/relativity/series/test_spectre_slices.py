@@ -8,6 +8,7 @@ import pytest
 from elements import gauss, gauss_lobatto, shell
 from isoembed.io.files import FileError
 from isoembed.relativity.series.moments import moments
+from isoembed.relativity.series.slice_files import read_slice
 from isoembed.relativity.series.spectre_slices import spectre_slices
 from isoembed.relativity.spacetimes.kerr_schild import KerrSchild
 from isoembed.relativity.spacetimes.spectre_volume import read_spectre_volume, volume_times
@@ -62,6 +63,20 @@ def test_the_slice_of_one_file(tmp_path, nodes):
     whole = read_spectre_volume([path], 0.5)
     np.testing.assert_array_equal(whole.metric(X), grid.metric(X))
     assert first.source.digest() != second.source.digest()
+
+
+def test_the_whole_slice_of_one_file_or_folder(tmp_path):
+    path = write(tmp_path / "Volume.h5", [0.5])
+    whole = read_spectre_volume([path], 0.5).metric(X)
+    np.testing.assert_array_equal(read_slice(path).metric(X), whole)
+    folder = tmp_path / "nodes"
+    folder.mkdir()
+    for k in range(2):
+        write(folder / f"Volume{k}.h5", [0.5], part=slice(k, None, 2))
+    np.testing.assert_allclose(read_slice(folder).metric(X), whole, rtol=1e-12)
+    write(path, [0.0, 0.5])
+    with pytest.raises(FileError, match=r"Volume\.h5 holds 2 slices, .*: here one is needed"):
+        read_slice(path)
 
 
 def test_a_run_of_several_nodes(tmp_path):

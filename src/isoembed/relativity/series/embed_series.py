@@ -15,7 +15,7 @@ from isoembed.relativity.series.horizon_task import HorizonOptions, HorizonTask
 from isoembed.relativity.series.kuibit_data import GridDataSlice
 from isoembed.relativity.series.moment import Moment
 from isoembed.relativity.series.shape_sources import ShapeFile
-from isoembed.relativity.series.slice_files import GridSlice
+from isoembed.relativity.series.slice_files import SliceFile
 from isoembed.relativity.series.source import HeldShape, HeldSlice, ShapeSource, SliceSource
 from isoembed.relativity.spacetimes.checks import vector
 from isoembed.runs import Result, Store, run
@@ -130,7 +130,7 @@ def _slice(position: int, given: Any) -> SliceSource | None:
     if given is None:
         return None
     if isinstance(given, str | os.PathLike):
-        return GridSlice(os.fspath(given))
+        return SliceFile(os.fspath(given))
     if isinstance(given, Mapping):
         return GridDataSlice(given)
     if not hasattr(given, "extrinsic_curvature"):

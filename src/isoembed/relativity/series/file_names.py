@@ -119,8 +119,19 @@ def files_in(folder: str | os.PathLike[str]) -> list[Path]:
     FileError
         It cannot be read.
     """
+    return [path for path in entries_in(folder) if path.is_file()]
+
+
+def entries_in(folder: str | os.PathLike[str]) -> list[Path]:
+    """Files and folders right inside a folder, by name.
+
+    Raises
+    ------
+    FileError
+        It cannot be read.
+    """
     try:
-        return sorted(path for path in Path(folder).iterdir() if path.is_file())
+        return sorted(Path(folder).iterdir())
     except OSError as error:
         raise FileError(f"cannot read the folder {folder}: {error.strerror}") from None
 

@@ -6,7 +6,7 @@ its image under reflections in the planes x = 0, y = 0, z = 0, or under rotation
 
 import itertools
 import re
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -87,6 +87,27 @@ def symmetry_in(parameters: str) -> tuple[AxisMap, ...]:
         generators.append(quarter.after(quarter))
     if any(name.startswith("rotatingsymmetry90::") for name in given):
         generators.append(quarter)
+    return _generated(generators)
+
+
+def reflections(axes: Iterable[int]) -> tuple[AxisMap, ...]:
+    """Symmetry of a run of which only the part on one side of some coordinate planes exists.
+
+    Parameters
+    ----------
+    axes : iterable of int
+        Those normal to the planes, 0 being x.
+
+    Returns
+    -------
+    tuple of AxisMap
+        As of `symmetry_in`.
+    """
+    return _generated([_reflection(axis) for axis in axes])
+
+
+def _generated(generators: Sequence[AxisMap]) -> tuple[AxisMap, ...]:
+    """All products of some maps, the identity first."""
     maps = [IDENTITY]
     while new := list(
         dict.fromkeys(b for a, g in itertools.product(maps, generators) if (b := g.after(a)) not in maps)

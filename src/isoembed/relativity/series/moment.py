@@ -5,7 +5,7 @@ import re
 from dataclasses import dataclass
 
 from isoembed.errors import InvalidParameter
-from isoembed.relativity.series.source import ShapeSource, SliceSource
+from isoembed.relativity.series.source import FileSlice, ShapeSource, SliceSource
 
 UNSAFE = re.compile(r"[^\w+.-]")  # in the name of a file
 
@@ -46,6 +46,18 @@ class ListedSlice:
     iteration: int | None
     time: float | None
     source: SliceSource
+
+
+@dataclass(frozen=True)
+class ListedFile(ListedSlice):
+    """A slice that is in a file.
+
+    Attributes
+    ----------
+    source : FileSlice
+    """
+
+    source: FileSlice
 
 
 @dataclass(frozen=True)

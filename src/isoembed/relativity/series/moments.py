@@ -37,7 +37,8 @@ def moments(
         Files with horizons (see `isoembed.relativity.series.shape_files.shapes_in_files`), folders of them,
         or folders of simulations of the Einstein Toolkit, which take kuibit; a SimDir is such a folder.
     geometry : ThreeGeometry or path, optional
-        One slice for all; a file with one slice, or with those of an evolution; a pattern of such files as
+        One slice for all; a file with one slice, or with those of an evolution, of any format of
+        `isoembed.relativity.read_slice`; a pattern of such files as
         ``slices/gxx.{iteration}.h5``; or a folder of them or of a simulation.  Horizons and slices are
         matched by iteration where both have one, else by time; a file with one slice that does not say when
         it is holds for all.  By default horizons are from a simulation with slices of its own, or have
@@ -123,7 +124,7 @@ def _slices(
     if not isinstance(geometry, str | os.PathLike):
         return HeldSlice(geometry), []
     if os.path.isdir(geometry):
-        slices = slices_in_folder(geometry)
+        slices: list[ListedSlice] = [*slices_in_folder(geometry)]
         if not slices and not _holds(geometry, GRIDS):
             raise FileError(f"there are no files of slices in {geometry}: {listing_of(geometry)}")
         return None, slices or simulation_in(geometry)[1]
@@ -131,7 +132,7 @@ def _slices(
         if is_pattern(str(geometry)):
             return None, slices_of_pattern(str(geometry))
         raise FileError(f"there is no file or folder {geometry}, nor a slice in closed form of that name")
-    slices = slices_in_file(geometry)
+    slices = [*slices_in_file(geometry)]
     if len(slices) == 1 and slices[0].iteration is None and slices[0].time is None:
         return slices[0].source, []
     return None, slices

@@ -56,15 +56,17 @@ class Component:
     shape: tuple[int, int, int]
 
 
-class RefinedData(Protocol):
-    """Fields on refinement levels, of which parts can be read."""
-
-    name: str
-    symmetry: tuple[AxisMap, ...]
+class Layout(Protocol):
+    """Where the points of refinement levels are."""
 
     @property
-    def fields(self) -> Collection[str]:
-        """Which of gxx ... gzz and kxx ... kzz there are."""
+    def name(self) -> str:
+        """For messages."""
+        ...
+
+    @property
+    def symmetry(self) -> tuple[AxisMap, ...]:
+        """All maps of the symmetry of the run, the identity first."""
         ...
 
     @property
@@ -76,13 +78,22 @@ class RefinedData(Protocol):
         """The components of a level, the same for all fields."""
         ...
 
+
+class RefinedData(Layout, Protocol):
+    """Fields on refinement levels, of which parts can be read."""
+
+    @property
+    def fields(self) -> Collection[str]:
+        """Which of gxx ... gzz and kxx ... kzz there are."""
+        ...
+
     def values(self, field: str, level: int, component: Component, part: tuple[slice, ...]) -> Floats:
         """A part of a field on a component, [i, j, k] along x, y and z."""
         ...
 
 
 @dataclass(frozen=True)
-class _Block:
+class Block:
     """Points of a component, or of its image: from `low` to below `high` on the lattice of the level."""
 
     component: Component
@@ -123,9 +134,9 @@ def covering_grid(
         needed = "gxx ... gzz" if len(wanted) == len(GAMMA) else "gxx ... gzz and kxx ... kzz"
         raise FileError(f"{data.name} has no {', '.join(missing)}: {needed} are needed")
     for level in reversed(data.levels):
-        if (grid := _Level.of(data, level).around(low, high)) is not None:
+        if (grid := Level.of(data, level).around(low, high)) is not None:
             return grid.filled(data, level, wanted)
-    coarsest = _Level.of(data, data.levels[0])
+    coarsest = Level.of(data, data.levels[0])
     least, most = coarsest.box
     raise FileError(
         f"{data.name}: no refinement level covers the surface with {INTERPOLATION.nodes // 2} points around "
@@ -142,7 +153,7 @@ class _Box:
     spacing: Floats
     low: Indices
     shape: Indices
-    pieces: list[_Block]
+    pieces: list[Block]
 
     def filled(self, data: RefinedData, level: int, fields: Sequence[str]) -> CartesianGrid:
         """The grid, read; points that are not there are NaN."""
@@ -170,15 +181,22 @@ class _Box:
 
 
 @dataclass(frozen=True)
-class _Level:
+class Level:
     """The lattice of a level, and the boxes of it that exist."""
 
     origin: Floats
     spacing: Floats
-    blocks: list[_Block]
+    blocks: list[Block]
 
     @classmethod
-    def of(cls, data: RefinedData, level: int) -> _Level:
+    def of(cls, data: Layout, level: int) -> Level:
+        """A level of some data, with the images of its components under the symmetry of the run.
+
+        Raises
+        ------
+        FileError
+            A component is not on the lattice of the first one.
+        """
         components = data.components(level)
         origin, spacing = np.array(components[0].origin), np.array(components[0].spacing)
         blocks = []
@@ -197,16 +215,18 @@ class _Level:
                     f"{written(np.array(component.spacing))} is not on the lattice of the level, with a "
                     f"point at {written(origin)} and the spacing {written(spacing)}"
                 )
-            blocks.append(_Block(component, image, low, low + shape))
+            blocks.append(Block(component, image, low, low + shape))
         return cls(origin, spacing, blocks)
 
     @property
     def box(self) -> tuple[Floats, Floats]:
         """Corners of the smallest box that has all points of the level."""
-        low, high = self._ends()
+        low, high = self.ends
         return self.origin + self.spacing * low, self.origin + self.spacing * (high - 1)
 
-    def _ends(self) -> tuple[Indices, Indices]:
+    @property
+    def ends(self) -> tuple[Indices, Indices]:
+        """Its first point, and that after the last one, along each axis of the lattice."""
         low = np.min([block.low for block in self.blocks], axis=0)
         return low, np.max([block.high for block in self.blocks], axis=0)
 
@@ -215,7 +235,7 @@ class _Level:
         reach = INTERPOLATION.nodes // 2
         first, last = (np.floor((x - self.origin) / self.spacing).astype(np.int64) for x in (low, high))
         first, last = first - (reach - 1), last + reach + 1
-        least, most = self._ends()
+        least, most = self.ends
         if (first < least).any() or (last > most).any():
             return None
         more = SLICE_FILE.around - reach

@@ -1,27 +1,58 @@
-"""Files of slices: which moments are in them, and what reads each."""
+"""Files of slices: the formats, which moments are in a file or a folder, and what reads each.
+
+A format is one `SliceFormat` in the list at the end of this module.  Files of Chombo, AMReX and AthenaK are
+read by code of ours, not with yt: yt 4.4 takes 385 MB with its dependencies (Matplotlib, SymPy, unyt and
+others; 121 MB are its own), has no reader for AthenaK's format, and turns patches into a data set with units
+and derived fields, where the values at the points of each patch are all that is needed.
+"""
 
 import contextlib
 import os
-from dataclasses import dataclass
+from collections.abc import Callable, Iterable, Sequence
+from dataclasses import dataclass, replace
 from functools import lru_cache
 from pathlib import Path
 
 from isoembed.arrays import Floats
 from isoembed.io.digest import arrays_digest, file_digest, file_state, unchanged
-from isoembed.io.files import FileError, input_ending
+from isoembed.io.files import FileError, check_ending, input_ending
 from isoembed.io.hdf5 import HDF5_ENDINGS
+from isoembed.relativity.series.amrex import amrex_slices, is_plot_file
+from isoembed.relativity.series.athenak import athenak_slices, is_athenak
 from isoembed.relativity.series.carpet_files import CARPET_FILE
-from isoembed.relativity.series.file_names import files_in, listing_of, matching_files, name_parts
-from isoembed.relativity.series.moment import ListedSlice
+from isoembed.relativity.series.chombo import chombo_slices, is_chombo
+from isoembed.relativity.series.file_names import entries_in, listing_of, matching_files, name_parts
+from isoembed.relativity.series.moment import ListedFile, ListedSlice
 from isoembed.relativity.series.spectre_slices import spectre_slices
 from isoembed.relativity.spacetimes.slice_file import (
     SLICE_ENDINGS,
-    Instant,
     instants,
     read_cartesian_grid,
     slice_arrays,
 )
+from isoembed.relativity.spacetimes.spectre_volume import volume_times
 from isoembed.relativity.spacetimes.three_geometry import ThreeGeometry
+
+
+@dataclass(frozen=True)
+class SliceFormat:
+    """A format of files of slices.
+
+    Attributes
+    ----------
+    name : str
+        For messages: what is looked for in a file or a folder.
+    holds : callable
+        Whether a file or a folder is of this format.  Raises `FileError` where that cannot be told because it
+        is damaged.
+    slices : callable
+        Takes files and folders of this format, and returns the slices in them as a list of `ListedFile`.
+        Raises `FileError` where one cannot be read.
+    """
+
+    name: str
+    holds: Callable[[Path], bool]
+    slices: Callable[[Sequence[Path]], list[ListedFile]]
 
 
 @dataclass(frozen=True)
@@ -55,6 +86,81 @@ class GridSlice:
         with unchanged(self.path):
             return read_cartesian_grid(self.path, self.index, (low, high))
 
+    def whole(self) -> ThreeGeometry:
+        """See `FileSlice`."""
+        with unchanged(self.path):
+            return read_cartesian_grid(self.path, self.index)
+
+
+@dataclass(frozen=True)
+class SliceFile:
+    """The only slice in a file of any format.
+
+    Attributes
+    ----------
+    path : str
+    """
+
+    path: str
+
+    @property
+    def name(self) -> str:
+        """The path."""
+        return self.path
+
+    def digest(self) -> str:
+        """See `Source`."""
+        try:
+            source = slice_in_file(self.path).source
+        except FileError:  # reading will say why
+            return file_digest(self.path)
+        return source.digest()
+
+    def read(self, low: Floats, high: Floats) -> ThreeGeometry:
+        """See `SliceSource`."""
+        return slice_in_file(self.path).source.read(low, high)
+
+    def whole(self) -> ThreeGeometry:
+        """See `FileSlice`."""
+        return slice_in_file(self.path).source.whole()
+
+
+def read_slice(path: str | os.PathLike[str]) -> ThreeGeometry:
+    """Slice from a file of any format, or from the folder of a plot file of AMReX.
+
+    Of grids with refinement levels (Chombo, AMReX, AthenaK) the parts that surfaces lie in are read when they
+    are needed, and at each point the finest level that surrounds it is taken.
+
+    Parameters
+    ----------
+    path : path
+        Of a file with one slice, or of a folder with those that make one.
+
+    Raises
+    ------
+    FileError
+        It cannot be read, lacks something, or holds several slices.
+    """
+    return slice_in_file(path).source.whole()
+
+
+def slice_in_file(path: str | os.PathLike[str]) -> ListedFile:
+    """The only slice in a file or a folder.
+
+    Raises
+    ------
+    FileError
+        It cannot be read, or holds none or several.
+    """
+    there = slices_in_folder(path) if os.path.isdir(path) else slices_in_file(path)
+    if not there:
+        raise FileError(f"there are no files of slices in {path}: {listing_of(path)}")
+    if len(there) > 1:
+        raise FileError(
+            f"{path} holds {len(there)} slices, as `isoembed series` takes them: here one is needed"
+        )
+    return there[0]
+
 
 def slices_of_pattern(pattern: str) -> list[ListedSlice]:
     """Slices in the files whose names a pattern like ``slices/gxx.{iteration}.h5`` makes.
@@ -69,43 +175,80 @@ def slices_of_pattern(pattern: str) -> list[ListedSlice]:
     found = matching_files(pattern)
     if not found:
         raise FileError(f"no file is named like {pattern}: {listing_of(Path(pattern).parent)}")
-    out = []
+    out: list[ListedSlice] = []
     for path, iteration, time in found:
-        there = []
+        there: Sequence[ListedSlice] = ()
         with contextlib.suppress(FileError):  # reading will say why
-            there = instants(path)
-        named = Instant(iteration, time, None)
-        out += [_listed(path, named if one.index is None else one, one) for one in there or [named]]
+            there = slices_in_file(path)
+        if len(there) > 1:
+            out += there
+            continue
+        one = there[0] if there else ListedSlice(None, None, SliceFile(path))
+        out.append(
+            replace(
+                one,
+                iteration=one.iteration if iteration is None else iteration,
+                time=one.time if time is None else time,
+            )
+        )
     return out
 
 
-def slices_in_folder(folder: str | os.PathLike[str]) -> list[ListedSlice]:
+def slices_in_folder(folder: str | os.PathLike[str]) -> list[ListedFile]:
     """Slices in the files right inside a folder, by what is in them, else by name; damaged files, too.
 
-    Volume files of SpECTRE are taken as those of one run.  Empty if there are damaged files only: they may be
-    anything.
+    Files that are parts of a slice, such as those of the processes of a run, are taken together.  Empty if
+    there are damaged files only: they may be anything.
+
+    Raises
+    ------
+    FileError
+        The folder cannot be read; or it is a plot file of AMReX, one slice itself, and damaged.
     """
-    whole, damaged, others = [], [], []
-    for path in files_in(folder):
-        if input_ending(path) not in SLICE_ENDINGS:
-            continue
-        parts = name_parts(path)
-        named = Instant(parts.iteration, parts.time, None)
+    if _format_of(Path(folder)) is not None:
+        return slices_in_file(folder)
+    found: dict[int, list[Path]] = {}
+    damaged = []
+    for path in entries_in(folder):
         try:
-            there = instants(path)
+            kind = _format_of(path)
         except FileError:  # reading will say why
-            damaged.append(_listed(str(path), named, named))
+            damaged.append(path)
             continue
-        if not there and input_ending(path) in HDF5_ENDINGS:
-            others.append(path)
-        for one in there:
-            says = one.index is not None or one.iteration is not None or one.time is not None
-            whole.append(_listed(str(path), one if says else named, one))
-    whole += spectre_slices(others)
-    return whole and whole + damaged
+        if kind is not None:
+            found.setdefault(kind, []).append(path)
+    whole = [each for kind in sorted(found) for each in _slices(FORMATS[kind], found[kind], damaged)]
+    if not whole:
+        return []
+    return [_named(each) for each in whole] + [
+        _named(ListedFile(None, None, SliceFile(str(path)))) for path in damaged
+    ]
 
 
-def slices_in_file(path: str | os.PathLike[str]) -> list[ListedSlice]:
+def _slices(form: SliceFormat, paths: Sequence[Path], damaged: list[Path]) -> list[ListedFile]:
+    """Slices in files of a format; one by one where one of them turns out to be damaged."""
+    try:
+        return form.slices(paths)
+    except FileError:
+        whole = []
+        for path in paths:
+            try:
+                form.slices([path])
+                whole.append(path)
+            except FileError:
+                damaged.append(path)
+        return form.slices(whole)
+
+
+def _named(listed: ListedFile) -> ListedFile:
+    """A slice that says neither iteration nor time, with what the name of its file says."""
+    if listed.iteration is not None or listed.time is not None:
+        return listed
+    parts = name_parts(listed.source.name)
+    return replace(listed, iteration=parts.iteration, time=parts.time)
+
+
+def slices_in_file(path: str | os.PathLike[str]) -> list[ListedFile]:
     """Slices in a file; one that does not say when it is may be that of all times.
 
     Raises
@@ -113,25 +256,58 @@ def slices_in_file(path: str | os.PathLike[str]) -> list[ListedSlice]:
     FileError
         It cannot be read, or holds none.
     """
-    there = [_listed(str(path), one, one) for one in instants(path)]
-    if not there and input_ending(path) in HDF5_ENDINGS:
-        there = spectre_slices([path])
-    if not there and CARPET_FILE.fullmatch(Path(path).name):
+    kind = _format_of(Path(path))
+    if kind is not None:
+        return FORMATS[kind].slices([Path(path)])
+    if CARPET_FILE.fullmatch(Path(path).name):
         raise FileError(f"{path} is a part of a slice, as Carpet writes it: name the folder of the run")
-    if not there:
-        raise FileError(f"{path} has no gxx, nor SpatialMetric_xx on elements as SpECTRE writes them")
-    return there
+    check_ending(path, (*SLICE_ENDINGS, ".bin"))
+    raise FileError(f"{path} has no {', nor '.join(form.name for form in FORMATS)}")
 
 
-def _listed(path: str, first: Instant, second: Instant) -> ListedSlice:
-    """A slice in a file by what is known of it, the second where the first does not say."""
-    return ListedSlice(
-        second.iteration if first.iteration is None else first.iteration,
-        second.time if first.time is None else first.time,
-        GridSlice(path, second.index),
-    )
+def _format_of(path: Path) -> int | None:
+    """The position of the format of a file or a folder in the list of formats.
+
+    Raises
+    ------
+    FileError
+        It is damaged.
+    """
+    return next((k for k, form in enumerate(FORMATS) if form.holds(path)), None)
+
+
+def _is_hdf5(path: Path) -> bool:
+    return input_ending(path) in HDF5_ENDINGS and not path.is_dir()
+
+
+def _holds_grids(path: Path) -> bool:
+    return input_ending(path) in SLICE_ENDINGS and not path.is_dir() and bool(instants(path))
+
+
+def _grid_slices(paths: Iterable[Path]) -> list[ListedFile]:
+    return [
+        ListedFile(one.iteration, one.time, GridSlice(str(path), one.index))
+        for path in paths
+        for one in instants(path)
+    ]
 
 
 @lru_cache(maxsize=64)
 def _slice_digest(path: str, index: int, state: tuple[int, int] | None) -> str:
     return arrays_digest(slice_arrays(path, index))
+
+
+FORMATS = (
+    SliceFormat("gxx", _holds_grids, _grid_slices),
+    SliceFormat(
+        "SpatialMetric_xx on elements as SpECTRE writes them",
+        lambda path: _is_hdf5(path) and bool(volume_times(path)),
+        spectre_slices,
+    ),
+    SliceFormat(
+        "levels as Chombo writes them", lambda path: _is_hdf5(path) and is_chombo(path), chombo_slices
+    ),
+    SliceFormat("a Header of AMReX", is_plot_file, amrex_slices),
+    SliceFormat("MeshBlocks as AthenaK writes them", is_athenak, athenak_slices),
+)
+"""The formats of slices, in the order in which they are tried."""

@@ -81,6 +81,20 @@ class SliceSource(Protocol):
         ...
 
 
+class FileSlice(SliceSource, Protocol):
+    """A slice in a file, which can be had without a surface."""
+
+    def whole(self) -> ThreeGeometry:
+        """All of the slice.
+
+        Raises
+        ------
+        FileError
+            As of `Source`.
+        """
+        ...
+
+
 @dataclass(frozen=True)
 class HeldShape:
     """A horizon in memory.

@@ -8,7 +8,7 @@ from functools import lru_cache
 
 from isoembed.arrays import Floats
 from isoembed.io.digest import arrays_digest, file_state, unchanged
-from isoembed.relativity.series.moment import ListedSlice
+from isoembed.relativity.series.moment import ListedFile
 from isoembed.relativity.spacetimes.spectre_volume import (
     read_spectre_volume,
     volume_arrays,
@@ -45,13 +45,20 @@ class SpectreSlice:
 
     def read(self, low: Floats, high: Floats) -> ThreeGeometry:
         """See `SliceSource`: the elements that may be in the box."""
+        return self._elements((low, high))
+
+    def whole(self) -> ThreeGeometry:
+        """See `FileSlice`."""
+        return self._elements(None)
+
+    def _elements(self, box: tuple[Floats, Floats] | None) -> ThreeGeometry:
         with contextlib.ExitStack() as reading:
             for path in self.paths:
                 reading.enter_context(unchanged(path))
-            return read_spectre_volume(self.paths, self.time, (low, high))
+            return read_spectre_volume(self.paths, self.time, box)
 
 
-def spectre_slices(paths: Iterable[str | os.PathLike[str]]) -> list[ListedSlice]:
+def spectre_slices(paths: Iterable[str | os.PathLike[str]]) -> list[ListedFile]:
     """Slices at all times of the files of one run, those of a time together.
 
     Raises
@@ -63,7 +70,7 @@ def spectre_slices(paths: Iterable[str | os.PathLike[str]]) -> list[ListedSlice]
     for path in paths:
         for time in volume_times(path):
             found.setdefault(time, []).append(str(path))
-    return [ListedSlice(None, time, SpectreSlice(tuple(found[time]), time)) for time in sorted(found)]
+    return [ListedFile(None, time, SpectreSlice(tuple(found[time]), time)) for time in sorted(found)]
 
 
 @lru_cache(maxsize=64)

@@ -123,10 +123,15 @@ class CartesianGrid:
 
         It knows of no error that is smooth on the grid.
         """
-        return np.asarray(INTERPOLATION.noise * (quantity(_Wider(self)) - quantity(self)))
+        return np.asarray(INTERPOLATION.noise * (quantity(wider(self)) - quantity(self)))
 
     def _through(self, nodes: int) -> _Interpolation:
         return _Interpolation(self, nodes)
+
+
+def wider(grid: CartesianGrid) -> ThreeGeometry:
+    """The same slice through two points more along each axis, or two less where they are missing."""
+    return _Wider(grid)
 
 
 @dataclass(frozen=True, eq=False)
@@ -142,11 +147,11 @@ class _Interpolation:
 
     def metric(self, x: Floats) -> Floats:
         start, s = self._located(x)
-        return _contracted(self.grid.gamma, start, _lagrange(s, self.nodes)[0])[:, ENTRY]
+        return _contracted(self.grid.gamma, start, lagrange_weights(s, self.nodes)[0])[:, ENTRY]
 
     def gradient(self, x: Floats) -> Floats:
         start, s = self._located(x)
-        weights, slopes = _lagrange(s, self.nodes)
+        weights, slopes = lagrange_weights(s, self.nodes)
         out = np.empty((len(s), 3, 3, 3))
         for k, h in enumerate(np.array(self.grid.spacing)):
             along = weights.copy()
@@ -158,7 +163,7 @@ class _Interpolation:
         if self.grid.K is None:
             return np.zeros((len(x), 3, 3))
         start, s = self._located(x)
-        return _contracted(self.grid.K, start, _lagrange(s, self.nodes)[0])[:, ENTRY]
+        return _contracted(self.grid.K, start, lagrange_weights(s, self.nodes)[0])[:, ENTRY]
 
     def error(self, quantity: Callable[[ThreeGeometry], Floats]) -> Floats:
         return self.grid.error(quantity)
@@ -231,8 +236,8 @@ def _six(what: str, given: ArrayLike) -> Floats:
     return array
 
 
-def _lagrange(s: Floats, nodes: int) -> tuple[Floats, Floats]:
-    """Lagrange's polynomials (n, 3, nodes) for the nodes 0, 1, ... at s (n, 3), and their derivatives."""
+def lagrange_weights(s: Floats, nodes: int) -> tuple[Floats, Floats]:
+    """Lagrange's polynomials (..., nodes) for the nodes 0, 1, ... at s (...), and their derivatives."""
     weights, slopes = np.ones((*s.shape, nodes)), np.zeros((*s.shape, nodes))
     for j in range(nodes):
         for k in range(nodes):

@@ -1,0 +1,276 @@
+"""Slices on refinement levels, interpolated at each point on the finest level that surrounds it.
+
+Only the parts of a level that points lie in are read, in cubes of the lattice with a margin for the
+interpolation.  Where a level ends, points within four spacings of its end are interpolated on the next
+coarser one.
+"""
+
+from __future__ import annotations
+
+import contextlib
+from collections.abc import Callable
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Any, Protocol
+
+import numpy as np
+from numpy.lib.stride_tricks import sliding_window_view
+
+from isoembed.arrays import Floats, Indices, Mask
+from isoembed.io.files import FileError
+from isoembed.relativity.series.refined_grid import Block, Component, Layout, Level
+from isoembed.relativity.spacetimes.cartesian_grid import INTERPOLATION, CartesianGrid, wider
+from isoembed.relativity.spacetimes.checks import refuse_points, written
+from isoembed.relativity.spacetimes.three_geometry import ThreeGeometry
+
+CUBE = 32  # points along the edge of a cube that is read at once: 7 MB with its margin
+KEPT = 64  # cubes that stay in memory when no point of the latest evaluation is in them
+LATEST = 4  # sets of points whose cubes are remembered: metric, gradient and K_ij are asked for in turn
+BEFORE = INTERPOLATION.nodes // 2  # points before that left of x: one more than the interpolation takes
+AFTER = INTERPOLATION.nodes // 2 + 1  # and after it: the estimate of the error takes two points more
+EDGE = BEFORE + CUBE + AFTER
+
+Cell = tuple[int, int, int, int]
+"""A level, by its position in the list of levels, and a cube of its lattice."""
+
+
+class PatchData(Layout, Protocol):
+    """The ADM variables on refinement levels, of which parts can be read."""
+
+    def values(self, level: int, component: Component, part: tuple[slice, ...]) -> Floats:
+        """The twelve fields gxx ... gzz and kxx ... kzz, (12, nx, ny, nz), on a part of a component."""
+        ...
+
+
+class PatchSource(Protocol):
+    """Files with the data of one slice."""
+
+    @property
+    def name(self) -> str:
+        """For messages."""
+        ...
+
+    @property
+    def state(self) -> Any:
+        """What changes when the files do."""
+        ...
+
+    def opened(self) -> contextlib.AbstractContextManager[PatchData]:
+        """Open the files for a block."""
+        ...
+
+
+@dataclass(frozen=True, eq=False)
+class LeveledGrid:
+    """A slice on refinement levels: a `ThreeGeometry`.
+
+    Attributes
+    ----------
+    source : PatchSource
+        What the data are read from, when they are needed.
+    state : object
+        That of the files; once they have changed nothing more is read.
+    """
+
+    source: PatchSource
+    state: Any
+
+    @property
+    def time_symmetric(self) -> bool:
+        """See `ThreeGeometry`: there always is a K_ij."""
+        return False
+
+    @property
+    def notes(self) -> tuple[str, ...]:
+        """What must be known to read the numbers of surfaces in it."""
+        first, last = self._levels[0], self._levels[-1]
+        if first is last:
+            return ()
+        return (
+            f"the slice has {len(self._levels)} refinement levels, with spacings from {first.spacing[0]:.6g} "
+            f"to {last.spacing[0]:.6g}: at each point the finest one that surrounds it is taken",
+        )
+
+    @property
+    def box(self) -> tuple[Floats, Floats]:
+        """Corners of the box in which the coarsest level can be interpolated, each (3,)."""
+        level = self._levels[0]
+        low, high = level.ends
+        room = BEFORE - 1
+        return level.origin + level.spacing * (low + room), level.origin + level.spacing * (high - 1 - room)
+
+    def metric(self, x: Floats) -> Floats:
+        """See `ThreeGeometry`.
+
+        Raises
+        ------
+        InvalidParameter
+            A point is in no level with the points around it that the interpolation takes.
+        FileError
+            The files cannot be read, or have changed.
+        """
+        return self._values("metric", x, (3, 3))
+
+    def gradient(self, x: Floats) -> Floats:
+        """See `ThreeGeometry`."""
+        return self._values("gradient", x, (3, 3, 3))
+
+    def extrinsic_curvature(self, x: Floats) -> Floats:
+        """See `ThreeGeometry`."""
+        return self._values("extrinsic_curvature", x, (3, 3))
+
+    def error(self, quantity: Callable[[ThreeGeometry], Floats]) -> Floats:
+        """See `ThreeGeometry`: as of `CartesianGrid`."""
+        return np.asarray(INTERPOLATION.noise * (quantity(_Wider(self)) - quantity(self)))
+
+    def _values(self, field: str, x: Floats, shape: tuple[int, ...], more: bool = False) -> Floats:
+        out = np.empty((len(x), *shape))
+        located = self._located(np.asarray(x, dtype=np.float64))
+        self._read([cell for cell, _ in located])
+        for cell, points in located:
+            cube = self._cubes[cell]
+            out[points] = getattr(wider(cube) if more else cube, field)(x[points])
+        return out
+
+    def _located(self, x: Floats) -> list[tuple[Cell, Indices]]:
+        """Cubes, and the indices of the points that are interpolated in each."""
+        key = x.tobytes()
+        if key not in self._latest:
+            while len(self._latest) >= LATEST:
+                del self._latest[next(iter(self._latest))]
+            self._latest[key] = self._searched(x)
+        return self._latest[key]
+
+    def _searched(self, x: Floats) -> list[tuple[Cell, Indices]]:
+        left = np.flatnonzero(np.isfinite(x).all(axis=1))
+        out: list[tuple[Cell, Indices]] = []
+        for number in reversed(range(len(self._levels))):
+            level = self._levels[number]
+            low, high = level.ends
+            points = np.floor((x[left] - level.origin) / level.spacing).astype(np.int64)
+            inside = np.flatnonzero(((points >= low) & (points < high)).all(axis=1))
+            cubes, which = np.unique(points[inside] // CUBE, axis=0, return_inverse=True)
+            found = []
+            for k, cube in enumerate(cubes):
+                here = inside[which.ravel() == k]
+                cell = (number, *cube.tolist())
+                whole = self._cover(cell)[1][tuple((points[here] - cube * CUBE).T)]
+                if whole.any():
+                    found.append(here[whole])
+                    out.append((cell, left[here[whole]]))
+            left = np.delete(left, np.concatenate(found)) if found else left
+        missing = np.ones(len(x), dtype=bool)
+        for _, here in out:
+            missing[here] = False
+        least, most = self.box
+        refuse_points(
+            missing,
+            x,
+            f"is in no refinement level of {self.source.name} with {INTERPOLATION.nodes // 2} points on each "
+            f"side; the coarsest can be interpolated from {written(least)} to {written(most)}",
+        )
+        return out
+
+    def _cover(self, cell: Cell) -> tuple[list[tuple[Block, Indices, Indices]], Mask]:
+        """What fills a cube, and beside which of its points x may lie to be interpolated."""
+        if cell not in self._covers:
+            number, *cube = cell
+            start = np.array(cube) * CUBE - BEFORE
+            there = np.zeros((EDGE, EDGE, EDGE), dtype=bool)
+            pieces = []
+            lows, highs = self._ends[number]
+            for k in np.flatnonzero(((lows < start + EDGE) & (highs > start)).all(axis=1)):
+                low, high = np.maximum(lows[k], start), np.minimum(highs[k], start + EDGE)
+                here = tuple(slice(*ends) for ends in zip(low - start, high - start, strict=True))
+                if not there[here].all():
+                    there[here] = True
+                    pieces.append((self._levels[number].blocks[k], low, high))
+            whole: Mask = there
+            for axis in range(3):
+                whole = np.all(sliding_window_view(whole, INTERPOLATION.nodes, axis=axis), axis=-1)
+            inner = slice(1, 1 + CUBE)
+            self._covers[cell] = pieces, whole[inner, inner, inner]
+        return self._covers[cell]
+
+    def _read(self, cells: list[Cell]) -> None:
+        """Read those cubes that are not in memory; drop some of the others where there are too many."""
+        wanted = dict.fromkeys(cells)
+        new = [cell for cell in wanted if cell not in self._cubes]
+        if not new:
+            return
+        others = [cell for cell in self._cubes if cell not in wanted]
+        for cell in others[: max(0, len(self._cubes) + len(new) - max(KEPT, len(wanted)))]:
+            del self._cubes[cell]
+        with self._opened() as data:
+            for cell in new:
+                number, *cube = cell
+                level = self._levels[number]
+                start = np.array(cube) * CUBE - BEFORE
+                tables = np.full((12, EDGE, EDGE, EDGE), np.nan)
+                for block, low, high in reversed(self._cover(cell)[0]):
+                    values = data.values(data.levels[number], block.component, block.part(low, high))
+                    here = tuple(slice(*ends) for ends in zip(low - start, high - start, strict=True))
+                    for row in range(12):
+                        source, sign = block.map.entry(row % 6)
+                        turned = block.map.turned(values[row - row % 6 + source])
+                        np.multiply(turned, sign, out=tables[row][here])
+                origin = (level.origin + level.spacing * start).tolist()
+                self._cubes[cell] = CartesianGrid(origin, level.spacing.tolist(), tables[:6], tables[6:])
+
+    @contextlib.contextmanager
+    def _opened(self) -> Any:
+        if self.source.state != self.state:
+            raise FileError(f"{self.source.name} has changed since it was opened")
+        with self.source.opened() as data:
+            yield data
+
+    @cached_property
+    def _levels(self) -> list[Level]:
+        with self._opened() as data:
+            return [Level.of(data, level) for level in data.levels]
+
+    @cached_property
+    def _ends(self) -> list[tuple[Indices, Indices]]:
+        """Of each level the ends of its blocks."""
+        return [
+            (np.array([b.low for b in level.blocks]), np.array([b.high for b in level.blocks]))
+            for level in self._levels
+        ]
+
+    @cached_property
+    def _covers(self) -> dict[Cell, tuple[list[tuple[Block, Indices, Indices]], Mask]]:
+        return {}
+
+    @cached_property
+    def _cubes(self) -> dict[Cell, CartesianGrid]:
+        return {}
+
+    @cached_property
+    def _latest(self) -> dict[bytes, list[tuple[Cell, Indices]]]:
+        return {}
+
+    def __getstate__(self) -> dict[str, Any]:
+        return {"source": self.source, "state": self.state}
+
+
+@dataclass(frozen=True, eq=False)
+class _Wider:
+    """The same through two points more along each axis, or through two less where they are missing."""
+
+    grid: LeveledGrid
+
+    @property
+    def time_symmetric(self) -> bool:
+        return False
+
+    def metric(self, x: Floats) -> Floats:
+        return self.grid._values("metric", x, (3, 3), more=True)
+
+    def gradient(self, x: Floats) -> Floats:
+        return self.grid._values("gradient", x, (3, 3, 3), more=True)
+
+    def extrinsic_curvature(self, x: Floats) -> Floats:
+        return self.grid._values("extrinsic_curvature", x, (3, 3), more=True)
+
+    def error(self, quantity: Callable[[ThreeGeometry], Floats]) -> Floats:
+        return self.grid.error(quantity)

@@ -1,0 +1,106 @@
+"""Sources of slices in files of patches on refinement levels, whatever the format."""
+
+from __future__ import annotations
+
+import contextlib
+import hashlib
+from abc import ABC, abstractmethod
+from collections.abc import Iterable, Iterator, Sequence
+from pathlib import Path
+from typing import Any
+
+from isoembed.arrays import Floats
+from isoembed.io.digest import file_digest, file_state, unchanged
+from isoembed.relativity.series.leveled_grid import LeveledGrid, PatchData
+from isoembed.relativity.series.moment import ListedFile
+
+
+class PatchSlice(ABC):
+    """A slice in files of patches: a `SliceSource`.  Subclasses are frozen dataclasses of paths."""
+
+    @property
+    @abstractmethod
+    def name(self) -> str:
+        """For messages and reports."""
+
+    @property
+    @abstractmethod
+    def files(self) -> Sequence[str | Path]:
+        """What the slice is read from."""
+
+    @abstractmethod
+    def data(self, closing: contextlib.ExitStack) -> PatchData:
+        """The data of the files, which stay open as long as `closing` does.
+
+        Raises
+        ------
+        FileError
+            They cannot be read, or lack a variable.
+        """
+
+    @property
+    def state(self) -> Any:
+        """See `isoembed.relativity.series.leveled_grid.PatchSource`."""
+        return tuple(file_state(path) for path in self.files)
+
+    @contextlib.contextmanager
+    def opened(self) -> Iterator[PatchData]:
+        """See `isoembed.relativity.series.leveled_grid.PatchSource`."""
+        with contextlib.ExitStack() as closing:
+            for path in self.files:
+                closing.enter_context(unchanged(path))
+            yield self.data(closing)
+
+    def digest(self) -> str:
+        """Hash of the files.
+
+        Raises
+        ------
+        FileError
+            A file cannot be read, or changes meanwhile.
+        """
+        return hashlib.sha256(" ".join(map(file_digest, self.files)).encode()).hexdigest()
+
+    def read(self, low: Floats, high: Floats) -> LeveledGrid:
+        """The slice, of which no more is read than what surfaces need when they ask for it.
+
+        Raises
+        ------
+        FileError
+            A file cannot be read, or lacks a variable.
+        """
+        return self.whole()
+
+    def whole(self) -> LeveledGrid:
+        """See `read`: everywhere.
+
+        Raises
+        ------
+        FileError
+            As of `read`.
+        """
+        with self.opened():
+            return LeveledGrid(self, self.state)
+
+
+def best_of_moments(found: Iterable[tuple[int, ListedFile]], incomplete: int) -> list[ListedFile]:
+    """Of the slices of each moment those with the variables that are best to have.
+
+    The folder of a run has other output of the same moments: constraints, or plots of a few variables.
+
+    Parameters
+    ----------
+    found : iterable of (int, ListedFile)
+        Slices with the ranks of their variables (`isoembed.relativity.series.adm_variables.rank`).
+    incomplete : int
+        The rank of files that lack variables.  Where all of a moment do, the first is taken.
+    """
+    moments: dict[tuple[int | None, float | None], list[tuple[int, ListedFile]]] = {}
+    for one in found:
+        moments.setdefault((one[1].iteration, one[1].time), []).append(one)
+    out = []
+    for there in moments.values():
+        best = min(rank for rank, _ in there)
+        listed = [one for rank, one in there if rank == best]
+        out += listed[:1] if best == incomplete else listed
+    return out
