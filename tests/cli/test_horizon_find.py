@@ -145,6 +145,7 @@ GUESS = ["--guess", 0, 0, 0, 0.5]
         (["isotropic", "--guess", "inf", 0, 0, 1], "the center must be three finite numbers"),
         (["isotropic", "--time", 1], "--time is for files, not for what --find finds"),
         (["isotropic", "--surface", "AhA"], "--surface is for files, not for what --find finds"),
+        (["isotropic", "--stability", 0], "the number of eigenvalues must be at least 1, not 0"),
         (["isotropic", "--marginal"], "--marginal is for files, not for what --find finds"),
         (["isotropic", "--not-marginal"], "--not-marginal is for files, not for what --find finds"),
         (["isotropic", "--mass", 0], "the mass must be positive, not 0"),
@@ -185,3 +186,20 @@ def test_refusals(run, monkeypatch, arguments, sentence):
 def test_files_and_finding_exclude_each_other(call, arguments, sentence):
     status, _, err = call("horizon", *arguments)
     assert status == 2 and sentence in err
+
+
+def test_the_stability_spectrum(found):
+    status, out, _ = found("isotropic", "--stability", 4, "--json")
+    spectrum = strict(out)["horizon"]["stability_spectrum"]
+    assert status == 0
+    assert spectrum["real"] == pytest.approx([1.0, 3.0, 3.0, 3.0], abs=1e-9)
+    assert spectrum["imaginary"] == [0.0] * 4
+    assert spectrum["orders"] == [0, 0, 1, -1]
+    status, out, _ = found("isotropic", "--stability", 1)
+    head, first = "eigenvalues of the stability operator times R^2, R = 2:", "  1 +- 1e-11, m = 0"
+    assert status == 0 and f"\n{head}\n{first}\n" in out
+
+
+def test_a_stability_spectrum_of_files_is_refused(call):
+    status, _, err = call("horizon", "h.gp", "--stability", 4)
+    assert status == 2 and "--stability needs --find" in err

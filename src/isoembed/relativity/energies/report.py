@@ -20,6 +20,7 @@ from isoembed.relativity.energies.wang_yau_result import WangYau
 from isoembed.relativity.horizons.curvature_check import CurvatureCheck
 from isoembed.relativity.horizons.horizon_shape import shape_lines, shape_report
 from isoembed.relativity.horizons.spin import find_spin, spin_report
+from isoembed.relativity.horizons.stability_spectrum import spectrum_lines
 from isoembed.relativity.spacetimes.surface_data import SurfaceData
 from isoembed.surface.embedding import Embedding
 from isoembed.surface.estimate import Estimate
@@ -89,6 +90,8 @@ def _horizon_lines(horizon: dict[str, Any]) -> Iterator[str]:
             f"found in harmonics of degree {horizon['degree']}; the least eigenvalue of the stability "
             f"operator is {horizon['stability']:.6g} / R^2, R the areal radius: {stable}"
         )
+    if "stability_spectrum" in horizon:
+        yield from spectrum_lines(horizon["stability_spectrum"])
     yield (
         f"the expansion of outgoing rays, 0 on a horizon, is at most "
         f"{horizon['largest_expansion']:.1e} +- {horizon['expansion_error']:.0e}"
