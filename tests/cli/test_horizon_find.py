@@ -188,14 +188,14 @@ def test_files_and_finding_exclude_each_other(call, arguments, sentence):
     assert status == 2 and sentence in err
 
 
-def test_the_stability_spectrum(found):
-    status, out, _ = found("isotropic", "--stability", 4, "--json")
+def test_the_stability_spectrum(run):
+    status, out, _ = run("isotropic", *FEW, "--stability", 4, "--json")
     spectrum = strict(out)["horizon"]["stability_spectrum"]
     assert status == 0
     assert spectrum["real"] == pytest.approx([1.0, 3.0, 3.0, 3.0], abs=1e-9)
     assert spectrum["imaginary"] == [0.0] * 4
     assert spectrum["orders"] == [0, 0, 1, -1]
-    status, out, _ = found("isotropic", "--stability", 1)
+    status, out, _ = run("isotropic", *FEW, "--stability", 1)
     head, first = "eigenvalues of the stability operator times R^2, R = 2:", "  1 +- 1e-11, m = 0"
     assert status == 0 and f"\n{head}\n{first}\n" in out
 

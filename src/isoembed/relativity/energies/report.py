@@ -48,12 +48,13 @@ def energy_table(report: dict[str, Any]) -> str:
             line = _line(shown, report[name], report["errors"][name], width)
             lines.append(line + _by_lengths(report, name))
     if spin := report.get("spin"):
-        lines.append(_line("angular momentum J", spin["J"], spin["error"], width))
+        lines += _angular_momentum(spin, width)
         if spin["axis"]:
             turned = spin["axis_error"]
             lines.append(f"{'its axis':{width}}  {_triple(spin['axis'], turned)} +- {turned:.0e} radians")
             error = spin["error"] + turned * abs(spin["J"])
-            lines.append(f"{'J about x, y and z':{width}}  {_triple(spin['vector'], error)}")
+            about = "of K_ij about x, y and z" if "electromagnetic" in spin else "J about x, y and z"
+            lines.append(f"{about:{width}}  {_triple(spin['vector'], error)}")
     lines += shape_lines(report)
     lines += ["", *(f"note: {note}" for note in report["notes"])]
     lines.append(CONVENTIONS["units"])
@@ -62,6 +63,17 @@ def energy_table(report: dict[str, Any]) -> str:
     if horizon := report.get("horizon"):
         lines += _horizon_lines(horizon)
     return "\n".join(lines)
+
+
+def _angular_momentum(spin: dict[str, Any], width: int) -> Iterator[str]:
+    """J, with a charge in its parts: that of K_ij and the electromagnetic one."""
+    charged = "electromagnetic" in spin
+    yield _line("J of K_ij" if charged else "angular momentum J", spin["J"], spin["error"], width)
+    if charged and spin["total"] is None:
+        yield f"{'J electromagnetic':{width}}  not known"
+    elif charged:
+        yield _line("J electromagnetic", spin["electromagnetic"], spin["error"], width)
+        yield _line("angular momentum J", spin["total"], spin["error"], width)
 
 
 def _space_lines(space: dict[str, Any] | None) -> Iterator[str]:
