@@ -126,6 +126,7 @@ def test_where_there_is_no_horizon_the_reason_is_said(run):
 def test_a_horizon_that_does_not_embed_is_reported(run):
     status, out, err = run("kerr-schild", "--spin", 0, 0, 0.9, *FEW, "--json")
     assert status == 3 and "no surface of revolution has this metric" in err
+    assert err.endswith("; --space hyperbolic embeds it\n")
     report = strict(out)
     assert report["status"] == "not embedded" and report["horizon"]["outer"]
     assert report["irreducible_mass"] == pytest.approx(np.sqrt(0.5 * (1.0 + np.sqrt(0.19))), rel=1e-9)
@@ -203,3 +204,15 @@ def test_the_stability_spectrum(run):
 def test_a_stability_spectrum_of_files_is_refused(call):
     status, _, err = call("horizon", "h.gp", "--stability", 4)
     assert status == 2 and "--stability needs --find" in err
+
+
+def test_multipoles_without_symmetry(run):
+    status, out, _ = run("kerr-schild", "--spin", 0.36, 0, 0.48, *FEW, "--multipoles", 2, "--json")
+    found = strict(out)["conformal_multipoles"]
+    assert status == 0 and [len(row) for row in found["I"]] == [1, 2, 3]
+    assert found["I_power"][2] == pytest.approx(0.2454326928822, abs=1e-10)
+    assert found["L_power"][1] == pytest.approx(0.956624084, abs=1e-8)
+    status, out, _ = run("isotropic", *FEW, "--multipoles", 1)
+    assert status == 0 and "\nsum over m of |I_lm|^2 for l = 1: " in out
+    status, _, err = run("isotropic", "--multipoles", 0)
+    assert status == 2 and "the highest degree of multipoles must be at least 1, not 0" in err

@@ -117,7 +117,9 @@ def run(options: argparse.Namespace) -> int:
             print_json({"status": "no horizon", "name": _found_name(options), **message})
         return NOT_EMBEDDED
     axis = tuple(options.axis) if options.axis else None
-    asked = HorizonOptions(number, options.wang_yau, axis, marginal(options), reference(options))
+    asked = HorizonOptions(
+        number, options.wang_yau, axis, marginal(options), reference(options), options.multipoles
+    )
     tasks = [HorizonTask(horizon, asked) for horizon in horizons.values() if isinstance(horizon, Moment)]
     outcomes = run_tasks(tasks, chunk=len(tasks))
     reports, drawn = [], dict[Path, Result]()
@@ -135,6 +137,8 @@ def run(options: argparse.Namespace) -> int:
                 drawn[outputs["png"]] = result
         if not result.answered:
             called, why = report.get("name", stem), result.message
+            if report.get("hindrance") and not report["space"]["curvature"]:
+                why += "; --space hyperbolic embeds it"
             print_error(why if refused and called in why else f"{called}: {why}")
         elif not options.json:
             (print_aside if options.output else print_out)(energy_table(report))

@@ -15,6 +15,8 @@ from .energies.wang_yau_energy import wang_yau as wang_yau
 from .energies.wang_yau_result import WangYau as WangYau
 from .horizons.ahfinderdirect import read_ahfinderdirect as read_ahfinderdirect
 from .horizons.circumferences import Circumferences as Circumferences
+from .horizons.conformal_multipoles import ConformalMultipoles as ConformalMultipoles
+from .horizons.conformal_multipoles import conformal_multipoles as conformal_multipoles
 from .horizons.coordinate_shape import CoordinateShape as CoordinateShape
 from .horizons.curvature_check import CurvatureCheck as CurvatureCheck
 from .horizons.expansion import ExpansionTest as ExpansionTest

@@ -17,6 +17,7 @@ from isoembed.relativity.energies.energies import Energies
 from isoembed.relativity.energies.quadrature import intrinsic_energies
 from isoembed.relativity.energies.wang_yau_energy import wang_yau
 from isoembed.relativity.energies.wang_yau_result import WangYau
+from isoembed.relativity.horizons.conformal_multipoles import multipole_lines
 from isoembed.relativity.horizons.curvature_check import CurvatureCheck
 from isoembed.relativity.horizons.horizon_shape import shape_lines, shape_report
 from isoembed.relativity.horizons.spin import find_spin, spin_report
@@ -56,6 +57,8 @@ def energy_table(report: dict[str, Any]) -> str:
             about = "of K_ij about x, y and z" if "electromagnetic" in spin else "J about x, y and z"
             lines.append(f"{about:{width}}  {_triple(spin['vector'], error)}")
     lines += shape_lines(report)
+    if multipoles := report.get("conformal_multipoles"):
+        lines += multipole_lines(multipoles)
     lines += ["", *(f"note: {note}" for note in report["notes"])]
     lines.append(CONVENTIONS["units"])
     if check := report.get("curvature_check"):
@@ -134,6 +137,7 @@ def unembedded_report(data: SurfaceData, error: NotEmbedded) -> dict[str, Any]:
     return {
         "status": "not embedded",
         "message": str(error),
+        "hindrance": error.embedding.hindrance or None,
         "name": data.name,
         **intrinsic_energies(data, spin).report,
         "spin": spin_report(data, spin),
