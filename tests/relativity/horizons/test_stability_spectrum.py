@@ -6,6 +6,8 @@ from numpy.polynomial import legendre
 from scipy.linalg import eig
 
 from isoembed.errors import InvalidParameter
+from isoembed.relativity.horizons import expansion_operator
+from isoembed.relativity.horizons.expansion_operator import OperatorThresholds
 from isoembed.relativity.horizons.finder import constant_expansion, find_horizon, inner_horizon
 from isoembed.relativity.horizons.stability_spectrum import spectrum_lines, stability_spectrum
 from isoembed.relativity.spacetimes.cartesian_grid import CartesianGrid
@@ -138,6 +140,15 @@ def test_errors_of_a_slice_on_a_grid():
     off = np.abs(spectrum.values - [1.0, 3.0, 3.0, 3.0])
     assert np.all(off <= spectrum.errors)
     assert np.all(spectrum.errors <= 0.05)
+
+
+def test_errors_hold_those_of_the_differences_along_the_displacement(monkeypatch):
+    horizon = find_horizon(pair(0.5, (0.1, 0.9)), StarSurface.sphere((0.0, 0.0, -0.2), 1.0))
+    spectrum = stability_spectrum(horizon, 4)
+    step = expansion_operator.OPERATOR.step
+    monkeypatch.setattr(expansion_operator, "OPERATOR", OperatorThresholds(step=0.25 * step))
+    off = np.abs(spectrum.values - stability_spectrum(horizon, 4).values)
+    assert off.max() > 1e-11 and np.all(off <= spectrum.errors) and spectrum.errors.max() < 1e-8
 
 
 def test_what_is_printed():

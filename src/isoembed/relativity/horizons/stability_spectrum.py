@@ -33,7 +33,7 @@ from isoembed.relativity.horizons.expansion_operator import (
 )
 from isoembed.relativity.horizons.found_horizon import FoundHorizon
 from isoembed.relativity.horizons.sheet import Sheet
-from isoembed.relativity.horizons.surface_family import SurfaceFamily
+from isoembed.relativity.horizons.surface_family import Jet, SurfaceFamily
 from isoembed.relativity.spacetimes.mapped_surface import MappedSurface
 from isoembed.relativity.spacetimes.star_surface import StarSurface
 from isoembed.relativity.spacetimes.three_geometry import ThreeGeometry
@@ -215,6 +215,12 @@ class _Displacements:
         radius = transform.values(c)[:, 0], transform.gradients(c)[..., 0], transform.hessians(c)[..., 0]
         return cls(SurfaceFamily(star.at(*radius), star.direction))
 
+    def longer(self, factor: float) -> _Displacements:
+        """The same displacements, but for a factor, which the operator does not see."""
+        D = self.family.direction
+        longer = Jet(factor * D.value, factor * D.first, factor * D.second)
+        return _Displacements(SurfaceFamily(self.family.base, longer))
+
     def linearized(self, geometry: ThreeGeometry) -> tuple[LocalSurface, LinearizedExpansion]:
         """The surface in a slice, and how its expansion changes."""
         surface = self.family.base
@@ -353,17 +359,20 @@ class _Operator:
 
 
 def _by_data(operator: _Operator, found: _Found, horizon: FoundHorizon) -> Floats:
-    """What the errors of the slice and of the surface make of the first eigenvalues; of one more than found.
+    """Errors of the first eigenvalues by those of the slice, of its differences and of the surface.
 
-    In all degrees alike: a low one tells it.
+    They are of one eigenvalue more than was found.  In all degrees they are alike: a low one tells them.
     """
     n = found.n
+    # Differences along displacements twice as long, of sixth order, have 64 times the error, or nearly so.
+    coarser = operator.displacements.longer(2.0).linearized(horizon.geometry)[1]
+    by_differences = found.apart(replace(operator, linear=coarser).spectrum(n), 1) / 32.0
     uncertain = horizon.geometry.error(operator.displacements.coefficients)
     errors = UNCERTAIN * found.apart(operator.changed(uncertain).spectrum(n), 1)
     for moved in _deviating(horizon.surface):
         there = _Operator.of(replace(horizon, surface=moved), operator.transform.harmonics.degree, n)
         errors = np.hypot(errors, found.apart(there.spectrum(n), 1))
-    return errors
+    return errors + by_differences
 
 
 def _is_symmetric(surface: StarSurface | MappedSurface) -> bool:
