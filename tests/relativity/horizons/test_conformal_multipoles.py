@@ -144,6 +144,7 @@ def test_errors_of_a_coarse_grid():
     found = conformal_multipoles(grid, 4)
     off = np.abs(found.shape - exact.shape).max(axis=1)
     assert np.all(off <= found.shape_errors) and off.max() > 1e-12
+    assert found.shape[0, 0] == pytest.approx(np.sqrt(np.pi), rel=1e-14)
 
 
 def test_the_report():

@@ -233,6 +233,7 @@ def _moments(
     density = area_density(q)
     unit = float(weights @ density) / (4.0 * np.pi)
     dA, K = weights * density / unit, curvature(u) * unit
+    K += 1.0 - dA @ K / (4.0 * np.pi)  # Gauss and Bonnet know the mean exactly
     harmonics = Harmonics(degree, 1 if symmetric else degree)
     Y, first = harmonics.along(u, orthonormal_frame(u, q / unit))
     start = harmonics.values(u).T @ (weights * 0.5 * np.log(density / unit))
