@@ -52,7 +52,7 @@ DEGREES, SYMMETRIC_DEGREES = (12, 16, 24, 32, 48), (16, 24, 32, 48, 64, 96, 128,
 """Degrees of eigenfunctions, one after the other; beyond the last the matrices are too large."""
 SETTLED = 1e-11
 """Change of an eigenvalue, relative to its size and 1 / R^2, that is rounding of the operator."""
-SMALL, UNCERTAIN = 0.1, 2.0
+SMALL, UNCERTAIN = 0.5, 2.0
 """Change over the error that the data make at which to stop; allowance for an error that is one of many."""
 MARGIN = 8
 """Eigenvalues beside twice those asked for in a subspace: it converges as the powers of their ratio."""
