@@ -62,6 +62,7 @@ def test_beyond_smarrs_limit(run):
 def test_in_text_too(run, few):
     status, out, err = run(*kerr("horizon", 0.9))
     assert status == 3 and err.startswith("isoembed: error: no surface of revolution")
+    assert err.endswith("; --space hyperbolic embeds the whole; --band FILE writes the band that embeds\n")
     assert "irreducible mass" in out and "Brown-York" not in out
 
 

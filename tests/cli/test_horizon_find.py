@@ -160,6 +160,7 @@ def test_where_there_is_no_horizon_the_reason_is_said(run):
 def test_a_horizon_that_does_not_embed_is_reported(run):
     status, out, err = run("kerr-schild", "--spin", 0, 0, 0.9, *FEW, "--json")
     assert status == 3 and "no surface of revolution has this metric" in err
+    assert err.endswith("; --space hyperbolic embeds it\n")
     report = strict(out)
     assert report["status"] == "not embedded" and report["horizon"]["outer"]
     assert report["irreducible_mass"] == pytest.approx(np.sqrt(0.5 * (1.0 + np.sqrt(0.19))), rel=1e-9)
@@ -179,6 +180,7 @@ GUESS = ["--guess", 0, 0, 0, 0.5]
         (["isotropic", "--guess", "inf", 0, 0, 1], "the center must be three finite numbers"),
         (["isotropic", "--time", 1], "--time is for files, not for what --find finds"),
         (["isotropic", "--surface", "AhA"], "--surface is for files, not for what --find finds"),
+        (["isotropic", "--stability", 0], "the number of eigenvalues must be at least 1, not 0"),
         (["isotropic", "--marginal"], "--marginal is for files, not for what --find finds"),
         (["isotropic", "--not-marginal"], "--not-marginal is for files, not for what --find finds"),
         (["isotropic", "--mass", 0], "the mass must be positive, not 0"),
@@ -219,3 +221,32 @@ def test_refusals(run, monkeypatch, arguments, sentence):
 def test_files_and_finding_exclude_each_other(call, arguments, sentence):
     status, _, err = call("horizon", *arguments)
     assert status == 2 and sentence in err
+
+
+def test_the_stability_spectrum(run):
+    status, out, _ = run("isotropic", *FEW, "--stability", 4, "--json")
+    spectrum = strict(out)["horizon"]["stability_spectrum"]
+    assert status == 0
+    assert spectrum["real"] == pytest.approx([1.0, 3.0, 3.0, 3.0], abs=1e-9)
+    assert spectrum["imaginary"] == [0.0] * 4
+    assert spectrum["orders"] == [0, 0, 1, -1]
+    status, out, _ = run("isotropic", *FEW, "--stability", 1)
+    head, first = "eigenvalues of the stability operator times R^2, R = 2:", "  1 +- 1e-11, m = 0"
+    assert status == 0 and f"\n{head}\n{first}\n" in out
+
+
+def test_a_stability_spectrum_of_files_is_refused(call):
+    status, _, err = call("horizon", "h.gp", "--stability", 4)
+    assert status == 2 and "--stability needs --find" in err
+
+
+def test_multipoles_without_symmetry(run):
+    status, out, _ = run("kerr-schild", "--spin", 0.36, 0, 0.48, *FEW, "--multipoles", 2, "--json")
+    found = strict(out)["conformal_multipoles"]
+    assert status == 0 and [len(row) for row in found["I"]] == [1, 2, 3]
+    assert found["I_power"][2] == pytest.approx(0.2454326928822, abs=1e-10)
+    assert found["L_power"][1] == pytest.approx(0.956624084, abs=1e-8)
+    status, out, _ = run("isotropic", *FEW, "--multipoles", 1)
+    assert status == 0 and "\nsum over m of |I_lm|^2 for l = 1: " in out
+    status, _, err = run("isotropic", "--multipoles", 0)
+    assert status == 2 and "the highest degree of multipoles must be at least 1, not 0" in err

@@ -11,6 +11,7 @@ import pytest
 from horizons import check, write_grid
 from isoembed.relativity.energies import embedded
 from isoembed.smooth import solve
+from isoembed.smooth.start import Start
 from strict_json import strict
 
 
@@ -21,13 +22,13 @@ def run(call):
 
 
 def test_a_sequence_begins_each_from_the_one_before(run, monkeypatch):
-    meshes = []
-    graded_mesh = solve.graded_mesh
-    monkeypatch.setattr(solve, "graded_mesh", lambda *a, **o: meshes.append(1) or graded_mesh(*a, **o))
+    starts = []
+    restored = Start.restored
+    monkeypatch.setattr(Start, "restored", lambda arrays: starts.append(1) or restored(arrays))
     write_grid("a.npz", 0.5)
     write_grid("b.npz", 0.6)
     status, out, err = run("a.npz", "b.npz", "--marginal", "--vertices", 60, "--json", "-o", "found")
-    assert (status, err) == (0, "") and len(meshes) == 1
+    assert (status, err) == (0, "") and len(starts) == 1
     first, second = strict(out)
     check(first, 0.5)
     check(second, 0.6)

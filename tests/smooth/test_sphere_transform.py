@@ -49,6 +49,19 @@ def test_analysis_is_the_inverse_of_synthesis() -> None:
     assert np.abs(transform.analysis(transform.values(C)) - C).max() < 1e-12
 
 
+@pytest.mark.parametrize("order", [0, 1, 3])
+def test_complex_harmonics_on_the_meridian(order: int) -> None:
+    transform = SphereTransform(Harmonics(7, 3), 9, 8)
+    orders = transform.harmonics.labels[1]
+    norm = np.sqrt(2.0) if order else 1.0
+    for kind, found in zip(("values", "gradients", "hessians"), transform.on_meridian(order), strict=True):
+        table = getattr(transform, kind)(np.eye(transform.harmonics.size))[::8]  # at phi = 0
+        exact = table[..., orders == order] + (1j * table[..., orders == -order] if order else 0.0)
+        ratio = np.abs(found).max() / np.abs(exact).max()
+        assert min(abs(ratio - 1.0), abs(ratio - norm), abs(ratio * norm - 1.0)) < 1e-13
+        assert found == pytest.approx(ratio * exact, abs=1e-11)
+
+
 def test_too_few_angles() -> None:
     with pytest.raises(ValueError, match="8 angles are too few for the order 4"):
         SphereTransform(Harmonics(4, 4), 5, 8)

@@ -1,7 +1,7 @@
 """``isoembed energy``: quasi-local energies of closed forms, surfaces from files, and spheres in a slice."""
 
 import argparse
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
@@ -53,6 +53,7 @@ from isoembed.relativity.horizons.grid_file import read_metric_or_grid
 from isoembed.relativity.spacetimes.star_surface import StarSurface
 from isoembed.relativity.spacetimes.surface_data import SurfaceData
 from isoembed.smooth.axisymmetric import AxisymmetricEmbedding
+from isoembed.smooth.embedding import SmoothEmbedding
 from isoembed.smooth.grid_metric import GridMetric
 from isoembed.smooth.two_metric import TwoMetric
 from isoembed.space import Space
@@ -167,7 +168,7 @@ def _smooth(options: argparse.Namespace, outputs: Outputs, data: SurfaceData, nu
     try:
         surface = embed_surface(data, space=reference(options), vertices=number, best_fit=options.best_fit)
     except NotEmbedded as error:
-        print_error(str(error))
+        print_error("; ".join([str(error), *_instead(options, error.embedding)]))
         if options.band:
             _write_band(outputs, data, error.embedding.space)
         report = {**unembedded_report(data, error), "conventions": conventions(error.embedding.space)}
@@ -182,6 +183,15 @@ def _smooth(options: argparse.Namespace, outputs: Outputs, data: SurfaceData, nu
     finally:
         outputs.write(output=lambda path: mesh_writer(path, **(least or surface).mesh(number)))
     return OK
+
+
+def _instead(options: argparse.Namespace, attempt: SmoothEmbedding) -> Iterator[str]:
+    """What to ask for instead of an embedding in Euclidean space that there is not."""
+    if attempt.hindrance and attempt.space.is_euclidean:
+        yield "--space hyperbolic embeds the whole"
+        about_z = attempt.coordinates is None and attempt.harmonics.order < attempt.harmonics.degree
+        if about_z and not options.band:
+            yield "--band FILE writes the band that embeds"
 
 
 def _with_check(data: SurfaceData, report: dict[str, Any]) -> dict[str, Any]:

@@ -39,6 +39,7 @@ from isoembed.relativity.horizons.finder import find_horizon
 from isoembed.relativity.horizons.horizon import GivenHorizon
 from isoembed.relativity.horizons.horizon_file import read_horizon
 from isoembed.relativity.horizons.spectre import SPECTRE_ENDINGS, read_spectre
+from isoembed.relativity.horizons.stability_spectrum import checked_eigenvalues, stability_spectrum
 from isoembed.relativity.series.horizon_task import HorizonOptions, HorizonTask, mesh_of
 from isoembed.relativity.series.moment import Moment
 from isoembed.relativity.series.source import HeldShape, HeldSlice
@@ -74,6 +75,12 @@ def configure(parser: argparse.ArgumentParser) -> None:
         metavar=("X", "Y", "Z", "R"),
         help="center and radius of the sphere that --find starts from",
     )
+    parser.add_argument(
+        "--stability",
+        type=int,
+        metavar="N",
+        help="with --find: report the first N eigenvalues of the stability operator, complex in general",
+    )
     add_geometry_option(parser, "the 3-metric of the slice, which most horizon files lack")
     add_hole_options(parser)
     add_slice_options(parser)
@@ -97,21 +104,29 @@ def run(options: argparse.Namespace) -> int:
     number = vertices(options)
     if options.axis and not any(options.axis):
         raise UsageError("--axis 0 0 0 is no axis")
+    spectrum = None
     try:
-        horizons = _sought(options) if options.find else _given(options)
+        if options.find:
+            horizons, spectrum = _sought(options)
+        else:
+            horizons = _given(options)
     except NoHorizon as error:
         print_error(str(error))
         if options.json:
             print_json({"status": "no horizon", "name": _found_name(options), **error.report})
         return NOT_EMBEDDED
     axis = tuple(options.axis) if options.axis else None
-    asked = HorizonOptions(number, options.wang_yau, axis, marginal(options), reference(options))
+    asked = HorizonOptions(
+        number, options.wang_yau, axis, marginal(options), reference(options), options.multipoles
+    )
     tasks = [HorizonTask(horizon, asked) for horizon in horizons.values() if isinstance(horizon, Moment)]
     outcomes = run_tasks(tasks, chunk=len(tasks))
     reports, drawn = [], dict[Path, Result]()
     for stem, horizon in horizons.items():
         result = next(outcomes).result if isinstance(horizon, Moment) else horizon
         report = {key: part for key, part in result.report.items() if key != "moment"}
+        if spectrum is not None and "horizon" in report:
+            report["horizon"] = {**report["horizon"], "stability_spectrum": spectrum}
         reports.append(report)
         refused = result.status == REFUSED
         if options.output and not refused:
@@ -121,6 +136,8 @@ def run(options: argparse.Namespace) -> int:
                 drawn[outputs["png"]] = result
         if not result.answered:
             called, why = report.get("name", stem), result.message
+            if report.get("hindrance") and not report["space"]["curvature"]:
+                why += "; --space hyperbolic embeds it"
             print_error(why if refused and called in why else f"{called}: {why}")
         elif not options.json:
             (print_aside if options.output else print_out)(energy_table(report))
@@ -138,7 +155,7 @@ def _given(options: argparse.Namespace) -> dict[str, Moment | Result]:
     """The horizons in files, by names for what is written of them; some may be refused, not all."""
     if not options.files:
         raise UsageError("which horizon? Give a FILE, or --find and a --geometry")
-    refuse_given(options, ("guess",), "needs --find")
+    refuse_given(options, ("guess", "stability"), "needs --find")
     geometry = None
     if options.geometry is None:
         refuse_given(options, OF_SLICE, "needs a --geometry")
@@ -159,13 +176,15 @@ def _given(options: argparse.Namespace) -> dict[str, Moment | Result]:
     return horizons
 
 
-def _sought(options: argparse.Namespace) -> dict[str, Moment | Result]:
-    """The horizon that is found, by a name for what is written of it."""
+def _sought(options: argparse.Namespace) -> tuple[dict[str, Moment | Result], dict[str, Any] | None]:
+    """The horizon that is found, by a name for what is written of it, and its stability spectrum if asked."""
     if options.files:
         raise UsageError(f"--find takes no FILE, and {options.files[0]} is given")
     refuse_given(options, OF_FILES, "is for files, not for what --find finds")
     if options.geometry is None:
         raise UsageError("--find needs a --geometry to find a horizon in")
+    if options.stability is not None:
+        checked_eigenvalues(options.stability)  # before anything is computed
     geometry, guess, near = slice_named(options.geometry, options), None, ""
     if options.guess is not None:
         *center, radius = options.guess
@@ -173,7 +192,9 @@ def _sought(options: argparse.Namespace) -> dict[str, Moment | Result]:
         near = "".join(f"_{x:.9g}" for x in options.guess)
     stem = f"{slice_stem(options.geometry)}-horizon{near}"
     _make_folder(options, [stem])
-    return {stem: _moment(find_horizon(geometry, guess), None, _found_name(options))}
+    found = find_horizon(geometry, guess)
+    spectrum = None if options.stability is None else stability_spectrum(found, options.stability).report
+    return {stem: _moment(found, None, _found_name(options))}, spectrum
 
 
 def _moment(found: GivenHorizon, geometry: ThreeGeometry | None, name: str) -> Moment:

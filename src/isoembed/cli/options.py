@@ -118,6 +118,12 @@ def add_report_options(parser: argparse.ArgumentParser) -> None:
         action="store_true",
         help="add the Wang-Yau energy, the least that is found from tau = 0 over time functions",
     )
+    parser.add_argument(
+        "--multipoles",
+        type=int,
+        metavar="L",
+        help="add the multipoles (l, m) of horizons up to l = L, for which no symmetry is needed",
+    )
     add_reference_option(parser)
 
 

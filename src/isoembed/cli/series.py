@@ -131,7 +131,9 @@ def run(options: argparse.Namespace) -> int:
 def _tasks(options: argparse.Namespace) -> list[HorizonTask]:
     """The horizons that are asked for."""
     axis = None if options.axis is None else tuple(options.axis)
-    what = HorizonOptions(vertices(options), options.wang_yau, axis, marginal(options), reference(options))
+    what = HorizonOptions(
+        vertices(options), options.wang_yau, axis, marginal(options), reference(options), options.multipoles
+    )
     listed = moments(seen_by_all(options, options.horizons), _geometry(options), surface=options.surface)
     return [HorizonTask(moment, what) for moment in listed]
 

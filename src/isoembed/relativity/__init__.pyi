@@ -15,6 +15,8 @@ from .energies.wang_yau_energy import wang_yau as wang_yau
 from .energies.wang_yau_result import WangYau as WangYau
 from .horizons.ahfinderdirect import read_ahfinderdirect as read_ahfinderdirect
 from .horizons.circumferences import Circumferences as Circumferences
+from .horizons.conformal_multipoles import ConformalMultipoles as ConformalMultipoles
+from .horizons.conformal_multipoles import conformal_multipoles as conformal_multipoles
 from .horizons.coordinate_shape import CoordinateShape as CoordinateShape
 from .horizons.curvature_check import CurvatureCheck as CurvatureCheck
 from .horizons.expansion import ExpansionTest as ExpansionTest
@@ -35,6 +37,8 @@ from .horizons.multipoles import Multipoles as Multipoles
 from .horizons.spectre import read_spectre as read_spectre
 from .horizons.spin import Spin as Spin
 from .horizons.spin import find_spin as find_spin
+from .horizons.stability_spectrum import StabilitySpectrum as StabilitySpectrum
+from .horizons.stability_spectrum import stability_spectrum as stability_spectrum
 from .series.embed_series import embed_series as embed_series
 from .series.horizon_task import HorizonOptions as HorizonOptions
 from .series.horizon_task import HorizonTask as HorizonTask

@@ -62,9 +62,10 @@ class SolveThresholds:
 
 SOLVE = SolveThresholds()
 
-NO_REVOLUTION = (
-    "of surfaces of revolution: the circumference changes faster than the meridian allows, by more than the "
-    "error of the metric; whether another surface has the metric is not known"
+NO_REVOLUTION = Evidence(
+    "searched",
+    "surfaces of revolution alone, of which it is proved that none has the metric: the circumference changes "
+    "faster than the meridian allows, by more than the error of the metric",
 )
 
 
@@ -97,7 +98,7 @@ def embed_smooth(
         Takes directions u (n, 3) and returns points (n, 3), to which the surface is turned as near as a
         rotation brings it; by default the directions themselves.
     vertices : int
-        Of the mesh.
+        Of the mesh, where there is one: surfaces of revolution are known without it.
     tolerance : float
         Largest relative error of a length that counts as an embedding.  The error of int H dA is about its
         square.
@@ -123,7 +124,8 @@ def embed_smooth(
     NotEmbedded
         The tolerance was missed, or the metric is symmetric about an axis and is not that of a surface of
         revolution.  The message says what is in the way, if it can be seen, or whether more harmonics would
-        help; the exception holds the best attempt.
+        help; the exception holds the best attempt, or a rough one where no surface of revolution has the
+        metric, which is known at once: other surfaces are sought only for a ``best_fit``.
 
     Notes
     -----
@@ -132,8 +134,8 @@ def embed_smooth(
     symmetry that they have is one of the surface.
 
     For K > 0 the surface exists and is unique (Nirenberg 1953, Pogorelov 1952), and in a space of curvature k
-    for K > k (Pogorelov 1964).  With K < k somewhere it is the branch that the mesh is on.  In curved space,
-    surfaces of revolution begin with the closed quadrature of `AxisymmetricEmbedding`.
+    for K > k (Pogorelov 1964).  With K < k somewhere it is the surface of revolution where there is one, by
+    the closed quadrature of `AxisymmetricEmbedding`, and otherwise the branch that the mesh is on.
     """
     for name, value in (("tolerance", tolerance), ("accuracy", accuracy)):
         if not 0 < value < np.inf:
@@ -153,32 +155,34 @@ def embed_smooth(
         raise InvalidParameter(f"the lengths_error is {lengths_error!r}, not a finite number of at least 0")
     obstructed = profile is not None and _is_obstructed(profile, lengths_error)
     hindrance = _about(coordinates) + profile.explanation if profile is not None and obstructed else ""
-    if hindrance:
+    goal = _Goal(metric, space, coordinates, shape, tolerance, accuracy, hindrance, lengths_error)
+    if profile is not None and hindrance:
         ladder = [h for h in ladder if h.degree <= SOLVE.hindered]
-    if start is None and profile is not None and profile.embeds and not space.is_euclidean:
-        mesh, origin, first = None, _from_profile(profile), 0
+        if not best_fit:
+            raise _not_of_revolution(profile, goal.approached(ladder[:1], _round(profile))[0])
+    if start is None and profile is not None and profile.embeds:
+        origin, first = _from_profile(profile), 0
     elif start is None:
         mesh = graded_mesh(metric, max(vertices, SOLVE.determined * ladder[0].size), space)
         points = _embedded(mesh)
         if not symmetric:
             coordinates = fitting_coordinates(mesh.directions, mesh.faces, points)
+        goal = replace(goal, coordinates=coordinates, mesh=mesh)
         v = mesh.directions if coordinates is None else coordinates.inverse(mesh.directions)
         origin, first = _from_points(v, points), 0
     else:
         start = Start.of(start)
         if not symmetric:
-            coordinates = start.coordinates
-        mesh, origin = None, partial(start.in_directions_of, coordinates)
+            goal = replace(goal, coordinates=start.coordinates)
+        origin = partial(start.in_directions_of, goal.coordinates)
         first = max(0, sum(h.degree < start.harmonics.degree for h in ladder) - 1)
-    goal = _Goal(metric, space, coordinates, shape, tolerance, accuracy, hindrance, mesh, lengths_error)
     best, residuals = goal.approached(ladder[first:], origin)
     if not best.converged and profile is not None and profile.embeds:
         high = [h for h in ladder if h.degree >= SOLVE.high] or ladder[-1:]
         best, residuals = goal.approached(high, _from_profile(profile))
     if best.converged or best_fit:
         return best
-    evidence = Evidence("proved", NO_REVOLUTION) if obstructed else _search(best)
-    raise NotEmbedded(_diagnosis(best, residuals, profile), best, evidence)
+    raise NotEmbedded(_diagnosis(best, residuals, profile), best, _search(best))
 
 
 @dataclass(frozen=True)
@@ -195,8 +199,8 @@ class _Goal:
     tolerance: float
     accuracy: float
     hindrance: str
-    mesh: SphereMesh | None
     lengths_error: float
+    mesh: SphereMesh | None = None
 
     def approached(
         self, ladder: list[Harmonics], origin: Callable[[Harmonics], Floats]
@@ -327,6 +331,34 @@ def _from_profile(profile: AxisymmetricEmbedding) -> Callable[[Harmonics], Float
         return harmonics.values(u).T @ (weights[:, None] * profile.points(u))
 
     return projected
+
+
+def _round(profile: AxisymmetricEmbedding) -> Callable[[Harmonics], Floats]:
+    """A round sphere of the same area, or in spherical space no larger than fits in easily."""
+    radius = float(np.sqrt(profile.area / (4.0 * np.pi)))
+    if profile.space.curvature > 0.0:
+        radius = min(radius, 0.5 / float(np.sqrt(profile.space.curvature)))
+
+    def projected(harmonics: Harmonics) -> Floats:
+        u, weights = gauss_rule(2 * harmonics.degree, ISOMETRY.around)
+        return harmonics.values(u).T @ (weights[:, None] * radius * u)
+
+    return projected
+
+
+def _not_of_revolution(profile: AxisymmetricEmbedding, rough: SmoothEmbedding) -> NotEmbedded:
+    """The refusal of an axisymmetric metric that no surface of revolution has."""
+    sentence = f"{rough.hindrance}; other surfaces were not looked for"
+    error = NotEmbedded(sentence, rough, NO_REVOLUTION)
+    instead = "best_fit=True looks for the nearest surface"
+    if profile.greatest_curvature < 0.0:
+        enough = -profile.greatest_curvature * (1.0 + 1e-6)  # more than its rounding to nine digits
+        instead = (
+            f'space=isoembed.Hyperbolic({enough:.9g}) has the whole, or space="hyperbolic" in '
+            "isoembed.relativity.embed_surface; AxisymmetricEmbedding has the bands that embed; " + instead
+        )
+    error.add_note(instead)
+    return error
 
 
 def _profile(metric: TwoMetric, space: Space) -> AxisymmetricEmbedding | None:

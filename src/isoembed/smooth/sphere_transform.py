@@ -10,6 +10,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from functools import cached_property
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -76,6 +77,20 @@ class SphereTransform:
     def hessians(self, coefficients: Floats) -> Floats:
         """Covariant second derivatives (N, 3, c) on the unit sphere: theta theta, theta phi, phi phi."""
         return self._synthesis(coefficients, self._second)
+
+    def on_meridian(self, order: int) -> tuple[NDArray[Any], NDArray[Any], NDArray[Any]]:
+        """Complex harmonics of one order m >= 0, ``Pi_lm(z) sin^m exp(i m phi)``, at phi = 0 on the circles.
+
+        The values (n, c), first (n, 2, c) and second derivatives (n, 3, c), as `values`, `gradients` and
+        `hessians` have them, for l = m, ..., the degree.
+        """
+
+        def stacked(kinds: list[tuple[Tables, bool]]) -> Complexes:
+            return np.stack(
+                [(1j if turned else 1.0 + 0.0j) * tables[order] for tables, turned in kinds], axis=1
+            )
+
+        return self._value[order].astype(np.complex128), stacked(self._first), stacked(self._second)
 
     def adjoint_values(self, f: Floats) -> Floats:
         """Sums over the nodes (size, c) of functions f (N, c) times the harmonics."""

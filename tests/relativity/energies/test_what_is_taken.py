@@ -1,11 +1,14 @@
 """What is given instead of data, and what is assumed of data that are left out."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
 from isoembed.errors import InvalidParameter
-from isoembed.relativity import KerrNewmanHorizon, SurfaceData, embed_surface, wang_yau
+from isoembed.relativity import KerrNewmanHorizon, SurfaceData, chen_wang_yau, embed_surface, wang_yau
 from isoembed.smooth import AngleMetric, GridMetric
+from isoembed.space import Hyperbolic
 
 THETA, PHI = (np.arange(12) + 0.5) * np.pi / 12, np.zeros(1)
 ONE = np.ones((12, 1))
@@ -29,6 +32,15 @@ def test_that_p_and_j_are_taken_to_be_0_is_said():
     assert "neither p nor K(., n) is given: they are taken to be 0" in found.notes[0]
     zero = np.zeros((2, 12, 1))
     assert not wang_yau(SurfaceData(GRID, 1.5 * ONE, 0.0 * ONE, zero)).notes
+
+
+def test_a_momentum_of_0_needs_no_normal_momentum():
+    found = embed_surface(SurfaceData(GRID, 1.5 * ONE, 0.0 * ONE), space=Hyperbolic(0.1))
+    without = replace(found.data, momentum=None)
+    assert chen_wang_yau(found.data, found.embedding).energy == chen_wang_yau(without, found.embedding).energy
+    assert wang_yau(SurfaceData(GRID, 1.5 * ONE, 0.0 * ONE)).energy.value > 0.0
+    with pytest.raises(InvalidParameter, match="with a momentum, the Wang-Yau energy needs the normal_mom"):
+        wang_yau(SurfaceData(GRID, 1.5 * ONE, 0.1 * ONE))
 
 
 def test_that_a_dimple_may_be_a_reflected_one_is_said():

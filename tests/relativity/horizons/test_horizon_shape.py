@@ -32,7 +32,7 @@ from isoembed.smooth.two_metric import PulledBack
 from isoembed.smooth.uncertain import Uncertainty
 from isoembed.space import Euclidean
 
-ATTEMPT = SimpleNamespace(space=Euclidean())
+ATTEMPT = SimpleNamespace(space=Euclidean(), hindrance="K < 0 at a pole")
 SPINS = (0.0, 0.3, 0.6, 0.9, 0.99)
 
 
@@ -129,6 +129,7 @@ def test_no_square_of_a_mass_underflows():
 
 def test_beyond_the_limit_of_embedding_too():
     report = unembedded_report(KerrNewmanHorizon(1.0, 0.95).data(), NotEmbedded("beyond the limit", ATTEMPT))
+    assert (report["message"], report["hindrance"]) == ("beyond the limit", "K < 0 at a pole")
     assert report["space"] == {"name": "euclidean", "curvature": 0.0}
     assert report["circumferences"]["equatorial"] == pytest.approx(4.0 * np.pi, abs=1e-12)
     assert report["multipoles"]["J"][1] == pytest.approx(0.95, abs=1e-12)

@@ -19,7 +19,7 @@ from isoembed.relativity import (
 from isoembed.relativity.series import horizon_task
 from isoembed.relativity.series.source import HeldShape
 from isoembed.runs import Store
-from isoembed.smooth import GridMetric, PulledBack, solve
+from isoembed.smooth import GridMetric, PulledBack
 from slice_files import write_slice
 
 SPHERE = StarSurface.sphere((0.0, 0.0, 0.0), 1.0)
@@ -37,13 +37,13 @@ def moments():
 
 @pytest.fixture(scope="module")
 def alone():
-    """The results, one of which began from a mesh."""
-    meshes = []
-    graded_mesh = solve.graded_mesh
+    """The results, one of which began from the other."""
+    starts = []
+    restored = horizon_task.Start.restored
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(solve, "graded_mesh", lambda *a, **o: meshes.append(1) or graded_mesh(*a, **o))
+        patch.setattr(horizon_task.Start, "restored", lambda arrays: starts.append(1) or restored(arrays))
         results = list(embed_series(iter(moments()), vertices=60))
-    assert len(meshes) == 1
+    assert len(starts) == 1
     return results
 
 

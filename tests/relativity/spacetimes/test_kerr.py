@@ -16,6 +16,7 @@ from isoembed.errors import InvalidMetric, InvalidParameter
 from isoembed.gallery import Ergosphere, KerrHorizon
 from isoembed.gallery.kerr import Radius
 from isoembed.meshing.sphere import gauss_rule
+from isoembed.relativity.horizons.spin import find_spin
 from isoembed.relativity.spacetimes.kerr import (
     KerrNewmanErgosphere,
     KerrNewmanHorizon,
@@ -286,6 +287,22 @@ def test_angular_momentum():
     values = [twist(replace(charged, r=r)) for r in (2.0, 4.0, 1e4)]
     assert values[0] < 0.98 * values[1] < 0.96 * values[2]
     assert values[2] == pytest.approx(0.6, rel=1e-4)
+
+
+@pytest.mark.parametrize("r", [1.7, 3.0, 50.0])
+@pytest.mark.parametrize("a", [0.6, -0.6])
+def test_angular_momentum_in_its_parts(r, a):
+    surface = KerrNewmanSphere(2.0 * r, 2.0, 2.0 * a, 1.2)
+    part = surface.electromagnetic_angular_momentum
+    assert twist(surface) + part == pytest.approx(4.0 * a, rel=1e-11)
+    assert surface.data().electromagnetic_angular_momentum == abs(part)
+
+
+def test_angular_momentum_of_a_charged_ergosphere_in_its_parts():
+    data = KerrNewmanErgosphere(0.5, 1.0, 0.6, 0.5).data()
+    part = data.electromagnetic_angular_momentum
+    assert find_spin(data).J.value + part == pytest.approx(0.6, abs=1e-11)
+    assert KerrNewmanErgosphere(0.5, 1.0, 0.6).data().electromagnetic_angular_momentum == 0.0
 
 
 @given(a=st.floats(-0.99, 0.99), Q=st.floats(-0.99, 0.99), mass=st.floats(0.1, 10.0))

@@ -102,7 +102,15 @@ def _energies(
     data: SurfaceData, values: dict[str, Estimate], notes: list[str], spin: Spin | None
 ) -> Energies:
     about = data.angular_momentum
-    J = about if spin is None or (about is not None and data.axis is None) else spin.J
+    if spin is None or (about is not None and data.axis is None):
+        J: Estimate | float | None = about
+    else:
+        J = spin.J + Estimate(data.electromagnetic_angular_momentum or 0.0, 0.0)
+        if data.marginal and data.charge and data.electromagnetic_angular_momentum is None:
+            notes.append(
+                "the electromagnetic part of J is not known: the Christodoulou mass and J / M^2 are those of "
+                "the part of K_ij"
+            )
     if spin is not None and data.axis is not None and about is not None and spin.misses(about):
         notes.append(
             f"about the axis that was given J is {about:.6g}, "

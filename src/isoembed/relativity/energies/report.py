@@ -17,9 +17,11 @@ from isoembed.relativity.energies.energies import Energies
 from isoembed.relativity.energies.quadrature import intrinsic_energies
 from isoembed.relativity.energies.wang_yau_energy import wang_yau
 from isoembed.relativity.energies.wang_yau_result import WangYau
+from isoembed.relativity.horizons.conformal_multipoles import multipole_lines
 from isoembed.relativity.horizons.curvature_check import CurvatureCheck
 from isoembed.relativity.horizons.horizon_shape import shape_lines, shape_report
 from isoembed.relativity.horizons.spin import find_spin, spin_report
+from isoembed.relativity.horizons.stability_spectrum import spectrum_lines
 from isoembed.relativity.spacetimes.surface_data import SurfaceData
 from isoembed.surface.embedding import Embedding
 from isoembed.surface.estimate import Estimate
@@ -47,13 +49,16 @@ def energy_table(report: dict[str, Any]) -> str:
             line = _line(shown, report[name], report["errors"][name], width)
             lines.append(line + _by_lengths(report, name))
     if spin := report.get("spin"):
-        lines.append(_line("angular momentum J", spin["J"], spin["error"], width))
+        lines += _angular_momentum(spin, width)
         if spin["axis"]:
             turned = spin["axis_error"]
             lines.append(f"{'its axis':{width}}  {_triple(spin['axis'], turned)} +- {turned:.0e} radians")
             error = spin["error"] + turned * abs(spin["J"])
-            lines.append(f"{'J about x, y and z':{width}}  {_triple(spin['vector'], error)}")
+            about = "of K_ij about x, y and z" if "electromagnetic" in spin else "J about x, y and z"
+            lines.append(f"{about:{width}}  {_triple(spin['vector'], error)}")
     lines += shape_lines(report)
+    if multipoles := report.get("conformal_multipoles"):
+        lines += multipole_lines(multipoles)
     lines += ["", *(f"note: {note}" for note in report["notes"])]
     lines.append(CONVENTIONS["units"])
     if check := report.get("curvature_check"):
@@ -61,6 +66,17 @@ def energy_table(report: dict[str, Any]) -> str:
     if horizon := report.get("horizon"):
         lines += _horizon_lines(horizon)
     return "\n".join(lines)
+
+
+def _angular_momentum(spin: dict[str, Any], width: int) -> Iterator[str]:
+    """J, with a charge in its parts: that of K_ij and the electromagnetic one."""
+    charged = "electromagnetic" in spin
+    yield _line("J of K_ij" if charged else "angular momentum J", spin["J"], spin["error"], width)
+    if charged and spin["total"] is None:
+        yield f"{'J electromagnetic':{width}}  not known"
+    elif charged:
+        yield _line("J electromagnetic", spin["electromagnetic"], spin["error"], width)
+        yield _line("angular momentum J", spin["total"], spin["error"], width)
 
 
 def _space_lines(space: dict[str, Any] | None) -> Iterator[str]:
@@ -89,6 +105,8 @@ def _horizon_lines(horizon: dict[str, Any]) -> Iterator[str]:
             f"found in harmonics of degree {horizon['degree']}; the least eigenvalue of the stability "
             f"operator is {horizon['stability']:.6g} / R^2, R the areal radius: {stable}"
         )
+    if "stability_spectrum" in horizon:
+        yield from spectrum_lines(horizon["stability_spectrum"])
     yield (
         f"the expansion of outgoing rays, 0 on a horizon, is at most "
         f"{horizon['largest_expansion']:.1e} +- {horizon['expansion_error']:.0e}"
@@ -119,6 +137,7 @@ def unembedded_report(data: SurfaceData, error: NotEmbedded) -> dict[str, Any]:
     return {
         "status": "not embedded",
         **error.report,
+        "hindrance": error.embedding.hindrance or None,
         "name": data.name,
         **intrinsic_energies(data, spin).report,
         "spin": spin_report(data, spin),

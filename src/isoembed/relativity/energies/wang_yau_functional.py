@@ -303,10 +303,10 @@ def physical(data: SurfaceData, u: Floats, frames: Floats) -> tuple[Floats, Floa
     """The curvature k and momentum p (n,) of the data and, along the frames (n, 2), K(., n)."""
     if data.mean_curvature is None:
         raise InvalidParameter("the Wang-Yau energy needs the mean curvature k of the surface")
-    if data.momentum is not None and data.normal_momentum is None:
-        raise InvalidParameter("with a momentum, the Wang-Yau energy needs the normal_momentum K(., n), too")
     k = data.mean_curvature(u)
     p = np.zeros(len(u)) if data.momentum is None else data.momentum(u)
+    if data.normal_momentum is None and np.any(p):
+        raise InvalidParameter("with a momentum, the Wang-Yau energy needs the normal_momentum K(., n), too")
     worst = int(np.argmin(k - np.abs(p)))
     if not k[worst] > abs(p[worst]):
         theta, phi = np.arccos(u[worst, 2]), np.arctan2(u[worst, 1], u[worst, 0]) % (2.0 * np.pi)

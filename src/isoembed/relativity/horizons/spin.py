@@ -155,6 +155,10 @@ def spin_report(data: SurfaceData, spin: Spin | None) -> dict[str, Any] | None:
         "shear": spin.shear,
         "method": spin.method,
     }
+    if data.charge:
+        part = data.electromagnetic_angular_momentum
+        found["electromagnetic"] = part
+        found["total"] = None if part is None else spin.J.value + part
     if data.axis is not None:
         found["given_axis"] = {"axis": list(data.axis), "J": data.angular_momentum}
     return found

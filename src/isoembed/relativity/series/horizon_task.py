@@ -17,6 +17,7 @@ from isoembed.meshing.sphere import gauss_rule
 from isoembed.meshing.surface_mesh import SURFACE_MESH, checked_count
 from isoembed.relativity.energies.embedded import EmbeddedSurface, embed_surface
 from isoembed.relativity.energies.report import checked_report, unembedded_report, wang_yau_report
+from isoembed.relativity.horizons.conformal_multipoles import checked_order, conformal_multipoles
 from isoembed.relativity.horizons.coordinate_shape import CoordinateShape
 from isoembed.relativity.horizons.horizon import Horizon
 from isoembed.relativity.series.moment import Moment
@@ -61,11 +62,13 @@ class HorizonOptions:
         Whether the surfaces are horizons; by default the expansion of each decides.
     space : Space or "hyperbolic"
         That they are embedded in; see `isoembed.relativity.embed_surface`.
+    multipoles : int, optional
+        The highest l of multipoles (l, m) of horizons; see `isoembed.relativity.conformal_multipoles`.
 
     Raises
     ------
     InvalidParameter
-        There are too few or too many vertices, or the axis is none.
+        There are too few or too many vertices, the axis is none, or l is out of range.
     """
 
     vertices: int = 1000
@@ -73,11 +76,14 @@ class HorizonOptions:
     axis: tuple[float, float, float] | None = None
     marginal: bool | None = None
     space: Space | Literal["hyperbolic"] = EUCLIDEAN
+    multipoles: int | None = None
 
     def __post_init__(self) -> None:
         checked_count("the number of vertices", self.vertices, SURFACE_MESH.fewest, SPHERE_MESH.most)
         if self.axis is not None and not any(vector("the axis", self.axis)):
             raise InvalidParameter("the axis must not be zero")
+        if self.multipoles is not None:
+            checked_order(self.multipoles)
 
 
 @dataclass(frozen=True)
@@ -119,6 +125,8 @@ class HorizonTask:
         }
         if self.options.space == EUCLIDEAN:  # the digest of results that are older than other spaces
             del there["space"]
+        if self.options.multipoles is None:  # likewise
+            del there["multipoles"]
         return hashlib.sha256(json.dumps(there, sort_keys=True).encode()).hexdigest()
 
     def compute(self, before: Result | None) -> Result:
@@ -167,6 +175,9 @@ class HorizonTask:
         facts = horizon.facts | {
             name: moment[name] for name in ("time", "iteration") if name in horizon.facts
         }
+        if self.options.multipoles is not None and horizon.data.marginal:
+            found = conformal_multipoles(horizon.data, self.options.multipoles)
+            report = {**report, "conformal_multipoles": found.report}
         report = checked_report(report, horizon.curvature_check) | {"horizon": facts, "moment": moment}
         return Result(self.label, report["status"], report, arrays)
 

@@ -144,6 +144,27 @@ class KerrNewmanSurface(ABC):
         """
         return self.spin * self.mass if self.charge == 0.0 else None
 
+    @cached_property
+    def electromagnetic_angular_momentum(self) -> float:
+        """The part of the electromagnetic field in J: with the part of K_ij it makes a M on every surface.
+
+        ``int A_phi *F / 4 pi`` with the potential A that is regular on the axis, which vanishes at infinity.
+        """
+        a, Q = self._ratios
+        a2 = a * a
+
+        def hemisphere(n: int) -> Floats:
+            theta, weight = tanh_sinh(n)
+            sin, c2 = np.sin(theta), np.cos(theta) ** 2
+            s = sin**2
+            R, R_s, _, _ = self._R(s)
+            N, Sigma = R**2 + a2, R**2 + a2 * c2
+            # *F is the derivative of -Q cos(theta) N / Sigma along the meridian.
+            flux = Q * sin * (N / Sigma - 2.0 * a2 * c2 * (N - 2.0 * s * R * R_s) / Sigma**2)
+            return np.array([weight @ (Q * a * R * s / Sigma * flux)])
+
+        return float(integrate(hemisphere)[0]) * self.mass * self.mass
+
     def data(self) -> SurfaceData:
         """Data of which energies are computed.
 
@@ -157,6 +178,7 @@ class KerrNewmanSurface(ABC):
             momentum=None,
             normal_momentum=self.normal_momentum if self.spin else None,
             angular_momentum=self.angular_momentum,
+            electromagnetic_angular_momentum=abs(self.electromagnetic_angular_momentum),
             charge=self.charge,
             marginal=self.marginal,
             name=f"{self.name} of mass {self.mass:.9g}, spin {self.spin:.9g}, charge {self.charge:.9g}",

@@ -86,6 +86,9 @@ class SurfaceData:
         Takes u and returns ``K(e x (X - center), n)`` (n, 3), e the unit vectors along the coordinates x, y
         and z of the slice: 8 pi times the densities of the angular momenta about these axes.  None where
         there are no such coordinates.
+    electromagnetic_angular_momentum : float, optional
+        The electromagnetic part of J about the axis of the spin, ``int (A . phi) *F / 4 pi``, where it is
+        known: ``normal_momentum`` gives the part of K_ij only.  Without a charge it is taken for zero.
 
     Raises
     ------
@@ -112,6 +115,7 @@ class SurfaceData:
     notes: tuple[str, ...] = ()
     axis: tuple[float, float, float] | None = None
     torque: Callable[[Floats], Floats] | None = None
+    electromagnetic_angular_momentum: float | None = None
 
     def __post_init__(self) -> None:
         named = {"mean_curvature": "k", "momentum": "p", "normal_momentum": "j", "gaussian_curvature": "K"}
