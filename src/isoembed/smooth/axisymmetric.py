@@ -180,31 +180,43 @@ class AxisymmetricEmbedding:
         scale = float(np.abs(self._gauss(self._samples)).max())
         return self._negative(lambda x: self._gauss(x) - self._k, scale)
 
-    @cached_property
+    @property
     def greatest_curvature(self) -> float:
         """The greatest curvature of space, in 1/length^2, in which there is a surface of revolution.
 
         It is the least value of ``(1 - (d rho/d s)^2) / rho^2``, s being the length along a meridian; at the
         poles this is K.  The space that the surface is in does not matter.
         """
+        return self._greatest[0]
+
+    @property
+    def greatest_curvature_error(self) -> float:
+        """Error of `greatest_curvature` by rounding, or by what keeps the metric from being smooth."""
+        return self._greatest[1]
+
+    @cached_property
+    def _greatest(self) -> tuple[float, float]:
+        """The greatest curvature of space and its error."""
 
         def bound(x: Floats) -> Floats:
             return self._terms(x)[0] / (self.T(x) * self.P(x)) + self._k
 
+        def at(y: float) -> float:
+            return float(bound(np.array([y]))[0])
+
         x = self._samples
         values = bound(x)
         dips = 1 + np.flatnonzero((values[1:-1] <= values[:-2]) & (values[1:-1] <= values[2:]))
-        # The place to half of the digits gives the value to all of them.
-        found = [
-            minimize_scalar(
-                lambda y: float(bound(np.array([y]))[0]),
-                bounds=(x[i + 1], x[i - 1]),
-                method="bounded",
-                options={"xatol": 1e-9},
-            ).fun
-            for i in dips
-        ]
-        return float(min([values.min(), *found])) / self.unit / self.unit
+        places = [float(x[int(np.argmin(values))])]
+        for i in dips:
+            # The place to half of the digits gives the value to all of them.
+            options = {"xatol": 1e-9}
+            places.append(
+                float(minimize_scalar(at, bounds=(x[i + 1], x[i - 1]), method="bounded", options=options).x)
+            )
+        least = min(places, key=at)
+        size = float((self.T(np.array([least])) * self.P(np.array([least])))[0])
+        return at(least) / self.unit / self.unit, self._noise / size / self.unit / self.unit
 
     @cached_property
     def bands(self) -> tuple[Band, ...]:

@@ -84,7 +84,17 @@ class EmbeddedSurface:
     @cached_property
     def energies(self) -> Energies:
         """Area, int H dA and the quasi-local energies, each with its error."""
-        return smooth_energies(self.data, self.embedding, self.spin if self.data.marginal else None)
+        return smooth_energies(
+            self.data,
+            self.embedding,
+            self.spin if self.data.marginal else None,
+            curvature_error=self.curvature_error,
+        )
+
+    @property
+    def curvature_error(self) -> float:
+        """By how much the curvature of the space is uncertain: 0 where it was given."""
+        return self.least.curvature_error if self.least else 0.0
 
     @cached_property
     def spin(self) -> Spin | None:
@@ -229,6 +239,7 @@ def space_report(space: Space, least: LeastHyperbolic | None = None) -> dict[str
         {
             "gaussian_curvature": least.gaussian_curvature,
             "of_revolution": least.of_revolution,
+            "error": least.error,
             "explanation": least.explanation,
         }
         if least
