@@ -34,6 +34,8 @@ class LeastHyperbolicThresholds:
 
 LEAST_HYPERBOLIC = LeastHyperbolicThresholds()
 
+SURE = 3.0  # standard deviations that errors are
+
 
 @dataclass(frozen=True)
 class LeastHyperbolic:
@@ -129,8 +131,9 @@ def least_hyperbolic(metric: TwoMetric) -> LeastHyperbolic:
         return LeastHyperbolic(space, least.value, None, least.error)
     greatest = profile.greatest_curvature
     space = EUCLIDEAN if profile.embeds else Space(greatest)
-    # (1 - rho'^2) / rho^2 is a mean of K over the cap inside of the circle.
-    error = profile.greatest_curvature_error + spread
+    # (1 - rho'^2) / rho^2 is a mean of K over the cap inside of the circle; that of small caps has noise in
+    # degrees that are cut off from K, which doubled it where it was measured.
+    error = profile.greatest_curvature_error + 3.0 * spread
     return LeastHyperbolic(space, least.value, greatest, error)
 
 
@@ -152,7 +155,7 @@ def _least_gaussian_curvature(metric: TwoMetric) -> tuple[Estimate, float]:
     """The least K, and by how much K anywhere is uncertain because the lengths are."""
     if isinstance(metric, DeviatingMetric):
         K = UncertainCurvature.of(metric)
-        return _unbiased(K), _spread(K)
+        return _unbiased(K), SURE * K.largest
     lengths = getattr(metric, "error", EXACT).pointwise
     smooth = spectral_curvature(metric, lengths)
     u = np.concatenate(
@@ -170,16 +173,10 @@ def _unbiased(K: UncertainCurvature) -> Estimate:
     for source in K.deviations:
         ends = [0.5 * float((values + d).min() + (values - d).min()) for d in source]
         bias += float(np.mean(ends)) - least
-    error = _spread(K)
+    error = SURE * K.largest
     near = values <= least + 2.0 * error
     cut = float(K.cut[near].max(initial=0.0))
     return Estimate(_lowest(K, K.u, values) - bias, error - bias + cut)
-
-
-def _spread(K: UncertainCurvature) -> float:
-    """By how much K may be off anywhere."""
-    squares = [float(np.mean(np.abs(source).max(axis=1) ** 2)) for source in K.deviations]
-    return 3.0 * float(np.sqrt(sum(squares)))  # standard deviations
 
 
 def _lowest(K: Callable[[Floats], Floats], u: Floats, values: Floats) -> float:

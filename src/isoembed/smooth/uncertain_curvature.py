@@ -43,8 +43,7 @@ class UncertainCurvature:
     deviations : tuple of ndarray, shape (N, n)
         What K may be off by there, for each source of errors; see `DeviatingMetric`.
     cut : ndarray, shape (n,)
-        The part of the highest two degrees that were kept, a measure of those that were cut off; zero if
-        none was.
+        Estimated size of the degrees that were cut off, as they fall like those before; zero if none was.
     """
 
     harmonics: Harmonics
@@ -69,7 +68,7 @@ class UncertainCurvature:
         metric is analytic: from some degree on there is only noise, which the least K would collect.
         """
         unit, own = in_own_unit(metric)
-        harmonics, coefficients, _ = metric_series(own, 0.0)
+        harmonics, coefficients, settled = metric_series(own, 0.0)
         n = max(harmonics.degree + 8, 64)  # three degrees apart at most, for the least K among the nodes
         full = harmonics.order == harmonics.degree
         transform = SphereTransform(harmonics, n, 2 * n if full else 2 * harmonics.order + 4)
@@ -92,10 +91,13 @@ class UncertainCurvature:
             transform.analysis(np.stack([changed(tensor) for tensor in source], axis=1))
             for source in metric.deviations(transform.u)
         ]
-        degrees = harmonics.labels[0]
-        last = _last_above_noise(degrees, series, deviations)
+        spectrum = _Spectrum(harmonics, series, deviations)
+        if not settled:
+            deviations = [scale * source for scale, source in zip(spectrum.scales, deviations, strict=True)]
+            spectrum = _Spectrum(harmonics, series, deviations)
+        degrees, last = harmonics.labels[0], spectrum.last
         kept = (degrees <= last)[:, None]
-        highest = kept & (degrees > last - 2)[:, None] if last < harmonics.degree else 0.0 * kept
+        highest = spectrum.beyond * (kept & (degrees > last - 2)[:, None])
         scale = 1.0 / unit / unit
         return cls(
             harmonics,
@@ -106,14 +108,63 @@ class UncertainCurvature:
             scale * np.abs(transform.values(highest * series)[:, 0]),
         )
 
+    @property
+    def largest(self) -> float:
+        """The largest deviation anywhere, for all sources together, in the mean square."""
+        squares = [float(np.mean(np.abs(source).max(axis=1) ** 2)) for source in self.deviations]
+        return float(np.sqrt(sum(squares)))
+
     def __call__(self, u: Floats) -> Floats:
         """K (n,) at the unit vectors u (n, 3)."""
         return self.harmonics.derivatives(u, self.coefficients)[0]
 
 
-def _last_above_noise(degrees: Indices, series: Floats, deviations: list[Floats]) -> int:
-    """The highest degree in which coefficients (size, 1) are larger than deviations (size, N)."""
-    noise = sum((np.mean(source**2, axis=1) for source in deviations), np.zeros(len(series)))
-    power, of_noise = (np.bincount(degrees, squares) for squares in (series[:, 0] ** 2, noise))
-    seen = np.flatnonzero(power > 4.0 * of_noise)  # twice the size
-    return int(seen.max(initial=0))
+class _Spectrum:
+    """Squares of K and of its deviations by degree."""
+
+    def __init__(self, harmonics: Harmonics, series: Floats, deviations: list[Floats]) -> None:
+        degrees = harmonics.labels[0]
+        self.power = _by_degree(degrees, series[:, 0] ** 2)
+        self.sources = [_by_degree(degrees, np.mean(source**2, axis=1)) for source in deviations]
+        self.noise = sum(self.sources, np.zeros(len(self.power)))
+
+    @property
+    def scales(self) -> list[float]:
+        """Factors, at least 1, of the sources, with which there is as much noise in high degrees as is seen.
+
+        What a source says of its size may be too little, but where K has degrees without end they are errors.
+        """
+        high = slice(2 * len(self.power) // 3, None)
+        seen, told = (float(np.median(values[high])) for values in (self.power, self.noise))
+        return [
+            max(1.0, float(np.sqrt(seen / told))) if np.median(source[high]) > 0.1 * told else 1.0
+            for source in self.sources
+        ]
+
+    @property
+    def last(self) -> int:
+        """The highest degree that with the one before is twice as large as noise, which is more than chance.
+
+        Symmetry leaves out every other one, of K as of its deviations.
+        """
+        return int(np.flatnonzero(_pairs(self.power) > 4.0 * _pairs(self.noise)).max(initial=0))
+
+    @property
+    def beyond(self) -> float:
+        """All degrees after the last over that and the one before, if they fall as those before."""
+        last, pairs = self.last, _pairs(self.power)
+        if last + 1 == len(pairs):
+            return 0.0
+        before = float(pairs[max(last - 2, 0)])
+        ratio = min(np.sqrt(float(pairs[last]) / before), 0.9) if before > 0.0 else 0.9
+        return float(ratio / (1.0 - ratio))
+
+
+def _by_degree(degrees: Indices, squares: Floats) -> Floats:
+    """Sums of squares (size,) over the orders of each degree."""
+    return np.bincount(degrees, squares).astype(np.float64)
+
+
+def _pairs(squares: Floats) -> Floats:
+    """Each degree with the one before."""
+    return squares + np.concatenate([[0.0], squares[:-1]])
