@@ -1,5 +1,7 @@
 """Energies in the least hyperbolic space of horizons that have errors."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
@@ -56,3 +58,11 @@ def test_an_uncertain_reference_makes_the_energy_of_observers_uncertain():
     assert unsure.value == sure.value
     change = abs(chen_wang_yau(data, other.embedding).energy.value - sure.value)
     assert change <= unsure.error <= 5.0 * change
+
+
+def test_a_horizon_that_is_a_little_off_has_another_curvature():
+    data = KerrNewmanHorizon(1.0, 0.9).data()
+    off = embed_surface(replace(data, displacement=1e-6), space="hyperbolic")
+    # K about 1 / R^2, R^2 = r^2 + a^2, changes by eight times the relative change of lengths.
+    assert off.curvature_error == pytest.approx(8e-6 / (1.4358898943540674**2 + 0.81), rel=1e-3)
+    assert off.energies.liu_yau.error > 1e-6
