@@ -66,6 +66,15 @@ def test_without_noise_nothing_is_cut_off():
     assert abs(least.space.curvature - LEAST) <= least.error < 1e-9
 
 
+@pytest.mark.parametrize("unit", [2.0**-300, 2.0**300])
+def test_the_unit_of_length_does_not_matter(unit):
+    grid = noisy(24, 1e-5, 0)
+    q = (unit**2 * c for c in (grid.q_tt, grid.q_tp, grid.q_pp))
+    one, other = least_hyperbolic(grid), least_hyperbolic(GridMetric(grid.theta, grid.phi, *q))
+    assert other.gaussian_curvature * unit**2 == pytest.approx(one.gaussian_curvature, rel=1e-6)
+    assert other.error * unit**2 == pytest.approx(one.error, rel=1e-6)
+
+
 def test_deviations_of_a_surface_are_those_of_its_points():
     flat = KerrSchild(1e-9, (0.0, 0.0, 0.0))
     rng = np.random.default_rng(0)

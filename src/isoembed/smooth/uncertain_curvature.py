@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 from typing import Protocol, runtime_checkable
 
@@ -111,8 +112,8 @@ class UncertainCurvature:
     @property
     def largest(self) -> float:
         """The largest deviation anywhere, for all sources together, in the mean square."""
-        squares = [float(np.mean(np.abs(source).max(axis=1) ** 2)) for source in self.deviations]
-        return float(np.sqrt(sum(squares)))
+        sizes = [np.abs(source).max(axis=1) / np.sqrt(len(source)) for source in self.deviations]
+        return math.hypot(*(float(size) for source in sizes for size in source))  # which does not overflow
 
     def __call__(self, u: Floats) -> Floats:
         """K (n,) at the unit vectors u (n, 3)."""
