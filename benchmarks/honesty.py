@@ -19,6 +19,7 @@ from pathlib import Path
 import numpy as np
 
 import honesty_grids
+import honesty_hyperbolic
 import honesty_surfaces
 import honesty_triangles
 from isoembed import InvalidMetric, InvalidParameter, NotEmbedded
@@ -104,7 +105,7 @@ def main():
     parser.add_argument("--json", type=Path, metavar="FILE", help="write all rows")
     options = parser.parse_args()
     counts, rows, refusals = Counter(), [], Counter()
-    for source in (honesty_grids, honesty_surfaces, honesty_triangles):
+    for source in (honesty_grids, honesty_surfaces, honesty_triangles, honesty_hyperbolic):
         for case in source.cases(options.seeds):
             if options.only and case.kind not in options.only:
                 continue

@@ -4,6 +4,10 @@ With x = cos(theta), s = 1 - x^2, q_tt = T and q_pp = s P, the surface has rho^2
 ``G = (q_tt - (d rho/d theta)^2) / s``.  T, P and G are smooth in x over the poles, and where G < 0 there is
 no surface of revolution.  Functions are Chebyshev series on pieces, bisected until they resolve.
 
+A component q_tp = sin(theta) Q is removed by the rotation ``phi + psi(theta)`` of each circle of latitude,
+``d psi/d theta = q_tp / q_pp``: the metric is ``(q_tt - q_tp^2 / q_pp) dtheta^2 + q_pp (dphi + d psi)^2``.  A
+smooth tensor has Q = s S, S smooth in x, hence ``d psi/dx = -S / P`` is smooth over the poles, too.
+
 In a space of curvature k, rho is sn of the distance from the axis, G is k T P less, with q_tt (1 - k rho^2)
 for q_tt, and the length h of the axis below a point has ``dh/dx = sqrt(G) / (1 - k rho^2)``.
 """
@@ -25,7 +29,7 @@ from isoembed.errors import InvalidMetric
 from isoembed.meshing.sphere import angles_of, directions_at
 from isoembed.smooth.band import Band, checked_angles
 from isoembed.smooth.piecewise import PIECEWISE, Piecewise, fitted
-from isoembed.smooth.two_metric import AngleMetric, TwoMetric, angle_components
+from isoembed.smooth.two_metric import AngleMetric, TwoMetric, angle_components, are_definite
 from isoembed.space import EUCLIDEAN, Space
 from isoembed.thresholds import threshold
 
@@ -54,8 +58,9 @@ class AxisymmetricEmbedding:
 
     Attributes
     ----------
-    T, P : Piecewise
-        q_tt and q_pp / sin^2(theta) over `unit` squared, as functions of x = cos(theta).
+    T, P, Q : Piecewise
+        q_tt - q_tp^2 / q_pp, q_pp / sin^2(theta) and q_tp / sin(theta) over `unit` squared, as functions of
+        x = cos(theta).
     unit : float
         A length, about the largest circumferential radius.
     resolution : float
@@ -66,6 +71,7 @@ class AxisymmetricEmbedding:
 
     T: Piecewise = field(repr=False)
     P: Piecewise = field(repr=False)
+    Q: Piecewise = field(repr=False)
     unit: float
     resolution: float
     space: Space = EUCLIDEAN
@@ -86,35 +92,47 @@ class AxisymmetricEmbedding:
         Raises
         ------
         InvalidMetric
-            The metric is not axisymmetric about z, or has q_tp, or is not positive, conical at a pole or not
+            The metric is not axisymmetric about z, or not positive, or conical at a pole or otherwise not
             smooth; the message says how much and where.
         """
 
         def components(x: Floats) -> Floats:
             u = directions_at(x, 0.0)
-            q = np.einsum("naa->an", angle_components(u, metric.tensor(u)))
-            bad = np.flatnonzero(~((q > 0.0) & np.isfinite(q)).all(axis=0))
+            q = angle_components(u, metric.tensor(u))
+            tt, tp, pp = q[:, 0, 0], q[:, 0, 1], q[:, 1, 1]
+            bad = np.flatnonzero(~are_definite(tt, tp, pp))
             if bad.size:
                 i = int(bad[0])
+                mixed = abs(tp[i]) > tolerance * abs(pp[i])
+                names = f"q_tt, {'q_tp / sin(theta), ' if mixed else ''}q_pp / sin^2(theta)"
+                values = (tt[i], *([tp[i]] if mixed else []), pp[i])
                 raise InvalidMetric(
-                    f"q_tt, q_pp / sin^2(theta) = {q[0, i]:.6g}, {q[1, i]:.6g} at theta = {_theta(x[i]):.6g}:"
-                    " that is not a positive metric"
+                    f"{names} = {', '.join(f'{value:.6g}' for value in values)} at"
+                    f" theta = {_theta(x[i]):.6g}: that is not a positive metric"
                 )
-            return q
+            # Q may vanish, but series need a scale.
+            return np.stack([tt - tp * (tp / pp), pp, pp + tp])
 
         _check_symmetry(metric, tolerance)
         scale = float(components(np.linspace(-1.0, 1.0, 65))[1].max())
-        (T, P), resolution = fitted(
+        (T, P, sheared), resolution = fitted(
             lambda x: components(x) / scale, np.array([-1.0, 0.0, 1.0]), weighted=False
         )
+        Q = Piecewise(P.breaks, sheared.coefficients - P.coefficients)
         for name, x in (("south", -1.0), ("north", 1.0)):
-            t, p = float(T(np.array([x]))[0]), float(P(np.array([x]))[0])
-            if abs(t - p) > max(AXISYMMETRIC.conical, 10.0 * resolution) * p:
+            t, p, q = (float(f(np.array([x]))[0]) for f in (T, P, Q))
+            allowed = max(AXISYMMETRIC.conical, 10.0 * resolution) * p
+            if abs(t - p) > allowed:
                 raise InvalidMetric(
                     f"the metric is conical at the {name} pole:"
                     f" q_tt sin^2(theta) / q_pp = {t / p:.9g} there, not 1"
                 )
-        return cls(T, P, float(np.sqrt(scale)), resolution, space)
+            if abs(q) > allowed:
+                raise InvalidMetric(
+                    f"the metric is not smooth at the {name} pole:"
+                    f" q_tp sin(theta) / q_pp = {q / p:.9g} there, not 0"
+                )
+        return cls(T, P, Q, float(np.sqrt(scale)), resolution, space)
 
     @classmethod
     def from_components(
@@ -183,27 +201,43 @@ class AxisymmetricEmbedding:
         scale = float(np.abs(self._gauss(self._samples)).max())
         return self._negative(lambda x: self._gauss(x) - self._k, scale)
 
-    @cached_property
+    @property
     def greatest_curvature(self) -> float:
         """The greatest curvature of space, in 1/length^2, in which there is a surface of revolution.
 
         It is the least value of ``(1 - (d rho/d s)^2) / rho^2``, s being the length along a meridian; at the
         poles this is K.  The space that the surface is in does not matter.
         """
+        return self._greatest[0]
+
+    @property
+    def greatest_curvature_error(self) -> float:
+        """Error of `greatest_curvature` by rounding, or by what keeps the metric from being smooth."""
+        return self._greatest[1]
+
+    @cached_property
+    def _greatest(self) -> tuple[float, float]:
+        """The greatest curvature of space and its error."""
 
         def bound(x: Floats) -> Floats:
             return self._terms(x)[0] / (self.T(x) * self.P(x)) + self._k
 
+        def at(y: float) -> float:
+            return float(bound(np.array([y]))[0])
+
         x = self._samples
         values = bound(x)
         dips = 1 + np.flatnonzero((values[1:-1] <= values[:-2]) & (values[1:-1] <= values[2:]))
-        found = [
-            minimize_scalar(
-                lambda y: float(bound(np.array([y]))[0]), bounds=(x[i + 1], x[i - 1]), method="bounded"
-            ).fun
-            for i in dips
-        ]
-        return float(min([values.min(), *found])) / self.unit / self.unit
+        places = [float(x[int(np.argmin(values))])]
+        for i in dips:
+            # The place to half of the digits gives the value to all of them.
+            options = {"xatol": 1e-9}
+            places.append(
+                float(minimize_scalar(at, bounds=(x[i + 1], x[i - 1]), method="bounded", options=options).x)
+            )
+        least = min(places, key=at)
+        size = float((self.T(np.array([least])) * self.P(np.array([least])))[0])
+        return at(least) / self.unit / self.unit, self._noise / size / self.unit / self.unit
 
     @cached_property
     def bands(self) -> tuple[Band, ...]:
@@ -250,11 +284,21 @@ class AxisymmetricEmbedding:
         """The height (n,) of the whole surface at theta (n,), zero half way up."""
         return self._whole.z(theta)
 
+    def twist(self, theta: ArrayLike) -> Floats:
+        """The angle psi (n,) between the points of the surface and the coordinate phi on the circle at theta.
+
+        The meridian phi = 0 lies at the angle psi about the axis.  It is zero at the north pole, and
+        everywhere if there is no q_tp; the same for bands.
+        """
+        return self._twist(np.cos(checked_angles(theta)))
+
     def points(self, u: Floats) -> Floats:
         """The points (n, 3) of the whole surface named by unit vectors u (n, 3)."""
         z = self.z(angles_of(u)[0])
         p = self.unit * np.sqrt(self.P(u[:, 2]))
-        return np.stack([p * u[:, 0], p * u[:, 1], z], axis=1)
+        psi = self._twist(u[:, 2])
+        c, s = p * np.cos(psi), p * np.sin(psi)
+        return np.stack([c * u[:, 0] - s * u[:, 1], s * u[:, 0] + c * u[:, 1], z], axis=1)
 
     def gaussian_curvature(self, theta: ArrayLike) -> Floats:
         """K (n,) of the metric at theta (n,), in 1/length^2."""
@@ -293,26 +337,27 @@ class AxisymmetricEmbedding:
         return P_x, P_x.derivative(), self.T.derivative()
 
     @cached_property
-    def _differences(self) -> tuple[Floats, Floats]:
-        """T - P over 1 + x on the first piece, and over 1 - x on the last, as series on these pieces."""
-        series = self.T.coefficients - self.P.coefficients
-        width = np.diff(self.T.breaks)
-        first, _ = chebyshev.chebdiv(series[:, 0], [1.0, 1.0])
-        last, _ = chebyshev.chebdiv(series[:, -1], [1.0, -1.0])
-        return first * (2.0 / width[0]), last * (2.0 / width[-1])
+    def _difference(self) -> _OverSquaredSine:
+        """(T - P) / s."""
+        return _OverSquaredSine(Piecewise(self.T.breaks, self.T.coefficients - self.P.coefficients))
+
+    @cached_property
+    def _twist(self) -> Callable[[Floats], Floats]:
+        """The angle psi as a function of x."""
+        if np.abs(self.Q.coefficients).max() <= self.resolution:
+            return np.zeros_like
+        slope = _OverSquaredSine(self.Q)
+        # Angles count against 1, however small they are.
+        (density,), _ = fitted(lambda x: 1.0 + (slope(x) / self.P(x))[None, :], self.Q.breaks, weighted=True)
+        below = density.primitive()
+        whole = float(below(np.array([1.0]))[0])
+        return lambda x: (whole - below(x)) - (1.0 - x)
 
     def _terms(self, x: Floats) -> tuple[Floats, Floats]:
         """G, and d rho/d theta, at x."""
         s = (1.0 - x) * (1.0 + x)
         T, P, P_x = self.T(x), self.P(x), self._derivatives[0](x)
-        breaks = self.T.breaks
-        first, last = self._differences
-        south, north = x < breaks[1], x > breaks[-2]
-        E = np.empty_like(x)  # (T - P) / s
-        middle = ~(south | north)
-        E[middle] = (T - P)[middle] / s[middle]
-        E[south] = chebyshev.chebval(self.T.local(x[south])[1], first) / (1.0 - x[south])
-        E[north] = chebyshev.chebval(self.T.local(x[north])[1], last) / (1.0 + x[north])
+        E = self._difference(x)
         G = E + P + x * P_x - s * P_x * P_x / (4.0 * P) - self._k * T * P
         return G, (x * P - 0.5 * s * P_x) / np.sqrt(P)
 
@@ -370,6 +415,26 @@ class AxisymmetricEmbedding:
         return tuple(found)
 
 
+class _OverSquaredSine:
+    """The quotient f / (1 - x^2) of a series f on pieces that vanishes at both ends, 1 and -1."""
+
+    def __init__(self, f: Piecewise) -> None:
+        self._f = f
+        width = np.diff(f.breaks)
+        self._first = chebyshev.chebdiv(f.coefficients[:, 0], [1.0, 1.0])[0] * (2.0 / width[0])
+        self._last = chebyshev.chebdiv(f.coefficients[:, -1], [1.0, -1.0])[0] * (2.0 / width[-1])
+
+    def __call__(self, x: Floats) -> Floats:
+        """Values at x (n,), at the ends, too."""
+        south, north = x < self._f.breaks[1], x > self._f.breaks[-2]
+        middle = ~(south | north)
+        values = np.empty_like(x)
+        values[middle] = self._f(x[middle]) / ((1.0 - x[middle]) * (1.0 + x[middle]))
+        values[south] = chebyshev.chebval(self._f.local(x[south])[1], self._first) / (1.0 - x[south])
+        values[north] = chebyshev.chebval(self._f.local(x[north])[1], self._last) / (1.0 + x[north])
+        return values
+
+
 def _check_symmetry(metric: TwoMetric, tolerance: float) -> None:
     names = ("q_tt", "q_tp / sin(theta)", "q_pp / sin^2(theta)")
     theta = np.pi * (np.arange(24) + 0.5) / 24
@@ -383,13 +448,6 @@ def _check_symmetry(metric: TwoMetric, tolerance: float) -> None:
         raise InvalidMetric(
             f"the metric is not axisymmetric about z: at theta = {theta[i]:.6g}, {names[k]} varies with phi"
             f" by {variation[k, i]:.3g} of the largest component"
-        )
-    mixed = np.abs(q[1]).max(axis=1) / scale
-    if mixed.max() > tolerance:
-        i = int(np.argmax(mixed))
-        raise InvalidMetric(
-            f"the metric is twisted about z: at theta = {theta[i]:.6g}, q_tp / sin(theta) is"
-            f" {mixed[i]:.3g} of the largest component, not 0"
         )
 
 

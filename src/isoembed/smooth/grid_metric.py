@@ -20,7 +20,7 @@ from isoembed.smooth.double_fourier import (
 )
 from isoembed.smooth.poles import PoleSight
 from isoembed.smooth.smoothness import check_series
-from isoembed.smooth.spectrum import Spectrum
+from isoembed.smooth.spectrum import SPECTRUM, Spectrum
 from isoembed.smooth.two_metric import TwoMetric, angle_components, are_definite, from_angles, is_axisymmetric
 from isoembed.smooth.uncertain import UncertainFunction, Uncertainty
 from isoembed.thresholds import threshold
@@ -144,6 +144,20 @@ class GridMetric:
         error = _error(self._field, np.stack([self.q_tt, self.q_tp, self.q_pp]))
         half, odds = 0.5 / self._size, 0.5 * self.at_poles().jump
         return Uncertainty(half * error.pointwise + odds, half * error.mean + 0.5 * odds)
+
+    def deviations(self, u: Floats) -> tuple[Floats, ...]:
+        """Changes (N, n, 3, 3) of the tensor at u (n, 3) by noise at the nodes of the size of the error.
+
+        See `isoembed.smooth.uncertain_curvature.DeviatingMetric`.
+        """
+        directions, values = np.asarray(u, dtype=np.float64), self._field.values
+        random = np.random.default_rng(0)
+        size = 2.0 * self._size * self.error.pointwise / SPECTRUM.scatter
+        drawn = []
+        for _ in range(12):  # tell a root mean square to a fifth
+            noise = DoubleFourier(self._field.theta, self._field.phi, size * random.normal(size=values.shape))
+            drawn.append(from_angles(directions, *noise.at(directions).T))
+        return (np.stack(drawn),)
 
     @property
     def notes(self) -> tuple[str, ...]:

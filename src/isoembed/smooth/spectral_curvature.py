@@ -37,7 +37,7 @@ class SpectralCurvatureThresholds:
 SPECTRAL_CURVATURE = SpectralCurvatureThresholds()
 
 ORDER = 2  # of the Cartesian components of a tensor that is symmetric about the z-axis
-PAIRS = tuple(np.triu_indices(3))
+PAIRS = np.triu_indices(3)
 
 
 def spectral_curvature(metric: TwoMetric, relative_error: float = 0.0) -> UncertainFunction:
@@ -68,7 +68,7 @@ def spectral_curvature(metric: TwoMetric, relative_error: float = 0.0) -> Uncert
     second derivatives are the covariant ones of the sphere.
     """
     unit, own = in_own_unit(metric)
-    harmonics, coefficients, settled = _series(own, relative_error)
+    harmonics, coefficients, settled = metric_series(own, relative_error)
     degree, u = harmonics.degree, _everywhere(harmonics)
     K = _curvature(u, harmonics, coefficients)
     noise = (SPECTRAL_CURVATURE.rounding + relative_error) * float(np.abs(K).max())
@@ -82,7 +82,7 @@ def spectral_curvature(metric: TwoMetric, relative_error: float = 0.0) -> Uncert
     return UncertainFunction(lambda u: _curvature(u, harmonics, coefficients) / unit / unit, error)
 
 
-def _series(metric: TwoMetric, relative_error: float) -> tuple[Harmonics, Floats, bool]:
+def metric_series(metric: TwoMetric, relative_error: float) -> tuple[Harmonics, Floats, bool]:
     """The components xx, xy, xz, yy, yz, zz (size, 6) in harmonics, and whether these suffice."""
     t, symmetric = SPECTRAL_CURVATURE, is_axisymmetric(metric)
     degree, most = t.first_degree, t.highest_symmetric if symmetric else t.highest_degree
@@ -112,17 +112,43 @@ def _everywhere(harmonics: Harmonics) -> Floats:
 
 def _curvature(u: Floats, harmonics: Harmonics, coefficients: Floats) -> Floats:
     u = np.asarray(u, dtype=np.float64)
-    q, slope, bend = (np.empty((len(u), 3, 3, *more)) for more in ((), (3,), (3, 3)))
-    for tensor, components in zip((q, slope, bend), harmonics.derivatives(u, coefficients), strict=True):
-        tensor[:, PAIRS[0], PAIRS[1]] = tensor[:, PAIRS[1], PAIRS[0]] = components
+    values, gradients, hessians = harmonics.derivatives(u, coefficients)
     e, f = angle_frame(u)
-    parts = ((e, e), (e, f), (f, f))
-    metric = np.stack([np.einsum("ni,nij,nj->n", a, q, b) for a, b in parts])
-    x, y = (np.stack([np.einsum("ni,nijk,nj,nk->n", a, slope, b, d) for a, b in parts]) for d in (e, f))
-    xy, yy, xx = (
-        np.einsum("ni,nijkl,nj,nk,nl->n", a, bend, b, c, d, optimize=True)
-        for a, b, c, d in ((e, f, e, f), (e, e, f, f), (f, f, e, e))
+    first = np.stack([np.einsum("nck,nk->nc", gradients, a) for a in (e, f)], axis=1)
+    second = np.stack(
+        [np.einsum("nckl,nk,nl->nc", hessians, a, b, optimize=True) for a, b in ((e, e), (e, f), (f, f))],
+        axis=1,
     )
+    return curvature_of_derivatives(u, values, first, second)
+
+
+def curvature_of_derivatives(u: Floats, values: Floats, first: Floats, second: Floats) -> Floats:
+    """Gaussian curvature from the Cartesian components of a metric and their derivatives.
+
+    Parameters
+    ----------
+    u : ndarray, shape (n, 3)
+    values : ndarray, shape (n, 6)
+        xx, xy, xz, yy, yz and zz.
+    first : ndarray, shape (n, 2, 6)
+        Derivatives along the unit vectors e_theta and e_phi.
+    second : ndarray, shape (n, 3, 6)
+        Covariant second derivatives on the unit sphere: theta theta, theta phi, phi phi.
+    """
+    e, f = angle_frame(u)
+    # Products of two vectors with a symmetric tensor as sums over its six components.
+    double = np.where(PAIRS[0] == PAIRS[1], 0.5, 1.0)
+    ee, ef, ff = (
+        double * (a[:, PAIRS[0]] * b[:, PAIRS[1]] + a[:, PAIRS[1]] * b[:, PAIRS[0]])
+        for a, b in ((e, e), (e, f), (f, f))
+    )
+
+    def along(weights: Floats, components: Floats) -> Floats:
+        return np.asarray(np.einsum("nc,nc->n", weights, components))
+
+    metric = np.stack([along(pair, values) for pair in (ee, ef, ff)])
+    x, y = (np.stack([along(pair, first[:, k]) for pair in (ee, ef, ff)]) for k in (0, 1))
+    xy, yy, xx = along(ef, second[:, 1]), along(ee, second[:, 2]), along(ff, second[:, 0])
     # The projection shortens lengths by 1 + x^2 + y^2, which the second derivatives of E and G see.
-    second = xy - 0.5 * (yy - 2.0 * metric[0] + xx - 2.0 * metric[2])
-    return brioschi(metric, x, y, second)
+    mixed = xy - 0.5 * (yy - 2.0 * metric[0] + xx - 2.0 * metric[2])
+    return brioschi(metric, x, y, mixed)

@@ -84,7 +84,9 @@ class ChenWangYau:
         }
 
 
-def chen_wang_yau(data: SurfaceData, embedding: SmoothEmbedding) -> ChenWangYau:
+def chen_wang_yau(
+    data: SurfaceData, embedding: SmoothEmbedding, *, curvature_error: float = 0.0
+) -> ChenWangYau:
     """Wang-Yau energy of a surface for tau = 0, the reference being the static spacetime of its embedding.
 
     Parameters
@@ -94,6 +96,8 @@ def chen_wang_yau(data: SurfaceData, embedding: SmoothEmbedding) -> ChenWangYau:
     embedding : SmoothEmbedding
         Of ``data.metric`` in hyperbolic or spherical space, of the curvature cosmological constant / 3; in
         Euclidean space V = 1, and the energy is that of Kijowski, Liu and Yau.
+    curvature_error : float
+        By how much the curvature of the reference is uncertain, in 1/length^2.
 
     Raises
     ------
@@ -137,7 +141,9 @@ def chen_wang_yau(data: SurfaceData, embedding: SmoothEmbedding) -> ChenWangYau:
             f"V = {potential[i]:.3g} at u = {u[i].tolist()}: the surface reaches beyond the cosmological "
             "horizon of the static observers"
         )
-    error += float(potential.max()) * plain.liu_yau.error + embedding.residual * abs(value)
+    # V changes with the curvature, too: on spheres it makes of dE/dk 2 V times as much.
+    by_space = 3.0 * embedding.volume * curvature_error / (8.0 * np.pi)
+    error += float(potential.max()) * (plain.liu_yau.error + 2.0 * by_space) + embedding.residual * abs(value)
     gradient, notes = None if data.marginal else _gradient(data, embedding, center), []
     if gradient is not None and gradient > CHEN_WANG_YAU.critical * abs(value) / radius:
         notes.append(

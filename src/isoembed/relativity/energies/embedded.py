@@ -1,6 +1,6 @@
 """A surface of a slice, its smooth embedding in a space, and the energies that follow."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import Any, Literal
 
@@ -9,6 +9,7 @@ from numpy.typing import NDArray
 
 from isoembed.arrays import Floats, Indices
 from isoembed.errors import InvalidMetric, InvalidParameter
+from isoembed.meshing.sphere import gauss_rule
 from isoembed.relativity.energies.energies import Energies
 from isoembed.relativity.energies.quadrature import smooth_energies
 from isoembed.relativity.horizons.horizon_shape import shape_report
@@ -18,6 +19,7 @@ from isoembed.smooth.embedding import SmoothEmbedding
 from isoembed.smooth.least_hyperbolic import LeastHyperbolic, least_hyperbolic
 from isoembed.smooth.solve import embed_smooth
 from isoembed.smooth.start import Start
+from isoembed.smooth.two_metric import area_density
 from isoembed.space import EUCLIDEAN, Space
 from isoembed.space.models import to_model
 from isoembed.thresholds import threshold
@@ -84,7 +86,17 @@ class EmbeddedSurface:
     @cached_property
     def energies(self) -> Energies:
         """Area, int H dA and the quasi-local energies, each with its error."""
-        return smooth_energies(self.data, self.embedding, self.spin if self.data.marginal else None)
+        return smooth_energies(
+            self.data,
+            self.embedding,
+            self.spin if self.data.marginal else None,
+            curvature_error=self.curvature_error,
+        )
+
+    @property
+    def curvature_error(self) -> float:
+        """By how much the curvature of the space is uncertain: 0 where it was given."""
+        return self.least.curvature_error if self.least else 0.0
 
     @cached_property
     def spin(self) -> Spin | None:
@@ -205,7 +217,7 @@ def embed_surface(
         )
     least = None
     if space == "hyperbolic":
-        least = least_hyperbolic(data.metric)
+        least = _with_displacement(least_hyperbolic(data.metric), data)
         space = least.space
     elif not isinstance(space, Space):
         raise InvalidParameter(f'the space is {space!r}, not a Space or "hyperbolic"')
@@ -224,12 +236,23 @@ def embed_surface(
     return EmbeddedSurface(data, embedding, least)
 
 
+def _with_displacement(least: LeastHyperbolic, data: SurfaceData) -> LeastHyperbolic:
+    """The least space with what the displacement of a horizon adds to the error of its curvature."""
+    if not data.displacement:
+        return least
+    u, weights = gauss_rule(24, 48)
+    area = float(weights @ area_density(data.metric.tensor(u)))
+    # Lengths times exp(f), f of degree 2, make of K of a sphere (K + 6 f / R^2) exp(-2 f).
+    return replace(least, error=least.error + 8.0 * data.displacement * 4.0 * np.pi / area)
+
+
 def space_report(space: Space, least: LeastHyperbolic | None = None) -> dict[str, Any]:
     """Plain numbers, for JSON: the space of reference, and how it was found if it was looked for."""
     found = (
         {
             "gaussian_curvature": least.gaussian_curvature,
             "of_revolution": least.of_revolution,
+            "error": least.error,
             "explanation": least.explanation,
         }
         if least

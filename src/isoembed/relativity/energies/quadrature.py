@@ -39,7 +39,9 @@ class QuadratureThresholds:
 QUADRATURE = QuadratureThresholds()
 
 
-def smooth_energies(data: SurfaceData, embedding: SmoothEmbedding, spin: Spin | None = None) -> Energies:
+def smooth_energies(
+    data: SurfaceData, embedding: SmoothEmbedding, spin: Spin | None = None, *, curvature_error: float = 0.0
+) -> Energies:
     """Energies of a surface with a smooth embedding.
 
     Parameters
@@ -49,19 +51,27 @@ def smooth_energies(data: SurfaceData, embedding: SmoothEmbedding, spin: Spin | 
         Of ``data.metric``.
     spin : Spin, optional
         Of the surface: its J makes the Christodoulou mass of a horizon.
+    curvature_error : float
+        By how much the curvature k of space is uncertain, in 1/length^2.
 
     Notes
     -----
     The quadrature's error is the change from fewer nodes; that of int k0 dA is twice the
     embedding's ``curvature_error``; and every integral is uncertain by what the lengths are.
+
+    For a given metric ``d int H dA / dk = -3/2 V - k dV/dk``, V being the volume: of surfaces in
+    spaces of curvature -1 the metric -k q makes the change of int H dA - V that Schlaefli's formula tells.
+    As V grows with k, the first term is a bound for k <= 0.
     """
     n = max(QUADRATURE.fewest, int(QUADRATURE.density * embedding.harmonics.degree))
     values, notes = _integrated(data, n, is_symmetric(data, embedding), embedding.coordinates)
     reference = 2.0 * embedding.integrated_mean_curvature
     relative = QUADRATURE.rounding + data.lengths_error.mean + data.displacement
     error = 2.0 * embedding.curvature_error + relative * abs(reference)
+    error += 3.0 * embedding.volume * curvature_error
     k = embedding.space.curvature
-    if embedding.converged and embedding.least_curvature - k < -QUADRATURE.level * abs(k):
+    allowed = max(QUADRATURE.level * abs(k), curvature_error)
+    if embedding.converged and embedding.least_curvature - k < -allowed:
         below = f"less than the {k:.3g} of space" if k else "negative"
         notes.append(
             f"the Gaussian curvature is {below} in places, least {embedding.least_curvature:.3g}: other "

@@ -183,7 +183,7 @@ def wang_yau_report(surface: EmbeddedSurface) -> tuple[dict[str, Any], WangYau |
         if surface.space.is_euclidean:
             found = wang_yau(surface.data, "optimal", embedding=surface.embedding)
         else:
-            found = chen_wang_yau(surface.data, surface.embedding)
+            found = chen_wang_yau(surface.data, surface.embedding, curvature_error=surface.curvature_error)
     except (InvalidParameter, NotEmbedded, NoMinimum) as error:
         report["wang_yau"] = report["errors"]["wang_yau"] = None
         report["notes"].append(str(error))

@@ -14,7 +14,7 @@ from isoembed.errors import InvalidParameter
 from isoembed.meshing.sphere import gauss_rule
 from isoembed.relativity.spacetimes.checks import numbers, vector
 from isoembed.relativity.spacetimes.surface_data import SurfaceData
-from isoembed.relativity.spacetimes.surface_errors import SurfaceErrors
+from isoembed.relativity.spacetimes.surface_errors import ERRORS, SurfaceErrors
 from isoembed.relativity.spacetimes.surface_frame import SurfaceFrame
 from isoembed.relativity.spacetimes.surface_jet import SurfaceJet
 from isoembed.relativity.spacetimes.three_geometry import ThreeGeometry
@@ -217,6 +217,16 @@ class InducedMetric:
     def tensor(self, u: Floats) -> Floats:
         """See `isoembed.smooth.TwoMetric`."""
         return self.surface.frame(self.geometry, u).q
+
+    def deviations(self, u: Floats) -> tuple[Floats, ...]:
+        """Changes (N, n, 3, 3) of the tensor that the surface's deviations and the slice's error make.
+
+        See `isoembed.smooth.uncertain_curvature.DeviatingMetric`.
+        """
+        frame = self.surface.frame(self.geometry, u)
+        by_surface = np.stack([replace(frame, jet=jet).q - frame.q for jet in self.surface.deviating(u)])
+        by_slice = self.geometry.error(lambda geometry: replace(frame, geometry=geometry).q)
+        return by_surface, by_slice[None] / ERRORS.sure
 
 
 def _unit(what: str, given: Sequence[float]) -> tuple[float, float, float]:
