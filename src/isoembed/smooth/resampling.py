@@ -59,12 +59,14 @@ def _averages(series: DoubleFourier, derived: Derived, n: int) -> Floats:
     """Averages (size, j) of the derived functions with the weights, for a grid of n rows of nodes."""
     z, across = legendre.leggauss(3 * n // 2 + 3)  # for products, too
     m = len(series.phi)
-    phi = np.arange(2 * m if m > 1 else 6) * (np.pi / (m if m > 1 else 3))
+    around = 2 * m if m > 1 else 6
+    phi: Floats = np.arange(around, dtype=np.float64) * (2.0 * np.pi / around)
     u = directions_at(z[:, None], phi).reshape(-1, 3)
     weights = np.repeat(across / (2.0 * len(phi)), len(phi))[:, None] * WEIGHTS.values(u)
     weights *= 0.5 ** WEIGHTS.labels[0] * np.sqrt(4.0 * np.pi)
     theta: Floats = np.asarray(np.arccos(z), dtype=np.float64)
-    return np.asarray(weights.T @ derived(series.on(theta, phi).reshape(len(u), -1)))
+    values = derived(series.on(theta, phi).reshape(len(u), -1))
+    return np.asarray(weights.T @ values, dtype=np.float64)
 
 
 def _coarser(series: DoubleFourier, less: int) -> DoubleFourier:
@@ -72,10 +74,10 @@ def _coarser(series: DoubleFourier, less: int) -> DoubleFourier:
     n, m = len(series.theta), len(series.phi)
     rows = n - less
     if is_legendre(series.theta):
-        theta = np.arccos(legendre.leggauss(rows)[0])[::-1]
+        theta = np.asarray(np.arccos(legendre.leggauss(rows)[0])[::-1], dtype=np.float64)
     else:
         first = series.theta[0] / (series.theta[1] - series.theta[0])  # in steps
         theta = (first + np.arange(rows)) * (np.pi / (rows - 1 + 2.0 * first))
     around = max(1, round(m * rows / n))
-    phi = series.phi[0] + np.arange(around) * (2.0 * np.pi / around)
+    phi: Floats = series.phi[0] + np.arange(around) * (2.0 * np.pi / around)
     return DoubleFourier(theta, phi, series.on(theta, phi))

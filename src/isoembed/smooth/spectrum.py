@@ -31,9 +31,9 @@ class SpectrumThresholds:
     fastest: float = threshold(4.0, "relative", "Largest fall by one degree that is trusted.")
     geometric: float = threshold(0.8, "relative", "Rate of a fall over that before, if it is geometric.")
     trusted: float = threshold(0.9, "relative", "Share of such a rate that is trusted beyond the grid.")
-    known: int = threshold(12, "count", "Degrees that show that a fall is not geometric.")
+    known: int = threshold(8, "count", "Degrees that show that a fall is not geometric.")
     chance: float = threshold(2.0, "relative", "How far the largest of many coefficients is left to chance.")
-    corner: int = threshold(4, "count", "Coefficients of noise alone: those of largest k^2 and m^2.")
+    corner: int = threshold(2, "count", "Coefficients of noise alone: those of largest k^2 and m^2.")
     symmetric: float = threshold(1e-12, "relative", "Dependence on phi that is none.")
     orders: int = threshold(3, "count", "Orders in phi besides zero that show how they fall.")
     sum: float = threshold(3.0, "relative", "All coefficients beyond a grid over the largest of them.")
@@ -183,11 +183,14 @@ def _beyond(values: Floats, degree: int) -> float:
 def _noise(size: Floats) -> float:
     """Noise in coefficients (n, m, c): where a function of the grid's degree has none.
 
-    Without angles phi that is one parity in theta, where the function is symmetric about the equator.
+    Without angles phi that is one parity in theta, where the function is symmetric about the equator; else
+    noise is no larger than what the fall ends with.
     """
     n, m, _ = size.shape
     if m == 1:
-        high = size[-max(SPECTRUM.corner, n // 4) :].max(axis=(1, 2))
+        by_degree = size.max(axis=(1, 2))
+        certain = n >= 12 and _geometric(by_degree) > 0.0  # of fewer numbers, noise may look so
+        high = by_degree[-2 if certain else -max(4, n // 4) :]
         return float(min(high[::2].max(), high[1::2].max())) if n > 2 else np.inf
     far = (np.arange(n)[:, None] / n) ** 2 + (np.arange(m) / m) ** 2
     outermost = far >= np.sort(far, axis=None)[-max(SPECTRUM.corner, far.size // 100)]
