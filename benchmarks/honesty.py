@@ -5,8 +5,8 @@
 For each input the true relative error, the stated one and their ratio, of the energy whose ratio is the
 largest.  What is true comes from closed forms and Gauss's quadrature in honesty_truth.py.  True errors below
 1e-13 are rounding.  A refusal is an honest answer and is counted apart; so is a number that is left out.
-Asked: no ratio above 3, fewer than 1 % above 1, and stated errors that are in the median less than 100 times
-the true ones.
+Asked: no ratio above 3, fewer than 1 % above 1, and stated errors that are in the median less than 30 times
+the true ones; where only the metric is uncertain, of nine in ten less than 1,000 times.
 """
 
 import argparse
@@ -86,10 +86,11 @@ def summary(counts, rows):
     print(f"numbers: {len(rows)}")
     print(f"ratio above 3: {np.sum(ratios > DISHONEST)} (asked: 0)")
     print(f"ratio above 1: {100 * np.mean(ratios > 1.0):.2f} % (asked: < 1 %)")
-    print(f"median of stated over true: {np.median(excess):.3g} (asked: < 100)")
+    print(f"median of stated over true: {np.median(excess):.3g} (asked: < 30)")
     if of_metric.any():
         print(
-            f"90th percentile where only the metric is uncertain: {np.percentile(excess[of_metric], 90):.3g}"
+            "90th percentile of stated over true where only the metric is uncertain: "
+            f"{np.percentile(excess[of_metric], 90):.3g} (asked: < 1000)"
         )
     print(f"the worst {min(WORST, len(high))} of {len(high)} above 1:")
     for r in high[:WORST]:

@@ -11,6 +11,7 @@ from honesty_truth import (
     INTRINSIC,
     Ellipsoid,
     Placing,
+    StarEllipsoid,
     boosted,
     isotropic,
     kerr_horizon,
@@ -161,6 +162,19 @@ def rotated():
         for n in (6, 9, 16):
             angles = nodes(NODES[n % 4], n, 2 * n, AROUND)
             yield case("rotations", f"{name}, {NODES[n % 4]}", body, placing, angles, metric_only=True)
+
+
+def ellipsoids():
+    """By the directions of their points: coarse grids resolve them badly, and averages well."""
+    for i, axes in enumerate(
+        ((1.0, 1.0, 1.3), (1.0, 1.2, 1.5), (1.2, 1.1, 1.0), (2.0, 1.5, 1.0), (3.0, 2.0, 1.0))
+    ):
+        body = StarEllipsoid("star ellipsoid {:g}, {:g}, {:g}".format(*axes), axes)
+        for j, n in enumerate((8, 12, 16, 24, 32)):
+            kind = NODES[(i + j) % 4] if j % 2 else NODES[0]
+            for name, placing in (("upright", Placing()), ("rotated", Placing(rotation=rotation(10)))):
+                angles = nodes(kind, n, 2 * n)
+                yield case("ellipsoids", f"{name}, {kind}", body, placing, angles, metric_only=True)
 
 
 def noise(rng, level, which):
@@ -328,6 +342,7 @@ def cases(seeds):
     yield from on_nodes()
     yield from in_units()
     yield from rotated()
+    yield from ellipsoids()
     yield from spins()
     yield from noisy(seeds)
     yield from with_kinks()

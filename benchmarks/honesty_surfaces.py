@@ -13,6 +13,7 @@ from honesty_truth import (
     boosted,
     isotropic,
     kerr_horizon,
+    kerr_schild_sphere,
     kerr_sphere,
     rotation,
     schwarzschild,
@@ -169,8 +170,41 @@ def slices():
                 )
 
 
+def noisy_slices(seeds):
+    """A sphere about a point of a hole's tilted axis, on a coarse grid with noise in gamma_ij and K_ij."""
+    axis, a, height, radius = np.array([0.48, 0.6, 0.64]), 0.55, 0.35, 2.7
+    hole, spacing = KerrSchild(1.0, tuple(a * axis)), 0.35
+    edge = np.arange(-4.85, 4.86, spacing) + 0.013  # no node in the center
+    x = np.stack(np.meshgrid(edge, edge, edge, indexing="ij"), axis=-1).reshape(-1, 3)
+    gamma, K = hole.metric(x), hole.extrinsic_curvature(x)
+    area = kerr_schild_sphere(a, height, radius)
+    true = dict.fromkeys(INTRINSIC) | {"area": area, "irreducible_mass": np.sqrt(area / (16.0 * np.pi))}
+    i, j = np.triu_indices(3)
+
+    def noisy(tensors, rng, level):
+        six = tensors[:, i, j] + level * rng.normal(size=(len(x), 6))
+        return six.T.reshape(6, *[len(edge)] * 3)
+
+    def solve(level, seed):
+        rng = np.random.default_rng([3, seed])
+        grid = CartesianGrid([edge[0]] * 3, spacing, noisy(gamma, rng, level), noisy(K, rng, level))
+        return intrinsic_energies(StarSurface.sphere(tuple(height * axis), radius).data(grid))
+
+    for level in (1e-5, 1e-3):
+        for seed in range(20 * seeds):
+            name = f"sphere in Kerr-Schild, spacing {spacing:g}, noise {level:g}, draw {seed}"
+            yield Case(
+                "noisy slices",
+                name,
+                true,
+                lambda e=level, s=seed: solve(e, s),
+                sought=("area", "irreducible_mass"),
+            )
+
+
 def cases(seeds):
     """All of them."""
     yield from closed_forms()
     yield from points(seeds)
     yield from slices()
+    yield from noisy_slices(seeds)

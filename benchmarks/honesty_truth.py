@@ -312,6 +312,42 @@ class Ellipsoid:
         return energies_of(dA, H, self.k(u), self.k(u) ** 2 - self.p(u) ** 2)
 
 
+class StarEllipsoid(Ellipsoid):
+    """The same surface by the directions of its points, in which its metric is no polynomial."""
+
+    def product(self, w, a, b):
+        """As of a `Body`."""
+        return super().product(*(self._own(w, v) for v in (w, a, b)))
+
+    def values(self, function, w):
+        """As of a `Body`."""
+        return super().values(function, self._own(w, w))
+
+    def _own(self, w, v):
+        """The ellipsoid's own direction of the points in the directions w; how it changes with w along v."""
+        axes = np.array(self.axes)
+        length = np.linalg.norm(w / axes, axis=1)[:, None]
+        if v is w:
+            return w / axes / length
+        u = w / axes / length
+        return (v / axes - u * dot(u, v / axes)[:, None]) / length
+
+
+def kerr_schild_sphere(a, height, radius, nodes=200):
+    """Area of a coordinate sphere about a point of the spin's axis in the Kerr-Schild slice, M = 1.
+
+    The slice's metric is the flat one and 2 H l_i l_j, l a unit covector.
+    """
+    c, weights = np.polynomial.legendre.leggauss(nodes)
+    rho, z = radius * np.sqrt(1.0 - c * c), height + radius * c
+    excess = rho**2 + z**2 - a * a
+    r2 = 0.5 * (excess + np.sqrt(excess**2 + 4.0 * (a * z) ** 2))
+    r = np.sqrt(r2)
+    H = r**3 / (r2**2 + (a * z) ** 2)
+    along = (r * rho / (r2 + a * a) * rho + z / r * radius * c) / radius  # l along the normal
+    return float(2.0 * np.pi * radius**2 * weights @ np.sqrt(1.0 + 2.0 * H * (1.0 - along**2)))
+
+
 def dot(a, b):
     return np.einsum("ni,ni->n", a, b)
 

@@ -113,6 +113,16 @@ class DoubleFourier:
         fine = np.fft.irfft(spectrum * columns, columns, axis=1)
         return np.ascontiguousarray(fine[:, np.arange(-margin, columns + margin + 1) % columns])
 
+    def on(self, theta: Floats, phi: Floats) -> Floats:
+        """The functions (k, l, c) on the product of angles theta (k,) and phi (l,), summed term by term."""
+        a = self.coefficients
+        turns = np.exp(1j * np.multiply.outer(np.arange(a.shape[1]), phi - self.phi[0]))
+        heights = np.empty((len(theta), *a.shape[1:]), dtype=np.complex128)
+        for parity, series in enumerate(self._series(theta)):
+            part = a[:, parity::2]
+            heights[:, parity::2] = (series @ _flat(part)).reshape(len(theta), *part.shape[1:])
+        return np.ascontiguousarray(np.einsum("kmc,ml->klc", heights, turns, optimize=True).real)
+
     @property
     def _table_shape(self) -> tuple[int, int]:
         """Steps from pole to pole, and around."""
@@ -192,9 +202,16 @@ def exact_theta(theta: ArrayLike) -> Floats:
         np.linspace(0.0, np.pi, n) if n > 1 else given,
         one_to_n * (np.pi / (n + 1)),
     ]
-    if np.max(np.abs(given - (one_to_n - 0.25) * (np.pi / (n + 0.5)))) < DOUBLE_FOURIER.legendre / n:
+    if is_legendre(given):
         grids.append(np.asarray(np.arccos(legendre.leggauss(n)[0])[::-1]))
     return next((exact for exact in grids if _is_rounded(given, exact)), given)
+
+
+def is_legendre(theta: Floats) -> bool:
+    """Whether angles theta (n,) are nearly those of Gauss-Legendre nodes, and not those of other grids."""
+    n = len(theta)
+    near = (np.arange(n) + 0.75) * (np.pi / (n + 0.5))
+    return bool(np.max(np.abs(theta - near)) < DOUBLE_FOURIER.legendre / n)
 
 
 def exact_phi(phi: ArrayLike) -> Floats:

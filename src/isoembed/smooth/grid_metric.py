@@ -141,7 +141,7 @@ class GridMetric:
     @cached_property
     def error(self) -> Uncertainty:
         """Relative errors of lengths: truncation, noise, what phi does not resolve, conflict at the poles."""
-        error = _error(self._field, np.stack([self.q_tt, self.q_tp, self.q_pp]))
+        error = _error(self._spectrum, np.stack([self.q_tt, self.q_tp, self.q_pp]))
         half, odds = 0.5 / self._size, 0.5 * self.at_poles().jump
         return Uncertainty(half * error.pointwise + odds, half * error.mean + 0.5 * odds)
 
@@ -197,7 +197,8 @@ class GridMetric:
         given = self._given(values, name)
         series = self._series(given[..., None], self.phi)
         return UncertainFunction(
-            lambda u: series.at(np.asarray(u, dtype=np.float64))[:, 0], _error(series, given)
+            lambda u: series.at(np.asarray(u, dtype=np.float64))[:, 0],
+            _error(Spectrum.of(series, _with_square), given),
         )
 
     def one_form(
@@ -229,11 +230,11 @@ class GridMetric:
             v = series.at(np.asarray(u, dtype=np.float64))
             return np.asarray(v - np.einsum("ni,ni->n", v, u)[:, None] * u)
 
-        return UncertainFunction(vectors, _error(series, np.stack([theta, phi])))
+        return UncertainFunction(vectors, _error(Spectrum.of(series), np.stack([theta, phi])))
 
     @cached_property
     def _spectrum(self) -> Spectrum:
-        return Spectrum.of(self._field)
+        return Spectrum.of(self._field, _lengths)
 
     @cached_property
     def _size(self) -> float:
@@ -302,9 +303,21 @@ def sampled_on_grid(metric: TwoMetric) -> TwoMetric:
         return metric
 
 
-def _error(series: DoubleFourier, values: Floats) -> Uncertainty:
-    """Errors of a series of values at its nodes: those of its spectrum and of single precision."""
-    error = Spectrum.of(series).error
+def _lengths(values: Floats) -> Floats:
+    """The area density and the mean square of stretches (k, 2) of components (k, 3) in a frame."""
+    tt, tp, pp = values.T
+    return np.stack([np.sqrt(np.maximum(tt * pp - tp**2, 0.0)), 0.5 * (tt + pp)], axis=1)
+
+
+def _with_square(values: Floats) -> Floats:
+    """A function (k, 1), and half of its square (k, 2) over its root mean square."""
+    size = float(np.sqrt(np.mean(values**2)))
+    return np.concatenate([values, 0.5 * values**2 / size], axis=1)
+
+
+def _error(spectrum: Spectrum, values: Floats) -> Uncertainty:
+    """Errors of a function with values at nodes: those of its spectrum and of single precision."""
+    error = spectrum.error
     # A constant is off everywhere alike, which no spectrum shows.
     with np.errstate(over="ignore"):
         single = bool(np.all(values == values.astype(np.float32)))

@@ -15,6 +15,7 @@ import numpy as np
 
 from isoembed.arrays import Floats
 from isoembed.smooth.double_fourier import DoubleFourier
+from isoembed.smooth.resampling import Derived, truncation
 from isoembed.smooth.uncertain import Uncertainty
 from isoembed.thresholds import threshold
 
@@ -28,8 +29,11 @@ class SpectrumThresholds:
     fewest: int = threshold(2, "count", "Least number of highest degrees: symmetry makes some of them zero.")
     band: float = threshold(0.125, "relative", "Share of the degrees in a band whose fall is measured.")
     fastest: float = threshold(4.0, "relative", "Largest fall by one degree that is trusted.")
+    geometric: float = threshold(0.8, "relative", "Rate of a fall over that before, if it is geometric.")
+    trusted: float = threshold(0.9, "relative", "Share of such a rate that is trusted beyond the grid.")
+    known: int = threshold(8, "count", "Degrees that show that a fall is not geometric.")
     chance: float = threshold(2.0, "relative", "How far the largest of many coefficients is left to chance.")
-    corner: float = threshold(1.25, "relative", "Squares of k and m over those of the grid: noise alone.")
+    corner: int = threshold(2, "count", "Coefficients of noise alone: those of largest k^2 and m^2.")
     symmetric: float = threshold(1e-12, "relative", "Dependence on phi that is none.")
     orders: int = threshold(3, "count", "Orders in phi besides zero that show how they fall.")
     sum: float = threshold(3.0, "relative", "All coefficients beyond a grid over the largest of them.")
@@ -62,8 +66,16 @@ class Spectrum:
     error: Uncertainty
 
     @classmethod
-    def of(cls, functions: DoubleFourier) -> Spectrum:
-        """Spectrum of functions from their Fourier coefficients."""
+    def of(cls, functions: DoubleFourier, derived: Derived = np.asarray) -> Spectrum:
+        """Spectrum of functions from their Fourier coefficients.
+
+        Parameters
+        ----------
+        functions : DoubleFourier
+        derived : callable
+            Takes values (k, c) of the functions, over their largest coefficient, and returns functions (k, j)
+            of them in the same unit, whose averages must be within the error; by default themselves.
+        """
         size = np.abs(functions.coefficients)
         largest = float(size.max())
         if largest == 0.0:
@@ -74,10 +86,12 @@ class Spectrum:
         ends = [(by_degree, size[0].size)] + ([(by_order, size[:, 0].size)] if m > 1 else [])
         unseen, aliased = _unseen(by_degree, by_order)
         tail = max(unseen, *(_end(values) for values, _ in ends))
-        # What nodes miss aliases onto averages the more, the worse they determine the series.
-        alias = functions.condition / np.sqrt(2.0)  # 1 for cell-centered ones
-        falling = alias * max(_end(values) * _fall(values, samples) for values, samples in ends)
-        mean = float(min(tail, max(SPECTRUM.sum * falling, aliased, _noise(size))))
+        falling = max(_end(values) * _fall(values, samples) for values, samples in ends)
+        noise = _noise(size)
+        coarse = truncation(functions, lambda values: derived(values / largest))
+        # Squares of errors do not average out.
+        second = max(tail**2, 0.25 * size[:, :, 0].size * noise**2)
+        mean = float(min(tail, max(falling, aliased, noise, coarse, second)))
         error = Uncertainty(
             largest * SPECTRUM.scatter * max(tail, _scatter(size)), largest * SPECTRUM.sure * mean
         )
@@ -94,11 +108,16 @@ def _end(values: Floats) -> float:
 
 
 def _fall(values: Floats, samples: int) -> float:
-    """Factor by which coefficients (n,) fall from degree n to 2 n, if they do so half as fast as before it.
+    """Sum of the coefficients beyond degree 2 n over the last of n.
 
-    Each is the largest of so many samples.  Of a narrow and a wide band, the one that falls less counts.
+    Where they fall geometrically that goes on.  Else they are taken to fall half as fast as before n; each is
+    the largest of so many samples, and of a narrow and a wide band the one that falls less counts.
     """
     n = len(values)
+    rate = _rate(values)
+    if rate > 0.0:
+        return float(np.exp(-SPECTRUM.trusted * rate * n))
+    known = n >= SPECTRUM.known
     factor = SPECTRUM.fastest ** (-0.5 * n)
     # Where both parities are there, from one degree to the next, after what ends before the grid does.
     for last, before in zip(values[:-3:-1], values[-2:-4:-1], strict=False):
@@ -108,10 +127,31 @@ def _fall(values: Floats, samples: int) -> float:
         if n < 2 * width:
             return 1.0
         last, before = float(values[-width:].max()), float(values[-2 * width : -width].max())
-        chance = 1.0 + SPECTRUM.chance / np.sqrt(width * samples)
+        chance = 1.0 + SPECTRUM.chance / np.sqrt(width * samples) if known else 1.0
         ratio = min(1.0, chance * last / before) if before > 0.0 else 1.0
         factor = max(factor, ratio ** (n / (2.0 * width)))
-    return factor
+    return SPECTRUM.sum * factor if known else factor
+
+
+def _rate(values: Floats) -> float:
+    """Logarithm of the fall of coefficients (n,) by one degree, if it is geometric; 0 if not."""
+    # Parity makes every other one small, or none.
+    pairs = np.maximum.reduceat(values, np.arange(0, len(values), 2))
+    both = min(values[::2].max(), values[1::2].max(initial=0.0)) > SPECTRUM.symmetric
+    return max(0.5 * _geometric(pairs), _geometric(values) if both else 0.0)
+
+
+def _geometric(values: Floats) -> float:
+    """Logarithm of the fall from one of the values (n,) to the next, if it is geometric; 0 if not.
+
+    At kinks coefficients fall like powers, slower and slower; noise ends any fall.
+    """
+    envelope = np.maximum.accumulate(values[::-1])[::-1]
+    at = np.unique(np.linspace(len(values) // 5, len(values) - 1, 4).astype(int))
+    if len(at) < 4 or envelope[-1] <= 0.0:
+        return 0.0
+    falls = -np.diff(np.log(envelope[at])) / np.diff(at)
+    return float(falls.min()) if np.all(falls[1:] > SPECTRUM.geometric * falls[:-1]) else 0.0
 
 
 def _unseen(by_degree: Floats, by_order: Floats) -> tuple[float, float]:
@@ -125,23 +165,36 @@ def _unseen(by_degree: Floats, by_order: Floats) -> tuple[float, float]:
     if m == 1:
         return 0.0, 0.0
     unseen = float(by_degree[m:].max(initial=0.0))
+    if not np.any(by_order[1:] > SPECTRUM.symmetric):
+        return unseen, _beyond(by_degree, 2 * m - 2)
     if np.count_nonzero(by_order[1:] > SPECTRUM.symmetric) < SPECTRUM.orders:
         return unseen, unseen
     return unseen, max(float(by_degree[2 * m - 2 :].max(initial=0.0)), m * unseen**2)
 
 
+def _beyond(values: Floats, degree: int) -> float:
+    """The largest coefficient from a degree on, extrapolated from the end if that is beyond."""
+    n = len(values)
+    if degree < n:
+        return float(values[degree:].max())
+    return _end(values) * _fall(values, n) ** ((degree - n) / n)
+
+
 def _noise(size: Floats) -> float:
     """Noise in coefficients (n, m, c): where a function of the grid's degree has none.
 
-    Without angles phi that is one parity in theta, where the function is symmetric about the equator.
+    Without angles phi that is one parity in theta, where the function is symmetric about the equator; else
+    noise is no larger than what the fall ends with.
     """
     n, m, _ = size.shape
     if m == 1:
-        high = size[n // 2 :].max(axis=(1, 2))
+        by_degree = size.max(axis=(1, 2))
+        certain = n >= 12 and _geometric(by_degree) > 0.0  # of fewer numbers, noise may look so
+        high = by_degree[-2 if certain else -max(4, n // 4) :]
         return float(min(high[::2].max(), high[1::2].max())) if n > 2 else np.inf
-    k, order = np.arange(n)[:, None] / n, np.arange(m) / m
-    corner = size[k**2 + order**2 > SPECTRUM.corner]
-    return float(np.sqrt(np.mean(corner**2, axis=0).max())) if len(corner) else np.inf
+    far = (np.arange(n)[:, None] / n) ** 2 + (np.arange(m) / m) ** 2
+    outermost = far >= np.sort(far, axis=None)[-max(SPECTRUM.corner, far.size // 100)]
+    return float(np.sqrt(np.mean(size[outermost] ** 2, axis=0).max()))
 
 
 def _scatter(size: Floats) -> float:

@@ -10,6 +10,7 @@ from isoembed.relativity.energies.embedded import embed_surface
 from isoembed.relativity.energies.quadrature import intrinsic_energies
 from isoembed.relativity.spacetimes.cartesian_grid import CartesianGrid, _Interpolation
 from isoembed.relativity.spacetimes.conformally_flat import IsotropicSchwarzschild
+from isoembed.relativity.spacetimes.grid_noise import PERIOD, noise_levels, sampled_noise
 from isoembed.relativity.spacetimes.kerr_schild import KerrSchild
 from isoembed.relativity.spacetimes.painleve_gullstrand import PainleveGullstrand
 from isoembed.relativity.spacetimes.star_surface import StarSurface
@@ -152,6 +153,38 @@ def test_noise_on_the_grid_is_in_the_errors(noise):
     exact = intrinsic_energies(sphere.data(hole))
     for name in ("area", "hawking"):
         assert abs(getattr(found, name).value - getattr(exact, name).value) < getattr(found, name).error
+
+
+def test_errors_of_noise_are_a_few_standard_deviations():
+    """The spacing is that of the nodes at which errors are estimated, and truncation is small."""
+    hole, sphere = IsotropicSchwarzschild(0.1), StarSurface.sphere((0.1, 0.0, 0.2), 2.5)
+    clean, exact = sampled(hole, 0.35, 4.025, 0.1), intrinsic_energies(sphere.data(hole)).area.value
+    ratios = []
+    for seed in range(8):
+        gamma = clean.gamma + 1e-3 * np.random.default_rng(seed).normal(size=clean.gamma.shape)
+        area = intrinsic_energies(sphere.data(CartesianGrid(clean.origin, clean.spacing, gamma))).area
+        ratios.append((area.value - exact) / area.error)
+    assert 0.05 < np.sqrt(np.mean(np.square(ratios))) < 0.5, ratios
+
+
+@pytest.mark.parametrize("level", [1e-9, 1e-4])
+def test_the_level_of_noise_is_found_beside_what_is_smooth(level):
+    grid = np.stack(np.meshgrid(*[np.arange(24) * 0.1] * 3, indexing="ij"))
+    smooth = np.stack([np.exp(grid[0]) + grid[1] * grid[2], np.cos(grid.sum(axis=0))])
+    noisy = smooth + level * np.array([1.0, 3.0])[:, None, None, None] * np.random.default_rng(0).normal(
+        size=smooth.shape
+    )
+    noisy[:, 12, 12, 12] = np.nan
+    nodes = np.random.default_rng(1).integers(0, 24, size=(2000, 3))
+    found = noise_levels(noisy, nodes) / level
+    np.testing.assert_allclose(found, [1.0, 3.0], rtol=0.1)
+
+
+def test_samples_of_noise_repeat_after_a_period():
+    noise = sampled_noise(np.array([1.0, 2.0]), 8, np.random.default_rng(0))
+    assert noise.shape == (2, PERIOD + 8, PERIOD + 8, PERIOD + 8)
+    np.testing.assert_array_equal(noise[:, :8, 3, PERIOD:], noise[:, PERIOD:, 3, :8])
+    np.testing.assert_allclose(noise.std(axis=(1, 2, 3)), [1.0, 2.0], rtol=0.02)
 
 
 def test_beside_missing_points_the_error_is_told_by_fewer():

@@ -7,6 +7,7 @@ from isoembed import InvalidParameter
 from isoembed.relativity import (
     BoostedSchwarzschild,
     CallableGeometry,
+    CartesianGrid,
     IsotropicSchwarzschild,
     StarSurface,
     Translated,
@@ -34,6 +35,18 @@ def test_errors_move_along():
     found = Translated(slice_, CENTER).error(lambda slice_: moved.mean_curvature(slice_, u)[None])
     assert np.abs(expected).max() > 1e-9
     np.testing.assert_allclose(found, expected, rtol=1e-3)
+
+
+def test_noise_moves_along():
+    edge = np.stack(np.meshgrid(*[np.arange(12.0)] * 3, indexing="ij"), axis=-1).reshape(-1, 3)
+    gamma = np.eye(3) + 1e-3 * np.random.default_rng(0).normal(size=(len(edge), 1, 1)) * np.eye(3)
+    grid = CartesianGrid((0.0, 0.0, 0.0), 1.0, np.moveaxis(gamma.reshape(12, 12, 12, 3, 3), (3, 4), (0, 1)))
+    x = np.random.default_rng(1).uniform(4.0, 7.0, size=(20, 3))
+    expected = [slice_.metric(x) for slice_ in grid.deviating(x)]
+    found = [slice_.metric(x + CENTER) for slice_ in Translated(grid, CENTER).deviating(x + CENTER)]
+    np.testing.assert_allclose(found, expected, rtol=1e-12)
+    assert 1e-4 < np.std(np.array(expected) - grid.metric(x)) < 1e-2
+    assert not list(Translated(IsotropicSchwarzschild(1.0), CENTER).deviating(x))
 
 
 def test_a_center_must_be_three_numbers():

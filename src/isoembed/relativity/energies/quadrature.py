@@ -140,14 +140,15 @@ def _integrated(
     """The integrals over the surface by their names in `Integrals`, and what hinders others.
 
     The heights of the nodes, which are even in the coordinates, become more until no integral changes, or
-    they are many.
+    they are many.  About an axis of symmetry they are turned each time: what is not quite symmetric shows.
     """
     relative = QUADRATURE.rounding + data.lengths_error.mean + data.displacement
     most = QUADRATURE.highest_symmetric if symmetric else QUADRATURE.highest
     settled: dict[str, Estimate] = {}
     before: dict[str, Estimate] = {}
+    turned = False
     while True:
-        nodes = _Nodes.of(data, *sphere_rule(n, symmetric, coordinates))
+        nodes = _Nodes.of(data, *sphere_rule(n, symmetric, coordinates, turned))
         values, notes = nodes.integrals(relative)
         last = QUADRATURE.density * n > most
         for name in values.keys() - settled.keys():
@@ -159,12 +160,21 @@ def _integrated(
                 settled[name] = Estimate(value, change + error)
         if last or settled.keys() == values.keys():
             return settled, notes
-        n, before = int(QUADRATURE.density * n), values
+        n, before, turned = int(QUADRATURE.density * n), values, not turned
 
 
-def sphere_rule(n: int, symmetric: bool, coordinates: SphereMap | None) -> tuple[Floats, Floats]:
-    """Nodes u (m, 3) at n heights, few about an axis of symmetry, and weights of a rule for integrals."""
-    v, weights = gauss_rule(n, ISOMETRY.around if symmetric else 2 * n)
+def sphere_rule(
+    n: int, symmetric: bool, coordinates: SphereMap | None, turned: bool = False
+) -> tuple[Floats, Floats]:
+    """Nodes u (m, 3) at n heights, few about an axis of symmetry, and weights of a rule for integrals.
+
+    Nodes that are turned lie midway between the angles of those that are not.
+    """
+    around = ISOMETRY.around if symmetric else 2 * n
+    v, weights = gauss_rule(n, around)
+    if turned:
+        c, s = np.cos(np.pi / around), np.sin(np.pi / around)
+        v = v @ np.array([[c, s, 0.0], [-s, c, 0.0], [0.0, 0.0, 1.0]])
     if coordinates is None:
         return v, weights
     return coordinates.forward(v), weights * coordinates.jacobian(v)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -12,11 +12,16 @@ from isoembed.arrays import Floats, Indices
 from isoembed.errors import InvalidParameter
 from isoembed.kernel import kernel
 from isoembed.relativity.spacetimes.checks import numbers, positive_number, refuse_points, vector, written
+from isoembed.relativity.spacetimes.grid_noise import PERIOD, noise_levels, sampled_noise
 from isoembed.relativity.spacetimes.three_geometry import ThreeGeometry
 from isoembed.thresholds import threshold
 
 ENTRY = np.array([[0, 1, 2], [1, 3, 4], [2, 4, 5]])
 """Which of the six is which entry of a symmetric matrix."""
+
+
+FEWER = 6
+"""Points of a lower interpolation along each axis, for errors."""
 
 
 @dataclass(frozen=True)
@@ -26,7 +31,8 @@ class InterpolationThresholds:
     nodes: int = threshold(8, "count", "Points of the Lagrange interpolation along each axis.")
     outside: float = threshold(1e-9, "spacings", "How far beyond the grid a point may lie.")
     asymmetry: float = threshold(1e-10, "largest entry", "Entries ij and ji that differ by more are refused.")
-    noise: float = threshold(10.0, "relative", "Error over the change by two points more.")
+    noise: float = threshold(10.0, "relative", "Error over the change by two points more or less.")
+    samples: int = threshold(8, "count", "Samples of the noise on a grid.")
 
 
 INTERPOLATION = InterpolationThresholds()
@@ -119,11 +125,26 @@ class CartesianGrid:
         return self._through(INTERPOLATION.nodes).extrinsic_curvature(x)
 
     def error(self, quantity: Callable[[ThreeGeometry], Floats]) -> Floats:
-        """See `ThreeGeometry`: what interpolation through ten points tells, of noise a tenth.
+        """See `ThreeGeometry`: ten times what interpolation through six or ten points changes.
 
-        It knows of no error that is smooth on the grid.
+        Of noise that is the size, of truncation much more.  Of the two changes the smaller one counts, for
+        each quantity: beside a singularity more points are worse.  Errors that are smooth on the grid are not
+        seen.
         """
-        return np.asarray(INTERPOLATION.noise * (quantity(wider(self)) - quantity(self)))
+        own = quantity(self)
+        less, more = (quantity(other) - own for other in (self._through(FEWER), wider(self)))
+        smaller = np.sum(less**2, axis=1) < np.sum(more**2, axis=1)
+        return np.asarray(INTERPOLATION.noise * np.where(smaller[:, None], less, more))
+
+    def deviating(self, x: Floats) -> Iterator[ThreeGeometry]:
+        """Slices that this one might be near the points x (n, 3), but for the noise on the grid."""
+        fields = self.gamma if self.K is None else np.concatenate([self.gamma, self.K])
+        start, s = self._through(INTERPOLATION.nodes).located(x)
+        nodes = np.unique(start + np.round(s).astype(np.int64), axis=0)
+        levels = noise_levels(fields, nodes)
+        rng = np.random.default_rng(0)
+        for _ in range(INTERPOLATION.samples):
+            yield _Noisy(self, INTERPOLATION.nodes, sampled_noise(levels, INTERPOLATION.nodes, rng))
 
     def _through(self, nodes: int) -> _Interpolation:
         return _Interpolation(self, nodes)
@@ -146,29 +167,34 @@ class _Interpolation:
         return self.grid.time_symmetric
 
     def metric(self, x: Floats) -> Floats:
-        start, s = self._located(x)
-        return _contracted(self.grid.gamma, start, lagrange_weights(s, self.nodes)[0])[:, ENTRY]
+        start, s = self.located(x)
+        return self._summed(slice(6), start, lagrange_weights(s, self.nodes)[0])
 
     def gradient(self, x: Floats) -> Floats:
-        start, s = self._located(x)
+        start, s = self.located(x)
         weights, slopes = lagrange_weights(s, self.nodes)
         out = np.empty((len(s), 3, 3, 3))
         for k, h in enumerate(np.array(self.grid.spacing)):
             along = weights.copy()
             along[:, k] = slopes[:, k] / h
-            out[:, k] = _contracted(self.grid.gamma, start, along)[:, ENTRY]
+            out[:, k] = self._summed(slice(6), start, along)
         return out
 
     def extrinsic_curvature(self, x: Floats) -> Floats:
         if self.grid.K is None:
             return np.zeros((len(x), 3, 3))
-        start, s = self._located(x)
-        return _contracted(self.grid.K, start, lagrange_weights(s, self.nodes)[0])[:, ENTRY]
+        start, s = self.located(x)
+        return self._summed(slice(6, 12), start, lagrange_weights(s, self.nodes)[0])
 
     def error(self, quantity: Callable[[ThreeGeometry], Floats]) -> Floats:
         return self.grid.error(quantity)
 
-    def _located(self, x: Floats) -> tuple[Indices, Floats]:
+    def _summed(self, part: slice, start: Indices, weights: Floats) -> Floats:
+        """Matrices (n, 3, 3) of gamma, the first six fields, or K, the other six, summed with weights."""
+        fields = self.grid.gamma if part.start is None else self.grid.K
+        return np.asarray(_contracted(fields, start, weights)[:, ENTRY])
+
+    def located(self, x: Floats) -> tuple[Indices, Floats]:
         """The first of the points along each axis (n, 3), and the distance from it in spacings."""
         origin, spacing = np.array(self.grid.origin), np.array(self.grid.spacing)
         shape = np.array(self.grid.gamma.shape[1:])
@@ -179,6 +205,17 @@ class _Interpolation:
         refuse_points(outside, x, f"lies outside the grid, which reaches {box}")
         start = np.clip(np.floor(t).astype(np.int64) - (self.nodes // 2 - 1), 0, shape - self.nodes)
         return start, t - start
+
+
+@dataclass(frozen=True, eq=False)
+class _Noisy(_Interpolation):
+    """A slice on a grid, and noise (m, s, s, s) that is added to its fields and repeats."""
+
+    noise: Floats
+
+    def _summed(self, part: slice, start: Indices, weights: Floats) -> Floats:
+        noise = _contracted(self.noise[part], start % PERIOD, weights)[:, ENTRY]
+        return np.asarray(super()._summed(part, start, weights) + noise)
 
 
 @dataclass(frozen=True, eq=False)
@@ -204,8 +241,8 @@ class _Wider:
         return self.grid.error(quantity)
 
     def _values(self, field: Callable[[_Interpolation, Floats], Floats], x: Floats) -> Floats:
-        less, more = INTERPOLATION.nodes - 2, INTERPOLATION.nodes + 2
-        values = field(_Interpolation(self.grid, less), x)
+        more = INTERPOLATION.nodes + 2
+        values = field(_Interpolation(self.grid, FEWER), x)
         if min(self.grid.gamma.shape[1:]) >= more:
             wider = field(_Interpolation(self.grid, more), x)
             there = np.isfinite(wider.reshape(len(x), -1)).all(axis=1)

@@ -9,6 +9,7 @@ import numpy as np
 
 from isoembed.arrays import Floats
 from isoembed.relativity.spacetimes.surface_frame import SurfaceFrame
+from isoembed.relativity.spacetimes.three_geometry import ThreeGeometry
 from isoembed.smooth.harmonics import Harmonics
 from isoembed.smooth.two_metric import area_density
 from isoembed.smooth.uncertain import Uncertainty
@@ -21,7 +22,8 @@ class SurfaceErrorThresholds:
 
     sure: float = threshold(3.0, "standard deviations", "Stated error.")
     smooth: int = threshold(2, "count", "Degree of the weights with which averages are as wrong as stated.")
-    scattered: float = threshold(0.1, "relative", "Averages of errors over their sizes, at least.")
+    averaged: float = threshold(0.3, "relative", "Share of a slice's errors in averages: of truncation.")
+    scattered: float = threshold(0.03, "relative", "Averages of errors over their sizes, at least.")
     decay: float = threshold(0.5, "relative", "Weights of one degree over those of the degree below.")
 
 
@@ -71,32 +73,51 @@ class SurfaceErrors:
 
     @classmethod
     def of_slice(cls, frame: SurfaceFrame, weights: Floats) -> SurfaceErrors:
-        """Errors from what the slice says of its own, with arguments as of `of_surface`."""
+        """Errors from what the slice says of its own, with arguments as of `of_surface`.
+
+        Noise on a grid averages out as samples of it show; of other errors averages are wrong by a part.
+        """
         unit = _area_unit(frame)
-        changes = frame.geometry.error(lambda geometry: _quantities(replace(frame, geometry=geometry), unit))
-        return cls._of(frame, changes[None], weights, unit, ERRORS.scattered)
+
+        def quantities(geometry: ThreeGeometry) -> Floats:
+            return _quantities(replace(frame, geometry=geometry), unit)
+
+        errors = cls._of(
+            frame, frame.geometry.error(quantities)[None], weights, unit, ERRORS.averaged, ERRORS.scattered
+        )
+        if noisy := getattr(frame.geometry, "deviating", None):
+            base = _quantities(frame, unit)
+            changes = np.array([quantities(other) - base for other in noisy(frame.x)])
+            errors += cls._of(frame, ERRORS.sure * changes, weights, unit)
+        return errors
 
     @classmethod
     def _of(
-        cls, frame: SurfaceFrame, changes: Floats, weights: Floats, unit: float, scattered: float = 0.0
+        cls,
+        frame: SurfaceFrame,
+        changes: Floats,
+        weights: Floats,
+        unit: float,
+        averaged: float = 1.0,
+        scattered: float = 0.0,
     ) -> SurfaceErrors:
         """Errors from changes (N, 9, n) of the quantities at the nodes of a quadrature.
 
-        Averages are at least as wrong as that share of the changes.
+        Averages are wrong by a share of those of the changes, and of their sizes at least.
         """
         harmonics = Harmonics(ERRORS.smooth, ERRORS.smooth)
         smooth = weights[:, None] * harmonics.values(frame.u)
         smooth *= ERRORS.decay ** harmonics.labels[0] / np.sqrt(4.0 * np.pi)
         points = np.sqrt(np.mean(changes**2, axis=0))
         means = np.sqrt(np.mean(np.sum((changes @ smooth) ** 2, axis=2), axis=0))
-        means = np.maximum(means, scattered * np.sqrt(points**2 @ weights / (4.0 * np.pi)))
+        means = np.maximum(averaged * means, scattered * np.sqrt(points**2 @ weights / (4.0 * np.pi)))
 
         def uncertainty(part: slice) -> Uncertainty:
             pointwise = float(np.linalg.norm(points[part], axis=0).max())
             return Uncertainty(pointwise, float(np.linalg.norm(means[part])))
 
         density = area_density(frame.q) / unit
-        totals = np.sqrt(np.mean(np.sum((changes[:, 6:] @ weights) ** 2, axis=1)))
+        totals = averaged * np.sqrt(np.mean(np.sum((changes[:, 6:] @ weights) ** 2, axis=1)))
         if scattered:
             totals = max(totals, 4.0 * np.pi * float(np.linalg.norm(means[6:])))
         largest = (np.linalg.norm(points[6:], axis=0) / density).max()

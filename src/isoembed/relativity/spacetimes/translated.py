@@ -1,6 +1,6 @@
 """A slice with its origin elsewhere."""
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -53,3 +53,9 @@ class Translated:
     def error(self, quantity: Callable[[ThreeGeometry], Floats]) -> Floats:
         """See `ThreeGeometry`."""
         return self.geometry.error(lambda slice_: quantity(Translated(slice_, self.center)))
+
+    def deviating(self, x: Floats) -> Iterator[ThreeGeometry]:
+        """Slices that this one might be near the points x (n, 3), but for noise; none without any."""
+        own = getattr(self.geometry, "deviating", None)
+        for slice_ in own(x - np.array(self.center)) if own else ():
+            yield Translated(slice_, self.center)
