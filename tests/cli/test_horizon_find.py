@@ -148,7 +148,7 @@ def test_where_there_is_no_horizon_the_reason_is_said(run):
     status, out, err = run("flat.npz", "--json")
     assert status == 3
     report = strict(out)
-    assert report["status"] == "no horizon" and report["name"] == "horizon in flat.npz"
+    assert report["status"] == "not found" and report["name"] == "horizon in flat.npz"
     assert report["least_expansion"] == pytest.approx(1.0, abs=1e-6)  # c R / 2 of spheres
     assert report["evidence"] == "searched"
     assert err == f"isoembed: error: {report['message']}\n" and "no horizon was found" in err

@@ -66,7 +66,8 @@ def configure(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--find",
         action="store_true",
-        help="instead of files: find the outermost horizon of the --geometry, or the one near the --guess",
+        help="instead of files: find a horizon of the --geometry that no other encloses, as far as is proved "
+        "or searched, or the one near the --guess",
     )
     parser.add_argument(
         "--guess",
@@ -113,7 +114,8 @@ def run(options: argparse.Namespace) -> int:
     except NoHorizon as error:
         print_error(str(error))
         if options.json:
-            print_json({"status": "no horizon", "name": _found_name(options), **error.report})
+            status = "not found" if error.barriers is None else "not resolved"
+            print_json({"status": status, "name": _found_name(options), **error.report})
         return NOT_EMBEDDED
     axis = tuple(options.axis) if options.axis else None
     asked = HorizonOptions(

@@ -3,8 +3,11 @@
 import numpy as np
 import pytest
 
+from isoembed.errors import NoHorizon
 from isoembed.meshing.sphere import gauss_rule
+from isoembed.relativity.horizons import finder
 from isoembed.relativity.horizons.finder import constant_expansion, find_horizon, find_horizons
+from isoembed.relativity.horizons.newton import NoConvergence
 from isoembed.relativity.spacetimes.boosted import BoostedSchwarzschild
 from isoembed.relativity.spacetimes.conformally_flat import BrillLindquist, IsotropicSchwarzschild
 from isoembed.relativity.spacetimes.kerr_schild import KerrSchild
@@ -107,3 +110,101 @@ def test_surfaces_of_constant_expansion():
     r = float(np.linalg.norm(sphere.surface.points(u), axis=1).mean())
     assert 2.0 / r * (1.0 - np.sqrt(2.0 / r)) == pytest.approx(0.05, abs=1e-12)
     assert np.abs(np.linalg.norm(sphere.surface.points(u), axis=1) - r).max() < 1e-11
+
+
+@pytest.mark.parametrize(
+    ("mass", "d", "area"),
+    [
+        (0.2, 0.65, 49.8984892225),  # the tutorial of MOTSFinder
+        (0.2, 0.68, 49.787107378),
+        (0.5, 0.75, 49.239871799),
+        (0.1, 0.595, 50.130701201),
+        (0.4, 0.754, 49.221090647),
+        (0.4, 0.751, 49.245739414),
+    ],
+)
+def test_common_horizons_near_their_end(mass, d, area):
+    horizon = find_horizon(pair(d, (mass, 1.0 - mass)))
+    assert horizon.area == pytest.approx(area, abs=2e-9)
+    assert horizon.outer and not horizon.notes
+    assert horizon.outermost.kind == "proved"
+
+
+@pytest.mark.slow
+def test_a_common_horizon_of_three_holes():
+    # 49.98358 by minimizing the area in harmonics of degree 20
+    at = ((0.091, -0.228, -0.052), (-0.166, 0.13, -0.373), (0.007, 0.147, 0.264))
+    horizon = find_horizon(BrillLindquist((0.3814, 0.2252, 0.3934), at))
+    assert horizon.area == pytest.approx(49.983577547, abs=1e-8)
+    assert horizon.outermost.kind == "proved"
+
+
+@pytest.mark.slow
+def test_a_light_hole_on_a_heavy_one():
+    horizon = find_horizon(pair(0.5, (0.01, 0.99)))
+    assert horizon.area == pytest.approx(50.2637718616, abs=1e-8)
+    assert horizon.residual < 1e-11
+
+
+def test_a_tilted_pair_is_a_surface_of_revolution():
+    # Degree 192: the map of its own axis
+    upright, tilted = (find_horizon(pair(0.65, (0.2, 0.8), tilt=tilt)) for tilt in (0.0, 0.7))
+    assert tilted.area == pytest.approx(upright.area, rel=1e-11)
+    assert tilted.surface.harmonics.order == 1
+    assert largest_expansion(tilted) < 1e-8
+
+
+@pytest.mark.parametrize("velocity", [(0.0, 0.0, 0.95), (0.57, 0.0, 0.76)])
+def test_a_fast_hole_has_the_area_of_one_at_rest(velocity):
+    horizon = find_horizon(BoostedSchwarzschild(1.0, velocity, (1.0, 2.0, 3.0)))
+    assert horizon.area == pytest.approx(16.0 * np.pi, rel=1e-12)
+    assert horizon.stability == pytest.approx(1.0, abs=1e-9)
+
+
+@pytest.mark.parametrize("spin", [(0.0, 0.0, 1.0), (0.0, 0.6, 0.8)])
+def test_extreme_kerr_is_degenerate(spin):
+    horizon = find_horizon(KerrSchild(1.0, spin))
+    assert horizon.area == pytest.approx(8.0 * np.pi, rel=1e-10)
+    assert horizon.notes[-1].startswith("degenerate: its stability eigenvalue is")
+
+
+def test_nearly_extreme_kerr_is_not():
+    geometry = KerrSchild(1.0, (0.0, 0.0, 1.0 - 1e-8))
+    horizon = find_horizon(geometry)
+    assert horizon.area == pytest.approx(8.0 * np.pi * geometry.horizon, rel=1e-10)
+    assert horizon.stability > 1e-5 and not horizon.notes
+
+
+def test_what_is_near_a_guess_may_be_enclosed_by_another_one():
+    horizon = find_horizon(pair(0.5), StarSurface.sphere((0.0, 0.0, 0.25), 0.15))
+    assert horizon.outer and horizon.outermost is None
+
+
+def test_a_horizon_that_exists_and_is_not_resolved(monkeypatch):
+    def fails(*_, **__):
+        raise NoConvergence("the residual falls no more")
+
+    monkeypatch.setattr(finder, "star_horizon", fails)
+    with pytest.raises(
+        NoHorizon, match="a horizon exists between two surfaces, and was not resolved"
+    ) as failure:
+        find_horizons(pair(0.7))
+    assert failure.value.evidence.kind == "proved"
+    u, _ = gauss_rule(20, 41)
+    outer, inner = (surface.expansion(pair(0.7), u) for surface in failure.value.barriers)
+    assert inner.max() < 0.0 < outer.min()
+
+
+def test_a_larger_horizon_that_is_not_excluded(monkeypatch):
+    # Of the pair no leaf is known, as if the slice ended: it is not said that the horizons are separate.
+    def blocked(geometry, start):
+        if start.mean_radius > 1.0:
+            raise NoHorizon("no horizon was found: the slice ends there")
+        return foliated(geometry, start)
+
+    foliated = finder._foliated
+    monkeypatch.setattr(finder, "_foliated", blocked)
+    horizon = find_horizon(pair(0.7))
+    assert horizon.outermost.kind == "searched"
+    assert "it is not known whether a larger horizon encloses this one" in horizon.notes[0]
+    assert "of 2 horizons that were found" in horizon.notes[1]

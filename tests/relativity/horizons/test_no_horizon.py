@@ -39,7 +39,7 @@ def test_where_to_look_is_not_known():
 
 
 def test_the_slice_ends_before_its_horizon():
-    with pytest.raises(NoHorizon, match=r"no smaller one was found: point \d+, .* does not lie outside"):
+    with pytest.raises(NoHorizon, match="they ended because no smaller one was found"):
         find_horizon(BoyerLindquist(1.0, (0.0, 0.0, 0.5)))
 
 

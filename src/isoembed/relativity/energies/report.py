@@ -105,6 +105,9 @@ def _horizon_lines(horizon: dict[str, Any]) -> Iterator[str]:
             f"found in harmonics of degree {horizon['degree']}; the least eigenvalue of the stability "
             f"operator is {horizon['stability']:.6g} / R^2, R the areal radius: {stable}"
         )
+    if horizon.get("outermost"):
+        known = horizon["outermost"]
+        yield f"that no other horizon encloses it was {known['evidence']}: {known['basis']}"
     if "stability_spectrum" in horizon:
         yield from spectrum_lines(horizon["stability_spectrum"])
     yield (

@@ -4,7 +4,7 @@ The leaves are parametrized by their mean radius; the expansion c is found with 
 large spheres and falls to 0 at a horizon; ``c R / 2``, R the areal radius, falls from 1 to 0 in
 Schwarzschild.  Where there is no horizon the expansion has a minimum above 0.
 
-Leaves are barriers (Andersson, Eichmair and Metzger, Contemp. Math. 554 (2011) 1).  A surface of negative
+Leaves are barriers (Andersson, Eichmair and Metzger, Contemp. Math. 554 (2011) 13).  A surface of negative
 expansion inside one of positive expansion: there is an outermost horizon between them.  Leaves of positive
 expansion, each inside the one before: by the maximum principle every outer trapped surface inside the first
 leaf lies inside the last one.
@@ -179,7 +179,7 @@ def foliate(geometry: ThreeGeometry, start: StarSurface, *, symmetric: bool) -> 
         try:
             guess = recentered(last.displaced(step if outward else -step), symmetric)
             leaf = leaf_of(geometry, guess, symmetric=symmetric)
-            bent = _bent(last, guess, leaf, step)
+            bent = _bent(geometry, last, guess, leaf, step)
         except (NoConvergence, InvalidMetric, InvalidParameter) as failure:
             step *= 0.5
             if not why or not isinstance(failure, NoConvergence):
@@ -251,8 +251,12 @@ def leaf_of(
         tail = np.abs(f[high]).max() / f[0]
         spread = 0.5 * R * float(np.ptp(theta))
         smooth = tail <= max(FOLIATION.tail, solution.noise)
-        constant = spread <= max(FOLIATION.spread, R * float(errors.max()))
-        if (smooth and constant) or harmonics.degree >= highest:
+        fall = 0.5 * R * abs(solution.expansion)
+        least = max(1e-5, R * float(errors.max()))  # about a horizon the sign is not that of all points
+        constant = spread <= max(min(FOLIATION.spread, 0.5 * fall), least)
+        surface = StarSurface(guess.center, harmonics, f)
+        seen = harmonics.degree * _clearance(geometry, surface) >= surface.mean_radius
+        if (smooth and constant and seen) or harmonics.degree >= highest:
             break
         degree = min(highest, int(HIGHER * harmonics.degree))
         guess = in_degree(StarSurface(guess.center, harmonics, f), degree, symmetric)
@@ -419,13 +423,33 @@ def _stationary(geometry: ThreeGeometry, leaf: Leaf, symmetric: bool) -> Leaf:
     return family.at(float(found.root))
 
 
-def _bent(last: Leaf, guess: StarSurface, leaf: Leaf, step: float) -> float:
+def _heights(geometry: ThreeGeometry, surface: StarSurface) -> Floats:
+    """How far the black holes of a slice that knows them are outside of a surface, along rays."""
+    at = np.array([position for _, position in getattr(geometry, "black_holes", ())]).reshape(-1, 3)
+    away = at - np.array(surface.center)
+    distance = np.linalg.norm(away, axis=1)
+    away[distance == 0.0] = (0.0, 0.0, 1.0)
+    u = away / np.linalg.norm(away, axis=1)[:, None]
+    return np.asarray(distance - surface.radius(u))
+
+
+def _enclosed(geometry: ThreeGeometry, surface: StarSurface) -> list[bool]:
+    """Whether each black hole is inside of a surface."""
+    return (_heights(geometry, surface) < 0.0).tolist()
+
+
+def _clearance(geometry: ThreeGeometry, surface: StarSurface) -> float:
+    """The distance of a surface from the nearest black hole: the length over which it may change."""
+    return float(np.abs(_heights(geometry, surface)).min(initial=np.inf))
+
+
+def _bent(geometry: ThreeGeometry, last: Leaf, guess: StarSurface, leaf: Leaf, step: float) -> float:
     """The difference of a leaf from its prediction, over the displacement from the leaf before.
 
     Raises
     ------
     NoConvergence
-        The leaves cross.
+        The leaves cross each other, or pass over a black hole.
     """
     old = resized(guess.coefficients[:, None], guess.harmonics, leaf.surface.harmonics)[:, 0]
     u, _ = gauss_rule(leaf.surface.harmonics.degree + 2, 2 * leaf.surface.harmonics.order + 1)
@@ -433,6 +457,8 @@ def _bent(last: Leaf, guess: StarSurface, leaf: Leaf, step: float) -> float:
     small, large = sorted((last.surface, leaf.surface), key=lambda surface: surface.mean_radius)
     if not inside(small, large):
         raise NoConvergence("the surfaces of constant expansion cross each other")
+    if _enclosed(geometry, small) != _enclosed(geometry, large):
+        raise NoConvergence("the surfaces of constant expansion pass over a black hole")
     return float(np.abs(change).max()) / (step * last.surface.mean_radius)
 
 

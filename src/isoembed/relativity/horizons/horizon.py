@@ -115,6 +115,7 @@ def _found(found: FoundHorizon, axis: Sequence[float] | None, marginal: bool | N
         **{"center": list(found.surface.center), "mean_coordinate_radius": found.surface.mean_radius},
         **{"degree": found.degree, "residual": found.residual},
         **{"stability": found.stability, "outer": found.outer},
+        "outermost": None if found.outermost is None else found.outermost.report,
         **test.report,
         "marginal": data.marginal,
     }

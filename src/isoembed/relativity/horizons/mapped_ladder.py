@@ -29,6 +29,7 @@ class MappedLadderThresholds:
     noise: float = threshold(0.1, "relative", "Expansion over the slice's error that is as small as that.")
     stalled: float = threshold(0.5, "relative", "Decrease of the expansion from degree to degree, at least.")
     still: float = threshold(1e-10, "radius", "Displacement after which the normals are not made anew.")
+    trials: int = threshold(4, "count", "Degrees without a solution that do not end the search.")
     rounds: int = threshold(4, "count", "Most times that normals are made in one degree.")
     fitted: int = threshold(2, "count", "Times that coordinates are made in one degree.")
     step: float = threshold(0.02, "radius", "Longest step of a sweep inwards, in the mean.")
@@ -83,15 +84,19 @@ def climbed_mapped(geometry: ThreeGeometry, start: Sheet, expansion: float) -> t
         See `isoembed.relativity.horizons.newton.solve`.
     """
     highest = MAPPED_LADDER.highest[int(start.symmetric)]
-    sheet, steps = start.in_degree(max(start.degree, MAPPED_LADDER.first)), 0
+    sheet, steps, failures = start.in_degree(max(start.degree, MAPPED_LADDER.first)), 0, 0
     best: MappedRung | None = None
     while True:
         try:
             sheet, rung, more = _settled(geometry, sheet, expansion)
         except (NoConvergence, InvalidMetric, InvalidParameter):
-            if best is None:
+            if best is not None:
+                return best, steps, "stalled"
+            failures += 1
+            if failures > MAPPED_LADDER.trials or sheet.degree >= highest:
                 raise
-            return best, steps, "stalled"
+            sheet = sheet.in_degree(min(highest, sheet.degree * 4 // 3))
+            continue
         steps += more
         stalled = best is not None and rung.residual > MAPPED_LADDER.stalled * best.residual
         if best is None or rung.residual < best.residual:

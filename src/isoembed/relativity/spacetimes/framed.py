@@ -1,6 +1,6 @@
 """A slice in the coordinates of another Cartesian frame."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -30,6 +30,12 @@ class Framed:
     def time_symmetric(self) -> bool:
         """See `ThreeGeometry`."""
         return self.geometry.time_symmetric
+
+    @property
+    def black_holes(self) -> tuple[tuple[float, Sequence[float]], ...]:
+        """The mass and the position of each, where the slice says that."""
+        holes = getattr(self.geometry, "black_holes", ())
+        return tuple((mass, (np.subtract(at, self.origin) @ self.rotation).tolist()) for mass, at in holes)
 
     def metric(self, x: Floats) -> Floats:
         """See `ThreeGeometry`."""

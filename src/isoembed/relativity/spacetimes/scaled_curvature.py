@@ -1,6 +1,6 @@
 """A slice with its extrinsic curvature multiplied by a factor, for continuation from a time-symmetric one."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -26,6 +26,11 @@ class ScaledCurvature:
     def time_symmetric(self) -> bool:
         """See `ThreeGeometry`."""
         return self.geometry.time_symmetric or self.factor == 0.0
+
+    @property
+    def black_holes(self) -> tuple[tuple[float, Sequence[float]], ...]:
+        """The mass and the position of each, where the slice says that."""
+        return tuple(getattr(self.geometry, "black_holes", ()))
 
     def metric(self, x: Floats) -> Floats:
         """See `ThreeGeometry`."""
