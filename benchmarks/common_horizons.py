@@ -59,7 +59,7 @@ def end(ratio):
         outer, inner = leaves[-2:]
         return least_expansion(pair(ratio, d), outer, inner, symmetric=True, settled=1e-8)[0].expansion
 
-    return brentq(least, d - 1e-3, d + 3e-3, xtol=1e-10, rtol=1e-15)
+    return brentq(least, d - 1e-3, d + 3e-3, xtol=1e-9, rtol=1e-15)
 
 
 def shot_area(ratio, d):

@@ -107,7 +107,7 @@ def _horizon_lines(horizon: dict[str, Any]) -> Iterator[str]:
         )
     if horizon.get("outermost"):
         known = horizon["outermost"]
-        yield f"that no other horizon encloses it was {known['evidence']}: {known['basis']}"
+        yield f"no other horizon was found to enclose it ({known['evidence']}): {known['basis']}"
     if "stability_spectrum" in horizon:
         yield from spectrum_lines(horizon["stability_spectrum"])
     yield (

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass, replace
 from typing import Literal
 
@@ -72,16 +73,15 @@ def find_horizon(geometry: ThreeGeometry, guess: Surface | None = None) -> Found
     degree grows until the expansion is zero to rounding, or to the error of the slice.  From a mapped surface
     the displacement along its normals is sought instead, in coordinates that are made to fit.
 
-    The foliation proves what its leaves are barriers for, see
-    `isoembed.relativity.horizons.foliation`: where the expansion changes sign there is a horizon, and none
-    reaches outside of the one that is returned.  `FoundHorizon.outermost` says what was proved.
+    Leaves of the foliation are barriers, see `isoembed.relativity.horizons.foliation`: where the expansion
+    changes sign there is a horizon.  `FoundHorizon.outermost` says what was searched for larger ones.
 
     Examples
     --------
     >>> from isoembed.relativity import BrillLindquist
     >>> horizon = find_horizon(BrillLindquist((0.5, 0.5), ((0, 0, 0.25), (0, 0, -0.25))))
     >>> round(horizon.irreducible_mass, 9), horizon.outer, horizon.outermost.kind
-    (0.998248418, True, 'proved')
+    (0.998248418, True, 'searched')
     """
     if guess is None:
         search = _search(geometry)
@@ -102,7 +102,7 @@ def find_horizon(geometry: ThreeGeometry, guess: Surface | None = None) -> Found
         why = str(error)
     if isinstance(guess, StarSurface):
         try:
-            return _foliated(geometry, guess)
+            return replace(_foliated(geometry, guess), outermost=None)  # it was not looked for larger ones
         except FAILURES as error:
             why = str(error)
     raise NoHorizon(f"no horizon was found from the guess: {why}")
@@ -191,7 +191,9 @@ def _near(geometry: ThreeGeometry, guess: Surface, expansion: float) -> FoundHor
 
 @dataclass(frozen=True, eq=False)
 class _Search:
-    """Horizons that were found, the largest area first, and whether larger ones around them are excluded."""
+    """Horizons that were found, the largest area first, and whether all groups of holes were tried and none
+    of those around several of them has a common one, by a least expansion above its error.
+    """
 
     horizons: tuple[FoundHorizon, ...]
     separate: bool
@@ -201,7 +203,8 @@ def _search(geometry: ThreeGeometry) -> _Search:
     """The horizons around groups of holes, the largest groups first."""
     found: list[tuple[Place, FoundHorizon]] = []
     failures: list[tuple[Place, NoHorizon]] = []
-    for place in places_of(geometry):
+    places = list(places_of(geometry))
+    for place in places:
         if any(place.holes & other.holes for other, _ in found):
             continue
         try:
@@ -212,7 +215,8 @@ def _search(geometry: ThreeGeometry) -> _Search:
             failures.append((place, failure))
     if not found:
         raise failures[0][1]
-    horizons, separate = [], True
+    n = len(places[0].holes)
+    horizons, separate = [], sum(len(place.holes) > 1 for place in places) >= 2**n - n - 1
     for place, horizon in found:
         around = [failure for other, failure in failures if place.holes < other.holes]
         separate &= all(failure.least_error is not None for failure in around)
@@ -238,7 +242,12 @@ def _within(horizon: FoundHorizon, around: list[NoHorizon]) -> FoundHorizon:
 
 def _around(geometry: ThreeGeometry, place: Place) -> FoundHorizon:
     """The outermost horizon inside of a large sphere."""
+    why = "none of the spheres encloses all holes"
+    at = [position for _, position in getattr(geometry, "black_holes", ())]
+    extent = max((math.dist(at[i], place.center) for i in place.holes), default=0.0)
     for factor in FINDER.spheres:
+        if factor * place.radius <= extent:
+            continue
         start = StarSurface.sphere(place.center, factor * place.radius)
         try:
             return _foliated(geometry, start)
@@ -257,11 +266,16 @@ def _foliated(geometry: ThreeGeometry, start: StarSurface) -> FoundHorizon:
     NoHorizon
         There is no change of sign, or the horizon beside it is not resolved.
     """
-    symmetric = is_symmetric(geometry, start)
-    axis = None if symmetric else symmetry_axis(geometry, start)
-    if axis is not None:
-        upright = StarSurface((0.0, 0.0, 0.0), start.harmonics, start.coefficients)
-        return axis.horizon(_foliated(axis.frame, upright))
+    if is_symmetric(geometry, start):
+        return _led(geometry, start, True)
+    axis = symmetry_axis(geometry, start)
+    if axis is None:
+        return _led(geometry, start, False)
+    return axis.horizon(_led(axis.frame, StarSurface.sphere((0.0, 0.0, 0.0), start.mean_radius), True))
+
+
+def _led(geometry: ThreeGeometry, start: StarSurface, symmetric: bool) -> FoundHorizon:
+    """The horizon to which a foliation leads; see `_foliated`."""
     foliation = foliate(geometry, start, symmetric=symmetric)
     if foliation.barriers is not None:
         return _between(geometry, foliation, symmetric)
@@ -296,9 +310,11 @@ def _between(geometry: ThreeGeometry, foliation: Foliation, symmetric: bool) -> 
         else:
             return replace(horizon, outermost=_outermost(foliation))
     outer, inner = foliation.barriers
-    kind: Literal["proved", "searched"] = "proved" if inner.greatest < 0.0 < outer.least else "searched"
+    proved = inner.greatest < 0.0 < outer.least
+    kind: Literal["proved", "searched"] = "proved" if proved else "searched"
+    verdict = "a horizon exists" if proved else "the expansion changes sign, but for its error,"
     raise NoHorizon(
-        f"a horizon exists between two surfaces, and was not resolved: one of areal radius "
+        f"{verdict} between two surfaces, and no horizon was resolved there: one of areal radius "
         f"{outer.areal_radius:.9g} and expansion {outer.expansion:.3g}, and one inside it of areal radius "
         f"{inner.areal_radius:.9g} and expansion {inner.expansion:.3g}; {why}",
         evidence=Evidence(kind, "barriers: a surface of negative expansion inside one of positive expansion"),
@@ -317,15 +333,16 @@ def _is_between(horizon: FoundHorizon, foliation: Foliation) -> bool:
 
 
 def _outermost(foliation: Foliation) -> Evidence:
-    """The evidence that no horizon in the first leaf reaches outside of the one between the barriers."""
+    """The evidence that no horizon in the first leaf reaches outside of the one that was found."""
     above = [leaf for leaf in foliation.leaves if leaf.expansion > 0.0]
-    if foliation.leaves[0] is above[0] and all(leaf.least > 0.0 for leaf in above):
-        return Evidence(
-            "proved",
-            f"maximum principle: {len(above)} surfaces of positive expansion, each inside the one before, "
-            f"from the areal radius {above[0].areal_radius:.6g} on",
-        )
-    return Evidence("searched", "surfaces of constant expansion, one outside the other")
+    if foliation.leaves[0].expansion <= 0.0:
+        return Evidence("searched", "surfaces of constant expansion from a trapped one outward")
+    positive = "positive" if all(leaf.least > 0.0 for leaf in above) else "positive in the mean"
+    return Evidence(
+        "searched",
+        f"inside the surface of areal radius {above[0].areal_radius:.6g}: the expansion is {positive} on "
+        f"{len(above)} surfaces, each inside the one before",
+    )
 
 
 def _degenerate(geometry: ThreeGeometry, foliation: Foliation, symmetric: bool) -> FoundHorizon | None:
@@ -335,7 +352,7 @@ def _degenerate(geometry: ThreeGeometry, foliation: Foliation, symmetric: bool) 
         horizon = star_horizon(geometry, foliation.minimum.surface, 0.0, symmetric=symmetric)
     except FAILURES:
         return None
-    if horizon.residual > 1e-9:
+    if horizon.residual > 1e-9 or abs(horizon.stability) > 1e-4:
         return None
     return replace(horizon, outermost=_outermost(foliation))
 
@@ -346,14 +363,11 @@ def _none(foliation: Foliation) -> NoHorizon:
     center = ", ".join(f"{x:.4g}" for x in least.surface.center)
     error = 0.5 * foliation.minimum_error * least.areal_radius if foliation.excludes else None
     off = "" if error is None else f" +- {error:.1g}"
-    if foliation.vanishing and all(leaf.least > 0.0 for leaf in foliation.leaves):
-        evidence = Evidence(
-            "proved",
-            "maximum principle: surfaces of positive expansion, each inside the one before, from the areal "
-            f"radius {foliation.leaves[0].areal_radius:.6g} to {foliation.leaves[-1].areal_radius:.6g}",
-        )
-    else:
-        evidence = Evidence("searched", "surfaces of constant expansion, one inside the other")
+    evidence = Evidence(
+        "searched",
+        f"{len(foliation.leaves)} surfaces of constant expansion, of areal radius "
+        f"{foliation.leaves[0].areal_radius:.6g} to {foliation.leaves[-1].areal_radius:.6g}",
+    )
     return NoHorizon(
         "no horizon was found: of the surfaces of constant expansion c and areal radius R, from the first "
         f"one on, the least c R / 2 is {least.fall:.6g}{off}, at R = {least.areal_radius:.6g} around "

@@ -5,9 +5,10 @@ large spheres and falls to 0 at a horizon; ``c R / 2``, R the areal radius, fall
 Schwarzschild.  Where there is no horizon the expansion has a minimum above 0.
 
 Leaves are barriers (Andersson, Eichmair and Metzger, Contemp. Math. 554 (2011) 13).  A surface of negative
-expansion inside one of positive expansion: there is an outermost horizon between them.  Leaves of positive
-expansion, each inside the one before: by the maximum principle every outer trapped surface inside the first
-leaf lies inside the last one.
+expansion inside one of positive expansion: there is an outermost horizon between them.  A continuous family
+of leaves of positive expansion, one inside the other: by the maximum principle every outer trapped surface
+inside the first leaf lies inside the last one.  The leaves that are computed are discrete: that the expansion
+is positive on them suggests that it is positive between them, and does not prove it.
 """
 
 from __future__ import annotations
@@ -148,12 +149,6 @@ class Foliation:
         """Whether the least expansion is zero to within its error."""
         return self.minimum is not None and abs(self.minimum.expansion) <= self.minimum_error
 
-    @property
-    def vanishing(self) -> bool:
-        """Whether the leaves reach down to a point."""
-        first, last = self.leaves[0].surface, self.leaves[-1].surface
-        return last.mean_radius <= SMALLEST * first.mean_radius
-
 
 def foliate(geometry: ThreeGeometry, start: StarSurface, *, symmetric: bool) -> Foliation:
     """Leaves from a surface inwards to a horizon, or outwards from a trapped one.
@@ -188,8 +183,11 @@ def foliate(geometry: ThreeGeometry, start: StarSurface, *, symmetric: bool) -> 
                 end = f"no smaller one was found: {why}{_noisy(last)}"
                 return Foliation(tuple(leaves), None, minimum, error, end)
             continue
-        if bent > FOLIATION.bent and step > FOLIATION.shortest:
-            step *= 0.5
+        if bent > FOLIATION.bent:
+            step, why = 0.5 * step, "surfaces differ from their prediction"
+            if step < FOLIATION.shortest:
+                end = f"no smaller one was found: {why}{_noisy(last)}"
+                return Foliation(tuple(leaves), None, minimum, error, end)
             continue
         step = min(FOLIATION.step, step * float(np.clip(0.5 * FOLIATION.bent / max(bent, 1e-3), 0.5, 2.0)))
         why = ""
@@ -209,7 +207,9 @@ def foliate(geometry: ThreeGeometry, start: StarSurface, *, symmetric: bool) -> 
                 return Foliation(tuple(leaves), None, lowest, off, end)
             if minimum is None or lowest.expansion < minimum.expansion:
                 minimum, error, end_at = lowest, off, FOLIATION.rise[0] * lowest.fall
-        elif minimum is None and len(leaves) > 1 and leaf.rate < 0.0 and leaf.fall > last.fall:
+        elif (
+            not outward and minimum is None and len(leaves) > 1 and leaf.rate < 0.0 and leaf.fall > last.fall
+        ):
             minimum, error = last, last.greatest - last.least
             end_at = last.fall + FOLIATION.rise[1]
         leaves.append(leaf)
@@ -218,7 +218,7 @@ def foliate(geometry: ThreeGeometry, start: StarSurface, *, symmetric: bool) -> 
         if minimum is not None and leaf.fall > end_at:
             return Foliation(tuple(leaves), None, minimum, error, "their expansion grows again")
         if not SMALLEST < leaf.surface.mean_radius / largest < 1.0 / SMALLEST:
-            end = "they have become as small as points"
+            end = f"they have become {'a thousand times as large' if outward else 'as small as points'}"
             return Foliation(tuple(leaves), None, minimum, error, end)
 
 
@@ -333,7 +333,7 @@ def least_expansion(
         degree = lowest.surface.harmonics.degree
         rounding = 1e-13 / lowest.areal_radius
         if degree >= highest:
-            return lowest, lowest.error + rounding
+            return lowest, lowest.error + lowest.greatest - lowest.least + rounding
         finer = in_degree(lowest.surface, min(highest, int(HIGHER * degree)), symmetric)
         there = leaf_of(geometry, finer, symmetric=symmetric, enough=FOLIATION.precise)
         new = _stationary(geometry, there, symmetric)
@@ -420,6 +420,8 @@ def _stationary(geometry: ThreeGeometry, leaf: Leaf, symmetric: bool) -> Leaf:
         xtol=1e-8 * mean / leaf.speed,
         maxiter=20,
     )
+    if not found.converged:
+        raise NoConvergence("the surface of least expansion was not found")
     return family.at(float(found.root))
 
 

@@ -61,8 +61,7 @@ class FoundHorizon:
     notes : tuple of str
         What one should know.
     outermost : Evidence or None
-        Whether it was proved, or only searched, that no other horizon encloses it; nothing is known of one
-        that was found near a guess.
+        What was searched for other horizons that enclose it, and where; nothing of one near a guess.
 
     References
     ----------
@@ -171,7 +170,7 @@ def _described(
     off = surface.misfit / surface.mean_radius
     if off > FOUND.off:
         raise NoConvergence(f"{left}, and the slice may displace the surface by {100.0 * off:.2g} %")
-    if residual > FOUND.unresolved:
+    if residual > FOUND.unresolved and ended != "enough":
         raise NoConvergence(f"{left}, and no higher degree was tried")
     stability = principal_eigenvalue(level.equations(shape), R) * R * R
     notes = [f"{left}: no higher degree was tried"] if ended == "exhausted" else []
