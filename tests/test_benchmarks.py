@@ -17,6 +17,7 @@ SMALLEST = {
     "cold_start": "--only surface",
     "convex_sweep": "--seeds 1",
     "dents": "--vertices 200 --dimples 1 --every 40",
+    "common_horizons": "--pairs 1 --groups 0 --ratios 1",
     "deviation": "--size 60 --noises 3",
     "fuzz": "--count 1 --families stars hyperbolic",
     "honesty": "--only units",

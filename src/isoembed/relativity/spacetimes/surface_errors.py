@@ -87,8 +87,9 @@ class SurfaceErrors:
         )
         if noisy := getattr(frame.geometry, "deviating", None):
             base = _quantities(frame, unit)
-            changes = np.array([quantities(other) - base for other in noisy(frame.x)])
-            errors += cls._of(frame, ERRORS.sure * changes, weights, unit)
+            changes = [quantities(other) - base for other in noisy(frame.x)]
+            if changes:
+                errors += cls._of(frame, ERRORS.sure * np.array(changes), weights, unit)
         return errors
 
     @classmethod
