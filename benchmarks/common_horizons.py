@@ -17,7 +17,8 @@ from scipy.optimize import brentq
 
 from isoembed import NoHorizon
 from isoembed.relativity import BrillLindquist, StarSurface, find_horizon, find_horizons
-from isoembed.relativity.horizons.foliation import leaf_of, least_expansion
+from isoembed.relativity.horizons.constant_expansion import leaf_of
+from isoembed.relativity.horizons.foliation import least_expansion
 from isoembed.relativity.horizons.ladder import in_degree
 
 RATIOS = (1.0, 1.5, 7.0 / 3.0, 4.0, 9.0, 20.0, 50.0, 100.0)

@@ -1,4 +1,4 @@
-"""Evidence that something does not exist, or is the only one of its kind: a proof, or a search that ended."""
+"""Evidence for nonexistence or uniqueness: a proof or an unsuccessful search."""
 
 from __future__ import annotations
 

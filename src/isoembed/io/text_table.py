@@ -1,4 +1,4 @@
-"""Tables of numbers in text files, with comment lines that start with ``#``."""
+"""Text tables of numbers with ``#`` comments."""
 
 from dataclasses import dataclass
 

@@ -1,4 +1,4 @@
-"""The Gaussian curvature of a metric with errors: the degrees above the noise, and its deviations."""
+"""Gaussian curvature of a noisy metric: spectral truncation and uncertainty."""
 
 from __future__ import annotations
 

@@ -234,3 +234,15 @@ def test_separate_is_not_said_where_not_all_groups_were_tried():
     # The pair is close, the third hole so far that its common horizons with one of them are not looked for.
     three = BrillLindquist((0.3, 0.3, 0.4), ((0.0, 0.0, 1.0), (0.0, 0.0, -1.0), (0.0, 0.0, 30.0)))
     assert "of 3 horizons that were found" in find_horizon(three).notes[-1]
+
+
+def test_holes_without_a_horizon_are_named(monkeypatch):
+    def alone(geometry, place):
+        if 1 in place.holes:
+            raise NoHorizon("no horizon was found", least=0.5, least_error=0.01)
+        return inside(geometry, place)
+
+    inside = finder._inside_sphere
+    monkeypatch.setattr(finder, "_inside_sphere", alone)
+    (horizon,) = find_horizons(pair(1.0))
+    assert "no horizon was found around the black holes 1," in horizon.notes[0]

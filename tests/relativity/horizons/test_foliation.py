@@ -1,11 +1,14 @@
 """Foliations by surfaces of constant expansion, through the minimum where common horizons end."""
 
+from dataclasses import replace
 from itertools import pairwise
 
 import pytest
 
+from isoembed.relativity.horizons import foliation as foliation_module
+from isoembed.relativity.horizons.constant_expansion import leaf_of
 from isoembed.relativity.horizons.finder import find_horizon, find_horizons
-from isoembed.relativity.horizons.foliation import foliate, inside, leaf_of, least_expansion
+from isoembed.relativity.horizons.foliation import foliate, inside, least_expansion
 from isoembed.relativity.spacetimes.conformally_flat import BrillLindquist
 from isoembed.relativity.spacetimes.star_surface import StarSurface
 
@@ -65,4 +68,20 @@ def test_no_step_passes_over_the_horizons():
     # The expansion is negative between two surfaces 1e-3 apart.
     foliation = foliate(pair(0.76619), StarSurface.sphere((0.0, 0.0, 0.0), 3.0), symmetric=True)
     assert foliation.barriers is not None
-    assert -1e-4 < foliation.barriers[1].fall < 0.0
+    assert -1e-4 < foliation.barriers[1].normalized_expansion < 0.0
+
+
+def test_the_error_of_a_minimum_of_the_normalized_expansion_alone():
+    # Far apart the expansion itself has no minimum, only c R / 2; finer steps find it within the error.
+    def minimum(step):
+        start = StarSurface.sphere((0.0, 0.0, 0.0), 4.0)
+        with pytest.MonkeyPatch.context() as patch:
+            patch.setattr(foliation_module, "FOLIATION", replace(foliation_module.FOLIATION, step=step))
+            found = foliate(pair(4.0), start, symmetric=True)
+        assert found.excludes
+        return found.minimum, 0.5 * found.minimum_error * found.minimum.areal_radius
+
+    (coarse, error), (fine, _) = minimum(0.15), minimum(0.03)
+    assert (
+        coarse.normalized_expansion - error <= fine.normalized_expansion <= coarse.normalized_expansion + 1e-3
+    )

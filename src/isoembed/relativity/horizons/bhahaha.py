@@ -1,4 +1,4 @@
-"""Shape files of BHaHAHA, the horizon finder of NRPy: h.t<iteration>.ah<number>.gp.
+"""Reader for horizon shapes written by BHaHAHA of NRPy, h.t<iteration>.ah<number>.gp.
 
 They hold points of the horizon in the coordinates of the slice, on a cell-centered grid in theta and phi
 [1]_; no metric, and no center.

@@ -38,11 +38,11 @@ class FinderThresholds:
 
 FINDER = FinderThresholds()
 FAILURES = (NoConvergence, InvalidMetric, InvalidParameter)
-"""Ends of a search: Newton's method, or the slice, leads no further."""
+"""Exceptions that end a search."""
 
 
 def find_horizon(geometry: ThreeGeometry, guess: Surface | None = None) -> FoundHorizon:
-    """Marginally outer trapped surface: the outermost one, or the one near a guess.
+    """Marginally outer trapped surface that no other one is found to enclose, or the one near a guess.
 
     Parameters
     ----------
@@ -102,7 +102,7 @@ def find_horizon(geometry: ThreeGeometry, guess: Surface | None = None) -> Found
         why = str(error)
     if isinstance(guess, StarSurface):
         try:
-            return replace(_foliated(geometry, guess), outermost=None)  # it was not looked for larger ones
+            return replace(_foliated(geometry, guess), outermost=None)  # larger ones were not sought
         except FAILURES as error:
             why = str(error)
     raise NoHorizon(f"no horizon was found from the guess: {why}")
@@ -191,8 +191,15 @@ def _near(geometry: ThreeGeometry, guess: Surface, expansion: float) -> FoundHor
 
 @dataclass(frozen=True, eq=False)
 class _Search:
-    """Horizons that were found, the largest area first, and whether all groups of holes were tried and none
-    of those around several of them has a common one, by a least expansion above its error.
+    """Result of the search for the horizons of a slice.
+
+    Attributes
+    ----------
+    horizons : tuple of FoundHorizon
+        The largest area first.
+    separate : bool
+        Whether all groups of holes were tried, and each search for a common horizon ended at a least
+        expansion above its error.
     """
 
     horizons: tuple[FoundHorizon, ...]
@@ -208,7 +215,7 @@ def _search(geometry: ThreeGeometry) -> _Search:
         if any(place.holes & other.holes for other, _ in found):
             continue
         try:
-            found.append((place, _around(geometry, place)))
+            found.append((place, _inside_sphere(geometry, place)))
         except NoHorizon as failure:
             if failure.barriers is not None:
                 raise
@@ -221,6 +228,11 @@ def _search(geometry: ThreeGeometry) -> _Search:
         around = [failure for other, failure in failures if place.holes < other.holes]
         separate &= all(failure.least_error is not None for failure in around)
         horizons.append(_within(horizon, around))
+    alone = {i for place in places for i in place.holes}.difference(*(place.holes for place, _ in found))
+    if alone:
+        at = ", ".join(str(i) for i in sorted(alone))
+        note = f"no horizon was found around the black holes {at}, by their place in the slice's list"
+        horizons = [replace(horizon, notes=(*horizon.notes, note)) for horizon in horizons]
     return _Search(tuple(sorted(horizons, key=lambda horizon: -horizon.area)), separate)
 
 
@@ -240,8 +252,8 @@ def _within(horizon: FoundHorizon, around: list[NoHorizon]) -> FoundHorizon:
     return replace(horizon, outermost=Evidence("searched", basis))
 
 
-def _around(geometry: ThreeGeometry, place: Place) -> FoundHorizon:
-    """The outermost horizon inside of a large sphere."""
+def _inside_sphere(geometry: ThreeGeometry, place: Place) -> FoundHorizon:
+    """The horizon inside a large sphere around the holes of a place."""
     why = "none of the spheres encloses all holes"
     at = [position for _, position in getattr(geometry, "black_holes", ())]
     extent = max((math.dist(at[i], place.center) for i in place.holes), default=0.0)
@@ -267,15 +279,17 @@ def _foliated(geometry: ThreeGeometry, start: StarSurface) -> FoundHorizon:
         There is no change of sign, or the horizon beside it is not resolved.
     """
     if is_symmetric(geometry, start):
-        return _led(geometry, start, True)
+        return _from_foliation(geometry, start, True)
     axis = symmetry_axis(geometry, start)
     if axis is None:
-        return _led(geometry, start, False)
-    return axis.horizon(_led(axis.frame, StarSurface.sphere((0.0, 0.0, 0.0), start.mean_radius), True))
+        return _from_foliation(geometry, start, False)
+    return axis.horizon(
+        _from_foliation(axis.frame, StarSurface.sphere((0.0, 0.0, 0.0), start.mean_radius), True)
+    )
 
 
-def _led(geometry: ThreeGeometry, start: StarSurface, symmetric: bool) -> FoundHorizon:
-    """The horizon to which a foliation leads; see `_foliated`."""
+def _from_foliation(geometry: ThreeGeometry, start: StarSurface, symmetric: bool) -> FoundHorizon:
+    """The horizon to which a foliation leads, in the given frame; see `_foliated`."""
     foliation = foliate(geometry, start, symmetric=symmetric)
     if foliation.barriers is not None:
         return _between(geometry, foliation, symmetric)
@@ -358,7 +372,7 @@ def _degenerate(geometry: ThreeGeometry, foliation: Foliation, symmetric: bool) 
 
 
 def _none(foliation: Foliation) -> NoHorizon:
-    """The error that there was no change of sign, with what that proves."""
+    """The error for a foliation without a change of sign."""
     least = foliation.least
     center = ", ".join(f"{x:.4g}" for x in least.surface.center)
     error = 0.5 * foliation.minimum_error * least.areal_radius if foliation.excludes else None
@@ -368,11 +382,12 @@ def _none(foliation: Foliation) -> NoHorizon:
         f"{len(foliation.leaves)} surfaces of constant expansion, of areal radius "
         f"{foliation.leaves[0].areal_radius:.6g} to {foliation.leaves[-1].areal_radius:.6g}",
     )
+    at = f"at R = {least.areal_radius:.6g} around ({center})"
     return NoHorizon(
-        "no horizon was found: of the surfaces of constant expansion c and areal radius R, from the first "
-        f"one on, the least c R / 2 is {least.fall:.6g}{off}, at R = {least.areal_radius:.6g} around "
-        f"({center}), and on a horizon it is 0; they ended because {foliation.end}",
-        least.fall,
+        "no horizon was found: of surfaces of constant expansion c and areal radius R, the least c R / 2 is "
+        f"{least.normalized_expansion:.6g}{off}, {at}, and on a horizon it is 0; they ended because "
+        f"{foliation.end}",
+        least.normalized_expansion,
         evidence,
         error,
     )

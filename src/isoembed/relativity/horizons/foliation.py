@@ -1,8 +1,8 @@
-"""Foliation by surfaces of constant expansion, from a large sphere to the outermost horizon.
+"""Foliation by surfaces of constant expansion, from a large sphere inward to a horizon.
 
 The leaves are parametrized by their mean radius; the expansion c is found with each of them.  It is 2 / r on
-large spheres and falls to 0 at a horizon; ``c R / 2``, R the areal radius, falls from 1 to 0 in
-Schwarzschild.  Where there is no horizon the expansion has a minimum above 0.
+large spheres and 0 at a horizon; ``c R / 2``, R the areal radius, falls from 1 to 0 in Schwarzschild.  Leaves
+that miss a horizon, or are not ended by one, pass a minimum of the expansion.
 
 Leaves are barriers (Andersson, Eichmair and Metzger, Contemp. Math. 554 (2011) 13).  A surface of negative
 expansion inside one of positive expansion: there is an outermost horizon between them.  A continuous family
@@ -14,16 +14,24 @@ is positive on them suggests that it is positive between them, and does not prov
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import numpy as np
 from scipy.optimize import brentq, root_scalar
 
-from isoembed.arrays import Floats
 from isoembed.errors import InvalidMetric, InvalidParameter
 from isoembed.meshing.sphere import gauss_rule
-from isoembed.relativity.horizons.ladder import about, in_degree, level_of, recentered
-from isoembed.relativity.horizons.newton import NoConvergence, Solution, solve
+from isoembed.relativity.horizons.constant_expansion import (
+    DEGREE_GROWTH,
+    LEAF,
+    PRECISE_RESIDUAL,
+    TRUNCATION,
+    Leaf,
+    hole_heights,
+    leaf_of,
+)
+from isoembed.relativity.horizons.ladder import about, in_degree, recentered
+from isoembed.relativity.horizons.newton import NoConvergence
 from isoembed.relativity.spacetimes.scaled_curvature import ScaledCurvature
 from isoembed.relativity.spacetimes.star_surface import StarSurface
 from isoembed.relativity.spacetimes.three_geometry import ThreeGeometry
@@ -35,78 +43,17 @@ from isoembed.thresholds import threshold
 class FoliationThresholds:
     """Thresholds of the foliation by surfaces of constant expansion."""
 
-    first: int = threshold(8, "count", "First degree of the surfaces.")
-    highest: tuple[int, int] = threshold((48, 512), "count", "Highest degree, and with symmetry about z.")
-    tail: float = threshold(1e-4, "mean radius", "Coefficients of high degree that ask for a higher one.")
-    spread: float = threshold(0.02, "c R / 2", "Variation of the expansion that asks for a higher degree.")
     step: float = threshold(0.15, "mean radius", "Longest displacement of a leaf from the one before.")
     shortest: float = threshold(1e-4, "mean radius", "Shortest displacement that is tried.")
-    bent: float = threshold(0.3, "displacement", "Largest difference of a leaf from its prediction.")
-    residual: float = threshold(1e-6, "mean radius", "Residual of a leaf.")
-    precise: float = threshold(1e-12, "mean radius", "Residual of a leaf near the minimum or the horizon.")
-    rise: tuple[float, float] = threshold(
-        (1.05, 0.25),
-        "c R / 2",
-        "Rise that ends the foliation: relative after a minimum of c, absolute after one of c R / 2 alone, "
-        "as there are around fast holes, too.",
-    )
+    prediction: float = threshold(0.3, "displacement", "Largest difference of a leaf from its prediction.")
 
 
 FOLIATION = FoliationThresholds()
 SMALLEST = 1e-3
-"""Mean radius over that of the first leaf at which the foliation ends: a surface this small is a point."""
-HIGHER = 1.5
-"""Ratio of one degree to the one before."""
-
-
-@dataclass(frozen=True, eq=False)
-class Leaf:
-    """A surface of constant expansion.
-
-    Attributes
-    ----------
-    surface : StarSurface
-    expansion : float
-        Its constant part c.
-    least, greatest : float
-        The extreme values of the expansion at the nodes, further apart by the slice's error.
-    error : float
-        The change of c by the slice's error, at constant mean radius.
-    areal_radius : float
-    rate : float
-        The derivative of the expansion in the coefficient of degree zero.
-    tangent : ndarray
-        That of all coefficients.
-    speed : float
-        The displacement of the fastest point over that of the mean radius.
-    noise : float
-        See `isoembed.relativity.horizons.newton.Solution`.
-    """
-
-    surface: StarSurface
-    expansion: float
-    least: float
-    greatest: float
-    error: float
-    areal_radius: float
-    rate: float
-    tangent: Floats
-    speed: float
-    noise: float
-
-    @property
-    def fall(self) -> float:
-        """``c R / 2``: 1 on a sphere in flat space, 0 on a horizon."""
-        return 0.5 * self.expansion * self.areal_radius
-
-    def displaced(self, distance: float) -> StarSurface:
-        """Prediction of the leaf whose fastest point is so many mean radii further out."""
-        return self.of_mean(self.surface.coefficients[0] * (1.0 + distance / self.speed))
-
-    def of_mean(self, mean: float) -> StarSurface:
-        """Prediction of the leaf whose coefficient of degree zero is given."""
-        f = self.surface.coefficients
-        return StarSurface(self.surface.center, self.surface.harmonics, f + (mean - f[0]) * self.tangent)
+"""Mean radius over that of the first leaf at which the foliation ends."""
+RELATIVE_RISE, ABSOLUTE_RISE = 1.05, 0.25
+"""Rise of c R / 2 that ends the foliation: relative after a minimum of c, absolute after a minimum of c R / 2
+alone, which there is around fast holes, too."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -137,7 +84,7 @@ class Foliation:
     def least(self) -> Leaf:
         """The leaf of the least ``c R / 2``."""
         leaves = self.leaves if self.minimum is None else (*self.leaves, self.minimum)
-        return min(leaves, key=lambda leaf: abs(leaf.fall))
+        return min(leaves, key=lambda leaf: abs(leaf.normalized_expansion))
 
     @property
     def excludes(self) -> bool:
@@ -174,7 +121,7 @@ def foliate(geometry: ThreeGeometry, start: StarSurface, *, symmetric: bool) -> 
         try:
             guess = recentered(last.displaced(step if outward else -step), symmetric)
             leaf = leaf_of(geometry, guess, symmetric=symmetric)
-            bent = _bent(geometry, last, guess, leaf, step)
+            missed = _prediction_error(geometry, last, guess, leaf, step)
         except (NoConvergence, InvalidMetric, InvalidParameter) as failure:
             step *= 0.5
             if not why or not isinstance(failure, NoConvergence):
@@ -183,13 +130,15 @@ def foliate(geometry: ThreeGeometry, start: StarSurface, *, symmetric: bool) -> 
                 end = f"no smaller one was found: {why}{_noisy(last)}"
                 return Foliation(tuple(leaves), None, minimum, error, end)
             continue
-        if bent > FOLIATION.bent:
+        if missed > FOLIATION.prediction:
             step, why = 0.5 * step, "surfaces differ from their prediction"
             if step < FOLIATION.shortest:
                 end = f"no smaller one was found: {why}{_noisy(last)}"
                 return Foliation(tuple(leaves), None, minimum, error, end)
             continue
-        step = min(FOLIATION.step, step * float(np.clip(0.5 * FOLIATION.bent / max(bent, 1e-3), 0.5, 2.0)))
+        step = min(
+            FOLIATION.step, step * float(np.clip(0.5 * FOLIATION.prediction / max(missed, 1e-3), 0.5, 2.0))
+        )
         why = ""
         if (leaf.expansion <= 0.0) != outward:
             barriers = (leaf, last) if outward else (last, leaf)
@@ -206,74 +155,24 @@ def foliate(geometry: ThreeGeometry, start: StarSurface, *, symmetric: bool) -> 
                 end = f"the least expansion is {lowest.expansion:.2g} +- {off:.1g}: its sign is not known"
                 return Foliation(tuple(leaves), None, lowest, off, end)
             if minimum is None or lowest.expansion < minimum.expansion:
-                minimum, error, end_at = lowest, off, FOLIATION.rise[0] * lowest.fall
+                minimum, error, end_at = lowest, off, RELATIVE_RISE * lowest.normalized_expansion
         elif (
-            not outward and minimum is None and len(leaves) > 1 and leaf.rate < 0.0 and leaf.fall > last.fall
+            not outward
+            and minimum is None
+            and len(leaves) > 1
+            and leaf.rate < 0.0
+            and leaf.normalized_expansion > last.normalized_expansion
         ):
-            minimum, error = last, last.greatest - last.least
-            end_at = last.fall + FOLIATION.rise[1]
+            minimum, error = last, _minimum_error(leaves[-2], last, leaf)
+            end_at = last.normalized_expansion + ABSOLUTE_RISE
         leaves.append(leaf)
-        if minimum is not None and leaf.fall < minimum.fall:
+        if minimum is not None and leaf.normalized_expansion < minimum.normalized_expansion:
             minimum, error = None, 0.0
-        if minimum is not None and leaf.fall > end_at:
+        if minimum is not None and leaf.normalized_expansion > end_at:
             return Foliation(tuple(leaves), None, minimum, error, "their expansion grows again")
         if not SMALLEST < leaf.surface.mean_radius / largest < 1.0 / SMALLEST:
             end = f"they have become {'a thousand times as large' if outward else 'as small as points'}"
             return Foliation(tuple(leaves), None, minimum, error, end)
-
-
-def leaf_of(
-    geometry: ThreeGeometry, guess: StarSurface, *, symmetric: bool, enough: float = FOLIATION.residual
-) -> Leaf:
-    """The surface of constant expansion with the mean radius of a guess.
-
-    Parameters
-    ----------
-    geometry : ThreeGeometry
-    guess : StarSurface
-    symmetric : bool
-        About z: slice and surface.
-    enough : float
-        Residual, as a displacement over the radius, at which to stop.
-
-    Raises
-    ------
-    NoConvergence, InvalidMetric, InvalidParameter
-        See `isoembed.relativity.horizons.newton.solve`.
-    """
-    highest = FOLIATION.highest[int(symmetric)]
-    while True:
-        level = level_of(geometry, guess)
-        solution = solve(level, guess.coefficients, None, enough)
-        f, harmonics, theta = solution.shape.f, guess.harmonics, solution.shape.local.expansion
-        errors, R = np.abs(level.expansion_errors(solution.shape)), level.areal_radius(solution.shape)
-        high = harmonics.labels[0] > 0.75 * harmonics.degree
-        tail = np.abs(f[high]).max() / f[0]
-        spread = 0.5 * R * float(np.ptp(theta))
-        smooth = tail <= max(FOLIATION.tail, solution.noise)
-        fall = 0.5 * R * abs(solution.expansion)
-        least = max(1e-5, R * float(errors.max()))  # about a horizon the sign is not that of all points
-        constant = spread <= max(min(FOLIATION.spread, 0.5 * fall), least)
-        surface = StarSurface(guess.center, harmonics, f)
-        seen = harmonics.degree * _clearance(geometry, surface) >= surface.mean_radius
-        if (smooth and constant and seen) or harmonics.degree >= highest:
-            break
-        degree = min(highest, int(HIGHER * harmonics.degree))
-        guess = in_degree(StarSurface(guess.center, harmonics, f), degree, symmetric)
-    rate, tangent = _tangent(solution)
-    by_slice = solution.equations.projected(errors[:, None])[:, 0]
-    return Leaf(
-        surface=StarSurface(guess.center, harmonics, f),
-        expansion=solution.expansion,
-        least=float((theta - errors).min()),
-        greatest=float((theta + errors).max()),
-        error=abs(float(solution.equations.solved(by_slice)[0])),
-        areal_radius=R,
-        rate=rate,
-        tangent=tangent,
-        speed=float(np.abs(level.transform.values(tangent[:, None])).max()) * np.sqrt(4.0 * np.pi),
-        noise=solution.noise,
-    )
 
 
 def crossing(
@@ -325,7 +224,7 @@ def least_expansion(
     NoConvergence, InvalidMetric, InvalidParameter
         See `isoembed.relativity.horizons.newton.solve`.
     """
-    highest = FOLIATION.highest[int(symmetric)]
+    highest = LEAF.highest[int(symmetric)]
     family, largest, smallest = _family(geometry, outer, inner, symmetric)
     xtol = 1e-5 * abs(largest - smallest)
     lowest = family.at(_root(lambda mean: family.at(mean).rate, smallest, largest, xtol))
@@ -334,8 +233,8 @@ def least_expansion(
         rounding = 1e-13 / lowest.areal_radius
         if degree >= highest:
             return lowest, lowest.error + lowest.greatest - lowest.least + rounding
-        finer = in_degree(lowest.surface, min(highest, int(HIGHER * degree)), symmetric)
-        there = leaf_of(geometry, finer, symmetric=symmetric, enough=FOLIATION.precise)
+        finer = in_degree(lowest.surface, min(highest, int(DEGREE_GROWTH * degree)), symmetric)
+        there = leaf_of(geometry, finer, symmetric=symmetric, enough=PRECISE_RESIDUAL)
         new = _stationary(geometry, there, symmetric)
         change = abs(new.expansion - lowest.expansion)
         if change <= max(settled * abs(new.expansion), new.error, rounding):
@@ -349,8 +248,18 @@ def inside(inner: StarSurface, outer: StarSurface) -> bool:
     u, _ = gauss_rule(n, 1 if max(inner.harmonics.order, outer.harmonics.order) == 0 else 2 * n)
     away = inner.points(u) - np.array(outer.center)
     distance = np.linalg.norm(away, axis=1)
-    slack = FOLIATION.tail * outer.mean_radius
+    slack = TRUNCATION * outer.mean_radius
     return bool(np.all(distance <= outer.radius(away / distance[:, None]) + slack))
+
+
+def _minimum_error(before: Leaf, lowest: Leaf, after: Leaf) -> float:
+    """Error of the expansion of a leaf whose c R / 2 is less than that of its neighbors.
+
+    The variation of the expansion over the leaf, and as much as c R / 2 differs from that of a neighbor: a
+    convex function is at most so much lower between them.
+    """
+    differences = (leaf.normalized_expansion - lowest.normalized_expansion for leaf in (before, after))
+    return lowest.greatest - lowest.least + 2.0 * max(differences) / lowest.areal_radius
 
 
 def _first(geometry: ThreeGeometry, start: StarSurface, symmetric: bool) -> Leaf:
@@ -359,7 +268,7 @@ def _first(geometry: ThreeGeometry, start: StarSurface, symmetric: bool) -> Leaf
     Around a hole in motion leaves are displaced by a part of their radius that grows with the speed, too far
     for Newton's method from a sphere: K_ij is turned on in steps.
     """
-    surface = in_degree(start, max(FOLIATION.first, start.harmonics.degree), symmetric)
+    surface = in_degree(start, max(LEAF.first, start.harmonics.degree), symmetric)
     for factor in (1.0,) if geometry.time_symmetric else (0.0, 0.25, 0.5, 0.75, 1.0):
         leaf = leaf_of(ScaledCurvature(geometry, factor), surface, symmetric=symmetric)
         surface = recentered(leaf.surface, symmetric)
@@ -380,7 +289,7 @@ class _Family:
         nearest = min(self.known, key=lambda leaf: abs(leaf.surface.coefficients[0] - mean))
         if nearest.surface.coefficients[0] != mean:
             guess = nearest.of_mean(mean)
-            nearest = leaf_of(self.geometry, guess, symmetric=self.symmetric, enough=FOLIATION.precise)
+            nearest = leaf_of(self.geometry, guess, symmetric=self.symmetric, enough=PRECISE_RESIDUAL)
             self.known.append(nearest)
         return nearest
 
@@ -425,27 +334,14 @@ def _stationary(geometry: ThreeGeometry, leaf: Leaf, symmetric: bool) -> Leaf:
     return family.at(float(found.root))
 
 
-def _heights(geometry: ThreeGeometry, surface: StarSurface) -> Floats:
-    """How far the black holes of a slice that knows them are outside of a surface, along rays."""
-    at = np.array([position for _, position in getattr(geometry, "black_holes", ())]).reshape(-1, 3)
-    away = at - np.array(surface.center)
-    distance = np.linalg.norm(away, axis=1)
-    away[distance == 0.0] = (0.0, 0.0, 1.0)
-    u = away / np.linalg.norm(away, axis=1)[:, None]
-    return np.asarray(distance - surface.radius(u))
-
-
 def _enclosed(geometry: ThreeGeometry, surface: StarSurface) -> list[bool]:
     """Whether each black hole is inside of a surface."""
-    return (_heights(geometry, surface) < 0.0).tolist()
+    return (hole_heights(geometry, surface) < 0.0).tolist()
 
 
-def _clearance(geometry: ThreeGeometry, surface: StarSurface) -> float:
-    """The distance of a surface from the nearest black hole: the length over which it may change."""
-    return float(np.abs(_heights(geometry, surface)).min(initial=np.inf))
-
-
-def _bent(geometry: ThreeGeometry, last: Leaf, guess: StarSurface, leaf: Leaf, step: float) -> float:
+def _prediction_error(
+    geometry: ThreeGeometry, last: Leaf, guess: StarSurface, leaf: Leaf, step: float
+) -> float:
     """The difference of a leaf from its prediction, over the displacement from the leaf before.
 
     Raises
@@ -468,13 +364,3 @@ def _noisy(leaf: Leaf) -> str:
     if leaf.noise <= 0.01:
         return ""
     return f"; the slice may displace the surface by {100.0 * leaf.noise:.2g} % there"
-
-
-def _tangent(solution: Solution) -> tuple[float, Floats]:
-    """The derivatives of the expansion and of the coefficients in that of degree zero."""
-    equations = solution.equations
-    one = np.zeros(len(solution.shape.f))
-    one[0] = 1.0
-    rates = -equations.solved(replace(equations, free=False).applied(one))
-    rate, rates[0] = float(rates[0]), 1.0
-    return rate, rates

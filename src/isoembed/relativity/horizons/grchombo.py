@@ -1,4 +1,4 @@
-"""Coordinate files of GRChombo's horizon finder: coords_AH<number>_<file number>.dat.
+"""Reader for apparent horizons written by GRChombo, coords_AH<number>_<file number>.dat.
 
 They hold the radius of the horizon on a grid in theta and phi about an origin, which is in another file,
 stats_AH<number>.dat, with the time; no metric.  Layout: ``Source/ApparentHorizonFinder`` of GRChombo [1]_.

@@ -1,4 +1,4 @@
-"""Surfaces as harmonic coefficients in SpECTRE's tables *_Ylm.dat.
+"""Reader for spherical harmonic coefficients of surfaces in SpECTRE's *_Ylm.dat tables.
 
 Each row is the surface at one time: ``Time``, ``<Frame>ExpansionCenter_x``, ``_y``, ``_z``, ``Lmax`` and
 ``coef(l,m)``, the coefficients of its radius about that center in the basis of SPHEREPACK [1]_,

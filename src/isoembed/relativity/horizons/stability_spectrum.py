@@ -1,4 +1,4 @@
-"""Spectrum of the stability operator of a surface of constant expansion.
+"""Spectrum of the stability operator of a marginally outer trapped surface.
 
 The operator is not self-adjoint unless the slice is time-symmetric: its eigenvalues may be complex, and then
 come in pairs.  The one with the least real part, the principal eigenvalue, is real.  Eigenfunctions are

@@ -1,4 +1,4 @@
-"""Axis of symmetry of a slice: horizons around it are surfaces of revolution, and need few harmonics."""
+"""Axis of rotational symmetry of a slice, for horizons that are surfaces of revolution."""
 
 from __future__ import annotations
 
@@ -10,8 +10,8 @@ from isoembed.arrays import Floats
 from isoembed.meshing.sphere import gauss_rule
 from isoembed.relativity.horizons.found_horizon import FoundHorizon
 from isoembed.relativity.horizons.ladder import LADDER, is_symmetric
-from isoembed.relativity.spacetimes.framed import Framed
 from isoembed.relativity.spacetimes.mapped_surface import MappedSurface
+from isoembed.relativity.spacetimes.rotated_frame import RotatedFrame
 from isoembed.relativity.spacetimes.star_surface import StarSurface
 from isoembed.relativity.spacetimes.surface import Surface
 from isoembed.relativity.spacetimes.three_geometry import ThreeGeometry
@@ -28,12 +28,12 @@ class Axis:
     Attributes
     ----------
     geometry : ThreeGeometry
-    frame : Framed
+    frame : RotatedFrame
         The slice in a frame whose z-axis it is.
     """
 
     geometry: ThreeGeometry
-    frame: Framed
+    frame: RotatedFrame
 
     def surface(self, found: Surface) -> Surface:
         """A surface of revolution that was found in the frame, in the coordinates of the slice.
@@ -96,7 +96,7 @@ def symmetry_axis(geometry: ThreeGeometry, sphere: StarSurface) -> Axis | None:
     if np.linalg.norm(dipole) > 1e-9 * scale:
         candidates.insert(0, dipole / np.linalg.norm(dipole))
     for axis in candidates:
-        frame = Framed(geometry, center, _upright(axis))
+        frame = RotatedFrame(geometry, center, _upright(axis))
         if is_symmetric(frame, StarSurface.sphere((0.0, 0.0, 0.0), sphere.mean_radius)):
             return Axis(geometry, frame)
     return None

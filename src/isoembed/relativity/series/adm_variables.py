@@ -1,4 +1,4 @@
-"""ADM variables from those that codes evolve: the metric and K_ij, or their conformal parts.
+"""ADM variables (spatial metric, extrinsic curvature) from BSSN, CCZ4 or Z4c variables.
 
 With chi = psi^-4 (or another power of psi) and conformal h_ij and A_ij,
 

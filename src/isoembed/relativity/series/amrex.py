@@ -1,4 +1,4 @@
-"""Slices in plot files of AMReX: those of GRTeclyn, and those of ADMBaseX by CarpetX.
+"""Reader for slices in AMReX plot files of GRTeclyn and CarpetX.
 
 A plot file is a folder: its ``Header`` has the names of the variables and the spacing of each level, whose
 boxes and files of data are in ``Level_N/Cell_H``; a box is a line of text and the values of all variables one
@@ -86,19 +86,7 @@ def amrex_slices(paths: Iterable[Path]) -> list[ListedFile]:
 
 @dataclass(frozen=True)
 class AMReXSlice(PatchSlice):
-    """The slice of one plot file, or of several with different variables: a `SliceSource`.
-
-    Attributes
-    ----------
-    paths : tuple of str
-    """
-
-    paths: tuple[str, ...]
-
-    @property
-    def name(self) -> str:
-        """The paths."""
-        return ", ".join(self.paths)
+    """The slice of one plot file, or of several with different variables."""
 
     @property
     def files(self) -> Sequence[Path]:

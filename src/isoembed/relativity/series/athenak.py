@@ -1,4 +1,4 @@
-"""Slices in the binary files of AthenaK, version 1.1: the variables ``adm`` or ``z4c``.
+"""Reader for slices in binary files of AthenaK, version 1.1, variables ``adm`` or ``z4c``.
 
 After a few lines of text and the parameters of the run come the MeshBlocks, all of one size: the indices of
 the cells that are written, where the block is in the tree of blocks, its corners, and the values of all
@@ -17,7 +17,7 @@ from __future__ import annotations
 
 import contextlib
 import re
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable
 from dataclasses import dataclass
 from functools import cached_property, lru_cache
 from pathlib import Path
@@ -48,25 +48,7 @@ ADM = AdmVariables(tuple(f"adm_{letter}{ij}" for letter in "gK" for ij in PAIRS)
 
 @dataclass(frozen=True)
 class AthenaKSlice(PatchSlice):
-    """The slice of a file of AthenaK, or of those that all processes wrote: a `SliceSource`.
-
-    Attributes
-    ----------
-    paths : tuple of str
-    """
-
-    paths: tuple[str, ...]
-
-    @property
-    def name(self) -> str:
-        """The first path, and how many there are more."""
-        more = f" and {len(self.paths) - 1} more" if len(self.paths) > 1 else ""
-        return self.paths[0] + more
-
-    @property
-    def files(self) -> Sequence[str]:
-        """See `PatchSlice`."""
-        return self.paths
+    """The slice of a file of AthenaK, or of those that all processes wrote."""
 
     def data(self, closing: contextlib.ExitStack) -> _Data:
         """See `PatchSlice`."""

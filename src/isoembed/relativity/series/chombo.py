@@ -1,4 +1,4 @@
-"""Slices in Chombo's HDF5 files: checkpoints and plot files of GRChombo.
+"""Reader for slices in Chombo HDF5 files, the checkpoints and plot files of GRChombo.
 
 The root has the names of the variables as attributes ``component_0`` ..., and each group ``level_N`` has its
 spacing ``dx``, its boxes, and for each box the values of all variables one after the other, x running
@@ -16,7 +16,7 @@ from __future__ import annotations
 
 import contextlib
 import re
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable
 from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
@@ -69,7 +69,7 @@ def chombo_slices(paths: Iterable[Path]) -> list[ListedFile]:
         listed = ListedFile(
             None if iteration is None else int(iteration),
             None if time is None else float(time),
-            ChomboSlice(str(path)),
+            ChomboSlice((str(path),)),
         )
         out.append((order, listed))
     return best_of_moments(out, len(KNOWN))
@@ -77,29 +77,12 @@ def chombo_slices(paths: Iterable[Path]) -> list[ListedFile]:
 
 @dataclass(frozen=True)
 class ChomboSlice(PatchSlice):
-    """The slice of a file of Chombo: a `SliceSource`.
-
-    Attributes
-    ----------
-    path : str
-    """
-
-    path: str
-
-    @property
-    def name(self) -> str:
-        """The path."""
-        return self.path
-
-    @property
-    def files(self) -> Sequence[str]:
-        """See `PatchSlice`."""
-        return (self.path,)
+    """The slice of one file of Chombo."""
 
     def data(self, closing: contextlib.ExitStack) -> _Data:
         """See `PatchSlice`."""
-        file = closing.enter_context(InputFile(self.path))
-        return _Data(self.path, closing.enter_context(file.hdf5()))
+        file = closing.enter_context(InputFile(self.paths[0]))
+        return _Data(self.name, closing.enter_context(file.hdf5()))
 
 
 class _Data:

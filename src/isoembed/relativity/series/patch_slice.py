@@ -1,4 +1,4 @@
-"""Sources of slices in files of patches on refinement levels, whatever the format."""
+"""Slices stored as patches on refinement levels (AMR), independent of the file format."""
 
 from __future__ import annotations
 
@@ -6,27 +6,38 @@ import contextlib
 import hashlib
 from abc import ABC, abstractmethod
 from collections.abc import Iterable, Iterator, Sequence
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
 from isoembed.arrays import Floats
 from isoembed.io.digest import file_digest, file_state, unchanged
-from isoembed.relativity.series.leveled_grid import LeveledGrid, PatchData
+from isoembed.relativity.series.amr_grid import AMRGrid, PatchData
 from isoembed.relativity.series.moment import ListedFile
 
 
+@dataclass(frozen=True)
 class PatchSlice(ABC):
-    """A slice in files of patches: a `SliceSource`.  Subclasses are frozen dataclasses of paths."""
+    """A slice in files of patches: a `SliceSource`.
+
+    Attributes
+    ----------
+    paths : tuple of str
+        Several where variables, or processes, have files of their own.
+    """
+
+    paths: tuple[str, ...]
 
     @property
-    @abstractmethod
     def name(self) -> str:
-        """For messages and reports."""
+        """The first path, and the number of the others."""
+        more = f" and {len(self.paths) - 1} more" if len(self.paths) > 1 else ""
+        return self.paths[0] + more
 
     @property
-    @abstractmethod
     def files(self) -> Sequence[str | Path]:
-        """What the slice is read from."""
+        """The files that the slice is read from."""
+        return self.paths
 
     @abstractmethod
     def data(self, closing: contextlib.ExitStack) -> PatchData:
@@ -40,12 +51,12 @@ class PatchSlice(ABC):
 
     @property
     def state(self) -> Any:
-        """See `isoembed.relativity.series.leveled_grid.PatchSource`."""
+        """See `isoembed.relativity.series.amr_grid.PatchSource`."""
         return tuple(file_state(path) for path in self.files)
 
     @contextlib.contextmanager
     def opened(self) -> Iterator[PatchData]:
-        """See `isoembed.relativity.series.leveled_grid.PatchSource`."""
+        """See `isoembed.relativity.series.amr_grid.PatchSource`."""
         with contextlib.ExitStack() as closing:
             for path in self.files:
                 closing.enter_context(unchanged(path))
@@ -61,7 +72,7 @@ class PatchSlice(ABC):
         """
         return hashlib.sha256(" ".join(map(file_digest, self.files)).encode()).hexdigest()
 
-    def read(self, low: Floats, high: Floats) -> LeveledGrid:
+    def read(self, low: Floats, high: Floats) -> AMRGrid:
         """The slice, of which no more is read than what surfaces need when they ask for it.
 
         Raises
@@ -71,7 +82,7 @@ class PatchSlice(ABC):
         """
         return self.whole()
 
-    def whole(self) -> LeveledGrid:
+    def whole(self) -> AMRGrid:
         """See `read`: everywhere.
 
         Raises
@@ -80,7 +91,7 @@ class PatchSlice(ABC):
             As of `read`.
         """
         with self.opened():
-            return LeveledGrid(self, self.state)
+            return AMRGrid(self, self.state)
 
 
 def best_of_moments(found: Iterable[tuple[int, ListedFile]], incomplete: int) -> list[ListedFile]:

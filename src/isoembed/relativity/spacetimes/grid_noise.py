@@ -1,4 +1,4 @@
-"""White noise in fields on a Cartesian grid: its size, from differences of high order, and samples of it."""
+"""White noise on a Cartesian grid: amplitude from high-order differences, and random samples."""
 
 from math import comb
 

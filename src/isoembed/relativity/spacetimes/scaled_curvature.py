@@ -1,4 +1,4 @@
-"""A slice with its extrinsic curvature multiplied by a factor, for continuation from a time-symmetric one."""
+"""Slice with scaled extrinsic curvature, for continuation from a time-symmetric slice."""
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass

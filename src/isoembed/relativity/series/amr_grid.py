@@ -1,4 +1,4 @@
-"""Slices on refinement levels, interpolated at each point on the finest level that surrounds it.
+"""Slices on grids with adaptive mesh refinement (AMR): interpolation on the finest level at each point.
 
 Only the parts of a level that points lie in are read, in cubes of the lattice with a margin for the
 interpolation.  Where a level ends, points within four spacings of its end are interpolated on the next
@@ -61,7 +61,7 @@ class PatchSource(Protocol):
 
 
 @dataclass(frozen=True, eq=False)
-class LeveledGrid:
+class AMRGrid:
     """A slice on refinement levels: a `ThreeGeometry`.
 
     Attributes
@@ -257,7 +257,7 @@ class LeveledGrid:
 class _Wider:
     """The same through two points more along each axis, or through two less where they are missing."""
 
-    grid: LeveledGrid
+    grid: AMRGrid
 
     @property
     def time_symmetric(self) -> bool:

@@ -1,4 +1,4 @@
-"""A slice in the coordinates of another Cartesian frame."""
+"""Slice in a rotated and translated Cartesian frame."""
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
@@ -10,7 +10,7 @@ from isoembed.relativity.spacetimes.three_geometry import ThreeGeometry
 
 
 @dataclass(frozen=True, eq=False)
-class Framed:
+class RotatedFrame:
     """The slice in coordinates y, with ``x = origin + rotation y`` its own.
 
     Attributes
@@ -52,7 +52,7 @@ class Framed:
 
     def error(self, quantity: Callable[[ThreeGeometry], Floats]) -> Floats:
         """See `ThreeGeometry`."""
-        return self.geometry.error(lambda slice_: quantity(Framed(slice_, self.origin, self.rotation)))
+        return self.geometry.error(lambda slice_: quantity(RotatedFrame(slice_, self.origin, self.rotation)))
 
     def _there(self, x: Floats) -> Floats:
         return self.origin + x @ self.rotation.T

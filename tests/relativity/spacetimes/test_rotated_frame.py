@@ -5,8 +5,8 @@ import pytest
 
 from isoembed.relativity.horizons.symmetry_axis import symmetry_axis
 from isoembed.relativity.spacetimes.conformally_flat import BrillLindquist, IsotropicSchwarzschild
-from isoembed.relativity.spacetimes.framed import Framed
 from isoembed.relativity.spacetimes.kerr_schild import KerrSchild
+from isoembed.relativity.spacetimes.rotated_frame import RotatedFrame
 from isoembed.relativity.spacetimes.scaled_curvature import ScaledCurvature
 from isoembed.relativity.spacetimes.star_surface import StarSurface
 from isoembed.relativity.spacetimes.translated import Translated
@@ -19,7 +19,7 @@ SPIN = np.array([0.1, 0.2, 0.6])
 
 
 def test_a_tilted_hole_in_a_frame_of_its_own():
-    framed = Framed(Translated(KerrSchild(1.0, (ROTATION @ SPIN).tolist()), ORIGIN), ORIGIN, ROTATION)
+    framed = RotatedFrame(Translated(KerrSchild(1.0, (ROTATION @ SPIN).tolist()), ORIGIN), ORIGIN, ROTATION)
     upright = KerrSchild(1.0, SPIN)
     for field in ("metric", "gradient", "extrinsic_curvature"):
         assert getattr(framed, field)(X) == pytest.approx(getattr(upright, field)(X), abs=1e-14)
@@ -32,7 +32,7 @@ def test_the_expansion_does_not_depend_on_the_frame():
     geometry = KerrSchild(1.0, SPIN)
     u = X / np.linalg.norm(X, axis=1)[:, None]
     here = StarSurface.sphere((0.0, 0.0, 0.0), 2.5)
-    theta = here.expansion(Framed(geometry, np.zeros(3), ROTATION), u)
+    theta = here.expansion(RotatedFrame(geometry, np.zeros(3), ROTATION), u)
     assert theta == pytest.approx(here.expansion(geometry, u @ ROTATION.T), abs=1e-13)
 
 

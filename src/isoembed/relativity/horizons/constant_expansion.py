@@ -1,0 +1,160 @@
+"""Surface of constant expansion with a given mean radius, and its derivative in the mean radius."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from isoembed.arrays import Floats
+from isoembed.relativity.horizons.ladder import in_degree, level_of
+from isoembed.relativity.horizons.newton import Solution, solve
+from isoembed.relativity.spacetimes.star_surface import StarSurface
+from isoembed.relativity.spacetimes.three_geometry import ThreeGeometry
+from isoembed.thresholds import threshold
+
+
+@dataclass(frozen=True)
+class LeafThresholds:
+    """Thresholds of the resolution of a surface of constant expansion."""
+
+    first: int = threshold(8, "count", "First degree.")
+    highest: tuple[int, int] = threshold((48, 512), "count", "Highest degree, and with symmetry about z.")
+    spread: float = threshold(0.02, "c R / 2", "Variation of the expansion that asks for a higher degree.")
+
+
+LEAF = LeafThresholds()
+DEGREE_GROWTH = 1.5
+TRUNCATION = 1e-4
+"""Size of the coefficients of high degree, in mean radii, that asks for a higher degree."""
+RESIDUAL, PRECISE_RESIDUAL = 1e-6, 1e-12
+"""Residuals, in mean radii, of surfaces on the way and of those near a minimum or a horizon."""
+
+
+@dataclass(frozen=True, eq=False)
+class Leaf:
+    """A surface of constant expansion.
+
+    Attributes
+    ----------
+    surface : StarSurface
+    expansion : float
+        Its constant part c.
+    least, greatest : float
+        The extreme values of the expansion at the nodes, further apart by the slice's error.
+    error : float
+        The change of c by the slice's error, at constant mean radius.
+    areal_radius : float
+    rate : float
+        The derivative of the expansion in the coefficient of degree zero.
+    tangent : ndarray
+        That of all coefficients.
+    speed : float
+        The displacement of the fastest point over that of the mean radius.
+    noise : float
+        See `isoembed.relativity.horizons.newton.Solution`.
+    """
+
+    surface: StarSurface
+    expansion: float
+    least: float
+    greatest: float
+    error: float
+    areal_radius: float
+    rate: float
+    tangent: Floats
+    speed: float
+    noise: float
+
+    @property
+    def normalized_expansion(self) -> float:
+        """``c R / 2``: 1 on a sphere in flat space, 0 on a horizon."""
+        return 0.5 * self.expansion * self.areal_radius
+
+    def displaced(self, distance: float) -> StarSurface:
+        """Prediction of the leaf whose fastest point is so many mean radii further out."""
+        return self.of_mean(self.surface.coefficients[0] * (1.0 + distance / self.speed))
+
+    def of_mean(self, mean: float) -> StarSurface:
+        """Prediction of the leaf whose coefficient of degree zero is given."""
+        f = self.surface.coefficients
+        return StarSurface(self.surface.center, self.surface.harmonics, f + (mean - f[0]) * self.tangent)
+
+
+def leaf_of(
+    geometry: ThreeGeometry, guess: StarSurface, *, symmetric: bool, enough: float = RESIDUAL
+) -> Leaf:
+    """The surface of constant expansion with the mean radius of a guess.
+
+    Parameters
+    ----------
+    geometry : ThreeGeometry
+    guess : StarSurface
+    symmetric : bool
+        About z: slice and surface.
+    enough : float
+        Residual, as a displacement over the radius, at which to stop.
+
+    Raises
+    ------
+    NoConvergence, InvalidMetric, InvalidParameter
+        See `isoembed.relativity.horizons.newton.solve`.
+    """
+    highest = LEAF.highest[int(symmetric)]
+    while True:
+        level = level_of(geometry, guess)
+        solution = solve(level, guess.coefficients, None, enough)
+        f, harmonics, theta = solution.shape.f, guess.harmonics, solution.shape.local.expansion
+        errors, R = np.abs(level.expansion_errors(solution.shape)), level.areal_radius(solution.shape)
+        high = harmonics.labels[0] > 0.75 * harmonics.degree
+        tail = np.abs(f[high]).max() / f[0]
+        spread = 0.5 * R * float(np.ptp(theta))
+        smooth = tail <= max(TRUNCATION, solution.noise)
+        fall = 0.5 * R * abs(solution.expansion)
+        least = max(1e-5, R * float(errors.max()))  # about a horizon the sign is not that of all points
+        constant = spread <= max(min(LEAF.spread, 0.5 * fall), least)
+        surface = StarSurface(guess.center, harmonics, f)
+        seen = harmonics.degree * clearance(geometry, surface) >= surface.mean_radius
+        if (smooth and constant and seen) or harmonics.degree >= highest:
+            break
+        degree = min(highest, int(DEGREE_GROWTH * harmonics.degree))
+        guess = in_degree(StarSurface(guess.center, harmonics, f), degree, symmetric)
+    rate, tangent = _tangent(solution)
+    by_slice = solution.equations.projected(errors[:, None])[:, 0]
+    return Leaf(
+        surface=StarSurface(guess.center, harmonics, f),
+        expansion=solution.expansion,
+        least=float((theta - errors).min()),
+        greatest=float((theta + errors).max()),
+        error=abs(float(solution.equations.solved(by_slice)[0])),
+        areal_radius=R,
+        rate=rate,
+        tangent=tangent,
+        speed=float(np.abs(level.transform.values(tangent[:, None])).max()) * np.sqrt(4.0 * np.pi),
+        noise=solution.noise,
+    )
+
+
+def hole_heights(geometry: ThreeGeometry, surface: StarSurface) -> Floats:
+    """Signed distances (n,) of the black holes of a slice from a surface, along rays, positive outside."""
+    at = np.array([position for _, position in getattr(geometry, "black_holes", ())]).reshape(-1, 3)
+    away = at - np.array(surface.center)
+    distance = np.linalg.norm(away, axis=1)
+    away[distance == 0.0] = (0.0, 0.0, 1.0)
+    u = away / np.linalg.norm(away, axis=1)[:, None]
+    return np.asarray(distance - surface.radius(u))
+
+
+def clearance(geometry: ThreeGeometry, surface: StarSurface) -> float:
+    """The distance of a surface from the nearest black hole: the length over which it may change."""
+    return float(np.abs(hole_heights(geometry, surface)).min(initial=np.inf))
+
+
+def _tangent(solution: Solution) -> tuple[float, Floats]:
+    """The derivatives of the expansion and of the coefficients in that of degree zero."""
+    equations = solution.equations
+    one = np.zeros(len(solution.shape.f))
+    one[0] = 1.0
+    rates = -equations.solved(replace(equations, free=False).applied(one))
+    rate, rates[0] = float(rates[0]), 1.0
+    return rate, rates
