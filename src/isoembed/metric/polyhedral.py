@@ -16,7 +16,7 @@ from isoembed.mesh.triangulation import Triangulation, frozen
 from isoembed.metric.distances import lengths_between
 from isoembed.metric.given_mesh import merging_advice, triangle_mesh
 from isoembed.metric.other_packages import of_pyvista, of_trimesh
-from isoembed.metric.precision import Precision
+from isoembed.metric.precision import Precision, rounding_error
 from isoembed.metric.triangle_checks import check_triangles
 from isoembed.space import EUCLIDEAN, Space
 from isoembed.space.models import Model, from_model
@@ -61,6 +61,8 @@ class PolyhedralMetric:
     precision : Precision or None
         What the coordinates were rounded to that the lengths come from; None if that is not known, or they
         were doubles.
+    length_errors : ndarray, shape (E,), or None
+        Standard deviations of the lengths, whose errors are independent; None if the lengths are exact.
 
     Raises
     ------
@@ -80,6 +82,7 @@ class PolyhedralMetric:
     lengths: Floats
     space: Space
     precision: Precision | None
+    length_errors: Floats | None
 
     def __init__(
         self,
@@ -225,6 +228,7 @@ class PolyhedralMetric:
         _check_lengths(triangulation, lengths, space)
         lengths.flags.writeable = False
         object.__setattr__(self, "precision", None)
+        object.__setattr__(self, "length_errors", None)
         object.__setattr__(self, "triangulation", triangulation)
         object.__setattr__(self, "lengths", lengths)
         object.__setattr__(self, "space", space)
@@ -238,7 +242,8 @@ class PolyhedralMetric:
         """Arrays that define it up to its `unit`: faces, lengths, and in curved space the curvature."""
         normalized = self.normalized
         curved = () if normalized.space.is_euclidean else (np.array(normalized.curvature),)
-        return self.faces, normalized.lengths, *curved
+        measured = () if normalized.length_errors is None else (normalized.length_errors,)
+        return self.faces, normalized.lengths, *curved, *measured
 
     def with_lengths(self, lengths: ArrayLike) -> PolyhedralMetric:
         """Return the metric with the same triangles and these lengths, in the order of `edges`.
@@ -249,6 +254,39 @@ class PolyhedralMetric:
             They are not lengths of a metric.
         """
         return self.on(self.triangulation, lengths, self.space)
+
+    def with_length_errors(self, errors: ArrayLike) -> PolyhedralMetric:
+        """Return the same metric with standard deviations of its lengths; errors of zero make it exact.
+
+        Parameters
+        ----------
+        errors : float or array_like, shape (E,)
+            In the unit of the lengths and the order of `edges`: one for all, or one for each edge.
+
+        Raises
+        ------
+        InvalidMetric
+            They are of another shape, negative or not finite, or zero for some edges only.
+        """
+        given = np.asarray(errors, dtype=np.float64)
+        sigma = np.full(self.lengths.shape, float(given)) if given.ndim == 0 else np.array(given)
+        if sigma.shape != self.lengths.shape:
+            raise InvalidMetric(f"the length errors have the shape {sigma.shape}, not {self.lengths.shape}")
+        exact = not sigma.any()
+        wrong = ~np.isfinite(sigma) | (sigma < 0 if exact else sigma <= 0)
+        if wrong.any():
+            e = int(np.argmax(wrong))
+            raise InvalidMetric(
+                f"the length error of edge {e} {self.edges[e].tolist()} is {sigma[e]}, not a positive finite "
+                "number; zero for all edges is none"
+            )
+        same = self.on(self.triangulation, self.lengths.copy(), self.space)._rounded_to(self.precision)
+        vars(same)["rounding"] = None  # errors that are given, be they zero, go before the digits
+        return same._measured_with(None if exact else frozen(sigma))
+
+    def _measured_with(self, errors: Floats | None) -> PolyhedralMetric:
+        object.__setattr__(self, "length_errors", errors)
+        return self
 
     def in_space(self, space: Space) -> PolyhedralMetric:
         """Return the metric with the same triangles and lengths, of the curvature of another space.
@@ -264,7 +302,9 @@ class PolyhedralMetric:
         """Return the metric in another unit: every length times this factor."""
         with np.errstate(over="ignore"):  # a length beyond the floats is refused as infinite
             scaled = self.on(self.triangulation, self.lengths * factor, self.space.scaled(factor))
-        return scaled._rounded_to(self.precision)
+        errors = None if self.length_errors is None else frozen(self.length_errors * factor)
+        vars(scaled)["rounding"] = self.rounding  # in another unit digits are not seen
+        return scaled._rounded_to(self.precision)._measured_with(errors)
 
     def __repr__(self) -> str:
         t = self.triangulation
@@ -295,6 +335,11 @@ class PolyhedralMetric:
         largest = self.lengths.max()
         return float(largest * np.mean(self.lengths / largest))
 
+    @cached_property
+    def rounding(self) -> float | None:
+        """Standard deviation over the mean length of lengths that show that they were rounded, else None."""
+        return rounding_error(self.lengths)
+
     @property
     def unit(self) -> float:
         """The power of two below the mean edge length: dividing by it rounds nothing."""
@@ -308,8 +353,7 @@ class PolyhedralMetric:
     @cached_property
     def normalized(self) -> PolyhedralMetric:
         """The metric in its own `unit`, in which its mean edge length is between 1 and 2."""
-        space = self.space.scaled(1 / self.unit)
-        return self.on(self.triangulation, self.lengths / self.unit, space)._rounded_to(self.precision)
+        return self.scaled(1 / self.unit)
 
 
 def _length_array(lengths: ArrayLike) -> Floats:

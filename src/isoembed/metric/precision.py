@@ -1,4 +1,4 @@
-"""How coordinates were rounded before they came to us."""
+"""How coordinates and lengths were rounded before they came to us."""
 
 from __future__ import annotations
 
@@ -62,6 +62,31 @@ class Precision:
         scale = float(quanta.max())
         spread = scale * math.sqrt(float(((quanta / scale) ** 2).sum()) / points.size / 6)
         return cls(name, spread / mean_length)
+
+
+DESIGNED = 30
+"""Fewer different lengths are as likely those of a design as those of a measurement."""
+
+COARSE = 0.01
+"""Standard deviation, in mean lengths, above which the last digit is no rounding."""
+
+
+def rounding_error(lengths: Floats) -> float | None:
+    """Standard deviation of lengths that were rounded to a decimal place, over their mean.
+
+    None if they have more than nine digits, take few different values, or are whole multiples of too coarse
+    a unit to be measurements: such lengths are exact.
+    """
+    largest = math.floor(math.log10(lengths.max()))
+    sample = lengths[:: len(lengths) // PRECISION.sample + 1]
+    for digits in range(1, PRECISION.most + 1):
+        unit = 10.0 ** (largest - digits + 1)
+        if unit and _multiples(sample, unit) and _multiples(lengths, unit):
+            break
+    else:
+        return None
+    error = unit / math.sqrt(12) / float(lengths.mean())
+    return error if error <= COARSE and len(np.unique(np.rint(lengths / unit))) >= DESIGNED else None
 
 
 def _rounded(values: Floats) -> tuple[str, Floats] | None:

@@ -75,7 +75,8 @@ class EmbeddingTask:
             try:
                 with unchanged(self.path):
                     metric = read_metric(self.path, merge=self.merge, space=self.space)
-                found = embed(metric, method=self.method, tolerance=self.tolerance)
+                errors = self.length_error if self.method.takes_length_errors else None
+                found = embed(metric, method=self.method, tolerance=self.tolerance, length_errors=errors)
                 if self.length_error is not None:
                     found = found.with_length_errors(self.length_error)
             except NotEmbedded as error:

@@ -1,0 +1,145 @@
+"""Surfaces from measured lengths: the smooth side of what agrees with them within their errors.
+
+Where lengths have errors, a surface that has them exactly is crumpled or does not exist.  Sought is the
+minimum of ``sum (r / s)^2 + mu |R x|^2``, s the standard deviations and R the roughness
+(`isoembed.aim.regularized_energy`), from the smooth side: mu falls from one at which no dimple can form.  It
+stops where ``sum (r / s)^2`` is what the errors make of it, the discrepancy principle with the degrees of
+freedom that the fit has left: E - trace H, H the matrix from given to fitted lengths.  That estimates the
+roughness of the body; generalized cross-validation and the plain discrepancy principle smooth more.
+
+References
+----------
+Wahba, Bayesian "confidence intervals" for the cross-validated smoothing spline, J. R. Stat. Soc. B 45 (1983).
+Morozov, On the solution of functional equations by the method of regularization, Soviet Math. Dokl. 7 (1966).
+"""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from isoembed.aim.best_fit import BEST_FIT, BestFit, Fits
+from isoembed.aim.regularized_energy import RegularizedEnergy
+from isoembed.aim.search import Search
+from isoembed.aim.strategies import Strategies
+from isoembed.arrays import Floats
+from isoembed.metric.polyhedral import PolyhedralMetric
+from isoembed.progress.stages import Log, StageRecorder
+from isoembed.surface.embedding import Embedding
+from isoembed.surface.measured import MeasuredSurface
+
+if TYPE_CHECKING:
+    from isoembed.aim.adaptive import Aim
+
+LEAST_WEIGHT = 1e-14
+"""mu at the end of the search, in squared mean edge lengths: lengths are met to rounding."""
+
+BELOW_NOISE = 0.1
+"""Root mean square of the residuals, over that of the errors, below which less mu changes nothing that the
+lengths could tell."""
+
+
+def embed_within_errors(
+    metric: PolyhedralMetric, errors: Floats, method: Aim, tolerance: float, log: Log
+) -> Embedding:
+    """Embed a metric with errors of its lengths, on the smooth branch.
+
+    Parameters
+    ----------
+    metric : PolyhedralMetric
+        Normalized, with these errors of its lengths.
+    errors : ndarray, shape (E,)
+        Standard deviations of the lengths.
+    method : Aim
+        For the exact surface, which is sought where no smooth one agrees with the lengths.
+    tolerance : float
+        Residual of an exact surface.
+    log : Log
+
+    Returns
+    -------
+    MeasuredSurface
+        It may not agree with the lengths, and then says so.
+    """
+    found = _fitted(metric, errors, method.name, tolerance, log)
+    if not found.converged:
+        surface = method.run(metric.with_length_errors(0.0), tolerance, log)
+        if surface.residual < found.residual:
+            found = replace(found, vertices=surface.vertices, weight=0.0, message="")
+    return found.with_stages(log.stages)
+
+
+def within_digits(metric: PolyhedralMetric, rounding: float, exact: Embedding, log: Log) -> Embedding:
+    """The smooth surface that agrees with rounded lengths, in the place of a rough one, or of none.
+
+    Parameters
+    ----------
+    metric : PolyhedralMetric
+        Normalized.
+    rounding : float
+        Standard deviation that the digits of its lengths show, over the mean edge length.
+    exact : Embedding
+        The surface that has these lengths, or the nearest attempt.
+    log : Log
+
+    Returns
+    -------
+    Embedding
+        A `MeasuredSurface`, with the exact one among its `others`; or the exact one, where no smooth surface
+        agrees with the lengths within their digits, or none that is smoother.
+    """
+    errors = np.full(len(metric.lengths), rounding * metric.mean_length)
+    found = _fitted(metric.with_length_errors(errors), errors, exact.method, exact.tolerance, log)
+    if not found.converged or (exact.converged and exact.fine_roughness <= found.fine_roughness):
+        return exact
+    said = (
+        f"{found.message}; the errors are those of the last digit of the lengths, {rounding:.1e} of "
+        f"the mean edge length: the surface that has them exactly is "
+        f"{'rougher' if exact.converged else 'not found'}; errors of zero insist on it"
+    )
+    return found.with_others([exact] if exact.converged else []).with_message(said)
+
+
+def _fitted(
+    metric: PolyhedralMetric, errors: Floats, name: str, tolerance: float, log: Log
+) -> MeasuredSurface:
+    """The fit to lengths with errors from the polyhedron of a convex metric nearby."""
+    strategies = Strategies(Search(metric, tolerance, log, name))
+    strategies.start = strategies.convex_start()
+    with log.stage("fit within errors") as recorder:
+        fit = fit_within_errors(metric, errors, strategies.start, recorder)
+    return MeasuredSurface(metric, fit.vertices, method=name, tolerance=tolerance, weight=fit.weight)
+
+
+def fit_within_errors(
+    metric: PolyhedralMetric, errors: Floats, start: Floats, recorder: StageRecorder
+) -> BestFit:
+    """Fit a surface to lengths with errors, as smooth as their residuals allow.
+
+    Parameters
+    ----------
+    metric : PolyhedralMetric
+        Of mean edge length 1 or so.
+    errors : ndarray, shape (E,)
+        Standard deviations of its lengths.
+    start : ndarray, shape (V, 3)
+        A smooth surface of about this shape and size.
+    recorder : StageRecorder
+
+    Returns
+    -------
+    BestFit
+    """
+    rms = float(np.sqrt(np.mean(errors**2)))
+    energy = RegularizedEnergy(metric, start).weighted(rms / errors)
+    fits = Fits(metric, energy, recorder, np.inf)
+    before = fit = fits.fit(start, BEST_FIT.weight)
+    known = rms / metric.mean_length  # as the noise that a fit sees, over the mean edge length
+    while fit.noise > known and fit.weight > LEAST_WEIGHT:
+        r = energy.residuals(fit.vertices, metric.lengths)
+        if np.sqrt(np.mean(r**2)) < BELOW_NOISE * rms:
+            return fit
+        before, fit = fit, fits.fit(fit.vertices, fit.weight / np.sqrt(10.0))
+    return before if before.noise * fit.noise < known**2 else fit  # the nearer, by the ratio to what is known

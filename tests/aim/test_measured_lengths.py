@@ -1,0 +1,103 @@
+"""Surfaces from lengths with errors, against the coordinates that the lengths came from."""
+
+import numpy as np
+import pytest
+from scipy.spatial import ConvexHull
+
+from isoembed import Aim, InvalidMetric, InvalidParameter, MeasuredSurface, PolyhedralMetric, embed
+from isoembed.surface.alignment import distance
+
+
+def rock(seed, rough=3.0, n=80):
+    """Vertices about an ellipsoid of 300 x 240 x 200 mm, off by white noise, and triangles between them."""
+    rng, i = np.random.default_rng(seed), np.arange(n)
+    z, phi = 1 - (2 * i + 1) / n, np.pi * (1 + 5**0.5) * i
+    x = np.c_[np.sqrt(1 - z * z) * np.cos(phi), np.sqrt(1 - z * z) * np.sin(phi), z] * [150.0, 120.0, 100.0]
+    faces = ConvexHull(x).simplices
+    a, b, c = x[faces].swapaxes(0, 1)
+    turned = np.einsum("fi,fi->f", np.cross(b - a, c - a), a + b + c) < 0
+    faces[turned] = faces[turned][:, ::-1]
+    return x + rough * rng.standard_normal(x.shape), faces
+
+
+def in_millimeters(x, faces):
+    exact = PolyhedralMetric.from_mesh(x, faces)
+    return PolyhedralMetric(faces, np.round(exact.lengths), exact.edges)
+
+
+ERROR = 1 / np.sqrt(12)
+
+
+@pytest.mark.parametrize("seed", range(3))
+def test_rocks_in_whole_millimeters(seed):
+    x, faces = rock(seed, rough=1.5)
+    metric = in_millimeters(x, faces)
+    found = embed(metric, length_errors=ERROR)
+    assert isinstance(found, MeasuredSurface)
+    assert found.converged
+    assert found.chi_square <= found.chi_square_limit
+    assert distance(found.vertices, x) < 4.0  # a fit that is held at the true vertices: 2 to 3
+    volume = np.einsum("fi,fi->", x[faces[:, 0]], np.cross(x[faces[:, 1]], x[faces[:, 2]])) / 6
+    assert abs(found.volume - volume) < 3 * found.integral_deviation(ERROR).volume
+
+
+def test_digits_are_seen_where_the_exact_surface_is_rough():
+    """Seed 102 of these: the exact surface is crumpled, and 35 mm off."""
+    x, faces = rock([102, 80])
+    metric = in_millimeters(x, faces)
+    exact = embed(metric, length_errors=0)
+    assert not isinstance(exact, MeasuredSurface)
+    assert exact.residual < 1e-10
+    found = embed(metric)
+    assert isinstance(found, MeasuredSurface)
+    assert distance(found.vertices, x) < 4.0
+    assert "last digit" in found.message
+    assert [other.residual < 1e-10 for other in found.others] == [True]
+
+
+def test_errors_in_any_unit():
+    x, faces = rock(1, rough=1.5)
+    metric = in_millimeters(x, faces)
+    found = embed(metric, length_errors=ERROR)
+    inches = embed(metric.scaled(1 / 25.4), length_errors=ERROR / 25.4)
+    assert distance(25.4 * inches.vertices, found.vertices) < 1e-6
+    assert inches.chi_square == pytest.approx(found.chi_square, rel=1e-6)
+
+
+def test_large_errors_have_no_weight():
+    """One length that is off by 5 mm, and known to be bad, changes little."""
+    x, faces = rock(1, rough=1.5)
+    metric = in_millimeters(x, faces)
+    lengths, errors = metric.lengths.copy(), np.full(len(metric.lengths), ERROR)
+    lengths[10] += 5.0
+    errors[10] = 10.0
+    found = embed(metric.with_lengths(lengths), length_errors=errors)
+    assert distance(found.vertices, embed(metric, length_errors=ERROR).vertices) < 1.5
+    assert found.chi_square < found.chi_square_limit
+
+
+def test_whole_numbers_of_a_design_are_exact():
+    tetrahedron = PolyhedralMetric([[0, 1, 2], [0, 2, 3], [0, 3, 1], [1, 3, 2]], [3, 4, 5, 5, 4, 3])
+    assert tetrahedron.rounding is None
+    x, faces = rock(0)
+    assert in_millimeters(x, faces).rounding == pytest.approx(
+        ERROR / in_millimeters(x, faces).mean_length, rel=1e-9
+    )
+    assert PolyhedralMetric.from_mesh(x, faces).rounding is None
+
+
+def test_refusals():
+    x, faces = rock(0)
+    metric = in_millimeters(x, faces)
+    with pytest.raises(InvalidMetric, match=r"length error of edge 0 .* is -1"):
+        embed(metric, length_errors=-1)
+    with pytest.raises(InvalidMetric, match=r"shape \(3,\)"):
+        embed(metric, length_errors=[1, 2, 3])
+    some = np.ones(len(metric.lengths))
+    some[7] = 0
+    with pytest.raises(InvalidMetric, match=r"edge 7 .* is 0"):
+        embed(metric, length_errors=some)
+    with pytest.raises(InvalidParameter, match="takes lengths as exact"):
+        embed(metric, method="alexandrov", length_errors=0.1)
+    best = embed(metric, method=Aim(best_fit=True), length_errors=0)
+    assert not isinstance(best, MeasuredSurface)
