@@ -20,6 +20,7 @@ from isoembed.relativity import BrillLindquist, StarSurface, find_horizon, find_
 from isoembed.relativity.horizons.constant_expansion import leaf_of
 from isoembed.relativity.horizons.foliation import least_expansion
 from isoembed.relativity.horizons.ladder import in_degree
+from isoembed.relativity.horizons.newton import NoConvergence
 
 RATIOS = (1.0, 1.5, 7.0 / 3.0, 4.0, 9.0, 20.0, 50.0, 100.0)
 PUBLISHED = {1.0: 0.76619743, 7.0 / 3.0: 0.7375, 4.0: 0.698, 9.0: 0.634}
@@ -55,8 +56,14 @@ def end(ratio):
         outer, inner = (StarSurface(near.center, near.harmonics, s * near.coefficients) for s in scales)
         leaves = [leaf_of(pair(ratio, d), in_degree(outer, 64, True), symmetric=True)]
         leaves.append(leaf_of(pair(ratio, d), inner, symmetric=True))
+        step = 0.005
         while leaves[-1].rate > 0.0:
-            leaves.append(leaf_of(pair(ratio, d), leaves[-1].displaced(-0.005), symmetric=True))
+            try:
+                leaves.append(leaf_of(pair(ratio, d), leaves[-1].displaced(-step), symmetric=True))
+            except NoConvergence:
+                step *= 0.5  # close to a light hole, leaves change fast
+                if step < 1e-5:
+                    raise
         outer, inner = leaves[-2:]
         return least_expansion(pair(ratio, d), outer, inner, symmetric=True, settled=1e-8)[0].expansion
 

@@ -176,9 +176,15 @@ def inner_horizon(outer: FoundHorizon) -> FoundHorizon:
     geometry, surface = outer.geometry, outer.surface
     try:
         start = Sheet.of(surface, FINDER.sheet, symmetric=is_symmetric(geometry, surface)).even()
-        return mapped_horizon(geometry, swept_mapped(geometry, start), 0.0)
+        inner = mapped_horizon(geometry, swept_mapped(geometry, start), 0.0)
     except FAILURES as error:
         raise NoHorizon(f"no inner horizon was found where it was looked for: {error}") from None
+    if inner.outer:  # Newton's method may lead back to the one outside
+        raise NoHorizon(
+            "no inner horizon was found where it was looked for: the one that was found there, of area "
+            f"{inner.area:.6g}, is stable, with the eigenvalue {inner.stability:.3g} / R^2"
+        )
+    return inner
 
 
 def _near(geometry: ThreeGeometry, guess: Surface, expansion: float) -> FoundHorizon:
