@@ -62,8 +62,8 @@ class Aim(Method):
         -------
         Embedding
             The smoothest of the surfaces that were found to have these lengths; if there is none, the nearest
-            attempt, with a diagnosis, or the best fit.  Of lengths with errors, given or shown by their digits,
-            a smooth surface that agrees with them.
+            attempt, with a diagnosis, or the best fit.  Of lengths with errors, given or shown by their
+            digits, a smooth surface that agrees with them.
         """
         if metric.length_errors is not None:
             from isoembed.aim.measured_lengths import embed_within_errors

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import Any
 
@@ -232,6 +232,16 @@ class PolyhedralMetric:
         object.__setattr__(self, "triangulation", triangulation)
         object.__setattr__(self, "lengths", lengths)
         object.__setattr__(self, "space", space)
+
+    def rounded_as(self, other: PolyhedralMetric) -> PolyhedralMetric:
+        """Return the metric with the `precision` of another in the same unit, whose surface it is."""
+        given = other.precision
+        if given is None:
+            return self
+        error = given.length_error * other.mean_length / self.mean_length
+        return self.on(self.triangulation, self.lengths, self.space)._rounded_to(
+            replace(given, length_error=error)
+        )
 
     def _rounded_to(self, precision: Precision | None) -> PolyhedralMetric:
         object.__setattr__(self, "precision", precision)

@@ -42,6 +42,15 @@ class Precision:
     name: str
     length_error: float
 
+    @property
+    def vertex_error(self) -> float:
+        """Bound on the error of a vertex in any direction, in mean edge lengths.
+
+        The error of a coordinate is at most half a unit of the last digit, and that of a length is the square
+        root of a sixth of the unit, root mean square.
+        """
+        return math.sqrt(4.5) * self.length_error
+
     @classmethod
     def of(cls, points: Floats, mean_length: float) -> Precision | None:
         """Recognize the precision of coordinates, shape (V, n); None if they are doubles, or exact.
