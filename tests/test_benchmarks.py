@@ -28,6 +28,7 @@ SMALLEST = {
     "million": "--sizes 500 --only sizes",
     "peers": "--sizes 100 --seeds 1",
     "realizations": "--gallery 60",
+    "rounded_solids": "--help",
     "relativity": "--only degree",
     "series": "--count 16 --vertices 40",
     "shallow_caps": "--count 1",

@@ -64,10 +64,7 @@ def configure(parser: argparse.ArgumentParser) -> None:
         'and succeed, with the status "best fit"; only with --method aim',
     )
     add_length_error_option(
-        parser,
-        ": the surface is the smoothest that agrees with the lengths within these errors (chi-square), and "
-        "the report gets standard deviations of area, volume and int H dA; 0 takes the lengths as exact, "
-        "whatever their digits; not with --best-fit",
+        parser, ": the report gets standard deviations of area, volume and int H dA; not with --best-fit"
     )
     parser.add_argument(
         "--effort",
@@ -112,7 +109,6 @@ def run(options: argparse.Namespace) -> int:
             metric,
             method=method,
             tolerance=options.tolerance,
-            length_errors=errors if method.takes_length_errors else None,
             progress=heard_by(progress, checkpoints.listen),
             resume=kept,
         )

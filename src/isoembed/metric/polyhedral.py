@@ -363,7 +363,11 @@ class PolyhedralMetric:
     @cached_property
     def normalized(self) -> PolyhedralMetric:
         """The metric in its own `unit`, in which its mean edge length is between 1 and 2."""
-        return self.scaled(1 / self.unit)
+        space, errors = self.space.scaled(1 / self.unit), self.length_errors
+        normalized = self.on(self.triangulation, self.lengths / self.unit, space)
+        vars(normalized)["rounding"] = self.rounding  # in another unit digits are not seen
+        errors = None if errors is None else frozen(errors / self.unit)
+        return normalized._rounded_to(self.precision)._measured_with(errors)
 
 
 def _length_array(lengths: ArrayLike) -> Floats:

@@ -86,6 +86,8 @@ def rounding_error(lengths: Floats) -> float | None:
     None if they have more than nine digits, take few different values, or are whole multiples of too coarse
     a unit to be measurements: such lengths are exact.
     """
+    if not 1e-200 < lengths.max() < 1e200:
+        return None
     largest = math.floor(math.log10(lengths.max()))
     sample = lengths[:: len(lengths) // PRECISION.sample + 1]
     for digits in range(1, PRECISION.most + 1):

@@ -75,8 +75,7 @@ class EmbeddingTask:
             try:
                 with unchanged(self.path):
                     metric = read_metric(self.path, merge=self.merge, space=self.space)
-                errors = self.length_error if self.method.takes_length_errors else None
-                found = embed(metric, method=self.method, tolerance=self.tolerance, length_errors=errors)
+                found = embed(metric, method=self.method, tolerance=self.tolerance)
                 if self.length_error is not None:
                     found = found.with_length_errors(self.length_error)
             except NotEmbedded as error:
