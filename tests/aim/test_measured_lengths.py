@@ -4,8 +4,10 @@ import numpy as np
 import pytest
 from scipy.spatial import ConvexHull
 
+import solids
 from isoembed import Aim, InvalidMetric, InvalidParameter, MeasuredSurface, PolyhedralMetric, embed
 from isoembed.surface.alignment import distance
+from johnson_solids import johnson
 
 
 def rock(seed, rough=3.0, n=80):
@@ -101,3 +103,15 @@ def test_refusals():
         embed(metric, method="alexandrov", length_errors=0.1)
     best = embed(metric, method=Aim(best_fit=True), length_errors=0)
     assert not isinstance(best, MeasuredSurface)
+
+
+@pytest.mark.parametrize("k", [2, 8, 10, 26, 49, 51])
+def test_corners_are_not_smoothed_to_another_body(k):
+    """Johnson solids from lengths with errors of 1e-4: no fit on the way collapses."""
+    x = johnson(k)
+    exact = PolyhedralMetric.from_mesh(x, solids.triangles(solids.polygons(x)))
+    error = 1e-4 * exact.mean_length
+    lengths = exact.lengths + error * np.random.default_rng(k).standard_normal(len(exact.lengths))
+    found = embed(exact.with_lengths(lengths), length_errors=error)
+    assert found.converged
+    assert distance(found.vertices, x) < 0.05 * exact.mean_length  # flat vertices move by the root of it

@@ -36,6 +36,9 @@ if TYPE_CHECKING:
 LEAST_WEIGHT = 1e-14
 """mu at the end of the search, in squared mean edge lengths: lengths are met to rounding."""
 
+START = 0.01
+"""Share of the sum of the squared lengths that the roughness of the start may cost at the first mu."""
+
 BELOW_NOISE = 0.1
 """Root mean square of the residuals, over that of the errors, below which less mu changes nothing that the
 lengths could tell."""
@@ -135,7 +138,12 @@ def fit_within_errors(
     rms = float(np.sqrt(np.mean(errors**2)))
     energy = RegularizedEnergy(metric, start).weighted(rms / errors)
     fits = Fits(metric, energy, recorder, np.inf)
-    before = fit = fits.fit(start, BEST_FIT.weight)
+    # The energy does not grow: with this mu at first, the root mean square of the residuals grows by at most a
+    # tenth of the lengths', and no body collapses, be its corners as sharp as they may.
+    penalty = float(np.sum(start * energy.roughness(start, 0.0)))
+    bound = START * float(metric.lengths @ metric.lengths) / metric.mean_length**2
+    weight = min(BEST_FIT.weight, bound / penalty) if penalty > 0 else BEST_FIT.weight
+    before = fit = fits.fit(start, weight)
     known = rms / metric.mean_length  # as the noise that a fit sees, over the mean edge length
     while fit.noise > known and fit.weight > LEAST_WEIGHT:
         r = energy.residuals(fit.vertices, metric.lengths)
