@@ -138,8 +138,8 @@ def fit_within_errors(
     rms = float(np.sqrt(np.mean(errors**2)))
     energy = RegularizedEnergy(metric, start).weighted(rms / errors)
     fits = Fits(metric, energy, recorder, np.inf)
-    # The energy does not grow: with this mu at first, the root mean square of the residuals grows by at most a
-    # tenth of the lengths', and no body collapses, be its corners as sharp as they may.
+    # The energy does not grow, so the sum of the squared residuals does by at most this share of that of the
+    # lengths: no body collapses, however sharp its corners.
     penalty = float(np.sum(start * energy.roughness(start, 0.0)))
     bound = START * float(metric.lengths @ metric.lengths) / metric.mean_length**2
     weight = min(BEST_FIT.weight, bound / penalty) if penalty > 0 else BEST_FIT.weight
