@@ -1,10 +1,14 @@
 """Solids with rounded coordinates: their faces, folds, certificates, and nets folded back.
 
-Run ``python benchmarks/rounded_solids.py [DECIMALS ...]``: uniform, Catalan and Johnson solids and zonohedra,
-turned at random and rounded, by default to 6, 7, 8, 9 and 12 decimals.  A line for each family and number of
-decimals counts the solids for which each result is right; the names of the others follow.
+    python benchmarks/rounded_solids.py [--decimals N ...] [--families NAME ...]
+
+Solids are turned at random, and their coordinates rounded.  A line for each family and number of decimals
+counts the solids for which each result is right: the numbers of sides of the faces, the number of folds, the
+certificate, and the number of faces and the volume of what the net is glued to.  The names of the others
+follow.
 """
 
+import argparse
 import sys
 from pathlib import Path
 
@@ -47,9 +51,9 @@ def _corners(points):
 
 
 FAMILIES = {
-    "Platonic and Archimedean": (solids.uniform, (*solids.PLATONIC, *solids.ARCHIMEDEAN)),
-    "Catalan": (solids.catalan, solids.ARCHIMEDEAN),
-    "Johnson": (johnson, range(1, 93)),
+    "uniform": (solids.uniform, (*solids.PLATONIC, *solids.ARCHIMEDEAN)),
+    "catalan": (solids.catalan, solids.ARCHIMEDEAN),
+    "johnson": (johnson, range(1, 93)),
     "zonohedra": (zonohedron, range(50)),
 }
 
@@ -63,7 +67,7 @@ def checked(points, decimals, seed):
     try:
         solid = isoembed.embed(metric, method="alexandrov")
         net = unfold(solid)
-    except isoembed.IsoembedError as error:
+    except (isoembed.InvalidMetric, isoembed.NotEmbedded) as error:
         return dict.fromkeys(CHECKS, False), str(error)
     edges = len(points) + faces - 2
     folds = sum(map(len, net.folds)) + len(net.sides)
@@ -78,15 +82,22 @@ def checked(points, decimals, seed):
             int(back.face_polygons.max()) + 1 == faces
             and abs(back.volume / solid.volume - 1) < 10.0 ** (1 - decimals)
         )
-    except isoembed.IsoembedError:
+    except (isoembed.InvalidMetric, isoembed.NotEmbedded):
         passed["net and back"] = False
     return passed, solid.certificate.reason
 
 
 def main():
     """Print the counts."""
-    for decimals in map(int, sys.argv[1:] or DECIMALS):
-        for family, (make, names) in FAMILIES.items():
+    parser = argparse.ArgumentParser(
+        description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
+    )
+    parser.add_argument("--decimals", nargs="+", type=int, default=DECIMALS, metavar="N")
+    parser.add_argument("--families", nargs="+", choices=FAMILIES, default=FAMILIES, metavar="NAME")
+    options = parser.parse_args()
+    for decimals in options.decimals:
+        for family in options.families:
+            make, names = FAMILIES[family]
             right, wrong = dict.fromkeys(CHECKS, 0), []
             for seed, name in enumerate(names):
                 passed, reason = checked(make(name), decimals, seed)

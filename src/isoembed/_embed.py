@@ -115,8 +115,9 @@ def embed(
         Largest ``| |x_a - x_b| - l_ab |`` over the mean edge length; in curved space, of distances there.
     length_errors : float or array_like, shape (E,), optional
         Standard deviations of the lengths, whose errors are independent, in their unit: one for all, or one
-        for each edge.  The surface then is a `MeasuredSurface`, the smoothest that agrees with the lengths
-        within these errors, whose test of convergence is a chi-square test; the tolerance does not apply.
+        for each edge.  The surface then is a `MeasuredSurface`, a smooth one whose lengths agree with these
+        within the errors, by a chi-square test, which is what converged then means.  Errors of zero take the
+        lengths as exact, even if their digits show that they were rounded.
     progress : callable, optional
         Receives an `isoembed.progress.stages.Progress` as the computation goes, which holds the checkpoint
         by then.  If it raises an exception, that ends the computation; a `KeyboardInterrupt` does as Ctrl-C

@@ -2,32 +2,13 @@
 
 import numpy as np
 import pytest
-from scipy.spatial import ConvexHull
 
 import solids
+import zoo
 from isoembed import Aim, InvalidMetric, InvalidParameter, MeasuredSurface, PolyhedralMetric, embed
 from isoembed.surface.alignment import distance
 from johnson_solids import johnson
-
-
-def rock(seed, rough=3.0, n=80):
-    """Vertices about an ellipsoid of 300 x 240 x 200 mm, off by white noise, and triangles between them."""
-    rng, i = np.random.default_rng(seed), np.arange(n)
-    z, phi = 1 - (2 * i + 1) / n, np.pi * (1 + 5**0.5) * i
-    x = np.c_[np.sqrt(1 - z * z) * np.cos(phi), np.sqrt(1 - z * z) * np.sin(phi), z] * [150.0, 120.0, 100.0]
-    faces = ConvexHull(x).simplices
-    a, b, c = x[faces].swapaxes(0, 1)
-    turned = np.einsum("fi,fi->f", np.cross(b - a, c - a), a + b + c) < 0
-    faces[turned] = faces[turned][:, ::-1]
-    return x + rough * rng.standard_normal(x.shape), faces
-
-
-def in_millimeters(x, faces):
-    exact = PolyhedralMetric.from_mesh(x, faces)
-    return PolyhedralMetric(faces, np.round(exact.lengths), exact.edges)
-
-
-ERROR = 1 / np.sqrt(12)
+from rocks import ERROR, in_millimeters, rock
 
 
 @pytest.mark.parametrize("seed", range(3))
@@ -115,3 +96,17 @@ def test_corners_are_not_smoothed_to_another_body(k):
     found = embed(exact.with_lengths(lengths), length_errors=error)
     assert found.converged
     assert distance(found.vertices, x) < 0.05 * exact.mean_length  # flat vertices move by the root of it
+
+
+def test_error_bars_of_a_flat_vertex_are_right_to_a_factor_of_two():
+    """Its height goes as the root of its deficit, and bars are of first order."""
+    x, faces = zoo.tetrahedron()
+    a, b, c = faces[0]
+    split = np.vstack([faces[1:], [[a, b, 4], [b, c, 4], [c, a, 4]]])
+    exact = PolyhedralMetric.from_mesh(np.vstack([x, x[faces[0]].mean(axis=0)]), split)
+    volume, pulls = embed(exact).volume, []
+    for seed in range(20):
+        noise = 1e-4 * np.random.default_rng(seed).standard_normal(len(exact.lengths))
+        found = embed(exact.with_lengths(exact.lengths + noise), length_errors=1e-4)
+        pulls.append((found.volume - volume) / found.integral_deviation(1e-4).volume)
+    assert np.median(np.abs(pulls)) < 2.0

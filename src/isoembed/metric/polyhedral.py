@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from copy import copy
 from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import Any
@@ -163,7 +164,7 @@ class PolyhedralMetric:
                 metric = cls.on(triangulation, lengths, space)
             if not space.is_euclidean:
                 return metric
-            return metric._rounded_to(Precision.of(points, metric.mean_length))
+            return metric._knowing(precision=Precision.of(points, metric.mean_length))
         except InvalidMetric as error:
             raise InvalidMetric(f"{error}{merging_advice(points, triangles)}") from None
 
@@ -239,13 +240,15 @@ class PolyhedralMetric:
         if given is None:
             return self
         error = given.length_error * other.mean_length / self.mean_length
-        return self.on(self.triangulation, self.lengths, self.space)._rounded_to(
-            replace(given, length_error=error)
-        )
+        return self._knowing(precision=replace(given, length_error=error))
 
-    def _rounded_to(self, precision: Precision | None) -> PolyhedralMetric:
-        object.__setattr__(self, "precision", precision)
-        return self
+    def _knowing(self, **known: Any) -> PolyhedralMetric:
+        """The same triangles and lengths with another precision, errors or rounding of these."""
+        changed = copy(self)
+        changed.__dict__.pop("normalized", None)
+        for name, value in known.items():
+            object.__setattr__(changed, name, value)
+        return changed
 
     @property
     def tables(self) -> tuple[NDArray, ...]:
@@ -290,13 +293,8 @@ class PolyhedralMetric:
                 f"the length error of edge {e} {self.edges[e].tolist()} is {sigma[e]}, not a positive finite "
                 "number; zero for all edges is none"
             )
-        same = self.on(self.triangulation, self.lengths.copy(), self.space)._rounded_to(self.precision)
-        vars(same)["rounding"] = None  # errors that are given, be they zero, go before the digits
-        return same._measured_with(None if exact else frozen(sigma))
-
-    def _measured_with(self, errors: Floats | None) -> PolyhedralMetric:
-        object.__setattr__(self, "length_errors", errors)
-        return self
+        # Errors that are given, be they zero, go before the digits.
+        return self._knowing(length_errors=None if exact else frozen(sigma), rounding=None)
 
     def in_space(self, space: Space) -> PolyhedralMetric:
         """Return the metric with the same triangles and lengths, of the curvature of another space.
@@ -306,15 +304,20 @@ class PolyhedralMetric:
         InvalidMetric
             A triangle is too large for it.
         """
-        return self if space == self.space else self.on(self.triangulation, self.lengths, space)
+        if space == self.space:
+            return self
+        return self.on(self.triangulation, self.lengths, space)._knowing(**self._known(1.0))
 
     def scaled(self, factor: float) -> PolyhedralMetric:
         """Return the metric in another unit: every length times this factor."""
         with np.errstate(over="ignore"):  # a length beyond the floats is refused as infinite
             scaled = self.on(self.triangulation, self.lengths * factor, self.space.scaled(factor))
+        return scaled._knowing(**self._known(factor))
+
+    def _known(self, factor: float) -> dict[str, Any]:
+        """What is known of the lengths in another unit, in which their digits are not seen."""
         errors = None if self.length_errors is None else frozen(self.length_errors * factor)
-        vars(scaled)["rounding"] = self.rounding  # in another unit digits are not seen
-        return scaled._rounded_to(self.precision)._measured_with(errors)
+        return {"precision": self.precision, "length_errors": errors, "rounding": self.rounding}
 
     def __repr__(self) -> str:
         t = self.triangulation
@@ -363,11 +366,9 @@ class PolyhedralMetric:
     @cached_property
     def normalized(self) -> PolyhedralMetric:
         """The metric in its own `unit`, in which its mean edge length is between 1 and 2."""
-        space, errors = self.space.scaled(1 / self.unit), self.length_errors
+        space = self.space.scaled(1 / self.unit)
         normalized = self.on(self.triangulation, self.lengths / self.unit, space)
-        vars(normalized)["rounding"] = self.rounding  # in another unit digits are not seen
-        errors = None if errors is None else frozen(errors / self.unit)
-        return normalized._rounded_to(self.precision)._measured_with(errors)
+        return normalized._knowing(**self._known(1 / self.unit))
 
 
 def _length_array(lengths: ArrayLike) -> Floats:

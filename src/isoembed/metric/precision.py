@@ -1,4 +1,4 @@
-"""How coordinates and lengths were rounded before they came to us."""
+"""Rounding of coordinates and lengths, recognized by their digits."""
 
 from __future__ import annotations
 
@@ -84,7 +84,7 @@ def rounding_error(lengths: Floats) -> float | None:
     """Standard deviation of lengths that were rounded to a decimal place, over their mean.
 
     None if they have more than nine digits, take few different values, or are whole multiples of too coarse
-    a unit to be measurements: such lengths are exact.
+    a unit to be measurements: such lengths are taken as exact.
     """
     if not 1e-200 < lengths.max() < 1e200:
         return None

@@ -75,26 +75,21 @@ def coplanar_faces(
     flat = angles <= DIHEDRAL.flat
     faces = flat_faces(t, ~flat[t.face_edges.ravel()])
     known = np.bincount(faces, turned <= DIHEDRAL.flat) > 0  # by a triangle that is not as low
-    found = _joined(t, faces, known, angles, bend_errors(t, vertices, space))
-    if error:
-        free = np.zeros_like(known)
-        wide = _joined(t, faces, free, angles, bend_errors(t, vertices, space, error))
-        # Many small bends may lead around a surface that is smooth: that is no face.
-        bent = _heights(t, vertices, wide) > 2 * error
-        found = np.unique(np.where(bent, len(faces) + found, wide), return_inverse=True)[1]
-    return found if found.any() else faces  # of a needle all is doubtful, and a closed surface is no face
-
-
-def _joined(t: Triangulation, faces: Indices, known: Mask, angles: Floats, errors: Floats) -> Indices:
-    """Join faces across bends within their errors, the least first; no two that are known."""
-    known, joined = known.copy(), np.arange(len(known))
-    doubtful = np.flatnonzero((angles > DIHEDRAL.flat) & (angles <= DIHEDRAL.flat + errors))
+    doubtful = np.flatnonzero(~flat & (angles <= DIHEDRAL.flat + turned[t.edge_faces].max(axis=1)))
+    joined = np.arange(len(known))
     for e in doubtful[np.argsort(angles[doubtful], kind="stable")].tolist():
         one, other = joined[faces[t.edge_faces[e]]]
         if one != other and not (known[one] and known[other]):
             known[one] |= known[other]
             joined[joined == other] = one
-    return np.unique(joined[faces], return_inverse=True)[1]
+    found = np.unique(joined[faces], return_inverse=True)[1]
+    if error:
+        bent = angles > DIHEDRAL.flat + bend_errors(t, vertices, space, error)
+        wide = flat_faces(t, bent[t.face_edges.ravel()])
+        # Many small bends may lead around a surface that is smooth: that is no face.
+        curved = _heights(t, vertices, wide) > 2 * error
+        found = np.unique(np.where(curved, len(faces) + found, wide), return_inverse=True)[1]
+    return found if found.any() else faces  # of a needle all is doubtful, and a closed surface is no face
 
 
 def _heights(t: Triangulation, vertices: Floats, faces: Indices) -> Floats:

@@ -1,4 +1,4 @@
-"""Surfaces that agree with measured lengths within the errors of these."""
+"""Smooth surfaces fitted to edge lengths with known standard deviations, and their chi-square test."""
 
 from dataclasses import KW_ONLY, dataclass
 from typing import Any
@@ -9,15 +9,17 @@ from scipy.special import chdtri
 from isoembed.surface.embedding import Embedding
 
 SIGNIFICANCE = 1e-3
-"""Of the chi-square test: one surface in a thousand that is right is called incompatible."""
+"""Of the chi-square test: the true surface fails it at most once in a thousand."""
 
 
 @dataclass(frozen=True, eq=False, repr=False)
 class MeasuredSurface(Embedding):
-    """Smooth surface whose edges have the lengths of a metric within their errors.
+    """Smooth surface fitted to edge lengths with known standard deviations.
 
     The residuals are judged as a whole: the surface has converged if `chi_square` is at most
-    `chi_square_limit`.
+    `chi_square_limit`.  That says that its lengths agree with those given, not that no other surface does.
+    Deviations are of first order, and too small by a factor of about two where a vertex is flat within the
+    errors.
 
     Parameters
     ----------
@@ -39,7 +41,7 @@ class MeasuredSurface(Embedding):
     @property
     def chi_square(self) -> float:
         """Sum of the squared residuals over their variances."""
-        sigma = np.asarray(self.length_errors, dtype=np.float64) / self.metric.mean_length
+        sigma = np.asarray(self.metric.length_errors, dtype=np.float64) / self.metric.mean_length
         return float(np.sum((self.residuals / sigma) ** 2))
 
     @property
