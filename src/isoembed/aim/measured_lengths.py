@@ -67,7 +67,8 @@ def embed_within_errors(
     MeasuredSurface
         It may not agree with the lengths, and then says so.
     """
-    found = _fitted(metric, errors, method.name, tolerance, log)
+    start = _convex_start(metric, method.name, tolerance, log)
+    found = _fitted(metric, errors, start, method.name, tolerance, log)
     if not found.converged:
         surface = method.run(metric.with_length_errors(0.0), tolerance, log)
         if surface.residual < found.residual:
@@ -75,7 +76,9 @@ def embed_within_errors(
     return found.with_stages(log.stages)
 
 
-def within_digits(metric: PolyhedralMetric, rounding: float, exact: Embedding, log: Log) -> Embedding:
+def within_digits(
+    metric: PolyhedralMetric, rounding: float, exact: Embedding, start: Floats | None, log: Log
+) -> Embedding:
     """The smooth surface that agrees with rounded lengths, in the place of a rough one, or of none.
 
     Parameters
@@ -86,6 +89,8 @@ def within_digits(metric: PolyhedralMetric, rounding: float, exact: Embedding, l
         Standard deviation that the digits of its lengths show, over the mean edge length.
     exact : Embedding
         The surface that has these lengths, or the nearest attempt.
+    start : ndarray, shape (V, 3), or None
+        The convex surface from which it was sought, if it was.
     log : Log
 
     Returns
@@ -95,7 +100,10 @@ def within_digits(metric: PolyhedralMetric, rounding: float, exact: Embedding, l
         agrees with the lengths within their digits, or none that is smoother.
     """
     errors = np.full(len(metric.lengths), rounding * metric.mean_length)
-    found = _fitted(metric.with_length_errors(errors), errors, exact.method, exact.tolerance, log)
+    measured = metric.with_length_errors(errors)
+    if start is None:
+        start = _convex_start(measured, exact.method, exact.tolerance, log)
+    found = _fitted(measured, errors, start, exact.method, exact.tolerance, log)
     if not found.converged or (exact.converged and exact.fine_roughness <= found.fine_roughness):
         return exact
     said = (
@@ -106,14 +114,17 @@ def within_digits(metric: PolyhedralMetric, rounding: float, exact: Embedding, l
     return found.with_others([exact] if exact.converged else []).with_message(said)
 
 
+def _convex_start(metric: PolyhedralMetric, name: str, tolerance: float, log: Log) -> Floats:
+    """The polyhedron of a convex metric nearby, (V, 3)."""
+    return Strategies(Search(metric, tolerance, log, name)).convex_start()
+
+
 def _fitted(
-    metric: PolyhedralMetric, errors: Floats, name: str, tolerance: float, log: Log
+    metric: PolyhedralMetric, errors: Floats, start: Floats, name: str, tolerance: float, log: Log
 ) -> MeasuredSurface:
-    """The fit to lengths with errors from the polyhedron of a convex metric nearby."""
-    strategies = Strategies(Search(metric, tolerance, log, name))
-    strategies.start = strategies.convex_start()
+    """The fit to lengths with errors from a smooth surface."""
     with log.stage("fit within errors") as recorder:
-        fit = fit_within_errors(metric, errors, strategies.start, recorder)
+        fit = fit_within_errors(metric, errors, start, recorder)
     return MeasuredSurface(metric, fit.vertices, method=name, tolerance=tolerance, weight=fit.weight)
 
 
