@@ -62,7 +62,8 @@ def embed_within_errors(
     errors : ndarray, shape (E,)
         Standard deviations of the lengths.
     method : Aim
-        For the exact surface, which is sought where no smooth one agrees with the lengths, or errors are small.
+        For the exact surface, which is sought where no smooth one agrees with the lengths, or where the
+        errors are small.
     tolerance : float
         Residual of an exact surface.
     log : Log
