@@ -21,6 +21,8 @@ from .mesh.triangulation import Triangulation as Triangulation
 from .metric.glued import GluedMetric as GluedMetric
 from .metric.polyhedral import PolyhedralMetric as PolyhedralMetric
 from .progress.stages import Checkpoint as Checkpoint
+from .sheets.method import Sheet as Sheet
+from .sheets.surface import SheetEmbedding as SheetEmbedding
 from .space import Euclidean as Euclidean
 from .space import Hyperbolic as Hyperbolic
 from .space import Space as Space

@@ -10,11 +10,11 @@ import numbers
 from abc import ABC, abstractmethod
 from importlib.metadata import EntryPoint, entry_points
 from inspect import isabstract
-from typing import Any, ClassVar
+from typing import Any, ClassVar, Self
 
 from numpy.typing import ArrayLike
 
-from isoembed.errors import Interrupted, InvalidParameter, NotEmbedded
+from isoembed.errors import Interrupted, InvalidMetric, InvalidParameter, NotEmbedded
 from isoembed.metric.glued import GluedMetric
 from isoembed.metric.polyhedral import PolyhedralMetric
 from isoembed.progress.fingerprint import Fingerprint
@@ -25,6 +25,7 @@ METHODS = {
     "aim": "isoembed.aim.adaptive:Aim",
     "paper": "isoembed.aim.paper:Paper",
     "alexandrov": "isoembed.alexandrov.method:Alexandrov",
+    "sheet": "isoembed.sheets.method:Sheet",
 }
 """Where the methods of this package are; they are imported on first use."""
 
@@ -51,6 +52,8 @@ class Method(ABC):
         Whether the metric may be two triangles, of which the surface is one covered twice.
     takes_curved : bool
         Whether the metric may be of triangles of hyperbolic or spherical space, in which the surface then is.
+    takes_boundary : bool
+        Whether the metric may be on a surface with boundary, or of higher genus.
     takes_length_errors : bool
         Whether errors of the lengths take part in the choice of the surface.
     shows_path : bool
@@ -62,8 +65,13 @@ class Method(ABC):
     takes_glued: ClassVar[bool] = False
     takes_doubly_covered: ClassVar[bool] = False
     takes_curved: ClassVar[bool] = False
+    takes_boundary: ClassVar[bool] = False
     takes_length_errors: ClassVar[bool] = False
     shows_path: ClassVar[bool] = False
+
+    def scaled(self, factor: float) -> Self:
+        """The method with every parameter that has the unit of the lengths times a factor."""
+        return self
 
     @abstractmethod
     def run(self, metric: Any, tolerance: float, log: Log) -> Embedding:
@@ -97,6 +105,8 @@ def embed(
     method: str | Method = "aim",
     tolerance: float = 1e-10,
     length_errors: ArrayLike | None = None,
+    boundary: ArrayLike | str | None = None,
+    start: ArrayLike | None = None,
     progress: Listener | None = None,
     resume: Checkpoint | None = None,
 ) -> Embedding:
@@ -118,6 +128,12 @@ def embed(
         for each edge.  The surface then is a `MeasuredSurface`, a smooth one whose lengths agree with these
         within the errors, by a chi-square test, which is what converged then means.  Errors of zero take the
         lengths as exact, even if their digits show that they were rounded.
+    boundary : {"free", "plane"} or array_like, shape (B,) or (B, 3), optional
+        Of a surface with boundary or of higher genus, in the place of a method: ``"free"`` for one of least
+        bending, ``"plane"`` for the convex cap, heights or positions of the boundary; see `isoembed.Sheet`.
+        The surface then is a `SheetEmbedding`.
+    start : array_like, shape (V, 3), optional
+        A surface to start from, with `boundary`.
     progress : callable, optional
         Receives an `isoembed.progress.stages.Progress` as the computation goes, which holds the checkpoint
         by then.  If it raises an exception, that ends the computation; a `KeyboardInterrupt` does as Ctrl-C
@@ -149,7 +165,9 @@ def embed(
     >>> round(embed(tetrahedron).volume, 12)  # sqrt(2) / 12
     0.117851130198
     """
-    chosen = configured(method)
+    chosen = configured(method) if boundary is None else configuration("sheet")(boundary, start)
+    if start is not None and boundary is None:
+        raise InvalidParameter("a start is for surfaces with boundary or of higher genus: give boundary='free'")
     if isinstance(metric, GluedMetric) and not chosen.takes_glued:
         raise InvalidParameter(
             f"the method {chosen.name!r} keeps the given triangles, and those of a glued metric need not be "
@@ -165,6 +183,11 @@ def embed(
         raise InvalidParameter(
             f"the metric is a {type(metric).__name__}: make it PolyhedralMetric(faces, lengths, edges)"
         )
+    if isinstance(metric, PolyhedralMetric) and not chosen.takes_boundary:
+        try:
+            metric.triangulation.check_sphere()
+        except InvalidMetric as error:
+            raise InvalidMetric(f"{error}; boundary='free' embeds such surfaces, and 'plane' a convex cap") from None
     if metric.curvature and not chosen.takes_curved:
         raise InvalidParameter(
             f"the metric has the curvature {metric.curvature:.6g}, and the method {chosen.name!r} embeds in "
@@ -193,7 +216,7 @@ def embed(
         fingerprint.check(resume.fingerprint)
     log = Log(progress, resume, fingerprint)
     try:
-        embedding = chosen.run(unit, tolerance, log).in_unit_of(metric)
+        embedding = chosen.scaled(1 / metric.unit).run(unit, tolerance, log).in_unit_of(metric)
     except NotEmbedded as failure:
         attempt = failure.embedding.in_unit_of(metric)
         raise NotEmbedded(str(failure), attempt, failure.evidence) from None

@@ -1,4 +1,4 @@
-"""Checks that a list of triangles is a triangulated sphere: each names the first offender."""
+"""Checks that a list of triangles is a triangulated surface: each names the first offender."""
 
 import numbers
 import sys
@@ -153,7 +153,7 @@ def checked_tables(faces: Indices) -> tuple[Indices, Indices, Indices]:
     Raises
     ------
     InvalidMetric
-        The faces are not a triangulated sphere: naming the first offender.
+        The faces are not a connected oriented surface: naming the first offender.
     """
     _check_faces(faces)
     start, end = faces.ravel(), np.roll(faces, -1, axis=1).ravel()
@@ -163,11 +163,11 @@ def checked_tables(faces: Indices) -> tuple[Indices, Indices, Indices]:
     face_edges = of_halfedge.reshape(-1, 3)
     _check_edges(edges, face_edges, faces)
     along = start < end
-    edge_halfedges = np.empty((len(edges), 2), dtype=np.int64)
-    edge_halfedges[face_edges.ravel()[along], 0] = np.flatnonzero(along)
-    edge_halfedges[face_edges.ravel()[~along], 1] = np.flatnonzero(~along)
-    _check_sphere(faces, edges, edge_halfedges)
-    return edges, face_edges, edge_halfedges
+    edge_sides = np.full((len(edges), 2), -1)
+    edge_sides[face_edges.ravel()[along], 0] = np.flatnonzero(along)
+    edge_sides[face_edges.ravel()[~along], 1] = np.flatnonzero(~along)
+    _check_manifold(faces, edges, edge_sides)
+    return edges, face_edges, edge_sides
 
 
 def check_numbering(faces: Indices) -> None:
@@ -209,20 +209,14 @@ def _check_faces(faces: Indices) -> None:
 
 
 def _check_edges(edges: Indices, face_edges: Indices, faces: Indices) -> None:
-    """Refuse edges that are not in exactly two faces, and faces that cannot be oriented alike."""
+    """Refuse edges that are in more than two faces, and faces that cannot be oriented alike."""
     count = np.bincount(face_edges.ravel(), minlength=len(edges))
     if (count > 2).any():
         e = int(np.argmax(count > 2))
         inside = np.flatnonzero((face_edges == e).any(axis=1)).tolist()
         raise InvalidMetric(f"edge {edges[e].tolist()} is in {count[e]} faces {inside}, not in 2")
-    if (count < 2).any():
-        e = int(np.argmax(count < 2))
-        f = int(np.argmax((face_edges == e).any(axis=1)))
-        raise InvalidMetric(
-            f"edge {edges[e].tolist()} is in face {f} only ({(count < 2).sum()} such boundary edges): "
-            "the surface is not closed"
-        )
     order = np.argsort(face_edges.ravel(), kind="stable")
+    order = order[(count == 2)[face_edges.ravel()[order]]]
     left, right = (order // 3).reshape(-1, 2).T
     start = faces.ravel()[order].reshape(-1, 2)
     alike = start[:, 0] != start[:, 1]
@@ -235,15 +229,16 @@ def _check_edges(edges: Indices, face_edges: Indices, faces: Indices) -> None:
     label = components(u, v, 2 * F)
     if (label[:F] == label[F:]).any():
         raise InvalidMetric("the surface cannot be oriented (it is one-sided), so it is not a sphere")
-    e = int(np.argmax(~alike))
+    k = int(np.argmax(~alike))
+    e = face_edges.ravel()[order[2 * k]]
     raise InvalidMetric(
-        f"faces {left[e]} and {right[e]} both run along edge {edges[e].tolist()} in the same direction: "
+        f"faces {left[k]} and {right[k]} both run along edge {edges[e].tolist()} in the same direction: "
         "the faces are not oriented alike"
     )
 
 
-def _check_sphere(faces: Indices, edges: Indices, edge_halfedges: Indices) -> None:
-    """Refuse closed oriented surfaces of several components, with pinched vertices, or of another genus."""
+def _check_manifold(faces: Indices, edges: Indices, edge_sides: Indices) -> None:
+    """Refuse oriented surfaces of several components or with pinched vertices."""
     n = int(faces.max()) + 1
     label = components(edges[:, 0], edges[:, 1], n)
     parts = int(label.max()) + 1
@@ -251,11 +246,12 @@ def _check_sphere(faces: Indices, edges: Indices, edge_halfedges: Indices) -> No
         v = int(np.argmax(label != label[0]))
         raise InvalidMetric(f"the surface has {parts} components: vertex {v} is not connected to vertex 0")
     # Around a vertex: corner c of face f is followed by the corner across the half-edge that enters it.
-    twin = np.empty(faces.size, dtype=np.int64)
-    twin[edge_halfedges[:, 0]], twin[edge_halfedges[:, 1]] = edge_halfedges[:, 1], edge_halfedges[:, 0]
+    twin = np.full(faces.size, -1)
+    inner = edge_sides[(edge_sides >= 0).all(axis=1)]
+    twin[inner[:, 0]], twin[inner[:, 1]] = inner[:, 1], inner[:, 0]
     corner = np.arange(faces.size)
-    entering = corner + np.where(corner % 3 == 0, 2, -1)
-    fan = components(corner, twin[entering], faces.size)
+    across = twin[corner + np.where(corner % 3 == 0, 2, -1)]
+    fan = components(corner[across >= 0], across[across >= 0], faces.size)
     first = np.full(n, -1)
     first[faces.ravel()[::-1]] = fan[::-1]
     pinched = first[faces.ravel()] != fan
@@ -264,4 +260,3 @@ def _check_sphere(faces: Indices, edges: Indices, edge_halfedges: Indices) -> No
         raise InvalidMetric(
             f"the faces around vertex {v} form more than one fan: the surface is not a manifold"
         )
-    check_euler(n, len(faces))

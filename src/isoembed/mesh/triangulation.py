@@ -1,4 +1,4 @@
-"""The triangulation of a sphere: faces, edges and who touches whom."""
+"""Triangulations of surfaces: faces, edges, boundary and adjacency."""
 
 from dataclasses import dataclass
 from functools import cached_property
@@ -8,17 +8,20 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 from scipy.sparse import csr_array
 
-from isoembed.arrays import Indices
+from isoembed.arrays import Indices, Mask
 from isoembed.kernel import kernel
-from isoembed.mesh.checks import checked_tables, index_array
+from isoembed.errors import InvalidMetric
+from isoembed.mesh.checks import check_euler, checked_tables, index_array
 from isoembed.mesh.joining import join
 
 
 @dataclass(frozen=True, eq=False, init=False, repr=False)
 class Triangulation:
-    """A triangulated sphere, as the paper's "list of its triangles by vertices".
+    """A triangulated surface, as the paper's "list of its triangles by vertices".
 
-    Half-edge ``h = 3 f + c`` runs from ``faces[f, c]`` to ``faces[f, (c + 1) % 3]``.
+    It is connected and oriented: a sphere, in the paper and in all that does not say otherwise, or a surface
+    with boundary or of higher genus.  Half-edge ``h = 3 f + c`` runs from ``faces[f, c]`` to
+    ``faces[f, (c + 1) % 3]``.
 
     Parameters
     ----------
@@ -32,13 +35,16 @@ class Triangulation:
         Smaller index first, in lexicographic order.
     face_edges : ndarray of int64, shape (F, 3)
         The edge of each half-edge.
-    edge_halfedges : ndarray of int64, shape (E, 2)
-        The half-edge along the edge (its left face) and the one against it (its right face).
+    edge_sides : ndarray of int64, shape (E, 2)
+        The half-edge along the edge (its left face) and the one against it (its right face); -1 on the side
+        of a boundary edge that has no face.
+    n_vertices : int
+        V, the paper's N_0.
 
     Raises
     ------
     InvalidMetric
-        The faces are not a triangulated sphere; the message names the first offender.
+        The faces are not a connected oriented surface; the message names the first offender.
 
     Examples
     --------
@@ -50,40 +56,113 @@ class Triangulation:
     faces: Indices
     edges: Indices
     face_edges: Indices
-    edge_halfedges: Indices
+    edge_sides: Indices
+    n_vertices: int
 
     def __init__(self, faces: ArrayLike) -> None:
         table = index_array(faces, 3, "face", "corners").copy()
-        edges, face_edges, edge_halfedges = join(table) or checked_tables(table)
+        edges, face_edges, edge_sides = join(table) or checked_tables(table)
         for name, value in zip(
-            ("faces", "edges", "face_edges", "edge_halfedges"),
-            (table, edges, face_edges, edge_halfedges),
+            ("faces", "edges", "face_edges", "edge_sides"),
+            (table, edges, face_edges, edge_sides),
             strict=True,
         ):
             value.flags.writeable = False
             object.__setattr__(self, name, value)
+        object.__setattr__(self, "n_vertices", int(table.max()) + 1)
 
     def __repr__(self) -> str:
         return f"Triangulation({self.n_vertices} vertices, {self.n_edges} edges, {self.n_faces} faces)"
 
     @property
-    def n_vertices(self) -> int:
-        """V, the paper's N_0."""
-        return self.n_faces // 2 + 2
-
-    @property
     def n_edges(self) -> int:
-        """E = 3 V - 6, the paper's N_1."""
+        """E, the paper's N_1: 3 V - 6 on a sphere."""
         return len(self.edges)
 
     @property
     def n_faces(self) -> int:
-        """F = 2 V - 4, the paper's N_2."""
+        """F, the paper's N_2: 2 V - 4 on a sphere."""
         return len(self.faces)
+
+    @property
+    def euler_characteristic(self) -> int:
+        """V - E + F: 2 - 2 g - b, g the genus and b the number of boundaries."""
+        return self.n_vertices - self.n_edges + self.n_faces
+
+    @property
+    def genus(self) -> int:
+        """The number of handles: 0 of a sphere and of a disc."""
+        return (2 - len(self.boundaries) - self.euler_characteristic) // 2
+
+    @cached_property
+    def boundary_edges(self) -> Mask:
+        """(E,): whether an edge is on the boundary."""
+        return frozen((self.edge_sides < 0).any(axis=1))
+
+    @cached_property
+    def boundaries(self) -> tuple[Indices, ...]:
+        """The vertices along each boundary, in the direction of the half-edges there."""
+        h = self.edge_sides[self.boundary_edges].max(axis=1)
+        corners = self.faces.ravel()
+        follows = dict(zip(corners[h].tolist(), corners[h - h % 3 + (h + 1) % 3].tolist(), strict=True))
+        loops = []
+        while follows:
+            v = min(follows)
+            loop = []
+            while v in follows:
+                loop.append(v)
+                v = follows.pop(v)
+            loops.append(frozen(np.array(loop)))
+        return tuple(loops)
+
+    @cached_property
+    def is_closed(self) -> bool:
+        """Whether there is no boundary."""
+        return bool((self.edge_sides >= 0).all())
+
+    @cached_property
+    def boundary_vertices(self) -> Mask:
+        """(V,): whether a vertex is on the boundary."""
+        there = np.zeros(self.n_vertices, dtype=np.bool_)
+        there[self.edges[self.boundary_edges].ravel()] = True
+        return frozen(there)
+
+    @property
+    def is_sphere(self) -> bool:
+        """Whether the surface is closed and of genus 0."""
+        return self.is_closed and self.euler_characteristic == 2
+
+    def check_sphere(self) -> None:
+        """Refuse surfaces with boundary and of higher genus; raises InvalidMetric."""
+        self._check_closed()
+        check_euler(self.n_vertices, self.n_faces)
+
+    def _check_closed(self) -> None:
+        if not self.is_closed:
+            e = int(np.argmax(self.boundary_edges))
+            f = int(self.edge_sides[e].max()) // 3
+            raise InvalidMetric(
+                f"edge {self.edges[e].tolist()} is in face {f} only ({self.boundary_edges.sum()} such "
+                "boundary edges): the surface is not closed"
+            )
+
+    @property
+    def edge_halfedges(self) -> Indices:
+        """(E, 2): `edge_sides` of a closed surface; raises InvalidMetric for others."""
+        self._check_closed()
+        return self.edge_sides
+
+    @cached_property
+    def sides_across(self) -> Indices:
+        """(3F,): the half-edge that runs the other way, -1 on the boundary."""
+        across = np.full(self.faces.size, -1)
+        along, against = self.edge_sides[~self.boundary_edges].T
+        across[along], across[against] = against, along
+        return frozen(across)
 
     @cached_property
     def twins(self) -> Indices:
-        """(3F,): the half-edge that runs the other way."""
+        """(3F,): the half-edge that runs the other way, on a closed surface."""
         along, against = self.edge_halfedges.T
         twins = np.empty(self.faces.size, dtype=np.int64)
         twins[along], twins[against] = against, along

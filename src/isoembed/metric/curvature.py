@@ -158,17 +158,21 @@ def area(metric: PolyhedralMetric) -> float:
 
 
 def deficits(metric: PolyhedralMetric) -> Floats:
-    """Angle deficits ``epsilon_a = 2 pi - (sum of the angles at a)``.
+    """Angle deficits ``epsilon_a = 2 pi - (sum of the angles at a)``; of a boundary, exterior angles, from pi.
 
-    With k the curvature of the triangles and A their area they sum to 4 pi - k A (Gauss-Bonnet).
+    With k the curvature of the triangles, A their area and chi the Euler characteristic they sum to
+    2 pi chi - k A (Gauss-Bonnet).
 
     Returns
     -------
     ndarray, shape (V,)
         Radians.
     """
-    angles = corner_angles(metric)
-    return 2 * np.pi - cast(Floats, np.bincount(metric.faces.ravel(), angles.ravel()))
+    t, angles = metric.triangulation, corner_angles(metric)
+    found = 2 * np.pi - cast(Floats, np.bincount(metric.faces.ravel(), angles.ravel()))
+    if not t.is_closed:  # two boundary edges meet at each vertex there
+        found -= np.pi / 2 * np.bincount(t.edges[t.boundary_edges].ravel(), minlength=len(found))
+    return found
 
 
 def negative_deficits(metric: PolyhedralMetric) -> Mask:

@@ -97,9 +97,15 @@ class GluedMetric:
         Parameters
         ----------
         metric : PolyhedralMetric or GluedMetric
+
+        Raises
+        ------
+        InvalidMetric
+            It is not a metric on the sphere.
         """
         if isinstance(metric, GluedMetric):
             return metric
+        metric.triangulation.check_sphere()
         return cls._made(metric.faces, metric.triangulation.twins, metric.face_lengths, metric.space)
 
     @classmethod

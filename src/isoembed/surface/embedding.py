@@ -93,7 +93,7 @@ class Embedding(Sensitivity, Views):
         _check_finite(points)
         # The sign is taken in the metric's own unit: the volume of tiny surfaces underflows.
         points = from_model(metric.space, points, "ambient") / metric.unit
-        points = metric.unit * measures.outward(metric.faces, points, self._space)
+        points = metric.unit * self._oriented(points)
         self._set(vertices=frozen(points), stages=tuple(self.stages), others=tuple(self.others))
         if not self.message:
             self._set(message=self._sentence())
@@ -101,6 +101,10 @@ class Embedding(Sensitivity, Views):
     def _set(self, **values: Any) -> None:
         for name, value in values.items():
             object.__setattr__(self, name, value)
+
+    def _oriented(self, points: Floats) -> Floats:
+        """Normalized vertices or their mirror image: that with positive volume."""
+        return measures.outward(self.metric.faces, points, self._space)
 
     def _sentence(self) -> str:
         return sentence(self)

@@ -1,0 +1,132 @@
+"""Bending energy of isometric surfaces as a quadratic form of their vertices.
+
+The metric fixes the tangential part of the second derivatives, so that ``|II|^2 = |x_uu|^2 + 2 |x_uv|^2 +
+|x_vv|^2`` in flat coordinates of any vertex: a quadratic form whose matrix depends on the lengths alone.
+Second derivatives are those of polynomials fitted to the neighbors in `charts`.
+"""
+
+from __future__ import annotations
+
+from functools import cached_property
+
+import numpy as np
+from scipy.sparse import coo_array, csr_array
+
+from isoembed.arrays import Floats, Indices
+from isoembed.metric.curvature import deficits, face_areas
+from isoembed.metric.polyhedral import PolyhedralMetric
+from isoembed.sheets.charts import Charts
+
+CUBIC = 11  # neighbors with which cubics are fitted, where they are all around
+STABILIZER = 0.1  # share of the residuals of the fits in the form: it controls what second derivatives miss
+NEAR = 0.5  # weights of the fits are 1 / (0.5 + r^2), r in distances of the nearest neighbor
+
+
+class BendingEnergy:
+    """``1/4 int |II|^2 dA`` of surfaces that have the lengths of a metric.
+
+    Parameters
+    ----------
+    metric : PolyhedralMetric
+        Of flat triangles, with or without boundary.
+
+    Attributes
+    ----------
+    form : csr_array, shape (V, V)
+        Q, with the stabilizer: the energy that is minimized is the trace of ``x^T Q x``.
+    areas : ndarray, shape (V,)
+        A third of the triangles at each vertex.
+    """
+
+    def __init__(self, metric: PolyhedralMetric) -> None:
+        self.metric = metric
+        charts = Charts.of(metric)
+        t = metric.triangulation
+        n = t.n_vertices
+        areas = np.bincount(t.faces.ravel(), np.repeat(face_areas(metric) / 3, 3), minlength=n)
+        inside = ~t.boundary_vertices
+        self.areas, self._inside = areas, inside
+        counts = np.bincount(charts.centers, minlength=n)
+        begins = np.cumsum(counts) - counts
+        parts = []
+        for m, cubic in sorted({(int(m), bool(c)) for m, c in zip(counts, inside & (counts >= CUBIC))}):
+            at = np.flatnonzero((counts == m) & ((inside & (counts >= CUBIC)) == cubic))
+            slots = begins[at][:, None] + np.arange(m)
+            parts.append((at, charts.neighbors[slots], *_fits(charts.positions[slots], areas[at], cubic)))
+        pure, stabilizer = ([(at, near, part[k]) for at, near, *part in parts] for k in (0, 1))
+        self._second, self._order = _assembled(pure, n), np.concatenate([at for at, *_ in parts])
+        D, S = self._second, _assembled(stabilizer, n)
+        self.form = csr_array(D.T @ D + S.T @ S)
+        self._pure = csr_array(D.T @ D)
+
+    def square_integral(self, vertices: Floats) -> float:
+        """``int |II|^2 dA``: of k1^2 + k2^2."""
+        return 4 * float(np.sum(vertices * (self._pure @ vertices)))
+
+    @property
+    def area(self) -> float:
+        """Of the surface."""
+        return float(self.areas.sum())
+
+    @cached_property
+    def total_curvature(self) -> float:
+        """``int K dA``: inside by the deficits, in the areas of boundary vertices by the mean about them.
+
+        The sum of the deficits inside lacks the curvature between them and the boundary, of first order in
+        the edge length.
+        """
+        t, inside = self.metric.triangulation, self._inside
+        found = np.where(inside, deficits(self.metric), 0.0)
+        density = np.where(inside, found / self.areas, 0.0)
+        near = t.adjacency @ inside.astype(np.float64)
+        mean = (t.adjacency @ density) / np.maximum(near, 1.0)
+        return float(found.sum() + (mean * self.areas)[~inside].sum())
+
+    def bending(self, vertices: Floats) -> float:
+        """``int H^2 dA``, H half the sum of the principal curvatures."""
+        return (self.square_integral(vertices) + 2 * self.total_curvature) / 4
+
+    def curvature_vectors(self, vertices: Floats) -> Floats:
+        """``(x_uu + x_vv) / 2`` at each vertex, (V, 3): H times the normal."""
+        second = (self._second @ vertices).reshape(-1, 3, 3)
+        found = np.empty_like(vertices)
+        found[self._order] = second[:, 0] + second[:, 2]
+        return found / np.sqrt(self.areas)[:, None]
+
+    def value(self, vertices: Floats) -> float:
+        """The energy that is minimized."""
+        return float(np.sum(vertices * (self.form @ vertices)))
+
+
+def _fits(positions: Floats, areas: Floats, cubic: bool) -> tuple[Floats, Floats]:
+    """Rows of second derivatives, (n, 3, m), and of residuals of the fits, (n, m, m), of neighbors.
+
+    Times the square roots of the weights with which their squares are summed.
+    """
+    h = np.sqrt((positions**2).sum(axis=2)).min(axis=1)
+    u, v = np.moveaxis(positions / h[:, None, None], 2, 0)
+    weights = 1 / (NEAR + u * u + v * v)
+    monomials = [u, v, u * u / 2, u * v, v * v / 2]
+    if cubic:
+        monomials += [u**3, u * u * v, u * v * v, v**3]
+    M = np.stack(monomials, axis=2)
+    G = np.linalg.pinv(M * weights[:, :, None]) * weights[:, None, :]
+    size = np.sqrt(areas) / h**2 / 2
+    second = G[:, 2:5] * (size[:, None] * [1.0, np.sqrt(2.0), 1.0])[:, :, None]
+    missed = np.eye(positions.shape[1]) - M @ G
+    relative = weights / weights.max(axis=1, keepdims=True)
+    return second, missed * (relative * (size * np.sqrt(STABILIZER))[:, None])[:, :, None]
+
+
+def _assembled(parts: list[tuple[Indices, Indices, Floats]], n: int) -> csr_array:
+    """The rows of all fits, which act on differences of the neighbors from their center, as one matrix."""
+    rows, columns, values, before = [], [], [], 0
+    for at, near, block in parts:
+        count, k, m = block.shape
+        row = before + np.arange(count * k).reshape(count, k)
+        rows += [np.repeat(row, m), row.ravel()]
+        columns += [np.broadcast_to(near[:, None, :], block.shape).ravel(), np.repeat(at, k)]
+        values += [block.ravel(), -block.sum(axis=2).ravel()]
+        before += count * k
+    entries = np.concatenate(values), (np.concatenate(rows), np.concatenate(columns))
+    return csr_array(coo_array(entries, shape=(before, n)))

@@ -1,0 +1,120 @@
+"""Flat charts about the vertices of a polyhedral metric: the triangles at a vertex and those beyond them."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from isoembed.arrays import Floats, Indices
+from isoembed.metric.curvature import corner_angles
+from isoembed.metric.polyhedral import PolyhedralMetric
+
+
+@dataclass(frozen=True, eq=False)
+class Charts:
+    """Coordinates in the plane of the neighbors of each vertex, which is at the origin.
+
+    The triangles at a vertex are flattened: inside the surface, angles are scaled so that they add up to a
+    full turn.  Each triangle beyond one of them is unfolded.  Rows are sorted by center.
+
+    Attributes
+    ----------
+    centers, neighbors : ndarray of int64, shape (n,)
+    positions : ndarray, shape (n, 2)
+    """
+
+    centers: Indices
+    neighbors: Indices
+    positions: Floats
+
+    @classmethod
+    def of(cls, metric: PolyhedralMetric) -> Charts:
+        """Charts of a metric of flat triangles."""
+        t, lengths = metric.triangulation, metric.face_lengths
+        corners, across = t.faces.ravel(), t.sides_across
+        h = np.arange(corners.size)
+        after, before = h - h % 3 + (h + 1) % 3, h - h % 3 + (h + 2) % 3
+        start = _directions(t.n_vertices, corners, across, before, corner_angles(metric))
+        end = start + _scaled(corner_angles(metric), corners, t.n_vertices, across).ravel()
+        side = lengths.ravel()
+        # The end of each half-edge, and on the boundary the beginning of that which enters the vertex.
+        last = across[before] < 0
+        near = _polar(side, start)
+        far = _polar(side[before], end)
+        ring = (
+            np.concatenate([corners, corners[last]]),
+            np.concatenate([corners[after], corners[before[last]]]),
+            np.concatenate([near, far[last]]),
+        )
+        beyond = _unfolded(corners, across, after, before, side, near, far)
+        return cls._sorted(t.n_vertices, ring, beyond)
+
+    @classmethod
+    def _sorted(
+        cls, n: int, ring: tuple[Indices, Indices, Floats], beyond: tuple[Indices, Indices, Floats]
+    ) -> Charts:
+        """The rings and what is beyond them, where it is neither the center nor in the ring."""
+        keys = ring[0] * n + ring[1]
+        own = beyond[0] * n + beyond[1]
+        kept = (beyond[0] != beyond[1]) & ~np.isin(own, keys)
+        once, which, counts = np.unique(own[kept], return_inverse=True, return_counts=True)
+        sums = [np.bincount(which, beyond[2][kept, k], minlength=len(once)) for k in range(2)]
+        keys = np.concatenate([keys, once])
+        positions = np.concatenate([ring[2], np.stack(sums, axis=1) / counts[:, None]])
+        order = np.argsort(keys, kind="stable")
+        centers, neighbors = np.divmod(keys[order], n)
+        return cls(centers, neighbors, positions[order])
+
+
+def _directions(n: int, corners: Indices, across: Indices, before: Indices, angles: Floats) -> Floats:
+    """The direction of each half-edge in the chart of its beginning, (3F,)."""
+    scaled = _scaled(angles, corners, n, across).ravel()
+    first = np.empty(n, dtype=np.int64)
+    first[corners] = np.arange(corners.size)
+    bounded = across < 0
+    first[corners[bounded]] = np.flatnonzero(bounded)
+    direction = np.zeros(corners.size)
+    at, turned = first, np.zeros(n)
+    while len(at):  # all vertices at once, from corner to corner counterclockwise
+        direction[at] = turned
+        following = across[before[at]]
+        goes_on = (following >= 0) & (following != first[corners[at]])
+        turned = (turned + scaled[at])[goes_on]
+        at = following[goes_on]
+    return direction
+
+
+def _scaled(angles: Floats, corners: Indices, n: int, across: Indices) -> Floats:
+    """The angles, (F, 3), times 2 pi over their sum at each vertex inside the surface."""
+    sums = np.bincount(corners, angles.ravel(), minlength=n)
+    factors = 2 * np.pi / sums
+    factors[corners[across < 0]] = 1.0
+    return angles * factors[corners].reshape(-1, 3)
+
+
+def _polar(r: Floats, angle: Floats) -> Floats:
+    return r[:, None] * np.stack([np.cos(angle), np.sin(angle)], axis=1)
+
+
+def _unfolded(
+    corners: Indices,
+    across: Indices,
+    after: Indices,
+    before: Indices,
+    side: Floats,
+    near: Floats,
+    far: Floats,
+) -> tuple[Indices, Indices, Floats]:
+    """The corner beyond the side across from each corner: center, neighbor and position."""
+    h = np.flatnonzero(across[after] >= 0)
+    g = across[after[h]]  # from the third corner of the face to the second
+    p, q = near[h], far[h]
+    base = q - p
+    length = np.linalg.norm(base, axis=1)
+    to_p, to_q = side[after[g]], side[before[g]]
+    along = (to_p**2 - to_q**2 + length**2) / (2 * length)
+    height = np.sqrt(np.maximum(to_p**2 - along**2, 0.0))
+    u = base / length[:, None]
+    outward = np.stack([u[:, 1], -u[:, 0]], axis=1)
+    return corners[h], corners[before[g]], p + along[:, None] * u + height[:, None] * outward

@@ -1,0 +1,148 @@
+"""Convex caps: surfaces of non-negative curvature whose boundary is a convex curve in a plane.
+
+A metric of non-negative curvature on a disc, with angles of at most pi along the boundary, is that of exactly
+one convex cap.  Two copies glued along the boundary are a convex metric on the sphere, whose polyhedron
+(`isoembed.Alexandrov`) is symmetric in the plane of the boundary.  Newton's method then moves the vertices to
+where the given triangles, not those of the polyhedron, have the lengths; with the heights of the boundary the
+system is square.
+
+References
+----------
+Pogorelov, Extrinsic Geometry of Convex Surfaces (1973).
+Izmestiev, A variational proof of Alexandrov's convex cap theorem, Discrete Comput. Geom. 40 (2008).
+"""
+
+from __future__ import annotations
+
+import numpy as np
+from scipy.sparse import csr_array, vstack
+from scipy.sparse.linalg import splu
+
+from isoembed.arrays import Floats
+from isoembed.errors import InvalidMetric
+from isoembed.metric.curvature import deficits
+from isoembed.metric.glued import GluedMetric
+from isoembed.metric.polyhedral import METRIC, PolyhedralMetric
+from isoembed.progress.stages import StageRecorder
+from isoembed.sheets.length_constraints import LengthConstraints
+
+STEPS = 60  # of Newton's method at most
+EXACT = 1e-14  # largest residual, in mean edge lengths, that ends it
+HALVINGS = 12  # of a step at most
+
+
+def check_cap(metric: PolyhedralMetric) -> None:
+    """Refuse metrics that are not those of a convex cap.
+
+    Raises
+    ------
+    InvalidMetric
+        The surface is no disc, its curvature is negative at a vertex, or its boundary is not convex at one;
+        the message names the vertex.
+    """
+    t = metric.triangulation
+    if t.euler_characteristic != 1 or len(t.boundaries) != 1:
+        raise InvalidMetric(
+            f"the surface has {len(t.boundaries)} boundaries and genus {t.genus}: a convex cap is a disc"
+        )
+    found = deficits(metric)
+    least = int(np.argmin(found))
+    if found[least] < -METRIC.angles:
+        what = "exterior angle of the boundary" if t.boundary_vertices[least] else "deficit"
+        raise InvalidMetric(
+            f"the {what} at vertex {least} is {found[least]:.4g} radians: of a convex cap none is negative"
+        )
+
+
+def doubled(metric: PolyhedralMetric) -> GluedMetric:
+    """Two copies of a disc, mirror images, glued along the boundary; the first has the given numbers."""
+    t = metric.triangulation
+    n, count = t.n_vertices, t.n_faces
+    boundary = t.boundary_vertices
+    copied = np.arange(n)
+    copied[~boundary] = n + np.arange((~boundary).sum())
+    faces = np.concatenate([t.faces, copied[t.faces[:, ::-1]]])
+    # Side c of a face, from corner c to the next, is side (4 - c) % 3 of its mirror image.
+    h = np.arange(3 * count)
+    image = 3 * (count + h // 3) + (4 - h % 3) % 3
+    across = t.sides_across
+    twins = np.empty(6 * count, dtype=np.int64)
+    twins[h] = np.where(across >= 0, across, image)
+    twins[image] = np.where(across >= 0, image[across], h)
+    lengths = np.empty(6 * count)
+    lengths[h] = lengths[image] = metric.face_lengths.ravel()
+    return GluedMetric(faces, twins, lengths.reshape(-1, 3))
+
+
+def upright(vertices: Floats, boundary: Floats) -> Floats:
+    """Move a cap so that its boundary, (B, 3), is in the plane z = 0, and the rest above."""
+    middle = boundary.mean(axis=0)
+    _, _, axes = np.linalg.svd(boundary - middle, full_matrices=False)
+    if np.linalg.det(axes) < 0:
+        axes = axes * [[1.0], [1.0], [-1.0]]
+    placed = (vertices - middle) @ axes.T
+    return placed * [1.0, -1.0, -1.0] if placed[:, 2].sum() < 0 else placed
+
+
+def with_heights(
+    metric: PolyhedralMetric, start: Floats, heights: Floats, recorder: StageRecorder
+) -> Floats:
+    """Solve for the lengths and the z of the boundary's vertices, in their order, by Newton's method.
+
+    Three equations more hold the surface against motions that leave z: there are as many as unknowns.
+
+    Parameters
+    ----------
+    metric : PolyhedralMetric
+        On a disc.
+    start : ndarray, shape (V, 3)
+        Near the surface.
+    heights : ndarray, shape (B,)
+        Along `Triangulation.boundaries`.
+    recorder : StageRecorder
+
+    Returns
+    -------
+    ndarray, shape (V, 3)
+        The last iterate.
+    """
+    lengths, n = LengthConstraints(metric), len(start)
+    [loop] = metric.triangulation.boundaries
+    count = len(loop)
+    raised = csr_array((np.ones(count), (np.arange(count), 3 * loop + 2)), shape=(count, 3 * n))
+    x, y = (start[:, :2] - start[:, :2].mean(axis=0)).T
+    pins = np.zeros((3, n, 3))
+    pins[0, :, 0] = pins[1, :, 1] = 1 / np.sqrt(n)
+    size = np.sqrt(np.sum(x * x + y * y))
+    pins[2, :, 0], pins[2, :, 1] = -y / size, x / size
+    fixed = csr_array(pins.reshape(3, 3 * n))
+    held = fixed @ start.ravel()
+
+    def equations(vertices: Floats) -> Floats:
+        flat = vertices.ravel()
+        return np.concatenate(
+            [lengths.residuals(vertices), vertices[loop, 2] - heights, fixed @ flat - held]
+        )
+
+    vertices, missed = start, equations(start)
+    for _ in range(STEPS):
+        residual = float(np.abs(missed).max()) / metric.mean_length
+        recorder.show(residual=residual)
+        if residual < EXACT:
+            break
+        matrix = vstack([lengths.jacobian(vertices), raised, fixed], format="csc")
+        recorder.factorizations += 1
+        recorder.iterations += 1
+        step = splu(matrix).solve(missed).reshape(-1, 3)
+        part, before = 1.0, np.linalg.norm(missed)
+        for _ in range(HALVINGS):
+            trial = equations(vertices - part * step)
+            if np.linalg.norm(trial) < (1 - 0.1 * part) * before:
+                break
+            part /= 2
+        else:
+            break  # at rounding, or astray: the residual tells
+        vertices, missed = vertices - part * step, trial
+    return vertices
+
+

@@ -1,0 +1,24 @@
+"""Surfaces with several boundaries, whose holes are filled, so that closed surfaces lead to them."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from isoembed.metric.polyhedral import PolyhedralMetric
+
+LEGS = 1.01  # of the triangles that fill a hole, over the radius of the regular polygon of its perimeter
+
+
+def filled(metric: PolyhedralMetric) -> PolyhedralMetric:
+    """The metric with a flat cone in each hole; the first vertices and faces are the given ones."""
+    t = metric.triangulation
+    faces, edges, lengths = [t.faces], [t.edges], [metric.lengths]
+    for apex, loop in enumerate(t.boundaries, t.n_vertices):
+        after = np.roll(loop, -1)
+        sides = metric.lengths[t.edge_indices(np.stack([loop, after], axis=1))]
+        radius = float(sides.sum()) / (2 * len(loop) * np.sin(np.pi / len(loop)))
+        tip = np.full(len(loop), apex)
+        faces.append(np.stack([after, loop, tip], axis=1))
+        edges.append(np.stack([loop, tip], axis=1))
+        lengths.append(np.full(len(loop), max(LEGS * radius, 0.51 * float(sides.max()))))
+    return PolyhedralMetric(np.concatenate(faces), np.concatenate(lengths), np.concatenate(edges))

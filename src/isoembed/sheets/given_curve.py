@@ -1,0 +1,97 @@
+"""Surfaces whose boundary is a given curve in space.
+
+Inside, the edges are more equations than unknowns, by three less than the boundary has vertices: a surface is
+found exactly where lengths and curve belong together, and fitted by least squares elsewhere.  The start is
+harmonic; bending of decreasing weight leads from there to the lengths.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+from scipy.sparse import csr_array, diags_array, kron
+from scipy.sparse.linalg import splu
+
+from isoembed.arrays import Floats, Mask
+from isoembed.progress.stages import StageRecorder
+from isoembed.sheets.bending import BendingEnergy
+from isoembed.sheets.length_constraints import LengthConstraints
+
+WEIGHTS = tuple(10.0**-k for k in range(3, 13))  # epsilon over the area, one after the other
+DESCENT = 4  # Gauss-Newton steps at most for each
+NEWTON = 30  # without bending, at most
+SETTLED = 1e-6  # mean edge lengths: a shorter step ends the descent for one weight
+
+
+def harmonic(lengths: LengthConstraints, boundary: Floats, inside: Mask) -> Floats:
+    """Positions, (V, 3), with every vertex inside at the mean of its neighbors."""
+    t = lengths.triangulation
+    laplacian = csr_array(diags_array(t.degrees.astype(np.float64)) - t.adjacency)
+    free, fixed = np.flatnonzero(inside), np.flatnonzero(~inside)
+    vertices = boundary.copy()
+    if len(free):
+        rows = laplacian[free]
+        vertices[free] = splu(rows[:, free].tocsc()).solve(-(rows[:, fixed] @ boundary[fixed]))
+    return vertices
+
+
+def through_curve(
+    energy: BendingEnergy,
+    lengths: LengthConstraints,
+    boundary: Floats,
+    start: Floats | None,
+    recorder: StageRecorder,
+) -> Floats:
+    """Solve for the vertices inside, by least squares of the lengths there.
+
+    Parameters
+    ----------
+    energy : BendingEnergy
+    lengths : LengthConstraints
+    boundary : ndarray, shape (V, 3)
+        Positions; only those of the boundary's vertices are used.
+    start : ndarray, shape (V, 3), or None
+        By default `harmonic`.
+    recorder : StageRecorder
+
+    Returns
+    -------
+    ndarray, shape (V, 3)
+    """
+    t, unit = lengths.triangulation, lengths.metric.mean_length
+    inside, inner = ~t.boundary_vertices, ~t.boundary_edges
+    x = harmonic(lengths, boundary, inside) if start is None else np.where(inside[:, None], start, boundary)
+    free = np.flatnonzero(np.repeat(inside, 3))
+    if not len(free):
+        return x
+    form = csr_array(kron(2 * energy.form, np.eye(3), format="csr"))[free][:, free]
+
+    def value(vertices: Floats, epsilon: float) -> float:
+        r = lengths.residuals(vertices)[inner]
+        return float(r @ r) / 2 + epsilon * energy.value(vertices)
+
+    def descend(vertices: Floats, epsilon: float) -> tuple[Floats, float]:
+        J = lengths.jacobian(vertices)[np.flatnonzero(inner)][:, free]
+        r = lengths.residuals(vertices)[inner]
+        gradient = J.T @ r + 2 * epsilon * (energy.form @ vertices).ravel()[free]
+        recorder.factorizations += 1
+        recorder.iterations += 1
+        step = np.zeros(vertices.size)
+        step[free] = splu((J.T @ J + epsilon * form).tocsc()).solve(gradient)
+        part, before = 1.0, value(vertices, epsilon)
+        while part > 1e-3 and not value(vertices - part * step.reshape(-1, 3), epsilon) < before:
+            part /= 2
+        recorder.show(residual=float(np.abs(r).max()) / unit)
+        if part <= 1e-3:
+            return vertices, 0.0
+        return vertices - part * step.reshape(-1, 3), part * float(np.abs(step).max())
+
+    for weight in WEIGHTS:
+        for _ in range(DESCENT):
+            x, moved = descend(x, weight * energy.area)
+            if moved < SETTLED * unit:
+                break
+    for _ in range(NEWTON):
+        x, moved = descend(x, 0.0)
+        if moved < 1e-14 * unit:
+            break
+    return x

@@ -1,0 +1,168 @@
+"""Realizations of least bending energy: the limit of thin elastic sheets with the lengths of a metric.
+
+The minimum of `bending.BendingEnergy` among the surfaces that have the lengths.  Where the curvature is not
+positive, it is approached along ``sum r^2 / (2 epsilon) + W(x)``, epsilon to zero, as of a sheet that becomes
+thinner; then Newton's method is applied to the equations with the lengths as constraints, whose multipliers
+are the tensions of the edges.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from scipy.sparse.linalg import LinearOperator, cg
+
+from isoembed.arrays import Floats
+from isoembed.linalg import SingularMatrix, SymmetricFactor
+from isoembed.progress.stages import StageRecorder
+from isoembed.sheets.bending import BendingEnergy
+from isoembed.sheets.length_constraints import LengthConstraints
+from isoembed.surface.rigidity import HeldTriangle, VertexSystem, edge_rows
+
+STIFFNESSES = tuple(10.0**-k for k in range(4, 11))  # epsilon over the area, one after the other
+DESCENT = 40  # Newton steps at most for each
+SETTLED = 1e-6  # mean edge lengths: a shorter step ends the descent for one epsilon
+NEWTON = 60  # steps at most with the lengths as constraints
+AUGMENTED = 1e-6  # epsilon over the area in the matrix of these steps, at first
+SMALLER = 4  # times that a tenth of epsilon is tried
+
+
+@dataclass(frozen=True, eq=False)
+class LeastBending:
+    """A surface of least bending energy, or the last iterate.
+
+    Attributes
+    ----------
+    vertices : ndarray, shape (V, 3)
+    multipliers : ndarray, shape (E,)
+        Of the lengths: the tension of each edge, where the bending modulus is 2 and edges pull.
+    imbalance : float
+        Largest force on a vertex that bending and tensions leave, over the mean diagonal of the form.
+    """
+
+    vertices: Floats
+    multipliers: Floats
+    imbalance: float
+
+
+def thinned(
+    energy: BendingEnergy, lengths: LengthConstraints, start: Floats, recorder: StageRecorder
+) -> LeastBending:
+    """Minimize the energy of elastic sheets, each thinner than the last, from a start of any lengths."""
+    metric, t = energy.metric, lengths.triangulation
+    system = VertexSystem(t, energy.form)
+    unit = metric.mean_length
+    x = start
+    held = HeldTriangle.of(x, t.faces[0])
+    for stiffness in STIFFNESSES:
+        epsilon = stiffness * energy.area
+
+        def value(y: Floats, epsilon: float = epsilon) -> float:
+            r = lengths.residuals(y)
+            return float(r @ r) / 2 + epsilon * energy.value(y)
+
+        reached = value(x)
+        for _ in range(DESCENT):
+            r, rows = lengths.residuals(x), edge_rows(t, x, metric.lengths)
+            gradient = t.incidence @ (rows * r[:, None]) + 2 * epsilon * (energy.form @ x)
+            recorder.factorizations += 1
+            recorder.iterations += 1
+            try:
+                factor = system.penalized(rows, 2 * epsilon, tensions=r / metric.lengths, held=held)
+            except SingularMatrix:  # compressed edges buckle: without their stress the matrix is definite
+                recorder.factorizations += 1
+                stretched = np.maximum(r, 0.0) / metric.lengths
+                factor = system.penalized(rows, 2 * epsilon, tensions=stretched, held=held)
+            step = factor.solve(gradient.ravel(), sweeps=1).reshape(-1, 3)
+            part = 1.0
+            while part > 1e-4 and not value(x - part * step) < reached:
+                part /= 2
+            moved = part * float(np.abs(step).max())
+            if part <= 1e-4:
+                break
+            x = x - part * step
+            reached = value(x)
+            recorder.show(residual=float(np.abs(r).max()) / unit)
+            if moved < SETTLED * unit:
+                break
+    return LeastBending(x, lengths.residuals(x) / epsilon, np.inf)
+
+
+def balanced(
+    energy: BendingEnergy, lengths: LengthConstraints, start: LeastBending, recorder: StageRecorder
+) -> LeastBending:
+    """Newton's method for least bending with the lengths as constraints.
+
+    Each step solves ``[[B, J^T], [J, 0]] [d, y] = -[g, r]``, B being 2 Q and the stress of the multipliers, and
+    is shortened until ``|g| + |r|`` decreases.  ``A = J^T J + epsilon B`` is factored, which is definite near a
+    minimum, and ``J A^-1 J^T (epsilon y) = r - J A^-1 (epsilon g + J^T r)`` solved by conjugate gradients: all
+    eigenvalues of this matrix but few are near 1.
+    """
+    metric, t = energy.metric, lengths.triangulation
+    system, held = VertexSystem(t, energy.form), HeldTriangle.of(start.vertices, t.faces[0])
+    epsilon = AUGMENTED * energy.area
+    size = 2 * float(energy.form.diagonal().mean())
+    x, y, unit = start.vertices, start.multipliers, metric.mean_length
+
+    def equations(x: Floats, y: Floats) -> tuple[Floats, Floats]:
+        return 2 * (energy.form @ x) + lengths.forces(x, y), lengths.residuals(x)
+
+    g, r = equations(x, y)
+    imbalance = float(np.abs(g).max()) / size
+    for _ in range(NEWTON):
+        rows = edge_rows(t, x, metric.lengths)
+        recorder.iterations += 1
+        factor, epsilon = _factored(system, rows, y / metric.lengths, epsilon, held, recorder)
+
+        def solve(forces: Floats) -> Floats:
+            return factor.solve(forces.ravel(), sweeps=1).reshape(-1, 3)
+
+        def pulled_by(w: Floats) -> Floats:
+            return solve(t.incidence @ (rows * w[:, None]))
+
+        def grown(d: Floats) -> Floats:
+            return np.einsum("ei,ei->e", rows, t.incidence.T @ d)
+
+        d = -solve(epsilon * g + t.incidence @ (rows * r[:, None]))
+        matrix = LinearOperator((len(y), len(y)), matvec=lambda w: grown(pulled_by(w)), dtype=np.float64)
+        w = cg(matrix, r + grown(d), rtol=1e-8, maxiter=200)[0]
+        d, dy = d - pulled_by(w), w / epsilon
+        longest = float(np.linalg.norm(d, axis=1).max())
+        before = np.linalg.norm(g) / size + np.linalg.norm(r)
+        part = min(1.0, 0.5 * unit / longest) if longest > 0 else 1.0
+        for _ in range(8):
+            g, r = equations(x + part * d, y + part * dy)
+            if np.linalg.norm(g) / size + np.linalg.norm(r) < (1 - 0.1 * part) * before:
+                break
+            part /= 2
+        else:
+            break  # at rounding, or no minimum near
+        x, y = x + part * d, y + part * dy
+        imbalance = float(np.abs(g).max()) / size
+        recorder.show(residual=float(np.abs(r).max()) / unit)
+    return LeastBending(x, y, imbalance)
+
+
+def _factored(
+    system: VertexSystem,
+    rows: Floats,
+    stress: Floats,
+    epsilon: float,
+    held: HeldTriangle,
+    recorder: StageRecorder,
+) -> tuple[SymmetricFactor, float]:
+    """Factors of ``J^T J + epsilon B``, and an epsilon with which it is definite.
+
+    Where no epsilon makes it so, the surface is no minimum: the stress of compressed edges is left out.
+    """
+    for smaller in range(SMALLER):
+        part = epsilon * 0.1**smaller
+        recorder.factorizations += 1
+        try:
+            return system.penalized(rows, 2 * part, tensions=part * stress, held=held), part
+        except SingularMatrix:
+            continue
+    recorder.factorizations += 1
+    stretched = epsilon * np.maximum(stress, 0.0)
+    return system.penalized(rows, 2 * epsilon, tensions=stretched, held=held), epsilon

@@ -1,0 +1,41 @@
+"""Lengths as constraints: residuals, their derivatives, and the forces of tensions."""
+
+from __future__ import annotations
+
+import numpy as np
+from scipy.sparse import csr_array
+
+from isoembed.arrays import Floats
+from isoembed.metric.polyhedral import PolyhedralMetric
+from isoembed.surface.rigidity import edge_rows, length_residuals
+
+
+class LengthConstraints:
+    """``r_e = (|x_a - x_b|^2 - l_e^2) / (2 l_e) = 0`` for each edge of a metric.
+
+    Parameters
+    ----------
+    metric : PolyhedralMetric
+        Of flat triangles.
+    """
+
+    def __init__(self, metric: PolyhedralMetric) -> None:
+        self.metric, self.triangulation, self.lengths = metric, metric.triangulation, metric.lengths
+
+    def residuals(self, vertices: Floats) -> Floats:
+        """r, shape (E,)."""
+        return length_residuals(self.triangulation, vertices, self.lengths)
+
+    def jacobian(self, vertices: Floats) -> csr_array:
+        """J = dr/dx, shape (E, 3V)."""
+        rows, edges = edge_rows(self.triangulation, vertices, self.lengths), self.triangulation.edges
+        count = len(edges)
+        columns = (3 * edges[:, :, None] + np.arange(3)).reshape(count, 6)
+        entries = np.concatenate([rows, -rows], axis=1)
+        indptr = np.arange(0, 6 * count + 1, 6)
+        return csr_array((entries.ravel(), columns.ravel(), indptr), shape=(count, vertices.size))
+
+    def forces(self, vertices: Floats, tensions: Floats) -> Floats:
+        """``J^T y``, shape (V, 3): the pull of the tensions y, (E,), on each vertex."""
+        rows = edge_rows(self.triangulation, vertices, self.lengths)
+        return self.triangulation.incidence @ (rows * tensions[:, None])

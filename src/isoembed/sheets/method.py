@@ -1,0 +1,239 @@
+"""Embedding of metrics on surfaces with boundary, or of higher genus: the method of ``embed(boundary=...)``."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from typing import Any, ClassVar
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from isoembed._embed import Method
+from isoembed.aim.adaptive import Aim
+from isoembed.alexandrov.method import Alexandrov
+from isoembed.arrays import Floats
+from isoembed.errors import InvalidMetric, InvalidParameter, NotEmbedded
+from isoembed.evidence import Evidence
+from isoembed.mesh.checks import real_array
+from isoembed.mesh.triangulation import frozen
+from isoembed.metric.curvature import deficits
+from isoembed.metric.polyhedral import METRIC, PolyhedralMetric
+from isoembed.progress.stages import Log
+from isoembed.sheets.bending import BendingEnergy
+from isoembed.sheets.convex_cap import check_cap, doubled, upright, with_heights
+from isoembed.sheets.exact_lengths import nearest_with_lengths
+from isoembed.sheets.filled import filled
+from isoembed.sheets.given_curve import through_curve
+from isoembed.sheets.least_bending import LeastBending, balanced, thinned
+from isoembed.sheets.length_constraints import LengthConstraints
+from isoembed.sheets.starts import scaled_distances
+from isoembed.sheets.surface import SheetEmbedding
+
+CONDITIONS = "free", "plane"
+HEIGHTS = 5  # steps in which the boundary is raised
+EXACT = 1e-12  # residual of least bending, in mean edge lengths, that Newton's method on the lengths would not improve
+CAP = Evidence(
+    "proved",
+    "convex cap theorem: the deficits and the exterior angles of the boundary are not negative, and a convex cap "
+    "is determined by its metric",
+)
+BENDING = Evidence(
+    "searched", "one stationary surface of the bending energy was found from one start: others may bend less"
+)
+
+
+@dataclass(frozen=True)
+class Sheet(Method):
+    """Realization of a surface with boundary, or of higher genus, in R^3.
+
+    Parameters
+    ----------
+    boundary : {"free", "plane"} or array_like
+        ``"free"``: of all surfaces with the lengths one of least bending energy, the limit of thin elastic
+        sheets.  ``"plane"``: the convex cap, whose boundary is in a plane; the metric must be convex.  An
+        array (B,) of heights of the boundary's vertices over a plane, where the curvature is positive; or an
+        array (B, 3) of their positions, with any curvature.  Vertices of the boundary are in the order of
+        `Triangulation.boundaries`, one boundary after the other.
+    start : array_like, shape (V, 3), optional
+        Surface to start from, in the unit of the lengths; by default the convex cap, a closed surface with
+        the holes filled, or multidimensional scaling.
+    """
+
+    boundary: Any = "free"
+    start: Any = None
+
+    name: ClassVar[str] = "sheet"
+    takes_boundary: ClassVar[bool] = True
+
+    def __post_init__(self) -> None:
+        if isinstance(self.boundary, str):
+            if self.boundary not in CONDITIONS:
+                raise InvalidParameter(
+                    f"the boundary is {self.boundary!r}, none of {', '.join(map(repr, CONDITIONS))}, heights (B,) "
+                    "or positions (B, 3)"
+                )
+        else:
+            object.__setattr__(self, "boundary", _nested(self.boundary, "boundary"))
+        if self.start is not None:
+            object.__setattr__(self, "start", _nested(self.start, "start"))
+
+    def run(self, metric: PolyhedralMetric, tolerance: float, log: Log) -> SheetEmbedding:
+        """Embed a metric; see `isoembed.Method`.
+
+        Raises
+        ------
+        InvalidMetric
+            The curvature is not what the condition at the boundary needs.
+        InvalidParameter
+            The boundary or the start does not fit the metric.
+        """
+        found = self._found(metric, tolerance, log)
+        if not found.converged:
+            raise NotEmbedded(found.message, found)
+        return found
+
+    def scaled(self, factor: float) -> Sheet:
+        """See `isoembed.Method`."""
+        arrays = {
+            name: factor * np.array(value)
+            for name, value in (("boundary", self.boundary), ("start", self.start))
+            if value is not None and not isinstance(value, str)
+        }
+        return replace(self, **arrays)
+
+    def _found(self, metric: PolyhedralMetric, tolerance: float, log: Log) -> SheetEmbedding:
+        if not metric.space.is_euclidean:
+            raise InvalidParameter("surfaces with boundary are embedded in R^3, with flat triangles")
+        start = None if self.start is None else np.array(self.start)
+        if start is not None and start.shape != (metric.triangulation.n_vertices, 3):
+            raise InvalidParameter(
+                f"the start has the shape {start.shape}, not ({metric.triangulation.n_vertices}, 3)"
+            )
+        if isinstance(self.boundary, str):
+            solve = _cap if self.boundary == "plane" else _least_bending
+            return solve(metric, start, tolerance, log)
+        given = np.array(self.boundary)
+        count = int(metric.triangulation.boundary_vertices.sum())
+        if given.shape not in ((count,), (count, 3)) or not count:
+            raise InvalidParameter(
+                f"the boundary has the shape {given.shape}: the metric has {count} vertices there, so it is "
+                f"({count},) or ({count}, 3)"
+            )
+        solve = _over_heights if given.ndim == 1 else _through
+        return solve(metric, given, start, tolerance, log)
+
+
+def _cap(metric: PolyhedralMetric, start: Floats | None, tolerance: float, log: Log) -> SheetEmbedding:
+    """The convex cap."""
+    if start is not None:
+        raise InvalidParameter("a convex cap needs no start: it is the only one")
+    check_cap(metric)
+    count = len(metric.triangulation.boundaries[0])
+    return replace(_raised(metric, np.zeros(count), tolerance, log, "plane"), uniqueness=CAP)
+
+
+def _over_heights(
+    metric: PolyhedralMetric, heights: Floats, start: Floats | None, tolerance: float, log: Log
+) -> SheetEmbedding:
+    """The surface over given heights of the boundary, followed from the convex cap in steps."""
+    if start is not None:
+        raise InvalidParameter("heights of the boundary are followed from the convex cap: they take no start")
+    inside = ~metric.triangulation.boundary_vertices
+    curved = deficits(metric)
+    if (curved[inside] <= METRIC.angles).any():
+        v = int(np.argmax(inside & (curved <= METRIC.angles)))
+        raise InvalidMetric(
+            f"vertex {v} has the deficit {curved[v]:.4g}: with heights of the boundary the problem is ill posed "
+            "where the curvature is not positive; give positions (B, 3)"
+        )
+    check_cap(metric)
+    return _raised(metric, heights - heights.mean(), tolerance, log, "heights")
+
+
+def _raised(
+    metric: PolyhedralMetric, heights: Floats, tolerance: float, log: Log, condition: str
+) -> SheetEmbedding:
+    [loop] = metric.triangulation.boundaries
+    polyhedron = Alexandrov().run(doubled(metric), tolerance, log)
+    half = polyhedron.vertices[: metric.triangulation.n_vertices]
+    x = upright(half, half[loop])
+    with log.stage("Newton with heights") as recorder:
+        for part in np.linspace(0.0, 1.0, HEIGHTS + 1)[0 if not heights.any() else 1 :]:
+            x = with_heights(metric, x, part * heights, recorder)
+            if not heights.any():
+                break
+    return _embedding(metric, x, tolerance, log, condition)
+
+
+def _through(
+    metric: PolyhedralMetric, curve: Floats, start: Floats | None, tolerance: float, log: Log
+) -> SheetEmbedding:
+    """The surface whose boundary is given."""
+    t = metric.triangulation
+    x = np.zeros((t.n_vertices, 3))
+    x[np.concatenate(t.boundaries)] = curve
+    with log.stage("given boundary") as recorder:
+        x = through_curve(BendingEnergy(metric), LengthConstraints(metric), x, start, recorder)
+    return _embedding(metric, x, tolerance, log, "curve")
+
+
+def _least_bending(
+    metric: PolyhedralMetric, start: Floats | None, tolerance: float, log: Log
+) -> SheetEmbedding:
+    """A surface of least bending."""
+    energy, lengths = BendingEnergy(metric), LengthConstraints(metric)
+    near = None
+    if start is None:
+        start, near = _start(metric, tolerance, log)
+    if near is None:
+        with log.stage("elastic sheets") as recorder:
+            near = thinned(energy, lengths, start, recorder)
+    with log.stage("least bending") as recorder:
+        found = balanced(energy, lengths, near, recorder)
+    residual = float(np.abs(lengths.residuals(found.vertices)).max()) / metric.mean_length
+    if residual > EXACT:
+        with log.stage("Newton on lengths") as recorder:
+            found = replace(found, vertices=nearest_with_lengths(lengths, found.vertices, recorder))
+    return replace(
+        _embedding(metric, found.vertices, tolerance, log, "free"),
+        tensions=frozen(found.multipliers),
+        imbalance=found.imbalance,
+        uniqueness=BENDING,
+    )
+
+
+def _start(
+    metric: PolyhedralMetric, tolerance: float, log: Log
+) -> tuple[Floats, LeastBending | None]:
+    """A surface to start from, and if it has the lengths, the start of Newton's method."""
+    t = metric.triangulation
+    none = np.zeros(t.n_edges)
+    if t.genus == 0 and len(t.boundaries) == 1 and (deficits(metric) >= -METRIC.angles).all():
+        if (deficits(metric)[~t.boundary_vertices] > METRIC.angles).any():
+            x = _raised(metric, np.zeros(len(t.boundaries[0])), tolerance, log, "plane").vertices
+            return x, LeastBending(x, none, np.inf)
+    if t.genus == 0 and len(t.boundaries) > 1:
+        try:
+            closed = Aim().run(filled(metric).normalized, tolerance, log)
+        except (InvalidMetric, NotEmbedded):
+            closed = None
+        if closed is not None and closed.converged:
+            x = closed.in_unit_of(filled(metric)).vertices[: t.n_vertices]
+            return x, LeastBending(x, none, np.inf)
+    return scaled_distances(metric), None
+
+
+def _embedding(
+    metric: PolyhedralMetric, x: Floats, tolerance: float, log: Log, condition: str
+) -> SheetEmbedding:
+    return SheetEmbedding(
+        metric, x, method=Sheet.name, tolerance=tolerance, stages=log.stages, condition=condition
+    )
+
+
+def _nested(values: ArrayLike, what: str) -> tuple[Any, ...]:
+    """An array as tuples, which compare and print whole."""
+    array = real_array(values, f"row of {what}", "coordinate")
+    if not np.isfinite(array).all():
+        raise InvalidParameter(f"the {what} has entries that are not finite")
+    return tuple(map(tuple, array.tolist())) if array.ndim == 2 else tuple(array.tolist())

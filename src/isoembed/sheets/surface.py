@@ -1,0 +1,124 @@
+"""Realizations of metrics on surfaces with boundary, or of higher genus."""
+
+from dataclasses import KW_ONLY, dataclass
+from functools import cached_property
+from typing import Any
+
+import numpy as np
+
+from isoembed.arrays import Floats
+from isoembed.mesh.triangulation import frozen
+from isoembed.sheets.bending import BendingEnergy
+from isoembed.strict_json import plain
+from isoembed.surface.embedding import Embedding
+from isoembed.surface.measures import face_normals
+from isoembed.version import __version__
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class SheetEmbedding(Embedding):
+    """Surface with boundary, or of higher genus, that has the lengths of a metric.
+
+    It encloses no volume: volume, certificate and all else that is about closed surfaces of genus 0 raise
+    `InvalidMetric`.  It is not mirrored: the sign of its curvature depends on the side from which the
+    triangles are counterclockwise.
+
+    Parameters
+    ----------
+    metric, vertices, method, tolerance, stages, uniqueness
+        As of an `Embedding`.
+    condition : str
+        What was asked at the boundary.
+    tensions : ndarray, shape (E,), optional
+        Of a surface of least bending: the pull of each edge, with which bending is in balance, in units of
+        the bending modulus over length.
+    imbalance : float, optional
+        Of a surface of least bending: largest force that is left on a vertex, over a typical one.
+    """
+
+    _: KW_ONLY
+    condition: str
+    tensions: Floats | None = None
+    imbalance: float | None = None
+
+    def _oriented(self, points: Floats) -> Floats:
+        return points
+
+    def in_unit_of(self, given: Any) -> "SheetEmbedding":
+        """Return the same surface, found for the `normalized` of a metric, in the unit of that metric."""
+        found = super().in_unit_of(given)
+        if self.tensions is not None:
+            found._set(tensions=frozen(self.tensions / given.unit))
+        return found
+
+    def _sentence(self) -> str:
+        e = int(np.argmax(self.residuals))
+        return (
+            f"the lengths {'are within' if self.converged else 'miss'} the tolerance {self.tolerance:.0e}: the "
+            f"largest residual is {self.residual:.1e} of the mean edge length, at edge {e} "
+            f"{self.metric.edges[e].tolist()}"
+        )
+
+    @cached_property
+    def _bending(self) -> BendingEnergy:
+        return BendingEnergy(self.metric.normalized)
+
+    @cached_property
+    def bending_energy(self) -> float:
+        """Integral of H^2 dA, from polynomials fitted to the neighbors of each vertex."""
+        return self._bending.bending(self._normalized)
+
+    @cached_property
+    def second_form_energy(self) -> float:
+        """Integral of k1^2 + k2^2 dA."""
+        return self._bending.square_integral(self._normalized)
+
+    @cached_property
+    def mean_curvature(self) -> Floats:
+        """Mean curvature H = (k1 + k2) / 2 at the vertices, shape (V,): positive where it bends inward."""
+        faces, x = self.metric.faces, self._normalized
+        normals = np.zeros_like(x)
+        for corner in faces.T:
+            np.add.at(normals, corner, face_normals(faces, x))
+        normals /= np.linalg.norm(normals, axis=1)[:, None]
+        along = np.einsum("vi,vi->v", self._bending.curvature_vectors(x), normals)
+        return frozen(-along / self.metric.unit)
+
+    @property
+    def report(self) -> dict[str, Any]:
+        """Report of what was asked, done and reached: the JSON object that the command writes."""
+        t = self.triangulation
+        return dict(
+            plain(
+                {
+                    "status": self.status,
+                    "message": self.message,
+                    "method": self.method,
+                    "version": __version__,
+                    "tolerance": self.tolerance,
+                    "input": {
+                        "vertices": t.n_vertices,
+                        "edges": t.n_edges,
+                        "faces": t.n_faces,
+                        "boundaries": [len(loop) for loop in t.boundaries],
+                        "genus": t.genus,
+                    },
+                    "condition": self.condition,
+                    "residual": {
+                        "max": self.residual,
+                        "mean": float(self.residuals.mean()),
+                        "std": float(self.residuals.std()),
+                    },
+                    "bending": {
+                        "square_of_mean_curvature": self.bending_energy,
+                        "squares_of_principal_curvatures": self.second_form_energy,
+                        "imbalance": self.imbalance,
+                    },
+                    "uniqueness": self.uniqueness and self.uniqueness.report,
+                    "area": self.area,
+                    "stages": [vars(stage) for stage in self.stages],
+                }
+            )
+        )
+
+
