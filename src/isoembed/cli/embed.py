@@ -2,17 +2,21 @@
 
 import argparse
 import math
+from pathlib import Path
+from typing import Any
 
 import isoembed
 from isoembed._embed import configuration, method_names
 from isoembed.cli.answer import add_output_options, answer, asked_for, heard_by
 from isoembed.cli.interruption import Checkpoints, add_checkpoint_options, checkpoint_file
 from isoembed.cli.length_error import add_length_error_option, length_errors
+from isoembed.cli.numbers import read_numbers
 from isoembed.cli.options import OF_RUNS, add_merge_option, add_run_options, add_space_option, refuse_given
 from isoembed.cli.parameters import configured, parameters
 from isoembed.cli.screen import UsageError, print_error
-from isoembed.errors import Interrupted
+from isoembed.errors import Interrupted, InvalidParameter
 from isoembed.io import MESH_ENDINGS, FileError, read_checkpoint, read_metric
+from isoembed.io.files import ending
 from isoembed.progress.stages import Listener
 from isoembed.surface.checked import checked_errors
 
@@ -30,9 +34,22 @@ def configure(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--method",
         choices=method_names(),
-        default="aim",
         help="aim: the adaptive method (default); paper: AIM as printed; "
-        "alexandrov: the exact convex polyhedron; others are those of installed packages",
+        "alexandrov: the exact convex polyhedron; sheet: surfaces with boundary, or of higher genus (default with "
+        "--boundary); others are those of installed packages",
+    )
+    parser.add_argument(
+        "--boundary",
+        metavar="CONDITION",
+        help="for surfaces with boundary, or of higher genus: free, a surface of least bending; plane, the convex "
+        "cap; or a .npy file with heights (B,) or positions (B, 3) of the boundary's vertices, in the order of "
+        "Triangulation.boundaries",
+    )
+    parser.add_argument(
+        "--start",
+        type=Path,
+        metavar="FILE",
+        help="with --boundary: a .npy file with the vertices (V, 3) of a surface to start from",
     )
     parser.add_argument(
         "--tolerance",
@@ -101,7 +118,9 @@ def run(options: argparse.Namespace) -> int:
     errors = length_errors(options)
     kept = read_checkpoint(options.resume) if options.resume else None
     checkpoints = Checkpoints(left, kept)
-    metric = read_metric(source, merge=options.merge, space=options.space)
+    metric = read_metric(
+        source, merge=options.merge, space=options.space, any_surface=method.takes_boundary
+    )
     if errors is not None:
         checked_errors(metric, errors)  # before anything is computed
     if options.space == "hyperbolic" and metric.space.is_euclidean:
@@ -133,23 +152,40 @@ def run(options: argparse.Namespace) -> int:
 def _method(options: argparse.Namespace) -> isoembed.Method:
     """The method with its parameters."""
     repair = [] if options.repair is None else [f"repair={options.repair}"]
-    known = parameters(configuration(options.method))
+    name = options.method or ("aim" if options.boundary is None else "sheet")
+    known = parameters(configuration(name))
     if repair and "repair" not in known:
         raise UsageError(
-            f"--repair needs the method 'alexandrov': the method {options.method!r} has no repair"
+            f"--repair needs the method 'alexandrov': the method {name!r} has no repair"
         )
     if options.best_fit and "best_fit" not in known:
-        raise UsageError(f"--best-fit needs the method 'aim': the method {options.method!r} has no best fit")
+        raise UsageError(f"--best-fit needs the method 'aim': the method {name!r} has no best fit")
     if options.effort is not None and "effort" not in known:
-        raise UsageError(f"--effort needs the method 'aim': the method {options.method!r} does not search")
+        raise UsageError(f"--effort needs the method 'aim': the method {name!r} does not search")
     if options.length_error is not None and options.best_fit:
         raise UsageError("--length-error does not go with --best-fit, which smooths errors instead")
+    if options.boundary is not None or options.start is not None:
+        if "boundary" not in known:
+            raise UsageError(f"--boundary and --start need the method 'sheet', not {name!r}")
+        return _sheet(options)
     best_fit = ["best_fit=true"] if options.best_fit else []
     effort = [] if options.effort is None else [f"effort={options.effort}"]
-    method = configured(options.method, options.parameter + repair + best_fit + effort)
+    method = configured(name, options.parameter + repair + best_fit + effort)
     if options.length_error is not None and not method.keeps_triangles:
-        raise UsageError(f"--length-error needs a method that keeps the triangles, not {options.method!r}")
+        raise UsageError(f"--length-error needs a method that keeps the triangles, not {name!r}")
     return method
+
+
+def _sheet(options: argparse.Namespace) -> isoembed.Method:
+    """The method for surfaces with boundary, with arrays from files."""
+    boundary: Any = options.boundary or "free"
+    if ending(boundary) == ".npy":
+        boundary = read_numbers(Path(boundary))
+    start = None if options.start is None else read_numbers(options.start)
+    try:
+        return isoembed.Sheet(boundary, start)
+    except InvalidParameter as error:
+        raise UsageError(str(error)) from None
 
 
 def _tolerance(text: str) -> float:

@@ -22,7 +22,7 @@ def configure(parser: argparse.ArgumentParser) -> None:
 
 def run(options: argparse.Namespace) -> int:
     """Inspect the input; return the exit status."""
-    found = inspect(read_metric(options.input, merge=options.merge))
+    found = inspect(read_metric(options.input, merge=options.merge, any_surface=True))
     if options.json:
         print_json(found.report)
     else:

@@ -21,7 +21,11 @@ from isoembed.space.models import MODELS, from_model
 
 
 def read_metric(
-    source: str | os.PathLike[str], *, merge: float | None = None, space: Space | str | None = None
+    source: str | os.PathLike[str],
+    *,
+    merge: float | None = None,
+    space: Space | str | None = None,
+    any_surface: bool = False,
 ) -> PolyhedralMetric:
     """Read a metric.
 
@@ -42,6 +46,8 @@ def read_metric(
         That of the triangles, where the file does not say its curvature (one of zero says nothing): their
         sides are the lengths, or the distances in R^3 of the vertices.  ``"hyperbolic"`` alone is the
         `least_convex_space`, if the file says none; ``"spherical"`` alone says what the file must.
+    any_surface : bool
+        Whether it may be a metric on a surface with boundary, or of higher genus.
 
     Returns
     -------
@@ -60,7 +66,10 @@ def read_metric(
     MeshNote
         Vertices or faces are merged or left out, or polygons are not planar.
     """
-    return in_space(metric_of(read_tables(source, merge)), space, source)
+    metric = metric_of(read_tables(source, merge))
+    if not any_surface:
+        metric.triangulation.check_sphere()
+    return in_space(metric, space, source)
 
 
 def in_space(

@@ -108,10 +108,12 @@ def inspect(metric: PolyhedralMetric) -> Inspection:
     """
     unit = metric.normalized
     angles, epsilon, duals = corner_angles(unit), deficits(unit), dual_areas(unit)
-    face, corner = np.divmod(metric.triangulation.edge_halfedges, 3)
+    t = metric.triangulation
+    face, corner = np.divmod(t.edge_sides[~t.boundary_edges], 3)
     # Angles across each edge, their sum minus half that of all: positive where the edge is not Delaunay.
-    excess = angles[face, (corner + 2) % 3].sum(axis=1) - np.pi
-    excess -= unit.curvature * face_areas(unit)[face].sum(axis=1) / 2
+    excess = np.full(t.n_edges, -np.inf)
+    inner = angles[face, (corner + 2) % 3].sum(axis=1) - np.pi
+    excess[~t.boundary_edges] = inner - unit.curvature * face_areas(unit)[face].sum(axis=1) / 2
     found = metric, angles, epsilon, duals, excess
     return Inspection(tuple(_measures(*found)), tuple(_warnings(*found)))
 
@@ -139,6 +141,8 @@ def _measures(
         yield Measure("space", text, {"curvature": metric.curvature, "radius": radius})
     counts = {"vertices": t.n_vertices, "edges": t.n_edges, "faces": t.n_faces}
     yield Measure("counts", ", ".join(f"{count} {name}" for name, count in counts.items()), counts)
+    if not t.is_sphere:
+        yield _surface(metric)
     degrees = {"min": int(t.degrees.min()), "max": int(t.degrees.max())}
     yield Measure("degrees", f"{degrees['min']} to {degrees['max']} edges at a vertex", degrees)
     mean = metric.mean_length
@@ -147,12 +151,13 @@ def _measures(
     low, high = np.degrees([angles.min(), angles.max()])
     yield Measure("angles", f"{low:.4g} to {high:.4g} degrees", {"min_degrees": low, "max_degrees": high})
     negative = int((epsilon < -METRIC.angles).sum())
-    gauss_bonnet = float(epsilon.sum() + metric.curvature * surface - 4 * np.pi)
+    turns = 2 * t.euler_characteristic
+    gauss_bonnet = float(epsilon.sum() + metric.curvature * surface - turns * np.pi)
     text = (
         f"{epsilon.min():.4g} to {epsilon.max():.4g} radians, {negative} negative, "
-        f"sum{'' if metric.space.is_euclidean else ' + curvature area'} - 4 pi = {gauss_bonnet:.1e}"
+        f"sum{'' if metric.space.is_euclidean else ' + curvature area'} - {turns} pi = {gauss_bonnet:.1e}"
     )
-    values = {**_range(epsilon), "negative": negative, "sum_minus_4_pi": gauss_bonnet}
+    values = {**_range(epsilon), "negative": negative, f"sum_minus_{turns}_pi": gauss_bonnet}
     yield Measure("deficits", text, values)
     undefined = int((duals <= 0).sum())
     text = f"{dual['min']:.4g} to {dual['max']:.4g}, {undefined} not positive"
@@ -164,6 +169,21 @@ def _measures(
     text = f"{violations} edges with opposite angles of more than {most} together"
     yield Measure("delaunay", text, {"violations": violations})
     yield Measure("area", f"{surface:.12g}", {"total": surface})
+
+
+def _surface(metric: PolyhedralMetric) -> Measure:
+    """The kind of a surface that is no sphere, and how its realizations may be determined."""
+    t = metric.triangulation
+    sizes = [len(loop) for loop in t.boundaries]
+    free = 3 * t.n_vertices - 6 - t.n_edges
+    text = f"genus {t.genus}, {len(sizes)} boundaries"
+    if sizes:
+        text += f" of {', '.join(map(str, sizes))} edges"
+    if free > 0:
+        text += f"; {free} motions keep the lengths: heights or positions of the boundary, or least bending, fix them"
+    elif free < 0:
+        text += f"; {-free} more lengths than unknowns: they must be those of a surface"
+    return Measure("surface", text, {"genus": t.genus, "boundaries": len(sizes), "free_motions": free})
 
 
 def _range(values: Floats) -> dict[str, float]:

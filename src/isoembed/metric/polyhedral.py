@@ -1,4 +1,4 @@
-"""The polyhedral metric: a triangulated sphere and the length of every edge."""
+"""The polyhedral metric: a triangulated surface and the length of every edge."""
 
 from __future__ import annotations
 
@@ -37,7 +37,10 @@ METRIC = MetricThresholds()
 
 @dataclass(frozen=True, eq=False, init=False, repr=False)
 class PolyhedralMetric:
-    """A polyhedral metric rho on the sphere (paper, section 2).
+    """A polyhedral metric rho on the sphere (paper, section 2), or on another oriented surface.
+
+    Surfaces with boundary, and of higher genus, are for ``embed(metric, boundary=...)``; everything else is
+    about spheres, and refuses others.
 
     Parameters
     ----------
@@ -68,7 +71,7 @@ class PolyhedralMetric:
     Raises
     ------
     InvalidMetric
-        The faces are not a triangulated sphere, an edge lacks a length, a length is not positive and
+        The faces are not a connected oriented surface, an edge lacks a length, a length is not positive and
         finite, a triangle inequality is broken, or a triangle is too large for its curvature; the message
         names the first offender.
 
@@ -154,6 +157,8 @@ class PolyhedralMetric:
         points, triangles = triangle_mesh(given, faces, merge, space=space)
         try:
             triangulation = Triangulation(triangles)
+            if not triangulation.is_closed and merging_advice(points, triangles):
+                triangulation.check_sphere()  # a seam whose vertices stand twice is no boundary
             if len(points) > triangulation.n_vertices:
                 raise InvalidMetric(f"vertex {triangulation.n_vertices} is in no face")
             size = np.abs(points).max() or 1.0  # keeps the squares from under- and overflowing
@@ -396,7 +401,7 @@ def _matched(triangulation: Triangulation, lengths: Floats, edges: ArrayLike) ->
     present, start = np.unique(index[order], return_index=True)
     if len(present) < triangulation.n_edges:
         e = int(np.setdiff1d(np.arange(triangulation.n_edges), present)[0])
-        f = triangulation.edge_faces[e, 0]
+        f = triangulation.edge_sides[e].max() // 3
         raise InvalidMetric(f"edge {triangulation.edges[e].tolist()} of face {f} has no length")
     matched = lengths[order[start]]
     differs = np.abs(lengths - matched[index]) > METRIC.same_length * np.abs(matched[index])

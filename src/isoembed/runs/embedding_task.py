@@ -74,7 +74,12 @@ class EmbeddingTask:
             warnings.simplefilter("always", MeshNote)
             try:
                 with unchanged(self.path):
-                    metric = read_metric(self.path, merge=self.merge, space=self.space)
+                    metric = read_metric(
+                        self.path,
+                        merge=self.merge,
+                        space=self.space,
+                        any_surface=self.method.takes_boundary,
+                    )
                 chosen = self.method.takes_length_errors
                 errors = self.length_error if chosen else None
                 found = embed(metric, method=self.method, tolerance=self.tolerance, length_errors=errors)

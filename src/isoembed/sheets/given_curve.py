@@ -12,13 +12,16 @@ from scipy.sparse import csr_array, diags_array, kron
 from scipy.sparse.linalg import splu
 
 from isoembed.arrays import Floats, Mask
+from isoembed.metric.curvature import face_areas
 from isoembed.progress.stages import StageRecorder
 from isoembed.sheets.bending import BendingEnergy
 from isoembed.sheets.length_constraints import LengthConstraints
+from isoembed.surface import measures
 
 WEIGHTS = tuple(10.0**-k for k in range(3, 13))  # epsilon over the area, one after the other
 DESCENT = 4  # Gauss-Newton steps at most for each
 NEWTON = 30  # without bending, at most
+FLAT = 1e-6  # thickness over size of a curve that is in a plane
 SETTLED = 1e-6  # mean edge lengths: a shorter step ends the descent for one weight
 
 
@@ -28,10 +31,27 @@ def harmonic(lengths: LengthConstraints, boundary: Floats, inside: Mask) -> Floa
     laplacian = csr_array(diags_array(t.degrees.astype(np.float64)) - t.adjacency)
     free, fixed = np.flatnonzero(inside), np.flatnonzero(~inside)
     vertices = boundary.copy()
-    if len(free):
-        rows = laplacian[free]
-        vertices[free] = splu(rows[:, free].tocsc()).solve(-(rows[:, fixed] @ boundary[fixed]))
-    return vertices
+    if not len(free):
+        return vertices
+    rows = laplacian[free]
+    factor = splu(rows[:, free].tocsc())
+    vertices[free] = factor.solve(-(rows[:, fixed] @ boundary[fixed]))
+    curve = boundary[fixed] - boundary[fixed].mean(axis=0)
+    _, sizes, axes = np.linalg.svd(curve, full_matrices=False)
+    if sizes[2] > FLAT * sizes[0]:
+        return vertices
+    # Of a flat curve all is flat, and would stay so: a bump of the area of the metric leaves the plane.
+    bump = np.zeros(t.n_vertices)
+    bump[free] = factor.solve(np.ones(len(free)))
+    goal = float(face_areas(lengths.metric).sum())
+
+    def area(height: float) -> float:
+        return float(measures.face_areas(t.faces, vertices + height * np.outer(bump, axes[2])).sum())
+
+    height = lengths.metric.mean_length / bump.max()
+    while area(height) < goal:
+        height *= 1.5
+    return vertices + height * np.outer(bump, axes[2])
 
 
 def through_curve(

@@ -161,6 +161,7 @@ def _shape_of(tables: Tables, source: str) -> CoordinateShape:
 def _outward(faces: Any, points: Floats, source: str) -> Indices:
     try:
         triangulation = Triangulation(faces)
+        triangulation.check_sphere()
     except InvalidMetric as error:
         raise InvalidMetric(f"{source}: {error}") from None
     table = triangulation.faces

@@ -149,6 +149,7 @@ class MappedSurface(Surface):
             The faces are no triangulated sphere, or a triangle is degenerate; the message names it.
         """
         x, triangles = checked_points(vertices), Triangulation(faces)
+        triangles.check_sphere()
         if triangles.n_vertices != len(x):
             raise InvalidMetric(f"there are {len(x)} vertices, but {triangles.n_vertices} in faces")
         inward = volume(triangles.faces, x / np.abs(x).max()) < 0.0
