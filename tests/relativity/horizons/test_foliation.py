@@ -1,6 +1,5 @@
 """Foliations by surfaces of constant expansion, through the minimum where common horizons end."""
 
-from dataclasses import replace
 from itertools import pairwise
 
 import pytest
@@ -76,7 +75,7 @@ def test_the_error_of_a_minimum_of_the_normalized_expansion_alone():
     def minimum(step):
         start = StarSurface.sphere((0.0, 0.0, 0.0), 4.0)
         with pytest.MonkeyPatch.context() as patch:
-            patch.setattr(foliation_module, "FOLIATION", replace(foliation_module.FOLIATION, step=step))
+            patch.setattr(foliation_module, "LONGEST_STEP", step)
             found = foliate(pair(4.0), start, symmetric=True)
         assert found.excludes
         return found.minimum, 0.5 * found.minimum_error * found.minimum.areal_radius

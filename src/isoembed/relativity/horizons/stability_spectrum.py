@@ -34,6 +34,7 @@ from isoembed.relativity.horizons.expansion_operator import (
 from isoembed.relativity.horizons.found_horizon import FoundHorizon
 from isoembed.relativity.horizons.sheet import Sheet
 from isoembed.relativity.horizons.surface_family import Jet, SurfaceFamily
+from isoembed.relativity.horizons.surface_level import DEALIASING
 from isoembed.relativity.spacetimes.mapped_surface import MappedSurface
 from isoembed.relativity.spacetimes.star_surface import StarSurface
 from isoembed.relativity.spacetimes.three_geometry import ThreeGeometry
@@ -59,8 +60,6 @@ MARGIN = 8
 ITERATIONS = 60
 PAIRED = 1e-9
 """Imaginary part, relative, of an eigenvalue that is one of a pair."""
-NODES = 1.5
-"""Circles of nodes over the degree: products with coefficients of the operator are not aliased."""
 COLUMNS = 128
 """Harmonics to which the operator is applied at a time, which bounds the memory."""
 
@@ -266,7 +265,7 @@ class _Operator:
         """The operator of a horizon, in harmonics that n eigenfunctions may need."""
         surface = horizon.surface
         symmetric = _is_symmetric(surface)
-        heights = int(NODES * max(degree, surface.harmonics.degree)) + 2
+        heights = int(DEALIASING * max(degree, surface.harmonics.degree)) + 2
         around = 1 if symmetric else 2 * heights
         displacements = _Displacements.of(surface, heights, around)
         local, linear = displacements.linearized(horizon.geometry)

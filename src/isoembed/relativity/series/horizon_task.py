@@ -28,18 +28,6 @@ from isoembed.runs.result import REFUSED, Result
 from isoembed.smooth.start import Start
 from isoembed.smooth.triangulation import SPHERE_MESH
 from isoembed.space import EUCLIDEAN, Space
-from isoembed.thresholds import threshold
-
-
-@dataclass(frozen=True)
-class TaskThresholds:
-    """Thresholds of reading the slice of a horizon."""
-
-    margin: float = threshold(0.02, "extents", "Room in the slice around the points of a horizon.")
-    nodes: tuple[int, int] = threshold((24, 48), "count", "Heights and angles of points of a surface.")
-
-
-TASK = TaskThresholds()
 
 DIRECTIONS, FIELD = "directions", "field/"
 MESH = ("vertices", "faces")
@@ -212,8 +200,8 @@ def _digest(digest: Callable[[], str]) -> str:
 
 def _box(found: CoordinateShape | Surface) -> tuple[Floats, Floats]:
     """The corners (3,) of a box with room around a horizon."""
-    directions, _ = gauss_rule(*TASK.nodes)
+    directions, _ = gauss_rule(24, 48)
     points = found.points(directions) if isinstance(found, Surface) else found.points
     low, high = points.min(axis=0), points.max(axis=0)
-    room = TASK.margin * (high - low)
+    room = 0.02 * (high - low)  # the surface may reach beyond its points
     return low - room, high + room
