@@ -1,7 +1,6 @@
 """``isoembed horizon`` of several files: each begins from the one before, and failures do not end them."""
 
 import os
-from dataclasses import replace
 from functools import partial
 from pathlib import Path
 
@@ -72,7 +71,7 @@ def test_where_all_are_refused_nothing_is_done(run):
 )
 @pytest.mark.slow
 def test_where_one_does_not_embed_the_others_are_answered(run, monkeypatch, order, form):
-    monkeypatch.setattr(solve, "SOLVE", replace(solve.SOLVE, degrees=(8, 12, 16)))
+    monkeypatch.setattr(solve, "DEGREES", (8, 12, 16))
     spins = {"good": 0.5, "bad": 0.9, "other": 0.6}
     for name in order:
         write_grid(f"{name}.npz", spins[name])

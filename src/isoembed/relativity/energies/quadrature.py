@@ -13,7 +13,7 @@ from isoembed.relativity.energies.energies import Energies, Integrals, norm_hind
 from isoembed.relativity.horizons.spin import Spin
 from isoembed.relativity.spacetimes.surface_data import SurfaceData, error_of, values_of
 from isoembed.smooth.embedding import SmoothEmbedding
-from isoembed.smooth.isometry import ISOMETRY
+from isoembed.smooth.isometry import SYMMETRIC_ANGLES
 from isoembed.smooth.sphere_map import SphereMap
 from isoembed.smooth.two_metric import area_density, is_axisymmetric, is_symmetric_about_z
 from isoembed.smooth.uncertain import Uncertainty
@@ -159,7 +159,7 @@ def sphere_rule(
 
     Nodes that are turned lie midway between the angles of those that are not.
     """
-    around = ISOMETRY.around if symmetric else 2 * n
+    around = SYMMETRIC_ANGLES if symmetric else 2 * n
     v, weights = gauss_rule(n, around)
     if turned:
         c, s = np.cos(np.pi / around), np.sin(np.pi / around)

@@ -23,7 +23,7 @@ from isoembed.arrays import Floats
 from isoembed.meshing.sphere import gauss_rule
 from isoembed.smooth.harmonics import Harmonics
 from isoembed.smooth.sphere_transform import SphereTransform
-from isoembed.smooth.transforms import trimmed
+from isoembed.smooth.transforms import ROUNDING, trimmed
 from isoembed.smooth.two_metric import TwoMetric, area_density, orthonormal_frame
 
 
@@ -149,8 +149,7 @@ def _bend(u: Floats, q: Floats, e: Floats, heights: int) -> Floats:
     around = len(u) // heights
     harmonics = Harmonics(heights - 1, min(heights, around // 2) - 1)
     coefficients = SphereTransform(harmonics, heights, around).analysis(q.reshape(len(u), 9))
-    # Smaller harmonics of a metric are rounding.
-    needed = np.abs(coefficients).max(axis=1) > 1e-15 * np.abs(q).max()
+    needed = np.abs(coefficients).max(axis=1) > ROUNDING * np.abs(q).max()
     coefficients, harmonics = trimmed(coefficients, harmonics, needed)
     gradients = harmonics.derivatives(u, coefficients)[1].reshape(len(u), 3, 3, 3)
     along = np.einsum("nak,nijk->naij", e, gradients)

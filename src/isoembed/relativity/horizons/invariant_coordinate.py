@@ -21,10 +21,9 @@ from isoembed.arrays import Floats
 from isoembed.meshing.sphere import fibonacci_directions, gauss_rule
 from isoembed.smooth.harmonics import Harmonics
 from isoembed.smooth.sphere_transform import SphereTransform
-from isoembed.smooth.transforms import trimmed
+from isoembed.smooth.transforms import NEGLIGIBLE, ROUNDING, trimmed
 from isoembed.smooth.two_metric import TwoMetric, area_density, is_axisymmetric
 
-ROUNDING = 1e-15  # relative size of the highest harmonics
 FEWEST_NODES, MOST_NODES = 24, 96  # heights of nodes of integrals over zeta
 GROWTH = 1.5  # ratio of successive numbers of heights
 
@@ -100,8 +99,7 @@ class InvariantCoordinate:
             if tail <= max(ROUNDING, relative_error) or 2 * degree > 512:
                 break
             degree *= 2
-        # Harmonics below rounding are left out.
-        density, harmonics = trimmed(density, harmonics, sizes > 5e-17)
+        density, harmonics = trimmed(density, harmonics, sizes > NEGLIGIBLE)
         series = legendre.legint(density / density[0] * np.sqrt(2 * harmonics.labels[0] + 1), lbnd=0)
         ends = legendre.legval([-1.0, 1.0], series)
         series[0] -= 0.5 * (ends[0] + ends[1])

@@ -34,6 +34,7 @@ from isoembed.smooth.uncertain import UncertainFunction
 from isoembed.surface.estimate import Estimate
 
 ORDER = 8  # of the highest multipole
+STEEPER = 0.125  # growth, over l^2, of the error that uncertain lengths make
 ROUNDING = 5e-14  # in a geometric multipole
 
 
@@ -72,7 +73,7 @@ class Multipoles:
             n, before = int(GROWTH * n), moments
         l = np.arange(ORDER + 1)
         # By parts twice; and what is only seen by higher multipoles is less certain than the mean.
-        steep = l * (l + 1) * (1.0 + 0.125 * l**2)
+        steep = l * (l + 1) * (1.0 + STEEPER * l**2)
         errors = change + ROUNDING + steep * (data.relative_error + zeta.error)
         errors[0] += K.error.mean * area
         if isinstance(data.normal_momentum, UncertainFunction):

@@ -19,6 +19,8 @@ from scipy.linalg import eig
 from isoembed.arrays import Floats
 from isoembed.relativity.horizons.surface_level import Equations
 
+SETTLED = 1e-11  # change of an eigenvalue, over its size and 1 / R^2, that is rounding of the operator
+
 
 def principal_eigenvalue(equations: Equations, areal_radius: float) -> float:
     """The least eigenvalue of the stability operator of a surface of constant expansion, in 1/length^2.
@@ -52,7 +54,7 @@ def principal_eigenvalue(equations: Equations, areal_radius: float) -> float:
         change = float(f @ f / (f @ new))
         eigenvalue += change
         f = new / np.linalg.norm(new)
-        if abs(change) * areal_radius**2 <= 1e-11:  # change of the eigenvalue over the squared radius
+        if abs(change) * areal_radius**2 <= SETTLED:
             break
     return eigenvalue
 

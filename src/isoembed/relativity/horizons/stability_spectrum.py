@@ -33,6 +33,7 @@ from isoembed.relativity.horizons.expansion_operator import (
 )
 from isoembed.relativity.horizons.found_horizon import FoundHorizon
 from isoembed.relativity.horizons.sheet import Sheet
+from isoembed.relativity.horizons.stability import SETTLED
 from isoembed.relativity.horizons.surface_family import Jet, SurfaceFamily
 from isoembed.relativity.horizons.surface_level import DEALIASING
 from isoembed.relativity.spacetimes.mapped_surface import MappedSurface
@@ -51,8 +52,6 @@ MOST = 200
 """Eigenvalues that can be asked for."""
 DEGREES, SYMMETRIC_DEGREES = (12, 16, 24, 32, 48), (16, 24, 32, 48, 64, 96, 128, 192, 256)
 """Degrees of eigenfunctions, one after the other; beyond the last the matrices are too large."""
-SETTLED = 1e-11
-"""Change of an eigenvalue, relative to its size and 1 / R^2, that is rounding of the operator."""
 SMALL, UNCERTAIN = 0.5, 2.0
 """Change over the error that the data make at which to stop; allowance for an error that is one of many."""
 MARGIN = 8

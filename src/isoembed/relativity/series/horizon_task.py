@@ -26,7 +26,7 @@ from isoembed.relativity.spacetimes.surface import Surface
 from isoembed.relativity.spacetimes.surface_data import SurfaceData
 from isoembed.runs.result import REFUSED, Result
 from isoembed.smooth.start import Start
-from isoembed.smooth.triangulation import SPHERE_MESH
+from isoembed.smooth.triangulation import MOST_VERTICES
 from isoembed.space import EUCLIDEAN, Space
 
 DIRECTIONS, FIELD = "directions", "field/"
@@ -67,7 +67,7 @@ class HorizonOptions:
     multipoles: int | None = None
 
     def __post_init__(self) -> None:
-        checked_count("the number of vertices", self.vertices, SURFACE_MESH.fewest, SPHERE_MESH.most)
+        checked_count("the number of vertices", self.vertices, SURFACE_MESH.fewest, MOST_VERTICES)
         if self.axis is not None and not any(vector("the axis", self.axis)):
             raise InvalidParameter("the axis must not be zero")
         if self.multipoles is not None:

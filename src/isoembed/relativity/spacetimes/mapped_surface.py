@@ -19,7 +19,7 @@ from isoembed.relativity.spacetimes.surface import Surface
 from isoembed.relativity.spacetimes.surface_jet import SurfaceJet
 from isoembed.smooth.harmonics import Harmonics
 from isoembed.smooth.mesh_fit import fit_mesh
-from isoembed.smooth.projection import PROJECTION, project
+from isoembed.smooth.projection import DIRECTIONS, project
 from isoembed.smooth.scattered_fit import deviating, white
 from isoembed.smooth.two_metric import angle_frame
 from isoembed.surface.intersection import self_intersections
@@ -105,7 +105,7 @@ class MappedSurface(Surface):
                 f"the map is a {type(function).__name__}, not a function of unit vectors u (n, 3); the "
                 "vertices and faces of a mesh are for from_mesh"
             )
-        middle = _mapped(function, fibonacci_directions(PROJECTION.directions)).mean(axis=0)
+        middle = _mapped(function, fibonacci_directions(DIRECTIONS)).mean(axis=0)
         fit = project(lambda u: _mapped(function, u) - middle, "the map")
         coefficients = fit.coefficients.copy()
         coefficients[0] += np.sqrt(4.0 * np.pi) * middle
