@@ -38,7 +38,6 @@ from isoembed.relativity.spacetimes.star_surface import StarSurface
 from isoembed.relativity.spacetimes.three_geometry import ThreeGeometry
 from isoembed.smooth.transforms import resized
 
-LONGEST_STEP = 0.15  # displacement of a leaf from the one before, over the mean radius
 SHORTEST_STEP = 1e-4  # over the mean radius
 MISSED = 0.3  # largest difference of a leaf from its prediction, over the displacement
 SMALLEST = 1e-3
@@ -89,7 +88,9 @@ class Foliation:
         return self.minimum is not None and abs(self.minimum.expansion) <= self.minimum_error
 
 
-def foliate(geometry: ThreeGeometry, start: StarSurface, *, symmetric: bool) -> Foliation:
+def foliate(
+    geometry: ThreeGeometry, start: StarSurface, *, symmetric: bool, longest_step: float = 0.15
+) -> Foliation:
     """Leaves from a surface inwards to a horizon, or outwards from a trapped one.
 
     Parameters
@@ -98,6 +99,8 @@ def foliate(geometry: ThreeGeometry, start: StarSurface, *, symmetric: bool) -> 
     start : StarSurface
     symmetric : bool
         About z: slice and surface.
+    longest_step : float
+        Longest displacement of a leaf from the one before, over the mean radius.
 
     Raises
     ------
@@ -106,7 +109,7 @@ def foliate(geometry: ThreeGeometry, start: StarSurface, *, symmetric: bool) -> 
     """
     leaves = [_first(geometry, start, symmetric)]
     outward = leaves[0].expansion <= 0.0
-    largest, step, why = leaves[0].surface.mean_radius, LONGEST_STEP, ""
+    largest, step, why = leaves[0].surface.mean_radius, longest_step, ""
     minimum, error, end_at = None, 0.0, np.inf
     while True:
         last = leaves[-1]
@@ -128,7 +131,7 @@ def foliate(geometry: ThreeGeometry, start: StarSurface, *, symmetric: bool) -> 
                 end = f"no smaller one was found: {why}{_noisy(last)}"
                 return Foliation(tuple(leaves), None, minimum, error, end)
             continue
-        step = min(LONGEST_STEP, step * float(np.clip(0.5 * MISSED / max(missed, 1e-3), 0.5, 2.0)))
+        step = min(longest_step, step * float(np.clip(0.5 * MISSED / max(missed, 1e-3), 0.5, 2.0)))
         why = ""
         if (leaf.expansion <= 0.0) != outward:
             barriers = (leaf, last) if outward else (last, leaf)
