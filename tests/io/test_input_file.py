@@ -150,3 +150,15 @@ def test_names_that_are_bytes_in_damaged_files():
             visit(b"m\xffss", 1.0)
 
     assert listing(Damaged()) == "the data sets mass, m�ss"
+
+
+def test_refusals_quote_little_of_a_damaged_archive(tmp_path):
+    path = tmp_path / "a.npz"
+    np.savez(path, faces=np.arange(3))
+    data = path.read_bytes()
+    begin = data.index(b"{'descr'")
+    path.write_bytes(data[:begin] + b"\x01" * 60 + data[begin + 60 :])
+    with InputFile(path) as file, pytest.raises(FileError) as error:
+        _ = file.arrays
+    message = str(error.value).replace(str(path), "")
+    assert message.isprintable() and len(message) < 200

@@ -10,8 +10,10 @@ from numpy.typing import ArrayLike
 from isoembed.arrays import Floats, Indices
 from isoembed.errors import InvalidMetric, InvalidParameter, MeshNote
 from isoembed.mesh.checks import polygon_corners, real_array
+from isoembed.mesh.joining import join
 from isoembed.mesh.merging import representatives, without_repetitions
 from isoembed.mesh.polygons import next_corners
+from isoembed.mesh.side_splitting import slivers, vertices_on_sides, with_vertices_on_sides
 from isoembed.metric.polygon_faces import POLYGON_FACES, PolygonFaces
 from isoembed.space import EUCLIDEAN, Space
 from isoembed.space.models import to_model
@@ -49,7 +51,8 @@ def triangle_mesh(
         Polygons are cut into triangles; those that are not planar are said.
     merge : float, optional
         Vertices as near as this, in mean edge lengths, become the first of them; at 0 those that are equal.
-        Faces that then are edges or points are left out.
+        Faces that then are edges or points are left out.  Above 0, sides that only one face has are split at
+        vertices as near to them.
     space : Space
         Where the vertices are points: polygons are cut along its straight lines.
     leave_out : bool
@@ -87,7 +90,11 @@ def triangle_mesh(
     if merge is not None:
         if not isinstance(merge, numbers.Real) or not 0 <= merge < 1:
             raise InvalidParameter(f"merge is {merge!r}, not a number of mean edge lengths from 0 to below 1")
-        corners, sizes = _merged(_scaled(points), corners, sizes, merge, repeated)
+        scaled = _scaled(points)
+        corners, sizes = _merged(scaled, corners, sizes, merge, repeated)
+        if merge > 0:
+            distance = merge * _mean_side(scaled, corners, sizes)
+            corners, sizes = _split(_scaled(to_model(space, points, "projective")), corners, sizes, distance)
     if (sizes == 3).all():
         triangles = corners.reshape(-1, 3)
     else:
@@ -96,13 +103,17 @@ def triangle_mesh(
 
 
 def merging_advice(points: Floats, faces: Indices) -> str:
-    """The end of a sentence about triangles that are no closed surface, if merged vertices would close it."""
+    """The end of a sentence about triangles that are no closed surface, if merging would close it."""
     scaled = _scaled(points)
     ends = np.sort(np.stack([faces, np.roll(faces, -1, axis=1)], axis=2).reshape(-1, 2), axis=1)
     edges, count = np.unique(ends, axis=0, return_counts=True)
     lengths = np.linalg.norm(scaled[edges[:, 0]] - scaled[edges[:, 1]], axis=1)
+    if not (lengths > 0).any():
+        return ""
+    if junction := _junction_advice(points, faces, lengths[lengths > 0].mean()):
+        return junction
     suspects = np.unique(edges[(count == 1) | (lengths == 0)])
-    if suspects.size < 2 or not (lengths > 0).any():
+    if suspects.size < 2:
         return ""
     from scipy.spatial import cKDTree  # slow to import, and seldom needed
 
@@ -120,6 +131,34 @@ def merging_advice(points: Floats, faces: Indices) -> str:
         f"; {close.sum()} vertices {'nearly ' if needed else ''}coincide with others (vertex {pair[0]} and "
         f"{pair[1]}): merge them with {' '.join(['--merge', needed]).strip()} "
         f"(merge={needed or MERGING.usual})"
+    )
+
+
+def _junction_advice(points: Floats, faces: Indices, mean: float) -> str:
+    """The end of a sentence about vertices on sides of other triangles, if they are all that is wrong."""
+    scaled, sizes, near = _scaled(points), np.full(len(faces), 3), MERGING.near * mean
+    thin = slivers(scaled, faces.ravel(), sizes, near)
+    if thin.all():
+        return ""
+    rest = faces[~thin].ravel()
+    places, vertices, offsets = vertices_on_sides(scaled, rest, sizes[~thin], near)
+    if not len(places):
+        return ""
+    farthest = 2 * float(offsets.max()) / mean  # sides of polygons are shorter than those of their triangles
+    needed = "" if farthest <= MERGING.usual else rounded_up(farthest, 1)
+    try:
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore", MeshNote)
+            _, mended = triangle_mesh(points, faces, float(needed or MERGING.usual))
+    except InvalidMetric:
+        return ""
+    if join(mended) is None:
+        return ""
+    a, b = rest[places[0]], rest[next_corners(sizes[~thin])][places[0]]
+    return (
+        f"; vertex {vertices[0]} is on the side from vertex {a} to vertex {b} of another face (a T-junction, "
+        f"{len(places)} in all): split such sides with "
+        f"{' '.join(['--merge', needed]).strip()} (merge={needed or MERGING.usual})"
     )
 
 
@@ -150,8 +189,7 @@ def _merged(
     is_used = np.bincount(corners) > 0
     used, corner = np.flatnonzero(is_used), (np.cumsum(is_used) - 1)[corners]
     ends = np.cumsum(sizes)
-    sides = np.linalg.norm(points[corners] - points[corners[next_corners(sizes)]], axis=1)
-    mean = sides[sides > 0].mean() if (sides > 0).any() else 0.0
+    mean = _mean_side(points, corners, sizes)
     first = representatives(points[used], merge * mean)
     moved = first != np.arange(len(used))
     if moved.any() and not quiet:
@@ -170,6 +208,29 @@ def _merged(
     if not left.any():
         raise InvalidMetric("there are no faces: all have merged into edges and points")
     return new_corners, new_sizes
+
+
+def _mean_side(points: Floats, corners: Indices, sizes: Indices) -> float:
+    sides = np.linalg.norm(points[corners] - points[corners[next_corners(sizes)]], axis=1)
+    return float(sides[sides > 0].mean()) if (sides > 0).any() else 0.0
+
+
+def _split(points: Floats, corners: Indices, sizes: Indices, distance: float) -> tuple[Indices, Indices]:
+    """Faces whose sides are split at vertices on them, without triangles that have no area."""
+    thin = slivers(points, corners, sizes, distance)
+    if thin.all():
+        return corners, sizes
+    if thin.any():
+        _say(f"{_count(thin.sum(), 'triangle without area is', 'triangles without area are')} left out")
+        corners, sizes = corners[~np.repeat(thin, sizes)], sizes[~thin]
+    places, vertices, _ = vertices_on_sides(points, corners, sizes, distance)
+    if len(places):
+        a, b = corners[places[0]], corners[next_corners(sizes)][places[0]]
+        _say(
+            f"{_count(len(places), 'vertex', 'vertices')} on sides of other faces (T-junctions) split them; "
+            f"the first is vertex {vertices[0]} on the side from vertex {a} to {b}"
+        )
+    return with_vertices_on_sides(corners, sizes, places, vertices)
 
 
 def _cut(points: Floats, corners: Indices, sizes: Indices) -> Indices:
