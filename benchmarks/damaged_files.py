@@ -1,6 +1,7 @@
 """Damaged files: each is read, or refused in one short sentence.
 
     python benchmarks/damaged_files.py [--count N] [--first SEED] [--limit SECONDS] [--failures FOLDER]
+                                       [--only NAME ...]
 
 Small files of every format that is read, nets, grids, horizons and checkpoints are damaged at random: bytes
 are changed, removed, doubled and inserted, the end is cut off, and numbers become others.  Anything but a
@@ -103,6 +104,9 @@ def sources(folder):
     for ending in (".json", ".fold"):
         write_net(folder / f"net{ending}", unfold(surface))
         add_file(f"net{ending}", read_net)
+    pattern = json.loads((folder / "net.fold").read_text())
+    pattern = {key: value for key, value in pattern.items() if not key.endswith(":corner")}
+    add("angles.fold", json.dumps(pattern), read_net)
     theta, phi = np.pi * (np.arange(6) + 0.5) / 6, 2 * np.pi * np.arange(12) / 12
     grid = {"theta": theta, "phi": phi, "q_tt": np.ones((6, 12)), "q_tp": np.zeros((6, 12))}
     grid["q_pp"] = np.repeat(np.sin(theta)[:, None] ** 2, 12, axis=1)
@@ -256,13 +260,14 @@ def main():
         "--limit", type=float, default=5.0, metavar="SECONDS", help="of the processor, a file"
     )
     parser.add_argument("--failures", type=Path, metavar="FOLDER", help="where files that fail are kept")
+    parser.add_argument("--only", nargs="*", metavar="NAME", help="files")
     options = parser.parse_args()
     start = time.monotonic()
     signal.signal(signal.SIGVTALRM, too_slow)
     shared_memory = Path("/dev/shm")
     with tempfile.TemporaryDirectory(dir=shared_memory if shared_memory.is_dir() else None) as name:
         folder = Path(name)
-        files = sources(folder)
+        files = [row for row in sources(folder) if not options.only or row[0] in options.only]
         for source, content, read in files:  # compiles, and shows that each is right
             (folder / source).write_bytes(content)
             read(folder / source)
