@@ -187,6 +187,7 @@ CASES = {
     "SolidWorks.stl": binary_stl(b"solid part; exported by SolidWorks"),
     "VisCAM-color.stl": binary_stl(b"COLOR=\xff\x80\x00\xff", attribute=0x8FFF),
     "one-byte-more.stl": binary_stl(rest=b"\n"),
+    "solid-and-one-byte-more.stl": binary_stl(b"solid part", rest=b"\n"),
     "footer.stl": binary_stl(b"MeshLab", rest=bytes(300)),
     "plain.obj": obj(ONES),
     "Meshmixer.obj": obj(ONES, [f"{x} 0.5 0.5 1" for x in XYZ], before="# Meshmixer\nmtllib a.mtl\n"),

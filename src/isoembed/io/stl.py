@@ -35,7 +35,8 @@ def read(file: InputFile) -> Tables:
     data = file.data
     count = int.from_bytes(data[HEADER - 4 : HEADER], "little")
     rest = len(data) - HEADER - count * TRIANGLE.itemsize
-    is_text = data.removeprefix(BOM).lstrip()[:5].lower() == b"solid"
+    # Binary files may begin with "solid", too, but below 2**24 triangles their count has a zero byte.
+    is_text = data.removeprefix(BOM).lstrip()[:5].lower() == b"solid" and b"\0" not in data[:HEADER]
     if rest == 0 or (rest > 0 and count and not is_text):  # some programs append a line feed or a footer
         return _apart(np.frombuffer(data, TRIANGLE, count, HEADER)["corners"].reshape(-1, 3))
     if not is_text:
