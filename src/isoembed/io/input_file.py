@@ -6,6 +6,7 @@ import contextlib
 import gzip
 import io
 import os
+import tokenize
 import zipfile
 import zlib
 from collections.abc import Collection, Iterator
@@ -164,7 +165,7 @@ class InputFile(os.PathLike[str]):
             yield self._hdf5
         except (FileError, InvalidMetric, InvalidParameter):
             raise
-        except (OSError, KeyError, RuntimeError, ValueError) as error:  # h5py's ways to say: damaged
+        except (OSError, KeyError, RuntimeError, TypeError, ValueError) as error:  # h5py's: damaged
             why = first_line(" ".join(str(error).split()).strip("'\""))
             raise FileError(f"{self} is not a readable HDF5 file: {why}") from None
 
@@ -215,6 +216,7 @@ def _archive(
         RuntimeError,  # encrypted
         NotImplementedError,  # unknown compression
         SyntaxError,  # a header that is no Python literal
+        tokenize.TokenError,  # one with a parenthesis that stays open
         zipfile.BadZipFile,
         zlib.error,
     ) as error:
