@@ -10,10 +10,10 @@ from numpy.typing import ArrayLike
 from isoembed.arrays import Floats, Indices
 from isoembed.errors import InvalidMetric, InvalidParameter, MeshNote
 from isoembed.mesh.checks import polygon_corners, real_array
-from isoembed.mesh.joining import join
 from isoembed.mesh.merging import representatives, without_repetitions
 from isoembed.mesh.polygons import next_corners
 from isoembed.mesh.side_splitting import slivers, vertices_on_sides, with_vertices_on_sides
+from isoembed.mesh.triangulation import Triangulation
 from isoembed.metric.polygon_faces import POLYGON_FACES, PolygonFaces
 from isoembed.space import EUCLIDEAN, Space
 from isoembed.space.models import to_model
@@ -90,76 +90,81 @@ def triangle_mesh(
     if merge is not None:
         if not isinstance(merge, numbers.Real) or not 0 <= merge < 1:
             raise InvalidParameter(f"merge is {merge!r}, not a number of mean edge lengths from 0 to below 1")
-        scaled = _scaled(points)
-        corners, sizes = _merged(scaled, corners, sizes, merge, repeated)
-        if merge > 0:
-            distance = merge * _mean_side(scaled, corners, sizes)
-            corners, sizes = _split(_scaled(to_model(space, points, "projective")), corners, sizes, distance)
-    if (sizes == 3).all():
-        triangles = corners.reshape(-1, 3)
-    else:
-        triangles = _cut(_scaled(to_model(space, points, "projective")), corners, sizes)
+        corners, sizes = _merged(_scaled(points), corners, sizes, merge, repeated)
+    straight = _scaled(to_model(space, points, "projective"))
+    if merge:
+        corners, sizes = _split(straight, corners, sizes, merge * _mean_side(straight, corners, sizes))
+    triangles = corners.reshape(-1, 3) if (sizes == 3).all() else _cut(straight, corners, sizes)
     return (points, triangles) if merge is None and not leave_out else _renumbered(points, triangles, given)
 
 
-def merging_advice(points: Floats, faces: Indices) -> str:
-    """The end of a sentence about triangles that are no closed surface, if merging would close it."""
+def merging_advice(points: Floats, faces: ArrayLike, space: Space = EUCLIDEAN) -> str:
+    """The end of a sentence about faces that are no closed surface: vertices that merging makes one.
+
+    Merging is tried before it is advised.
+    """
+    corners, sizes = polygon_corners(faces)
     scaled = _scaled(points)
-    ends = np.sort(np.stack([faces, np.roll(faces, -1, axis=1)], axis=2).reshape(-1, 2), axis=1)
-    edges, count = np.unique(ends, axis=0, return_counts=True)
-    lengths = np.linalg.norm(scaled[edges[:, 0]] - scaled[edges[:, 1]], axis=1)
-    if not (lengths > 0).any():
+    mean = _mean_side(scaled, corners, sizes)
+    if mean == 0:
         return ""
-    if junction := _junction_advice(points, faces, lengths[lengths > 0].mean()):
-        return junction
-    suspects = np.unique(edges[(count == 1) | (lengths == 0)])
+    found = [_coincidences(scaled, corners, sizes, mean), _junctions(scaled, corners, sizes, mean)]
+    for fact, remedy, farthest in filter(None, found):
+        needed = "" if farthest <= MERGING.usual else rounded_up(farthest, 1)
+        tolerance = needed or f"{MERGING.usual:g}"
+        if _is_mended(points, faces, float(tolerance), space):
+            return f"; {fact}: {remedy} with {f'--merge {needed}'.strip()} (merge={tolerance})"
+    return f"; {found[0][0]}, but merging them does not close the surface" if found[0] else ""
+
+
+Finding = tuple[str, str, float]
+"""A fact, its remedy, and the tolerance that it needs, in mean edge lengths."""
+
+
+def _coincidences(points: Floats, corners: Indices, sizes: Indices, mean: float) -> Finding | None:
+    after = corners[next_corners(sizes)]
+    edges, count = np.unique(np.sort([corners, after], axis=0), axis=1, return_counts=True)
+    lengths = np.linalg.norm(points[edges[0]] - points[edges[1]], axis=1)
+    suspects = np.unique(edges[:, (count == 1) | (lengths == 0)])
     if suspects.size < 2:
-        return ""
+        return None
     from scipy.spatial import cKDTree  # slow to import, and seldom needed
 
-    distances, near = cKDTree(scaled[suspects]).query(scaled[suspects], k=2)
-    mean = lengths[lengths > 0].mean()
+    distances, near = cKDTree(points[suspects]).query(points[suspects], k=2)
     distances = distances[:, 1] / mean
     close = distances <= MERGING.near
     if not close.any():
-        return ""
+        return None
     first = int(np.argmax(close))
     pair = sorted({int(suspects[first]), *suspects[near[first]].tolist()})[:2]
     farthest = float(distances[close].max())
-    needed = "" if farthest <= MERGING.usual else rounded_up(farthest, 1)
-    return (
-        f"; {close.sum()} vertices {'nearly ' if needed else ''}coincide with others (vertex {pair[0]} and "
-        f"{pair[1]}): merge them with {' '.join(['--merge', needed]).strip()} "
-        f"(merge={needed or MERGING.usual})"
-    )
+    nearly = "nearly " if farthest > MERGING.usual else ""
+    fact = f"{close.sum()} vertices {nearly}coincide with others (vertex {pair[0]} and {pair[1]})"
+    return fact, "merge them", farthest
 
 
-def _junction_advice(points: Floats, faces: Indices, mean: float) -> str:
-    """The end of a sentence about vertices on sides of other triangles, if they are all that is wrong."""
-    scaled, sizes, near = _scaled(points), np.full(len(faces), 3), MERGING.near * mean
-    thin = slivers(scaled, faces.ravel(), sizes, near)
-    if thin.all():
-        return ""
-    rest = faces[~thin].ravel()
-    places, vertices, offsets = vertices_on_sides(scaled, rest, sizes[~thin], near)
+def _junctions(points: Floats, corners: Indices, sizes: Indices, mean: float) -> Finding | None:
+    left = ~slivers(points, corners, sizes, MERGING.near * mean)
+    corners, sizes = corners[np.repeat(left, sizes)], sizes[left]
+    places, vertices, offsets = vertices_on_sides(points, corners, sizes, MERGING.near * mean)
     if not len(places):
-        return ""
-    farthest = 2 * float(offsets.max()) / mean  # sides of polygons are shorter than those of their triangles
-    needed = "" if farthest <= MERGING.usual else rounded_up(farthest, 1)
-    try:
-        with warnings.catch_warnings():
-            warnings.simplefilter("ignore", MeshNote)
-            _, mended = triangle_mesh(points, faces, float(needed or MERGING.usual))
-    except InvalidMetric:
-        return ""
-    if join(mended) is None:
-        return ""
-    a, b = rest[places[0]], rest[next_corners(sizes[~thin])][places[0]]
-    return (
-        f"; vertex {vertices[0]} is on the side from vertex {a} to vertex {b} of another face (a T-junction, "
-        f"{len(places)} in all): split such sides with "
-        f"{' '.join(['--merge', needed]).strip()} (merge={needed or MERGING.usual})"
+        return None
+    a, b = corners[places[0]], corners[next_corners(sizes)][places[0]]
+    fact = (
+        f"vertex {vertices[0]} is on the side from vertex {a} to vertex {b} of another face (a T-junction, "
+        f"{len(places)} in all)"
     )
+    return fact, "split such sides", float(offsets.max()) / mean
+
+
+def _is_mended(points: Floats, faces: ArrayLike, merge: float, space: Space) -> bool:
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore", MeshNote)
+        try:
+            Triangulation(triangle_mesh(points, faces, merge, space=space)[1])
+        except InvalidMetric:
+            return False
+    return True
 
 
 def _scaled(points: Floats) -> Floats:
@@ -168,18 +173,17 @@ def _scaled(points: Floats) -> Floats:
 
 
 def _side_advice(points: Floats, corners: Indices, sizes: Indices) -> str:
-    """The end of a sentence about a polygon without area, if polygons have sides without length."""
-    ends = np.cumsum(sizes)
-    after = np.arange(1, len(corners) + 1)
-    after[ends - 1] = ends - sizes
-    lengths = np.linalg.norm(points[corners] - points[corners[after]], axis=1)
+    """The end of a sentence about a polygon without area, if sides without length are why."""
+    after = corners[next_corners(sizes)]
+    lengths = np.linalg.norm(points[corners] - points[after], axis=1)
     short = lengths <= MERGING.usual * lengths.mean()
-    if not short.any():
+    polygons = np.split(corners, np.cumsum(sizes)[:-1])
+    if not short.any() or not _is_mended(points, polygons, MERGING.usual, EUCLIDEAN):
         return ""
     k = int(np.argmax(short))
     return (
         f"; {_count(short.sum(), 'side has', 'sides have')} no length (the first from vertex {corners[k]} "
-        f"to {corners[after[k]]}): merge vertices that coincide with --merge (merge={MERGING.usual})"
+        f"to {after[k]}): merge vertices that coincide with --merge (merge={MERGING.usual:g})"
     )
 
 

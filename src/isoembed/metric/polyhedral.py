@@ -167,7 +167,8 @@ class PolyhedralMetric:
                 return metric
             return metric._knowing(precision=Precision.of(points, metric.mean_length))
         except InvalidMetric as error:
-            raise InvalidMetric(f"{error}{merging_advice(points, triangles)}") from None
+            advice = merging_advice(points, faces if merge is None else triangles, space)
+            raise InvalidMetric(f"{error}{advice}") from None
 
     @classmethod
     def from_trimesh(cls, mesh: Any, *, merge: float | None = None) -> PolyhedralMetric:
