@@ -80,6 +80,18 @@ def sources(folder):
         "text.ply",
         f"ply\nformat ascii 1.0\n{head}property list uchar int vertex_index\nend_header\n{xyz}\n{plain}\n",
     )
+    strip = "element tristrips 1\nproperty list int int vertex_indices\n"
+    corners = " ".join("{} {} {} -1".format(*f) for f in faces)
+    add(
+        "strips.ply",
+        f"ply\nformat ascii 1.0\n{head.split('element face')[0]}{strip}end_header\n{xyz}\n32 {corners}\n",
+    )
+    add(
+        "edges.off",
+        f"COFF\n6 9 12\n{xyz.replace(chr(10), ' 255 0 0 255' + chr(10))} 0 0 0 255\n{plain}\n2 0 1\n",
+    )
+    negative = "\n".join("f {}/1 {}/1 \\\n {}/1".format(*(f - 6)) for f in faces)
+    add("negative.obj", "".join(f"v {x}\n" for x in xyz.splitlines()) + f"g a\nvt 0 0\n{negative}\n")
     polydata = f"\nDATASET POLYDATA\nPOINTS 6 double\n{xyz}\n"
     add("old.vtk", f"# vtk DataFile Version 3.0\ntitle\nASCII{polydata}POLYGONS 8 32\n{plain}\n")
     ends = " ".join(str(3 * k) for k in range(9))

@@ -67,6 +67,28 @@ STRIPS = (
 )
 
 
+def with_columns(names, numbers, faces="element face 4\nproperty list uchar uint vertex_indices\n", rest=""):
+    """A text PLY file with further columns and elements."""
+    columns = "".join(f"property float {axis}\n" for axis in "xyz")
+    columns += "".join(f"property {name}\n" for name in names)
+    rows = "\n".join(f"{x} {numbers}" for x in XYZ)
+    head = f"ply\nformat ascii 1.0\nelement vertex 4\n{columns}{faces}end_header\n"
+    return f"{head}{rows}\n{TRIPLES}\n{rest}"
+
+
+BLENDER = ["float nx", "float ny", "float nz", *(f"uchar {c}" for c in ("red", "green", "blue", "alpha"))]
+EDGES = "element edge 2\nproperty int vertex1\nproperty int vertex2\n"
+FACES_FIRST = (
+    "ply\nformat ascii 1.0\nelement face 4\nproperty list uchar int vertex_indices\nelement vertex 4\n"
+    f"property double x\nproperty double y\nproperty double z\nend_header\n{TRIPLES}\n{V}\n"
+)
+BINARY_STRIPS = (
+    b"ply\nformat binary_big_endian 1.0\nelement vertex 4\nproperty float x\nproperty float y\n"
+    b"property float z\nelement tristrips 1\nproperty list int int vertex_indices\nend_header\n"
+    + POINTS.astype(">f4").tobytes() + struct.pack(">10i", 9, 0, 1, 2, 3, -1, 2, 3, 0, 1)
+)  # fmt: skip
+
+
 def vtk(version, cells, binary=False, kind="POLYDATA", after=""):
     head = f"# vtk DataFile Version {version}\nname\n{'BINARY' if binary else 'ASCII'}\nDATASET {kind}\n"
     points = POINTS.astype(">f4").tobytes() if binary else V.encode()
@@ -183,6 +205,10 @@ CASES = {
     "no-name.stl": STL.replace(" name", ""),
     "two-solids.stl": STL[: STL.index("facet normal", 40)] + "endsolid name\nsolid two\n"
     + STL[STL.index("facet normal", 40) :],
+    "a-solid-each.stl": "".join(
+        f"solid part {k}\n{FACET.format(*POINTS[f].ravel())}endsolid part {k}\n" for k, f in enumerate(FACES)
+    ),
+    "solid-and-zeros.stl": binary_stl(b"solid\0part"),
     "Blender.stl": binary_stl(b"Exported from Blender-4.2"),
     "SolidWorks.stl": binary_stl(b"solid part; exported by SolidWorks"),
     "VisCAM-color.stl": binary_stl(b"COLOR=\xff\x80\x00\xff", attribute=0x8FFF),
@@ -192,6 +218,10 @@ CASES = {
     "plain.obj": obj(ONES),
     "Meshmixer.obj": obj(ONES, [f"{x} 0.5 0.5 1" for x in XYZ], before="# Meshmixer\nmtllib a.mtl\n"),
     "negative.obj": obj(["-4 -2 -3", "-4 -3 -1", "-3 -2 -1", "-4 -1 -2"]),
+    "negative-groups.obj": "g all\n" + "".join(f"v {x}\n" for x in XYZ)
+    + "g a\ns off\nf -4//1 -2//1 -3//1\ng b c\nf -4 -3 -1\no x\nf -3 -2 -1\nf -4 -1 -2\n",
+    "faces-between.obj": "v 0 0 0\nv 1 0 0\nv 0 2 0\nf -3 -1 -2\nv 0 0 3\nf 1 2 4\nf 2 3 4\nf 1 4 3\n",
+    "continued-twice.obj": obj(ONES).replace("f 1 3 2", "f 1\\\n 3\\\n 2"),
     "normals.obj": obj([" ".join(f"{c}//1" for c in f.split()) for f in ONES], between="vn 0 0 1\n"),
     "Maya.obj": obj(
         [" ".join(f"{c}/1/1" for c in f.split()) for f in ONES],
@@ -209,6 +239,7 @@ CASES = {
     "one-line.off": f"OFF 4 4 6\n{V}\n{TRIPLES}\n",
     "edges.off": f"OFF\n4 6 6\n{V}\n{TRIPLES}\n2 0 1\n1 3\n",
     "MeshLab-colors.off": f"COFF\n4 4 6\n{COLORED}\n{TRIPLES}\n",
+    "colors-normals.off": f"CNOFF\n4 4 6\n{NORMALS.replace('0 0 1', '0 0 1 255 0 0 255')}\n{TRIPLES}\n",
     "normals.off": f"NOFF\n4 4 6\n{NORMALS}\n{TRIPLES}\n",
     "textures.off": f"STOFF\n4 4 6\n{TEXTURED}\n{TRIPLES}\n",
     "all.off": f"STCNOFF\n4 4 6\n{V}\n{TRIPLES}\n",
@@ -222,11 +253,22 @@ CASES = {
     "little-extra.ply": ply("little", "uint", "ushort", extra=True),
     "big-extra.ply": ply("big", "uchar", "uchar", "vertex_index", extra=True),
     "strips.ply": STRIPS,
+    "strips-big.ply": BINARY_STRIPS,
+    "Blender.ply": with_columns([*BLENDER, "float s", "float t"], "0 0 1 255 128 0 255 0.5 0.5"),
+    "MeshLab-edges.ply": with_columns(
+        ["int flags"], "0", f"element face 4\nproperty list uchar int vertex_indices\n{EDGES}", "0 1\n1 2\n"
+    ),
+    "faces-first.ply": FACES_FIRST,
     "crlf.ply": ply().replace(b"\n", b"\r\n"),
     "polydata-3.vtk": vtk("3.0", POLYGONS),
     "polydata-2.vtk": vtk("2.0", POLYGONS, after=CELL_DATA),
     "polydata-4.vtk": vtk("4.2", METADATA.encode() + POLYGONS, after=CELL_DATA),
     "polydata-5.vtk": vtk("5.1", OFFSETS, after=CELL_DATA),
+    "crlf.vtk": vtk("3.0", POLYGONS, after=CELL_DATA).replace(b"\n", b"\r\n"),
+    "crlf-5.vtk": vtk("5.1", OFFSETS, after=CELL_DATA).replace(b"\n", b"\r\n"),
+    "vertices-and-lines.vtk": vtk("3.0", b"VERTICES 2 4\n1 0\n1 1\nLINES 1 3\n2 0 1\n" + POLYGONS),
+    "strips.vtk": vtk("3.0", b"TRIANGLE_STRIPS 2 10\n4 0 1 2 3\n4 2 3 0 1\n"),
+    "ParaView-ids.vtk": vtk("3.0", POLYGONS, after="POINT_DATA 4\nGLOBAL_IDS ids vtkIdType\n0 1 2 3\n"),
     "binary-3.vtk": vtk("3.0", BINARY_POLYGONS, True),
     "binary-5.vtk": vtk("5.1", BINARY_OFFSETS, True),
     "grid.vtk": vtk("3.0", CELLS.encode(), kind="UNSTRUCTURED_GRID"),
@@ -265,6 +307,7 @@ def test_it_is_read(name, tmp_path):
         ("part.step", "ISO-10303-21;", "open it with FreeCAD, and export it as .stl or .obj"),
         ("part.IGS.gz", "", "open it with FreeCAD"),
         ("scene.blend", "", "open it with Blender"),
+        ("part.amf", "", "open it with PrusaSlicer"),
         ("short.stl", binary_stl()[:-1], "binary STL, which would have 4 triangles in 284 bytes"),
         ("t.off", f"4OFF\n4 4 6\n{V}\n", "does not begin with OFF"),
     ],
@@ -275,6 +318,15 @@ def test_it_is_refused_with_a_way_out(name, content, sentence, tmp_path):
         read_metric(tmp_path / name)
 
 
+@pytest.mark.parametrize("index", ["inf", "nan", "1e300", "0.5"])
+def test_strips_of_what_are_no_indices(index, tmp_path):
+    (tmp_path / "strips.ply").write_text(
+        STRIPS.replace("int int", "int float").replace("0 1\n", f"0 {index}\n")
+    )
+    with pytest.raises(InvalidMetric, match=r"whole numbers|too large"):
+        read_metric(tmp_path / "strips.ply")
+
+
 @pytest.mark.shared
 @pytest.mark.parametrize("name", ["binary_with_newline_at_end", "bom", "cr_line_ends", "uppercase"])
 def test_cubes_of_other_programs(name):
@@ -283,12 +335,21 @@ def test_cubes_of_other_programs(name):
 
 
 @pytest.mark.shared
-def test_inputs_of_other_people():
-    folder = SHARED / "trials" / "numbers"
-    assert read_metric(folder / "08_explicit_edge.off").triangulation.n_vertices == 8
-    with pytest.raises(FileError, match="could not convert"):
-        read_metric(folder / "13_damaged_points.vtk")
+def test_off_with_an_edge():
+    metric = read_metric(SHARED / "trials" / "numbers" / "08_explicit_edge.off")
+    assert metric.triangulation.n_vertices == 8
+
+
+@pytest.mark.shared
+def test_a_collinear_triangle():
+    path = SHARED / "trials" / "numbers" / "11_collinear_triangle.obj"
     with pytest.raises(InvalidMetric, match="vertex 8 is on the side from vertex 0 to vertex 1"):
-        read_metric(folder / "11_collinear_triangle.obj")
+        read_metric(path)
     with pytest.warns(MeshNote, match="split"), pytest.warns(MeshNote, match="1 triangle without area"):
-        assert read_metric(folder / "11_collinear_triangle.obj", merge=1e-5).triangulation.n_vertices == 9
+        assert read_metric(path, merge=1e-5).triangulation.n_vertices == 9
+
+
+@pytest.mark.shared
+def test_points_that_lost_a_number():
+    with pytest.raises(FileError, match="among the points, could not convert"):
+        read_metric(SHARED / "trials" / "numbers" / "13_damaged_points.vtk")

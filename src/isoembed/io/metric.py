@@ -23,6 +23,7 @@ CONVERTERS = {
     **dict.fromkeys((".step", ".stp", ".iges", ".igs", ".brep", ".fcstd", ".3mf"), "FreeCAD"),
     **dict.fromkeys((".blend", ".fbx", ".x3d", ".wrl"), "Blender"),
     ".scad": "OpenSCAD",
+    ".amf": "PrusaSlicer",
 }
 """Free programs that export meshes of formats that are not read."""
 

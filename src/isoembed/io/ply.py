@@ -192,9 +192,9 @@ def _rows(file: InputFile, element: Element, body: Body) -> list[list[float]]:
     return rows
 
 
-def _strip(corners: list[int]) -> list[list[int]]:
+def _strip(corners: list[float]) -> list[list[float]]:
     """Triangles of strips one after the other, with -1 between them."""
-    numbers = np.array(corners, dtype=np.int64)
+    numbers = np.array(corners, dtype=np.float64)  # not all may be indices
     parts = np.split(numbers, np.flatnonzero(numbers == -1))
     strips = (part[part != -1] for part in parts)
     return [t for strip in strips if len(strip) > 2 for t in strip_triangles(strip).tolist()]

@@ -34,7 +34,10 @@ NUMBERS = {
 """Codes of the types of numbers, in the byte order of binary files."""
 DATASETS = ("POLYDATA", "UNSTRUCTURED_GRID")
 COMPONENTS = {"VECTORS": 3, "NORMALS": 3, "TENSORS": 9}
-SECTIONS = ("FIELD", "LOOKUP_TABLE", "COLOR_SCALARS", "SCALARS", "TEXTURE_COORDINATES", *COMPONENTS)
+SECTIONS = (
+    *("FIELD", "LOOKUP_TABLE", "COLOR_SCALARS", "SCALARS", "TEXTURE_COORDINATES"),
+    *("GLOBAL_IDS", "PEDIGREE_IDS", "EDGE_FLAGS", *COMPONENTS),
+)
 MOMENTS = {"time": "TIME", "iteration": "CYCLE"}
 """Single numbers, and what VisIt calls them."""
 PARTS = ("VERTICES", "LINES", "POLYGONS", "TRIANGLE_STRIPS")
