@@ -165,6 +165,8 @@ def embed(
     >>> round(embed(tetrahedron).volume, 12)  # sqrt(2) / 12
     0.117851130198
     """
+    if boundary is not None and method != "aim":
+        raise InvalidParameter("a boundary takes the place of a method: give no method beside it")
     chosen = configured(method) if boundary is None else configuration("sheet")(boundary, start)
     if start is not None and boundary is None:
         raise InvalidParameter("a start is for surfaces with boundary or of higher genus: give boundary='free'")

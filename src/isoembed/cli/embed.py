@@ -14,7 +14,7 @@ from isoembed.cli.numbers import read_numbers
 from isoembed.cli.options import OF_RUNS, add_merge_option, add_run_options, add_space_option, refuse_given
 from isoembed.cli.parameters import configured, parameters
 from isoembed.cli.screen import UsageError, print_error
-from isoembed.errors import Interrupted, InvalidParameter
+from isoembed.errors import Interrupted, InvalidMetric, InvalidParameter
 from isoembed.io import MESH_ENDINGS, FileError, read_checkpoint, read_metric
 from isoembed.io.files import ending
 from isoembed.progress.stages import Listener
@@ -118,9 +118,14 @@ def run(options: argparse.Namespace) -> int:
     errors = length_errors(options)
     kept = read_checkpoint(options.resume) if options.resume else None
     checkpoints = Checkpoints(left, kept)
-    metric = read_metric(
-        source, merge=options.merge, space=options.space, any_surface=method.takes_boundary
-    )
+    metric = read_metric(source, merge=options.merge, space=options.space, any_surface=True)
+    if not method.takes_boundary:
+        try:
+            metric.triangulation.check_sphere()
+        except InvalidMetric as error:
+            raise InvalidMetric(
+                f"{error}; --boundary free embeds such surfaces, --boundary plane a convex cap"
+            ) from None
     if errors is not None:
         checked_errors(metric, errors)  # before anything is computed
     if options.space == "hyperbolic" and metric.space.is_euclidean:

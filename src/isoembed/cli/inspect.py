@@ -22,9 +22,11 @@ def configure(parser: argparse.ArgumentParser) -> None:
 
 def run(options: argparse.Namespace) -> int:
     """Inspect the input; return the exit status."""
-    found = inspect(read_metric(options.input, merge=options.merge, any_surface=True))
+    metric = read_metric(options.input, merge=options.merge, any_surface=True)
+    found = inspect(metric)
     if options.json:
         print_json(found.report)
     else:
-        print_out(f"{options.input}: a polyhedral metric on the sphere\n\n{found}")
+        kind = "the sphere" if metric.triangulation.is_sphere else "a surface"
+        print_out(f"{options.input}: a polyhedral metric on {kind}\n\n{found}")
     return OK

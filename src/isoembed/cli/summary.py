@@ -9,14 +9,27 @@ from isoembed.surface.embedding import Embedding
 def summary(embedding: Embedding) -> str:
     """Return the summary that ``isoembed embed`` prints where no output file is asked for."""
     report = embedding.report
-    residual = report["residual"]
+    size, residual = report["input"], report["residual"]
+    convexity, smoothness = report["convexity"], report["smoothness"]
     lines = [
         f"{report['status']}: {report['message']}",
         "",
         f"method      {report['method']}, tolerance {report['tolerance']:.0e}",
+        *_space(report["space"]),
+        f"input       {size['vertices']} vertices, {size['edges']} edges, {size['faces']} faces, "
+        f"{size['negative_deficits']} negative deficits",
         f"residual    {_error(residual['max'])} max, {residual['mean']:.2e} mean, {residual['std']:.2e} std "
         "(in mean edge lengths)",
-        *(_closed(report) if "convexity" in report else _bounded(report)),
+        f"convexity   {convexity['concave_edges']} concave edges, {convexity['inverted_vertices']} inverted "
+        f"and {convexity['partially_inverted_vertices']} partially inverted vertices",
+        f"smoothness  {smoothness['rough_edges']} edges bent against their neighborhood, "
+        f"roughness {_short(smoothness['roughness'])}, bending energy {_short(smoothness['bending_energy'])}",
+        f"rigidity    smallest singular value {_short(smoothness['smallest_singular_value'])}",
+        f"proof       {report['certificate']['reason']}",
+        *_sheet(report.get("sheet")),
+        f"area        {_measure(report, 'area')}",
+        *([] if "sheet" in report else [f"volume      {_measure(report, 'volume')}"]),
+        f"int H dA    {_measure(report, 'integrated_mean_curvature')}   with H = (k1 + k2)/2",
     ]
     if embedding.stages:
         width = max(len("total"), *(len(stage.name) for stage in embedding.stages))
@@ -30,35 +43,14 @@ def summary(embedding: Embedding) -> str:
     return "\n".join(lines)
 
 
-def _closed(report: Mapping[str, Any]) -> list[str]:
-    """The lines of a closed surface."""
-    size, convexity, smoothness = report["input"], report["convexity"], report["smoothness"]
+def _sheet(sheet: Mapping[str, Any] | None) -> list[str]:
+    """The line of a surface with boundary, or of higher genus."""
+    if sheet is None:
+        return []
+    sizes = [f"of {size} edges" for size in sheet["boundaries"]]
     return [
-        *_space(report["space"]),
-        f"input       {size['vertices']} vertices, {size['edges']} edges, {size['faces']} faces, "
-        f"{size['negative_deficits']} negative deficits",
-        f"convexity   {convexity['concave_edges']} concave edges, {convexity['inverted_vertices']} inverted "
-        f"and {convexity['partially_inverted_vertices']} partially inverted vertices",
-        f"smoothness  {smoothness['rough_edges']} edges bent against their neighborhood, "
-        f"roughness {_short(smoothness['roughness'])}, bending energy {_short(smoothness['bending_energy'])}",
-        f"rigidity    smallest singular value {_short(smoothness['smallest_singular_value'])}",
-        f"proof       {report['certificate']['reason']}",
-        f"area        {_measure(report, 'area')}",
-        f"volume      {_measure(report, 'volume')}",
-        f"int H dA    {_measure(report, 'integrated_mean_curvature')}   with H = (k1 + k2)/2",
-    ]
-
-
-def _bounded(report: Mapping[str, Any]) -> list[str]:
-    """The lines of a surface with boundary, or of higher genus."""
-    size, bending = report["input"], report["bending"]
-    return [
-        f"input       {size['vertices']} vertices, {size['edges']} edges, {size['faces']} faces, "
-        f"{len(size['boundaries'])} boundaries, genus {size['genus']}",
-        f"boundary    {report['condition']}",
-        f"bending     int H^2 dA {_short(bending['square_of_mean_curvature'])}, int k1^2 + k2^2 dA "
-        f"{_short(bending['squares_of_principal_curvatures'])}",
-        f"area        {_number(report['area'])}",
+        f"sheet       boundary {sheet['condition']}, {' and '.join(sizes) or 'none'}, genus {sheet['genus']}, "
+        f"int k1^2 + k2^2 dA {_short(sheet['squares_of_principal_curvatures'])}"
     ]
 
 

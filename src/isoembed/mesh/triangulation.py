@@ -153,6 +153,13 @@ class Triangulation:
         return self.edge_sides
 
     @cached_property
+    def edge_flanks(self) -> Indices:
+        """(E, 2): `edge_sides`, with the only half-edge of a boundary edge twice, as if it were flat there."""
+        return self.edge_sides if self.is_closed else frozen(
+            np.where(self.edge_sides < 0, self.edge_sides[:, ::-1], self.edge_sides)
+        )
+
+    @cached_property
     def sides_across(self) -> Indices:
         """(3F,): the half-edge that runs the other way, -1 on the boundary."""
         across = np.full(self.faces.size, -1)

@@ -176,7 +176,7 @@ def _surface(metric: PolyhedralMetric) -> Measure:
     t = metric.triangulation
     sizes = [len(loop) for loop in t.boundaries]
     free = 3 * t.n_vertices - 6 - t.n_edges
-    text = f"genus {t.genus}, {len(sizes)} boundaries"
+    text = f"genus {t.genus}, {len(sizes)} {'boundary' if len(sizes) == 1 else 'boundaries'}"
     if sizes:
         text += f" of {', '.join(map(str, sizes))} edges"
     if free > 0:

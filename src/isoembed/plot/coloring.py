@@ -123,7 +123,8 @@ def conformal_factor(embedding: Embedding) -> Quantity | None:
     A length on the sphere is the length on the surface times ``e^u``, in hyperbolic and spherical space the
     chord; Springborn, Schroeder and Pinkall, ACM TOG 27 (2008).
     """
-    if embedding.triangulation.n_faces == 2:  # the two sides of a triangle: nothing is left without the pole
+    t = embedding.triangulation
+    if not t.is_sphere or t.n_faces == 2:  # of the two sides of a triangle nothing is left without the pole
         return None
     from isoembed.metric.conformal_sphere import conformal_factors, conformal_sphere  # slow to import
     from isoembed.metric.delaunay import delaunay

@@ -126,7 +126,8 @@ def balanced(
 
         d = -solve(epsilon * g + t.incidence @ (rows * r[:, None]))
         matrix = LinearOperator((len(y), len(y)), matvec=lambda w: grown(pulled_by(w)), dtype=np.float64)
-        w = cg(matrix, r + grown(d), rtol=1e-8, maxiter=200)[0]
+        left = r + grown(d)
+        w = cg(matrix, left, rtol=1e-8, maxiter=200)[0] if left.any() else left
         d, dy = d - pulled_by(w), w / epsilon
         longest = float(np.linalg.norm(d, axis=1).max())
         before = np.linalg.norm(g) / size + np.linalg.norm(r)

@@ -188,8 +188,10 @@ def _least_bending(
     if near is None:
         with log.stage("elastic sheets") as recorder:
             near = thinned(energy, lengths, start, recorder)
-    with log.stage("least bending") as recorder:
-        found = balanced(energy, lengths, near, recorder)
+    found = near
+    if metric.triangulation.n_edges <= 3 * metric.triangulation.n_vertices - 6:
+        with log.stage("least bending") as recorder:
+            found = balanced(energy, lengths, near, recorder)
     residual = float(np.abs(lengths.residuals(found.vertices)).max()) / metric.mean_length
     if residual > EXACT:
         with log.stage("Newton on lengths") as recorder:

@@ -12,7 +12,6 @@ from isoembed.sheets.bending import BendingEnergy
 from isoembed.strict_json import plain
 from isoembed.surface.embedding import Embedding
 from isoembed.surface.measures import face_normals
-from isoembed.version import __version__
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -85,40 +84,28 @@ class SheetEmbedding(Embedding):
         return frozen(-along / self.metric.unit)
 
     @property
+    def integrated_mean_curvature(self) -> float:
+        """Integral of H dA, in the unit of the lengths."""
+        return float(self.mean_curvature @ self._bending.areas) * self.metric.unit**2
+
+    @property
+    def volume(self) -> float:
+        """Of no body: raises `InvalidMetric`, unless the surface is closed."""
+        self.triangulation.edge_halfedges  # noqa: B018
+        return super().volume
+
+    @property
     def report(self) -> dict[str, Any]:
-        """Report of what was asked, done and reached: the JSON object that the command writes."""
+        """The report of an embedding, and under ``sheet`` what was asked at the boundary and the bending.
+
+        Without a volume, unless the surface is closed, and without a certificate.
+        """
         t = self.triangulation
-        return dict(
-            plain(
-                {
-                    "status": self.status,
-                    "message": self.message,
-                    "method": self.method,
-                    "version": __version__,
-                    "tolerance": self.tolerance,
-                    "input": {
-                        "vertices": t.n_vertices,
-                        "edges": t.n_edges,
-                        "faces": t.n_faces,
-                        "boundaries": [len(loop) for loop in t.boundaries],
-                        "genus": t.genus,
-                    },
-                    "condition": self.condition,
-                    "residual": {
-                        "max": self.residual,
-                        "mean": float(self.residuals.mean()),
-                        "std": float(self.residuals.std()),
-                    },
-                    "bending": {
-                        "square_of_mean_curvature": self.bending_energy,
-                        "squares_of_principal_curvatures": self.second_form_energy,
-                        "imbalance": self.imbalance,
-                    },
-                    "uniqueness": self.uniqueness and self.uniqueness.report,
-                    "area": self.area,
-                    "stages": [vars(stage) for stage in self.stages],
-                }
-            )
-        )
-
-
+        found = {
+            "condition": self.condition,
+            "boundaries": [len(loop) for loop in t.boundaries],
+            "genus": t.genus,
+            "squares_of_principal_curvatures": self.second_form_energy,
+            "imbalance": self.imbalance,
+        }
+        return {**super().report, "sheet": dict(plain(found))}

@@ -69,6 +69,8 @@ class Certificate:
 
 NOT_ASKED = Certificate(False, "not certified, because a report asks for no certificate of so many vertices")
 
+NO_SPHERE = Certificate(False, "not certified: certificates are for closed surfaces of genus 0")
+
 
 def certify(metric: PolyhedralMetric, vertices: Floats, length_errors: Floats | None = None) -> Certificate:
     """Prove that a realization of a metric, in its triangles, is near vertices, and none else.

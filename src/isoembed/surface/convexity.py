@@ -32,7 +32,7 @@ def dent_depths(triangulation: Triangulation, vertices: Floats, space: Space = E
     t = triangulation
     angles = np.minimum(dihedral_angles(t, vertices, space), 0.0)
     lengths = space.sn(edge_lengths(t.edges, vertices, space))
-    return -angles * amplitudes(t.faces, vertices, space)[t.edge_faces].min(axis=1) / lengths
+    return -angles * amplitudes(t.faces, vertices, space)[t.edge_flanks // 3].min(axis=1) / lengths
 
 
 def inverted_vertices(triangulation: Triangulation, concave: Mask) -> Mask:

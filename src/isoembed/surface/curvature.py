@@ -52,12 +52,12 @@ def dihedral_angles(triangulation: Triangulation, vertices: Floats, space: Space
     Returns
     -------
     ndarray, shape (E,)
-        Radians, in (-pi, pi].  A fold shut is convex, whatever the sign of its rounding; 0 beside a face
+        Radians, in (-pi, pi]; 0 on a boundary.  A fold shut is convex, whatever the sign of its rounding; 0 beside a face
         without area.
     """
     t = triangulation
     if space.is_euclidean:
-        sine, cosine = _folds(t.edges, t.edge_halfedges, face_normals(t.faces, vertices), vertices)
+        sine, cosine = _folds(t.edges, t.edge_flanks, face_normals(t.faces, vertices), vertices)
     else:
         sine, cosine = _curved_folds(t, vertices, space)
     return np.arctan2(sine, cosine)
@@ -89,10 +89,10 @@ def bend_errors(
     """
     t = triangulation
     turned = turning_errors(t, vertices, space)
-    errors = reduce(np.maximum, (turned[faces] for faces in t.edge_faces.T))
+    errors = reduce(np.maximum, (turned[faces] for faces in t.edge_flanks.T // 3))
     if error == 0:
         return errors
-    halfedges = t.edge_halfedges
+    halfedges = t.edge_flanks
     across = vertices[t.faces.ravel()[halfedges - halfedges % 3 + (halfedges + 2) % 3]]
     start, along = vertices[t.edges[:, 0]], np.diff(vertices[t.edges], axis=1)[:, 0]
     squares = np.maximum(np.einsum("ij,ij->i", along, along), TINY)[:, None]

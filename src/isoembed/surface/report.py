@@ -9,7 +9,7 @@ import numpy as np
 
 from isoembed.metric.curvature import negative_deficits
 from isoembed.strict_json import plain
-from isoembed.surface.certificate import NOT_ASKED
+from isoembed.surface.certificate import NO_SPHERE, NOT_ASKED
 from isoembed.surface.nearby_realization import CERTIFICATE
 from isoembed.surface.rigidity_matrix import RIGIDITY
 from isoembed.surface.sentence import mirrored_dents
@@ -23,8 +23,12 @@ def report(surface: Embedding) -> dict[str, Any]:
     """The `Embedding.report`."""
     triangulation = surface.triangulation
     entries = np.sum(triangulation.degrees**2)  # of J J^T
-    is_small = entries <= RIGIDITY.reported
-    certificate = surface.certificate if entries <= CERTIFICATE.reported else NOT_ASKED
+    is_small = triangulation.is_sphere and entries <= RIGIDITY.reported
+    certificate = NOT_ASKED
+    if not triangulation.is_sphere:
+        certificate = NO_SPHERE
+    elif entries <= CERTIFICATE.reported:
+        certificate = surface.certificate
     found = {
         "status": surface.status,
         "message": surface.message,
@@ -66,7 +70,7 @@ def report(surface: Embedding) -> dict[str, Any]:
         ],
         "uniqueness": surface.uniqueness and surface.uniqueness.report,
         "area": surface.area,
-        "volume": surface.volume,
+        "volume": surface.volume if triangulation.is_closed else None,
         "integrated_mean_curvature": surface.integrated_mean_curvature,
         "certificate": certificate.as_json(),
         "stages": [asdict(stage) for stage in surface.stages],

@@ -60,7 +60,7 @@ def report_html(report: Mapping[str, Any]) -> str:
     ]
     parts += [
         _table(_words(key).capitalize(), _flattened(report[key]))
-        for key in ("deviation", "best_fit", "polyhedron", "certificate", "repair")
+        for key in ("deviation", "best_fit", "sheet", "polyhedron", "certificate", "repair")
         if report.get(key)
     ]
     return "\n".join(part for part in parts if part)

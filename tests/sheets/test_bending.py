@@ -1,0 +1,46 @@
+"""Bending energy as a quadratic form: exact on quadratics, second order on spheres."""
+
+import numpy as np
+import pytest
+
+import discs
+from isoembed import PolyhedralMetric
+from isoembed.sheets.bending import BendingEnergy
+from isoembed.sheets.charts import Charts
+
+
+def test_charts_of_a_flat_disc_are_its_own_coordinates():
+    points, faces = discs.irregular(120)
+    x = np.column_stack([points, 0 * points[:, 0]])
+    charts = Charts.of(PolyhedralMetric.from_mesh(x, faces))
+    found = np.linalg.norm(charts.positions, axis=1)
+    true = np.linalg.norm(points[charts.neighbors] - points[charts.centers], axis=1)
+    near = true < 0.9  # beyond the rim, triangles that are unfolded from two sides may be elsewhere
+    np.testing.assert_allclose(found[near], true[near], rtol=1e-9)
+    turned = charts.positions[:, 0] + 1j * charts.positions[:, 1]
+    given = (points[charts.neighbors] - points[charts.centers]) @ [1, 1j]
+    ratio = turned / given
+    first = np.unique(charts.centers, return_index=True)[1]
+    np.testing.assert_allclose(ratio, np.repeat(ratio[first], np.bincount(charts.centers)), rtol=1e-9)
+
+
+def test_quadratics_are_exact():
+    points, faces = discs.irregular(150)
+    u, v = points.T
+    energy = BendingEnergy(PolyhedralMetric.from_mesh(np.column_stack([points, 0 * u]), faces))
+    x = np.column_stack([u * u - u * v, 3 * u * v, 0.5 * v * v + u])
+    # |x_uu|^2 + 2 |x_uv|^2 + |x_vv|^2 = 4 + 2 (1 + 9) + 1
+    assert energy.square_integral(x) == pytest.approx(25 * energy.area, rel=1e-9)
+    assert energy.value(x) == pytest.approx(25 / 4 * energy.area, rel=1e-9)
+    np.testing.assert_allclose(energy.curvature_vectors(x), np.tile([1.0, 0, 0.5], (len(x), 1)), atol=1e-8)
+
+
+def test_a_round_cap_is_second_order():
+    exact = 2 * np.pi * (1 - np.cos(1))
+    errors = []
+    for n in (6, 12):
+        points, faces = discs.hexagonal(n)
+        x = discs.round_cap(points, 1.0)
+        energy = BendingEnergy(PolyhedralMetric.from_mesh(x, faces))
+        errors.append(abs(energy.bending(x) - exact))
+    assert errors[1] < 0.3 * errors[0] < 0.01

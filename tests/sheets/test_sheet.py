@@ -1,0 +1,218 @@
+"""Surfaces with boundary and of higher genus, against closed forms and discarded coordinates."""
+
+import numpy as np
+import pytest
+
+import discs
+import zoo
+from isoembed import InvalidMetric, InvalidParameter, PolyhedralMetric, Sheet, SheetEmbedding, embed
+from isoembed.gallery import KerrHorizon
+from isoembed.surface.alignment import distance
+
+CAP = 2 * np.pi * (1 - np.cos(1))  # int H^2 of a round cap
+
+
+def cap(points, faces, angle=1.0):
+    x = discs.round_cap(points, angle)
+    return x, PolyhedralMetric.from_mesh(x, faces)
+
+
+def rim(metric):
+    return np.concatenate(metric.triangulation.boundaries)
+
+
+def bumpy(points):
+    x, y = points.T
+    return np.column_stack([points, 0.25 * np.sin(2.2 * x + 0.3) * np.cos(1.9 * y) + 0.1 * x * y])
+
+
+@pytest.mark.parametrize("mesh", [discs.hexagonal(6), discs.irregular(200)], ids=["hexagonal", "irregular"])
+def test_convex_cap(mesh):
+    x, metric = cap(*mesh)
+    found = embed(metric.scaled(7.5), boundary="plane")
+    assert isinstance(found, SheetEmbedding)
+    assert found.residual < 1e-13
+    assert found.uniqueness.kind == "proved"
+    assert np.ptp(found.vertices[rim(metric), 2]) < 1e-12
+    assert distance(found.vertices / 7.5, x) < 1e-12
+
+
+@pytest.mark.parametrize("angle", [0.5, 1.5])
+def test_least_bending_of_a_round_cap(angle):
+    _, metric = cap(*discs.hexagonal(10), angle)
+    found = embed(metric, boundary="free")
+    assert found.residual < 1e-13
+    assert found.imbalance < 1e-8
+    assert found.uniqueness.kind == "searched"
+    assert found.bending_energy == pytest.approx(2 * np.pi * (1 - np.cos(angle)), rel=0.01)
+    bent = [found.bending_energy, embed(metric, boundary="plane").bending_energy]
+    assert bent[0] < bent[1]
+    assert found.tensions.shape == metric.lengths.shape
+
+
+def test_least_bending_does_not_depend_on_numbers_mirror_or_unit():
+    points, faces = discs.irregular(120)
+    x, metric = cap(points, faces)
+    energy = embed(metric, boundary="free").bending_energy
+    new = np.random.default_rng(0).permutation(len(x))
+    moved = np.empty_like(x)
+    moved[new] = x
+    for other in (
+        PolyhedralMetric.from_mesh(moved, new[faces]),
+        PolyhedralMetric.from_mesh(x, faces[:, ::-1]),
+        metric.scaled(1e-3),
+    ):
+        assert embed(other, boundary="free").bending_energy == pytest.approx(energy, rel=1e-8)
+
+
+def test_a_flat_disc_stays_flat():
+    points, faces = discs.irregular(100)
+    x = np.column_stack([points, 0 * points[:, 0]])
+    found = embed(PolyhedralMetric.from_mesh(x, faces), boundary="free")
+    assert found.second_form_energy < 1e-12
+    assert distance(found.vertices, x) < 1e-9
+
+
+def test_hyperbolic_disc():
+    """Gemmer and Venkataramani's bounds on int k1^2 + k2^2 at radius 1 are 6.825 and 7.774."""
+    points, faces = discs.hexagonal(12)
+    edges = PolyhedralMetric.from_mesh(discs.round_cap(points, 1.0), faces).edges
+    metric = PolyhedralMetric(faces, discs.hyperbolic_lengths(points, 1.0, edges), edges)
+    found = embed(metric, boundary="free")
+    assert found.residual < 1e-10
+    assert 6.825 < found.second_form_energy < 7.774
+
+
+@pytest.mark.parametrize("mesh", [discs.hexagonal(6), discs.irregular(200)], ids=["hexagonal", "irregular"])
+@pytest.mark.parametrize("surface", [bumpy, lambda p: discs.round_cap(p, 1.0)], ids=["bumpy", "flat curve"])
+def test_given_curve(mesh, surface):
+    x = surface(mesh[0])
+    metric = PolyhedralMetric.from_mesh(x, mesh[1])
+    curve = x[rim(metric)]
+    found = embed(metric, boundary=curve)
+    assert found.residual < 1e-12
+    np.testing.assert_allclose(found.vertices[rim(metric)], curve, atol=1e-15)
+    assert distance(found.vertices, x) < 1e-11
+
+
+def test_given_curve_from_a_start():
+    points, faces = discs.hexagonal(5)
+    x = bumpy(points)
+    metric = PolyhedralMetric.from_mesh(x, faces)
+    found = embed(metric, boundary=x[rim(metric)], start=x + 0.01 * np.sin(7 * x))
+    assert distance(found.vertices, x) < 1e-11
+
+
+def test_given_heights():
+    points, faces = discs.irregular(150)
+    x, y = points.T
+    vertices = np.column_stack([points, -0.5 * (x * x + y * y) - 0.08 * x**3 + 0.06 * x * y * y])
+    metric = PolyhedralMetric.from_mesh(vertices, faces)
+    found = embed(metric, boundary=vertices[rim(metric), 2])
+    assert found.residual < 1e-13
+    assert distance(found.vertices, vertices) < 1e-11
+
+
+@pytest.mark.parametrize("bump", [0.0, 0.1])
+def test_torus(bump):
+    x, faces = discs.torus(24, 12, bump)
+    metric = PolyhedralMetric.from_mesh(x, faces)
+    assert metric.triangulation.genus == 1
+    found = embed(metric, boundary="free")
+    assert found.residual < 1e-12
+    assert distance(found.vertices, x) < 1e-11
+    assert found.report["sheet"]["genus"] == 1
+
+
+def test_cylinder():
+    x, faces = discs.band(24, 9, lambda t: (1.0, 1.5 * t))
+    found = embed(PolyhedralMetric.from_mesh(x, faces), boundary="free")
+    assert found.residual < 1e-12
+    assert found.bending_energy == pytest.approx(1.5 * np.pi / 2, rel=0.02)
+
+
+def test_kerr_band():
+    """A horizon too fast to be embedded whole has bands that are."""
+    horizon = KerrHorizon(spin=0.95)
+    theta = np.linspace(np.arccos(0.5), np.arccos(-0.5), 13)
+    profile = horizon_profile(horizon, theta)
+    x, faces = discs.band(36, 12, lambda t: profile[round(12 * t)])
+    metric = PolyhedralMetric.from_mesh(x, faces)
+    found = embed(metric, boundary="free")
+    assert found.residual < 1e-12
+    assert distance(found.vertices, x) < 1e-9
+
+
+def horizon_profile(horizon, theta):
+    """(rho, z) of the horizon of Kerr, of which spin is over 0.866: only near the equator."""
+    a = horizon.spin
+    plus = 1 + np.sqrt(1 - a * a)
+    eta, beta = np.sqrt(plus**2 + a * a), a * a / (plus**2 + a * a)
+
+    def f(m):
+        return (1 - m * m) / (1 - beta * (1 - m * m))
+
+    def rise(m):
+        h = 1e-5
+        slope = eta * (np.sqrt(f(m + h)) - np.sqrt(f(m - h))) / (2 * h)
+        return np.sqrt(eta**2 / f(m) - slope**2)
+
+    nodes, weights = np.polynomial.legendre.leggauss(40)
+    m = np.cos(theta)
+    z = [x / 2 * np.sum(weights * rise(x * (nodes + 1) / 2)) for x in m]
+    return np.stack([eta * np.sqrt(f(m)), z], axis=1)
+
+
+DISC, FACES = discs.hexagonal(3)
+SADDLE = PolyhedralMetric.from_mesh(np.column_stack([DISC, DISC[:, 0] * DISC[:, 1]]), FACES)
+ROUND = cap(DISC, FACES)[1]
+RING = PolyhedralMetric.from_mesh(*discs.band(6, 2, lambda t: (1.0 + t, 0.0)))
+
+
+@pytest.mark.parametrize(
+    ("metric", "options", "error", "sentence"),
+    [
+        (ROUND, {}, InvalidMetric, "not closed; boundary='free' embeds such surfaces"),
+        (ROUND, {"start": np.zeros((37, 3))}, InvalidParameter, "give boundary='free'"),
+        (ROUND, {"boundary": "flat"}, InvalidParameter, "the boundary is 'flat', none of 'free', 'plane'"),
+        (ROUND, {"boundary": [1.0, 2.0]}, InvalidParameter, "18 vertices there, so it is"),
+        (ROUND, {"boundary": [[np.nan] * 3] * 18}, InvalidParameter, "not finite"),
+        (ROUND, {"boundary": "free", "start": [[0, 0, 0]]}, InvalidParameter, "not \\(37, 3\\)"),
+        (ROUND, {"boundary": "plane", "start": np.zeros((37, 3))}, InvalidParameter, "needs no start"),
+        (SADDLE, {"boundary": "plane"}, InvalidMetric, "deficit at vertex 0 is -"),
+        (SADDLE, {"boundary": np.zeros(18)}, InvalidMetric, "vertex 0 has the deficit -.*ill posed"),
+        (RING, {"boundary": "plane"}, InvalidMetric, "2 boundaries and genus 0: a convex cap is a disc"),
+    ],
+)
+def test_refusals(metric, options, error, sentence):
+    with pytest.raises(error, match=sentence):
+        embed(metric, **options)
+
+
+def test_other_methods_and_spaces_refuse_a_boundary():
+    with pytest.raises(InvalidMetric, match="not closed"):
+        embed(ROUND, method="alexandrov")
+    with pytest.raises(InvalidParameter, match="no method"):
+        embed(ROUND, boundary="free", method="alexandrov")
+    curved = PolyhedralMetric(FACES, ROUND.lengths, ROUND.edges, curvature=-0.1)
+    with pytest.raises(InvalidParameter, match="Euclidean"):
+        embed(curved, boundary="free")
+
+
+def test_a_sphere_is_no_less_a_surface():
+    x, faces = zoo.icosphere(1)
+    found = embed(PolyhedralMetric.from_mesh(x, faces), boundary="free", start=x)
+    assert found.residual < 1e-12
+
+
+def test_methods_compare_and_print():
+    assert Sheet([[0, 0, 1]]) == Sheet(np.array([[0.0, 0, 1]]))
+    assert "start=((0.0, 0.0, 1.0),)" in repr(Sheet("free", [[0, 0, 1]]))
+
+
+def test_pictures_and_pages():
+    found = embed(ROUND, boundary="plane")
+    assert "genus" in found._repr_html_()
+    assert found.concave_edges.sum() == 0
+    with pytest.raises(InvalidMetric, match="not closed"):
+        _ = found.volume
