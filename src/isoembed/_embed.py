@@ -29,6 +29,9 @@ METHODS = {
 }
 """Where the methods of this package are; they are imported on first use."""
 
+DEFAULT = "aim"
+"""The method of surfaces without boundary."""
+
 GROUP = "isoembed.methods"
 """The entry points under which other packages bring theirs."""
 
@@ -102,7 +105,7 @@ class Method(ABC):
 def embed(
     metric: PolyhedralMetric | GluedMetric,
     *,
-    method: str | Method = "aim",
+    method: str | Method = DEFAULT,
     tolerance: float = 1e-10,
     length_errors: ArrayLike | None = None,
     boundary: ArrayLike | str | None = None,
@@ -165,7 +168,7 @@ def embed(
     >>> round(embed(tetrahedron).volume, 12)  # sqrt(2) / 12
     0.117851130198
     """
-    if boundary is not None and method != "aim":
+    if boundary is not None and method != DEFAULT:
         raise InvalidParameter("a boundary takes the place of a method: give no method beside it")
     chosen = configured(method) if boundary is None else configuration("sheet")(boundary, start)
     if start is not None and boundary is None:

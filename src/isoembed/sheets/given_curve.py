@@ -7,6 +7,8 @@ harmonic; bending of decreasing weight leads from there to the lengths.
 
 from __future__ import annotations
 
+from collections.abc import Iterator
+
 import numpy as np
 from scipy.sparse import csr_array, diags_array, kron
 from scipy.sparse.linalg import splu
@@ -21,6 +23,10 @@ from isoembed.surface import measures
 WEIGHTS = tuple(10.0**-k for k in range(3, 13))  # epsilon over the area, one after the other
 DESCENT = 4  # Gauss-Newton steps at most for each
 NEWTON = 30  # without bending, at most
+ROUNDS = 40  # vertices that are reflected at most
+REFLECTED = 16  # vertices whose reflections are tried, before a minimum counts as the least
+BETTER = 0.9  # share of the squares that is left by a reflection that helps
+REALIZED = 1e-11  # largest residual of a realization, in mean edge lengths
 FLAT = 1e-6  # thickness over size of a curve that is in a plane
 SETTLED = 1e-6  # mean edge lengths: a shorter step ends the descent for one weight
 
@@ -110,8 +116,43 @@ def through_curve(
             x, moved = descend(x, weight * energy.area)
             if moved < SETTLED * unit:
                 break
-    for _ in range(NEWTON):
-        x, moved = descend(x, 0.0)
-        if moved < 1e-14 * unit:
+
+    def settled(vertices: Floats) -> Floats:
+        for _ in range(NEWTON):
+            vertices, moved = descend(vertices, 0.0)
+            if moved < 1e-14 * unit:
+                break
+        return vertices
+
+    x = settled(x)
+    for _ in range(ROUNDS):
+        for start in _reflected(lengths, x, inner):
+            y = settled(start)
+            if value(y, 0.0) < BETTER * value(x, 0.0):
+                x = y
+                break
+        else:
+            break
+        if np.abs(lengths.residuals(x)[inner]).max() < REALIZED * unit:
             break
     return x
+
+
+def _reflected(lengths: LengthConstraints, x: Floats, inner: Mask) -> Iterator[Floats]:
+    """The surface with one vertex reflected through its neighbors, those about which lengths are missed first.
+
+    Where a vertex is nearly flat, both sides of its neighbors are minima of the squares.
+    """
+    t = lengths.triangulation
+    squares = np.where(inner, lengths.residuals(x) ** 2, 0.0)
+    if squares.max() < (REALIZED * lengths.metric.mean_length) ** 2:
+        return
+    missed = np.abs(t.incidence) @ squares
+    missed = np.where(t.boundary_vertices, -1.0, missed + t.adjacency @ missed)
+    for v in np.argsort(-missed)[: min(REFLECTED, int((missed >= 0).sum()))]:
+        near = x[t.adjacency.indices[t.adjacency.indptr[v] : t.adjacency.indptr[v + 1]]]
+        middle = near.mean(axis=0)
+        normal = np.linalg.svd(near - middle)[2][2]
+        y = x.copy()
+        y[v] -= 2 * ((x[v] - middle) @ normal) * normal
+        yield y
