@@ -19,10 +19,8 @@ STEPS = 30  # of the Gauss-Newton method, at most
 EXACT = 1e-13  # relative size of its last step
 SHORTEST = 1e-3  # part of a step that is tried, at least
 LEVEL = 1.0 + 1e-6  # strain over the one before that is accepted: at the minimum it does not fall
-SLOW, SMALL = (
-    0.9,
-    1e-3,
-)  # strain over the one before that is slow progress; strains at which this is no matter
+SLOW = 0.9  # strain over the one before that is slow progress, and ends the iteration ...
+SMALL = 1e-3  # ... unless the strain is below this
 
 
 @dataclass(frozen=True)

@@ -6,6 +6,7 @@ import pytest
 from isoembed import InvalidParameter
 from isoembed.gallery import KerrHorizon
 from isoembed.relativity import KerrNewmanHorizon
+from reproduction.baselines.__main__ import main
 from reproduction.baselines.subjects import Subject
 from reproduction.baselines.table import COLUMNS, compare, run_table
 
@@ -35,3 +36,12 @@ def test_too_few_vertices_for_the_harmonics_are_refused():
         InvalidParameter, match="60 vertices are too few for the 49 harmonics of degree 6: 98"
     ):
         compare([KERR], vertices=60, degree=6, steps=1)
+
+
+@pytest.mark.slow
+def test_the_table_is_printed(monkeypatch, capsys):
+    monkeypatch.setattr("sys.argv", ["baselines", "--vertices", "50", "--degree", "4", "--steps", "1"])
+    main()
+    rows = capsys.readouterr().out.splitlines()
+    assert len(rows) == 2 + 4 * 9
+    assert all(row.count("|") == rows[0].count("|") for row in rows)
