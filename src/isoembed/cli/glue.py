@@ -26,6 +26,13 @@ def configure(parser: argparse.ArgumentParser) -> None:
     )
     add_output_options(parser)
     parser.add_argument(
+        "--tolerance",
+        type=float,
+        metavar="LENGTH",
+        help="glue sides whose lengths differ by no more, in the unit of the sheets, and correct the sheets "
+        "by the smallest change (default: what the digits of the corners explain)",
+    )
+    parser.add_argument(
         "--metric",
         type=Path,
         metavar="FILE",
@@ -37,7 +44,7 @@ def configure(parser: argparse.ArgumentParser) -> None:
 def run(options: argparse.Namespace) -> int:
     """Glue the net and solve it; return the exit status."""
     outputs = asked_for(options, metric=METRIC_ENDINGS)
-    net = read_net(options.input)
+    net = read_net(options.input, tolerance=options.tolerance)
 
     def metric(path: Path) -> Writer:
         return metric_writer(path, net.simplicial())

@@ -17,7 +17,7 @@ class CreaseThresholds:
     """Thresholds of crease patterns that are folded up."""
 
     meets: float = threshold(
-        1e-4, "size of the sheet", "Corners as near in space are one; files round angles."
+        1e-4, "size of the sheet", "Corners as near in space are one, and sides that differ by as much equal."
     )
 
 
@@ -26,7 +26,9 @@ CREASES = CreaseThresholds()
 Side = tuple[int, int]
 
 
-def meeting_corners(points: Floats, faces: Sequence[Sequence[int]], angles: Mapping[Side, float]) -> Indices:
+def meeting_corners(
+    points: Floats, faces: Sequence[Sequence[int]], angles: Mapping[Side, float], tolerance: float
+) -> Indices:
     """Names of the vertices of a sheet, of which those on its boundary that meet have the same, shape (V,).
 
     Parameters
@@ -36,6 +38,8 @@ def meeting_corners(points: Floats, faces: Sequence[Sequence[int]], angles: Mapp
         The vertices around each, counterclockwise.
     angles : mapping
         By how many radians each crease, (smaller, larger vertex), is folded: positive of valleys.
+    tolerance : float
+        Corners as near as this in space are one.
 
     Raises
     ------
@@ -44,12 +48,17 @@ def meeting_corners(points: Floats, faces: Sequence[Sequence[int]], angles: Mapp
     """
     size = float(np.ptp(points, axis=0).max()) or 1.0
     owners = _owners(faces)
-    places = _folded(points / size, faces, owners, angles)
+    places = _folded(points / size, faces, owners, angles, tolerance / size)
     rim = np.unique([v for side, (_, *others) in owners.items() if not others for v in side])
     names = np.arange(len(points))
     if len(rim):
-        names[rim] = rim[representatives(places[rim], CREASES.meets)]
+        names[rim] = rim[representatives(places[rim], tolerance / size)]
     return names
+
+
+def meeting_tolerance(points: Floats) -> float:
+    """How near corners of a sheet that is folded up are to one another if they are one."""
+    return CREASES.meets * (float(np.ptp(points, axis=0).max()) or 1.0)
 
 
 def _owners(faces: Sequence[Sequence[int]]) -> dict[Side, list[tuple[int, int, int]]]:
@@ -66,6 +75,7 @@ def _folded(
     faces: Sequence[Sequence[int]],
     owners: Mapping[Side, list[tuple[int, int, int]]],
     angles: Mapping[Side, float],
+    tolerance: float,
 ) -> Floats:
     """The vertices in space, (V, 3): the first face stays, others follow across the creases."""
     flat = np.column_stack([points, np.zeros(len(points))])
@@ -86,7 +96,7 @@ def _folded(
                 # The face on the right of a -> b is raised by a valley, which turns it about b -> a.
                 own = turn @ _about(flat[a] - flat[b], angles[side])
                 moved = own, turn @ flat[a] + shift - own @ flat[a]
-                _put(places, faces[g], flat[faces[g]] @ own.T + moved[1], g)
+                _put(places, faces[g], flat[faces[g]] @ own.T + moved[1], g, tolerance)
                 if g not in turns:
                     turns[g] = moved
                     waiting.append(g)
@@ -98,10 +108,10 @@ def _folded(
     return places
 
 
-def _put(places: Floats, face: Sequence[int], found: Floats, f: int) -> None:
+def _put(places: Floats, face: Sequence[int], found: Floats, f: int, tolerance: float) -> None:
     """Put the corners of a face where none are yet; those that are must be there."""
     apart = np.linalg.norm(places[face] - found, axis=1)  # NaN of new ones
-    if (apart > CREASES.meets).any():
+    if (apart > tolerance).any():
         v = face[int(np.nanargmax(apart))]
         raise InvalidMetric(f"the fold angles tear the sheet: vertex {v} of face {f} is in two places")
     places[face] = np.where(np.isnan(places[face]), found, places[face])

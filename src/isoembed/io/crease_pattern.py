@@ -11,7 +11,7 @@ import numpy as np
 
 from isoembed.arrays import Floats, Indices
 from isoembed.gluing import Net, glue
-from isoembed.gluing.creases import meeting_corners
+from isoembed.gluing.creases import meeting_corners, meeting_tolerance
 from isoembed.gluing.unfolding import Unfolding
 from isoembed.io import json
 from isoembed.io.files import FileError
@@ -23,8 +23,10 @@ ANGLES = "edges_foldAngle"  # in degrees
 GAP = 0.1  # between sheets, of the width of the one before
 
 
-def read_crease_pattern(file: InputFile) -> Net:
+def read_crease_pattern(file: InputFile, tolerance: float | None = None) -> Net:
     """Read the faces of a crease pattern and glue them by the names of their corners, or as they fold up.
+
+    The tolerance is that of `isoembed.glue`; where the pattern is folded up, corners are matched by it, too.
 
     Raises
     ------
@@ -57,10 +59,13 @@ def read_crease_pattern(file: InputFile) -> Net:
         if not face or -1 in face:
             raise FileError(f"{file}: face {k} is not made of the {len(points)} vertices")
     if "edges" in tables:
-        corners = meeting_corners(points, faces, _angles(tables["edges"], corners, file)).tolist()
+        tolerance = meeting_tolerance(points) if tolerance is None else tolerance
+        angles = _angles(tables["edges"], corners, file)
+        corners = meeting_corners(points, faces, angles, tolerance).tolist()
     elif not isinstance(corners, list) or len(corners) != len(points):
         raise FileError(f"{file}: {CORNERS} is not a list of {len(points)} names, one for each vertex")
-    return glue([points[face] for face in faces], corners=[[corners[v] for v in face] for face in faces])
+    names = [[corners[v] for v in face] for face in faces]
+    return glue([points[face] for face in faces], corners=names, tolerance=tolerance)
 
 
 def _angles(edges: Any, degrees: Any, file: InputFile) -> dict[tuple[int, int], float]:

@@ -42,7 +42,7 @@ CURVES: Makers = {"circle": (circle, 1, 1), "ellipse": (Ellipse, 2, 2), "stadium
 OUTLINES = POLYGONS | CURVES
 
 
-def read_net(source: str) -> Net:
+def read_net(source: str, *, tolerance: float | None = None) -> Net:
     """Read a net and glue it.
 
     Parameters
@@ -67,6 +67,9 @@ def read_net(source: str) -> Net:
 
         Or a ``.fold`` file: a crease pattern whose vertices have names, in ``vertices_isoembed:corner``, as
         the corners of `isoembed.glue`.
+    tolerance : float, optional
+        As of `isoembed.glue`, for polygons and crease patterns.  A crease pattern without names is folded up,
+        and corners as near as this are one; by default 1e-4 of the size of the sheet.
 
     Raises
     ------
@@ -76,10 +79,12 @@ def read_net(source: str) -> Net:
         What it holds makes no metric.
     """
     if source == "-":
-        return _net(json.read_standard_input(), "standard input")
+        return _net(json.read_standard_input(), "standard input", tolerance)
     check_ending(source, NET_ENDINGS)
     with InputFile(source) as file:
-        return read_crease_pattern(file) if file.ending == ".fold" else _net(json.read(file), source)
+        if file.ending == ".fold":
+            return read_crease_pattern(file, tolerance)
+        return _net(json.read(file), source, tolerance)
 
 
 def net_writer(path: str | os.PathLike[str], unfolding: Unfolding) -> Writer:
@@ -111,7 +116,7 @@ def write_net(path: str | os.PathLike[str], unfolding: Unfolding) -> None:
     write_atomically({Path(path): net_writer(path, unfolding)})
 
 
-def _net(document: Mapping[str, Any], name: str) -> Net:
+def _net(document: Mapping[str, Any], name: str, tolerance: float | None) -> Net:
     forms = [key for key in FORMS if key in document]
     if len(forms) != 1:
         there = " and ".join(forms) if forms else ", ".join(document) or "nothing"
@@ -128,7 +133,9 @@ def _net(document: Mapping[str, Any], name: str) -> Net:
         shapes = [_polygon(polygon, f"polygon {p}", **surface) for p, polygon in enumerate(polygons)]
         glued = _list(entries[how], f"{how} of {name}")
         told: dict[str, Any] = {how: glued, **surface}
-        return glue(shapes, **told)
+        return glue(shapes, tolerance=tolerance, **told)
+    if tolerance is not None:
+        raise InvalidParameter(f"{name} holds {form}, which is exact: a tolerance is for polygons")
     _entries(document, name, (form,), tuple(surface))
     if form == "regular":
         faces = _list(document["regular"], f"regular polygons of {name}")

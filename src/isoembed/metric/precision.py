@@ -54,7 +54,7 @@ class Precision:
         """
         values = np.abs(points[points != 0])
         sample = values[:: len(values) // PRECISION.sample + 1]
-        found = None if _rounded(sample) is None else _rounded(values)
+        found = None if rounding(sample) is None else rounding(values)
         if found is None:
             return None
         name, quanta = found
@@ -64,8 +64,18 @@ class Precision:
         return cls(name, spread / mean_length)
 
 
-def _rounded(values: Floats) -> tuple[str, Floats] | None:
-    """What positive numbers were rounded to, and the unit of the last digit of each."""
+def rounding(
+    values: Floats, fewest: int = PRECISION.fewest, most: int = PRECISION.most
+) -> tuple[str, Floats] | None:
+    """What numbers were rounded to, and the unit of the last digit of each; None if exact or doubles.
+
+    Parameters
+    ----------
+    values : ndarray, shape (n,)
+        Positive.
+    fewest, most : int
+        Decimal digits, at most `PRECISION.written`: numbers with fewer are exact, those with more doubles.
+    """
     if values.size == 0 or _multiples(values, 2.0 ** (np.frexp(values.max())[1] - PRECISION.bits)):
         return None
     with np.errstate(all="ignore"):  # numbers beyond single precision are not in it
@@ -81,14 +91,14 @@ def _rounded(values: Floats) -> tuple[str, Floats] | None:
             break
     else:
         return None
-    if digits < PRECISION.fewest:
+    if digits < fewest:
         return None
     last = _units(np.full(values.shape, exponents.max()), digits)
     if _multiples(values, last):  # as many digits behind the point in all of them
         quanta = last
     if (off <= quanta * (0.5 + PRECISION.error)).all() and (quanta < spacing).mean() > 0.5:
         return SINGLE, spacing
-    return (f"{digits} digits", quanta) if digits <= PRECISION.most else None
+    return (f"{digits} digits", quanta) if digits <= most else None
 
 
 def _units(exponents: Floats, digits: int) -> Floats:
