@@ -20,6 +20,7 @@ from isoembed.relativity import BrillLindquist, StarSurface, find_horizon, find_
 from isoembed.relativity.horizons.constant_expansion import leaf_of
 from isoembed.relativity.horizons.foliation import least_expansion
 from isoembed.relativity.horizons.ladder import in_degree
+from isoembed.relativity.horizons.newton import NoConvergence
 
 RATIOS = (1.0, 1.5, 7.0 / 3.0, 4.0, 9.0, 20.0, 50.0, 100.0)
 PUBLISHED = {1.0: 0.76619743, 7.0 / 3.0: 0.7375, 4.0: 0.698, 9.0: 0.634}
@@ -40,27 +41,43 @@ def pair(ratio, d, axis=PLACES[0][1], origin=PLACES[0][2]):
 
 
 def end(ratio):
-    """The largest distance with a common horizon: where the least expansion of the foliation is zero."""
-    d = 0.45
-    near = find_horizon(pair(ratio, d)).surface
-    gap = 0.04
-    while gap > 1e-3:
-        try:
-            near, d = find_horizon(pair(ratio, d + gap), near).surface, d + gap
-        except NoHorizon:
-            gap *= 0.5
+    """The largest distance with a common horizon: where the least expansion of the foliation is zero.
+
+    To 1e-9; where a light hole keeps the foliation from there, by following the horizon, to 1e-6.
+    """
+    near, d = followed(ratio, find_horizon(pair(ratio, 0.45)).surface, 0.45, 1e-3)
 
     def least(d):
         scales = (1.1, 1.0)
         outer, inner = (StarSurface(near.center, near.harmonics, s * near.coefficients) for s in scales)
         leaves = [leaf_of(pair(ratio, d), in_degree(outer, 64, True), symmetric=True)]
         leaves.append(leaf_of(pair(ratio, d), inner, symmetric=True))
+        step = 0.005
         while leaves[-1].rate > 0.0:
-            leaves.append(leaf_of(pair(ratio, d), leaves[-1].displaced(-0.005), symmetric=True))
+            try:
+                leaves.append(leaf_of(pair(ratio, d), leaves[-1].displaced(-step), symmetric=True))
+            except NoConvergence:
+                step *= 0.5  # close to a light hole, leaves change fast
+                if step < 1e-5:
+                    raise
         outer, inner = leaves[-2:]
         return least_expansion(pair(ratio, d), outer, inner, symmetric=True, settled=1e-8)[0].expansion
 
-    return brentq(least, d - 1e-3, d + 3e-3, xtol=1e-9, rtol=1e-15)
+    try:
+        return brentq(least, d - 1e-3, d + 3e-3, xtol=1e-9, rtol=1e-15)
+    except NoConvergence:
+        return followed(ratio, near, d, 1e-6)[1]
+
+
+def followed(ratio, near, d, least):
+    """The horizon at the largest distance at which Newton's method finds it in steps down to `least`."""
+    gap = 0.04
+    while gap > least:
+        try:
+            near, d = find_horizon(pair(ratio, d + gap), near).surface, d + gap
+        except NoHorizon:
+            gap *= 0.5
+    return near, d
 
 
 def shot_area(ratio, d):

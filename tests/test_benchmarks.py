@@ -28,6 +28,8 @@ SMALLEST = {
     "million": "--sizes 500 --only sizes",
     "peers": "--sizes 100 --seeds 1",
     "realizations": "--gallery 60",
+    "rounded": "--families domes --digits 3 --questions rounded --seeds 1 --most 50",
+    "rounded_solids": "--families uniform --decimals 7",
     "relativity": "--only degree",
     "series": "--count 16 --vertices 40",
     "shallow_caps": "--count 1",

@@ -27,5 +27,6 @@ from .space import Space as Space
 from .space import Spherical as Spherical
 from .surface.embedding import Embedding as Embedding
 from .surface.fitted import FittedSurface as FittedSurface
+from .surface.measured import MeasuredSurface as MeasuredSurface
 
 __version__: str

@@ -12,6 +12,8 @@ from importlib.metadata import EntryPoint, entry_points
 from inspect import isabstract
 from typing import Any, ClassVar
 
+from numpy.typing import ArrayLike
+
 from isoembed.errors import Interrupted, InvalidParameter, NotEmbedded
 from isoembed.metric.glued import GluedMetric
 from isoembed.metric.polyhedral import PolyhedralMetric
@@ -49,6 +51,8 @@ class Method(ABC):
         Whether the metric may be two triangles, of which the surface is one covered twice.
     takes_curved : bool
         Whether the metric may be of triangles of hyperbolic or spherical space, in which the surface then is.
+    takes_length_errors : bool
+        Whether errors of the lengths take part in the choice of the surface.
     shows_path : bool
         Whether there always are surfaces before the last, which `StageRecorder.show` has been given.
     """
@@ -58,6 +62,7 @@ class Method(ABC):
     takes_glued: ClassVar[bool] = False
     takes_doubly_covered: ClassVar[bool] = False
     takes_curved: ClassVar[bool] = False
+    takes_length_errors: ClassVar[bool] = False
     shows_path: ClassVar[bool] = False
 
     @abstractmethod
@@ -91,6 +96,7 @@ def embed(
     *,
     method: str | Method = "aim",
     tolerance: float = 1e-10,
+    length_errors: ArrayLike | None = None,
     progress: Listener | None = None,
     resume: Checkpoint | None = None,
 ) -> Embedding:
@@ -107,6 +113,11 @@ def embed(
         `Alexandrov` or a `Method` of your own to set parameters.
     tolerance : float
         Largest ``| |x_a - x_b| - l_ab |`` over the mean edge length; in curved space, of distances there.
+    length_errors : float or array_like, shape (E,), optional
+        Standard deviations of the lengths, whose errors are independent, in their unit: one for all, or one
+        for each edge.  The surface then is a `MeasuredSurface`, a smooth one whose lengths agree with these
+        within the errors, by a chi-square test, which is what converged then means.  Errors of zero take the
+        lengths as exact, even if their digits show that they were rounded.
     progress : callable, optional
         Receives an `isoembed.progress.stages.Progress` as the computation goes, which holds the checkpoint
         by then.  If it raises an exception, that ends the computation; a `KeyboardInterrupt` does as Ctrl-C
@@ -127,8 +138,8 @@ def embed(
     NotEmbedded
         No such surface was found; the exception holds the best attempt.
     InvalidParameter
-        The method is unknown, the tolerance not positive, a parameter does not fit the metric, or what is to
-        be resumed was something else.
+        The method is unknown or does not take errors of lengths, the tolerance is not positive, a parameter
+        does not fit the metric, or what is to be resumed was something else.
     Interrupted
         On Ctrl-C; a `KeyboardInterrupt` that holds the checkpoint to go on from.
 
@@ -161,6 +172,17 @@ def embed(
         )
     if not isinstance(tolerance, numbers.Real) or not 0 < tolerance < math.inf:
         raise InvalidParameter(f"the tolerance is {tolerance!r}, not a positive finite number")
+    if length_errors is not None:
+        if isinstance(metric, GluedMetric):
+            raise InvalidParameter(
+                "errors of the lengths of a glued metric do not take part in its embedding"
+            )
+        metric = metric.with_length_errors(length_errors)
+    if getattr(metric, "length_errors", None) is not None and not chosen.takes_length_errors:
+        raise InvalidParameter(
+            f"the method {chosen.name!r} takes lengths as exact: embed without length_errors, and take "
+            "embedding.with_length_errors(errors) for error bars"
+        )
     unit = metric.normalized
     fingerprint = Fingerprint.of(unit.tables, chosen, tolerance)
     if resume is not None:

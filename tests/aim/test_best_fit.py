@@ -57,7 +57,7 @@ def test_the_weight_is_nearly_that_of_one_who_knows_the_lengths(body):
     metric, sphere, truth = noisy(*body, 2e-3)
     exact, x = edge_lengths(metric.edges, truth), sphere
     fits, risks = (
-        module._Fits(metric, RegularizedEnergy(metric, sphere), smooth_bodies.recorder(), np.inf),
+        module.Fits(metric, RegularizedEnergy(metric, sphere), smooth_bodies.recorder(), np.inf),
         {},
     )
     for weight in (100.0, 10.0, 1.0, 0.1, 0.01, 0.001, 1e-4, 1e-5):
@@ -81,7 +81,7 @@ def test_no_other_weight_is_tried_when_no_more_may_be_spent():
 def test_degrees_of_freedom_are_a_trace(monkeypatch):
     monkeypatch.setattr(module, "BEST_FIT", replace(module.BEST_FIT, probes=200))
     metric, _, x = noisy(*zoo.icosphere(1), 1e-3)
-    fits, mu = module._Fits(metric, RegularizedEnergy(metric, x), smooth_bodies.recorder(), np.inf), 5.0
+    fits, mu = module.Fits(metric, RegularizedEnergy(metric, x), smooth_bodies.recorder(), np.inf), 5.0
     n = x.size
     rows = edge_rows(metric.triangulation, x, metric.lengths)
     a, b = metric.edges.T

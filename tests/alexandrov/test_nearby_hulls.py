@@ -130,15 +130,19 @@ def test_inside_out():
     assert "is concave" in refusal(vertices, faces[:, ::-1], 1e-12)
 
 
-def test_the_wrong_diagonal_of_a_polygon_is_concave_only_if_that_can_be_seen():
+def test_across_a_polygon_that_is_hardly_dented_the_hull_has_the_other_diagonal():
     vertices, faces = prism(4)
     flat = proven(vertices, faces, 1e-12).flat
     e = int(np.argmax(flat))
-    end = Triangulation(faces).edges[e, 0]
-    vertices[end] *= 1 - 1e-6
-    opposite = Triangulation(faces).edges[e]
-    assert proven(vertices, faces, 1e-5).flat[e]
-    assert f"edge {e} {opposite.tolist()} is concave" in refusal(vertices, faces, 1e-12)
+    a, b = Triangulation(faces).edges[e]
+    dented = vertices.copy()
+    dented[a] *= 1 - 1e-6
+    for reach in (1e-5, 1e-12):
+        assert proven(dented, faces, reach).flat[e]
+    hull = ConvexHull(dented).simplices
+    assert not ((hull == a).any(axis=1) & (hull == b).any(axis=1)).any()
+    dented[a] = vertices[a] * (1 - 1e-2)
+    assert f"edge {e} {[int(a), int(b)]} is concave" in refusal(dented, faces, 1e-12)
 
 
 def test_a_vertex_in_the_middle_of_a_face():

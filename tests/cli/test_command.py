@@ -120,14 +120,14 @@ def test_embed_reads_standard_input(run, monkeypatch):
 def test_embed_takes_parameters_of_the_method(run, monkeypatch):
     seen = []
 
-    def listen(metric, *, method, tolerance, progress, resume):
-        seen.append((method, tolerance, callable(progress), resume))
+    def listen(metric, *, method, tolerance, length_errors, progress, resume):
+        seen.append((method, tolerance, length_errors, callable(progress), resume))
         return Embedding(metric, zoo.icosphere(1)[0], method="paper", tolerance=tolerance)
 
     monkeypatch.setattr(isoembed, "embed", listen, raising=False)
     arguments = ["--parameter", "Tsteps=20", "--parameter", "path=exponential", "--parameter", "alpha=0.25"]
     assert run("embed", "metric.json", "--method", "paper", "--tolerance", "1e-6", *arguments)[0] == 0
-    assert seen == [(isoembed.Paper(Tsteps=20, path="exponential", alpha=0.25), 1e-6, True, None)]
+    assert seen == [(isoembed.Paper(Tsteps=20, path="exponential", alpha=0.25), 1e-6, None, True, None)]
 
 
 @pytest.mark.parametrize(

@@ -10,6 +10,7 @@ import zoo
 from isoembed.gallery import Ellipsoid, triangulate
 from isoembed.io import write_metric
 from isoembed.relativity import mesh_deviation
+from rocks import in_millimeters, rock
 from strict_json import strict
 
 BARS = ("area", "volume", "integrated_mean_curvature")
@@ -25,29 +26,43 @@ def metric():
 
 def test_report_and_summary(call, metric):
     status, out, err = call("embed", "m.npz", "--length-error", "1e-4", "--report", "r.json")
-    sigma = isoembed.embed(metric).integral_deviation(1e-4)
+    sigma = isoembed.embed(metric, length_errors=1e-4).integral_deviation(1e-4)
     assert (status, err) == (0, "")
     for name in BARS:
         assert f" +- {getattr(sigma, name):.2g}" in out
     report = strict(Path("r.json").read_text())
     assert report["deviation"] == pytest.approx({"length_error_rms": 1e-4, **sigma.report}, rel=1e-6)
     plain = strict(call("embed", "m.npz", "--json")[1])
-    assert "deviation" not in plain and plain.keys() | {"deviation"} == report.keys()
+    assert plain.keys() | {"deviation", "measured"} == report.keys()
+    assert not {"deviation", "measured"} & plain.keys()
 
 
 def test_errors_of_each_edge_and_the_page(call, metric):
-    errors = np.linspace(0, 1e-3, len(metric.lengths))
+    errors = np.linspace(1e-5, 1e-3, len(metric.lengths))
     np.save("e.npy", errors)
     assert call("embed", "m.npz", "--length-error", "e.npy", "--html", "p.html", "--report", "r.json")[0] == 0
     found = strict(Path("r.json").read_text())["deviation"]
     assert found["length_error_rms"] == pytest.approx(np.sqrt(np.mean(errors**2)))
     assert "length error rms" in Path("p.html").read_text(encoding="utf-8")
+    errors[3] = 0
+    np.save("e.npy", errors)
+    status, _, err = call("embed", "m.npz", "--length-error", "e.npy")
+    assert status == 2 and "the length error of edge 3" in err
+
+
+def test_zero_insists_on_the_digits(call):
+    """Lengths in whole millimeters, for which the exact surface is crumpled, as the default answer is not."""
+    vertices, faces = rock([102, 80])
+    write_metric("rock.npz", in_millimeters(vertices, faces))
+    exact = strict(call("embed", "rock.npz", "--length-error", "0", "--json")[1])
+    assert "measured" not in exact and exact["residual"]["max"] < 1e-10
+    assert strict(call("embed", "rock.npz", "--json")[1])["measured"]["chi_square"] > 1e-3
 
 
 def test_several_files(call, metric):
     write_metric("n.npz", metric)
     assert call("embed", "m.npz", "n.npz", "-o", "all", "--length-error", "1e-4", "--jobs", "1")[0] == 0
-    sigma = isoembed.embed(metric).integral_deviation(1e-4)
+    sigma = isoembed.embed(metric, length_errors=1e-4).integral_deviation(1e-4)
     assert strict(Path("all/n.json").read_text())["deviation"]["volume"] == pytest.approx(sigma.volume)
     np.save("e.npy", np.zeros(len(metric.lengths)))
     status, _, err = call("embed", "m.npz", "n.npz", "-o", "all", "--length-error", "e.npy")
@@ -74,7 +89,9 @@ def test_a_flat_vertex(call):
     flat = np.vstack([x, x[faces[0]].mean(axis=0)])
     write_metric("flat.npz", isoembed.PolyhedralMetric.from_mesh(flat, split))
     status, out, _ = call("embed", "flat.npz", "--length-error", "1e-4")
-    assert status == 0 and "+- infinite" in out
+    assert status == 0 and "+- infinite" not in out  # the fit is not flat
+    exact = isoembed.embed(isoembed.PolyhedralMetric.from_mesh(flat, split))
+    assert exact.integral_deviation(1e-4).volume == np.inf
     status, _, err = call("energy", "flat.npz", "--length-error", "1e-4")
     assert status == 2 and "the surface of flat.npz is not infinitesimally rigid" in err
 

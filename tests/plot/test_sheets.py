@@ -96,7 +96,7 @@ def test_valleys_of_a_surface_that_is_not_convex():
 def test_faces_that_rounding_bent_are_not_folded():
     vertices = solids.uniform("dodecahedron")
     net = net_of(vertices.round(5), solids.triangles(solids.polygons(vertices)))
-    assert sum(map(len, net.folds)) > 11  # diagonals of the pentagons, too
+    assert sum(map(len, net.folds)) == 11  # rounding explains the bends of diagonals
     drawing = drawn(net)
     assert len(drawing.mountains) == 11 + len(net.sides) == 11 + 19
     assert not drawing.valleys

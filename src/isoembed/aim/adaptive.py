@@ -19,6 +19,7 @@ import numpy as np
 
 from isoembed._embed import Method
 from isoembed.aim.search import Search
+from isoembed.arrays import Floats
 from isoembed.errors import InvalidParameter
 from isoembed.metric.polyhedral import PolyhedralMetric
 from isoembed.progress.stages import Log
@@ -47,6 +48,7 @@ class Aim(Method):
 
     name: ClassVar[str] = "aim"
     takes_curved: ClassVar[bool] = True
+    takes_length_errors: ClassVar[bool] = True
 
     def __post_init__(self) -> None:
         if not isinstance(self.best_fit, bool):
@@ -61,12 +63,28 @@ class Aim(Method):
         -------
         Embedding
             The smoothest of the surfaces that were found to have these lengths; if there is none, the nearest
-            attempt, with a diagnosis, or the best fit.
+            attempt, with a diagnosis, or the best fit.  Of lengths with errors, given or shown by their
+            digits, a smooth surface that agrees with them.
         """
+        if metric.length_errors is not None:
+            from isoembed.aim.measured_lengths import embed_within_errors
+
+            return embed_within_errors(metric, metric.length_errors, self, tolerance, log)
+        embedding, start = self._exact(metric, tolerance, log)
+        rounding = None if self.best_fit else metric.rounding
+        if rounding is not None and (not embedding.converged or embedding.rough_edges.any()):
+            from isoembed.aim.measured_lengths import within_digits
+
+            embedding = within_digits(metric, rounding, embedding, start, log)
+        return embedding.with_stages(log.stages)
+
+    def _exact(self, metric: PolyhedralMetric, tolerance: float, log: Log) -> tuple[Embedding, Floats | None]:
+        """The surface sought for exact lengths, and the convex surface (V, 3) that led there, if one did."""
         search = Search(metric, tolerance, log, self.name)
         embedding = search.realized_at_once()
-        if embedding is None:
-            from isoembed.aim.strategies import Strategies  # slow to import, and convex bodies do without
+        if embedding is not None:
+            return embedding, None
+        from isoembed.aim.strategies import Strategies  # slow to import, and convex bodies do without
 
-            embedding = Strategies(search).run(self.best_fit, self.effort)
-        return embedding.with_stages(log.stages)
+        strategies = Strategies(search)
+        return strategies.run(self.best_fit, self.effort), vars(strategies).get("start")

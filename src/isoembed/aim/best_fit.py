@@ -97,7 +97,7 @@ def best_fit(
     BestFit or None
         None if nothing as smooth comes near to the lengths.
     """
-    fits = _Fits(metric, energy, recorder, most)
+    fits = Fits(metric, energy, recorder, most)
     best = first = fits.fit(start, BEST_FIT.weight)
     for direction in (-1, 1):
         last = first
@@ -116,7 +116,7 @@ def best_fit(
     return best if best.score < np.inf and near else None
 
 
-class _Fits:
+class Fits:
     """Fits to one metric for any mu."""
 
     def __init__(

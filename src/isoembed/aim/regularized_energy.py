@@ -82,6 +82,7 @@ class RegularizedEnergy:
         """Set R and K where edges have these lengths about each vertex, (V,), and on the mean."""
         self.triangulation, self.unit, self._units = metric.triangulation, mean_length, units
         self.space = metric.space
+        self._edge_weights: Floats | None = None
         laplacian = cotangent_laplacian(GluedMetric.of(metric), least=REGULARIZED_ENERGY.smallest_cotangent)
         K = csr_array(laplacian / (REGULARIZED_ENERGY.rho * mean_length))
         self._KK = csr_array(K.T @ K)
@@ -98,6 +99,12 @@ class RegularizedEnergy:
     def finer(self, vertices: Floats) -> RegularizedEnergy:
         """The same with quintic fits, applied twice, in the charts of these vertices in the place of R."""
         return self._fitted_twice(vertices, 5)
+
+    def weighted(self, weights: Floats) -> RegularizedEnergy:
+        """The same with each error of a length times a weight, (E,), in the residuals."""
+        other = copy(self)
+        other._edge_weights = weights
+        return other
 
     def coarser(self, vertices: Floats) -> RegularizedEnergy:
         """The same with cubic fits, applied twice, in the charts of these vertices."""
@@ -131,18 +138,23 @@ class RegularizedEnergy:
 
     def residuals(self, vertices: Floats, lengths: Floats) -> Floats:
         """The errors r of the lengths."""
-        return length_residuals(self.triangulation, vertices, lengths, self.space)
+        r = length_residuals(self.triangulation, vertices, lengths, self.space)
+        return r if self._edge_weights is None else self._edge_weights * r
+
+    def _rows(self, vertices: Floats, lengths: Floats) -> Floats:
+        rows = edge_rows(self.triangulation, vertices, lengths, self.space)
+        return rows if self._edge_weights is None else self._edge_weights[:, None] * rows
 
     def rates(self, vertices: Floats, lengths: Floats, motion: Floats) -> Floats:
         """``J d``, shape (E,): how fast the edges grow if the vertices move with d, (V, 3)."""
         a, b = self.triangulation.edges.T
         bent = motion / self.space.heights(vertices)[:, None]
-        rows = edge_rows(self.triangulation, vertices, lengths, self.space)
+        rows = self._rows(vertices, lengths)
         return np.einsum("ij,ij->i", rows, bent[a] - bent[b])
 
     def forces(self, vertices: Floats, lengths: Floats, tensions: Floats) -> Floats:
         """``J^T y``, shape (V, 3): the sums of the tensions y, (E,), of the edges at each vertex."""
-        rows = edge_rows(self.triangulation, vertices, lengths, self.space)
+        rows = self._rows(vertices, lengths)
         forces = self.triangulation.incidence @ (rows * tensions[:, None])
         return forces / self.space.heights(vertices)[:, None]
 
@@ -166,7 +178,7 @@ class RegularizedEnergy:
             It is not positive definite to working precision.
         """
         triangulation, surface = self.triangulation, Projected.of(self.space, vertices)
-        rows = edge_rows(triangulation, vertices, lengths, self.space)
+        rows = self._rows(vertices, lengths)
         factor = self._system.penalized(rows, mu * (w + REGULARIZED_ENERGY.share), surface, tensions)
         fixed = surface.without_isometries()
         a, b = triangulation.edges.T

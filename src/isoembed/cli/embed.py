@@ -64,7 +64,10 @@ def configure(parser: argparse.ArgumentParser) -> None:
         'and succeed, with the status "best fit"; only with --method aim',
     )
     add_length_error_option(
-        parser, ": the report gets standard deviations of area, volume and int H dA; not with --best-fit"
+        parser,
+        ": with --method aim the surface is a smooth one whose lengths agree with them within these errors "
+        "(chi-square), 0 for all edges takes them as exact, whatever their digits; the report gets standard "
+        "deviations of area, volume and int H dA; not with --best-fit",
     )
     parser.add_argument(
         "--effort",
@@ -109,10 +112,13 @@ def run(options: argparse.Namespace) -> int:
             metric,
             method=method,
             tolerance=options.tolerance,
+            length_errors=errors if method.takes_length_errors else None,
             progress=heard_by(progress, checkpoints.listen),
             resume=kept,
         )
-        return found if errors is None else found.with_length_errors(errors)
+        if errors is None or method.takes_length_errors:
+            return found
+        return found.with_length_errors(errors)
 
     try:
         status = answer(options, outputs, solve)

@@ -38,7 +38,7 @@ class Faces(NamedTuple):
     angles: Floats
 
 
-def true_faces(triangulation: Triangulation, vertices: Floats) -> Faces:
+def true_faces(triangulation: Triangulation, vertices: Floats, error: float = 0.0) -> Faces:
     """The faces of a surface: triangles joined where it is flat, sides where two of them end in line.
 
     A face that has holes, or whose outline meets itself, stays in triangles.
@@ -48,6 +48,8 @@ def true_faces(triangulation: Triangulation, vertices: Floats) -> Faces:
     triangulation : Triangulation
     vertices : ndarray, shape (V, 3)
         So scaled that nothing under- or overflows.
+    error : float, optional
+        Of each vertex, as of `coplanar_faces`.
 
     Raises
     ------
@@ -59,13 +61,13 @@ def true_faces(triangulation: Triangulation, vertices: Floats) -> Faces:
     if thin.any():
         f = int(np.argmax(thin))
         raise InvalidMetric(f"face {f} {t.faces[f].tolist()} is so thin that it lies in no plane")
-    faces = coplanar_faces(t, vertices)
+    faces = coplanar_faces(t, vertices, error=error)
     creased = np.repeat(faces, 3) != faces[t.twins // 3]
     bend = np.where(creased, dihedral_angles(t, vertices)[t.face_edges.ravel()], 0.0)
     creased |= np.repeat(_no_polygons(t, vertices, creased, faces)[faces], 3)
     faces, ways = flat_faces(t, creased), outlines(t, creased)
     start, upward = t.faces.ravel(), _upward(t, vertices, faces)
-    straight = _straight(t, vertices, creased)
+    straight = _straight(t, vertices, creased, error)
     for way in ways:
         if (~straight[start[way]]).sum() < 3:  # a sliver stays what it is
             straight[start[way]] = False
@@ -103,7 +105,7 @@ def _upward(t: Triangulation, vertices: Floats, faces: Indices) -> Floats:
     return np.column_stack([np.bincount(faces, normals[:, k]) for k in range(3)])
 
 
-def _straight(t: Triangulation, vertices: Floats, creased: Mask) -> Mask:
+def _straight(t: Triangulation, vertices: Floats, creased: Mask, error: float) -> Mask:
     """Vertices at which two creases end that are in line, shape (V,)."""
     start, end = t.faces.ravel(), np.roll(t.faces, -1, axis=1).ravel()
     rim = np.flatnonzero(creased)
@@ -114,5 +116,6 @@ def _straight(t: Triangulation, vertices: Floats, creased: Mask) -> Mask:
     to, onward = vertices[here] - vertices[pairs[:, 0]], vertices[pairs[:, 1]] - vertices[here]
     turned = np.arctan2(np.linalg.norm(np.cross(to, onward), axis=1), (to * onward).sum(axis=1))
     straight = np.zeros(t.n_vertices, dtype=np.bool_)
-    straight[here[turned <= DIHEDRAL.flat]] = True
+    doubt = 2 * error * (1 / np.linalg.norm(to, axis=1) + 1 / np.linalg.norm(onward, axis=1))
+    straight[here[turned <= DIHEDRAL.flat + doubt]] = True
     return straight

@@ -13,7 +13,7 @@ from isoembed.arrays import Floats
 from isoembed.errors import InvalidParameter
 from isoembed.gluing.polygon import Polygon
 from isoembed.gluing.thresholds import GLUING
-from isoembed.metric.precision import PRECISION, rounding
+from isoembed.metric.precision import PRECISION, last_digits
 from isoembed.thresholds import rounded_up
 
 
@@ -100,4 +100,4 @@ class Tolerance:
 
 
 def _rounding(values: Floats) -> tuple[str, Floats] | None:
-    return rounding(values, GLUING.fewest_digits, PRECISION.written) if values.size else None
+    return last_digits(values, GLUING.fewest_digits, PRECISION.written) if values.size else None

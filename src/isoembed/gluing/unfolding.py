@@ -110,7 +110,7 @@ def unfold(surface: Embedding) -> Unfolding:
         raise InvalidMetric(f"the surface is in {surface.metric.space.name} space: paper is flat")
     unit = surface.metric.unit
     vertices = surface.vertices / unit
-    faces = true_faces(surface.triangulation, vertices)
+    faces = true_faces(surface.triangulation, vertices, surface._vertex_error)
     steps = vertices[faces.corners[faces.twins]] - vertices[faces.corners]
     lengths = np.linalg.norm(steps, axis=1)
     size = float(np.ldexp(1.0, int(np.frexp(lengths.sum())[1])))

@@ -64,7 +64,7 @@ def read_surface(path: str | os.PathLike[str], *, merge: float | None = None) ->
     if volume(metric.faces, np.asarray(straight / own.unit, dtype=np.float64)) < 0:
         metric = PolyhedralMetric(
             metric.faces[:, ::-1], metric.lengths, metric.edges, curvature=metric.curvature
-        )
+        ).rounded_as(metric)
     message = "" if given else "the lengths are those between the vertices of the file"
     surface = Embedding(metric, vertices, method="given", tolerance=TOLERANCE, message=message)
     if surface.concave_edges.any():

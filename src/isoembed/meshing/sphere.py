@@ -1,5 +1,7 @@
 """Points on the unit sphere: spread evenly, at the nodes of a rule, connected by their convex hull."""
 
+from functools import lru_cache
+
 import numpy as np
 from numpy.typing import ArrayLike
 from scipy.spatial import ConvexHull
@@ -41,10 +43,19 @@ def gauss_rule(n: int, around: int) -> tuple[Floats, Floats]:
     Gauss-Legendre in z times even angles about the z-axis: exact for harmonics of degree below 2 n and order
     below `around`.  No node is a pole.
     """
-    # NumPy's nodes are twice as good, but take a time of third order.
-    z, weight = np.polynomial.legendre.leggauss(n) if n <= DENSE else roots_legendre(n)
+    z, weight = _gauss_legendre(n)
     phi = 2.0 * np.pi / around * np.arange(around)
     return directions_at(z[:, None], phi).reshape(-1, 3), np.repeat(2.0 * np.pi / around * weight, around)
+
+
+@lru_cache(maxsize=64)
+def _gauss_legendre(n: int) -> tuple[Floats, Floats]:
+    """Nodes and weights (n,) on [-1, 1], which searches for horizons need again and again."""
+    # NumPy's nodes are twice as good, but take a time of third order.
+    rule = np.polynomial.legendre.leggauss(n) if n <= DENSE else roots_legendre(n)
+    for array in rule:
+        array.setflags(write=False)
+    return rule
 
 
 def hull_faces(u: Floats) -> Indices:

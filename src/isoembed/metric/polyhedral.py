@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from copy import copy
+from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import Any
 
@@ -16,7 +17,7 @@ from isoembed.mesh.triangulation import Triangulation, frozen
 from isoembed.metric.distances import lengths_between
 from isoembed.metric.given_mesh import merging_advice, triangle_mesh
 from isoembed.metric.other_packages import of_pyvista, of_trimesh
-from isoembed.metric.precision import Precision
+from isoembed.metric.precision import Precision, rounding_error
 from isoembed.metric.triangle_checks import check_triangles
 from isoembed.space import EUCLIDEAN, Space
 from isoembed.space.models import Model, from_model
@@ -61,6 +62,8 @@ class PolyhedralMetric:
     precision : Precision or None
         What the coordinates were rounded to that the lengths come from; None if that is not known, or they
         were doubles.
+    length_errors : ndarray, shape (E,), or None
+        Standard deviations of the lengths, whose errors are independent; None if the lengths are exact.
 
     Raises
     ------
@@ -80,6 +83,7 @@ class PolyhedralMetric:
     lengths: Floats
     space: Space
     precision: Precision | None
+    length_errors: Floats | None
 
     def __init__(
         self,
@@ -160,7 +164,7 @@ class PolyhedralMetric:
                 metric = cls.on(triangulation, lengths, space)
             if not space.is_euclidean:
                 return metric
-            return metric._rounded_to(Precision.of(points, metric.mean_length))
+            return metric._knowing(precision=Precision.of(points, metric.mean_length))
         except InvalidMetric as error:
             raise InvalidMetric(f"{error}{merging_advice(points, triangles)}") from None
 
@@ -225,20 +229,34 @@ class PolyhedralMetric:
         _check_lengths(triangulation, lengths, space)
         lengths.flags.writeable = False
         object.__setattr__(self, "precision", None)
+        object.__setattr__(self, "length_errors", None)
         object.__setattr__(self, "triangulation", triangulation)
         object.__setattr__(self, "lengths", lengths)
         object.__setattr__(self, "space", space)
 
-    def _rounded_to(self, precision: Precision | None) -> PolyhedralMetric:
-        object.__setattr__(self, "precision", precision)
-        return self
+    def rounded_as(self, other: PolyhedralMetric) -> PolyhedralMetric:
+        """Return the metric with the `precision` of another in the same unit, whose surface it is."""
+        given = other.precision
+        if given is None:
+            return self
+        error = given.length_error * other.mean_length / self.mean_length
+        return self._knowing(precision=replace(given, length_error=error))
+
+    def _knowing(self, **known: Any) -> PolyhedralMetric:
+        """The same triangles and lengths with another precision, errors or rounding of these."""
+        changed = copy(self)
+        changed.__dict__.pop("normalized", None)
+        for name, value in known.items():
+            object.__setattr__(changed, name, value)
+        return changed
 
     @property
     def tables(self) -> tuple[NDArray, ...]:
         """Arrays that define it up to its `unit`: faces, lengths, and in curved space the curvature."""
         normalized = self.normalized
         curved = () if normalized.space.is_euclidean else (np.array(normalized.curvature),)
-        return self.faces, normalized.lengths, *curved
+        measured = () if normalized.length_errors is None else (normalized.length_errors,)
+        return self.faces, normalized.lengths, *curved, *measured
 
     def with_lengths(self, lengths: ArrayLike) -> PolyhedralMetric:
         """Return the metric with the same triangles and these lengths, in the order of `edges`.
@@ -250,6 +268,34 @@ class PolyhedralMetric:
         """
         return self.on(self.triangulation, lengths, self.space)
 
+    def with_length_errors(self, errors: ArrayLike) -> PolyhedralMetric:
+        """Return the same metric with standard deviations of its lengths; errors of zero make it exact.
+
+        Parameters
+        ----------
+        errors : float or array_like, shape (E,)
+            In the unit of the lengths and the order of `edges`: one for all, or one for each edge.
+
+        Raises
+        ------
+        InvalidMetric
+            They are of another shape, negative or not finite, or zero for some edges only.
+        """
+        given = np.asarray(errors, dtype=np.float64)
+        sigma = np.full(self.lengths.shape, float(given)) if given.ndim == 0 else np.array(given)
+        if sigma.shape != self.lengths.shape:
+            raise InvalidMetric(f"the length errors have the shape {sigma.shape}, not {self.lengths.shape}")
+        exact = not sigma.any()
+        wrong = ~np.isfinite(sigma) | (sigma < 0 if exact else sigma <= 0)
+        if wrong.any():
+            e = int(np.argmax(wrong))
+            raise InvalidMetric(
+                f"the length error of edge {e} {self.edges[e].tolist()} is {sigma[e]}, not a positive finite "
+                "number; zero for all edges is none"
+            )
+        # Errors that are given, be they zero, go before the digits.
+        return self._knowing(length_errors=None if exact else frozen(sigma), rounding=None)
+
     def in_space(self, space: Space) -> PolyhedralMetric:
         """Return the metric with the same triangles and lengths, of the curvature of another space.
 
@@ -258,13 +304,20 @@ class PolyhedralMetric:
         InvalidMetric
             A triangle is too large for it.
         """
-        return self if space == self.space else self.on(self.triangulation, self.lengths, space)
+        if space == self.space:
+            return self
+        return self.on(self.triangulation, self.lengths, space)._knowing(**self._known(1.0))
 
     def scaled(self, factor: float) -> PolyhedralMetric:
         """Return the metric in another unit: every length times this factor."""
         with np.errstate(over="ignore"):  # a length beyond the floats is refused as infinite
             scaled = self.on(self.triangulation, self.lengths * factor, self.space.scaled(factor))
-        return scaled._rounded_to(self.precision)
+        return scaled._knowing(**self._known(factor))
+
+    def _known(self, factor: float) -> dict[str, Any]:
+        """What is known of the lengths in another unit, in which their digits are not seen."""
+        errors = None if self.length_errors is None else frozen(self.length_errors * factor)
+        return {"precision": self.precision, "length_errors": errors, "rounding": self.rounding}
 
     def __repr__(self) -> str:
         t = self.triangulation
@@ -295,6 +348,11 @@ class PolyhedralMetric:
         largest = self.lengths.max()
         return float(largest * np.mean(self.lengths / largest))
 
+    @cached_property
+    def rounding(self) -> float | None:
+        """Standard deviation over the mean length of lengths that show that they were rounded, else None."""
+        return rounding_error(self.lengths)
+
     @property
     def unit(self) -> float:
         """The power of two below the mean edge length: dividing by it rounds nothing."""
@@ -309,7 +367,8 @@ class PolyhedralMetric:
     def normalized(self) -> PolyhedralMetric:
         """The metric in its own `unit`, in which its mean edge length is between 1 and 2."""
         space = self.space.scaled(1 / self.unit)
-        return self.on(self.triangulation, self.lengths / self.unit, space)._rounded_to(self.precision)
+        normalized = self.on(self.triangulation, self.lengths / self.unit, space)
+        return normalized._knowing(**self._known(1 / self.unit))
 
 
 def _length_array(lengths: ArrayLike) -> Floats:

@@ -1,4 +1,4 @@
-"""How coordinates were rounded before they came to us."""
+"""Rounding of coordinates and lengths, recognized by their digits."""
 
 from __future__ import annotations
 
@@ -42,6 +42,15 @@ class Precision:
     name: str
     length_error: float
 
+    @property
+    def vertex_error(self) -> float:
+        """Bound on the error of a vertex in any direction, in mean edge lengths.
+
+        The error of a coordinate is at most half a unit of the last digit, and that of a length is the square
+        root of a sixth of the unit, root mean square.
+        """
+        return math.sqrt(4.5) * self.length_error
+
     @classmethod
     def of(cls, points: Floats, mean_length: float) -> Precision | None:
         """Recognize the precision of coordinates, shape (V, n); None if they are doubles, or exact.
@@ -54,7 +63,7 @@ class Precision:
         """
         values = np.abs(points[points != 0])
         sample = values[:: len(values) // PRECISION.sample + 1]
-        found = None if rounding(sample) is None else rounding(values)
+        found = None if last_digits(sample) is None else last_digits(values)
         if found is None:
             return None
         name, quanta = found
@@ -64,7 +73,34 @@ class Precision:
         return cls(name, spread / mean_length)
 
 
-def rounding(
+DESIGNED = 30
+"""Fewer different lengths are as likely those of a design as those of a measurement."""
+
+COARSE = 0.01
+"""Standard deviation, in mean lengths, above which the last digit is no rounding."""
+
+
+def rounding_error(lengths: Floats) -> float | None:
+    """Standard deviation of lengths that were rounded to a decimal place, over their mean.
+
+    None if they have more than nine digits, take few different values, or are whole multiples of too coarse
+    a unit to be measurements: such lengths are taken as exact.
+    """
+    if not 1e-200 < lengths.max() < 1e200:
+        return None
+    largest = math.floor(math.log10(lengths.max()))
+    sample = lengths[:: len(lengths) // PRECISION.sample + 1]
+    for digits in range(1, PRECISION.most + 1):
+        unit = 10.0 ** (largest - digits + 1)
+        if unit and _multiples(sample, unit) and _multiples(lengths, unit):
+            break
+    else:
+        return None
+    error = unit / math.sqrt(12) / float(lengths.mean())
+    return error if error <= COARSE and len(np.unique(np.rint(lengths / unit))) >= DESIGNED else None
+
+
+def last_digits(
     values: Floats, fewest: int = PRECISION.fewest, most: int = PRECISION.most
 ) -> tuple[str, Floats] | None:
     """What numbers were rounded to, and the unit of the last digit of each; None if exact or doubles.

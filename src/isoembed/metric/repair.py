@@ -203,4 +203,4 @@ def _rescaled(metric: Metric, u: Floats) -> Metric:
         return cast(Metric, equivalent(metric, u))
     with np.errstate(over="ignore"):  # a length beyond the floats is refused as infinite
         chords = metric.space.chord(metric.lengths) * np.exp(u / 2)[metric.edges].prod(axis=1)
-        return cast(Metric, metric.with_lengths(metric.space.arc(chords)))
+        return cast(Metric, metric.with_lengths(metric.space.arc(chords)).rounded_as(metric))

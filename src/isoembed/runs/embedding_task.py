@@ -39,7 +39,7 @@ class EmbeddingTask:
     space : Space, str or None
         As of `isoembed.io.read_metric`.
     length_error : float or None
-        As of `Embedding.with_length_errors`.
+        As of `isoembed.embed`, or for a method without them of `Embedding.with_length_errors`.
     """
 
     label: str
@@ -75,8 +75,10 @@ class EmbeddingTask:
             try:
                 with unchanged(self.path):
                     metric = read_metric(self.path, merge=self.merge, space=self.space)
-                found = embed(metric, method=self.method, tolerance=self.tolerance)
-                if self.length_error is not None:
+                chosen = self.method.takes_length_errors
+                errors = self.length_error if chosen else None
+                found = embed(metric, method=self.method, tolerance=self.tolerance, length_errors=errors)
+                if self.length_error is not None and not chosen:
                     found = found.with_length_errors(self.length_error)
             except NotEmbedded as error:
                 report = {**error.embedding.report, **error.report, **self.facts}

@@ -10,10 +10,17 @@ from isoembed.surface.measures import amplitudes, edge_lengths, vertex_normals
 
 
 def concave_edges(
-    triangulation: Triangulation, vertices: Floats, space: Space = EUCLIDEAN, angles: Floats | None = None
+    triangulation: Triangulation,
+    vertices: Floats,
+    space: Space = EUCLIDEAN,
+    angles: Floats | None = None,
+    error: float = 0.0,
 ) -> Mask:
-    """Edges whose exterior dihedral angle is negative, shape (E,); `angles` are these, where known."""
-    return bends(triangulation, vertices, space, angles) < 0
+    """Edges whose exterior dihedral angle is negative, shape (E,); `angles` are these, where known.
+
+    Angles that an `error` of the vertices explains do not count.
+    """
+    return bends(triangulation, vertices, space, angles, error) < 0
 
 
 def dent_depths(triangulation: Triangulation, vertices: Floats, space: Space = EUCLIDEAN) -> Floats:

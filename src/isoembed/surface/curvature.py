@@ -64,14 +64,43 @@ def dihedral_angles(triangulation: Triangulation, vertices: Floats, space: Space
 
 
 def bends(
-    triangulation: Triangulation, vertices: Floats, space: Space = EUCLIDEAN, angles: Floats | None = None
+    triangulation: Triangulation,
+    vertices: Floats,
+    space: Space = EUCLIDEAN,
+    angles: Floats | None = None,
+    error: float = 0.0,
 ) -> Floats:
-    """Dihedral angles, shape (E,), and 0 where rounding may have made them."""
+    """Dihedral angles, shape (E,), and 0 where rounding or an `error` of the vertices may have made them."""
     if angles is None:
         angles = dihedral_angles(triangulation, vertices, space)
-    errors = turning_errors(triangulation, vertices, space)
-    turned = reduce(np.maximum, (errors[faces] for faces in triangulation.edge_faces.T))
-    return np.where(np.abs(angles) > DIHEDRAL.flat + turned, angles, 0.0)
+    errors = bend_errors(triangulation, vertices, space, error)
+    return np.where(np.abs(angles) > DIHEDRAL.flat + errors, angles, 0.0)
+
+
+def bend_errors(
+    triangulation: Triangulation, vertices: Floats, space: Space = EUCLIDEAN, error: float = 0.0
+) -> Floats:
+    """Bounds on the errors of the dihedral angles, shape (E,), radians.
+
+    Rounding of the vertices counts, and, if given, an `error` of each vertex in any direction.  A dihedral
+    angle depends to first order on four vertices: on the third corner of each triangle with the factor 1/h, h
+    being its height over the edge, and on the ends of the edge with the shares s/h and (1 - s)/h, where the
+    foot of the height divides the edge as s to 1 - s.
+    """
+    t = triangulation
+    turned = turning_errors(t, vertices, space)
+    errors = reduce(np.maximum, (turned[faces] for faces in t.edge_faces.T))
+    if error == 0:
+        return errors
+    halfedges = t.edge_halfedges
+    across = vertices[t.faces.ravel()[halfedges - halfedges % 3 + (halfedges + 2) % 3]]
+    start, along = vertices[t.edges[:, 0]], np.diff(vertices[t.edges], axis=1)[:, 0]
+    squares = np.maximum(np.einsum("ij,ij->i", along, along), TINY)[:, None]
+    share = np.einsum("ekj,ej->ek", across - start[:, None], along) / squares
+    feet = start[:, None] + share[:, :, None] * along[:, None]
+    heights = np.maximum(np.linalg.norm(across - feet, axis=2), error / np.pi)
+    factors = (1 + np.abs(share) + np.abs(1 - share)) / heights
+    return np.maximum(errors, np.minimum(error * factors.sum(axis=1), np.pi))
 
 
 def turning_errors(triangulation: Triangulation, vertices: Floats, space: Space = EUCLIDEAN) -> Floats:

@@ -262,6 +262,12 @@ class Embedding(Sensitivity, Views):
         """``"converged"`` or ``"not converged"``."""
         return "converged" if self.converged else "not converged"
 
+    @property
+    def _vertex_error(self) -> float:
+        """Error of the vertices from rounded coordinates, in the normalized unit; 0 if there were none."""
+        precision = self.metric.precision
+        return 0.0 if precision is None else precision.vertex_error * self.metric.normalized.mean_length
+
     @cached_property
     def _angles(self) -> Floats:
         """The dihedral angles, (E,)."""
@@ -269,9 +275,14 @@ class Embedding(Sensitivity, Views):
 
     @cached_property
     def concave_edges(self) -> Mask:
-        """Edges with an exterior dihedral angle below -1e-7 radians, shape (E,)."""
+        """Edges with an exterior dihedral angle below -1e-7 radians, shape (E,).
+
+        Where the coordinates that the lengths come from were rounded, below minus what this explains.
+        """
         return frozen(
-            convexity.concave_edges(self.triangulation, self._normalized, self._space, self._angles)
+            convexity.concave_edges(
+                self.triangulation, self._normalized, self._space, self._angles, self._vertex_error
+            )
         )
 
     @cached_property

@@ -6,7 +6,8 @@ from isoembed.arrays import Floats, Indices, Mask
 from isoembed.mesh.components import components
 from isoembed.mesh.triangulation import Triangulation
 from isoembed.space import EUCLIDEAN, Space
-from isoembed.surface.curvature import DIHEDRAL, dihedral_angles, turning_errors
+from isoembed.surface.curvature import DIHEDRAL, bend_errors, dihedral_angles, turning_errors
+from isoembed.surface.measures import face_normals
 
 
 def outlines(triangulation: Triangulation, creased: Mask) -> list[list[int]]:
@@ -52,18 +53,29 @@ def flat_faces(triangulation: Triangulation, creased: Mask) -> Indices:
     return components(inside // 3, t.twins[inside] // 3, t.n_faces)
 
 
-def coplanar_faces(triangulation: Triangulation, vertices: Floats, space: Space = EUCLIDEAN) -> Indices:
+def coplanar_faces(
+    triangulation: Triangulation, vertices: Floats, space: Space = EUCLIDEAN, error: float = 0.0
+) -> Indices:
     """The flat face that each triangle is part of, shape (F,).
 
     A triangle so low that rounding turns it joins the face to which it is bent least, but joins no two.
+
+    Parameters
+    ----------
+    triangulation : Triangulation
+    vertices : ndarray, shape (V, 3)
+    space : Space, optional
+    error : float, optional
+        Bound on the error of a vertex, from coordinates that were rounded: triangles are one face where no
+        bend between them is larger than its `bend_errors`, and all vertices are near one plane.
     """
     t = triangulation
     angles = np.abs(dihedral_angles(t, vertices, space))
-    errors = turning_errors(t, vertices, space)
+    turned = turning_errors(t, vertices, space)
     flat = angles <= DIHEDRAL.flat
     faces = flat_faces(t, ~flat[t.face_edges.ravel()])
-    known = np.bincount(faces, errors <= DIHEDRAL.flat) > 0  # by a triangle that is not as low
-    doubtful = np.flatnonzero(~flat & (angles <= DIHEDRAL.flat + errors[t.edge_faces].max(axis=1)))
+    known = np.bincount(faces, turned <= DIHEDRAL.flat) > 0  # by a triangle that is not as low
+    doubtful = np.flatnonzero(~flat & (angles <= DIHEDRAL.flat + turned[t.edge_faces].max(axis=1)))
     joined = np.arange(len(known))
     for e in doubtful[np.argsort(angles[doubtful], kind="stable")].tolist():
         one, other = joined[faces[t.edge_faces[e]]]
@@ -71,4 +83,22 @@ def coplanar_faces(triangulation: Triangulation, vertices: Floats, space: Space 
             known[one] |= known[other]
             joined[joined == other] = one
     found = np.unique(joined[faces], return_inverse=True)[1]
+    if error:
+        bent = angles > DIHEDRAL.flat + bend_errors(t, vertices, space, error)
+        wide = flat_faces(t, bent[t.face_edges.ravel()])
+        # Many small bends may lead around a surface that is smooth: that is no face.
+        curved = _heights(t, vertices, wide) > 2 * error
+        found = np.unique(np.where(curved, len(faces) + found, wide), return_inverse=True)[1]
     return found if found.any() else faces  # of a needle all is doubtful, and a closed surface is no face
+
+
+def _heights(t: Triangulation, vertices: Floats, faces: Indices) -> Floats:
+    """For each triangle, how far the vertices of its face are from the plane of the face, shape (F,)."""
+    normals = np.column_stack([np.bincount(faces, n) for n in face_normals(t.faces, vertices).T])
+    sizes = np.linalg.norm(normals, axis=1, keepdims=True)
+    normals = normals / np.maximum(sizes, np.finfo(np.float64).tiny)
+    offsets = np.einsum("fci,fi->fc", vertices[t.faces], normals[faces])
+    lowest, highest = np.full(len(normals), np.inf), np.full(len(normals), -np.inf)
+    np.minimum.at(lowest, faces, offsets.min(axis=1))
+    np.maximum.at(highest, faces, offsets.max(axis=1))
+    return (highest - lowest)[faces] / 2

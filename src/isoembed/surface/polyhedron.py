@@ -26,9 +26,10 @@ class Polyhedron(Embedding):
         """The face of the polyhedron that each triangle is part of, shape (F,).
 
         Triangles are in one face where the dihedral angle between them is below 1e-7 radians.  Those that
-        rounding may turn by more are in the face that they are bent least to.
+        rounding may turn by more are in the face that they are bent least to.  Where the coordinates that the
+        lengths come from were rounded, angles that this may have made do not count either.
         """
-        return frozen(coplanar_faces(self.triangulation, self._normalized, self._space))
+        return frozen(coplanar_faces(self.triangulation, self._normalized, self._space, self._vertex_error))
 
     @cached_property
     def polygons(self) -> tuple[Indices, ...]:

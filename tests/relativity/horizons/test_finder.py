@@ -236,6 +236,35 @@ def test_separate_is_not_said_where_not_all_groups_were_tried():
     assert "of 3 horizons that were found" in find_horizon(three).notes[-1]
 
 
+def test_a_common_horizon_found_from_one_hole_is_that_of_both(monkeypatch):
+    """It is returned once, without the horizons inside of it, though the search around both ended."""
+    slice_ = pair(0.5)
+    common = find_horizon(slice_)
+
+    def from_one(geometry, place):
+        if len(place.holes) > 1:
+            raise NoHorizon("the sign of the least expansion is not known")
+        return common if 0 in place.holes else within(geometry, place)
+
+    within = finder._inside_sphere
+    monkeypatch.setattr(finder, "_inside_sphere", from_one)
+    assert find_horizons(slice_) == (common,)
+
+
+def test_a_common_horizon_found_last_takes_the_place_of_those_inside(monkeypatch):
+    slice_ = pair(0.5)
+    common = find_horizon(slice_)
+
+    def from_the_second(geometry, place):
+        if len(place.holes) > 1:
+            raise NoHorizon("the sign of the least expansion is not known")
+        return common if 1 in place.holes else within(geometry, place)
+
+    within = finder._inside_sphere
+    monkeypatch.setattr(finder, "_inside_sphere", from_the_second)
+    assert find_horizons(slice_) == (common,)
+
+
 def test_holes_without_a_horizon_are_named(monkeypatch):
     def alone(geometry, place):
         if 1 in place.holes:

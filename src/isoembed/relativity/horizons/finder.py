@@ -6,6 +6,8 @@ import math
 from dataclasses import dataclass, replace
 from typing import Literal
 
+import numpy as np
+
 from isoembed.errors import InvalidMetric, InvalidParameter, NoHorizon
 from isoembed.evidence import Evidence
 from isoembed.meshing.sphere import gauss_rule
@@ -20,6 +22,7 @@ from isoembed.relativity.horizons.symmetry_axis import symmetry_axis
 from isoembed.relativity.spacetimes.star_surface import StarSurface
 from isoembed.relativity.spacetimes.surface import Surface
 from isoembed.relativity.spacetimes.three_geometry import ThreeGeometry
+from isoembed.smooth.two_metric import angle_frame
 from isoembed.thresholds import threshold
 
 
@@ -176,9 +179,15 @@ def inner_horizon(outer: FoundHorizon) -> FoundHorizon:
     geometry, surface = outer.geometry, outer.surface
     try:
         start = Sheet.of(surface, FINDER.sheet, symmetric=is_symmetric(geometry, surface)).even()
-        return mapped_horizon(geometry, swept_mapped(geometry, start), 0.0)
+        inner = mapped_horizon(geometry, swept_mapped(geometry, start), 0.0)
     except FAILURES as error:
         raise NoHorizon(f"no inner horizon was found where it was looked for: {error}") from None
+    if inner.outer:  # Newton's method may lead back to the one outside
+        raise NoHorizon(
+            "no inner horizon was found where it was looked for: the one that was found there, of area "
+            f"{inner.area:.6g}, is stable, with the eigenvalue {inner.stability:.3g} / R^2"
+        )
+    return inner
 
 
 def _near(geometry: ThreeGeometry, guess: Surface, expansion: float) -> FoundHorizon:
@@ -208,32 +217,51 @@ class _Search:
 
 def _search(geometry: ThreeGeometry) -> _Search:
     """The horizons around groups of holes, the largest groups first."""
-    found: list[tuple[Place, FoundHorizon]] = []
+    found: list[tuple[frozenset[int], FoundHorizon]] = []  # with the holes inside
     failures: list[tuple[Place, NoHorizon]] = []
     places = list(places_of(geometry))
     for place in places:
-        if any(place.holes & other.holes for other, _ in found):
+        if any(place.holes & taken for taken, _ in found):
             continue
         try:
-            found.append((place, _inside_sphere(geometry, place)))
+            horizon = _inside_sphere(geometry, place)
         except NoHorizon as failure:
             if failure.barriers is not None:
                 raise
             failures.append((place, failure))
+            continue
+        # A search that begins around some holes may end at the horizon that they have in common with others.
+        holes = place.holes | _holes_inside(geometry, horizon.surface)
+        found = [(others, other) for others, other in found if not others <= holes] + [(holes, horizon)]
     if not found:
         raise failures[0][1]
     n = len(places[0].holes)
     horizons, separate = [], sum(len(place.holes) > 1 for place in places) >= 2**n - n - 1
-    for place, horizon in found:
-        around = [failure for other, failure in failures if place.holes < other.holes]
+    for holes, horizon in found:
+        around = [failure for other, failure in failures if holes < other.holes]
         separate &= all(failure.least_error is not None for failure in around)
         horizons.append(_within(horizon, around))
-    alone = {i for place in places for i in place.holes}.difference(*(place.holes for place, _ in found))
+    alone = {i for place in places for i in place.holes}.difference(*(holes for holes, _ in found))
     if alone:
         at = ", ".join(str(i) for i in sorted(alone))
         note = f"no horizon was found around the black holes {at}, by their place in the slice's list"
         horizons = [replace(horizon, notes=(*horizon.notes, note)) for horizon in horizons]
     return _Search(tuple(sorted(horizons, key=lambda horizon: -horizon.area)), separate)
+
+
+def _holes_inside(geometry: ThreeGeometry, surface: Surface) -> frozenset[int]:
+    """The black holes inside a surface, by their place in the slice's list: its solid angle there is 4 pi."""
+    n, order = surface.harmonics.degree + FINDER.nodes[0], surface.harmonics.order
+    u, weights = gauss_rule(n, 2 * (order + FINDER.nodes[0]))
+    jet = surface.jet(u)
+    normals = np.cross(*(np.einsum("nij,nj->ni", jet.first, e) for e in angle_frame(u)))
+    inside = []
+    for i, (_, position) in enumerate(getattr(geometry, "black_holes", ())):
+        away = jet.x - np.array(position)
+        flux = np.einsum("ni,ni->n", away, normals) / np.linalg.norm(away, axis=1) ** 3
+        if abs(weights @ flux) > 2.0 * np.pi:
+            inside.append(i)
+    return frozenset(inside)
 
 
 def _within(horizon: FoundHorizon, around: list[NoHorizon]) -> FoundHorizon:

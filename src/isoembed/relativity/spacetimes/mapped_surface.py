@@ -196,7 +196,8 @@ class MappedSurface(Surface):
         """Nodes so dense that normals at neighbors look the same way, if there are any."""
         n = max(MAPPED.fewest, int(MAPPED.denser * self.harmonics.degree))
         while True:
-            nodes = _Nodes.of(self.jet, n)
+            around = 2 * n * self.harmonics.order // max(1, self.harmonics.degree)
+            nodes = _Nodes.of(self.jet, n, max(2 * MAPPED.fewest, around))
             if 2 * n > MAPPED.most or nodes.turned is None:
                 return nodes
             n *= 2
@@ -204,7 +205,7 @@ class MappedSurface(Surface):
 
 @dataclass(frozen=True)
 class _Nodes:
-    """A map at the nodes of a rule of n x 2 n: points x, and normals whose length is the area's density."""
+    """A map at the nodes of a product rule: points x, and normals whose length is the area's density."""
 
     n: int
     u: Floats
@@ -213,9 +214,9 @@ class _Nodes:
     normals: Floats
 
     @classmethod
-    def of(cls, jet: Callable[[Floats], SurfaceJet], n: int) -> _Nodes:
-        """The nodes of n circles."""
-        u, weights = gauss_rule(n, 2 * n)
+    def of(cls, jet: Callable[[Floats], SurfaceJet], n: int, around: int) -> _Nodes:
+        """The nodes of n circles of latitude with `around` nodes each."""
+        u, weights = gauss_rule(n, around)
         there = jet(u)
         e_theta, e_phi = (np.einsum("nij,nj->ni", there.first, e) for e in angle_frame(u))
         return cls(n, u, weights, there.x, np.cross(e_theta, e_phi))

@@ -1,0 +1,123 @@
+"""Surfaces from lengths with errors, against the coordinates that the lengths came from."""
+
+import numpy as np
+import pytest
+
+import solids
+import zoo
+from isoembed import Aim, InvalidMetric, InvalidParameter, MeasuredSurface, PolyhedralMetric, embed
+from isoembed.gallery import HarmonicSurface, triangulate
+from isoembed.surface.alignment import distance
+from johnson_solids import johnson
+from rocks import ERROR, in_millimeters, rock
+
+
+@pytest.mark.parametrize("seed", range(3))
+def test_rocks_in_whole_millimeters(seed):
+    x, faces = rock(seed, rough=1.5)
+    metric = in_millimeters(x, faces)
+    found = embed(metric, length_errors=ERROR)
+    assert isinstance(found, MeasuredSurface)
+    assert found.converged
+    assert found.chi_square <= found.chi_square_limit
+    assert distance(found.vertices, x) < 4.0  # a fit that is held at the true vertices: 2 to 3
+    volume = np.einsum("fi,fi->", x[faces[:, 0]], np.cross(x[faces[:, 1]], x[faces[:, 2]])) / 6
+    assert abs(found.volume - volume) < 3 * found.integral_deviation(ERROR).volume
+
+
+def test_digits_are_seen_where_the_exact_surface_is_rough():
+    """Seed 102 of these: the exact surface is crumpled, and 35 mm off."""
+    x, faces = rock([102, 80])
+    metric = in_millimeters(x, faces)
+    exact = embed(metric, length_errors=0)
+    assert not isinstance(exact, MeasuredSurface)
+    assert exact.residual < 1e-10
+    found = embed(metric)
+    assert isinstance(found, MeasuredSurface)
+    assert distance(found.vertices, x) < 4.0
+    assert "last digit" in found.message
+    assert [other.residual < 1e-10 for other in found.others] == [True]
+
+
+def test_small_errors_leave_the_exact_surface_if_it_is_smoother():
+    """The fit has a vertex on the wrong side of its neighbors, 0.3 of 150 off; both pass the test."""
+    x, faces = triangulate(HarmonicSurface(degree=4, order=2, amplitude=0.15), 300, irregular=0)
+    exact = PolyhedralMetric.from_mesh(150 * x, faces)
+    noise = 3e-6 * np.random.default_rng(0).standard_normal(len(exact.lengths))
+    found = embed(exact.with_lengths(exact.lengths + noise), length_errors=3e-6)
+    assert found.chi_square < found.chi_square_limit
+    assert distance(found.vertices, 150 * x) < 0.02
+
+
+def test_errors_in_any_unit():
+    x, faces = rock(1, rough=1.5)
+    metric = in_millimeters(x, faces)
+    found = embed(metric, length_errors=ERROR)
+    inches = embed(metric.scaled(1 / 25.4), length_errors=ERROR / 25.4)
+    assert distance(25.4 * inches.vertices, found.vertices) < 1e-6
+    assert inches.chi_square == pytest.approx(found.chi_square, rel=1e-6)
+
+
+def test_large_errors_have_no_weight():
+    """One length that is off by 5 mm, and known to be bad, changes little."""
+    x, faces = rock(1, rough=1.5)
+    metric = in_millimeters(x, faces)
+    lengths, errors = metric.lengths.copy(), np.full(len(metric.lengths), ERROR)
+    lengths[10] += 5.0
+    errors[10] = 10.0
+    found = embed(metric.with_lengths(lengths), length_errors=errors)
+    assert distance(found.vertices, embed(metric, length_errors=ERROR).vertices) < 1.5
+    assert found.chi_square < found.chi_square_limit
+
+
+def test_whole_numbers_of_a_design_are_exact():
+    tetrahedron = PolyhedralMetric([[0, 1, 2], [0, 2, 3], [0, 3, 1], [1, 3, 2]], [3, 4, 5, 5, 4, 3])
+    assert tetrahedron.rounding is None
+    x, faces = rock(0)
+    assert in_millimeters(x, faces).rounding == pytest.approx(
+        ERROR / in_millimeters(x, faces).mean_length, rel=1e-9
+    )
+    assert PolyhedralMetric.from_mesh(x, faces).rounding is None
+
+
+def test_refusals():
+    x, faces = rock(0)
+    metric = in_millimeters(x, faces)
+    with pytest.raises(InvalidMetric, match=r"length error of edge 0 .* is -1"):
+        embed(metric, length_errors=-1)
+    with pytest.raises(InvalidMetric, match=r"shape \(3,\)"):
+        embed(metric, length_errors=[1, 2, 3])
+    some = np.ones(len(metric.lengths))
+    some[7] = 0
+    with pytest.raises(InvalidMetric, match=r"edge 7 .* is 0"):
+        embed(metric, length_errors=some)
+    with pytest.raises(InvalidParameter, match="takes lengths as exact"):
+        embed(metric, method="alexandrov", length_errors=0.1)
+    best = embed(metric, method=Aim(best_fit=True), length_errors=0)
+    assert not isinstance(best, MeasuredSurface)
+
+
+@pytest.mark.parametrize("k", [2, 8, 10, 26, 49, 51])
+def test_corners_are_not_smoothed_to_another_body(k):
+    """Johnson solids from lengths with errors of 1e-4: no fit on the way collapses."""
+    x = johnson(k)
+    exact = PolyhedralMetric.from_mesh(x, solids.triangles(solids.polygons(x)))
+    error = 1e-4 * exact.mean_length
+    lengths = exact.lengths + error * np.random.default_rng(k).standard_normal(len(exact.lengths))
+    found = embed(exact.with_lengths(lengths), length_errors=error)
+    assert found.converged
+    assert distance(found.vertices, x) < 0.05 * exact.mean_length  # flat vertices move by the root of it
+
+
+def test_error_bars_of_a_flat_vertex_are_right_to_a_factor_of_two():
+    """Its height goes as the root of its deficit, and bars are of first order."""
+    x, faces = zoo.tetrahedron()
+    a, b, c = faces[0]
+    split = np.vstack([faces[1:], [[a, b, 4], [b, c, 4], [c, a, 4]]])
+    exact = PolyhedralMetric.from_mesh(np.vstack([x, x[faces[0]].mean(axis=0)]), split)
+    volume, pulls = embed(exact).volume, []
+    for seed in range(20):
+        noise = 1e-4 * np.random.default_rng(seed).standard_normal(len(exact.lengths))
+        found = embed(exact.with_lengths(exact.lengths + noise), length_errors=1e-4)
+        pulls.append((found.volume - volume) / found.integral_deviation(1e-4).volume)
+    assert np.median(np.abs(pulls)) < 2.0
