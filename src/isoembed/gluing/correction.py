@@ -95,10 +95,8 @@ def corrected(
     rounded = GLUING.rounding * sum(sheet.perimeter for sheet in sheets)
     if largest <= rounded and not tolerance.units.any():
         return list(sheets), None
-    units = tolerance.units
-    if tolerance.given is not None:  # larger errors show in the sides
-        units = np.maximum(units, largest / 2**1.5)
-    flat = _flat_vertices(sheets, runs, tolerance, first, after, start, units / size)
+    errors = tolerance.errors(largest) / size
+    flat = _flat_vertices(sheets, runs, tolerance, first, after, start, errors)
     points = _nearest(start, sides, flat)
     moved = np.linalg.norm(points - start, axis=1) * size
     worst = int(np.argmax(moved))

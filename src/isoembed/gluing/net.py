@@ -2,6 +2,7 @@
 
 import warnings
 from collections.abc import Sequence
+from copy import copy
 from dataclasses import dataclass
 from typing import Any
 
@@ -20,6 +21,7 @@ from isoembed.gluing.tolerance import Tolerance
 from isoembed.intrinsic.ears import triangulated, twins_inside
 from isoembed.mesh.triangulation import frozen
 from isoembed.metric.glued import GluedMetric
+from isoembed.metric.precision import Precision
 from isoembed.space import Space
 from isoembed.space.models import MODELS, Model
 
@@ -48,6 +50,8 @@ class Net(GluedMetric):
         Half-edges on an outline, as of every `GluedMetric`.
     correction : Correction or None
         The change of the corners by which sides that differed became equal, and which the polygons have.
+    folded : ndarray, shape (V, 3), or None
+        The vertices as the fold angles of the file place them, if it has such.
     """
 
     polygons: tuple[Floats, ...]
@@ -56,12 +60,14 @@ class Net(GluedMetric):
     face_polygons: Indices
     places: Floats
     correction: Correction | None
+    folded: Floats | None
 
     def __init__(
         self,
         sheets: Sequence[Polygon],
         runs: Sequence[tuple[Run, Run]],
         correction: Correction | None = None,
+        precision: Precision | None = None,
     ) -> None:
         stops, mates = cut_outlines(sheets, runs, Tolerance.exact(len(sheets)))
         space = sheets[0].space
@@ -88,8 +94,20 @@ class Net(GluedMetric):
             ("places", frozen(points[triangles])),
             ("seams", frozen(seams)),
             ("correction", correction),
+            ("precision", None if precision is None else precision.in_means(1 / self.mean_length)),
+            ("folded", None),
         ):
             object.__setattr__(self, name, value)
+
+    def knowing(self, **known: Any) -> "Net":
+        """The same net with another `precision`, its error in the unit of the sheets, or as `folded`."""
+        changed = copy(self)
+        changed.__dict__.pop("normalized", None)
+        if (precision := known.get("precision")) is not None:
+            known["precision"] = precision.in_means(1 / self.mean_length)
+        for name, value in known.items():
+            object.__setattr__(changed, name, value)
+        return changed
 
 
 def glue(
@@ -204,7 +222,8 @@ def _net(sheets: Sequence[Polygon], sides: Sequence[Any], tolerance: Tolerance) 
         return Net(sheets, runs)
     if correction.largest > GLUING.same_length * max(sheet.perimeter for sheet in sheets):
         warnings.warn(str(correction), MeshNote, stacklevel=3)
-    return Net(changed, read_sides(sides, changed, Tolerance.exact(len(changed))), correction)
+    exact = read_sides(sides, changed, Tolerance.exact(len(changed)))
+    return Net(changed, exact, correction, tolerance.precision(correction.difference))
 
 
 def _triangles(polygons: Sequence[Floats], first: Indices, space: Space) -> tuple[Indices, Indices]:

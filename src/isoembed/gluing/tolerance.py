@@ -13,7 +13,7 @@ from isoembed.arrays import Floats
 from isoembed.errors import InvalidParameter
 from isoembed.gluing.polygon import Polygon
 from isoembed.gluing.thresholds import GLUING
-from isoembed.metric.precision import PRECISION, last_digits
+from isoembed.metric.precision import PRECISION, Precision, last_digits
 from isoembed.thresholds import rounded_up
 
 
@@ -81,6 +81,16 @@ class Tolerance:
         # Rounded or cut off, a coordinate of one end is off by at most a unit against that of the other;
         # over many sides such errors grow with the root of their number.
         return max(least, math.sqrt(sides) * float(self.units[p] + self.units[q]))
+
+    def errors(self, difference: float) -> Floats:
+        """Errors of the coordinates of each polygon, where lengths that are glued differ by up to so much."""
+        return self.units if self.given is None else np.maximum(self.units, difference / 2**1.5)
+
+    def precision(self, difference: float) -> Precision:
+        """The precision of the corners, the error of a length in their unit."""
+        name = self.digits if self.given is None else f"a tolerance of {self.given:g}"
+        # An error is spread evenly over a unit of the last digit, and a side has two ends.
+        return Precision(name, float(self.errors(difference).max()) / math.sqrt(6))
 
     def refusal(self, most: float, difference: float) -> str:
         """The end of a sentence about lengths that differ by more."""

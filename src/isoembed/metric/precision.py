@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -50,6 +50,10 @@ class Precision:
         root of a sixth of the unit, root mean square.
         """
         return math.sqrt(4.5) * self.length_error
+
+    def in_means(self, factor: float) -> Precision:
+        """The same errors of edges whose mean length is smaller by this factor."""
+        return replace(self, length_error=self.length_error * factor)
 
     @classmethod
     def of(cls, points: Floats, mean_length: float) -> Precision | None:
