@@ -26,33 +26,31 @@ CREASES = CreaseThresholds()
 Side = tuple[int, int]
 
 
-def meeting_corners(
-    points: Floats, faces: Sequence[Sequence[int]], angles: Mapping[Side, float], tolerance: float
-) -> Indices:
-    """Names of the vertices of a sheet, of which those on its boundary that meet have the same, shape (V,).
+def meeting_corners(places: Floats, faces: Sequence[Sequence[int]], tolerance: float) -> Indices:
+    """Names of the vertices of a folded sheet, the same for those on its boundary that meet, shape (V,).
 
     Parameters
     ----------
-    points : ndarray, shape (V, 2)
+    places : ndarray, shape (V, 3)
+        From `fold_up`.
     faces : sequence of sequences of int
-        The vertices around each, counterclockwise.
-    angles : mapping
-        By how many radians each crease, (smaller, larger vertex), is folded: positive of valleys.
     tolerance : float
         Corners as near as this in space are one.
 
     Raises
     ------
     InvalidMetric
-        The faces do not hang together, have no angle between them, or come apart.
+        There are several sheets.
     """
-    size = float(np.ptp(points, axis=0).max()) or 1.0
-    owners = _owners(faces)
-    places = _folded(points / size, faces, owners, angles, tolerance / size)
-    rim = np.unique([v for side, (_, *others) in owners.items() if not others for v in side])
-    names = np.arange(len(points))
+    for f, face in enumerate(faces):
+        if np.isnan(places[face]).any():
+            raise InvalidMetric(
+                f"face {f} has no side in common with the sheet of face 0: one sheet is folded up"
+            )
+    rim = np.unique([v for side, (_, *others) in _owners(faces).items() if not others for v in side])
+    names = np.arange(len(places))
     if len(rim):
-        names[rim] = rim[representatives(places[rim], tolerance / size)]
+        names[rim] = rim[representatives(places[rim], tolerance)]
     return names
 
 
@@ -70,14 +68,28 @@ def _owners(faces: Sequence[Sequence[int]]) -> dict[Side, list[tuple[int, int, i
     return owners
 
 
-def _folded(
-    points: Floats,
-    faces: Sequence[Sequence[int]],
-    owners: Mapping[Side, list[tuple[int, int, int]]],
-    angles: Mapping[Side, float],
-    tolerance: float,
+def fold_up(
+    points: Floats, faces: Sequence[Sequence[int]], angles: Mapping[Side, float], tolerance: float
 ) -> Floats:
-    """The vertices in space, (V, 3): the first face stays, others follow across the creases."""
+    """The vertices in space, (V, 3): face 0 stays, others follow across the creases; NaN in other sheets.
+
+    Parameters
+    ----------
+    points : ndarray, shape (V, 2)
+    faces : sequence of sequences of int
+        The vertices around each, counterclockwise.
+    angles : mapping
+        By how many radians each crease, (smaller, larger vertex), is folded: positive of valleys.
+    tolerance : float
+        How far apart the places of a vertex in two faces may be.
+
+    Raises
+    ------
+    InvalidMetric
+        Faces have no angle between them, or come apart.
+    """
+    size = float(np.ptp(points, axis=0).max()) or 1.0  # keeps the squares from under- and overflowing
+    points, tolerance, owners = points / size, tolerance / size, _owners(faces)
     flat = np.column_stack([points, np.zeros(len(points))])
     places = np.full_like(flat, np.nan)
     turns = {0: (np.eye(3), np.zeros(3))}  # x = R p + t
@@ -100,12 +112,7 @@ def _folded(
                 if g not in turns:
                     turns[g] = moved
                     waiting.append(g)
-    if len(turns) < len(faces):
-        f = next(f for f in range(len(faces)) if f not in turns)
-        raise InvalidMetric(
-            f"face {f} has no side in common with the sheet of face 0: one sheet is folded up"
-        )
-    return places
+    return places * size
 
 
 def _put(places: Floats, face: Sequence[int], found: Floats, f: int, tolerance: float) -> None:

@@ -22,7 +22,13 @@ from isoembed.gluing import (
 )
 from isoembed.gluing.unfolding import Unfolding
 from isoembed.io import json
-from isoembed.io.crease_pattern import crease_pattern, read_crease_pattern
+from isoembed.io.crease_pattern import (
+    crease_pattern,
+    creased_net,
+    creases,
+    precision_entry,
+    read_crease_pattern,
+)
 from isoembed.io.files import FileError, Writer, check_ending, ending, write_atomically
 from isoembed.io.input_file import InputFile
 from isoembed.io.registry import check_output
@@ -91,7 +97,8 @@ def net_writer(path: str | os.PathLike[str], unfolding: Unfolding) -> Writer:
     """Writer of a net in the format of this ending; see `write_atomically` and `write_net`."""
     unfolding.net  # noqa: B018, who reads it will glue it
     is_fold = ending(path) == ".fold"
-    sheets = {"polygons": unfolding.sheets, "sides": unfolding.sides}
+    sheets = {"polygons": unfolding.sheets, "sides": unfolding.sides, "folds": creases(unfolding)}
+    sheets |= precision_entry(unfolding, "precision")
     text = strict_json(crease_pattern(unfolding) if is_fold else sheets) + "\n"
     return lambda temporary: temporary.write_text(text, encoding="utf-8")
 
@@ -128,8 +135,13 @@ def _net(document: Mapping[str, Any], name: str, tolerance: float | None) -> Net
     surface = _surface(document, name) if form in ("polygons", "regular", "zip") else {}
     if form == "polygons":
         how = "corners" if "corners" in document else "sides"
-        entries = _entries(document, name, ("polygons", how), tuple(surface))
+        entries = _entries(document, name, ("polygons", how), (*surface, "folds", "precision"))
         polygons = _list(entries["polygons"], f"polygons of {name}")
+        if "folds" in entries:
+            if how != "sides" or surface:
+                raise FileError(f"{name} has folds, which are for sides that are glued, in the plane")
+            known = (entries["folds"], entries.get("precision"))
+            return creased_net(polygons, entries["sides"], *known, tolerance, name)
         shapes = [_polygon(polygon, f"polygon {p}", **surface) for p, polygon in enumerate(polygons)]
         glued = _list(entries[how], f"{how} of {name}")
         told: dict[str, Any] = {how: glued, **surface}
