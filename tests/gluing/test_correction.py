@@ -132,3 +132,31 @@ def test_a_tolerance_is_a_length(tolerance):
 def test_curved_polygons_are_not_corrected():
     with pytest.raises(InvalidParameter, match="a tolerance is for polygons of the plane"):
         glue([TRIANGLE] * 4, corners=NAMES, tolerance=0.1, curvature=-1.0)
+
+
+def pyramid(rise):
+    """A low pyramid over a square: the deficit at its apex is small."""
+    edge = np.sqrt(0.5 + rise**2)
+    side = [[0, 0], [1, 0], [0.5, np.sqrt(edge**2 - 0.25)]]
+    return [side] * 4 + [[[0, 0], [1, 0], [1, 1], [0, 1]]], ["abe", "bce", "cde", "dae", "abcd"]
+
+
+def test_a_large_tolerance_does_not_flatten_a_small_deficit():
+    sheets, names = pyramid(0.01)  # lengths agree: there is nothing to correct, whatever is allowed
+    exact, allowed = (glue(sheets, corners=names, tolerance=t) for t in (None, 0.1))
+    assert allowed.correction is None
+    assert allowed.deficits == pytest.approx(exact.deficits, abs=1e-12)
+    assert 0 < exact.deficits[exact.corners[0][2]] < 1e-3
+
+
+def test_what_a_large_tolerance_flattens_is_said():
+    sheets, names = pyramid(0.01)
+    sheets = [np.array(sheet) for sheet in sheets]
+    sheets[4] = sheets[4] * [1.0, 1.01]  # two sides are off by a hundredth, which hides the apex
+    with pytest.warns(MeshNote, match=r"1 vertices are made flat, with deficits of up to 0\.0008"):
+        net = glue(sheets, corners=names, tolerance=0.02)
+    assert net.correction.flattened == 1
+    apex = net.corners[0][2]
+    exact = glue(pyramid(0.01)[0], corners=names)
+    assert net.correction.largest_deficit == pytest.approx(exact.deficits[apex], rel=1e-6)
+    assert abs(net.deficits[apex]) < 1e-12

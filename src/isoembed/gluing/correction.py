@@ -39,6 +39,10 @@ class Correction:
         The largest difference between two lengths that were glued.
     source : str
         The tolerance that was used, and where it comes from.
+    flattened : int
+        Vertices whose total angle was made a full one.
+    largest_deficit : float
+        The largest deficit that one of them had, of either sign, radians.
     """
 
     largest: float
@@ -47,12 +51,15 @@ class Correction:
     corner: int
     difference: float
     source: str
+    flattened: int
+    largest_deficit: float
 
     def __str__(self) -> str:
+        flat = f"; {self.flattened} vertices are made flat, with deficits of up to {self.largest_deficit:.2g}"
         return (
             f"glued sides differ by up to {self.difference:.2g} (tolerance {self.source}): the sheets are "
             f"corrected, corner {self.corner} of polygon {self.polygon} most, by {self.largest:.2g}, "
-            f"root mean square {self.rms:.2g}"
+            f"root mean square {self.rms:.2g}{flat if self.flattened else ''}"
         )
 
 
@@ -113,6 +120,8 @@ def corrected(
         int(-k % sheets[p].n if sheets[p].turned else k),
         largest,
         f"{allowed:.2g}, {tolerance.source}",
+        len(flat.weights),
+        float(np.abs(flat.values(start) / flat.weights).max(initial=0.0)),
     )
 
 
@@ -248,7 +257,7 @@ def _nearest(start: Floats, sides: _Sides, flat: _Flat) -> Floats:
     """The points nearest to these at which both vanish."""
     shape = sides.n + len(flat.straight), 2 * len(start)
     points, least, best = start, np.inf, start
-    for _ in range(GLUING.corrections):
+    for _ in range(50):  # Newton steps; five are usual
         values = np.concatenate([sides.values(points), flat.values(points)])
         error = float(np.abs(values).max(initial=0.0))
         if error >= least / 2:
@@ -268,7 +277,7 @@ def _nearest(start: Floats, sides: _Sides, flat: _Flat) -> Floats:
         wanted = jacobian @ (points - start).ravel() - values
         step = lsqr(jacobian, wanted, atol=1e-15, btol=1e-15, iter_lim=8 * max(shape))[0]
         points = start + step.reshape(-1, 2)
-    if least > GLUING.corrected:
+    if least > 1e-13:  # sizes of the largest sheet: rounding
         raise InvalidMetric(
             "no small change of the polygons makes all sides that are glued equal: a difference of "
             f"{least:.2g} of the size of the largest remains"

@@ -99,14 +99,14 @@ class Net(GluedMetric):
         ):
             object.__setattr__(self, name, value)
 
-    def knowing(self, **known: Any) -> "Net":
-        """The same net with another `precision`, its error in the unit of the sheets, or as `folded`."""
+    def knowing(self, *, precision: Precision | None = None, folded: Floats | None = None) -> "Net":
+        """The same net, folded so and of this precision, the error of a length in the unit of the sheets."""
         changed = copy(self)
         changed.__dict__.pop("normalized", None)
-        if (precision := known.get("precision")) is not None:
-            known["precision"] = precision.in_means(1 / self.mean_length)
-        for name, value in known.items():
-            object.__setattr__(changed, name, value)
+        if precision is not None:
+            object.__setattr__(changed, "precision", precision.in_means(1 / self.mean_length))
+        if folded is not None:
+            object.__setattr__(changed, "folded", frozen(folded))
         return changed
 
 

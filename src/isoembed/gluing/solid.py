@@ -1,8 +1,9 @@
-"""The solid of a net: as its fold angles say, or the convex one, or another."""
+"""The solid of a net: as its fold angles say, or the convex one."""
 
 import numpy as np
 
 from isoembed._embed import embed
+from isoembed.errors import InvalidMetric
 from isoembed.gluing.net import Net
 from isoembed.linalg import SingularMatrix
 from isoembed.metric.convexity import deficit_rounding
@@ -26,19 +27,29 @@ def embed_net(net: Net, *, progress: Listener | None = None) -> Embedding:
     -------
     Embedding
         Where the net says how it is folded and that is not convex, the solid folded so.  Otherwise the convex
-        polyhedron of a convex metric, by the method ``"alexandrov"``, and of another what ``"aim"`` finds.
+        polyhedron of its metric, by the method ``"alexandrov"``.  Where fold angles are far off, what
+        ``"aim"`` finds on the faces between the folds.
 
     Raises
     ------
+    InvalidMetric
+        The metric is not convex, and the net does not say how it is folded.
     NotEmbedded
         No surface was found.
     """
     folded = None if net.folded is None else _folded(net, progress)
     if folded is not None and folded.concave_edges.any():
         return folded
-    if (net.deficits < -deficit_rounding(net.faces, net.face_lengths, net.curvature)).any():
-        return folded or embed(net.simplicial(), progress=progress)
-    return embed(net, method="alexandrov", progress=progress)
+    v = int(np.argmin(net.deficits))
+    if net.deficits[v] >= -deficit_rounding(net.faces, net.face_lengths, net.curvature)[v]:
+        return embed(net, method="alexandrov", progress=progress)
+    if net.folded is None:  # the triangles of its polygons are none of the faces of the solid
+        raise InvalidMetric(
+            f"vertex {v} has total angle {2 * np.pi - net.deficits[v]:.10g} > 2 pi: the metric is not "
+            "convex, and the net does not tell how one sheet of it is folded: 'isoembed unfold' writes nets "
+            "that do, as .json with folds or as .fold with edges_foldAngle"
+        )
+    return folded or embed(net.simplicial(), progress=progress)
 
 
 def _folded(net: Net, progress: Listener | None) -> Embedding | None:

@@ -12,13 +12,6 @@ class GluingThresholds:
     same_length: float = threshold(
         1e-9, "relative", "Difference of one length in coordinates whose digits tell no other."
     )
-    fewest_digits: int = threshold(
-        4, "digits", "Corners typed with fewer are exact: their sides are equal or are not glued."
-    )
-    corrections: int = threshold(50, "count", "Newton steps of the correction of sheets; five are usual.")
-    corrected: float = threshold(
-        1e-13, "sizes of the largest sheet", "Difference that a correction may leave."
-    )
     rounding: float = threshold(
         1e-15, "perimeters", "Difference that floats leave of one length on two outlines, however short."
     )

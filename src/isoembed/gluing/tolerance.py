@@ -63,8 +63,8 @@ class Tolerance:
             alone = [_rounding(some) for some in values]
             name = next((one[0] for one in alone if one is not None), "")
             units = np.array([0.0 if one is None else float(one[1].max()) for one in alone])
-        # Of sides there must be digits, too: whole numbers far from the origin are exact.
-        if units.max() > 10.0 ** (1 - GLUING.fewest_digits) * side:
+        # Sides must have four digits, too: whole numbers far from the origin are exact.
+        if units.max() > 1e-3 * side:
             return cls(np.zeros(len(sheets)), "", given)
         return cls(units, name, given)
 
@@ -110,4 +110,5 @@ class Tolerance:
 
 
 def _rounding(values: Floats) -> tuple[str, Floats] | None:
-    return last_digits(values, GLUING.fewest_digits, PRECISION.written) if values.size else None
+    # Corners typed with fewer than four digits are exact: their sides are equal or are not glued.
+    return last_digits(values, 4, PRECISION.written) if values.size else None

@@ -20,7 +20,6 @@ from isoembed.io import json
 from isoembed.io.files import FileError
 from isoembed.io.fold import CORNERS
 from isoembed.io.input_file import InputFile
-from isoembed.mesh.triangulation import frozen
 from isoembed.metric.precision import Precision
 from isoembed.version import __version__
 
@@ -153,25 +152,24 @@ def _is_fold(fold: Any, n: int) -> bool:
     if not isinstance(fold, list) or len(fold) != 3 or not all(type(k) is int for k in fold[:2]):
         return False
     a, b, angle = fold
-    inside = 0 <= min(a, b) and max(a, b) < n and (a - b) % n not in (0, 1, n - 1)
+    inside = min(a, b) >= 0 and max(a, b) < n and (a - b) % n not in (0, 1, n - 1)
     return inside and is_number(angle) and abs(angle) <= 180
 
 
 def _knowing(net: Net, faces: Sequence[Sequence[int]], places: Floats | None, said: Any, name: str) -> Net:
     """The net with what its file says of it besides: places of the vertices, and their precision."""
-    known: dict[str, Any] = {}
     if said is not None:
         error = said.get("length_error") if isinstance(said, dict) else None
         if not is_number(error) or not 0 < error < math.inf or not isinstance(said.get("name"), str):
             raise FileError(f"{name}: the precision is {str(said)[:40]}, not a name and a length_error")
-        known["precision"] = Precision(said["name"], float(error))
+        net = net.knowing(precision=Precision(said["name"], float(error)))
     if places is not None:
         folded = np.full((net.n_vertices, 3), np.nan)
         for vertices, face in zip(net.corners, faces, strict=True):
             folded[vertices] = places[face]
         if np.isfinite(folded).all():  # there is one sheet, and all vertices are corners
-            known["folded"] = frozen(folded)
-    return net.knowing(**known)
+            net = net.knowing(folded=folded)
+    return net
 
 
 def _angles(edges: Any, degrees: Any, file: InputFile) -> dict[tuple[int, int], float]:

@@ -55,7 +55,8 @@ def read_net(source: str, *, tolerance: float | None = None) -> Net:
     ----------
     source : str
         A ``.json`` file, or ``-`` for standard input: an object with ``polygons`` and ``sides`` or
-        ``corners``, as `isoembed.glue` takes them, or with one of
+        ``corners``, as `isoembed.glue` takes them, with ``sides`` also ``folds``, for each polygon a list of
+        ``[corner, corner, degrees]``, positive where the solid is convex; or with one of
 
         - ``"regular": [names, ...]``: the names of the corners of regular polygons with sides of length 1
         - ``"zip": {"polygon": POLYGON, "at": position}``

@@ -4,7 +4,7 @@ import numbers
 import sys
 import warnings
 from collections.abc import Callable
-from typing import Any, cast
+from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -252,7 +252,7 @@ def _turned_over(edges: Indices, face_edges: Indices, faces: Indices) -> Mask:
     if (label[:F] == label[F:]).any():
         raise InvalidMetric("the surface cannot be oriented (it is one-sided), so it is not a sphere")
     # Labels are numbered by first nodes: the copy that the first face of a component is in has the lower one.
-    return cast(Mask, label[:F] > label[F:])
+    return label[:F] > label[F:]
 
 
 def _check_sphere(faces: Indices, edges: Indices, edge_halfedges: Indices) -> None:

@@ -105,9 +105,7 @@ class GluedMetric:
         if isinstance(metric, GluedMetric):
             return metric
         twins = metric.triangulation.twins
-        return cls._made(
-            metric.faces, twins, metric.face_lengths, metric.space, precision=metric.precision
-        )
+        return cls._made(metric.faces, twins, metric.face_lengths, metric.space, precision=metric.precision)
 
     @classmethod
     def _made(
