@@ -16,6 +16,7 @@ SMALLEST = {
     "certificates": "--sizes 100",
     "cold_start": "--only surface",
     "convex_sweep": "--seeds 1",
+    "damaged_files": "--count 20",
     "dents": "--vertices 200 --dimples 1 --every 40",
     "common_horizons": "--pairs 1 --groups 0 --ratios 1",
     "deviation": "--size 60 --noises 3",

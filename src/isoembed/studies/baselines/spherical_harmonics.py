@@ -20,7 +20,7 @@ from scipy.optimize import minimize
 from isoembed.arrays import Floats
 from isoembed.errors import InvalidParameter
 from isoembed.smooth.harmonics import Harmonics
-from isoembed.smooth.isometry import ISOMETRY, IsometrySystem, MetricSamples, around, strains
+from isoembed.smooth.isometry import OVERSAMPLING, IsometrySystem, MetricSamples, around, strains
 from isoembed.smooth.two_metric import TwoMetric
 from isoembed.studies.baselines.thresholds import BASELINES
 
@@ -55,7 +55,7 @@ class HarmonicMap:
 
 def isometry_system(metric: TwoMetric, harmonics: Harmonics) -> IsometrySystem:
     """The equations at the nodes of a Gauss rule that resolves the harmonics."""
-    n = int(np.ceil(ISOMETRY.oversampled * (harmonics.degree + 1)))
+    n = int(np.ceil(OVERSAMPLING * (harmonics.degree + 1)))
     return IsometrySystem.of(harmonics, MetricSamples.of(metric, n, around(n, harmonics)))
 
 
