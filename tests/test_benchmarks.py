@@ -11,7 +11,6 @@ from places import ROOT
 SMALLEST = {
     "alexandrov": "--sizes 100 --sweep 1",
     "ambiguity": "--sizes 100 --bodies kerr saddle --seeds 1",
-    "baselines": "--vertices 50 --degree 4 --steps 1",
     "bent": "--sizes 300 --bodies peanut --kinds regular",
     "certificates": "--sizes 100",
     "cold_start": "--only surface",
