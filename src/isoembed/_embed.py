@@ -170,9 +170,11 @@ def embed(
     """
     if boundary is not None and method != DEFAULT:
         raise InvalidParameter("a boundary takes the place of a method: give no method beside it")
-    chosen = configured(method) if boundary is None else configuration("sheet")(boundary, start)
+    chosen = configured(method) if boundary is None else _sheet(boundary, start)
     if start is not None and boundary is None:
-        raise InvalidParameter("a start is for surfaces with boundary or of higher genus: give boundary='free'")
+        raise InvalidParameter(
+            "a start is for surfaces with boundary or of higher genus: give boundary='free'"
+        )
     if isinstance(metric, GluedMetric) and not chosen.takes_glued:
         raise InvalidParameter(
             f"the method {chosen.name!r} keeps the given triangles, and those of a glued metric need not be "
@@ -192,7 +194,9 @@ def embed(
         try:
             metric.triangulation.check_sphere()
         except InvalidMetric as error:
-            raise InvalidMetric(f"{error}; boundary='free' embeds such surfaces, and 'plane' a convex cap") from None
+            raise InvalidMetric(
+                f"{error}; boundary='free' embeds such surfaces, and 'plane' a convex cap"
+            ) from None
     if metric.curvature and not chosen.takes_curved:
         raise InvalidParameter(
             f"the metric has the curvature {metric.curvature:.6g}, and the method {chosen.name!r} embeds in "
@@ -230,6 +234,13 @@ def embed(
     if embedding.status == "not converged":
         raise NotEmbedded(embedding.message, embedding)
     return embedding
+
+
+def _sheet(boundary: ArrayLike | str, start: ArrayLike | None) -> Method:
+    """The method for surfaces with boundary, or of higher genus."""
+    kind: Any = configuration("sheet")
+    method: Method = kind(boundary, start)
+    return method
 
 
 def configured(method: str | Method) -> Method:

@@ -155,9 +155,7 @@ REFUSALS = {
     "repeated face, turned and reversed": ([*T, [3, 2, 0]], "face 4 [3, 2, 0] repeats face 1"),
     "gap": (np.where(zoo.TETRAHEDRON == 2, 5, T), "vertex 2 is in no face, while face 0 refers to vertex 5"),
     "numbered from one": (zoo.TETRAHEDRON + 1, "vertex 0 is in no face, while face 1 refers to vertex 4"),
-    "open": (T[:3], "edge [1, 2] is in face 0 only (3 such boundary edges): the surface is not closed"),
     "three faces at an edge": ([*T, [0, 1, 4]], "edge [0, 1] is in 3 faces [0, 2, 4], not in 2"),
-    "torus": (zoo.torus(), "the surface has Euler characteristic 0 (genus 1), not 2: not a sphere"),
     "projective plane": (zoo.projective_plane(), "the surface cannot be oriented (it is one-sided)"),
     "Klein bottle": (zoo.klein_bottle(), "the surface cannot be oriented (it is one-sided)"),
     "two components": (
@@ -213,9 +211,31 @@ def test_given_faces_are_not_changed():
     assert np.array_equal(faces, FLIPPED)
 
 
-def test_a_hole_in_a_large_mesh_is_found():
+def test_surfaces_with_boundary_and_handles_are_no_spheres():
+    disc, torus, holed = Triangulation(T[:3]), Triangulation(zoo.torus()), Triangulation(OPEN)
+    assert [t.is_sphere for t in (disc, torus, holed, Triangulation(T))] == [False, False, False, True]
+    assert [t.genus for t in (disc, torus, holed)] == [0, 1, 0]
+    assert [t.euler_characteristic for t in (disc, torus, holed)] == [1, 0, 1]
+    assert [loop.tolist() for loop in disc.boundaries] == [[1, 2, 3]]
+    assert torus.boundaries == ()
+    assert disc.boundary_vertices.tolist() == [False, True, True, True]
+    sentence = r"edge \[1, 2\] is in face 0 only \(3 such boundary edges\): the surface is not closed"
+    for refused in (disc.check_sphere, lambda: disc.twins, lambda: disc.edge_faces):
+        with pytest.raises(InvalidMetric, match=sentence):
+            refused()
+    with pytest.raises(InvalidMetric, match="Euler characteristic 0 \\(genus 1\\), not 2: not a sphere"):
+        torus.check_sphere()
     with pytest.raises(InvalidMetric, match="3 such boundary edges"):
-        Triangulation(OPEN)
+        holed.check_sphere()
+
+
+def test_sides_of_a_boundary():
+    disc = Triangulation(T[:3])
+    assert (disc.edge_sides < 0).sum() == 3
+    assert (disc.sides_across < 0).sum() == 3
+    inner = np.flatnonzero(disc.sides_across >= 0)
+    np.testing.assert_array_equal(disc.sides_across[disc.sides_across[inner]], inner)
+    assert (disc.edge_flanks >= 0).all()
 
 
 @given(seed=st.integers(0, 10**6))

@@ -145,7 +145,6 @@ REFUSALS = {
     "fractional end": (T, L, [*E[:5], [2, 2.5]], "edge 5 refers to vertex 2.5: vertex indices must be whole"),
     "three ends": (T, L, [[0, 1, 2]] * 6, "edge 0 has 3 ends [0, 1, 2], not 2"),
     "bad length in the user's order": (T, changed(L, 1, 0.0), E[::-1], "edge 1 [1, 3] has length 0.0"),
-    "faces first": (T[:3], L, None, "the surface is not closed"),
 }  # fmt: skip
 
 

@@ -34,16 +34,16 @@ def configure(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--method",
         choices=method_names(),
-        help="aim: the adaptive method (default); paper: AIM as printed; "
-        "alexandrov: the exact convex polyhedron; sheet: surfaces with boundary, or of higher genus (default with "
-        "--boundary); others are those of installed packages",
+        help="aim: the adaptive method (default); paper: AIM as printed; alexandrov: the exact convex "
+        "polyhedron; sheet: surfaces with boundary, or of higher genus (default with --boundary); others are those of "
+        "installed packages",
     )
     parser.add_argument(
         "--boundary",
         metavar="CONDITION",
-        help="for surfaces with boundary, or of higher genus: free, a surface of least bending; plane, the convex "
-        "cap; or a .npy file with heights (B,) or positions (B, 3) of the boundary's vertices, in the order of "
-        "Triangulation.boundaries",
+        help="for surfaces with boundary, or of higher genus: free, a surface of least bending; plane, the "
+        "convex cap; or a .npy file with heights (B,) or positions (B, 3) of the boundary's vertices, in the "
+        "order of Triangulation.boundaries",
     )
     parser.add_argument(
         "--start",
@@ -160,9 +160,7 @@ def _method(options: argparse.Namespace) -> isoembed.Method:
     name = options.method or ("aim" if options.boundary is None else "sheet")
     known = parameters(configuration(name))
     if repair and "repair" not in known:
-        raise UsageError(
-            f"--repair needs the method 'alexandrov': the method {name!r} has no repair"
-        )
+        raise UsageError(f"--repair needs the method 'alexandrov': the method {name!r} has no repair")
     if options.best_fit and "best_fit" not in known:
         raise UsageError(f"--best-fit needs the method 'aim': the method {name!r} has no best fit")
     if options.effort is not None and "effort" not in known:

@@ -49,8 +49,8 @@ def _sheet(sheet: Mapping[str, Any] | None) -> list[str]:
         return []
     sizes = [f"of {size} edges" for size in sheet["boundaries"]]
     return [
-        f"sheet       boundary {sheet['condition']}, {' and '.join(sizes) or 'none'}, genus {sheet['genus']}, "
-        f"int k1^2 + k2^2 dA {_short(sheet['squares_of_principal_curvatures'])}"
+        f"sheet       boundary {sheet['condition']}, {' and '.join(sizes) or 'none'}, "
+        f"genus {sheet['genus']}, int k1^2 + k2^2 dA {_short(sheet['squares_of_principal_curvatures'])}"
     ]
 
 

@@ -9,8 +9,8 @@ from numpy.typing import ArrayLike, NDArray
 from scipy.sparse import csr_array
 
 from isoembed.arrays import Indices, Mask
-from isoembed.kernel import kernel
 from isoembed.errors import InvalidMetric
+from isoembed.kernel import kernel
 from isoembed.mesh.checks import check_euler, checked_tables, index_array
 from isoembed.mesh.joining import join
 
@@ -103,7 +103,8 @@ class Triangulation:
     @cached_property
     def boundary_edges(self) -> Mask:
         """(E,): whether an edge is on the boundary."""
-        return frozen((self.edge_sides < 0).any(axis=1))
+        left, right = self.edge_sides.T
+        return frozen((left < 0) | (right < 0))
 
     @cached_property
     def boundaries(self) -> tuple[Indices, ...]:
@@ -160,9 +161,11 @@ class Triangulation:
 
     @cached_property
     def edge_flanks(self) -> Indices:
-        """(E, 2): `edge_sides`, with the only half-edge of a boundary edge twice, as if it were flat there."""
-        return self.edge_sides if self.is_closed else frozen(
-            np.where(self.edge_sides < 0, self.edge_sides[:, ::-1], self.edge_sides)
+        """(E, 2): `edge_sides`, with the only half-edge of a boundary edge twice, as if flat there."""
+        return (
+            self.edge_sides
+            if self.is_closed
+            else frozen(np.where(self.edge_sides < 0, self.edge_sides[:, ::-1], self.edge_sides))
         )
 
     @cached_property

@@ -158,10 +158,10 @@ def area(metric: PolyhedralMetric) -> float:
 
 
 def deficits(metric: PolyhedralMetric) -> Floats:
-    """Angle deficits ``epsilon_a = 2 pi - (sum of the angles at a)``; of a boundary, exterior angles, from pi.
+    """Angle deficits ``epsilon_a = 2 pi - (sum of the angles at a)``.
 
-    With k the curvature of the triangles, A their area and chi the Euler characteristic they sum to
-    2 pi chi - k A (Gauss-Bonnet).
+    On a boundary they are the exterior angles, with pi in the place of 2 pi.  With k the curvature of the
+    triangles, A their area and chi the Euler characteristic they sum to 2 pi chi - k A (Gauss-Bonnet).
 
     Returns
     -------

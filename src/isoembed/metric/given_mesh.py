@@ -161,7 +161,7 @@ def _is_mended(points: Floats, faces: ArrayLike, merge: float, space: Space) -> 
     with warnings.catch_warnings():
         warnings.simplefilter("ignore", MeshNote)
         try:
-            Triangulation(triangle_mesh(points, faces, merge, space=space)[1])
+            Triangulation(triangle_mesh(points, faces, merge, space=space)[1]).check_sphere()
         except InvalidMetric:
             return False
     return True

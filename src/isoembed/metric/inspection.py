@@ -180,7 +180,7 @@ def _surface(metric: PolyhedralMetric) -> Measure:
     if sizes:
         text += f" of {', '.join(map(str, sizes))} edges"
     if free > 0:
-        text += f"; {free} motions keep the lengths: heights or positions of the boundary, or least bending, fix them"
+        text += f"; {free} motions keep the lengths: the boundary or least bending may fix them"
     elif free < 0:
         text += f"; {-free} more lengths than unknowns: they must be those of a surface"
     return Measure("surface", text, {"genus": t.genus, "boundaries": len(sizes), "free_motions": free})

@@ -404,7 +404,8 @@ def _matched(triangulation: Triangulation, lengths: Floats, edges: ArrayLike) ->
     present, start = np.unique(index[order], return_index=True)
     if len(present) < triangulation.n_edges:
         e = int(np.setdiff1d(np.arange(triangulation.n_edges), present)[0])
-        f = triangulation.edge_sides[e].max() // 3
+        left, right = triangulation.edge_sides[e]
+        f = (left if left >= 0 else right) // 3
         raise InvalidMetric(f"edge {triangulation.edges[e].tolist()} of face {f} has no length")
     matched = lengths[order[start]]
     differs = np.abs(lengths - matched[index]) > METRIC.same_length * np.abs(matched[index])

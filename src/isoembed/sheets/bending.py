@@ -43,19 +43,25 @@ class BendingEnergy:
         charts = Charts.of(metric)
         t = metric.triangulation
         n = t.n_vertices
-        areas = np.bincount(t.faces.ravel(), np.repeat(face_areas(metric) / 3, 3), minlength=n)
+        thirds = np.repeat(face_areas(metric) / 3, 3)
+        areas: Floats = np.bincount(t.faces.ravel(), thirds, minlength=n).astype(np.float64)
         inside = ~t.boundary_vertices
         self.areas, self._inside = areas, inside
         counts = np.bincount(charts.centers, minlength=n)
         begins = np.cumsum(counts) - counts
+        cubic = inside & (counts >= CUBIC)
         parts = []
-        for m, cubic in sorted({(int(m), bool(c)) for m, c in zip(counts, inside & (counts >= CUBIC))}):
-            at = np.flatnonzero((counts == m) & ((inside & (counts >= CUBIC)) == cubic))
-            slots = begins[at][:, None] + np.arange(m)
-            parts.append((at, charts.neighbors[slots], *_fits(charts.positions[slots], areas[at], cubic)))
-        pure, stabilizer = ([(at, near, part[k]) for at, near, *part in parts] for k in (0, 1))
-        self._second, self._order = _assembled(pure, n), np.concatenate([at for at, *_ in parts])
-        D, S = self._second, _assembled(stabilizer, n)
+        for m in np.unique(counts):
+            for with_cubics in (False, True):
+                at = np.flatnonzero((counts == m) & (cubic == with_cubics))
+                if len(at):
+                    slots = begins[at][:, None] + np.arange(m)
+                    rows = _fits(charts.positions[slots], areas[at], with_cubics)
+                    parts.append((at, charts.neighbors[slots], *rows))
+        self._order = np.concatenate([at for at, *_ in parts])
+        self._second = _assembled([(at, near, second) for at, near, second, _ in parts], n)
+        D = self._second
+        S = _assembled([(at, near, missed) for at, near, _, missed in parts], n)
         self.form = csr_array(D.T @ D + S.T @ S)
         self._pure = csr_array(D.T @ D)
 

@@ -84,9 +84,7 @@ def upright(vertices: Floats, boundary: Floats) -> Floats:
     return placed * [1.0, -1.0, -1.0] if placed[:, 2].sum() < 0 else placed
 
 
-def with_heights(
-    metric: PolyhedralMetric, start: Floats, heights: Floats, recorder: StageRecorder
-) -> Floats:
+def with_heights(metric: PolyhedralMetric, start: Floats, heights: Floats, recorder: StageRecorder) -> Floats:
     """Solve for the lengths and the z of the boundary's vertices, in their order, by Newton's method.
 
     Three equations more hold the surface against motions that leave z: there are as many as unknowns.
@@ -120,9 +118,7 @@ def with_heights(
 
     def equations(vertices: Floats) -> Floats:
         flat = vertices.ravel()
-        return np.concatenate(
-            [lengths.residuals(vertices), vertices[loop, 2] - heights, fixed @ flat - held]
-        )
+        return np.concatenate([lengths.residuals(vertices), vertices[loop, 2] - heights, fixed @ flat - held])
 
     vertices, missed = start, equations(start)
     for _ in range(STEPS):
@@ -144,5 +140,3 @@ def with_heights(
             break  # at rounding, or astray: the residual tells
         vertices, missed = vertices - part * step, trial
     return vertices
-
-

@@ -139,7 +139,7 @@ def through_curve(
 
 
 def _reflected(lengths: LengthConstraints, x: Floats, inner: Mask) -> Iterator[Floats]:
-    """The surface with one vertex reflected through its neighbors, those about which lengths are missed first.
+    """The surface with one vertex reflected through its neighbors, where lengths are missed most first.
 
     Where a vertex is nearly flat, both sides of its neighbors are minima of the squares.
     """

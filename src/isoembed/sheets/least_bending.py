@@ -15,6 +15,7 @@ from scipy.sparse.linalg import LinearOperator, cg
 
 from isoembed.arrays import Floats
 from isoembed.linalg import SingularMatrix, SymmetricFactor
+from isoembed.mesh.triangulation import Triangulation
 from isoembed.progress.stages import StageRecorder
 from isoembed.sheets.bending import BendingEnergy
 from isoembed.sheets.length_constraints import LengthConstraints
@@ -94,10 +95,8 @@ def balanced(
 ) -> LeastBending:
     """Newton's method for least bending with the lengths as constraints.
 
-    Each step solves ``[[B, J^T], [J, 0]] [d, y] = -[g, r]``, B being 2 Q and the stress of the multipliers, and
-    is shortened until ``|g| + |r|`` decreases.  ``A = J^T J + epsilon B`` is factored, which is definite near a
-    minimum, and ``J A^-1 J^T (epsilon y) = r - J A^-1 (epsilon g + J^T r)`` solved by conjugate gradients: all
-    eigenvalues of this matrix but few are near 1.
+    Each step solves ``[[B, J^T], [J, 0]] [d, y] = -[g, r]``, B being 2 Q and the stress of the multipliers,
+    and is shortened until ``|g| + |r|`` decreases.
     """
     metric, t = energy.metric, lengths.triangulation
     system, held = VertexSystem(t, energy.form), HeldTriangle.of(start.vertices, t.faces[0])
@@ -115,20 +114,7 @@ def balanced(
         recorder.iterations += 1
         factor, epsilon = _factored(system, rows, y / metric.lengths, epsilon, held, recorder)
 
-        def solve(forces: Floats) -> Floats:
-            return factor.solve(forces.ravel(), sweeps=1).reshape(-1, 3)
-
-        def pulled_by(w: Floats) -> Floats:
-            return solve(t.incidence @ (rows * w[:, None]))
-
-        def grown(d: Floats) -> Floats:
-            return np.einsum("ei,ei->e", rows, t.incidence.T @ d)
-
-        d = -solve(epsilon * g + t.incidence @ (rows * r[:, None]))
-        matrix = LinearOperator((len(y), len(y)), matvec=lambda w: grown(pulled_by(w)), dtype=np.float64)
-        left = r + grown(d)
-        w = cg(matrix, left, rtol=1e-8, maxiter=200)[0] if left.any() else left
-        d, dy = d - pulled_by(w), w / epsilon
+        d, dy = _constrained_step(t, factor, rows, g, r, epsilon)
         longest = float(np.linalg.norm(d, axis=1).max())
         before = np.linalg.norm(g) / size + np.linalg.norm(r)
         part = min(1.0, 0.5 * unit / longest) if longest > 0 else 1.0
@@ -143,6 +129,31 @@ def balanced(
         imbalance = float(np.abs(g).max()) / size
         recorder.show(residual=float(np.abs(r).max()) / unit)
     return LeastBending(x, y, imbalance)
+
+
+def _constrained_step(
+    t: Triangulation, factor: SymmetricFactor, rows: Floats, g: Floats, r: Floats, epsilon: float
+) -> tuple[Floats, Floats]:
+    """Steps of the vertices, (V, 3), and of the multipliers, (E,), from the factors of ``A``.
+
+    ``A = J^T J + epsilon B``, and conjugate gradients solve ``J A^-1 J^T (epsilon y) = r - J A^-1 (epsilon g
+    + J^T r)``: all but few eigenvalues of this matrix are near 1.
+    """
+
+    def solve(forces: Floats) -> Floats:
+        return factor.solve(forces.ravel(), sweeps=1).reshape(-1, 3)
+
+    def pulled(tensions: Floats) -> Floats:
+        return solve(t.incidence @ (rows * tensions[:, None]))
+
+    def grown(d: Floats) -> Floats:
+        return np.einsum("ei,ei->e", rows, t.incidence.T @ d)
+
+    d = -solve(epsilon * g + t.incidence @ (rows * r[:, None]))
+    left = r + grown(d)
+    matrix = LinearOperator((len(r), len(r)), matvec=lambda w: grown(pulled(w)), dtype=np.float64)
+    w = cg(matrix, left, rtol=1e-8, maxiter=200)[0] if left.any() else left
+    return d - pulled(w), w / epsilon
 
 
 def _factored(

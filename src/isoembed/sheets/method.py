@@ -1,4 +1,4 @@
-"""Embedding of metrics on surfaces with boundary, or of higher genus: the method of ``embed(boundary=...)``."""
+"""Embedding of metrics on surfaces with boundary, or of higher genus: ``embed(metric, boundary=...)``."""
 
 from __future__ import annotations
 
@@ -31,11 +31,11 @@ from isoembed.sheets.surface import SheetEmbedding
 
 CONDITIONS = "free", "plane"
 HEIGHTS = 5  # steps in which the boundary is raised
-EXACT = 1e-12  # residual of least bending, in mean edge lengths, that Newton's method on the lengths would not improve
+EXACT = 1e-12  # residual of least bending, in mean edge lengths, that is left as it is
 CAP = Evidence(
     "proved",
-    "convex cap theorem: the deficits and the exterior angles of the boundary are not negative, and a convex cap "
-    "is determined by its metric",
+    "convex cap theorem: the deficits and the exterior angles of the boundary are not negative, and a convex "
+    "cap is determined by its metric",
 )
 BENDING = Evidence(
     "searched", "one stationary surface of the bending energy was found from one start: others may bend less"
@@ -69,8 +69,8 @@ class Sheet(Method):
         if isinstance(self.boundary, str):
             if self.boundary not in CONDITIONS:
                 raise InvalidParameter(
-                    f"the boundary is {self.boundary!r}, none of {', '.join(map(repr, CONDITIONS))}, heights (B,) "
-                    "or positions (B, 3)"
+                    f"the boundary is {self.boundary!r}, none of {', '.join(map(repr, CONDITIONS))}, "
+                    "heights (B,) or positions (B, 3)"
                 )
         else:
             object.__setattr__(self, "boundary", _nested(self.boundary, "boundary"))
@@ -110,8 +110,8 @@ class Sheet(Method):
                 f"the start has the shape {start.shape}, not ({metric.triangulation.n_vertices}, 3)"
             )
         if isinstance(self.boundary, str):
-            solve = _cap if self.boundary == "plane" else _least_bending
-            return solve(metric, start, tolerance, log)
+            named = _cap if self.boundary == "plane" else _least_bending
+            return named(metric, start, tolerance, log)
         given = np.array(self.boundary)
         count = int(metric.triangulation.boundary_vertices.sum())
         if given.shape not in ((count,), (count, 3)) or not count:
@@ -143,8 +143,8 @@ def _over_heights(
     if (curved[inside] <= METRIC.angles).any():
         v = int(np.argmax(inside & (curved <= METRIC.angles)))
         raise InvalidMetric(
-            f"vertex {v} has the deficit {curved[v]:.4g}: with heights of the boundary the problem is ill posed "
-            "where the curvature is not positive; give positions (B, 3)"
+            f"vertex {v} has the deficit {curved[v]:.4g}: with heights of the boundary the problem is ill "
+            "posed where the curvature is not positive; give positions (B, 3)"
         )
     check_cap(metric)
     return _raised(metric, heights - heights.mean(), tolerance, log, "heights")
@@ -158,10 +158,9 @@ def _raised(
     half = polyhedron.vertices[: metric.triangulation.n_vertices]
     x = upright(half, half[loop])
     with log.stage("Newton with heights") as recorder:
-        for part in np.linspace(0.0, 1.0, HEIGHTS + 1)[0 if not heights.any() else 1 :]:
+        x = with_heights(metric, x, 0 * heights, recorder)
+        for part in np.arange(1, HEIGHTS + 1) / HEIGHTS if heights.any() else ():
             x = with_heights(metric, x, part * heights, recorder)
-            if not heights.any():
-                break
     return _embedding(metric, x, tolerance, log, condition)
 
 
@@ -204,23 +203,23 @@ def _least_bending(
     )
 
 
-def _start(
-    metric: PolyhedralMetric, tolerance: float, log: Log
-) -> tuple[Floats, LeastBending | None]:
+def _start(metric: PolyhedralMetric, tolerance: float, log: Log) -> tuple[Floats, LeastBending | None]:
     """A surface to start from, and if it has the lengths, the start of Newton's method."""
     t = metric.triangulation
-    none = np.zeros(t.n_edges)
-    if t.genus == 0 and len(t.boundaries) == 1 and (deficits(metric) >= -METRIC.angles).all():
-        if (deficits(metric)[~t.boundary_vertices] > METRIC.angles).any():
-            x = _raised(metric, np.zeros(len(t.boundaries[0])), tolerance, log, "plane").vertices
-            return x, LeastBending(x, none, np.inf)
-    if t.genus == 0 and len(t.boundaries) > 1:
+    none, curved, several = np.zeros(t.n_edges), deficits(metric), len(t.boundaries) > 1
+    is_disc = t.genus == 0 and len(t.boundaries) == 1
+    is_convex = (curved >= -METRIC.angles).all() and (curved[~t.boundary_vertices] > METRIC.angles).any()
+    if is_disc and is_convex:
+        x = _raised(metric, np.zeros(len(t.boundaries[0])), tolerance, log, "plane").vertices
+        return x, LeastBending(x, none, np.inf)
+    if t.genus == 0 and several:
+        closed = filled(metric)
         try:
-            closed = Aim().run(filled(metric).normalized, tolerance, log)
-        except (InvalidMetric, NotEmbedded):
-            closed = None
-        if closed is not None and closed.converged:
-            x = closed.in_unit_of(filled(metric)).vertices[: t.n_vertices]
+            found = Aim().run(closed.normalized, tolerance, log)
+        except (InvalidMetric, NotEmbedded):  # the surface may be there without the filled one
+            return scaled_distances(metric), None
+        if found.converged:
+            x = found.in_unit_of(closed).vertices[: t.n_vertices]
             return x, LeastBending(x, none, np.inf)
     return scaled_distances(metric), None
 

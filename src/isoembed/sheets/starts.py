@@ -8,7 +8,9 @@ from scipy.sparse import csr_array
 from isoembed.arrays import Floats
 from isoembed.metric.polyhedral import PolyhedralMetric
 
-LANDMARKS = 400  # vertices between which distances are exact: the others are placed by their distances to them
+LANDMARKS = (
+    400  # vertices between which distances are exact: the others are placed by their distances to them
+)
 
 
 def scaled_distances(metric: PolyhedralMetric) -> Floats:
@@ -26,12 +28,12 @@ def scaled_distances(metric: PolyhedralMetric) -> Floats:
     if n <= LANDMARKS:
         chosen, distances = np.arange(n), dijkstra(graph, directed=False)
     else:
-        rows, nearest, chosen = [], np.full(n, np.inf), []
-        for _ in range(LANDMARKS):
-            chosen.append(int(np.argmax(nearest)) if rows else 0)
-            rows.append(dijkstra(graph, directed=False, indices=chosen[-1]))
-            nearest = np.minimum(nearest, rows[-1])
-        chosen, distances = np.array(chosen), np.array(rows)
+        chosen, distances = np.empty(LANDMARKS, dtype=np.int64), np.empty((LANDMARKS, n))
+        nearest = np.full(n, np.inf)
+        for k in range(LANDMARKS):
+            chosen[k] = np.argmax(nearest)
+            distances[k] = dijkstra(graph, directed=False, indices=chosen[k])
+            nearest = np.minimum(nearest, distances[k])
     squares = distances**2
     own = squares[:, chosen]
     centered = own - own.mean(axis=0) - own.mean(axis=1)[:, None] + own.mean()

@@ -18,9 +18,9 @@ from isoembed.surface.measures import face_normals
 class SheetEmbedding(Embedding):
     """Surface with boundary, or of higher genus, that has the lengths of a metric.
 
-    It encloses no volume: volume, certificate and all else that is about closed surfaces of genus 0 raise
-    `InvalidMetric`.  It is not mirrored: the sign of its curvature depends on the side from which the
-    triangles are counterclockwise.
+    What is about closed surfaces of genus 0, such as the certificate, raises `InvalidMetric`, and so does the
+    volume of a surface with boundary.  That has no outside: it is not mirrored, and the sign of its mean
+    curvature depends on the side from which the triangles are counterclockwise.
 
     Parameters
     ----------
@@ -41,7 +41,7 @@ class SheetEmbedding(Embedding):
     imbalance: float | None = None
 
     def _oriented(self, points: Floats) -> Floats:
-        return points
+        return super()._oriented(points) if self.triangulation.is_closed else points
 
     def in_unit_of(self, given: Any) -> "SheetEmbedding":
         """Return the same surface, found for the `normalized` of a metric, in the unit of that metric."""
@@ -53,8 +53,8 @@ class SheetEmbedding(Embedding):
     def _sentence(self) -> str:
         e = int(np.argmax(self.residuals))
         return (
-            f"the lengths {'are within' if self.converged else 'miss'} the tolerance {self.tolerance:.0e}: the "
-            f"largest residual is {self.residual:.1e} of the mean edge length, at edge {e} "
+            f"the lengths {'are within' if self.converged else 'miss'} the tolerance {self.tolerance:.0e}: "
+            f"the largest residual is {self.residual:.1e} of the mean edge length, at edge {e} "
             f"{self.metric.edges[e].tolist()}"
         )
 

@@ -52,8 +52,8 @@ def dihedral_angles(triangulation: Triangulation, vertices: Floats, space: Space
     Returns
     -------
     ndarray, shape (E,)
-        Radians, in (-pi, pi]; 0 on a boundary.  A fold shut is convex, whatever the sign of its rounding; 0 beside a face
-        without area.
+        Radians, in (-pi, pi].  A fold shut is convex, whatever the sign of its rounding; 0 beside a face
+        without area, and on a boundary.
     """
     t = triangulation
     if space.is_euclidean:
