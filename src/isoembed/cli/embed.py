@@ -35,8 +35,8 @@ def configure(parser: argparse.ArgumentParser) -> None:
         "--method",
         choices=method_names(),
         help="aim: the adaptive method (default); paper: AIM as printed; alexandrov: the exact convex "
-        "polyhedron; sheet: surfaces with boundary, or of higher genus (default with --boundary); others are those of "
-        "installed packages",
+        "polyhedron; sheet: surfaces with boundary, or of higher genus (default with --boundary); others are "
+        "those of installed packages",
     )
     parser.add_argument(
         "--boundary",
