@@ -3,7 +3,8 @@
 A row of J per edge holds ``(x_a - x_b)^T / l_ab`` at a and its negative at b; the edge's residual is
 ``(|x_a - x_b|^2 - l_ab^2) / (2 l_ab)``.
 The step of least norm, ``d = J^T (J J^T + mu I)^-1 r``, needs no triangle pinned: J J^T is an edges x edges
-matrix that is definite whenever the surface is infinitesimally rigid.  In hyperbolic and spherical space J is
+matrix that is definite whenever the surface is infinitesimally rigid.  At a vertex with hundreds of edges it
+is dense, and J^T J, which gives the same step, is not.  In hyperbolic and spherical space J is
 that of the projective coordinates, and acts on the z of `projected`.
 """
 
@@ -117,6 +118,8 @@ class LengthSystem:
         r, surface = residuals[self._order], Projected.of(self.space, vertices)
         J = self._matrix(surface, lengths)
         damping = mu * self._mean_diagonal(J)
+        if self._vertex_system is not None:
+            return surface.motion(self._step_by_vertices(self._vertex_system, surface, J, r, damping))
         try:
             linear = LinearizedLengths(J, self._factor(J, damping), self._order)
         except OutOfMemory:
@@ -211,6 +214,28 @@ class LengthSystem:
         return self._solver.factor(J.gram(pattern.indptr, pattern.indices, damping), single=single)
 
     @cached_property
+    def _vertex_system(self) -> VertexSystem | None:
+        """J^T J, where it has fewer entries than J J^T."""
+        t = self.triangulation
+        degrees = np.bincount(t.edges.ravel()).astype(np.int64)
+        fewer = 9 * (t.n_vertices + 2 * t.n_edges) < int((degrees**2).sum()) - t.n_edges
+        return VertexSystem(t) if fewer else None
+
+    def _step_by_vertices(
+        self, system: VertexSystem, surface: Projected, J: RigidityMatrix, r: Floats, damping: float
+    ) -> Floats:
+        """The same step by factors of J^T J: without damping, of one with a triangle held."""
+        rows = np.empty_like(J.rows)
+        rows[self._order] = J.rows
+        if damping > 0:
+            return system.damped(rows, damping).solve(J.forces(r).ravel(), sweeps=0).reshape(-1, 3)
+        factor = system.penalized(rows, 0.0, held=HeldTriangle.wide(surface.positions))
+        d = factor.solve(J.forces(r).ravel(), sweeps=0).reshape(-1, 3)
+        d += factor.solve(J.forces(r - J.rates(d)).ravel(), sweeps=0).reshape(-1, 3)
+        basis = surface.rigid_motions()
+        return d - (basis @ (basis.T @ d.ravel())).reshape(-1, 3)
+
+    @cached_property
     def _solver(self) -> Solver:
         indptr, indices = coupled_edges(self._ends, self.triangulation.n_vertices)
         n = len(self._ends)
@@ -231,6 +256,16 @@ class HeldTriangle(NamedTuple):
 
     corners: Indices
     blocks: Floats
+
+    @classmethod
+    def wide(cls, vertices: Floats) -> HeldTriangle:
+        """That of three vertices of a surface which are far from each other."""
+        far = np.linalg.norm(vertices - vertices.mean(axis=0), axis=1)
+        a = int(far.argmax())
+        away = vertices - vertices[a]
+        b = int(np.linalg.norm(away, axis=1).argmax())
+        c = int(np.linalg.norm(np.cross(away, away[b]), axis=1).argmax())
+        return cls.of(vertices, np.array([a, b, c]))
 
     @classmethod
     def of(cls, vertices: Floats, corners: Indices) -> HeldTriangle:
@@ -275,7 +310,8 @@ class VertexSystem:
         slots = [self._slot(3 * entries.row + k, 3 * entries.col + k) for k in range(3)]
         values = np.tile(entries.data, 3)
         self._penalty = cast(Floats, np.bincount(np.concatenate(slots), values, minlength=len(self._keys)))
-        self._hold = RIGIDITY.hold * MEAN_DIAGONAL * (pattern.indices == column)
+        self._diagonal = pattern.indices == column
+        self._hold = RIGIDITY.hold * MEAN_DIAGONAL * self._diagonal
 
     def _slot(self, row: Indices, column: Indices) -> Indices:
         return np.searchsorted(
@@ -310,6 +346,10 @@ class VertexSystem:
             hold = RIGIDITY.negligible / RIGIDITY.hold * hold
             hold[self._vertex_slots.reshape(-1, 9)[held.corners]] += held.blocks.reshape(3, 9)
         return self._factor(rows, penalty, tensions, hold)
+
+    def damped(self, rows: Floats, damping: float) -> SymmetricFactor:
+        """Factor ``J^T J + damping I``, J given by its `edge_rows`."""
+        return self._factor(rows, 0.0, 0.0, damping * self._diagonal)
 
     def spherical_step(self, vertices: Floats, lengths: Floats, residuals: Floats, radius: float) -> Floats:
         """Gauss-Newton's step, (V, 3), for the lengths and ``|x_a| = r`` together, in least squares.
