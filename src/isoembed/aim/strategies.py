@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 
 from isoembed.aim.anneal import ANNEALING, anneal
 from isoembed.aim.best_fit import best_fit
+from isoembed.aim.choice import SOUGHT
 from isoembed.aim.convexification import CONVEXIFICATION
 from isoembed.aim.diagnosis import diagnosis
 from isoembed.aim.flipped_vertices import with_flipped_vertices
@@ -17,7 +18,7 @@ from isoembed.aim.lengths_newton import LENGTHS_NEWTON, newton_on_lengths
 from isoembed.aim.levels import goes_by_levels, pulled_back_by_levels
 from isoembed.aim.local_search import LOCAL_SEARCH, local_search
 from isoembed.aim.mirrored_patches import mirrored_realizations
-from isoembed.aim.nearby_realizations import NEARBY, nearby_realizations
+from isoembed.aim.nearby_realizations import nearby_realizations
 from isoembed.aim.radii_leap import RADII_LEAP, newton_on_radii, radii_start
 from isoembed.aim.regularized_continuation import Continued, log_linear, regularized_continuation
 from isoembed.aim.regularized_energy import RegularizedEnergy
@@ -37,11 +38,6 @@ from isoembed.surface.embedding import Embedding
 from isoembed.surface.fitted import FittedSurface
 from isoembed.surface.measures import outward
 from isoembed.surface.rigidity import LengthSystem
-
-SOUGHT = (
-    f"others were sought along the {NEARBY.motions} softest motions, within {NEARBY.near:g} mean edge "
-    "lengths, which need not find all: isoembed realizations searches further"
-)
 
 # Seconds that stages take as a rule, 40,000 vertices, for the time left.
 BY_A_POLYHEDRON = {"nearest waypoint": 0.5, "polytopes": 1.0, "leap": 0.8}

@@ -2,6 +2,8 @@
 
 import argparse
 import math
+from dataclasses import replace
+from pathlib import Path
 
 import isoembed
 from isoembed._embed import configuration, method_names
@@ -12,9 +14,13 @@ from isoembed.cli.options import OF_RUNS, add_merge_option, add_run_options, add
 from isoembed.cli.parameters import configured, parameters
 from isoembed.cli.screen import UsageError, print_error
 from isoembed.errors import Interrupted
-from isoembed.io import MESH_ENDINGS, FileError, read_checkpoint, read_metric
+from isoembed.io import MESH_ENDINGS, FileError, read_checkpoint, read_metric, read_surface
 from isoembed.progress.stages import Listener
 from isoembed.surface.checked import checked_errors
+
+
+WHICH = ("convex", "smoothest")
+"""The values of ``--which`` that are no file."""
 
 
 def configure(parser: argparse.ArgumentParser) -> None:
@@ -77,6 +83,12 @@ def configure(parser: argparse.ArgumentParser) -> None:
         "take 1 + TIMES the cost of the first attempt, 11 times at most, counted in factorizations; above 1, "
         "vertices on the wrong side are sought then, for TIMES that cost (default 1; 0: no search); only "
         "with --method aim",
+    )
+    parser.add_argument(
+        "--which",
+        metavar="convex|smoothest|FILE",
+        help="another of the surfaces that are found to have the lengths: the convex one; the smoothest; or the "
+        "nearest to the surface in FILE, on the same triangles and of any size; only with --method aim",
     )
     parser.add_argument(
         "--parameter",
@@ -142,11 +154,16 @@ def _method(options: argparse.Namespace) -> isoembed.Method:
         raise UsageError(f"--best-fit needs the method 'aim': the method {options.method!r} has no best fit")
     if options.effort is not None and "effort" not in known:
         raise UsageError(f"--effort needs the method 'aim': the method {options.method!r} does not search")
+    if options.which is not None and "which" not in known:
+        raise UsageError(f"--which needs the method 'aim': the method {options.method!r} finds one surface")
     if options.length_error is not None and options.best_fit:
         raise UsageError("--length-error does not go with --best-fit, which smooths errors instead")
     best_fit = ["best_fit=true"] if options.best_fit else []
     effort = [] if options.effort is None else [f"effort={options.effort}"]
-    method = configured(options.method, options.parameter + repair + best_fit + effort)
+    which = [f"which={options.which}"] if options.which in WHICH else []
+    method = configured(options.method, options.parameter + repair + best_fit + effort + which)
+    if options.which is not None and options.which not in WHICH:
+        method = replace(method, which=read_surface(Path(options.which), merge=options.merge).vertices)
     if options.length_error is not None and not method.keeps_triangles:
         raise UsageError(f"--length-error needs a method that keeps the triangles, not {options.method!r}")
     return method
