@@ -109,15 +109,19 @@ class Aim(Method):
 
 
 def _may_have_neighbors(surface: Embedding) -> bool:
-    """Whether to look for realizations near one: of convex ones there are none, and large ones cost as much as
-    all else.
+    """Whether to look for others near a realization that was found at once.
+
+    A convex surface is the only convex one.  Of meshes with many vertices, smoothness tells neighbors
+    apart, and the search would cost more than all else.
     """
-    return surface.triangulation.n_vertices <= 1000 and bool(surface.concave_edges.any())
+    return surface.triangulation.n_vertices <= 150 and bool(surface.concave_edges.any())
 
 
 def _points(which: ArrayLike) -> tuple[tuple[float, ...], ...]:
     """Vertices as a tuple, which is compared and written as a whole."""
     points = np.asarray(which, dtype=np.float64)
     if points.ndim != 2 or points.shape[1] != 3 or not np.isfinite(points).all():
-        raise InvalidParameter(f"which has the shape {points.shape}, not (V, 3), or numbers that are not finite")
+        raise InvalidParameter(
+            f"which has the shape {points.shape}, not (V, 3), or numbers that are not finite"
+        )
     return tuple(map(tuple, points.tolist()))

@@ -15,7 +15,6 @@ from isoembed.errors import InvalidParameter, NotEmbedded
 from isoembed.evidence import Evidence
 from isoembed.metric.convexity import deficit_rounding
 from isoembed.metric.curvature import deficits as vertex_deficits
-from isoembed.metric.polyhedral import PolyhedralMetric
 from isoembed.progress.stages import Log
 from isoembed.surface.embedding import Embedding
 from isoembed.surface.rigidity import LengthSystem
@@ -88,8 +87,8 @@ def chosen(embedding: Embedding, which: str | tuple[tuple[float, ...], ...], log
     said = best.with_others(rest, embedding.uniqueness)
     if which not in ("convex", "smoothest"):
         said = said.with_message(
-            f"{said.message}; it is {target.distance(best):.1e} mean edge lengths from the surface that it was "
-            "to be near to, and the nearest that was found"
+            f"{said.message}; of those that were found it is the nearest to the given surface, "
+            f"{target.distance(best):.1e} mean edge lengths from it"
         )
     return said
 

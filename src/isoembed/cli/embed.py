@@ -2,22 +2,22 @@
 
 import argparse
 import math
-from dataclasses import replace
 from pathlib import Path
 
 import isoembed
 from isoembed._embed import configuration, method_names
+from isoembed.arrays import Floats
 from isoembed.cli.answer import add_output_options, answer, asked_for, heard_by
 from isoembed.cli.interruption import Checkpoints, add_checkpoint_options, checkpoint_file
 from isoembed.cli.length_error import add_length_error_option, length_errors
 from isoembed.cli.options import OF_RUNS, add_merge_option, add_run_options, add_space_option, refuse_given
 from isoembed.cli.parameters import configured, parameters
+from isoembed.cli.same_triangles import check_same_triangles
 from isoembed.cli.screen import UsageError, print_error
 from isoembed.errors import Interrupted
 from isoembed.io import MESH_ENDINGS, FileError, read_checkpoint, read_metric, read_surface
 from isoembed.progress.stages import Listener
 from isoembed.surface.checked import checked_errors
-
 
 WHICH = ("convex", "smoothest")
 """The values of ``--which`` that are no file."""
@@ -87,8 +87,8 @@ def configure(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--which",
         metavar="convex|smoothest|FILE",
-        help="another of the surfaces that are found to have the lengths: the convex one; the smoothest; or the "
-        "nearest to the surface in FILE, on the same triangles and of any size; only with --method aim",
+        help="which of the surfaces that are found to have the lengths: the convex one, the smoothest, or the "
+        "one nearest to the surface in FILE, on the same triangles, of any size; only with --method aim",
     )
     parser.add_argument(
         "--parameter",
@@ -114,6 +114,10 @@ def run(options: argparse.Namespace) -> int:
     kept = read_checkpoint(options.resume) if options.resume else None
     checkpoints = Checkpoints(left, kept)
     metric = read_metric(source, merge=options.merge, space=options.space)
+    if options.which is not None and options.which not in WHICH:
+        near = Path(options.which)
+        own = read_surface(near, merge=options.merge).metric
+        check_same_triangles(metric, own, source, near, "a surface is near to one on")
     if errors is not None:
         checked_errors(metric, errors)  # before anything is computed
     if options.space == "hyperbolic" and metric.space.is_euclidean:
@@ -160,10 +164,12 @@ def _method(options: argparse.Namespace) -> isoembed.Method:
         raise UsageError("--length-error does not go with --best-fit, which smooths errors instead")
     best_fit = ["best_fit=true"] if options.best_fit else []
     effort = [] if options.effort is None else [f"effort={options.effort}"]
-    which = [f"which={options.which}"] if options.which in WHICH else []
-    method = configured(options.method, options.parameter + repair + best_fit + effort + which)
-    if options.which is not None and options.which not in WHICH:
-        method = replace(method, which=read_surface(Path(options.which), merge=options.merge).vertices)
+    which: dict[str, str | Floats] = {}
+    if options.which in WHICH:
+        which["which"] = options.which
+    elif options.which is not None:
+        which["which"] = read_surface(Path(options.which), merge=options.merge).vertices
+    method = configured(options.method, options.parameter + repair + best_fit + effort, **which)
     if options.length_error is not None and not method.keeps_triangles:
         raise UsageError(f"--length-error needs a method that keeps the triangles, not {options.method!r}")
     return method

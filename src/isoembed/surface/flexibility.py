@@ -16,8 +16,9 @@ from isoembed.surface.rigidity import edge_rows, length_residuals
 MOST_VERTICES = 300
 """Of surfaces whose motions are sought: J is decomposed as a dense matrix."""
 
-STEP = 0.02
-"""Of the vertex that moves farthest, in mean edge lengths; so fine that Newton's method stays on the path."""
+STEPS_TRIED = (0.02, 0.005, 0.001)
+"""Of the vertex that moves farthest, in mean edge lengths, in turn: where a path bends, Newton's method stays
+on it in short steps only."""
 
 STEPS = 10
 
@@ -45,16 +46,18 @@ def described_flex(triangulation: Triangulation, surface: Projected, lengths: Fl
     unit = float(lengths.mean())
     if len(motions) > 1:
         return f"{len(motions)} independent motions of its vertices change no length to first order"
-    worst, missed = _followed(triangulation, surface, lengths, motions[0])
-    if worst is not None:
-        return (
-            f"the surface is flexible, as far as floats tell: a motion was followed until a vertex had moved by "
-            f"{STEP * STEPS:g} mean edge lengths, with all lengths kept to {max(worst / unit, 1e-16):.0e} of that"
-        )
+    for step in STEPS_TRIED:
+        missed, arrived = _followed(triangulation, surface, lengths, motions[0], step)
+        if arrived:
+            return (
+                "the surface is flexible, as far as floats tell: a motion was followed until a vertex had "
+                f"moved by {step * STEPS:g} mean edge lengths, and all lengths were kept to "
+                f"{max(missed / unit, 1e-16):.0e} of the mean edge length"
+            )
     return (
         "a motion of its vertices changes no length to first order, as far as floats tell, and could not be "
-        f"followed: with a vertex moved by {STEP:g} mean edge lengths, lengths change by "
-        f"{missed / unit:.0e} of that or more"
+        f"followed: where a vertex has moved by {step:g} mean edge lengths, a length differs by "
+        f"{missed / unit:.0e} of the mean edge length"
     )
 
 
@@ -67,33 +70,32 @@ def _matrix(triangulation: Triangulation, x: Floats, lengths: Floats) -> Floats:
 
 
 def _infinitesimal_flexes(triangulation: Triangulation, surface: Projected, lengths: Floats) -> Floats:
-    """An orthonormal basis of the motions that change no length to first order, (k, 3 V), rigid ones apart."""
+    """A basis of the motions that change no length to first order, (k, 3 V), rigid ones apart."""
     held = np.vstack([_matrix(triangulation, surface.vertices, lengths), surface.rigid_motions().T])
     sizes, motions = np.linalg.svd(held)[1:]
     return motions[sizes <= KEPT]
 
 
 def _followed(
-    triangulation: Triangulation, surface: Projected, lengths: Floats, motion: Floats
-) -> tuple[float | None, float]:
-    """Most that lengths changed on the way, None if it could not be followed; and the change where it ended."""
+    triangulation: Triangulation, surface: Projected, lengths: Floats, motion: Floats, step: float
+) -> tuple[float, bool]:
+    """Most that a length was off where steps of a motion ended, and whether all of them kept the lengths."""
     x, unit, worst = surface.vertices, float(lengths.mean()), 0.0
     for _ in range(STEPS):
         tangent = motion / np.linalg.norm(motion)
         farthest = np.linalg.norm(tangent.reshape(-1, 3), axis=1).max()
-        y = x + (STEP * unit / farthest * tangent).reshape(-1, 3)
+        y = x + (step * unit / farthest * tangent).reshape(-1, 3)
         missed = np.inf
-        for _ in range(STEPS):
+        for _ in range(10):  # of Gauss and Newton, across the motion
             r = length_residuals(triangulation, y, lengths)
             missed = float(np.abs(r).max())
-            if missed <= KEPT * unit / STEPS:
+            if not KEPT * unit / 10 < missed < unit:
                 break
             rigid = Projected.of(surface.space, y).rigid_motions()
-            held = np.vstack([_matrix(triangulation, y, lengths), rigid.T, tangent])
-            right = np.concatenate([r, np.zeros(7)])
-            y = y - np.linalg.lstsq(held, right, rcond=None)[0].reshape(-1, 3)
-        if not missed <= KEPT * unit:
-            return None, missed
+            across = np.vstack([_matrix(triangulation, y, lengths), rigid.T, tangent])
+            y = y - np.linalg.lstsq(across, np.concatenate([r, np.zeros(7)]), rcond=None)[0].reshape(-1, 3)
         worst = max(worst, missed)
+        if not missed <= KEPT * unit:
+            return worst, False
         x, motion = y, (y - x).ravel()
-    return worst, worst
+    return worst, True

@@ -349,7 +349,8 @@ class VertexSystem:
 
     def damped(self, rows: Floats, damping: float) -> SymmetricFactor:
         """Factor ``J^T J + damping I``, J given by its `edge_rows`."""
-        return self._factor(rows, 0.0, 0.0, damping * self._diagonal)
+        none = np.zeros(len(self._keys))
+        return self._factor(rows, none, 0.0, damping * self._diagonal)
 
     def spherical_step(self, vertices: Floats, lengths: Floats, residuals: Floats, radius: float) -> Floats:
         """Gauss-Newton's step, (V, 3), for the lengths and ``|x_a| = r`` together, in least squares.
