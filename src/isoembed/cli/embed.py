@@ -87,8 +87,8 @@ def configure(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--which",
         metavar="convex|smoothest|FILE",
-        help="which of the surfaces that are found to have the lengths: the convex one, the smoothest, or the "
-        "one nearest to the surface in FILE, on the same triangles, of any size; only with --method aim",
+        help="which of the surfaces that are found to have the lengths: the convex one, the smoothest, or "
+        "the nearest to the surface in FILE, on the same triangles, of any size; only with --method aim",
     )
     parser.add_argument(
         "--parameter",
