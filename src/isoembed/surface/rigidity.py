@@ -4,7 +4,7 @@ A row of J per edge holds ``(x_a - x_b)^T / l_ab`` at a and its negative at b; t
 ``(|x_a - x_b|^2 - l_ab^2) / (2 l_ab)``.
 The step of least norm, ``d = J^T (J J^T + mu I)^-1 r``, needs no triangle pinned: J J^T is an edges x edges
 matrix that is definite whenever the surface is infinitesimally rigid.  At a vertex with hundreds of edges it
-is dense, and J^T J, which gives the same step, is not.  In hyperbolic and spherical space J is
+is dense, and J itself, with a triangle held, is not.  In hyperbolic and spherical space J is
 that of the projective coordinates, and acts on the z of `projected`.
 """
 
@@ -19,7 +19,8 @@ import numpy as np
 from scipy.sparse import csc_array, csr_array, eye_array, kron
 
 from isoembed.arrays import Floats, Indices
-from isoembed.linalg import OutOfMemory, Solver, SymmetricFactor, analyze, dissect
+from isoembed.linalg import OutOfMemory, SingularMatrix, Solver, SymmetricFactor, analyze, dissect
+from isoembed.linalg.superlu import checked_lu
 from isoembed.mesh.triangulation import Triangulation
 from isoembed.space import EUCLIDEAN, Space
 from isoembed.surface.projected import Projected
@@ -224,16 +225,20 @@ class LengthSystem:
     def _step_by_vertices(
         self, system: VertexSystem, surface: Projected, J: RigidityMatrix, r: Floats, damping: float
     ) -> Floats:
-        """The same step by factors of J^T J: without damping, of one with a triangle held."""
+        """The same step by factors of J^T J; without damping, by those of J with a triangle held.
+
+        J then is square, and its factors lose half as many digits as those of J^T J.
+        """
         rows = np.empty_like(J.rows)
         rows[self._order] = J.rows
         if damping > 0:
             return system.damped(rows, damping).solve(J.forces(r).ravel(), sweeps=0).reshape(-1, 3)
-        factor = system.penalized(rows, 0.0, held=HeldTriangle.wide(surface.positions))
-        d = factor.solve(J.forces(r).ravel(), sweeps=0).reshape(-1, 3)
-        d += factor.solve(J.forces(r - J.rates(d)).ravel(), sweeps=0).reshape(-1, 3)
+        lu = checked_lu(_square(J, surface.positions), "COLAMD")
+        if not np.abs(lu.U.diagonal()).min() > 1e-14:  # the rows have entries up to 1
+            raise SingularMatrix("J is singular to working precision")
+        d = lu.solve(np.concatenate([r, np.zeros(6)]))
         basis = surface.rigid_motions()
-        return d - (basis @ (basis.T @ d.ravel())).reshape(-1, 3)
+        return (d - basis @ (basis.T @ d)).reshape(-1, 3)
 
     @cached_property
     def _solver(self) -> Solver:
@@ -241,6 +246,27 @@ class LengthSystem:
         n = len(self._ends)
         pattern = csc_array((np.ones(indices.size, dtype=np.int8), indices, indptr), shape=(n, n))
         return analyze(pattern, np.arange(n))
+
+
+def _square(J: RigidityMatrix, positions: Floats) -> csc_array:
+    """J, and six rows more that hold a triangle of vertices which are far from each other, (3 V, 3 V)."""
+    away = positions - positions.mean(axis=0)
+    a = int(np.linalg.norm(away, axis=1).argmax())
+    away = positions - positions[a]
+    b = int(np.linalg.norm(away, axis=1).argmax())
+    c = int(np.linalg.norm(np.cross(away, away[b]), axis=1).argmax())
+    normal = np.cross(away[b], away[c])
+    across = np.cross(normal, away[b])
+    normal, across = normal / np.linalg.norm(normal), across / np.linalg.norm(across)
+    count = len(J.ends)
+    edge = np.repeat(np.arange(count), 3)
+    columns = 3 * J.ends[:, :, None].astype(np.int64) + np.arange(3)
+    held = np.repeat(count + np.arange(6), 3)
+    held_columns = (3 * np.array([a, a, a, b, b, c])[:, None] + np.arange(3)).ravel()
+    values = [J.rows.ravel(), -J.rows.ravel(), np.eye(3).ravel(), across, normal, normal]
+    rows = np.concatenate([edge, edge, held])
+    places = np.concatenate([columns[:, 0].ravel(), columns[:, 1].ravel(), held_columns])
+    return csc_array((np.concatenate(values), (rows, places)), shape=(3 * J.vertices, 3 * J.vertices))
 
 
 class HeldTriangle(NamedTuple):
@@ -256,16 +282,6 @@ class HeldTriangle(NamedTuple):
 
     corners: Indices
     blocks: Floats
-
-    @classmethod
-    def wide(cls, vertices: Floats) -> HeldTriangle:
-        """That of three vertices of a surface which are far from each other."""
-        far = np.linalg.norm(vertices - vertices.mean(axis=0), axis=1)
-        a = int(far.argmax())
-        away = vertices - vertices[a]
-        b = int(np.linalg.norm(away, axis=1).argmax())
-        c = int(np.linalg.norm(np.cross(away, away[b]), axis=1).argmax())
-        return cls.of(vertices, np.array([a, b, c]))
 
     @classmethod
     def of(cls, vertices: Floats, corners: Indices) -> HeldTriangle:
