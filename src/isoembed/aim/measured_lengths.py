@@ -44,11 +44,16 @@ BELOW_NOISE = 0.1
 """Root mean square of the residuals, over that of the errors, below which less mu changes nothing that the
 lengths could tell."""
 
+SMALL = 1e-5
+"""Errors, over the mean edge length, so small that the surface with exactly these lengths is sought as well.
+Both are near to the truth where they are on its branch; they may differ in vertices reflected through their
+neighbors, and the smoother one is right more often."""
+
 
 def embed_within_errors(
     metric: PolyhedralMetric, errors: Floats, method: Aim, tolerance: float, log: Log
 ) -> Embedding:
-    """Embed a metric with errors of its lengths: a smooth fit, or the exact surface where none agrees.
+    """Embed a metric with errors of its lengths: a smooth fit, or the exact surface where none is better.
 
     Parameters
     ----------
@@ -57,7 +62,8 @@ def embed_within_errors(
     errors : ndarray, shape (E,)
         Standard deviations of the lengths.
     method : Aim
-        For the exact surface, which is sought where no smooth one agrees with the lengths.
+        For the exact surface, which is sought where no smooth one agrees with the lengths, or where the
+        errors are small.
     tolerance : float
         Residual of an exact surface.
     log : Log
@@ -69,10 +75,11 @@ def embed_within_errors(
     """
     start = _convex_start(metric, method.name, tolerance, log)
     found = _fitted(metric, errors, start, method.name, tolerance, log)
-    if not found.converged:
-        surface = method.run(metric.with_length_errors(0.0), tolerance, log)
-        if surface.residual < found.residual:
-            found = replace(found, vertices=surface.vertices, weight=0.0, message="")
+    if not found.converged or errors.max() < SMALL * metric.mean_length:
+        exact = method.run(metric.with_length_errors(0.0), tolerance, log)
+        smoother = exact.converged and exact.fine_roughness < found.fine_roughness
+        if smoother or (not found.converged and exact.residual < found.residual):
+            found = replace(found, vertices=exact.vertices, weight=0.0, message="")
     return found.with_stages(log.stages)
 
 

@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 from copy import copy
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from functools import cached_property
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -22,6 +22,9 @@ from isoembed.metric.triangle_checks import check_triangles
 from isoembed.space import EUCLIDEAN, Space
 from isoembed.space.models import Model, from_model
 from isoembed.thresholds import threshold
+
+if TYPE_CHECKING:
+    from isoembed.metric.glued import GluedMetric
 
 
 @dataclass(frozen=True)
@@ -42,7 +45,7 @@ class PolyhedralMetric:
     Parameters
     ----------
     faces : array_like of int, shape (F, 3)
-        Triangles, all oriented alike.
+        Triangles; those that are not oriented as face 0 is are turned over.
     lengths : array_like of float, shape (E,)
         Edge lengths, in any unit and of any size.
     edges : array_like of int, shape (E, 2), optional
@@ -120,7 +123,8 @@ class PolyhedralMetric:
         merge : float, optional
             Vertices that are as near to one another, in mean edge lengths, become the first of them; at 0
             those that are equal.  Faces that then are edges or points, and vertices in no face, are left
-            out; the vertices that are left are numbered in their order.
+            out; the vertices that are left are numbered in their order.  Above 0, a side that only one face
+            has is split at vertices as near to it (T-junctions), and triangles without area are left out.
         curvature : float, optional
             Of the space that the vertices are in, and so of the triangles; lengths are its distances.
         model : {"ambient", "conformal", "projective"}
@@ -166,7 +170,8 @@ class PolyhedralMetric:
                 return metric
             return metric._knowing(precision=Precision.of(points, metric.mean_length))
         except InvalidMetric as error:
-            raise InvalidMetric(f"{error}{merging_advice(points, triangles)}") from None
+            advice = merging_advice(points, faces if merge is None else triangles, space)
+            raise InvalidMetric(f"{error}{advice}") from None
 
     @classmethod
     def from_trimesh(cls, mesh: Any, *, merge: float | None = None) -> PolyhedralMetric:
@@ -234,13 +239,11 @@ class PolyhedralMetric:
         object.__setattr__(self, "lengths", lengths)
         object.__setattr__(self, "space", space)
 
-    def rounded_as(self, other: PolyhedralMetric) -> PolyhedralMetric:
+    def rounded_as(self, other: PolyhedralMetric | GluedMetric) -> PolyhedralMetric:
         """Return the metric with the `precision` of another in the same unit, whose surface it is."""
-        given = other.precision
-        if given is None:
+        if other.precision is None:
             return self
-        error = given.length_error * other.mean_length / self.mean_length
-        return self._knowing(precision=replace(given, length_error=error))
+        return self._knowing(precision=other.precision.in_means(other.mean_length / self.mean_length))
 
     def _knowing(self, **known: Any) -> PolyhedralMetric:
         """The same triangles and lengths with another precision, errors or rounding of these."""
