@@ -7,7 +7,7 @@ import isoembed
 import smooth_bodies
 import zoo
 from isoembed.aim.adaptive import Aim
-from isoembed.aim.local_search import local_search
+from isoembed.aim.local_search import local_search, misses_locally
 from isoembed.aim.regularized_energy import RegularizedEnergy
 from isoembed.errors import InvalidParameter, NotEmbedded
 from isoembed.gallery import HarmonicSurface, triangulate
@@ -127,3 +127,14 @@ def test_a_failure_costs_as_much_as_the_effort_says(effort):
 def test_no_effort(effort):
     with pytest.raises(InvalidParameter, match="not a finite number of at least 0"):
         Aim(effort=effort)
+
+
+def test_noise_is_missed_everywhere_and_a_patch_where_it_is():
+    vertices, faces = zoo.icosphere(4)  # 7,680 edges, of which the disks of a sweep have fewer than half
+    metric = PolyhedralMetric.from_mesh(vertices, faces)
+    energy = RegularizedEnergy(metric, vertices)
+    pushed = vertices.copy()
+    pushed[100] *= 0.9
+    assert misses_locally(energy, pushed, metric.lengths)
+    noise = 1e-3 * np.random.default_rng(0).uniform(-1, 1, len(metric.lengths))
+    assert not misses_locally(energy, vertices, metric.lengths + noise)

@@ -80,3 +80,25 @@ def test_the_input_is_not_overwritten(call, files):
     status, _, err = call("realizations", "realization-1.ply", "m.npz", "-o", ".")
     assert status == 2
     assert "realization-1.ply would take the place of the input: take another folder" in err
+
+
+def test_which_of_them_is_the_answer(call, files):
+    assert call("embed", "m.npz", "--which", "smoothest", "-o", "out.ply")[0] == 0
+    assert call("embed", "m.npz", "--which", "convex", "-o", "out.ply")[0] == 0
+    assert not read_surface(Path("out.ply")).concave_edges.any()
+    x, faces = np.load("s.npz")["vertices"], files.faces
+    x[-1] *= 0.96 / 1.02  # the apex pushed in
+    np.savez("near.npz", vertices=3 * x, faces=faces)
+    assert call("embed", "m.npz", "--which", "near.npz", "-o", "out.ply")[0] == 0
+    assert read_surface(Path("out.ply")).concave_edges.any()
+
+
+def test_other_surfaces_to_be_near_to_are_refused(call, files):
+    x, faces = zoo.icosahedron()
+    np.savez("other.npz", vertices=x, faces=faces)
+    refused = (2, "", "isoembed: error: other.npz has 12 vertices, m.npz has 13\n")
+    assert call("embed", "m.npz", "--which", "other.npz") == refused
+    status, _, err = call("embed", "m.npz", "--which", "none.ply")
+    assert status == 2 and "none.ply" in err
+    status, _, err = call("embed", "m.npz", "--method", "alexandrov", "--which", "convex")
+    assert status == 2 and "--which needs the method 'aim'" in err

@@ -87,6 +87,27 @@ def test_the_damped_step_is_levenberg_and_marquardts(mu):
     assert step.ravel() == pytest.approx(np.linalg.solve(N, J.T @ residuals), abs=1e-8)
 
 
+@pytest.mark.parametrize("mu", [0.0, 1e-3])
+def test_steps_about_a_vertex_of_many_edges_are_the_same_by_fewer_entries(mu):
+    n = 80
+    angles = 2 * np.pi * np.arange(n) / n
+    vertices = np.array(
+        [*zip(np.cos(angles), np.sin(angles), 0 * angles, strict=True), (0, 0, 0.5), (0, 0, -0.4)]
+    )
+    faces = [face for i in range(n) for face in ((i, (i + 1) % n, n), ((i + 1) % n, i, n + 1))]
+    triangulation = Triangulation(faces)
+    a, b = triangulation.edges.T
+    lengths = np.linalg.norm(vertices[a] - vertices[b], axis=1)
+    vertices = vertices + 1e-3 * np.random.default_rng(1).normal(size=vertices.shape)
+    residuals = length_residuals(triangulation, vertices, lengths)
+    system = LengthSystem(triangulation)
+    step = system.step(vertices, lengths, residuals, mu)
+    assert "_solver" not in vars(system)  # J J^T, which would be dense
+    J = dense_jacobian(triangulation, vertices, lengths)
+    tensions = np.linalg.solve(J @ J.T + MEAN_DIAGONAL * mu * np.eye(len(J)), residuals)
+    assert step.ravel() == pytest.approx(J.T @ tensions, abs=1e-9)
+
+
 def bending(triangulation):
     """A penalty that reaches across two edges, singular on constants: the graph Laplacian, squared."""
     L = np.diag(triangulation.degrees) - triangulation.adjacency.toarray()

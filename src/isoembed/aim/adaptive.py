@@ -16,6 +16,7 @@ from dataclasses import dataclass
 from typing import ClassVar
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from isoembed._embed import Method
 from isoembed.aim.search import Search
@@ -41,10 +42,15 @@ class Aim(Method):
         the wrong side and the best fit follow, which together take ``1 + effort`` times as many, 11 times at
         most; a best fit that is asked for takes what it needs.  0 is no search.
         Above 1, vertices on the wrong side are sought after that, for ``effort`` times as many.
+    which : {"convex", "smoothest"} or array_like, shape (V, 3), optional
+        Another of the realizations that are found: the convex one; the smoothest; or the nearest to a surface
+        with these vertices, of any size, from which Newton's method is started, too.  By default the answer
+        is on the branch of a convex surface, or, where that is not followed, the smoothest.
     """
 
     best_fit: bool = False
     effort: float = 1.0
+    which: str | tuple[tuple[float, ...], ...] | None = None
 
     name: ClassVar[str] = "aim"
     takes_curved: ClassVar[bool] = True
@@ -55,6 +61,10 @@ class Aim(Method):
             raise InvalidParameter(f"best_fit is {self.best_fit!r}, not True or False")
         if not 0 <= self.effort < np.inf:
             raise InvalidParameter(f"effort is {self.effort!r}, not a finite number of at least 0")
+        if self.which is not None and not isinstance(self.which, str):
+            object.__setattr__(self, "which", _points(self.which))
+        elif self.which not in (None, "convex", "smoothest"):
+            raise InvalidParameter(f'which is {self.which!r}, not "convex", "smoothest" or vertices')
 
     def run(self, metric: PolyhedralMetric, tolerance: float, log: Log) -> Embedding:
         """Embed the metric.
@@ -71,11 +81,19 @@ class Aim(Method):
 
             return embed_within_errors(metric, metric.length_errors, self, tolerance, log)
         embedding, start = self._exact(metric, tolerance, log)
+        if embedding.converged and embedding.uniqueness is None and _may_have_neighbors(embedding):
+            from isoembed.aim.choice import with_neighbors
+
+            embedding = with_neighbors(embedding, log)
         rounding = None if self.best_fit else metric.rounding
         if rounding is not None and (not embedding.converged or embedding.rough_edges.any()):
             from isoembed.aim.measured_lengths import within_digits
 
             embedding = within_digits(metric, rounding, embedding, start, log)
+        if self.which is not None and embedding.converged:
+            from isoembed.aim.choice import chosen
+
+            embedding = chosen(embedding, self.which, log)
         return embedding.with_stages(log.stages)
 
     def _exact(self, metric: PolyhedralMetric, tolerance: float, log: Log) -> tuple[Embedding, Floats | None]:
@@ -88,3 +106,22 @@ class Aim(Method):
 
         strategies = Strategies(search)
         return strategies.run(self.best_fit, self.effort), vars(strategies).get("start")
+
+
+def _may_have_neighbors(surface: Embedding) -> bool:
+    """Whether to look for others near a realization that was found at once.
+
+    A convex surface is the only convex one.  Of meshes with many vertices, smoothness tells neighbors
+    apart, and the search would cost more than all else.
+    """
+    return surface.triangulation.n_vertices <= 150 and bool(surface.concave_edges.any())
+
+
+def _points(which: ArrayLike) -> tuple[tuple[float, ...], ...]:
+    """Vertices as a tuple, which is compared and written as a whole."""
+    points = np.asarray(which, dtype=np.float64)
+    if points.ndim != 2 or points.shape[1] != 3 or not np.isfinite(points).all():
+        raise InvalidParameter(
+            f"which has the shape {points.shape}, not (V, 3), or numbers that are not finite"
+        )
+    return tuple(map(tuple, points.tolist()))

@@ -132,6 +132,19 @@ def local_search(
     return Searched(end, search.nearest)
 
 
+def misses_locally(energy: RegularizedEnergy, vertices: Floats, lengths: Floats) -> bool:
+    """Whether lengths are missed in as few places as disks are tried, as by patches on the wrong side.
+
+    Lengths with noise are missed everywhere; turning over a few of so many patches leads nowhere.
+    """
+    squares = energy.residuals(vertices, lengths) ** 2
+    rings = LOCAL_SEARCH.rings
+    reached = 3 * LOCAL_SEARCH.disks * (1 + 3 * rings * (rings + 1))  # edges, three for each vertex
+    return len(squares) <= reached or bool(
+        np.partition(squares, -reached)[-reached:].sum() > 0.9 * squares.sum()
+    )
+
+
 class _LocalSearch(LengthSearch):
     """The local search, and the realization that it has found."""
 

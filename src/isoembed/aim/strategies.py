@@ -10,14 +10,15 @@ from numpy.typing import NDArray
 
 from isoembed.aim.anneal import ANNEALING, anneal
 from isoembed.aim.best_fit import best_fit
+from isoembed.aim.choice import SOUGHT
 from isoembed.aim.convexification import CONVEXIFICATION
 from isoembed.aim.diagnosis import diagnosis
 from isoembed.aim.flipped_vertices import with_flipped_vertices
 from isoembed.aim.lengths_newton import LENGTHS_NEWTON, newton_on_lengths
 from isoembed.aim.levels import goes_by_levels, pulled_back_by_levels
-from isoembed.aim.local_search import LOCAL_SEARCH, local_search
+from isoembed.aim.local_search import LOCAL_SEARCH, local_search, misses_locally
 from isoembed.aim.mirrored_patches import mirrored_realizations
-from isoembed.aim.nearby_realizations import NEARBY, nearby_realizations
+from isoembed.aim.nearby_realizations import nearby_realizations
 from isoembed.aim.radii_leap import RADII_LEAP, newton_on_radii, radii_start
 from isoembed.aim.regularized_continuation import Continued, log_linear, regularized_continuation
 from isoembed.aim.regularized_energy import RegularizedEnergy
@@ -37,11 +38,6 @@ from isoembed.surface.embedding import Embedding
 from isoembed.surface.fitted import FittedSurface
 from isoembed.surface.measures import outward
 from isoembed.surface.rigidity import LengthSystem
-
-SOUGHT = (
-    f"others were sought along the {NEARBY.motions} softest motions, within {NEARBY.near:g} mean edge "
-    "lengths, which need not find all: isoembed realizations searches further"
-)
 
 # Seconds that stages take as a rule, 40,000 vertices, for the time left.
 BY_A_POLYHEDRON = {"nearest waypoint": 0.5, "polytopes": 1.0, "leap": 0.8}
@@ -280,7 +276,8 @@ class Strategies:
         """Turn over what is on the wrong side, leaving the best fit its share of so many factorizations.
 
         Coarse surfaces are searched from the nearest attempt, others from the smooth end of the path: its
-        pits are where they should be, which is more than that lengths are nearly right.
+        pits are where they should be, which is more than that lengths are nearly right.  Where lengths are
+        missed all over, as those with noise are, there is nothing to turn.
         """
         if not self.metric.space.is_euclidean:
             return
@@ -288,6 +285,8 @@ class Strategies:
         left = most - self.log.factorizations - ADAPTIVE.fit
         if self.search.numbers.size > LOCAL_SEARCH.coarse:
             start = start if self.smooth is None else self.smooth
+            if not misses_locally(self.energy, start, self.metric.lengths):
+                return
         with self.log.stage("local search") as recorder:
             found = local_search(
                 self.energy, self.system, start, self.metric.lengths, recorder, max(left, 0.0)

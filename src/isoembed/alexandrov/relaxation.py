@@ -6,6 +6,7 @@ the same.
 
 from collections.abc import Iterator
 from dataclasses import dataclass
+from itertools import count
 
 import numpy as np
 
@@ -61,20 +62,21 @@ def relaxed(tables: HalfEdges, vertices: Floats, recorder: StageRecorder) -> Flo
     space = Space(tables.curvature)
     system = LengthSystem(triangulation, space=space)
     best = vertices
-    for _ in range(NEARLY_FLAT.relaxations):
+    for step in count(1):
         recorder.factorizations += 1
         try:
             residuals = length_residuals(triangulation, vertices, lengths, space)
-            step = system.step(vertices, lengths, residuals)
+            motion = system.step(vertices, lengths, residuals)
         except SingularMatrix:
             break
-        vertices = vertices - step
+        vertices = vertices - motion
         if not (space.curvature * np.einsum("ij,ij->i", vertices, vertices) < 1).all():
             break  # out of the half of the sphere
         before, worst = worst_length(tables, best), worst_length(tables, vertices)
         if worst < before:
             best = vertices
-        if before <= NEARLY_FLAT.exact and worst > before / 2:
+        ended = before <= NEARLY_FLAT.exact or step >= NEARLY_FLAT.relaxations
+        if ended and not worst < before / 2:
             break  # the rounding floor; where the body is thin, each step halves the errors, at least
     return best
 

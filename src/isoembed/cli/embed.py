@@ -7,18 +7,23 @@ from typing import Any
 
 import isoembed
 from isoembed._embed import configuration, method_names
+from isoembed.arrays import Floats
 from isoembed.cli.answer import add_output_options, answer, asked_for, heard_by
 from isoembed.cli.interruption import Checkpoints, add_checkpoint_options, checkpoint_file
 from isoembed.cli.length_error import add_length_error_option, length_errors
 from isoembed.cli.numbers import read_numbers
 from isoembed.cli.options import OF_RUNS, add_merge_option, add_run_options, add_space_option, refuse_given
 from isoembed.cli.parameters import configured, parameters
+from isoembed.cli.same_triangles import check_same_triangles
 from isoembed.cli.screen import UsageError, print_error
 from isoembed.errors import Interrupted, InvalidMetric, InvalidParameter
-from isoembed.io import MESH_ENDINGS, FileError, read_checkpoint, read_metric
+from isoembed.io import MESH_ENDINGS, FileError, read_checkpoint, read_metric, read_surface
 from isoembed.io.files import ending
 from isoembed.progress.stages import Listener
 from isoembed.surface.checked import checked_errors
+
+WHICH = ("convex", "smoothest")
+"""The values of ``--which`` that are no file."""
 
 
 def configure(parser: argparse.ArgumentParser) -> None:
@@ -96,6 +101,12 @@ def configure(parser: argparse.ArgumentParser) -> None:
         "with --method aim",
     )
     parser.add_argument(
+        "--which",
+        metavar="convex|smoothest|FILE",
+        help="which of the surfaces that are found to have the lengths: the convex one, the smoothest, or "
+        "the nearest to the surface in FILE, on the same triangles, of any size; only with --method aim",
+    )
+    parser.add_argument(
         "--parameter",
         action="append",
         default=[],
@@ -126,6 +137,10 @@ def run(options: argparse.Namespace) -> int:
             raise InvalidMetric(
                 f"{error}; --boundary free embeds such surfaces, --boundary plane a convex cap"
             ) from None
+    if options.which is not None and options.which not in WHICH:
+        near = Path(options.which)
+        own = read_surface(near, merge=options.merge).metric
+        check_same_triangles(metric, own, source, near, "a surface is near to one on")
     if errors is not None:
         checked_errors(metric, errors)  # before anything is computed
     if options.space == "hyperbolic" and metric.space.is_euclidean:
@@ -165,6 +180,8 @@ def _method(options: argparse.Namespace) -> isoembed.Method:
         raise UsageError(f"--best-fit needs the method 'aim': the method {name!r} has no best fit")
     if options.effort is not None and "effort" not in known:
         raise UsageError(f"--effort needs the method 'aim': the method {name!r} does not search")
+    if options.which is not None and "which" not in known:
+        raise UsageError(f"--which needs the method 'aim': the method {name!r} finds one surface")
     if options.length_error is not None and options.best_fit:
         raise UsageError("--length-error does not go with --best-fit, which smooths errors instead")
     if options.boundary is not None or options.start is not None:
@@ -173,7 +190,12 @@ def _method(options: argparse.Namespace) -> isoembed.Method:
         return _sheet(options)
     best_fit = ["best_fit=true"] if options.best_fit else []
     effort = [] if options.effort is None else [f"effort={options.effort}"]
-    method = configured(name, options.parameter + repair + best_fit + effort)
+    which: dict[str, str | Floats] = {}
+    if options.which in WHICH:
+        which["which"] = options.which
+    elif options.which is not None:
+        which["which"] = read_surface(Path(options.which), merge=options.merge).vertices
+    method = configured(name, options.parameter + repair + best_fit + effort, **which)
     if options.length_error is not None and not method.keeps_triangles:
         raise UsageError(f"--length-error needs a method that keeps the triangles, not {name!r}")
     return method

@@ -12,7 +12,7 @@ from isoembed.cli.screen import UsageError
 TRUTH = {"true": True, "yes": True, "1": True, "false": False, "no": False, "0": False}
 
 
-def configured(method: str, assignments: Sequence[str]) -> _embed.Method:
+def configured(method: str, assignments: Sequence[str], **given: Any) -> _embed.Method:
     """Make the method of this name with these parameters.
 
     Parameters
@@ -20,6 +20,8 @@ def configured(method: str, assignments: Sequence[str]) -> _embed.Method:
     method : str
     assignments : sequence of str
         Each ``NAME=VALUE``, with the name of a field of the method's configuration.
+    **given
+        Fields of other types, as they are.
 
     Raises
     ------
@@ -29,7 +31,7 @@ def configured(method: str, assignments: Sequence[str]) -> _embed.Method:
     configuration = _embed.configuration(method)
     known, needed = parameters(configuration), parameters(configuration, needed=True)
     types_ = get_type_hints(configuration)
-    values: dict[str, Any] = {}
+    values = dict(given)
     for assignment in assignments:
         name, equals, text = assignment.partition("=")
         if not equals:

@@ -63,7 +63,9 @@ from isoembed.linalg.rounding import GUARD, U, gamma
 from isoembed.linalg.row_rank import prove_row_rank
 from isoembed.metric.curvature import deficits
 from isoembed.metric.polyhedral import PolyhedralMetric
+from isoembed.surface.flexibility import described_flex
 from isoembed.surface.length_equations import LengthEquations, NotProven
+from isoembed.surface.projected import Projected
 from isoembed.thresholds import threshold
 
 
@@ -129,7 +131,7 @@ class NearbyRealization:
         found["residual"] = float(GUARD * missed.max() / metric.mean_length)
 
         J = equations.matrix()
-        factor, sigma = _factored(metric, J)
+        factor, sigma = _factored(metric, x, J)
         sigma -= equations.matrix_error
         found["sigma_min"] = sigma / (GUARD * metric.mean_length)
         y = -(J.T @ factor.solve(values)).reshape(-1, 3) / equations.weights[:, None]
@@ -225,7 +227,7 @@ def _check_near(metric: PolyhedralMetric, x: Floats, length_errors: Floats) -> N
         )
 
 
-def _factored(metric: PolyhedralMetric, J: csr_array) -> tuple[PositiveDefinite, float]:
+def _factored(metric: PolyhedralMetric, x: Floats, J: csr_array) -> tuple[PositiveDefinite, float]:
     """Factor J J^T, and bound the singular values of the exact J from below."""
     t = metric.triangulation
     try:
@@ -233,6 +235,10 @@ def _factored(metric: PolyhedralMetric, J: csr_array) -> tuple[PositiveDefinite,
     except SingularMatrix as error:
         epsilon = deficits(metric)
         v = int(np.argmin(np.abs(epsilon)))
+        if abs(epsilon[v]) > 1e-9:  # no vertex is in the plane of its neighbors, which alone would explain it
+            flex = described_flex(t, Projected.of(metric.space, x), metric.lengths)
+            if flex is not None:
+                raise NotProven(flex) from error
         raise NotProven(
             f"the lengths may not fix the vertices ({error}): vertex {v} is the flattest, "
             f"with a deficit of {epsilon[v]:.1e}"

@@ -76,6 +76,10 @@ class Projected:
         """An orthonormal basis of the `velocities` that change no length, shape (3 V, 6)."""
         return np.linalg.qr(np.column_stack([self.velocities(z).ravel() for z in self._rigid_motions()]))[0]
 
+    def rigid_motions(self) -> Floats:
+        """An orthonormal basis of the z that change no length, shape (3 V, 6)."""
+        return np.linalg.qr(np.column_stack([z.ravel() for z in self._rigid_motions()]))[0]
+
     def without_isometries(self) -> Callable[[Floats], Floats]:
         """The projection of z, (3 V,), that leaves the isometries out; the identity in Euclidean space.
 
@@ -83,7 +87,7 @@ class Projected:
         """
         if self.space.is_euclidean:
             return lambda z: z
-        basis = np.linalg.qr(np.column_stack([z.ravel() for z in self._rigid_motions()]))[0]
+        basis = self.rigid_motions()
         return lambda z: z - basis @ (basis.T @ z)
 
     def _rigid_motions(self) -> list[Floats]:

@@ -3,7 +3,8 @@
 A row of J per edge holds ``(x_a - x_b)^T / l_ab`` at a and its negative at b; the edge's residual is
 ``(|x_a - x_b|^2 - l_ab^2) / (2 l_ab)``.
 The step of least norm, ``d = J^T (J J^T + mu I)^-1 r``, needs no triangle pinned: J J^T is an edges x edges
-matrix that is definite whenever the surface is infinitesimally rigid.  In hyperbolic and spherical space J is
+matrix that is definite whenever the surface is infinitesimally rigid.  At a vertex with hundreds of edges it
+is dense, and J itself, with a triangle held, is not.  In hyperbolic and spherical space J is
 that of the projective coordinates, and acts on the z of `projected`.
 """
 
@@ -18,7 +19,8 @@ import numpy as np
 from scipy.sparse import csc_array, csr_array, eye_array, kron
 
 from isoembed.arrays import Floats, Indices
-from isoembed.linalg import OutOfMemory, Solver, SymmetricFactor, analyze, dissect
+from isoembed.linalg import OutOfMemory, SingularMatrix, Solver, SymmetricFactor, analyze, dissect
+from isoembed.linalg.superlu import checked_lu
 from isoembed.mesh.triangulation import Triangulation
 from isoembed.space import EUCLIDEAN, Space
 from isoembed.surface.projected import Projected
@@ -117,6 +119,8 @@ class LengthSystem:
         r, surface = residuals[self._order], Projected.of(self.space, vertices)
         J = self._matrix(surface, lengths)
         damping = mu * self._mean_diagonal(J)
+        if self._vertex_system is not None:
+            return surface.motion(self._step_by_vertices(self._vertex_system, surface, J, r, damping))
         try:
             linear = LinearizedLengths(J, self._factor(J, damping), self._order)
         except OutOfMemory:
@@ -211,11 +215,58 @@ class LengthSystem:
         return self._solver.factor(J.gram(pattern.indptr, pattern.indices, damping), single=single)
 
     @cached_property
+    def _vertex_system(self) -> VertexSystem | None:
+        """J^T J, where it has fewer entries than J J^T."""
+        t = self.triangulation
+        degrees = np.bincount(t.edges.ravel()).astype(np.int64)
+        fewer = 9 * (t.n_vertices + 2 * t.n_edges) < int((degrees**2).sum()) - t.n_edges
+        return VertexSystem(t) if fewer else None
+
+    def _step_by_vertices(
+        self, system: VertexSystem, surface: Projected, J: RigidityMatrix, r: Floats, damping: float
+    ) -> Floats:
+        """The same step by factors of J^T J; without damping, by those of J with a triangle held.
+
+        J then is square, and its factors lose half as many digits as those of J^T J.
+        """
+        rows = np.empty_like(J.rows)
+        rows[self._order] = J.rows
+        if damping > 0:
+            return system.damped(rows, damping).solve(J.forces(r).ravel(), sweeps=0).reshape(-1, 3)
+        lu = checked_lu(_square(J, surface.positions), "COLAMD")
+        if not np.abs(lu.U.diagonal()).min() > 1e-14:  # the rows have entries up to 1
+            raise SingularMatrix("J is singular to working precision")
+        d = lu.solve(np.concatenate([r, np.zeros(6)]))
+        basis = surface.rigid_motions()
+        return (d - basis @ (basis.T @ d)).reshape(-1, 3)
+
+    @cached_property
     def _solver(self) -> Solver:
         indptr, indices = coupled_edges(self._ends, self.triangulation.n_vertices)
         n = len(self._ends)
         pattern = csc_array((np.ones(indices.size, dtype=np.int8), indices, indptr), shape=(n, n))
         return analyze(pattern, np.arange(n))
+
+
+def _square(J: RigidityMatrix, positions: Floats) -> csc_array:
+    """J, and six rows more that hold a triangle of vertices which are far from each other, (3 V, 3 V)."""
+    away = positions - positions.mean(axis=0)
+    a = int(np.linalg.norm(away, axis=1).argmax())
+    away = positions - positions[a]
+    b = int(np.linalg.norm(away, axis=1).argmax())
+    c = int(np.linalg.norm(np.cross(away, away[b]), axis=1).argmax())
+    normal = np.cross(away[b], away[c])
+    across = np.cross(normal, away[b])
+    normal, across = normal / np.linalg.norm(normal), across / np.linalg.norm(across)
+    count = len(J.ends)
+    edge = np.repeat(np.arange(count), 3)
+    columns = 3 * J.ends[:, :, None].astype(np.int64) + np.arange(3)
+    held = np.repeat(count + np.arange(6), 3)
+    held_columns = (3 * np.array([a, a, a, b, b, c])[:, None] + np.arange(3)).ravel()
+    values = [J.rows.ravel(), -J.rows.ravel(), np.eye(3).ravel(), across, normal, normal]
+    rows = np.concatenate([edge, edge, held])
+    places = np.concatenate([columns[:, 0].ravel(), columns[:, 1].ravel(), held_columns])
+    return csc_array((np.concatenate(values), (rows, places)), shape=(3 * J.vertices, 3 * J.vertices))
 
 
 class HeldTriangle(NamedTuple):
@@ -275,7 +326,8 @@ class VertexSystem:
         slots = [self._slot(3 * entries.row + k, 3 * entries.col + k) for k in range(3)]
         values = np.tile(entries.data, 3)
         self._penalty = cast(Floats, np.bincount(np.concatenate(slots), values, minlength=len(self._keys)))
-        self._hold = RIGIDITY.hold * MEAN_DIAGONAL * (pattern.indices == column)
+        self._diagonal = pattern.indices == column
+        self._hold = RIGIDITY.hold * MEAN_DIAGONAL * self._diagonal
 
     def _slot(self, row: Indices, column: Indices) -> Indices:
         return np.searchsorted(
@@ -310,6 +362,11 @@ class VertexSystem:
             hold = RIGIDITY.negligible / RIGIDITY.hold * hold
             hold[self._vertex_slots.reshape(-1, 9)[held.corners]] += held.blocks.reshape(3, 9)
         return self._factor(rows, penalty, tensions, hold)
+
+    def damped(self, rows: Floats, damping: float) -> SymmetricFactor:
+        """Factor ``J^T J + damping I``, J given by its `edge_rows`."""
+        none = np.zeros(len(self._keys))
+        return self._factor(rows, none, 0.0, damping * self._diagonal)
 
     def spherical_step(self, vertices: Floats, lengths: Floats, residuals: Floats, radius: float) -> Floats:
         """Gauss-Newton's step, (V, 3), for the lengths and ``|x_a| = r`` together, in least squares.

@@ -31,10 +31,13 @@ def sentence(surface: Embedding) -> str:
 
 def _beside(surface: Embedding, other: Embedding) -> str:
     """How another realization differs."""
-    dented = other.concave_edges.any() and not surface.concave_edges.any()
+    if other.concave_edges.any() and not surface.concave_edges.any():
+        kind = "not convex"
+    else:
+        kind = "smoother" if other.fine_roughness < surface.fine_roughness else "rougher"
     said = (
         f"; these lengths have another realization too, {surface.distance(other):.1g} mean edge lengths "
-        f"from this one and {'not convex' if dented else 'rougher'}"
+        f"from this one and {kind}"
     )
     mirrored = mirrored_dents(surface, other)
     if mirrored:

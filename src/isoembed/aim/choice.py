@@ -1,0 +1,141 @@
+"""The realizations beside the one that a strategy led to, and the choice of another one among them.
+
+A strategy that is trusted ends at one realization, on the branch of the convex surface that it came from.
+That one is the answer unless another is asked for, be it a little rougher than a twin of its own.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from isoembed.aim.anneal import anneal
+from isoembed.aim.nearby_realizations import NEARBY, nearby_realizations
+from isoembed.arrays import Floats
+from isoembed.errors import InvalidParameter, NotEmbedded
+from isoembed.evidence import Evidence
+from isoembed.metric.convexity import deficit_rounding
+from isoembed.metric.curvature import deficits as vertex_deficits
+from isoembed.progress.stages import Log
+from isoembed.surface.embedding import Embedding
+from isoembed.surface.rigidity import LengthSystem
+
+SAME = 1e-7
+"""Realizations as near as this are one, in mean edge lengths."""
+
+REALIZED = 1e-11
+"""Largest residual of a realization beside another one, in mean edge lengths."""
+
+SOUGHT = (
+    f"others were sought along the {NEARBY.motions} softest motions, within {NEARBY.near:g} mean edge "
+    "lengths, which need not find all: isoembed realizations searches further"
+)
+
+
+def with_neighbors(embedding: Embedding, log: Log) -> Embedding:
+    """The same surface with the realizations beside it that are found along its softest motions."""
+    metric = embedding.metric
+    with log.stage("neighbors") as recorder:
+        met = nearby_realizations(
+            LengthSystem(metric.triangulation, space=metric.space),
+            embedding.vertices,
+            metric.lengths,
+            recorder,
+            residual_tolerance=REALIZED,
+        )
+    others = list(embedding.others)
+    for vertices in met:
+        other = Embedding(metric, vertices, method=embedding.method, tolerance=embedding.tolerance)
+        if all(other.distance(known) > SAME for known in (embedding, *others)):
+            others.append(other)
+    found = embedding.with_others(others, Evidence("searched", SOUGHT))
+    return found.with_message(f"{found.message}; {SOUGHT}")
+
+
+def chosen(embedding: Embedding, which: str | tuple[tuple[float, ...], ...], log: Log) -> Embedding:
+    """The realization that was asked for, among those that were found; the others stand beside it.
+
+    Parameters
+    ----------
+    embedding : Embedding
+        A realization, of a normalized metric.
+    which : {"convex", "smoothest"} or tuple of tuple of float
+        Or the vertices, (V, 3), of a surface that it is to be near to, of any size.
+    log : Log
+
+    Raises
+    ------
+    NotEmbedded
+        A convex one was asked for, and none was found.
+    InvalidParameter
+        There are other than V vertices, or space is curved.
+    """
+    found = [embedding, *embedding.others]
+    if which == "smoothest":
+        best = min(found, key=lambda surface: surface.fine_roughness)
+    elif which == "convex":
+        convex = [surface for surface in found if not surface.concave_edges.any()]
+        if not convex:
+            raise _no_convex(embedding)
+        best = convex[0]
+    else:
+        target = _target(embedding, np.array(which))
+        near = _realized(target, log)
+        if near is not None and all(near.distance(other) > SAME for other in found):
+            found.append(near)
+        best = min(found, key=target.distance)
+    rest = [surface for surface in found if surface is not best]
+    said = best.with_others(rest, embedding.uniqueness)
+    if which not in ("convex", "smoothest"):
+        said = said.with_message(
+            f"{said.message}; of those that were found it is the nearest to the given surface, "
+            f"{target.distance(best):.1e} mean edge lengths from it"
+        )
+    return said
+
+
+def _target(embedding: Embedding, vertices: Floats) -> Embedding:
+    """The surface to be near to, at the size of the metric."""
+    metric = embedding.metric
+    if not metric.space.is_euclidean:
+        raise InvalidParameter("a surface to be near to is for metrics without curvature of space only")
+    if vertices.shape != embedding.vertices.shape:
+        raise InvalidParameter(
+            f"the surface to be near to has {len(vertices)} vertices, the metric {len(embedding.vertices)}"
+        )
+    a, b = metric.edges.T
+    size = float(np.linalg.norm(vertices[a] - vertices[b], axis=1).mean())
+    if not size > 0:
+        raise InvalidParameter("all vertices of the surface to be near to are at one point")
+    return Embedding(
+        metric, metric.mean_length / size * vertices, method=embedding.method, tolerance=embedding.tolerance
+    )
+
+
+def _realized(target: Embedding, log: Log) -> Embedding | None:
+    """The realization that Newton's method leads to from a surface."""
+    metric = target.metric
+    with log.stage("nearest") as recorder:
+        system = LengthSystem(metric.triangulation)
+        end = anneal(system, target.vertices, metric.lengths, recorder, max_iterations=30).vertices
+    found = Embedding(metric, end, method=target.method, tolerance=target.tolerance)
+    return found if found.converged else None
+
+
+def _no_convex(embedding: Embedding) -> NotEmbedded:
+    metric = embedding.metric
+    deficits = vertex_deficits(metric)
+    v = int(np.argmin(deficits))
+    if deficits[v] < -deficit_rounding(metric.faces, metric.face_lengths, metric.curvature)[v]:
+        return NotEmbedded(
+            f"no convex surface has these lengths: the deficit of vertex {v} is {deficits[v]:.2g}, which is "
+            "negative",
+            embedding,
+            Evidence("proved", "the angles at a vertex of a convex surface sum to 2 pi at most"),
+        )
+    count = 1 + len(embedding.others)
+    return NotEmbedded(
+        f"none of the {count} realizations that were found is convex"
+        if count > 1
+        else "the only realization that was found is not convex",
+        embedding,
+    )

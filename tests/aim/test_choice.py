@@ -1,0 +1,109 @@
+"""Realizations beside one that was found at once, and another one on request."""
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import isoembed
+import zoo
+from isoembed import Aim, PolyhedralMetric
+from isoembed.errors import InvalidParameter, NotEmbedded
+from isoembed.io import read_metric, read_surface
+
+NUMBERS = Path(__file__).parents[3] / "shared" / "trials" / "numbers"
+
+
+def schoenhardt(degrees):
+    """An antiprism of two triangles whose sides are cut along the concave diagonals."""
+    below, turn = 2 * np.pi * np.arange(3) / 3, np.radians(degrees)
+    x = np.array(
+        [(np.cos(a), np.sin(a), 0) for a in below]
+        + [(np.cos(a + turn), np.sin(a + turn), 1.2) for a in below]
+    )
+    sides = [face for i, j in ((0, 1), (1, 2), (2, 0)) for face in ((i, j, 3 + j), (i, 3 + j, 3 + i))]
+    return x, [(0, 2, 1), (3, 4, 5), *sides]
+
+
+def cube(height=0.05):
+    """A cube with a flat pyramid on a face, out or in."""
+    corners = np.array([(i, j, k) for i in (0, 1) for j in (0, 1) for k in (0, 1)], dtype=float)
+    squares = [(0, 1, 3, 2), (4, 6, 7, 5), (0, 4, 5, 1), (2, 3, 7, 6), (0, 2, 6, 4)]
+    faces = [each for a, b, c, d in squares for each in ((a, b, c), (a, c, d))]
+    faces += [(a, b, 8) for a, b in ((1, 5), (5, 7), (7, 3), (3, 1))]
+    return np.vstack([corners, [0.5, 0.5, 1 + height]]), faces
+
+
+@pytest.mark.parametrize("degrees", [28.0, 29.5, 31.0])
+def test_others_has_the_twin_of_a_schoenhardt_polyhedron(degrees):
+    x, faces = schoenhardt(degrees)
+    found = isoembed.embed(PolyhedralMetric.from_mesh(x, faces))
+    [twin] = found.others
+    assert twin.residual < 1e-12
+    near = [each for each in isoembed.realizations(found).surfaces if each.distance(found) > 1e-6]
+    assert [twin.distance(each) for each in near] == pytest.approx([0], abs=1e-9)
+    assert found.uniqueness.kind == "searched"
+
+
+def test_convex_bodies_are_not_searched():
+    found = isoembed.embed(PolyhedralMetric.from_mesh(*zoo.random_hull(40, 1)))
+    assert "neighbors" not in {stage.name for stage in found.stages}
+
+
+def test_the_smoothest_and_the_nearest_on_request():
+    x, faces = schoenhardt(29.0)
+    metric = PolyhedralMetric.from_mesh(x, faces)
+    default = isoembed.embed(metric)
+    [twin] = default.others
+    smooth = isoembed.embed(metric, method=Aim(which="smoothest"))
+    assert smooth.fine_roughness == min(default.fine_roughness, twin.fine_roughness)
+    for wanted, other in ((default, twin), (twin, default)):
+        near = isoembed.embed(metric, method=Aim(which=7.0 * wanted.vertices))
+        assert near.distance(wanted) < 1e-9
+        assert min(each.distance(other) for each in near.others) < 1e-9
+
+
+def test_the_nearest_may_be_one_that_was_not_met():
+    x, faces = cube(-0.05)
+    metric = PolyhedralMetric.from_mesh(x, faces)
+    assert not isoembed.embed(metric).concave_edges.any()
+    dented = isoembed.embed(metric, method=Aim(which=x + 1e-3))
+    assert dented.volume == pytest.approx(1 - 0.05 / 3, abs=1e-12)
+    assert not isoembed.embed(metric, method=Aim(which="convex")).concave_edges.any()
+
+
+def test_no_convex_one_is_a_proof_or_the_end_of_a_search():
+    x, faces = schoenhardt(29.0)
+    with pytest.raises(NotEmbedded, match="none of the 2 realizations that were found is convex") as refused:
+        isoembed.embed(PolyhedralMetric.from_mesh(x, faces), method=Aim(which="convex"))
+    assert refused.value.evidence.kind == "searched"
+    x, faces = zoo.icosphere(1)
+    x = x + np.where(np.arange(len(x)) == 20, 0.5, 0.0)[:, None] * x  # a spike, with deficits < 0 around it
+    with pytest.raises(NotEmbedded, match="no convex surface has these lengths: the deficit of") as refused:
+        isoembed.embed(PolyhedralMetric.from_mesh(x, faces), method=Aim(which="convex"))
+    assert refused.value.evidence.kind == "proved"
+
+
+@pytest.mark.parametrize(
+    ("which", "said"),
+    [
+        ("flat", 'which is \'flat\', not "convex", "smoothest" or vertices'),
+        (np.zeros((4, 2)), r"which has the shape \(4, 2\)"),
+        (np.full((6, 3), np.nan), "not finite"),
+        (np.zeros((4, 3)), "has 4 vertices, the metric 6"),
+        (np.ones((6, 3)), "at one point"),
+    ],
+)
+def test_other_wishes_are_refused(which, said):
+    with pytest.raises(InvalidParameter, match=said):
+        isoembed.embed(PolyhedralMetric.from_mesh(*schoenhardt(29.0)), method=Aim(which=which))
+
+
+@pytest.mark.shared
+def test_steffens_flexible_surface_is_found_near_a_pose_and_named():
+    metric = read_metric(NUMBERS / "04_steffen.json")
+    pose = read_surface(NUMBERS / "04_steffen_flexible_pose.json")
+    found = isoembed.embed(metric, method=Aim(which=pose.vertices))
+    assert found.volume == pytest.approx(17 * 11 * 41.5**0.5 / 6, abs=1e-6)
+    assert "the surface is flexible, as far as floats tell" in found.certificate.reason
+    assert isoembed.embed(metric).certificate.certified
