@@ -1,0 +1,56 @@
+"""Surfaces with boundary by the command."""
+
+import numpy as np
+import pytest
+
+import discs
+from isoembed import PolyhedralMetric
+from isoembed.io import write_metric
+from strict_json import strict
+
+
+@pytest.fixture
+def cap():
+    """A round cap, cap.npz, and its boundary, curve.npy."""
+    points, faces = discs.hexagonal(4)
+    x = discs.round_cap(points, 1.0)
+    metric = PolyhedralMetric.from_mesh(x, faces)
+    write_metric("cap.npz", metric)
+    np.save("curve.npy", x[metric.triangulation.boundaries[0]])
+    np.save("start.npy", x)
+    return metric
+
+
+def test_boundaries(call, cap):
+    for condition in ("plane", "free", "curve.npy"):
+        status, out, _ = call("embed", "cap.npz", "--boundary", condition, "--json")
+        report = strict(out)
+        assert (status, report["status"], report["method"]) == (0, "converged", "sheet")
+        assert report["residual"]["max"] < 1e-12
+        assert report["sheet"]["boundaries"] == [24]
+        assert report["volume"] is None
+    status, out, _ = call("embed", "cap.npz", "--boundary", "free", "--start", "start.npy")
+    assert status == 0
+    assert "boundary free, of 24 edges, genus 0" in out
+    assert "volume" not in out
+
+
+def test_files_and_pictures(call, cap):
+    options = ("--boundary", "plane", "-o", "cap.ply", "--picture", "cap.png")
+    assert call("embed", "cap.npz", *options)[0] == 0
+
+
+def test_what_to_type_is_said(call, cap):
+    assert "not closed; --boundary free embeds such surfaces" in call("embed", "cap.npz")[2]
+    assert "the method 'sheet', not 'paper'" in call(
+        "embed", "cap.npz", "--boundary", "free", "--method", "paper"
+    )[2]
+    assert "none of 'free', 'plane'" in call("embed", "cap.npz", "--boundary", "flat")[2]
+    assert call("certify", "cap.npz", "cap.npz")[0] == 2
+
+
+def test_inspection(call, cap):
+    status, out, _ = call("inspect", "cap.npz")
+    assert status == 0
+    assert "genus 0, 1 boundary of 24 edges; 21 motions keep the lengths" in out
+    assert "sum - 2 pi" in out
