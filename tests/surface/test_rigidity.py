@@ -9,7 +9,6 @@ from scipy.sparse import csr_array
 import smooth_bodies
 import zoo
 from isoembed.linalg import SingularMatrix, factor
-from isoembed.linalg.symmetric import FactorizationThresholds
 from isoembed.mesh.triangulation import Triangulation
 from isoembed.surface.rigidity import (
     MEAN_DIAGONAL,
@@ -154,7 +153,7 @@ def test_the_step_on_the_sphere_is_gauss_newtons(seed, radius):
 
 @pytest.mark.parametrize("small", [0, 10**9])  # by fronts, and by SuperLU
 def test_whoever_factors_takes_the_same_steps(monkeypatch, small):
-    monkeypatch.setattr(factor, "FACTORIZATION", FactorizationThresholds(small=small))
+    monkeypatch.setattr(factor, "SUPERLU_ENTRIES", small)
     triangulation, vertices, lengths, residuals = perturbed(60, 6)
     J = dense_jacobian(triangulation, vertices, lengths)
     newton = LengthSystem(triangulation).step(vertices, lengths, residuals)

@@ -8,7 +8,6 @@ import isoembed.surface.two_level as two_level
 import zoo
 from isoembed.linalg import OutOfMemory, dissect, factor
 from isoembed.linalg.factor import Solver
-from isoembed.linalg.symmetric import FactorizationThresholds
 from isoembed.mesh.triangulation import Triangulation
 from isoembed.surface.rigidity import LengthSystem, edge_rows, length_residuals
 from isoembed.surface.rigidity_matrix import RIGIDITY, RigidityMatrix, coupled_edges
@@ -111,7 +110,7 @@ def test_damping_makes_it_easier(damping, most):
 
 def test_bodies_are_small_and_the_coarse_factors_take_little(monkeypatch):
     problem = Problem(4)
-    monkeypatch.setattr(factor, "FACTORIZATION", FactorizationThresholds(small=0))
+    monkeypatch.setattr(factor, "SUPERLU_ENTRIES", 0)
     system = LengthSystem(problem.triangulation)
     solvers = []
 
@@ -146,7 +145,7 @@ def test_where_factors_do_not_fit_the_step_is_made_without(monkeypatch, mu):
     problem = Problem(3)
     given = (problem.vertices, problem.lengths, problem.residuals, mu)
     expected = LengthSystem(problem.triangulation).step(*given)
-    monkeypatch.setattr(memory, "MEMORY", memory.MemoryThresholds(unasked=0))
+    monkeypatch.setattr(memory, "UNASKED", 0)
     refused = LengthSystem(problem.triangulation)
     needs = LengthSystem(problem.triangulation)._solver.needs
     monkeypatch.setattr(memory, "available_memory", lambda: needs // 2)

@@ -7,14 +7,7 @@ import numpy as np
 
 from isoembed.arrays import Floats
 from isoembed.errors import InvalidMetric
-from isoembed.intrinsic.delaunay import (
-    BLOCKED,
-    DELAUNAY,
-    FLIPPED,
-    LEFT,
-    attempts,
-    flip_edges,
-)
+from isoembed.intrinsic.delaunay import BLOCKED, FLIPPED, LEFT, THINNEST, attempts, flip_edges
 from isoembed.intrinsic.flips import flip, swap_diagonals
 from isoembed.intrinsic.halfedges import HalfEdges, edges_between, following, preceding
 from isoembed.kernel import kernel
@@ -33,7 +26,7 @@ class SimplicialDelaunayThresholds:
 
 
 SIMPLICIAL_DELAUNAY = SimplicialDelaunayThresholds()
-_T, _D = compiled(SIMPLICIAL_DELAUNAY), compiled(DELAUNAY)
+_T = compiled(SIMPLICIAL_DELAUNAY)
 
 
 def delaunay(metric: PolyhedralMetric) -> PolyhedralMetric:
@@ -112,7 +105,7 @@ class Ptolemaic(NamedTuple):
 def _attempt_straight(h: int, mesh: HalfEdges, rule: Straight) -> int:
     if not _is_demanded(h, mesh, rule.fixed):
         return LEFT
-    return FLIPPED if flip(h, mesh, _D.thinnest) else BLOCKED
+    return FLIPPED if flip(h, mesh, THINNEST) else BLOCKED
 
 
 @attempts(Ptolemaic)
