@@ -10,8 +10,8 @@ from isoembed.linalg import OutOfMemory, dissect, factor
 from isoembed.linalg.factor import Solver
 from isoembed.mesh.triangulation import Triangulation
 from isoembed.surface.rigidity import LengthSystem, edge_rows, length_residuals
-from isoembed.surface.rigidity_matrix import RIGIDITY, RigidityMatrix, coupled_edges
-from isoembed.surface.two_level import TwoLevel
+from isoembed.surface.rigidity_matrix import RigidityMatrix, coupled_edges
+from isoembed.surface.two_level import MAX_AGGREGATE, TwoLevel
 
 
 class Problem:
@@ -121,8 +121,8 @@ def test_bodies_are_small_and_the_coarse_factors_take_little(monkeypatch):
     monkeypatch.setattr(two_level, "analyze", analyzed)
     bodies = problem.two_level()._bodies
     sizes = np.bincount(bodies.of_vertex)
-    assert sizes.max() <= RIGIDITY.aggregate
-    assert sizes.mean() > RIGIDITY.aggregate / 3
+    assert sizes.max() <= MAX_AGGREGATE
+    assert sizes.mean() > MAX_AGGREGATE / 3
     assert solvers[0].needs < system._solver.needs / 6
 
 

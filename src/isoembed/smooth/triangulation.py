@@ -12,7 +12,7 @@ from isoembed.meshing.intrinsic_relaxation import angles_from_lengths
 from isoembed.meshing.metric_relaxation import MetricMesh
 from isoembed.meshing.sphere import fibonacci_lattice
 from isoembed.meshing.spreading import Cells, cell_centers, roundest_axis
-from isoembed.meshing.surface_mesh import SURFACE_MESH, checked_count
+from isoembed.meshing.surface_mesh import MIN_VERTICES, checked_count
 from isoembed.metric.polyhedral import PolyhedralMetric
 from isoembed.smooth.gaussian_curvature import gaussian_curvature
 from isoembed.smooth.geodesics import definite_tensor, geodesic_lengths, in_own_unit
@@ -25,7 +25,7 @@ from isoembed.thresholds import threshold
 
 @dataclass(frozen=True)
 class SphereMeshThresholds:
-    """Thresholds of the triangulation of metrics; those of its relaxation are those of `METRIC_MESH`."""
+    """Thresholds of the triangulation of metrics."""
 
     most: int = threshold(10_000_000, "vertices", "More of them fit into no memory.")
     grading: float = threshold(0.1, "relative", "Grading of the meshes that embeddings begin with.")
@@ -131,7 +131,7 @@ def triangulate_metric(
     n = (
         None
         if vertices is None
-        else checked_count("the number of vertices", vertices, SURFACE_MESH.fewest, SPHERE_MESH.most)
+        else checked_count("the number of vertices", vertices, MIN_VERTICES, SPHERE_MESH.most)
     )
     if not isinstance(metric, GridMetric):  # grids have been looked at
         check_rings(metric)
@@ -194,7 +194,7 @@ def _vertices_of_size(area: Cells, density: Cells, size: float, unit: float) -> 
     N vertices of the density w have N w / int w dA in a unit of area, each with the area 3^(1/2) l^2 / 2 if
     the triangles were equilateral.
     """
-    fewest, most = SURFACE_MESH.fewest, SPHERE_MESH.most
+    fewest, most = MIN_VERTICES, SPHERE_MESH.most
     root = Cells(area.values * np.sqrt(density.values), area.axis).integral()
     whole = Cells(area.values * density.values, area.axis).integral()
     with np.errstate(over="ignore"):
