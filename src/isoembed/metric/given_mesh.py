@@ -12,7 +12,7 @@ from isoembed.errors import InvalidMetric, InvalidParameter, MeshNote
 from isoembed.mesh.checks import polygon_corners, real_array
 from isoembed.mesh.merging import representatives, without_repetitions
 from isoembed.mesh.polygons import next_corners
-from isoembed.metric.polygon_faces import POLYGON_FACES, PolygonFaces
+from isoembed.metric.polygon_faces import PLANAR, PolygonFaces
 from isoembed.space import EUCLIDEAN, Space
 from isoembed.space.models import to_model
 from isoembed.thresholds import rounded_up, threshold
@@ -184,7 +184,7 @@ def _cut(points: Floats, corners: Indices, sizes: Indices) -> Indices:
     except InvalidMetric as error:
         raise InvalidMetric(f"{error}{_side_advice(points, corners, sizes)}") from None
     warps = polygons.warps
-    warped = warps > POLYGON_FACES.planar
+    warped = warps > PLANAR
     if warped.any():
         f = int(np.argmax(warped))
         _say(
