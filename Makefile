@@ -21,7 +21,7 @@ ROOMS := kernel io mesh linalg intrinsic metric surface alexandrov gluing smooth
 
 help:
 	@echo 'make demo       embed the (3, 2, 1) ellipsoid from its edge lengths; the results are in demo/'
-	@echo 'make reproduce  make the figures and numbers of the paper again, in reproduction/'
+	@echo 'make reproduce  make the figures and numbers of the paper again, in build/reproduction/'
 	@echo 'make test       run the tests, but for the slow ones'
 	@echo 'make test-slow  run the slow ones: pages of the documentation, whole studies'
 	@echo 'make test-interpreted, make test-compiled  run those of the loops with none compiled, and with all'
@@ -30,13 +30,13 @@ help:
 	@echo 'make release-check  build what is released, install it elsewhere and run the pages with it'
 	@echo 'make bench      measure cost against size'
 	@echo 'make docs       build the documentation in site/, the tutorials executed'
-	@echo 'make clean      remove .venv, demo/, reproduction/, site/ and caches'
+	@echo 'make clean      remove .venv, demo/, build/, site/ and caches'
 
 demo: $(INSTALLED)
 	$(BIN)/python docs/examples/demo.py
 
 reproduce: $(INSTALLED)
-	$(BIN)/isoembed reproduce --output reproduction
+	$(BIN)/python -m reproduction --output build/reproduction
 
 test: $(INSTALLED)
 	$(BIN)/python -m pytest -q --numprocesses auto --dist loadfile -m "not slow"
@@ -52,7 +52,7 @@ lint: $(LINTERS)
 	$(BIN)/ruff format --check .
 	$(BIN)/mypy
 	$(BIN)/lint-imports --no-cache
-	$(BIN)/codespell .ci benchmarks docs examples paper src tests *.md Makefile
+	$(BIN)/codespell .ci benchmarks docs examples paper reproduction src tests *.md Makefile
 
 lint-page:
 	@cd page-lint && npm install --silent --no-audit --no-fund --no-package-lock && npm run --silent lint
@@ -74,8 +74,8 @@ docs: $(SPHINX)
 	@echo 'the documentation is in site/index.html'
 
 clean:
-	rm -rf $(VENV) page-lint/node_modules workflow-lint/node_modules demo reproduction site build dist .pytest_cache .mypy_cache .ruff_cache .hypothesis
-	find src tests benchmarks -name __pycache__ -prune -exec rm -rf {} +
+	rm -rf $(VENV) page-lint/node_modules workflow-lint/node_modules demo site build dist .pytest_cache .mypy_cache .ruff_cache .hypothesis
+	find src tests benchmarks reproduction -name __pycache__ -prune -exec rm -rf {} +
 
 # What is editable pip does not compile, nor does Python where it is told to write no bytecode: .3 s a command.
 $(INSTALLED): pyproject.toml | $(BIN)/python

@@ -41,15 +41,11 @@ def pair(ratio, d, axis=PLACES[0][1], origin=PLACES[0][2]):
 
 
 def end(ratio):
-    """The largest distance with a common horizon: where the least expansion of the foliation is zero."""
-    d = 0.45
-    near = find_horizon(pair(ratio, d)).surface
-    gap = 0.04
-    while gap > 1e-3:
-        try:
-            near, d = find_horizon(pair(ratio, d + gap), near).surface, d + gap
-        except NoHorizon:
-            gap *= 0.5
+    """The largest distance with a common horizon: where the least expansion of the foliation is zero.
+
+    To 1e-9; where a light hole keeps the foliation from there, by following the horizon, to 1e-6.
+    """
+    near, d = followed(ratio, find_horizon(pair(ratio, 0.45)).surface, 0.45, 1e-3)
 
     def least(d):
         scales = (1.1, 1.0)
@@ -67,7 +63,21 @@ def end(ratio):
         outer, inner = leaves[-2:]
         return least_expansion(pair(ratio, d), outer, inner, symmetric=True, settled=1e-8)[0].expansion
 
-    return brentq(least, d - 1e-3, d + 3e-3, xtol=1e-9, rtol=1e-15)
+    try:
+        return brentq(least, d - 1e-3, d + 3e-3, xtol=1e-9, rtol=1e-15)
+    except NoConvergence:
+        return followed(ratio, near, d, 1e-6)[1]
+
+
+def followed(ratio, near, d, least):
+    """The horizon at the largest distance at which Newton's method finds it in steps down to `least`."""
+    gap = 0.04
+    while gap > least:
+        try:
+            near, d = find_horizon(pair(ratio, d + gap), near).surface, d + gap
+        except NoHorizon:
+            gap *= 0.5
+    return near, d
 
 
 def shot_area(ratio, d):

@@ -11,11 +11,11 @@ from places import ROOT
 SMALLEST = {
     "alexandrov": "--sizes 100 --sweep 1",
     "ambiguity": "--sizes 100 --bodies kerr saddle --seeds 1",
-    "baselines": "--vertices 50 --degree 4 --steps 1",
     "bent": "--sizes 300 --bodies peanut --kinds regular",
     "certificates": "--sizes 100",
     "cold_start": "--only surface",
     "convex_sweep": "--seeds 1",
+    "damaged_files": "--count 20",
     "dents": "--vertices 200 --dimples 1 --every 40",
     "common_horizons": "--pairs 1 --groups 0 --ratios 1",
     "deviation": "--size 60 --noises 3",

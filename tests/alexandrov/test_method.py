@@ -13,8 +13,11 @@ import isoembed
 import zoo
 from isoembed import Alexandrov, ConvexPolyhedron, GluedMetric, PolyhedralMetric, embed
 from isoembed.alexandrov import newton, relaxation
-from isoembed.metric.convexity import noise_level
+from isoembed.io import read_metric
+from isoembed.metric.convexity import flattening_advice, noise_level
+from isoembed.metric.repair import repaired
 from lost_edges import octahedron_with_a_lost_edge
+from places import SHARED
 from scrambling import scramble
 from worked import worked
 
@@ -180,6 +183,14 @@ def test_noise_that_shows_once_negative_deficits_are_lifted():
     found = embed(noisy, method=Alexandrov(repair=level))
     assert len(found.flat_vertices) == len(vertices) - n - 1
     assert zoo.aligned(found.vertices, vertices) < 1e-4
+
+
+@pytest.mark.shared
+def test_the_tips_of_a_thin_lens_are_no_noise():
+    metric = read_metric(SHARED / "trials" / "numbers" / "05_lens_1000gon.obj")
+    deficits = GluedMetric.of(metric).deficits
+    assert noise_level(deficits) == 0 and flattening_advice(deficits, 1e-12) == ""
+    assert repaired(metric, 3.2e-4)[0] is metric
 
 
 def test_the_noise_is_a_number_of_radians():

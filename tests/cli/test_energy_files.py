@@ -1,7 +1,6 @@
 """``isoembed energy`` of surfaces from files, and what is refused."""
 
 import os
-from dataclasses import replace
 from functools import cache, partial
 from pathlib import Path
 
@@ -285,7 +284,7 @@ def test_the_band_of_what_is_not_symmetric_is_refused(run, monkeypatch):
             back = np.argsort(order)
             return q[:, back][:, :, back]
 
-    monkeypatch.setattr(solve, "SOLVE", replace(solve.SOLVE, degrees=(8,)))
+    monkeypatch.setattr(solve, "DEGREES", (8,))
     metric = GridMetric.sampled(Turned(), 24, 48)
     np.savez("x.npz", **{n: getattr(metric, n) for n in ("theta", "phi", "q_tt", "q_tp", "q_pp")})
     status, _, err = run("x.npz", "--band", "band.npz", "--vertices", 60)

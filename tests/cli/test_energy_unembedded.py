@@ -1,7 +1,6 @@
 """``isoembed energy`` of what does not embed: its band, and the best fit."""
 
 import os
-from dataclasses import replace
 from functools import partial
 
 import numpy as np
@@ -33,7 +32,7 @@ def check(found, **exact):
 @pytest.fixture
 def few(monkeypatch):
     """Fewer degrees: more do not help here."""
-    monkeypatch.setattr(solve, "SOLVE", replace(solve.SOLVE, degrees=(8, 12, 16)))
+    monkeypatch.setattr(solve, "DEGREES", (8, 12, 16))
 
 
 def test_beyond_smarrs_limit(run):

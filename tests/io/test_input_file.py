@@ -150,3 +150,31 @@ def test_names_that_are_bytes_in_damaged_files():
             visit(b"m\xffss", 1.0)
 
     assert listing(Damaged()) == "the data sets mass, m�ss"
+
+
+def test_a_header_whose_parenthesis_stays_open(tmp_path):
+    path = tmp_path / "a.npz"
+    np.savez(path, faces=np.arange(30_000))  # of a small array the checksum is looked at first
+    path.write_bytes(path.read_bytes().replace(b"(30000,), }", b"(30000,    "))
+    with InputFile(path) as file, pytest.raises(FileError, match="cannot read faces of the archive"):
+        _ = file.arrays
+
+
+def test_refusals_quote_little_of_a_damaged_archive(tmp_path):
+    path = tmp_path / "a.npz"
+    np.savez(path, faces=np.arange(3))
+    data = path.read_bytes()
+    begin = data.index(b"{'descr'")
+    path.write_bytes(data[:begin] + b"\x01" * 60 + data[begin + 60 :])
+    with InputFile(path) as file, pytest.raises(FileError) as error:
+        _ = file.arrays
+    message = str(error.value).replace(str(path), "")
+    assert message.isprintable() and len(message) < 200
+
+
+@pytest.mark.parametrize("error", [TypeError, KeyError, RuntimeError])
+def test_what_h5py_raises_of_damaged_files(error, tmp_path):
+    h5py.File(tmp_path / "a.h5", "w").close()
+    sentence = "is not a readable HDF5 file: Unknown string encoding"
+    with InputFile(tmp_path / "a.h5") as file, pytest.raises(FileError, match=sentence), file.hdf5():
+        raise error("Unknown string encoding (value 2)")

@@ -181,3 +181,31 @@ def test_strips_and_polygons_of_polydata(binary, version, tmp_path):
 @pytest.mark.parametrize("version", ["3.0", "5.1"])
 def test_damaged_polydata(version, tmp_path):
     assert refusals(tmp_path / "a.vtk", polydata(True, version)) > 40
+
+
+@pytest.mark.parametrize("word", [b"0.5.5", b"0.5\xa05", b"0.5\x855"])
+def test_a_word_that_is_no_single_number(word, tmp_path):
+    text = (
+        b"# vtk DataFile Version 3.0\nt\nASCII\nDATASET POLYDATA\nPOINTS 2 float\n0 0 0 1 1 " + word + b"\n"
+    )
+    (tmp_path / "a.vtk").write_bytes(text)
+    with pytest.raises(FileError, match="among the points, could not convert string to float"):
+        read_metric(tmp_path / "a.vtk")
+
+
+def test_bytes_that_are_no_numbers_are_refused_without_a_warning(tmp_path):
+    signaling = np.array([0x7F800001], ">u4").tobytes()
+    head = b"# vtk DataFile Version 3.0\nt\nBINARY\nDATASET POLYDATA\nPOINTS 3 float\n"
+    (tmp_path / "a.vtk").write_bytes(
+        head + 9 * signaling + b"\nPOLYGONS 1 4\n" + np.array([3, 0, 1, 2], ">i4").tobytes()
+    )
+    with pytest.raises(InvalidMetric, match="not finite"):
+        read_metric(tmp_path / "a.vtk")
+
+
+def test_a_million_million_points_in_a_short_file(tmp_path):
+    for kind in ("ASCII", "BINARY"):
+        head = f"# vtk DataFile Version 3.0\nt\n{kind}\nDATASET POLYDATA\nPOINTS {10**12} double\n0 0 0\n"
+        (tmp_path / "a.vtk").write_text(head)
+        with pytest.raises(FileError, match="ends after"):
+            read_metric(tmp_path / "a.vtk")

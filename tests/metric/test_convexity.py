@@ -40,7 +40,8 @@ def test_what_is_no_noise_is_not_to_be_repaired():
     ("deficits", "level"),
     [
         ([2.0, 1.0, 3e-6, -1e-6], 3e-6),
-        ([2.0, 1.0, 3e-6, 1e-6], 3e-6),  # none is negative
+        ([2.0, 1.0, 3e-6, 1e-6], 0.0),  # none is negative: nothing shows noise
+        ([2.0, 1.0, 3e-5, -1e-6], 1e-6),  # a positive one of thirty times the size is no noise
         ([2.0, 1.0, 3e-6, -1e-3], 1e-3),  # not below a negative one
         ([0.05, 0.04, 0.01, 0.02, -0.003], 0.003),  # no gap: a smooth body
         ([0.05, 0.04, 0.01, 0.02, 0.003], 0.0),

@@ -92,6 +92,20 @@ def test_no_vertices_are_named_where_merging_does_not_help():
     assert refusal(vertices, faces[1:]).endswith("the surface is not closed")
 
 
+def test_merging_is_not_advised_where_a_hole_is_left():
+    vertices, faces = APART
+    assert refusal(vertices[:20], faces[:5]).endswith(
+        "; 20 vertices coincide with others (vertex 0 and 8), but merging them does not close the surface"
+    )
+
+
+def test_sides_without_length_are_no_reason_to_merge_what_then_is_open():
+    corners = np.array([[0, 0, 1], [0, 0, 1], [1, 0, 0], [0, 1, 0], [-1, -1, 0]], dtype=float)
+    with pytest.raises(InvalidMetric) as refused:
+        PolyhedralMetric.from_mesh(corners, [[0, 2, 3, 1], [0, 3, 4], [0, 4, 2]])
+    assert "--merge" not in str(refused.value)
+
+
 def test_faces_that_merge_into_edges_are_left_out():
     vertices, faces = zoo.icosahedron()
     a, b = faces[0, :2].tolist()

@@ -91,17 +91,34 @@ def test_noise_on_flat_faces_and_edges_goes_by_as_little(n, noise):
     np.testing.assert_allclose(result.lengths, expected, rtol=1e-15)
 
 
-def test_noise_that_is_all_positive_goes_as_well():
+def test_scaled_neighborhoods_are_scaled_back():
     metric = grid_cube(3)
     inside = deficits(metric) < 1
-    errors = np.where(inside, 1e-7, 0.0)  # at vertices farther out their neighbors have less
-    raised = metric.with_lengths(metric.lengths * np.exp(errors[metric.edges].sum(axis=1) / 2))
-    low = np.abs(deficits(raised))[inside].max()
+    errors = np.where(inside, 1e-7 * np.cos(np.arange(len(inside))), 0.0)
+    scaled = metric.with_lengths(metric.lengths * np.exp(errors[metric.edges].sum(axis=1) / 2))
+    low = np.abs(deficits(scaled))[inside].max()
     assert low > 1e-8
-    result, repair = repaired(raised, 2 * low)
+    result, repair = repaired(scaled, 2 * low)
     assert np.abs(deficits(result))[inside].max() < 1e-13
     np.testing.assert_allclose(result.lengths, metric.lengths, rtol=1e-13)
-    assert repair.factors[inside] == pytest.approx(-1e-7, rel=1e-6)
+    assert repair.factors[inside] == pytest.approx(-errors[inside], abs=1e-13)
+
+
+def double_cone(n, height):
+    """Two flat cones over a regular polygon with n corners."""
+    angles = 2 * np.pi * np.arange(n) / n
+    rim = np.stack([np.cos(angles), np.sin(angles), 0 * angles], axis=1)
+    after = np.roll(np.arange(n), -1)
+    faces = [[[k, after[k], n], [after[k], k, n + 1]] for k in range(n)]
+    return np.vstack([rim, [[0, 0, height], [0, 0, -height]]]), np.concatenate(faces)
+
+
+def test_small_positive_deficits_without_negative_ones_belong_to_the_body():
+    metric = PolyhedralMetric.from_mesh(*double_cone(100, 0.01))
+    tips = deficits(metric)[100:]
+    assert 30 * tips.max() < deficits(metric)[:100].min()  # without its tips it would be flat, of volume 0
+    result, repair = repaired(metric, 1.1 * tips.max())
+    assert result is metric and repair.vertices.size == 0
 
 
 def test_where_deficits_are_small_anyway_none_is_made_zero_but_negative_ones():

@@ -17,7 +17,7 @@ from places import SUPPORT
 
 pytest.importorskip("matplotlib")
 
-from isoembed.plot import figure, write_picture
+from isoembed.plot import Panel, color_scale, draw_panel, figure, panels, write_picture
 from isoembed.plot.view import View
 
 
@@ -54,6 +54,18 @@ def test_the_view_does_not_depend_on_the_position(peanut):
     # A surface of revolution fixes its long axis only: the extent of the picture is what must agree.
     np.testing.assert_allclose(np.ptp(here[..., 0]), np.ptp(there[..., 0]), rtol=0.02)
     assert np.ptp(here[..., 0]) > np.ptp(here[..., 1])  # the long axis lies across
+
+
+def test_a_panel_in_axes_of_ones_own_is_that_of_a_row(peanut):
+    from matplotlib.figure import Figure
+
+    panel, axes = Panel(peanut.vertices, peanut.faces, peanut.mean_curvature), Figure().add_subplot()
+    draw_panel(axes, panel, color_scale(0.5, 2.0))
+    row = panels([panel], label="H", bounds=(0.5, 2.0))
+    (mine,), (there, *_) = axes.collections, row.axes[0].collections
+    np.testing.assert_array_equal(mine.get_facecolors(), there.get_facecolors())
+    for path, other in zip(mine.get_paths(), there.get_paths(), strict=True):
+        np.testing.assert_array_equal(path.vertices, other.vertices)
 
 
 def test_the_figure_says_which_convention(peanut):

@@ -400,7 +400,7 @@ def test_curvature_is_that_of_the_metric():
 @pytest.fixture
 def few(monkeypatch):
     """Fewer degrees: more do not help here."""
-    monkeypatch.setattr(solve, "SOLVE", replace(solve.SOLVE, degrees=(8, 12, 16)))
+    monkeypatch.setattr(solve, "DEGREES", (8, 12, 16))
 
 
 @pytest.mark.slow
@@ -453,7 +453,7 @@ def test_of_a_metric_without_symmetry_the_sign_of_the_curvature_is_told(few):
 
 
 def test_details_that_are_too_fine(monkeypatch):
-    monkeypatch.setattr(solve, "SOLVE", replace(solve.SOLVE, degrees=(4, 6)))
+    monkeypatch.setattr(solve, "DEGREES", (4, 6))
     with pytest.raises(
         NotEmbedded,
         match=r"too fine for so few; .* is positive at the 4608 directions .*: if it is so everywhere",
@@ -464,7 +464,7 @@ def test_details_that_are_too_fine(monkeypatch):
 
 @pytest.mark.slow
 def test_a_surface_of_revolution_that_is_too_fine(monkeypatch):
-    monkeypatch.setattr(solve, "SOLVE", replace(solve.SOLVE, degrees=(4, 6)))
+    monkeypatch.setattr(solve, "DEGREES", (4, 6))
     with pytest.raises(NotEmbedded, match=r"the surface of revolution exists, and .*AxisymmetricEmbedding"):
         embed_smooth(KerrNewmanHorizon(1.0, 0.8), vertices=100)
 

@@ -9,8 +9,8 @@ pytest.importorskip("matplotlib")
 
 import numpy as np
 
-from isoembed.studies import plots
-from isoembed.studies.section import Comparison, Illustration, Section, Table
+from reproduction import plots
+from reproduction.section import Comparison, Illustration, Section, Table
 
 UNSAFE = "<script>alert('&')</script> \"quoted\""
 

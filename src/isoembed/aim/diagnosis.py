@@ -76,8 +76,8 @@ def _curvature(metric: PolyhedralMetric, unlike: bool) -> list[str]:
         return [found]
     return [
         found,
-        f"If the body is convex, --method alexandrov --repair {rounded_up(-lowest)} finds it, on triangles "
-        "of its own",
+        f"If the body is convex, --method alexandrov --repair {rounded_up(-lowest)} searches for it, on "
+        "triangles of its own",
     ]
 
 

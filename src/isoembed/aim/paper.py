@@ -1,5 +1,6 @@
 """AIM as the paper prints it: uniformization, uniform surface embedding, guided adiabatic pull-back."""
 
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from typing import ClassVar, Literal, get_args
 
@@ -9,7 +10,7 @@ from isoembed._embed import Method
 from isoembed.aim.adiabatic_pullback import pull_back
 from isoembed.aim.anneal import Annealed, anneal, anneal_damped, anneal_on_sphere
 from isoembed.aim.convexity import PRINTED, crumpled_vertices, reflect_and_anneal, reflected
-from isoembed.aim.embedding_tree import embedding_tree
+from isoembed.aim.embedding_tree import EmbeddingTree, embedding_tree
 from isoembed.aim.paths import path_factors, path_times
 from isoembed.aim.uniformize import Uniformization, newton_uniformization, ricci_flow
 from isoembed.arrays import Floats
@@ -117,19 +118,12 @@ class Paper(Method):
             if not uniform.converged:
                 lost = f"the curvature did not become uniform (k / kbar is off 1 by {uniform.deviation:.1e})"
         with log.stage("embedding tree") as recorder:  # 2.2
-            vertices = embedding_tree(uniform.metric, uniform.radius, self.root, recorder).vertices
+            vertices = self.embed_on_sphere(uniform, recorder).vertices
             recorder.show(t=1.0, vertices=vertices)
         system = LengthSystem(metric.triangulation)
         with log.stage("anneal A") as recorder:
             if self.sphere:
-                vertices = anneal_on_sphere(
-                    VertexSystem(metric.triangulation),
-                    vertices,
-                    uniform.metric.lengths,
-                    uniform.radius,
-                    recorder,
-                    max_iterations=self.max_iterations,
-                )
+                vertices = self.anneal_on_sphere(uniform, vertices, recorder)
             annealed = self.anneal(system, vertices, uniform.metric.lengths, tolerance, recorder)
             self._show(system, annealed, 1.0, recorder)
         with log.stage("convexity and anneal B") as recorder:
@@ -141,13 +135,13 @@ class Paper(Method):
 
             def relax(guess: Floats, t: float) -> Annealed:
                 try:
-                    lengths = rescaled(metric, path_factors(self.path, uniform, t)).lengths
+                    lengths = self.on_path(metric, uniform, t).lengths
                 except InvalidMetric:  # between two metrics, but none itself
                     return Annealed(guess, np.inf, False)
                 reached = self.anneal(system, guess, lengths, tolerance, recorder)
                 return self.make_convex(system, reached, lengths, tolerance, recorder)
 
-            way = pull_back(annealed.vertices, path_times(self.path, self.Tsteps, self.alpha), relax)
+            way = self.pull_back(annealed.vertices, relax)
             for t, annealed in way:
                 self._show(system, annealed, t, recorder)
                 if not annealed.converged:
@@ -164,6 +158,21 @@ class Paper(Method):
         if self.flow == "newton":
             return newton_uniformization(metric, recorder, epsilon=self.epsilon)
         return ricci_flow(metric, recorder, integrator=self.flow, epsilon=self.epsilon, t_f=self.t_f)
+
+    def embed_on_sphere(self, uniform: Uniformization, recorder: StageRecorder) -> EmbeddingTree:
+        """Section 2.2: the embedding tree, which places the uniform metric on a sphere."""
+        return embedding_tree(uniform.metric, uniform.radius, self.root, recorder)
+
+    def anneal_on_sphere(self, uniform: Uniformization, vertices: Floats, recorder: StageRecorder) -> Floats:
+        """The vertices (V, 3) of the tree, fitted to the uniform lengths and the radius in least squares."""
+        return anneal_on_sphere(
+            VertexSystem(uniform.metric.triangulation),
+            vertices,
+            uniform.metric.lengths,
+            uniform.radius,
+            recorder,
+            max_iterations=self.max_iterations,
+        )
 
     def anneal(
         self,
@@ -215,6 +224,36 @@ class Paper(Method):
         if not (inverted | partial).any():
             return annealed
         return relax(reflected(system.triangulation, annealed.vertices, inverted | partial, PRINTED))
+
+    def on_path(self, metric: PolyhedralMetric, uniform: Uniformization, t: float) -> PolyhedralMetric:
+        """Section 2.3: the metric rho_t at the time t / t_f from 1, the uniform metric, to 0, the given one.
+
+        Raises
+        ------
+        InvalidMetric
+            The rescaled lengths violate a triangle inequality.
+        """
+        return rescaled(metric, path_factors(self.path, uniform, t))
+
+    def pull_back(
+        self, start: Floats, relax: Callable[[Floats, float], Annealed]
+    ) -> Iterator[tuple[float, Annealed]]:
+        """Section 2.3: follow the path from the uniform surface in `Tsteps` steps.
+
+        Parameters
+        ----------
+        start : ndarray, shape (V, 3)
+            The surface at t / t_f = 1.
+        relax : callable
+            Takes an initial guess (V, 3) and a time, and returns the surface annealed to the metric there.
+            The guess is extrapolated from the three surfaces before it from the fourth step on.
+
+        Yields
+        ------
+        float, Annealed
+            Every time after the first, and the surface there.
+        """
+        return pull_back(start, path_times(self.path, self.Tsteps, self.alpha), relax)
 
     def _show(self, system: LengthSystem, annealed: Annealed, t: float, recorder: StageRecorder) -> None:
         inverted, partial = crumpled_vertices(system.triangulation, annealed.vertices)

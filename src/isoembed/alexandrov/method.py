@@ -28,7 +28,7 @@ from isoembed.intrinsic.edge_paths import edge_paths
 from isoembed.intrinsic.flat_vertices import remove_flat_vertices
 from isoembed.intrinsic.halfedges import HalfEdges
 from isoembed.intrinsic.insert_vertices import insert_vertices
-from isoembed.metric.convexity import deficit_rounding, flattening_advice
+from isoembed.metric.convexity import deficit_rounding, flattening_advice, largest_noise, noise_level
 from isoembed.metric.glued import GluedMetric
 from isoembed.metric.polyhedral import PolyhedralMetric
 from isoembed.metric.repair import Repair, repaired, small_by_far
@@ -38,7 +38,7 @@ from isoembed.space.models import to_model
 from isoembed.surface.curvature import FLAT_ANGLE
 from isoembed.surface.embedding import Embedding
 from isoembed.surface.measures import face_normals, outward
-from isoembed.thresholds import threshold
+from isoembed.thresholds import rounded_up, threshold
 
 
 @dataclass(frozen=True)
@@ -82,9 +82,10 @@ class Alexandrov(Method):
     ----------
     repair : float
         Deficits of no more than this, radians, are noise: vertices with them are made flat by the smallest
-        conformal change of the lengths, and the report says what changed.  Where deficits only little above
-        the noise show that so small ones belong to the body, only negative ones are lifted to zero.  By
-        default only rounding is forgiven.
+        conformal change of the lengths, and the report says what changed.  Only negative ones are lifted to
+        zero where deficits only little above the noise show that so small ones belong to the body, and
+        where none is negative, or all are far smaller: noise leaves deficits of both signs.  By default only
+        rounding is forgiven.
 
     References
     ----------
@@ -120,7 +121,8 @@ class Alexandrov(Method):
         if isinstance(answer, ConvexPolyhedron) and answer.converged:
             return answer
         given = GluedMetric.of(lifted)
-        flat = small_by_far(given.deficits, self.repair)
+        noise = largest_noise(GluedMetric.of(metric).deficits)
+        flat = small_by_far(given.deficits, min(self.repair, noise))
         if repair.vertices.size and flat.any():
             # Only now that the negative ones are lifted it shows which deficits are noise.
             lifted, repair = repaired(metric, self.repair, tolerance, flat=flat)
@@ -128,8 +130,22 @@ class Alexandrov(Method):
             if isinstance(answer, ConvexPolyhedron) and answer.converged:
                 return answer
             given = GluedMetric.of(lifted)
-        rounding = deficit_rounding(given.faces, given.face_lengths)
-        raise NotEmbedded(answer.message + flattening_advice(given.deficits, rounding), answer, NOT_FOUND)
+        advice = self._advice(metric, given, tolerance, log)
+        raise NotEmbedded(answer.message + advice, answer, NOT_FOUND)
+
+    def _advice(
+        self, metric: PolyhedralMetric | GluedMetric, given: GluedMetric, tolerance: float, log: Log
+    ) -> str:
+        """The repair of small deficits, if it leads to a polyhedron."""
+        advice = flattening_advice(given.deficits, deficit_rounding(given.faces, given.face_lengths))
+        if not advice or self.repair:
+            return ""
+        level = float(rounded_up(noise_level(given.deficits)))
+        try:
+            found = replace(self, repair=level).run(metric, tolerance, log)
+        except (InvalidMetric, NotEmbedded):
+            return ""
+        return advice if found.converged else ""
 
     def _search(
         self, metric: PolyhedralMetric | GluedMetric, repair: Repair, tolerance: float, log: Log

@@ -31,7 +31,6 @@ COMMANDS = {
     "inspect": "say what kind of metric a file holds, and what that means for its embedding",
     "nets": "solve classic nets: the Latin cross, tetramonohedra, pita forms, D-forms, ...",
     "realizations": "search for surfaces with the same lengths near the one in a file",
-    "reproduce": "make the figures and numbers of the paper again, in one report",
     "series": "embed the horizons of a whole simulation, each in its own slice: tables, plots, films",
     "surface": "write the metric of a closed-form surface (ellipsoid, drum, Kerr horizon, ...)",
     "triangulate": "cut a smooth 2-metric into triangles with geodesic lengths",

@@ -1,6 +1,7 @@
 """Arrays of numbers from ``.npy`` files."""
 
 from pathlib import Path
+from tokenize import TokenError
 
 import numpy as np
 from numpy.lib.format import MAGIC_PREFIX
@@ -25,7 +26,7 @@ def read_numbers(path: Path) -> Floats:
             array = np.load(file, allow_pickle=False) if is_npy else None
     except FileError:
         raise
-    except (ValueError, OSError, EOFError, SyntaxError, MemoryError) as error:
+    except (ValueError, OSError, EOFError, SyntaxError, TokenError, MemoryError) as error:
         raise FileError(f"{path} is not a readable .npy file: {str(error).splitlines()[0]}") from None
     if array is None:
         raise FileError(f"{path} is not a .npy file")

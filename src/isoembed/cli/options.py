@@ -35,7 +35,8 @@ def add_merge_option(parser: argparse.ArgumentParser) -> None:
         nargs="?",
         const=MERGING.usual,
         metavar="TOLERANCE",
-        help="make vertices of a mesh one that are as near, in mean edge lengths; 0 for those that are equal "
+        help="make vertices of a mesh one that are as near, in mean edge lengths, and split sides at "
+        "vertices that are as near to them (T-junctions); 0 for vertices that are equal "
         f"(default {MERGING.usual:g}, the rounding of single precision)",
     )
 

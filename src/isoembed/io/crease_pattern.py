@@ -52,6 +52,9 @@ def read_crease_pattern(file: InputFile) -> Net:
         raise FileError(
             f"{file}: its vertices_coords are not points [x, y], as those of a crease pattern are"
         )
+    if not (finite := np.isfinite(points).all(axis=1)).all():
+        v = int(np.argmin(finite))
+        raise FileError(f"{file}: vertex {v} is at {points[v].tolist()}, which is not finite")
     faces = [[int(v) if v in range(len(points)) else -1 for v in face] for face in tables["faces"]]
     for k, face in enumerate(faces):
         if not face or -1 in face:
@@ -69,7 +72,7 @@ def _angles(edges: Any, degrees: Any, file: InputFile) -> dict[tuple[int, int], 
         raise FileError(f"{file}: {ANGLES} is not a list of {len(edges)} angles, one for each edge")
     angles = {}
     for e, (edge, angle) in enumerate(zip(edges, degrees, strict=True)):
-        if len(edge) != 2:
+        if len(edge) != 2 or not np.isfinite(edge).all():
             raise FileError(f"{file}: edge {e} does not have two ends")
         if angle is None:  # of a boundary
             continue

@@ -16,11 +16,18 @@ Writer = Callable[[Path], object]
 """Writes one file under the (temporary) name that it is given."""
 
 
+QUOTED = 120  # characters of what another package says: it may quote all of a damaged file
 TRIAL = 4096  # bytes: a full disk takes an empty file
 
 
 class FileError(ValueError):
-    """A file that cannot be read or written, or is not what its ending says."""
+    """A file that cannot be read or written, or is not what its ending says.
+
+    Control characters that the message quotes of a file are escaped.
+    """
+
+    def __init__(self, message: str) -> None:
+        super().__init__(_printable(message))
 
 
 class AmbiguousFileError(FileError):
@@ -37,6 +44,16 @@ class AmbiguousFileError(FileError):
     def __init__(self, sentence: str, parameter: str) -> None:
         super().__init__(f"{sentence}, by {parameter}")
         self.sentence, self.parameter = sentence, parameter
+
+
+def first_line(error: object) -> str:
+    """The beginning of what another package says of a file, on one line; bytes of the file are escaped."""
+    line = _printable(next(iter(str(error).splitlines()), ""))
+    return line if len(line) <= QUOTED else line[: QUOTED - 3] + "..."
+
+
+def _printable(text: str) -> str:
+    return text if text.isprintable() else "".join(c if c.isprintable() else ascii(c)[1:-1] for c in text)
 
 
 def ending(path: str | os.PathLike[str]) -> str:

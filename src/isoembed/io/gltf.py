@@ -14,7 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from isoembed.arrays import Floats, Indices
-from isoembed.io.files import FileError, Tables
+from isoembed.io.files import FileError, Tables, first_line
 from isoembed.io.format import Format
 from isoembed.io.input_file import InputFile
 from isoembed.io.strips import fan_triangles, strip_triangles
@@ -51,7 +51,7 @@ def read(file: InputFile) -> Tables:
     except FileError:
         raise
     except (ValueError, TypeError, RecursionError, OSError) as error:  # what is no JSON, array or file
-        raise FileError(f"{file} is not a readable glTF file: {error}".splitlines()[0]) from None
+        raise FileError(f"{file} is not a readable glTF file: {first_line(error)}") from None
     return {"vertices": np.concatenate(vertices), "faces": np.concatenate(faces)}
 
 

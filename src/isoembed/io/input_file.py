@@ -6,6 +6,7 @@ import contextlib
 import gzip
 import io
 import os
+import tokenize
 import zipfile
 import zlib
 from collections.abc import Collection, Iterator
@@ -18,7 +19,7 @@ from numpy.typing import NDArray
 
 from isoembed.errors import InvalidMetric, InvalidParameter
 from isoembed.io.expansion import check_expansion, largest_expansion
-from isoembed.io.files import FileError, Tables, input_ending, open_input
+from isoembed.io.files import FileError, Tables, first_line, input_ending, open_input
 from isoembed.io.hdf5 import HDF5_ENDINGS, array_of, enumerated, groups_in, listing, numbers_in
 
 GZIP = b"\x1f\x8b"
@@ -164,8 +165,8 @@ class InputFile(os.PathLike[str]):
             yield self._hdf5
         except (FileError, InvalidMetric, InvalidParameter):
             raise
-        except (OSError, KeyError, RuntimeError, ValueError) as error:  # h5py's ways to say: damaged
-            why = " ".join(str(error).split()).strip("'\"")
+        except (OSError, KeyError, RuntimeError, TypeError, ValueError) as error:  # h5py's: damaged
+            why = first_line(" ".join(str(error).split()).strip("'\""))
             raise FileError(f"{self} is not a readable HDF5 file: {why}") from None
 
 
@@ -179,7 +180,7 @@ def _decompressed(stream: BinaryIO, path: Path) -> bytes:
     try:
         data = gzip.GzipFile(fileobj=io.BytesIO(packed)).read(largest_expansion(len(packed)) + 1)
     except (OSError, EOFError, zlib.error) as error:
-        raise FileError(f"cannot decompress {path}: {error}") from None
+        raise FileError(f"cannot decompress {path}: {first_line(error)}") from None
     check_expansion(str(path), len(data), len(packed))
     return data
 
@@ -215,7 +216,10 @@ def _archive(
         RuntimeError,  # encrypted
         NotImplementedError,  # unknown compression
         SyntaxError,  # a header that is no Python literal
+        tokenize.TokenError,  # one with a parenthesis that stays open
         zipfile.BadZipFile,
         zlib.error,
     ) as error:
-        raise FileError(f"cannot read {part} of the archive {name}: {error}".splitlines()[0]) from None
+        raise FileError(
+            f"cannot read {first_line(part)} of the archive {name}: {first_line(error)}"
+        ) from None

@@ -9,7 +9,7 @@ import numpy as np
 from isoembed.arrays import Floats
 from isoembed.errors import InvalidMetric, InvalidParameter
 from isoembed.io import json
-from isoembed.io.files import FileError, Tables, Writer, check_ending, write_atomically
+from isoembed.io.files import FileError, Tables, Writer, check_ending, input_ending, write_atomically
 from isoembed.io.input_file import opened
 from isoembed.io.registry import FORMATS, METRIC_ENDINGS, check_output, tables_writer
 from isoembed.io.space_line import WRITTEN
@@ -18,6 +18,14 @@ from isoembed.metric.least_space import least_convex_space
 from isoembed.metric.polyhedral import PolyhedralMetric
 from isoembed.space import Space
 from isoembed.space.models import MODELS, from_model
+
+CONVERTERS = {
+    **dict.fromkeys((".step", ".stp", ".iges", ".igs", ".brep", ".fcstd", ".3mf"), "FreeCAD"),
+    **dict.fromkeys((".blend", ".fbx", ".x3d", ".wrl"), "Blender"),
+    ".scad": "OpenSCAD",
+    ".amf": "PrusaSlicer",
+}
+"""Free programs that export meshes of formats that are not read."""
 
 
 def read_metric(
@@ -88,8 +96,12 @@ def read_tables(source: str | os.PathLike[str], merge: float | None = None) -> T
     """
     if source == "-":
         return _tables(json.read_standard_input(), "standard input", merge)
+    if (program := CONVERTERS.get(input_ending(source))) and input_ending(source) not in FORMATS:
+        raise FileError(
+            f"{source} is of a format that is not read: open it with {program}, and export it as .stl or .obj"
+        )
     check_ending(source, FORMATS)
-    with opened(source) as file:
+    with opened(source) as file, np.errstate(invalid="ignore"):  # some bytes are no numbers
         known = FORMATS[file.ending]
         tables = known.read(file)
     return _tables(tables, str(source), merge, repeated=known.repeats_vertices)

@@ -1,5 +1,6 @@
 """Wavefront OBJ: ``v`` and ``f`` lines."""
 
+import re
 from pathlib import Path
 
 import numpy as np
@@ -23,6 +24,7 @@ from isoembed.io.text_scan import (
 )
 from isoembed.kernel import kernel
 
+CONTINUED = re.compile(r"\\\r?\n")
 VERTEX, FACE, SLASH = (ord(c) for c in "vf/")
 
 
@@ -34,7 +36,7 @@ def read(file: InputFile) -> Tables:
     FileError
         Naming the line that cannot be understood.
     """
-    mesh = _read_plain(file.data) or _read_any(file, file.data.decode("utf-8", errors="replace"))
+    mesh = _read_plain(file.data) or _read_any(file, file.data.decode("utf-8-sig", errors="replace"))
     return {**mesh, **space_said(file.head)}
 
 
@@ -76,7 +78,7 @@ def _scan(text: Bytes) -> tuple[Bytes, int, Indices]:
 def _read_any(file: InputFile, content: str) -> Tables:
     vertices: list[list[float]] = []
     faces: list[list[int]] = []
-    for number, line in enumerate(content.replace("\\\n", " ").splitlines(), start=1):
+    for number, line in enumerate(CONTINUED.sub(" ", content).splitlines(), start=1):
         word, *entries = line.split("#")[0].split() or [""]
         try:
             if word == "v":

@@ -24,19 +24,19 @@ from isoembed.io.text_scan import (
 )
 from isoembed.kernel import kernel
 
-HEADERS = ("OFF", "COFF", "NOFF", "CNOFF", "STOFF")
-HEADER = re.compile(rb"(?:C?N?|ST)OFF\s+(?:#[^\n]*\n\s*)*(\d{1,18})[ \t]+(\d{1,18})(?:[ \t]+\d+)?[ \t]*\r?\n")
+HEADERS = tuple(f"{st}{c}{n}OFF" for st in ("", "ST") for c in ("", "C") for n in ("", "N"))
+HEADER = re.compile(rb"(?:ST)?C?N?OFF\s+(?:#[^\n]*\n\s*)*(\d{1,18})[ \t]+(\d{1,18})(?:[ \t]+\d+)?[ \t]*\r?\n")
 
 
 def read(file: InputFile) -> Tables:
-    """Read vertices and faces; colors, normals and textures are left aside.
+    """Read vertices and faces; colors, normals, textures, and faces of one or two corners are left aside.
 
     Raises
     ------
     FileError
         Naming the line that cannot be understood, or what is missing.
     """
-    mesh = _read_plain(file.data) or _read_any(file, file.data.decode("utf-8", errors="replace"))
+    mesh = _read_plain(file.data) or _read_any(file, file.data.decode("utf-8-sig", errors="replace"))
     return {**mesh, **space_said(file.head)}
 
 
@@ -107,7 +107,8 @@ def _read_any(file: InputFile, content: str) -> Tables:
             f"{file} is cut short: it promises {n_vertices} vertices and {n_faces} faces, "
             f"but has {len(vertices)} and {len(faces)}"
         )
-    return {"vertices": np.array(vertices, dtype=np.float64).reshape(-1, 3), "faces": faces}
+    points = np.array(vertices, dtype=np.float64).reshape(-1, 3)
+    return {"vertices": points, "faces": [corners for corners in faces if len(corners) not in (1, 2)]}
 
 
 def write(path: Path, tables: Tables) -> None:

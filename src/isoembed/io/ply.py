@@ -18,6 +18,7 @@ from isoembed.io.files import FileError, Tables
 from isoembed.io.format import Format, at_vertices, by_size
 from isoembed.io.input_file import InputFile
 from isoembed.io.space_line import space_line, space_said
+from isoembed.io.strips import strip_triangles
 from isoembed.io.text_scan import LONGEST
 
 Columns = NDArray[Any]
@@ -104,7 +105,7 @@ class Body:
 
 
 def read(file: InputFile) -> Tables:
-    """Read vertices and faces; all other elements and properties are left aside.
+    """Read vertices, faces and triangle strips; all other elements and properties are left aside.
 
     Raises
     ------
@@ -120,13 +121,17 @@ def read(file: InputFile) -> Tables:
     except ValueError as error:
         raise FileError(f"{file}: the header says {str(error)!r}, which cannot be understood") from None
     body = Body(data, end.end(), order)
-    tables: dict[str, list[Any]] = {"vertex": [], "face": []}
+    tables: dict[str, list[Any]] = {"vertex": [], "face": [], "tristrips": []}
     for element in elements:
         together = _rows_together(element, body)
         rows = _rows(file, element, body) if together is None else together
         if element.name in tables:
             tables[element.name].append(rows)
-    vertices, faces = (parts[0] if len(parts) == 1 else list(chain(*parts)) for parts in tables.values())
+    vertices, faces, strips = (
+        parts[0] if len(parts) == 1 else list(chain(*parts)) for parts in tables.values()
+    )
+    if len(strips):
+        faces = [*faces, *chain.from_iterable(_strip(strip) for strip in strips)]
     points = np.array(vertices, dtype=np.float64).reshape(-1, 3)
     return {"vertices": points, "faces": faces, **space_said(file.head)}
 
@@ -175,7 +180,7 @@ def _rows(file: InputFile, element: Element, body: Body) -> list[list[float]]:
             values = {p.name: body.value(p) for p in element.properties}
             if element.name == "vertex":
                 rows.append([values[axis][0] for axis in "xyz"])
-            elif element.name == "face":
+            elif element.name in ("face", "tristrips"):
                 rows.append(list(next(values[name] for name in CORNERS if name in values)))
         except IndexError:
             raise FileError(f"{file} is cut short in {element.name} {row} of {element.size}") from None
@@ -185,6 +190,14 @@ def _rows(file: InputFile, element: Element, body: Body) -> list[list[float]]:
         except ValueError as error:
             raise FileError(f"{file}: cannot understand {element.name} {row}: {error}") from None
     return rows
+
+
+def _strip(corners: list[float]) -> list[list[float]]:
+    """Triangles of strips one after the other, with -1 between them."""
+    numbers = np.array(corners, dtype=np.float64)  # not all may be indices
+    parts = np.split(numbers, np.flatnonzero(numbers == -1))
+    strips = (part[part != -1] for part in parts)
+    return [t for strip in strips if len(strip) > 2 for t in strip_triangles(strip).tolist()]
 
 
 def _header(text: str) -> tuple[str, list[Element]]:

@@ -20,7 +20,8 @@ CORNER = "  vertex %r %r %r\n"
 FACET = f"facet normal %r %r %r\n outer loop\n{3 * CORNER} endloop\nendfacet\n"
 HEADER = 84  # bytes of a binary file before the triangles
 TRIANGLE = np.dtype([("normal", "<f4", (3,)), ("corners", "<f4", (3, 3)), ("attribute", "<u2")])
-F, V = (ord(c) for c in "fv")
+F, V, LOWER = ord("f"), ord("v"), 32  # the bit that makes an ASCII letter lower case
+BOM = b"\xef\xbb\xbf"
 
 
 def read(file: InputFile) -> Tables:
@@ -33,12 +34,21 @@ def read(file: InputFile) -> Tables:
     """
     data = file.data
     count = int.from_bytes(data[HEADER - 4 : HEADER], "little")
-    if len(data) == HEADER + count * TRIANGLE.itemsize:
+    rest = len(data) - HEADER - count * TRIANGLE.itemsize
+    # Binary files may begin with "solid", too, but below 2**24 triangles their count has a zero byte.
+    is_text = data.removeprefix(BOM).lstrip()[:5].lower() == b"solid" and b"\0" not in data[:HEADER]
+    if rest == 0 or (rest > 0 and count and not is_text):  # some programs append a line feed or a footer
         return _apart(np.frombuffer(data, TRIANGLE, count, HEADER)["corners"].reshape(-1, 3))
-    coordinates, corners, facets = _scan(np.frombuffer(data + b"\n", dtype=np.uint8))
+    if not is_text:
+        raise FileError(
+            f"{file} is not a readable STL file: it does not begin with 'solid', and is not binary STL"
+            + (f", which would have {count} triangles in {len(data) - rest} bytes" if count else "")
+        )
+    text = data.removeprefix(BOM).replace(b"\r", b"\n") + b"\n"
+    coordinates, corners, facets = _scan(np.frombuffer(text, dtype=np.uint8))
     values = numbers(coordinates)
-    if not data.lstrip().startswith(b"solid") or values is None or values.size != 3 * corners:
-        raise FileError(f"{file} is not a readable STL file")
+    if values is None or values.size != 3 * corners:
+        raise FileError(f"{file} is not a readable STL file: a vertex is not three numbers")
     if corners != 3 * facets:
         raise FileError(f"{file} is not a readable STL file: it has {facets} facets, but {corners} corners")
     return {**_apart(values.reshape(-1, 3)), **space_said(file.head)}
@@ -64,12 +74,12 @@ def _scan(text: Bytes) -> tuple[Bytes, int, int]:
     end = corners = facets = i = 0
     while i < len(text):
         i = word_begin(text, i)
-        if text[i] == V:  # vertex
+        if text[i] | LOWER == V:  # vertex
             i, end = copy_words(text, word_end(text, i), 3, coordinates, end)
             if i < 0:
                 return coordinates[:0], 1, 0
             corners += 1
-        elif text[i] == F:  # facet
+        elif text[i] | LOWER == F:  # facet
             facets += 1
         i = next_line(text, i)
     return coordinates[:end], corners, facets
@@ -77,9 +87,7 @@ def _scan(text: Bytes) -> tuple[Bytes, int, int]:
 
 def _apart(corners: NDArray) -> Tables:
     """Triangles with vertices of their own."""
-    with np.errstate(invalid="ignore"):  # some bytes are no numbers
-        points = corners.astype(np.float64)
-    return {"vertices": points, "faces": np.arange(len(points)).reshape(-1, 3)}
+    return {"vertices": corners.astype(np.float64), "faces": np.arange(len(corners)).reshape(-1, 3)}
 
 
 FORMAT = Format(".stl", read, write, repeats_vertices=True)

@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 
 from isoembed.arrays import Floats, Indices
 from isoembed.errors import InvalidMetric
-from isoembed.io.files import FileError, Tables
+from isoembed.io.files import FileError, Tables, first_line
 from isoembed.io.format import Format, at_vertices, flattened, of_the_whole
 from isoembed.io.input_file import InputFile
 from isoembed.io.space_line import space_line
@@ -34,7 +34,10 @@ NUMBERS = {
 """Codes of the types of numbers, in the byte order of binary files."""
 DATASETS = ("POLYDATA", "UNSTRUCTURED_GRID")
 COMPONENTS = {"VECTORS": 3, "NORMALS": 3, "TENSORS": 9}
-SECTIONS = ("FIELD", "LOOKUP_TABLE", "COLOR_SCALARS", "SCALARS", "TEXTURE_COORDINATES", *COMPONENTS)
+SECTIONS = (
+    *("FIELD", "LOOKUP_TABLE", "COLOR_SCALARS", "SCALARS", "TEXTURE_COORDINATES"),
+    *("GLOBAL_IDS", "PEDIGREE_IDS", "EDGE_FLAGS", *COMPONENTS),
+)
 MOMENTS = {"time": "TIME", "iteration": "CYCLE"}
 """Single numbers, and what VisIt calls them."""
 PARTS = ("VERTICES", "LINES", "POLYGONS", "TRIANGLE_STRIPS")
@@ -254,17 +257,21 @@ class _Source:
         if end < 0:
             raise FileError(f"{self.file} ends after {len(self.data[self.at :].split())} of {wanted}")
         values = numbers(text[:end])
-        if values is None:
+        if values is None or len(values) != count:  # other words, or one such as 1.52.5, which is no number
+            words = text[:end].tobytes().split()
             try:
-                values = np.array(text[:end].tobytes().decode("latin-1").split(), dtype=np.float64)
+                values = np.array([float(word.decode("ascii", "backslashreplace")) for word in words])
             except ValueError as error:
-                raise FileError(f"{self.file}: among the {what}, {error}") from None
+                raise FileError(f"{self.file}: among the {what}, {first_line(error)}") from None
+            if len(values) != count:  # control characters
+                raise FileError(f"{self.file} has {len(values)} of {wanted}")
         self.at += end
         return values
 
     def floats(self, count: int, type_name: str, what: str, components: int = 1) -> Floats:
         """The next so many numbers, in rows if they are the components of something."""
-        values = self.numbers(components * count, type_name, what).astype(np.float64)
+        with np.errstate(invalid="ignore"):  # some bytes are no numbers
+            values = self.numbers(components * count, type_name, what).astype(np.float64)
         return values if components == 1 else values.reshape(count, components)
 
     def cells(self, words: list[str], key: str) -> tuple[Indices, Indices]:

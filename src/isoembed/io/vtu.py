@@ -19,7 +19,7 @@ from numpy.typing import NDArray
 from isoembed.arrays import Floats
 from isoembed.errors import InvalidMetric
 from isoembed.io.expansion import check_expansion
-from isoembed.io.files import FileError, Tables
+from isoembed.io.files import FileError, Tables, first_line
 from isoembed.io.format import Format, at_vertices, flattened, of_the_whole
 from isoembed.io.input_file import InputFile
 from isoembed.io.space_line import space_line
@@ -172,7 +172,7 @@ def read_pieces(
         if isinstance(error, FileError | InvalidMetric):
             raise
         what = file.ending[1:].upper()
-        raise FileError(f"{file} is not a readable {what} file: {error}".splitlines()[0]) from None
+        raise FileError(f"{file} is not a readable {what} file: {first_line(error)}") from None
     return {"vertices": np.concatenate(vertices), "faces": joined(faces), **whole}
 
 

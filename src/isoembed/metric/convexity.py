@@ -101,6 +101,16 @@ def check_convex(deficits: Floats, rounding: Floats | float, doubt: tuple[str, F
         )
 
 
+def largest_noise(deficits: Floats) -> float:
+    """The largest deficit, radians, that noise may have left, by the most negative one.
+
+    Errors of lengths move curvature between neighbors, so that they leave deficits of both signs where there
+    should be none.  In Gaussian noise of one size the largest of a thousand deficits is seldom twice the size
+    of the most negative; vertices of slender triangles are off by more: hence a factor of 10.
+    """
+    return 10.0 * max(-float(deficits.min()), 0.0)
+
+
 def noise_level(deficits: Floats) -> float:
     """What the deficits of vertices that should be flat stay below in size, judged by the deficits alone.
 
@@ -111,13 +121,13 @@ def noise_level(deficits: Floats) -> float:
     Returns
     -------
     float
-        Radians.  The size below the widest gap, relative, between those of deficits; where that is none, or
-        leaves a negative deficit above it, that of the most negative deficit, or 0 if none is negative.
+        Radians.  The size below the widest gap, relative, between those of deficits, if by `largest_noise`
+        it may be noise; where there is no gap, that of the most negative one, or 0 if none is negative.
     """
-    lowest = max(-float(deficits.min()), 0.0)
+    lowest, most = max(-float(deficits.min()), 0.0), largest_noise(deficits)
     sizes = np.sort(np.abs(deficits[np.abs(deficits) > MIN_NOISE]))
     below = sizes[:-1]
-    gaps = np.where((below >= lowest) & (below <= HARDLY_NOISE), sizes[1:] / below, 0.0)
+    gaps = np.where((below >= lowest) & (below <= min(most, HARDLY_NOISE)), sizes[1:] / below, 0.0)
     if gaps.max(initial=0.0) < GAP:
         return lowest
     return float(below[np.argmax(gaps)])

@@ -12,6 +12,8 @@ from isoembed.errors import InvalidMetric, InvalidParameter, MeshNote
 from isoembed.mesh.checks import polygon_corners, real_array
 from isoembed.mesh.merging import representatives, without_repetitions
 from isoembed.mesh.polygons import next_corners
+from isoembed.mesh.side_splitting import slivers, vertices_on_sides, with_vertices_on_sides
+from isoembed.mesh.triangulation import Triangulation
 from isoembed.metric.polygon_faces import PLANAR, PolygonFaces
 from isoembed.space import EUCLIDEAN, Space
 from isoembed.space.models import to_model
@@ -49,7 +51,8 @@ def triangle_mesh(
         Polygons are cut into triangles; those that are not planar are said.
     merge : float, optional
         Vertices as near as this, in mean edge lengths, become the first of them; at 0 those that are equal.
-        Faces that then are edges or points are left out.
+        Faces that then are edges or points are left out.  Above 0, sides that only one face has are split at
+        vertices as near to them.
     space : Space
         Where the vertices are points: polygons are cut along its straight lines.
     leave_out : bool
@@ -88,39 +91,80 @@ def triangle_mesh(
         if not isinstance(merge, numbers.Real) or not 0 <= merge < 1:
             raise InvalidParameter(f"merge is {merge!r}, not a number of mean edge lengths from 0 to below 1")
         corners, sizes = _merged(_scaled(points), corners, sizes, merge, repeated)
-    if (sizes == 3).all():
-        triangles = corners.reshape(-1, 3)
-    else:
-        triangles = _cut(_scaled(to_model(space, points, "projective")), corners, sizes)
+    straight = _scaled(to_model(space, points, "projective"))
+    if merge:
+        corners, sizes = _split(straight, corners, sizes, merge * _mean_side(straight, corners, sizes))
+    triangles = corners.reshape(-1, 3) if (sizes == 3).all() else _cut(straight, corners, sizes)
     return (points, triangles) if merge is None and not leave_out else _renumbered(points, triangles, given)
 
 
-def merging_advice(points: Floats, faces: Indices) -> str:
-    """The end of a sentence about triangles that are no closed surface, if merged vertices would close it."""
+def merging_advice(points: Floats, faces: ArrayLike, space: Space = EUCLIDEAN) -> str:
+    """The end of a sentence about faces that are no closed surface: vertices that merging makes one.
+
+    Merging is tried before it is advised.
+    """
+    corners, sizes = polygon_corners(faces)
     scaled = _scaled(points)
-    ends = np.sort(np.stack([faces, np.roll(faces, -1, axis=1)], axis=2).reshape(-1, 2), axis=1)
-    edges, count = np.unique(ends, axis=0, return_counts=True)
-    lengths = np.linalg.norm(scaled[edges[:, 0]] - scaled[edges[:, 1]], axis=1)
-    suspects = np.unique(edges[(count == 1) | (lengths == 0)])
-    if suspects.size < 2 or not (lengths > 0).any():
+    mean = _mean_side(scaled, corners, sizes)
+    if mean == 0:
         return ""
+    found = [_coincidences(scaled, corners, sizes, mean), _junctions(scaled, corners, sizes, mean)]
+    for fact, remedy, farthest in filter(None, found):
+        needed = "" if farthest <= MERGING.usual else rounded_up(farthest, 1)
+        tolerance = needed or f"{MERGING.usual:g}"
+        if _is_mended(points, faces, float(tolerance), space):
+            return f"; {fact}: {remedy} with {f'--merge {needed}'.strip()} (merge={tolerance})"
+    return f"; {found[0][0]}, but merging them does not close the surface" if found[0] else ""
+
+
+Finding = tuple[str, str, float]
+"""A fact, its remedy, and the tolerance that it needs, in mean edge lengths."""
+
+
+def _coincidences(points: Floats, corners: Indices, sizes: Indices, mean: float) -> Finding | None:
+    after = corners[next_corners(sizes)]
+    edges, count = np.unique(np.sort([corners, after], axis=0), axis=1, return_counts=True)
+    lengths = np.linalg.norm(points[edges[0]] - points[edges[1]], axis=1)
+    suspects = np.unique(edges[:, (count == 1) | (lengths == 0)])
+    if suspects.size < 2:
+        return None
     from scipy.spatial import cKDTree  # slow to import, and seldom needed
 
-    distances, near = cKDTree(scaled[suspects]).query(scaled[suspects], k=2)
-    mean = lengths[lengths > 0].mean()
+    distances, near = cKDTree(points[suspects]).query(points[suspects], k=2)
     distances = distances[:, 1] / mean
     close = distances <= MERGING.near
     if not close.any():
-        return ""
+        return None
     first = int(np.argmax(close))
     pair = sorted({int(suspects[first]), *suspects[near[first]].tolist()})[:2]
     farthest = float(distances[close].max())
-    needed = "" if farthest <= MERGING.usual else rounded_up(farthest, 1)
-    return (
-        f"; {close.sum()} vertices {'nearly ' if needed else ''}coincide with others (vertex {pair[0]} and "
-        f"{pair[1]}): merge them with {' '.join(['--merge', needed]).strip()} "
-        f"(merge={needed or MERGING.usual})"
+    nearly = "nearly " if farthest > MERGING.usual else ""
+    fact = f"{close.sum()} vertices {nearly}coincide with others (vertex {pair[0]} and {pair[1]})"
+    return fact, "merge them", farthest
+
+
+def _junctions(points: Floats, corners: Indices, sizes: Indices, mean: float) -> Finding | None:
+    left = ~slivers(points, corners, sizes, MERGING.near * mean)
+    corners, sizes = corners[np.repeat(left, sizes)], sizes[left]
+    places, vertices, offsets = vertices_on_sides(points, corners, sizes, MERGING.near * mean)
+    if not len(places):
+        return None
+    a, b = corners[places[0]], corners[next_corners(sizes)][places[0]]
+    fact = (
+        f"vertex {vertices[0]} is on the side from vertex {a} to vertex {b} of another face (a T-junction, "
+        f"{len(places)} in all)"
     )
+    return fact, "split such sides", float(offsets.max()) / mean
+
+
+def _is_mended(points: Floats, faces: ArrayLike, merge: float, space: Space) -> bool:
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore", MeshNote)
+        try:
+            Triangulation(triangle_mesh(points, faces, merge, space=space)[1])
+        except InvalidMetric:
+            return False
+    return True
 
 
 def _scaled(points: Floats) -> Floats:
@@ -129,18 +173,17 @@ def _scaled(points: Floats) -> Floats:
 
 
 def _side_advice(points: Floats, corners: Indices, sizes: Indices) -> str:
-    """The end of a sentence about a polygon without area, if polygons have sides without length."""
-    ends = np.cumsum(sizes)
-    after = np.arange(1, len(corners) + 1)
-    after[ends - 1] = ends - sizes
-    lengths = np.linalg.norm(points[corners] - points[corners[after]], axis=1)
+    """The end of a sentence about a polygon without area, if sides without length are why."""
+    after = corners[next_corners(sizes)]
+    lengths = np.linalg.norm(points[corners] - points[after], axis=1)
     short = lengths <= MERGING.usual * lengths.mean()
-    if not short.any():
+    polygons = np.split(corners, np.cumsum(sizes)[:-1])
+    if not short.any() or not _is_mended(points, polygons, MERGING.usual, EUCLIDEAN):
         return ""
     k = int(np.argmax(short))
     return (
         f"; {_count(short.sum(), 'side has', 'sides have')} no length (the first from vertex {corners[k]} "
-        f"to {corners[after[k]]}): merge vertices that coincide with --merge (merge={MERGING.usual})"
+        f"to {after[k]}): merge vertices that coincide with --merge (merge={MERGING.usual:g})"
     )
 
 
@@ -150,8 +193,7 @@ def _merged(
     is_used = np.bincount(corners) > 0
     used, corner = np.flatnonzero(is_used), (np.cumsum(is_used) - 1)[corners]
     ends = np.cumsum(sizes)
-    sides = np.linalg.norm(points[corners] - points[corners[next_corners(sizes)]], axis=1)
-    mean = sides[sides > 0].mean() if (sides > 0).any() else 0.0
+    mean = _mean_side(points, corners, sizes)
     first = representatives(points[used], merge * mean)
     moved = first != np.arange(len(used))
     if moved.any() and not quiet:
@@ -170,6 +212,29 @@ def _merged(
     if not left.any():
         raise InvalidMetric("there are no faces: all have merged into edges and points")
     return new_corners, new_sizes
+
+
+def _mean_side(points: Floats, corners: Indices, sizes: Indices) -> float:
+    sides = np.linalg.norm(points[corners] - points[corners[next_corners(sizes)]], axis=1)
+    return float(sides[sides > 0].mean()) if (sides > 0).any() else 0.0
+
+
+def _split(points: Floats, corners: Indices, sizes: Indices, distance: float) -> tuple[Indices, Indices]:
+    """Faces whose sides are split at vertices on them, without triangles that have no area."""
+    thin = slivers(points, corners, sizes, distance)
+    if thin.all():
+        return corners, sizes
+    if thin.any():
+        _say(f"{_count(thin.sum(), 'triangle without area is', 'triangles without area are')} left out")
+        corners, sizes = corners[~np.repeat(thin, sizes)], sizes[~thin]
+    places, vertices, _ = vertices_on_sides(points, corners, sizes, distance)
+    if len(places):
+        a, b = corners[places[0]], corners[next_corners(sizes)][places[0]]
+        _say(
+            f"{_count(len(places), 'vertex', 'vertices')} on sides of other faces (T-junctions) split them; "
+            f"the first is vertex {vertices[0]} on the side from vertex {a} to {b}"
+        )
+    return with_vertices_on_sides(corners, sizes, places, vertices)
 
 
 def _cut(points: Floats, corners: Indices, sizes: Indices) -> Indices:

@@ -111,7 +111,8 @@ class PolyhedralMetric:
         merge : float, optional
             Vertices that are as near to one another, in mean edge lengths, become the first of them; at 0
             those that are equal.  Faces that then are edges or points, and vertices in no face, are left
-            out; the vertices that are left are numbered in their order.
+            out; the vertices that are left are numbered in their order.  Above 0, a side that only one face
+            has is split at vertices as near to it (T-junctions), and triangles without area are left out.
         curvature : float, optional
             Of the space that the vertices are in, and so of the triangles; lengths are its distances.
         model : {"ambient", "conformal", "projective"}
@@ -157,7 +158,8 @@ class PolyhedralMetric:
                 return metric
             return metric._knowing(precision=Precision.of(points, metric.mean_length))
         except InvalidMetric as error:
-            raise InvalidMetric(f"{error}{merging_advice(points, triangles)}") from None
+            advice = merging_advice(points, faces if merge is None else triangles, space)
+            raise InvalidMetric(f"{error}{advice}") from None
 
     @classmethod
     def from_trimesh(cls, mesh: Any, *, merge: float | None = None) -> PolyhedralMetric:

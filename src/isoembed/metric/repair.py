@@ -12,7 +12,8 @@ are to be flat, wanted are factors with
 Curvature that is missing, or too much, is exchanged with the nearest vertices that keep a deficit; lengths
 farther away stay as they are.  Which vertices are to be flat the deficits tell: if those above the noise are
 all larger by far than those within, then F is the vertices within.  If not, deficits of that size belong to
-the body, F is empty, and only negative deficits are lifted.
+the body, F is empty, and only negative deficits are lifted.  Noise leaves deficits of both signs: a positive
+one that is far larger than the most negative belongs to the body, too.
 
 This is a mixed linear complementarity problem.  Once it is known where the deficits become zero, it is
 Poisson's equation there, with u = 0 elsewhere.  Of all factors that make just these deficits zero, the
@@ -36,7 +37,14 @@ from isoembed.errors import InvalidMetric, InvalidParameter
 from isoembed.linalg import SingularMatrix, factor_general
 from isoembed.mesh.triangulation import frozen
 from isoembed.metric.conformal import equivalent
-from isoembed.metric.convexity import GAP, MAX_NOISE, check_convex, deficit_rounding, deficit_spread
+from isoembed.metric.convexity import (
+    GAP,
+    MAX_NOISE,
+    check_convex,
+    deficit_rounding,
+    deficit_spread,
+    largest_noise,
+)
 from isoembed.metric.glued import GluedMetric
 from isoembed.metric.laplacian import deficit_laplacian
 from isoembed.metric.polyhedral import PolyhedralMetric
@@ -125,7 +133,7 @@ def repaired(
         doubt = precision.name, precision.length_error * spread
     level = max(noise, min(tolerance, MAX_NOISE))
     check_convex(before, np.maximum(rounding, level), doubt)
-    flat = small_by_far(before, level) if flat is None else flat
+    flat = small_by_far(before, min(level, largest_noise(before))) if flat is None else flat
     changed = (np.where(flat, np.abs(before), -before) > rounding) & (noise > 0)
     u = np.zeros(given.n_vertices)
     result, left = metric, math.inf

@@ -13,6 +13,8 @@ from .film import Frame as Frame
 from .page import page_writer as page_writer
 from .page import write_page as write_page
 from .panel import Panel as Panel
+from .picture import color_scale as color_scale
+from .picture import draw_panel as draw_panel
 from .picture import figure as figure
 from .picture import figure_writer as figure_writer
 from .picture import panels as panels

@@ -100,6 +100,23 @@ def panels(
     return _row(surfaces, Quantity("", label, surfaces[0].values), caption, bounds)
 
 
+def draw_panel(axes: Axes, panel: Panel, colors: ScalarMappable) -> None:
+    """Draw a surface into axes of one's own, turned as in every picture: its longest axis lies across.
+
+    Parameters
+    ----------
+    axes : matplotlib.axes.Axes
+        Set to equal aspect, without a frame; call its ``autoscale_view`` afterward, or set its limits.
+    panel : Panel
+        Its title is left out.
+    colors : matplotlib.cm.ScalarMappable
+        From values to colors: a `color_scale`, or one's own.
+    """
+    view = View.of(panel.vertices, panel.faces)
+    draw_infinity(axes, view, panel.infinity)
+    draw(axes, view, panel.face_values, colors, panel.seams, outlines=panel.outlines)
+
+
 def picture_writer(path: str | os.PathLike[str], embedding: Embedding, **drawing: Any) -> Writer:
     """Return what writes the picture in the format of this ending; see `write_atomically` and `figure`."""
     return figure_writer(path, figure(embedding, **drawing))
@@ -191,7 +208,18 @@ def _row(
 
 
 def color_scale(low: float, high: float, scale: str = "linear") -> ScalarMappable:
-    """From values to colors, ordered in lightness."""
+    """The colors of all pictures, ordered in lightness, from a low to a high value.
+
+    Parameters
+    ----------
+    low, high : float
+    scale : {"linear", "log"}
+
+    Returns
+    -------
+    matplotlib.cm.ScalarMappable
+        It also takes a color bar: ``figure.colorbar(colors, cax=axes)``.
+    """
     from matplotlib import colormaps
     from matplotlib.cm import ScalarMappable
     from matplotlib.colors import ListedColormap, LogNorm, Normalize

@@ -28,23 +28,11 @@ from isoembed.arrays import Floats
 from isoembed.errors import InvalidMetric
 from isoembed.meshing.sphere import angles_of, directions_at
 from isoembed.smooth.band import Band, checked_angles
-from isoembed.smooth.piecewise import PIECEWISE, Piecewise, fitted
+from isoembed.smooth.piecewise import PIECE_DEGREE, Piecewise, fitted
 from isoembed.smooth.two_metric import AngleMetric, TwoMetric, angle_components, are_definite
 from isoembed.space import EUCLIDEAN, Space
-from isoembed.thresholds import threshold
 
 Interval = tuple[float, float]
-
-
-@dataclass(frozen=True)
-class AxisymmetricThresholds:
-    """Thresholds of surfaces of revolution."""
-
-    noise: float = threshold(1e-11, "relative", "G and K that are zero: their derivatives cost four digits.")
-    conical: float = threshold(1e-7, "relative", "Difference of q_tt and q_pp at a pole that is a cone.")
-
-
-AXISYMMETRIC = AxisymmetricThresholds()
 
 
 @dataclass(frozen=True, eq=False)
@@ -121,7 +109,8 @@ class AxisymmetricEmbedding:
         Q = Piecewise(P.breaks, sheared.coefficients - P.coefficients)
         for name, x in (("south", -1.0), ("north", 1.0)):
             t, p, q = (float(f(np.array([x]))[0]) for f in (T, P, Q))
-            allowed = max(AXISYMMETRIC.conical, 10.0 * resolution) * p
+            # A larger difference of q_tt and q_pp at a pole is a cone.
+            allowed = max(1e-7, 10.0 * resolution) * p
             if abs(t - p) > allowed:
                 raise InvalidMetric(
                     f"the metric is conical at the {name} pole:"
@@ -328,7 +317,7 @@ class AxisymmetricEmbedding:
 
     @property
     def _noise(self) -> float:
-        return max(AXISYMMETRIC.noise, 1e3 * self.resolution)
+        return max(1e-11, 1e3 * self.resolution)  # below it G and K are zero: derivatives cost digits
 
     @cached_property
     def _derivatives(self) -> tuple[Piecewise, Piecewise, Piecewise]:
@@ -384,7 +373,7 @@ class AxisymmetricEmbedding:
     @cached_property
     def _samples(self) -> Floats:
         """Values of x, falling from 1 to -1, as dense as the pieces have structure."""
-        nodes = 0.5 - 0.5 * np.cos(np.pi * np.arange(2 * PIECEWISE.degree) / (2 * PIECEWISE.degree))
+        nodes = 0.5 - 0.5 * np.cos(np.pi * np.arange(2 * PIECE_DEGREE) / (2 * PIECE_DEGREE))
         x = (self.T.breaks[:-1, None] + np.diff(self.T.breaks)[:, None] * nodes).ravel()
         return np.concatenate([[1.0], x[::-1]])
 

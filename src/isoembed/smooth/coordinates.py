@@ -14,34 +14,11 @@ from isoembed.arrays import Floats, Indices
 from isoembed.errors import InvalidParameter
 from isoembed.meshing.sphere import gauss_rule
 from isoembed.smooth.harmonics import Harmonics
+from isoembed.smooth.isometry import OVERSAMPLING
 from isoembed.smooth.sphere_map import SphereMap
 from isoembed.smooth.transforms import resized
-from isoembed.thresholds import threshold
 
-
-@dataclass(frozen=True)
-class CoordinatesThresholds:
-    """Thresholds of coordinates that fit a surface."""
-
-    degree: int = threshold(14, "count", "Highest degree of the harmonics that smooth the vertices.")
-    determined: float = threshold(3.0, "count", "Vertices for each of these harmonics, at least.")
-    power: int = threshold(3, "count", "Power of l (l + 1) / 2 by which a harmonic counts in the energy.")
-    noise: float = threshold(1e-3, "radius", "Miss of vertices that counts as much as degree 1.")
-    maps: tuple[tuple[int, float], ...] = threshold(
-        ((1, 2.0), (4, 4.0)),
-        "count, relative",
-        "Degrees of maps, and the gain in energy for which one is taken.",
-    )
-    oversampled: float = threshold(1.25, "relative", "Nodes over coefficients, each way.")
-    damping: float = threshold(1e-3, "relative", "Levenberg-Marquardt's, to begin with.")
-    harder: float = threshold(5.0, "relative", "Damping over that of a step that failed.")
-    softer: float = threshold(8.0, "relative", "Damping over that of the step after one that succeeded.")
-    lost: float = threshold(1e6, "relative", "Damping after which no step helps.")
-    settled: float = threshold(1e-2, "relative", "Gain of a step that is the last.")
-    steps: int = threshold(25, "count", "Most steps.")
-
-
-COORDINATES = CoordinatesThresholds()
+MAPS = ((1, 2.0), (4, 4.0))  # degree of a map, and the factor by which it must lower the energy
 
 
 def fitting_coordinates(u: Floats, faces: Indices, points: Floats) -> SphereMap | None:
@@ -68,7 +45,7 @@ def fitting_coordinates(u: Floats, faces: Indices, points: Floats) -> SphereMap 
     """
     vertices = _Vertices.of(u, faces, points)
     best = given = vertices.smoothed(SphereMap.linear(np.eye(3)))
-    for degree, gain in COORDINATES.maps:
+    for degree, gain in MAPS:
         # No surface has less energy than the round sphere.
         if best.energy > gain * 4.0 * np.pi:
             found = vertices.lowered(best, Harmonics(degree, degree))
@@ -113,14 +90,14 @@ class _Vertices:
         areas /= areas.sum()
         x = points - areas @ points
         x = x / np.sqrt(areas @ np.einsum("ni,ni->n", x, x))
-        most = int(np.sqrt(len(u) / COORDINATES.determined)) - 1
-        degree = min(COORDINATES.degree, most)
+        most = int(np.sqrt(len(u) / 3.0)) - 1  # three vertices for each harmonic
+        degree = min(14, most)  # highest degree of the harmonics that smooth the vertices
         return cls(u, x, areas, Harmonics(degree, degree))
 
     def smoothed(self, coordinates: SphereMap) -> _Smoothed:
         """Least energy of coefficients and misses."""
         Y = self.harmonics.values(coordinates.inverse(self.u))
-        noise = COORDINATES.noise**2
+        noise = 1e-3**2  # a miss of 1e-3 radii costs as much as degree 1
         weighted = (Y * self.areas[:, None]).T
         normal = weighted @ Y + noise * np.diag(self._penalty)
         found = np.asarray(np.linalg.solve(normal, weighted @ self.x), dtype=np.float64)
@@ -131,22 +108,22 @@ class _Vertices:
     def lowered(self, start: _Smoothed, harmonics: Harmonics) -> _Smoothed:
         """The map in some harmonics for which the energy is least, near a given one."""
         C = resized(start.coordinates.coefficients, start.coordinates.harmonics, harmonics)
-        best, damping = self.smoothed(SphereMap(harmonics, C)), COORDINATES.damping
-        for _ in range(COORDINATES.steps):
+        best, damping = self.smoothed(SphereMap(harmonics, C)), 1e-3  # Levenberg-Marquardt
+        for _ in range(25):
             J = self._jacobian(best, harmonics)
             root = np.sqrt(self._penalty)[:, None]
             normal, gradient = J.T @ J, J.T @ (root * best.coefficients).ravel()
             # Alike for x, y and z.
             scale = np.repeat(np.diag(normal).reshape(-1, 3).max(axis=1), 3)
             before = best
-            while damping < COORDINATES.lost:
+            while damping < 1e6:  # above it no step helps
                 step = np.linalg.solve(normal + damping * np.diag(scale), -gradient).reshape(-1, 3)
                 trial = self._tried(harmonics, best.coordinates.coefficients + step)
                 if trial is not None and trial.energy < best.energy:
-                    best, damping = trial, damping / COORDINATES.softer
+                    best, damping = trial, damping / 8.0
                     break
-                damping *= COORDINATES.harder
-            if not best.energy < (1.0 - COORDINATES.settled) * before.energy:
+                damping *= 5.0
+            if not best.energy < 0.99 * before.energy:
                 break
         return best
 
@@ -158,7 +135,7 @@ class _Vertices:
 
     def _jacobian(self, at: _Smoothed, harmonics: Harmonics) -> Floats:
         """Derivatives (3 size, 3 m) of the weighted coefficients by those of a map in m harmonics."""
-        n = int(COORDINATES.oversampled * (self.harmonics.degree + 1))
+        n = int(OVERSAMPLING * (self.harmonics.degree + 1))  # nodes over coefficients, each way
         v, weights = gauss_rule(n, 2 * n)
         u, slope = at.coordinates.forward(v), at.coordinates.differential(v)
         dX = np.einsum("niv,vc->nci", self.harmonics.gradients(v)[1], at.coefficients)
@@ -177,4 +154,4 @@ class _Vertices:
     @property
     def _penalty(self) -> Floats:
         l = self.harmonics.labels[0]
-        return (0.5 * l * (l + 1.0)) ** COORDINATES.power
+        return (0.5 * l * (l + 1.0)) ** 3

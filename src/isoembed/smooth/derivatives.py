@@ -24,22 +24,12 @@ from isoembed.errors import InvalidParameter
 from isoembed.smooth.embedding import SmoothEmbedding
 from isoembed.smooth.extrinsic import Surface
 from isoembed.smooth.harmonics import Harmonics
-from isoembed.smooth.isometry import ISOMETRY, IsometrySystem, LinearizedStrains, MetricSamples
+from isoembed.smooth.isometry import OVERSAMPLING, IsometrySystem, LinearizedStrains, MetricSamples
 from isoembed.smooth.sphere_map import metric_in
 from isoembed.smooth.transforms import resized
-from isoembed.thresholds import threshold
 
-
-@dataclass(frozen=True)
-class MetricDerivativeThresholds:
-    """Thresholds of derivatives by the metric."""
-
-    degree: int = threshold(16, "count", "Degree of the displacements, if that of the surface is lower.")
-    highest: int = threshold(36, "count", "Highest degree: the normal equations of more are too large.")
-    left: float = threshold(1e-3, "relative", "Part of a change that displacements may leave.")
-
-
-METRIC_DERIVATIVES = MetricDerivativeThresholds()
+LEAST_DEGREE = 16  # of the displacements
+HIGHEST_DEGREE = 36  # the normal equations of more are too large
 
 
 @dataclass(frozen=True, eq=False)
@@ -80,19 +70,18 @@ class MetricDerivatives:
         InvalidParameter
             The surface is not in R^3 or misses its tolerance, or the degree is too high.
         """
-        degree = max(surface.harmonics.degree, METRIC_DERIVATIVES.degree if degree is None else degree)
+        degree = max(surface.harmonics.degree, LEAST_DEGREE if degree is None else degree)
         if not surface.space.is_euclidean:
             raise InvalidParameter(
                 f"derivatives by the metric are those of surfaces in R^3, not in {surface.space!r}"
             )
         if not surface.converged:
             raise InvalidParameter(f"the surface misses its metric by {surface.residual:.1e}")
-        if degree > METRIC_DERIVATIVES.highest:
+        if degree > HIGHEST_DEGREE:
             raise InvalidParameter(
-                f"displacements would be in harmonics of degree {degree}, and the most is "
-                f"{METRIC_DERIVATIVES.highest}"
+                f"displacements would be in harmonics of degree {degree}, and the most is {HIGHEST_DEGREE}"
             )
-        harmonics, heights = Harmonics(degree, degree), int(np.ceil(ISOMETRY.oversampled * (degree + 1)))
+        harmonics, heights = Harmonics(degree, degree), int(np.ceil(OVERSAMPLING * (degree + 1)))
         samples = MetricSamples.of(metric_in(surface.metric, surface.coordinates), heights, 2 * heights)
         system = IsometrySystem.of(harmonics, samples)
         linear = system.linearized(resized(surface.coefficients, surface.harmonics, harmonics))
@@ -127,7 +116,7 @@ class MetricDerivatives:
         along = np.einsum("nai,nij,nbj->nab", self._tangents, h, self._tangents)
         strains = np.stack([along[:, 0, 0], np.sqrt(0.5) * (along[:, 0, 1] + along[:, 1, 0]), along[:, 1, 1]])
         displacements, left = self._linear.displacements(strains.T)
-        if left > METRIC_DERIVATIVES.left:
+        if left > 1e-3:  # part of a change that displacements may leave
             raise InvalidParameter(
                 f"displacements in harmonics of degree {self.harmonics.degree} leave {left:.1e} of the "
                 "change of the metric: a higher degree is needed"

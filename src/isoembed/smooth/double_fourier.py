@@ -20,29 +20,15 @@ from numpy.typing import ArrayLike, NDArray
 from isoembed.arrays import Floats, Mask
 from isoembed.errors import InvalidMetric
 from isoembed.meshing.sphere import angles_of
-from isoembed.thresholds import threshold
 
 Complexes = NDArray[np.complex128]
 
-
-@dataclass(frozen=True)
-class DoubleFourierThresholds:
-    """Thresholds of series on grids, and of the table from which values between the nodes are made."""
-
-    pole: float = threshold(1e-6, "radians", "Distance from a pole within which a node counts as the pole.")
-    single: float = threshold(4.0, "roundings", "Deviation of angles in single precision from exact ones.")
-    legendre: float = threshold(
-        0.1, "radians", "Times 1/n: deviation of Gauss-Legendre nodes from even ones."
-    )
-    uneven: float = threshold(1e-6, "steps", "Deviation of the angles phi from uniform ones.")
-    condition: float = threshold(1e4, "relative", "Condition of a series that its nodes do not determine.")
-    finer: int = threshold(8, "relative", "Nodes of the table over those of the grid; half for large tables.")
-    large: int = threshold(1 << 24, "count", "Numbers in a large table.")
-    stencil: int = threshold(16, "count", "Nodes of the table, each way, of which a value is made: to 1e-12.")
-    together: int = threshold(256, "count", "Values that are made at once: their nodes fit into the cache.")
-
-
-DOUBLE_FOURIER = DoubleFourierThresholds()
+POLE = 1e-6  # radians, within which a node counts as the pole
+UNEVEN = 1e-6  # deviation of the angles phi from uniform ones, in steps
+FINER = 8  # nodes of the table over those of the grid; half as many in large tables
+LARGE = 1 << 24  # numbers in a table
+STENCIL = 16  # nodes of the table, each way, from which a value is interpolated to 1e-12
+CHUNK = 256  # values interpolated at a time: their nodes fit into the cache
 
 
 @dataclass(frozen=True, eq=False)
@@ -70,7 +56,7 @@ class DoubleFourier:
 
     def __post_init__(self) -> None:
         condition = self.condition
-        if not condition < DOUBLE_FOURIER.condition:
+        if not condition < 1e4:  # the nodes do not determine the series
             raise InvalidMetric(
                 f"the {len(self.theta)} nodes theta = {self.theta[0]:.6g} ... {self.theta[-1]:.6g} do not "
                 f"determine a Fourier series (condition {condition:.1g}): cell-centered, uniform and "
@@ -101,7 +87,7 @@ class DoubleFourier:
     @cached_property
     def table(self) -> Floats:
         """The values on a finer grid, with a margin of half a stencil around it for `at`."""
-        (rows, columns), margin = self._table_shape, DOUBLE_FOURIER.stencil // 2
+        (rows, columns), margin = self._table_shape, STENCIL // 2
         theta = np.arange(-margin, rows + margin + 1, dtype=np.float64) * (np.pi / rows)
         a = self.coefficients
         spectrum = np.zeros((len(theta), columns // 2 + 1, a.shape[2]), dtype=np.complex128)
@@ -126,9 +112,8 @@ class DoubleFourier:
     @property
     def _table_shape(self) -> tuple[int, int]:
         """Steps from pole to pole, and around."""
-        t = DOUBLE_FOURIER
-        finer = t.finer if self.values.size * t.finer**2 <= t.large else t.finer // 2
-        return finer * len(self.theta), finer * max(len(self.phi), 2 * t.stencil // t.finer)
+        finer = FINER if self.values.size * FINER**2 <= LARGE else FINER // 2
+        return finer * len(self.theta), finer * max(len(self.phi), 2 * STENCIL // FINER)
 
     def at(self, u: Floats) -> Floats:
         """The functions (n, c) in the directions u (n, 3), unit vectors; at the poles as from phi = 0."""
@@ -148,7 +133,7 @@ def inner_nodes(theta: ArrayLike) -> Mask:
         besides the poles; the message names the first such node.
     """
     theta = one_dimensional(theta, "theta")
-    bad = ~((theta >= -DOUBLE_FOURIER.pole) & (theta <= np.pi + DOUBLE_FOURIER.pole))
+    bad = ~((theta >= -POLE) & (theta <= np.pi + POLE))
     if bad.any():
         i = int(np.argmax(bad))
         raise InvalidMetric(
@@ -161,7 +146,7 @@ def inner_nodes(theta: ArrayLike) -> Mask:
             f"theta[{i + 1}] = {theta[i + 1]:.6g} is not above theta[{i}] = {theta[i]:.6g}: the angles "
             "increase, from the north pole on"
         )
-    inner = (theta > DOUBLE_FOURIER.pole) & (theta < np.pi - DOUBLE_FOURIER.pole)
+    inner = (theta > POLE) & (theta < np.pi - POLE)
     if inner.sum() < 2:
         raise InvalidMetric(f"there are {inner.sum()} nodes theta besides the poles, fewer than 2")
     return inner
@@ -178,11 +163,11 @@ def around(phi: ArrayLike) -> int:
         They are something else; the message names the first such node.
     """
     phi = one_dimensional(phi, "phi")
-    closed = len(phi) > 1 and abs(phi[-1] - phi[0] - 2.0 * np.pi) < DOUBLE_FOURIER.uneven
+    closed = len(phi) > 1 and abs(phi[-1] - phi[0] - 2.0 * np.pi) < UNEVEN
     m = len(phi) - 1 if closed else len(phi)
     step = 2.0 * np.pi / m
     expected = phi[0] + step * np.arange(m)
-    bad = ~(np.abs(phi[:m] - expected) <= DOUBLE_FOURIER.uneven * step + _rounding(expected))
+    bad = ~(np.abs(phi[:m] - expected) <= UNEVEN * step + _rounding(expected))
     if bad.any():
         j = int(np.argmax(bad))
         raise InvalidMetric(
@@ -211,7 +196,8 @@ def is_legendre(theta: Floats) -> bool:
     """Whether angles theta (n,) are nearly those of Gauss-Legendre nodes, and not those of other grids."""
     n = len(theta)
     near = (np.arange(n) + 0.75) * (np.pi / (n + 0.5))
-    return bool(np.max(np.abs(theta - near)) < DOUBLE_FOURIER.legendre / n)
+    # Gauss-Legendre nodes deviate from even ones by 0.1 / n at most.
+    return bool(np.max(np.abs(theta - near)) < 0.1 / n)
 
 
 def exact_phi(phi: ArrayLike) -> Floats:
@@ -235,7 +221,7 @@ def _is_rounded(given: Floats, exact: Floats) -> bool:
 
 def _rounding(angles: Floats) -> Floats:
     """Deviations (n,) of angles in single precision."""
-    return DOUBLE_FOURIER.single * float(np.finfo(np.float32).eps) * np.maximum(np.abs(angles), 1.0)
+    return 4.0 * float(np.finfo(np.float32).eps) * np.maximum(np.abs(angles), 1.0)
 
 
 def distinct(value: float, other: float) -> str:
@@ -271,7 +257,7 @@ def _flat(part: Complexes) -> Complexes:
 
 def _weights(t: Floats) -> Floats:
     """Lagrange's (n, stencil), for t (n,) in [0, 1] and the nodes 1 - stencil / 2, ..., stencil / 2."""
-    stencil = DOUBLE_FOURIER.stencil
+    stencil = STENCIL
     first = 1 - stencil // 2
     weights, after = np.ones((stencil, t.size)), np.ones_like(t)
     for j in range(1, stencil):
@@ -285,14 +271,14 @@ def _weights(t: Floats) -> Floats:
 def _interpolated(table: Floats, rows: Floats, columns: Floats) -> Floats:
     """Values (n, c) at fractional places (n,) in the inside of a table (rows, columns, c)."""
     n_rows, n_columns, count = table.shape
-    stencil = DOUBLE_FOURIER.stencil
+    stencil = STENCIL
     i = np.minimum(rows.astype(np.int64), n_rows - stencil - 2)
     j = np.minimum(columns.astype(np.int64), n_columns - stencil - 2)
     w_row, w_column = _weights(rows - i), _weights(columns - j)
     windows = sliding_window_view(table.reshape(n_rows, -1), (stencil, stencil * count))
     values = np.empty((len(rows), count))
-    for start in range(0, len(rows), DOUBLE_FOURIER.together):
-        some = slice(start, start + DOUBLE_FOURIER.together)
+    for start in range(0, len(rows), CHUNK):
+        some = slice(start, start + CHUNK)
         nodes = windows[i[some] + 1, (j[some] + 1) * count]
         across = (w_row[some, None] @ nodes).reshape(-1, stencil, count)
         values[some] = (w_column[some, None] @ across)[:, 0]

@@ -18,30 +18,8 @@ from isoembed.smooth.sphere_transform import SphereTransform
 from isoembed.smooth.triangulation import SphereMesh, triangulate_metric
 from isoembed.smooth.two_metric import TwoMetric, angle_frame, area_density, orthonormal_frame
 from isoembed.space import EUCLIDEAN, Space
-from isoembed.thresholds import threshold
 
-
-@dataclass(frozen=True)
-class MeasureThresholds:
-    """Thresholds of the measures of a smooth embedding."""
-
-    rounding: float = threshold(1e-11, "relative", "Error of a length that is rounding.")
-    more: int = threshold(2, "count", "Heights of nodes more than the degree, to begin with.")
-    denser: float = threshold(1.4, "relative", "Heights of nodes over those before.")
-    settled: float = threshold(1e-13, "relative", "Change of int H with which the nodes suffice.")
-    negligible: float = threshold(0.01, "relative", "The same, over the correction of first order.")
-    scattered: int = threshold(1000, "count", "Directions beside the nodes at which it is measured.")
-    highest: int = threshold(1000, "count", "Heights of nodes after which there are no more.")
-    most: int = threshold(500_000, "count", "Nodes after which there are no more.")
-    falling: float = threshold(0.9, "relative", "Change over the one before that is not rounding.")
-    lower: float = threshold(3.0, "relative", "Error over the change from lower degree, at most.")
-    first_order: float = threshold(0.03, "relative", "Error over the correction of first order.")
-    stiff: float = threshold(10.0, "relative", "Displacements over strains, where K > 0 everywhere.")
-    flat: float = threshold(0.05, "round sphere's", "Gaussian curvature that is small.")
-    soft: float = threshold(50.0, "relative", "Displacements over strains, where K is small or negative.")
-
-
-MEASURE = MeasureThresholds()
+ROUNDING = 1e-11  # relative error of lengths
 
 
 @dataclass(frozen=True)
@@ -123,7 +101,7 @@ class SmoothEmbedding:
     @cached_property
     def residual(self) -> float:
         """The largest relative error of a length, at directions where the equations were not solved."""
-        apart = 0.5 * float(self._strain(fibonacci_directions(MEASURE.scattered)).max())
+        apart = 0.5 * float(self._strain(fibonacci_directions(1000)).max())  # beside the nodes
         return max(apart, self._measured.residual)
 
     @property
@@ -160,7 +138,7 @@ class SmoothEmbedding:
     def curvature_error(self) -> float:
         """Estimated error of `integrated_mean_curvature`, in the same unit: `unsettled` and rounding."""
         rounding = self._rounding
-        if self.residual <= MEASURE.rounding:
+        if self.residual <= ROUNDING:
             rounding = max(rounding, self.residual)
         return self.unsettled + rounding * abs(self.integrated_mean_curvature)
 
@@ -178,31 +156,32 @@ class SmoothEmbedding:
         strains are rounding.  The change from fewer nodes adds to it.
         """
         measured = self._measured
-        if self.residual <= MEASURE.rounding:
+        if self.residual <= ROUNDING:
             return measured.change
         value = measured.integrated_mean_curvature
         relative = (measured.least_curvature - self.space.curvature) * measured.area / (4.0 * np.pi)
-        softness = MEASURE.soft if relative < MEASURE.flat else MEASURE.stiff
-        lower = MEASURE.lower * abs(value - self.coarser)
+        # Displacements over strains; surfaces of small or negative K are soft.
+        softness = 50.0 if relative < 0.05 else 10.0
+        lower = 3.0 * abs(value - self.coarser)
         displaced = softness * measured.strain
         # In curved space the change of the volume, which is of first order, is left out of int H.
         volume = abs(self.space.curvature * measured.volume)
         moved = min(lower, displaced**2 * abs(value) + displaced * volume)
-        return MEASURE.first_order * abs(measured.correction) + moved + measured.change
+        return 0.03 * abs(measured.correction) + moved + measured.change
 
     @cached_property
     def _measured(self) -> _Measures:
         """Measures by quadrature with more and more nodes, until the integral of H settles."""
         before = change = np.inf
-        n = MEASURE.more + self.harmonics.degree
+        n = 2 + self.harmonics.degree
         while True:
-            n = int(np.ceil(MEASURE.denser * n))
+            n = int(np.ceil(1.4 * n))
             measures = self._measures(n, abs(before))
             value = measures.integrated_mean_curvature
             # Where the correction is large, more nodes are of no use.
-            enough = max(MEASURE.settled * abs(value), MEASURE.negligible * abs(measures.correction))
-            last = n > MEASURE.highest or n * around(n, self.harmonics) > MEASURE.most
-            if measures.change <= enough or measures.change > MEASURE.falling * change or last:
+            enough = max(1e-13 * abs(value), 0.01 * abs(measures.correction))
+            last = n > 1000 or n * around(n, self.harmonics) > 500_000
+            if measures.change <= enough or measures.change > 0.9 * change or last:
                 return measures
             change = measures.change
             before = value

@@ -1,32 +1,19 @@
 """The map whose metric is nearest to a given one, by the Gauss-Newton method."""
 
-from dataclasses import dataclass
-
 import numpy as np
 
 from isoembed.arrays import Floats
 from isoembed.smooth.harmonics import Harmonics
-from isoembed.smooth.isometry import ISOMETRY, IsometrySystem, MetricSamples, around
-from isoembed.smooth.matrix_free import MATRIX_FREE, MatrixFreeIsometry
+from isoembed.smooth.isometry import OVERSAMPLING, IsometrySystem, MetricSamples, around
+from isoembed.smooth.matrix_free import ITERATIVE_OVERSAMPLING, MatrixFreeIsometry
 from isoembed.smooth.sphere_transform import SphereTransform
 from isoembed.smooth.two_metric import TwoMetric
 from isoembed.space import EUCLIDEAN, Space
-from isoembed.thresholds import threshold
-
-
-@dataclass(frozen=True)
-class GaussNewtonThresholds:
-    """Thresholds of the choice of a linear solver."""
-
-    direct: int = threshold(1800, "count", "Coefficients up to which matrices are made: few or symmetric.")
-
-
-GAUSS_NEWTON = GaussNewtonThresholds()
 
 
 def is_direct(harmonics: Harmonics) -> bool:
     """Whether the coefficients are few enough for matrices."""
-    return 3 * harmonics.size <= GAUSS_NEWTON.direct
+    return 3 * harmonics.size <= 1800  # more coefficients are solved for without matrices
 
 
 def gauss_newton(
@@ -48,10 +35,10 @@ def gauss_newton(
         The map that it begins at leaves the half of spherical space about the origin.
     """
     if is_direct(harmonics):
-        n = int(np.ceil(ISOMETRY.oversampled * (harmonics.degree + 1)))
+        n = int(np.ceil(OVERSAMPLING * (harmonics.degree + 1)))
         samples = MetricSamples.of(metric, n, around(n, harmonics))
         return IsometrySystem.of(harmonics, samples, space).solved(coefficients)
-    n = int(np.ceil(MATRIX_FREE.oversampled * (harmonics.degree + 1)))
+    n = int(np.ceil(ITERATIVE_OVERSAMPLING * (harmonics.degree + 1)))
     transform = SphereTransform(harmonics, n, around(n, harmonics))
     samples = MetricSamples.of(metric, n, transform.around)
     return MatrixFreeIsometry.of(transform, samples, space).solved(coefficients, target=target)

@@ -1,33 +1,21 @@
 """The Gaussian curvature of a smooth metric on the sphere, by differences of the metric alone."""
 
-from dataclasses import dataclass
-
 import numpy as np
 from numpy.typing import ArrayLike
 
 from isoembed.arrays import Floats
 from isoembed.smooth.geodesics import definite_tensor, in_own_unit
 from isoembed.smooth.two_metric import TwoMetric, angle_frame
-from isoembed.thresholds import threshold
 
-
-@dataclass(frozen=True)
-class CurvatureThresholds:
-    """Thresholds of the differences for the Gaussian curvature."""
-
-    step: float = threshold(2e-3, "radians", "Step of the differences, where truncation meets rounding.")
-    chunk: int = threshold(4096, "count", "Directions at a time, which bounds the memory.")
-
-
-CURVATURE = CurvatureThresholds()
-
+STEP = 2e-3  # radians: truncation of the differences meets rounding
+CHUNK = 4096  # directions at a time, which bounds the memory
 AXIS = [(k, 0) for k in (-2, -1, 1, 2)] + [(0, k) for k in (-2, -1, 1, 2)]
 DIAGONAL = [(k, sign * k) for sign in (1, -1) for k in (-2, -1, 1, 2)]
 STENCIL = np.array([(0, 0), *AXIS, *DIAGONAL], dtype=np.float64)
 
-FIRST = np.array([1.0, -8.0, 8.0, -1.0]) / (12.0 * CURVATURE.step)
-SECOND = np.array([-1.0, 16.0, 16.0, -1.0]) / (12.0 * CURVATURE.step**2)
-SECOND_CENTER = -30.0 / (12.0 * CURVATURE.step**2)
+FIRST = np.array([1.0, -8.0, 8.0, -1.0]) / (12.0 * STEP)
+SECOND = np.array([-1.0, 16.0, 16.0, -1.0]) / (12.0 * STEP**2)
+SECOND_CENTER = -30.0 / (12.0 * STEP**2)
 
 
 def gaussian_curvature(metric: TwoMetric, u: ArrayLike) -> Floats:
@@ -58,8 +46,8 @@ def gaussian_curvature(metric: TwoMetric, u: ArrayLike) -> Floats:
     directions = np.asarray(u, dtype=np.float64)
     unit, own = in_own_unit(metric)
     K = np.empty(len(directions))
-    for begin in range(0, len(directions), CURVATURE.chunk):
-        part = slice(begin, begin + CURVATURE.chunk)
+    for begin in range(0, len(directions), CHUNK):
+        part = slice(begin, begin + CHUNK)
         K[part] = _brioschi(_sampled(own, directions[part]))
     return K / unit / unit
 
@@ -67,7 +55,7 @@ def gaussian_curvature(metric: TwoMetric, u: ArrayLike) -> Floats:
 def _sampled(metric: TwoMetric, u: Floats) -> Floats:
     """The components E, F, G (3, 17, n) of the metric about each direction, in its tangent plane."""
     frame = np.stack(angle_frame(u))  # (2, n, 3)
-    x = u + np.einsum("ka,ani->kni", CURVATURE.step * STENCIL, frame)
+    x = u + np.einsum("ka,ani->kni", STEP * STENCIL, frame)
     square = np.einsum("kni,kni->kn", x, x)
     q = definite_tensor(metric, (x / np.sqrt(square)[..., None]).reshape(-1, 3)).reshape(*x.shape, 3)
     E, F, G = (np.einsum("ni,knij,nj->kn", frame[a], q, frame[b]) for a, b in ((0, 0), (0, 1), (1, 1)))

@@ -11,24 +11,11 @@ from isoembed.arrays import Floats
 from isoembed.errors import InvalidMetric, InvalidParameter
 from isoembed.meshing.sphere import angles_of
 from isoembed.smooth.two_metric import TwoMetric, area_density
-from isoembed.thresholds import threshold
 
-
-@dataclass(frozen=True)
-class GeodesicThresholds:
-    """Thresholds of the lengths of short geodesics."""
-
-    chunk: int = threshold(8192, "count", "Geodesics at a time, which bounds the memory.")
-    widest: float = threshold(170.0, "degrees", "Largest angle between the ends of a path.")
-    sideways: float = threshold(0.1, "chords", "Half-width of strips about a path.")
-    steps: int = threshold(3, "count", "Newton steps in a strip, where they cost no look at the metric.")
-    strips: int = threshold(8, "count", "Most strips: several where the metric varies along an edge.")
-    resolved: float = threshold(1e-6, "relative", "Change by half of the nodes that doubles them.")
-    steep: float = threshold(1e-3, "relative", "The same, from which on there may be several geodesics.")
-    bends: int = threshold(16, "count", "Most bends of a path; 33 nodes.")
-
-
-GEODESIC = GeodesicThresholds()
+CHUNK = 8192  # geodesics at a time, which bounds the memory
+WIDEST = 170.0  # degrees, largest angle between the ends of a path
+SIDEWAYS = 0.1  # half-width of strips about a path, in chords
+RESOLVED = 1e-6  # relative change of the length, above which the nodes are doubled
 
 
 def geodesic_lengths(metric: TwoMetric, start: ArrayLike, end: ArrayLike) -> Floats:
@@ -66,16 +53,16 @@ def geodesic_lengths(metric: TwoMetric, start: ArrayLike, end: ArrayLike) -> Flo
     """
     P, Q = np.asarray(start, dtype=np.float64), np.asarray(end, dtype=np.float64)
     cosine = np.einsum("ni,ni->n", P, Q)
-    if (cosine < np.cos(np.radians(GEODESIC.widest))).any():
-        i = int(np.argmax(cosine < np.cos(np.radians(GEODESIC.widest))))
+    if (cosine < np.cos(np.radians(WIDEST))).any():
+        i = int(np.argmax(cosine < np.cos(np.radians(WIDEST))))
         raise InvalidParameter(
             f"the ends of path {i} are {np.degrees(np.arccos(max(cosine[i], -1.0))):.6g} degrees apart, "
-            f"but at most {GEODESIC.widest:g} are allowed"
+            f"but at most {WIDEST:g} are allowed"
         )
     unit, own = in_own_unit(metric)
     lengths = np.empty(len(P))
-    for begin in range(0, len(P), GEODESIC.chunk):
-        part = slice(begin, begin + GEODESIC.chunk)
+    for begin in range(0, len(P), CHUNK):
+        part = slice(begin, begin + CHUNK)
         lengths[part] = _lengths(own, P[part], Q[part])
     return unit * lengths
 
@@ -137,10 +124,10 @@ def _lengths(metric: TwoMetric, P: Floats, Q: Floats) -> Floats:
     b = normal / np.where(size == 0.0, 1.0, size)
     lengths, doubt = _bent_lengths(metric, P, d, b, 2, 0.0)
     bends = 4
-    while (doubt > GEODESIC.resolved).any() and bends <= GEODESIC.bends:
-        rough = np.flatnonzero(doubt > GEODESIC.resolved)
+    while (doubt > RESOLVED).any() and bends <= 16:  # 33 nodes
+        rough = np.flatnonzero(doubt > RESOLVED)
         # A path over a sharp tip is stationary, too: those that begin on either side of it may be shorter.
-        steep = np.flatnonzero(doubt > GEODESIC.steep)
+        steep = np.flatnonzero(doubt > 1e-3)  # there may be several geodesics
         straight = _measured(metric, P[rough], d[rough], b[rough], np.zeros((len(rough), bends)))
         tries = [(rough, straight)]
         for side, which in ((0.0, rough), (1.0, steep), (-1.0, steep)):
@@ -164,10 +151,10 @@ def _bent_lengths(
     c[:, 0] = side * np.linalg.norm(d, axis=1)
     rule = _rule(bends + 1, bends)
     curved = np.arange(len(P))
-    for _ in range(GEODESIC.strips):
+    for _ in range(8):  # several strips where the metric varies along an edge
         change = _bend(metric, P[curved], d[curved], b[curved], c[curved], rule)
         c[curved] += change
-        beyond = np.abs(change).sum(axis=1) / 4.0 > GEODESIC.sideways * np.linalg.norm(d[curved], axis=1)
+        beyond = np.abs(change).sum(axis=1) / 4.0 > SIDEWAYS * np.linalg.norm(d[curved], axis=1)
         curved = curved[beyond]
         if len(curved) == 0:
             break
@@ -229,14 +216,14 @@ def _forms(
 def _bend(metric: TwoMetric, P: Floats, d: Floats, b: Floats, c: Floats, rule: _Rule) -> Floats:
     """The change of c (n, bends) that makes the length stationary in the strip about the path with this c."""
     s, weight, shape, slope = rule.s, rule.weight, rule.shape, rule.slope
-    width = GEODESIC.sideways * np.linalg.norm(d, axis=1)[:, None]
+    width = SIDEWAYS * np.linalg.norm(d, axis=1)[:, None]
     y_0, y_s0 = c @ shape, c @ slope
     low, middle, high = (np.stack(_forms(metric, P, d, b, s, y_0 + k * width)) for k in (-1.0, 0.0, 1.0))
     safe = np.where(width == 0.0, 1.0, width)
     forms_y, forms_yy = (high - low) / (2.0 * safe), (high - 2.0 * middle + low) / safe**2
 
     change = np.zeros_like(c)
-    for _ in range(GEODESIC.steps):
+    for _ in range(3):  # Newton's method, without new values of the metric
         y, y_s = change @ shape, y_s0 + change @ slope
         first = forms_y + forms_yy * y
         A, B, C = middle + (forms_y + 0.5 * forms_yy * y) * y

@@ -11,7 +11,7 @@ from numpy.typing import ArrayLike
 from isoembed.arrays import Floats, Mask
 from isoembed.errors import InvalidMetric
 from isoembed.smooth.double_fourier import (
-    DOUBLE_FOURIER,
+    STENCIL,
     DoubleFourier,
     around,
     exact_phi,
@@ -20,25 +20,11 @@ from isoembed.smooth.double_fourier import (
 )
 from isoembed.smooth.poles import PoleSight
 from isoembed.smooth.smoothness import check_series
-from isoembed.smooth.spectrum import SPECTRUM, Spectrum
+from isoembed.smooth.spectrum import SCATTER, Spectrum
 from isoembed.smooth.two_metric import TwoMetric, angle_components, are_definite, from_angles, is_axisymmetric
 from isoembed.smooth.uncertain import UncertainFunction, Uncertainty
-from isoembed.thresholds import threshold
 
-
-@dataclass(frozen=True)
-class GridThresholds:
-    """Thresholds of metrics on grids."""
-
-    unseen: float = threshold(0.2, "relative", "Share of phi in an error from which on a note says so.")
-    distinct: int = threshold(8, "count", "Distinct values of single precision, which are so by no chance.")
-    exact: float = threshold(1e-11, "relative", "Error of the same kind below which there is no note.")
-    seam: float = threshold(1e-6, "relative", "Largest difference of the columns phi = 0 and phi = 2 pi.")
-    nodes: tuple[int, int] = threshold((96, 192), "count", "Nodes in theta and phi that sample a metric.")
-    symmetric_nodes: tuple[int, int] = threshold((768, 1), "count", "The same for an axisymmetric metric.")
-
-
-GRID = GridThresholds()
+SEAM = 1e-6  # relative difference of the columns phi = 0 and phi = 2 pi
 
 
 @dataclass(frozen=True, eq=False, init=False, repr=False)
@@ -152,7 +138,7 @@ class GridMetric:
         """
         directions, values = np.asarray(u, dtype=np.float64), self._field.values
         random = np.random.default_rng(0)
-        size = 2.0 * self._size * self.error.pointwise / SPECTRUM.scatter
+        size = 2.0 * self._size * self.error.pointwise / SCATTER
         drawn = []
         for _ in range(12):  # tell a root mean square to a fifth
             noise = DoubleFourier(self._field.theta, self._field.phi, size * random.normal(size=values.shape))
@@ -163,7 +149,8 @@ class GridMetric:
     def notes(self) -> tuple[str, ...]:
         """Remarks on the errors, for reports."""
         count, spectrum = around(self.phi), self._spectrum
-        said = max(GRID.unseen * spectrum.error.mean, GRID.exact * spectrum.largest)
+        # A fifth of the error is worth a note, rounding is not.
+        said = max(0.2 * spectrum.error.mean, 1e-11 * spectrum.largest)
         if count == 1 or spectrum.unseen < said:
             return ()
         return (
@@ -241,8 +228,8 @@ class GridMetric:
         """Mean size of the metric, of inverses and by area: by it errors of components are relative ones."""
         unit = np.max(np.abs(self._field.table))
         Qtt, Qtp, Qpp = np.moveaxis(self._field.table / unit, 2, 0)
-        rows = len(Qtt) - DOUBLE_FOURIER.stencil - 1
-        sin = np.abs(np.sin(np.pi / rows * (np.arange(len(Qtt)) - DOUBLE_FOURIER.stencil // 2)))[:, None]
+        rows = len(Qtt) - STENCIL - 1
+        sin = np.abs(np.sin(np.pi / rows * (np.arange(len(Qtt)) - STENCIL // 2)))[:, None]
         root = np.sqrt(Qtt * Qpp - Qtp**2)
         return unit * float(2.0 * np.sum(sin * root) / np.sum(sin * (Qtt + Qpp) / root))
 
@@ -275,8 +262,8 @@ class GridMetric:
             for name, q, power in (("q_tt", tt, 0), ("q_tp", tp, 1), ("q_pp", pp, 2)):
                 jump = np.abs(q[inner, -1] - q[inner, 0]) / sin**power
                 size = max(np.max(tt[inner]), np.max(pp[inner] / sin[:, None] ** 2))
-                if np.max(jump) > GRID.seam * size:
-                    i = int(np.flatnonzero(inner)[np.argmax(jump > GRID.seam * size)])
+                if np.max(jump) > SEAM * size:
+                    i = int(np.flatnonzero(inner)[np.argmax(jump > SEAM * size)])
                     raise InvalidMetric(
                         f"{name}[{i}, {m}] = {q[i, m]:.6g} at phi = {self.phi[m]:.6g} is not "
                         f"{name}[{i}, 0] = {q[i, 0]:.6g} at the same point"
@@ -298,7 +285,7 @@ class GridMetric:
 def sampled_on_grid(metric: TwoMetric) -> TwoMetric:
     """The metric on a fine grid: good enough for meshes, and quick where the metric is slow."""
     try:
-        return GridMetric._sampled(metric, *(GRID.symmetric_nodes if is_axisymmetric(metric) else GRID.nodes))
+        return GridMetric._sampled(metric, *((768, 1) if is_axisymmetric(metric) else (96, 192)))
     except InvalidMetric:  # too coarse a grid for it
         return metric
 
@@ -321,7 +308,7 @@ def _error(spectrum: Spectrum, values: Floats) -> Uncertainty:
     # A constant is off everywhere alike, which no spectrum shows.
     with np.errstate(over="ignore"):
         single = bool(np.all(values == values.astype(np.float32)))
-    if not single or len(np.unique(values)) < GRID.distinct:
+    if not single or len(np.unique(values)) < 8:  # fewer may be in single precision by chance
         return error
     rounding = float(np.finfo(np.float32).eps) * float(np.abs(values).max())
     return Uncertainty(error.pointwise + rounding, error.mean + 0.5 * rounding)

@@ -24,28 +24,12 @@ from isoembed.meshing.sphere import gauss_rule
 from isoembed.smooth.harmonics import Harmonics
 from isoembed.smooth.two_metric import TwoMetric, area_density, orthonormal_frame
 from isoembed.space import EUCLIDEAN, Space
-from isoembed.thresholds import threshold
 
-
-@dataclass(frozen=True)
-class IsometryThresholds:
-    """Thresholds of the Gauss-Newton method for the isometry equations."""
-
-    oversampled: float = threshold(1.25, "relative", "Nodes over coefficients, each way.")
-    around: int = threshold(8, "count", "Nodes about an axis of symmetry.")
-    shortest: float = threshold(1e-3, "steps", "Least part of a step that is tried.")
-    resolved: float = threshold(1e-3, "relative", "Error of lengths above which slow progress goes on.")
-    stalled: float = threshold(0.9, "relative", "Error over the one before that is slow progress.")
-    level: float = threshold(1.0 + 1e-6, "relative", "The same, allowed: at the minimum it does not fall.")
-    near: float = threshold(1e-3, "relative", "Step over coefficients that needs no new equations.")
-    shrinking: float = threshold(0.3, "relative", "Step over the one before that old equations must attain.")
-    exact: float = threshold(1e-13, "relative", "Step over coefficients that is the last.")
-    steps: int = threshold(30, "count", "Most steps.")
-    sweeps: int = threshold(2, "count", "Of refinement of displacements.")
-
-
-ISOMETRY = IsometryThresholds()
-
+OVERSAMPLING = 1.25  # nodes over coefficients, each way
+SYMMETRIC_ANGLES = 8  # nodes about an axis of symmetry
+LEVEL = 1.0 + 1e-6  # allowed growth of the error, which does not fall at the minimum
+NEAR = 1e-3  # step over coefficients that keeps the normal equations
+REFINEMENTS = 2  # of displacements
 TINY = float(np.finfo(np.float64).tiny)
 
 
@@ -76,7 +60,7 @@ class MetricSamples:
 
 def around(n: int, harmonics: Harmonics) -> int:
     """Number of nodes about the axis that goes with n heights: few about an axis of symmetry."""
-    return ISOMETRY.around if harmonics.order < harmonics.degree else 2 * n
+    return SYMMETRIC_ANGLES if harmonics.order < harmonics.degree else 2 * n
 
 
 class Tangents(NamedTuple):
@@ -180,13 +164,13 @@ class IsometrySystem:
         error, tangents, residuals = self._strained(C, stretch)
         check_start(error)
         before, solve, fresh = np.inf, None, True
-        for _ in range(ISOMETRY.steps):
+        for _ in range(30):
             fresh = solve is None
             if solve is None:
                 solve = self._normal_equations(C, tangents)
             step = solve(-self._gradient(tangents, residuals))
             size = float(np.linalg.norm(step) / np.linalg.norm(C))
-            if size > ISOMETRY.shrinking * before and not (fresh and size > ISOMETRY.near):
+            if size > 0.3 * before and not (fresh and size > NEAR):  # old equations must shrink the steps
                 # The equations of an earlier step have served their time; if they are new, rounding is left.
                 if fresh:
                     break
@@ -196,17 +180,17 @@ class IsometrySystem:
             while True:
                 trial = C + length * step
                 attained, new_tangents, new_residuals = self._strained(trial, stretch)
-                if attained <= ISOMETRY.level * error or length < ISOMETRY.shortest:
+                if attained <= LEVEL * error or length < 1e-3:
                     break
                 length *= 0.5
-            if not attained <= ISOMETRY.level * error:
+            if not attained <= LEVEL * error:
                 break
-            stalled = attained > max(ISOMETRY.stalled * error, ISOMETRY.resolved)
+            stalled = attained > max(0.9 * error, 1e-3)  # slow, and lengths are resolved
             C, error, tangents, residuals = trial, attained, new_tangents, new_residuals
-            if size < ISOMETRY.exact or stalled:
+            if size < 1e-13 or stalled:  # rounding
                 break
             before = size if length == 1.0 else np.inf
-            if size > ISOMETRY.near:
+            if size > NEAR:
                 solve = None
         if not self.space.is_euclidean:
             constant = -np.sqrt(4.0 * np.pi) * self.unit * (self.root**2 @ self.Y @ C)[None]
@@ -332,7 +316,7 @@ class LinearizedStrains:
         """
         wanted = self.system.root[:, None] * strains
         d = self.solve(self._adjoint(wanted))
-        for _ in range(ISOMETRY.sweeps):
+        for _ in range(REFINEMENTS):
             d = d + self.solve(self._adjoint(wanted - self._rates(d)))
         left = float(np.linalg.norm(wanted - self._rates(d))) / max(float(np.linalg.norm(wanted)), TINY)
         return self.system.unit * np.concatenate([np.zeros((1, 3)), d]), left
@@ -341,7 +325,7 @@ class LinearizedStrains:
         """Derivatives by the strains (n, 3) from those by the coefficients (size, 3)."""
         g = self.system.unit * gradient[1:]
         z = self.solve(g)
-        for _ in range(ISOMETRY.sweeps):
+        for _ in range(REFINEMENTS):
             z = z + self.solve(g - self._normal(z))
         return self.system.root[:, None] * self._rates(z)
 

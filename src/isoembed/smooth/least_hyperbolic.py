@@ -20,20 +20,8 @@ from isoembed.smooth.uncertain import EXACT
 from isoembed.smooth.uncertain_curvature import DeviatingMetric, UncertainCurvature
 from isoembed.space import EUCLIDEAN, Space
 from isoembed.surface.estimate import Estimate
-from isoembed.thresholds import threshold
 
-
-@dataclass(frozen=True)
-class LeastHyperbolicThresholds:
-    """Thresholds of the search for the least Gaussian curvature."""
-
-    directions: int = threshold(4000, "count", "Directions at which it is looked at.")
-    polished: int = threshold(4, "count", "Of these, the lowest about which it is made least.")
-    position: float = threshold(1e-7, "radians", "Error of the place: that of the value is its square.")
-
-
-LEAST_HYPERBOLIC = LeastHyperbolicThresholds()
-
+DIRECTIONS = 4000  # where the curvature is sampled
 SURE = 3.0  # standard deviations that errors are
 
 
@@ -158,9 +146,7 @@ def _least_gaussian_curvature(metric: TwoMetric) -> tuple[Estimate, float]:
         return _unbiased(K), SURE * K.largest
     lengths = getattr(metric, "error", EXACT).pointwise
     smooth = spectral_curvature(metric, lengths)
-    u = np.concatenate(
-        [fibonacci_directions(LEAST_HYPERBOLIC.directions), [[0.0, 0.0, 1.0], [0.0, 0.0, -1.0]]]
-    )
+    u = np.concatenate([fibonacci_directions(DIRECTIONS), [[0.0, 0.0, 1.0], [0.0, 0.0, -1.0]]])
     error = smooth.error.pointwise
     return Estimate(_lowest(smooth, u, smooth(u)), error), error if lengths > 0.0 else 0.0
 
@@ -181,17 +167,17 @@ def _unbiased(K: UncertainCurvature) -> Estimate:
 
 def _lowest(K: Callable[[Floats], Floats], u: Floats, values: Floats) -> float:
     """The least value of K, from those at dense directions u (n, 3)."""
-    t = LEAST_HYPERBOLIC
     least = float(values.min())
-    for i in np.argsort(values)[: t.polished]:
+    for i in np.argsort(values)[:4]:  # start from the lowest samples
         frame = np.stack(angle_frame(u[i : i + 1]))[:, 0]
 
         def near(step: Floats, start: Floats = u[i], frame: Floats = frame) -> float:
             moved = start + step @ frame
             return float(K((moved / np.linalg.norm(moved))[None, :])[0])
 
-        size = 1.0 / np.sqrt(t.directions)
+        size = 1.0 / np.sqrt(DIRECTIONS)
         simplex = size * np.array([[0.0, 0.0], [1.0, 0.0], [0.0, 1.0]])
-        options = {"xatol": t.position, "fatol": 0.0, "initial_simplex": simplex}
+        # The error of the value is the square of that of the place.
+        options = {"xatol": 1e-7, "fatol": 0.0, "initial_simplex": simplex}
         least = min(least, float(minimize(near, np.zeros(2), method="Nelder-Mead", options=options).fun))
     return least

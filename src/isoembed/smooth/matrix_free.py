@@ -18,33 +18,9 @@ from isoembed.smooth.isometry import MetricSamples, Tangents, check_start, flat_
 from isoembed.smooth.sphere_transform import SphereTransform
 from isoembed.smooth.two_metric import angle_frame
 from isoembed.space import EUCLIDEAN, Space
-from isoembed.thresholds import threshold
 
-
-@dataclass(frozen=True)
-class MatrixFreeThresholds:
-    """Thresholds of the Gauss-Newton method without matrices."""
-
-    oversampled: float = threshold(1.3, "relative", "Nodes over coefficients, each way.")
-    damping: float = threshold(
-        1.0, "error of lengths", "Strains in the last degree that are damped by a half."
-    )
-    smoothing: float = threshold(2.0, "exponent", "Growth of the damping with the degree over the last.")
-    easing: float = threshold(0.2, "relative", "Damping over the one before, after a whole step.")
-    residual: float = threshold(0.05, "relative", "Residual of a linear solve that suffices.")
-    gradient: float = threshold(1e-3, "relative", "Gradient of a linear solve that suffices.")
-    exact: float = threshold(1e-5, "relative", "The same of deformations, which no later step mends.")
-    iterations: int = threshold(2000, "count", "Most conjugate gradients in one step.")
-    steps: int = threshold(40, "count", "Most steps.")
-    shortest: float = threshold(1e-2, "steps", "Least part of a step that is tried.")
-    slow: float = threshold(0.8, "relative", "Error over the one before that is slow progress.")
-    patience: int = threshold(3, "count", "Slow steps in a row that are the last.")
-    unresolved: float = threshold(1.0, "relative", "Error over what the last degrees hold that is enough.")
-    last: int = threshold(3, "count", "Degrees at the end that tell what the next ones would hold.")
-    rounding: float = threshold(1e-14, "relative", "Error of lengths that is rounding.")
-
-
-MATRIX_FREE = MatrixFreeThresholds()
+ITERATIVE_OVERSAMPLING = 1.3  # nodes over coefficients, each way
+EXACT = 1e-5  # relative gradient and residual of deformations, which no later step corrects
 
 
 @dataclass(frozen=True, eq=False)
@@ -103,26 +79,26 @@ class MatrixFreeIsometry:
         tangents, residuals = self._strained(C, stretch)
         error = float(np.linalg.norm(residuals))
         check_start(error)
-        enough, eased, slow = max(target, MATRIX_FREE.rounding), 1.0, 0
-        for _ in range(MATRIX_FREE.steps):
-            if error <= enough or (target and error <= MATRIX_FREE.unresolved * self._beyond(C)):
+        enough, eased, slow = max(target, 1e-14), 1.0, 0  # 1e-14 is rounding
+        for _ in range(40):
+            if error <= enough or (target and error <= self._beyond(C)):
                 break
-            damping = eased * error / MATRIX_FREE.damping / np.sqrt(4.0 * np.pi)
+            damping = eased * error / np.sqrt(4.0 * np.pi)
             step = self._least_squares(C, tangents, -residuals[..., None], damping)[..., 0]
             length = 1.0
             while True:
                 trial = C + length * step
                 tangents, residuals = self._strained(trial, stretch)
                 attained = float(np.linalg.norm(residuals))
-                if attained < error or length < MATRIX_FREE.shortest:
+                if attained < error or length < 1e-2:
                     break
                 length *= 0.5
             if not attained < error:
                 break
-            slow = slow + 1 if attained > MATRIX_FREE.slow * error else 0
+            slow = slow + 1 if attained > 0.8 * error else 0
             C, error = trial, attained
-            eased *= MATRIX_FREE.easing if length == 1.0 else 1.0
-            if slow == MATRIX_FREE.patience:
+            eased *= 0.2 if length == 1.0 else 1.0  # easier after a whole step
+            if slow == 3:  # steps in a row
                 break
         C[0] = coefficients[0] / self.unit
         if not self.space.is_euclidean:
@@ -156,7 +132,7 @@ class MatrixFreeIsometry:
     def _beyond(self, C: Floats) -> float:
         """The strains that the last degrees hold, root mean square, as much as the next ones would hold."""
         degrees = self.transform.harmonics.labels[0]
-        last = degrees > degrees.max() - MATRIX_FREE.last
+        last = degrees > degrees.max() - 3  # these tell what the next ones would hold
         return 2.0 * float(np.linalg.norm(degrees[last, None] * C[last])) / np.sqrt(4.0 * np.pi)
 
     @cached_property
@@ -182,7 +158,7 @@ class MatrixFreeIsometry:
         count = right.shape[2]
         scale, size = self._scale[..., None], self.transform.harmonics.size
         degrees = self.transform.harmonics.labels[0][:, None, None]
-        damp = damping * degrees * (degrees / degrees.max()) ** MATRIX_FREE.smoothing
+        damp = damping * degrees * (degrees / degrees.max()) ** 2.0  # damping grows with the degree
 
         def strained(y: Floats) -> Floats:
             changes = (scale * y).reshape(size, 3 * count)
@@ -208,10 +184,10 @@ class MatrixFreeIsometry:
         rest, held = right.copy(), np.broadcast_to(-damp * degrees * C[..., None], y.shape)
         gradient = adjoint(rest) + damp * held
         along, square = gradient, squares(gradient)
-        tight = MATRIX_FREE.gradient if damping else MATRIX_FREE.exact
+        tight = 1e-3 if damping else EXACT
         small = tight**2 * square
-        near = (MATRIX_FREE.residual if damping else MATRIX_FREE.exact) ** 2 * squares(right)
-        for _ in range(MATRIX_FREE.iterations):
+        near = (0.05 if damping else EXACT) ** 2 * squares(right)
+        for _ in range(2000):  # conjugate gradients
             moved, pulled = strained(along), damp * along
             length = square / np.maximum(squares(moved) + squares(pulled), np.finfo(np.float64).tiny)
             y = y + length * along

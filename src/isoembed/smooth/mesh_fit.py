@@ -15,33 +15,11 @@ from isoembed.meshing.sphere_layout import are_outward, least_distorted, sphere_
 from isoembed.metric.curvature import area
 from isoembed.metric.polyhedral import PolyhedralMetric
 from isoembed.smooth.harmonics import Harmonics
-from isoembed.smooth.scattered_fit import FIT
+from isoembed.smooth.scattered_fit import LEVERAGE
 from isoembed.smooth.vertex_fit import VertexFit
-from isoembed.thresholds import threshold
 
-
-@dataclass(frozen=True)
-class MeshFitThresholds:
-    """Thresholds of the fit of harmonics to meshes."""
-
-    degrees: tuple[int, ...] = threshold(
-        (1, 2, 3, 4, 6, 8, 12, 16, 20, 24, 32, 40, 48),
-        "count",
-        "Degrees that are tried, one after the other.",
-    )
-    held_out: float = threshold(0.1, "relative", "Share of vertices that tell how far a fit misses others.")
-    doubt: float = threshold(4.0, "relative", "Miss of others over that of the vertices, at least.")
-    poor: float = threshold(1e-4, "mean radius", "Misfit above which it is begun again in higher degree.")
-    later: int = threshold(6, "count", "That degree.")
-    rounds: int = threshold(8, "count", "Fits of one degree, vertices being moved on the sphere, at most.")
-    gain: float = threshold(
-        0.8, "relative", "Misfit over that of the fit before, above which it is the last."
-    )
-    rounding: float = threshold(1e-13, "mean radius", "Misfit that is rounding.")
-    worse: int = threshold(2, "count", "Degrees in a row that fit no better, after which there are no more.")
-
-
-MESH_FIT = MeshFitThresholds()
+DEGREES = (1, 2, 3, 4, 6, 8, 12, 16, 20, 24, 32, 40, 48)  # in turn
+ROUNDING = 1e-13  # misfit over the mean radius
 
 
 @dataclass(frozen=True)
@@ -99,11 +77,11 @@ def fit_mesh(vertices: Floats, faces: Indices) -> MeshFit:
     x = (vertices - middle) / unit
     u, faces = _laid_out(metric, x)
     start = VertexFit(x, u, solid_angles(u, faces), np.ones(len(x)), Harmonics(0, 0), np.zeros((1, 3)))
-    fit = _best_degree(start, MESH_FIT.degrees, faces)
+    fit = _best_degree(start, DEGREES, faces)
     assert fit is not None
-    if fit.misfit > MESH_FIT.poor:
+    if fit.misfit > 1e-4:  # a poor fit is begun again in higher degree
         # Shapes that low degrees cannot follow may be left with vertices in wrong places.
-        later = tuple(degree for degree in MESH_FIT.degrees if degree >= MESH_FIT.later)
+        later = tuple(degree for degree in DEGREES if degree >= 6)
         again = _best_degree(start, later, faces)
         if again is not None and again.chance * again.validation < fit.validation:
             fit = again
@@ -136,7 +114,7 @@ def _best_degree(fit: VertexFit, degrees: tuple[int, ...], faces: Indices) -> Ve
         fit = _relaxed(fit.moved(fit.least(fit.missed)), faces)
         fits.append(fit)
         best = min(range(len(fits)), key=lambda i: fits[i].validation)
-        if fit.misfit <= MESH_FIT.rounding or best < len(fits) - MESH_FIT.worse:
+        if fit.misfit <= ROUNDING or best < len(fits) - 2:  # two degrees fit no better
             break
     if not fits:
         return None
@@ -147,11 +125,11 @@ def _best_degree(fit: VertexFit, degrees: tuple[int, ...], faces: Indices) -> Ve
 
 def _relaxed(fit: VertexFit, faces: Indices) -> VertexFit:
     """The fit, vertices having been moved on the sphere until it gets no better."""
-    for _ in range(MESH_FIT.rounds):
+    for _ in range(8):  # rounds in which vertices move on the sphere
         better = fit.nearer().corrected(faces)
         if not (better.misfit < fit.misfit and better.is_determined):
             break
-        enough = better.misfit > MESH_FIT.gain * fit.misfit
+        enough = better.misfit > 0.8 * fit.misfit
         fit = better
         if enough:
             break
@@ -161,10 +139,11 @@ def _relaxed(fit: VertexFit, faces: Indices) -> VertexFit:
 def _missed_elsewhere(fit: VertexFit, faces: Indices) -> float:
     """How far vertices are missed by a fit to the others, over how far they are missed by this one."""
     used = np.ones(len(fit.x))
-    used[np.random.default_rng(0).random(len(fit.x)) < MESH_FIT.held_out] = 0.0
+    used[np.random.default_rng(0).random(len(fit.x)) < 0.1] = 0.0  # a tenth of the vertices is held out
     without = replace(fit, used=used)
     if not without.is_determined:
-        return 1.0 / (1.0 - FIT.leverage)
+        return 1.0 / (1.0 - LEVERAGE)
     without = _relaxed(without.moved(without.least(without.missed)), faces)
     missed = np.average(without.distances**2, weights=fit.angles * (1.0 - used))
-    return max(MESH_FIT.doubt, float(np.sqrt(missed)) / max(fit.misfit, MESH_FIT.rounding))
+    # Errors are at least four times the misfit.
+    return max(4.0, float(np.sqrt(missed)) / max(fit.misfit, ROUNDING))

@@ -4,7 +4,6 @@ Without it the orientation would be that of the mesh with which a search began, 
 """
 
 from collections.abc import Callable
-from dataclasses import dataclass
 
 import numpy as np
 
@@ -15,17 +14,6 @@ from isoembed.smooth.sphere_transform import SphereTransform
 from isoembed.smooth.two_metric import TwoMetric, area_density
 from isoembed.space import EUCLIDEAN, Space
 from isoembed.surface.alignment import best_rotation
-from isoembed.thresholds import threshold
-
-
-@dataclass(frozen=True)
-class OrientationThresholds:
-    """Thresholds of the orientation of embedded surfaces."""
-
-    nodes: float = threshold(2.0, "relative", "Nodes over coefficients, each way.")
-
-
-ORIENTATION = OrientationThresholds()
 
 
 def oriented(
@@ -51,7 +39,7 @@ def oriented(
     space : Space
         That X is a map into, in ambient coordinates.
     """
-    n = int(np.ceil(ORIENTATION.nodes * (harmonics.degree + 1)))
+    n = int(np.ceil(2.0 * (harmonics.degree + 1)))
     transform = SphereTransform(harmonics, n, around(n, harmonics))
     u = transform.u
     areas = transform.weights * area_density(metric.tensor(u))

@@ -10,18 +10,8 @@ from numpy.polynomial import chebyshev
 
 from isoembed.arrays import Floats, Indices
 from isoembed.errors import InvalidMetric
-from isoembed.thresholds import threshold
 
-
-@dataclass(frozen=True)
-class PiecewiseThresholds:
-    """Thresholds of functions in pieces."""
-
-    degree: int = threshold(32, "count", "Degree on each piece: higher ones lose digits to differentiation.")
-    pieces: int = threshold(256, "count", "Most pieces that are fitted, the bisected ones counted.")
-
-
-PIECEWISE = PiecewiseThresholds()
+PIECE_DEGREE = 32  # higher degrees lose digits to differentiation
 
 
 @dataclass(frozen=True, eq=False)
@@ -82,11 +72,11 @@ def fitted(
 def _bisected(
     f: Callable[[Floats], Floats], breaks: Floats, weighted: bool, tolerance: float
 ) -> tuple[Piecewise, ...] | None:
-    n = PIECEWISE.degree + 1
+    n = PIECE_DEGREE + 1
     # Whole multiples of one angle, reduced: a recurrence would leave noise in the high coefficients.
     table = np.cos(np.pi / (2 * n) * (np.outer(np.arange(n), 2 * np.arange(n) + 1) % (4 * n)))
     nodes = table[1]
-    to_series = table * np.append(1.0, np.full(PIECEWISE.degree, 2.0))[:, None] / n
+    to_series = table * np.append(1.0, np.full(PIECE_DEGREE, 2.0))[:, None] / n
     left, right = breaks[:-1], breaks[1:]
     total = breaks[-1] - breaks[0]
     starts: list[Floats] = []
@@ -95,7 +85,7 @@ def _bisected(
     count = 0
     while left.size:
         count += left.size
-        if count > PIECEWISE.pieces:
+        if count > 256:  # bisected ones included
             return None
         x = left[:, None] + (right - left)[:, None] * (0.5 + 0.5 * nodes)
         values = f(x.ravel()).reshape(-1, *x.shape)

@@ -19,28 +19,13 @@ from numpy.typing import NDArray
 
 from isoembed.arrays import Floats
 from isoembed.smooth.double_fourier import DoubleFourier
-from isoembed.thresholds import threshold
 
 Modes = NDArray[np.complex128]
 
-
-@dataclass(frozen=True)
-class PoleThresholds:
-    """Thresholds of what is seen of a metric at the poles."""
-
-    tail: float = threshold(3.0, "relative", "Error of a series at a pole, over n highest coefficients.")
-    orders: int = threshold(5, "count", "Orders in the distance from a pole that are looked at, from 0 on.")
-    reach: float = threshold(0.1, "radians", "Distance from the pole at which they are compared.")
-    least: float = threshold(1e-9, "relative", "Least size of a tensor at a pole, over that elsewhere.")
-    rings: tuple[float, ...] = threshold((2.0, 3.0, 4.0), "scales", "Distances of rings from a pole.")
-    scales: tuple[float, ...] = threshold(
-        (0.03, 0.01, 1e-3, 1e-4, 1e-5, 1e-6),
-        "radians",
-        "Their scales, in turn; components by angles have three.",
-    )
-
-
-POLES = PoleThresholds()
+ORDERS = 5  # orders 0 to 4 in the distance from a pole
+REACH = 0.1  # radians from a pole, where orders are compared
+RINGS = (2.0, 3.0, 4.0)  # distances of rings from a pole, over a scale
+SCALES = (0.03, 0.01, 1e-3, 1e-4, 1e-5, 1e-6)  # radians; components by angles use the first three
 
 
 @dataclass(frozen=True)
@@ -95,18 +80,18 @@ def series_sights(theta: Floats, phi: Floats, Q: Floats) -> list[PoleSight]:
     high = np.max(sizes[n - max(2, n // 10) :], axis=(0, 1))
     if orders > 2:
         high = np.maximum(high, np.max(sizes[:, orders - max(2, orders // 10) :], axis=(0, 1)))
-    j = np.arange(POLES.orders)
-    doubts = POLES.tail * n * np.max(high.reshape(h, 3), axis=1)[:, None] * (n * POLES.reach) ** j
+    j = np.arange(ORDERS)
+    doubts = 3.0 * n * np.max(high.reshape(h, 3), axis=1)[:, None] * (n * REACH) ** j
     a = a[:, : (m + 1) // 2]  # of what has m / 2 periods only one half is known
-    taylor = np.zeros((2, POLES.orders, *a.shape[1:]), dtype=np.complex128)
+    taylor = np.zeros((2, ORDERS, *a.shape[1:]), dtype=np.complex128)
     for order in j:
         parity = order % 2
         k = np.arange(n) + parity  # of cosines for even orders, of sines for odd ones
-        slopes = (-1.0) ** (order // 2) * (k * POLES.reach) ** order / factorial(order)
+        slopes = (-1.0) ** (order // 2) * (k * REACH) ** order / factorial(order)
         for pole, sign in enumerate((1.0, -1.0)):
             taylor[pole, order, parity::2] = np.tensordot(slopes * sign**k, a[:, parity::2], axes=1)
     parts = np.moveaxis(taylor.reshape(*taylor.shape[:3], h, 3), 3, 0)
-    least = POLES.least * np.max(np.abs(Q), axis=(0, 1, 3))
+    least = 1e-9 * np.max(np.abs(Q), axis=(0, 1, 3))  # a tensor may vanish at a pole
     return [_seen(parts[i], doubts[i], float(least[i])) for i in range(h)]
 
 
@@ -121,24 +106,24 @@ def _seen(taylor: Modes, doubts: Floats, least: float) -> PoleSight:
 def ring_sights(Q: Floats) -> list[PoleSight]:
     """How the poles look from rings with h alternatives for components Q (2, s, r, m, h, 3) on them.
 
-    There are the r rings of `POLES.rings` times each of the s `POLES.scales`, or the first of them.  A
+    There are the r rings of `RINGS` times each of the s `SCALES`, or the first of them.  A
     conflict is the least of all scales: sharp tips are smooth where they are looked at closely.
     """
     m = Q.shape[3]
     modes = np.fft.rfft(Q, axis=3)[:, :, :, : (m + 1) // 2] / m
     modes[:, :, :, 1:] *= 2.0
-    rings = np.array(POLES.rings)
+    rings = np.array(RINGS)
     # Even functions of the distance, extrapolated to 0.
     weights = np.linalg.solve(np.vander(rings**2, increasing=True).T, np.eye(len(rings))[0])
     plain = np.linalg.solve(np.vander(rings, increasing=True).T, np.eye(len(rings))[0])
     sights = []
     for i in range(Q.shape[4]):
-        conflicts, means = np.full((2, POLES.orders), np.inf), np.empty((2, 2))
+        conflicts, means = np.full((2, ORDERS), np.inf), np.empty((2, 2))
         for p, k in np.ndindex(modes.shape[:2]):
             parts = modes[p, k, ..., i, :]
             means[p] = (weights @ parts[:, 0]).real[::2]
-            shrink = POLES.reach / (POLES.scales[k] * rings)
-            orders = [np.tensordot(weights * shrink**j, parts, axes=1) for j in range(POLES.orders)]
+            shrink = REACH / (SCALES[k] * rings)
+            orders = [np.tensordot(weights * shrink**j, parts, axes=1) for j in range(ORDERS)]
             orders[0][1::2] = np.tensordot(plain, parts[:, 1::2], axes=1)  # odd parts that do not vanish
             found = np.array([_forbidden(part, j, p) for j, part in enumerate(orders)])
             conflicts[p] = np.minimum(conflicts[p], found / np.abs(means[p].mean()))

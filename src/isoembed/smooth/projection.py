@@ -12,25 +12,10 @@ from isoembed.errors import InvalidParameter
 from isoembed.meshing.sphere import fibonacci_directions
 from isoembed.smooth.harmonics import Harmonics
 from isoembed.smooth.sphere_transform import SphereTransform
-from isoembed.smooth.transforms import trimmed
-from isoembed.thresholds import threshold
+from isoembed.smooth.transforms import ROUNDING, trimmed
 
-
-@dataclass(frozen=True)
-class ProjectionThresholds:
-    """Thresholds of the projection of functions onto harmonics."""
-
-    first_degree: int = threshold(16, "count", "Degree in which a function is sought first; it is doubled.")
-    highest_degree: int = threshold(
-        128, "count", "Degree above which harmonics of a function are not sought."
-    )
-    rounding: float = threshold(1e-15, "relative", "Rounding in the harmonics of a function.")
-    exact: float = threshold(1e-12, "relative", "Miss of a function below which it is exact.")
-    missed: float = threshold(1e-6, "relative", "Miss of a function above which it is not smooth.")
-    directions: int = threshold(200, "count", "Directions at which the miss of a function is measured.")
-
-
-PROJECTION = ProjectionThresholds()
+HIGHEST_DEGREE = 128
+DIRECTIONS = 200  # where the misfit of a function is measured
 
 
 @dataclass(frozen=True)
@@ -65,29 +50,29 @@ def project(function: Callable[[Floats], Floats], what: str) -> Projection:
     InvalidParameter
         Harmonics up to degree 128 miss it by more than a millionth.
     """
-    apart = fibonacci_directions(PROJECTION.directions)
+    apart = fibonacci_directions(DIRECTIONS)
     expected = function(apart)
     largest = float(np.linalg.norm(expected, axis=1).max())
     found: list[tuple[float, Projection]] = []
-    degree = PROJECTION.first_degree
-    while degree <= PROJECTION.highest_degree:
+    degree = 16  # first degree; it is doubled
+    while degree <= HIGHEST_DEGREE:
         harmonics = Harmonics(degree, degree)
         transform = SphereTransform(harmonics, degree + 1, 2 * degree + 2)
         coefficients = transform.analysis(function(transform.u))
         sizes = np.linalg.norm(coefficients, axis=1)
         sizes /= np.linalg.norm(sizes)
         tail = float(sizes[harmonics.labels[0] > 3 * degree // 4].max())
-        coefficients, harmonics = trimmed(coefficients, harmonics, sizes > PROJECTION.rounding / 4.0)
+        coefficients, harmonics = trimmed(coefficients, harmonics, sizes > ROUNDING / 4.0)
         errors = np.linalg.norm(harmonics.values(apart) @ coefficients - expected, axis=1)
         missed = float(errors.max()) / largest
-        if missed <= PROJECTION.missed:
+        if missed <= 1e-6:  # otherwise the function is not smooth
             found.append((missed, Projection(harmonics, coefficients, float(np.sqrt(np.mean(errors**2))))))
-            if tail <= PROJECTION.rounding and missed <= PROJECTION.exact:
+            if tail <= ROUNDING and missed <= 1e-12:
                 return found[-1][1]
         degree *= 2
     if not found:
         raise InvalidParameter(
-            f"{what} is not smooth enough for harmonics: those of degree {PROJECTION.highest_degree} are "
+            f"{what} is not smooth enough for harmonics: those of degree {HIGHEST_DEGREE} are "
             f"still {tail:.3g} of it, and miss it by {missed:.3g}; fit points instead"
         )
     # Harmonics that come no nearer would be noise, and their second derivatives loud noise.

@@ -11,31 +11,13 @@ from scipy.spatial import cKDTree
 
 from isoembed.arrays import Floats, Indices, Mask
 from isoembed.smooth.harmonics import Harmonics
-from isoembed.thresholds import threshold
 
-
-@dataclass(frozen=True)
-class FitThresholds:
-    """Thresholds of the fit of harmonics to scattered values."""
-
-    first_degree: int = threshold(8, "count", "Highest degree tried first; it is doubled while it is needed.")
-    highest_degree: int = threshold(40, "count", "Highest degree that is fitted.")
-    alike: float = threshold(
-        5.0, "over the root of their number", "Correlation of neighbors that noise may have."
-    )
-    determined: float = threshold(0.1, "relative", "Least singular value of a fit over the largest.")
-    outlying: float = threshold(8.0, "standard deviations", "Miss of an outlier; noise has 5 at most.")
-    rounding: float = threshold(1e-9, "largest value", "Misses below which nothing is an outlier.")
-    outliers: float = threshold(0.02, "of the values", "More are no outliers, but how the values are.")
-    fewest: int = threshold(40, "count", "Values among which an outlier can be told.")
-    neighbors: int = threshold(12, "count", "Nearest values, of which an outlier is no outlier either.")
-    alone: int = threshold(3, "count", "Nearest values among which an outlier is the only one.")
-    leverage: float = threshold(0.9, "relative", "Largest weight of a value in the fit at its own place.")
-    deviations: int = threshold(12, "count", "Random deviations by which errors are estimated.")
-    missing: int = threshold(2, "count", "Degrees above the fit's that deviations have.")
-
-
-FIT = FitThresholds()
+OUTLYING = 8.0  # standard deviations: noise has 5 at most
+ROUNDING = 1e-9  # residual over the largest value that is no outlier
+FEWEST = 40  # values, of which an outlier can be told
+LEVERAGE = 0.9  # largest weight of a value in the fit at its own place
+DEVIATIONS = 12  # random deviations, from which errors are estimated
+MISSING = 2  # further degrees of the deviations
 
 
 @dataclass(frozen=True)
@@ -66,15 +48,15 @@ class ScatteredFit:
 
 def deviating(harmonics: Harmonics) -> Harmonics:
     """The harmonics of the errors of a fit: some degrees more, and all orders."""
-    degree = harmonics.degree + FIT.missing
+    degree = harmonics.degree + MISSING
     return Harmonics(degree, degree)
 
 
 def white(harmonics: Harmonics, size: float, *functions: int) -> Floats:
     """Random deviations (N, size of `deviating`, *functions) of this root mean square, alike in harmonics."""
     count = deviating(harmonics).size
-    drawn = np.random.default_rng(0).normal(size=(FIT.deviations, count, *functions))
-    return drawn * (size * np.sqrt(4.0 * np.pi * FIT.deviations / drawn.size))
+    drawn = np.random.default_rng(0).normal(size=(DEVIATIONS, count, *functions))
+    return drawn * (size * np.sqrt(4.0 * np.pi * DEVIATIONS / drawn.size))
 
 
 def fitted(u: Floats, values: Floats, weights: Floats) -> ScatteredFit:
@@ -106,12 +88,12 @@ def fitted(u: Floats, values: Floats, weights: Floats) -> ScatteredFit:
     """
     kept = np.ones(len(u), dtype=bool)
     first = fit = _LeastSquares.of(u, values, weights)
-    while len(u) >= FIT.fewest:
+    while len(u) >= FEWEST:
         out = _outliers(fit, kept, u, values, weights)
         if not out.any():
             break
         kept &= ~out
-        if np.count_nonzero(~kept) > max(1.0, FIT.outliers * len(u)):
+        if np.count_nonzero(~kept) > max(1.0, 0.02 * len(u)):  # more are a feature of the values
             fit, kept[:] = first, True
             break
         fit = _LeastSquares.of(u[kept], values[kept], weights[kept])
@@ -141,8 +123,8 @@ class _LeastSquares:
     @classmethod
     def of(cls, u: Floats, values: Floats, weights: Floats) -> _LeastSquares:
         m = len(u)
-        most = max(0, min(FIT.highest_degree, int(np.sqrt(0.5 * m)) - 1))
-        highest = min(most, FIT.first_degree)
+        most = max(0, min(40, int(np.sqrt(0.5 * m)) - 1))
+        highest = min(most, 8)  # first degree; it is doubled
         root = np.sqrt(weights * (4.0 * np.pi / weights.sum()))
         while True:
             harmonics = Harmonics(highest, highest)
@@ -164,16 +146,17 @@ class _LeastSquares:
 
         def undetermined(l: int) -> bool:
             singular = svdvals(R[: sizes[l], : sizes[l]])
-            return bool(singular[-1] < FIT.determined * singular[0])
+            # The values hardly determine the highest harmonics.
+            return bool(singular[-1] < 0.1 * singular[0])
 
         degree = bisect_left(range(best + 1), True, key=undetermined) - 1  # the highest that is determined
         size = sizes[degree]
         Q, R, chosen = Q[:, :size], R[:size, :size], Harmonics(degree, degree)
         coefficients = _sorted(solve_triangular(R, b[:size]), chosen)
-        own = np.minimum(np.einsum("ij,ij->i", Q, Q), FIT.leverage)
+        own = np.minimum(np.einsum("ij,ij->i", Q, Q), LEVERAGE)
         residuals = (root * values - Q @ b[:size]) / (root * (1.0 - own))
         misfit = float(np.sqrt(squares[degree] / (4.0 * np.pi)))
-        following = b[size : (degree + 1 + FIT.missing) ** 2] if degree == best else b[:0]
+        following = b[size : (degree + 1 + MISSING) ** 2] if degree == best else b[:0]
         return cls(coefficients, chosen, misfit, Q, R, root, residuals, following)
 
     def missed(self, u: Floats, values: Floats) -> Floats:
@@ -184,10 +167,10 @@ class _LeastSquares:
         """See `ScatteredFit`."""
         random = np.random.default_rng(0)
         m, size = self.Q.shape
-        signs = random.choice((-1.0, 1.0), (m, FIT.deviations))
+        signs = random.choice((-1.0, 1.0), (m, DEVIATIONS))
         drawn = solve_triangular(self.R, self.Q.T @ ((self.root * self.residuals)[:, None] * signs))
         more = deviating(self.harmonics)
-        beyond = random.normal(size=(more.size - size, FIT.deviations))
+        beyond = random.normal(size=(more.size - size, DEVIATIONS))
         if len(self.following) > 0:
             beyond *= np.sqrt(np.mean(self.following**2))
         else:
@@ -205,10 +188,11 @@ def _sorted(by_degree: Floats, harmonics: Harmonics) -> Floats:
 def _is_noise(rest: Floats, u: Floats, values: Floats) -> bool:
     """Whether what is left of values (n,) is unlike at neighbors, or negligible."""
     square = float(np.mean(rest**2))
-    if square <= (FIT.rounding * float(np.abs(values).max())) ** 2:
+    if square <= (ROUNDING * float(np.abs(values).max())) ** 2:
         return True
     nearest = cKDTree(u).query(u, 2)[1][:, 1]
-    return float(np.mean(rest * rest[nearest])) <= FIT.alike / np.sqrt(len(u)) * square
+    # In noise the correlation of neighbors is a few standard deviations at most.
+    return float(np.mean(rest * rest[nearest])) <= 5.0 / np.sqrt(len(u)) * square
 
 
 def _outliers(fit: _LeastSquares, kept: Mask, u: Floats, values: Floats, weights: Floats) -> Mask:
@@ -216,19 +200,20 @@ def _outliers(fit: _LeastSquares, kept: Mask, u: Floats, values: Floats, weights
     out = np.zeros(len(u), dtype=bool)
     out[kept] = np.abs(fit.residuals) > _usual(fit, values)
     rest = kept & ~out
-    if not out.any() or np.count_nonzero(rest) < FIT.fewest // 2:
+    if not out.any() or np.count_nonzero(rest) < FEWEST // 2:
         return np.zeros_like(out)
     without = _LeastSquares.of(u[rest], values[rest], weights[rest])
     # Where a shape is not resolved all values nearby are missed, or several that are side by side.
-    distances, near = cKDTree(u[rest]).query(u[out], FIT.neighbors)
-    nearby = FIT.outlying * np.sqrt(np.mean(without.residuals[near] ** 2, axis=1))
+    distances, near = cKDTree(u[rest]).query(u[out], 12)
+    nearby = OUTLYING * np.sqrt(np.mean(without.residuals[near] ** 2, axis=1))
     missed = np.abs(without.missed(u[out], values[out]))
     other = cKDTree(u[out]).query(u[out], 2)[0][:, 1]  # infinite of one alone
-    out[out] = (missed > np.maximum(nearby, _usual(without, values))) & (other > distances[:, FIT.alone - 1])
+    # An outlier is the only one among its three nearest values.
+    out[out] = (missed > np.maximum(nearby, _usual(without, values))) & (other > distances[:, 2])
     return out
 
 
 def _usual(fit: _LeastSquares, values: Floats) -> float:
     """What no value is missed by."""
     deviation = 1.4826 * float(np.median(np.abs(fit.residuals)))  # if they are normal, the standard deviation
-    return max(FIT.outlying * deviation, FIT.rounding * float(np.abs(values).max()))
+    return max(OUTLYING * deviation, ROUNDING * float(np.abs(values).max()))

@@ -10,35 +10,14 @@ import numpy as np
 from isoembed.arrays import Floats
 from isoembed.errors import InvalidMetric
 from isoembed.smooth.geodesics import definite_tensor
-from isoembed.smooth.poles import POLES, PoleSight, ring_sights, series_sights
-from isoembed.smooth.two_metric import TWO_METRIC, AngleMetric, TwoMetric, angle_components
-from isoembed.thresholds import threshold
+from isoembed.smooth.poles import RINGS, SCALES, PoleSight, ring_sights, series_sights
+from isoembed.smooth.two_metric import NEAR_POLE, AngleMetric, TwoMetric, angle_components
+
+CONFLICT = 5e-3  # relative conflict of components that are those of no tensor
+VISIBLE = 1e-6  # relative misfit that may be due to a mistake
+AROUND = 32  # directions on a ring
 
 
-@dataclass(frozen=True)
-class SmoothnessThresholds:
-    """Thresholds of the smoothness that is asked of a metric."""
-
-    conflict: float = threshold(5e-3, "relative", "Conflict beyond doubt from which on there is no tensor.")
-    steps: float = threshold(1.0 / 3.0, "relative", "The same, over the squared step of a coarse grid.")
-    visible: float = threshold(1e-6, "relative", "Least misfit of which a mistake may be the cause.")
-    repaired: float = threshold(30.0, "relative", "A mistake is the cause if its repair divides it by this.")
-    strained: float = threshold(
-        8.0, "relative", "Conflict over the tolerance of lengths that no surface meets."
-    )
-    alike: float = threshold(0.5, "relative", "Ratio of q_tt and q_pp that is told of the pole itself.")
-    degrees: float = threshold(1e-3, "relative", "Deviation of its logarithm from that of a degree squared.")
-    zero: float = threshold(1e-12, "relative", "Largest q_tp that is none.")
-    around: int = threshold(32, "count", "Directions on a ring.")
-    first: float = threshold(0.1, "radians", "Angle phi of the first.")
-    seam: float = threshold(1e-9, "radians", "Distances from phi = 0 and 2 pi at which components are alike.")
-    torn: float = threshold(1e-3, "relative", "Difference there that is more than their slope.")
-    latitude: float = threshold(
-        3.0, "relative", "Largest q_pp near the equator, over cos^2 theta and others."
-    )
-
-
-SMOOTHNESS = SmoothnessThresholds()
 Repair = Callable[[Floats, Floats], Floats]
 
 
@@ -49,7 +28,7 @@ def _powers(tp: int, pp: int) -> Repair:
 
 def _left_out(Q: Floats, sin: Floats) -> Floats:
     """Components without what a missing Q_tp explains, if it is 0; phi runs along the last axis but one."""
-    if np.max(np.abs(Q[..., 1])) > SMOOTHNESS.zero * np.max(np.abs(Q)):
+    if np.max(np.abs(Q[..., 1])) > 1e-12 * np.max(np.abs(Q)):
         return Q
     half = 0.5 * (Q[..., 0] - Q[..., 2]).mean(axis=-1, keepdims=True)
     T = 0.5 * (Q[..., 0] + Q[..., 2])
@@ -114,9 +93,7 @@ class _Look:
     def latitude(self) -> bool:
         """Whether q_pp falls to the equator as it should to the poles."""
         square, q_pp = self.equator
-        return bool(
-            q_pp <= SMOOTHNESS.latitude * square * np.min(np.sin(self.near[:, 0]) ** 2 * self.near[:, 2])
-        )
+        return bool(q_pp <= 3.0 * square * np.min(np.sin(self.near[:, 0]) ** 2 * self.near[:, 2]))
 
 
 def check_series(theta: Floats, phi: Floats, Q: Floats) -> PoleSight:
@@ -135,7 +112,7 @@ def check_series(theta: Floats, phi: Floats, Q: Floats) -> PoleSight:
     return _checked(
         lambda Q: series_sights(theta, phi, Q),
         _Look(Q, np.sin(theta)[:, None], near, equator, ", or a tip too sharp for so few nodes"),
-        max(SMOOTHNESS.conflict, SMOOTHNESS.steps * step**2),
+        max(CONFLICT, (1.0 / 3.0) * step**2),  # the latter for truncation on a coarse grid
     )
 
 
@@ -150,10 +127,10 @@ def check_rings(metric: TwoMetric) -> PoleSight:
     if isinstance(metric, AngleMetric):
         _check_seam(metric)
     # Nearer to a pole, components by angles are extrapolated.
-    near = TWO_METRIC.pole if isinstance(metric, AngleMetric) else 0.0
-    scales = np.array([scale for scale in POLES.scales if scale >= near])
-    radii = np.multiply.outer(scales, POLES.rings)
-    phi = SMOOTHNESS.first + 2.0 * np.pi / SMOOTHNESS.around * np.arange(SMOOTHNESS.around)
+    near = NEAR_POLE if isinstance(metric, AngleMetric) else 0.0
+    scales = np.array([scale for scale in SCALES if scale >= near])
+    radii = np.multiply.outer(scales, RINGS)
+    phi = 0.1 + 2.0 * np.pi / AROUND * np.arange(AROUND)
     theta = np.append(np.stack([radii, np.pi - radii]), 0.5 * np.pi - radii[0, 0])
     sin = np.append(np.stack([np.sin(radii)] * 2), np.cos(radii[0, 0]))  # not rounded, near pi
     flat = sin[:, None]
@@ -161,7 +138,7 @@ def check_rings(metric: TwoMetric) -> PoleSight:
     u = u.reshape(-1, 3)
     Q = angle_components(u, definite_tensor(metric, u)).reshape(len(theta), len(phi), 4)[..., [0, 1, 3]]
     means = Q.mean(axis=1)
-    last = radii.size - len(POLES.rings)
+    last = radii.size - len(RINGS)
     near_poles = np.array([[theta[k], *means[k, ::2]] for k in (last, radii.size + last)])
     look = _Look(
         Q[:-1].reshape(2, *radii.shape, len(phi), 3),
@@ -169,18 +146,18 @@ def check_rings(metric: TwoMetric) -> PoleSight:
         near_poles,
         (np.cos(theta[-1]) ** 2, sin[-1] ** 2 * means[-1, 2]),
     )
-    return _checked(ring_sights, look, SMOOTHNESS.conflict)
+    return _checked(ring_sights, look, CONFLICT)
 
 
 def _check_seam(metric: AngleMetric) -> None:
     """Refuse components that are not those of the same points a turn later."""
-    theta: Floats = np.linspace(0.0, np.pi, SMOOTHNESS.around + 1)[1:-1]
-    ends = [np.full_like(theta, phi) for phi in (SMOOTHNESS.seam, 2.0 * np.pi - SMOOTHNESS.seam)]
+    theta: Floats = np.linspace(0.0, np.pi, AROUND + 1)[1:-1]
+    ends = [np.full_like(theta, phi) for phi in (1e-9, 2.0 * np.pi - 1e-9)]
     start, stop = (np.broadcast_arrays(*metric.components(theta, phi), theta)[:3] for phi in ends)
     sin = np.sin(theta)
     size = max(np.max(np.abs(start[0])), np.max(np.abs(start[2]) / sin**2))
     for name, before, after, power in zip(("q_tt", "q_tp", "q_pp"), start, stop, range(3), strict=True):
-        torn = ~(np.abs(np.subtract(after, before)) <= SMOOTHNESS.torn * size * sin**power)
+        torn = ~(np.abs(np.subtract(after, before)) <= 1e-3 * size * sin**power)
         if torn.any():
             i = int(np.argmax(torn))
             raise InvalidMetric(
@@ -192,7 +169,7 @@ def _check_seam(metric: AngleMetric) -> None:
 def _checked(sights: Callable[[Floats], list[PoleSight]], look: _Look, allowed: float) -> PoleSight:
     """Sight of components, refused with a conflict larger than allowed or a mistake that explains one."""
     (given,) = sights(look.Q[..., None, :])
-    if np.max(given.misfits) <= SMOOTHNESS.visible:
+    if np.max(given.misfits) <= VISIBLE:
         return given
     with np.errstate(all="ignore"):
         repaired = sights(np.stack([repair(look.Q, look.sin) for repair, _ in MISTAKES], axis=-2))
@@ -209,20 +186,19 @@ def _checked(sights: Callable[[Floats], list[PoleSight]], look: _Look, allowed: 
 def _by_degrees(given: PoleSight) -> bool:
     """Whether q_tt and q_pp differ at a pole by the square of a degree in radians."""
     ratio = np.abs(given.means[:, 1] / given.means[:, 0])
-    return bool(
-        np.any(np.abs(np.abs(np.log(ratio)) / np.log(np.radians(1.0) ** -2) - 1.0) < SMOOTHNESS.degrees)
-    )
+    return bool(np.any(np.abs(np.abs(np.log(ratio)) / np.log(np.radians(1.0) ** -2) - 1.0) < 1e-3))
 
 
 def _cause(given: Floats, repaired: Floats) -> str:
     """The first of the mistakes whose repair lessens the misfits (orders,) from the lowest order on."""
     for order, misfit in enumerate(given):
         least = np.max(repaired[:, : order + 1], axis=1)
-        good = (misfit > SMOOTHNESS.visible) & (least * SMOOTHNESS.repaired < misfit)
+        # A mistake is the cause if its repair divides the misfit by 30.
+        good = (misfit > VISIBLE) & (least * 30.0 < misfit)
         if good.any():
             # Several are as good where there is no q_tp: the first of them is the simplest.
             best = np.min(least[good])
-            return MISTAKES[int(np.argmax(good & (least <= max(2.0 * best, SMOOTHNESS.visible))))][1]
+            return MISTAKES[int(np.argmax(good & (least <= max(2.0 * best, VISIBLE))))][1]
     return ""
 
 
@@ -234,7 +210,7 @@ def check_within(sight: PoleSight, tolerance: float) -> None:
     InvalidMetric
         The message says what is seen at the poles.
     """
-    if sight.jump > SMOOTHNESS.strained * tolerance:
+    if sight.jump > 8.0 * tolerance:  # no smooth surface meets it
         raise InvalidMetric(
             f"the metric is not smooth at the poles: {_seen(sight)}; as far as these are resolved, every "
             f"smooth surface misses such lengths by more than {tolerance:.2g}"
@@ -247,10 +223,10 @@ def _seen(sight: PoleSight, look: _Look | None = None) -> str:
     at, (tt, pp) = f"theta = {'pi' if pole else '0'}", sight.means[pole]
     jump, largest = sight.conflicts[pole, 0], np.max(sight.conflicts[pole])
     if not sight.is_cone:
-        size = jump if jump > SMOOTHNESS.visible else largest
+        size = jump if jump > VISIBLE else largest
         return f"at {at} the components change with phi by {size:.2g} of their size as no tensor's do"
     doubtful = jump <= sight.doubts[pole, 0]
-    if look and (doubtful or not SMOOTHNESS.alike * abs(tt) < abs(pp) < abs(tt) / SMOOTHNESS.alike):
+    if look and (doubtful or not 0.5 * abs(tt) < abs(pp) < 2.0 * abs(tt)):
         theta, tt, pp = look.near[pole]
         at = f"theta = {theta:.4g}"
     return (

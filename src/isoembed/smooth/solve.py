@@ -14,12 +14,12 @@ from isoembed.evidence import Evidence
 from isoembed.meshing.sphere import angles_of, gauss_rule
 from isoembed.smooth.axisymmetric import AxisymmetricEmbedding
 from isoembed.smooth.coordinates import fitting_coordinates
-from isoembed.smooth.embedding import MEASURE, SmoothEmbedding
+from isoembed.smooth.embedding import ROUNDING, SmoothEmbedding
 from isoembed.smooth.gauss_newton import gauss_newton, is_direct
 from isoembed.smooth.gaussian_curvature import gaussian_curvature
 from isoembed.smooth.grid_metric import GridMetric
 from isoembed.smooth.harmonics import Harmonics
-from isoembed.smooth.isometry import ISOMETRY
+from isoembed.smooth.isometry import SYMMETRIC_ANGLES
 from isoembed.smooth.orientation import oriented
 from isoembed.smooth.smoothness import check_rings, check_within
 from isoembed.smooth.sphere_map import SphereMap, metric_in
@@ -30,38 +30,13 @@ from isoembed.smooth.triangulation import SphereMesh, graded_mesh
 from isoembed.smooth.two_metric import TwoMetric
 from isoembed.smooth.uncertain import EXACT
 from isoembed.space import EUCLIDEAN, Space
-from isoembed.thresholds import threshold
 
-
-@dataclass(frozen=True)
-class SolveThresholds:
-    """Thresholds of the embedding in more and more harmonics."""
-
-    degrees: tuple[int, ...] = threshold((8, 12, 16, 24, 32, 48, 64, 96, 128, 192), "count", "In turn.")
-    rough: float = threshold(1e-4, "mean edge lengths", "Error of the mesh, with which it is on a branch.")
-    carried: float = threshold(1e-3, "relative", "Error of lengths from which higher degrees go on.")
-    spread: float = threshold(0.05, "relative", "Weight of the last degree against points, in a fit.")
-    power: float = threshold(3.0, "exponent", "Growth of that weight with the degree.")
-    target: float = threshold(1e-4, "relative", "Strains over the root of the accuracy of int H dA.")
-    soft: float = threshold(1e-10, "relative", "Accuracy of int H dA where K < 0: more takes minutes.")
-    flat: float = threshold(0.01, "round sphere's", "abs(K - k) that is none in curved space.")
-    rough_flat: float = threshold(
-        1e-8, "relative", "Accuracy of int H dA with it: the surface is not smooth."
-    )
-    exact: float = threshold(1e-6, "relative", "Residual at which slow progress is no failure.")
-    uncertain: float = threshold(10.0, "relative", "The same over the error of the metric.")
-    falling: float = threshold(0.6, "relative", "Residual over the one before that is a decrease.")
-    hindered: int = threshold(32, "count", "Highest degree if no surface of revolution has the metric.")
-    standing: float = threshold(0.5, "relative", "The same over several degrees, before a surface is found.")
-    in_vain: int = threshold(3, "count", "Degrees in turn without progress that end the search.")
-    determined: int = threshold(3, "count", "Vertices for each harmonic that is fitted to them.")
-    high: int = threshold(48, "count", "Least degree in which a surface of revolution is projected.")
-    written: int = threshold(12, "decimals", "Rounding of an axis of symmetry in sentences.")
-    sampled: tuple[int, int] = threshold((48, 96), "count", "Nodes at which the curvature is looked at.")
-
-
-SOLVE = SolveThresholds()
-
+DEGREES = (8, 12, 16, 24, 32, 48, 64, 96, 128, 192)  # of the harmonics, in turn
+ACCURATE = 1e-6  # residual at which slow progress is no failure
+FALLING = 0.6  # residual over the one before that is a decrease
+HINDERED_DEGREE = 32  # highest degree if no surface of revolution has the metric
+PATIENCE = 3  # degrees in turn without progress that end the search
+PER_HARMONIC = 3  # vertices for each harmonic that is fitted to them
 NO_REVOLUTION = Evidence(
     "searched",
     "surfaces of revolution alone, of which it is proved that none has the metric: the circumference changes "
@@ -147,7 +122,7 @@ def embed_smooth(
     turn = axis_of_symmetry(metric)
     symmetric = turn is not None
     coordinates = None if turn is None or np.array_equal(turn, np.eye(3)) else SphereMap.linear(turn)
-    ladder = [Harmonics(L, 1 if symmetric else L) for L in SOLVE.degrees]
+    ladder = [Harmonics(L, 1 if symmetric else L) for L in DEGREES]
     profile = _profile(metric_in(metric, coordinates), space) if symmetric else None
     if lengths_error is None:
         lengths_error = float(getattr(metric, "error", EXACT).pointwise)
@@ -157,13 +132,13 @@ def embed_smooth(
     hindrance = _about(coordinates) + profile.explanation if profile is not None and obstructed else ""
     goal = _Goal(metric, space, coordinates, shape, tolerance, accuracy, hindrance, lengths_error)
     if profile is not None and hindrance:
-        ladder = [h for h in ladder if h.degree <= SOLVE.hindered]
+        ladder = [h for h in ladder if h.degree <= HINDERED_DEGREE]
         if not best_fit:
             raise _not_of_revolution(profile, goal.approached(ladder[:1], _round(profile))[0])
     if start is None and profile is not None and profile.embeds:
         origin, first = _from_profile(profile), 0
     elif start is None:
-        mesh = graded_mesh(metric, max(vertices, SOLVE.determined * ladder[0].size), space)
+        mesh = graded_mesh(metric, max(vertices, PER_HARMONIC * ladder[0].size), space)
         points = _embedded(mesh)
         if not symmetric:
             coordinates = fitting_coordinates(mesh.directions, mesh.faces, points)
@@ -178,7 +153,8 @@ def embed_smooth(
         first = max(0, sum(h.degree < start.harmonics.degree for h in ladder) - 1)
     best, residuals = goal.approached(ladder[first:], origin)
     if not best.converged and profile is not None and profile.embeds:
-        high = [h for h in ladder if h.degree >= SOLVE.high] or ladder[-1:]
+        # A surface of revolution is projected onto high degrees.
+        high = [h for h in ladder if h.degree >= 48] or ladder[-1:]
         best, residuals = goal.approached(high, _from_profile(profile))
     if best.converged or best_fit:
         return best
@@ -215,7 +191,7 @@ class _Goal:
         for harmonics in ladder:
             if C is None or not carried:
                 C, old = origin(harmonics), harmonics
-            target = SOLVE.target * np.sqrt(accuracy)
+            target = 1e-4 * np.sqrt(accuracy)  # int H dA is of second order in strains
             C = gauss_newton(metric, harmonics, resized(C, old, harmonics), target, self.space)
             C, old = oriented(metric, harmonics, C, shape, self.space), harmonics
             surface = SmoothEmbedding(
@@ -233,34 +209,35 @@ class _Goal:
             residuals.append(surface.residual)
             if not is_direct(harmonics):
                 accuracy = max(self.accuracy, self._attainable(surface))
-            settled = surface.unsettled <= accuracy * abs(last) or surface.residual <= MEASURE.rounding
+            settled = surface.unsettled <= accuracy * abs(last) or surface.residual <= ROUNDING
             if surface.converged and settled:
                 break
-            if harmonics.degree >= SOLVE.hindered and self._is_in_vain(surface, residuals):
+            if harmonics.degree >= HINDERED_DEGREE and self._is_in_vain(surface, residuals):
                 return self._judged(surface, residuals), residuals
-            carried = surface.residual <= SOLVE.carried and not self._has_left(surface)
+            carried = surface.residual <= 1e-3 and not self._has_left(surface)
         return surface, residuals
 
     def _attainable(self, surface: SmoothEmbedding) -> float:
         """The accuracy of int H dA that harmonics attain in less than minutes; 0 is any."""
         least = surface.least_curvature - self.space.curvature
-        if not self.space.is_euclidean and abs(least) * surface.area < 4.0 * np.pi * SOLVE.flat:
-            return SOLVE.rough_flat
-        return SOLVE.soft if least < 0.0 else 0.0
+        # Where K - k vanishes the surface is not smooth.
+        if not self.space.is_euclidean and abs(least) * surface.area < 4.0 * np.pi * 0.01:
+            return 1e-8
+        return 1e-10 if least < 0.0 else 0.0  # where K < 0 more takes minutes
 
     def _is_in_vain(self, surface: SmoothEmbedding, residuals: list[float]) -> bool:
         """Whether more harmonics hardly bring lengths nearer; once a surface is found, one degree tells."""
-        if surface.converged and surface.residual <= SOLVE.exact:
-            return len(residuals) > 1 and residuals[-1] >= SOLVE.falling * residuals[-2]
-        before = residuals[: 1 - SOLVE.in_vain]
-        return bool(before) and residuals[-1] >= SOLVE.standing * before[-1]
+        if surface.converged and surface.residual <= ACCURATE:
+            return len(residuals) > 1 and residuals[-1] >= FALLING * residuals[-2]
+        before = residuals[: 1 - PATIENCE]
+        return bool(before) and residuals[-1] >= 0.5 * before[-1]
 
     def _judged(self, surface: SmoothEmbedding, residuals: list[float]) -> SmoothEmbedding:
         """A surface whose residual more harmonics do not reduce: where K < 0 there need not be one."""
-        enough = max(SOLVE.exact, SOLVE.uncertain * self.lengths_error)
+        enough = max(ACCURATE, 10.0 * self.lengths_error)
         if surface.residual <= enough or surface.hindrance or self._least_curvature >= self.space.curvature:
             return surface
-        stays = ", ".join(f"{r:.1e}" for r in residuals[-SOLVE.in_vain :])
+        stays = ", ".join(f"{r:.1e}" for r in residuals[-PATIENCE:])
         return replace(
             surface,
             hindrance="no surface was found: with more and more harmonics the lengths stay off by "
@@ -273,7 +250,7 @@ class _Goal:
 
     @cached_property
     def _least_curvature(self) -> float:
-        u, _ = gauss_rule(*SOLVE.sampled)
+        u, _ = gauss_rule(48, 96)
         return float(gaussian_curvature(self.metric, u).min())
 
 
@@ -282,7 +259,7 @@ def _about(coordinates: SphereMap | None) -> str:
     if coordinates is None:
         return ""
     axis = coordinates.forward(np.array([[0.0, 0.0, 1.0]]))[0]
-    written = ", ".join(f"{x:.6g}" for x in np.round(axis, SOLVE.written) + 0.0)
+    written = ", ".join(f"{x:.6g}" for x in np.round(axis, 12) + 0.0)
     return f"with theta from the axis of symmetry ({written}), "
 
 
@@ -300,7 +277,8 @@ def _composed(
 def _embedded(mesh: SphereMesh) -> Floats:
     """The vertices (V, 3) of the embedded triangulation, or of the best fit: the equations decide."""
     try:
-        points = embed(mesh.metric, method=Aim(best_fit=True), tolerance=SOLVE.rough).vertices
+        # Enough to be on a branch.
+        points = embed(mesh.metric, method=Aim(best_fit=True), tolerance=1e-4).vertices
     except NotEmbedded as error:
         points = error.embedding.vertices
     space = mesh.metric.space
@@ -309,12 +287,13 @@ def _embedded(mesh: SphereMesh) -> Floats:
 
 def _from_points(directions: Floats, vertices: Floats) -> Callable[[Harmonics], Floats]:
     """A fit of any harmonics to points in some directions, as far as these tell them."""
-    degree = int(np.sqrt(len(directions) / SOLVE.determined)) - 1
+    degree = int(np.sqrt(len(directions) / PER_HARMONIC)) - 1
 
     def fitted(harmonics: Harmonics) -> Floats:
         fewer = Harmonics(min(degree, harmonics.degree), min(degree, harmonics.order))
         # Where directions are far apart, high degrees would be anything between them.
-        weights = (fewer.labels[0] / degree) ** SOLVE.power * SOLVE.spread
+        # The last degree has a weight of 0.05 against points, lower ones less.
+        weights = (fewer.labels[0] / degree) ** 3.0 * 0.05
         weights *= np.sqrt(len(directions) / (4.0 * np.pi))
         rows = np.concatenate([fewer.values(directions), np.diag(weights)])
         points = np.concatenate([vertices, np.zeros((fewer.size, 3))])
@@ -327,7 +306,7 @@ def _from_profile(profile: AxisymmetricEmbedding) -> Callable[[Harmonics], Float
     """A projection of a surface of revolution on any harmonics."""
 
     def projected(harmonics: Harmonics) -> Floats:
-        u, weights = gauss_rule(2 * harmonics.degree, ISOMETRY.around)
+        u, weights = gauss_rule(2 * harmonics.degree, SYMMETRIC_ANGLES)
         return harmonics.values(u).T @ (weights[:, None] * profile.points(u))
 
     return projected
@@ -340,7 +319,7 @@ def _round(profile: AxisymmetricEmbedding) -> Callable[[Harmonics], Floats]:
         radius = min(radius, 0.5 / float(np.sqrt(profile.space.curvature)))
 
     def projected(harmonics: Harmonics) -> Floats:
-        u, weights = gauss_rule(2 * harmonics.degree, ISOMETRY.around)
+        u, weights = gauss_rule(2 * harmonics.degree, SYMMETRIC_ANGLES)
         return harmonics.values(u).T @ (weights[:, None] * radius * u)
 
     return projected
@@ -390,7 +369,7 @@ def _diagnosis(best: SmoothEmbedding, residuals: list[float], profile: Axisymmet
     )
     if best.hindrance:
         return best.hindrance if profile is None else f"{best.hindrance}; {missed}"
-    if len(residuals) > 1 and residuals[-1] < SOLVE.falling * residuals[-2]:
+    if len(residuals) > 1 and residuals[-1] < FALLING * residuals[-2]:
         missed += ": the metric has details that are too fine for so few"
     if profile is not None and profile.embeds:
         return f"{missed}; the surface of revolution exists, and isoembed.smooth.AxisymmetricEmbedding has it"
@@ -399,7 +378,7 @@ def _diagnosis(best: SmoothEmbedding, residuals: list[float], profile: Axisymmet
 
 def _sign_of_curvature(metric: TwoMetric, space: Space) -> str:
     """Clause on what the sign of the Gaussian curvature, less that of space, says of an embedding."""
-    u, _ = gauss_rule(*SOLVE.sampled)
+    u, _ = gauss_rule(48, 96)
     K = gaussian_curvature(metric, u)
     k = int(np.argmin(K))
     sign = ("positive", "negative")

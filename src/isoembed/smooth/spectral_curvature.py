@@ -4,8 +4,6 @@ The Cartesian components of the tensor are smooth functions on the sphere, at th
 scalar harmonics has derivatives without differences, and falls exponentially where the metric is analytic.
 """
 
-from dataclasses import dataclass
-
 import numpy as np
 
 from isoembed.arrays import Floats
@@ -14,27 +12,9 @@ from isoembed.smooth.gaussian_curvature import brioschi
 from isoembed.smooth.geodesics import in_own_unit
 from isoembed.smooth.harmonics import Harmonics
 from isoembed.smooth.sphere_transform import SphereTransform
-from isoembed.smooth.transforms import resized, trimmed
+from isoembed.smooth.transforms import NEGLIGIBLE, ROUNDING, resized, trimmed
 from isoembed.smooth.two_metric import TwoMetric, angle_frame, is_axisymmetric
 from isoembed.smooth.uncertain import UncertainFunction, Uncertainty
-from isoembed.thresholds import threshold
-
-
-@dataclass(frozen=True)
-class SpectralCurvatureThresholds:
-    """Thresholds of the harmonics of a metric for its curvature."""
-
-    first_degree: int = threshold(16, "count", "Degree tried first; it is doubled.")
-    highest_degree: int = threshold(64, "count", "Degree after which there is none.")
-    highest_symmetric: int = threshold(512, "count", "The same for axisymmetric metrics.")
-    settled: float = threshold(1e-15, "relative", "Size of the highest harmonics that are rounding.")
-    around: int = threshold(32, "count", "Angles about the z-axis, at least: rounding averages out.")
-    nothing: float = threshold(5e-17, "relative", "Size of harmonics that are left out.")
-    uncertain: float = threshold(0.1, "error of lengths", "The same, where lengths are uncertain.")
-    rounding: float = threshold(2e-15, "relative", "Rounding in the harmonics of a metric.")
-
-
-SPECTRAL_CURVATURE = SpectralCurvatureThresholds()
 
 ORDER = 2  # of the Cartesian components of a tensor that is symmetric about the z-axis
 PAIRS = np.triu_indices(3)
@@ -71,7 +51,7 @@ def spectral_curvature(metric: TwoMetric, relative_error: float = 0.0) -> Uncert
     harmonics, coefficients, settled = metric_series(own, relative_error)
     degree, u = harmonics.degree, _everywhere(harmonics)
     K = _curvature(u, harmonics, coefficients)
-    noise = (SPECTRAL_CURVATURE.rounding + relative_error) * float(np.abs(K).max())
+    noise = (2e-15 + relative_error) * float(np.abs(K).max())  # 2e-15 is rounding
     pointwise, mean = degree**2 * noise, noise
     if not settled:
         low = (3 * degree) // 4
@@ -84,17 +64,18 @@ def spectral_curvature(metric: TwoMetric, relative_error: float = 0.0) -> Uncert
 
 def metric_series(metric: TwoMetric, relative_error: float) -> tuple[Harmonics, Floats, bool]:
     """The components xx, xy, xz, yy, yz, zz (size, 6) in harmonics, and whether these suffice."""
-    t, symmetric = SPECTRAL_CURVATURE, is_axisymmetric(metric)
-    degree, most = t.first_degree, t.highest_symmetric if symmetric else t.highest_degree
+    symmetric = is_axisymmetric(metric)
+    degree, most = 16, 512 if symmetric else 64  # first degree; it is doubled
     while True:
         harmonics = Harmonics(degree, ORDER if symmetric else degree)
-        transform = SphereTransform(harmonics, degree + 1, max(2 * harmonics.order + 2, t.around))
+        # 32 angles average out rounding.
+        transform = SphereTransform(harmonics, degree + 1, max(2 * harmonics.order + 2, 32))
         coefficients = transform.analysis(metric.tensor(transform.u)[:, PAIRS[0], PAIRS[1]])
         sizes = np.abs(coefficients).max(axis=1)
         size, high = sizes.max(), harmonics.labels[0] > 3 * degree // 4
-        if sizes[high].max() <= max(t.settled, relative_error) * size:
-            needed = sizes > max(t.nothing, t.uncertain * relative_error) * size
-            coefficients[sizes <= t.nothing * size] = 0.0  # rounding, whose second derivatives are loud
+        if sizes[high].max() <= max(ROUNDING, relative_error) * size:
+            needed = sizes > max(NEGLIGIBLE, 0.1 * relative_error) * size
+            coefficients[sizes <= NEGLIGIBLE * size] = 0.0  # rounding, whose second derivatives are loud
             coefficients, harmonics = trimmed(coefficients, harmonics, needed)
             return harmonics, coefficients, True
         if 2 * degree > most:

@@ -17,31 +17,11 @@ from isoembed.arrays import Floats
 from isoembed.smooth.double_fourier import DoubleFourier
 from isoembed.smooth.resampling import Derived, truncation
 from isoembed.smooth.uncertain import Uncertainty
-from isoembed.thresholds import threshold
 
-
-@dataclass(frozen=True)
-class SpectrumThresholds:
-    """Thresholds of the errors of functions on grids."""
-
-    end: float = threshold(0.1, "relative", "Share of the degrees that are the highest.")
-    few: float = threshold(0.25, "relative", "The same with one angle phi, where these are few coefficients.")
-    fewest: int = threshold(2, "count", "Least number of highest degrees: symmetry makes some of them zero.")
-    band: float = threshold(0.125, "relative", "Share of the degrees in a band whose fall is measured.")
-    fastest: float = threshold(4.0, "relative", "Largest fall by one degree that is trusted.")
-    geometric: float = threshold(0.8, "relative", "Rate of a fall over that before, if it is geometric.")
-    trusted: float = threshold(0.9, "relative", "Share of such a rate that is trusted beyond the grid.")
-    known: int = threshold(8, "count", "Degrees that show that a fall is not geometric.")
-    chance: float = threshold(2.0, "relative", "How far the largest of many coefficients is left to chance.")
-    corner: int = threshold(2, "count", "Coefficients of noise alone: those of largest k^2 and m^2.")
-    symmetric: float = threshold(1e-12, "relative", "Dependence on phi that is none.")
-    orders: int = threshold(3, "count", "Orders in phi besides zero that show how they fall.")
-    sum: float = threshold(3.0, "relative", "All coefficients beyond a grid over the largest of them.")
-    sure: float = threshold(3.0, "relative", "Stated error of an average over the estimated one.")
-    scatter: float = threshold(4.0, "standard deviations", "Largest error at a point.")
-
-
-SPECTRUM = SpectrumThresholds()
+END = 0.1  # share of the degrees that are the highest
+FEWEST = 2  # highest degrees: symmetry makes some of them zero
+SYMMETRIC = 1e-12  # relative dependence on phi that is zero
+SCATTER = 4.0  # standard deviations, in the largest error at a point
 
 
 @dataclass(frozen=True)
@@ -93,18 +73,19 @@ class Spectrum:
         second = max(tail**2, 0.25 * size[:, :, 0].size * noise**2)
         mean = float(min(tail, max(falling, aliased, noise, coarse, second)))
         error = Uncertainty(
-            largest * SPECTRUM.scatter * max(tail, _scatter(size)), largest * SPECTRUM.sure * mean
+            largest * SCATTER * max(tail, _scatter(size)),
+            largest * 3.0 * mean,
         )
         return cls(largest, largest * tail, largest * unseen, error)
 
 
 def _share(share: float, count: int) -> int:
-    return max(SPECTRUM.fewest, int(share * count))
+    return max(FEWEST, int(share * count))
 
 
 def _end(values: Floats) -> float:
     """The largest of the highest degrees."""
-    return float(values[-_share(SPECTRUM.end, len(values)) :].max())
+    return float(values[-_share(END, len(values)) :].max())
 
 
 def _fall(values: Floats, samples: int) -> float:
@@ -116,28 +97,29 @@ def _fall(values: Floats, samples: int) -> float:
     n = len(values)
     rate = _rate(values)
     if rate > 0.0:
-        return float(np.exp(-SPECTRUM.trusted * rate * n))
-    known = n >= SPECTRUM.known
-    factor = SPECTRUM.fastest ** (-0.5 * n)
+        return float(np.exp(-0.9 * rate * n))  # not all of the rate is trusted
+    known = n >= 8  # fewer do not show how they fall
+    factor = 4.0 ** (-0.5 * n)  # largest fall by one degree that is trusted
     # Where both parities are there, from one degree to the next, after what ends before the grid does.
     for last, before in zip(values[:-3:-1], values[-2:-4:-1], strict=False):
-        if SPECTRUM.symmetric < last < before:
+        if SYMMETRIC < last < before:
             factor = max(factor, float(last / before) ** (0.5 * n))
-    for width in {SPECTRUM.fewest, _share(SPECTRUM.band, n)}:
+    for width in {FEWEST, _share(0.125, n)}:
         if n < 2 * width:
             return 1.0
         last, before = float(values[-width:].max()), float(values[-2 * width : -width].max())
-        chance = 1.0 + SPECTRUM.chance / np.sqrt(width * samples) if known else 1.0
+        # The largest of many coefficients is left to chance.
+        chance = 1.0 + 2.0 / np.sqrt(width * samples) if known else 1.0
         ratio = min(1.0, chance * last / before) if before > 0.0 else 1.0
         factor = max(factor, ratio ** (n / (2.0 * width)))
-    return SPECTRUM.sum * factor if known else factor
+    return 3.0 * factor if known else factor  # the sum of all over the largest
 
 
 def _rate(values: Floats) -> float:
     """Logarithm of the fall of coefficients (n,) by one degree, if it is geometric; 0 if not."""
     # Parity makes every other one small, or none.
     pairs = np.maximum.reduceat(values, np.arange(0, len(values), 2))
-    both = min(values[::2].max(), values[1::2].max(initial=0.0)) > SPECTRUM.symmetric
+    both = min(values[::2].max(), values[1::2].max(initial=0.0)) > SYMMETRIC
     return max(0.5 * _geometric(pairs), _geometric(values) if both else 0.0)
 
 
@@ -151,7 +133,7 @@ def _geometric(values: Floats) -> float:
     if len(at) < 4 or envelope[-1] <= 0.0:
         return 0.0
     falls = -np.diff(np.log(envelope[at])) / np.diff(at)
-    return float(falls.min()) if np.all(falls[1:] > SPECTRUM.geometric * falls[:-1]) else 0.0
+    return float(falls.min()) if np.all(falls[1:] > 0.8 * falls[:-1]) else 0.0
 
 
 def _unseen(by_degree: Floats, by_order: Floats) -> tuple[float, float]:
@@ -165,9 +147,9 @@ def _unseen(by_degree: Floats, by_order: Floats) -> tuple[float, float]:
     if m == 1:
         return 0.0, 0.0
     unseen = float(by_degree[m:].max(initial=0.0))
-    if not np.any(by_order[1:] > SPECTRUM.symmetric):
+    if not np.any(by_order[1:] > SYMMETRIC):
         return unseen, _beyond(by_degree, 2 * m - 2)
-    if np.count_nonzero(by_order[1:] > SPECTRUM.symmetric) < SPECTRUM.orders:
+    if np.count_nonzero(by_order[1:] > SYMMETRIC) < 3:  # too few orders show how they fall
         return unseen, unseen
     return unseen, max(float(by_degree[2 * m - 2 :].max(initial=0.0)), m * unseen**2)
 
@@ -193,7 +175,8 @@ def _noise(size: Floats) -> float:
         high = by_degree[-2 if certain else -max(4, n // 4) :]
         return float(min(high[::2].max(), high[1::2].max())) if n > 2 else np.inf
     far = (np.arange(n)[:, None] / n) ** 2 + (np.arange(m) / m) ** 2
-    outermost = far >= np.sort(far, axis=None)[-max(SPECTRUM.corner, far.size // 100)]
+    # Coefficients of largest k^2 and m^2 are noise alone.
+    outermost = far >= np.sort(far, axis=None)[-max(2, far.size // 100)]
     return float(np.sqrt(np.mean(size[outermost] ** 2, axis=0).max()))
 
 
@@ -201,7 +184,7 @@ def _scatter(size: Floats) -> float:
     """Standard deviation at a point of noise like the highest degrees of coefficients (n, m, c)."""
     n, m, _ = size.shape
     high = np.zeros((n, m), dtype=bool)
-    high[n - _share(SPECTRUM.end if m > 1 else SPECTRUM.few, n) :] = True
+    high[n - _share(END if m > 1 else 0.25, n) :] = True  # with one angle phi there are few coefficients
     if m > 1:
-        high[:, m - _share(SPECTRUM.end, m) :] = True
+        high[:, m - _share(END, m) :] = True
     return float(np.sqrt(n * m * np.mean(size[high] ** 2, axis=0).max()))

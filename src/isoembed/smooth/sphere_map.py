@@ -14,24 +14,8 @@ from isoembed.meshing.sphere import fibonacci_directions, gauss_rule
 from isoembed.smooth.harmonics import Harmonics
 from isoembed.smooth.two_metric import PulledBack, TwoMetric
 from isoembed.smooth.uncertain import EXACT, Uncertainty
-from isoembed.thresholds import threshold
 
-
-@dataclass(frozen=True)
-class SphereMapThresholds:
-    """Thresholds of maps of the sphere onto itself."""
-
-    nodes: int = threshold(3, "count", "Heights of nodes for each degree at which the Jacobian is checked.")
-    starts: int = threshold(4000, "count", "Directions whose images the inverse begins at.")
-    steps: int = threshold(60, "count", "Most Newton steps of the inverse.")
-    exact: float = threshold(1e-15, "radians", "Newton step that is the last, in the old directions.")
-    even: float = threshold(
-        1e-13, "relative", "Difference of lengths of columns that are those of a rotation."
-    )
-    failed: float = threshold(1e-9, "radians", "Error of the inverse that is a failure.")
-
-
-SPHERE_MAP = SphereMapThresholds()
+FAILED = 1e-9  # radians: a larger error of the inverse is a failure
 
 
 @dataclass(frozen=True, eq=False)
@@ -64,7 +48,7 @@ class SphereMap:
             )
         coefficients.setflags(write=False)
         object.__setattr__(self, "coefficients", coefficients)
-        n = SPHERE_MAP.nodes * (self.harmonics.degree + 2)
+        n = 3 * (self.harmonics.degree + 2)
         v, _ = gauss_rule(n, 2 * n)
         jacobian = self.jacobian(v)
         if not jacobian.min() > 0.0:
@@ -88,7 +72,8 @@ class SphereMap:
         if self.harmonics.degree != 1 or self.coefficients[0].any():
             return None
         squares = self.coefficients.T @ self.coefficients
-        even = np.abs(squares / squares[0, 0] - np.eye(3)).max() <= SPHERE_MAP.even
+        # The columns of a rotation have one length.
+        even = np.abs(squares / squares[0, 0] - np.eye(3)).max() <= 1e-13
         return self.forward(np.eye(3)).T if even else None
 
     def forward(self, v: Floats) -> Floats:
@@ -118,7 +103,7 @@ class SphereMap:
         missed = np.linalg.norm(u - self.forward(v), axis=1)
         part = np.ones(len(u))  # of a Newton step
         active = np.arange(len(u))
-        for _ in range(SPHERE_MAP.steps):
+        for _ in range(60):  # Newton's method
             if not active.size:
                 break
             image, slope = self._evaluated(v[active])
@@ -132,10 +117,10 @@ class SphereMap:
             v[active[nearer]] = trial[nearer]
             part[active] *= np.where(nearer, 2.0, 0.5)
             part = np.minimum(part, 1.0)
-            rounding = ~nearer & (missed[active] <= SPHERE_MAP.failed)
+            rounding = ~nearer & (missed[active] <= FAILED)
             missed[active[nearer]] = misses[nearer]
-            active = active[~rounding & (missed[active] > SPHERE_MAP.exact)]
-        if not missed.max(initial=0.0) <= SPHERE_MAP.failed:
+            active = active[~rounding & (missed[active] > 1e-15)]
+        if not missed.max(initial=0.0) <= FAILED:
             i = int(np.argmax(missed))
             raise InvalidParameter(
                 f"the map of the sphere could not be inverted: {_written(u[i])} is missed by {missed[i]:.3g}"
@@ -144,7 +129,7 @@ class SphereMap:
 
     @cached_property
     def _starts(self) -> tuple[cKDTree, Floats]:
-        v = fibonacci_directions(SPHERE_MAP.starts)
+        v = fibonacci_directions(4000)
         return cKDTree(self.forward(v)), v
 
     def _evaluated(self, v: Floats) -> tuple[Floats, Floats]:

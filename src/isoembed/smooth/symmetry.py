@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-
 import numpy as np
 
 from isoembed.arrays import Floats
@@ -11,24 +9,8 @@ from isoembed.meshing.sphere import fibonacci_directions
 from isoembed.smooth.geodesics import definite_tensor
 from isoembed.smooth.sphere_map import SphereMap, metric_in
 from isoembed.smooth.two_metric import TwoMetric, angle_frame, area_density, is_axisymmetric
-from isoembed.thresholds import threshold
 
-
-@dataclass(frozen=True)
-class SymmetryThresholds:
-    """Thresholds of the search for an axis of symmetry."""
-
-    directions: int = threshold(150, "count", "Directions at which the metric is compared.")
-    step: float = threshold(1e-3, "radians", "Step of the differences for gradients.")
-    candidate: float = threshold(1e-3, "relative", "Change about an axis over that about others.")
-    turns: tuple[float, float] = threshold(
-        (1.1, 2.9), "radians", "Angles by which it is turned about the axis."
-    )
-    tilt: float = threshold(1e-4, "radians", "Step of the differences for the tilt of the axis.")
-    polished: int = threshold(3, "count", "Newton steps by which the axis gets its digits.")
-
-
-SYMMETRY = SymmetryThresholds()
+STEP = 1e-3  # of the differences for gradients, in radians
 
 
 def axis_of_symmetry(metric: TwoMetric) -> Floats | None:
@@ -49,9 +31,9 @@ def axis_of_symmetry(metric: TwoMetric) -> Floats | None:
     """
     if is_axisymmetric(metric):
         return np.eye(3)
-    u = fibonacci_directions(SYMMETRY.directions)
+    u = fibonacci_directions(150)
     _, sizes, axes = np.linalg.svd(_turning(metric, u))
-    if sizes[2] > SYMMETRY.candidate * sizes[1]:
+    if sizes[2] > 1e-3 * sizes[1]:  # it changes as much about its axis
         return None
     axis = _polished(metric, u, axes[2])
     R = _onto(axis if axis[2] >= 0.0 else -axis)
@@ -72,9 +54,9 @@ def _turning(metric: TwoMetric, u: Floats) -> Floats:
         slope = np.zeros((len(u), 2))
         for k, weight in ((1.0, 8.0), (2.0, -1.0)):
             for sign in (-1.0, 1.0):
-                angle = sign * k * SYMMETRY.step
+                angle = sign * k * STEP
                 moved = np.cos(angle) * u + np.sin(angle) * e
-                slope += sign * weight / (12.0 * SYMMETRY.step) * _invariants(metric, moved)
+                slope += sign * weight / (12.0 * STEP) * _invariants(metric, moved)
         rows.append(np.cross(u, e)[:, None, :] * slope[:, :, None])
     return (rows[0] + rows[1]).reshape(-1, 3)
 
@@ -84,11 +66,12 @@ def _polished(metric: TwoMetric, u: Floats, axis: Floats) -> Floats:
 
     def changes(axis: Floats) -> Floats:
         axis = axis / np.linalg.norm(axis)
-        values = [_invariants(metric, _turned(u, axis, angle)) for angle in (0.0, *SYMMETRY.turns)]
+        # Angles that are no fractions of a turn.
+        values = [_invariants(metric, _turned(u, axis, angle)) for angle in (0.0, 1.1, 2.9)]
         return np.diff(values, axis=0).ravel()
 
-    for _ in range(SYMMETRY.polished):
-        tilts = SYMMETRY.tilt * _onto(axis).T[:2]
+    for _ in range(3):  # Newton's method
+        tilts = 1e-4 * _onto(axis).T[:2]
         slopes = np.stack([changes(axis + t) - changes(axis - t) for t in tilts], axis=1) / 2.0
         axis = axis - np.linalg.lstsq(slopes, changes(axis), rcond=None)[0] @ tilts
         axis /= np.linalg.norm(axis)

@@ -5,6 +5,9 @@ import numpy as np
 from isoembed.arrays import Floats, Mask
 from isoembed.smooth.harmonics import Harmonics
 
+ROUNDING = 1e-15  # of the highest harmonics of a function, over the largest
+NEGLIGIBLE = 5e-17  # relative size below which harmonics are left out
+
 
 def resized(coefficients: Floats, old: Harmonics, new: Harmonics) -> Floats:
     """Coefficients (size, c) of functions in other harmonics: cut off or filled up with zeros."""

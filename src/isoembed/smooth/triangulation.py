@@ -20,20 +20,8 @@ from isoembed.smooth.grid_metric import GridMetric, sampled_on_grid
 from isoembed.smooth.smoothness import check_rings
 from isoembed.smooth.two_metric import TwoMetric, area_density
 from isoembed.space import EUCLIDEAN, Space
-from isoembed.thresholds import threshold
 
-
-@dataclass(frozen=True)
-class SphereMeshThresholds:
-    """Thresholds of the triangulation of metrics."""
-
-    most: int = threshold(10_000_000, "vertices", "More of them fit into no memory.")
-    grading: float = threshold(0.1, "relative", "Grading of the meshes that embeddings begin with.")
-    excess: float = threshold(1.02, "relative", "Mean edge length over that of equilateral triangles.")
-    curvature_cells: tuple[int, int] = threshold((256, 64), "count", "Cells that sample the curvature.")
-
-
-SPHERE_MESH = SphereMeshThresholds()
+MOST_VERTICES = 10_000_000  # more fit into no memory
 
 
 @dataclass(frozen=True, eq=False)
@@ -131,7 +119,7 @@ def triangulate_metric(
     n = (
         None
         if vertices is None
-        else checked_count("the number of vertices", vertices, MIN_VERTICES, SPHERE_MESH.most)
+        else checked_count("the number of vertices", vertices, MIN_VERTICES, MOST_VERTICES)
     )
     if not isinstance(metric, GridMetric):  # grids have been looked at
         check_rings(metric)
@@ -153,7 +141,7 @@ def triangulate_metric(
 
 def graded_mesh(metric: TwoMetric, vertices: int, space: Space = EUCLIDEAN) -> SphereMesh:
     """The mesh that embeddings begin with: of the metric on a grid, with more vertices where it is curved."""
-    return triangulate_metric(sampled_on_grid(metric), vertices, grading=SPHERE_MESH.grading, space=space)
+    return triangulate_metric(sampled_on_grid(metric), vertices, grading=0.1, space=space)
 
 
 def _densities(metric: TwoMetric, grading: float, n: int | None) -> tuple[Cells, Cells]:
@@ -164,7 +152,7 @@ def _densities(metric: TwoMetric, grading: float, n: int | None) -> tuple[Cells,
     if not grading:
         return area, Cells(np.ones_like(area.values), axis)
     # The curvature costs much more to sample.
-    K = Cells.of(lambda u: gaussian_curvature(metric, u), SPHERE_MESH.curvature_cells, axis)
+    K = Cells.of(lambda u: gaussian_curvature(metric, u), (256, 64), axis)
     density = 1.0 + grading * area.integral() / (4.0 * np.pi) * np.abs(
         K.at(cell_centers(area.values.shape, axis))
     )
@@ -194,11 +182,12 @@ def _vertices_of_size(area: Cells, density: Cells, size: float, unit: float) -> 
     N vertices of the density w have N w / int w dA in a unit of area, each with the area 3^(1/2) l^2 / 2 if
     the triangles were equilateral.
     """
-    fewest, most = MIN_VERTICES, SPHERE_MESH.most
+    fewest, most = MIN_VERTICES, MOST_VERTICES
     root = Cells(area.values * np.sqrt(density.values), area.axis).integral()
     whole = Cells(area.values * density.values, area.axis).integral()
     with np.errstate(over="ignore"):
-        n = 2.0 + 2.0 / np.sqrt(3.0) * (SPHERE_MESH.excess * root * np.divide(unit, size)) ** 2 / whole
+        # Edges are 2 % longer than those of equilateral triangles.
+        n = 2.0 + 2.0 / np.sqrt(3.0) * (1.02 * root * np.divide(unit, size)) ** 2 / whole
     if not fewest - 0.5 <= n < most + 0.5:
         bound = f"least {fewest}" if n < fewest else f"most {most}"
         raise InvalidParameter(

@@ -15,20 +15,8 @@ from isoembed.arrays import Floats, Mask
 from isoembed.errors import InvalidMetric
 from isoembed.meshing.sphere import angles_of, fibonacci_directions
 from isoembed.smooth.uncertain import EXACT, Uncertainty
-from isoembed.thresholds import threshold
 
-
-@dataclass(frozen=True)
-class TwoMetricThresholds:
-    """Thresholds of metrics and of their symmetry."""
-
-    pole: float = threshold(1e-3, "sin(theta)", "Below this, components are extrapolated over the pole.")
-    symmetric: float = threshold(1e-12, "relative", "Variation about the z-axis that is none.")
-    spread: int = threshold(400, "count", "Directions at which symmetry is looked for.")
-    turns: tuple[float, ...] = threshold((0.7, 1.9, 4.3), "radians", "Angles by which it is turned.")
-
-
-TWO_METRIC = TwoMetricThresholds()
+NEAR_POLE = 1e-3  # sin(theta) below which components are extrapolated over the pole
 
 
 class TwoMetric(Protocol):
@@ -61,7 +49,7 @@ class AngleMetric:
             The function returns what is not finite or not positive; the message names theta and phi.
         """
         u = np.asarray(u, dtype=np.float64)
-        near = np.hypot(u[:, 0], u[:, 1]) < TWO_METRIC.pole
+        near = np.hypot(u[:, 0], u[:, 1]) < NEAR_POLE
         q = np.empty((len(u), 3, 3))
         q[~near] = self._away(u[~near])
         if near.any():
@@ -74,7 +62,7 @@ class AngleMetric:
         total = np.zeros((len(u), 3, 3))
         for step, weight in ((2.0, 12.0 / 5.0), (3.0, -64.0 / 35.0), (4.0, 3.0 / 7.0)):
             for sign in (-1.0, 1.0):
-                moved = u + np.array([sign * step * TWO_METRIC.pole, 0.0, 0.0])
+                moved = u + np.array([sign * step * NEAR_POLE, 0.0, 0.0])
                 total += 0.5 * weight * self._away(moved / np.linalg.norm(moved, axis=1, keepdims=True))
         return projected(total, u)
 
@@ -165,12 +153,12 @@ def is_symmetric_about_z(function: Callable[[Floats], Floats]) -> bool:
 
     It is compared with itself turned by some angles, at directions that are spread without a pattern.
     """
-    x, y, z = fibonacci_directions(TWO_METRIC.spread).T
+    x, y, z = fibonacci_directions(400).T
     values = []
-    for angle in (0.0, *TWO_METRIC.turns):
+    for angle in (0.0, 0.7, 1.9, 4.3):  # no fractions of a turn
         c, s = np.cos(angle), np.sin(angle)
         values.append(function(np.stack([c * x - s * y, s * x + c * y, z], axis=1)))
-    return bool(np.ptp(values, axis=0).max() <= TWO_METRIC.symmetric * np.abs(values).max())
+    return bool(np.ptp(values, axis=0).max() <= 1e-12 * np.abs(values).max())
 
 
 def projected(q: Floats, u: Floats) -> Floats:

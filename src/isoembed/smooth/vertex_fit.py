@@ -17,27 +17,11 @@ from isoembed.arrays import Floats, Indices
 from isoembed.meshing.sphere import solid_angles
 from isoembed.meshing.sphere_layout import orientations
 from isoembed.smooth.harmonics import Harmonics
-from isoembed.smooth.scattered_fit import FIT, deviating
+from isoembed.smooth.scattered_fit import DEVIATIONS, deviating
 from isoembed.smooth.transforms import resized
 from isoembed.smooth.two_metric import angle_frame
-from isoembed.thresholds import threshold
 
-
-@dataclass(frozen=True)
-class VertexFitThresholds:
-    """Thresholds of the fit of harmonics to vertices."""
-
-    fullest: float = threshold(0.6, "vertices", "Degrees of freedom, at most.")
-    table: int = threshold(100_000_000, "count", "Harmonics at vertices, at most: it bounds the memory.")
-    sideways: float = threshold(0.1, "relative", "Weight of a distance along the surface.")
-    determined: float = threshold(1e-4, "relative", "Reciprocal condition of a fit, at least.")
-    farthest: float = threshold(0.5, "mean spacing", "Way of a vertex on the sphere in one round, at most.")
-    halvings: int = threshold(30, "count", "Of the ways around triangles that would turn over, at most.")
-    solved: float = threshold(1e-4, "relative", "Error of the least squares of one round.")
-    iterations: int = threshold(200, "count", "Iterations of least squares, at most.")
-
-
-VERTEX_FIT = VertexFitThresholds()
+SIDEWAYS = 0.1  # weight of a distance along the surface
 
 
 @dataclass(frozen=True)
@@ -121,7 +105,8 @@ class VertexFit:
     def is_possible(self) -> bool:
         """Whether the vertices are enough to determine all coefficients, and not too many for the memory."""
         count = len(self.x)
-        if self._freedom > VERTEX_FIT.fullest * count or self.harmonics.size * count > VERTEX_FIT.table:
+        # The table of harmonics at vertices must fit into memory.
+        if self._freedom > 0.6 * count or self.harmonics.size * count > 100_000_000:
             return False
         return self.is_determined
 
@@ -146,7 +131,7 @@ class VertexFit:
         pulled = np.einsum("nai,ni->na", images, self.missed)
         step = np.einsum("na,nai->ni", np.linalg.solve(q, pulled[:, :, None])[:, :, 0], e)
         length = np.linalg.norm(step, axis=1)
-        farthest = VERTEX_FIT.farthest * np.sqrt(4.0 * np.pi / len(self.x))
+        farthest = 0.5 * np.sqrt(4.0 * np.pi / len(self.x))  # half the mean spacing
         step *= (farthest / np.maximum(length, farthest))[:, None]
         u = _moved(self.u, step, faces)
         return replace(self, u=u, angles=solid_angles(u, faces))
@@ -155,7 +140,7 @@ class VertexFit:
         """Possible errors (N, size of ``deviating(harmonics)``, 3), drawn at random: coefficients."""
         random = np.random.default_rng(0)
         more = deviating(self.harmonics)
-        signs = random.choice((-1.0, 1.0), (FIT.deviations, len(self.x), 1))
+        signs = random.choice((-1.0, 1.0), (DEVIATIONS, len(self.x), 1))
         signed = signs * self.distances[:, None] * self.normals
         drawn = np.array([resized(self.least(v), self.harmonics, more) for v in signed])
         higher = more.labels[0] > self.harmonics.degree
@@ -183,7 +168,7 @@ class VertexFit:
             R = self._triangle
         except np.linalg.LinAlgError:
             return False
-        return float(dtrcon(R)[0]) >= VERTEX_FIT.determined
+        return float(dtrcon(R)[0]) >= 1e-4  # reciprocal condition
 
     def least(self, vectors: Floats) -> Floats:
         """Coefficients (size, 3) of the least squares fit to vectors (V, 3)."""
@@ -196,7 +181,7 @@ class VertexFit:
 
         def weighted(v: Floats) -> Floats:
             along = np.einsum("ni,ni->n", v, n)[:, None] * n
-            return self._root * (VERTEX_FIT.sideways * v + (1.0 - VERTEX_FIT.sideways) * along)
+            return self._root * (SIDEWAYS * v + (1.0 - SIDEWAYS) * along)
 
         def forward(c: Floats) -> Floats:
             return weighted(self.table @ solve_triangular(R, c.reshape(-1, 3))).ravel()
@@ -206,7 +191,7 @@ class VertexFit:
 
         shape = (self.x.size, 3 * self.harmonics.size)
         operator = LinearOperator(shape, matvec=forward, rmatvec=backward, dtype=np.float64)
-        tolerance, most = VERTEX_FIT.solved, VERTEX_FIT.iterations
+        tolerance, most = 1e-4, 200  # later rounds add digits
         found = lsmr(operator, weighted(vectors).ravel(), atol=tolerance, btol=tolerance, maxiter=most)
         return np.asarray(solve_triangular(R, found[0].reshape(-1, 3)))
 
@@ -214,7 +199,7 @@ class VertexFit:
 def _moved(u: Floats, step: Floats, faces: Indices) -> Floats:
     """Unit vectors moved by a step (V, 3), by less of it around triangles that would turn over."""
     share = np.ones((len(u), 1))
-    for _ in range(VERTEX_FIT.halvings):
+    for _ in range(30):  # halve the ways around triangles that would turn over
         v = u + share * step
         v /= np.linalg.norm(v, axis=1, keepdims=True)
         over = orientations(faces, v) <= 0.0

@@ -135,7 +135,7 @@ def test_a_warm_start_needs_no_mesh(horizon, monkeypatch):
 @pytest.mark.slow
 def test_what_does_not_embed_but_for_errors_of_lengths_is_embedded(monkeypatch):
     # Beyond Smarr's limit no surface of revolution has the metric; one has lengths that a percent allows.
-    monkeypatch.setattr(solve, "SOLVE", replace(solve.SOLVE, degrees=(8, 12)))
+    monkeypatch.setattr(solve, "DEGREES", (8, 12))
     data = replace(KerrNewmanHorizon(1.0, 0.9).data(), relative_error=0.01)
     surface = embed_surface(data, vertices=100)
     assert surface.embedding.residual < 0.01 and surface.report["status"] == "embedded"
@@ -144,7 +144,7 @@ def test_what_does_not_embed_but_for_errors_of_lengths_is_embedded(monkeypatch):
 
 @pytest.mark.slow
 def test_what_does_not_embed(monkeypatch):
-    monkeypatch.setattr(solve, "SOLVE", replace(solve.SOLVE, degrees=(8, 12, 16)))
+    monkeypatch.setattr(solve, "DEGREES", (8, 12, 16))
     data = KerrNewmanHorizon(1.0, 0.9).data()
     with pytest.raises(NotEmbedded, match=r"no surface of revolution has this metric for theta < 0\.561403"):
         embed_surface(data, vertices=100)

@@ -9,7 +9,6 @@ import pytest
 from isoembed.errors import InvalidParameter, NoMinimum, NotEmbedded
 from isoembed.relativity import KerrNewmanSphere, TimeFunction, wang_yau
 from isoembed.relativity.energies import wang_yau_search
-from isoembed.relativity.energies.wang_yau_search import WANG_YAU
 from isoembed.smooth import Harmonics, embed_smooth
 from spacelike import directions, minkowski, nothing, round_sphere, static
 
@@ -19,7 +18,8 @@ EAST = np.sqrt(4.0 * np.pi / 3.0)  # times the harmonic of degree 1 is z
 @pytest.fixture
 def few_harmonics(monkeypatch):
     """Fewer harmonics of X than by default, which are enough here."""
-    monkeypatch.setattr(wang_yau_search, "WANG_YAU", replace(WANG_YAU, least_degree=12, highest_degree=12))
+    monkeypatch.setattr(wang_yau_search, "LEAST_DEGREE", 12)
+    monkeypatch.setattr(wang_yau_search, "HIGHEST_DEGREE", 12)
 
 
 def closed_form(r, b):
@@ -73,7 +73,7 @@ def test_inadmissible_time_functions(monkeypatch):
     def saddle(c):
         return TimeFunction.of(lambda u: c * u[:, 0] * u[:, 1], 2)
 
-    monkeypatch.setattr(wang_yau_search, "WANG_YAU", replace(wang_yau_search.WANG_YAU, shortest=0.03))
+    monkeypatch.setattr(wang_yau_search, "SHORTEST_STEP", 0.03)
     with pytest.raises(
         NotEmbedded, match=r"is not embedded beyond 0.\d+ times the given tau: there K \+ det"
     ):
@@ -155,12 +155,13 @@ def test_one_degree_has_an_error_too():
 @pytest.mark.slow
 def test_a_search_that_ends_too_early_is_no_minimum(monkeypatch):
     _, data, embedding = minkowski()
-    monkeypatch.setattr(wang_yau_search, "WANG_YAU", replace(WANG_YAU, steps=1))
+    monkeypatch.setattr(wang_yau_search, "MAX_ITERATIONS", 1)
     with pytest.raises(NoMinimum, match=r"the search ended at E = .* was to gain"):
         wang_yau(data, "optimal", embedding=embedding, degrees=(2,))
 
 
 def test_a_degree_that_does_not_resolve_the_surface(monkeypatch):
-    monkeypatch.setattr(wang_yau_search, "WANG_YAU", replace(WANG_YAU, least_degree=4, highest_degree=4))
+    monkeypatch.setattr(wang_yau_search, "LEAST_DEGREE", 4)
+    monkeypatch.setattr(wang_yau_search, "HIGHEST_DEGREE", 4)
     with pytest.raises(NotEmbedded, match="by harmonics up to degree 4"):
         wang_yau(KerrNewmanSphere(1.7, 1.0, 0.95).data())

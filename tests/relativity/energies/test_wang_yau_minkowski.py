@@ -8,14 +8,14 @@ import pytest
 from isoembed.meshing.sphere import gauss_rule
 from isoembed.relativity import SurfaceData, TimeFunction, wang_yau
 from isoembed.relativity.energies import wang_yau_search
-from isoembed.relativity.energies.wang_yau_search import WANG_YAU
 from spacelike import directions, minkowski
 
 
 @pytest.fixture
 def few_harmonics(monkeypatch):
     """Fewer harmonics of X than by default, which are enough here."""
-    monkeypatch.setattr(wang_yau_search, "WANG_YAU", replace(WANG_YAU, least_degree=12, highest_degree=12))
+    monkeypatch.setattr(wang_yau_search, "LEAST_DEGREE", 12)
+    monkeypatch.setattr(wang_yau_search, "HIGHEST_DEGREE", 12)
 
 
 def test_zero_for_surfaces_of_minkowski_space():

@@ -1,6 +1,5 @@
 """The Wang-Yau energy of spheres about holes that move: that of the hole at rest, in any unit."""
 
-from dataclasses import replace
 from functools import cache
 
 import numpy as np
@@ -8,7 +7,6 @@ import pytest
 
 from isoembed.relativity import BoostedSchwarzschild, StarSurface, wang_yau
 from isoembed.relativity.energies import wang_yau_search
-from isoembed.relativity.energies.wang_yau_search import WANG_YAU
 from isoembed.smooth import embed_smooth
 
 EAST = np.sqrt(4.0 * np.pi / 3.0)  # times the harmonic of degree 1 is z
@@ -17,7 +15,8 @@ EAST = np.sqrt(4.0 * np.pi / 3.0)  # times the harmonic of degree 1 is z
 @pytest.fixture(autouse=True)
 def few_harmonics(monkeypatch):
     """Fewer harmonics of X than by default, which are enough here."""
-    monkeypatch.setattr(wang_yau_search, "WANG_YAU", replace(WANG_YAU, least_degree=12, highest_degree=12))
+    monkeypatch.setattr(wang_yau_search, "LEAST_DEGREE", 12)
+    monkeypatch.setattr(wang_yau_search, "HIGHEST_DEGREE", 12)
 
 
 @pytest.mark.parametrize(

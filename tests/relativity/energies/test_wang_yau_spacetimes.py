@@ -17,7 +17,6 @@ from isoembed.relativity import (
     wang_yau,
 )
 from isoembed.relativity.energies import wang_yau_search
-from isoembed.relativity.energies.wang_yau_search import WANG_YAU
 from isoembed.smooth import embed_smooth
 from spacelike import nothing, static
 
@@ -27,7 +26,8 @@ EAST = np.sqrt(4.0 * np.pi / 3.0)  # times the harmonic of degree 1 is z
 @pytest.fixture
 def few_harmonics(monkeypatch):
     """Fewer harmonics of X than by default, which are enough here."""
-    monkeypatch.setattr(wang_yau_search, "WANG_YAU", replace(WANG_YAU, least_degree=12, highest_degree=12))
+    monkeypatch.setattr(wang_yau_search, "LEAST_DEGREE", 12)
+    monkeypatch.setattr(wang_yau_search, "HIGHEST_DEGREE", 12)
 
 
 @pytest.mark.usefixtures("few_harmonics")

@@ -59,6 +59,10 @@ BAD = {
         lambda text: "\n".join([*text.splitlines()[:5], "nan 0 0", *text.splitlines()[6:]]),
         "line 6: a coordinate is not finite",
     ),
+    "huge": (
+        lambda text: "\n".join([*text.splitlines()[:5], "1e200 1e300 0", *text.splitlines()[6:]]),
+        "are not at the angles of a cell-centered grid",
+    ),
     "a word": (lambda text: text + "1 2 x\n", "could not convert string to float: 'x'"),
     "another column": (lambda text: text + "1 2 3 4\n", "there are 4 columns, not 3"),
 }

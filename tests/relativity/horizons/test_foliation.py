@@ -1,11 +1,9 @@
 """Foliations by surfaces of constant expansion, through the minimum where common horizons end."""
 
-from dataclasses import replace
 from itertools import pairwise
 
 import pytest
 
-from isoembed.relativity.horizons import foliation as foliation_module
 from isoembed.relativity.horizons.constant_expansion import leaf_of
 from isoembed.relativity.horizons.finder import find_horizon, find_horizons
 from isoembed.relativity.horizons.foliation import foliate, inside, least_expansion
@@ -75,9 +73,7 @@ def test_the_error_of_a_minimum_of_the_normalized_expansion_alone():
     # Far apart the expansion itself has no minimum, only c R / 2; finer steps find it within the error.
     def minimum(step):
         start = StarSurface.sphere((0.0, 0.0, 0.0), 4.0)
-        with pytest.MonkeyPatch.context() as patch:
-            patch.setattr(foliation_module, "FOLIATION", replace(foliation_module.FOLIATION, step=step))
-            found = foliate(pair(4.0), start, symmetric=True)
+        found = foliate(pair(4.0), start, symmetric=True, longest_step=step)
         assert found.excludes
         return found.minimum, 0.5 * found.minimum_error * found.minimum.areal_radius
 

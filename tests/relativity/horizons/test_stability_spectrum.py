@@ -7,7 +7,6 @@ from scipy.linalg import eig
 
 from isoembed.errors import InvalidParameter
 from isoembed.relativity.horizons import expansion_operator
-from isoembed.relativity.horizons.expansion_operator import OperatorThresholds
 from isoembed.relativity.horizons.finder import constant_expansion, find_horizon, inner_horizon
 from isoembed.relativity.horizons.stability_spectrum import spectrum_lines, stability_spectrum
 from isoembed.relativity.spacetimes.cartesian_grid import CartesianGrid
@@ -145,8 +144,8 @@ def test_errors_of_a_slice_on_a_grid():
 def test_errors_hold_those_of_the_differences_along_the_displacement(monkeypatch):
     horizon = find_horizon(pair(0.5, (0.1, 0.9)), StarSurface.sphere((0.0, 0.0, -0.2), 1.0))
     spectrum = stability_spectrum(horizon, 4)
-    step = expansion_operator.OPERATOR.step
-    monkeypatch.setattr(expansion_operator, "OPERATOR", OperatorThresholds(step=0.25 * step))
+    step = expansion_operator.STEP
+    monkeypatch.setattr(expansion_operator, "STEP", 0.25 * step)
     off = np.abs(spectrum.values - stability_spectrum(horizon, 4).values)
     assert off.max() > 1e-11 and np.all(off <= spectrum.errors) and spectrum.errors.max() < 1e-8
 

@@ -26,7 +26,16 @@ import numpy as np
 
 from isoembed.arrays import Floats
 from isoembed.errors import InvalidParameter
-from isoembed.relativity.energies.quadrature import QUADRATURE, is_symmetric, smooth_energies, sphere_rule
+from isoembed.relativity.energies.quadrature import (
+    FEWEST_HEIGHTS,
+    GROWTH,
+    MOST_HEIGHTS,
+    MOST_HEIGHTS_SYMMETRIC,
+    RTOL,
+    is_symmetric,
+    smooth_energies,
+    sphere_rule,
+)
 from isoembed.relativity.energies.wang_yau_functional import physical
 from isoembed.relativity.spacetimes.surface_data import SurfaceData
 from isoembed.smooth.embedding import SmoothEmbedding
@@ -35,18 +44,6 @@ from isoembed.smooth.isometry import MetricSamples
 from isoembed.smooth.sphere_transform import SphereTransform
 from isoembed.smooth.two_metric import angle_frame, area_density
 from isoembed.surface.estimate import Estimate
-from isoembed.thresholds import threshold
-
-
-@dataclass(frozen=True)
-class ChenWangYauThresholds:
-    """Thresholds of the energy with anti-de Sitter or de Sitter space for reference."""
-
-    degree: int = threshold(8, "count", "Degree of the time functions along which it is differentiated.")
-    critical: float = threshold(1e-6, "relative", "Derivative in tau, over E / areal radius, that is none.")
-
-
-CHEN_WANG_YAU = ChenWangYauThresholds()
 
 
 @dataclass(frozen=True)
@@ -118,8 +115,8 @@ def chen_wang_yau(
         raise InvalidParameter(next(note for note in reversed(plain.notes) if "k " in note))
     k = embedding.space.curvature
     symmetric = is_symmetric(data, embedding)
-    most = QUADRATURE.highest_symmetric if symmetric else QUADRATURE.highest
-    n, before = max(QUADRATURE.fewest, int(QUADRATURE.density * embedding.harmonics.degree)), np.inf
+    most = MOST_HEIGHTS_SYMMETRIC if symmetric else MOST_HEIGHTS
+    n, before = max(FEWEST_HEIGHTS, int(GROWTH * embedding.harmonics.degree)), np.inf
     while True:
         u, weights = sphere_rule(n, symmetric, embedding.coordinates)
         momentum = _momentum(data, embedding, u, weights)
@@ -130,8 +127,8 @@ def chen_wang_yau(
             )
         value = float(np.copysign(np.sqrt(square), momentum[0]))
         error, before = abs(value - before), value
-        n = int(QUADRATURE.density * n)
-        if error <= QUADRATURE.settled * radius or (np.isfinite(error) and n > most):
+        n = int(GROWTH * n)
+        if error <= RTOL * radius or (np.isfinite(error) and n > most):
             break
     center = momentum[1:] / value
     potential = _potential(embedding, u, center)
@@ -145,7 +142,8 @@ def chen_wang_yau(
     by_space = 3.0 * embedding.volume * curvature_error / (8.0 * np.pi)
     error += float(potential.max()) * (plain.liu_yau.error + 2.0 * by_space) + embedding.residual * abs(value)
     gradient, notes = None if data.marginal else _gradient(data, embedding, center), []
-    if gradient is not None and gradient > CHEN_WANG_YAU.critical * abs(value) / radius:
+    # A derivative in tau up to this, over E / areal radius, is zero.
+    if gradient is not None and gradient > 1e-6 * abs(value) / radius:
         notes.append(
             f"tau = 0 is not critical for the Wang-Yau energy: the norm of its derivatives is {gradient:.3g}"
         )
@@ -172,7 +170,7 @@ def _potential(embedding: SmoothEmbedding, u: Floats, center: Floats) -> Floats:
 
 def _gradient(data: SurfaceData, embedding: SmoothEmbedding, center: Floats) -> float:
     """The norm of the derivatives of the energy in the coefficients of tau, at tau = 0."""
-    n = QUADRATURE.fewest
+    n = FEWEST_HEIGHTS
     samples = MetricSamples.of(data.metric, n, 2 * n)
     k, p, alpha = physical(data, samples.u, samples.frames)
     frames = samples.frames @ np.stack(angle_frame(samples.u), axis=2)
@@ -181,6 +179,6 @@ def _gradient(data: SurfaceData, embedding: SmoothEmbedding, center: Floats) -> 
         psi = transform.analysis(np.arctanh(p / k)[:, None])
         alpha = alpha - (frames @ transform.gradients(psi))[:, :, 0]
     weights = samples.areas * _potential(embedding, samples.u, center) ** 2 / (8.0 * np.pi)
-    tau = Harmonics(CHEN_WANG_YAU.degree, CHEN_WANG_YAU.degree)
+    tau = Harmonics(8, 8)  # degree of the time functions along which the derivative is taken
     along = np.einsum("nai,nim->nam", samples.frames, tau.gradients(samples.u)[1])
     return float(np.linalg.norm(np.einsum("n,na,nam->m", weights, alpha, along, optimize=True)))

@@ -22,7 +22,6 @@ from isoembed.smooth.start import Start
 from isoembed.smooth.two_metric import area_density
 from isoembed.space import EUCLIDEAN, Space
 from isoembed.space.models import to_model
-from isoembed.thresholds import threshold
 
 CONVENTIONS = {
     "units": "geometric, G = c = 1, in the unit of the lengths",
@@ -45,20 +44,6 @@ IN_CURVED_SPACE = {
 def conventions(space: Space) -> dict[str, str]:
     """What the numbers of a report are, with this space of reference."""
     return CONVENTIONS if space.is_euclidean else CONVENTIONS | IN_CURVED_SPACE
-
-
-@dataclass(frozen=True)
-class SurfaceThresholds:
-    """Thresholds of the embedding of a surface for its energies."""
-
-    settled: float = threshold(1e-12, "relative", "Change of int H dA by more harmonics that is none.")
-    sought: float = threshold(0.01, "relative", "Accuracy of int H dA over the error of lengths at points.")
-    rougher: float = threshold(100.0, "relative", "Error of short lengths over that of points.")
-    smallest: float = threshold(1e-200, "squared length", "Squares of smaller ones are no numbers.")
-    largest: float = threshold(1e200, "squared length", "Squares of larger ones are no numbers.")
-
-
-SURFACE = SurfaceThresholds()
 
 
 @dataclass(frozen=True)
@@ -210,7 +195,7 @@ def embed_surface(
     if not (start is None or isinstance(start, EmbeddedSurface | Start)):
         raise InvalidParameter(f"start is a {type(start).__name__}, not an EmbeddedSurface or a Start")
     trace = np.trace(data.metric.tensor(np.eye(3)), axis1=1, axis2=2)
-    if not np.all((trace > SURFACE.smallest) & (trace < SURFACE.largest)):
+    if not np.all((trace > 1e-200) & (trace < 1e200)):  # squares of other lengths underflow or overflow
         raise InvalidMetric(
             f"squares of lengths of about {trace.max():.3g} leave the range of numbers when they are "
             "multiplied: take another unit"
@@ -228,8 +213,10 @@ def embed_surface(
         start=start.embedding if isinstance(start, EmbeddedSurface) else start,
         shape=data.shape,
         vertices=vertices,
-        tolerance=max(tolerance, SURFACE.rougher * uncertain.mean, 2.0 * uncertain.pointwise),
-        accuracy=max(SURFACE.settled, uncertain.mean, SURFACE.sought * uncertain.pointwise),
+        # Short lengths have a larger error than points.
+        tolerance=max(tolerance, 100.0 * uncertain.mean, 2.0 * uncertain.pointwise),
+        # Rounding, or a hundredth of the error at points, which int H dA averages.
+        accuracy=max(1e-12, uncertain.mean, 0.01 * uncertain.pointwise),
         best_fit=best_fit,
         lengths_error=uncertain.pointwise,
     )

@@ -29,17 +29,8 @@ import numpy as np
 
 from isoembed.arrays import Floats
 from isoembed.surface.estimate import Estimate
-from isoembed.thresholds import threshold
 
-
-@dataclass(frozen=True)
-class EnergyThresholds:
-    """Thresholds of energies."""
-
-    rounding: float = threshold(1e-14, "relative", "Rounding in an energy.")
-
-
-ENERGY = EnergyThresholds()
+ROUNDING = 1e-14  # relative, in an energy
 
 
 @dataclass(frozen=True)
@@ -171,11 +162,11 @@ def _with_spin(irreducible: Estimate, J: Estimate, charge: float) -> tuple[Estim
     # Where these vanish, at the extreme and without spin, the second order and rounding are left.
     shrunk, turned = irreducible.error / m, J.error / (2.0 * m * M)
     error = abs(slope) * irreducible.error + abs(steep) * J.error + (shrunk**2 + 0.5 * turned**2) * M
-    mass = Estimate(M, error + ENERGY.rounding * M)
+    mass = Estimate(M, error + ROUNDING * M)
     ratio = J.value / M / M
     error = abs(2.0 * ratio * slope / M) * irreducible.error
     error += abs(1.0 - 2.0 * ratio * M * steep) / M * (J.error / M)
-    return mass, Estimate(ratio, error + 2.0 * (shrunk + turned) ** 2 + ENERGY.rounding)
+    return mass, Estimate(ratio, error + 2.0 * (shrunk + turned) ** 2 + ROUNDING)
 
 
 def norm_hindrance(

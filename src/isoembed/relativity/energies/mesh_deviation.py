@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, fields
+from dataclasses import fields
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -13,18 +13,8 @@ from isoembed.surface.checked import checked_errors
 from isoembed.surface.embedding import Embedding
 from isoembed.surface.estimate import Estimate
 from isoembed.surface.smooth_integrals import Lengths
-from isoembed.thresholds import threshold
 
-
-@dataclass(frozen=True)
-class MeshDeviationThresholds:
-    """Thresholds of the standard deviations of energies."""
-
-    probes: int = threshold(32, "count", "Random errors that they are found with.")
-    step: float = threshold(1e-6, "mean edge lengths", "Farthest that one of these moves a vertex.")
-
-
-MESH_DEVIATION = MeshDeviationThresholds()
+PROBES = 32  # random errors, from whose effects the standard deviations are estimated
 
 
 def mesh_deviation(
@@ -66,11 +56,12 @@ def mesh_deviation(
     values = _values(mesh_energies(embedding, mean_curvature, momentum, lengths=given))
     squares = dict.fromkeys(values, 0.0)
     rng = np.random.default_rng(0)
-    for _ in range(MESH_DEVIATION.probes):
+    for _ in range(PROBES):
         changes = noisy * rng.choice([-1.0, 1.0], len(noisy))
         motion = embedding.jvp(changes)
         farthest = float(np.linalg.norm(motion / embedding.metric.unit, axis=1).max())
-        step = MESH_DEVIATION.step * embedding.metric.normalized.mean_length / (farthest or 1.0)
+        # The largest displacement of a vertex, in mean edge lengths.
+        step = 1e-6 * embedding.metric.normalized.mean_length / (farthest or 1.0)
         moved = Embedding(
             embedding.metric,
             embedding.vertices + step * motion,
@@ -80,7 +71,7 @@ def mesh_deviation(
         other = _values(mesh_energies(moved, mean_curvature, momentum, lengths=given))
         for name in squares:
             squares[name] += ((other[name] - values[name]) / step) ** 2 if name in other else np.nan
-    mean = {name: float(np.sqrt(total / MESH_DEVIATION.probes)) for name, total in squares.items()}
+    mean = {name: float(np.sqrt(total / PROBES)) for name, total in squares.items()}
     return {each.name: mean.get(each.name) for each in fields(Energies) if each.name != "notes"}
 
 

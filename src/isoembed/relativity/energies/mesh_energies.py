@@ -13,17 +13,6 @@ from isoembed.relativity.energies.energies import Energies, Integrals, norm_hind
 from isoembed.surface.embedding import Embedding
 from isoembed.surface.estimate import Estimate
 from isoembed.surface.smooth_integrals import Lengths, SmoothIntegrals
-from isoembed.thresholds import threshold
-
-
-@dataclass(frozen=True)
-class MeshNoiseThresholds:
-    """Thresholds of the noise of data at vertices."""
-
-    most: float = threshold(6.0, "medians", "Of the noise at a vertex: four standard deviations.")
-
-
-MESH_NOISE = MeshNoiseThresholds()
 
 
 def mesh_energies(
@@ -130,7 +119,7 @@ class _Noise:
         of_k, of_p = smooth.misfits(k), smooth.misfits(p)
         squares = of_k**2 + of_p**2
         squared = 2.0 * np.hypot(k * of_k, p * of_p) + squares
-        of_most = MESH_NOISE.most * np.median(np.abs([of_k, squared]), axis=1)
+        of_most = 6.0 * np.median(np.abs([of_k, squared]), axis=1)  # four standard deviations
         return cls(squares, squared, (float(of_most[0]), float(of_most[1])))
 
     def of_root(self, squared: Floats) -> Floats:

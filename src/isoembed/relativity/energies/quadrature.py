@@ -13,30 +13,19 @@ from isoembed.relativity.energies.energies import Energies, Integrals, norm_hind
 from isoembed.relativity.horizons.spin import Spin
 from isoembed.relativity.spacetimes.surface_data import SurfaceData, error_of, values_of
 from isoembed.smooth.embedding import SmoothEmbedding
-from isoembed.smooth.isometry import ISOMETRY
+from isoembed.smooth.isometry import SYMMETRIC_ANGLES
 from isoembed.smooth.sphere_map import SphereMap
 from isoembed.smooth.two_metric import area_density, is_axisymmetric, is_symmetric_about_z
 from isoembed.smooth.uncertain import Uncertainty
 from isoembed.surface.estimate import Estimate
-from isoembed.thresholds import threshold
 
-
-@dataclass(frozen=True)
-class QuadratureThresholds:
-    """Thresholds of the integrals over a surface."""
-
-    rounding: float = threshold(3e-14, "relative", "Rounding in sums over many nodes.")
-    settled: float = threshold(3e-13, "relative", "Change of an integral by more nodes that is none.")
-    density: float = threshold(1.5, "relative", "Heights of nodes over those before.")
-    fewest: int = threshold(32, "count", "Heights of nodes to begin with.")
-    highest: int = threshold(256, "count", "Heights of nodes after which there are no more.")
-    highest_symmetric: int = threshold(6000, "count", "The same for axisymmetric surfaces.")
-    scatter: float = threshold(0.5, "relative", "Standard deviation over largest error, at least.")
-    level: float = threshold(1e-6, "relative", "How far below the curvature of space K is equal to it.")
-    trapped: float = threshold(1e-9, "largest k^2, or k", "How far below zero k^2 - p^2, or k, is rounding.")
-
-
-QUADRATURE = QuadratureThresholds()
+ROUNDING = 3e-14  # relative, in sums over many nodes
+RTOL = 3e-13  # change of an integral with more nodes at which it has converged
+GROWTH = 1.5  # ratio of successive numbers of heights of nodes
+FEWEST_HEIGHTS = 32  # of nodes, to begin with
+MOST_HEIGHTS = 256  # of nodes
+MOST_HEIGHTS_SYMMETRIC = 6000  # of nodes, on axisymmetric surfaces
+SCATTER = 0.5  # standard deviation over the largest error, at least
 
 
 def smooth_energies(
@@ -63,14 +52,14 @@ def smooth_energies(
     spaces of curvature -1 the metric -k q makes the change of int H dA - V that Schlaefli's formula tells.
     As V grows with k, the first term is a bound for k <= 0.
     """
-    n = max(QUADRATURE.fewest, int(QUADRATURE.density * embedding.harmonics.degree))
+    n = max(FEWEST_HEIGHTS, int(GROWTH * embedding.harmonics.degree))
     values, notes = _integrated(data, n, is_symmetric(data, embedding), embedding.coordinates)
     reference = 2.0 * embedding.integrated_mean_curvature
-    relative = QUADRATURE.rounding + data.lengths_error.mean + data.displacement
+    relative = ROUNDING + data.lengths_error.mean + data.displacement
     error = 2.0 * embedding.curvature_error + relative * abs(reference)
     error += 3.0 * embedding.volume * curvature_error
     k = embedding.space.curvature
-    allowed = max(QUADRATURE.level * abs(k), curvature_error)
+    allowed = max(1e-6 * abs(k), curvature_error)  # K may be below the curvature of space by this, relatively
     if embedding.converged and embedding.least_curvature - k < -allowed:
         below = f"less than the {k:.3g} of space" if k else "negative"
         notes.append(
@@ -87,7 +76,7 @@ def smooth_energies(
 def intrinsic_energies(data: SurfaceData, spin: Spin | None = None) -> Energies:
     """Energies of a surface that need no embedding."""
     symmetric = is_axisymmetric(data.metric) and _lies_symmetrically(data)
-    return _energies(data, *_integrated(data, QUADRATURE.fewest, symmetric), spin)
+    return _energies(data, *_integrated(data, FEWEST_HEIGHTS, symmetric), spin)
 
 
 def is_symmetric(data: SurfaceData, embedding: SmoothEmbedding) -> bool:
@@ -142,25 +131,25 @@ def _integrated(
     The heights of the nodes, which are even in the coordinates, become more until no integral changes, or
     they are many.  About an axis of symmetry they are turned each time: what is not quite symmetric shows.
     """
-    relative = QUADRATURE.rounding + data.lengths_error.mean + data.displacement
-    most = QUADRATURE.highest_symmetric if symmetric else QUADRATURE.highest
+    relative = ROUNDING + data.lengths_error.mean + data.displacement
+    most = MOST_HEIGHTS_SYMMETRIC if symmetric else MOST_HEIGHTS
     settled: dict[str, Estimate] = {}
     before: dict[str, Estimate] = {}
     turned = False
     while True:
         nodes = _Nodes.of(data, *sphere_rule(n, symmetric, coordinates, turned))
         values, notes = nodes.integrals(relative)
-        last = QUADRATURE.density * n > most
+        last = GROWTH * n > most
         for name in values.keys() - settled.keys():
             value, error = values[name].value, values[name].error
             change = abs(value - before[name].value) if name in before else np.inf
             if last and name not in before:
                 change = 0.0  # fewer nodes did not see it as spacelike
-            if last or change <= max(QUADRATURE.settled * abs(value), error):
+            if last or change <= max(RTOL * abs(value), error):
                 settled[name] = Estimate(value, change + error)
         if last or settled.keys() == values.keys():
             return settled, notes
-        n, before, turned = int(QUADRATURE.density * n), values, not turned
+        n, before, turned = int(GROWTH * n), values, not turned
 
 
 def sphere_rule(
@@ -170,7 +159,7 @@ def sphere_rule(
 
     Nodes that are turned lie midway between the angles of those that are not.
     """
-    around = ISOMETRY.around if symmetric else 2 * n
+    around = SYMMETRIC_ANGLES if symmetric else 2 * n
     v, weights = gauss_rule(n, around)
     if turned:
         c, s = np.cos(np.pi / around), np.sin(np.pi / around)
@@ -220,11 +209,12 @@ class _Nodes:
             return {**values, "norm": Estimate(0.0, _sum(self.dA, np.sqrt(size)))}, notes
         squared, smooth = self.k**2 - self.p**2, 2.0 * relative * (self.k**2 + self.p**2)
         # What averages out in k and p remains in their squares.
-        spread = QUADRATURE.scatter**2 * (self.k_error.pointwise**2 + self.p_error.pointwise**2)
+        spread = SCATTER**2 * (self.k_error.pointwise**2 + self.p_error.pointwise**2)
         smooth = smooth + self._shift(self.k_error.mean, self.p_error.mean)
         anywhere = smooth + self._shift(self.k_error.pointwise, self.p_error.pointwise) + spread
         values["squared"] = Estimate(_sum(self.dA, squared), _sum(self.dA, smooth) + spread * area)
-        trapped, largest = QUADRATURE.trapped, float(np.abs(self.k).max())
+        # Relative to the largest k^2 or k: a value below zero by less is rounding.
+        trapped, largest = 1e-9, float(np.abs(self.k).max())
         allowed = (
             max(trapped * largest, self.k_error.pointwise),
             max(trapped * largest**2, float(anywhere.max())),
@@ -244,7 +234,7 @@ class _Nodes:
         """``int sqrt(k^2 - p^2)``: with errors that average out, and the bend of the root over the others."""
         middle, low, high, least, most = (
             np.sqrt(np.maximum(squared + shift, 0.0))
-            for shift in (0.0, -smooth, smooth, -QUADRATURE.scatter * anywhere, QUADRATURE.scatter * anywhere)
+            for shift in (0.0, -smooth, smooth, -SCATTER * anywhere, SCATTER * anywhere)
         )
         bend = np.abs(0.5 * (least + most) - middle)
         return Estimate(_sum(self.dA, middle), _sum(self.dA, high - low + bend))

@@ -16,19 +16,8 @@ from isoembed.smooth.harmonics import Harmonics
 from isoembed.smooth.sphere_map import SphereMap
 from isoembed.smooth.sphere_transform import SphereTransform
 from isoembed.smooth.two_metric import TwoMetric
-from isoembed.thresholds import threshold
 
-
-@dataclass(frozen=True)
-class TimeFunctionThresholds:
-    """Thresholds of the projection of time functions on harmonics."""
-
-    directions: int = threshold(1000, "count", "Directions at which a projection is checked.")
-    degree: int = threshold(16, "count", "Degree of the harmonics that functions are projected on.")
-    missed: float = threshold(1e-7, "largest value", "Miss of harmonics that is too much.")
-
-
-TIME_FUNCTION = TimeFunctionThresholds()
+DEGREE = 16  # of the harmonics onto which functions are projected
 
 
 @dataclass(frozen=True)
@@ -71,7 +60,7 @@ class TimeFunction:
         return cls(Harmonics(degree, degree), np.asarray(coefficients, dtype=np.float64))
 
     @classmethod
-    def of(cls, function: Callable[[Floats], ArrayLike], degree: int = TIME_FUNCTION.degree) -> TimeFunction:
+    def of(cls, function: Callable[[Floats], ArrayLike], degree: int = DEGREE) -> TimeFunction:
         """Projection of a function of the directions u (n, 3), with values (n,), on harmonics up to a degree.
 
         Raises
@@ -82,10 +71,10 @@ class TimeFunction:
         harmonics = Harmonics(degree, degree)
         transform = SphereTransform(harmonics, 2 * degree + 2, 4 * degree + 4)
         tau = cls(harmonics, transform.analysis(_values(function, transform.u)[:, None])[:, 0])
-        u = fibonacci_directions(TIME_FUNCTION.directions)
+        u = fibonacci_directions(1000)  # where the projection is checked
         values = _values(function, u)
         missed = float(np.abs(tau.values(u) - values).max())
-        if missed > TIME_FUNCTION.missed * np.abs(values).max():
+        if missed > 1e-7 * np.abs(values).max():  # of the largest value
             raise InvalidParameter(
                 f"tau is missed by {missed:.3g} by harmonics up to degree {degree}: it must be smooth"
             )
@@ -102,9 +91,9 @@ class TimeFunction:
         if self.coordinates is coordinates:
             return self if coordinates is None else replace(self, coordinates=None)
         if coordinates is None:
-            return TimeFunction.of(self.values, 2 * TIME_FUNCTION.degree)
+            return TimeFunction.of(self.values, 2 * DEGREE)
         rotated = self.coordinates is None and coordinates.rotation is not None
-        degree = self.harmonics.degree if rotated else 2 * TIME_FUNCTION.degree
+        degree = self.harmonics.degree if rotated else 2 * DEGREE
         return TimeFunction.of(lambda v: self.values(coordinates.forward(v)), degree)
 
     def values(self, u: Floats) -> Floats:

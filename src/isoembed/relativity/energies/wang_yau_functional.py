@@ -34,18 +34,6 @@ from isoembed.smooth.sphere_transform import SphereTransform
 from isoembed.smooth.transforms import resized
 from isoembed.smooth.two_metric import angle_frame
 from isoembed.smooth.uncertain import Uncertainty
-from isoembed.thresholds import threshold
-
-
-@dataclass(frozen=True)
-class FunctionalThresholds:
-    """Thresholds of the Wang-Yau functional."""
-
-    density: float = threshold(2.0, "relative", "Heights of nodes over the degree of the embedding.")
-    exact: float = threshold(1e-12, "relative", "Error of lengths that needs no further solve.")
-
-
-FUNCTIONAL = FunctionalThresholds()
 
 
 class Shape(NamedTuple):
@@ -126,7 +114,8 @@ class Functional:
         InvalidParameter
             k is not given, or the mean curvature vector is not spacelike and outward; the message says where.
         """
-        n = max(int(np.ceil(FUNCTIONAL.density * (harmonics.degree + 1))), time.degree + 1)
+        # Twice the degree, against aliasing.
+        n = max(int(np.ceil(2.0 * (harmonics.degree + 1))), time.degree + 1)
         samples = MetricSamples.of(data.metric, n, 2 * n)
         k, p, j = physical(data, samples.u, samples.frames)
         frames = samples.frames @ np.stack(angle_frame(samples.u), axis=2)
@@ -326,7 +315,7 @@ def _nearer(system: MatrixFreeIsometry, frames: Floats, X: Floats, stretch: Floa
         return strains(frames @ system.transform.gradients(X)) - stretch
 
     before = off(X)
-    if np.abs(before).max() <= FUNCTIONAL.exact:
+    if np.abs(before).max() <= 1e-12:  # relative error of lengths that needs no further solve
         return X
     nearer = X + system.deformations(X, -before[None])[0]
     return nearer if np.linalg.norm(off(nearer)) < np.linalg.norm(before) else X

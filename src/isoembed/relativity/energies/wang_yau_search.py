@@ -2,13 +2,11 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-
 import numpy as np
 
 from isoembed.arrays import Floats
 from isoembed.errors import NoMinimum, NotEmbedded
-from isoembed.relativity.energies.energies import ENERGY
+from isoembed.relativity.energies.energies import ROUNDING
 from isoembed.relativity.energies.second_variation import SecondVariation
 from isoembed.relativity.energies.time_function import TimeFunction, TimeRaisedMetric
 from isoembed.relativity.energies.wang_yau_functional import EmbeddedTime, Functional
@@ -20,49 +18,26 @@ from isoembed.smooth.harmonics import Harmonics
 from isoembed.smooth.orientation import oriented
 from isoembed.smooth.transforms import resized
 from isoembed.surface.estimate import Estimate
-from isoembed.thresholds import threshold
 
-
-@dataclass(frozen=True)
-class WangYauThresholds:
-    """Thresholds of the Wang-Yau energy."""
-
-    least_degree: int = threshold(
-        16, "count", "Least degree of X: what a time function adds needs some harmonics."
-    )
-    highest_degree: int = threshold(96, "count", "Highest degree of X: many harmonics cost much.")
-    second_degree: int = threshold(12, "count", "Highest degree of X for second derivatives.")
-    coarser: float = threshold(0.75, "relative", "Degree of the X that tells the error, over that of X.")
-    strained: float = threshold(1e-3, "relative", "Error of a length above which X has lost its surface.")
-    rougher: float = threshold(2.0, "relative", "The same over the surface's own, where data are rough.")
-    steps: int = threshold(30, "count", "Newton steps after which the search ends.")
-    decrease: float = threshold(
-        1e-4, "foretold decrease", "Decrease of the energy for which a step is taken."
-    )
-    shortest: float = threshold(1e-3, "Newton steps", "Length below which a step is not halved further.")
-    flat: float = threshold(
-        1e-9, "largest second derivative", "Second derivative that is none (boosts, in Minkowski space)."
-    )
-    found: float = threshold(1e-18, "irreducible mass", "Foretold decrease at which a minimum is found.")
-    flatter: float = threshold(0.3, "relative", "Gradient over the one before, where energies are rounded.")
-    stationary: float = threshold(
-        1e-9, "irreducible mass", "Decrease that Newton's step may still foretell at a minimum."
-    )
-
-
-WANG_YAU = WangYauThresholds()
+LEAST_DEGREE = 16  # of X: a time function adds harmonics to those of the surface
+HIGHEST_DEGREE = 96  # of X: the cost grows quickly
+MAX_ITERATIONS = 30  # of Newton's method
+SHORTEST_STEP = 1e-3  # fraction of the Newton step below which the line search gives up
+FLAT = 1e-9  # second derivative over the largest that is zero (boosts, in Minkowski space)
+STATIONARY = 1e-9  # predicted decrease, in irreducible masses, that a minimum may have
 
 
 class Search:
     """Energies of one surface for time functions, with a count of the embeddings."""
 
     def __init__(self, data: SurfaceData, base: SmoothEmbedding, at: TimeFunction) -> None:
-        degree = int(np.clip(base.harmonics.degree, WANG_YAU.least_degree, WANG_YAU.highest_degree))
+        degree = int(np.clip(base.harmonics.degree, LEAST_DEGREE, HIGHEST_DEGREE))
         self.data, self.base, self.at = data, base, at  # base is the X of this tau
         self.harmonics = Harmonics(degree, degree)  # of X
         self.embeddings = 1
         self.scale = float(np.sqrt(base.area / (16.0 * np.pi)))
-        self.strained = max(WANG_YAU.strained, WANG_YAU.rougher * base.residual)
+        # Above this relative error of a length X has lost its surface.
+        self.strained = max(1e-3, 2.0 * base.residual)
 
     @property
     def start(self) -> Floats:
@@ -86,7 +61,7 @@ class Search:
         """The least energy, in more and more harmonics."""
         highest = Harmonics(max(degrees), max(degrees))
         functional = self.functional(self.harmonics, highest)
-        few = min(self.harmonics.degree, WANG_YAU.second_degree)
+        few = min(self.harmonics.degree, 12)  # of X for second derivatives
         coarse = self.functional(Harmonics(few, few), highest)
         at = EmbeddedTime(functional.with_time(self.at.harmonics), self.at.coefficients[1:], self.start)
         for degree in degrees:
@@ -98,25 +73,25 @@ class Search:
             if change <= accuracy * self.scale:
                 break
         least = float(eigenvalues.min())
-        if abs(least) <= WANG_YAU.flat * eigenvalues.max():
+        if abs(least) <= FLAT * eigenvalues.max():
             least = 0.0  # a boost, in Minkowski space
         return self._result(at, change, least)
 
     def _newton(self, at: EmbeddedTime, second: SecondVariation) -> tuple[EmbeddedTime, Floats]:
         """Newton's method, downhill also where the second derivatives are negative; and their eigenvalues."""
         fewer = second.functional.X.harmonics
-        for _ in range(WANG_YAU.steps):
+        for _ in range(MAX_ITERATIONS):
             eigenvalues, modes = np.linalg.eigh(second.at(at.tau, resized(at.X, self.harmonics, fewer)))
-            sizes = np.maximum(np.abs(eigenvalues), WANG_YAU.flat * np.abs(eigenvalues).max())
+            sizes = np.maximum(np.abs(eigenvalues), FLAT * np.abs(eigenvalues).max())
             step = -modes @ ((modes.T @ at.gradient) / sizes)
             foretold = -float(at.gradient @ step)
-            if foretold <= WANG_YAU.found * self.scale:
+            if foretold <= 1e-18 * self.scale:  # irreducible masses: a smaller predicted decrease is rounding
                 break
             lower = self._line_search(at, step, foretold)
             if lower is None:
                 break
             at = lower
-        if foretold > WANG_YAU.stationary * self.scale:
+        if foretold > STATIONARY * self.scale:
             raise NoMinimum(
                 f"the search ended at E = {at.energy:.6g}, from where Newton's step was to gain "
                 f"{foretold:.1e}: the time functions beyond are not admissible or not embedded, or the steps "
@@ -128,16 +103,18 @@ class Search:
         """A time function along a step, as admissible, that embeds and has so much less energy, if any."""
         length = 1.0
         convex = at.admissible > 0.0
-        while length >= WANG_YAU.shortest:
+        while length >= SHORTEST_STEP:
             self.embeddings += 1
             there = at.functional.embedded(at.tau + length * step, at.X)
-            enough = at.energy - WANG_YAU.decrease * length * foretold
+            # Armijo's condition.
+            enough = at.energy - 1e-4 * length * foretold
             followed = there.misfit <= self.strained and not (convex and there.admissible <= 0.0)
             if followed and there.energy <= enough:
                 return there
-            if foretold <= WANG_YAU.stationary * self.scale:
+            if foretold <= STATIONARY * self.scale:
                 # Of the energy rounding is left; tau still has digits to gain.
-                flatter = np.linalg.norm(there.gradient) <= WANG_YAU.flatter * np.linalg.norm(at.gradient)
+                # Where energies are rounded, the gradient tells whether the step helps.
+                flatter = np.linalg.norm(there.gradient) <= 0.3 * np.linalg.norm(at.gradient)
                 return there if followed and flatter else None
             length *= 0.5
         return None
@@ -150,7 +127,7 @@ class Search:
             there = functional.embedded(min(1.0, done + step) * t, X)
             if there.misfit <= self.strained:
                 X, done = there.X, min(1.0, done + step)
-            elif step > WANG_YAU.shortest:
+            elif step > SHORTEST_STEP:
                 step *= 0.5
             else:
                 least = EmbeddedTime(functional, done * t, X).admissible
@@ -170,13 +147,14 @@ class Search:
                 f"{self.harmonics.degree}",
                 self.base,
             )
-        degree = int(WANG_YAU.coarser * self.harmonics.degree)
+        # The error is estimated from X of three quarters of the degree.
+        degree = int(0.75 * self.harmonics.degree)
         lower = Harmonics(degree, min(degree, self.harmonics.order))
         self.embeddings += 1
         fewer = self.functional(lower, found.functional.tau.harmonics)
         coarse = fewer.embedded(found.tau, resized(found.X, self.harmonics, lower)).refined()
         error = abs(coarse.energy - found.energy) + change
-        error += (ENERGY.rounding + self.data.lengths_error.mean) * (abs(found.energy) + found.reference)
+        error += (ROUNDING + self.data.lengths_error.mean) * (abs(found.energy) + found.reference)
         error += found.error(
             error_of(self.data.mean_curvature),
             error_of(self.data.momentum),

@@ -23,28 +23,11 @@ from isoembed.io.input_file import InputFile, opened
 from isoembed.relativity.horizons.coordinate_shape import CoordinateShape, triangulate_star_shaped
 from isoembed.relativity.horizons.horizon_format import HorizonFormat
 from isoembed.smooth.harmonics import Harmonics
-from isoembed.thresholds import threshold
 
 HEADER = re.compile(r"[#%!;\"]+\s*(N_patches|origin|N_rho|N_sigma)\b\s*[=:]?\s*(.*)", re.IGNORECASE)
 PATCH = re.compile(r"[#%!;\"]+\s*([+-][xyz])[\s_-]*patch", re.IGNORECASE)
-
-
-@dataclass(frozen=True)
-class PatchThresholds:
-    """Thresholds of reading patches of an inflated cube and of completing them by symmetry."""
-
-    angle: float = threshold(1e-3, "degrees", "The printed digits may move a point by this.")
-    seam: float = threshold(1e-4, "radians", "A point that is in two patches may be printed this far apart.")
-    radius: float = threshold(1e-5, "relative", "A printed radius may differ from that of the printed point.")
-    origin: float = threshold(1e-9, "largest coordinates", "Rounding of a distance from a far origin.")
-    widest: float = threshold(44.0, "degrees", "A patch that ends here does not reach across its axis.")
-    ghosts: int = threshold(8, "count", "Most ghost zones on each side of a patch.")
-    degree: int = threshold(8, "degree", "Harmonics that tell a smooth surface from one with a crease.")
-    creased: float = threshold(1e-3, "radii", "What is missed from here on may be missed for a crease.")
-    kept: float = threshold(0.5, "relative", "A crease is left if more harmonics still miss this much of it.")
-
-
-PATCHES = PatchThresholds()
+DIGITS = 1e-3  # degrees, by which the printed digits may move a point
+SMOOTH_DEGREE = 8  # of the harmonics that tell a smooth surface from one with a crease
 
 
 @dataclass
@@ -122,7 +105,8 @@ def shape_of_patches(origin: Floats, arrows: dict[str, Floats], source: str) -> 
         if len(arrow) == 0:
             raise FileError(f"{source}: no point of the patch {name} is in the direction {name}")
     points = origin + _completed(np.concatenate(list(trimmed.values())), halves, source)
-    kept, faces = triangulate_star_shaped(points, origin, source, same=PATCHES.seam)
+    # The copies of a point of two patches differ by their digits.
+    kept, faces = triangulate_star_shaped(points, origin, source, same=1e-4)
     return CoordinateShape(points[kept], faces, origin, source=source, is_hull=True)
 
 
@@ -178,7 +162,8 @@ def _patches(file: InputFile) -> tuple[Floats, dict[str, Floats]]:
                 raise wrong("numbers before the origin or the name of a patch")
             row = floats(words)
             r, distance = row[2], float(np.linalg.norm(np.array(row[3:]) - origin))
-            room = PATCHES.radius * r + PATCHES.origin * float(np.max(np.abs(origin)))
+            # The digits of a printed radius, and the rounding of the distance from a far origin.
+            room = 1e-5 * r + 1e-9 * float(np.max(np.abs(origin)))
             if not (np.isfinite(row).all() and r > 0 and abs(r - distance) <= room):
                 raise wrong(
                     f"the radius is {r:.6g}, but the point is at the distance {distance:.6g} from the origin"
@@ -195,7 +180,7 @@ def _patches(file: InputFile) -> tuple[Floats, dict[str, Floats]]:
 def _check_size(patch: _Patch, file: InputFile) -> None:
     """As many rows as the header says, with or without the ghost zones around them."""
     rho, sigma = patch.sizes.get("n_rho", 0), patch.sizes.get("n_sigma", 0)
-    rows, zones = len(patch.rows), range(PATCHES.ghosts + 1)
+    rows, zones = len(patch.rows), range(9)  # at most eight ghost zones on each side of a patch
     allowed = {(rho + 2 * ghosts) * (sigma + 2 * ghosts) for ghosts in zones} if rho and sigma else {rows}
     if rows == 0 or rows not in allowed:
         raise FileError(
@@ -228,7 +213,8 @@ def _halves(arrows: dict[str, Floats], origin: Floats, source: str) -> dict[int,
             for name, arrow in arrows.items():
                 sines = sign * arrow[:, axis] / np.linalg.norm(arrow, axis=1)
                 angle = float(np.degrees(np.max(np.arcsin(np.clip(sines, -1.0, 1.0)))))
-                if name[1] != letter and angle > min(widest, PATCHES.widest) + PATCHES.angle:
+                # Degrees: a patch that ends before 45 does not reach across its axis.
+                if name[1] != letter and angle > min(widest, 44.0) + DIGITS:
                     raise FileError(
                         f"{source}: the patch {'+-'[sign < 0]}{letter} is missing, and no reflection "
                         f"supplies it, as the patch {name} reaches across {letter} = {origin[axis]:.6g}"
@@ -241,7 +227,7 @@ def _trimmed(name: str, arrow: Floats, halves: dict[int, int]) -> Floats:
     """The points of a patch without ghost zones."""
     axis, sign = _axis(name)
     near = sign * arrow[:, axis]
-    room = np.radians(PATCHES.angle) * np.linalg.norm(arrow, axis=1)
+    room = np.radians(DIGITS) * np.linalg.norm(arrow, axis=1)
     keep = np.ones(len(arrow), dtype=bool)
     for i in range(3):
         if i != axis:
@@ -259,12 +245,12 @@ def _completed(arrow: Floats, halves: dict[int, int], source: str) -> Floats:
     if len(candidates) == 1:
         return _images(arrow, candidates[0].images)
     completed = [_images(arrow, candidate.images) for candidate in candidates]
-    misses = [_miss(points, PATCHES.degree) for points in completed]
+    misses = [_miss(points, SMOOTH_DEGREE) for points in completed]
     best = int(np.argmin(misses))
     # Half as many degrees again: a crease goes with 1 / degree, what is smooth exponentially.
     if (
-        misses[best] > PATCHES.creased
-        and _miss(completed[best], 3 * PATCHES.degree // 2) > PATCHES.kept * misses[best]
+        misses[best] > 1e-3  # mean radii: a smaller misfit is no crease
+        and _miss(completed[best], 3 * SMOOTH_DEGREE // 2) > 0.5 * misses[best]
     ):
         names = " nor ".join(candidate.name for candidate in candidates)
         raise FileError(

@@ -23,22 +23,8 @@ from isoembed.arrays import Floats
 from isoembed.meshing.sphere import gauss_rule
 from isoembed.smooth.harmonics import Harmonics
 from isoembed.smooth.sphere_transform import SphereTransform
-from isoembed.smooth.transforms import trimmed
+from isoembed.smooth.transforms import ROUNDING, trimmed
 from isoembed.smooth.two_metric import TwoMetric, area_density, orthonormal_frame
-from isoembed.thresholds import threshold
-
-
-@dataclass(frozen=True)
-class KillingThresholds:
-    """Thresholds of approximate Killing vectors."""
-
-    order: int = threshold(1, "count", "Highest order of potentials where the metric is axisymmetric.")
-    around: int = threshold(16, "count", "Angles of nodes there.")
-    candidates: int = threshold(8, "count", "Fields of least shear among which the three rotations are.")
-    rounding: float = threshold(1e-15, "relative", "Rounding in the harmonics of a metric.")
-
-
-KILLING = KillingThresholds()
 
 
 @dataclass(frozen=True, eq=False)
@@ -121,7 +107,7 @@ def rotations(metric: TwoMetric, degree: int, axisymmetric: bool) -> Rotations:
     keeps the digits that squares have lost.
     """
     n = 2 * degree
-    u, weights = gauss_rule(n, KILLING.around if axisymmetric else 2 * n)
+    u, weights = gauss_rule(n, 16 if axisymmetric else 2 * n)  # enough angles for order 1
     q = metric.tensor(u)
     density = area_density(q)
     area = float(weights @ density)
@@ -129,7 +115,8 @@ def rotations(metric: TwoMetric, degree: int, axisymmetric: bool) -> Rotations:
     dA = weights * (density / unit)
     q = q / unit
     e = orthonormal_frame(u, q)
-    harmonics = Harmonics(degree, min(degree, KILLING.order) if axisymmetric else degree)
+    # A rotation about the z-axis has order 0, those across it order 1.
+    harmonics = Harmonics(degree, min(degree, 1) if axisymmetric else degree)
     Y, first = harmonics.along(u, e)
     Y, first = Y[:, 1:], first[:, :, 1:]  # constants move nothing
     second = harmonics.second_along(u, e)[..., 1:]
@@ -137,7 +124,8 @@ def rotations(metric: TwoMetric, degree: int, axisymmetric: bool) -> Rotations:
     root = np.sqrt(dA)[:, None, None]
     G = (root * first).reshape(-1, Y.shape[1])
     S = (root * _trace_free(second)).reshape(-1, Y.shape[1])
-    _, found = eigh(S.T @ S, G.T @ G, subset_by_index=[0, KILLING.candidates - 1])
+    # The three rotations are among the eight fields of least shear.
+    _, found = eigh(S.T @ S, G.T @ G, subset_by_index=[0, 7])
     z = Y @ found
     means = dA @ z / (4.0 * np.pi)
     z -= means
@@ -161,7 +149,7 @@ def _bend(u: Floats, q: Floats, e: Floats, heights: int) -> Floats:
     around = len(u) // heights
     harmonics = Harmonics(heights - 1, min(heights, around // 2) - 1)
     coefficients = SphereTransform(harmonics, heights, around).analysis(q.reshape(len(u), 9))
-    needed = np.abs(coefficients).max(axis=1) > KILLING.rounding * np.abs(q).max()
+    needed = np.abs(coefficients).max(axis=1) > ROUNDING * np.abs(q).max()
     coefficients, harmonics = trimmed(coefficients, harmonics, needed)
     gradients = harmonics.derivatives(u, coefficients)[1].reshape(len(u), 3, 3, 3)
     along = np.einsum("nak,nijk->naij", e, gradients)

@@ -10,34 +10,17 @@ from numpy.polynomial import legendre
 from scipy.optimize import minimize_scalar
 
 from isoembed.arrays import Floats
-from isoembed.relativity.horizons.invariant_coordinate import InvariantCoordinate
+from isoembed.relativity.horizons.invariant_coordinate import (
+    FEWEST_NODES,
+    GROWTH,
+    MOST_NODES,
+    InvariantCoordinate,
+)
 from isoembed.smooth.two_metric import TwoMetric, area_density, orthonormal_frame
 from isoembed.smooth.uncertain import EXACT, Uncertainty
 from isoembed.surface.estimate import Estimate
-from isoembed.thresholds import threshold
 
-
-@dataclass(frozen=True)
-class CircumferenceThresholds:
-    """Thresholds of circumferences."""
-
-    fewest: int = threshold(24, "count", "Circles of latitude, and half the nodes on each, to begin with.")
-    denser: float = threshold(1.5, "relative", "Circles over those before.")
-    highest: int = threshold(96, "count", "Circles after which there are no more.")
-    highest_symmetric: int = threshold(512, "count", "The same for metrics symmetric about z.")
-    around: int = threshold(4, "count", "Nodes on a circle there.")
-    settled: float = threshold(1e-13, "relative", "Change by more nodes that is none.")
-    rounding: float = threshold(1e-14, "relative", "Rounding in sums over nodes.")
-    circle: float = threshold(
-        2.0, "relative", "Error of circles over the root of those at points and in the mean."
-    )
-    steps: int = threshold(30, "count", "Newton steps towards a circle, at most.")
-    near: float = threshold(4e-15, "absolute", "Miss of zeta that is none.")
-    step: float = threshold(1e-3, "radians", "Between circles whose parabola tells the longest.")
-    finer: int = threshold(8, "relative", "Places where extremes are sought, over the nodes.")
-
-
-CIRCUMFERENCE = CircumferenceThresholds()
+FINER = 8  # ratio of the places where extremes are sought to the nodes
 
 
 @dataclass(frozen=True)
@@ -75,19 +58,21 @@ class Circumferences:
         relative_error : Uncertainty
             Of lengths.  Meridians in the mean average it over the surface, circles of latitude one way only.
         """
-        t, atlas = CIRCUMFERENCE, _Atlas.of(metric, zeta)
-        most = t.highest_symmetric if zeta.axisymmetric else t.highest
-        n, before = t.fewest, np.full(2, np.inf)
+        atlas = _Atlas.of(metric, zeta)
+        most = 512 if zeta.axisymmetric else MOST_NODES
+        n, before = FEWEST_NODES, np.full(2, np.inf)
         while True:
             speed, _ = atlas.circles(np.zeros(1), np.array([0.5 * np.pi]), atlas.around(n))
             values = np.array([2.0 * np.pi * speed.mean(), atlas.meridian(n)])
             change = np.abs(values - before)
-            if np.all(change <= t.settled * values) or t.denser * n > most:
+            if np.all(change <= 1e-13 * values) or GROWTH * n > most:  # change with more nodes
                 break
-            n, before = int(t.denser * n), values
+            n, before = int(GROWTH * n), values
         mean = relative_error.mean
-        circle = max(mean, t.circle * float(np.sqrt(relative_error.pointwise * mean)))
-        errors = change + (t.rounding + zeta.error + np.array([circle, mean])) * values
+        # A circle averages over one dimension: the root of the errors at points and in the mean.
+        circle = max(mean, 2.0 * float(np.sqrt(relative_error.pointwise * mean)))
+        # 1e-14: rounding in sums over nodes.
+        errors = change + (1e-14 + zeta.error + np.array([circle, mean])) * values
         equatorial, polar = (Estimate(*pair) for pair in zip(values, errors, strict=True))
         longest, (low, high) = atlas.extremes(n)
         longest = Estimate(max(longest.value, equatorial.value), longest.error + equatorial.error)
@@ -138,7 +123,7 @@ class _Atlas:
 
     def around(self, n: int) -> int:
         """Number of nodes on each of n circles."""
-        return CIRCUMFERENCE.around if self.zeta.axisymmetric else 2 * n
+        return 4 if self.zeta.axisymmetric else 2 * n  # circles are orbits of the symmetry
 
     def meridian(self, n: int) -> float:
         """Twice the mean length of meridians: ``2 int dzeta`` of the means of ``1 / |grad zeta|`` on circles.
@@ -160,25 +145,26 @@ class _Atlas:
 
     def extremes(self, n: int) -> tuple[Estimate, tuple[float, float]]:
         """The length of the longest circle of latitude, of n nodes, and bounds of meridians."""
-        m = CIRCUMFERENCE.fewest
+        m = FEWEST_NODES
         x, weights = legendre.leggauss(m)
         theta = 0.5 * np.pi * (1.0 + x)
         levels, fall = self._on_meridian(theta)
         speed, slope = self.circles(levels, theta, self.around(m))
         # A Fourier series between the nodes, so that extremes are not missed.
-        finer = CIRCUMFERENCE.finer * slope.shape[1]
-        slope = np.fft.irfft(np.fft.rfft(slope, axis=1), finer, axis=1) * CIRCUMFERENCE.finer
+        finer = FINER * slope.shape[1]
+        slope = np.fft.irfft(np.fft.rfft(slope, axis=1), finer, axis=1) * FINER
         rate = (0.5 * np.pi * weights * fall)[:, None] / slope
         bounds = 2.0 * float(rate.min(axis=1).sum()), 2.0 * float(rate.max(axis=1).sum())
         # Their lengths as a polynomial in x tell the place of the longest.
         l = np.arange(m)
         series = (l + 0.5) * (legendre.legvander(x, m - 1).T @ (weights * speed.mean(axis=1)))
-        fine = np.linspace(-1.0, 1.0, CIRCUMFERENCE.finer * m)
+        fine = np.linspace(-1.0, 1.0, FINER * m)
         k = int(np.clip(np.argmax(legendre.legval(fine, series)), 1, len(fine) - 2))
         place = minimize_scalar(
             lambda y: -legendre.legval(y, series), bounds=(fine[k - 1], fine[k + 1]), method="bounded"
         ).x
-        start = 0.5 * np.pi * (1.0 + place) + CIRCUMFERENCE.step * np.arange(-1.0, 2.0)
+        # The longest circle is at the vertex of a parabola through three, 1e-3 apart.
+        start = 0.5 * np.pi * (1.0 + place) + 1e-3 * np.arange(-1.0, 2.0)
         speed, _ = self.circles(self._on_meridian(start)[0], start, self.around(n))
         below, there, above = 2.0 * np.pi * speed.mean(axis=1)
         bend = below - 2.0 * there + above
@@ -207,12 +193,12 @@ class _Atlas:
         """
         psi = np.tile(2.0 * np.pi / around * np.arange(around), len(levels))
         wanted, theta = np.repeat(levels, around), np.repeat(start, around)
-        for _ in range(CIRCUMFERENCE.steps):
+        for _ in range(30):  # Newton's method
             u, along, across = self._placed(theta, psi)
             value, gradient = self.zeta.derivatives(u)
             fall = np.einsum("ni,ni->n", gradient, along)
             missed = wanted - value
-            if np.abs(missed).max() <= CIRCUMFERENCE.near:
+            if np.abs(missed).max() <= 4e-15:  # rounding in zeta
                 break
             theta = np.clip(theta + missed / fall, 0.5 * theta, 0.5 * (np.pi + theta))
         turn = -np.einsum("ni,ni->n", gradient, across) / fall

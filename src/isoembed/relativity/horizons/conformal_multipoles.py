@@ -33,6 +33,7 @@ from isoembed.arrays import Floats
 from isoembed.errors import InvalidMetric
 from isoembed.meshing.sphere import gauss_rule
 from isoembed.meshing.surface_mesh import checked_count
+from isoembed.relativity.horizons.multipoles import STEEPER
 from isoembed.relativity.spacetimes.surface_data import SurfaceData
 from isoembed.smooth.harmonics import Harmonics
 from isoembed.smooth.spectral_curvature import spectral_curvature
@@ -58,8 +59,6 @@ SETTLED, ROUNDING = 1e-12, 1e-13
 """Change of the multipoles by more harmonics that is none, and rounding in them."""
 STEPS, SHORTEST = 50, 2.0**-20
 """Newton's steps at most, and the shortest part of one that is tried."""
-STEEPER = 0.125
-"""Growth, over l^2, of the error that uncertain lengths make, as for `Multipoles`."""
 
 
 @dataclass(frozen=True, eq=False)

@@ -11,19 +11,9 @@ from isoembed.relativity.horizons.ladder import in_degree, level_of
 from isoembed.relativity.horizons.newton import Solution, solve
 from isoembed.relativity.spacetimes.star_surface import StarSurface
 from isoembed.relativity.spacetimes.three_geometry import ThreeGeometry
-from isoembed.thresholds import threshold
 
-
-@dataclass(frozen=True)
-class LeafThresholds:
-    """Thresholds of the resolution of a surface of constant expansion."""
-
-    first: int = threshold(8, "count", "First degree.")
-    highest: tuple[int, int] = threshold((48, 512), "count", "Highest degree, and with symmetry about z.")
-    spread: float = threshold(0.02, "c R / 2", "Variation of the expansion that asks for a higher degree.")
-
-
-LEAF = LeafThresholds()
+FIRST_DEGREE = 8
+HIGHEST_DEGREES = (48, 512)  # without and with symmetry about the z-axis
 DEGREE_GROWTH = 1.5
 TRUNCATION = 1e-4
 """Size of the coefficients of high degree, in mean radii, that asks for a higher degree."""
@@ -100,7 +90,7 @@ def leaf_of(
     NoConvergence, InvalidMetric, InvalidParameter
         See `isoembed.relativity.horizons.newton.solve`.
     """
-    highest = LEAF.highest[int(symmetric)]
+    highest = HIGHEST_DEGREES[int(symmetric)]
     while True:
         level = level_of(geometry, guess)
         solution = solve(level, guess.coefficients, None, enough)
@@ -112,7 +102,8 @@ def leaf_of(
         smooth = tail <= max(TRUNCATION, solution.noise)
         fall = 0.5 * R * abs(solution.expansion)
         least = max(1e-5, R * float(errors.max()))  # about a horizon the sign is not that of all points
-        constant = spread <= max(min(LEAF.spread, 0.5 * fall), least)
+        # A variation of more than 2 % asks for a higher degree.
+        constant = spread <= max(min(0.02, 0.5 * fall), least)
         surface = StarSurface(guess.center, harmonics, f)
         seen = harmonics.degree * clearance(geometry, surface) >= surface.mean_radius
         if (smooth and constant and seen) or harmonics.degree >= highest:

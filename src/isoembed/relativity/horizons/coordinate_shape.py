@@ -15,24 +15,8 @@ from isoembed.arrays import Floats, Indices
 from isoembed.io.files import FileError
 from isoembed.mesh.joining import join
 from isoembed.mesh.merging import representatives
-from isoembed.thresholds import threshold
 
-
-@dataclass(frozen=True)
-class StarShapeThresholds:
-    """Thresholds of making a closed surface of points that are all seen from its center."""
-
-    same: float = threshold(1e-6, "radians", "Directions nearer than this are of one point, written twice.")
-    same_radius: float = threshold(1e-4, "relative", "The distances of such points may differ by this.")
-    center: float = threshold(1e-9, "largest distances", "Points nearer than this are at the center.")
-    flat: float = threshold(1e-9, "extents", "Points that lie in a plane may be this thick.")
-    hole: float = threshold(np.pi / 3, "radians", "Radius of the largest cap that may be without points.")
-    turned: float = threshold(
-        1e-3, "relative", "By more than this a polygon that is turned around is not thin."
-    )
-
-
-STAR_SHAPE = StarShapeThresholds()
+SAME_DIRECTION = 1e-6  # radians, between copies of one point
 
 
 @dataclass(frozen=True, eq=False)
@@ -132,7 +116,7 @@ def triangulate_star_shaped(
     center: Floats,
     source: str,
     polygons: Iterable[Sequence[int]] = (),
-    same: float = STAR_SHAPE.same,
+    same: float = SAME_DIRECTION,
 ) -> tuple[Indices, Indices]:
     """Closed surface of scattered points all of which can be seen from its center.
 
@@ -166,7 +150,7 @@ def triangulate_star_shaped(
     arrow = points - center
     scale = np.max(np.abs(arrow), initial=0.0)
     r = scale * np.linalg.norm(arrow / (scale or 1.0), axis=1)
-    inside = ~(r > STAR_SHAPE.center * scale)
+    inside = ~(r > 1e-9 * scale)  # a point at the center has no direction
     if inside.any():
         raise FileError(
             f"{source}: point {int(np.argmax(inside))} is at the center: "
@@ -174,7 +158,8 @@ def triangulate_star_shaped(
         )
     u = arrow / r[:, None]
     first = representatives(u, same)
-    differs = np.abs(r - r[first]) > STAR_SHAPE.same_radius * r
+    # Copies of a point have the same radius, up to the digits of the file.
+    differs = np.abs(r - r[first]) > 1e-4 * r
     if differs.any():
         i = int(np.argmax(differs))
         raise FileError(
@@ -191,7 +176,8 @@ def triangulate_star_shaped(
         )
     hull = ConvexHull(v)
     hole = int(np.argmax(hull.equations[:, 3]))
-    if hull.equations[hole, 3] > -np.cos(STAR_SHAPE.hole):
+    # A cap of 60 degrees without points is a hole.
+    if hull.equations[hole, 3] > -np.cos(np.pi / 3):
         raise FileError(
             f"{source}: there are no points around the direction {_triple(hull.equations[hole, :3])} "
             f"from the center {_triple(center)}: the surface is not complete, or not star-shaped about it, "
@@ -242,7 +228,8 @@ def _dimension(points: Floats) -> int:
     """Dimension of the least plane, line or point that finite points (n, 3) are in."""
     x = points / (np.max(np.abs(points)) or 1.0)
     arrow = x - x[0]
-    thin = STAR_SHAPE.flat * np.max(np.abs(arrow)) + 8.0 * np.finfo(np.float64).eps
+    # A thinner set of points is flat.
+    thin = 1e-9 * np.max(np.abs(arrow)) + 8.0 * np.finfo(np.float64).eps
     return int(np.linalg.matrix_rank(arrow, tol=thin * np.sqrt(len(points))))
 
 
@@ -256,9 +243,9 @@ def _check_turns(
     corners = np.array(fans)
     a, b, c = u[corners.T]
     turn = np.einsum("fi,fi->f", a, np.cross(b, c))
-    # What is thin may turn by rounding alone.
+    # A thin polygon may turn by rounding alone.
     size = np.linalg.norm(np.cross(b - a, c - a), axis=1)
-    wrong = -turn * np.sign(np.sum(turn)) > STAR_SHAPE.turned * size
+    wrong = -turn * np.sign(np.sum(turn)) > 1e-3 * size
     if wrong.any():
         i = int(corners[int(np.argmax(wrong)), 0])
         raise FileError(

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import replace
 
 import numpy as np
 
@@ -11,19 +11,6 @@ from isoembed.relativity.horizons.coordinate_shape import CoordinateShape
 from isoembed.relativity.spacetimes.checks import written
 from isoembed.relativity.spacetimes.mapped_surface import MappedSurface
 from isoembed.relativity.spacetimes.star_surface import StarSurface
-from isoembed.thresholds import threshold
-
-
-@dataclass(frozen=True)
-class CoordinateSurfaceThresholds:
-    """Thresholds of the choice between a star-shaped surface and a mapped one."""
-
-    fine: float = threshold(1e-4, "mean radius", "Misfit below which a star-shaped surface is taken at once.")
-    better: float = threshold(0.1, "relative", "Misfit of a mapped surface over it that decides for that.")
-    apart: float = threshold(0.1, "mean radius", "Misfit of points above which they are not star-shaped.")
-
-
-COORDINATE_SURFACE = CoordinateSurfaceThresholds()
 
 
 def coordinate_surface(found: CoordinateShape) -> StarSurface | MappedSurface:
@@ -45,7 +32,8 @@ def coordinate_surface(found: CoordinateShape) -> StarSurface | MappedSurface:
 def _fitted(found: CoordinateShape) -> StarSurface | MappedSurface:
     if found.is_hull:
         star = StarSurface.from_points(found.points, found.center.tolist(), found.faces)
-        if star.misfit > COORDINATE_SURFACE.apart * star.mean_radius:
+        # Points with a larger misfit are not star-shaped.
+        if star.misfit > 0.1 * star.mean_radius:
             relative = 100.0 * star.misfit / star.mean_radius
             raise InvalidParameter(
                 f"{found.source or 'the points'}: a surface r(u) about the center {written(found.center)} "
@@ -56,13 +44,14 @@ def _fitted(found: CoordinateShape) -> StarSurface | MappedSurface:
     if not _is_seen(found):
         return MappedSurface.from_mesh(found.points, found.faces)
     star = StarSurface.from_points(found.points, found.center.tolist())
-    if star.misfit <= COORDINATE_SURFACE.fine * star.mean_radius:
+    # Such a fit needs no comparison with a mapped surface.
+    if star.misfit <= 1e-4 * star.mean_radius:
         return star
     try:
         mapped = MappedSurface.from_mesh(found.points, found.faces)
     except (InvalidMetric, InvalidParameter):  # degenerate triangles, or too few: the points are enough
         return star
-    return mapped if mapped.misfit < COORDINATE_SURFACE.better * star.misfit else star
+    return mapped if mapped.misfit < 0.1 * star.misfit else star  # a mapped surface must fit ten times better
 
 
 def _is_seen(found: CoordinateShape) -> bool:

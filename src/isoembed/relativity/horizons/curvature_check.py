@@ -18,20 +18,6 @@ from isoembed.relativity.horizons.coordinate_shape import CoordinateShape
 from isoembed.relativity.spacetimes.surface_data import SurfaceData, error_of
 from isoembed.smooth.scattered_fit import fitted
 from isoembed.smooth.spectral_curvature import spectral_curvature
-from isoembed.thresholds import threshold
-
-
-@dataclass(frozen=True)
-class CurvatureCheckThresholds:
-    """Thresholds of the comparison of curvatures."""
-
-    apart: float = threshold(5.0, "expected", "Root-mean-square difference that errors do not explain.")
-    directions: int = threshold(400, "count", "Directions at which functions are compared.")
-    fewest: int = threshold(8, "count", "Least number of points that are compared.")
-    never: float = threshold(0.05, "relative", "Root-mean-square difference that no error excuses.")
-
-
-CURVATURE_CHECK = CurvatureCheckThresholds()
 
 CURVATURES = {"gaussian_curvature": 1.0, "RicciScalar": 0.5}
 """Fields that are a multiple of the Gaussian curvature, and the factors that make it of them."""
@@ -85,7 +71,7 @@ class CurvatureCheck:
         """
         if found is None:
             brought = data.gaussian_curvature
-            u = fibonacci_directions(CURVATURE_CHECK.directions)
+            u = fibonacci_directions(400)
             return brought and cls._between(
                 "gaussian_curvature", brought(u), error_of(brought).pointwise, u, data
             )
@@ -95,7 +81,7 @@ class CurvatureCheck:
         known = np.isfinite(given)
         u = (found.points - found.center if directions is None else directions)[known]
         u /= np.linalg.norm(u, axis=1)[:, None]
-        if len(u) < CURVATURE_CHECK.fewest:
+        if len(u) < 8:  # too few to compare
             return None
         noise = fitted(u, given[known], np.ones(len(u))).misfit
         return cls._between(field, given[known], noise, u, data)
@@ -113,8 +99,8 @@ class CurvatureCheck:
     @property
     def agrees(self) -> bool:
         """Whether errors explain the difference, and it is small."""
-        t = CURVATURE_CHECK
-        return self.rms <= min(t.apart * self.expected, t.never * self.size)
+        # Five times the error that is expected, and never more than 5 % of K itself.
+        return self.rms <= min(5.0 * self.expected, 0.05 * self.size)
 
     @property
     def relative(self) -> float:

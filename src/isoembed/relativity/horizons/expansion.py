@@ -13,32 +13,9 @@ from isoembed.relativity.spacetimes.surface_data import SurfaceData, error_of, v
 from isoembed.smooth.grid_metric import GridMetric
 from isoembed.smooth.harmonics import Harmonics
 from isoembed.smooth.two_metric import area_density
-from isoembed.thresholds import threshold
 
-
-@dataclass(frozen=True)
-class ExpansionThresholds:
-    """Thresholds of the horizon test."""
-
-    nodes: tuple[int, int] = threshold((48, 96), "count", "Heights and angles at which a surface is tested.")
-    rounding: float = threshold(1e-12, "largest k", "Expansion that is rounding.")
-    pointwise: float = threshold(2.0, "relative", "Largest expansion over its error that is none.")
-    together: float = threshold(
-        0.4, "relative", "Error of the displacement over the sum of those of k and p (measured: 0.27)."
-    )
-    inward: float = threshold(0.1, "relative", "k + p over k - p where the former vanishes instead.")
-    smooth: int = threshold(2, "count", "Degree of the harmonics whose part of k^2 - p^2 displaces.")
-    near: float = threshold(
-        0.01,
-        "over the radius",
-        "Displacement of what is taken for a horizon: it makes a tenth of the Kijowski-Liu-Yau energy.",
-    )
-    margin: float = threshold(
-        2.0, "relative", "Error of lengths over the displacement: spin makes it larger."
-    )
-
-
-HORIZON_TEST = ExpansionThresholds()
+ROUNDING = 1e-12  # relative to the largest k, in the expansion
+CLOSE = 0.01  # largest displacement, over the radius: a tenth of the Kijowski-Liu-Yau energy
 
 
 @dataclass(frozen=True)
@@ -70,14 +47,14 @@ class ExpansionTest:
         """Whether the expansion vanishes within its error, and that is not large."""
         return (
             not self.inward
-            and self.largest_expansion <= HORIZON_TEST.pointwise * self.expansion_error
-            and self.displacement <= self.displacement_error <= HORIZON_TEST.near
+            and self.largest_expansion <= 2.0 * self.expansion_error
+            and self.displacement <= self.displacement_error <= CLOSE
         )
 
     @property
     def is_small(self) -> bool:
         """Whether the horizon is near, or may be, so that the surface is taken for it."""
-        return not self.inward and self.displacement <= max(HORIZON_TEST.near, self.displacement_error)
+        return not self.inward and self.displacement <= max(CLOSE, self.displacement_error)
 
     @property
     def report(self) -> dict[str, Any]:
@@ -100,7 +77,7 @@ def expansion_test(data: SurfaceData) -> ExpansionTest:
     """
     if data.mean_curvature is None:
         raise InvalidParameter("whether a surface is a horizon cannot be told without its mean curvature")
-    u, weights = gauss_rule(*HORIZON_TEST.nodes)
+    u, weights = gauss_rule(48, 96)
     k = values_of(data.mean_curvature, u, "the mean curvature")
     p = np.zeros(len(u)) if data.momentum is None else values_of(data.momentum, u, "the momentum")
     if isinstance(data.metric, GridMetric):
@@ -108,12 +85,13 @@ def expansion_test(data: SurfaceData) -> ExpansionTest:
     dA = weights * area_density(data.metric.tensor(u))
     mean = float(dA.sum()) / (4.0 * np.pi)
     smooth = (
-        Harmonics(HORIZON_TEST.smooth, HORIZON_TEST.smooth).values(u) * (dA / np.sqrt(4.0 * np.pi))[:, None]
+        # The harmonics of degree 2 of k^2 - p^2 displace the surface.
+        Harmonics(2, 2).values(u) * (dA / np.sqrt(4.0 * np.pi))[:, None]
     )
     errors = error_of(data.mean_curvature), error_of(data.momentum)
     sizes = float(np.abs(k).max()), float(np.abs(p).max())
     lengths = 2.0 * data.lengths_error.mean * sum(sizes)
-    lengths += HORIZON_TEST.rounding * (sum(sizes) + 1.0 / float(np.sqrt(mean)))
+    lengths += ROUNDING * (sum(sizes) + 1.0 / float(np.sqrt(mean)))
     pointwise, average = (
         lengths + sum(getattr(error, name) for error in errors) for name in ("pointwise", "mean")
     )
@@ -123,9 +101,10 @@ def expansion_test(data: SurfaceData) -> ExpansionTest:
         largest_expansion=float(np.abs(k - p).max()),
         expansion_error=pointwise,
         displacement=displaced,
-        displacement_error=HORIZON_TEST.rounding
-        + HORIZON_TEST.together * 0.25 * mean * max(sum(sizes), average) * average,
-        inward=bool(np.abs(k + p).max() < HORIZON_TEST.inward * np.abs(k - p).max()),
+        displacement_error=ROUNDING
+        # Errors of k and p partly cancel in the displacement (measured: 0.27).
+        + 0.4 * 0.25 * mean * max(sum(sizes), average) * average,
+        inward=bool(np.abs(k + p).max() < 0.1 * np.abs(k - p).max()),  # k + p vanishes instead
     )
 
 
@@ -161,7 +140,8 @@ def judged(data: SurfaceData, marginal: bool | None, test: ExpansionTest | None 
         if marginal is None:
             data = _noted(data, f"not a horizon: {expansion}, and {away}; k and p are used as given")
         return replace(data, marginal=False)
-    data = replace(data, marginal=True, displacement=HORIZON_TEST.margin * test.displacement)
+    # Spin makes the displacement larger.
+    data = replace(data, marginal=True, displacement=2.0 * test.displacement)
     if test.is_zero:
         return data
     if marginal:

@@ -14,21 +14,9 @@ import numpy as np
 from isoembed.arrays import Floats
 from isoembed.relativity.horizons.surface_family import Jet, SurfaceFamily
 from isoembed.relativity.spacetimes.checks import check_finite, check_slice
-from isoembed.relativity.spacetimes.three_geometry import Numbers, ThreeGeometry
-from isoembed.thresholds import threshold
+from isoembed.relativity.spacetimes.three_geometry import COMPLEX_STEP, Numbers, ThreeGeometry
 
-
-@dataclass(frozen=True)
-class OperatorThresholds:
-    """Thresholds of the linearized expansion."""
-
-    step: float = threshold(
-        1.0 / 256.0, "mean radius", "Step of differences of the slice, of sixth order along the displacement."
-    )
-    complex_step: float = threshold(1e-30, "relative", "Complex step: its square is nothing beside 1.")
-
-
-OPERATOR = OperatorThresholds()
+STEP = 1.0 / 256.0  # of differences of sixth order along the displacement, over the mean radius
 
 
 @dataclass(frozen=True, eq=False)
@@ -158,11 +146,11 @@ def linearized(
     D = family.direction
     tilt = np.einsum("ni,ni->n", local.normal, D.value)
     second = -local.inverse * np.array([1.0, 2.0, 1.0]) * tilt[:, None]
-    i_step = 1j * OPERATOR.complex_step
+    i_step = 1j * COMPLEX_STEP
 
     def derivative(fields: Fields, first: Numbers, bend: Numbers) -> Floats:
         moved = LocalSurface.of(fields, first, surface.second + i_step * bend)
-        return np.asarray(moved.expansion.imag / OPERATOR.complex_step)
+        return np.asarray(moved.expansion.imag / COMPLEX_STEP)
 
     slopes = []
     for a in range(2):
@@ -177,7 +165,7 @@ def linearized(
 def _displaced(geometry: ThreeGeometry, x: Floats, D: Floats, fields: Fields) -> Fields:
     """The slice at the points ``x + i eps D``."""
     size = np.sqrt(np.mean(np.sum((x - x.mean(axis=0)) ** 2, axis=1)))
-    h = OPERATOR.step * float(size)
+    h = STEP * float(size)
     gradient, K = np.zeros_like(fields.gradient), np.zeros_like(fields.K)
     for steps, weight in ((1, 45.0 / 60.0), (2, -9.0 / 60.0), (3, 1.0 / 60.0)):
         for sign in (1.0, -1.0):
@@ -185,6 +173,6 @@ def _displaced(geometry: ThreeGeometry, x: Floats, D: Floats, fields: Fields) ->
             there = check_finite("the gradient of the 3-metric", moved, geometry.gradient(moved))
             gradient += sign * weight / h * there
             K += sign * weight / h * curvature_at(geometry, moved)
-    i_step = 1j * OPERATOR.complex_step
+    i_step = 1j * COMPLEX_STEP
     along = np.einsum("nk,nkij->nij", D, fields.gradient)
     return Fields(fields.gamma + i_step * along, fields.gradient + i_step * gradient, fields.K + i_step * K)

@@ -23,23 +23,10 @@ from isoembed.relativity.spacetimes.star_surface import StarSurface
 from isoembed.relativity.spacetimes.surface import Surface
 from isoembed.relativity.spacetimes.three_geometry import ThreeGeometry
 from isoembed.smooth.two_metric import angle_frame
-from isoembed.thresholds import threshold
 
-
-@dataclass(frozen=True)
-class FinderThresholds:
-    """Thresholds of the horizon finder."""
-
-    nodes: tuple[int, int] = threshold((16, 32), "count", "Heights and angles at which a guess is tried.")
-    sheet: int = threshold(24, "count", "First degree of surfaces inside of a horizon.")
-    spheres: tuple[float, ...] = threshold(
-        (1.0, 0.8, 0.64, 0.5, 0.4, 0.32, 2.0, 4.0, 8.0, 16.0, 32.0),
-        "relative",
-        "First spheres that are tried: small ones in grids and among holes, large ones around fast holes.",
-    )
-
-
-FINDER = FinderThresholds()
+NODES = (16, 32)  # heights and angles at which a guess is tried
+# First spheres, over the guess: small ones for grids and among holes, large ones around fast holes.
+RADII = (1.0, 0.8, 0.64, 0.5, 0.4, 0.32, 2.0, 4.0, 8.0, 16.0, 32.0)
 FAILURES = (NoConvergence, InvalidMetric, InvalidParameter)
 """Exceptions that end a search."""
 
@@ -98,7 +85,7 @@ def find_horizon(geometry: ThreeGeometry, guess: Surface | None = None) -> Found
             f"the others have {others}"
         )
         return replace(first, notes=(*first.notes, note))
-    guess.expansion(geometry, gauss_rule(*FINDER.nodes)[0])  # refuses a guess that leaves the slice
+    guess.expansion(geometry, gauss_rule(*NODES)[0])  # refuses a guess that leaves the slice
     try:
         return _near(geometry, guess, 0.0)
     except FAILURES as error:
@@ -178,7 +165,8 @@ def inner_horizon(outer: FoundHorizon) -> FoundHorizon:
     """
     geometry, surface = outer.geometry, outer.surface
     try:
-        start = Sheet.of(surface, FINDER.sheet, symmetric=is_symmetric(geometry, surface)).even()
+        # First degree of surfaces inside a horizon.
+        start = Sheet.of(surface, 24, symmetric=is_symmetric(geometry, surface)).even()
         inner = mapped_horizon(geometry, swept_mapped(geometry, start), 0.0)
     except FAILURES as error:
         raise NoHorizon(f"no inner horizon was found where it was looked for: {error}") from None
@@ -251,8 +239,8 @@ def _search(geometry: ThreeGeometry) -> _Search:
 
 def _holes_inside(geometry: ThreeGeometry, surface: Surface) -> frozenset[int]:
     """The black holes inside a surface, by their place in the slice's list: its solid angle there is 4 pi."""
-    n, order = surface.harmonics.degree + FINDER.nodes[0], surface.harmonics.order
-    u, weights = gauss_rule(n, 2 * (order + FINDER.nodes[0]))
+    n, order = surface.harmonics.degree + NODES[0], surface.harmonics.order
+    u, weights = gauss_rule(n, 2 * (order + NODES[0]))
     jet = surface.jet(u)
     normals = np.cross(*(np.einsum("nij,nj->ni", jet.first, e) for e in angle_frame(u)))
     inside = []
@@ -285,7 +273,7 @@ def _inside_sphere(geometry: ThreeGeometry, place: Place) -> FoundHorizon:
     why = "none of the spheres encloses all holes"
     at = [position for _, position in getattr(geometry, "black_holes", ())]
     extent = max((math.dist(at[i], place.center) for i in place.holes), default=0.0)
-    for factor in FINDER.spheres:
+    for factor in RADII:
         if factor * place.radius <= extent:
             continue
         start = StarSurface.sphere(place.center, factor * place.radius)

@@ -23,7 +23,8 @@ from isoembed.errors import InvalidMetric, InvalidParameter
 from isoembed.meshing.sphere import gauss_rule
 from isoembed.relativity.horizons.constant_expansion import (
     DEGREE_GROWTH,
-    LEAF,
+    FIRST_DEGREE,
+    HIGHEST_DEGREES,
     PRECISE_RESIDUAL,
     TRUNCATION,
     Leaf,
@@ -36,19 +37,9 @@ from isoembed.relativity.spacetimes.scaled_curvature import ScaledCurvature
 from isoembed.relativity.spacetimes.star_surface import StarSurface
 from isoembed.relativity.spacetimes.three_geometry import ThreeGeometry
 from isoembed.smooth.transforms import resized
-from isoembed.thresholds import threshold
 
-
-@dataclass(frozen=True)
-class FoliationThresholds:
-    """Thresholds of the foliation by surfaces of constant expansion."""
-
-    step: float = threshold(0.15, "mean radius", "Longest displacement of a leaf from the one before.")
-    shortest: float = threshold(1e-4, "mean radius", "Shortest displacement that is tried.")
-    prediction: float = threshold(0.3, "displacement", "Largest difference of a leaf from its prediction.")
-
-
-FOLIATION = FoliationThresholds()
+SHORTEST_STEP = 1e-4  # over the mean radius
+MISSED = 0.3  # largest difference of a leaf from its prediction, over the displacement
 SMALLEST = 1e-3
 """Mean radius over that of the first leaf at which the foliation ends."""
 RELATIVE_RISE, ABSOLUTE_RISE = 1.05, 0.25
@@ -97,7 +88,9 @@ class Foliation:
         return self.minimum is not None and abs(self.minimum.expansion) <= self.minimum_error
 
 
-def foliate(geometry: ThreeGeometry, start: StarSurface, *, symmetric: bool) -> Foliation:
+def foliate(
+    geometry: ThreeGeometry, start: StarSurface, *, symmetric: bool, longest_step: float = 0.15
+) -> Foliation:
     """Leaves from a surface inwards to a horizon, or outwards from a trapped one.
 
     Parameters
@@ -106,6 +99,8 @@ def foliate(geometry: ThreeGeometry, start: StarSurface, *, symmetric: bool) -> 
     start : StarSurface
     symmetric : bool
         About z: slice and surface.
+    longest_step : float
+        Longest displacement of a leaf from the one before, over the mean radius.
 
     Raises
     ------
@@ -114,7 +109,7 @@ def foliate(geometry: ThreeGeometry, start: StarSurface, *, symmetric: bool) -> 
     """
     leaves = [_first(geometry, start, symmetric)]
     outward = leaves[0].expansion <= 0.0
-    largest, step, why = leaves[0].surface.mean_radius, FOLIATION.step, ""
+    largest, step, why = leaves[0].surface.mean_radius, longest_step, ""
     minimum, error, end_at = None, 0.0, np.inf
     while True:
         last = leaves[-1]
@@ -126,19 +121,17 @@ def foliate(geometry: ThreeGeometry, start: StarSurface, *, symmetric: bool) -> 
             step *= 0.5
             if not why or not isinstance(failure, NoConvergence):
                 why = str(failure)
-            if step < FOLIATION.shortest or minimum is not None:
+            if step < SHORTEST_STEP or minimum is not None:
                 end = f"no smaller one was found: {why}{_noisy(last)}"
                 return Foliation(tuple(leaves), None, minimum, error, end)
             continue
-        if missed > FOLIATION.prediction:
+        if missed > MISSED:
             step, why = 0.5 * step, "surfaces differ from their prediction"
-            if step < FOLIATION.shortest:
+            if step < SHORTEST_STEP:
                 end = f"no smaller one was found: {why}{_noisy(last)}"
                 return Foliation(tuple(leaves), None, minimum, error, end)
             continue
-        step = min(
-            FOLIATION.step, step * float(np.clip(0.5 * FOLIATION.prediction / max(missed, 1e-3), 0.5, 2.0))
-        )
+        step = min(longest_step, step * float(np.clip(0.5 * MISSED / max(missed, 1e-3), 0.5, 2.0)))
         why = ""
         if (leaf.expansion <= 0.0) != outward:
             barriers = (leaf, last) if outward else (last, leaf)
@@ -224,7 +217,7 @@ def least_expansion(
     NoConvergence, InvalidMetric, InvalidParameter
         See `isoembed.relativity.horizons.newton.solve`.
     """
-    highest = LEAF.highest[int(symmetric)]
+    highest = HIGHEST_DEGREES[int(symmetric)]
     family, largest, smallest = _family(geometry, outer, inner, symmetric)
     xtol = 1e-5 * abs(largest - smallest)
     lowest = family.at(_root(lambda mean: family.at(mean).rate, smallest, largest, xtol))
@@ -268,7 +261,7 @@ def _first(geometry: ThreeGeometry, start: StarSurface, symmetric: bool) -> Leaf
     Around a hole in motion leaves are displaced by a part of their radius that grows with the speed, too far
     for Newton's method from a sphere: K_ij is turned on in steps.
     """
-    surface = in_degree(start, max(LEAF.first, start.harmonics.degree), symmetric)
+    surface = in_degree(start, max(FIRST_DEGREE, start.harmonics.degree), symmetric)
     for factor in (1.0,) if geometry.time_symmetric else (0.0, 0.25, 0.5, 0.75, 1.0):
         leaf = leaf_of(ScaledCurvature(geometry, factor), surface, symmetric=symmetric)
         surface = recentered(leaf.surface, symmetric)

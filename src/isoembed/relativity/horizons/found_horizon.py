@@ -21,20 +21,6 @@ from isoembed.relativity.spacetimes.surface_data import SurfaceData
 from isoembed.relativity.spacetimes.three_geometry import ThreeGeometry
 from isoembed.smooth.scattered_fit import deviating
 from isoembed.smooth.transforms import resized
-from isoembed.thresholds import threshold
-
-
-@dataclass(frozen=True)
-class FoundThresholds:
-    """Thresholds of surfaces of constant expansion that were found."""
-
-    marginal: float = threshold(1e-9, "relative", "Stability eigenvalue above minus this, not negative.")
-    off: float = threshold(0.01, "radius", "Distance by which a surface may be off to be the one asked for.")
-    unresolved: float = threshold(0.01, "over the areal radius", "Expansion that is not that asked for.")
-    degenerate: float = threshold(1e-7, "relative", "Stability eigenvalue that is zero.")
-
-
-FOUND = FoundThresholds()
 
 
 @dataclass(frozen=True, eq=False)
@@ -86,7 +72,7 @@ class FoundHorizon:
     @property
     def outer(self) -> bool:
         """Whether it is stable, as outermost horizons are; an inner horizon is not."""
-        return self.stability >= -FOUND.marginal
+        return self.stability >= -1e-9  # a stability of zero is not negative
 
     @property
     def irreducible_mass(self) -> float:
@@ -168,13 +154,13 @@ def _described(
     degree, R = surface.harmonics.degree, level.areal_radius(shape)
     left = f"in degree {degree} the expansion is still {residual:.2g} / R, R the areal radius"
     off = surface.misfit / surface.mean_radius
-    if off > FOUND.off:
+    if off > 0.01:  # farther away it is another surface
         raise NoConvergence(f"{left}, and the slice may displace the surface by {100.0 * off:.2g} %")
-    if residual > FOUND.unresolved and ended != "enough":
+    if residual > 0.01 and ended != "enough":  # not the expansion that was asked for
         raise NoConvergence(f"{left}, and no higher degree was tried")
     stability = principal_eigenvalue(level.equations(shape), R) * R * R
     notes = [f"{left}: no higher degree was tried"] if ended == "exhausted" else []
-    if expansion == 0.0 and abs(stability) <= FOUND.degenerate:
+    if expansion == 0.0 and abs(stability) <= 1e-7:  # the stability eigenvalue is zero
         notes.append(
             f"degenerate: its stability eigenvalue is {stability:.1g} / R^2, zero to rounding, as that of an "
             "extreme black hole, or of two horizons where they merge"

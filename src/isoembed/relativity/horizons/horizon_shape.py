@@ -16,21 +16,8 @@ from isoembed.relativity.spacetimes.surface_data import SurfaceData
 from isoembed.smooth.transforms import resized
 from isoembed.smooth.uncertain import Uncertainty
 from isoembed.surface.estimate import Estimate
-from isoembed.thresholds import threshold
 
-
-@dataclass(frozen=True)
-class HorizonShapeThresholds:
-    """Thresholds of the choice of an axis."""
-
-    upright: float = threshold(0.9, "cosine", "Above this the axis of a spin is that of a symmetry about z.")
-    degrees: tuple[int, ...] = threshold(
-        (8, 12, 16), "count", "Degrees of rotations where there is no spin, one after the other."
-    )
-    settled: float = threshold(1e-6, "relative", "Change of a potential by more harmonics that is none.")
-
-
-HORIZON_SHAPE = HorizonShapeThresholds()
+DEGREES = (8, 12, 16)  # of rotations where there is no spin, one after the other
 
 
 @dataclass(frozen=True)
@@ -85,20 +72,21 @@ def _coordinate(data: SurfaceData, spin: Spin | None) -> InvariantCoordinate:
     upright = InvariantCoordinate.about(metric, relative_error=error)
     if turning is None:
         return upright or _least_sheared(data)
-    if upright is not None and abs(turning.axis[2]) > HORIZON_SHAPE.upright:
+    # The axis of the spin is the z-axis, but for errors.
+    if upright is not None and abs(turning.axis[2]) > 0.9:
         return upright
     return InvariantCoordinate.about(metric, turning.axis.tolist(), error) or turning
 
 
 def _least_sheared(data: SurfaceData) -> InvariantCoordinate:
     """Invariant coordinate of the rotation of least shear; the largest component of its axis is positive."""
-    few = rotations(data.metric, HORIZON_SHAPE.degrees[0], False)
-    for degree in HORIZON_SHAPE.degrees[1:]:
+    few = rotations(data.metric, DEGREES[0], False)
+    for degree in DEGREES[1:]:
         more = rotations(data.metric, degree, False)
         before, potential = (three.coefficients @ three.least_sheared for three in (few, more))
         before = resized(before[:, None], few.harmonics, more.harmonics)[:, 0]
         change = min(float(np.linalg.norm(potential - sign * before)) for sign in (1.0, -1.0))
-        if change <= HORIZON_SHAPE.settled:
+        if change <= 1e-6:  # relative change of the potential with more harmonics
             break
         few = more
     zeta = InvariantCoordinate.of_potential(potential, more.harmonics, change + data.relative_error)

@@ -21,24 +21,11 @@ from isoembed.arrays import Floats
 from isoembed.meshing.sphere import fibonacci_directions, gauss_rule
 from isoembed.smooth.harmonics import Harmonics
 from isoembed.smooth.sphere_transform import SphereTransform
-from isoembed.smooth.transforms import trimmed
+from isoembed.smooth.transforms import NEGLIGIBLE, ROUNDING, trimmed
 from isoembed.smooth.two_metric import TwoMetric, area_density, is_axisymmetric
-from isoembed.thresholds import threshold
 
-
-@dataclass(frozen=True)
-class InvariantCoordinateThresholds:
-    """Thresholds of invariant coordinates."""
-
-    first_degree: int = threshold(32, "count", "Degree tried first for a metric symmetric about z.")
-    highest_degree: int = threshold(512, "count", "Degree after which there is none.")
-    settled: float = threshold(1e-15, "relative", "Size of the highest harmonics that are rounding.")
-    nothing: float = threshold(5e-17, "relative", "Size of harmonics that are left out.")
-    steps: int = threshold(20, "count", "Newton steps towards a pole, at most.")
-    pole: float = threshold(1e-15, "radians", "Step towards a pole that is none.")
-
-
-INVARIANT = InvariantCoordinateThresholds()
+FEWEST_NODES, MOST_NODES = 24, 96  # heights of nodes of integrals over zeta
+GROWTH = 1.5  # ratio of successive numbers of heights
 
 
 @dataclass(frozen=True)
@@ -102,23 +89,22 @@ class InvariantCoordinate:
         turned = Turned(metric, frame)
         if not is_axisymmetric(turned):
             return None
-        t = INVARIANT
-        degree = t.first_degree
+        degree = 32  # first degree; it is doubled
         while True:
             harmonics = Harmonics(degree, 0)
             transform = SphereTransform(harmonics, degree + 1, 2)
             density = transform.analysis(area_density(turned.tensor(transform.u))[:, None])[:, 0]
             sizes = np.abs(density) / density[0]
             tail = float(sizes[3 * degree // 4 :].max())
-            if tail <= max(t.settled, relative_error) or 2 * degree > t.highest_degree:
+            if tail <= max(ROUNDING, relative_error) or 2 * degree > 512:
                 break
             degree *= 2
-        density, harmonics = trimmed(density, harmonics, sizes > t.nothing)
+        density, harmonics = trimmed(density, harmonics, sizes > NEGLIGIBLE)
         series = legendre.legint(density / density[0] * np.sqrt(2 * harmonics.labels[0] + 1), lbnd=0)
         ends = legendre.legval([-1.0, 1.0], series)
         series[0] -= 0.5 * (ends[0] + ends[1])
         norms = np.sqrt(4.0 * np.pi / (2 * np.arange(len(series)) + 1))
-        error = t.settled + tail + relative_error
+        error = ROUNDING + tail + relative_error
         return cls(Harmonics(len(series) - 1, 0), series * norms, error, frame, True)
 
     @classmethod
@@ -158,13 +144,13 @@ class InvariantCoordinate:
     def _summit(self, sign: float) -> Floats:
         u = fibonacci_directions(self.harmonics.size)
         u = u[[int(np.argmax(sign * self.harmonics.derivatives(u, self.coefficients)[0]))]]
-        for _ in range(INVARIANT.steps):
+        for _ in range(20):  # Newton's method
             _, slope, bend = self.harmonics.derivatives(u, self.coefficients)
             # Along u, where the Hessian is nothing, its part is filled in.
             step = -np.linalg.solve(bend[0] - sign * np.outer(u[0], u[0]), slope[0])
             u = u + step
             u /= np.linalg.norm(u)
-            if np.linalg.norm(step) <= INVARIANT.pole:
+            if np.linalg.norm(step) <= 1e-15:  # rounding
                 break
         return np.asarray(u[0] @ self.frame)
 

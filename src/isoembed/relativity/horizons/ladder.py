@@ -11,7 +11,7 @@ import numpy as np
 from isoembed.meshing.sphere import fibonacci_directions, gauss_rule
 from isoembed.relativity.horizons.newton import NoConvergence, Solution, solve
 from isoembed.relativity.horizons.surface_family import SurfaceFamily
-from isoembed.relativity.horizons.surface_level import Level, Shape
+from isoembed.relativity.horizons.surface_level import DEALIASING, Level, Shape
 from isoembed.relativity.spacetimes.star_surface import StarSurface
 from isoembed.relativity.spacetimes.surface import Surface
 from isoembed.relativity.spacetimes.three_geometry import ThreeGeometry
@@ -19,35 +19,11 @@ from isoembed.smooth.harmonics import Harmonics
 from isoembed.smooth.sphere_transform import SphereTransform
 from isoembed.smooth.transforms import resized
 from isoembed.smooth.two_metric import is_symmetric_about_z
-from isoembed.thresholds import threshold
 
-
-@dataclass(frozen=True)
-class LadderThresholds:
-    """Thresholds of the degree in which a surface of constant expansion is found."""
-
-    nodes: float = threshold(1.5, "relative", "Circles of latitude over the degree: aliasing is cut off.")
-    apart: int = threshold(5, "count", "Circles more than the degree where the expansion is tested.")
-    first: int = threshold(8, "count", "First degree.")
-    growth: float = threshold(1.4, "relative", "By which the degree grows, at least.")
-    highest: int = threshold(128, "count", "Highest degree.")
-    symmetric: int = threshold(512, "count", "Highest degree with symmetry about z.")
-    rounding: float = threshold(1e-12, "over the areal radius", "Expansion that is rounding.")
-    noise: float = threshold(0.1, "relative", "Expansion over the slice's error that is as small as that.")
-    resolved: float = threshold(1e-3, "over the areal radius", "Expansion that shows all of the surface.")
-    stalled: float = threshold(0.5, "relative", "Decrease of the expansion from degree to degree, at least.")
-    patience: int = threshold(2, "count", "Degrees in a row without it that end the search.")
-    off: float = threshold(0.01, "mean radius", "Distance of the center from the centroid that is moved.")
-    moves: int = threshold(3, "count", "How often the center is moved.")
-    rays: int = threshold(50, "count", "Most of Newton's steps to where rays from the new center meet it.")
-    grazing: float = threshold(0.1, "relative", "Cosine of rays to normals, at least, in these.")
-    met: float = threshold(1e-14, "relative", "Step that is the last of these.")
-    directions: int = threshold(200, "count", "Directions in which symmetry about z is looked for.")
-    twist: float = threshold(1e-12, "mean radius", "Displacement around z that is none.")
-    trials: int = threshold(3, "count", "Degrees without a solution that do not end the search.")
-
-
-LADDER = LadderThresholds()
+HIGHEST_DEGREE = 128
+HIGHEST_SYMMETRIC = 512  # degree, with symmetry about the z-axis
+ROUNDING = 1e-12  # in the expansion, over the areal radius
+RESOLVED = 1e-3  # expansion, over the areal radius, of a surface that is resolved
 
 
 @dataclass(frozen=True, eq=False)
@@ -73,14 +49,14 @@ class Rung:
 def level_of(geometry: ThreeGeometry, surface: StarSurface) -> Level:
     """The star-shaped surfaces about the same center and in the same harmonics."""
     harmonics = surface.harmonics
-    n = int(LADDER.nodes * harmonics.degree) + 2
+    n = int(DEALIASING * harmonics.degree) + 2
     return _level(geometry, surface, n, 2 * n if harmonics.order else 1)
 
 
 def shape_apart(geometry: ThreeGeometry, surface: StarSurface) -> tuple[Level, Shape]:
     """The surface at nodes that are not those of `level_of`."""
-    n = surface.harmonics.degree + LADDER.apart
-    n += n == int(LADDER.nodes * surface.harmonics.degree) + 2
+    n = surface.harmonics.degree + 5  # a rule that shares no nodes with that of `level_of`
+    n += n == int(DEALIASING * surface.harmonics.degree) + 2
     level = _level(geometry, surface, n, 2 * n + 1 if surface.harmonics.order else 1)
     return level, level.shape(surface.coefficients)
 
@@ -111,10 +87,10 @@ def is_symmetric(geometry: ThreeGeometry, surface: Surface) -> bool:
 
 def _is_upright(surface: Surface) -> bool:
     """Whether the angle phi of a point of a mapped surface is that of its direction."""
-    u = fibonacci_directions(LADDER.directions)
+    u = fibonacci_directions(200)  # where a twist is looked for
     x = surface.points(u)
     twist = x[:, 0] * u[:, 1] - x[:, 1] * u[:, 0]
-    return bool(np.abs(twist).max() <= LADDER.twist * surface.mean_radius)
+    return bool(np.abs(twist).max() <= 1e-12 * surface.mean_radius)  # rounding
 
 
 def climbed(
@@ -144,40 +120,41 @@ def climbed(
     NoConvergence, InvalidMetric, InvalidParameter
         See `isoembed.relativity.horizons.newton.solve`.
     """
-    highest = LADDER.symmetric if symmetric else LADDER.highest
-    degree, steps, waited, failures = max(LADDER.first, min(start.harmonics.degree, highest)), 0, 0, 0
+    highest = HIGHEST_SYMMETRIC if symmetric else HIGHEST_DEGREE
+    degree, steps, waited, failures = max(8, min(start.harmonics.degree, highest)), 0, 0, 0  # first degree
     best: Rung | None = None
     surface, moves = start, 0
     while True:
         surface = in_degree(surface, degree, symmetric)
         level = level_of(geometry, surface)
         try:
-            enough = 0.0 if best is None else 1e-3 * LADDER.rounding
+            enough = 0.0 if best is None else 1e-3 * ROUNDING
             solution = solve(level, surface.coefficients, expansion, enough)
         except NoConvergence:
-            if best is not None and best.residual <= LADDER.resolved:
+            if best is not None and best.residual <= RESOLVED:
                 return best, steps, "stalled"
             failures += 1
-            if failures > LADDER.trials or degree >= highest:
+            if failures > 3 or degree >= highest:  # degrees without a solution before the search ends
                 raise
             degree = min(highest, _next(degree))
             continue
         steps += solution.steps
         surface = StarSurface(surface.center, surface.harmonics, solution.shape.f)
         centered = recentered(surface, symmetric)
-        if centered is not surface and moves < LADDER.moves:
+        if centered is not surface and moves < 3:  # the center is moved three times at most
             surface, moves = centered, moves + 1
             continue
         apart, shape = shape_apart(geometry, surface)
         residual = apart.areal_radius(shape) * float(np.abs(shape.local.expansion - expansion).max())
-        falls = best is None or residual <= LADDER.stalled * best.residual
-        waited = 0 if falls or residual > LADDER.resolved else waited + 1
+        # Least decrease of the residual from degree to degree.
+        falls = best is None or residual <= 0.5 * best.residual
+        waited = 0 if falls or residual > RESOLVED else waited + 1
         if best is None or residual < best.residual:
             best = Rung(surface, level, solution, residual)
         known = float(np.abs(apart.expansion_errors(shape)).max()) * apart.areal_radius(shape)
-        if residual <= max(LADDER.rounding, LADDER.noise * known):
+        if residual <= max(ROUNDING, 0.1 * known):  # no more digits than the slice has
             return best, steps, "enough"
-        if waited >= LADDER.patience:
+        if waited >= 2:  # two degrees without a decrease
             return best, steps, "stalled"
         if degree >= highest:
             return best, steps, "exhausted"
@@ -194,7 +171,7 @@ def recentered(surface: StarSurface, symmetric: bool) -> StarSurface:
     off = (volume * 0.75 * r) @ u / volume.sum()
     if symmetric or not surface.harmonics.order:
         off[:2] = 0.0
-    if np.linalg.norm(off) <= LADDER.off * surface.mean_radius:
+    if np.linalg.norm(off) <= 0.01 * surface.mean_radius:
         return surface
     return about(surface, (np.array(surface.center) + off).tolist())
 
@@ -207,16 +184,16 @@ def about(surface: StarSurface, center: Sequence[float]) -> StarSurface:
     transform = _transform(surface.harmonics, degree + 1, 2 * degree + 2 if surface.harmonics.order else 1)
     u = transform.u
     t = surface.radius(u)
-    for _ in range(LADDER.rays):
+    for _ in range(50):  # Newton's method
         w = off + t[:, None] * u
         size = np.linalg.norm(w, axis=1)
         v = w / size[:, None]
         r, slope, _ = surface.harmonics.derivatives(v, surface.coefficients)
         along = np.einsum("ni,ni->n", v, u)
         rate = along - np.einsum("ni,ni->n", slope, u) / size
-        change = (size - r) / np.maximum(rate, LADDER.grazing)
+        change = (size - r) / np.maximum(rate, 0.1)  # rays that graze the surface take short steps
         t = t - change
-        if np.abs(change).max() <= LADDER.met * size.max():
+        if np.abs(change).max() <= 1e-14 * size.max():  # rounding
             break
     coefficients = transform.analysis(t[:, None])[:, 0]
     return StarSurface(center, surface.harmonics, coefficients)

@@ -21,33 +21,21 @@ import numpy as np
 from numpy.polynomial import legendre
 
 from isoembed.arrays import Floats
-from isoembed.relativity.horizons.invariant_coordinate import InvariantCoordinate
+from isoembed.relativity.horizons.invariant_coordinate import (
+    FEWEST_NODES,
+    GROWTH,
+    MOST_NODES,
+    InvariantCoordinate,
+)
 from isoembed.relativity.spacetimes.surface_data import SurfaceData
 from isoembed.smooth.spectral_curvature import spectral_curvature
 from isoembed.smooth.two_metric import area_density
 from isoembed.smooth.uncertain import UncertainFunction
 from isoembed.surface.estimate import Estimate
-from isoembed.thresholds import threshold
 
-
-@dataclass(frozen=True)
-class MultipoleThresholds:
-    """Thresholds of multipoles."""
-
-    order: int = threshold(8, "count", "Highest multipole.")
-    fewest: int = threshold(24, "count", "Heights of nodes to begin with.")
-    denser: float = threshold(1.5, "relative", "Heights of nodes over those before.")
-    highest: int = threshold(96, "count", "Heights of nodes after which there are no more.")
-    highest_symmetric: int = threshold(1000, "count", "The same for metrics symmetric about z.")
-    around: int = threshold(8, "count", "Nodes on a circle there.")
-    steeper: float = threshold(
-        0.125, "over n^2", "Growth of the error that uncertain lengths make in the n-th multipole."
-    )
-    settled: float = threshold(1e-13, "absolute", "Change of a geometric multipole that is none.")
-    rounding: float = threshold(5e-14, "absolute", "Rounding in a geometric multipole.")
-
-
-MULTIPOLES = MultipoleThresholds()
+ORDER = 8  # of the highest multipole
+STEEPER = 0.125  # growth, over l^2, of the error that uncertain lengths make
+ROUNDING = 5e-14  # in a geometric multipole
 
 
 @dataclass(frozen=True)
@@ -74,20 +62,19 @@ class Multipoles:
     @classmethod
     def of(cls, data: SurfaceData, zeta: InvariantCoordinate) -> Multipoles:
         """The multipoles of a horizon with an invariant coordinate."""
-        t = MULTIPOLES
         K = spectral_curvature(data.metric, data.relative_error)
-        most = t.highest_symmetric if zeta.axisymmetric else t.highest
-        n, before = t.fewest, np.full((2, t.order + 1), np.inf)
+        most = 1000 if zeta.axisymmetric else MOST_NODES
+        n, before = FEWEST_NODES, np.full((2, ORDER + 1), np.inf)
         while True:
             moments, area = _moments(data, zeta, K, n)
             change = np.abs(moments - before)
-            if change.max() <= t.settled or t.denser * n > most:
+            if change.max() <= 1e-13 or GROWTH * n > most:  # change with more nodes
                 break
-            n, before = int(t.denser * n), moments
-        l = np.arange(t.order + 1)
+            n, before = int(GROWTH * n), moments
+        l = np.arange(ORDER + 1)
         # By parts twice; and what is only seen by higher multipoles is less certain than the mean.
-        steep = l * (l + 1) * (1.0 + t.steeper * l**2)
-        errors = change + t.rounding + steep * (data.relative_error + zeta.error)
+        steep = l * (l + 1) * (1.0 + STEEPER * l**2)
+        errors = change + ROUNDING + steep * (data.relative_error + zeta.error)
         errors[0] += K.error.mean * area
         if isinstance(data.normal_momentum, UncertainFunction):
             errors[1] += steep * np.pi * data.normal_momentum.error.mean
@@ -103,7 +90,7 @@ class Multipoles:
         displaced = l * (l + 1) * data.displacement
         shape, rotation = (_estimates(*pair) for pair in zip(moments, errors + displaced, strict=True))
         scale = np.sqrt(4.0 * np.pi / (2 * l + 1)) * R**l
-        lengths = (l + 2) * (data.relative_error + MULTIPOLES.rounding)
+        lengths = (l + 2) * (data.relative_error + ROUNDING)
         moved = (l + 1) * data.displacement
         spins = scale * R / (4.0 * np.pi) * moments[1]
         uncertain = scale * R / (4.0 * np.pi) * (errors[1] + np.where(l == 1, 0.0, displaced))
@@ -136,10 +123,10 @@ def _moments(
     data: SurfaceData, zeta: InvariantCoordinate, K: Callable[[Floats], Floats], n: int
 ) -> tuple[Floats, float]:
     """I_l and L_l (2, order + 1), and the area, from n heights of nodes."""
-    u, weights = zeta.rule(n, MULTIPOLES.around if zeta.axisymmetric else 2 * n)
+    u, weights = zeta.rule(n, 8 if zeta.axisymmetric else 2 * n)  # circles are orbits of the symmetry
     dA = weights * area_density(data.metric.tensor(u))
     value, gradient = zeta.derivatives(u)
-    l = np.arange(MULTIPOLES.order + 1)
+    l = np.arange(ORDER + 1)
     norms = 0.5 * np.sqrt((2 * l + 1) / (4.0 * np.pi))
     shape = norms * ((dA * K(u)) @ legendre.legvander(value, l[-1]))
     if data.normal_momentum is None:

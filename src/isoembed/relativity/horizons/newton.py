@@ -9,23 +9,8 @@ import numpy as np
 from isoembed.arrays import Floats
 from isoembed.errors import InvalidMetric, InvalidParameter
 from isoembed.relativity.horizons.surface_level import Equations, Level, Shape
-from isoembed.thresholds import threshold
 
-
-@dataclass(frozen=True)
-class HorizonNewtonThresholds:
-    """Thresholds of Newton's method for surfaces of constant expansion."""
-
-    longest: float = threshold(0.3, "radius", "Longest step, at any point.")
-    shortest: float = threshold(1.0 / 16.0, "relative", "Shortest part of a step that is tried.")
-    decrease: float = threshold(0.2, "relative", "Decrease of the residual over that of a linear one.")
-    again: float = threshold(0.1, "relative", "Decrease with which a linearization is used again.")
-    rounding: float = threshold(1e-9, "radius", "Residual below which one that falls no more is rounding.")
-    noise: float = threshold(0.02, "relative", "Residual over that of the slice's error at which to stop.")
-    exact: float = threshold(1e-15, "radius", "Residual that cannot be improved.")
-
-
-HORIZON_NEWTON = HorizonNewtonThresholds()
+ROUNDING = 1e-9  # residual over the radius below which it may cease to fall
 PATIENCE = 10
 """Steps in which the residual must fall tenfold: damped steps of 1/4 do, a search in vain does not."""
 
@@ -82,13 +67,13 @@ def solve(level: Level, f: Floats, expansion: float | None, enough: float = 0.0)
         expansion = float(level.transform.weights @ shape.local.expansion / (4.0 * np.pi))
     equations, sizes = _linearized(level, shape, free), list[float]()
     noise = float(np.linalg.norm(equations.projected(level.expansion_errors(shape)[:, None]))) / _size(shape)
-    enough = max(enough, HORIZON_NEWTON.noise * noise, HORIZON_NEWTON.exact)
+    enough = max(enough, 0.02 * noise, 1e-15)  # well below the error of the slice, or rounding
     while True:
         right, step = _residual(equations, shape, expansion), len(sizes)
         size = float(np.linalg.norm(right)) / _size(shape)
         falls = not sizes or size <= 0.5 * sizes[-1]
         sizes.append(size)
-        if size <= enough or (size <= HORIZON_NEWTON.rounding and not falls):
+        if size <= enough or (size <= ROUNDING and not falls):
             return Solution(shape, expansion, equations, step, noise)
         if step >= PATIENCE and size > 0.1 * sizes[step - PATIENCE]:
             raise NoConvergence(f"the residual {size:.2g} falls too slowly")
@@ -99,11 +84,11 @@ def solve(level: Level, f: Floats, expansion: float | None, enough: float = 0.0)
         try:
             part, shape, left = _moved(level, shape, change, expansion, rate, equations)
         except NoConvergence:
-            if size <= HORIZON_NEWTON.rounding:
+            if size <= ROUNDING:
                 return Solution(shape, expansion, equations, step, noise)
             raise
         expansion -= part * rate
-        if left > HORIZON_NEWTON.again * size:
+        if left > 0.1 * size:  # a step that gains a digit keeps the linearization
             equations = _linearized(level, shape, free)
 
 
@@ -121,16 +106,16 @@ def _moved(
     radius = _size(shape)
     size = float(np.linalg.norm(_residual(equations, shape, expansion))) / radius
     longest = float(np.abs(level.transform.values(change[:, None])).max())
-    part = min(1.0, HORIZON_NEWTON.longest * radius / longest) if longest > 0.0 else 1.0
+    part = min(1.0, 0.3 * radius / longest) if longest > 0.0 else 1.0  # longest displacement, over the radius
     why = f"the residual {size:.2g} falls no more"
-    while part >= HORIZON_NEWTON.shortest:
+    while part >= 1.0 / 16.0:
         try:
             trial = level.shape(shape.f - part * change)
         except (InvalidMetric, InvalidParameter) as error:
             why = str(error)
         else:
             left = float(np.linalg.norm(_residual(equations, trial, expansion - part * rate))) / radius
-            if left <= (1.0 - HORIZON_NEWTON.decrease * part) * size:
+            if left <= (1.0 - 0.2 * part) * size:  # a fifth of the decrease of a linear residual
                 return part, trial, left
         part *= 0.5
     raise NoConvergence(why)

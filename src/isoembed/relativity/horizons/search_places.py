@@ -10,24 +10,9 @@ import numpy as np
 
 from isoembed.errors import InvalidParameter
 from isoembed.relativity.spacetimes.three_geometry import ThreeGeometry
-from isoembed.thresholds import threshold
 
 Hole = tuple[float, Sequence[float]]
 """The mass of a black hole and its position."""
-
-
-@dataclass(frozen=True)
-class PlaceThresholds:
-    """Thresholds of the spheres around which horizons are looked for."""
-
-    masses: float = threshold(3.0, "mass", "Distance of the sphere from the outermost hole.")
-    gap: float = threshold(0.45, "relative", "The same over the distance to the nearest hole outside.")
-    within: float = threshold(0.9, "relative", "The sphere over the largest one in a grid.")
-    linked: float = threshold(2.0, "mass", "Longest distance of holes that may have a common horizon.")
-    most: int = threshold(8, "count", "Holes of which all groups are tried.")
-
-
-PLACES = PlaceThresholds()
 
 
 @dataclass(frozen=True)
@@ -63,14 +48,15 @@ def places_of(geometry: ThreeGeometry) -> Iterator[Place]:
     if box is not None:
         low, high = (np.array(corner) for corner in box)
         x, y, z = (0.5 * (low + high)).tolist()
-        yield Place((x, y, z), PLACES.within * 0.5 * float((high - low).min()))
+        yield Place((x, y, z), 0.9 * 0.5 * float((high - low).min()))  # room to the edge of the grid
         return
     if not holes:
         raise InvalidParameter(
             "the slice does not say where its black holes are: give a guess, such as a sphere around them"
         )
     everything = frozenset(range(len(holes)))
-    sizes = range(len(holes) - 1, 0, -1) if len(holes) <= PLACES.most else (1,)
+    # More holes have too many groups to try all of them.
+    sizes = range(len(holes) - 1, 0, -1) if len(holes) <= 8 else (1,)
     groups = [everything]
     groups += [frozenset(group) for size in sizes for group in combinations(sorted(everything), size)]
     for group in groups:
@@ -90,14 +76,16 @@ def _around(holes: Sequence[Hole], group: frozenset[int]) -> Place | None:
     apart = others and len(group) > 1 and not _linked(masses, at)
     if room <= 0.0 or apart:
         return None
-    radius = extent + min(PLACES.masses * float(masses.sum()) + extent, PLACES.gap * room)
+    # Three masses beyond the outermost hole, but less than halfway to the nearest hole outside.
+    radius = extent + min(3.0 * float(masses.sum()) + extent, 0.45 * room)
     x, y, z = center.tolist()
     return Place((x, y, z), radius, group)
 
 
 def _linked(masses: np.ndarray, at: np.ndarray) -> bool:
     """Whether the holes hang together by distances that are not too long."""
-    near = np.linalg.norm(at[:, None] - at[None], axis=2) <= PLACES.linked * masses.sum()
+    # Holes that are farther apart than twice their mass have no common horizon.
+    near = np.linalg.norm(at[:, None] - at[None], axis=2) <= 2.0 * masses.sum()
     reached = near[0]
     for _ in at:
         reached = near[reached].any(axis=0)

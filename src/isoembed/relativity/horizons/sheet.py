@@ -14,21 +14,7 @@ from isoembed.relativity.spacetimes.surface import Surface
 from isoembed.smooth.harmonics import Harmonics
 from isoembed.smooth.sphere_transform import SphereTransform
 from isoembed.smooth.transforms import resized
-from isoembed.thresholds import threshold
 
-
-@dataclass(frozen=True)
-class SheetThresholds:
-    """Thresholds of the coordinates of maps."""
-
-    smoothing: float = threshold(2.0, "relative", "Exponent of the smoothing of the highest degree.")
-    times: int = threshold(10, "count", "How often coordinates are smoothed at a time.")
-    samples: int = threshold(20, "count", "Angles for each degree along a meridian whose length is taken.")
-    lengths: int = threshold(6, "count", "Terms for each degree in the series of its length.")
-    inversion: int = threshold(8, "count", "Newton's steps to the angle of a given length.")
-
-
-SHEET = SheetThresholds()
 AROUND = 4
 """Angles phi of maps that are symmetric about z, whose coordinates have the orders 0 and 1."""
 
@@ -103,9 +89,10 @@ class Sheet:
         if self.symmetric:
             return self._by_length()
         T = _transform(self.degree, 2 * self.degree + 4, self.symmetric)
-        damped = np.exp(-SHEET.smoothing * (self.harmonics.labels[0] / self.degree) ** 2)[:, None]
+        # The highest degree is damped by exp(-2).
+        damped = np.exp(-2.0 * (self.harmonics.labels[0] / self.degree) ** 2)[:, None]
         c = self.coefficients
-        for _ in range(SHEET.times):
+        for _ in range(10):
             n = _normals(T, c)
             change = T.values((damped - 1.0) * c)
             change -= np.einsum("ni,ni->n", change, n)[:, None] * n
@@ -113,7 +100,8 @@ class Sheet:
         return replace(self, coefficients=c)
 
     def _by_length(self) -> Sheet:
-        samples, terms = SHEET.samples * self.degree, SHEET.lengths * self.degree
+        # Angles along a meridian, and terms of the series of its length.
+        samples, terms = 20 * self.degree, 6 * self.degree
         theta = (np.arange(samples) + 0.5) * np.pi / samples
         u, along = _meridian(theta)
         _, first, _ = self.harmonics.derivatives(u, self.coefficients)
@@ -128,7 +116,7 @@ class Sheet:
         T = _transform(self.degree, 2 * self.degree + 4, self.symmetric)
         aim = series[0] * np.arccos(T.u[::AROUND, 2])
         t = np.interp(aim, length(theta), theta)
-        for _ in range(SHEET.inversion):
+        for _ in range(8):  # Newton's method
             t = t - (length(t) - aim) / (series[0] + np.cos(np.outer(t, k)) @ series[1:])
         on_meridian = self.harmonics.derivatives(_meridian(t)[0], self.coefficients)[0]
         rho, z = np.repeat(on_meridian[:, 0], AROUND), np.repeat(on_meridian[:, 2], AROUND)

@@ -26,17 +26,7 @@ from isoembed.relativity.horizons.spectre_harmonics import (
     harmonic_shape,
     is_harmonic_text,
 )
-from isoembed.thresholds import threshold
 
-
-@dataclass(frozen=True)
-class ObservationThresholds:
-    """Thresholds of choosing one of several observations."""
-
-    time: float = threshold(1e-9, "relative", "Times that differ by at most this are the same.")
-
-
-OBSERVATIONS = ObservationThresholds()
 COORDINATES = tuple(f"InertialCoordinates_{axis}" for axis in "xyz")
 VOLUME, HARMONICS, TEXT = ".vol", "_Ylm.dat", ".dat"
 SPECTRE_ENDINGS = (*HDF5_ENDINGS, TEXT)
@@ -247,7 +237,7 @@ def _chosen_observation(
             raise FileError(f"{source} holds no observation {observation}, but {len(timed)}, t = {listed}")
         k = int(observation)
     else:
-        near = np.flatnonzero(np.abs(times - observation) <= OBSERVATIONS.time * np.abs(times))
+        near = np.flatnonzero(np.abs(times - observation) <= 1e-9 * np.abs(times))  # rounding of times
         if len(near) == 0:
             raise FileError(f"{source} holds no observation t = {observation:g}, but t = {listed}")
         k = int(near[0])

@@ -32,34 +32,10 @@ from isoembed.smooth.transforms import resized
 from isoembed.smooth.two_metric import is_axisymmetric
 from isoembed.smooth.uncertain import UncertainFunction
 from isoembed.surface.estimate import Estimate
-from isoembed.thresholds import threshold
 
-
-@dataclass(frozen=True)
-class SpinThresholds:
-    """Thresholds of the spin of a surface."""
-
-    degrees: tuple[int, ...] = threshold(
-        (8, 12, 16, 22), "count", "Degrees of harmonics for rotations, one after the other."
-    )
-    symmetric_degrees: tuple[int, ...] = threshold(
-        (8, 16, 32, 64), "count", "The same where the metric is symmetric about the z-axis."
-    )
-    settled: float = threshold(
-        1e-11, "relative", "Change of J, or of its axis, by more harmonics that is none."
-    )
-    shear: float = threshold(1e-6, "shear", "Below this more harmonics are not tried for the sake of it.")
-    reduced: float = threshold(0.5, "relative", "A shear of which more harmonics leave this is real.")
-    symmetric: float = threshold(1e-6, "shear", "Below this, or the error of lengths, it is a symmetry.")
-    rounding: float = threshold(1e-14, "A / 4 pi", "Rounding in J.")
-    lengths: float = threshold(
-        2.0, "relative", "Error of an axis, or relative one of J, over that of lengths."
-    )
-    squared: float = threshold(2.0, "relative", "Error of J over the square of the shear.")
-    momentum: float = threshold(0.5, "relative", "Error of K(., n) over that of the lengths of a slice.")
-
-
-SPIN = SpinThresholds()
+DEGREES = (8, 12, 16, 22)  # of the harmonics for rotations, one after the other
+SYMMETRIC_DEGREES = (8, 16, 32, 64)  # where the metric is symmetric about the z-axis
+LENGTHS = 2.0  # error of an axis, or relative error of J, over that of lengths
 
 
 @dataclass(frozen=True)
@@ -127,16 +103,16 @@ def find_spin(data: SurfaceData) -> Spin | None:
         how = "J is given, and K(., n) is not" if J.value > 0.0 else "K(., n) vanishes"
         return Spin(J, None, None, (0.0, 0.0, 0.0), None, how)
     axisymmetric = is_axisymmetric(data.metric)
-    first, *others = SPIN.symmetric_degrees if axisymmetric else SPIN.degrees
+    first, *others = SYMMETRIC_DEGREES if axisymmetric else DEGREES
     trial = _Trial.of(data, data.normal_momentum, rotations(data.metric, first, axisymmetric))
     for degree in others:
         before = trial
         trial = _Trial.of(data, data.normal_momentum, rotations(data.metric, degree, axisymmetric))
-        quiet = max(SPIN.settled * trial.J, trial.noise)
+        quiet = max(1e-11 * trial.J, trial.noise)  # change of J or its axis with more harmonics
         settled = max(abs(trial.J - before.J), trial.angle(before) * trial.J) <= quiet
         if settled and (
-            trial.unexplained(before) <= max(SPIN.shear, data.relative_error)
-            or trial.shear > SPIN.reduced * before.shear
+            # A smaller shear needs no more harmonics, and one that they hardly reduce is real.
+            trial.unexplained(before) <= max(1e-6, data.relative_error) or trial.shear > 0.5 * before.shear
         ):
             break
     return trial.spin(before, data.relative_error)
@@ -214,14 +190,15 @@ class _Trial:
         J = float(np.linalg.norm(each))
         along = each / J if J > 0.0 else np.array([1.0, 0.0, 0.0])
         phi = three.fields @ along
-        noise = SPIN.rounding
+        noise = 1e-14  # rounding, over A / 4 pi
         if isinstance(data.torque, UncertainFunction):
             noise += 0.5 * data.torque.error.mean
         else:
-            error = SPIN.momentum * data.relative_error + error_of(momentum).mean
+            # Relative error of K(., n) over that of lengths.
+            error = 0.5 * data.relative_error + error_of(momentum).mean
             noise += error * float(dA @ np.linalg.norm(phi, axis=1))
             density = dA * np.einsum("ni,ni->n", j, phi)
-            noise += SPIN.lengths * data.relative_error * float(np.abs(density).sum())
+            noise += LENGTHS * data.relative_error * float(np.abs(density).sum())
         axis = (dA * (three.potentials @ along)) @ (u if data.shape is None else data.shape(u))
         vector = dA @ torques(data, u)
         unit = three.area / (4.0 * np.pi)
@@ -249,8 +226,10 @@ class _Trial:
     def spin(self, before: _Trial, lengths: float) -> Spin:
         """The spin, with errors from fewer harmonics, the noise, the shear and the error of lengths."""
         J, left = self.J, self.unexplained(before)
-        error = abs(J - before.J) + self.noise + SPIN.squared * left**2 * J
-        vector, small = _three(self.vector), max(SPIN.symmetric, SPIN.lengths * lengths)
+        # The error of J is twice the square of the shear: see the notes of `find_spin`.
+        error = abs(J - before.J) + self.noise + 2.0 * left**2 * J
+        # A smaller shear, or one within the error of lengths, is that of a symmetry.
+        vector, small = _three(self.vector), max(1e-6, LENGTHS * lengths)
         if error >= J:
             how = "J is zero within its error, and has no axis"
             return Spin(Estimate(J, error), None, None, vector, self.shear, how)
@@ -263,7 +242,7 @@ class _Trial:
             how += "symmetric about this axis"
         else:
             how += f"not symmetric about this axis, shear {self.shear:.1e}"
-        turn = self.angle(before) + self.noise / J + SPIN.lengths * lengths + left
+        turn = self.angle(before) + self.noise / J + LENGTHS * lengths + left
         zeta = InvariantCoordinate.of_potential(self.potential, self.harmonics, self.change(before) + lengths)
         return Spin(Estimate(J, error), _three(self.axis), min(turn, np.pi), vector, self.shear, how, zeta)
 

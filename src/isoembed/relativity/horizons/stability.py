@@ -11,25 +11,15 @@ Andersson, Mars and Simon, Phys. Rev. Lett. 95 (2005) 111102; Adv. Theor. Math. 
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import replace
 
 import numpy as np
 from scipy.linalg import eig
 
 from isoembed.arrays import Floats
 from isoembed.relativity.horizons.surface_level import Equations
-from isoembed.thresholds import threshold
 
-
-@dataclass(frozen=True)
-class StabilityThresholds:
-    """Thresholds of the stability eigenvalue."""
-
-    settled: float = threshold(1e-11, "over the squared radius", "Change of an eigenvalue that is none.")
-    iterations: int = threshold(6, "count", "Most steps of inverse iteration.")
-
-
-STABILITY = StabilityThresholds()
+SETTLED = 1e-11  # change of an eigenvalue, over its size and 1 / R^2, that is rounding of the operator
 
 
 def principal_eigenvalue(equations: Equations, areal_radius: float) -> float:
@@ -57,14 +47,14 @@ def principal_eigenvalue(equations: Equations, areal_radius: float) -> float:
     if len(f) == len(low.place):
         return eigenvalue
     f /= np.linalg.norm(f)
-    for _ in range(STABILITY.iterations):
+    for _ in range(6):  # inverse iteration
         shifted = replace(equations, shift=eigenvalue)
         moved = _moved(shifted, f)
         new = shifted.solved(moved)
         change = float(f @ f / (f @ new))
         eigenvalue += change
         f = new / np.linalg.norm(new)
-        if abs(change) * areal_radius**2 <= STABILITY.settled:
+        if abs(change) * areal_radius**2 <= SETTLED:
             break
     return eigenvalue
 

@@ -33,7 +33,9 @@ from isoembed.relativity.horizons.expansion_operator import (
 )
 from isoembed.relativity.horizons.found_horizon import FoundHorizon
 from isoembed.relativity.horizons.sheet import Sheet
+from isoembed.relativity.horizons.stability import SETTLED
 from isoembed.relativity.horizons.surface_family import Jet, SurfaceFamily
+from isoembed.relativity.horizons.surface_level import DEALIASING
 from isoembed.relativity.spacetimes.mapped_surface import MappedSurface
 from isoembed.relativity.spacetimes.star_surface import StarSurface
 from isoembed.relativity.spacetimes.three_geometry import ThreeGeometry
@@ -50,8 +52,6 @@ MOST = 200
 """Eigenvalues that can be asked for."""
 DEGREES, SYMMETRIC_DEGREES = (12, 16, 24, 32, 48), (16, 24, 32, 48, 64, 96, 128, 192, 256)
 """Degrees of eigenfunctions, one after the other; beyond the last the matrices are too large."""
-SETTLED = 1e-11
-"""Change of an eigenvalue, relative to its size and 1 / R^2, that is rounding of the operator."""
 SMALL, UNCERTAIN = 0.5, 2.0
 """Change over the error that the data make at which to stop; allowance for an error that is one of many."""
 MARGIN = 8
@@ -59,8 +59,6 @@ MARGIN = 8
 ITERATIONS = 60
 PAIRED = 1e-9
 """Imaginary part, relative, of an eigenvalue that is one of a pair."""
-NODES = 1.5
-"""Circles of nodes over the degree: products with coefficients of the operator are not aliased."""
 COLUMNS = 128
 """Harmonics to which the operator is applied at a time, which bounds the memory."""
 
@@ -266,7 +264,7 @@ class _Operator:
         """The operator of a horizon, in harmonics that n eigenfunctions may need."""
         surface = horizon.surface
         symmetric = _is_symmetric(surface)
-        heights = int(NODES * max(degree, surface.harmonics.degree)) + 2
+        heights = int(DEALIASING * max(degree, surface.harmonics.degree)) + 2
         around = 1 if symmetric else 2 * heights
         displacements = _Displacements.of(surface, heights, around)
         local, linear = displacements.linearized(horizon.geometry)

@@ -20,24 +20,8 @@ from isoembed.relativity.horizons.surface_family import Jet, SurfaceFamily
 from isoembed.relativity.spacetimes.three_geometry import ThreeGeometry
 from isoembed.smooth.harmonics import Harmonics
 from isoembed.smooth.sphere_transform import SphereTransform
-from isoembed.thresholds import threshold
 
-
-@dataclass(frozen=True)
-class LevelThresholds:
-    """Thresholds of linear equations for surfaces in harmonics."""
-
-    dense: tuple[int, int] = threshold(
-        (300, 1100),
-        "count",
-        "Harmonics up to which equations are solved directly, and with symmetry about z.",
-    )
-    block: int = threshold(8, "count", "Degree of those whose equations precondition more of them.")
-    krylov: int = threshold(100, "count", "Most iterations, without a restart.")
-    linear: float = threshold(1e-8, "relative", "Residual of linear equations.")
-
-
-LEVEL = LevelThresholds()
+DEALIASING = 1.5  # circles of nodes over the degree: products are not aliased
 
 
 @dataclass(frozen=True, eq=False)
@@ -115,8 +99,9 @@ class LowDegrees:
     def of(transform: SphereTransform) -> LowDegrees:
         """All that a transform has if they are few, and otherwise some."""
         T, harmonics = transform, transform.harmonics
-        if harmonics.size > LEVEL.dense[int(harmonics.order == 0)]:
-            degree = LEVEL.block
+        # Up to so many harmonics, with symmetry about the z-axis more, equations are solved directly.
+        if harmonics.size > (300, 1100)[int(harmonics.order == 0)]:
+            degree = 8  # of the harmonics whose equations are the preconditioner
             T = SphereTransform(Harmonics(degree, min(degree, harmonics.order)), T.n, T.around)
         places = {label: i for i, label in enumerate(zip(*harmonics.labels, strict=True))}
         place = np.array([places[label] for label in zip(*T.harmonics.labels, strict=True)])
@@ -169,8 +154,8 @@ class Equations:
         found, _ = gmres(
             LinearOperator((size, size), self.applied),
             right,
-            rtol=LEVEL.linear,
-            restart=LEVEL.krylov,
+            rtol=1e-8,  # enough for Newton's method
+            restart=100,  # iterations without a restart
             maxiter=1,
             M=LinearOperator((size, size), self._preconditioned),
         )

@@ -19,15 +19,15 @@ from numpy.lib.stride_tricks import sliding_window_view
 from isoembed.arrays import Floats, Indices, Mask
 from isoembed.io.files import FileError
 from isoembed.relativity.series.refined_grid import Block, Component, Layout, Level
-from isoembed.relativity.spacetimes.cartesian_grid import INTERPOLATION, CartesianGrid, wider
+from isoembed.relativity.spacetimes.cartesian_grid import ERROR_FACTOR, STENCIL, CartesianGrid, wider
 from isoembed.relativity.spacetimes.checks import refuse_points, written
 from isoembed.relativity.spacetimes.three_geometry import ThreeGeometry
 
 CUBE = 32  # points along the edge of a cube that is read at once: 7 MB with its margin
 KEPT = 64  # cubes that stay in memory when no point of the latest evaluation is in them
 LATEST = 4  # sets of points whose cubes are remembered: metric, gradient and K_ij are asked for in turn
-BEFORE = INTERPOLATION.nodes // 2  # points before that left of x: one more than the interpolation takes
-AFTER = INTERPOLATION.nodes // 2 + 1  # and after it: the estimate of the error takes two points more
+BEFORE = STENCIL // 2  # points before that left of x: one more than the interpolation takes
+AFTER = STENCIL // 2 + 1  # and after it: the estimate of the error takes two points more
 EDGE = BEFORE + CUBE + AFTER
 
 Cell = tuple[int, int, int, int]
@@ -121,7 +121,7 @@ class AMRGrid:
 
     def error(self, quantity: Callable[[ThreeGeometry], Floats]) -> Floats:
         """See `ThreeGeometry`: as of `CartesianGrid`."""
-        return np.asarray(INTERPOLATION.noise * (quantity(_Wider(self)) - quantity(self)))
+        return np.asarray(ERROR_FACTOR * (quantity(_Wider(self)) - quantity(self)))
 
     def _values(self, field: str, x: Floats, shape: tuple[int, ...], more: bool = False) -> Floats:
         out = np.empty((len(x), *shape))
@@ -166,7 +166,7 @@ class AMRGrid:
         refuse_points(
             missing,
             x,
-            f"is in no refinement level of {self.source.name} with {INTERPOLATION.nodes // 2} points on each "
+            f"is in no refinement level of {self.source.name} with {STENCIL // 2} points on each "
             f"side; the coarsest can be interpolated from {written(least)} to {written(most)}",
         )
         return out
@@ -187,7 +187,7 @@ class AMRGrid:
                     pieces.append((self._levels[number].blocks[k], low, high))
             whole: Mask = there
             for axis in range(3):
-                whole = np.all(sliding_window_view(whole, INTERPOLATION.nodes, axis=axis), axis=-1)
+                whole = np.all(sliding_window_view(whole, STENCIL, axis=axis), axis=-1)
             inner = slice(1, 1 + CUBE)
             self._covers[cell] = pieces, whole[inner, inner, inner]
         return self._covers[cell]

@@ -39,7 +39,7 @@ from isoembed.relativity.series.grid_symmetry import AxisMap, reflections
 from isoembed.relativity.series.moment import ListedFile
 from isoembed.relativity.series.patch_slice import PatchSlice, best_of_moments
 from isoembed.relativity.series.refined_grid import Component
-from isoembed.relativity.spacetimes.cartesian_grid import INTERPOLATION, lagrange_weights
+from isoembed.relativity.spacetimes.cartesian_grid import STENCIL, lagrange_weights
 
 MAGIC, VERSION = "Athena binary output version=", "1.1"
 RANK = re.compile(r"rank_\d+")  # folders of the files of each process
@@ -250,9 +250,7 @@ class _Data:
         for number, file in enumerate(self._files):
             for record in np.flatnonzero(file.levels >= level):
                 coarsened = int(file.levels[record]) - level
-                if coarsened == 0 or all(
-                    n >= INTERPOLATION.nodes and n % 2**coarsened == 0 for n in self._cells
-                ):
+                if coarsened == 0 or all(n >= STENCIL and n % 2**coarsened == 0 for n in self._cells):
                     low, high = file.heads["corners"][record].astype(np.float64).T
                     shape = np.array(self._cells) >> coarsened
                     spacing = (high - low) / shape
@@ -289,7 +287,7 @@ def _coarsening(cells: int, levels: int) -> Floats:
     Each of these lies halfway between two of the former.  The interpolation is that of `CartesianGrid`,
     one-sided at the ends of the block.
     """
-    nodes, times = INTERPOLATION.nodes, 2**levels
+    nodes, times = STENCIL, 2**levels
     at = times * np.arange(cells // times) + 0.5 * (times - 1)
     start = np.clip(np.floor(at).astype(np.int64) - (nodes // 2 - 1), 0, cells - nodes)
     matrix = np.zeros((len(at), cells))

@@ -28,19 +28,9 @@ from isoembed.relativity.series.grid_symmetry import IDENTITY, AxisMap
 from isoembed.relativity.series.refined_grid import Component, covering_grid
 from isoembed.relativity.spacetimes.cartesian_grid import CartesianGrid
 from isoembed.relativity.spacetimes.slice_file import GAMMA
-from isoembed.thresholds import threshold
 
 PLACE = ("origin", "delta", "time")
-
-
-@dataclass(frozen=True)
-class CarpetThresholds:
-    """Thresholds of telling files of Carpet apart."""
-
-    sampled: int = threshold(8, "grid points", "Every plane so far from the last one counts for the hash.")
-
-
-CARPET = CarpetThresholds()
+SAMPLED = 8  # grid points between the planes that count for the hash
 
 
 @dataclass(frozen=True)
@@ -107,7 +97,7 @@ class CarpetSlice:
                     for _, tail in part.tails:
                         data = reader.data_set(name, tail)
                         sha.update(repr((name, tail, part.has_ghosts, data.shape, data.dtype)).encode())
-                        sha.update(np.ascontiguousarray(data[:: CARPET.sampled]).data)
+                        sha.update(np.ascontiguousarray(data[::SAMPLED]).data)
                         for key in PLACE if name == GAMMA[0] else ():
                             sha.update(np.asarray(data.attrs.get(key, ())).tobytes())
         return sha.hexdigest()

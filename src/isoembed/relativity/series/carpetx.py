@@ -26,7 +26,7 @@ import numpy as np
 from isoembed.arrays import Floats
 from isoembed.io.digest import unchanged
 from isoembed.io.files import FileError
-from isoembed.relativity.series.carpet import CARPET
+from isoembed.relativity.series.carpet import SAMPLED
 from isoembed.relativity.series.grid_symmetry import IDENTITY, AxisMap, symmetry_in
 from isoembed.relativity.series.moment import ListedSlice
 from isoembed.relativity.series.refined_grid import Component, covering_grid
@@ -194,7 +194,7 @@ class _Reader:
             for first, *others, extent in (
                 (*chunk.offset, chunk.extent) for chunk in record.available_chunks()
             )
-            for k in range(0, extent[0], CARPET.sampled)
+            for k in range(0, extent[0], SAMPLED)
         ]
         self._series.flush()
         return planes

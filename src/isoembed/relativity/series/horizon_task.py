@@ -26,20 +26,8 @@ from isoembed.relativity.spacetimes.surface import Surface
 from isoembed.relativity.spacetimes.surface_data import SurfaceData
 from isoembed.runs.result import REFUSED, Result
 from isoembed.smooth.start import Start
-from isoembed.smooth.triangulation import SPHERE_MESH
+from isoembed.smooth.triangulation import MOST_VERTICES
 from isoembed.space import EUCLIDEAN, Space
-from isoembed.thresholds import threshold
-
-
-@dataclass(frozen=True)
-class TaskThresholds:
-    """Thresholds of reading the slice of a horizon."""
-
-    margin: float = threshold(0.02, "extents", "Room in the slice around the points of a horizon.")
-    nodes: tuple[int, int] = threshold((24, 48), "count", "Heights and angles of points of a surface.")
-
-
-TASK = TaskThresholds()
 
 DIRECTIONS, FIELD = "directions", "field/"
 MESH = ("vertices", "faces")
@@ -79,7 +67,7 @@ class HorizonOptions:
     multipoles: int | None = None
 
     def __post_init__(self) -> None:
-        checked_count("the number of vertices", self.vertices, MIN_VERTICES, SPHERE_MESH.most)
+        checked_count("the number of vertices", self.vertices, MIN_VERTICES, MOST_VERTICES)
         if self.axis is not None and not any(vector("the axis", self.axis)):
             raise InvalidParameter("the axis must not be zero")
         if self.multipoles is not None:
@@ -212,8 +200,8 @@ def _digest(digest: Callable[[], str]) -> str:
 
 def _box(found: CoordinateShape | Surface) -> tuple[Floats, Floats]:
     """The corners (3,) of a box with room around a horizon."""
-    directions, _ = gauss_rule(*TASK.nodes)
+    directions, _ = gauss_rule(24, 48)
     points = found.points(directions) if isinstance(found, Surface) else found.points
     low, high = points.min(axis=0), points.max(axis=0)
-    room = TASK.margin * (high - low)
+    room = 0.02 * (high - low)  # the surface may reach beyond its points
     return low - room, high + room

@@ -2,25 +2,14 @@
 
 import re
 from collections.abc import Iterable, Sequence
-from dataclasses import dataclass
 
 import numpy as np
 
 from isoembed.errors import InvalidParameter
 from isoembed.relativity.series.moment import ListedShape, ListedSlice, Moment
 from isoembed.relativity.series.source import MissingSlice, SliceSource
-from isoembed.thresholds import threshold
 
-
-@dataclass(frozen=True)
-class MatchingThresholds:
-    """Thresholds of matching horizons with slices."""
-
-    time: float = threshold(0.02, "least steps", "Printed times of one moment may differ by this.")
-    same: float = threshold(1e-9, "largest times", "Times that differ by at most this are the same.")
-
-
-MATCHING = MatchingThresholds()
+SAME_TIME = 1e-9  # relative difference of equal times
 
 
 def matched(shapes: Iterable[ListedShape], slices: Iterable[ListedSlice]) -> list[Moment]:
@@ -106,7 +95,7 @@ class _Slices:
         self.sources = [source for _, source in timed]
         self.room = _room([self.times, *map(np.array, of_series)])
         if not self.by_iteration:
-            near = np.flatnonzero(np.diff(self.times) <= MATCHING.same * _largest(self.times))
+            near = np.flatnonzero(np.diff(self.times) <= SAME_TIME * _largest(self.times))
             for k in near[:1].tolist():
                 _refuse(self.sources[k], self.sources[k + 1], f"t = {self.times[k]:.9g}")
 
@@ -146,8 +135,9 @@ def _room(lists: Sequence[np.ndarray]) -> float:
     """By how much times of one moment may differ, from lists each of which has them as one file says them."""
     scale = max(_largest(times) for times in lists)
     steps = np.concatenate([np.diff(np.unique(times)) for times in lists])
-    steps = steps[steps > MATCHING.same * scale]
-    return float(max(MATCHING.same * scale, MATCHING.time * steps.min(initial=np.inf) if len(steps) else 0.0))
+    steps = steps[steps > SAME_TIME * scale]
+    # Printed times of one moment may differ by 2 % of the least step.
+    return float(max(SAME_TIME * scale, 0.02 * steps.min(initial=np.inf) if len(steps) else 0.0))
 
 
 def _largest(times: np.ndarray) -> float:

@@ -18,20 +18,9 @@ from isoembed.arrays import Floats, Indices
 from isoembed.errors import InvalidParameter
 from isoembed.io.files import FileError
 from isoembed.relativity.series.grid_symmetry import IDENTITY, AxisMap
-from isoembed.relativity.spacetimes.cartesian_grid import INTERPOLATION, CartesianGrid
+from isoembed.relativity.spacetimes.cartesian_grid import STENCIL, CartesianGrid
 from isoembed.relativity.spacetimes.checks import written
-from isoembed.relativity.spacetimes.slice_file import GAMMA, SLICE_FILE, K
-from isoembed.thresholds import threshold
-
-
-@dataclass(frozen=True)
-class RefinedGridThresholds:
-    """Thresholds of filling a box from the components of a refinement level."""
-
-    lattice: float = threshold(1e-3, "spacings", "Components farther than this off the lattice are refused.")
-
-
-REFINED = RefinedGridThresholds()
+from isoembed.relativity.spacetimes.slice_file import AROUND, GAMMA, K
 
 
 @dataclass(frozen=True)
@@ -139,7 +128,7 @@ def covering_grid(
     coarsest = Level.of(data, data.levels[0])
     least, most = coarsest.box
     raise FileError(
-        f"{data.name}: no refinement level covers the surface with {INTERPOLATION.nodes // 2} points around "
+        f"{data.name}: no refinement level covers the surface with {STENCIL // 2} points around "
         f"it, from {written(low)} to {written(high)}; the coarsest, level {data.levels[0]} with the spacing "
         f"{written(coarsest.spacing)}, has points from {written(least)} to {written(most)}"
     )
@@ -207,7 +196,7 @@ class Level:
             corner = (np.minimum(*ends) - origin) / spacing
             low = np.rint(corner).astype(np.int64)
             off = np.abs(np.append(corner - low, (h / spacing - 1.0) * shape))
-            if not off.max() <= REFINED.lattice:
+            if not off.max() <= 1e-3:  # of a spacing
                 image_of = "" if image == IDENTITY else "image, by the symmetry of the run, of the "
                 raise FileError(
                     f"{data.name}, refinement level {level}: the {image_of}component that begins at "
@@ -232,13 +221,13 @@ class Level:
 
     def around(self, low: Floats, high: Floats) -> _Box | None:
         """The box with its stencil and what there is around it; None where the stencil is not whole."""
-        reach = INTERPOLATION.nodes // 2
+        reach = STENCIL // 2
         first, last = (np.floor((x - self.origin) / self.spacing).astype(np.int64) for x in (low, high))
         first, last = first - (reach - 1), last + reach + 1
         least, most = self.ends
         if (first < least).any() or (last > most).any():
             return None
-        more = SLICE_FILE.around - reach
+        more = AROUND - reach
         start, stop = np.maximum(first - more, least), np.minimum(last + more, most)
         there = np.zeros(stop - start, dtype=bool)
         pieces = []

@@ -14,7 +14,6 @@ from isoembed.kernel import kernel
 from isoembed.relativity.spacetimes.checks import numbers, positive_number, refuse_points, vector, written
 from isoembed.relativity.spacetimes.grid_noise import PERIOD, noise_levels, sampled_noise
 from isoembed.relativity.spacetimes.three_geometry import ThreeGeometry
-from isoembed.thresholds import threshold
 
 ENTRY = np.array([[0, 1, 2], [1, 3, 4], [2, 4, 5]])
 """Which of the six is which entry of a symmetric matrix."""
@@ -23,19 +22,9 @@ ENTRY = np.array([[0, 1, 2], [1, 3, 4], [2, 4, 5]])
 FEWER = 6
 """Points of a lower interpolation along each axis, for errors."""
 
-
-@dataclass(frozen=True)
-class InterpolationThresholds:
-    """Thresholds of the interpolation on a Cartesian grid."""
-
-    nodes: int = threshold(8, "count", "Points of the Lagrange interpolation along each axis.")
-    outside: float = threshold(1e-9, "spacings", "How far beyond the grid a point may lie.")
-    asymmetry: float = threshold(1e-10, "largest entry", "Entries ij and ji that differ by more are refused.")
-    noise: float = threshold(10.0, "relative", "Error over the change by two points more or less.")
-    samples: int = threshold(8, "count", "Samples of the noise on a grid.")
-
-
-INTERPOLATION = InterpolationThresholds()
+STENCIL = 8  # points of the Lagrange interpolation along each axis
+OUTSIDE = 1e-9  # spacings, by which a point may lie beyond the grid
+ERROR_FACTOR = 10.0  # error over the change with two points more or less
 
 
 @dataclass(frozen=True, eq=False)
@@ -82,7 +71,7 @@ class CartesianGrid:
         object.__setattr__(self, "spacing", spacing)
         object.__setattr__(self, "gamma", _six("gamma", self.gamma))
         shape = self.gamma.shape[1:]
-        if min(shape) < (nodes := INTERPOLATION.nodes):
+        if min(shape) < (nodes := STENCIL):
             raise InvalidParameter(f"the grid has {shape} points: there must be {nodes} along each axis")
         if self.K is not None:
             object.__setattr__(self, "K", _six("K", self.K))
@@ -114,15 +103,15 @@ class CartesianGrid:
         InvalidParameter
             A point lies outside the grid.
         """
-        return self._through(INTERPOLATION.nodes).metric(x)
+        return self._through(STENCIL).metric(x)
 
     def gradient(self, x: Floats) -> Floats:
         """See `ThreeGeometry`."""
-        return self._through(INTERPOLATION.nodes).gradient(x)
+        return self._through(STENCIL).gradient(x)
 
     def extrinsic_curvature(self, x: Floats) -> Floats:
         """See `ThreeGeometry`."""
-        return self._through(INTERPOLATION.nodes).extrinsic_curvature(x)
+        return self._through(STENCIL).extrinsic_curvature(x)
 
     def error(self, quantity: Callable[[ThreeGeometry], Floats]) -> Floats:
         """See `ThreeGeometry`: ten times what interpolation through six or ten points changes.
@@ -134,17 +123,17 @@ class CartesianGrid:
         own = quantity(self)
         less, more = (quantity(other) - own for other in (self._through(FEWER), wider(self)))
         smaller = np.sum(less**2, axis=1) < np.sum(more**2, axis=1)
-        return np.asarray(INTERPOLATION.noise * np.where(smaller[:, None], less, more))
+        return np.asarray(ERROR_FACTOR * np.where(smaller[:, None], less, more))
 
     def deviating(self, x: Floats) -> Iterator[ThreeGeometry]:
         """Slices that this one might be near the points x (n, 3), but for the noise on the grid."""
         fields = self.gamma if self.K is None else np.concatenate([self.gamma, self.K])
-        start, s = self._through(INTERPOLATION.nodes).located(x)
+        start, s = self._through(STENCIL).located(x)
         nodes = np.unique(start + np.round(s).astype(np.int64), axis=0)
         levels = noise_levels(fields, nodes)
         rng = np.random.default_rng(0)
-        for _ in range(INTERPOLATION.samples):
-            yield _Noisy(self, INTERPOLATION.nodes, sampled_noise(levels, INTERPOLATION.nodes, rng))
+        for _ in range(8):  # samples of the noise
+            yield _Noisy(self, STENCIL, sampled_noise(levels, STENCIL, rng))
 
     def _through(self, nodes: int) -> _Interpolation:
         return _Interpolation(self, nodes)
@@ -199,7 +188,7 @@ class _Interpolation:
         origin, spacing = np.array(self.grid.origin), np.array(self.grid.spacing)
         shape = np.array(self.grid.gamma.shape[1:])
         t = (x - origin) / spacing
-        beyond = INTERPOLATION.outside
+        beyond = OUTSIDE
         outside = ((t < -beyond) | (t > shape - 1.0 + beyond) | np.isnan(t)).any(axis=1)
         box = f"from {written(origin)} to {written(origin + (shape - 1) * spacing)}"
         refuse_points(outside, x, f"lies outside the grid, which reaches {box}")
@@ -241,7 +230,7 @@ class _Wider:
         return self.grid.error(quantity)
 
     def _values(self, field: Callable[[_Interpolation, Floats], Floats], x: Floats) -> Floats:
-        more = INTERPOLATION.nodes + 2
+        more = STENCIL + 2
         values = field(_Interpolation(self.grid, FEWER), x)
         if min(self.grid.gamma.shape[1:]) >= more:
             wider = field(_Interpolation(self.grid, more), x)
@@ -254,9 +243,8 @@ def _six(what: str, given: ArrayLike) -> Floats:
     """The entries (6, nx, ny, nz) of symmetric matrices, read-only."""
     array = np.asarray(given, dtype=np.float64)
     if array.ndim == 5 and array.shape[:2] == (3, 3):
-        apart = np.abs(array - array.swapaxes(0, 1)) > INTERPOLATION.asymmetry * np.abs(array).max(
-            axis=(0, 1)
-        )
+        # More is no rounding of a symmetric tensor.
+        apart = np.abs(array - array.swapaxes(0, 1)) > 1e-10 * np.abs(array).max(axis=(0, 1))
         for i, j in ((0, 1), (0, 2), (1, 2)):
             if apart[i, j].any():
                 at = tuple(int(index) for index in np.argwhere(apart[i, j])[0])

@@ -19,23 +19,8 @@ from isoembed.errors import InvalidParameter
 from isoembed.relativity.spacetimes.cartesian_grid import ENTRY
 from isoembed.relativity.spacetimes.checks import refuse_points
 from isoembed.relativity.spacetimes.three_geometry import ThreeGeometry
-from isoembed.thresholds import threshold
 
-
-@dataclass(frozen=True)
-class ElementThresholds:
-    """Thresholds of finding points in elements, and of the interpolation there."""
-
-    bulge: float = threshold(0.25, "extents", "How far an element may reach beyond the box of its nodes.")
-    steps: int = threshold(30, "count", "Steps of Newton's method that invert the map of an element.")
-    step: float = threshold(1e-7, "half edges", "A step of Newton's method after which the next is rounding.")
-    beyond: float = threshold(1e-3, "half edges", "Gaps between elements whose maps are not polynomials.")
-    away: float = threshold(2.0, "half edges", "A search that is so far from the middle has left the cube.")
-    kept: int = threshold(4, "count", "Sets of points whose elements are remembered.")
-    dropped: int = threshold(2, "degrees", "Highest degrees that are left out to tell the error.")
-
-
-ELEMENTS = ElementThresholds()
+BULGE = 0.25  # extents, by which an element may reach beyond the box of its nodes
 
 
 @dataclass(frozen=True, eq=False)
@@ -127,7 +112,7 @@ class ElementGrid:
         The elements converge exponentially where the slice is smooth, so that their own error is less.  That
         of the simulation is not in it.
         """
-        return np.asarray(quantity(_Polynomials(self, ELEMENTS.dropped)) - quantity(self))
+        return np.asarray(quantity(_Polynomials(self, 2)) - quantity(self))  # without the two highest degrees
 
     def located(self, x: Floats) -> tuple[Indices, Floats]:
         """Elements that points are in, and their places in the cubes.
@@ -148,7 +133,7 @@ class ElementGrid:
         """
         key = x.tobytes()
         if key not in self._found:
-            if len(self._found) == ELEMENTS.kept:
+            if len(self._found) == 4:  # sets of points whose elements are remembered
                 del self._found[next(iter(self._found))]
             self._found[key] = self._search(x)
         return self._found[key]
@@ -183,14 +168,15 @@ class ElementGrid:
         for k, element in enumerate(self.elements):
             flat = element.points.reshape(-1, 3)
             low, high = flat.min(axis=0), flat.max(axis=0)
-            room = ELEMENTS.bulge * (high - low)
+            room = BULGE * (high - low)
             in_box = np.all((x[left] >= low - room) & (x[left] <= high + room), axis=1)
             near = left[in_box & (which[left] != k)]
             if len(near):
                 found = _inverted(element, x[near], self._trees[k].query(x[near])[1])
                 better = np.abs(found).max(axis=1) < np.abs(place[near]).max(axis=1)
                 which[near[better]], place[near[better]] = k, found[better]
-        outside = ~(np.abs(place).max(axis=1, initial=0.0) <= 1.0 + ELEMENTS.beyond)
+        # Elements whose maps are no polynomials have gaps between them.
+        outside = ~(np.abs(place).max(axis=1, initial=0.0) <= 1.0 + 1e-3)
         refuse_points(outside, x, f"lies in none of the {len(self.elements)} elements of the slice")
         return which, place
 
@@ -246,13 +232,13 @@ def _inverted(element: Element, x: Floats, nearest: Indices) -> Floats:
     index = np.unravel_index(nearest, element.points.shape[:3])
     place = np.stack([nodes[i] for nodes, i in zip(element.nodes, index, strict=True)], axis=1)
     out, left = np.full(x.shape, np.inf), np.arange(len(x))
-    for _ in range(ELEMENTS.steps):
+    for _ in range(30):  # Newton's method
         there, slopes = _interpolated(_weights(element, place, 0), element.points)
         step = _solved(slopes.transpose(0, 2, 1), x[left] - there)
         place = place + np.clip(step, -1.0, 1.0)
-        found = np.abs(step).max(axis=1) < ELEMENTS.step
+        found = np.abs(step).max(axis=1) < 1e-7  # the next step is rounding
         out[left[found]] = place[found]
-        on = ~found & (np.abs(place).max(axis=1) < ELEMENTS.away)
+        on = ~found & (np.abs(place).max(axis=1) < 2.0)  # otherwise the search has left the element
         left, place = left[on], place[on]
         if len(left) == 0:
             break

@@ -19,26 +19,13 @@ from isoembed.relativity.spacetimes.surface import Surface
 from isoembed.relativity.spacetimes.surface_jet import SurfaceJet
 from isoembed.smooth.harmonics import Harmonics
 from isoembed.smooth.mesh_fit import fit_mesh
-from isoembed.smooth.projection import PROJECTION, project
+from isoembed.smooth.projection import DIRECTIONS, project
 from isoembed.smooth.scattered_fit import deviating, white
 from isoembed.smooth.two_metric import angle_frame
 from isoembed.surface.intersection import self_intersections
 from isoembed.surface.measures import volume
-from isoembed.thresholds import threshold
 
-
-@dataclass(frozen=True)
-class MappedSurfaceThresholds:
-    """Thresholds of the check that a map is an immersion, and that a mesh is on one."""
-
-    denser: float = threshold(2.0, "relative", "Heights of nodes at which it is checked over the degree.")
-    fewest: int = threshold(24, "count", "Heights of nodes at which it is checked, at least.")
-    singular: float = threshold(1e-9, "mean", "Area over that of the unit sphere that is none.")
-    apart: float = threshold(0.05, "mean radius", "Misfit above which vertices are not on a smooth surface.")
-    most: int = threshold(400, "count", "Heights, at most, until normals at neighbors look the same way.")
-
-
-MAPPED = MappedSurfaceThresholds()
+FEWEST_HEIGHTS = 24  # of nodes at which the immersion is checked
 
 
 @dataclass(frozen=True, eq=False)
@@ -118,7 +105,7 @@ class MappedSurface(Surface):
                 f"the map is a {type(function).__name__}, not a function of unit vectors u (n, 3); the "
                 "vertices and faces of a mesh are for from_mesh"
             )
-        middle = _mapped(function, fibonacci_directions(PROJECTION.directions)).mean(axis=0)
+        middle = _mapped(function, fibonacci_directions(DIRECTIONS)).mean(axis=0)
         fit = project(lambda u: _mapped(function, u) - middle, "the map")
         coefficients = fit.coefficients.copy()
         coefficients[0] += np.sqrt(4.0 * np.pi) * middle
@@ -170,7 +157,7 @@ class MappedSurface(Surface):
         except InvalidParameter as error:
             raise InvalidParameter(f"{scattered}: {error}") from None
         relative = surface.misfit / surface.mean_radius
-        if relative > MAPPED.apart:
+        if relative > 0.05:  # vertices with a larger misfit are not on a smooth surface
             raise InvalidParameter(f"{scattered}: it misses them by {100.0 * relative:.2g} % of its radius")
         return surface
 
@@ -194,11 +181,11 @@ class MappedSurface(Surface):
     @cached_property
     def _nodes(self) -> _Nodes:
         """Nodes so dense that normals at neighbors look the same way, if there are any."""
-        n = max(MAPPED.fewest, int(MAPPED.denser * self.harmonics.degree))
+        n = max(FEWEST_HEIGHTS, 2 * self.harmonics.degree)
         while True:
             around = 2 * n * self.harmonics.order // max(1, self.harmonics.degree)
-            nodes = _Nodes.of(self.jet, n, max(2 * MAPPED.fewest, around))
-            if 2 * n > MAPPED.most or nodes.turned is None:
+            nodes = _Nodes.of(self.jet, n, max(2 * FEWEST_HEIGHTS, around))
+            if 2 * n > 400 or nodes.turned is None:
                 return nodes
             n *= 2
 
@@ -224,7 +211,7 @@ class _Nodes:
     @cached_property
     def singular(self) -> Floats | None:
         """A direction in which the differential is singular, if there is any."""
-        singular = ~(self.densities > MAPPED.singular * self.densities.mean())
+        singular = ~(self.densities > 1e-9 * self.densities.mean())  # no area
         return self.u[int(np.argmax(singular))] if singular.any() else None
 
     @cached_property

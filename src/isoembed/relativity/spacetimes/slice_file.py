@@ -31,27 +31,15 @@ from isoembed.io.expansion import check_expansion
 from isoembed.io.files import FileError, check_ending
 from isoembed.io.hdf5 import HDF5_ENDINGS
 from isoembed.io.input_file import InputFile
-from isoembed.relativity.spacetimes.cartesian_grid import INTERPOLATION, CartesianGrid
+from isoembed.relativity.spacetimes.cartesian_grid import OUTSIDE, CartesianGrid
 from isoembed.relativity.spacetimes.checks import written
-from isoembed.thresholds import threshold
 
 PLACE = ("origin", "spacing")
 GAMMA = ("gxx", "gxy", "gxz", "gyy", "gyz", "gzz")
 K = ("kxx", "kxy", "kxz", "kyy", "kyz", "kzz")
 INSTANT = ("time", "iteration")
 SLICE_ENDINGS = (".npz", *HDF5_ENDINGS)
-
-
-@dataclass(frozen=True)
-class SliceFileThresholds:
-    """Thresholds of reading a part of a slice."""
-
-    around: int = threshold(
-        10, "spacings", "What is read around a box: five points for the interpolation, the rest to spare."
-    )
-
-
-SLICE_FILE = SliceFileThresholds()
+AROUND = 10  # spacings read around a box: five points for the interpolation, the rest to spare
 
 
 @dataclass(frozen=True)
@@ -220,13 +208,13 @@ def _slab(
         return [slice(0, n) for n in shape]
     low, high = ((corner - origin) / spacing for corner in box)
     last = np.array(shape) - 1
-    if not ((low >= -INTERPOLATION.outside) & (high <= last + INTERPOLATION.outside)).all():
+    if not ((low >= -OUTSIDE) & (high <= last + OUTSIDE)).all():
         raise FileError(
             f"{path} reaches from {written(origin)} to {written(origin + last * spacing)}, and what is asked "
             f"for from {written(box[0])} to {written(box[1])}"
         )
-    start = np.maximum(np.floor(low).astype(np.int64) - SLICE_FILE.around, 0)
-    stop = np.minimum(np.ceil(high).astype(np.int64) + SLICE_FILE.around, last) + 1
+    start = np.maximum(np.floor(low).astype(np.int64) - AROUND, 0)
+    stop = np.minimum(np.ceil(high).astype(np.int64) + AROUND, last) + 1
     return [slice(int(i), int(j)) for i, j in zip(start, stop, strict=True)]
 
 

@@ -25,7 +25,7 @@ from isoembed.io.files import FileError
 from isoembed.io.hdf5 import array_of
 from isoembed.io.input_file import InputFile
 from isoembed.relativity.spacetimes.checks import written
-from isoembed.relativity.spacetimes.element_grid import ELEMENTS, Element, ElementGrid
+from isoembed.relativity.spacetimes.element_grid import BULGE, Element, ElementGrid
 
 PAIRS = ("xx", "xy", "xz", "yy", "yz", "zz")
 GAMMA, K, POINTS = "SpatialMetric_", "ExtrinsicCurvature_", "InertialCoordinates_"
@@ -173,7 +173,7 @@ def _component(
 def _is_near(points: list[Floats], low: Floats, high: Floats) -> bool:
     """Whether an element may be in a box."""
     least, most = (np.array([end(axis) for axis in points]) for end in (np.min, np.max))
-    room = ELEMENTS.bulge * (most - least)
+    room = BULGE * (most - least)
     return bool(((most + room >= low) & (least - room <= high)).all())
 
 

@@ -13,7 +13,7 @@ from isoembed.errors import InvalidParameter
 from isoembed.meshing.sphere import gauss_rule
 from isoembed.relativity.spacetimes.checks import positive_number, vector, written
 from isoembed.relativity.spacetimes.point_cloud import checked_points, seen_from
-from isoembed.relativity.spacetimes.surface import SLICE_SURFACE, Surface, as_directions
+from isoembed.relativity.spacetimes.surface import ON_SURFACE, Surface, as_directions
 from isoembed.relativity.spacetimes.surface_data import SurfaceData
 from isoembed.relativity.spacetimes.surface_jet import SurfaceJet
 from isoembed.relativity.spacetimes.three_geometry import ThreeGeometry
@@ -187,7 +187,7 @@ class StarSurface(Surface):
             distance = float(np.linalg.norm(away))
             if distance > 0.0:
                 (r,) = self.radius(away[None] / distance)
-                if abs(r - distance) <= SLICE_SURFACE.through * distance:
+                if abs(r - distance) <= ON_SURFACE * distance:
                     raise InvalidParameter(
                         f"the surface passes through the black hole at {written(position)}"
                     )

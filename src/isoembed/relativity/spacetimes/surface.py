@@ -14,29 +14,15 @@ from isoembed.errors import InvalidParameter
 from isoembed.meshing.sphere import gauss_rule
 from isoembed.relativity.spacetimes.checks import numbers, vector
 from isoembed.relativity.spacetimes.surface_data import SurfaceData
-from isoembed.relativity.spacetimes.surface_errors import ERRORS, SurfaceErrors
+from isoembed.relativity.spacetimes.surface_errors import SURE, SurfaceErrors
 from isoembed.relativity.spacetimes.surface_frame import SurfaceFrame
 from isoembed.relativity.spacetimes.surface_jet import SurfaceJet
 from isoembed.relativity.spacetimes.three_geometry import ThreeGeometry
 from isoembed.smooth.harmonics import Harmonics
 from isoembed.smooth.two_metric import area_density
 from isoembed.smooth.uncertain import EXACT, UncertainFunction, Uncertainty
-from isoembed.thresholds import threshold
 
-
-@dataclass(frozen=True)
-class SurfaceThresholds:
-    """Thresholds of what surfaces tell of themselves."""
-
-    nodes: tuple[int, int] = threshold(
-        (24, 48), "count", "Heights and angles at which a surface and its slice tell their errors."
-    )
-    settled: float = threshold(1e-13, "relative", "Change of an angular momentum by more nodes that is none.")
-    most_nodes: int = threshold(128, "count", "Heights of nodes with which an angular momentum is final.")
-    through: float = threshold(1e-9, "relative", "Distance of a black hole from a surface that is none.")
-
-
-SLICE_SURFACE = SurfaceThresholds()
+ON_SURFACE = 1e-9  # relative distance of a black hole that is on the surface
 
 
 class Surface(ABC):
@@ -128,7 +114,7 @@ class Surface(ABC):
             frame = self.frame(geometry, u)
             density = frame.torque() @ a * weights * area_density(frame.q) / (8.0 * np.pi)
             J, size = float(density.sum()), float(np.abs(density).sum())
-            if abs(J - before) <= SLICE_SURFACE.settled * size or n > SLICE_SURFACE.most_nodes:
+            if abs(J - before) <= 1e-13 * size or n > 128:  # change with more nodes
                 return J
             n, before = 2 * n, J
 
@@ -161,7 +147,7 @@ class Surface(ABC):
             surface; the message names a point.
         """
         moves = not geometry.time_symmetric
-        u, weights = gauss_rule(*SLICE_SURFACE.nodes)
+        u, weights = gauss_rule(24, 48)
         frame = self.frame(geometry, u)
         others = (replace(frame, jet=jet) for jet in self.deviating(u))
         errors = SurfaceErrors.of_surface(frame, others, weights)
@@ -226,7 +212,7 @@ class InducedMetric:
         frame = self.surface.frame(self.geometry, u)
         by_surface = np.stack([replace(frame, jet=jet).q - frame.q for jet in self.surface.deviating(u)])
         by_slice = self.geometry.error(lambda geometry: replace(frame, geometry=geometry).q)
-        return by_surface, by_slice[None] / ERRORS.sure
+        return by_surface, by_slice[None] / SURE
 
 
 def _unit(what: str, given: Sequence[float]) -> tuple[float, float, float]:

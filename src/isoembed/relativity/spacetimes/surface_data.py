@@ -16,18 +16,6 @@ from isoembed.smooth.grid_metric import GridMetric
 from isoembed.smooth.sphere_map import SphereMap, metric_in
 from isoembed.smooth.two_metric import TwoMetric, area_density
 from isoembed.smooth.uncertain import EXACT, UncertainFunction, Uncertainty
-from isoembed.thresholds import threshold
-
-
-@dataclass(frozen=True)
-class SurfaceDataThresholds:
-    """Thresholds of the data of surfaces."""
-
-    coarse: float = threshold(0.5, "2 / areal radius", "Error of k, p or j with which nothing is known.")
-    directions: int = threshold(200, "count", "Directions at which the areal radius is taken.")
-
-
-SURFACE_DATA = SurfaceDataThresholds()
 
 
 @dataclass(frozen=True)
@@ -236,11 +224,11 @@ class SurfaceData:
         }
         if not (isinstance(self.metric, GridMetric) and any(errors.values())):
             return
-        u = fibonacci_directions(SURFACE_DATA.directions)
+        u = fibonacci_directions(200)
         radius = float(np.sqrt(np.mean(area_density(self.metric.tensor(u)))))
         errors["j"] /= radius
         for name, error in errors.items():
-            if error > SURFACE_DATA.coarse * 2.0 / radius:
+            if error > 1.0 / radius:  # half of the mean curvature of a sphere
                 raise InvalidMetric(
                     f"{name} is uncertain by {error:.2g} between the nodes of its grid, as its highest "
                     f"Fourier coefficients tell, and 2 / r is {2.0 / radius:.2g}: the grid is too coarse"

@@ -13,21 +13,8 @@ from isoembed.relativity.spacetimes.three_geometry import ThreeGeometry
 from isoembed.smooth.harmonics import Harmonics
 from isoembed.smooth.two_metric import area_density
 from isoembed.smooth.uncertain import Uncertainty
-from isoembed.thresholds import threshold
 
-
-@dataclass(frozen=True)
-class SurfaceErrorThresholds:
-    """Thresholds of the errors of surfaces."""
-
-    sure: float = threshold(3.0, "standard deviations", "Stated error.")
-    smooth: int = threshold(2, "count", "Degree of the weights with which averages are as wrong as stated.")
-    averaged: float = threshold(0.3, "relative", "Share of a slice's errors in averages: of truncation.")
-    scattered: float = threshold(0.03, "relative", "Averages of errors over their sizes, at least.")
-    decay: float = threshold(0.5, "relative", "Weights of one degree over those of the degree below.")
-
-
-ERRORS = SurfaceErrorThresholds()
+SURE = 3.0  # standard deviations, in a stated error
 
 
 @dataclass(frozen=True)
@@ -69,7 +56,7 @@ class SurfaceErrors:
         unit = _area_unit(frame)
         base = _quantities(frame, unit)
         changes = np.array([_quantities(other, unit) - base for other in deviating])
-        return cls._of(frame, ERRORS.sure * changes, weights, unit)
+        return cls._of(frame, SURE * changes, weights, unit)
 
     @classmethod
     def of_slice(cls, frame: SurfaceFrame, weights: Floats) -> SurfaceErrors:
@@ -83,13 +70,15 @@ class SurfaceErrors:
             return _quantities(replace(frame, geometry=geometry), unit)
 
         errors = cls._of(
-            frame, frame.geometry.error(quantities)[None], weights, unit, ERRORS.averaged, ERRORS.scattered
+            *(frame, frame.geometry.error(quantities)[None], weights, unit),
+            averaged=0.3,  # errors of truncation average out in part
+            scattered=0.03,
         )
         if noisy := getattr(frame.geometry, "deviating", None):
             base = _quantities(frame, unit)
             changes = [quantities(other) - base for other in noisy(frame.x)]
             if changes:
-                errors += cls._of(frame, ERRORS.sure * np.array(changes), weights, unit)
+                errors += cls._of(frame, SURE * np.array(changes), weights, unit)
         return errors
 
     @classmethod
@@ -106,9 +95,10 @@ class SurfaceErrors:
 
         Averages are wrong by a share of those of the changes, and of their sizes at least.
         """
-        harmonics = Harmonics(ERRORS.smooth, ERRORS.smooth)
+        harmonics = Harmonics(2, 2)  # smoother averages are less wrong
         smooth = weights[:, None] * harmonics.values(frame.u)
-        smooth *= ERRORS.decay ** harmonics.labels[0] / np.sqrt(4.0 * np.pi)
+        # Each degree has half the weight of the one below.
+        smooth *= 0.5 ** harmonics.labels[0] / np.sqrt(4.0 * np.pi)
         points = np.sqrt(np.mean(changes**2, axis=0))
         means = np.sqrt(np.mean(np.sum((changes @ smooth) ** 2, axis=2), axis=0))
         means = np.maximum(averaged * means, scattered * np.sqrt(points**2 @ weights / (4.0 * np.pi)))

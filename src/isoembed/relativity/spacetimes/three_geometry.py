@@ -18,26 +18,11 @@ from numpy.typing import ArrayLike, NDArray
 from isoembed.arrays import Floats
 from isoembed.errors import InvalidParameter
 from isoembed.relativity.spacetimes.checks import positive_number
-from isoembed.thresholds import threshold
 
 Numbers = NDArray[Any]
 """Real, or complex for derivatives by the complex step."""
 
-
-@dataclass(frozen=True)
-class DifferenceThresholds:
-    """Thresholds of the derivatives of geometries that are given by functions."""
-
-    step: float = threshold(
-        1.0 / 256.0, "geometry's length", "Step of differences: truncation is as rounding."
-    )
-    complex_step: float = threshold(
-        1e-30, "largest coordinate", "Complex step: its square is nothing beside 1."
-    )
-    noise: float = threshold(10.0, "relative", "Error of the gradient over its change to eighth order.")
-
-
-DIFFERENCES = DifferenceThresholds()
+COMPLEX_STEP = 1e-30  # its square is nothing beside 1
 
 
 class ThreeGeometry(Protocol):
@@ -168,11 +153,11 @@ class CallableGeometry(_Callables):
     def error(self, quantity: Callable[[ThreeGeometry], Floats]) -> Floats:
         """See `ThreeGeometry`: what differences of eighth order tell, of noise and rounding a tenth."""
         eighth = _EighthOrder(self.gamma, self.length, self.K)
-        return np.asarray(DIFFERENCES.noise * (quantity(eighth) - quantity(self)))
+        return np.asarray(10.0 * (quantity(eighth) - quantity(self)))
 
     def _differentiated(self, x: Floats, weights: Sequence[float]) -> Floats:
         """The gradient (n, 3, 3, 3) from differences over one, two, ... steps to both sides."""
-        h = DIFFERENCES.step * self.length
+        h = self.length / 256.0  # truncation is as large as rounding
         out = np.zeros((len(x), 3, 3, 3))
         for k, along in enumerate(np.eye(3)):
             for steps, weight in enumerate(weights, start=1):
@@ -205,7 +190,7 @@ def complex_step(f: Callable[[Numbers], Numbers], x: Floats) -> Floats:
     Squire and Trapp, SIAM Rev. 40 (1998) 110.
     """
     x = np.asarray(x, dtype=np.float64)
-    step = DIFFERENCES.complex_step * (float(np.abs(x).max(initial=0.0)) or 1.0)
+    step = COMPLEX_STEP * (float(np.abs(x).max(initial=0.0)) or 1.0)
     return np.stack([f(x + 1j * step * np.eye(3)[k]).imag / step for k in range(3)], axis=1)
 
 

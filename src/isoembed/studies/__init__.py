@@ -1,4 +1,0 @@
-"""Studies: the paper's figures and numbers made again, and the methods that it cites, as baselines.
-
-Nothing in the library imports from here.
-"""
