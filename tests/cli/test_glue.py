@@ -218,7 +218,7 @@ def test_glue_that_fails_says_so(run, monkeypatch):
         best = Embedding(metric, 2 * vertices, method="alexandrov", tolerance=1e-10)
         raise NotEmbedded("the path ended", best)
 
-    monkeypatch.setattr(isoembed, "embed", attempt, raising=False)
+    monkeypatch.setattr("isoembed.gluing.solid.embed", attempt)
     status, out, err = run("glue", typed(CUBE), "-o", "cube.obj", "--report", "report.json")
     assert (status, out, err) == (3, "", "isoembed: error: the path ended\n")
     assert sorted(os.listdir()) == ["net.json", "report.json"]
@@ -447,3 +447,16 @@ def test_every_mistake_about_nets_is_one_line(run, arguments, sentence):
     status, _, err = run("nets", *arguments)
     assert status == 2
     assert sentence in err
+
+
+def test_the_report_has_the_correction(run):
+    triangle = [[0, 0], [1, 0], [0.5, 0.866025]]
+    document = {"polygons": [triangle] * 4, "corners": ["abc", "adb", "bdc", "adc"]}
+    status, out, err = run("glue", typed(document), "--json")
+    assert status == 0
+    assert "sides differ by up to 3.5e-07" in err
+    correction = strict(out)["correction"]
+    assert 0 < correction["rms"] < correction["largest"] < correction["difference"] < 4e-7
+    assert run("glue", "net.json", "--report", "report.json")[0] == 0
+    assert strict(Path("report.json").read_text())["correction"] == correction
+    assert "correction" not in strict(run("glue", typed(CUBE), "--json")[1])

@@ -38,7 +38,7 @@ def test_what_embed_and_glue_wrote_is_unfolded(call):
     assert call("unfold", "solid.npz", "-o", "again.json", "--quiet") == (0, "", "")
     with open("again.json") as file:
         again = json.load(file)
-    assert set(again) == {"polygons", "sides"}
+    assert set(again) == {"polygons", "sides", "folds"}
 
 
 @pytest.mark.parametrize(("kind", "magic"), [("svg", b"<?xml"), ("pdf", b"%PDF")])

@@ -81,18 +81,21 @@ def test_what_is_no_net(path, changes, sentence):
 
 
 @pytest.mark.parametrize("name", PLATONIC)
-def test_a_net_without_names_is_glued_where_it_folds_up(name, path):
+@pytest.mark.parametrize(("decimals", "error"), [(15, 1e-9), (5, 1e-4)])
+@pytest.mark.filterwarnings("ignore::isoembed.MeshNote")
+def test_a_net_without_names_is_glued_where_it_folds_up(name, decimals, error, path):
     solid = isoembed.embed(PLATONIC[name], method="alexandrov")
     write_net(path, isoembed.unfold(solid))
     named = read_net(str(path))
     document = json.loads(path.read_text())
     del document["vertices_isoembed:corner"]
     document["edges_foldAngle"] = [round(angle, 4) for angle in document["edges_foldAngle"]]
+    document["vertices_coords"] = np.round(document["vertices_coords"], decimals).tolist()
     path.write_text(json.dumps(document))
     net = read_net(str(path))
     assert net.n_vertices == named.n_vertices
     again = isoembed.embed(net, method="alexandrov")
-    assert again.volume == pytest.approx(solid.volume, rel=1e-9)
+    assert again.volume == pytest.approx(solid.volume, rel=error)
 
 
 def test_valleys_are_folded_the_other_way(path):

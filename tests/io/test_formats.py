@@ -374,7 +374,6 @@ BAD_METRICS = {
     "not whole": spoil(faces=lambda f: put(2, [f[2][0] + 0.5, *f[2][1:]])(f)),
     "out of range": spoil(faces=lambda f: put(2, [1_000_000, *f[2][1:]])(f)),
     "negative index": spoil(faces=lambda f: put(2, [-1, *f[2][1:]])(f)),
-    "turned face": spoil(faces=lambda f: put(4, f[4][::-1])(f)),
     "fin": spoil(faces=lambda f: [*f, [f[0][0], f[0][1], 12]]),
     "two components": spoil(faces=lambda f: [*f, *[[a + 12, b + 12, c + 12] for a, b, c in f]]),
     "missing edge": spoil(edges=lambda e: e[:-1], lengths=lambda x: x[:-1]),

@@ -229,9 +229,7 @@ class _Search:
                 restored = insert_vertices(tables, removal, _creases(tables, vertices))
                 wanted = _one_halfedge_an_edge(self.metric)
                 paths = edge_paths(original, restored.tables, restored.polygons, wanted)
-            result = metric_on(restored.tables)
-            if isinstance(self.metric, PolyhedralMetric):
-                result = result.rounded_as(self.metric)
+            result = metric_on(restored.tables).rounded_as(self.metric)
         except InvalidMetric as error:  # not the given metric's fault: these are triangles of our own
             message = f"the polyhedron was found, but no triangles on it with all vertices: {error}"
             return self._failure(curved, nearest, message)

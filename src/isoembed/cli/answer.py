@@ -6,6 +6,7 @@ from collections.abc import Callable, Collection, Mapping
 from contextlib import nullcontext
 from functools import cache
 from pathlib import Path
+from types import MappingProxyType
 from typing import Any
 
 import isoembed
@@ -62,6 +63,7 @@ def answer(
     solve: Callable[[Listener | None], isoembed.Embedding],
     *,
     describe: Callable[[isoembed.Embedding], str] = summary,
+    reported: Mapping[str, Any] = MappingProxyType({}),
     **beside: Callable[[Path], Writer],
 ) -> int:
     """Solve under a live view, and write and say what is asked for.
@@ -75,6 +77,8 @@ def answer(
         Takes the listener and embeds.
     describe : callable
         Says in a few lines what was found.
+    reported : mapping
+        Entries of the report besides those of the surface.
     **beside : callable
         Makers of what is written whatever the answer, by the names of the options.
 
@@ -91,7 +95,7 @@ def answer(
 
     @cache
     def report() -> Mapping[str, Any]:  # it takes a while: only if it is asked for
-        return embedding.report if failure is None else {**embedding.report, **failure.report}
+        return {**embedding.report, **(failure.report if failure is not None else {}), **reported}
 
     try:
         outputs.write(report=lambda _: report_writer(report()), **beside)

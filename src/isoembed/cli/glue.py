@@ -1,6 +1,7 @@
 """``isoembed glue``: from a paper net to the solid that it folds to."""
 
 import argparse
+from dataclasses import asdict
 from pathlib import Path
 
 import isoembed
@@ -9,6 +10,7 @@ from isoembed.cli.answer import add_output_options, answer, asked_for
 from isoembed.cli.screen import print_aside
 from isoembed.cli.status import OK
 from isoembed.cli.summary import summary
+from isoembed.gluing import embed_net
 from isoembed.io import METRIC_ENDINGS, metric_writer
 from isoembed.io.files import Writer
 from isoembed.io.net import read_net
@@ -26,6 +28,13 @@ def configure(parser: argparse.ArgumentParser) -> None:
     )
     add_output_options(parser)
     parser.add_argument(
+        "--tolerance",
+        type=float,
+        metavar="LENGTH",
+        help="glue sides whose lengths differ by no more, in the unit of the sheets, and correct the sheets "
+        "by the smallest change (default: what the digits of the corners explain)",
+    )
+    parser.add_argument(
         "--metric",
         type=Path,
         metavar="FILE",
@@ -37,7 +46,7 @@ def configure(parser: argparse.ArgumentParser) -> None:
 def run(options: argparse.Namespace) -> int:
     """Glue the net and solve it; return the exit status."""
     outputs = asked_for(options, metric=METRIC_ENDINGS)
-    net = read_net(options.input)
+    net = read_net(options.input, tolerance=options.tolerance)
 
     def metric(path: Path) -> Writer:
         return metric_writer(path, net.simplicial())
@@ -49,9 +58,10 @@ def run(options: argparse.Namespace) -> int:
         return OK
 
     def solve(progress: Listener | None) -> isoembed.Embedding:
-        return isoembed.embed(net, method="alexandrov", progress=progress)
+        return embed_net(net, progress=progress)
 
-    return answer(options, outputs, solve, describe=_described, metric=metric)
+    correction = {} if net.correction is None else {"correction": asdict(net.correction)}
+    return answer(options, outputs, solve, describe=_described, reported=correction, metric=metric)
 
 
 def _described(embedding: isoembed.Embedding) -> str:

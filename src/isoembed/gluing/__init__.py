@@ -16,6 +16,7 @@ from isoembed.gluing.outlines import (
     triangle,
 )
 from isoembed.gluing.search import edge_gluings
+from isoembed.gluing.solid import embed_net
 from isoembed.gluing.unfolding import Unfolding, unfold
 
 __all__ = [
@@ -26,6 +27,7 @@ __all__ = [
     "circle",
     "dform",
     "edge_gluings",
+    "embed_net",
     "from_sides",
     "glue",
     "pita",

@@ -17,7 +17,7 @@ class CreaseThresholds:
     """Thresholds of crease patterns that are folded up."""
 
     meets: float = threshold(
-        1e-4, "size of the sheet", "Corners as near in space are one; files round angles."
+        1e-4, "size of the sheet", "Corners as near in space are one, and sides that differ by as much equal."
     )
 
 
@@ -26,30 +26,37 @@ CREASES = CreaseThresholds()
 Side = tuple[int, int]
 
 
-def meeting_corners(points: Floats, faces: Sequence[Sequence[int]], angles: Mapping[Side, float]) -> Indices:
-    """Names of the vertices of a sheet, of which those on its boundary that meet have the same, shape (V,).
+def meeting_corners(places: Floats, faces: Sequence[Sequence[int]], tolerance: float) -> Indices:
+    """Names of the vertices of a folded sheet, the same for those on its boundary that meet, shape (V,).
 
     Parameters
     ----------
-    points : ndarray, shape (V, 2)
+    places : ndarray, shape (V, 3)
+        From `fold_up`.
     faces : sequence of sequences of int
-        The vertices around each, counterclockwise.
-    angles : mapping
-        By how many radians each crease, (smaller, larger vertex), is folded: positive of valleys.
+    tolerance : float
+        Corners as near as this in space are one.
 
     Raises
     ------
     InvalidMetric
-        The faces do not hang together, have no angle between them, or come apart.
+        There are several sheets.
     """
-    size = float(np.ptp(points, axis=0).max()) or 1.0
-    owners = _owners(faces)
-    places = _folded(points / size, faces, owners, angles)
-    rim = np.unique([v for side, (_, *others) in owners.items() if not others for v in side])
-    names = np.arange(len(points))
+    for f, face in enumerate(faces):
+        if np.isnan(places[face]).any():
+            raise InvalidMetric(
+                f"face {f} has no side in common with the sheet of face 0: one sheet is folded up"
+            )
+    rim = np.unique([v for side, (_, *others) in _owners(faces).items() if not others for v in side])
+    names = np.arange(len(places))
     if len(rim):
-        names[rim] = rim[representatives(places[rim], CREASES.meets)]
+        names[rim] = rim[representatives(places[rim], tolerance)]
     return names
+
+
+def meeting_tolerance(points: Floats) -> float:
+    """How near corners of a sheet that is folded up are to one another if they are one."""
+    return CREASES.meets * (float(np.ptp(points, axis=0).max()) or 1.0)
 
 
 def _owners(faces: Sequence[Sequence[int]]) -> dict[Side, list[tuple[int, int, int]]]:
@@ -61,13 +68,28 @@ def _owners(faces: Sequence[Sequence[int]]) -> dict[Side, list[tuple[int, int, i
     return owners
 
 
-def _folded(
-    points: Floats,
-    faces: Sequence[Sequence[int]],
-    owners: Mapping[Side, list[tuple[int, int, int]]],
-    angles: Mapping[Side, float],
+def fold_up(
+    points: Floats, faces: Sequence[Sequence[int]], angles: Mapping[Side, float], tolerance: float
 ) -> Floats:
-    """The vertices in space, (V, 3): the first face stays, others follow across the creases."""
+    """The vertices in space, (V, 3): face 0 stays, others follow across the creases; NaN in other sheets.
+
+    Parameters
+    ----------
+    points : ndarray, shape (V, 2)
+    faces : sequence of sequences of int
+        The vertices around each, counterclockwise.
+    angles : mapping
+        By how many radians each crease, (smaller, larger vertex), is folded: positive of valleys.
+    tolerance : float
+        How far apart the places of a vertex in two faces may be.
+
+    Raises
+    ------
+    InvalidMetric
+        Faces have no angle between them, or come apart.
+    """
+    size = float(np.ptp(points, axis=0).max()) or 1.0  # keeps the squares from under- and overflowing
+    points, tolerance, owners = points / size, tolerance / size, _owners(faces)
     flat = np.column_stack([points, np.zeros(len(points))])
     places = np.full_like(flat, np.nan)
     turns = {0: (np.eye(3), np.zeros(3))}  # x = R p + t
@@ -86,22 +108,17 @@ def _folded(
                 # The face on the right of a -> b is raised by a valley, which turns it about b -> a.
                 own = turn @ _about(flat[a] - flat[b], angles[side])
                 moved = own, turn @ flat[a] + shift - own @ flat[a]
-                _put(places, faces[g], flat[faces[g]] @ own.T + moved[1], g)
+                _put(places, faces[g], flat[faces[g]] @ own.T + moved[1], g, tolerance)
                 if g not in turns:
                     turns[g] = moved
                     waiting.append(g)
-    if len(turns) < len(faces):
-        f = next(f for f in range(len(faces)) if f not in turns)
-        raise InvalidMetric(
-            f"face {f} has no side in common with the sheet of face 0: one sheet is folded up"
-        )
-    return places
+    return places * size
 
 
-def _put(places: Floats, face: Sequence[int], found: Floats, f: int) -> None:
+def _put(places: Floats, face: Sequence[int], found: Floats, f: int, tolerance: float) -> None:
     """Put the corners of a face where none are yet; those that are must be there."""
     apart = np.linalg.norm(places[face] - found, axis=1)  # NaN of new ones
-    if (apart > CREASES.meets).any():
+    if (apart > tolerance).any():
         v = face[int(np.nanargmax(apart))]
         raise InvalidMetric(f"the fold angles tear the sheet: vertex {v} of face {f} is in two places")
     places[face] = np.where(np.isnan(places[face]), found, places[face])

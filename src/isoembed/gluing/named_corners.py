@@ -7,7 +7,9 @@ import numpy as np
 
 from isoembed.arrays import Indices
 from isoembed.errors import InvalidMetric, InvalidParameter
-from isoembed.gluing.polygon import Polygon, differ
+from isoembed.gluing.polygon import Polygon
+from isoembed.gluing.thresholds import GLUING
+from isoembed.gluing.tolerance import Tolerance
 
 Side = tuple[int, int]
 Names = Sequence[Sequence[Hashable]]
@@ -36,7 +38,7 @@ def read_names(given: Any, sheets: Sequence[Polygon]) -> Names:
     return [list(names) for names in given]
 
 
-def sides_of(corners: Names, sheets: Sequence[Polygon]) -> list[tuple[Side, Side]]:
+def sides_of(corners: Names, sheets: Sequence[Polygon], tolerance: Tolerance) -> list[tuple[Side, Side]]:
     """Pairs of sides whose ends have the same names.
 
     Raises
@@ -68,10 +70,12 @@ def sides_of(corners: Names, sheets: Sequence[Polygon]) -> list[tuple[Side, Side
             )
         q, m = some[1]
         ours, theirs = _length(sheets[p], k), _length(sheets[q], m)
-        if differ(ours, theirs, (sheets[p], sheets[q])):
+        most = tolerance.between(p, q, (ours, theirs))
+        if abs(ours - theirs) > most + GLUING.rounding * (sheets[p].perimeter + sheets[q].perimeter):
             raise InvalidMetric(
                 f"side {k} of polygon {p} has length {ours!r}, but side {m} of polygon {q}, which joins the "
-                f"same corners {a!r} and {b!r}, has {theirs!r}"
+                f"same corners {a!r} and {b!r}, has {theirs!r}: more than the "
+                f"{tolerance.refusal(most, abs(ours - theirs))}"
             )
     return [(one, other) for one, other in found.values()]
 

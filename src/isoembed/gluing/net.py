@@ -1,7 +1,8 @@
 """Polygons with identified sides, and the metric that they make."""
 
-import itertools
+import warnings
 from collections.abc import Sequence
+from copy import copy
 from dataclasses import dataclass
 from typing import Any
 
@@ -9,14 +10,18 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from isoembed.arrays import Floats, Indices, Mask
-from isoembed.errors import InvalidMetric, InvalidParameter
+from isoembed.errors import InvalidMetric, InvalidParameter, MeshNote
+from isoembed.gluing.correction import Correction, corrected
 from isoembed.gluing.named_corners import check_together, faced_alike, read_names, sides_of
+from isoembed.gluing.outline_points import cut_outlines, glued_points
 from isoembed.gluing.polygon import Polygon, distances, shape_of, side_lengths
-from isoembed.gluing.runs import Run, cut, read_sides
+from isoembed.gluing.runs import Run, read_sides
+from isoembed.gluing.thresholds import GLUING
+from isoembed.gluing.tolerance import Tolerance
 from isoembed.intrinsic.ears import triangulated, twins_inside
-from isoembed.mesh.components import components
 from isoembed.mesh.triangulation import frozen
 from isoembed.metric.glued import GluedMetric
+from isoembed.metric.precision import Precision
 from isoembed.space import Space
 from isoembed.space.models import MODELS, Model
 
@@ -43,6 +48,10 @@ class Net(GluedMetric):
         Where the corners of each face lie in the plane of its polygon.
     seams : ndarray of bool, shape (3F,)
         Half-edges on an outline, as of every `GluedMetric`.
+    correction : Correction or None
+        The change of the corners by which sides that differed became equal, and which the polygons have.
+    folded : ndarray, shape (V, 3), or None
+        The vertices as the fold angles of the file place them, if it has such.
     """
 
     polygons: tuple[Floats, ...]
@@ -50,9 +59,17 @@ class Net(GluedMetric):
     corners: tuple[Indices, ...]
     face_polygons: Indices
     places: Floats
+    correction: Correction | None
+    folded: Floats | None
 
-    def __init__(self, sheets: Sequence[Polygon], runs: Sequence[tuple[Run, Run]]) -> None:
-        stops, mates = _cut_outlines(sheets, runs)
+    def __init__(
+        self,
+        sheets: Sequence[Polygon],
+        runs: Sequence[tuple[Run, Run]],
+        correction: Correction | None = None,
+        precision: Precision | None = None,
+    ) -> None:
+        stops, mates = cut_outlines(sheets, runs, Tolerance.exact(len(sheets)))
         space = sheets[0].space
         polygons = tuple(frozen(sheet.points(some)) for sheet, some in zip(sheets, stops, strict=True))
         first = np.cumsum([0, *map(len, stops)])  # of each outline among the points of all
@@ -60,7 +77,7 @@ class Net(GluedMetric):
             start + np.searchsorted(some, np.arange(sheet.n) * (-1 if sheet.turned else 1) % sheet.n)
             for start, some, sheet in zip(first, stops, sheets, strict=False)
         ]
-        vertices = _glued_points(first, mates, np.concatenate(corners))
+        vertices = glued_points(first, mates, np.concatenate(corners))
         triangles, owners = _triangles(polygons, first, space)
         twins, seams = _sewn(triangles, mates)
         points = np.concatenate(polygons)
@@ -76,8 +93,21 @@ class Net(GluedMetric):
             ("face_polygons", frozen(owners)),
             ("places", frozen(points[triangles])),
             ("seams", frozen(seams)),
+            ("correction", correction),
+            ("precision", None if precision is None else precision.in_means(1 / self.mean_length)),
+            ("folded", None),
         ):
             object.__setattr__(self, name, value)
+
+    def knowing(self, *, precision: Precision | None = None, folded: Floats | None = None) -> "Net":
+        """The same net, folded so and of this precision, the error of a length in the unit of the sheets."""
+        changed = copy(self)
+        changed.__dict__.pop("normalized", None)
+        if precision is not None:
+            object.__setattr__(changed, "precision", precision.in_means(1 / self.mean_length))
+        if folded is not None:
+            object.__setattr__(changed, "folded", frozen(folded))
+        return changed
 
 
 def glue(
@@ -85,6 +115,7 @@ def glue(
     sides: Sequence[Any] | None = None,
     *,
     corners: Sequence[Sequence[str | int]] | None = None,
+    tolerance: float | None = None,
     curvature: float = 0.0,
     model: Model = "ambient",
 ) -> Net:
@@ -109,6 +140,11 @@ def glue(
         Instead of `sides`, what each polygon's corners are called: sides whose ends have the same two names
         are glued, as they are in a list of the faces of a polyhedron.  A polygon is turned over where its
         names run the wrong way.
+    tolerance : float, optional
+        Lengths that differ by no more are glued, in the unit of the polygons, which are of the plane.  By
+        default what the digits of their corners explain, if these have 4 to 11, and 1e-9 of the length
+        otherwise.  The corners are moved by the least sum of squares that makes glued lengths equal
+        (`Net.correction`), and vertices whose total angle is then a full one within the errors become flat.
     curvature : float, optional
         Of the hyperbolic plane (negative) or of the sphere (positive) that the polygons are cut from, in
         1/length^2, and of the metric.
@@ -126,11 +162,16 @@ def glue(
     Raises
     ------
     InvalidMetric
-        A polygon is not simple, two runs differ in length, a stretch is glued twice or to nothing, or the
-        result is not one sphere.  Lengths that differ by less than 1e-9 of them become their mean.
+        A polygon is not simple, two runs differ in length by more than the tolerance, a stretch is glued
+        twice or to nothing, or the result is not one sphere.
     InvalidParameter
-        An identification is not of the form above, there are both sides and corners, or neither, or there is
-        no such curvature or model.
+        An identification is not of the form above, there are both sides and corners, or neither, the
+        tolerance is not a length from 0 on, or there is no such curvature or model.
+
+    Warns
+    -----
+    MeshNote
+        Polygons are corrected by more than rounding.
 
     Examples
     --------
@@ -160,75 +201,29 @@ def glue(
     if len(polygons) == 0:
         raise InvalidMetric("there are no polygons")
     sheets = [Polygon.of(polygon, p, space, model) for p, polygon in enumerate(polygons)]
+    allowed = Tolerance.of(sheets, tolerance)
     if sides is not None and corners is None:
-        return Net(sheets, read_sides(sides, sheets))
+        return _net(sheets, sides, allowed)
     if corners is None or sides is not None:
         raise InvalidParameter("what is glued is told either by the sides or by the names of the corners")
     names = read_names(corners, sheets)
-    pairs = sides_of(names, sheets)
+    pairs = sides_of(names, sheets, allowed)
     sheets = faced_alike(names, sheets, pairs)
-    net = Net(sheets, read_sides(pairs, sheets))
+    net = _net(sheets, pairs, allowed)
     check_together(names, net.corners)
     return net
 
 
-def _cut_outlines(sheets: Sequence[Polygon], runs: Sequence[tuple[Run, Run]]) -> tuple[list[Floats], Indices]:
-    """Cut the outlines at their corners and wherever a corner of another is glued.
-
-    Returns
-    -------
-    list of ndarray
-        The positions on each outline, from corner 0 on.
-    ndarray of int
-        For each step between two of them, all outlines in a row, the one that it is glued to, which runs
-        the other way.
-    """
-    cuts = [(one.polygon, other.polygon, *cut(one, other)) for one, other in runs]
-    positions = [{float(k) for k in range(sheet.n)} for sheet in sheets]
-    for p, q, ours, theirs in cuts:
-        positions[p].update(ours)
-        positions[q].update(theirs)
-    stops = [np.array(sorted(some)) for some in positions]
-    count = itertools.count()
-    index = [{position: next(count) for position in some.tolist()} for some in stops]
-    mates = np.empty(next(count), dtype=np.int64)
-    for p, q, ours, theirs in cuts:
-        for here, there in zip(ours[:-1], theirs[1:], strict=True):
-            mates[index[p][here]], mates[index[q][there]] = index[q][there], index[p][here]
-    return stops, mates
-
-
-def _glued_points(first: Indices, mates: Indices, corners: Indices) -> Indices:
-    """The vertex that each point of the outlines becomes; those of corners first.
-
-    Raises
-    ------
-    InvalidMetric
-        The polygons do not make one sphere.
-    """
-    n = len(mates)
-    owners = np.repeat(np.arange(len(first) - 1), np.diff(first))
-    part = components(owners, owners[mates], len(first) - 1)
-    parts = int(part.max()) + 1
-    if parts > 1:
-        raise InvalidMetric(
-            f"the polygons make {parts} surfaces, not one: "
-            f"polygon {int(np.argmax(part != part[0]))} is not connected to polygon 0"
-        )
-    ends = np.arange(1, n + 1)
-    ends[first[1:] - 1] = first[:-1]
-    classes = components(np.arange(n), ends[mates], n)
-    count = int(classes.max()) + 1
-    euler = count - n // 2 + len(first) - 1
-    if euler != 2:
-        raise InvalidMetric(
-            f"the polygons make a surface of Euler characteristic {euler} (genus {1 - euler // 2}), not 2: "
-            "not a sphere"
-        )
-    _, earliest = np.unique(classes[np.concatenate([corners, np.arange(n)])], return_index=True)
-    numbers = np.empty(count, dtype=np.int64)
-    numbers[np.argsort(earliest)] = np.arange(count)
-    return numbers[classes]
+def _net(sheets: Sequence[Polygon], sides: Sequence[Any], tolerance: Tolerance) -> Net:
+    """The net of the corrected sheets; a correction of more than rounding is said."""
+    runs = read_sides(sides, sheets, tolerance)
+    changed, correction = corrected(sheets, runs, tolerance)
+    if correction is None:
+        return Net(sheets, runs)
+    if correction.largest > GLUING.same_length * max(sheet.perimeter for sheet in sheets):
+        warnings.warn(str(correction), MeshNote, stacklevel=3)
+    exact = read_sides(sides, changed, Tolerance.exact(len(changed)))
+    return Net(changed, exact, correction, tolerance.precision(correction.difference))
 
 
 def _triangles(polygons: Sequence[Floats], first: Indices, space: Space) -> tuple[Indices, Indices]:

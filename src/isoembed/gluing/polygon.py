@@ -4,13 +4,13 @@ from __future__ import annotations
 
 import numbers
 from dataclasses import dataclass
+from typing import TypeGuard
 
 import numpy as np
 from numpy.typing import ArrayLike
 
 from isoembed.arrays import Floats, Indices
 from isoembed.errors import InvalidMetric, InvalidParameter
-from isoembed.gluing.thresholds import GLUING
 from isoembed.intrinsic.plane import folds, meet
 from isoembed.kernel import kernel
 from isoembed.mesh.triangulation import frozen
@@ -76,13 +76,7 @@ class Polygon:
             raise InvalidMetric(
                 f"side {k} of polygon {index} has no length: its ends are both at {corners[k].tolist()}"
             )
-        shape = shape_of(corners, space)
-        first, second = meeting_sides(shape)
-        if first >= 0:
-            raise InvalidMetric(
-                f"polygon {index} is not simple: sides {min(first, second)} and {max(first, second)} meet"
-            )
-        x, y = shape.T
+        x, y = _checked(corners, space, index, "not simple").T
         turned = bool((x * np.roll(y, -1) - y * np.roll(x, -1)).sum() < 0)
         if turned:
             corners = np.roll(corners[::-1], 1, axis=0)
@@ -92,6 +86,17 @@ class Polygon:
     def _made(cls, corners: Floats, space: Space, turned: bool) -> Polygon:
         arcs = np.concatenate([[0.0], np.cumsum(side_lengths(corners, space))])
         return cls(frozen(corners), space, turned, frozen(arcs))
+
+    def moved_to(self, corners: Floats, index: int) -> Polygon:
+        """The polygon of this number with its corners, counterclockwise, elsewhere nearby.
+
+        Raises
+        ------
+        InvalidMetric
+            It meets itself there.
+        """
+        _checked(corners, self.space, index, "no longer simple when corrected")
+        return Polygon._made(corners.copy(), self.space, self.turned)
 
     def turned_over(self) -> Polygon:
         """The same sheet seen from its back, corner 0 the same."""
@@ -146,6 +151,17 @@ class Polygon:
         return np.where(part == 0, start, between)
 
 
+def _checked(corners: Floats, space: Space, index: int, what: str) -> Floats:
+    """The shape of an outline that does not meet itself, as of `shape_of`."""
+    shape = shape_of(corners, space)
+    first, second = meeting_sides(shape)
+    if first >= 0:
+        raise InvalidMetric(
+            f"polygon {index} is {what}: sides {min(first, second)} and {max(first, second)} meet"
+        )
+    return shape
+
+
 def points_of_the_plane(given: ArrayLike, name: str) -> Floats:
     """Points (n, 2), checked.
 
@@ -168,15 +184,9 @@ def points_of_the_plane(given: ArrayLike, name: str) -> Floats:
     return points
 
 
-def is_number(value: object) -> bool:
+def is_number(value: object) -> TypeGuard[float]:
     """Whether a value is a real number, and not a truth value."""
     return isinstance(value, numbers.Real) and not isinstance(value, bool)
-
-
-def differ(ours: float, theirs: float, sheets: tuple[Polygon, Polygon]) -> bool:
-    """Whether two lengths on the outlines of two sheets are not the same, up to typing and rounding."""
-    rounding = GLUING.rounding * sum(sheet.perimeter for sheet in sheets)
-    return abs(ours - theirs) > GLUING.same_length * max(ours, theirs) + rounding
 
 
 def side_lengths(points: Floats, space: Space = EUCLIDEAN) -> Floats:

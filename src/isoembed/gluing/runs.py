@@ -9,8 +9,9 @@ from typing import Any
 import numpy as np
 
 from isoembed.errors import InvalidMetric, InvalidParameter
-from isoembed.gluing.polygon import Polygon, differ, is_number
+from isoembed.gluing.polygon import Polygon, is_number
 from isoembed.gluing.thresholds import GLUING
+from isoembed.gluing.tolerance import Tolerance
 
 
 @dataclass(frozen=True)
@@ -62,7 +63,9 @@ class Run:
         return [*positions, self.stop], [*along, 1.0]
 
 
-def read_sides(sides: Sequence[Any], polygons: Sequence[Polygon]) -> list[tuple[Run, Run]]:
+def read_sides(
+    sides: Sequence[Any], polygons: Sequence[Polygon], tolerance: Tolerance
+) -> list[tuple[Run, Run]]:
     """The identifications of `glue`, checked to glue every boundary exactly once.
 
     Parameters
@@ -70,12 +73,13 @@ def read_sides(sides: Sequence[Any], polygons: Sequence[Polygon]) -> list[tuple[
     sides : sequence of pairs
         Each of the two a side ``(p, k)`` or a run ``(p, a, b)``.
     polygons : sequence of Polygon
+    tolerance : Tolerance
 
     Returns
     -------
     list of pairs of Run
-        Of equal length up to rounding.  The start of one is glued to the end of the other.  A run glued to
-        itself is two of half its length.
+        Of equal length within the tolerance.  The start of one is glued to the end of the other.  A run
+        glued to itself is two of half its length.
 
     Raises
     ------
@@ -92,20 +96,21 @@ def read_sides(sides: Sequence[Any], polygons: Sequence[Polygon]) -> list[tuple[
             raise InvalidParameter(f"sides[{i}] is {_shown(pair)}, not a pair of sides or runs")
         runs.append((_read(pair[0], i, polygons), _read(pair[1], i, polygons)))
     runs = _joined(runs)
-    _check_lengths(runs)
+    _check_lengths(runs, tolerance)
     _check_cover(runs, polygons)
-    return [_folded(one) if one == other else (one, other) for one, other in runs]
+    return [_folded(one, tolerance) if one == other else (one, other) for one, other in runs]
 
 
-def cut(one: Run, other: Run) -> tuple[list[float], list[float]]:
+def cut(one: Run, other: Run, tolerance: Tolerance) -> tuple[list[float], list[float]]:
     """Positions of the corners of both along one run, ends included, and where they meet the other."""
+    same = slack(one, other, tolerance) / one.length
     here, along = one.parts()
     there, back = (part[::-1] for part in other.parts())
     ours, theirs = [here[0]], [there[0]]
     i, j = 1, 1
     while i < len(here) - 1 or j < len(there) - 1:
         ahead = along[i] - (1.0 - back[j])
-        if i < len(here) - 1 and j < len(there) - 1 and abs(ahead) <= GLUING.same_length:
+        if i < len(here) - 1 and j < len(there) - 1 and abs(ahead) <= same:
             ours.append(here[i])
             theirs.append(there[j])
             i, j = i + 1, j + 1
@@ -118,6 +123,12 @@ def cut(one: Run, other: Run) -> tuple[list[float], list[float]]:
             theirs.append(there[j])
             j += 1
     return [*ours, here[-1]], [*theirs, there[-1]]
+
+
+def slack(one: Run, other: Run, tolerance: Tolerance) -> float:
+    """The tolerance for the lengths of two runs."""
+    sides = sum(len(run.parts()[0]) - 1 for run in (one, other))
+    return tolerance.between(one.polygon, other.polygon, (one.length, other.length), sides)
 
 
 def _read(entry: Any, i: int, polygons: Sequence[Polygon]) -> Run:
@@ -147,7 +158,7 @@ def _read(entry: Any, i: int, polygons: Sequence[Polygon]) -> Run:
         a, b = float(k), float(k) + 1
         name = f"side {int(k)} of polygon {int(p)}"
     else:
-        a, b = (_snapped(float(x), polygon) for x in entry[1:])
+        a, b = (_snapped(float(x), polygon, GLUING.same_length * polygon.perimeter) for x in entry[1:])
         n = polygon.n
         if not (0 <= a <= n and 0 <= b <= 2 * n and b - a <= n):
             raise InvalidParameter(
@@ -181,13 +192,15 @@ def _joined(runs: list[tuple[Run, Run]]) -> list[tuple[Run, Run]]:
     return [(joined(one), joined(other)) for one, other in runs]
 
 
-def _check_lengths(runs: list[tuple[Run, Run]]) -> None:
+def _check_lengths(runs: list[tuple[Run, Run]], tolerance: Tolerance) -> None:
     for i, (one, other) in enumerate(runs):
         ours, theirs = one.length, other.length
-        if differ(ours, theirs, (one.sheet, other.sheet)):
+        rounding = GLUING.rounding * (one.sheet.perimeter + other.sheet.perimeter)
+        most = slack(one, other, tolerance) + rounding
+        if abs(ours - theirs) > most:
             raise InvalidMetric(
                 f"sides[{i}] glues {one.name}, of length {ours!r}, to {other.name}, of length {theirs!r}: "
-                "they differ"
+                f"more than the {tolerance.refusal(most, abs(ours - theirs))}"
             )
 
 
@@ -224,9 +237,10 @@ def _stretch(p: int, polygon: Polygon, stops: list[float], k: int) -> str:
     return f"the boundary of polygon {p} from {a:.12g} to {b:.12g}"
 
 
-def _folded(run: Run) -> tuple[Run, Run]:
+def _folded(run: Run, tolerance: Tolerance) -> tuple[Run, Run]:
     """The two halves of a run."""
-    middle = _snapped(run.at(0.5), run.sheet) % run.sheet.n
+    off = max(slack(run, run, tolerance) / 2, GLUING.same_length * run.sheet.perimeter)
+    middle = _snapped(run.at(0.5), run.sheet, off) % run.sheet.n
     return replace(run, stop=middle), replace(run, start=middle)
 
 
@@ -239,8 +253,8 @@ def _shown(value: Any) -> str:
     return text if len(text) <= 40 else text[:37] + "..."
 
 
-def _snapped(position: float, polygon: Polygon) -> float:
-    """A corner, if the position is one up to rounding."""
+def _snapped(position: float, polygon: Polygon, most: float) -> float:
+    """A corner, if the position is so near to one."""
     side = math.floor(position) % polygon.n
     off = abs(position - round(position)) * (polygon.arcs[side + 1] - polygon.arcs[side])
-    return float(round(position)) if off <= GLUING.same_length * polygon.perimeter else position
+    return float(round(position)) if off <= most else position

@@ -5,6 +5,7 @@ from numpy.typing import ArrayLike
 
 from isoembed.gluing.polygon import Polygon
 from isoembed.gluing.thresholds import GLUING
+from isoembed.gluing.tolerance import Tolerance
 from isoembed.space import Space
 from isoembed.space.models import Model
 
@@ -53,6 +54,7 @@ def edge_gluings(
     [[((0, 0), (0, 1)), ((0, 2), (0, 3))], [((0, 0), (0, 3)), ((0, 1), (0, 2))]]
     """
     sheet = Polygon.of(polygon, 0, Space(curvature), model)
+    tolerance = Tolerance.of([sheet])
     n, lengths, angles = sheet.n, sheet.sides, sheet.angles
     most = 2 * np.pi + GLUING.full_angle if convex else np.inf
     # By stretch of sides i .. j - 1: its gluings, and the angles that its two ends are glued to in between.
@@ -63,7 +65,7 @@ def edge_gluings(
             ends = angles[i] + (angles[j % n] if size < n else 0.0)
             found = known[i, j] = []
             for k in range(i + 1, j, 2):
-                if abs(lengths[i] - lengths[k]) > GLUING.same_length * max(lengths[i], lengths[k]):
+                if abs(lengths[i] - lengths[k]) > tolerance.between(0, 0, (lengths[i], lengths[k])):
                     continue
                 for beyond, rest in known[k + 1, j]:
                     between = rest + angles[k + 1] if k + 1 < j else 0.0

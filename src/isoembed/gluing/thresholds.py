@@ -10,7 +10,7 @@ class GluingThresholds:
     """Thresholds of what is glued, and of the search for gluings."""
 
     same_length: float = threshold(
-        1e-9, "relative", "Difference of one length in coordinates that were typed with ten digits."
+        1e-9, "relative", "Difference of one length in coordinates whose digits tell no other."
     )
     rounding: float = threshold(
         1e-15, "perimeters", "Difference that floats leave of one length on two outlines, however short."

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
@@ -13,6 +13,7 @@ from isoembed.gluing.faces import Faces, true_faces
 from isoembed.gluing.net import Net, glue
 from isoembed.gluing.sheets import joined
 from isoembed.mesh.triangulation import frozen
+from isoembed.metric.precision import Precision
 from isoembed.surface.embedding import Embedding
 from isoembed.thresholds import threshold
 
@@ -46,6 +47,8 @@ class Unfolding:
         The ends of the folds of each sheet.
     angles : tuple of ndarray, shape (m,)
         By how much to fold, radians: positive where the solid is convex.
+    precision : Precision or None
+        Of the coordinates of the solid, the error of a length in their unit.
     """
 
     sheets: tuple[Floats, ...]
@@ -53,6 +56,7 @@ class Unfolding:
     sides: tuple[tuple[tuple[int, int], tuple[int, int]], ...]
     folds: tuple[Floats, ...]
     angles: tuple[Floats, ...]
+    precision: Precision | None = None
 
     def __repr__(self) -> str:
         return f"Unfolding({self})"
@@ -68,7 +72,7 @@ class Unfolding:
     @cached_property
     def net(self) -> Net:
         """The sheets glued: the metric of the solid, from paper."""
-        return glue(self.sheets, self.sides)
+        return glue(self.sheets, self.sides).knowing(precision=self.precision)
 
 
 def unfold(surface: Embedding) -> Unfolding:
@@ -121,7 +125,11 @@ def unfold(surface: Embedding) -> Unfolding:
     if not apart.all():
         v = faces.corners[outer[np.argmin(apart)]]
         raise InvalidMetric(f"vertex {v} is so near to another that paper does not tell them apart")
-    return _cut_out(faces, points * size * unit, after, sheets)
+    precision = surface.metric.precision
+    return replace(
+        _cut_out(faces, points * size * unit, after, sheets),
+        precision=None if precision is None else precision.in_means(surface.metric.mean_length),
+    )
 
 
 def _fewest(faces: Faces, directions: Floats) -> tuple[Floats, Indices, Indices]:

@@ -5,26 +5,33 @@ same two names are glued.  Where there are none, the sheet is folded up by its f
 """
 
 import math
+from collections.abc import Sequence
+from dataclasses import asdict
 from typing import Any
 
 import numpy as np
 
 from isoembed.arrays import Floats, Indices
 from isoembed.gluing import Net, glue
-from isoembed.gluing.creases import meeting_corners
+from isoembed.gluing.creases import fold_up, meeting_corners, meeting_tolerance
+from isoembed.gluing.polygon import is_number, points_of_the_plane
 from isoembed.gluing.unfolding import Unfolding
 from isoembed.io import json
 from isoembed.io.files import FileError
 from isoembed.io.fold import CORNERS
 from isoembed.io.input_file import InputFile
+from isoembed.metric.precision import Precision
 from isoembed.version import __version__
 
 ANGLES = "edges_foldAngle"  # in degrees
+PRECISION = "file_isoembed:precision"  # of the coordinates of the solid
 GAP = 0.1  # between sheets, of the width of the one before
 
 
-def read_crease_pattern(file: InputFile) -> Net:
+def read_crease_pattern(file: InputFile, tolerance: float | None = None) -> Net:
     """Read the faces of a crease pattern and glue them by the names of their corners, or as they fold up.
+
+    The tolerance is that of `isoembed.glue`; where the pattern is folded up, corners are matched by it, too.
 
     Raises
     ------
@@ -35,9 +42,13 @@ def read_crease_pattern(file: InputFile) -> Net:
     """
 
     def chosen(document: dict[str, Any]) -> dict[str, Any]:
-        names = {"faces": "faces_vertices", "vertices": "vertices_coords", "corners": CORNERS}
-        if not document.get(CORNERS) and document.get(ANGLES):
-            names |= {"edges": "edges_vertices", "corners": ANGLES}
+        names = {"faces": "faces_vertices", "vertices": "vertices_coords"}
+        if document.get(CORNERS) or not document.get(ANGLES):
+            names |= {"corners": CORNERS}
+        if document.get(ANGLES):
+            names |= {"edges": "edges_vertices", "angles": ANGLES}
+        if PRECISION in document:
+            names |= {"precision": PRECISION}
         for name in names.values():
             if not document.get(name):
                 raise FileError(
@@ -47,7 +58,7 @@ def read_crease_pattern(file: InputFile) -> Net:
         return {ours: document[theirs] for ours, theirs in names.items()}
 
     tables = json.parse(file.data, str(file), chosen)
-    points, corners = tables["vertices"], tables["corners"]
+    points, corners = tables["vertices"], tables.get("corners")
     if points.shape[1:] != (2,):
         raise FileError(
             f"{file}: its vertices_coords are not points [x, y], as those of a crease pattern are"
@@ -59,11 +70,109 @@ def read_crease_pattern(file: InputFile) -> Net:
     for k, face in enumerate(faces):
         if not face or -1 in face:
             raise FileError(f"{file}: face {k} is not made of the {len(points)} vertices")
+    near, places = meeting_tolerance(points) if tolerance is None else tolerance, None
     if "edges" in tables:
-        corners = meeting_corners(points, faces, _angles(tables["edges"], corners, file)).tolist()
+        places = fold_up(points, faces, _angles(tables["edges"], tables["angles"], file), near)
+    if corners is None and places is not None:
+        corners, tolerance = meeting_corners(places, faces, near).tolist(), near
     elif not isinstance(corners, list) or len(corners) != len(points):
         raise FileError(f"{file}: {CORNERS} is not a list of {len(points)} names, one for each vertex")
-    return glue([points[face] for face in faces], corners=[[corners[v] for v in face] for face in faces])
+    names = [[corners[v] for v in face] for face in faces]
+    net = glue([points[face] for face in faces], corners=names, tolerance=tolerance)
+    return _knowing(net, faces, places, tables.get("precision"), str(file))
+
+
+def creased_net(
+    sheets: Sequence[Any], sides: Any, folds: Any, precision: Any, tolerance: float | None, name: str
+) -> Net:
+    """Glue sheets with folds, as of `creases`, along whole sides.
+
+    Raises
+    ------
+    FileError
+        Something in the file of this name is not of the form that `isoembed unfold` writes.
+    InvalidMetric, InvalidParameter
+        As `glue`.
+    """
+    outlines = [points_of_the_plane(sheet, f"polygon {p}") for p, sheet in enumerate(sheets)]
+    if not isinstance(folds, list) or len(folds) != len(outlines):
+        raise FileError(f"the folds of {name} are not {len(outlines)} lists, one for each polygon")
+    faces: list[list[int]] = []
+    angles, place, first = {}, {}, 0
+    for p, (outline, own) in enumerate(zip(outlines, folds, strict=True)):
+        n, chords = len(outline), []
+        for fold in own if isinstance(own, list) else [own]:
+            if not _is_fold(fold, n):
+                raise FileError(
+                    f"{name}: {str(fold)[:40]} is no fold of polygon {p}: [corner, corner, degrees], between "
+                    f"two of its {n} corners that are not neighbors"
+                )
+            chords.append(fold[:2])
+            a, b = sorted(fold[:2])
+            angles[first + a, first + b] = -math.radians(fold[2])
+        for face in _faces(n, np.array(chords, dtype=np.int64).reshape(-1, 2)):
+            for k, corner in enumerate(face):
+                place[p, corner, face[(k + 1) % len(face)]] = len(faces), k
+            faces.append([first + corner for corner in face])
+        first += n
+
+    def moved(side: Any) -> tuple[int, int]:
+        whole = isinstance(side, list) and len(side) == 2 and all(isinstance(x, int) for x in side)
+        if not whole or not 0 <= side[0] < len(outlines):
+            raise FileError(f"{name} glues {str(side)[:40]}: with folds, sides are [polygon, side]")
+        p, k = side
+        if (p, k, (k + 1) % len(outlines[p])) not in place:
+            raise FileError(f"{name} glues side {k} of polygon {p}, which has {len(outlines[p])} sides")
+        return place[p, k, (k + 1) % len(outlines[p])]
+
+    if not isinstance(sides, list) or any(not isinstance(pair, list) or len(pair) != 2 for pair in sides):
+        raise FileError(f"the sides of {name} are not a list of pairs")
+    pairs = [(moved(one), moved(other)) for one, other in sides]
+    pairs += [(at, place[p, b, a]) for (p, a, b), at in place.items() if a < b and (p, b, a) in place]
+    points = np.concatenate(outlines)
+    net = glue([points[face] for face in faces], pairs, tolerance=tolerance)
+    places = fold_up(points, faces, angles, meeting_tolerance(points))
+    return _knowing(net, faces, places, precision, name)
+
+
+def creases(unfolding: Unfolding) -> list[list[list[Any]]]:
+    """The folds of each sheet, [corner, corner, degrees], positive where the solid is convex."""
+    return [
+        [[*ends, angle] for ends, angle in zip(_nearest(sheet, folds).tolist(), bends, strict=True)]
+        for sheet, folds, bends in zip(
+            unfolding.sheets, unfolding.folds, map(np.degrees, unfolding.angles), strict=True
+        )
+    ]
+
+
+def precision_entry(unfolding: Unfolding, key: str) -> dict[str, Any]:
+    """The precision of the solid under this key, where it has one."""
+    return {} if unfolding.precision is None else {key: asdict(unfolding.precision)}
+
+
+def _is_fold(fold: Any, n: int) -> bool:
+    """Whether it is [corner, corner, degrees] of a polygon of n corners."""
+    if not isinstance(fold, list) or len(fold) != 3 or not all(type(k) is int for k in fold[:2]):
+        return False
+    a, b, angle = fold
+    inside = min(a, b) >= 0 and max(a, b) < n and (a - b) % n not in (0, 1, n - 1)
+    return inside and is_number(angle) and abs(angle) <= 180
+
+
+def _knowing(net: Net, faces: Sequence[Sequence[int]], places: Floats | None, said: Any, name: str) -> Net:
+    """The net with what its file says of it besides: places of the vertices, and their precision."""
+    if said is not None:
+        error = said.get("length_error") if isinstance(said, dict) else None
+        if not is_number(error) or not 0 < error < math.inf or not isinstance(said.get("name"), str):
+            raise FileError(f"{name}: the precision is {str(said)[:40]}, not a name and a length_error")
+        net = net.knowing(precision=Precision(said["name"], float(error)))
+    if places is not None:
+        folded = np.full((net.n_vertices, 3), np.nan)
+        for vertices, face in zip(net.corners, faces, strict=True):
+            folded[vertices] = places[face]
+        if np.isfinite(folded).all():  # there is one sheet, and all vertices are corners
+            net = net.knowing(folded=folded)
+    return net
 
 
 def _angles(edges: Any, degrees: Any, file: InputFile) -> dict[tuple[int, int], float]:
@@ -106,6 +215,7 @@ def crease_pattern(unfolding: Unfolding) -> dict[str, Any]:
         "file_classes": ["singleModel"],
         "frame_classes": ["creasePattern"],
         "frame_attributes": ["2D", "manifold", "orientable"],
+        **precision_entry(unfolding, PRECISION),
         "vertices_coords": np.concatenate(points),
         CORNERS: np.concatenate(unfolding.corners),
         "edges_vertices": edges,

@@ -22,7 +22,13 @@ from isoembed.gluing import (
 )
 from isoembed.gluing.unfolding import Unfolding
 from isoembed.io import json
-from isoembed.io.crease_pattern import crease_pattern, read_crease_pattern
+from isoembed.io.crease_pattern import (
+    crease_pattern,
+    creased_net,
+    creases,
+    precision_entry,
+    read_crease_pattern,
+)
 from isoembed.io.files import FileError, Writer, check_ending, ending, write_atomically
 from isoembed.io.input_file import InputFile
 from isoembed.io.registry import check_output
@@ -42,14 +48,15 @@ CURVES: Makers = {"circle": (circle, 1, 1), "ellipse": (Ellipse, 2, 2), "stadium
 OUTLINES = POLYGONS | CURVES
 
 
-def read_net(source: str) -> Net:
+def read_net(source: str, *, tolerance: float | None = None) -> Net:
     """Read a net and glue it.
 
     Parameters
     ----------
     source : str
         A ``.json`` file, or ``-`` for standard input: an object with ``polygons`` and ``sides`` or
-        ``corners``, as `isoembed.glue` takes them, or with one of
+        ``corners``, as `isoembed.glue` takes them, with ``sides`` also ``folds``, for each polygon a list of
+        ``[corner, corner, degrees]``, positive where the solid is convex; or with one of
 
         - ``"regular": [names, ...]``: the names of the corners of regular polygons with sides of length 1
         - ``"zip": {"polygon": POLYGON, "at": position}``
@@ -67,6 +74,9 @@ def read_net(source: str) -> Net:
 
         Or a ``.fold`` file: a crease pattern whose vertices have names, in ``vertices_isoembed:corner``, as
         the corners of `isoembed.glue`.
+    tolerance : float, optional
+        As of `isoembed.glue`, for polygons and crease patterns.  A crease pattern without names is folded up,
+        and corners as near as this are one; by default 1e-4 of the size of the sheet.
 
     Raises
     ------
@@ -76,17 +86,20 @@ def read_net(source: str) -> Net:
         What it holds makes no metric.
     """
     if source == "-":
-        return _net(json.read_standard_input(), "standard input")
+        return _net(json.read_standard_input(), "standard input", tolerance)
     check_ending(source, NET_ENDINGS)
     with InputFile(source) as file:
-        return read_crease_pattern(file) if file.ending == ".fold" else _net(json.read(file), source)
+        if file.ending == ".fold":
+            return read_crease_pattern(file, tolerance)
+        return _net(json.read(file), source, tolerance)
 
 
 def net_writer(path: str | os.PathLike[str], unfolding: Unfolding) -> Writer:
     """Writer of a net in the format of this ending; see `write_atomically` and `write_net`."""
     unfolding.net  # noqa: B018, who reads it will glue it
     is_fold = ending(path) == ".fold"
-    sheets = {"polygons": unfolding.sheets, "sides": unfolding.sides}
+    sheets = {"polygons": unfolding.sheets, "sides": unfolding.sides, "folds": creases(unfolding)}
+    sheets |= precision_entry(unfolding, "precision")
     text = strict_json(crease_pattern(unfolding) if is_fold else sheets) + "\n"
     return lambda temporary: temporary.write_text(text, encoding="utf-8")
 
@@ -111,7 +124,7 @@ def write_net(path: str | os.PathLike[str], unfolding: Unfolding) -> None:
     write_atomically({Path(path): net_writer(path, unfolding)})
 
 
-def _net(document: Mapping[str, Any], name: str) -> Net:
+def _net(document: Mapping[str, Any], name: str, tolerance: float | None) -> Net:
     forms = [key for key in FORMS if key in document]
     if len(forms) != 1:
         there = " and ".join(forms) if forms else ", ".join(document) or "nothing"
@@ -123,12 +136,19 @@ def _net(document: Mapping[str, Any], name: str) -> Net:
     surface = _surface(document, name) if form in ("polygons", "regular", "zip") else {}
     if form == "polygons":
         how = "corners" if "corners" in document else "sides"
-        entries = _entries(document, name, ("polygons", how), tuple(surface))
+        entries = _entries(document, name, ("polygons", how), (*surface, "folds", "precision"))
         polygons = _list(entries["polygons"], f"polygons of {name}")
+        if "folds" in entries:
+            if how != "sides" or surface:
+                raise FileError(f"{name} has folds, which are for sides that are glued, in the plane")
+            known = (entries["folds"], entries.get("precision"))
+            return creased_net(polygons, entries["sides"], *known, tolerance, name)
         shapes = [_polygon(polygon, f"polygon {p}", **surface) for p, polygon in enumerate(polygons)]
         glued = _list(entries[how], f"{how} of {name}")
         told: dict[str, Any] = {how: glued, **surface}
-        return glue(shapes, **told)
+        return glue(shapes, tolerance=tolerance, **told)
+    if tolerance is not None:
+        raise InvalidParameter(f"{name} holds {form}, which is exact: a tolerance is for polygons")
     _entries(document, name, (form,), tuple(surface))
     if form == "regular":
         faces = _list(document["regular"], f"regular polygons of {name}")

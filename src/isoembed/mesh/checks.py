@@ -2,14 +2,15 @@
 
 import numbers
 import sys
+import warnings
 from collections.abc import Callable
 from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from isoembed.arrays import Floats, Indices
-from isoembed.errors import InvalidMetric
+from isoembed.arrays import Floats, Indices, Mask
+from isoembed.errors import InvalidMetric, MeshNote
 from isoembed.mesh.components import components
 
 LARGEST = 2**62  # what 64 bits hold; gaps among the indices are refused anyway
@@ -150,6 +151,8 @@ def real_array(given: ArrayLike, what: str, quantity: str) -> Floats:
 def checked_tables(faces: Indices) -> tuple[Indices, Indices, Indices]:
     """The tables of a triangulation, as in `Triangulation`, with a check at every step.
 
+    Faces that are not oriented as face 0 is are turned over in place, and a `MeshNote` says so.
+
     Raises
     ------
     InvalidMetric
@@ -161,7 +164,17 @@ def checked_tables(faces: Indices) -> tuple[Indices, Indices, Indices]:
     keys, of_halfedge = np.unique(np.minimum(start, end) * n + np.maximum(start, end), return_inverse=True)
     edges = np.column_stack(np.divmod(keys, n))
     face_edges = of_halfedge.reshape(-1, 3)
-    _check_edges(edges, face_edges, faces)
+    over = _turned_over(edges, face_edges, faces)
+    if over.any():
+        f = int(np.argmax(over))
+        warnings.warn(
+            f"{over.sum()} of {len(faces)} faces are turned over, so that all are oriented as face 0 is: "
+            f"the first is face {f} {faces[f].tolist()}",
+            MeshNote,
+            stacklevel=4,
+        )
+        faces[over] = faces[over, ::-1]
+        return checked_tables(faces)
     along = start < end
     edge_halfedges = np.empty((len(edges), 2), dtype=np.int64)
     edge_halfedges[face_edges.ravel()[along], 0] = np.flatnonzero(along)
@@ -208,8 +221,11 @@ def _check_faces(faces: Indices) -> None:
         raise InvalidMetric(f"face {f} {faces[f].tolist()} repeats face {original}")
 
 
-def _check_edges(edges: Indices, face_edges: Indices, faces: Indices) -> None:
-    """Refuse edges that are not in exactly two faces, and faces that cannot be oriented alike."""
+def _turned_over(edges: Indices, face_edges: Indices, faces: Indices) -> Mask:
+    """Which faces are to be turned over for all to be oriented as the first of their component, shape (F,).
+
+    Refuses edges that are not in exactly two faces, and faces that cannot be oriented alike.
+    """
     count = np.bincount(face_edges.ravel(), minlength=len(edges))
     if (count > 2).any():
         e = int(np.argmax(count > 2))
@@ -227,7 +243,7 @@ def _check_edges(edges: Indices, face_edges: Indices, faces: Indices) -> None:
     start = faces.ravel()[order].reshape(-1, 2)
     alike = start[:, 0] != start[:, 1]
     if alike.all():
-        return
+        return np.zeros(len(faces), dtype=np.bool_)
     # Two copies of every face, one for each orientation: a component with both has no orientation.
     F = len(faces)
     u = np.concatenate([left, left + F])
@@ -235,11 +251,8 @@ def _check_edges(edges: Indices, face_edges: Indices, faces: Indices) -> None:
     label = components(u, v, 2 * F)
     if (label[:F] == label[F:]).any():
         raise InvalidMetric("the surface cannot be oriented (it is one-sided), so it is not a sphere")
-    e = int(np.argmax(~alike))
-    raise InvalidMetric(
-        f"faces {left[e]} and {right[e]} both run along edge {edges[e].tolist()} in the same direction: "
-        "the faces are not oriented alike"
-    )
+    # Labels are numbered by first nodes: the copy that the first face of a component is in has the lower one.
+    return label[:F] > label[F:]
 
 
 def _check_sphere(faces: Indices, edges: Indices, edge_halfedges: Indices) -> None:

@@ -23,11 +23,12 @@ class Triangulation:
     Parameters
     ----------
     faces : array_like of int, shape (F, 3)
-        Triangles, all oriented alike (either way), vertices numbered from 0 without gaps.
+        Triangles, vertices numbered from 0 without gaps.
 
     Attributes
     ----------
     faces : ndarray of int64, shape (F, 3)
+        Oriented as face 0 is; faces that were not are turned over.
     edges : ndarray of int64, shape (E, 2)
         Smaller index first, in lexicographic order.
     face_edges : ndarray of int64, shape (F, 3)
@@ -39,6 +40,11 @@ class Triangulation:
     ------
     InvalidMetric
         The faces are not a triangulated sphere; the message names the first offender.
+
+    Warns
+    -----
+    MeshNote
+        Faces are turned over.
 
     Examples
     --------

@@ -18,6 +18,7 @@ from isoembed.mesh.joining import reached_faces
 from isoembed.mesh.triangulation import frozen
 from isoembed.metric.curvature import Triangles
 from isoembed.metric.polyhedral import SAME_LENGTH, PolyhedralMetric
+from isoembed.metric.precision import Precision
 from isoembed.metric.simplicial import simplicial
 from isoembed.metric.triangle_checks import check_triangles
 from isoembed.space import Space
@@ -54,6 +55,8 @@ class GluedMetric:
     seams : ndarray of bool, shape (3F,)
         Half-edges along which sheets of paper were glued: none, unless it is a `isoembed.gluing.Net` or was
         one.
+    precision : Precision or None
+        To which the coordinates that the lengths come from were rounded, if that is known.
 
     Raises
     ------
@@ -75,6 +78,7 @@ class GluedMetric:
     face_lengths: Floats
     space: Space
     seams: Mask
+    precision: Precision | None
 
     def __init__(
         self, faces: ArrayLike, twins: ArrayLike, face_lengths: ArrayLike, *, curvature: float = 0.0
@@ -100,19 +104,35 @@ class GluedMetric:
         """
         if isinstance(metric, GluedMetric):
             return metric
-        return cls._made(metric.faces, metric.triangulation.twins, metric.face_lengths, metric.space)
+        twins = metric.triangulation.twins
+        return cls._made(metric.faces, twins, metric.face_lengths, metric.space, precision=metric.precision)
 
     @classmethod
     def _made(
-        cls, faces: Indices, twins: Indices, face_lengths: Floats, space: Space, seams: Mask | None = None
+        cls,
+        faces: Indices,
+        twins: Indices,
+        face_lengths: Floats,
+        space: Space,
+        seams: Mask | None = None,
+        precision: Precision | None = None,
     ) -> GluedMetric:
         """Tables that are known to be a metric."""
         metric = cls.__new__(cls)
-        metric._set(faces, twins, face_lengths, space, seams)
+        metric._set(faces, twins, face_lengths, space, seams, precision)
         return metric
 
+    def _with(self, face_lengths: Floats, space: Space) -> GluedMetric:
+        return GluedMetric._made(self.faces, self.twins, face_lengths, space, self.seams, self.precision)
+
     def _set(
-        self, faces: Indices, twins: Indices, face_lengths: Floats, space: Space, seams: Mask | None = None
+        self,
+        faces: Indices,
+        twins: Indices,
+        face_lengths: Floats,
+        space: Space,
+        seams: Mask | None = None,
+        precision: Precision | None = None,
     ) -> None:
         nowhere = np.zeros(faces.size, dtype=np.bool_)
         object.__setattr__(self, "faces", frozen(faces))
@@ -120,6 +140,7 @@ class GluedMetric:
         object.__setattr__(self, "face_lengths", frozen(face_lengths))
         object.__setattr__(self, "space", space)
         object.__setattr__(self, "seams", frozen(nowhere if seams is None else seams))
+        object.__setattr__(self, "precision", precision)
 
     def __repr__(self) -> str:
         return (
@@ -161,8 +182,7 @@ class GluedMetric:
 
     def scaled(self, factor: float) -> GluedMetric:
         """Return the metric in another unit: every length times this factor."""
-        space = self.space.scaled(factor)
-        return GluedMetric._made(self.faces, self.twins, self.face_lengths * factor, space, self.seams)
+        return self._with(self.face_lengths * factor, self.space.scaled(factor))
 
     def with_lengths(self, face_lengths: ArrayLike) -> GluedMetric:
         """Return the same triangles with other lengths, shape (F, 3).
@@ -173,8 +193,7 @@ class GluedMetric:
         """
         lengths = _length_table(face_lengths, self.n_faces)
         _check_triangles(self.faces, lengths, self.space)
-        lengths = _matched(self.twins, lengths)
-        return GluedMetric._made(self.faces, self.twins, lengths, self.space, self.seams)
+        return self._with(_matched(self.twins, lengths), self.space)
 
     @classmethod
     def flipped(cls, tables: HalfEdges) -> GluedMetric:
@@ -192,8 +211,7 @@ class GluedMetric:
     @cached_property
     def normalized(self) -> GluedMetric:
         """The metric in its own `unit`, in which its mean edge length is between 1 and 2."""
-        space = self.space.scaled(1 / self.unit)
-        return GluedMetric._made(self.faces, self.twins, self.face_lengths / self.unit, space, self.seams)
+        return self._with(self.face_lengths / self.unit, self.space.scaled(1 / self.unit))
 
     @property
     def tables(self) -> tuple[NDArray, ...]:
@@ -238,7 +256,8 @@ class GluedMetric:
             A triangle is so thin that rounding breaks one of its parts.
         """
         unit = self.normalized
-        return simplicial(unit.faces, unit.twins, unit.face_lengths, unit.space).scaled(self.unit)
+        metric = simplicial(unit.faces, unit.twins, unit.face_lengths, unit.space)
+        return metric.rounded_as(unit).scaled(self.unit)
 
 
 def _side(h: int) -> str:

@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 from copy import copy
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from functools import cached_property
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -22,6 +22,9 @@ from isoembed.metric.triangle_checks import check_triangles
 from isoembed.space import EUCLIDEAN, Space
 from isoembed.space.models import Model, from_model
 
+if TYPE_CHECKING:
+    from isoembed.metric.glued import GluedMetric
+
 SAME_LENGTH = 1e-12  # relative difference of two values for one edge
 ANGLE_ROUNDING = 1e-9  # radians: of deficits, and of sums of angles across edges
 
@@ -33,7 +36,7 @@ class PolyhedralMetric:
     Parameters
     ----------
     faces : array_like of int, shape (F, 3)
-        Triangles, all oriented alike.
+        Triangles; those that are not oriented as face 0 is are turned over.
     lengths : array_like of float, shape (E,)
         Edge lengths, in any unit and of any size.
     edges : array_like of int, shape (E, 2), optional
@@ -227,13 +230,11 @@ class PolyhedralMetric:
         object.__setattr__(self, "lengths", lengths)
         object.__setattr__(self, "space", space)
 
-    def rounded_as(self, other: PolyhedralMetric) -> PolyhedralMetric:
+    def rounded_as(self, other: PolyhedralMetric | GluedMetric) -> PolyhedralMetric:
         """Return the metric with the `precision` of another in the same unit, whose surface it is."""
-        given = other.precision
-        if given is None:
+        if other.precision is None:
             return self
-        error = given.length_error * other.mean_length / self.mean_length
-        return self._knowing(precision=replace(given, length_error=error))
+        return self._knowing(precision=other.precision.in_means(other.mean_length / self.mean_length))
 
     def _knowing(self, **known: Any) -> PolyhedralMetric:
         """The same triangles and lengths with another precision, errors or rounding of these."""

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -51,6 +51,10 @@ class Precision:
         """
         return math.sqrt(4.5) * self.length_error
 
+    def in_means(self, factor: float) -> Precision:
+        """The same errors of edges whose mean length is smaller by this factor."""
+        return replace(self, length_error=self.length_error * factor)
+
     @classmethod
     def of(cls, points: Floats, mean_length: float) -> Precision | None:
         """Recognize the precision of coordinates, shape (V, n); None if they are doubles, or exact.
@@ -63,7 +67,7 @@ class Precision:
         """
         values = np.abs(points[points != 0])
         sample = values[:: len(values) // PRECISION.sample + 1]
-        found = None if _rounded(sample) is None else _rounded(values)
+        found = None if last_digits(sample) is None else last_digits(values)
         if found is None:
             return None
         name, quanta = found
@@ -100,8 +104,18 @@ def rounding_error(lengths: Floats) -> float | None:
     return error if error <= COARSE and len(np.unique(np.rint(lengths / unit))) >= DESIGNED else None
 
 
-def _rounded(values: Floats) -> tuple[str, Floats] | None:
-    """What positive numbers were rounded to, and the unit of the last digit of each."""
+def last_digits(
+    values: Floats, fewest: int = PRECISION.fewest, most: int = PRECISION.most
+) -> tuple[str, Floats] | None:
+    """What numbers were rounded to, and the unit of the last digit of each; None if exact or doubles.
+
+    Parameters
+    ----------
+    values : ndarray, shape (n,)
+        Positive.
+    fewest, most : int
+        Decimal digits, at most `PRECISION.written`: numbers with fewer are exact, those with more doubles.
+    """
     if values.size == 0 or _multiples(values, 2.0 ** (np.frexp(values.max())[1] - PRECISION.bits)):
         return None
     with np.errstate(all="ignore"):  # numbers beyond single precision are not in it
@@ -117,14 +131,14 @@ def _rounded(values: Floats) -> tuple[str, Floats] | None:
             break
     else:
         return None
-    if digits < PRECISION.fewest:
+    if digits < fewest:
         return None
     last = _units(np.full(values.shape, exponents.max()), digits)
     if _multiples(values, last):  # as many digits behind the point in all of them
         quanta = last
     if (off <= quanta * (0.5 + PRECISION.error)).all() and (quanta < spacing).mean() > 0.5:
         return SINGLE, spacing
-    return (f"{digits} digits", quanta) if digits <= PRECISION.most else None
+    return (f"{digits} digits", quanta) if digits <= most else None
 
 
 def _units(exponents: Floats, digits: int) -> Floats:

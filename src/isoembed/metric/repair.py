@@ -126,7 +126,7 @@ def repaired(
     given = GluedMetric.of(metric)
     before = given.deficits
     rounding = deficit_rounding(given.faces, given.face_lengths, given.curvature)
-    precision = metric.precision if isinstance(metric, PolyhedralMetric) else None
+    precision = metric.precision
     doubt = None
     if precision is not None:
         spread = deficit_spread(given.faces, given.face_lengths, given.twins, given.curvature)

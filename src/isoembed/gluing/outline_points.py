@@ -1,0 +1,74 @@
+"""The points of glued outlines: where they are cut, and which vertex each becomes."""
+
+import itertools
+from collections.abc import Sequence
+
+import numpy as np
+
+from isoembed.arrays import Floats, Indices
+from isoembed.errors import InvalidMetric
+from isoembed.gluing.polygon import Polygon
+from isoembed.gluing.runs import Run, cut
+from isoembed.gluing.tolerance import Tolerance
+from isoembed.mesh.components import components
+
+
+def cut_outlines(
+    sheets: Sequence[Polygon], runs: Sequence[tuple[Run, Run]], tolerance: Tolerance
+) -> tuple[list[Floats], Indices]:
+    """Cut the outlines at their corners and wherever a corner of another is glued.
+
+    Returns
+    -------
+    list of ndarray
+        The positions on each outline, from corner 0 on.
+    ndarray of int
+        For each step between two of them, all outlines in a row, the one that it is glued to, which runs
+        the other way.
+    """
+    cuts = [(one.polygon, other.polygon, *cut(one, other, tolerance)) for one, other in runs]
+    positions = [{float(k) for k in range(sheet.n)} for sheet in sheets]
+    for p, q, ours, theirs in cuts:
+        positions[p].update(ours)
+        positions[q].update(theirs)
+    stops = [np.array(sorted(some)) for some in positions]
+    count = itertools.count()
+    index = [{position: next(count) for position in some.tolist()} for some in stops]
+    mates = np.empty(next(count), dtype=np.int64)
+    for p, q, ours, theirs in cuts:
+        for here, there in zip(ours[:-1], theirs[1:], strict=True):
+            mates[index[p][here]], mates[index[q][there]] = index[q][there], index[p][here]
+    return stops, mates
+
+
+def glued_points(first: Indices, mates: Indices, corners: Indices) -> Indices:
+    """The vertex that each point of the outlines becomes; those of corners first.
+
+    Raises
+    ------
+    InvalidMetric
+        The polygons do not make one sphere.
+    """
+    n = len(mates)
+    owners = np.repeat(np.arange(len(first) - 1), np.diff(first))
+    part = components(owners, owners[mates], len(first) - 1)
+    parts = int(part.max()) + 1
+    if parts > 1:
+        raise InvalidMetric(
+            f"the polygons make {parts} surfaces, not one: "
+            f"polygon {int(np.argmax(part != part[0]))} is not connected to polygon 0"
+        )
+    ends = np.arange(1, n + 1)
+    ends[first[1:] - 1] = first[:-1]
+    classes = components(np.arange(n), ends[mates], n)
+    count = int(classes.max()) + 1
+    euler = count - n // 2 + len(first) - 1
+    if euler != 2:
+        raise InvalidMetric(
+            f"the polygons make a surface of Euler characteristic {euler} (genus {1 - euler // 2}), not 2: "
+            "not a sphere"
+        )
+    _, earliest = np.unique(classes[np.concatenate([corners, np.arange(n)])], return_index=True)
+    numbers = np.empty(count, dtype=np.int64)
+    numbers[np.argsort(earliest)] = np.arange(count)
+    return numbers[classes]

@@ -1,0 +1,114 @@
+"""How much the lengths of sides that are glued may differ."""
+
+from __future__ import annotations
+
+import math
+import numbers
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from isoembed.arrays import Floats
+from isoembed.errors import InvalidParameter
+from isoembed.gluing.polygon import Polygon
+from isoembed.gluing.thresholds import GLUING
+from isoembed.metric.precision import PRECISION, Precision, last_digits
+from isoembed.thresholds import rounded_up
+
+
+@dataclass(frozen=True, eq=False)
+class Tolerance:
+    """Largest difference between two lengths that are glued, by the digits of the corners or as given.
+
+    Attributes
+    ----------
+    units : ndarray, shape (n,)
+        Unit of the last digit of the corners of each polygon; 0 where they are exact or doubles.
+    digits : str
+        The digits by name, as ``"6 digits"``; empty where none are recognized.
+    given : float or None
+        A length, instead of what the digits tell.
+    """
+
+    units: Floats
+    digits: str = ""
+    given: float | None = None
+
+    @classmethod
+    def of(cls, sheets: Sequence[Polygon], given: float | None = None) -> Tolerance:
+        """The tolerance for these polygons.
+
+        Raises
+        ------
+        InvalidParameter
+            The given one is not a length from 0 on, or the polygons are not of the plane.
+        """
+        if given is not None and (
+            isinstance(given, bool) or not isinstance(given, numbers.Real) or not 0 <= given < math.inf
+        ):
+            raise InvalidParameter(f"the tolerance is {given!r}, not a length from 0 on")
+        if not sheets[0].space.is_euclidean:  # where coordinates are no lengths
+            if given is not None:
+                raise InvalidParameter("a tolerance is for polygons of the plane, which can be corrected")
+            return cls.exact(len(sheets))
+        side = min(float(sheet.sides.mean()) for sheet in sheets)
+        values = [np.abs(sheet.corners[sheet.corners != 0]) for sheet in sheets]
+        found = _rounding(np.concatenate(values))
+        if found is not None:  # all were typed with the same number of digits, or of decimals
+            name, quanta = found
+            ends = np.cumsum([some.size for some in values])[:-1]
+            units = np.array([some.max(initial=0.0) for some in np.split(quanta, ends)])
+        else:
+            alone = [_rounding(some) for some in values]
+            name = next((one[0] for one in alone if one is not None), "")
+            units = np.array([0.0 if one is None else float(one[1].max()) for one in alone])
+        # Sides must have four digits, too: whole numbers far from the origin are exact.
+        if units.max() > 1e-3 * side:
+            return cls(np.zeros(len(sheets)), "", given)
+        return cls(units, name, given)
+
+    @classmethod
+    def exact(cls, n: int) -> Tolerance:
+        """The tolerance for n polygons whose glued sides are equal up to rounding."""
+        return cls(np.zeros(n))
+
+    def between(self, p: int, q: int, lengths: tuple[float, float], sides: int = 2) -> float:
+        """The tolerance for two lengths on the outlines of polygons p and q, made of so many sides."""
+        least = GLUING.same_length * max(lengths)
+        if self.given is not None:
+            return max(least, self.given)
+        # Rounded or cut off, a coordinate of one end is off by at most a unit against that of the other;
+        # over many sides such errors grow with the root of their number.
+        return max(least, math.sqrt(sides) * float(self.units[p] + self.units[q]))
+
+    def errors(self, difference: float) -> Floats:
+        """Errors of the coordinates of each polygon, where lengths that are glued differ by up to so much."""
+        return self.units if self.given is None else np.maximum(self.units, difference / 2**1.5)
+
+    def precision(self, difference: float) -> Precision:
+        """The precision of the corners, the error of a length in their unit."""
+        name = self.digits if self.given is None else f"a tolerance of {self.given:g}"
+        # An error is spread evenly over a unit of the last digit, and a side has two ends.
+        return Precision(name, float(self.errors(difference).max()) / math.sqrt(6))
+
+    def refusal(self, most: float, difference: float) -> str:
+        """The end of a sentence about lengths that differ by more."""
+        return (
+            f"tolerance {most:.2g} ({self.source}); correct them, or allow it: "
+            f"--tolerance {(word := rounded_up(difference))} (tolerance={word})"
+        )
+
+    @property
+    def source(self) -> str:
+        """Where it comes from, as the end of a sentence."""
+        if self.given is not None:
+            return "as given"
+        if self.digits:
+            return f"as the corners have {self.digits}"
+        return f"{GLUING.same_length:g} of the length, by default"
+
+
+def _rounding(values: Floats) -> tuple[str, Floats] | None:
+    # Corners typed with fewer than four digits are exact: their sides are equal or are not glued.
+    return last_digits(values, 4, PRECISION.written) if values.size else None

@@ -1,0 +1,160 @@
+"""Nets with fold angles: what was unfolded is folded up again, convex or not."""
+
+import json
+
+import numpy as np
+import pytest
+
+import isoembed
+import zoo
+from isoembed import InvalidMetric, MeshNote
+from isoembed.gluing import embed_net
+from isoembed.io.net import read_net, write_net
+from places import SHARED
+
+NUMBERS = SHARED / "trials" / "numbers"
+ENDINGS = [".json", ".fold"]
+
+
+def prism(outline, height):
+    """The prism over a polygon: vertices and polygonal faces."""
+    n = len(outline)
+    points = np.array([[*corner, z] for z in (0.0, height) for corner in outline])
+    sides = [[k, (k + 1) % n, n + (k + 1) % n, n + k] for k in range(n)]
+    return points, [list(range(n))[::-1], list(range(n, 2 * n)), *sides]
+
+
+def dented_cube(depth):
+    """A cube with a pyramid cut out of its top."""
+    points, faces = prism([[0, 0], [1, 0], [1, 1], [0, 1]], 1.0)
+    points = np.vstack([points, [0.5, 0.5, 1 - depth]])
+    return points, [faces[0], *faces[2:], *([4 + k, 4 + (k + 1) % 4, 8] for k in range(4))]
+
+
+SOLIDS = {
+    "U prism": (*prism([[0, 0], [5, 0], [5, 3], [4, 3], [4, 1], [1, 1], [1, 2], [0, 2]], 2.0), 16.0),
+    "star prism": (*prism([[0, 0], [2, 1], [4, 0], [3, 2], [4, 4], [2, 3], [0, 4], [1, 2]], 1.0), 8.0),
+    "dented cube": (*dented_cube(0.4), 1 - 0.4 / 3),
+    "cube": (*zoo.cube(), 1.0),
+}
+
+
+def given(points, faces):
+    metric = isoembed.PolyhedralMetric.from_mesh(points, faces)
+    return isoembed.Embedding(metric, points, method="given", tolerance=1e-10)
+
+
+@pytest.mark.parametrize("ending", ENDINGS)
+@pytest.mark.parametrize("name", SOLIDS)
+def test_there_and_back(name, ending, tmp_path):
+    points, faces, volume = SOLIDS[name]
+    path = tmp_path / f"net{ending}"
+    write_net(path, isoembed.unfold(given(points, faces)))
+    again = embed_net(read_net(str(path)))
+    assert again.residual < 1e-12
+    assert again.volume == pytest.approx(volume, rel=1e-12)
+    assert again.concave_edges.any() == (name != "cube")
+
+
+def test_angles_choose_between_a_dent_and_a_bump(tmp_path):
+    # A pyramid set upon the cube and one cut out of it have the same lengths.
+    for depth in (0.3, -0.3):
+        path = tmp_path / "net.json"
+        write_net(path, isoembed.unfold(given(*dented_cube(depth))))
+        assert embed_net(read_net(str(path))).volume == pytest.approx(1 - depth / 3, rel=1e-12)
+
+
+@pytest.mark.parametrize("digits", [1, 3])
+def test_angles_with_few_digits(digits, tmp_path):
+    points, faces, volume = SOLIDS["U prism"]
+    turn = np.linalg.qr(np.random.default_rng(1).normal(size=(3, 3)))[0]
+    path = tmp_path / "net.json"
+    write_net(path, isoembed.unfold(given(points @ turn, faces)))
+    net = json.loads(path.read_text())
+    for fold in net["folds"][0]:
+        fold[2] = round(fold[2] + 0.4 * 10.0**-digits, digits)
+    path.write_text(json.dumps(net))
+    assert embed_net(read_net(str(path))).volume == pytest.approx(volume, rel=1e-12)
+
+
+@pytest.mark.parametrize("ending", ENDINGS)
+def test_the_precision_of_the_solid_stays_with_its_net(ending, tmp_path):
+    points, faces = zoo.cube()
+    turn = np.linalg.qr(np.random.default_rng(0).normal(size=(3, 3)))[0]
+    solid = given(np.round(points @ turn, 6), faces)
+    unfolding = isoembed.unfold(solid)
+    path = tmp_path / f"net{ending}"
+    write_net(path, unfolding)
+    for net in (unfolding.net, read_net(str(path))):
+        assert net.precision.name == solid.metric.precision.name
+        error = net.precision.length_error * net.mean_length
+        assert error == pytest.approx(solid.metric.precision.length_error * solid.metric.mean_length)
+        assert int(isoembed.embed(net, method="alexandrov").face_polygons.max()) + 1 == 6
+
+
+def test_without_folds_a_net_that_is_not_convex_is_refused(tmp_path):
+    points, faces, _ = SOLIDS["U prism"]
+    unfolding = isoembed.unfold(given(points, faces))
+    with pytest.raises(InvalidMetric, match=r"has total angle .* does not tell how one sheet"):
+        embed_net(unfolding.net)
+
+
+@pytest.mark.parametrize(
+    ("changes", "sentence"),
+    [
+        ({"folds": 3}, "the folds of .* are not 1 lists"),
+        ({"folds": [[[0, 1, 90.0]]]}, "is no fold of polygon 0"),
+        ({"folds": [[[0, 99, 90.0]]]}, "is no fold of polygon 0"),
+        ({"folds": [[[0, 3, 190.0]]]}, "is no fold of polygon 0"),
+        ({"sides": [[[0, 99], [0, 1]]]}, "glues side 99 of polygon 0"),
+        ({"sides": [[[0, 0, 1], [0, 1]]]}, r"with folds, sides are \[polygon, side\]"),
+        ({"sides": [3]}, "are not a list of pairs"),
+        ({"precision": {"name": "7 digits"}}, "not a name and a length_error"),
+    ],
+)
+def test_damaged_folds_are_refused(changes, sentence, tmp_path):
+    path = tmp_path / "net.json"
+    write_net(path, isoembed.unfold(given(*zoo.cube())))
+    path.write_text(json.dumps(json.loads(path.read_text()) | changes))
+    with pytest.raises(isoembed.io.FileError, match=sentence):
+        read_net(str(path))
+
+
+@pytest.mark.shared
+def test_typed_tetrahedron():
+    with pytest.warns(MeshNote, match="as the corners have 6 digits"):
+        net = read_net(str(NUMBERS / "02_tetrahedron_net_typed.json"))
+    assert embed_net(net).volume == pytest.approx(2**0.5 / 12, abs=1e-6)
+
+
+@pytest.mark.shared
+def test_prism_of_a_fold_file():
+    solid = embed_net(read_net(str(NUMBERS / "09_L_prism_net.fold")))
+    assert solid.volume == pytest.approx(9.0, rel=1e-12)
+    assert solid.certificate.certified
+
+
+@pytest.mark.shared
+@pytest.mark.parametrize("ending", ENDINGS)
+def test_prism_there_and_back(ending, tmp_path):
+    path = tmp_path / f"net{ending}"
+    write_net(path, isoembed.unfold(isoembed.io.read_surface(NUMBERS / "09_L_prism.obj")))
+    assert embed_net(read_net(str(path))).volume == pytest.approx(9.0, rel=1e-12)
+
+
+@pytest.mark.shared
+def test_prism_whose_file_has_lost_its_folds():
+    with pytest.raises(InvalidMetric, match="'isoembed unfold' writes nets that do"):
+        embed_net(read_net(str(NUMBERS / "09_L_prism_net_from_unfold.json")))
+
+
+@pytest.mark.shared
+def test_tetrahedron_with_faces_in_any_orientation():
+    with pytest.warns(MeshNote, match="2 of 4 faces are turned over"):
+        metric = isoembed.io.read_metric(NUMBERS / "10_tetrahedron_any_orientation.json")
+    # Heron's formula of space (Cayley-Menger): squares of the lengths from vertex 3 and between the others.
+    squares = np.array([[0, 900, 2500, 3600], [900, 0, 1600, 3600], [2500, 1600, 0, 3600], [3600] * 3 + [0]])
+    cayley = np.pad(squares, ((1, 0), (1, 0)), constant_values=1.0)
+    cayley[0, 0] = 0
+    volume = np.sqrt(np.linalg.det(cayley) / 288)
+    assert isoembed.embed(metric).volume == pytest.approx(volume, rel=1e-10)
